@@ -1,0 +1,35 @@
+# Language level, warnings and the floating-point rules that keep results identical
+# in every build type and with every compiler.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_C_STANDARD 11)
+set(CMAKE_C_STANDARD_REQUIRED ON)
+set(CMAKE_C_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM)
+  set(CMAKE_C_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+endif()
+
+# A contracted multiply-add rounds once where two operations round twice: the bits would
+# depend on the compiler. The baseline is plain x86-64 for the same reason.
+add_compile_options(-ffp-contract=off)
+
+add_library(hvp_warnings INTERFACE)
+target_compile_options(hvp_warnings INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Wformat=2 -Wundef -Werror
+  $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor -Woverloaded-virtual -Wold-style-cast>
+  # gcc 12 reports accesses inside Eigen and the standard library that cannot happen.
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-error=maybe-uninitialized -Wno-error=array-bounds
+    -Wno-error=stringop-overflow -Wno-error=restrict -Wno-error=stringop-overread>)
+
+set(HVP_SANITIZE "" CACHE STRING "Sanitizers to build with, for example address,undefined")
+if(HVP_SANITIZE)
+  add_compile_options(-fsanitize=${HVP_SANITIZE} -fno-omit-frame-pointer
+    -fno-sanitize-recover=undefined)
+  add_link_options(-fsanitize=${HVP_SANITIZE})
+endif()

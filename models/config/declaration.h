@@ -1,0 +1,168 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+// How a part declares its parameters, once. A configuration struct lives with its part and has
+// a member `void declare(config::Visitor& v)` that names every parameter with its dimension,
+// range, help and the source of its default (the default itself is the member's initialiser).
+// Reading a scenario, checking it, writing scenario.resolved.toml and the reference page are
+// four visitors of that one declaration. A rule that ties several parameters together goes into
+// `void check() const`, which throws InputError naming one of the part's own keys.
+namespace hvp::config {
+
+// What a quantity measures. Values are held in SI units; a scenario states the unit.
+enum class Dimension {
+  dimensionless,
+  time,          // s
+  frequency,     // Hz
+  rate,          // 1/s (Rayleigh's mass coefficient)
+  length,        // m
+  mass,          // kg
+  velocity,      // m/s
+  acceleration,  // m/s²
+  force,         // N
+  pressure,      // Pa
+  density,       // kg/m³
+  angle,         // rad
+  throughput,    // operations a second (flop/s)
+  data_size,     // bytes
+};
+
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Admissible values; a bound counts as admissible unless it is open.
+struct Range {
+  double min = -kInfinity;
+  double max = kInfinity;
+  bool min_open = false;
+  bool max_open = false;
+};
+constexpr Range at_least(double min) { return {.min = min}; }
+constexpr Range above(double min) { return {.min = min, .min_open = true}; }
+constexpr Range between(double min, double max) { return {.min = min, .max = max}; }
+
+struct IntegerRange {
+  std::int64_t min = std::numeric_limits<std::int64_t>::min();
+  std::int64_t max = std::numeric_limits<std::int64_t>::max();
+};
+
+// One line of help, and where the default comes from (a paper's section, a data sheet, a
+// measurement). A required parameter has no default.
+struct Note {
+  std::string_view help;
+  std::string_view source = {};
+  bool required = false;
+};
+
+class Visitor {
+ public:
+  virtual ~Visitor() = default;
+
+  virtual void quantity(std::string_view name, double& value, Dimension, Range, Note) = 0;
+  // Three components of one dimension: ["0 mm", "0 mm", "50 mm"].
+  virtual void vector(std::string_view name, Eigen::Vector3d& value, Dimension, Range, Note) = 0;
+  virtual void integer(std::string_view name, std::int64_t& value, IntegerRange, Note) = 0;
+  virtual void boolean(std::string_view name, bool& value, Note) = 0;
+  virtual void text(std::string_view name, std::string& value, Note) = 0;
+  // A file; a relative path starts from the scenario's folder. Empty means absent.
+  virtual void file(std::string_view name, std::string& path, Note) = 0;
+  // Several names out of a fixed set are written as one string; `index` is into `names`.
+  virtual void choice_index(std::string_view name, std::size_t& index,
+                            const std::vector<std::string_view>& names, Note) = 0;
+
+  void integer(std::string_view name, int& value, IntegerRange range, Note note) {
+    std::int64_t wide = value;
+    range.min = std::max<std::int64_t>(range.min, std::numeric_limits<int>::min());
+    range.max = std::min<std::int64_t>(range.max, std::numeric_limits<int>::max());
+    integer(name, wide, range, note);
+    value = static_cast<int>(wide);
+  }
+
+  // An enumeration by its names, in the order in which the reference page lists them.
+  template <class Enum>
+  void choice(std::string_view name, Enum& value,
+              const std::vector<std::pair<std::string_view, Enum>>& options, Note note) {
+    std::vector<std::string_view> names;
+    std::size_t index = 0;
+    for (std::size_t i = 0; i < options.size(); ++i) {
+      names.push_back(options[i].first);
+      if (options[i].second == value) index = i;
+    }
+    choice_index(name, index, names, note);
+    value = options[index].second;
+  }
+
+  // A part that is always there; its table may be left out and then has its defaults.
+  template <class Part>
+  void table(std::string_view name, Part& part, Note note) {
+    begin_table(name, note);
+    declare_and_check(part);
+    end_table();
+  }
+
+  // An effect: it is there if and only if the scenario has its table.
+  template <class Part>
+  void effect(std::string_view name, std::optional<Part>& part, Note note) {
+    bool present = part.has_value();
+    if (!begin_effect(name, present, note)) return;
+    if (!part) part.emplace();
+    declare_and_check(*part);
+    end_effect();
+    if (!present) part.reset();  // a visitor that only describes
+  }
+
+  // An array of tables.
+  template <class Part>
+  void list(std::string_view name, std::vector<Part>& parts, Note note) {
+    std::size_t count = parts.size();
+    begin_list(name, count, note);
+    // A visitor that only describes asks for one item of an empty list and takes it back.
+    const std::size_t original = parts.size();
+    parts.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      begin_item(i);
+      declare_and_check(parts[i]);
+      end_item();
+    }
+    end_list();
+    if (describes_only()) parts.resize(original);
+  }
+
+ protected:
+  virtual void begin_table(std::string_view name, Note) = 0;
+  virtual void end_table() = 0;
+  // Returns whether to go into the part. `present` is set by a reader.
+  virtual bool begin_effect(std::string_view name, bool& present, Note) = 0;
+  virtual void end_effect() = 0;
+  // `count` is set by a reader.
+  virtual void begin_list(std::string_view name, std::size_t& count, Note) = 0;
+  virtual void begin_item(std::size_t index) = 0;
+  virtual void end_item() = 0;
+  virtual void end_list() = 0;
+  // A reader runs the check and completes the key of what it throws; other visitors do nothing.
+  virtual void check(const std::function<void()>& /*rule*/) {}
+  // True for a visitor that writes the reference page and must not change what it visits.
+  virtual bool describes_only() const { return false; }
+
+ private:
+  template <class Part>
+  void declare_and_check(Part& part) {
+    part.declare(*this);
+    if constexpr (requires { part.check(); }) {
+      check([&part] { part.check(); });
+    }
+  }
+};
+
+}  // namespace hvp::config

@@ -1,0 +1,73 @@
+#include "models/sparse/block_matrix.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace hvp::sparse {
+
+std::ptrdiff_t BlockMatrix::find(int row, int col) const {
+  const auto first = column.begin() + row_begin[static_cast<std::size_t>(row)];
+  const auto last = column.begin() + row_begin[static_cast<std::size_t>(row) + 1];
+  const auto hit = std::lower_bound(first, last, col);
+  return hit != last && *hit == col ? hit - column.begin() : -1;
+}
+
+void BlockMatrix::multiply(std::span<const double> x, std::span<double> y) const {
+  assert(x.size() == static_cast<std::size_t>(rows()) && y.size() == x.size());
+  for (int i = 0; i < block_rows(); ++i) {
+    double sum[3] = {0, 0, 0};
+    const auto row = static_cast<std::size_t>(i);
+    for (int k = row_begin[row]; k < row_begin[row + 1]; ++k) {
+      const double* a = block(static_cast<std::size_t>(k));
+      const double* v = &x[3 * static_cast<std::size_t>(column[static_cast<std::size_t>(k)])];
+      for (int r = 0; r < 3; ++r) {
+        sum[r] += a[3 * r] * v[0] + a[3 * r + 1] * v[1] + a[3 * r + 2] * v[2];
+      }
+    }
+    std::copy_n(sum, 3, &y[3 * row]);
+  }
+}
+
+Eigen::SparseMatrix<double> BlockMatrix::to_eigen() const {
+  Eigen::SparseMatrix<double, Eigen::RowMajor> result(rows(), rows());
+  Eigen::VectorXi row_size(rows());
+  for (int i = 0; i < block_rows(); ++i) {
+    const auto row = static_cast<std::size_t>(i);
+    row_size.segment<3>(3 * i).setConstant(3 * (row_begin[row + 1] - row_begin[row]));
+  }
+  result.reserve(row_size);
+  for (int i = 0; i < block_rows(); ++i) {
+    const auto row = static_cast<std::size_t>(i);
+    for (int r = 0; r < 3; ++r) {
+      for (int k = row_begin[row]; k < row_begin[row + 1]; ++k) {
+        const int col = column[static_cast<std::size_t>(k)];
+        const double* a = block(static_cast<std::size_t>(k));
+        for (int c = 0; c < 3; ++c) result.insert(3 * i + r, 3 * col + c) = a[3 * r + c];
+      }
+    }
+  }
+  result.makeCompressed();
+  return result;
+}
+
+BlockMatrix BlockMatrix::submatrix(std::span<const int> nodes) const {
+  std::vector<int> position(static_cast<std::size_t>(block_rows()), -1);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    position[static_cast<std::size_t>(nodes[i])] = static_cast<int>(i);
+  }
+  BlockMatrix result;
+  for (const int node : nodes) {
+    const auto row = static_cast<std::size_t>(node);
+    for (int k = row_begin[row]; k < row_begin[row + 1]; ++k) {
+      const int col = position[static_cast<std::size_t>(column[static_cast<std::size_t>(k)])];
+      if (col < 0) continue;
+      result.column.push_back(col);
+      const double* a = block(static_cast<std::size_t>(k));
+      result.value.insert(result.value.end(), a, a + 9);
+    }
+    result.row_begin.push_back(static_cast<int>(result.column.size()));
+  }
+  return result;
+}
+
+}  // namespace hvp::sparse

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+// The signs of numerical trouble, each with a name, what it means and the remedy that works.
+// A run that raised one never prints an unqualified PASS.
+namespace hvp::stability {
+
+enum class Flag : std::uint8_t {
+  saturation,           // a word reached its limit and was clamped
+  negative_curvature,   // dᵀAd ≤ 0: the rounded matrix is not positive definite
+  zero_diagonal,        // a diagonal entry rounds to zero
+  stagnation,           // α or the residual's norm became zero before the iterations were used
+  scalar_overflow,      // an inner product left its word
+  divergence,           // the residual at the end is larger than the right-hand side
+  matrix_rounding,      // the rounding of the matrix moves the solution beyond the stated bound
+  not_converged,        // the solver's own error is beyond the stated bound
+  range_exceeded,       // a displacement or force does not fit the stated range
+  locking,              // Poisson's ratio at which linear tetrahedra are too stiff
+  poor_elements,        // slivers in the mesh
+  solver_timeout,       // the board did not answer in time
+  count
+};
+
+struct Description {
+  std::string_view name;     // as in summary.json
+  std::string_view meaning;  // one sentence
+  std::string_view remedy;   // what to change
+};
+
+const Description& describe(Flag flag);
+
+// A set of flags that fits a register.
+class Flags {
+ public:
+  constexpr Flags() = default;
+  constexpr explicit Flags(std::uint32_t bits) : bits_(bits) {}
+  constexpr void raise(Flag flag) { bits_ |= bit(flag); }
+  constexpr void merge(Flags other) { bits_ |= other.bits_; }
+  constexpr bool has(Flag flag) const { return (bits_ & bit(flag)) != 0; }
+  constexpr bool empty() const { return bits_ == 0; }
+  constexpr std::uint32_t bits() const { return bits_; }
+  friend constexpr bool operator==(Flags, Flags) = default;
+
+ private:
+  static constexpr std::uint32_t bit(Flag flag) {
+    return std::uint32_t{1} << static_cast<unsigned>(flag);
+  }
+  std::uint32_t bits_ = 0;
+};
+
+}  // namespace hvp::stability
