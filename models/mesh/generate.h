@@ -1,0 +1,22 @@
+#pragma once
+
+#include "models/mesh/mesh_settings.h"
+#include "models/mesh/progress.h"
+#include "models/mesh/tet_mesh.h"
+
+namespace hvp::mesh {
+
+// The body that the settings describe, meshed to within 10 % of the wanted node count. The
+// parametric sphere and box are centred on the origin; a surface file keeps its coordinates.
+// Equal settings give equal bits.
+//
+// Forks: call it before threads or a SystemC kernel exist. Throws InputError with the key
+// "nodes" where the count cannot be reached and "surface" where the file or its surface is at
+// fault; the message says what was found.
+TetMesh generate(const MeshSettings& settings, const Progress& progress = {});
+
+// The same for a surface at hand, in either winding. It is kept as it is where the count can be
+// reached with it; otherwise its triangles are split or decimated.
+TetMesh tetrahedralise(const Surface& surface, int wanted_nodes, const Progress& progress = {});
+
+}  // namespace hvp::mesh

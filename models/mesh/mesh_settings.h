@@ -1,0 +1,26 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+#include "models/config/declaration.h"
+
+namespace hvp::mesh {
+
+// The body's shape and how finely it is meshed: the scenario's table [object.mesh].
+struct MeshSettings {
+  enum class Shape { sphere, box, surface };
+
+  Shape shape = Shape::sphere;
+  double radius = 0.05;                                   // m, sphere
+  Eigen::Vector3d size = Eigen::Vector3d::Constant(0.1);  // m, box: its three edges
+  std::string surface;                                    // file, surface
+  double surface_unit = 1e-3;                             // m, one unit of the file
+  int nodes = 500;
+
+  void declare(config::Visitor& v);
+  // Throws InputError: no file for shape `surface`, or a parameter of another shape.
+  void check() const;
+};
+
+}  // namespace hvp::mesh
