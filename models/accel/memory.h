@@ -1,0 +1,61 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "models/accel/architecture.h"
+#include "models/accel/cycles.h"
+
+namespace hvp::accel {
+
+// What the device has (thesis Table 5.1 for the EP2S60).
+struct Device {
+  std::string name;
+  int m512 = 0;         // blocks of 512 bits
+  int m4k = 0;          // blocks of 4 kbit
+  int m_ram = 0;        // blocks of 512 kbit
+  int multipliers = 0;  // 18 × 18
+  std::string source;
+};
+const Device& device(DeviceName name);
+
+// Word lengths of what is stored. CG keeps b and r in vector words; Jacobi-PCG keeps them in 32
+// bits, and adds z and the inverse diagonal in 32 bits (§4.4).
+struct WordLengths {
+  int matrix_bits = 12;
+  int vector_bits = 16;
+  bool preconditioned = false;
+};
+
+struct Resource {
+  std::string type;  // "M512", "M4K", "M-RAM", "multipliers"
+  int used = 0;
+  int available = 0;
+};
+
+// Where the memory goes, one line a use.
+struct Allocation {
+  std::string use;  // "matrix", "d", "index", …
+  std::string type;
+  int blocks = 0;
+};
+
+struct Usage {
+  std::vector<Allocation> allocations;
+  std::vector<Resource> resources;
+
+  bool fits() const;
+};
+
+// Memory and multipliers of a system with this pattern (thesis §5.4). Every partition has PL1
+// matrix memories, each a whole number of basic units of 1024 words that give a package a clock;
+// vectors are stored a component (x, y, z) a memory.
+Usage usage(const Architecture& a, const WordLengths& words, const Pattern& p);
+
+// The largest number of nodes that fits with the same rows on average, found by the model.
+int largest_mesh(const Architecture& a, const WordLengths& words, const Pattern& p);
+
+// Throws InputError with what is short and how many nodes would fit.
+void require_fit(const Architecture& a, const WordLengths& words, const Pattern& p);
+
+}  // namespace hvp::accel

@@ -1,0 +1,150 @@
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "models/accel/cycles.h"
+#include "models/accel/memory.h"
+#include "models/config/input_error.h"
+
+namespace hvp::accel {
+namespace {
+
+// Rows that fill a given number of packages of eight columns.
+Pattern rows_of_packages(int nodes, int packages) {
+  return {std::vector<int>(static_cast<std::size_t>(nodes), packages * 8 / 3)};
+}
+
+// A pattern whose fullest partition holds `fullest` packages, as an independent count found for
+// meshes by TetGen (docs/accelerator.md). A few short rows let the partitions balance exactly.
+Pattern pattern_with(int nodes, int fullest) {
+  Pattern p = rows_of_packages(nodes, 5);
+  constexpr int kShortRows = 20;
+  std::fill_n(p.blocks_in_row.begin(), kShortRows, 2);  // one package
+  int surplus = 5 * fullest - 5 * (nodes - kShortRows) - kShortRows;
+  for (int& blocks : p.blocks_in_row) {
+    if (blocks == 2) continue;
+    if (surplus > 0) {
+      blocks = 16;  // six packages
+      --surplus;
+    } else if (surplus < 0) {
+      blocks = 10;  // four packages
+      ++surplus;
+    }
+  }
+  return p;
+}
+
+int used(const Usage& u, const std::string& type) {
+  for (const Resource& r : u.resources) {
+    if (r.type == type) return r.used;
+  }
+  return -1;
+}
+
+struct CycleRow {
+  Pattern pattern;
+  std::int64_t sparse_product;
+  std::int64_t iteration;
+  double us_30, us_60, us_80;
+};
+
+class CycleTable : public testing::TestWithParam<CycleRow> {};
+
+TEST_P(CycleTable, MatchesTheIndependentCount) {
+  const CycleRow& row = GetParam();
+  const Architecture a;
+  const SolveCycles c = solve_cycles(a, row.pattern, 60);
+  EXPECT_EQ(c.sparse_product - a.pipeline_clocks, row.sparse_product);
+  EXPECT_EQ(c.iteration(), row.iteration);
+  const auto us = [&](int iterations) {
+    return static_cast<double>(solve_cycles(a, row.pattern, iterations).total()) * 0.01;
+  };
+  EXPECT_NEAR(us(30), row.us_30, 0.5);
+  EXPECT_NEAR(us(60), row.us_60, 0.5);
+  EXPECT_NEAR(us(80), row.us_80, 0.5);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Facts, CycleTable,
+    testing::Values(CycleRow{rows_of_packages(500, 5), 500, 1196, 369, 728, 967},
+                    CycleRow{pattern_with(501, 527), 527, 1225, 378, 746, 991},
+                    CycleRow{pattern_with(501, 452), 452, 1150, 355, 700, 930},
+                    CycleRow{rows_of_packages(1000, 5), 1000, 2196, 679, 1338, 1777}));
+
+struct MemoryRow {
+  Pattern pattern;
+  int m4k_one_copy, m4k_two_copies;
+};
+
+class MemoryTable : public testing::TestWithParam<MemoryRow> {};
+
+TEST_P(MemoryTable, MatchesTheIndependentCount) {
+  Architecture a;
+  EXPECT_EQ(used(usage(a, {}, GetParam().pattern), "M4K"), GetParam().m4k_one_copy);
+  a.direction_memory = DirectionMemory::two_copies;
+  EXPECT_EQ(used(usage(a, {}, GetParam().pattern), "M4K"), GetParam().m4k_two_copies);
+}
+
+INSTANTIATE_TEST_SUITE_P(Facts, MemoryTable,
+                         testing::Values(MemoryRow{rows_of_packages(500, 5), 240, 270},
+                                         MemoryRow{pattern_with(501, 527), 285, 315},
+                                         MemoryRow{pattern_with(501, 452), 240, 270},
+                                         MemoryRow{rows_of_packages(1000, 5), 480, 540}));
+
+TEST(Memory, ThesisDesignUses141MultipliersAndTwoMRam) {
+  const Usage u = usage({}, {}, rows_of_packages(500, 5));
+  EXPECT_EQ(used(u, "multipliers"), 141);  // Table 6.2
+  EXPECT_EQ(used(u, "M-RAM"), 2);
+  EXPECT_TRUE(u.fits());
+}
+
+TEST(Memory, PackagesBeyond512APartitionCostAnotherUnitEverywhere) {
+  const auto matrix = [](int nodes) {
+    return usage({}, {}, rows_of_packages(nodes, 5)).allocations.front().blocks;
+  };
+  // Rows are whole: 510 nodes of five packages are 102 rows a partition, 511 need 103.
+  EXPECT_EQ(matrix(510), 180);
+  EXPECT_EQ(matrix(511), 225);
+  EXPECT_EQ(largest_mesh({}, {}, rows_of_packages(500, 5)), 512);
+}
+
+TEST(Memory, JacobiNeedsMoreThanM4kHolds) {
+  Architecture a;
+  const WordLengths pcg{12, 16, true};
+  const Pattern p = rows_of_packages(426, 5);
+  EXPECT_FALSE(usage(a, pcg, p).fits());
+  a.preconditioner_memory = PreconditionerMemory::m512;
+  a.partitions = 4;
+  EXPECT_TRUE(usage(a, pcg, p).fits());
+  EXPECT_EQ(used(usage(a, pcg, p), "multipliers"), 4 * 24 + 21 + 24);
+}
+
+TEST(Memory, RefusalNamesWhatIsShortAndHowManyNodesWouldFit) {
+  try {
+    require_fit({}, {}, rows_of_packages(1000, 5));
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_EQ(e.key(), "device");
+    EXPECT_STREQ(e.what(),
+                 "the EP2S60 cannot hold this system of 1000 nodes: 480 M4K of 255; about 512 "
+                 "nodes with such rows would fit");
+  }
+}
+
+TEST(Cycles, NodeUpdateGrowsWithItsNeighbours) {
+  const Architecture a;
+  const Pattern p = rows_of_packages(10, 5);
+  const std::vector<int> neighbours = {1, 2, 3};
+  EXPECT_EQ(node_update_cycles(a, p, 2, neighbours, false), 20 + 5 + 2 * 5);
+  EXPECT_EQ(node_update_cycles(a, p, 2, neighbours, true), 20 + 5 + 2 * 5 + 3 * 68);
+}
+
+TEST(Architecture, PeriodIsWholePicoseconds) {
+  Architecture a;
+  EXPECT_EQ(a.clock_period_ps(), 10'000);
+  a.clock_hz = 300e6;
+  EXPECT_EQ(a.clock_period_ps(), 3'333);
+}
+
+}  // namespace
+}  // namespace hvp::accel
