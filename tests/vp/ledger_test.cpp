@@ -1,0 +1,150 @@
+#include "vp/ledger.h"
+
+#include <numeric>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "vp/verdict.h"
+
+namespace hvp::vp {
+namespace {
+
+// A frame whose board and host work side by side: the host's own wait is a span, but the path
+// goes through the board.
+Frame overlapping_frame() {
+  Frame f;
+  f.number = 7;
+  f.born = 1'000;
+  f.spans = {{Part::host, Phase::release, 1'000, 1'000, kBirth},
+             {Part::bus, Phase::block_write, 1'000, 1'300, 0},
+             {Part::fpga, Phase::solve, 1'300, 2'000, 1},
+             {Part::host, Phase::wait, 1'300, 2'050, 1},
+             {Part::host, Phase::interrupt, 2'000, 2'050, 2},
+             {Part::bus, Phase::block_read, 2'050, 2'350, 4},
+             {Part::device, Phase::motor, 2'350, 2'400, 5}};
+  f.force_at_motor = 6;
+  f.work_done = 2'600;
+  return f;
+}
+
+TEST(CriticalPath, SpansSumToTheLatencyWithOverlaps) {
+  const Frame f = overlapping_frame();
+  const std::vector<SpanId> path = critical_path(f);
+  EXPECT_EQ(path, (std::vector<SpanId>{0, 1, 2, 4, 5, 6}));
+  Picoseconds sum = 0;
+  for (const SpanId id : path) {
+    const Span& s = f.spans[static_cast<std::size_t>(id)];
+    sum += s.end - s.start;
+  }
+  EXPECT_EQ(sum, f.latency());
+  EXPECT_EQ(sum, 1'400);
+}
+
+TEST(CriticalPath, AnyDeletedSpanOfTheChainIsNoticed) {
+  const Frame whole = overlapping_frame();
+  for (const SpanId id : critical_path(whole)) {
+    if (whole.spans[static_cast<std::size_t>(id)].start ==
+        whole.spans[static_cast<std::size_t>(id)].end) {
+      continue;  // taking away nothing leaves the sum whole
+    }
+    Frame f = whole;
+    // Its followers now name its cause, as if it had never been written.
+    for (Span& s : f.spans) {
+      if (s.cause == id) s.cause = f.spans[static_cast<std::size_t>(id)].cause;
+    }
+    if (f.force_at_motor == id) f.force_at_motor = f.spans[static_cast<std::size_t>(id)].cause;
+    if (id == 6) {
+      // Without the last span the chain is whole but ends early, and so does the latency.
+      EXPECT_LT(f.latency(), whole.latency());
+      continue;
+    }
+    EXPECT_THROW(critical_path(f), std::logic_error) << "span " << id;
+  }
+}
+
+TEST(CriticalPath, GapOverlapCircleAndMissingCauseAreErrors) {
+  Frame f = overlapping_frame();
+  f.spans[5].start += 1;
+  EXPECT_THROW(critical_path(f), std::logic_error);
+  f = overlapping_frame();
+  f.spans[5].start -= 1;
+  EXPECT_THROW(critical_path(f), std::logic_error);
+  f = overlapping_frame();
+  f.spans[5].cause = 99;
+  EXPECT_THROW(critical_path(f), std::logic_error);
+  f = overlapping_frame();
+  f.force_at_motor = kBirth;
+  EXPECT_THROW(critical_path(f), std::logic_error);
+  f = overlapping_frame();
+  f.spans[0] = {Part::host, Phase::release, 1'000, 1'000, 0};
+  EXPECT_THROW(critical_path(f), std::logic_error);
+}
+
+TEST(Ledger, SetUpLeavesNoSpans) {
+  Ledger ledger;
+  Tag setup;
+  ledger.extend(setup, Part::bus, Phase::block_write, 0, 100);
+  EXPECT_EQ(setup.cause, kBirth);
+}
+
+class Collect : public FrameSink {
+ public:
+  void take(const Frame& frame, const std::vector<SpanId>& path) override {
+    numbers.push_back(frame.number);
+    capacities.push_back(frame.spans.capacity());
+    path_lengths.push_back(path.size());
+  }
+  std::vector<std::int64_t> numbers;
+  std::vector<std::size_t> capacities;
+  std::vector<std::size_t> path_lengths;
+};
+
+TEST(Ledger, FramesOverlapAndTheirStorageIsUsedAgain) {
+  Ledger ledger;
+  Collect sink;
+  ledger.add_sink(sink);
+  for (std::int64_t n = 0; n < 100; ++n) {
+    ledger.open(n, n * 1'000);
+    Tag tag{n, kBirth};
+    ledger.extend(tag, Part::host, Phase::release, n * 1'000, n * 1'000 + 10);
+    ledger.extend(tag, Part::device, Phase::motor, n * 1'000 + 10, n * 1'000 + 20);
+    ledger.frame(n).force_at_motor = tag.cause;
+    if (n > 0) ledger.close(n - 1);
+  }
+  ledger.close(99);
+  EXPECT_EQ(sink.numbers.size(), 100U);
+  EXPECT_EQ(sink.numbers.back(), 99);
+  EXPECT_EQ(sink.capacities.front(), sink.capacities.back());
+  EXPECT_EQ(sink.path_lengths.back(), 2U);
+  EXPECT_THROW(ledger.frame(99), std::logic_error);
+}
+
+TEST(Verdict, CountsLateForcesOverloadsAndSkippedTicksApart) {
+  Verdict v(1'500, 1'500);
+  Frame f = overlapping_frame();  // latency 1400, load 1600
+  v.take(f, critical_path(f));
+  EXPECT_TRUE(v.force_in_time());
+  EXPECT_FALSE(v.load_held());
+  EXPECT_EQ(v.worst_load(), 1'600);
+  f.spans.back().end += 200;
+  v.take(f, critical_path(f));
+  EXPECT_EQ(v.late_forces(), 1);
+  v.skip_tick();
+  EXPECT_EQ(v.misses(), 2);
+  EXPECT_EQ(v.overloads(), 3);
+  EXPECT_EQ(v.percentile(0.5), 1'400);
+  EXPECT_EQ(v.percentile(0.99), 1'600);
+}
+
+TEST(Verdict, AttributionOfTheWorstFrameSumsToItsLatency) {
+  Verdict v(2'000, 2'000);
+  const Frame f = overlapping_frame();
+  v.take(f, critical_path(f));
+  Picoseconds sum = 0;
+  for (const Attribution& a : v.attribution()) sum += a.time;
+  EXPECT_EQ(sum, v.worst_latency());
+}
+
+}  // namespace
+}  // namespace hvp::vp

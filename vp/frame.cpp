@@ -1,0 +1,65 @@
+#include "vp/frame.h"
+
+namespace hvp::vp {
+
+std::string_view name(Part part) {
+  switch (part) {
+    case Part::host:
+      return "host";
+    case Part::bus:
+      return "bus";
+    case Part::fpga:
+      return "fpga";
+    case Part::daq:
+      return "daq";
+    case Part::device:
+      return "device";
+  }
+  return "";
+}
+
+std::string_view name(Phase phase) {
+  switch (phase) {
+    case Phase::release:
+      return "release";
+    case Phase::sample:
+      return "sample";
+    case Phase::bus_read:
+      return "read";
+    case Phase::bus_write:
+      return "write";
+    case Phase::block_read:
+      return "block read";
+    case Phase::block_write:
+      return "block write";
+    case Phase::arbitration:
+      return "arbitration";
+    case Phase::contact_lookup:
+      return "contact lookup";
+    case Phase::node_update:
+      return "node update";
+    case Phase::form_rhs:
+      return "form rhs";
+    case Phase::solve:
+      return "solve";
+    case Phase::interrupt:
+      return "interrupt";
+    case Phase::wait:
+      return "wait";
+    case Phase::driver:
+      return "driver";
+    case Phase::force:
+      return "force";
+    case Phase::convert:
+      return "convert";
+    case Phase::motor:
+      return "motor";
+    case Phase::update:
+      return "update";
+    case Phase::refinement:
+      return "refinement";
+  }
+  return "";
+}
+
+}  // namespace hvp::vp

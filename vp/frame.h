@@ -1,0 +1,79 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace hvp::vp {
+
+// Simulated time in whole picoseconds, the kernel's resolution.
+using Picoseconds = std::int64_t;
+
+enum class Part : std::uint8_t { host, bus, fpga, daq, device };
+
+enum class Phase : std::uint8_t {
+  release,   // host: from n·T until the process begins
+  sample,    // daq: latch and convert the position
+  bus_read,  // bus: a single register
+  bus_write,
+  block_read,  // bus: a block
+  block_write,
+  arbitration,     // bus: waiting for another master
+  contact_lookup,  // host: fetch the contact node that the collision process published
+  node_update,     // fpga: clear or restore the rows of the contact node
+  form_rhs,        // host: the modified force vector, in the board's words
+  solve,           // fpga
+  interrupt,       // host: from the board's request until the process runs again
+  wait,            // host: blocked until the board is done
+  driver,          // host: instructions of the driver around its bus accesses
+  force,           // host: the contact force out of U
+  convert,         // daq: the output's conversion and settling
+  motor,           // device: the force is there
+  update,          // host: Newmark's update, after the force is written
+  refinement,      // host: the residual in double precision
+};
+
+std::string_view name(Part part);
+std::string_view name(Phase phase);
+
+// An index into a frame's spans, or the frame's birth.
+using SpanId = int;
+inline constexpr SpanId kBirth = -1;
+
+// What took time in a frame, and which span it had to wait for.
+struct Span {
+  Part part;
+  Phase phase;
+  Picoseconds start;
+  Picoseconds end;
+  SpanId cause;
+};
+
+// One tick of the servo loop, from its birth at n·T to the force at the motor and the end of the
+// work that belongs to its period.
+struct Frame {
+  std::int64_t number = 0;
+  Picoseconds born = 0;
+  std::vector<Span> spans;
+  SpanId force_at_motor = kBirth;  // the span with which the force is there
+  Picoseconds work_done = 0;       // all work of the period is done, the update included
+
+  // What the frame did, for frames.csv.
+  int contact_node = -1;        // mesh node, or −1
+  Picoseconds contact_age = 0;  // since the collision pass that found the node began
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  std::int64_t saturations = 0;
+  std::uint32_t flags = 0;
+
+  Picoseconds latency() const { return spans[static_cast<std::size_t>(force_at_motor)].end - born; }
+};
+
+// Which part and frame a transaction or an interrupt works for, and what it follows.
+struct Tag {
+  std::int64_t frame = -1;  // −1: set-up, no frame
+  SpanId cause = kBirth;
+};
+
+}  // namespace hvp::vp

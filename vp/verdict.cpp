@@ -1,0 +1,43 @@
+#include "vp/verdict.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvp::vp {
+
+void Verdict::take(const Frame& frame, const std::vector<SpanId>& path) {
+  ++frames_;
+  const Picoseconds latency = frame.latency();
+  ++latencies_[latency];
+  if (latency > budget_) ++late_;
+  const Picoseconds load = frame.work_done - frame.born;
+  worst_load_ = std::max(worst_load_, load);
+  if (load > period_) ++overloads_;
+  if (latency <= worst_) return;
+  worst_ = latency;
+  worst_frame_ = frame.number;
+  attribution_.clear();
+  for (const SpanId id : path) {
+    const Span& span = frame.spans[static_cast<std::size_t>(id)];
+    const auto same = std::find_if(attribution_.begin(), attribution_.end(), [&](const auto& a) {
+      return a.part == span.part && a.phase == span.phase;
+    });
+    if (same != attribution_.end()) {
+      same->time += span.end - span.start;
+    } else {
+      attribution_.push_back({span.part, span.phase, span.end - span.start});
+    }
+  }
+}
+
+Picoseconds Verdict::percentile(double share) const {
+  const auto wanted = static_cast<std::int64_t>(std::ceil(share * static_cast<double>(frames_)));
+  std::int64_t seen = 0;
+  for (const auto& [latency, count] : latencies_) {
+    seen += count;
+    if (seen >= wanted) return latency;
+  }
+  return 0;
+}
+
+}  // namespace hvp::vp

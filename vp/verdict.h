@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "vp/ledger.h"
+
+namespace hvp::vp {
+
+// One line of the worst frame's critical path, spans of one part and phase put together.
+struct Attribution {
+  Part part;
+  Phase phase;
+  Picoseconds time;
+};
+
+// The two verdicts of a run. *Force in time*: the force of frame n is at the motor by
+// n·T + (1 + pipeline depth)·T. *Load*: all work that belongs to a period, what follows the force
+// included, fits into T. A tick that had no frame at all is a miss of both.
+class Verdict : public FrameSink {
+ public:
+  // `budget` is the latency that is allowed.
+  Verdict(Picoseconds period, Picoseconds budget) : period_(period), budget_(budget) {}
+
+  void take(const Frame& frame, const std::vector<SpanId>& path) override;
+  void skip_tick() { ++skipped_; }
+
+  Picoseconds period() const { return period_; }
+  Picoseconds budget() const { return budget_; }
+  std::int64_t frames() const { return frames_; }
+  std::int64_t skipped_ticks() const { return skipped_; }
+  std::int64_t late_forces() const { return late_; }
+  std::int64_t misses() const { return late_ + skipped_; }
+  std::int64_t overloads() const { return overloads_ + skipped_; }
+  bool force_in_time() const { return misses() == 0; }
+  bool load_held() const { return overloads() == 0; }
+
+  Picoseconds worst_latency() const { return worst_; }
+  std::int64_t worst_frame() const { return worst_frame_; }
+  Picoseconds worst_load() const { return worst_load_; }
+  // The smallest latency that at least this share of the frames does not exceed.
+  Picoseconds percentile(double share) const;
+  // Of the worst frame, in the order of time; sums to worst_latency() exactly.
+  const std::vector<Attribution>& attribution() const { return attribution_; }
+
+ private:
+  Picoseconds period_;
+  Picoseconds budget_;
+  std::int64_t frames_ = 0;
+  std::int64_t skipped_ = 0;
+  std::int64_t late_ = 0;
+  std::int64_t overloads_ = 0;
+  Picoseconds worst_ = -1;
+  std::int64_t worst_frame_ = -1;
+  Picoseconds worst_load_ = 0;
+  std::map<Picoseconds, std::int64_t> latencies_;  // how many frames had it
+  std::vector<Attribution> attribution_;
+};
+
+}  // namespace hvp::vp
