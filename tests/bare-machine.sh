@@ -21,7 +21,7 @@ make_base() {
   [[ ! -f $folder/base.tar.gz ]] || return 0
   local mirror
   # shellcheck disable=SC2016  # apt-get fills these in
-  mirror=$(debian_sources '$(CODENAME) $(REPO_URI)' | sed -n 's/^bookworm //p' | head -n 1)
+  mirror=$(debian_sources '$(RELEASE) $(REPO_URI)' | sed -n 's/^bookworm //p' | head -n 1)
   debootstrap --variant=minbase bookworm "$folder/base" "$mirror"
   tar -C "$folder/base" -czf "$folder/base.tar.gz.new" .
   mv "$folder/base.tar.gz.new" "$folder/base.tar.gz"
@@ -33,7 +33,7 @@ make_base() {
 place_in_network() {
   rm -f "$machine/etc/apt/sources.list"
   # shellcheck disable=SC2016  # apt-get fills these in
-  debian_sources 'deb $(REPO_URI) $(SUITE) $(COMPONENT)' >"$machine/etc/apt/sources.list"
+  debian_sources 'deb $(REPO_URI) $(RELEASE) $(COMPONENT)' >"$machine/etc/apt/sources.list"
   apt-config dump Acquire >"$machine/etc/apt/apt.conf.d/99network"
   cp -L /etc/resolv.conf /etc/hosts "$machine/etc/"
   mkdir -p "$machine/etc/ssl/certs"
@@ -55,6 +55,7 @@ git -c safe.directory='*' clone --quiet --no-local "$top" "$machine/root/hvp"
 mapfile -t environment < <(network_environment)
 
 # The mounts live in a namespace of their own and go with it.
+# shellcheck disable=SC2016  # the inner shell expands them
 in_machine='
   machine=$1
   mount -t proc proc "$machine/proc"
