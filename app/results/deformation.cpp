@@ -1,0 +1,145 @@
+#include "app/results/deformation.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <stdexcept>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+#include <vtkCellData.h>
+#include <vtkDataArray.h>
+#include <vtkFieldData.h>
+#include <vtkIntArray.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkUnsignedCharArray.h>
+#include <vtkUnstructuredGrid.h>
+
+#include "app/results/grid_file.h"
+#include "app/results/part_file.h"
+
+namespace hvp::results {
+namespace {
+
+constexpr const char* kListName = "deformation.pvd";
+
+bool is_step_name(std::string_view name) {
+  constexpr std::string_view kPrefix = "deformation_";
+  constexpr std::string_view kSuffix = ".vtu";
+  if (name.ends_with(".part")) name.remove_suffix(5);
+  if (!name.starts_with(kPrefix) || !name.ends_with(kSuffix)) return false;
+  name.remove_prefix(kPrefix.size());
+  name.remove_suffix(kSuffix.size());
+  return name.size() >= 6 && std::all_of(name.begin(), name.end(),
+                                         [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
+// A second run with fewer steps would otherwise leave the first one's beside its own.
+void remove_earlier_steps(const std::filesystem::path& directory) {
+  try {
+    std::filesystem::remove(directory / kListName);
+    std::vector<std::filesystem::path> old;
+    for (const auto& entry : std::filesystem::directory_iterator(directory))
+      if (is_step_name(entry.path().filename().string())) old.push_back(entry.path());
+    for (const auto& path : old) std::filesystem::remove(path);
+  } catch (const std::filesystem::filesystem_error& error) {
+    throw std::runtime_error(fmt::format("cannot clear {} of an earlier run's steps: {}",
+                                         directory.string(), error.code().message()));
+  }
+}
+
+vtkSmartPointer<vtkUnsignedCharArray> node_marks(const char* name, std::size_t nodes,
+                                                 std::span<const int> marked) {
+  auto array = vtkSmartPointer<vtkUnsignedCharArray>::New();
+  array->SetName(name);
+  array->SetNumberOfValues(static_cast<vtkIdType>(nodes));
+  array->FillValue(0);
+  for (const int node : marked) {
+    if (node < 0 || static_cast<std::size_t>(node) >= nodes)
+      throw std::invalid_argument(
+          fmt::format("{} node {} of a mesh with {} nodes", name, node, nodes));
+    array->SetValue(node, 1);
+  }
+  return array;
+}
+
+void set_field(vtkUnstructuredGrid& grid, const char* name, std::span<const double> value) {
+  grid.GetFieldData()->AddArray(double_array(name, static_cast<int>(value.size()), value));
+}
+
+void set_cell_array(vtkUnstructuredGrid& grid, const char* name, int components,
+                    std::span<const double> values, std::size_t elements) {
+  if (values.size() != elements * static_cast<std::size_t>(components))
+    throw std::invalid_argument(fmt::format("{} has {} values for {} elements of {} components",
+                                            name, values.size(), elements, components));
+  const auto array = float_array(name, components, values);
+  if (components == 6) {
+    constexpr std::array<const char*, 6> kTensorNames = {"XX", "YY", "ZZ", "XY", "YZ", "XZ"};
+    for (int c = 0; c < 6; ++c)
+      array->SetComponentName(c, kTensorNames[static_cast<std::size_t>(c)]);
+  }
+  grid.GetCellData()->AddArray(array);
+}
+
+}  // namespace
+
+std::string step_file_name(int frame) { return fmt::format("deformation_{:06}.vtu", frame); }
+
+DeformationWriter::DeformationWriter(std::filesystem::path directory, const mesh::TetMesh& mesh,
+                                     std::span<const int> anchors)
+    : directory_(std::move(directory)),
+      nodes_(mesh.nodes.size()),
+      elements_(mesh.tetrahedra.size()),
+      grid_(grid_of(mesh)) {
+  grid_->GetPointData()->AddArray(node_marks("anchor", nodes_, anchors));
+  remove_earlier_steps(directory_);
+}
+
+DeformationWriter::~DeformationWriter() = default;
+
+void DeformationWriter::write(double time_s, int frame, std::span<const double> displacement_m,
+                              const StepInfo& info) {
+  if (displacement_m.size() != 3 * nodes_)
+    throw std::invalid_argument(
+        fmt::format("{} displacements for {} nodes", displacement_m.size(), nodes_));
+  if (frame < 0 || (!steps_.empty() && frame <= steps_.back().frame))
+    throw std::invalid_argument(fmt::format("step of frame {} after that of frame {}", frame,
+                                            steps_.empty() ? -1 : steps_.back().frame));
+
+  const auto displacement = double_array("displacement", 3, displacement_m);
+  grid_->GetPointData()->SetVectors(displacement);
+  const std::span<const int> contact(&info.contact_node, info.contact_node == -1 ? 0 : 1);
+  grid_->GetPointData()->AddArray(node_marks("contact", nodes_, contact));
+  set_cell_array(*grid_, "strain", 6, info.strain, elements_);
+  set_cell_array(*grid_, "stress", 6, info.stress_Pa, elements_);
+  set_cell_array(*grid_, "von_mises", 1, info.von_mises_Pa, elements_);
+
+  set_field(*grid_, "time_s", {&time_s, 1});
+  vtkNew<vtkIntArray> frame_field;
+  frame_field->SetName("frame");
+  frame_field->InsertNextValue(frame);
+  grid_->GetFieldData()->AddArray(frame_field);
+  set_field(*grid_, "probe_position_m", {info.probe_position_m.data(), 3});
+  set_field(*grid_, "probe_radius_m", {&info.probe_radius_m, 1});
+  set_field(*grid_, "contact_force_N", {info.contact_force_N.data(), 3});
+
+  write_grid(directory_ / step_file_name(frame), *grid_);
+  steps_.push_back({time_s, frame});
+}
+
+void DeformationWriter::finish() {
+  std::string list =
+      "<?xml version=\"1.0\"?>\n"
+      "<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n"
+      "  <Collection>\n";
+  for (const Step& step : steps_)
+    list += fmt::format("    <DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", step.time_s,
+                        step_file_name(step.frame));
+  list += "  </Collection>\n</VTKFile>\n";
+  write_through_part_file(directory_ / kListName, list);
+}
+
+}  // namespace hvp::results

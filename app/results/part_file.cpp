@@ -1,0 +1,36 @@
+#include "app/results/part_file.h"
+
+#include <cerrno>
+#include <fstream>
+#include <ios>
+#include <stdexcept>
+#include <system_error>
+
+#include <fmt/format.h>
+
+namespace hvp::results {
+
+void write_through_part_file(const std::filesystem::path& path, std::string_view bytes) {
+  std::filesystem::path part = path;
+  part += ".part";
+  errno = 0;
+  std::ofstream file(part, std::ios::binary | std::ios::trunc);
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  std::error_code error;
+  if (!file) {
+    const int cause = errno;
+    std::filesystem::remove(part, error);
+    throw std::runtime_error(
+        fmt::format("cannot write {}: {}", path.string(),
+                    cause != 0 ? std::generic_category().message(cause) : "write failed"));
+  }
+  std::filesystem::rename(part, path, error);
+  if (error) {
+    const std::string cause = error.message();
+    std::filesystem::remove(part, error);
+    throw std::runtime_error(fmt::format("cannot write {}: {}", path.string(), cause));
+  }
+}
+
+}  // namespace hvp::results
