@@ -1,0 +1,55 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "models/fem/material.h"
+#include "models/mesh/tet_mesh.h"
+
+namespace hvp::fem {
+
+// The four-node tetrahedron with linear interpolation (thesis §3.4, §3.5). Its twelve unknowns
+// are numbered node by node: u₀ v₀ w₀ u₁ … w₃.
+using ElementMatrix = Eigen::Matrix<double, 12, 12>;
+using StrainDisplacementMatrix = Eigen::Matrix<double, 6, 12>;
+
+// How the mass stands at the nodes: all on the diagonal, a quarter of the element's mass a node,
+// or by the interpolation functions, thesis (3.21).
+enum class MassKind { lumped, consistent };
+const std::vector<std::pair<std::string_view, MassKind>>& mass_kind_names();
+
+struct ElementGeometry {
+  double det_jacobian = 0;                  // m³, six times the volume
+  std::array<Eigen::Vector3d, 4> gradient;  // 1/m, ∇Λ of the four interpolation functions
+
+  double volume() const { return det_jacobian / 6; }
+};
+
+// Throws InputError naming the element where it is inverted, or so flat that the sign of det J is
+// rounding: det J ≤ 1e-12 times the cube of its longest edge.
+ElementGeometry element_geometry(const mesh::TetMesh& mesh, int element);
+
+// B of ε = B·û, thesis (3.13), in the strain order of material.h.
+StrainDisplacementMatrix strain_displacement(const ElementGeometry& geometry);
+
+// The 3 × 3 block of Kᵉ = ∫ BᵀDB dV that couples nodes a and b, row by row. (The thesis prints L
+// for D in (3.15) and (3.17).) Written out for an isotropic D it is
+//   V·(λ·g_a g_bᵀ + μ·g_b g_aᵀ + μ·(g_a·g_b)·I),
+// which is symmetric to the last bit: block (b, a) has the same products in the same order.
+std::array<double, 9> stiffness_block(const ElementGeometry& geometry, const Material& material,
+                                      int a, int b);
+
+ElementMatrix element_stiffness(const ElementGeometry& geometry, const Material& material);
+
+// The factor of the identity in the mass block of nodes a and b: ρV/20·(1 + δ_ab) for the
+// consistent mass, ρV/4·δ_ab for the lumped one.
+double mass_factor(const ElementGeometry& geometry, const Material& material, MassKind kind, int a,
+                   int b);
+
+ElementMatrix element_mass(const ElementGeometry& geometry, const Material& material,
+                           MassKind kind);
+
+}  // namespace hvp::fem

@@ -1,0 +1,124 @@
+#include "models/fem/locking.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "models/config/input_error.h"
+#include "models/fem/assembly.h"
+#include "models/fem/loads.h"
+#include "models/fem/reference_solver.h"
+#include "models/fem/structured_box.h"
+
+namespace hvp::fem {
+namespace {
+
+constexpr double kSlenderness = 5;  // length over height
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+// Holds single components: their rows and columns are cleared but for the diagonal.
+void hold_components(sparse::BlockMatrix& a, const std::vector<char>& held) {
+  for (int i = 0; i < a.block_rows(); ++i) {
+    for (int k = a.row_begin[index(i)]; k < a.row_begin[index(i) + 1]; ++k) {
+      const int j = a.column[index(k)];
+      double* block = a.block(index(k));
+      for (std::size_t r = 0; r < 3; ++r) {
+        for (std::size_t c = 0; c < 3; ++c) {
+          const bool diagonal = i == j && r == c;
+          if (!diagonal && (held[3 * index(i) + r] || held[3 * index(j) + c])) {
+            block[3 * r + c] = 0;
+          }
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+double cantilever_ratio(double poisson_ratio, int cells) {
+  if (cells < 2 || cells > kMostLockingCells || cells % 2 != 0) {
+    throw InputError(
+        fmt::format("the cantilever has {} cells a side; expected an even number "
+                    "from 2 to {}",
+                    cells, kMostLockingCells));
+  }
+  const Material material{.young_modulus_pa = 1, .poisson_ratio = poisson_ratio};
+  const int half = cells / 2;
+  const int along = static_cast<int>(kSlenderness) * cells;
+  const mesh::TetMesh mesh = structured_box({kSlenderness, 0.5, 0.5}, {along, half, half});
+  sparse::BlockMatrix k = assemble_stiffness(mesh, material);
+
+  // x runs along the beam and z is the direction of the force. Bending is symmetric about y = 0
+  // (no v there) and antisymmetric about z = 0 (no u, no v there).
+  std::vector<char> held(index(k.rows()), 0);
+  for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
+    const Eigen::Vector3d& x = mesh.nodes[i];
+    if (x.x() == 0) held[3 * i] = held[3 * i + 1] = held[3 * i + 2] = 1;
+    if (x.y() == 0) held[3 * i + 1] = 1;
+    if (x.z() == 0) held[3 * i] = held[3 * i + 1] = 1;
+  }
+  hold_components(k, held);
+
+  // A uniform shear traction on the end; a quarter of the force on a quarter of the beam.
+  std::vector<double> f(index(k.rows()), 0.0);
+  double face_area = 0;
+  std::vector<double> share(mesh.nodes.size(), 0.0);
+  for (const auto& triangle : mesh.boundary) {
+    const Eigen::Vector3d& a = mesh.nodes[index(triangle[0])];
+    const Eigen::Vector3d& b = mesh.nodes[index(triangle[1])];
+    const Eigen::Vector3d& c = mesh.nodes[index(triangle[2])];
+    if (std::min({a.x(), b.x(), c.x()}) < kSlenderness) continue;
+    const double area = (b - a).cross(c - a).norm() / 2;
+    face_area += area;
+    for (const int node : triangle) share[index(node)] += area / 3;
+  }
+  const double quarter_force = 0.25;
+  for (std::size_t i = 0; i < share.size(); ++i) {
+    f[3 * i + 2] = quarter_force * share[i] / face_area;
+  }
+  std::vector<double> u(f.size());
+  ReferenceSolver(k).solve(f, u);
+  double tip = 0;
+  for (std::size_t i = 0; i < share.size(); ++i) tip += u[3 * i + 2] * share[i] / face_area;
+
+  // P = E = h = 1, so I = 1/12 and A = 1.
+  const double shear_factor = 10 * (1 + poisson_ratio) / (12 + 11 * poisson_ratio);
+  const double timoshenko = kSlenderness * kSlenderness * kSlenderness * 4 +
+                            kSlenderness * 2 * (1 + poisson_ratio) / shear_factor;
+  return tip / timoshenko;
+}
+
+double cells_across(const mesh::TetMesh& mesh) {
+  Eigen::Vector3d low = mesh.nodes.at(0);
+  Eigen::Vector3d high = low;
+  for (const Eigen::Vector3d& node : mesh.nodes) {
+    low = low.cwiseMin(node);
+    high = high.cwiseMax(node);
+  }
+  double volume = 0;
+  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
+    volume += element_geometry(mesh, static_cast<int>(e)).volume();
+  }
+  const double cell = std::cbrt(6 * volume / static_cast<double>(mesh.tetrahedra.size()));
+  return (high - low).minCoeff() / cell;
+}
+
+std::optional<Locking> measure_locking(const mesh::TetMesh& mesh, const Material& material) {
+  if (!(material.poisson_ratio > kLockingPoissonRatio)) return std::nullopt;
+  const double across = std::min(cells_across(mesh), static_cast<double>(kMostLockingCells));
+  Locking result;
+  result.cells = std::max(2, 2 * static_cast<int>(std::lround(across / 2)));
+  result.stiffness_ratio = cantilever_ratio(material.poisson_ratio, result.cells);
+  result.sentence = fmt::format(
+      "Poisson's ratio {} locks linear tetrahedra: a cantilever at this resolution ({} cells "
+      "across) bends {:.2f} times as far as it should; use 0.45 or less, or a finer mesh",
+      material.poisson_ratio, result.cells, result.stiffness_ratio);
+  return result;
+}
+
+}  // namespace hvp::fem

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "models/fem/material.h"
+#include "models/mesh/tet_mesh.h"
+
+namespace hvp::fem {
+
+// Linear tetrahedra are too stiff in bending, and the more so the closer ν comes to one half:
+// they lock. Above this ratio a run says so and by how much.
+inline constexpr double kLockingPoissonRatio = 0.45;
+
+// The tip deflection of a cantilever of square section and length five, divided by Timoshenko's
+// (PL³/3EI + PL/κGA with κ = 10(1 + ν)/(12 + 11ν)), for a mesh of `cells` cubic cells a side of
+// the section: 1 is exact, 0.3 means more than three times too stiff. Solved when called, on a
+// quarter of the beam: the section's two middle planes are planes of symmetry and antisymmetry.
+// `cells` is even, 2 to kMostLockingCells; otherwise InputError.
+double cantilever_ratio(double poisson_ratio, int cells);
+inline constexpr int kMostLockingCells = 12;
+
+// How many cubic cells of six tetrahedra as large as the mesh's mean one fit across the body's
+// bounding box where that is thinnest.
+double cells_across(const mesh::TetMesh& mesh);
+
+struct Locking {
+  int cells = 0;               // of the cantilever that was solved
+  double stiffness_ratio = 0;  // cantilever_ratio at these cells and the material's ν
+  std::string sentence;        // for the terminal
+};
+
+// Measured where ν > 0.45, absent otherwise. The cantilever has the resolution of the mesh,
+// rounded to an even number of cells and limited to 2 … kMostLockingCells. It stands for bending
+// at this resolution; a body that is only compressed locks less.
+std::optional<Locking> measure_locking(const mesh::TetMesh& mesh, const Material& material);
+
+}  // namespace hvp::fem

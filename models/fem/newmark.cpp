@@ -1,0 +1,195 @@
+#include "models/fem/newmark.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstddef>
+
+#include <fmt/format.h>
+
+#include "models/config/input_error.h"
+#include "models/fem/reference_solver.h"
+
+namespace hvp::fem {
+namespace {
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+// Row i of A·x for block row i.
+void multiply_row(const sparse::BlockMatrix& a, std::span<const double> x, std::size_t row,
+                  double* sum) {
+  sum[0] = sum[1] = sum[2] = 0;
+  for (int k = a.row_begin[row]; k < a.row_begin[row + 1]; ++k) {
+    const double* block = a.block(index(k));
+    const double* v = &x[3 * index(a.column[index(k)])];
+    for (std::size_t r = 0; r < 3; ++r) {
+      sum[r] += block[3 * r] * v[0] + block[3 * r + 1] * v[1] + block[3 * r + 2] * v[2];
+    }
+  }
+}
+
+// xᵀA·x
+double quadratic_form(const sparse::BlockMatrix& a, std::span<const double> x) {
+  double total = 0;
+  for (std::size_t i = 0; i < index(a.block_rows()); ++i) {
+    double row[3];
+    multiply_row(a, x, i, row);
+    total += x[3 * i] * row[0] + x[3 * i + 1] * row[1] + x[3 * i + 2] * row[2];
+  }
+  return total;
+}
+
+// M's diagonal, or empty where M has an entry off it.
+std::vector<double> diagonal_if_lumped(const sparse::BlockMatrix& m) {
+  std::vector<double> diagonal(index(m.rows()), 0.0);
+  for (int i = 0; i < m.block_rows(); ++i) {
+    for (int k = m.row_begin[index(i)]; k < m.row_begin[index(i) + 1]; ++k) {
+      const double* block = m.block(index(k));
+      for (std::size_t r = 0; r < 3; ++r) {
+        for (std::size_t c = 0; c < 3; ++c) {
+          if (m.column[index(k)] == i && r == c) {
+            diagonal[3 * index(i) + r] = block[4 * r];
+          } else if (block[3 * r + c] != 0) {
+            return {};
+          }
+        }
+      }
+    }
+  }
+  return diagonal;
+}
+
+}  // namespace
+
+Newmark::Newmark(const sparse::BlockMatrix& stiffness, const sparse::BlockMatrix& mass,
+                 const Dynamics& dynamics, double time_step_s)
+    : stiffness_(stiffness),
+      mass_(mass),
+      lumped_(diagonal_if_lumped(mass)),
+      effective_(stiffness),
+      dynamics_(dynamics),
+      time_step_(time_step_s) {
+  dynamics_.check();
+  if (!(time_step_s > 0) || !std::isfinite(time_step_s)) {
+    throw InputError(
+        fmt::format("the time step is {} s; expected a finite value above 0", time_step_s));
+  }
+  if (mass.block_rows() != stiffness.block_rows()) {
+    throw InputError(fmt::format("the mass matrix has {} nodes and the stiffness matrix {}",
+                                 mass.block_rows(), stiffness.block_rows()));
+  }
+  const double beta = dynamics_.newmark_beta;
+  const double inertia = 2 / (beta * time_step_ * time_step_);
+  const double damping = 2 * dynamics_.newmark_gamma / (beta * time_step_);
+  const double mass_scale = inertia + damping * dynamics_.rayleigh_mass;
+  const double stiffness_scale = 1 + damping * dynamics_.rayleigh_stiffness;
+  for (double& entry : effective_.value) entry *= stiffness_scale;
+  for (int i = 0; i < mass_.block_rows(); ++i) {
+    for (int k = mass_.row_begin[index(i)]; k < mass_.row_begin[index(i) + 1]; ++k) {
+      const std::ptrdiff_t at = effective_.find(i, mass_.column[index(k)]);
+      if (at < 0) {
+        throw InputError(
+            fmt::format("the mass matrix couples nodes {} and {}, which the "
+                        "stiffness matrix does not",
+                        i, mass_.column[index(k)]));
+      }
+      double* sum = effective_.block(static_cast<std::size_t>(at));
+      for (std::size_t e = 0; e < 9; ++e) sum[e] += mass_scale * mass_.block(index(k))[e];
+    }
+  }
+  for (std::vector<double>* state : {&u_, &v_, &a_, &v_tilde_, &a_tilde_, &inertia_}) {
+    state->assign(index(stiffness_.rows()), 0.0);
+  }
+}
+
+void Newmark::predict() {
+  const double beta = dynamics_.newmark_beta;
+  const double gamma = dynamics_.newmark_gamma;
+  const double dt = time_step_;
+  const double a_of_u = -2 / (beta * dt * dt);
+  const double a_of_v = -2 / (beta * dt);
+  const double a_of_a = -(1 - beta) / beta;
+  const double v_of_u = -2 * gamma / (beta * dt);
+  const double v_of_v = 1 - 2 * gamma / beta;
+  const double v_of_a = (1 - gamma / beta) * dt;
+  for (std::size_t i = 0; i < u_.size(); ++i) {
+    a_tilde_[i] = a_of_u * u_[i] + a_of_v * v_[i] + a_of_a * a_[i];
+    v_tilde_[i] = v_of_u * u_[i] + v_of_v * v_[i] + v_of_a * a_[i];
+    inertia_[i] = dynamics_.rayleigh_mass * v_tilde_[i] + a_tilde_[i];
+  }
+}
+
+void Newmark::rhs(std::span<const double> f, std::span<double> f_hat) const {
+  assert(f.size() == u_.size() && f_hat.size() == u_.size());
+  const double damping = dynamics_.rayleigh_stiffness;
+  for (std::size_t i = 0; i < index(stiffness_.block_rows()); ++i) {
+    double elastic[3] = {0, 0, 0};
+    double inertial[3];
+    if (damping != 0) multiply_row(stiffness_, v_tilde_, i, elastic);
+    if (lumped_.empty()) {
+      multiply_row(mass_, inertia_, i, inertial);
+    } else {
+      for (std::size_t r = 0; r < 3; ++r) inertial[r] = lumped_[3 * i + r] * inertia_[3 * i + r];
+    }
+    for (std::size_t r = 0; r < 3; ++r) {
+      f_hat[3 * i + r] = f[3 * i + r] - damping * elastic[r] - inertial[r];
+    }
+  }
+}
+
+void Newmark::update(std::span<const double> u_next) {
+  assert(u_next.size() == u_.size());
+  const double a_of_u = 2 / (dynamics_.newmark_beta * time_step_ * time_step_);
+  const double v_of_u = 2 * dynamics_.newmark_gamma / (dynamics_.newmark_beta * time_step_);
+  for (std::size_t i = 0; i < u_.size(); ++i) {
+    u_[i] = u_next[i];
+    a_[i] = a_tilde_[i] + a_of_u * u_next[i];
+    v_[i] = v_tilde_[i] + v_of_u * u_next[i];
+  }
+}
+
+void Newmark::set_state(std::span<const double> u, std::span<const double> v,
+                        std::span<const double> a) {
+  assert(u.size() == u_.size() && v.size() == v_.size() && a.size() == a_.size());
+  std::copy(u.begin(), u.end(), u_.begin());
+  std::copy(v.begin(), v.end(), v_.begin());
+  std::copy(a.begin(), a.end(), a_.begin());
+}
+
+double Newmark::energy() const {
+  return 0.5 * quadratic_form(mass_, v_) + 0.5 * quadratic_form(stiffness_, u_);
+}
+
+double Newmark::predict_flops() const { return 12.0 * static_cast<double>(u_.size()); }
+
+double Newmark::rhs_flops() const {
+  const auto rows = static_cast<double>(u_.size());
+  double flops = 0;
+  if (dynamics_.rayleigh_stiffness != 0) {
+    flops += 18 * static_cast<double>(stiffness_.blocks()) + 2 * rows;
+  }
+  flops += lumped_.empty() ? 18 * static_cast<double>(mass_.blocks()) + rows : 2 * rows;
+  return flops;
+}
+
+double Newmark::update_flops() const { return 4.0 * static_cast<double>(u_.size()); }
+
+std::vector<double> consistent_acceleration(const sparse::BlockMatrix& stiffness,
+                                            const sparse::BlockMatrix& mass,
+                                            const Dynamics& dynamics, std::span<const double> u,
+                                            std::span<const double> v, std::span<const double> f) {
+  const std::size_t rows = u.size();
+  std::vector<double> product(rows);
+  std::vector<double> result(rows);
+  std::vector<double> force(f.begin(), f.end());
+  stiffness.multiply(u, product);
+  for (std::size_t i = 0; i < rows; ++i) force[i] -= product[i];
+  stiffness.multiply(v, product);
+  for (std::size_t i = 0; i < rows; ++i) force[i] -= dynamics.rayleigh_stiffness * product[i];
+  mass.multiply(v, product);
+  for (std::size_t i = 0; i < rows; ++i) force[i] -= dynamics.rayleigh_mass * product[i];
+  ReferenceSolver(mass).solve(force, result);
+  return result;
+}
+
+}  // namespace hvp::fem

@@ -1,0 +1,168 @@
+#include "models/fem/reference_solver.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "models/config/input_error.h"
+
+namespace hvp::fem {
+namespace {
+
+std::size_t index(Eigen::Index i) { return static_cast<std::size_t>(i); }
+
+// LU with partial pivoting, in place, of the small dense matrix S. Plain loops: Eigen's dense
+// kernels block by the size of the machine's caches, and the bits with them.
+void factorise_dense(std::vector<double>& a, std::vector<std::size_t>& pivot) {
+  const std::size_t n = pivot.size();
+  for (std::size_t k = 0; k < n; ++k) {
+    std::size_t largest = k;
+    for (std::size_t i = k + 1; i < n; ++i) {
+      if (std::abs(a[i * n + k]) > std::abs(a[largest * n + k])) largest = i;
+    }
+    pivot[k] = largest;
+    if (!(std::abs(a[largest * n + k]) > 0)) {
+      throw InputError("the contact's compliance matrix is singular");
+    }
+    if (largest != k) {
+      std::swap_ranges(&a[k * n], &a[k * n] + n, &a[largest * n]);
+    }
+    for (std::size_t i = k + 1; i < n; ++i) {
+      const double factor = a[i * n + k] / a[k * n + k];
+      a[i * n + k] = factor;
+      for (std::size_t j = k + 1; j < n; ++j) a[i * n + j] -= factor * a[k * n + j];
+    }
+  }
+}
+
+void solve_dense(const std::vector<double>& a, const std::vector<std::size_t>& pivot,
+                 std::vector<double>& x) {
+  const std::size_t n = pivot.size();
+  for (std::size_t k = 0; k < n; ++k) std::swap(x[k], x[pivot[k]]);
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < i; ++j) x[i] -= a[i * n + j] * x[j];
+  }
+  for (std::size_t i = n; i-- > 0;) {
+    for (std::size_t j = i + 1; j < n; ++j) x[i] -= a[i * n + j] * x[j];
+    x[i] /= a[i * n + i];
+  }
+}
+
+}  // namespace
+
+ReferenceSolver::ReferenceSolver(const sparse::BlockMatrix& a) : rows_(a.rows()) {
+  for (const double entry : a.value) {
+    if (!std::isfinite(entry)) {
+      throw InputError(
+          fmt::format("the matrix has an entry that is {}; expected finite entries", entry));
+    }
+  }
+  scratch_.assign(index(rows_), 0.0);
+  if (rows_ == 0) return;
+  factorisation_.compute(a.to_eigen());
+  // A pivot that cancellation has left with fewer than two digits is zero as far as double
+  // precision can tell.
+  double largest = 0;
+  if (factorisation_.info() == Eigen::Success) {
+    const Eigen::VectorXd d = factorisation_.vectorD();
+    pivot_.assign(d.data(), d.data() + d.size());
+    for (const double pivot : pivot_) largest = std::max(largest, std::abs(pivot));
+  } else {
+    singular_ = true;
+  }
+  for (const double pivot : pivot_) {
+    if (!std::isfinite(pivot) || std::abs(pivot) <= 1e-14 * largest) singular_ = true;
+    if (pivot < 0) ++negative_pivots_;
+  }
+}
+
+std::size_t ReferenceSolver::factor_nonzeros() const {
+  if (pivot_.empty()) return 0;
+  return index(factorisation_.matrixL().nestedExpression().nonZeros());
+}
+
+void ReferenceSolver::solve(std::span<const double> b, std::span<double> x) const {
+  assert(b.size() == index(rows_) && x.size() == b.size());
+  if (singular_) {
+    throw InputError(fmt::format(
+        "the system of {} unknowns is singular to double precision; expected a body that is held "
+        "and a matrix without empty rows",
+        rows_));
+  }
+  if (rows_ == 0) return;
+  const auto& l = factorisation_.matrixL().nestedExpression();
+  const int* begin = l.outerIndexPtr();
+  const int* row = l.innerIndexPtr();
+  const double* value = l.valuePtr();
+  const auto& permutation = factorisation_.permutationP().indices();
+  for (int i = 0; i < rows_; ++i) scratch_[index(permutation[i])] = b[index(i)];
+  for (int j = 0; j < rows_; ++j) {
+    const double known = scratch_[index(j)];
+    for (int k = begin[j]; k < begin[j + 1]; ++k) scratch_[index(row[k])] -= value[k] * known;
+  }
+  for (std::size_t i = 0; i < scratch_.size(); ++i) scratch_[i] /= pivot_[i];
+  for (int j = rows_; j-- > 0;) {
+    double sum = scratch_[index(j)];
+    for (int k = begin[j]; k < begin[j + 1]; ++k) sum -= value[k] * scratch_[index(row[k])];
+    scratch_[index(j)] = sum;
+  }
+  for (int i = 0; i < rows_; ++i) x[index(i)] = scratch_[index(permutation[i])];
+}
+
+void ReferenceSolver::prepare_contact(std::span<const int> patch) {
+  if (std::equal(patch.begin(), patch.end(), contact_.begin(), contact_.end())) return;
+  for (const int node : patch) {
+    if (node < 0 || 3 * node >= rows_) {
+      throw InputError(
+          fmt::format("the contact node is {}; expected 0 to {}", node, rows_ / 3 - 1));
+    }
+  }
+  contact_.clear();
+  const std::size_t n = index(rows_);
+  const std::size_t m = 3 * patch.size();
+  contact_columns_.assign(m * n, 0.0);
+  contact_schur_.assign(m * m, 0.0);
+  contact_pivot_.assign(m, 0);
+  contact_force_.assign(m, 0.0);
+  for (std::size_t c = 0; c < m; ++c) {
+    const std::span<double> column(&contact_columns_[c * n], n);
+    column[3 * index(patch[c / 3]) + c % 3] = 1;
+    solve(column, column);
+    for (std::size_t r = 0; r < m; ++r) {
+      contact_schur_[r * m + c] = column[3 * index(patch[r / 3]) + r % 3];
+    }
+  }
+  factorise_dense(contact_schur_, contact_pivot_);
+  contact_.assign(patch.begin(), patch.end());
+}
+
+void ReferenceSolver::solve_with_contact(std::span<const double> f, int node,
+                                         const Eigen::Vector3d& u_c, std::span<double> x) {
+  solve_with_contact(f, std::span<const int>(&node, 1), u_c, x);
+}
+
+void ReferenceSolver::solve_with_contact(std::span<const double> f, std::span<const int> patch,
+                                         const Eigen::Vector3d& u_c, std::span<double> x) {
+  prepare_contact(patch);
+  solve(f, x);
+  const std::size_t n = index(rows_);
+  const std::size_t m = contact_force_.size();
+  for (std::size_t c = 0; c < m; ++c) {
+    contact_force_[c] =
+        u_c[static_cast<Eigen::Index>(c % 3)] - x[3 * index(contact_[c / 3]) + c % 3];
+  }
+  solve_dense(contact_schur_, contact_pivot_, contact_force_);
+  for (std::size_t c = 0; c < m; ++c) {
+    const double* column = &contact_columns_[c * n];
+    for (std::size_t i = 0; i < n; ++i) x[i] += contact_force_[c] * column[i];
+  }
+  for (std::size_t c = 0; c < m; ++c) {
+    x[3 * index(contact_[c / 3]) + c % 3] = u_c[static_cast<Eigen::Index>(c % 3)];
+  }
+}
+
+}  // namespace hvp::fem
