@@ -115,28 +115,41 @@ class Visitor {
   template <class Part>
   void effect(std::string_view name, std::optional<Part>& part, Note note) {
     bool present = part.has_value();
-    if (!begin_effect(name, present, note)) return;
+    const bool enter = begin_effect(name, present, note);
+    if (describes_only()) {
+      if (!enter) return;
+      Part typical{};
+      declare_and_check(typical);
+      end_effect();
+      return;
+    }
+    if (!present) part.reset();
+    if (!enter) return;
     if (!part) part.emplace();
     declare_and_check(*part);
     end_effect();
-    if (!present) part.reset();  // a visitor that only describes
   }
 
-  // An array of tables.
+  // An array of tables. A list that the scenario has replaces the default one as a whole.
   template <class Part>
   void list(std::string_view name, std::vector<Part>& parts, Note note) {
     std::size_t count = parts.size();
-    begin_list(name, count, note);
-    // A visitor that only describes asks for one item of an empty list and takes it back.
-    const std::size_t original = parts.size();
-    parts.resize(count);
-    for (std::size_t i = 0; i < count; ++i) {
-      begin_item(i);
-      declare_and_check(parts[i]);
+    const bool replaced = begin_list(name, count, note);
+    if (describes_only()) {
+      Part typical{};
+      begin_item(0);
+      declare_and_check(typical);
       end_item();
+    } else {
+      if (replaced) parts.clear();
+      parts.resize(count);
+      for (std::size_t i = 0; i < count; ++i) {
+        begin_item(i);
+        declare_and_check(parts[i]);
+        end_item();
+      }
     }
     end_list();
-    if (describes_only()) parts.resize(original);
   }
 
  protected:
@@ -145,14 +158,15 @@ class Visitor {
   // Returns whether to go into the part. `present` is set by a reader.
   virtual bool begin_effect(std::string_view name, bool& present, Note) = 0;
   virtual void end_effect() = 0;
-  // `count` is set by a reader.
-  virtual void begin_list(std::string_view name, std::size_t& count, Note) = 0;
+  // `count` is set by a reader, which returns true where the scenario has the list.
+  virtual bool begin_list(std::string_view name, std::size_t& count, Note) = 0;
   virtual void begin_item(std::size_t index) = 0;
   virtual void end_item() = 0;
   virtual void end_list() = 0;
   // A reader runs the check and completes the key of what it throws; other visitors do nothing.
   virtual void check(const std::function<void()>& /*rule*/) {}
-  // True for a visitor that writes the reference page and must not change what it visits.
+  // True for a visitor that is after the declaration and not the values: it is shown every
+  // effect and one item of every list, with their defaults, and changes nothing.
   virtual bool describes_only() const { return false; }
 
  private:
