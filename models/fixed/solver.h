@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "models/fixed/quantised_matrix.h"
+#include "models/fixed/settings.h"
+#include "models/fixed/word.h"
+#include "models/stability/flag.h"
+
+namespace hvp::fixed {
+
+// One solve: the words that go to the board and come back (scaling.h has their units). Both
+// spans have 3 · block_rows entries; words beyond their width are clamped and counted.
+struct Job {
+  std::span<const std::int32_t> b;  // residual_bits() wide
+  std::span<std::int32_t> x;        // vector_bits wide: the initial guess in, the solution out.
+                                    // With Start::zero the guess is ignored.
+};
+
+// Norms are in units of the integer product A·x: multiply by matrix.scale · displacement unit
+// for N. They are the model's, not the hardware's: the board has no pass to spare for them.
+struct Report {
+  int iterations = 0;            // updates of x that were made
+  std::int64_t saturations = 0;  // words clamped, those of b and x on entry included
+  int breakdowns = 0;            // directions of negative curvature
+  stability::Flags flags;
+
+  double rhs_norm = 0;             // ‖b‖
+  double start_residual_norm = 0;  // ‖b - A·x‖ of the initial guess
+  double residual_norm = 0;        // ‖r‖ of the recurrence, as the words had it at the end
+  double true_residual_norm = 0;   // ‖b - A·x‖ of the solution
+  // The residual that a wrong last bit of every displacement, with the worst signs, leaves: the
+  // norm of the matrix' absolute row sums. Under it nothing can be said in words of x.
+  double rounding_floor = 0;
+
+  // No flag: the residual is as small as the iterations allow, and nothing was clamped.
+  bool clean() const { return flags.empty(); }
+};
+
+// What an iteration leaves in the registers, for comparing two implementations word for word.
+// The spans are valid during the call.
+struct IterationState {
+  int iteration = 0;  // from 1
+  std::span<const std::int32_t> x;
+  std::span<const std::int32_t> r;
+  std::span<const std::int32_t> z;  // the same as r with method cg
+  std::span<const std::int32_t> d;  // of the next iteration
+  std::span<const std::int32_t> q;  // A·d of this iteration
+  std::int64_t d_q = 0;             // dᵀAd
+  std::int64_t z_r = 0;  // zᵀr of the new residual, in its scale before it was re-scaled
+  Coefficient alpha;
+  Coefficient beta;
+  // Residual in units of A·x: r · 2^(rhs_shift - residual_exponent). Direction in units of z:
+  // d · 2^-direction_exponent.
+  int residual_exponent = 0;
+  int direction_exponent = 0;
+};
+
+class Observer {
+ public:
+  virtual ~Observer() = default;
+  virtual void iteration(const IterationState& state) = 0;
+};
+
+// Solves A·x = b in the words of the settings. Every implementation gives the same words, the
+// same report and the same calls of the observer: a row's sum is exact and saturates once, at
+// write-back, and so do inner products, so that no order of summation shows.
+class Solver {
+ public:
+  virtual ~Solver() = default;
+
+  // Does not allocate. Throws InputError where the sizes disagree, the matrix has other words
+  // than the settings say, or a row is so long that its sum could leave 64 bits.
+  virtual Report solve(const QuantisedMatrix& matrix, Job job, Observer* observer = nullptr) = 0;
+};
+
+}  // namespace hvp::fixed
