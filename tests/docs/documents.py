@@ -1,0 +1,143 @@
+"""Runs the commands that the documents show and follows the links between them.
+
+Every ```sh block of README.md, CONTRIBUTING.md and docs/*.md is run by bash, block after block,
+in one scratch directory a document, where the checkout's files are at hand. A block must exit 0
+unless the line before it says otherwise:
+
+    <!-- exit 2 -->                 it shows an error and exits with that status
+    <!-- not run: takes an hour --> it is only read, for the reason given
+"""
+
+import argparse
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+TOP = Path(__file__).resolve().parents[2]
+LONGEST_BLOCK_S = 900
+LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)[^)]*\)")
+EXIT = re.compile(r"<!-- exit (\d+) -->")
+NOT_RUN = re.compile(r"<!-- not run: .+ -->")
+
+
+@dataclass(frozen=True)
+class Block:
+    line: int
+    script: str
+    status: int | None  # None: not run
+
+
+def documents() -> list[Path]:
+    named = [TOP / "README.md", TOP / "CONTRIBUTING.md"]
+    return [path for path in named if path.exists()] + sorted((TOP / "docs").rglob("*.md"))
+
+
+def expected_status(marker: str) -> int | None:
+    if NOT_RUN.fullmatch(marker):
+        return None
+    match = EXIT.fullmatch(marker)
+    return int(match.group(1)) if match else 0
+
+
+def shell_blocks(text: str) -> Iterator[Block]:
+    marker = ""
+    language: str | None = None  # of the block that is open
+    start, script = 0, [""]
+    for number, line in enumerate(text.splitlines(), 1):
+        stripped = line.strip()
+        if language is None:
+            if stripped.startswith("```"):
+                language, start, script = stripped[3:].strip(), number, []
+            elif stripped:
+                marker = stripped
+        elif stripped == "```":
+            if language == "sh":
+                yield Block(start, "\n".join(script) + "\n", expected_status(marker))
+            language, marker = None, ""
+        else:
+            script.append(line)
+
+
+def prose(text: str) -> str:
+    """The text without its fenced blocks and code spans."""
+    return re.sub(r"`[^`\n]*`", "", re.sub(r"```.*?```", "", text, flags=re.DOTALL))
+
+
+def broken_links(document: Path) -> Iterator[str]:
+    for match in LINK.finditer(prose(document.read_text())):
+        target = match.group(1).partition("#")[0]
+        if not target or re.match(r"[a-z]+:", target):
+            continue
+        if not (document.parent / target).exists():
+            yield match.group(1)
+
+
+def lay_out(scratch: Path, build: Path) -> None:
+    """The checkout as the reader has it, with results landing in the scratch directory."""
+    for entry in TOP.iterdir():
+        if entry.name not in {".git", "build", "runs"}:
+            (scratch / entry.name).symlink_to(entry)
+    (scratch / "build").symlink_to(build)
+
+
+def run_block(block: Block, directory: Path) -> str | None:
+    """What went wrong, if anything did."""
+    try:
+        run = subprocess.run(
+            ["bash", "-euo", "pipefail", "-c", block.script],
+            check=False,
+            cwd=directory,
+            env=os.environ | {"PWD": str(directory)},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            timeout=LONGEST_BLOCK_S,
+        )
+    except subprocess.TimeoutExpired:
+        return f"still running after {LONGEST_BLOCK_S} s\n{block.script}"
+    if run.returncode == block.status:
+        return None
+    return f"exit {run.returncode}, expected {block.status}\n{block.script}{run.stdout}"
+
+
+def check(document: Path, build: Path) -> int:
+    failures = 0
+    name = document.relative_to(TOP)
+    for link in broken_links(document):
+        failures += 1
+        print(f"{name}: the link to {link} leads nowhere")
+    with tempfile.TemporaryDirectory(prefix="hvp-documents-") as scratch:
+        directory = Path(scratch)
+        lay_out(directory, build)
+        for block in shell_blocks(document.read_text()):
+            if block.status is None:
+                continue
+            started = time.monotonic()
+            fault = run_block(block, directory)
+            print(f"{name}:{block.line}: {time.monotonic() - started:.1f} s", flush=True)
+            if fault:
+                failures += 1
+                print(fault, flush=True)
+    return failures
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--build", type=Path, required=True, help="stands in for build/")
+    parser.add_argument("document", type=Path, nargs="*", help="default: all of them")
+    arguments = parser.parse_args()
+    chosen = [path.resolve() for path in arguments.document] or documents()
+    failures = sum(check(document, arguments.build.resolve()) for document in chosen)
+    print(f"{len(chosen)} documents, {failures} faults")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,143 @@
+"""Runs clang-tidy over the project's own sources and remembers what it found clean.
+
+A source is analysed again when its compile command, its checks, clang-tidy, or any file it
+includes has changed. The includes are those that ninja recorded when it compiled the source.
+"""
+
+import argparse
+import hashlib
+import json
+import os
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+TOP = Path(__file__).resolve().parents[2]
+TIDY = "clang-tidy-14"
+
+
+@dataclass(frozen=True)
+class Source:
+    path: Path
+    command: str
+    includes: tuple[Path, ...] | None  # None: not compiled, so not known
+
+
+@dataclass(frozen=True)
+class Finding:
+    source: Source
+    key: str | None
+    clean: bool
+    output: str
+
+
+def recorded_includes(build: Path) -> dict[str, list[Path]]:
+    """Files that each object was made from, by the object's path in the build directory."""
+    listing = subprocess.run(
+        ["ninja", "-C", str(build), "-t", "deps"], check=True, capture_output=True, text=True
+    ).stdout
+    includes: dict[str, list[Path]] = {}
+    current: list[Path] = []
+    for line in listing.splitlines():
+        if line.startswith("    "):
+            current.append(build / line.strip())
+        elif ": #deps " in line:
+            current = includes.setdefault(line.partition(": #deps ")[0], [])
+    return includes
+
+
+def own_sources(build: Path) -> list[Source]:
+    """Sources of the checkout that the build compiles, without generated ones."""
+    includes = recorded_includes(build)
+    sources = {}
+    for entry in json.loads((build / "compile_commands.json").read_text()):
+        path = Path(entry["file"]).resolve()
+        if TOP not in path.parents or build in path.parents:
+            continue
+        files = includes.get(entry["output"])
+        sources[path] = Source(path, entry["command"], None if files is None else tuple(files))
+    return [sources[path] for path in sorted(sources)]
+
+
+@cache
+def fingerprint(path: Path) -> str:
+    """Content of a file of the checkout; size and time of one that a package installed."""
+    resolved = path.resolve()
+    if TOP in resolved.parents:
+        content = hashlib.sha256(resolved.read_bytes()).hexdigest()
+        return f"{resolved.relative_to(TOP)} {content}"
+    status = resolved.stat()
+    return f"{resolved} {status.st_size} {status.st_mtime_ns}"
+
+
+@cache
+def checks(directory: Path) -> str:
+    """The configuration in force for a directory, and the version that reads it."""
+    probe = directory / "any.cpp"
+    command = [TIDY, "--dump-config", str(probe), "--"]
+    config = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    version = subprocess.run([TIDY, "--version"], check=True, capture_output=True, text=True).stdout
+    return version + config
+
+
+def key_of(source: Source, build: Path) -> str | None:
+    if source.includes is None or not all(path.exists() for path in source.includes):
+        return None
+    command = source.command.replace(str(build), "BUILD").replace(str(TOP), "TOP")
+    parts = [command, checks(source.path.parent)]
+    parts += sorted({fingerprint(path) for path in source.includes})
+    return hashlib.sha256("\n".join(parts).encode()).hexdigest()
+
+
+def analyse(source: Source, key: str | None, build: Path) -> Finding:
+    run = subprocess.run(
+        [TIDY, "--quiet", "-p", str(build), str(source.path)],
+        check=False,
+        capture_output=True,
+        text=True,
+    )
+    noise = ("warnings generated.", "warning generated.", "Suppressed ", "Use -header-filter")
+    errors = [line for line in run.stderr.splitlines() if not any(word in line for word in noise)]
+    return Finding(source, key, run.returncode == 0, "\n".join([run.stdout.strip(), *errors]))
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--build", type=Path, required=True, help="a build made with clang")
+    parser.add_argument("--stamps", type=Path, required=True, help="where clean sources are noted")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    arguments = parser.parse_args()
+    build: Path = arguments.build.resolve()
+    stamps: Path = arguments.stamps
+    stamps.mkdir(parents=True, exist_ok=True)
+
+    sources = own_sources(build)
+    if not sources:
+        print(f"no source of {TOP} is built in {build}")
+        return 1
+    keys = [key_of(source, build) for source in sources]
+    due = [
+        (source, key)
+        for source, key in zip(sources, keys, strict=True)
+        if key is None or not (stamps / key).exists()
+    ]
+    failures = 0
+    with ThreadPoolExecutor(arguments.jobs) as pool:
+        pending = [pool.submit(analyse, source, key, build) for source, key in due]
+        for count, future in enumerate(as_completed(pending), 1):
+            finding = future.result()
+            print(f"[{count}/{len(due)}] {finding.source.path.relative_to(TOP)}", flush=True)
+            if not finding.clean:
+                failures += 1
+                print(finding.output, flush=True)
+            elif finding.key:
+                (stamps / finding.key).touch()
+    print(f"{len(sources)} sources, {len(sources) - len(due)} unchanged, {failures} with findings")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
