@@ -1,0 +1,41 @@
+#ifndef HVP_DEVICE_H
+#define HVP_DEVICE_H
+
+#include "driver/hvp_transfer.h"
+
+// What the parts of the driver share about a device: not for its users.
+
+// A zeroed handle is a closed one. A board that did not come to an end with a matrix is lost until
+// it is reset.
+enum {
+  STATE_CLOSED,
+  STATE_OPEN,
+  STATE_CONFIGURED,
+  STATE_LOADED,
+  STATE_RUNNING,
+  STATE_LOST,
+};
+
+// A field of a register's word, and a value put where the field is, by PeakRDL's names.
+#define FIELD(word, name) (((word)&name##_bm) >> name##_bp)
+#define PLACE(value, name) ((uint32_t)(value) << name##_bp & name##_bm)
+
+static inline uint32_t matrix_bits(const struct hvp_device* device) {
+  return FIELD(device->format, HVP__FORMAT__MATRIX_BITS);
+}
+static inline uint32_t vector_bits(const struct hvp_device* device) {
+  return FIELD(device->format, HVP__FORMAT__VECTOR_BITS);
+}
+static inline uint32_t rhs_bits(const struct hvp_device* device) {
+  return FIELD(device->format, HVP__FORMAT__RHS_BITS);
+}
+
+static inline bool hvp_between(uint32_t value, uint32_t least, uint32_t most) {
+  return value >= least && value <= most;
+}
+
+// Until the board reports the end of a command, or timeout_ns have passed. Keeps STATUS in
+// last_status, takes the interrupt down and returns what the board reported.
+hvp_status hvp_await_end(struct hvp_device* device, uint64_t timeout_ns);
+
+#endif

@@ -1,0 +1,188 @@
+#include "driver/hvp_driver.h"
+
+#include "driver/hvp_device.h"
+
+enum { SETTINGS_WORDS = 6 };
+static_assert(offsetof(hvp_t, START_MODE) - offsetof(hvp_t, METHOD) == 4 * (SETTINGS_WORDS - 1),
+              "one burst writes METHOD to START_MODE");
+
+enum { KNOWN_MAJOR_VERSION = 1 };
+
+static hvp_status status_of_board(uint32_t error_code) {
+  switch (error_code) {
+    case HVP_ERROR_CODE_BAD_SIZE:
+      return HVP_ERROR_BAD_SIZE;
+    case HVP_ERROR_CODE_BAD_MATRIX:
+      return HVP_ERROR_BAD_MATRIX;
+    case HVP_ERROR_CODE_BAD_SETTING:
+      return HVP_ERROR_BAD_SETTING;
+    case HVP_ERROR_CODE_NOT_LOADED:
+      return HVP_ERROR_NOT_LOADED;
+    case HVP_ERROR_CODE_BAD_NODE:
+      return HVP_ERROR_BAD_NODE;
+    case HVP_ERROR_CODE_BAD_ROW:
+      return HVP_ERROR_BAD_ROW;
+    case HVP_ERROR_CODE_ILLEGAL_ACCESS:
+      return HVP_ERROR_ILLEGAL_ACCESS;
+    default:
+      return HVP_ERROR_BOARD;
+  }
+}
+
+// What an error leaves behind: its detail, and the true job number, since a refused start did not
+// count. Read before the error is cleared, which clears the detail too.
+static void note_error(struct hvp_device* device) {
+  device->error_detail = hvp_read_register(device, HVP_OFFSET(ERROR_DETAIL));
+  device->job = hvp_read_register(device, HVP_OFFSET(JOB));
+}
+
+hvp_status hvp_await_end(struct hvp_device* device, uint64_t timeout_ns) {
+  const struct hvp_bus* bus = &device->bus;
+  const uint64_t begin = bus->now_ns(bus->context);
+  uint32_t status;
+  for (;;) {
+    const uint64_t elapsed = bus->now_ns(bus->context) - begin;
+    bool late = elapsed >= timeout_ns;
+    if (bus->wait_interrupt != NULL && !late) {
+      const int outcome = bus->wait_interrupt(bus->context, timeout_ns - elapsed);
+      if (outcome < 0) return HVP_ERROR_BUS;
+      late = outcome == HVP_INTERRUPT_TIMED_OUT;
+    }
+    // The line may be shared or its interrupt lost: STATUS alone decides.
+    status = hvp_read_register(device, HVP_OFFSET(STATUS));
+    if (status == HVP_ALL_ONES) return HVP_ERROR_BUS;
+    if ((status & (HVP__STATUS__DONE_bm | HVP__STATUS__ERROR_bm)) != 0U) break;
+    if (late) return HVP_ERROR_TIMEOUT;
+  }
+
+  device->last_status = status;
+  const bool failed = (status & HVP__STATUS__ERROR_bm) != 0U;
+  if (failed) note_error(device);
+  const uint32_t seen = PLACE(FIELD(status, HVP__STATUS__DONE), HVP__INTERRUPT_STATUS__DONE) |
+                        PLACE(FIELD(status, HVP__STATUS__ERROR), HVP__INTERRUPT_STATUS__ERROR);
+  hvp_write_register(device, HVP_OFFSET(INTERRUPT_STATUS), seen);
+  return failed ? status_of_board(FIELD(status, HVP__STATUS__ERROR_CODE)) : HVP_OK;
+}
+
+static void read_capability(struct hvp_device* device) {
+  struct hvp_capability* capability = &device->capability;
+  const uint32_t nodes = hvp_read_register(device, HVP_OFFSET(CAPABILITY_NODES));
+  capability->max_nodes = FIELD(nodes, HVP__CAPABILITY_NODES__MAX_NODES);
+  capability->max_row_blocks = FIELD(nodes, HVP__CAPABILITY_NODES__MAX_ROW_BLOCKS);
+  capability->max_blocks = hvp_read_register(device, HVP_OFFSET(CAPABILITY_BLOCKS));
+  const uint32_t format = hvp_read_register(device, HVP_OFFSET(CAPABILITY_FORMAT));
+  capability->max_matrix_bits = FIELD(format, HVP__CAPABILITY_FORMAT__MAX_MATRIX_BITS);
+  capability->max_vector_bits = FIELD(format, HVP__CAPABILITY_FORMAT__MAX_VECTOR_BITS);
+  capability->max_rhs_bits = FIELD(format, HVP__CAPABILITY_FORMAT__MAX_RHS_BITS);
+  capability->max_coefficient_bits = FIELD(format, HVP__CAPABILITY_FORMAT__MAX_COEFFICIENT_BITS);
+  capability->clock_khz = hvp_read_register(device, HVP_OFFSET(CAPABILITY_CLOCK));
+}
+
+// The map has room for this much; a board that claims more is not one of ours.
+static bool capability_is_sane(const struct hvp_capability* capability) {
+  const uint32_t most_nodes = (uint32_t)(sizeof(hvp__B_t) / sizeof(uint32_t) / 3U);
+  const uint32_t most_row_blocks = (uint32_t)(sizeof(hvp__ROW_t) / sizeof(uint32_t) / 9U);
+  const uint32_t most_blocks = (uint32_t)(sizeof(hvp__COLUMN_t) / sizeof(uint32_t));
+  return hvp_between(capability->max_nodes, 1U, most_nodes) &&
+         hvp_between(capability->max_row_blocks, 1U, most_row_blocks) &&
+         hvp_between(capability->max_blocks, 1U, most_blocks) &&
+         hvp_between(capability->max_matrix_bits, 2U, 32U) &&
+         hvp_between(capability->max_vector_bits, 2U, 32U) &&
+         hvp_between(capability->max_rhs_bits, 2U, 32U) &&
+         hvp_between(capability->max_coefficient_bits, 2U, 32U) && capability->clock_khz != 0U;
+}
+
+hvp_status hvp_open(struct hvp_device* device, const struct hvp_bus* bus, uint32_t* scratch,
+                    size_t scratch_words) {
+  if (device == NULL || bus == NULL || scratch == NULL) return HVP_ERROR_ARGUMENT;
+  if (bus->read32 == NULL || bus->write32 == NULL || bus->read_block == NULL ||
+      bus->write_block == NULL || bus->now_ns == NULL) {
+    return HVP_ERROR_ARGUMENT;
+  }
+  if (scratch_words < HVP_MIN_SCRATCH_WORDS) return HVP_ERROR_ARGUMENT;
+  *device = (struct hvp_device){.bus = *bus, .scratch = scratch, .scratch_words = scratch_words};
+
+  if (hvp_read_register(device, HVP_OFFSET(ID)) != HVP__ID__MAGIC_reset) {
+    return HVP_ERROR_NO_DEVICE;
+  }
+  const uint32_t version = hvp_read_register(device, HVP_OFFSET(VERSION));
+  if (FIELD(version, HVP__VERSION__MAJOR) != KNOWN_MAJOR_VERSION) return HVP_ERROR_VERSION;
+  read_capability(device);
+  if (!capability_is_sane(&device->capability)) return HVP_ERROR_CAPABILITY;
+
+  device->state = STATE_OPEN;
+  const hvp_status status = hvp_reset(device);
+  if (status != HVP_OK) device->state = STATE_CLOSED;
+  return status;
+}
+
+hvp_status hvp_reset(struct hvp_device* device) {
+  if (device == NULL) return HVP_ERROR_ARGUMENT;
+  if (device->state == STATE_CLOSED) return HVP_ERROR_STATE;
+  hvp_write_register(device, HVP_OFFSET(CONTROL), HVP__CONTROL__RESET_bm);
+  device->state = STATE_OPEN;
+  device->format = 0U;
+  device->nodes = 0U;
+  device->job = 0U;
+  device->last_status = 0U;
+  device->error_detail = 0U;
+  const uint32_t status = hvp_read_register(device, HVP_OFFSET(STATUS));
+  if (status == HVP_ALL_ONES) return HVP_ERROR_BUS;
+  if (status != 0U) return HVP_ERROR_BOARD;
+  if (device->bus.wait_interrupt != NULL) {
+    hvp_write_register(device, HVP_OFFSET(INTERRUPT_ENABLE),
+                       HVP__INTERRUPT_ENABLE__DONE_bm | HVP__INTERRUPT_ENABLE__ERROR_bm);
+  }
+  return HVP_OK;
+}
+
+hvp_status hvp_close(struct hvp_device* device) {
+  if (device == NULL) return HVP_ERROR_ARGUMENT;
+  if (device->state == STATE_CLOSED) return HVP_ERROR_STATE;
+  hvp_write_register(device, HVP_OFFSET(INTERRUPT_ENABLE), 0U);
+  device->state = STATE_CLOSED;
+  return HVP_OK;
+}
+
+const struct hvp_capability* hvp_capability_of(const struct hvp_device* device) {
+  return device == NULL ? NULL : &device->capability;
+}
+
+hvp_status hvp_configure(struct hvp_device* device, const struct hvp_solver_config* config) {
+  if (device == NULL || config == NULL) return HVP_ERROR_ARGUMENT;
+  if (device->state != STATE_OPEN && device->state != STATE_CONFIGURED &&
+      device->state != STATE_LOADED) {
+    return HVP_ERROR_STATE;
+  }
+  uint32_t rhs = config->rhs_bits;
+  if (rhs == 0U) rhs = config->jacobi ? 32U : config->vector_bits;
+  if (config->matrix_bits < 2U || config->vector_bits < 2U || rhs < 2U ||
+      config->coefficient_bits < 2U || !hvp_between(config->iterations, 1U, 0xffffU) ||
+      config->static_shift > 63U || config->headroom_bits > 15U) {
+    return HVP_ERROR_ARGUMENT;
+  }
+  const struct hvp_capability* capability = &device->capability;
+  if (config->matrix_bits > capability->max_matrix_bits ||
+      config->vector_bits > capability->max_vector_bits || rhs > capability->max_rhs_bits ||
+      config->coefficient_bits > capability->max_coefficient_bits) {
+    return HVP_ERROR_CAPABILITY;
+  }
+
+  const uint32_t format = PLACE(config->matrix_bits, HVP__FORMAT__MATRIX_BITS) |
+                          PLACE(config->vector_bits, HVP__FORMAT__VECTOR_BITS) |
+                          PLACE(rhs, HVP__FORMAT__RHS_BITS) |
+                          PLACE(config->coefficient_bits, HVP__FORMAT__COEFFICIENT_BITS);
+  uint32_t* words = device->scratch;
+  words[0] = config->jacobi ? HVP_SOLVER_METHOD_JACOBI_PCG : HVP_SOLVER_METHOD_CG;
+  words[1] = config->iterations;
+  words[2] = config->static_shift;
+  words[3] = PLACE(config->dynamic_scaling, HVP__SCALING__DYNAMIC) |
+             PLACE(config->headroom_bits, HVP__SCALING__HEADROOM_BITS);
+  words[4] = format;
+  words[5] = config->warm_start ? HVP_START_MODE_WARM : HVP_START_MODE_ZERO;
+  device->bus.write_block(device->bus.context, HVP_OFFSET(METHOD), words, SETTINGS_WORDS);
+
+  if (device->state == STATE_OPEN || format != device->format) device->state = STATE_CONFIGURED;
+  device->format = format;
+  return HVP_OK;
+}

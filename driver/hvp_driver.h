@@ -1,0 +1,193 @@
+#ifndef HVP_DRIVER_H
+#define HVP_DRIVER_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+// The driver of the solver board: loads a matrix K, changes single rows of it, sends b, starts a
+// solve of K·U = b, waits for it and fetches U. docs/driver.md shows a frame; docs/registers.md is
+// the board. It reaches the board through the call-backs of struct hvp_bus only and allocates
+// nothing. One thread owns a device handle; two boards are two handles.
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// What every function returns; hvp_status_text() says it in words. Those from HVP_ERROR_BAD_SIZE on
+// were reported by the board, or are what it would report: the driver checks first.
+typedef enum hvp_status {
+  HVP_OK = 0,
+  HVP_ERROR_ARGUMENT,      // a null pointer, a wrong count, a setting that no board has
+  HVP_ERROR_STATE,         // not now: see the order of calls in docs/driver.md
+  HVP_ERROR_RANGE,         // a value does not fit the configured word length; nothing was written
+  HVP_ERROR_CAPABILITY,    // more than this board can do
+  HVP_ERROR_NO_DEVICE,     // no solver board answers at this address
+  HVP_ERROR_VERSION,       // a register map this driver does not know
+  HVP_ERROR_BUS,           // the bus reported a failure, or the board stopped answering
+  HVP_ERROR_TIMEOUT,       // the board is still busy: wait again, or hvp_reset()
+  HVP_ERROR_STALE_RESULT,  // the results on the board belong to another job
+  HVP_ERROR_BAD_SIZE,
+  HVP_ERROR_BAD_MATRIX,
+  HVP_ERROR_BAD_SETTING,
+  HVP_ERROR_NOT_LOADED,
+  HVP_ERROR_BAD_NODE,
+  HVP_ERROR_BAD_ROW,
+  HVP_ERROR_ILLEGAL_ACCESS,  // someone made an access that the register map does not allow
+  HVP_ERROR_BOARD,           // a fault of the board's own, or a code this driver does not know
+  HVP_STATUS_COUNT
+} hvp_status;
+
+const char* hvp_status_text(hvp_status status);
+
+// How wait_interrupt ended; a negative number is a failure of the bus.
+enum { HVP_INTERRUPT = 0, HVP_INTERRUPT_TIMED_OUT = 1 };
+
+// The way to one board. Offsets are bytes from the start of its BAR, multiples of four; words are
+// in the host's byte order and little-endian on the bus. Writes may be posted but must arrive in
+// order and before a later read is answered. No call-back may unwind (throw, longjmp) through the
+// driver.
+struct hvp_bus {
+  void* context;
+  uint32_t (*read32)(void* context, uint32_t offset);
+  void (*write32)(void* context, uint32_t offset, uint32_t value);
+  // `count` consecutive words, as one burst where the bus can.
+  void (*read_block)(void* context, uint32_t offset, uint32_t* words, size_t count);
+  void (*write_block)(void* context, uint32_t offset, const uint32_t* words, size_t count);
+  // Blocks until the board's interrupt line is up; at once if it is up already. The line is a
+  // level that the driver takes down by writing INTERRUPT_STATUS. Null where there is no
+  // interrupt: the driver then polls STATUS.
+  int (*wait_interrupt)(void* context, uint64_t timeout_ns);
+  // A clock that never runs backwards and moves on while registers are read.
+  uint64_t (*now_ns)(void* context);
+};
+
+// The smallest scratch area: one burst of settings.
+#define HVP_MIN_SCRATCH_WORDS 16U
+
+// How long the board may take to check a matrix: thousands of times what 8192 nodes take.
+#define HVP_LOAD_TIMEOUT_NS UINT64_C(1000000000)
+
+struct hvp_capability {
+  uint32_t max_nodes;
+  uint32_t max_row_blocks;
+  uint32_t max_blocks;
+  uint32_t max_matrix_bits;
+  uint32_t max_vector_bits;
+  uint32_t max_rhs_bits;
+  uint32_t max_coefficient_bits;
+  uint32_t clock_khz;
+};
+
+// A board. The caller provides the room; the members are the driver's own.
+struct hvp_device {
+  struct hvp_bus bus;
+  uint32_t* scratch;
+  size_t scratch_words;
+  struct hvp_capability capability;
+  int state;
+  uint32_t format;
+  uint32_t nodes;
+  uint32_t job;
+  uint32_t last_status;
+  uint32_t error_detail;
+};
+
+// Word lengths are bits of signed words, 2 to the board's capability.
+struct hvp_solver_config {
+  bool jacobi;                // Jacobi-preconditioned (thesis §4.3) instead of plain CG
+  bool warm_start;            // start from the last U instead of zero
+  bool dynamic_scaling;       // thesis §4.2
+  uint32_t headroom_bits;     // kept free by dynamic scaling, 0 to 15
+  uint32_t iterations;        // 1 to 65535
+  uint32_t static_shift;      // m of the static scale 2^m (thesis §4.2), 0 to 63
+  uint32_t matrix_bits;       // entries of K
+  uint32_t vector_bits;       // entries of U
+  uint32_t rhs_bits;          // entries of b; 0: vector_bits, or 32 with Jacobi (thesis §4.3)
+  uint32_t coefficient_bits;  // mantissas of α and β
+};
+
+// Symmetric, of 3 × 3 blocks, both triangles stored, columns ascending within a block row, every
+// diagonal block there. The caller's own; read during hvp_load_matrix() only.
+struct hvp_matrix {
+  uint32_t nodes;            // block rows
+  uint32_t blocks;           // non-zero blocks
+  const int32_t* row_begin;  // [nodes + 1], first block of each row; the last is `blocks`
+  const int32_t* column;     // [blocks]
+  const int32_t* value;      // [9·blocks], a block row by row
+};
+
+struct hvp_result {
+  uint32_t job;         // 1 for the first since hvp_open() or hvp_reset()
+  uint32_t iterations;  // passes that changed U
+  uint32_t saturations;
+  uint32_t breakdowns;
+  uint32_t flags;   // bit n: entry n of the numerical flags, see RESULT_FLAGS
+  uint64_t cycles;  // of the board's clock, from start to done
+};
+
+// Makes sure that a board with a known register map is there, reads what it can do and resets it.
+// `scratch` is where bursts are packed: a burst is never longer than it, so that 3·nodes words make
+// each transfer of b or U a single burst. It stays in use until hvp_close().
+hvp_status hvp_open(struct hvp_device* device, const struct hvp_bus* bus, uint32_t* scratch,
+                    size_t scratch_words);
+
+// Aborts whatever runs and brings the board into the state after hvp_open(): settings and matrix
+// are gone. The way out of a time-out.
+hvp_status hvp_reset(struct hvp_device* device);
+
+// Takes the interrupt away from the board. The handle is dead afterwards, whatever is returned.
+hvp_status hvp_close(struct hvp_device* device);
+
+const struct hvp_capability* hvp_capability_of(const struct hvp_device* device);
+
+// One burst. May be repeated between jobs; changing a word length drops the loaded matrix.
+hvp_status hvp_configure(struct hvp_device* device, const struct hvp_solver_config* config);
+
+// Sends the whole matrix and has the board check it.
+hvp_status hvp_load_matrix(struct hvp_device* device, const struct hvp_matrix* matrix);
+
+// Zeroes the node's block row and column but for the diagonal entries, which become `diagonal` > 0
+// (thesis §3.7).
+hvp_status hvp_constrain_node(struct hvp_device* device, uint32_t node, int32_t diagonal);
+
+// Gives the node its block row back, and by symmetry its column. `values` has nine entries for each
+// of the row's `blocks` blocks, in the order in which hvp_load_matrix() had them. Blocks towards a
+// node that is still constrained have to be zero: the board writes what it is told.
+hvp_status hvp_restore_node(struct hvp_device* device, uint32_t node, const int32_t* values,
+                            uint32_t blocks);
+
+// The right-hand side; n = 3·nodes.
+hvp_status hvp_write_rhs(struct hvp_device* device, const int32_t* b, size_t n);
+
+// The initial guess of the next warm start, instead of the last solution; n = 3·nodes.
+hvp_status hvp_write_initial_guess(struct hvp_device* device, const int32_t* u, size_t n);
+
+// Starts a job and returns at once. Nothing but hvp_wait(), hvp_reset() and hvp_close() is
+// allowed until it has ended.
+hvp_status hvp_start(struct hvp_device* device);
+
+// Until the job has ended, or timeout_ns have passed. The status register is read before a
+// time-out is reported, so that a lost interrupt costs time only.
+hvp_status hvp_wait(struct hvp_device* device, uint64_t timeout_ns);
+
+hvp_status hvp_read_solution(struct hvp_device* device, int32_t* u, size_t n);
+
+// Of the last job that has ended; one burst.
+hvp_status hvp_read_result(struct hvp_device* device, struct hvp_result* result);
+
+// write_rhs, start, wait, read_solution.
+hvp_status hvp_solve(struct hvp_device* device, const int32_t* b, int32_t* u, size_t n,
+                     uint64_t timeout_ns);
+
+// The low 16 numerical flags of the job that hvp_wait() saw end. No access to the board.
+uint32_t hvp_last_flags(const struct hvp_device* device);
+
+// The number that goes with the last error which the board reported: see ERROR in
+// docs/registers.md. No access to the board.
+uint32_t hvp_error_detail(const struct hvp_device* device);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,88 @@
+#include "driver/hvp_device.h"
+
+enum { RESULT_WORDS = 7 };
+static_assert(offsetof(hvp_t, RESULT_CYCLES_HIGH) - offsetof(hvp_t, RESULT_JOB) ==
+                  4 * (RESULT_WORDS - 1),
+              "one burst reads RESULT_JOB to RESULT_CYCLES_HIGH");
+
+static hvp_status check_vector(const struct hvp_device* device, const int32_t* vector, size_t n) {
+  if (device == NULL || vector == NULL) return HVP_ERROR_ARGUMENT;
+  if (device->state != STATE_LOADED) return HVP_ERROR_STATE;
+  return n == (size_t)3 * device->nodes ? HVP_OK : HVP_ERROR_ARGUMENT;
+}
+
+hvp_status hvp_write_rhs(struct hvp_device* device, const int32_t* b, size_t n) {
+  const hvp_status status = check_vector(device, b, n);
+  if (status != HVP_OK) return status;
+  if (!hvp_elements_fit(b, n, rhs_bits(device))) return HVP_ERROR_RANGE;
+  hvp_write_elements(device, HVP_OFFSET(B), b, n, rhs_bits(device));
+  return HVP_OK;
+}
+
+hvp_status hvp_write_initial_guess(struct hvp_device* device, const int32_t* u, size_t n) {
+  const hvp_status status = check_vector(device, u, n);
+  if (status != HVP_OK) return status;
+  if (!hvp_elements_fit(u, n, vector_bits(device))) return HVP_ERROR_RANGE;
+  hvp_write_elements(device, HVP_OFFSET(U), u, n, vector_bits(device));
+  return HVP_OK;
+}
+
+hvp_status hvp_start(struct hvp_device* device) {
+  if (device == NULL) return HVP_ERROR_ARGUMENT;
+  if (device->state != STATE_LOADED) return HVP_ERROR_STATE;
+  hvp_write_register(device, HVP_OFFSET(CONTROL), HVP__CONTROL__START_bm);
+  ++device->job;
+  device->state = STATE_RUNNING;
+  return HVP_OK;
+}
+
+hvp_status hvp_wait(struct hvp_device* device, uint64_t timeout_ns) {
+  if (device == NULL) return HVP_ERROR_ARGUMENT;
+  if (device->state != STATE_RUNNING) return HVP_ERROR_STATE;
+  const hvp_status status = hvp_await_end(device, timeout_ns);
+  // After a time-out, and after an error that came in between, the job runs on.
+  if (status == HVP_ERROR_TIMEOUT || status == HVP_ERROR_BUS) return status;
+  if ((device->last_status & HVP__STATUS__BUSY_bm) == 0U) device->state = STATE_LOADED;
+  return status;
+}
+
+hvp_status hvp_read_solution(struct hvp_device* device, int32_t* u, size_t n) {
+  const hvp_status status = check_vector(device, u, n);
+  if (status != HVP_OK) return status;
+  hvp_read_elements(device, HVP_OFFSET(U), u, n, vector_bits(device));
+  return HVP_OK;
+}
+
+hvp_status hvp_read_result(struct hvp_device* device, struct hvp_result* result) {
+  if (device == NULL || result == NULL) return HVP_ERROR_ARGUMENT;
+  if (device->state != STATE_LOADED || device->job == 0U) return HVP_ERROR_STATE;
+  const uint32_t* words = device->scratch;
+  device->bus.read_block(device->bus.context, HVP_OFFSET(RESULT_JOB), device->scratch,
+                         RESULT_WORDS);
+  if (words[0] != device->job) return HVP_ERROR_STALE_RESULT;
+  *result = (struct hvp_result){.job = words[0],
+                                .iterations = words[1],
+                                .saturations = words[2],
+                                .breakdowns = words[3],
+                                .flags = words[4],
+                                .cycles = (uint64_t)words[6] << 32U | words[5]};
+  return HVP_OK;
+}
+
+hvp_status hvp_solve(struct hvp_device* device, const int32_t* b, int32_t* u, size_t n,
+                     uint64_t timeout_ns) {
+  if (u == NULL) return HVP_ERROR_ARGUMENT;
+  hvp_status status = hvp_write_rhs(device, b, n);
+  if (status == HVP_OK) status = hvp_start(device);
+  if (status == HVP_OK) status = hvp_wait(device, timeout_ns);
+  if (status == HVP_OK) status = hvp_read_solution(device, u, n);
+  return status;
+}
+
+uint32_t hvp_last_flags(const struct hvp_device* device) {
+  return device == NULL ? 0U : FIELD(device->last_status, HVP__STATUS__FLAGS);
+}
+
+uint32_t hvp_error_detail(const struct hvp_device* device) {
+  return device == NULL ? 0U : device->error_detail;
+}

@@ -1,0 +1,45 @@
+#include "driver/hvp_driver.h"
+
+const char* hvp_status_text(hvp_status status) {
+  switch (status) {
+    case HVP_OK:
+      return "success";
+    case HVP_ERROR_ARGUMENT:
+      return "an argument is wrong: a null pointer, a wrong count or an impossible setting";
+    case HVP_ERROR_STATE:
+      return "not allowed now: the board is not open, not configured, not loaded or still busy";
+    case HVP_ERROR_RANGE:
+      return "a value does not fit the configured word length";
+    case HVP_ERROR_CAPABILITY:
+      return "the board cannot do this much: compare with its capability registers";
+    case HVP_ERROR_NO_DEVICE:
+      return "no solver board answers at this address";
+    case HVP_ERROR_VERSION:
+      return "the board has a register map that this driver does not know";
+    case HVP_ERROR_BUS:
+      return "the bus failed or the board stopped answering";
+    case HVP_ERROR_TIMEOUT:
+      return "the board is still busy: wait again or reset it";
+    case HVP_ERROR_STALE_RESULT:
+      return "the results on the board belong to another job";
+    case HVP_ERROR_BAD_SIZE:
+      return "the matrix is empty or larger than the board";
+    case HVP_ERROR_BAD_MATRIX:
+      return "the pattern of the matrix is wrong: rows, ascending columns or a diagonal block";
+    case HVP_ERROR_BAD_SETTING:
+      return "the board does not support a setting";
+    case HVP_ERROR_NOT_LOADED:
+      return "the board has no matrix";
+    case HVP_ERROR_BAD_NODE:
+      return "the matrix has no such node";
+    case HVP_ERROR_BAD_ROW:
+      return "the row given back has another number of blocks than the board's";
+    case HVP_ERROR_ILLEGAL_ACCESS:
+      return "an access that the register map does not allow was refused";
+    case HVP_ERROR_BOARD:
+      return "the board stopped on a fault of its own";
+    case HVP_STATUS_COUNT:
+      break;
+  }
+  return "not a status of this driver";
+}

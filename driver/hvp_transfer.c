@@ -1,0 +1,68 @@
+#include "driver/hvp_transfer.h"
+
+// Elements of at most 16 bits travel two in a word (FORMAT in docs/registers.md).
+static size_t elements_per_word(uint32_t bits) { return bits <= 16U ? 2U : 1U; }
+
+static uint32_t word_of(const int32_t* elements, size_t n, size_t i, uint32_t bits) {
+  if (bits > 16U) return (uint32_t)elements[i];
+  const uint32_t low = (uint32_t)elements[i] & 0xffffU;
+  const uint32_t high = i + 1U < n ? (uint32_t)elements[i + 1U] & 0xffffU : 0U;
+  return low | high << 16U;
+}
+
+// Two's complement without leaning on the compiler's conversion of a value that does not fit.
+static int32_t signed_element(uint32_t pattern, uint32_t sign) {
+  const int64_t value = (int64_t)(pattern ^ sign) - (int64_t)sign;
+  return (int32_t)value;
+}
+
+uint32_t hvp_read_register(const struct hvp_device* device, uint32_t offset) {
+  return device->bus.read32(device->bus.context, offset);
+}
+
+void hvp_write_register(const struct hvp_device* device, uint32_t offset, uint32_t value) {
+  device->bus.write32(device->bus.context, offset, value);
+}
+
+bool hvp_elements_fit(const int32_t* elements, size_t n, uint32_t bits) {
+  const int64_t limit = INT64_C(1) << (bits - 1U);
+  for (size_t i = 0; i < n; ++i) {
+    if (elements[i] < -limit || elements[i] >= limit) return false;
+  }
+  return true;
+}
+
+void hvp_write_elements(struct hvp_device* device, uint32_t offset, const int32_t* elements,
+                        size_t n, uint32_t bits) {
+  const size_t per_word = elements_per_word(bits);
+  size_t done = 0;
+  while (done < n) {
+    size_t words = 0;
+    for (; words < device->scratch_words && done < n; ++words, done += per_word) {
+      device->scratch[words] = word_of(elements, n, done, bits);
+    }
+    device->bus.write_block(device->bus.context, offset, device->scratch, words);
+    offset += (uint32_t)(words * sizeof(uint32_t));
+  }
+}
+
+void hvp_read_elements(struct hvp_device* device, uint32_t offset, int32_t* elements, size_t n,
+                       uint32_t bits) {
+  const size_t per_word = elements_per_word(bits);
+  size_t done = 0;
+  while (done < n) {
+    size_t words = (n - done + per_word - 1U) / per_word;
+    if (words > device->scratch_words) words = device->scratch_words;
+    device->bus.read_block(device->bus.context, offset, device->scratch, words);
+    for (size_t i = 0; i < words; ++i) {
+      const uint32_t word = device->scratch[i];
+      if (per_word == 1U) {
+        elements[done++] = signed_element(word, 0x80000000U);
+      } else {
+        elements[done++] = signed_element(word & 0xffffU, 0x8000U);
+        if (done < n) elements[done++] = signed_element(word >> 16U, 0x8000U);
+      }
+    }
+    offset += (uint32_t)(words * sizeof(uint32_t));
+  }
+}

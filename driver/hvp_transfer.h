@@ -1,0 +1,28 @@
+#ifndef HVP_TRANSFER_H
+#define HVP_TRANSFER_H
+
+#include "driver/generated/hvp_registers.h"
+#include "driver/hvp_driver.h"
+
+// Registers and packed elements over the bus: the driver's own, not for its users.
+
+#define HVP_OFFSET(name) ((uint32_t)offsetof(hvp_t, name))
+
+// What a read returns when nobody answers.
+#define HVP_ALL_ONES UINT32_MAX
+
+uint32_t hvp_read_register(const struct hvp_device* device, uint32_t offset);
+void hvp_write_register(const struct hvp_device* device, uint32_t offset, uint32_t value);
+
+// Whether all of them are signed words of `bits` bits, 2 to 32.
+bool hvp_elements_fit(const int32_t* elements, size_t n, uint32_t bits);
+
+// Packs and writes; in as few bursts as the scratch area allows. `elements` must fit.
+void hvp_write_elements(struct hvp_device* device, uint32_t offset, const int32_t* elements,
+                        size_t n, uint32_t bits);
+
+// Reads and unpacks.
+void hvp_read_elements(struct hvp_device* device, uint32_t offset, int32_t* elements, size_t n,
+                       uint32_t bits);
+
+#endif

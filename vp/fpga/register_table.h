@@ -1,0 +1,224 @@
+#pragma once
+
+// Generated from driver/hvp.rdl by driver/generate.py. Do not edit.
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+// clang-format off
+namespace hvp::vp {
+
+enum class Register : std::uint8_t {
+  id,  // Identification
+  version,  // Version of this register map
+  capability_nodes,  // Capability: nodes
+  capability_blocks,  // Capability: blocks
+  capability_format,  // Capability: word lengths
+  capability_clock,  // Capability: clock
+  control,  // Control
+  status,  // Status
+  interrupt_status,  // Interrupt status
+  interrupt_enable,  // Interrupt enable
+  error,  // Error
+  error_detail,  // Error detail
+  job,  // Job
+  method,  // Method
+  iterations,  // Iterations
+  static_shift,  // Static scaling
+  scaling,  // Dynamic scaling
+  format,  // Word lengths
+  start_mode,  // Start mode
+  nodes,  // Nodes
+  blocks,  // Blocks
+  update_node,  // Update: node
+  update_kind,  // Update: kind
+  update_diagonal,  // Update: diagonal
+  update_blocks,  // Update: blocks
+  result_job,  // Result: job
+  result_iterations,  // Result: iterations
+  result_saturations,  // Result: saturations
+  result_breakdowns,  // Result: breakdowns
+  result_flags,  // Result: flags
+  result_cycles_low,  // Result: cycles, low half
+  result_cycles_high,  // Result: cycles, high half
+};
+
+enum class Aperture : std::uint8_t {
+  row,  // Staged block row
+  b,  // Right-hand side
+  u,  // Solution
+  row_begin,  // Row begin
+  column,  // Column
+  value,  // Value
+};
+
+// A bit is reserved where both read_mask and write_mask are zero. A command (pulse) bit
+// is not stored. While STATUS.busy, a register is locked whole where busy_mask has bits
+// that are not commands; otherwise only the commands in busy_mask are.
+struct RegisterInfo {
+  std::string_view name;
+  std::uint32_t offset;
+  std::uint32_t reset;
+  std::uint32_t read_mask;
+  std::uint32_t write_mask;
+  std::uint32_t write_one_to_clear_mask;
+  std::uint32_t pulse_mask;
+  std::uint32_t busy_mask;
+};
+
+struct ApertureInfo {
+  std::string_view name;
+  std::uint32_t offset;
+  std::uint32_t size;  // bytes at full depth
+  bool readable;
+  bool writable;
+  bool locked_while_busy;
+};
+
+// Some bits of a register, the lowest at `low`.
+struct Field {
+  Register reg;
+  unsigned low;
+  unsigned width;
+
+  constexpr std::uint32_t mask() const {
+    return (~std::uint32_t{0} >> (32 - width)) << low;
+  }
+};
+
+inline constexpr std::uint32_t kBarBytes = 0x02000000;
+// Registers lie below this offset, memories above.
+inline constexpr std::uint32_t kRegisterBytes = 0x0000009c;
+
+// In the order of Register; offsets ascend.
+inline constexpr std::array<RegisterInfo, 32> kRegisters = {{
+    {"ID", 0x00000000, 0x48565031, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"VERSION", 0x00000004, 0x00010000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"CAPABILITY_NODES", 0x00000008, 0x00402000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"CAPABILITY_BLOCKS", 0x0000000c, 0x00050000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"CAPABILITY_FORMAT", 0x00000010, 0x20202020, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"CAPABILITY_CLOCK", 0x00000014, 0x000186a0, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"CONTROL", 0x00000020, 0x00000000, 0x00000000, 0x80000007, 0x00000000, 0x80000007, 0x00000007},
+    {"STATUS", 0x00000024, 0x00000000, 0xffffff0f, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"INTERRUPT_STATUS", 0x00000028, 0x00000000, 0x00000003, 0x00000003, 0x00000003, 0x00000000, 0x00000000},
+    {"INTERRUPT_ENABLE", 0x0000002c, 0x00000000, 0x00000003, 0x00000003, 0x00000000, 0x00000000, 0x00000000},
+    {"ERROR", 0x00000030, 0x00000000, 0x000000ff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"ERROR_DETAIL", 0x00000034, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"JOB", 0x00000038, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"METHOD", 0x00000040, 0x00000000, 0x00000003, 0x00000003, 0x00000000, 0x00000000, 0x00000003},
+    {"ITERATIONS", 0x00000044, 0x0000003c, 0x0000ffff, 0x0000ffff, 0x00000000, 0x00000000, 0x0000ffff},
+    {"STATIC_SHIFT", 0x00000048, 0x0000000b, 0x0000003f, 0x0000003f, 0x00000000, 0x00000000, 0x0000003f},
+    {"SCALING", 0x0000004c, 0x00000301, 0x00000f01, 0x00000f01, 0x00000000, 0x00000000, 0x00000f01},
+    {"FORMAT", 0x00000050, 0x1010100c, 0xffffffff, 0xffffffff, 0x00000000, 0x00000000, 0xffffffff},
+    {"START_MODE", 0x00000054, 0x00000001, 0x00000001, 0x00000001, 0x00000000, 0x00000000, 0x00000001},
+    {"NODES", 0x00000058, 0x00000000, 0x0000ffff, 0x0000ffff, 0x00000000, 0x00000000, 0x0000ffff},
+    {"BLOCKS", 0x0000005c, 0x00000000, 0xffffffff, 0xffffffff, 0x00000000, 0x00000000, 0xffffffff},
+    {"UPDATE_NODE", 0x00000060, 0x00000000, 0x0000ffff, 0x0000ffff, 0x00000000, 0x00000000, 0x0000ffff},
+    {"UPDATE_KIND", 0x00000064, 0x00000000, 0x00000001, 0x00000001, 0x00000000, 0x00000000, 0x00000001},
+    {"UPDATE_DIAGONAL", 0x00000068, 0x00000001, 0xffffffff, 0xffffffff, 0x00000000, 0x00000000, 0xffffffff},
+    {"UPDATE_BLOCKS", 0x0000006c, 0x00000000, 0x0000ffff, 0x0000ffff, 0x00000000, 0x00000000, 0x0000ffff},
+    {"RESULT_JOB", 0x00000080, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"RESULT_ITERATIONS", 0x00000084, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"RESULT_SATURATIONS", 0x00000088, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"RESULT_BREAKDOWNS", 0x0000008c, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"RESULT_FLAGS", 0x00000090, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"RESULT_CYCLES_LOW", 0x00000094, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"RESULT_CYCLES_HIGH", 0x00000098, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+}};
+
+// In the order of Aperture; offsets ascend.
+inline constexpr std::array<ApertureInfo, 6> kApertures = {{
+    {"ROW", 0x00001000, 0x00000900, true, true, true},
+    {"B", 0x00020000, 0x00018000, true, true, true},
+    {"U", 0x00040000, 0x00018000, true, true, true},
+    {"ROW_BEGIN", 0x00060000, 0x00008004, true, true, true},
+    {"COLUMN", 0x00200000, 0x00140000, true, true, true},
+    {"VALUE", 0x01000000, 0x00b40000, true, true, true},
+}};
+
+enum class ErrorCode : std::uint32_t {
+  none = 0,  // No error is pending.
+  bad_size = 1,  // load_done: NODES or BLOCKS is zero or beyond the board's capability. Detail: the value.
+  bad_matrix = 2,  // load_done: ROW_BEGIN does not run from 0 to BLOCKS without decreasing, a row has more blocks than CAPABILITY_NODES.max_row_blocks, columns do not ascend, or a diagonal block is missing. Detail: the block row.
+  bad_setting = 3,  // start or load_done: a setting is out of the board's range. Detail: the register's offset.
+  not_loaded = 4,  // start or update_node without a loaded matrix.
+  bad_node = 5,  // update_node: UPDATE_NODE is not below NODES. Detail: the node.
+  bad_row = 6,  // update_node: UPDATE_BLOCKS differs from the number of blocks in the row. Detail: the row's own number.
+  illegal_access = 7,  // An access that the map does not allow was refused. Detail: its offset.
+  internal_fault = 8,  // The solver stopped on a fault of its own.
+};
+
+enum class SolverMethod : std::uint32_t {
+  cg = 0,  // Conjugate gradients (thesis §4.2).
+  jacobi_pcg = 1,  // Conjugate gradients with Jacobi's preconditioner (thesis §4.3).
+};
+
+enum class StartMode : std::uint32_t {
+  zero = 0,  // Start from U = 0.
+  warm = 1,  // Start from what the U memory holds: the last solution, or what the host wrote.
+};
+
+enum class UpdateKind : std::uint32_t {
+  constrain = 0,  // Zero the node's block row and column and set the three diagonal entries to UPDATE_DIAGONAL (thesis §3.7, Fig. 3.5).
+  row = 1,  // Write the block row from the ROW memory and the block column as its transpose. Gives a released node its row back.
+};
+
+namespace field {
+
+inline constexpr Field id_magic{Register::id, 0, 32};
+inline constexpr Field version_minor{Register::version, 0, 16};
+inline constexpr Field version_major{Register::version, 16, 16};
+inline constexpr Field capability_nodes_max_nodes{Register::capability_nodes, 0, 16};
+inline constexpr Field capability_nodes_max_row_blocks{Register::capability_nodes, 16, 16};
+inline constexpr Field capability_blocks_max_blocks{Register::capability_blocks, 0, 32};
+inline constexpr Field capability_format_max_matrix_bits{Register::capability_format, 0, 8};
+inline constexpr Field capability_format_max_vector_bits{Register::capability_format, 8, 8};
+inline constexpr Field capability_format_max_rhs_bits{Register::capability_format, 16, 8};
+inline constexpr Field capability_format_max_coefficient_bits{Register::capability_format, 24, 8};
+inline constexpr Field capability_clock_kilohertz{Register::capability_clock, 0, 32};
+inline constexpr Field control_start{Register::control, 0, 1};
+inline constexpr Field control_update_node{Register::control, 1, 1};
+inline constexpr Field control_load_done{Register::control, 2, 1};
+inline constexpr Field control_reset{Register::control, 31, 1};
+inline constexpr Field status_busy{Register::status, 0, 1};
+inline constexpr Field status_done{Register::status, 1, 1};
+inline constexpr Field status_error{Register::status, 2, 1};
+inline constexpr Field status_matrix_loaded{Register::status, 3, 1};
+inline constexpr Field status_error_code{Register::status, 8, 8};
+inline constexpr Field status_flags{Register::status, 16, 16};
+inline constexpr Field interrupt_status_done{Register::interrupt_status, 0, 1};
+inline constexpr Field interrupt_status_error{Register::interrupt_status, 1, 1};
+inline constexpr Field interrupt_enable_done{Register::interrupt_enable, 0, 1};
+inline constexpr Field interrupt_enable_error{Register::interrupt_enable, 1, 1};
+inline constexpr Field error_code{Register::error, 0, 8};
+inline constexpr Field error_detail_detail{Register::error_detail, 0, 32};
+inline constexpr Field job_job{Register::job, 0, 32};
+inline constexpr Field method_method{Register::method, 0, 2};
+inline constexpr Field iterations_count{Register::iterations, 0, 16};
+inline constexpr Field static_shift_shift{Register::static_shift, 0, 6};
+inline constexpr Field scaling_dynamic{Register::scaling, 0, 1};
+inline constexpr Field scaling_headroom_bits{Register::scaling, 8, 4};
+inline constexpr Field format_matrix_bits{Register::format, 0, 8};
+inline constexpr Field format_vector_bits{Register::format, 8, 8};
+inline constexpr Field format_rhs_bits{Register::format, 16, 8};
+inline constexpr Field format_coefficient_bits{Register::format, 24, 8};
+inline constexpr Field start_mode_mode{Register::start_mode, 0, 1};
+inline constexpr Field nodes_count{Register::nodes, 0, 16};
+inline constexpr Field blocks_count{Register::blocks, 0, 32};
+inline constexpr Field update_node_node{Register::update_node, 0, 16};
+inline constexpr Field update_kind_kind{Register::update_kind, 0, 1};
+inline constexpr Field update_diagonal_value{Register::update_diagonal, 0, 32};
+inline constexpr Field update_blocks_count{Register::update_blocks, 0, 16};
+inline constexpr Field result_job_job{Register::result_job, 0, 32};
+inline constexpr Field result_iterations_count{Register::result_iterations, 0, 32};
+inline constexpr Field result_saturations_count{Register::result_saturations, 0, 32};
+inline constexpr Field result_breakdowns_count{Register::result_breakdowns, 0, 32};
+inline constexpr Field result_flags_bits{Register::result_flags, 0, 32};
+inline constexpr Field result_cycles_low_low{Register::result_cycles_low, 0, 32};
+inline constexpr Field result_cycles_high_high{Register::result_cycles_high, 0, 32};
+
+}  // namespace field
+
+}  // namespace hvp::vp
+// clang-format on
