@@ -1,0 +1,203 @@
+#include "models/collision/contact_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "models/config/input_error.h"
+
+namespace hvp::collision {
+
+namespace {
+
+constexpr std::size_t kLargestPatches = std::size_t{1} << 24;  // 64 MiB
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+ContactSearch::ContactSearch(const mesh::TetMesh& mesh, std::span<const int> anchored,
+                             const ContactSettings& settings)
+    : settings_(settings), surface_(mesh), anchored_(mesh.nodes.size(), 0) {
+  for (const int node : anchored) {
+    if (node < 0 || node >= surface_.nodes()) {
+      throw InputError(
+          fmt::format("anchored node {}; the mesh has {} nodes", node, surface_.nodes()));
+    }
+    anchored_[index(node)] = 1;
+  }
+  excluded_ = anchored_;
+  const auto& nodes = surface_.surface_nodes();
+  if (std::none_of(nodes.begin(), nodes.end(), [&](int n) { return anchored_[index(n)] == 0; })) {
+    throw InputError(
+        fmt::format("all {} surface nodes are anchored; nothing can be touched", nodes.size()));
+  }
+  if (settings_.patch_radius > 0.0) find_patches();
+
+  const double depth = std::log2(static_cast<double>(surface_.triangles().size())) + 1.0;
+  const SearchCost one_leaf{.boxes = 2 * static_cast<long>(depth), .triangles = 4, .nodes = 3};
+  pass_flops_ = surface_.update_flops() + one_leaf.flops();
+}
+
+void ContactSearch::find_patches() {
+  const double square = settings_.patch_radius * settings_.patch_radius;
+  std::vector<int> seen_from(anchored_.size(), -1);
+  patch_begin_.assign(anchored_.size() + 1, 0);
+  for (int centre = 0; centre < surface_.nodes(); ++centre) {
+    const std::size_t begin = patch_.size();
+    if (touchable(centre)) {
+      seen_from[index(centre)] = centre;
+      patch_.push_back(centre);
+      for (std::size_t next = begin; next < patch_.size(); ++next) {
+        for (const int triangle : surface_.ring(patch_[next])) {
+          for (const int node : surface_.triangles()[index(triangle)]) {
+            if (seen_from[index(node)] == centre || anchored_[index(node)] != 0) continue;
+            seen_from[index(node)] = centre;
+            const Eigen::Vector3d apart =
+                surface_.rest_position(node) - surface_.rest_position(centre);
+            if (apart.squaredNorm() <= square) patch_.push_back(node);
+          }
+        }
+      }
+      std::sort(patch_.begin() + static_cast<std::ptrdiff_t>(begin), patch_.end());
+      if (patch_.size() > kLargestPatches) {
+        throw InputError(
+            "patch_radius",
+            fmt::format("{} m puts {} nodes into the patch of node {} and more than "
+                        "{} into all; expected a few elements",
+                        settings_.patch_radius, patch_.size() - begin, centre, kLargestPatches));
+      }
+    }
+    patch_begin_[index(centre) + 1] = static_cast<int>(patch_.size());
+  }
+}
+
+bool ContactSearch::touchable(int node) const {
+  return node >= 0 && node < surface_.nodes() && anchored_[index(node)] == 0 &&
+         surface_.on_surface(node);
+}
+
+std::span<const int> ContactSearch::patch(int node) const {
+  if (!touchable(node)) {
+    throw InputError(fmt::format("node {} is not a free node of the surface", node));
+  }
+  if (patch_begin_.empty()) {
+    const auto& nodes = surface_.surface_nodes();
+    return {&*std::lower_bound(nodes.begin(), nodes.end(), node), 1};
+  }
+  const std::size_t begin = index(patch_begin_[index(node)]);
+  return {patch_.data() + begin, index(patch_begin_[index(node) + 1]) - begin};
+}
+
+Eigen::Vector3d ContactSearch::prescribed_displacement(const Contact& contact,
+                                                       const Eigen::Vector3d& tip) const {
+  if (!touchable(contact.node)) {
+    throw InputError(fmt::format("node {} is not a free node of the surface", contact.node));
+  }
+  return tip + contact.offset - surface_.rest_position(contact.node);
+}
+
+Eigen::Vector3d ContactSearch::grip_offset(const Eigen::Vector3d& node_position,
+                                           const Eigen::Vector3d& tip,
+                                           const Eigen::Vector3d& normal) const {
+  if (settings_.grip == Grip::snap) return Eigen::Vector3d::Zero();
+  const Eigen::Vector3d apart = node_position - tip;
+  return apart - apart.dot(normal) * normal;
+}
+
+Eigen::Vector3d ContactSearch::undragged(int node, const Eigen::Vector3d& displacement) const {
+  const Eigen::Vector3d& normal = surface_.rest_normal(node);
+  return surface_.rest_position(node) + displacement.dot(normal) * normal;
+}
+
+Pass ContactSearch::start(const Eigen::Vector3d& tip, SearchCost& cost) const {
+  const SurfacePoint touch = surface_.closest(tip);
+  cost += touch.cost;
+  if (touch.signed_distance > 0.0) return {};
+  int node = -1;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const int corner : surface_.triangles()[index(touch.triangle)]) {
+    if (anchored_[index(corner)] != 0) continue;
+    ++cost.nodes;
+    const double squared = (surface_.position(corner) - tip).squaredNorm();
+    if (squared < nearest || (squared == nearest && corner < node)) {
+      nearest = squared;
+      node = corner;
+    }
+  }
+  if (node < 0) {
+    const NearestNode elsewhere = surface_.nearest_surface_node(tip, anchored_);
+    cost += elsewhere.cost;
+    node = elsewhere.node;
+  }
+  return {
+      .contact = {.node = node, .offset = grip_offset(surface_.position(node), tip, touch.normal)},
+      .event = ContactEvent::started};
+}
+
+Pass ContactSearch::proceed(const Eigen::Vector3d& tip, std::span<const double> displacement,
+                            const Contact& present, SearchCost& cost) {
+  const auto u = [&](int node) { return Eigen::Vector3d(&displacement[3 * index(node)]); };
+  const std::span<const int> prescribed = patch(present.node);
+
+  const double keeps = (undragged(present.node, u(present.node)) - tip).norm();
+  int best = -1;
+  double nearest = std::numeric_limits<double>::infinity();
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();
+  for (const int node : prescribed) excluded_[index(node)] = 1;
+  const NearestNode free = surface_.nearest_surface_node(tip, excluded_);
+  for (const int node : prescribed) excluded_[index(node)] = 0;
+  cost += free.cost;
+  if (free.node >= 0) {
+    best = free.node;
+    nearest = free.distance;
+    place = surface_.position(best);
+  }
+  for (const int node : prescribed) {
+    ++cost.nodes;
+    if (node == present.node) continue;
+    const Eigen::Vector3d position = undragged(node, u(node));
+    const double distance = (position - tip).norm();
+    if (distance < nearest) {
+      best = node;
+      nearest = distance;
+      place = position;
+    }
+  }
+  if (best < 0 || !(nearest < (1.0 - settings_.hysteresis) * keeps)) {
+    return {.contact = present, .event = ContactEvent::held};
+  }
+  return {.contact = {.node = best, .offset = grip_offset(place, tip, surface_.rest_normal(best))},
+          .event = ContactEvent::slid};
+}
+
+Pass ContactSearch::pass(const Eigen::Vector3d& tip, std::span<const double> displacement,
+                         const Contact& present, const Eigen::Vector3d& force) {
+  if (!tip.allFinite()) throw InputError("the probe is not at a finite position");
+  surface_.update(displacement);
+  SearchCost cost;
+  Pass result;
+  if (!present.present()) {
+    result = start(tip, cost);
+  } else {
+    if (!touchable(present.node)) {
+      throw InputError(
+          fmt::format("contact at node {}, which is not a free node of the surface", present.node));
+    }
+    if (!force.allFinite()) throw InputError("the contact force is not finite");
+    // Released in a pass of its own: this U still holds the surface at the tip, so whether the
+    // tip touches the body that let go can only be told from the next one.
+    if (force.dot(surface_.rest_normal(present.node)) > settings_.release_force) {
+      result.event = ContactEvent::released;
+    } else {
+      result = proceed(tip, displacement, present, cost);
+    }
+  }
+  pass_flops_ = surface_.update_flops() + cost.flops();
+  result.flops = pass_flops_;
+  return result;
+}
+
+}  // namespace hvp::collision

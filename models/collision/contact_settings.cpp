@@ -1,0 +1,25 @@
+#include "models/collision/contact_settings.h"
+
+namespace hvp::collision {
+
+void ContactSettings::declare(config::Visitor& v) {
+  v.choice("grip", grip, {{"offset", Grip::offset}, {"snap", Grip::snap}},
+           {.help = "where the contact node is relative to the tip: at its sideways distance when "
+                    "contact began, or at the tip itself",
+            .source = "snap is thesis 3.7; offset touches without a sideways jump of up to half "
+                      "an element, which the thesis does not treat"});
+  v.quantity("hysteresis", hysteresis, config::Dimension::dimensionless, config::between(0.0, 0.9),
+             {.help = "fraction by which another node must be nearer to the tip for contact to "
+                      "slide there",
+              .source = "chosen; keeps contact from chattering between two nodes"});
+  v.quantity("release_force", release_force, config::Dimension::force, config::at_least(0.0),
+             {.help = "pull of the tip on the body, along the outward normal, above which contact "
+                      "ends",
+              .source = "zero: a tip cannot pull"});
+  v.quantity("patch_radius", patch_radius, config::Dimension::length, config::at_least(0.0),
+             {.help = "nodes within this distance along the surface move with the contact node; "
+                      "0 mm is one node, whose stiffness falls with the element size",
+              .source = "zero: single-point contact, thesis 3.7"});
+}
+
+}  // namespace hvp::collision

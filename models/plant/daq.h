@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+
+#include "models/config/declaration.h"
+
+namespace hvp::plant {
+
+// A number as a register carries it.
+struct Counts {
+  std::int32_t value = 0;
+  // The number did not fit, or was NaN, and `value` is not what was asked for.
+  bool saturated = false;
+};
+
+// How a physical quantity travels through the board's 32-bit registers: a signed integer of
+// `counts_per_unit` counts a SI unit.
+//
+// This is the transport format of an ideal device, fine enough not to be seen next to anything
+// else: it is neither the encoder's step nor the converter's. Those are effects of the device
+// and round the physical value before it gets here.
+struct RegisterFormat {
+  double counts_per_unit = 1.0;
+
+  // Nearest count, halves away from zero. Beyond ±(2³¹ − 1) counts the nearest of those two
+  // (never −2³¹, so that a sign can always be changed); NaN gives 0. Both report.
+  Counts to_counts(double value) const;
+  double to_value(std::int32_t counts) const { return counts / counts_per_unit; }
+  double largest() const { return to_value(2147483647); }
+};
+
+inline constexpr RegisterFormat kPosition{1e9};  // 1 nm, ±2.147 m
+inline constexpr RegisterFormat kForce{1e6};     // 1 µN, ±2147 N
+
+// The data acquisition board: scenario table [device.daq]. Two delays. Between the command to
+// sample and a position that can be read lies `sampling_delay`; between the last register write
+// and the force at the motor lies `output_delay`. What is sampled is the position at the moment
+// of the command (the counters latch at once); what is late is the word.
+//
+// The registers' access times belong to the bus. What limits or coarsens the device itself (the
+// largest force of motor and amplifier, the encoder's step, the converter's step, friction) are
+// effects with tables of their own beside this one, applied to positions before to_counts and to
+// forces after to_value.
+struct Daq {
+  double sampling_delay = 1e-6;  // s
+  double output_delay = 10e-6;   // s
+
+  void declare(config::Visitor& v);
+};
+
+}  // namespace hvp::plant
