@@ -106,8 +106,8 @@ RegisterBank::RegisterBank(const Capacity& capacity) {
 
   for (std::size_t i = 0; i < kRegisters.size(); ++i) reset_value_[i] = kRegisters[i].reset;
   value_ = reset_value_;
-  strap(Register::capability_nodes, nodes << field::capability_nodes_max_nodes.low |
-                                        row_blocks << field::capability_nodes_max_row_blocks.low);
+  strap(Register::capability_nodes, nodes << field::kCapabilityNodesMaxNodes.low |
+                                        row_blocks << field::kCapabilityNodesMaxRowBlocks.low);
   strap(Register::capability_blocks, blocks);
 }
 

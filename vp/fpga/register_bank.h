@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "vp/fpga/register_table.h"
@@ -94,7 +95,7 @@ class RegisterBank {
     return static_cast<std::size_t>(aperture);
   }
 
-  bool busy() const { return get(field::status_busy) != 0; }
+  bool busy() const { return get(field::kStatusBusy) != 0; }
   Outcome check_memory(std::size_t aperture, Command command, std::uint64_t offset,
                        std::size_t bytes) const;
   Outcome check_registers(Command command, std::uint64_t offset, std::size_t bytes,

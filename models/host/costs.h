@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+
+#include "models/config/declaration.h"
+
+namespace hvp::host {
+
+// The 33 Hz process: collision detection and drawing (thesis §6.2.3). Table [host.graphics].
+struct Graphics {
+  double rate_hz = 33;
+  double drawing_s = 10e-3;
+
+  void declare(config::Visitor& v);
+
+  std::int64_t period_ps() const;
+};
+
+// The host PC as arithmetic: what each step of Fig. 6.2 costs. The scenario's table [host].
+//
+// A step's cost is its floating-point operations over the rate at which the processor sustains
+// sparse products, so that it grows with the mesh as the step does, plus what does not depend on
+// the mesh. The two processes run on a core each (the thesis' Pentium D has two).
+struct Host {
+  double sustained_rate_flops = 297.88e6;
+  double contact_lookup_s = 1e-6;
+  double driver_call_s = 1e-6;
+  double interrupt_latency_s = 5e-6;
+  double timeout_s = 10e-3;
+  Graphics graphics;
+
+  void declare(config::Visitor& v);
+
+  // Time of so many additions and multiplications, in whole picoseconds.
+  std::int64_t compute_ps(double operations) const;
+};
+
+// Operations to turn `words` numbers from double precision into the board's words, or back:
+// scale, round, and two comparisons to clamp.
+double conversion_operations(int words);
+
+}  // namespace hvp::host

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "models/fem/body.h"
+#include "models/fem/contact.h"
+#include "models/fem/dynamics.h"
+#include "models/fem/newmark.h"
+#include "models/fixed/quantised_matrix.h"
+#include "models/fixed/scaling.h"
+#include "models/fixed/settings.h"
+
+namespace hvp::host {
+
+// What the host computes in a frame around the board's solve (thesis Fig. 6.2): the modified
+// force vector in the board's words, the contact force out of U, and Newmark's update. A is K of
+// a static body or Â of a dynamic one; indices and vectors are over the body's active nodes.
+//
+//   set_contact(patch);          // when the contact has moved
+//   form_rhs(u_c, b);  …the board solves…  accept(u);  force();  update();
+//
+// Nothing allocates after construction but set_contact.
+class FrameComputation {
+ public:
+  // Keeps a reference to the body. `period_s` is the servo period, Newmark's time step. Throws
+  // InputError for an unstable time integration or a matrix that cannot be put into words.
+  FrameComputation(const fem::Body& body, fem::ContactDiagonal diagonal,
+                   const std::optional<fem::Dynamics>& dynamics, const fixed::Settings& settings,
+                   double period_s);
+
+  const sparse::BlockMatrix& matrix() const { return matrix_; }
+  const fixed::QuantisedMatrix& quantised() const { return quantised_; }
+  const fixed::Scaling& scaling() const { return scaling_; }
+  // What the board puts on the diagonal of a contact node, in matrix words.
+  std::int32_t diagonal_word() const { return diagonal_word_; }
+  bool dynamic() const { return newmark_.has_value(); }
+
+  // The nodes that follow the probe, ascending; empty without contact.
+  void set_contact(std::span<const int> patch);
+  const std::vector<int>& contact() const { return contact_; }
+
+  // Puts b into words; `u_c` is the displacement of the contact, m. Returns how many words had
+  // to be clamped.
+  int form_rhs(const Eigen::Vector3d& u_c, std::span<std::int32_t> words);
+  // Takes the board's solution.
+  void accept(std::span<const std::int32_t> words);
+  // On the body at the contact, N; zero without contact.
+  Eigen::Vector3d force() const;
+  // Newmark's update with the accepted solution and the next frame's f̂; nothing when static.
+  void update();
+
+  std::span<const double> displacement() const { return u_; }    // m, as accepted
+  std::span<const double> external_force() const { return f_; }  // f or f̂ of this frame, N
+
+  // Operations of each step, conversions to and from words included.
+  double form_rhs_operations() const;
+  double force_operations() const;
+  double update_operations() const;
+
+ private:
+  void predict();
+
+  const fem::Body& body_;
+  std::optional<fem::Newmark> newmark_;
+  sparse::BlockMatrix matrix_;
+  fem::ContactConstraint constraint_;
+  fixed::QuantisedMatrix quantised_;
+  fixed::Scaling scaling_;
+  std::int32_t diagonal_word_;
+  std::vector<int> contact_;
+  std::vector<double> f_;
+  std::vector<double> b_;
+  std::vector<double> u_;
+};
+
+}  // namespace hvp::host

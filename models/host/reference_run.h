@@ -1,0 +1,75 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "models/config/declaration.h"
+#include "models/fem/body.h"
+#include "models/fem/contact.h"
+#include "models/fem/dynamics.h"
+#include "models/fem/newmark.h"
+#include "models/fem/reference_solver.h"
+
+namespace hvp::host {
+
+// The scenario's effect [reference]: beside the board's numbers the same frames are solved in
+// double precision. Without it accuracy is not known, and nothing is paid for it.
+struct Reference {
+  int every_frames = 1;
+  double tolerance = 0.06;
+  double solver_tolerance = 0.02;
+
+  void declare(config::Visitor& v);
+};
+
+// The same frames in double precision, with a state of its own: what the run would have been
+// with an exact solver. Given the system matrix itself it is the true model; given the matrix
+// that the board's words stand for, it is what a perfect solver would make of those words.
+class ReferenceRun {
+ public:
+  // `true_matrix` is K or Â, with which the host forms the right-hand side and the force in both
+  // cases; `solved_matrix` has its pattern. Both references are kept.
+  ReferenceRun(const fem::Body& body, const std::optional<fem::Dynamics>& dynamics, double period_s,
+               const sparse::BlockMatrix& true_matrix, const sparse::BlockMatrix& solved_matrix);
+
+  // One frame with the contact's nodes (active, ascending) at displacement u_c.
+  void step(std::span<const int> contact, const Eigen::Vector3d& u_c);
+
+  std::span<const double> displacement() const { return u_; }  // m, active nodes
+  const Eigen::Vector3d& force() const { return force_; }      // N, on the body
+  // Of the matrix without contact.
+  bool positive_definite() const { return solver_.positive_definite(); }
+  bool singular() const { return solver_.singular(); }
+
+ private:
+  const fem::Body& body_;
+  std::optional<fem::Newmark> newmark_;
+  fem::ContactConstraint constraint_;  // of the true matrix
+  fem::ReferenceSolver solver_;        // of the solved matrix
+  sparse::BlockMatrix difference_;     // solved − true; empty where they are the same
+  std::vector<double> f_;
+  std::vector<double> adjusted_;
+  std::vector<double> u_;
+  Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
+};
+
+// The deviation from a reference over a run: the mean of ‖v − v_ref‖ over the frames compared,
+// normalised by the largest ‖v_ref‖.
+class Deviation {
+ public:
+  void add(std::span<const double> value, std::span<const double> reference);
+  // Zero frames, or a reference that is zero throughout, have no deviation.
+  std::optional<double> relative() const;
+  // The worst frame's ‖v − v_ref‖, normalised likewise.
+  std::optional<double> worst_relative() const;
+
+ private:
+  std::int64_t frames_ = 0;
+  double sum_ = 0;
+  double worst_ = 0;
+  double largest_reference_ = 0;
+};
+
+}  // namespace hvp::host

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <systemc>
+
+#include <tlm_utils/simple_target_socket.h>
+
+#include "models/plant/daq.h"
+#include "models/plant/trajectory.h"
+#include "vp/frame_tag.h"
+#include "vp/ledger.h"
+#include "vp/session.h"
+
+namespace hvp::vp {
+
+// The data acquisition board on the PCI bus, and the probe on its prescribed trajectory behind
+// it. Three registers: a command that latches the position, the latched position, and the force.
+// The counters latch at once; the word can be read after the sampling delay. A force is at the
+// motor after the output delay (the amplifier adds none yet).
+class DaqBoard : public sc_core::sc_module {
+ public:
+  static constexpr std::uint64_t kLatch = 0x00;     // write 4 bytes: latch now
+  static constexpr std::uint64_t kPosition = 0x10;  // read 12 bytes: x, y, z in plant::kPosition
+  static constexpr std::uint64_t kForce = 0x20;     // write 12 bytes: x, y, z in plant::kForce
+  static constexpr std::uint64_t kSize = 0x40;
+
+  DaqBoard(const sc_core::sc_module_name& name, const plant::Daq& model,
+           const plant::Trajectory& trajectory, const Session& session, Ledger& ledger);
+
+  tlm_utils::simple_target_socket<DaqBoard> from_bus;
+
+ private:
+  void b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
+
+  const plant::Trajectory& trajectory_;
+  const Session& session_;
+  Ledger& ledger_;
+  Picoseconds sampling_;
+  Picoseconds output_;
+  std::array<std::int32_t, 3> latched_{};
+};
+
+}  // namespace hvp::vp

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "models/config/declaration.h"
+
+namespace hvp::vp {
+
+// How finely a part that is there is modelled. Levels that a part does not have are not listed,
+// so that asking for one is an error.
+enum class Timing { untimed, loosely_timed };
+enum class Numbers { fixed };
+
+// The scenario's table [fidelity].
+struct Fidelity {
+  Timing accelerator = Timing::loosely_timed;
+  Timing bus = Timing::loosely_timed;
+  Timing host = Timing::loosely_timed;
+  Numbers numbers = Numbers::fixed;
+
+  void declare(config::Visitor& v);
+};
+
+const char* name(Timing level);
+const char* name(Numbers level);
+
+}  // namespace hvp::vp

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <systemc>
+
+#include <tlm_utils/simple_target_socket.h>
+
+#include "models/accel/architecture.h"
+#include "models/accel/cycles.h"
+#include "models/fixed/solver.h"
+#include "vp/fpga/board_matrix.h"
+#include "vp/fpga/register_bank.h"
+#include "vp/frame_tag.h"
+#include "vp/ledger.h"
+
+namespace hvp::vp {
+
+// Sees every access of the board's BAR, legal or not, when it happens.
+class AccessObserver {
+ public:
+  virtual ~AccessObserver() = default;
+  // `data` is what was written or read.
+  virtual void access(Picoseconds time, Command command, const RegisterBank& bank,
+                      const Outcome& outcome, std::uint64_t offset,
+                      std::span<const std::uint8_t> data) = 0;
+};
+
+// The solver board (thesis chapter 5, §6.2.1) behind its register bank. Loosely timed: a job
+// takes the clocks of accel::solve_cycles and its words are those of fixed::Solver; U, the
+// results and the interrupt appear when the last clock is over. docs/registers.md is what
+// software sees.
+class Accelerator : public sc_core::sc_module {
+ public:
+  Accelerator(const sc_core::sc_module_name& name, const accel::Architecture& architecture,
+              bool untimed, Ledger& ledger, AccessObserver* observer = nullptr);
+
+  tlm_utils::simple_target_socket<Accelerator> from_bus;
+  sc_core::sc_port<InterruptIf, 1, sc_core::SC_ZERO_OR_MORE_BOUND> interrupt;
+
+  const RegisterBank& bank() const { return bank_; }
+  std::int64_t illegal_accesses() const { return illegal_accesses_; }
+  // Of the last finished job.
+  const fixed::Report& report() const { return report_; }
+
+ private:
+  enum class Running { nothing, solve, load };
+
+  void b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
+  void control(std::uint32_t commands);
+  void start();
+  void load_done();
+  void update_node();
+  void reset();
+  void finish();
+
+  bool settings_from_registers(fixed::Settings& settings);
+  void run_for(Running what, std::int64_t clocks);
+  void solve();
+  void raise(BoardError error);
+  void mirror_status();
+  void drive_interrupt_line();
+
+  accel::Architecture architecture_;
+  bool untimed_;
+  Ledger& ledger_;
+  AccessObserver* observer_;
+
+  RegisterBank bank_;
+  fixed::QuantisedMatrix matrix_;
+  accel::Pattern pattern_;
+  fixed::Settings settings_;
+  std::unique_ptr<fixed::Solver> solver_;
+  std::vector<std::int32_t> b_;
+  std::vector<std::int32_t> u_;
+  fixed::Report report_;
+
+  Running running_ = Running::nothing;
+  sc_core::sc_event done_;
+  std::int64_t clocks_ = 0;
+  Picoseconds started_ = 0;
+  Tag job_tag_;
+  // The transaction that gives a command: whose frame it is, and how long it is held up.
+  Tag* commanding_tag_ = nullptr;
+  Picoseconds wait_states_ = 0;
+  bool line_up_ = false;
+  std::int64_t illegal_accesses_ = 0;
+};
+
+}  // namespace hvp::vp

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <tlm>
+
+#include "vp/frame.h"
+
+namespace hvp::vp {
+
+// Rides on every transaction and says for which frame it is. The initiator owns the tag; every
+// part that the transaction passes adds its spans to it.
+struct FrameTag : tlm::tlm_extension<FrameTag> {
+  Tag* tag = nullptr;
+
+  tlm::tlm_extension_base* clone() const override {
+    auto* copy = new FrameTag;
+    copy->tag = tag;
+    return copy;
+  }
+  void copy_from(const tlm::tlm_extension_base& other) override {
+    tag = static_cast<const FrameTag&>(other).tag;
+  }
+};
+
+// The tag of a transaction, or one for no frame where it carries none.
+inline Tag& tag_of(tlm::tlm_generic_payload& transaction, Tag& none) {
+  FrameTag* extension = nullptr;
+  transaction.get_extension(extension);
+  return extension != nullptr && extension->tag != nullptr ? *extension->tag : none;
+}
+
+// A request line that says which frame's work raised it: the board's INTA#.
+class InterruptIf : public virtual sc_core::sc_interface {
+ public:
+  // The line went up; once, until it went down again.
+  virtual void interrupt(const Tag& tag) = 0;
+  virtual void lowered() = 0;
+};
+
+inline Picoseconds now_ps() { return static_cast<Picoseconds>(sc_core::sc_time_stamp().value()); }
+
+inline sc_core::sc_time to_sc_time(Picoseconds ps) {
+  return sc_core::sc_time::from_value(static_cast<sc_dt::uint64>(ps));
+}
+
+}  // namespace hvp::vp

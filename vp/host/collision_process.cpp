@@ -1,0 +1,52 @@
+#include "vp/host/collision_process.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "vp/frame_tag.h"
+
+namespace hvp::vp {
+
+CollisionProcess::CollisionProcess(const sc_core::sc_module_name& name, const host::Host& costs,
+                                   bool untimed, collision::ContactSearch& search,
+                                   Exchange& exchange, const Session& session,
+                                   sc_core::sc_event& begun)
+    : sc_module(name),
+      costs_(costs),
+      untimed_(untimed),
+      search_(search),
+      exchange_(exchange),
+      session_(session),
+      begun_(begun) {
+  SC_HAS_PROCESS(CollisionProcess);
+  SC_THREAD(run);
+}
+
+void CollisionProcess::run() {
+  wait(begun_);
+  const Picoseconds period = costs_.graphics.period_ps();
+  for (std::int64_t tick = 0;; ++tick) {
+    const Picoseconds due = session_.begin + tick * period;
+    if (now_ps() > due + period) {
+      ++skipped_;
+      continue;
+    }
+    if (now_ps() < due) wait(to_sc_time(due - now_ps()));
+    const Picoseconds began = now_ps();
+    const SceneState& scene = exchange_.scene.read(began);
+    const collision::Pass pass =
+        search_.pass(scene.tip, scene.displacement, scene.contact, scene.force);
+    const Picoseconds time =
+        untimed_ ? 0
+                 : costs_.compute_ps(pass.flops) + std::llround(costs_.graphics.drawing_s * 1e12);
+    wait(to_sc_time(time));
+    longest_ = std::max(longest_, time);
+    ContactReport& report = exchange_.contact.prepare(now_ps());
+    report.contact = pass.contact;
+    report.pass_began = began;
+    exchange_.contact.publish(now_ps());
+    ++passes_;
+  }
+}
+
+}  // namespace hvp::vp

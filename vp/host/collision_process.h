@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <systemc>
+
+#include "models/collision/contact_search.h"
+#include "models/host/costs.h"
+#include "vp/host/exchange.h"
+#include "vp/session.h"
+
+namespace hvp::vp {
+
+// The collision and graphics process (thesis §6.2.3), on a core of its own: once a period it
+// takes the latest tip and U, tests the tip against the deformed surface, draws, and publishes
+// the contact node when the pass is over. What the servo process gets is therefore between one
+// pass and one period plus one pass old.
+class CollisionProcess : public sc_core::sc_module {
+ public:
+  CollisionProcess(const sc_core::sc_module_name& name, const host::Host& costs, bool untimed,
+                   collision::ContactSearch& search, Exchange& exchange, const Session& session,
+                   sc_core::sc_event& begun);
+
+  std::int64_t passes() const { return passes_; }
+  std::int64_t skipped_passes() const { return skipped_; }
+  // The longest pass so far.
+  Picoseconds longest_pass() const { return longest_; }
+
+ private:
+  void run();
+
+  host::Host costs_;
+  bool untimed_;
+  collision::ContactSearch& search_;
+  Exchange& exchange_;
+  const Session& session_;
+  sc_core::sc_event& begun_;
+  std::int64_t passes_ = 0;
+  std::int64_t skipped_ = 0;
+  Picoseconds longest_ = 0;
+};
+
+}  // namespace hvp::vp

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "models/collision/contact_search.h"
+#include "vp/host/mailbox.h"
+
+namespace hvp::vp {
+
+// What the servo process leaves for the collision process (thesis Fig. 6.1).
+struct SceneState {
+  Eigen::Vector3d tip = Eigen::Vector3d::Zero();
+  std::vector<double> displacement;  // over all mesh nodes
+  collision::Contact contact;        // the one that the displacement was computed with
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+};
+
+// And what comes back: the contact node, as old as the pass that found it.
+struct ContactReport {
+  collision::Contact contact;
+  Picoseconds pass_began = 0;
+};
+
+struct Exchange {
+  Mailbox<SceneState> scene;
+  Mailbox<ContactReport> contact;
+};
+
+}  // namespace hvp::vp

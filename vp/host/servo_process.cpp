@@ -1,0 +1,266 @@
+#include "vp/host/servo_process.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <spdlog/spdlog.h>
+
+#include "models/plant/daq.h"
+#include "models/stability/flag.h"
+#include "vp/device/daq_board.h"
+
+namespace hvp::vp {
+
+namespace {
+constexpr std::size_t kStackBytes = 1 << 20;  // the C driver runs on it
+}
+
+ServoProcess::ServoProcess(const sc_core::sc_module_name& name, const ServoSettings& settings,
+                           const fem::Body& body, host::FrameComputation& computation,
+                           const collision::ContactSearch& contacts, BoardAccess& access,
+                           Exchange& exchange, Ledger& ledger, Verdict& verdict, Session& session)
+    : sc_module(name),
+      settings_(settings),
+      body_(body),
+      computation_(computation),
+      contacts_(contacts),
+      access_(access),
+      exchange_(exchange),
+      ledger_(ledger),
+      verdict_(verdict),
+      session_(session),
+      begun_("begun"),
+      b_(computation.displacement().size()),
+      u_(computation.displacement().size()) {
+  scratch_.resize(std::max<std::size_t>(HVP_MIN_SCRATCH_WORDS, b_.size()));
+  SC_HAS_PROCESS(ServoProcess);
+  SC_THREAD(run);
+  set_stack_size(kStackBytes);
+}
+
+ServoProcess::~ServoProcess() = default;
+
+void ServoProcess::run() {
+  const Picoseconds began = now_ps();
+  if (!set_up()) {
+    spdlog::error("set-up failed: {}", hvp_status_text(counts_.last_error));
+    sc_core::sc_stop();
+    return;
+  }
+  set_up_time_ = now_ps() - began;
+  session_.begin = now_ps();
+  begun_.notify(sc_core::SC_ZERO_TIME);
+  std::int64_t number = 0;
+  while (number < settings_.frames) {
+    frame(number);
+    ++number;
+    // A tick that has passed entirely while the process was at work had no frame.
+    while (number < settings_.frames &&
+           now_ps() >= session_.begin + (number + 1) * settings_.period) {
+      verdict_.skip_tick();
+      ++number;
+    }
+  }
+  access_.tag() = Tag{};
+  note(hvp_close(&device_));
+  sc_core::sc_stop();
+}
+
+bool ServoProcess::set_up() {
+  access_.tag() = Tag{};
+  const fixed::Settings& s = settings_.solver;
+  hvp_solver_config config{};
+  config.jacobi = s.method == fixed::Method::jacobi_pcg;
+  config.warm_start = s.start == fixed::Start::warm;
+  config.dynamic_scaling = s.dynamic_scaling;
+  config.headroom_bits = static_cast<std::uint32_t>(s.headroom_bits);
+  config.iterations = static_cast<std::uint32_t>(s.iterations);
+  config.static_shift = static_cast<std::uint32_t>(s.static_shift);
+  config.matrix_bits = static_cast<std::uint32_t>(s.matrix_bits);
+  config.vector_bits = static_cast<std::uint32_t>(s.vector_bits);
+  config.rhs_bits = static_cast<std::uint32_t>(s.residual_bits());
+  config.coefficient_bits = static_cast<std::uint32_t>(s.coefficient_bits);
+  const fixed::QuantisedMatrix& k = computation_.quantised();
+  const hvp_matrix matrix{static_cast<std::uint32_t>(k.block_rows()),
+                          static_cast<std::uint32_t>(k.column.size()), k.row_begin.data(),
+                          k.column.data(), k.value.data()};
+  // Whatever the board had been told of a contact went with its matrix.
+  contact_ = {};
+  computation_.set_contact({});
+
+  hvp_status status = hvp_open(&device_, &access_.solver_bus(), scratch_.data(), scratch_.size());
+  if (status == HVP_OK) status = hvp_configure(&device_, &config);
+  if (status == HVP_OK) status = hvp_load_matrix(&device_, &matrix);
+  if (status == HVP_OK && config.warm_start) {
+    computation_.scaling().displacement_words(computation_.displacement(), u_);
+    status = hvp_write_initial_guess(&device_, u_.data(), u_.size());
+  }
+  note(status);
+  return status == HVP_OK;
+}
+
+void ServoProcess::frame(std::int64_t number) {
+  const Picoseconds born = session_.begin + number * settings_.period;
+  if (now_ps() < born) wait(to_sc_time(born - now_ps()));
+  ledger_.open(number, born);
+  access_.tag() = Tag{number, kBirth};
+  ledger_.extend(access_.tag(), Part::host, Phase::release, born, now_ps());
+
+  const Eigen::Vector3d tip = read_position();
+
+  spend(Phase::contact_lookup, settings_.costs.contact_lookup_s);
+  const ContactReport& report = exchange_.contact.read(now_ps());
+  hvp_status status = HVP_OK;
+  if (!(report.contact == contact_)) {
+    if (report.contact.present()) {
+      const std::span<const int> patch = contacts_.patch(report.contact.node);
+      next_contact_.clear();
+      for (const int node : patch) next_contact_.push_back(body_.active_index(node));
+    } else {
+      next_contact_.clear();
+    }
+    status = move_contact(next_contact_);
+    contact_ = report.contact;
+    ++counts_.contact_changes;
+  }
+
+  Eigen::Vector3d u_c = Eigen::Vector3d::Zero();
+  if (contact_.present()) u_c = contacts_.prescribed_displacement(contact_, tip);
+  std::uint32_t frame_flags = 0;
+  Eigen::Vector3d force = held_force_;
+  if (status == HVP_OK) {
+    const int clamped = computation_.form_rhs(u_c, b_);
+    spend(Phase::form_rhs, 0, computation_.form_rhs_operations());
+    counts_.clamped_words += clamped;
+    if (clamped > 0) {
+      frame_flags |= std::uint32_t{1} << static_cast<unsigned>(stability::Flag::range_exceeded);
+    }
+    status = solve();
+  }
+  if (status == HVP_OK) {
+    frame_flags |= hvp_last_flags(&device_);
+    computation_.accept(u_);
+    force = computation_.force();
+    spend(Phase::force, 0, computation_.force_operations());
+  } else {
+    frame_flags |= std::uint32_t{1} << static_cast<unsigned>(stability::Flag::solver_timeout);
+    note(status);
+    ++counts_.driver_errors;
+  }
+  held_force_ = force;
+  // The device pushes back with what the user exerts on the body.
+  write_force(-force);
+
+  if (status == HVP_OK) {
+    computation_.update();
+    spend(Phase::update, 0, computation_.update_operations());
+  } else {
+    // The last safe force is out; now the board is brought back, for as long as that takes.
+    const Tag tag = access_.tag();
+    if (!set_up()) {
+      spdlog::error("the board did not come back: {}", hvp_status_text(counts_.last_error));
+    }
+    access_.tag() = tag;
+  }
+
+  SceneState& scene = exchange_.scene.prepare(now_ps());
+  scene.tip = tip;
+  body_.expand(computation_.displacement(), scene.displacement);
+  scene.contact = contact_;
+  scene.force = force;
+  exchange_.scene.publish(now_ps());
+
+  Frame& record = ledger_.frame(number);
+  record.work_done = now_ps();
+  record.contact_node = contact_.node;
+  record.contact_age = contact_.present() ? born - report.pass_began : 0;
+  record.position = tip;
+  record.force = force;
+  record.flags = frame_flags;
+  counts_.flags |= frame_flags;
+  const SolvedFrame view{
+      number, born - session_.begin,       tip,  contact_.node, computation_.contact(),
+      u_c,    computation_.displacement(), force};
+  for (FrameObserver* observer : observers_) observer->solved(view);
+  ledger_.close(number);
+}
+
+Eigen::Vector3d ServoProcess::read_position() {
+  const std::uint32_t latch = 1;
+  access_.write(kDaqBase + DaqBoard::kLatch, &latch, sizeof(latch));
+  std::array<std::int32_t, 3> counts{};
+  access_.read(kDaqBase + DaqBoard::kPosition, counts.data(), sizeof(counts));
+  return {plant::kPosition.to_value(counts[0]), plant::kPosition.to_value(counts[1]),
+          plant::kPosition.to_value(counts[2])};
+}
+
+// Nodes that were let go get their rows back before others are taken, so that the board's matrix
+// is K but for the rows and columns of `nodes`.
+hvp_status ServoProcess::move_contact(std::span<const int> nodes) {
+  const fixed::QuantisedMatrix& k = computation_.quantised();
+  const std::vector<int>& present = computation_.contact();
+  const auto stays = [&nodes](int node) {
+    return std::binary_search(nodes.begin(), nodes.end(), node);
+  };
+  const auto held = [&present](int node) {
+    return std::binary_search(present.begin(), present.end(), node);
+  };
+  hvp_status status = HVP_OK;
+  for (const int node : present) {
+    if (stays(node) || status != HVP_OK) continue;
+    const std::span<const std::int32_t> row = k.row(node);
+    row_.assign(row.begin(), row.end());
+    // Columns of nodes that stay in contact are still cleared on the board, and must remain so.
+    const auto first = static_cast<std::size_t>(k.row_begin[static_cast<std::size_t>(node)]);
+    for (std::size_t i = 0; i < row_.size() / 9; ++i) {
+      const int other = k.column[first + i];
+      if (other != node && held(other) && stays(other)) {
+        std::fill_n(row_.begin() + static_cast<std::ptrdiff_t>(9 * i), 9, 0);
+      }
+    }
+    status = hvp_restore_node(&device_, static_cast<std::uint32_t>(node), row_.data(),
+                              static_cast<std::uint32_t>(row_.size() / 9));
+  }
+  for (const int node : nodes) {
+    if (held(node) || status != HVP_OK) continue;
+    status = hvp_constrain_node(&device_, static_cast<std::uint32_t>(node),
+                                computation_.diagonal_word());
+  }
+  computation_.set_contact(nodes);
+  return status;
+}
+
+hvp_status ServoProcess::solve() {
+  spend(Phase::driver, settings_.costs.driver_call_s);
+  hvp_status status = hvp_write_rhs(&device_, b_.data(), b_.size());
+  if (status == HVP_OK) status = hvp_start(&device_);
+  if (status != HVP_OK) return status;
+  status = hvp_wait(&device_, static_cast<std::uint64_t>(settings_.costs.timeout_s * 1e9));
+  if (status != HVP_OK) return status;
+  spend(Phase::driver, settings_.costs.driver_call_s);
+  return hvp_read_solution(&device_, u_.data(), u_.size());
+}
+
+void ServoProcess::write_force(const Eigen::Vector3d& force) {
+  std::array<std::int32_t, 3> counts{};
+  for (int i = 0; i < 3; ++i) {
+    const plant::Counts c = plant::kForce.to_counts(force[i]);
+    counts[static_cast<std::size_t>(i)] = c.value;
+    if (c.saturated) ++counts_.clamped_words;
+  }
+  access_.write(kDaqBase + DaqBoard::kForce, counts.data(), sizeof(counts));
+}
+
+void ServoProcess::spend(Phase phase, double seconds, double operations) {
+  if (settings_.untimed) return;
+  const Picoseconds start = now_ps();
+  wait(to_sc_time(std::llround(seconds * 1e12) + settings_.costs.compute_ps(operations)));
+  ledger_.extend(access_.tag(), Part::host, phase, start, now_ps());
+}
+
+void ServoProcess::note(hvp_status status) {
+  if (status != HVP_OK) counts_.last_error = status;
+}
+
+}  // namespace hvp::vp

@@ -1,0 +1,77 @@
+#include "vp/platform.h"
+
+#include <cmath>
+
+namespace hvp::vp {
+
+namespace {
+
+SceneState at_rest(const fem::Body& body, const host::FrameComputation& computation,
+                   const plant::Trajectory& probe) {
+  SceneState scene;
+  scene.tip = probe.state_ps(0).position;
+  scene.displacement = body.expand(computation.displacement());
+  return scene;
+}
+
+template <class Visit>
+void visit_objects(const std::vector<sc_core::sc_object*>& objects, const Visit& visit) {
+  for (sc_core::sc_object* object : objects) {
+    visit(*object);
+    visit_objects(object->get_child_objects(), visit);
+  }
+}
+
+}  // namespace
+
+Platform::Platform(const PlatformSettings& settings, const fem::Body& body,
+                   host::FrameComputation& computation, collision::ContactSearch& contacts,
+                   AccessObserver* register_trace)
+    : settings_(settings),
+      verdict_(settings.servo.period, settings.budget),
+      exchange_{Mailbox<SceneState>(at_rest(body, computation, settings_.probe)),
+                Mailbox<ContactReport>(ContactReport{})},
+      bus_("bus", settings_.bus, settings_.fidelity.bus == Timing::untimed, ledger_),
+      accelerator_("accelerator", settings_.accelerator,
+                   settings_.fidelity.accelerator == Timing::untimed, ledger_, register_trace),
+      daq_("daq", settings_.daq, settings_.probe, session_, ledger_),
+      access_("access",
+              settings_.servo.untimed
+                  ? 0
+                  : std::llround(settings_.servo.costs.interrupt_latency_s * 1e12),
+              ledger_),
+      servo_("servo", settings_.servo, body, computation, contacts, access_, exchange_, ledger_,
+             verdict_, session_),
+      collision_("collision", settings_.servo.costs, settings_.servo.untimed, contacts, exchange_,
+                 session_, servo_.begun()) {
+  ledger_.add_sink(verdict_);
+  access_.to_bus.bind(bus_.from_host);
+  bus_.attach(accelerator_.from_bus, kSolverBase, kBarBytes);
+  bus_.attach(daq_.from_bus, kDaqBase, DaqBoard::kSize);
+  accelerator_.interrupt.bind(access_);
+}
+
+Platform::~Platform() = default;
+
+void Platform::run() { sc_core::sc_start(); }
+
+std::vector<std::string> Platform::modules() {
+  std::vector<std::string> names;
+  visit_objects(sc_core::sc_get_top_level_objects(), [&names](const sc_core::sc_object& object) {
+    if (dynamic_cast<const sc_core::sc_module*>(&object) != nullptr) {
+      names.emplace_back(object.name());
+    }
+  });
+  return names;
+}
+
+std::size_t Platform::processes() {
+  std::size_t count = 0;
+  visit_objects(sc_core::sc_get_top_level_objects(), [&count](const sc_core::sc_object& object) {
+    const std::string kind = object.kind();
+    if (kind == "sc_thread_process" || kind == "sc_method_process") ++count;
+  });
+  return count;
+}
+
+}  // namespace hvp::vp

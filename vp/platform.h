@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "models/accel/architecture.h"
+#include "models/collision/contact_search.h"
+#include "models/fem/body.h"
+#include "models/host/frame_computation.h"
+#include "models/link/pci.h"
+#include "models/plant/daq.h"
+#include "models/plant/trajectory.h"
+#include "vp/device/daq_board.h"
+#include "vp/fidelity.h"
+#include "vp/fpga/accelerator.h"
+#include "vp/host/collision_process.h"
+#include "vp/host/servo_process.h"
+#include "vp/ledger.h"
+#include "vp/pci/pci_bus.h"
+#include "vp/verdict.h"
+
+namespace hvp::vp {
+
+// What a scenario calls for; every part's settings and its fidelity.
+struct PlatformSettings {
+  ServoSettings servo;
+  Picoseconds budget = 2'000'000'000;
+  accel::Architecture accelerator;
+  link::Pci bus;
+  plant::Daq daq;
+  plant::Trajectory probe;
+  Fidelity fidelity;
+};
+
+// The whole system, built and wired. SystemC elaborates once in a process, so there is one
+// platform a process.
+//
+//   servo ── driver ── access ──┐                 ┌── accelerator (FPGA)
+//     ⇅ exchange                ├── bus (PCI) ────┤
+//   collision                   ┘                 └── daq ── probe
+class Platform {
+ public:
+  // Keeps references to the body, the computation and the search.
+  Platform(const PlatformSettings& settings, const fem::Body& body,
+           host::FrameComputation& computation, collision::ContactSearch& contacts,
+           AccessObserver* register_trace = nullptr);
+  ~Platform();
+
+  void add_sink(FrameSink& sink) { ledger_.add_sink(sink); }
+  void add_observer(FrameObserver& observer) { servo_.add_observer(observer); }
+
+  // Runs all frames.
+  void run();
+
+  const Verdict& verdict() const { return verdict_; }
+  const ServoProcess& servo() const { return servo_; }
+  const CollisionProcess& collision() const { return collision_; }
+  const PciBus& bus() const { return bus_; }
+  const Accelerator& accelerator() const { return accelerator_; }
+  const Session& session() const { return session_; }
+
+  // Names of the modules that exist and the number of processes: what was not asked for is not
+  // there.
+  static std::vector<std::string> modules();
+  static std::size_t processes();
+
+ private:
+  PlatformSettings settings_;
+  Ledger ledger_;
+  Verdict verdict_;
+  Session session_;
+  Exchange exchange_;
+  PciBus bus_;
+  Accelerator accelerator_;
+  DaqBoard daq_;
+  BoardAccess access_;
+  ServoProcess servo_;
+  CollisionProcess collision_;
+};
+
+}  // namespace hvp::vp

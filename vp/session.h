@@ -1,0 +1,13 @@
+#pragma once
+
+#include "vp/frame.h"
+
+namespace hvp::vp {
+
+// When the servo loop began: set-up (loading K) lies before it. The probe's trajectory and every
+// result count time from here.
+struct Session {
+  Picoseconds begin = 0;
+};
+
+}  // namespace hvp::vp
