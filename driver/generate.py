@@ -314,7 +314,7 @@ def cpp_table(the_map: Map) -> str:
     out += ["namespace field {", ""]
     for register in registers:
         out += [
-            f"inline constexpr Field {register.name.lower()}_{field.name}"
+            f"inline constexpr Field k{pascal_case(f'{register.name}_{field.name}')}"
             f"{{Register::{register.name.lower()}, {field.low}, {field.width}}};"
             for field in register.fields
         ]

@@ -175,6 +175,7 @@ Outcome RegisterBank::write(std::uint64_t offset, std::span<const std::uint8_t> 
     if (!outcome.ok()) return outcome;
     const std::size_t first = (offset - kApertures[*aperture].offset) / kWordBytes;
     std::memcpy(memory_[*aperture].data() + first, data.data(), data.size());
+    if (on_memory_write_[*aperture]) on_memory_write_[*aperture]();
     return outcome;
   }
 
@@ -185,9 +186,10 @@ Outcome RegisterBank::write(std::uint64_t offset, std::span<const std::uint8_t> 
     const RegisterInfo& info = kRegisters[i];
     const std::uint32_t written = load_word(data.data() + done);
     const std::uint32_t stored = info.write_mask & ~info.write_one_to_clear_mask & ~info.pulse_mask;
-    value_[i] = (value_[i] & ~stored) | (written & stored);
+    const std::uint32_t before = value_[i];
+    value_[i] = (before & ~stored) | (written & stored);
     value_[i] &= ~(written & info.write_one_to_clear_mask);
-    if (on_write_[i]) on_write_[i](written);
+    if (on_write_[i]) on_write_[i](written, before);
   }
   return outcome;
 }

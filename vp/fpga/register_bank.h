@@ -46,11 +46,13 @@ struct Capacity {
 
 class RegisterBank {
  public:
-  // `written` is the word as it was on the bus, command bits included; the register has been
-  // changed already.
-  using WriteCallback = std::function<void(std::uint32_t written)>;
+  // `written` is the word as it was on the bus, command bits included; `before` is what the
+  // register held. It has been changed already.
+  using WriteCallback = std::function<void(std::uint32_t written, std::uint32_t before)>;
   // Runs before the register is read; it may set it.
   using ReadCallback = std::function<void()>;
+  // Runs after software has written to a memory.
+  using MemoryCallback = std::function<void()>;
 
   // In the state after power-up. The capability registers say `capacity` for good.
   explicit RegisterBank(const Capacity& capacity = {});
@@ -86,6 +88,10 @@ class RegisterBank {
   }
   void on_read(Register reg, ReadCallback callback) { on_read_[index(reg)] = std::move(callback); }
 
+  void on_memory_write(Aperture aperture, MemoryCallback callback) {
+    on_memory_write_[index(aperture)] = std::move(callback);
+  }
+
   // Registers to their reset values, memories to zero; call-backs stay and are not called.
   void reset();
 
@@ -106,6 +112,7 @@ class RegisterBank {
   std::array<WriteCallback, kRegisters.size()> on_write_{};
   std::array<ReadCallback, kRegisters.size()> on_read_{};
   std::array<std::vector<std::uint32_t>, kApertures.size()> memory_{};
+  std::array<MemoryCallback, kApertures.size()> on_memory_write_{};
 };
 
 }  // namespace hvp::vp

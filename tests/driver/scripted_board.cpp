@@ -1,0 +1,234 @@
+#include "tests/driver/scripted_board.h"
+
+#include <algorithm>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "vp/fpga/packed_words.h"
+
+namespace hvp::test {
+
+using vp::Aperture;
+using vp::Command;
+using vp::ErrorCode;
+using vp::Register;
+namespace field = vp::field;
+
+ScriptedBoard::ScriptedBoard(const vp::Capacity& capacity) : bank_(capacity) {
+  bank_.on_write(Register::control,
+                 [this](std::uint32_t written, std::uint32_t) { control(written); });
+  bank_.on_write(Register::interrupt_status, [this](std::uint32_t, std::uint32_t) {
+    if (bank_.get(field::kInterruptStatusError) == 0) {
+      bank_.set(Register::error, 0);
+      bank_.set(Register::error_detail, 0);
+    }
+    mirror_interrupts();
+  });
+  const auto forget_matrix = [this] { bank_.set(field::kStatusMatrixLoaded, 0); };
+  for (const Register reg : {Register::nodes, Register::blocks, Register::format}) {
+    bank_.on_write(reg, [this, reg, forget_matrix](std::uint32_t, std::uint32_t before) {
+      if (bank_.get(reg) != before) forget_matrix();
+    });
+  }
+  for (const Aperture memory : {Aperture::row_begin, Aperture::column, Aperture::value}) {
+    bank_.on_memory_write(memory, forget_matrix);
+  }
+}
+
+void ScriptedBoard::mirror_interrupts() {
+  bank_.set(field::kStatusDone, bank_.get(field::kInterruptStatusDone));
+  bank_.set(field::kStatusError, bank_.get(field::kInterruptStatusError));
+  bank_.set(field::kStatusErrorCode, bank_.get(field::kErrorCode));
+}
+
+void ScriptedBoard::raise(ErrorCode code, std::uint32_t detail) {
+  if (bank_.get(field::kInterruptStatusError) == 0) {
+    bank_.set(field::kErrorCode, static_cast<std::uint32_t>(code));
+    bank_.set(Register::error_detail, detail);
+    bank_.set(field::kInterruptStatusError, 1);
+  }
+  mirror_interrupts();
+}
+
+void ScriptedBoard::control(std::uint32_t written) {
+  if ((written & field::kControlReset.mask()) != 0) {
+    running_ = Running::nothing;
+    bank_.reset();
+    return;
+  }
+  if (bank_.get(field::kInterruptStatusError) != 0) return;
+  const bool loaded = bank_.get(field::kStatusMatrixLoaded) != 0;
+  if ((written & field::kControlLoadDone.mask()) != 0) {
+    begin(Running::load, load_ns);
+  } else if ((written & field::kControlStart.mask()) != 0) {
+    if (!loaded) return raise(ErrorCode::not_loaded, 0);
+    bank_.set(Register::job, bank_.get(Register::job) + 1);
+    begin(Running::job, job_ns);
+  } else if ((written & field::kControlUpdateNode.mask()) != 0) {
+    if (!loaded) return raise(ErrorCode::not_loaded, 0);
+    update_node();
+  }
+}
+
+void ScriptedBoard::begin(Running what, std::uint64_t duration) {
+  running_ = what;
+  end_ = now_ + duration;
+  bank_.set(field::kStatusBusy, 1);
+}
+
+void ScriptedBoard::end() {
+  const Running what = running_;
+  running_ = Running::nothing;
+  bank_.set(field::kStatusBusy, 0);
+  if (end_with != ErrorCode::none) return raise(end_with, 0x1234);
+  if (what == Running::load) {
+    check_matrix();
+  } else {
+    bank_.set(Register::result_job, bank_.get(Register::job));
+    bank_.set(Register::result_iterations, bank_.get(Register::iterations));
+    bank_.set(Register::result_cycles_low, static_cast<std::uint32_t>(job_ns / 10));
+    solve(bank_);
+    bank_.set(field::kStatusFlags, bank_.get(Register::result_flags));
+    bank_.set(field::kInterruptStatusDone, 1);
+  }
+  mirror_interrupts();
+}
+
+void ScriptedBoard::check_matrix() {
+  const std::uint32_t nodes = bank_.get(Register::nodes);
+  const std::uint32_t blocks = bank_.get(Register::blocks);
+  const auto begin = bank_.memory(Aperture::row_begin);
+  const auto column = bank_.memory(Aperture::column);
+  if (nodes == 0 || nodes >= begin.size()) return raise(ErrorCode::bad_size, nodes);
+  if (blocks == 0 || blocks > column.size()) return raise(ErrorCode::bad_size, blocks);
+  for (std::uint32_t row = 0; row < nodes; ++row) {
+    if (begin[row] >= begin[row + 1] || begin[row + 1] > blocks) {
+      return raise(ErrorCode::bad_matrix, row);
+    }
+    const auto columns = column.subspan(begin[row], begin[row + 1] - begin[row]);
+    if (!std::is_sorted(columns.begin(), columns.end()) ||
+        !std::binary_search(columns.begin(), columns.end(), row)) {
+      return raise(ErrorCode::bad_matrix, row);
+    }
+  }
+  bank_.set(field::kStatusMatrixLoaded, 1);
+  bank_.set(field::kInterruptStatusDone, 1);
+}
+
+void ScriptedBoard::update_node() {
+  const std::uint32_t node = bank_.get(Register::update_node);
+  if (node >= bank_.get(Register::nodes)) return raise(ErrorCode::bad_node, node);
+  const auto begin = bank_.memory(Aperture::row_begin);
+  const auto column = bank_.memory(Aperture::column);
+  const auto value = bank_.memory(Aperture::value);
+  const auto staged = bank_.memory(Aperture::row);
+  const unsigned bits = bank_.get(field::kFormatMatrixBits);
+  const bool constrain =
+      bank_.get(Register::update_kind) == static_cast<std::uint32_t>(vp::UpdateKind::constrain);
+  const auto diagonal = static_cast<std::int32_t>(bank_.get(Register::update_diagonal));
+  const std::uint32_t row_blocks = begin[node + 1] - begin[node];
+  if (!constrain && bank_.get(Register::update_blocks) != row_blocks) {
+    return raise(ErrorCode::bad_row, row_blocks);
+  }
+  for (std::uint32_t j = 0; j < row_blocks; ++j) {
+    const std::uint32_t k = begin[node] + j;
+    const std::uint32_t other = column[k];
+    const auto of_other = column.subspan(begin[other], begin[other + 1] - begin[other]);
+    const auto mirror = static_cast<std::uint32_t>(
+        begin[other] +
+        (std::lower_bound(of_other.begin(), of_other.end(), node) - of_other.begin()));
+    for (std::uint32_t e = 0; e < 9; ++e) {
+      std::int32_t entry = constrain ? 0 : vp::packed_element(staged, 9 * j + e, bits);
+      if (constrain && other == node && e % 4 == 0) entry = diagonal;
+      vp::set_packed_element(value, 9 * std::size_t{k} + e, bits, entry);
+      if (other == node) continue;
+      vp::set_packed_element(value, 9 * std::size_t{mirror} + 3 * (e % 3) + e / 3, bits, entry);
+    }
+  }
+}
+
+void ScriptedBoard::advance(std::uint64_t ns) {
+  now_ += ns;
+  if (running_ != Running::nothing && !hangs && now_ >= end_) end();
+}
+
+bool ScriptedBoard::line_is_up() const {
+  return (bank_.get(Register::interrupt_status) & bank_.get(Register::interrupt_enable)) != 0;
+}
+
+int ScriptedBoard::wait_interrupt(std::uint64_t timeout_ns) {
+  log_.emplace_back("wait");
+  if (bus_fails) return -5;
+  if (spurious_interrupts > 0) {
+    --spurious_interrupts;
+    return HVP_INTERRUPT;
+  }
+  if (!loses_interrupts && line_is_up()) return HVP_INTERRUPT;
+  if (!loses_interrupts && !hangs && running_ != Running::nothing && end_ <= now_ + timeout_ns) {
+    advance(end_ - now_);
+    if (line_is_up()) return HVP_INTERRUPT;
+  }
+  advance(timeout_ns);
+  return HVP_INTERRUPT_TIMED_OUT;
+}
+
+void ScriptedBoard::transfer(Command command, std::uint32_t offset, std::uint32_t* words,
+                             std::size_t count) {
+  advance(kAccessNs);
+  const std::string name = bank_.name_at(offset);
+  if (count != 1) {
+    log_.push_back(
+        fmt::format("{} {} x{}", command == Command::read ? "read" : "write", name, count));
+  } else if (command == Command::read) {
+    log_.push_back("read " + name);
+  } else {
+    log_.push_back(fmt::format("write {} 0x{:x}", name, *words));
+  }
+  if (dead) {
+    if (command == Command::read) std::fill_n(words, count, ~std::uint32_t{0});
+    return;
+  }
+  auto* const bytes = reinterpret_cast<std::uint8_t*>(words);
+  const vp::Outcome outcome = command == Command::read
+                                  ? bank_.read(offset, std::span(bytes, 4 * count))
+                                  : bank_.write(offset, std::span(bytes, 4 * count));
+  if (outcome.ok()) return;
+  refused_.push_back(bank_.describe(outcome, command));
+  raise(ErrorCode::illegal_access, static_cast<std::uint32_t>(outcome.offset));
+}
+
+hvp_bus ScriptedBoard::bus() {
+  hvp_bus bus{};
+  bus.context = this;
+  bus.read32 = [](void* context, std::uint32_t offset) {
+    std::uint32_t word = 0;
+    static_cast<ScriptedBoard*>(context)->transfer(Command::read, offset, &word, 1);
+    return word;
+  };
+  bus.write32 = [](void* context, std::uint32_t offset, std::uint32_t value) {
+    static_cast<ScriptedBoard*>(context)->transfer(Command::write, offset, &value, 1);
+  };
+  bus.read_block = [](void* context, std::uint32_t offset, std::uint32_t* words,
+                      std::size_t count) {
+    static_cast<ScriptedBoard*>(context)->transfer(Command::read, offset, words, count);
+  };
+  bus.write_block = [](void* context, std::uint32_t offset, const std::uint32_t* words,
+                       std::size_t count) {
+    std::vector<std::uint32_t> copy(words, words + count);
+    static_cast<ScriptedBoard*>(context)->transfer(Command::write, offset, copy.data(), count);
+  };
+  bus.wait_interrupt = [](void* context, std::uint64_t timeout_ns) {
+    return static_cast<ScriptedBoard*>(context)->wait_interrupt(timeout_ns);
+  };
+  bus.now_ns = [](void* context) { return static_cast<ScriptedBoard*>(context)->now_; };
+  return bus;
+}
+
+std::vector<std::string> ScriptedBoard::take_log() {
+  std::vector<std::string> taken;
+  taken.swap(log_);
+  return taken;
+}
+
+}  // namespace hvp::test

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "driver/hvp_driver.h"
+#include "vp/fpga/register_bank.h"
+
+namespace hvp::test {
+
+// The board behind the driver without a simulator: the register bank, the commands as
+// docs/registers.md states them, a clock that every access moves on by a microsecond, and no
+// arithmetic but what a test scripts. Keeps a log of what came over the bus.
+class ScriptedBoard {
+ public:
+  static constexpr std::uint64_t kAccessNs = 1000;
+
+  explicit ScriptedBoard(const vp::Capacity& capacity = {.nodes = 64, .blocks = 1024});
+  ScriptedBoard(const ScriptedBoard&) = delete;
+  ScriptedBoard& operator=(const ScriptedBoard&) = delete;
+
+  hvp_bus bus();
+
+  vp::RegisterBank& bank() { return bank_; }
+  // "write CONTROL 0x1", "write B[+0x0] x3", "read STATUS", "wait"; cleared by take_log().
+  std::vector<std::string> take_log();
+  // What illegal accesses were, in the bank's words.
+  const std::vector<std::string>& refused() const { return refused_; }
+  std::uint64_t now_ns() const { return now_; }
+
+  // The script.
+  std::uint64_t job_ns = 500'000;
+  std::uint64_t load_ns = 20'000;
+  std::function<void(vp::RegisterBank&)> solve = [](vp::RegisterBank&) {};
+  vp::ErrorCode end_with = vp::ErrorCode::none;  // how the next commands end
+  bool hangs = false;                            // commands never end
+  bool loses_interrupts = false;
+  int spurious_interrupts = 0;  // the line of a shared interrupt, so often
+  bool bus_fails = false;       // wait_interrupt reports a failure
+  bool dead = false;            // nobody answers: reads give ones
+
+ private:
+  enum class Running { nothing, job, load };
+
+  void control(std::uint32_t written);
+  void begin(Running what, std::uint64_t duration);
+  void end();
+  void raise(vp::ErrorCode code, std::uint32_t detail);
+  void mirror_interrupts();
+  void check_matrix();
+  void update_node();
+  void transfer(vp::Command command, std::uint32_t offset, std::uint32_t* words, std::size_t count);
+  void advance(std::uint64_t ns);
+  bool line_is_up() const;
+  int wait_interrupt(std::uint64_t timeout_ns);
+
+  vp::RegisterBank bank_;
+  std::vector<std::string> log_;
+  std::vector<std::string> refused_;
+  std::uint64_t now_ = 0;
+  std::uint64_t end_ = 0;
+  Running running_ = Running::nothing;
+};
+
+}  // namespace hvp::test
