@@ -1,0 +1,61 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "app/scenario/source_error.h"
+#include "app/scenario/tree.h"
+
+namespace hvp::scenario {
+
+// A scenario's text as a tree, with the command line's overrides in place, and the way from a
+// key back to the line that gave it.
+//
+// An override is KEY=VALUE: a dotted key (items of a list as key[0].name, from 0; the index one
+// past the last appends) and a TOML value; what is not one ("2 ms", a bare word) is taken as
+// text. It replaces what the file has there, whole tables too, and makes the tables on its way.
+// `effect=false` takes an effect out and `effect=true` puts it in with its defaults.
+class Document {
+ public:
+  // Reads a file of at most 1 MiB. Throws SourceError: no such file, a directory, unreadable,
+  // empty, too large, not UTF-8 or not TOML, an override that is none.
+  static Document load(const std::filesystem::path& file,
+                       const std::vector<std::string>& overrides = {});
+  // The same for a text; `file_name` is what errors call it, and its folder is where relative
+  // paths start.
+  static Document parse(std::string_view text, const std::filesystem::path& file_name,
+                        const std::vector<std::string>& overrides = {});
+
+  const Node& root() const { return root_; }
+  const std::filesystem::path& file() const { return file_; }
+
+  // A path as the scenario writes it -> one that can be opened.
+  std::filesystem::path resolve(const std::string& path_in_scenario) const;
+
+  // What an error about `key` starts with: "scenarios/x.toml:12: object.mesh.nodes: ". A key
+  // that stands at its default has the line of the nearest table around it; a key that an
+  // override gave has "--set object.mesh.nodes=9: ".
+  std::string locate(std::string_view key) const;
+  // Completes what a model throws about a value that was read long before. The lines of
+  // a SourceError are complete already.
+  SourceError complete(const InputError& error) const;
+
+  // The same prefix for a node that is at hand.
+  std::string locate(const Origin& origin, std::string_view key) const;
+
+ private:
+  struct Override {
+    std::string key;
+    std::string text;  // KEY=VALUE
+  };
+
+  void apply(const std::string& text);
+
+  std::filesystem::path file_;
+  Node root_;
+  std::vector<Override> overrides_;
+};
+
+}  // namespace hvp::scenario

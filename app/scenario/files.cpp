@@ -1,0 +1,46 @@
+#include "app/scenario/files.h"
+
+#include <filesystem>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "app/scenario/message.h"
+
+namespace hvp::scenario {
+
+void FileResolver::file(std::string_view name, std::string& path, config::Note) {
+  if (path.empty()) return;
+  const std::filesystem::path resolved = document_.resolve(path);
+  std::error_code error;
+  const auto status = std::filesystem::status(resolved, error);
+  const std::string shown = one_line(resolved.string());
+  const std::string place = document_.locate(joined(path_.back(), key_text(name)));
+  if (!std::filesystem::exists(status)) {
+    throw SourceError(fmt::format("{}no such file: {}", place, shown));
+  }
+  if (std::filesystem::is_directory(status)) {
+    throw SourceError(fmt::format("{}expected a file, found the directory {}", place, shown));
+  }
+  path = resolved.string();
+}
+
+bool FileResolver::begin_effect(std::string_view name, bool& present, config::Note) {
+  if (present) enter(name);
+  return present;
+}
+
+bool FileResolver::begin_list(std::string_view name, std::size_t&, config::Note) {
+  enter(name);
+  return false;
+}
+
+void FileResolver::begin_item(std::size_t index) {
+  path_.push_back(fmt::format("{}[{}]", path_.back(), index));
+}
+
+void FileResolver::enter(std::string_view name) {
+  path_.push_back(joined(path_.back(), key_text(name)));
+}
+
+}  // namespace hvp::scenario

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace hvp::scenario {
+
+// The text with every control character escaped (\n, \t, \u0007), cut after `limit` bytes at a
+// character's border, so that what came from a file cannot break an error's one line.
+std::string one_line(std::string_view text, std::size_t limit = 200);
+
+// The same in double quotes, for "found …".
+std::string in_quotes(std::string_view text, std::size_t limit = 60);
+
+// A key as TOML writes it: bare, or quoted where it must be.
+std::string key_text(std::string_view key);
+
+// `table` + "." + `key`, or `key` alone in the root.
+std::string joined(std::string_view table, std::string_view key);
+
+// "a", "a or b", "a, b or c".
+std::string alternatives(const std::vector<std::string>& items);
+
+}  // namespace hvp::scenario

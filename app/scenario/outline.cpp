@@ -1,0 +1,101 @@
+#include "app/scenario/outline.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "app/scenario/message.h"
+#include "app/scenario/quantity.h"
+#include "app/scenario/toml_text.h"
+
+namespace hvp::scenario {
+namespace {
+
+using config::Dimension;
+using config::Note;
+
+// "time" without its article.
+std::string bare_name(Dimension dimension) {
+  const std::string_view name = dimension_name(dimension);
+  return std::string(name.substr(name.find(' ') + 1));
+}
+
+}  // namespace
+
+Describer::Describer() : outline_(1), stack_{0} {}
+
+void Describer::add(std::string_view name, std::string type, std::string range,
+                    std::string fallback, const Note& note) {
+  OutlineRow row{std::string(name),      std::move(type),
+                 std::move(range),       note.required ? "" : std::move(fallback),
+                 std::string(note.help), std::string(note.source),
+                 note.required};
+  outline_[stack_.back()].rows.push_back(std::move(row));
+}
+
+void Describer::open(OutlineTable::Kind kind, std::string_view name, const Note& note) {
+  const std::string path = joined(outline_[stack_.back()].path, name);
+  stack_.push_back(outline_.size());
+  outline_.push_back(
+      {path, kind, std::string(note.help), std::string(note.source), note.required, {}});
+}
+
+void Describer::close() { stack_.pop_back(); }
+
+void Describer::quantity(std::string_view name, double& value, Dimension dimension,
+                         config::Range range, Note note) {
+  add(name, bare_name(dimension), range_text(range, dimension),
+      note.required ? "" : toml_quantity(value, dimension), note);
+}
+
+void Describer::vector(std::string_view name, Eigen::Vector3d& value, Dimension dimension,
+                       config::Range range, Note note) {
+  add(name, "three components, each a " + bare_name(dimension), range_text(range, dimension),
+      note.required ? "" : toml_vector(value, dimension), note);
+}
+
+void Describer::integer(std::string_view name, std::int64_t& value, config::IntegerRange range,
+                        Note note) {
+  add(name, "whole number", range_text(range), std::to_string(value), note);
+}
+
+void Describer::boolean(std::string_view name, bool& value, Note note) {
+  add(name, "true or false", "", value ? "true" : "false", note);
+}
+
+void Describer::text(std::string_view name, std::string& value, Note note) {
+  add(name, "text", "", toml_string(value), note);
+}
+
+void Describer::file(std::string_view name, std::string& path, Note note) {
+  add(name, "file", "", path.empty() ? "" : toml_string(path), note);
+}
+
+void Describer::choice_index(std::string_view name, std::size_t& index,
+                             const std::vector<std::string_view>& names, Note note) {
+  std::vector<std::string> items;
+  for (const std::string_view item : names) items.push_back(toml_string(item));
+  add(name, "one of", alternatives(items), toml_string(names.at(index)), note);
+}
+
+void Describer::begin_table(std::string_view name, Note note) {
+  open(OutlineTable::Kind::table, name, note);
+}
+
+void Describer::end_table() { close(); }
+
+bool Describer::begin_effect(std::string_view name, bool& /*present*/, Note note) {
+  open(OutlineTable::Kind::effect, name, note);
+  return true;
+}
+
+void Describer::end_effect() { close(); }
+
+bool Describer::begin_list(std::string_view name, std::size_t& /*count*/, Note note) {
+  open(OutlineTable::Kind::list, name, note);
+  return false;
+}
+
+void Describer::end_list() { close(); }
+
+}  // namespace hvp::scenario

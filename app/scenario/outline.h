@@ -1,0 +1,83 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "models/config/declaration.h"
+
+namespace hvp::scenario {
+
+// A part's declaration as data: every table, effect and list, with its parameters. Effects and
+// lists are shown with one item and their defaults.
+struct OutlineRow {
+  std::string name;
+  std::string type;      // "time", "three lengths", "whole number", "one of `a`, `b`" …
+  std::string range;     // empty where anything goes
+  std::string fallback;  // the default as TOML; empty where there is none
+  std::string help;
+  std::string source;
+  bool required = false;
+};
+
+struct OutlineTable {
+  enum class Kind { table, effect, list };
+  std::string path;  // "host.jitter"; empty for the root
+  Kind kind = Kind::table;
+  std::string help;
+  std::string source;
+  bool required = false;
+  std::vector<OutlineRow> rows;
+};
+
+// In the order of declaration, a table before the tables in it.
+using Outline = std::vector<OutlineTable>;
+
+class Describer : public config::Visitor {
+ public:
+  Describer();
+  Outline take() { return std::move(outline_); }
+
+  using config::Visitor::integer;
+  void quantity(std::string_view name, double& value, config::Dimension dimension,
+                config::Range range, config::Note note) override;
+  void vector(std::string_view name, Eigen::Vector3d& value, config::Dimension dimension,
+              config::Range range, config::Note note) override;
+  void integer(std::string_view name, std::int64_t& value, config::IntegerRange range,
+               config::Note note) override;
+  void boolean(std::string_view name, bool& value, config::Note note) override;
+  void text(std::string_view name, std::string& value, config::Note note) override;
+  void file(std::string_view name, std::string& path, config::Note note) override;
+  void choice_index(std::string_view name, std::size_t& index,
+                    const std::vector<std::string_view>& names, config::Note note) override;
+
+ protected:
+  void begin_table(std::string_view name, config::Note note) override;
+  void end_table() override;
+  bool begin_effect(std::string_view name, bool& present, config::Note note) override;
+  void end_effect() override;
+  bool begin_list(std::string_view name, std::size_t& count, config::Note note) override;
+  void begin_item(std::size_t /*index*/) override {}
+  void end_item() override {}
+  void end_list() override;
+  bool describes_only() const override { return true; }
+
+ private:
+  void add(std::string_view name, std::string type, std::string range, std::string fallback,
+           const config::Note& note);
+  void open(OutlineTable::Kind kind, std::string_view name, const config::Note& note);
+  void close();
+
+  Outline outline_;
+  std::vector<std::size_t> stack_;  // indices into outline_
+};
+
+template <class Part>
+Outline describe(const Part& part) {
+  Part copy = part;
+  Describer describer;
+  copy.declare(describer);
+  return describer.take();
+}
+
+}  // namespace hvp::scenario

@@ -1,0 +1,86 @@
+#include "app/scenario/reference.h"
+
+#include <array>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "app/scenario/quantity.h"
+#include "app/scenario/unit_table.h"
+
+namespace hvp::scenario {
+namespace {
+
+std::string cell(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '|') result += '\\';
+    result += c == '\n' ? ' ' : c;
+  }
+  return result;
+}
+
+std::string code(std::string_view text) {
+  return text.empty() ? "" : fmt::format("`{}`", cell(text));
+}
+
+std::string sentence(const OutlineTable& table) {
+  std::string text;
+  if (table.kind == OutlineTable::Kind::effect) {
+    text = "**Effect**: simulated only where the scenario has this table. ";
+  } else if (table.kind == OutlineTable::Kind::list) {
+    text = "**List**: one table an item. ";
+  }
+  if (table.required) text += "Required. ";
+  text += cell(table.help);
+  if (!table.source.empty()) text += fmt::format(" ({})", cell(table.source));
+  return text;
+}
+
+std::string section(const OutlineTable& table) {
+  std::string text;
+  if (!table.path.empty()) {
+    text = table.kind == OutlineTable::Kind::list ? fmt::format("\n## `[[{}]]`\n", table.path)
+                                                  : fmt::format("\n## `[{}]`\n", table.path);
+    text += fmt::format("\n{}\n", sentence(table));
+  }
+  if (table.rows.empty()) return text;
+  text +=
+      "\n| key | type | range | default | what it is | source of the default |\n"
+      "|---|---|---|---|---|---|\n";
+  for (const OutlineRow& row : table.rows) {
+    const std::string fallback = row.required ? "required" : code(row.fallback);
+    text += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", row.name, cell(row.type),
+                        cell(row.range), fallback, cell(row.help), cell(row.source));
+  }
+  return text;
+}
+
+std::string unit_section() {
+  std::string text =
+      "\n## Units\n\nA quantity is a text of a number and a unit; a number alone is refused.\n"
+      "\n| dimension | units | for example |\n|---|---|---|\n";
+  for (const DimensionUnits& entry : all_dimensions()) {
+    if (entry.units.empty()) continue;
+    std::string units;
+    for (const std::string_view unit : units_of(entry.dimension)) {
+      units += fmt::format("{}`{}`", units.empty() ? "" : ", ", unit);
+    }
+    text += fmt::format("| {} | {} | `\"{}\"` |\n", entry.name.substr(entry.name.find(' ') + 1),
+                        units, entry.example);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string reference_page(const Outline& outline) {
+  std::string text =
+      "# Scenario reference\n\n"
+      "Written from the declarations of the parts by `hvp reference`; do not edit.\n"
+      "A table that is left out has its defaults, except an effect, which is then not simulated.\n";
+  for (const OutlineTable& table : outline) text += section(table);
+  return text + unit_section();
+}
+
+}  // namespace hvp::scenario

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "models/config/declaration.h"
+
+namespace hvp::scenario {
+
+// Collects a declared struct as TOML. TOML wants a table's own keys before its sub-tables,
+// which a declaration need not keep to, so the text is put together at the end.
+class Writer : public config::Visitor {
+ public:
+  Writer();
+  std::string text() const;
+
+  using config::Visitor::integer;
+  void quantity(std::string_view name, double& value, config::Dimension dimension, config::Range,
+                config::Note) override;
+  void vector(std::string_view name, Eigen::Vector3d& value, config::Dimension dimension,
+              config::Range, config::Note) override;
+  void integer(std::string_view name, std::int64_t& value, config::IntegerRange,
+               config::Note) override;
+  void boolean(std::string_view name, bool& value, config::Note) override;
+  void text(std::string_view name, std::string& value, config::Note) override;
+  void file(std::string_view name, std::string& path, config::Note) override;
+  void choice_index(std::string_view name, std::size_t& index,
+                    const std::vector<std::string_view>& names, config::Note) override;
+
+ protected:
+  void begin_table(std::string_view name, config::Note) override;
+  void end_table() override;
+  bool begin_effect(std::string_view name, bool& present, config::Note) override;
+  void end_effect() override;
+  bool begin_list(std::string_view name, std::size_t& count, config::Note) override;
+  void begin_item(std::size_t index) override;
+  void end_item() override;
+  void end_list() override;
+
+ private:
+  struct Table {
+    std::string path;
+    std::string header;  // "[a.b]", "[[a.b]]" or a comment; empty for the root
+    std::string lines;
+    std::vector<std::unique_ptr<Table>> children;
+  };
+
+  void line(std::string_view name, std::string_view value);
+  Table& open(const std::string& path, std::string header);
+  static void append(const Table& table, std::string& text);
+
+  Table root_;
+  std::vector<Table*> stack_;
+  std::vector<std::string> lists_;  // paths of the lists at hand
+};
+
+// The text of scenario.resolved.toml: every parameter with its value and unit, absent effects as
+// comments. Reading it gives an equal struct; the same struct gives the same bytes. Paths stand
+// as the scenario wrote them. Every double is finite (std::invalid_argument otherwise).
+template <class Root>
+std::string resolved(const Root& root) {
+  Root copy = root;  // declare() takes what it may also fill
+  Writer writer;
+  copy.declare(writer);
+  return writer.text();
+}
+
+}  // namespace hvp::scenario

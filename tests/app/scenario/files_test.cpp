@@ -1,0 +1,58 @@
+#include "app/scenario/files.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "app/scenario/writer.h"
+#include "tests/app/scenario/read_toy.h"
+
+namespace hvp::scenario {
+namespace {
+
+TEST(FileParameters, StartFromTheScenariosFolder) {
+  const Document document = Document::parse("a = 1", "scenes/deep/x.toml");
+  EXPECT_EQ(document.resolve("body.stl"), "scenes/deep/body.stl");
+  EXPECT_EQ(document.resolve("/opt/body.stl"), "/opt/body.stl");
+  EXPECT_EQ(Document::parse("a = 1", "x.toml").resolve("body.stl"), "body.stl");
+}
+
+TEST(FileParameters, AreResolvedAfterTheyAreWritten) {
+  const auto folder = std::filesystem::temp_directory_path();
+  const std::string name = "hvp-files-test-" + std::to_string(::getpid()) + ".stl";
+  std::ofstream(folder / name) << "solid";
+  const Document document =
+      Document::parse("title = 'x'\n[object]\nsurface = '" + name + "'", folder / "x.toml");
+  toy::Scene scene;
+  read(document, scene);
+  EXPECT_EQ(scene.object.surface, name);
+  EXPECT_EQ(resolved(scene).find(folder.string()), std::string::npos);
+  resolve_files(document, scene);
+  EXPECT_EQ(scene.object.surface, (folder / name).string());
+  std::filesystem::remove(folder / name);
+}
+
+TEST(FileParameters, ThatAreMissingAreReported) {
+  const auto error = [](const std::string& surface) -> std::string {
+    const Document document =
+        Document::parse("title = 'x'\n[object]\nsurface = '" + surface + "'", "/nowhere/x.toml");
+    toy::Scene scene;
+    read(document, scene);
+    try {
+      resolve_files(document, scene);
+    } catch (const SourceError& failure) {
+      return failure.what();
+    }
+    return "no error";
+  };
+  EXPECT_EQ(error("body.stl"),
+            "/nowhere/x.toml:3: object.surface: no such file: /nowhere/body.stl");
+  EXPECT_EQ(error("/"),
+            "/nowhere/x.toml:3: object.surface: expected a file, found the directory /");
+  EXPECT_EQ(error(""), "no error");
+}
+
+}  // namespace
+}  // namespace hvp::scenario
