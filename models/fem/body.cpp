@@ -1,5 +1,6 @@
 #include "models/fem/body.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cassert>
 #include <cstddef>

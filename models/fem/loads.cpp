@@ -1,5 +1,6 @@
 #include "models/fem/loads.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <cstddef>
 #include <string>

@@ -1,5 +1,6 @@
 #include "models/fem/locking.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

@@ -18,7 +18,7 @@ inline constexpr double kLockingPoissonRatio = 0.45;
 // quarter of the beam: the section's two middle planes are planes of symmetry and antisymmetry.
 // `cells` is even, 2 to kMostLockingCells; otherwise InputError.
 double cantilever_ratio(double poisson_ratio, int cells);
-inline constexpr int kMostLockingCells = 12;
+inline constexpr int kMostLockingCells = 10;
 
 // How many cubic cells of six tetrahedra as large as the mesh's mean one fit across the body's
 // bounding box where that is thinnest.
