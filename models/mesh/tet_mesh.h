@@ -17,7 +17,7 @@ struct TetMesh {
   std::vector<Eigen::Vector3d> nodes;
 
   // Positive volume: det J > 0 with J's columns x₁ − x₀, x₂ − x₀, x₃ − x₀, so that the volume is
-  // det J / 6. Seen from node 3, the nodes 0, 1, 2 turn clockwise.
+  // det J / 6. Seen from node 3, the nodes 0, 1, 2 turn anticlockwise.
   std::vector<std::array<int, 4>> tetrahedra;
 
   // The triangles of the boundary, each the face of exactly one tetrahedron; the normal by the

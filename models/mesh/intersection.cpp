@@ -1,0 +1,193 @@
+#include "models/mesh/intersection.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <vector>
+
+#include <fmt/format.h>
+#include <tetgen.h>
+
+#include "models/config/input_error.h"
+
+namespace hvp::mesh {
+
+namespace {
+
+using Eigen::Vector3d;
+using Triangle = std::array<int, 3>;
+
+constexpr double kPlanarMargin = 1e-12;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+struct Box {
+  Vector3d low;
+  Vector3d high;
+  bool overlaps(const Box& o) const {
+    return (low.array() <= o.high.array()).all() && (o.low.array() <= high.array()).all();
+  }
+};
+
+class Tester {
+ public:
+  explicit Tester(const Surface& surface) : surface_(surface) {
+    double largest = 0.0;
+    for (const Vector3d& x : surface.points) largest = std::max(largest, x.cwiseAbs().maxCoeff());
+    ::exactinit(0, 0, 0, largest, largest, largest);
+  }
+
+  bool intersect(const Triangle& a, const Triangle& b) const {
+    std::vector<int> common;
+    for (const int i : a) {
+      if (std::find(b.begin(), b.end(), i) != b.end()) common.push_back(i);
+    }
+    if (common.size() >= 2) return folded(a, b);
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (edge_meets(a, k, b, common) || edge_meets(b, k, a, common)) return true;
+    }
+    return coplanar(a, b) && overlap_in_plane(a, b, common);
+  }
+
+ private:
+  const Vector3d& point(int i) const { return surface_.points[at(i)]; }
+
+  // Positive, negative or zero, exactly.
+  int side(int a, int b, int c, int d) const {
+    const auto raw = [this](int i) { return const_cast<REAL*>(point(i).data()); };
+    const double value = ::orient3d(raw(a), raw(b), raw(c), raw(d));
+    return (value > 0.0) - (value < 0.0);
+  }
+
+  bool coplanar(const Triangle& a, const Triangle& b) const {
+    return side(a[0], a[1], a[2], b[0]) == 0 && side(a[0], a[1], a[2], b[1]) == 0 &&
+           side(a[0], a[1], a[2], b[2]) == 0;
+  }
+
+  // Edge k of `a` against `b`, the plane-parallel case excepted. Where the triangles have a
+  // corner in common, an edge from that corner meets `b` there in any case.
+  bool edge_meets(const Triangle& a, std::size_t k, const Triangle& b,
+                  const std::vector<int>& common) const {
+    const int p = a[k];
+    const int q = a[(k + 1) % 3];
+    if (!common.empty() && (p == common[0] || q == common[0])) return false;
+    const int sp = side(b[0], b[1], b[2], p);
+    const int sq = side(b[0], b[1], b[2], q);
+    if (sp * sq > 0 || (sp == 0 && sq == 0)) return false;
+    const int s0 = side(p, q, b[0], b[1]);
+    const int s1 = side(p, q, b[1], b[2]);
+    const int s2 = side(p, q, b[2], b[0]);
+    return (s0 >= 0 && s1 >= 0 && s2 >= 0) || (s0 <= 0 && s1 <= 0 && s2 <= 0);
+  }
+
+  // Two triangles with a common edge that lie on top of each other.
+  bool folded(const Triangle& a, const Triangle& b) const {
+    const auto corner_alone = [](const Triangle& t, const Triangle& other) {
+      return *std::find_if(t.begin(), t.end(), [&](int i) {
+        return std::find(other.begin(), other.end(), i) == other.end();
+      });
+    };
+    const int p = corner_alone(a, b);
+    const int q = corner_alone(b, a);
+    if (side(a[0], a[1], a[2], q) != 0) return false;
+    std::vector<int> edge;
+    for (const int i : a) {
+      if (i != p) edge.push_back(i);
+    }
+    const Vector3d along = point(edge[1]) - point(edge[0]);
+    const Vector3d up = along.cross(point(p) - point(edge[0]));
+    return up.dot(along.cross(point(q) - point(edge[0]))) > 0.0;
+  }
+
+  // Two triangles in one plane, projected along the axis nearest to its normal.
+  bool overlap_in_plane(const Triangle& a, const Triangle& b,
+                        const std::vector<int>& common) const {
+    Eigen::Index drop = 0;
+    (point(a[1]) - point(a[0])).cross(point(a[2]) - point(a[0])).cwiseAbs().maxCoeff(&drop);
+    const Eigen::Index u = (drop + 1) % 3;
+    const Eigen::Index v = (drop + 2) % 3;
+    const auto turn = [&](int i, int j, int k) {
+      const Vector3d e = point(j) - point(i);
+      const Vector3d f = point(k) - point(i);
+      const double value = e[u] * f[v] - e[v] * f[u];
+      const double margin = kPlanarMargin * (e.squaredNorm() + f.squaredNorm());
+      return (value > margin) - (value < -margin);
+    };
+    const auto inside = [&](int i, const Triangle& t) {
+      const int s0 = turn(t[0], t[1], i);
+      const int s1 = turn(t[1], t[2], i);
+      const int s2 = turn(t[2], t[0], i);
+      return s0 != 0 && s0 == s1 && s1 == s2;
+    };
+    const auto crossing = [&](int p, int q, int r, int s) {
+      return turn(p, q, r) * turn(p, q, s) < 0 && turn(r, s, p) * turn(r, s, q) < 0;
+    };
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (inside(a[k], b) || inside(b[k], a)) return true;
+      for (std::size_t l = 0; l < 3; ++l) {
+        if (crossing(a[k], a[(k + 1) % 3], b[l], b[(l + 1) % 3])) return true;
+      }
+    }
+    // Equal but for one corner, or one within the other's corner: a middle that lies inside.
+    if (common.empty()) return false;
+    const auto shares_direction = [&](const Triangle& t, const Triangle& other) {
+      for (const int i : t) {
+        if (i == common[0]) continue;
+        int inner = 0;
+        for (std::size_t l = 0; l < 3; ++l) {
+          if (other[l] != common[0]) continue;
+          const int j = other[(l + 1) % 3];
+          const int k = other[(l + 2) % 3];
+          const int whole = turn(common[0], j, k);
+          inner += turn(common[0], j, i) == whole && turn(common[0], i, k) == whole ? 1 : 0;
+        }
+        if (inner > 0) return true;
+      }
+      return false;
+    };
+    return shares_direction(a, b) || shares_direction(b, a);
+  }
+
+  const Surface& surface_;
+};
+
+}  // namespace
+
+void check_intersections(const Surface& surface) {
+  const std::size_t n = surface.triangles.size();
+  std::vector<Box> boxes(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto& t = surface.triangles[i];
+    const Vector3d& a = surface.points[at(t[0])];
+    const Vector3d& b = surface.points[at(t[1])];
+    const Vector3d& c = surface.points[at(t[2])];
+    boxes[i] = {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)};
+  }
+  // A sweep along x: only triangles whose extents in x overlap are compared.
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
+    return boxes[i].low.x() < boxes[j].low.x();
+  });
+  const Tester tester(surface);
+  std::vector<std::size_t> active;
+  for (const std::size_t current : order) {
+    std::erase_if(active,
+                  [&](std::size_t i) { return boxes[i].high.x() < boxes[current].low.x(); });
+    for (const std::size_t other : active) {
+      if (!boxes[current].overlaps(boxes[other])) continue;
+      if (!tester.intersect(surface.triangles[current], surface.triangles[other])) continue;
+      const Vector3d& x = surface.points[at(surface.triangles[current][0])];
+      throw InputError("surface",
+                       fmt::format("the surface intersects itself, for one near ({:.4g}, {:.4g}, "
+                                   "{:.4g}) mm, where triangles {} and {} of {} meet",
+                                   1e3 * x.x(), 1e3 * x.y(), 1e3 * x.z(), std::min(current, other),
+                                   std::max(current, other), n));
+    }
+    active.push_back(current);
+  }
+}
+
+}  // namespace hvp::mesh

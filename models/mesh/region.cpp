@@ -1,0 +1,156 @@
+#include "models/mesh/region.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+
+#include "models/config/input_error.h"
+
+namespace hvp::mesh {
+
+namespace {
+
+using config::Dimension;
+using Eigen::Vector3d;
+
+// A node may lie outside by this fraction of the mesh's diagonal: far above rounding, far below
+// any element.
+constexpr double kTolerance = 1e-9;
+
+double diagonal(const TetMesh& mesh) {
+  if (mesh.nodes.empty()) return 0.0;
+  Vector3d low = mesh.nodes.front();
+  Vector3d high = low;
+  for (const Vector3d& x : mesh.nodes) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  return (high - low).norm();
+}
+
+double dot(const Vector3d& a, const Vector3d& b) {
+  return a.x() * b.x() + a.y() * b.y() + a.z() * b.z();
+}
+
+std::vector<int> lowest_nodes(const Region& region, const TetMesh& mesh) {
+  const std::size_t n = mesh.nodes.size();
+  std::vector<double> height(n);
+  for (std::size_t i = 0; i < n; ++i) height[i] = dot(mesh.nodes[i], region.direction);
+  std::vector<int> order(n);
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    return height[static_cast<std::size_t>(a)] < height[static_cast<std::size_t>(b)];
+  });
+  auto count = static_cast<std::size_t>(std::llround(region.fraction * static_cast<double>(n)));
+  if (region.fraction > 0.0) count = std::max<std::size_t>(count, 1);
+  order.resize(std::min(count, n));
+  std::sort(order.begin(), order.end());
+  return order;
+}
+
+bool contains(const Region& region, const Vector3d& x, double tolerance) {
+  switch (region.kind) {
+    case Region::Kind::half_space:
+      return dot(x - region.point, region.normal) <= tolerance * region.normal.norm();
+    case Region::Kind::box:
+      return (x.array() >= region.low_corner.array() - tolerance).all() &&
+             (x.array() <= region.high_corner.array() + tolerance).all();
+    case Region::Kind::sphere:
+      return (x - region.centre).norm() <= region.radius + tolerance;
+    case Region::Kind::all:
+    case Region::Kind::lowest_fraction:
+      break;
+  }
+  return true;
+}
+
+}  // namespace
+
+void Region::declare(config::Visitor& v) {
+  const std::string_view absent = "absent: needed by its kind only";
+  v.choice("kind", kind,
+           {{"lowest-fraction", Kind::lowest_fraction},
+            {"half-space", Kind::half_space},
+            {"box", Kind::box},
+            {"sphere", Kind::sphere},
+            {"all", Kind::all}},
+           {.help = "how the nodes are chosen", .source = "the scene of the default fraction"});
+  v.quantity("fraction", fraction, Dimension::dimensionless, config::between(0.0, 1.0),
+             {.help = "lowest-fraction: the part of all nodes, those lowest along direction",
+              .source = "lowest 15 %: the scene the thesis' figures are checked with"});
+  v.vector("direction", direction, Dimension::dimensionless, {},
+           {.help = "lowest-fraction: which way is up", .source = "z points up"});
+  v.vector("point", point, Dimension::length, {},
+           {.help = "half-space: a point of its plane", .source = absent});
+  v.vector("normal", normal, Dimension::dimensionless, {},
+           {.help = "half-space: its plane's normal, which points out of the region",
+            .source = "z points up: the region is what lies below"});
+  v.vector("low_corner", low_corner, Dimension::length, {},
+           {.help = "box: the corner with the smallest coordinates", .source = absent});
+  v.vector("high_corner", high_corner, Dimension::length, {},
+           {.help = "box: the corner with the largest coordinates", .source = absent});
+  v.vector("centre", centre, Dimension::length, {},
+           {.help = "sphere: its centre", .source = absent});
+  v.quantity("radius", radius, Dimension::length, config::at_least(0.0),
+             {.help = "sphere: its radius", .source = absent});
+}
+
+void Region::check() const {
+  const Region defaults;
+  const auto only_for = [this](Kind owner, bool changed, const char* key, const char* name) {
+    if (kind != owner && changed) {
+      throw InputError(key, std::string("belongs to kind = \"") + name + "\" only");
+    }
+  };
+  only_for(Kind::lowest_fraction, fraction != defaults.fraction, "fraction", "lowest-fraction");
+  only_for(Kind::lowest_fraction, direction != defaults.direction, "direction", "lowest-fraction");
+  only_for(Kind::half_space, point != defaults.point, "point", "half-space");
+  only_for(Kind::half_space, normal != defaults.normal, "normal", "half-space");
+  only_for(Kind::box, low_corner != defaults.low_corner, "low_corner", "box");
+  only_for(Kind::box, high_corner != defaults.high_corner, "high_corner", "box");
+  only_for(Kind::sphere, centre != defaults.centre, "centre", "sphere");
+  only_for(Kind::sphere, radius != defaults.radius, "radius", "sphere");
+
+  if (kind == Kind::lowest_fraction && direction.isZero(0.0)) {
+    throw InputError("direction", "has length zero; expected a direction such as [0, 0, 1]");
+  }
+  if (kind == Kind::half_space && normal.isZero(0.0)) {
+    throw InputError("normal", "has length zero; expected a direction such as [0, 0, 1]");
+  }
+  if (kind == Kind::box && !(low_corner.array() <= high_corner.array()).all()) {
+    throw InputError("high_corner", "is below low_corner in at least one coordinate");
+  }
+  if (kind == Kind::box && low_corner == high_corner) {
+    throw InputError("high_corner", "equals low_corner; expected two different corners");
+  }
+  if (kind == Kind::sphere && radius <= 0.0) {
+    throw InputError("radius", "is 0 m; expected a radius above 0");
+  }
+}
+
+std::vector<int> select_nodes(const Region& region, const TetMesh& mesh) {
+  if (region.kind == Region::Kind::lowest_fraction) return lowest_nodes(region, mesh);
+  const double tolerance = kTolerance * diagonal(mesh);
+  std::vector<int> selected;
+  for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
+    if (contains(region, mesh.nodes[i], tolerance)) selected.push_back(static_cast<int>(i));
+  }
+  return selected;
+}
+
+std::vector<int> select_boundary(const Region& region, const TetMesh& mesh) {
+  std::vector<char> inside(mesh.nodes.size(), 0);
+  for (const int node : select_nodes(region, mesh)) inside[static_cast<std::size_t>(node)] = 1;
+  std::vector<int> selected;
+  for (std::size_t i = 0; i < mesh.boundary.size(); ++i) {
+    const auto& t = mesh.boundary[i];
+    if (std::all_of(t.begin(), t.end(),
+                    [&](int n) { return inside[static_cast<std::size_t>(n)] != 0; })) {
+      selected.push_back(static_cast<int>(i));
+    }
+  }
+  return selected;
+}
+
+}  // namespace hvp::mesh

@@ -1,0 +1,245 @@
+#include "models/mesh/surface_check.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "models/config/input_error.h"
+#include "models/mesh/intersection.h"
+
+namespace hvp::mesh {
+
+namespace {
+
+using Eigen::Vector3d;
+using Edge = std::pair<int, int>;
+
+// Below this fraction of the diagonal's cube (volume) or square (area of a triangle) nothing is
+// left but rounding of single-precision coordinates.
+constexpr double kNoVolume = 1e-9;
+constexpr double kNoArea = 1e-14;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+[[noreturn]] void refuse(const std::string& message) { throw InputError("surface", message); }
+
+double diagonal(const Surface& surface) {
+  Vector3d low = surface.points.front();
+  Vector3d high = low;
+  for (const Vector3d& x : surface.points) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  return (high - low).norm();
+}
+
+Vector3d normal_times_two_areas(const Surface& surface, const std::array<int, 3>& t) {
+  const Vector3d& a = surface.points[at(t[0])];
+  return (surface.points[at(t[1])] - a).cross(surface.points[at(t[2])] - a);
+}
+
+// The triangles at each edge, the edge's smaller index first.
+std::map<Edge, std::vector<int>> triangles_at_edges(const Surface& surface) {
+  std::map<Edge, std::vector<int>> edges;
+  for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
+    const auto& t = surface.triangles[i];
+    for (std::size_t k = 0; k < 3; ++k) {
+      edges[std::minmax(t[k], t[(k + 1) % 3])].push_back(static_cast<int>(i));
+    }
+  }
+  return edges;
+}
+
+void check_numbers(const Surface& surface) {
+  if (surface.triangles.empty()) refuse("the surface holds no triangles");
+  for (const auto& t : surface.triangles) {
+    for (const int i : t) {
+      if (i < 0 || at(i) >= surface.points.size()) {
+        refuse(fmt::format("a triangle names point {} of {}", i, surface.points.size()));
+      }
+    }
+  }
+  for (const Vector3d& x : surface.points) {
+    if (!x.allFinite()) refuse("the surface has a coordinate that is not a finite number");
+  }
+}
+
+void check_edges(const std::map<Edge, std::vector<int>>& edges) {
+  std::size_t open = 0;
+  std::size_t crowded = 0;
+  for (const auto& [edge, users] : edges) {
+    if (users.size() == 1) ++open;
+    if (users.size() > 2) ++crowded;
+  }
+  if (crowded > 0) {
+    refuse(
+        fmt::format("the surface is not manifold: {} of {} edges belong to more than two "
+                    "triangles",
+                    crowded, edges.size()));
+  }
+  if (open > 0) {
+    refuse(
+        fmt::format("the surface is open: {} of {} edges belong to one triangle only; a body "
+                    "needs a closed surface",
+                    open, edges.size()));
+  }
+}
+
+bool runs_along(const std::array<int, 3>& t, int from, int to) {
+  return (t[0] == from && t[1] == to) || (t[1] == from && t[2] == to) ||
+         (t[2] == from && t[0] == to);
+}
+
+// Winds every triangle like its neighbours; returns the number of connected shells.
+int wind_consistently(Surface& surface, const std::map<Edge, std::vector<int>>& edges) {
+  std::vector<int> shell(surface.triangles.size(), -1);
+  int shells = 0;
+  for (std::size_t seed = 0; seed < shell.size(); ++seed) {
+    if (shell[seed] >= 0) continue;
+    std::vector<int> pending{static_cast<int>(seed)};
+    shell[seed] = shells;
+    while (!pending.empty()) {
+      const int current = pending.back();
+      pending.pop_back();
+      const auto t = surface.triangles[at(current)];
+      for (std::size_t k = 0; k < 3; ++k) {
+        const int a = t[k];
+        const int b = t[(k + 1) % 3];
+        const auto& users = edges.at(std::minmax(a, b));
+        const int other = users[0] == current ? users[1] : users[0];
+        auto& neighbour = surface.triangles[at(other)];
+        const bool same_way = runs_along(neighbour, b, a);
+        if (shell[at(other)] < 0) {
+          if (!same_way) std::swap(neighbour[1], neighbour[2]);
+          shell[at(other)] = shells;
+          pending.push_back(other);
+        } else if (!same_way) {
+          refuse("the surface has one side only (like a Möbius strip): it bounds no body");
+        }
+      }
+    }
+    ++shells;
+  }
+  return shells;
+}
+
+// The triangles around a point must form one closed fan; two fans would be two sheets that touch
+// in that point, a hinge without stiffness.
+void check_fans(const Surface& surface) {
+  std::vector<std::map<int, int>> next(surface.points.size());
+  for (const auto& t : surface.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) next[at(t[k])][t[(k + 1) % 3]] = t[(k + 2) % 3];
+  }
+  std::size_t pinched = 0;
+  for (const auto& fan : next) {
+    if (fan.empty()) continue;
+    std::size_t length = 0;
+    int walker = fan.begin()->first;
+    do {
+      walker = fan.at(walker);
+      ++length;
+    } while (walker != fan.begin()->first && length <= fan.size());
+    if (length != fan.size()) ++pinched;
+  }
+  if (pinched > 0) {
+    refuse(fmt::format("the surface is not manifold: separate sheets meet in {} of {} points",
+                       pinched, surface.points.size()));
+  }
+}
+
+}  // namespace
+
+double enclosed_volume(const Surface& surface) {
+  if (surface.points.empty()) return 0.0;
+  const Vector3d origin = surface.points.front();  // near the surface, against cancellation
+  double six_volumes = 0.0;
+  for (const auto& t : surface.triangles) {
+    six_volumes += jacobian_determinant(origin, surface.points[at(t[0])], surface.points[at(t[1])],
+                                        surface.points[at(t[2])]);
+  }
+  return six_volumes / 6.0;
+}
+
+double surface_area(const Surface& surface) {
+  double twice = 0.0;
+  for (const auto& t : surface.triangles) twice += normal_times_two_areas(surface, t).norm();
+  return 0.5 * twice;
+}
+
+Surface merge_points(const Surface& surface) {
+  std::map<std::array<double, 3>, int> index_of;
+  Surface merged;
+  for (const auto& t : surface.triangles) {
+    std::array<int, 3> corners{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vector3d& x = surface.points[at(t[k])];
+      // Adding zero turns −0 into +0.
+      const std::array<double, 3> place{x.x() + 0.0, x.y() + 0.0, x.z() + 0.0};
+      const auto [found, fresh] =
+          index_of.try_emplace(place, static_cast<int>(merged.points.size()));
+      if (fresh) merged.points.emplace_back(place[0], place[1], place[2]);
+      corners[k] = found->second;
+    }
+    if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
+    merged.triangles.push_back(corners);
+  }
+  // A point whose triangles all vanished is not used any more.
+  std::vector<int> index(merged.points.size(), -1);
+  std::vector<Vector3d> points;
+  for (auto& t : merged.triangles) {
+    for (int& i : t) {
+      if (index[at(i)] < 0) {
+        index[at(i)] = static_cast<int>(points.size());
+        points.push_back(merged.points[at(i)]);
+      }
+      i = index[at(i)];
+    }
+  }
+  merged.points = std::move(points);
+  return merged;
+}
+
+Surface check_surface(const Surface& raw) {
+  check_numbers(raw);
+  Surface surface = merge_points(raw);
+  if (surface.triangles.empty()) refuse("no triangle of the surface has an area");
+
+  const auto edges = triangles_at_edges(surface);
+  check_edges(edges);
+  const int shells = wind_consistently(surface, edges);
+  if (shells > 1) {
+    refuse(
+        fmt::format("the surface consists of {} separate shells; expected the closed surface "
+                    "of one body without cavities",
+                    shells));
+  }
+  check_fans(surface);
+
+  const double size = diagonal(surface);
+  double volume = enclosed_volume(surface);
+  if (!(std::abs(volume) > kNoVolume * size * size * size)) {
+    refuse(fmt::format("the surface encloses no volume: {:.3g} m³ within a diagonal of {:.3g} m",
+                       std::abs(volume), size));
+  }
+  std::size_t flat = 0;
+  for (const auto& t : surface.triangles) {
+    if (!(normal_times_two_areas(surface, t).norm() > kNoArea * size * size)) ++flat;
+  }
+  if (flat > 0) {
+    refuse(fmt::format("{} of {} triangles of the surface have no area", flat,
+                       surface.triangles.size()));
+  }
+  if (volume < 0.0) {
+    for (auto& t : surface.triangles) std::swap(t[1], t[2]);
+  }
+  check_intersections(surface);
+  return surface;
+}
+
+}  // namespace hvp::mesh

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "models/mesh/tet_mesh.h"
+
+// The one place that calls TetGen (Si, ACM TOMS 41(2), 2015; licence AGPL-3.0).
+namespace hvp::mesh {
+
+struct TetgenOptions {
+  // Largest admissible volume of a tetrahedron in m³; 0: none.
+  double max_volume = 0.0;
+  // Largest admissible ratio of circumradius to shortest edge; 0: no bound. 1.2 stands for the
+  // switches pYq1.2a… with which the figures for the thesis' sphere were obtained.
+  double radius_edge_ratio = 1.2;
+};
+
+// Fills a closed, consistently oriented surface with tetrahedra; the surface's triangles are
+// kept. TetGen may crash, hang or exit on surfaces it cannot handle: call it in a child process
+// (child_process.h). Throws InputError with the key "surface".
+TetMesh run_tetgen(const Surface& surface, const TetgenOptions& options);
+
+// The convex hull of points in general position, triangles outward.
+std::vector<std::array<int, 3>> convex_hull(const std::vector<Eigen::Vector3d>& points);
+
+}  // namespace hvp::mesh
