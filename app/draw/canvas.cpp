@@ -1,0 +1,165 @@
+#include "app/draw/canvas.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include <vtkBrush.h>
+#include <vtkContext2D.h>
+#include <vtkContextActor.h>
+#include <vtkContextItem.h>
+#include <vtkContextScene.h>
+#include <vtkMarkerUtilities.h>
+#include <vtkNew.h>
+#include <vtkObjectFactory.h>
+#include <vtkPen.h>
+#include <vtkRenderer.h>
+#include <vtkTextProperty.h>
+
+#include "app/draw/picture_window.h"
+
+namespace hvp::draw {
+namespace {
+
+class PaintedItem : public vtkContextItem {
+ public:
+  static PaintedItem* New();
+
+  void set_paint(std::function<void(Canvas&)> paint) { paint_ = std::move(paint); }
+
+  bool Paint(vtkContext2D* painter) override {
+    Canvas canvas(*painter);
+    paint_(canvas);
+    return true;
+  }
+
+ private:
+  std::function<void(Canvas&)> paint_;
+};
+vtkStandardNewMacro(PaintedItem)
+
+    float scaled(double pixels) {
+  return static_cast<float>(pixels * kSupersampling);
+}
+
+void set_fill(vtkContext2D& context, Colour fill) {
+  context.GetPen()->SetLineType(vtkPen::NO_PEN);
+  context.GetBrush()->SetColor(fill.red, fill.green, fill.blue, fill.alpha);
+}
+
+int justification(Align align) {
+  switch (align) {
+    case Align::low:
+      return VTK_TEXT_LEFT;
+    case Align::centre:
+      return VTK_TEXT_CENTERED;
+    case Align::high:
+      return VTK_TEXT_RIGHT;
+  }
+  return VTK_TEXT_LEFT;
+}
+
+void set_text(vtkContext2D& context, const TextStyle& style) {
+  vtkTextProperty& text = *context.GetTextProp();
+  text.SetFontFamilyToArial();
+  text.SetFontSize(static_cast<int>(std::lround(scaled(style.size))));
+  text.SetBold(style.bold ? 1 : 0);
+  text.SetColor(style.colour.red / 255.0, style.colour.green / 255.0, style.colour.blue / 255.0);
+  text.SetOpacity(style.colour.alpha / 255.0);
+  text.SetOrientation(style.angle_deg);
+  text.SetJustification(justification(style.horizontal));
+  text.SetVerticalJustification(style.vertical == Align::low      ? VTK_TEXT_BOTTOM
+                                : style.vertical == Align::centre ? VTK_TEXT_CENTERED
+                                                                  : VTK_TEXT_TOP);
+}
+
+}  // namespace
+
+void Canvas::text(const Point& at, const std::string& words, const TextStyle& style) {
+  set_text(context_, style);
+  context_.DrawString(scaled(at.x()), scaled(at.y()), words.c_str());
+}
+
+double Canvas::text_width(const std::string& words, const TextStyle& style) {
+  TextStyle upright = style;
+  upright.angle_deg = 0.0;
+  set_text(context_, upright);
+  float bounds[4] = {0.0f, 0.0f, 0.0f, 0.0f};
+  context_.ComputeStringBounds(words.c_str(), bounds);
+  return static_cast<double>(bounds[2]) / kSupersampling;
+}
+
+void Canvas::polygon(std::span<const Point> corners, Colour fill) {
+  set_fill(context_, fill);
+  std::vector<float> xy;
+  for (const Point& p : corners) xy.insert(xy.end(), {scaled(p.x()), scaled(p.y())});
+  context_.DrawPolygon(xy.data(), static_cast<int>(corners.size()));
+}
+
+// OpenGL need not draw lines wider than a pixel, so a line is a thin rectangle.
+void Canvas::line(const Point& from, const Point& to, Colour colour, double width) {
+  const Point along = (to - from).normalized();
+  const Point side = Point(-along.y(), along.x()) * (0.5 * width);
+  const Point corners[4] = {from + side, from - side, to - side, to + side};
+  polygon(corners, colour);
+}
+
+void Canvas::dashed_line(const Point& from, const Point& to, Colour colour, double width) {
+  constexpr double kDash = 9.0;
+  constexpr double kGap = 6.0;
+  const double length = (to - from).norm();
+  const Point along = (to - from).normalized();
+  for (double s = 0.0; s < length; s += kDash + kGap)
+    line(from + s * along, from + std::min(s + kDash, length) * along, colour, width);
+}
+
+void Canvas::rectangle(const Point& low, const Point& high, Colour fill) {
+  const Point corners[4] = {low, {high.x(), low.y()}, high, {low.x(), high.y()}};
+  polygon(corners, fill);
+}
+
+void Canvas::frame(const Point& low, const Point& high, Colour colour, double width) {
+  const double half = 0.5 * width;
+  const Point low_right(high.x(), low.y());
+  const Point high_left(low.x(), high.y());
+  line(low - Point(half, 0), low_right + Point(half, 0), colour, width);
+  line(high_left - Point(half, 0), high + Point(half, 0), colour, width);
+  line(low, high_left, colour, width);
+  line(low_right, high, colour, width);
+}
+
+void Canvas::disc(const Point& centre, double radius, Colour fill) {
+  ring(centre, 0.5 * radius, fill, radius);
+}
+
+void Canvas::ring(const Point& centre, double radius, Colour colour, double width) {
+  set_fill(context_, colour);
+  const float outer = scaled(radius + 0.5 * width);
+  const float inner = scaled(radius - 0.5 * width);
+  context_.DrawEllipseWedge(scaled(centre.x()), scaled(centre.y()), outer, outer, inner, inner,
+                            0.0f, 360.0f);
+}
+
+void Canvas::dots(std::span<const Point> centres, double radius, Colour fill) {
+  if (centres.empty()) return;
+  context_.GetPen()->SetLineType(vtkPen::SOLID_LINE);
+  context_.GetPen()->SetColor(fill.red, fill.green, fill.blue, fill.alpha);
+  context_.GetPen()->SetWidth(scaled(2.0 * radius));
+  context_.GetBrush()->SetColor(fill.red, fill.green, fill.blue, fill.alpha);
+  std::vector<float> xy;
+  xy.reserve(2 * centres.size());
+  for (const Point& p : centres) xy.insert(xy.end(), {scaled(p.x()), scaled(p.y())});
+  context_.DrawMarkers(vtkMarkerUtilities::CIRCLE, false, xy.data(),
+                       static_cast<int>(centres.size()));
+}
+
+void add_canvas(vtkRenderer& renderer, std::function<void(Canvas&)> paint) {
+  vtkNew<PaintedItem> item;
+  item->set_paint(std::move(paint));
+  vtkNew<vtkContextActor> actor;
+  actor->GetScene()->AddItem(item);
+  renderer.AddActor(actor);
+}
+
+}  // namespace hvp::draw

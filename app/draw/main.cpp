@@ -1,0 +1,72 @@
+// hvp-draw RUN_DIRECTORY: draws deformation.png and latency.png from the results of a run, into
+// the run's directory. Needs an X display with OpenGL; `hvp run` starts one where there is none.
+//
+// Exit status: 0 drawn; 2 the results are missing or damaged (one line on stderr, no picture
+// written); 3 anything else.
+
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "app/draw/deformation_picture.h"
+#include "app/draw/deformation_step.h"
+#include "app/draw/latency_picture.h"
+#include "app/draw/picture_window.h"
+#include "app/draw/run_files.h"
+#include "app/draw/vtk_errors.h"
+#include "app/results/part_file.h"
+#include "models/config/input_error.h"
+
+namespace {
+
+using namespace hvp::draw;
+
+void draw(const std::filesystem::path& run) {
+  // All input is read and checked before anything is drawn, and everything is drawn before
+  // anything is written.
+  const std::vector<FrameRow> frames = read_frames(run / "frames.csv");
+  const Deadline deadline = read_deadline(run / "summary.json");
+  std::optional<DeformationStep> step;
+  // A run with timing only has no deformation.
+  if (std::filesystem::exists(run / "deformation.pvd")) step = read_deepest_step(run);
+
+  PictureWindow window;
+  std::vector<std::pair<std::string, std::string>> pictures;
+  if (step) {
+    draw_deformation(window, *step);
+    pictures.emplace_back("deformation.png", window.take_png());
+  }
+  draw_latency(window, frames, deadline);
+  pictures.emplace_back("latency.png", window.take_png());
+
+  for (const auto& [name, bytes] : pictures) {
+    hvp::results::write_through_part_file(run / name, bytes);
+    fmt::print("{}\n", name);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    fmt::print(stderr, "usage: hvp-draw RUN_DIRECTORY\n");
+    return 2;
+  }
+  VtkErrors::capture();
+  try {
+    draw(argv[1]);
+    return 0;
+  } catch (const hvp::InputError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 3;
+  }
+}

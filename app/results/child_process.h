@@ -1,0 +1,55 @@
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <sys/types.h>
+
+namespace hvp::results {
+
+// A program run without a shell. It dies with its parent and leaves no core file; its standard
+// input is empty and its output is kept. Destroying the object ends and reaps the program.
+class ChildProcess {
+ public:
+  struct Options {
+    std::vector<std::pair<std::string, std::string>> environment;  // set on top of the parent's
+    bool report_pipe = false;  // the program may write to descriptor kReportDescriptor
+  };
+  static constexpr int kReportDescriptor = 3;
+
+  // Throws std::system_error when the system has no process or pipe left. A program that cannot
+  // be executed exits with status 127.
+  ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+               const Options& options);
+  ~ChildProcess();
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  struct Result {
+    int exit_status = -1;  // -1: ended by a signal or by the time limit
+    int signal = 0;
+    bool timed_out = false;
+    std::string output;  // the first 64 KiB of standard output
+    std::string errors;  // the first 64 KiB of standard error
+  };
+  // Waits until the program ends and kills it when it does not within the limit.
+  Result wait(std::chrono::milliseconds limit);
+
+  // The first line that the program writes to the report descriptor; nothing when it ends or
+  // the limit passes before.
+  std::optional<std::string> report_line(std::chrono::milliseconds limit);
+
+ private:
+  void reap_or_kill(std::chrono::steady_clock::time_point deadline, Result& result);
+
+  pid_t pid_ = -1;
+  int output_ = -1;
+  int errors_ = -1;
+  int report_ = -1;
+};
+
+}  // namespace hvp::results

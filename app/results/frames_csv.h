@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+
+#include "app/results/part_stream.h"
+#include "vp/ledger.h"
+#include "vp/session.h"
+
+namespace hvp::results {
+
+// frames.csv: a line a frame, times since the servo loop began.
+class FramesCsv : public vp::FrameSink {
+ public:
+  FramesCsv(const std::filesystem::path& path, const vp::Session& session, vp::Picoseconds budget);
+
+  void take(const vp::Frame& frame, const std::vector<vp::SpanId>& critical_path) override;
+  void finish() { stream_.finish(); }
+
+ private:
+  PartStream stream_;
+  const vp::Session& session_;
+  vp::Picoseconds budget_;
+};
+
+}  // namespace hvp::results

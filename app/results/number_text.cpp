@@ -1,0 +1,31 @@
+#include "app/results/number_text.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace hvp::results {
+
+std::string microseconds(vp::Picoseconds time) {
+  const char* sign = time < 0 ? "-" : "";
+  const vp::Picoseconds magnitude = time < 0 ? -time : time;
+  return fmt::format("{}{}.{:06d}", sign, magnitude / 1'000'000, magnitude % 1'000'000);
+}
+
+std::string shortest(double value) { return fmt::format("{}", value); }
+
+std::string readable_time(vp::Picoseconds time) {
+  const double us = static_cast<double>(time) * 1e-6;
+  if (us >= 999.5) return fmt::format("{:.3f} ms", us * 1e-3);
+  if (us >= 0.9995) return fmt::format("{:.1f} us", us);
+  return fmt::format("{:.0f} ns", us * 1e3);
+}
+
+std::string percent(double ratio) {
+  const double p = 100 * ratio;
+  if (p >= 10) return fmt::format("{:.0f} %", p);
+  if (p >= 1) return fmt::format("{:.1f} %", p);
+  return fmt::format("{:.2g} %", p);
+}
+
+}  // namespace hvp::results

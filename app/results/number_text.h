@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+
+#include "vp/frame.h"
+
+namespace hvp::results {
+
+// How numbers stand in every result file and on the terminal.
+
+// Picoseconds as microseconds with all six decimals: exact, "1.250000".
+std::string microseconds(vp::Picoseconds time);
+
+// The shortest text that reads back as the same double; "nan" never occurs.
+std::string shortest(double value);
+
+// For people: a time with three significant digits and its unit, "1.25 ms", "650 us".
+std::string readable_time(vp::Picoseconds time);
+
+// For people: "4.2 %", "0.038 %".
+std::string percent(double ratio);
+
+}  // namespace hvp::results

@@ -1,0 +1,140 @@
+#include "app/results/pictures.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <cstring>
+#include <optional>
+#include <string_view>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "app/results/child_process.h"
+#include "app/results/x_display.h"
+
+namespace hvp::results {
+namespace {
+
+constexpr std::array<const char*, 2> kPictures = {"deformation.png", "latency.png"};
+constexpr const char* kNotDrawn = "deformation.png and latency.png were not drawn";
+
+// hvp-draw's own exit status for results that cannot be drawn on any display.
+constexpr int kBadResults = 2;
+
+std::filesystem::path find_program(const char* name) {
+  const char* path = std::getenv("PATH");
+  if (path == nullptr) return {};
+  for (std::string_view rest = path; !rest.empty();) {
+    const std::size_t colon = rest.find(':');
+    const std::filesystem::path candidate = std::filesystem::path(rest.substr(0, colon)) / name;
+    if (candidate.is_absolute() && access(candidate.c_str(), X_OK) == 0) return candidate;
+    rest = colon == std::string_view::npos ? std::string_view() : rest.substr(colon + 1);
+  }
+  return {};
+}
+
+std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    lines.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return lines;
+}
+
+PictureOutcome not_drawn(const std::string& cause) {
+  return {false, {}, fmt::format("{}: {}", cause, kNotDrawn)};
+}
+
+struct Attempt {
+  PictureOutcome outcome;
+  bool worth_another_display = false;
+};
+
+Attempt draw_on(const std::string& display, const std::filesystem::path& run_directory,
+                const PictureTools& tools, bool software_rendering) {
+  ChildProcess::Options options;
+  options.environment = {{"DISPLAY", display}};
+  // Xvfb has no graphics card; without this Mesa looks for one and may find it.
+  if (software_rendering) options.environment.emplace_back("LIBGL_ALWAYS_SOFTWARE", "1");
+  ChildProcess child(tools.draw_program, {run_directory.string()}, options);
+  const ChildProcess::Result result = child.wait(tools.time_limit);
+  if (result.exit_status == 0) return {{true, lines_of(result.output), {}}, false};
+
+  std::string cause;
+  if (result.timed_out)
+    cause = fmt::format("hvp-draw took longer than {} s",
+                        static_cast<double>(tools.time_limit.count()) / 1000.0);
+  else if (result.signal != 0)
+    cause = fmt::format("hvp-draw crashed ({})", strsignal(result.signal));
+  else if (const std::string line = first_line(result.errors); !line.empty())
+    cause = line;
+  else
+    cause = fmt::format("hvp-draw failed with status {}", result.exit_status);
+  return {not_drawn(cause), result.exit_status != kBadResults};
+}
+
+PictureOutcome draw_under_xvfb(const std::filesystem::path& run_directory,
+                               const PictureTools& tools) {
+  ChildProcess::Options options;
+  options.report_pipe = true;
+  // Xvfb picks a free display number and reports it. The pictures are drawn off screen, so the
+  // screen itself may be small.
+  ChildProcess server(tools.xvfb,
+                      {"-displayfd", std::to_string(ChildProcess::kReportDescriptor), "-screen",
+                       "0", "640x480x24", "-nolisten", "tcp"},
+                      options);
+  const auto number = server.report_line(std::chrono::seconds(20));
+  if (!number) {
+    // The server's own words, when it has ended; a live one is ended here.
+    const std::string words = first_line(server.wait(std::chrono::milliseconds(500)).errors);
+    return not_drawn("Xvfb did not start" + (words.empty() ? words : " (" + words + ")"));
+  }
+  return draw_on(":" + *number, run_directory, tools, true).outcome;
+}
+
+}  // namespace
+
+PictureTools PictureTools::of_this_process() {
+  PictureTools tools;
+  std::error_code ignored;
+  tools.draw_program =
+      std::filesystem::read_symlink("/proc/self/exe", ignored).replace_filename("hvp-draw");
+  if (const char* display = std::getenv("DISPLAY")) tools.display = display;
+  tools.xvfb = find_program("Xvfb");
+  return tools;
+}
+
+PictureOutcome draw_pictures(const std::filesystem::path& run_directory) {
+  return draw_pictures(run_directory, PictureTools::of_this_process());
+}
+
+PictureOutcome draw_pictures(const std::filesystem::path& run_directory,
+                             const PictureTools& tools) {
+  // Pictures of an earlier run beside this run's numbers would be wrong ones.
+  for (const char* name : kPictures) {
+    std::error_code ignored;
+    std::filesystem::remove(run_directory / name, ignored);
+  }
+  if (access(tools.draw_program.c_str(), X_OK) != 0)
+    return not_drawn(fmt::format("{} is not there", tools.draw_program.filename().string()));
+  try {
+    std::optional<PictureOutcome> failed;
+    if (local_display_answers(tools.display)) {
+      const Attempt attempt = draw_on(tools.display, run_directory, tools, false);
+      if (attempt.outcome.drawn || !attempt.worth_another_display) return attempt.outcome;
+      failed = attempt.outcome;
+    }
+    if (!tools.xvfb.empty()) return draw_under_xvfb(run_directory, tools);
+    return failed ? *failed : not_drawn("no display and Xvfb is not installed");
+  } catch (const std::system_error& error) {
+    return not_drawn(error.what());
+  }
+}
+
+}  // namespace hvp::results

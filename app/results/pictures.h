@@ -1,0 +1,35 @@
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace hvp::results {
+
+struct PictureOutcome {
+  bool drawn = false;
+  std::vector<std::string> files;  // names of what was drawn, within the run's directory
+  std::string reason;              // one line; empty when drawn
+};
+
+// What drawing needs, apart from the results themselves.
+struct PictureTools {
+  std::filesystem::path draw_program;           // hvp-draw
+  std::string display;                          // an X display such as ":0"; empty: none
+  std::filesystem::path xvfb;                   // the virtual X server; empty: not installed
+  std::chrono::milliseconds time_limit{60000};  // for hvp-draw, for each try
+
+  // hvp-draw beside the running executable, $DISPLAY, and Xvfb from $PATH.
+  static PictureTools of_this_process();
+};
+
+// Draws deformation.png and latency.png of a finished run into its directory, after removing
+// those of an earlier run. A child process draws: loading the renderer is slow and a lost display
+// aborts it. It uses the local X display where that answers, else (or when that cannot draw) an
+// Xvfb of its own. Never throws for what the child does: a crash, a time-out or a missing
+// display becomes the reason, and the run's other results stay as they are.
+PictureOutcome draw_pictures(const std::filesystem::path& run_directory);
+PictureOutcome draw_pictures(const std::filesystem::path& run_directory, const PictureTools& tools);
+
+}  // namespace hvp::results
