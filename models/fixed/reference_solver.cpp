@@ -21,8 +21,11 @@ std::uint64_t largest(std::span<const std::int32_t> vector) {
 bool all_zero(std::span<const std::int32_t> vector) { return largest(vector) == 0; }
 
 // Bits of a·2^a_exponent + b·2^b_exponent, rounded up; negative for sums under one half. Both
-// terms are cut to 40 bits of the larger, as an adder behind two shifters would.
-int sum_bit_length(std::uint64_t a, int a_exponent, std::uint64_t b, int b_exponent) {
+// terms are cut to 40 bits of the larger, as an adder behind two shifters would. The sum is
+// taken a little too large, by four units of a word of `word_bits` that it just fills: room for
+// the rounding of the two terms, so that what is scaled by this bound cannot saturate.
+int sum_bit_length(std::uint64_t a, int a_exponent, std::uint64_t b, int b_exponent,
+                   int word_bits) {
   constexpr int kAdderBits = 40;
   if (a == 0 && b == 0) return 0;
   const int a_top = bit_length(a) + a_exponent;
@@ -35,7 +38,16 @@ int sum_bit_length(std::uint64_t a, int a_exponent, std::uint64_t b, int b_expon
     if (left >= 0) return value << left;
     return left > -64 ? (value >> -left) + 1 : std::uint64_t{1};
   };
-  return bit_length(aligned(a, a_exponent) + aligned(b, b_exponent)) + unit;
+  const std::uint64_t sum = aligned(a, a_exponent) + aligned(b, b_exponent);
+  return bit_length(sum + (sum >> (word_bits - 3))) + unit;
+}
+
+// The power of two that re-scales a vector whose largest entry has `bits` bits of magnitude: up
+// to `target`, and down only as far as the word is narrow.
+int rescaling(int bits, int available, int target) {
+  if (bits < target) return target - bits;
+  if (bits > available) return available - bits;
+  return 0;
 }
 
 std::int64_t row_sum(const QuantisedMatrix& matrix, int equation,
@@ -56,6 +68,12 @@ double norm(std::span<const std::int32_t> vector) {
   return std::sqrt(sum);
 }
 
+// Bits of magnitude that re-scaling gives the 32-bit r of PCG (and so z): the products in zᵀr
+// have 50 bits then, and 2^13 rows fit 64.
+constexpr int kWideResidualTarget = 25;
+
+constexpr int kInverseBits = 18;
+
 double square(double value) { return value * value; }
 
 }  // namespace
@@ -64,7 +82,9 @@ ReferenceSolver::ReferenceSolver(const Settings& settings, int block_rows)
     : settings_(settings),
       vector_limit_(word_limit(settings.vector_bits)),
       residual_limit_(word_limit(settings.residual_bits())),
-      product_limit_(word_limit(Settings::kProductBits)) {
+      product_limit_(word_limit(Settings::kProductBits)),
+      direction_target_(settings.vector_bits - 1 - settings.headroom_bits),
+      residual_target_(settings.method == Method::cg ? direction_target_ : kWideResidualTarget) {
   settings_.check();
   for (auto* vector : {&r_, &z_, &d_, &q_, &inverse_diagonal_}) {
     vector->assign(3 * at(block_rows), 0);
@@ -124,12 +144,11 @@ void ReferenceSolver::require_fitting(const QuantisedMatrix& matrix, const Job& 
   }
 }
 
-// P⁻¹ of thesis §4.3 in 32-bit words: 2^(matrix_bits + 18) / a_ii, so that the stiffest
+// P⁻¹ of thesis §4.3 in 32-bit words: 2^(matrix_bits + kInverseBits) / a_ii, so that the stiffest
 // diagonal still has 19 bits. The preconditioner only has to be positive, so a tiny diagonal
 // may be clamped at the largest word. A row without a positive diagonal takes no part.
 void ReferenceSolver::invert_diagonal(const QuantisedMatrix& matrix) {
-  const int exponent = settings_.matrix_bits + 18;
-  const std::int64_t one = std::int64_t{1} << exponent;
+  const std::int64_t one = std::int64_t{1} << (settings_.matrix_bits + kInverseBits);
   for (int i = 0; i < matrix.rows(); ++i) {
     const std::int64_t diagonal = matrix.diagonal(i);
     if (diagonal == 0) report_.flags.raise(stability::Flag::zero_diagonal);
@@ -147,7 +166,6 @@ void ReferenceSolver::start(const QuantisedMatrix& matrix, const Job& job) {
   multiply(matrix, job.x);
   const int rhs_shift = settings_.rhs_shift();
   const int product_shift = settings_.product_shift();
-  const int target = settings_.vector_bits - 1 - settings_.headroom_bits;
   const bool cg = settings_.method == Method::cg;
 
   // The exponent has to be known before the first word of r is written, so A·x is read twice.
@@ -161,8 +179,8 @@ void ReferenceSolver::start(const QuantisedMatrix& matrix, const Job& job) {
   }
   report_.start_residual_norm = std::sqrt(squares);
   residual_exponent_ = 0;
-  if (cg && settings_.dynamic_scaling && widest != 0) {
-    residual_exponent_ = target - bit_length(widest) + rhs_shift;
+  if (settings_.dynamic_scaling && widest != 0) {
+    residual_exponent_ = residual_target_ - bit_length(widest) + rhs_shift;
   }
   for (std::size_t i = 0; i < r_.size(); ++i) {
     std::int64_t ignored = 0;  // b was counted above
@@ -173,12 +191,11 @@ void ReferenceSolver::start(const QuantisedMatrix& matrix, const Job& job) {
 
   precondition();
   z_r_ = inner_product(z_, r_);
-  z_r_exponent_ = 0;
 
   // With neither scaling the direction of PCG is in units of x (thesis §4.3).
   direction_exponent_ =
-      cg ? 0 : preconditioner_shift_ - (settings_.matrix_bits + 18) + product_shift;
-  if (!cg && settings_.dynamic_scaling) direction_exponent_ = target - bit_length(largest(z_));
+      cg ? 0 : preconditioner_shift_ - (settings_.matrix_bits + kInverseBits) + product_shift;
+  if (settings_.dynamic_scaling) direction_exponent_ = direction_target_ - bit_length(largest(z_));
   for (std::size_t i = 0; i < d_.size(); ++i) {
     d_[i] = clamp(shift(z_[i], direction_exponent_), vector_limit_);
   }
@@ -186,9 +203,7 @@ void ReferenceSolver::start(const QuantisedMatrix& matrix, const Job& job) {
 
 // Lines 9 to 18 of the pseudo-code in thesis §4.3.
 bool ReferenceSolver::step(const QuantisedMatrix& matrix, std::span<std::int32_t> x) {
-  const bool cg = settings_.method == Method::cg;
   const bool scaling = settings_.dynamic_scaling;
-  const int magnitude_bits = settings_.vector_bits - 1;
   if (z_r_ == 0 || all_zero(d_)) {
     stopped_ = true;
     return false;
@@ -204,13 +219,15 @@ bool ReferenceSolver::step(const QuantisedMatrix& matrix, std::span<std::int32_t
     return false;
   }
   alpha_ = ratio(z_r_, d_q_, settings_.coefficient_bits);
-  alpha_.exponent += z_r_exponent_ + direction_exponent_;
+  alpha_.exponent += direction_exponent_;
 
-  // r cannot outgrow its word: where the largest |r| + α·|q| would, r is scaled down first.
-  int down = 0;
-  if (cg && scaling) {
+  // r is re-scaled before it is written, by the bound |r| + α·|q| on what will come.
+  int up = 0;
+  if (scaling) {
     const auto step_size = static_cast<std::uint64_t>(alpha_.mantissa) * largest(q_);
-    down = std::min(0, magnitude_bits - sum_bit_length(largest(r_), 0, step_size, alpha_.exponent));
+    up = rescaling(
+        sum_bit_length(largest(r_), 0, step_size, alpha_.exponent, settings_.residual_bits()),
+        settings_.residual_bits() - 1, residual_target_);
   }
   const int x_exponent =
       alpha_.exponent + settings_.rhs_shift() - residual_exponent_ - settings_.product_shift();
@@ -218,40 +235,30 @@ bool ReferenceSolver::step(const QuantisedMatrix& matrix, std::span<std::int32_t
     const std::int64_t along = std::int64_t{alpha_.mantissa} * d_[i];
     const std::int64_t change = std::int64_t{alpha_.mantissa} * q_[i];
     x[i] = clamp(x[i] + shift(along, x_exponent), vector_limit_);
-    r_[i] = clamp(shift(r_[i], down) - shift(change, alpha_.exponent + down), residual_limit_);
+    r_[i] = clamp(shift(r_[i], up) - shift(change, alpha_.exponent + up), residual_limit_);
   }
-  residual_exponent_ += down;
-  direction_exponent_ -= down;
+  residual_exponent_ += up;
+  direction_exponent_ -= up;  // z grew with r
 
   precondition();
   const std::int64_t z_r_old = z_r_;
   z_r_ = inner_product(z_, r_);
   beta_ = ratio(z_r_, z_r_old, settings_.coefficient_bits);
-  beta_.exponent -= z_r_exponent_ + 2 * down;
-  z_r_exponent_ = 0;
+  beta_.exponent -= 2 * up;
 
-  // The new direction is bounded before it is made: |z| + β·|d| in the present units of d.
-  int up = 0;
+  // So is d, by |z| + β·|d|.
+  up = 0;
   if (scaling && z_r_ != 0) {
     const auto carried = static_cast<std::uint64_t>(beta_.mantissa) * largest(d_);
-    const int free_bits =
-        magnitude_bits - sum_bit_length(largest(z_), direction_exponent_, carried, beta_.exponent);
-    if (free_bits > settings_.headroom_bits) up = free_bits - settings_.headroom_bits;
-    if (free_bits < 0) up = free_bits;
+    up = rescaling(sum_bit_length(largest(z_), direction_exponent_, carried, beta_.exponent,
+                                  settings_.vector_bits),
+                   settings_.vector_bits - 1, direction_target_);
   }
-  const int z_exponent = direction_exponent_ + up;
+  direction_exponent_ += up;
   for (std::size_t i = 0; i < d_.size(); ++i) {
     const std::int64_t carried = std::int64_t{beta_.mantissa} * d_[i];
-    const std::int64_t steepest = shift(z_[i], z_exponent);
-    d_[i] = clamp(steepest + shift(carried, beta_.exponent + up), vector_limit_);
-    if (cg) r_[i] = z_[i] = clamp(steepest, residual_limit_);
-  }
-  if (cg) {  // r and d share their exponent again
-    residual_exponent_ += z_exponent;
-    z_r_exponent_ = 2 * z_exponent;
-    direction_exponent_ = 0;
-  } else {
-    direction_exponent_ = z_exponent;
+    d_[i] = clamp(shift(z_[i], direction_exponent_) + shift(carried, beta_.exponent + up),
+                  vector_limit_);
   }
   return true;
 }

@@ -22,7 +22,7 @@ class ReferenceSolver final : public Solver {
   void require_fitting(const QuantisedMatrix& matrix, const Job& job) const;
   void invert_diagonal(const QuantisedMatrix& matrix);
   void start(const QuantisedMatrix& matrix, const Job& job);
-  // Returns false where there is no step to make; `report_` says why.
+  // Returns false where there is no step to make.
   bool step(const QuantisedMatrix& matrix, std::span<std::int32_t> x);
   void multiply(const QuantisedMatrix& matrix, std::span<const std::int32_t> vector);
   void precondition();
@@ -34,17 +34,18 @@ class ReferenceSolver final : public Solver {
   std::int64_t vector_limit_;
   std::int64_t residual_limit_;
   std::int64_t product_limit_;
+  int direction_target_;  // bits of magnitude that re-scaling fills
+  int residual_target_;
 
   std::vector<std::int32_t> r_, z_, d_, q_;  // q = A·d
   std::vector<std::int32_t> inverse_diagonal_;
-  int preconditioner_shift_ = 0;  // z = (r · inverse_diagonal) / 2^shift
+  int preconditioner_shift_ = 0;  // z = r · inverse_diagonal · 2^-shift
 
   std::int64_t z_r_ = 0;
-  int z_r_exponent_ = 0;  // zᵀr = z_r · 2^z_r_exponent in units of the present z and r
   std::int64_t d_q_ = 0;
   Coefficient alpha_, beta_;
-  int residual_exponent_ = 0;   // f: residual = r · 2^(rhs_shift - f)
-  int direction_exponent_ = 0;  // e: direction = d · 2^-e in units of z
+  int residual_exponent_ = 0;   // f: the residual is r · 2^(rhs_shift - f) in units of A·x
+  int direction_exponent_ = 0;  // e: the direction is d · 2^-e in units of z
   bool stopped_ = false;
   Report report_;
 };

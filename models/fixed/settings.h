@@ -25,7 +25,7 @@ struct Settings {
   int coefficient_bits = 16;
   int static_shift = 11;  // m of thesis §4.2; cg only
   bool dynamic_scaling = true;
-  int headroom_bits = 3;
+  int headroom_bits = 1;
   double displacement_range = 0.02;  // m
 
   void declare(config::Visitor& v);

@@ -48,11 +48,11 @@ struct IterationState {
   std::span<const std::int32_t> d;  // of the next iteration
   std::span<const std::int32_t> q;  // A·d of this iteration
   std::int64_t d_q = 0;             // dᵀAd
-  std::int64_t z_r = 0;  // zᵀr of the new residual, in its scale before it was re-scaled
+  std::int64_t z_r = 0;             // zᵀr of the new residual
   Coefficient alpha;
   Coefficient beta;
-  // Residual in units of A·x: r · 2^(rhs_shift - residual_exponent). Direction in units of z:
-  // d · 2^-direction_exponent.
+  // The residual is r · 2^(rhs_shift - residual_exponent) in units of A·x, the direction
+  // d · 2^-direction_exponent in units of z.
   int residual_exponent = 0;
   int direction_exponent = 0;
 };

@@ -1,0 +1,10 @@
+#pragma once
+
+#include <cstddef>
+
+namespace hvp::fixed::test {
+
+// How often this program has called operator new.
+std::size_t allocation_count();
+
+}  // namespace hvp::fixed::test
