@@ -14,7 +14,6 @@
 #include <vtkIdList.h>
 #include <vtkNew.h>
 #include <vtkOBJReader.h>
-#include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
 #include <vtkPLYReader.h>
 #include <vtkPoints.h>
@@ -38,8 +37,11 @@ namespace {
 // Keeps what VTK would have printed, errors only.
 class CapturingWindow : public vtkOutputWindow {
  public:
-  static CapturingWindow* New();
-  vtkTypeMacro(CapturingWindow, vtkOutputWindow);
+  static CapturingWindow* New() {
+    auto* window = new CapturingWindow;
+    window->InitializeObjectBase();
+    return window;
+  }
   void DisplayText(const char* /*text*/) override {}
   void DisplayErrorText(const char* text) override { add(text); }
   void DisplayWarningText(const char* /*text*/) override {}
@@ -68,10 +70,9 @@ class CapturingWindow : public vtkOutputWindow {
   std::string first_error_;
   bool failed_ = false;
 };
-vtkStandardNewMacro(CapturingWindow)
 
-    // The readers take whatever index the file names.
-    void check_indices(vtkIdList* ids, vtkIdType points) {
+// The readers take whatever index the file names.
+void check_indices(vtkIdList* ids, vtkIdType points) {
   for (vtkIdType k = 0; k < ids->GetNumberOfIds(); ++k) {
     if (ids->GetId(k) < 0 || ids->GetId(k) >= points) {
       refuse(fmt::format("a face names point {} of {}", ids->GetId(k), points));
