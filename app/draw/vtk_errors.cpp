@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include <vtkLogger.h>
 #include <vtkNew.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
@@ -27,6 +28,8 @@ vtkStandardNewMacro(ErrorNote)
 void VtkErrors::capture() {
   vtkNew<ErrorNote> note;
   vtkOutputWindow::SetInstance(note);
+  // Errors pass the window and then the log, which writes to stderr by itself.
+  vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
 }
 
 bool VtkErrors::take() { return std::exchange(error_seen, false); }

@@ -1,0 +1,222 @@
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "app/draw/axis_ticks.h"
+#include "app/draw/colour_map.h"
+#include "app/draw/run_files.h"
+#include "app/draw/surface.h"
+#include "app/draw/view.h"
+#include "tests/app/sample_run.h"
+
+namespace hvp::draw {
+namespace {
+
+using Eigen::Vector3d;
+
+TEST(AxisTicks, AreRoundAndInside) {
+  const Ticks ticks = round_ticks(0.0, 2240.0, 6);
+  EXPECT_EQ(ticks.labels, (std::vector<std::string>{"0", "500", "1000", "1500", "2000"}));
+  const Ticks small = round_ticks(0.0, 0.0123, 6);
+  EXPECT_EQ(small.labels.front(), "0.000");
+  EXPECT_EQ(small.labels.back(), "0.010");
+}
+
+TEST(AxisTicks, EveryStepIsOneTwoOrFiveTimesAPowerOfTen) {
+  for (double high = 1.1e-6; high < 1e9; high *= 1.37) {
+    const Ticks ticks = round_ticks(0.0, high, 6);
+    EXPECT_GE(ticks.values.size(), 3u) << high;
+    EXPECT_LE(ticks.values.size(), 7u) << high;
+    EXPECT_EQ(ticks.values.front(), 0.0);
+    EXPECT_LE(ticks.values.back(), high * (1.0 + 1e-9));
+    const double digit = ticks.step / std::pow(10.0, std::floor(std::log10(ticks.step) + 1e-9));
+    EXPECT_TRUE(std::abs(digit - 1) < 1e-9 || std::abs(digit - 2) < 1e-9 ||
+                std::abs(digit - 5) < 1e-9)
+        << ticks.step;
+    for (std::size_t i = 1; i < ticks.labels.size(); ++i)
+      EXPECT_NE(ticks.labels[i], ticks.labels[i - 1]) << "labels tell the ticks apart";
+  }
+}
+
+TEST(AxisTicks, FramesAreNotSplit) {
+  EXPECT_EQ(whole_ticks(-0.5, 2.5, 10).labels, (std::vector<std::string>{"0", "1", "2"}));
+}
+
+TEST(FourDigits, RoundsAndDropsTrailingZeros) {
+  EXPECT_EQ(four_digits(0.0), "0");
+  EXPECT_EQ(four_digits(2000.0), "2000");
+  EXPECT_EQ(four_digits(123456.0), "123456");
+  EXPECT_EQ(four_digits(862.849), "862.8");
+  EXPECT_EQ(four_digits(1.2), "1.2");
+  EXPECT_EQ(four_digits(-0.0012345), "-0.001234");
+  EXPECT_EQ(four_digits(1.5e-7), "1.500e-07");
+}
+
+// The CIELAB coordinates of sRGB red (D65), as printed in textbooks: 53.24, 80.09, 67.20.
+TEST(ColourMap, LabOfRedAndWhite) {
+  const auto red = lab_of({255, 0, 0});
+  EXPECT_NEAR(red[0], 53.24, 0.01);
+  EXPECT_NEAR(red[1], 80.09, 0.02);
+  EXPECT_NEAR(red[2], 67.20, 0.02);
+  const auto white = lab_of({255, 255, 255});
+  EXPECT_NEAR(white[0], 100.0, 0.01);
+  EXPECT_NEAR(white[1], 0.0, 0.02);
+  EXPECT_NEAR(white[2], 0.0, 0.02);
+}
+
+// Measured over 16 steps, so that rounding to bytes does not count.
+TEST(ColourMap, EqualStepsLookEqual) {
+  constexpr int kSteps = 16;
+  std::vector<double> distance;
+  for (int i = 0; i < kSteps; ++i) {
+    const auto a = lab_of(sequential_colour(i / double(kSteps)));
+    const auto b = lab_of(sequential_colour((i + 1) / double(kSteps)));
+    EXPECT_NEAR(a[0] - b[0], (91.0 - 22.0) / kSteps, 0.6) << "lightness falls evenly, step " << i;
+    distance.push_back(std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]));
+  }
+  const auto [least, most] = std::minmax_element(distance.begin(), distance.end());
+  EXPECT_LT(*most / *least, 1.2);
+}
+
+TEST(ColourMap, ClampsOutsideZeroToOne) {
+  EXPECT_EQ(sequential_colour(-1.0), sequential_colour(0.0));
+  EXPECT_EQ(sequential_colour(2.0), sequential_colour(1.0));
+}
+
+// Euler: a closed surface without handles has V − E + F = 2 and 3F = 2E.
+TEST(Surface, OfABallIsClosedAndPointsOutwards) {
+  const mesh::TetMesh ball = sample::ball(0.05, 4);
+  const auto faces = outer_faces(ball.tetrahedra);
+  const auto edges = edges_of(faces);
+  std::vector<int> nodes;
+  for (const auto& face : faces) nodes.insert(nodes.end(), face.begin(), face.end());
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  EXPECT_EQ(faces.size(), 6u * 4 * 4 * 2);
+  EXPECT_EQ(3 * faces.size(), 2 * edges.size());
+  EXPECT_EQ(nodes.size() + faces.size(), edges.size() + 2);
+  for (const auto& face : faces) {
+    const auto at = [&](std::size_t c) { return ball.nodes[static_cast<std::size_t>(face[c])]; };
+    EXPECT_GT((at(1) - at(0)).cross(at(2) - at(0)).dot(at(0) + at(1) + at(2)), 0.0);
+  }
+}
+
+// Every node of a closed outline has an even number of outline edges.
+TEST(Surface, OutlineOfABallIsAClosedLineAtItsRim) {
+  const mesh::TetMesh ball = sample::ball(1.0, 8);
+  const auto faces = outer_faces(ball.tetrahedra);
+  const Vector3d towards = Vector3d(0.3, -1.0, 0.2).normalized();
+  const auto lines = outline(ball.nodes, faces, edges_of(faces), towards);
+  ASSERT_FALSE(lines.empty());
+  std::vector<int> degree(ball.nodes.size(), 0);
+  for (const auto& line : lines)
+    for (const int node : line) {
+      ++degree[static_cast<std::size_t>(node)];
+      EXPECT_LT(std::abs(ball.nodes[static_cast<std::size_t>(node)].dot(towards)), 0.3);
+    }
+  for (const int d : degree) EXPECT_EQ(d % 2, 0);
+}
+
+DeformationStep pressed_ball(const Vector3d& anchored_side, const Vector3d& dent) {
+  DeformationStep step;
+  const mesh::TetMesh ball = sample::ball(0.05, 4);
+  step.rest = ball.nodes;
+  step.displacement.assign(ball.nodes.size(), Vector3d::Zero());
+  step.tetrahedra = ball.tetrahedra;
+  std::size_t contact = 0;
+  for (std::size_t i = 0; i < ball.nodes.size(); ++i) {
+    if (ball.nodes[i].dot(anchored_side) > 0.035) step.anchors.push_back(static_cast<int>(i));
+    if (ball.nodes[i].dot(dent) < ball.nodes[contact].dot(dent)) contact = i;
+  }
+  step.contact_node = static_cast<int>(contact);
+  step.displacement[contact] = 0.01 * dent;
+  return step;
+}
+
+void expect_frame(const View& view) {
+  EXPECT_NEAR(view.right.norm(), 1.0, 1e-12);
+  EXPECT_NEAR(view.up.norm(), 1.0, 1e-12);
+  EXPECT_NEAR((view.right.cross(view.up) - view.towards_viewer).norm(), 0.0, 1e-12);
+}
+
+TEST(View, PressedFromAboveIsSeenInProfileAndALittleFromAbove) {
+  const View view = choose_view(pressed_ball(-Vector3d::UnitZ(), -Vector3d::UnitZ()));
+  expect_frame(view);
+  EXPECT_NEAR(view.right.z(), 0.0, 1e-12) << "the picture does not lean";
+  EXPECT_GT(view.towards_viewer.z(), 0.2);
+  EXPECT_LT(view.towards_viewer.z(), 0.4);
+}
+
+TEST(View, AnchorsAreAtTheBottomOfThePicture) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double sign : {-1.0, 1.0}) {
+      const Vector3d anchored = sign * Vector3d::Unit(axis);
+      const View view = choose_view(pressed_ball(anchored, anchored));
+      expect_frame(view);
+      EXPECT_LT(anchored.dot(view.up), -0.9);
+      EXPECT_NEAR(anchored.dot(view.right), 0.0, 1e-12);
+    }
+}
+
+TEST(View, LooksAcrossADentFromTheSide) {
+  for (const Vector3d& dent : {Vector3d(1, 0, 0), Vector3d(0, 1, 0), Vector3d(-1, 1, 0)}) {
+    const View view = choose_view(pressed_ball(-Vector3d::UnitZ(), dent.normalized()));
+    expect_frame(view);
+    EXPECT_NEAR(dent.dot(view.towards_viewer), 0.0, 1e-12);
+  }
+}
+
+TEST(View, WithoutAnchorsAndContactUpIsZ) {
+  DeformationStep step = pressed_ball(Vector3d::Zero(), -Vector3d::UnitZ());
+  step.contact_node = -1;
+  std::fill(step.displacement.begin(), step.displacement.end(), Vector3d::Zero());
+  const View view = choose_view(step);
+  expect_frame(view);
+  EXPECT_GT(view.up.z(), 0.9);
+}
+
+std::vector<Contribution> many() {
+  return {{"a", "x", 500.0}, {"b", "x", 100.0}, {"a", "x", 300.0}, {"c", "x", 60.0},
+          {"d", "x", 30.0},  {"e", "x", 6.0},   {"f", "x", 4.0}};
+}
+
+double sum_of(const std::vector<Contribution>& rows) {
+  return std::accumulate(rows.begin(), rows.end(), 0.0,
+                         [](double sum, const Contribution& row) { return sum + row.us; });
+}
+
+TEST(Contributions, AreAddedUpByNameSortedAndSmallOnesGrouped) {
+  const auto rows = largest_contributions(many(), 0.01, 10);
+  ASSERT_EQ(rows.size(), 5u);
+  EXPECT_EQ(rows[0].part, "a");
+  EXPECT_EQ(rows[0].us, 800.0);
+  EXPECT_EQ(rows[3].part, "d");
+  EXPECT_EQ(rows[4].part, "other");
+  EXPECT_EQ(rows[4].phase, "2 phases");
+  EXPECT_EQ(rows[4].us, 10.0);
+}
+
+TEST(Contributions, NeverMoreThanAskedForAndNothingIsLost) {
+  for (std::size_t most = 2; most < 9; ++most)
+    for (const double share : {0.0, 0.005, 0.01, 0.5}) {
+      const auto rows = largest_contributions(many(), share, most);
+      EXPECT_LE(rows.size(), most);
+      EXPECT_DOUBLE_EQ(sum_of(rows), 1000.0);
+    }
+}
+
+TEST(Contributions, ASingleSmallOneKeepsItsName) {
+  const auto rows = largest_contributions({{"a", "x", 99.5}, {"b", "y", 0.5}}, 0.01, 10);
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[1].part, "b");
+}
+
+}  // namespace
+}  // namespace hvp::draw

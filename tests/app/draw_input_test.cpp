@@ -1,0 +1,142 @@
+// What hvp-draw says of results that are missing or damaged. It reads before it draws, so no
+// display is needed.
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "app/results/child_process.h"
+#include "tests/app/sample_run.h"
+#include "tests/app/scratch_directory.h"
+
+namespace hvp::results {
+namespace {
+
+std::string bytes_of(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void write(const std::filesystem::path& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& with) {
+  const auto at = text.find(what);
+  EXPECT_NE(at, std::string::npos) << what;
+  return text.replace(at, what.size(), with);
+}
+
+class DrawInputTest : public testing::Test {
+ protected:
+  DrawInputTest() {
+    sample::write_run(scratch_.path(), {.frames = 20, .step_every = 10, .cells = 2});
+  }
+
+  std::filesystem::path file(const char* name) const { return scratch_.path() / name; }
+
+  // hvp-draw refuses with one line that holds `words`, and leaves no file of its own.
+  void expect_refused(const std::string& words) {
+    ChildProcess::Options options;
+    options.environment = {{"DISPLAY", ""}};
+    ChildProcess child(HVP_DRAW_PROGRAM, {scratch_.path().string()}, options);
+    const auto result = child.wait(std::chrono::seconds(60));
+    EXPECT_EQ(result.exit_status, 2) << "signal " << result.signal << ", " << result.errors;
+    EXPECT_EQ(std::count(result.errors.begin(), result.errors.end(), '\n'), 1) << result.errors;
+    EXPECT_NE(result.errors.find(words), std::string::npos) << result.errors;
+    EXPECT_EQ(result.output, "");
+    for (const auto& entry : std::filesystem::directory_iterator(scratch_.path())) {
+      EXPECT_NE(entry.path().extension(), ".png");
+      EXPECT_NE(entry.path().extension(), ".part");
+    }
+  }
+
+  ScratchDirectory scratch_;
+};
+
+TEST_F(DrawInputTest, MissingFiles) {
+  std::filesystem::remove(file("deformation_000010.vtu"));
+  expect_refused("deformation_000010.vtu: no such file");
+  std::filesystem::remove(file("summary.json"));
+  expect_refused("summary.json: no such file");
+  std::filesystem::remove(file("frames.csv"));
+  expect_refused("frames.csv: no such file");
+}
+
+TEST_F(DrawInputTest, FramesThatAreNotATable) {
+  const std::string good = bytes_of(file("frames.csv"));
+  write(file("frames.csv"), "");
+  expect_refused("frames.csv:1: has no column 'frame'");
+  write(file("frames.csv"), good.substr(0, good.find('\n') + 1));
+  expect_refused("frames.csv: has no frame");
+  write(file("frames.csv"), replaced(good, "latency_us", "latency_ms"));
+  expect_refused("frames.csv:1: has no column 'latency_us'");
+  write(file("frames.csv"), replaced(good, "\n3,", "\nthree,"));
+  expect_refused("frames.csv:5: frame is 'three', expected a number");
+  write(file("frames.csv"), replaced(good, "\n3,", "\n3,1,"));
+  expect_refused("frames.csv:5: 9 fields, the header has 8");
+  write(file("frames.csv"), good.substr(0, good.size() - 25));
+  expect_refused("frames.csv:21: ");
+}
+
+TEST_F(DrawInputTest, SummaryThatIsNotOne) {
+  const std::string good = bytes_of(file("summary.json"));
+  write(file("summary.json"), good.substr(0, good.size() / 2));
+  expect_refused("summary.json: not well-formed JSON");
+  write(file("summary.json"), "[]");
+  expect_refused("summary.json has no 'deadline'");
+  write(file("summary.json"), replaced(good, "\"period_us\": 2000.0", "\"period_us\": \"2 ms\""));
+  expect_refused("deadline.period_us is \"2 ms\", expected microseconds");
+  write(file("summary.json"), replaced(good, "\"phase\": \"solve\",", ""));
+  expect_refused("attribution[8] has no 'phase'");
+}
+
+TEST_F(DrawInputTest, ListOfStepsThatIsNotOne) {
+  const std::string good = bytes_of(file("deformation.pvd"));
+  write(file("deformation.pvd"), good.substr(0, good.size() / 2));
+  expect_refused("deformation.pvd: not well-formed XML");
+  write(file("deformation.pvd"), "<VTKFile><Collection/></VTKFile>");
+  expect_refused("deformation.pvd: lists no step");
+  write(file("deformation.pvd"), "<VTKFile/>");
+  expect_refused("deformation.pvd: has no <Collection>");
+}
+
+TEST_F(DrawInputTest, StepCutOffAnywhere) {
+  const std::string good = bytes_of(file("deformation_000010.vtu"));
+  for (int part = 0; part < 24; ++part) {
+    write(file("deformation_000010.vtu"), good.substr(0, good.size() * std::size_t(part) / 24));
+    expect_refused("deformation_000010.vtu: ");
+  }
+}
+
+TEST_F(DrawInputTest, StepWithoutWhatThePictureNeeds) {
+  const std::string good = bytes_of(file("deformation_000010.vtu"));
+  for (const char* name : {"displacement", "anchor", "contact", "time_s", "frame",
+                           "probe_position_m", "probe_radius_m", "contact_force_N"}) {
+    const std::string quoted = "Name=\"" + std::string(name) + "\"";
+    std::string other = quoted;
+    other[6] = 'X';
+    write(file("deformation_000010.vtu"), replaced(good, quoted, other));
+    expect_refused("deformation_000010.vtu: has no array '" + std::string(name) + "'");
+  }
+  write(file("deformation_000010.vtu"), replaced(good, "UnstructuredGrid", "PolyData"));
+  expect_refused("deformation_000010.vtu: not a VTK XML unstructured grid");
+}
+
+TEST_F(DrawInputTest, WrongNumberOfArguments) {
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{}, std::vector<std::string>{"a", "b"}}) {
+    ChildProcess child(HVP_DRAW_PROGRAM, arguments, {});
+    const auto result = child.wait(std::chrono::seconds(60));
+    EXPECT_EQ(result.exit_status, 2);
+    EXPECT_EQ(result.errors, "usage: hvp-draw RUN_DIRECTORY\n");
+  }
+}
+
+}  // namespace
+}  // namespace hvp::results

@@ -1,0 +1,146 @@
+// hvp-draw under a real Xvfb. The build adds this file only where Xvfb is installed.
+
+#include <array>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <vtkImageData.h>
+#include <vtkNew.h>
+#include <vtkPNGReader.h>
+
+#include "app/results/pictures.h"
+#include "tests/app/sample_run.h"
+#include "tests/app/scratch_directory.h"
+
+namespace hvp::results {
+namespace {
+
+using Colour = std::array<int, 3>;
+
+constexpr Colour kPaper = {250, 249, 246};  // app/draw/canvas.h
+
+class Picture {
+ public:
+  explicit Picture(const std::filesystem::path& path) {
+    EXPECT_TRUE(std::filesystem::exists(path)) << path;
+    reader_->SetFileName(path.c_str());
+    reader_->Update();
+    image_ = reader_->GetOutput();
+  }
+  int width() const { return image_->GetDimensions()[0]; }
+  int height() const { return image_->GetDimensions()[1]; }
+  Colour at(int x, int y) const {
+    const auto* p = static_cast<unsigned char*>(image_->GetScalarPointer(x, y, 0));
+    return {p[0], p[1], p[2]};
+  }
+  template <class Wanted>
+  int count(Wanted wanted) const {
+    int pixels = 0;
+    for (int y = 0; y < height(); ++y)
+      for (int x = 0; x < width(); ++x) pixels += wanted(at(x, y)) ? 1 : 0;
+    return pixels;
+  }
+  std::size_t colours() const {
+    std::set<Colour> seen;
+    count([&](const Colour& c) { return seen.insert(c).second; });
+    return seen.size();
+  }
+
+ private:
+  vtkNew<vtkPNGReader> reader_;
+  vtkImageData* image_ = nullptr;
+};
+
+// Hues rather than colours: the edges of a mark are mixed with what is behind it.
+bool is_red(const Colour& c) { return c[0] - c[1] > 90 && c[0] - c[2] > 90; }
+bool is_blue(const Colour& c) { return c[2] - c[0] > 60 && c[1] > 60; }
+bool is_arrow(const Colour& c) { return c[0] > 150 && c[1] < 80 && c[2] < 60 && c[2] < c[1] + 5; }
+
+class DrawRenderTest : public testing::Test {
+ protected:
+  PictureOutcome draw(const sample::RunShape& shape) {
+    sample::write_run(scratch_.path(), shape);
+    return redraw();
+  }
+  PictureOutcome redraw() {
+    PictureTools tools = PictureTools::of_this_process();
+    tools.draw_program = HVP_DRAW_PROGRAM;
+    tools.display.clear();
+    return draw_pictures(scratch_.path(), tools);
+  }
+  std::filesystem::path file(const char* name) const { return scratch_.path() / name; }
+
+  ScratchDirectory scratch_;
+};
+
+TEST_F(DrawRenderTest, DrawsBothPicturesInTheStatedSize) {
+  const auto outcome = draw({});
+  ASSERT_TRUE(outcome.drawn) << outcome.reason;
+  EXPECT_EQ(outcome.files, (std::vector<std::string>{"deformation.png", "latency.png"}));
+  for (const char* name : {"deformation.png", "latency.png"}) {
+    const Picture picture(file(name));
+    EXPECT_EQ(picture.width(), 1400);
+    EXPECT_EQ(picture.height(), 1000);
+    EXPECT_GT(picture.colours(), 100u) << name;
+    EXPECT_EQ(picture.at(2, 2), kPaper) << name;
+  }
+  for (const auto& entry : std::filesystem::directory_iterator(scratch_.path()))
+    EXPECT_NE(entry.path().extension(), ".part");
+}
+
+TEST_F(DrawRenderTest, ShowsTheStepOfTheLargestForceWithItsArrow) {
+  ASSERT_TRUE(draw({}).drawn);
+  const int with_force = Picture(file("deformation.png")).count(is_arrow);
+  // One step only, before the contact.
+  ASSERT_TRUE(draw({.frames = 10, .step_every = 10, .cells = 6}).drawn);
+  const int without = Picture(file("deformation.png")).count(is_arrow);
+  EXPECT_GT(with_force, 1500);
+  EXPECT_EQ(without, 0);
+}
+
+TEST_F(DrawRenderTest, LateFramesAreRed) {
+  sample::write_run(scratch_.path(), {});
+  ASSERT_TRUE(redraw().drawn);
+  const Picture in_time(file("latency.png"));
+  std::ifstream in(file("frames.csv"));
+  std::ostringstream out;
+  for (std::string line; std::getline(in, line);) {
+    // frame,born,latency,load,deadline,1,… → 0
+    if (const auto verdict = line.find(",1,"); line[0] >= '0' && line[0] <= '9')
+      line[verdict + 1] = '0';
+    out << line << '\n';
+  }
+  in.close();
+  std::ofstream(file("frames.csv")) << out.str();
+  ASSERT_TRUE(redraw().drawn);
+  const Picture late(file("latency.png"));
+  EXPECT_GT(late.count(is_red), in_time.count(is_red) + 1000);
+  EXPECT_LT(late.count(is_blue), in_time.count(is_blue) - 1000);
+}
+
+TEST_F(DrawRenderTest, ARunWithoutDeformationGetsItsLatencyAlone) {
+  sample::write_run(scratch_.path(), {});
+  std::filesystem::remove(file("deformation.pvd"));
+  const auto outcome = redraw();
+  EXPECT_TRUE(outcome.drawn) << outcome.reason;
+  EXPECT_EQ(outcome.files, std::vector<std::string>{"latency.png"});
+  EXPECT_FALSE(std::filesystem::exists(file("deformation.png")));
+}
+
+TEST_F(DrawRenderTest, BrokenResultsAreAReason) {
+  sample::write_run(scratch_.path(), {});
+  std::ofstream(file("summary.json")) << "{";
+  const auto outcome = redraw();
+  EXPECT_FALSE(outcome.drawn);
+  EXPECT_EQ(outcome.reason,
+            "summary.json: not well-formed JSON: deformation.png and latency.png were not drawn");
+}
+
+}  // namespace
+}  // namespace hvp::results
