@@ -14,6 +14,7 @@
 #include "models/mesh/byte_stream.h"
 #include "models/mesh/child_process.h"
 #include "models/mesh/parametric_surface.h"
+#include "models/mesh/smoothing.h"
 #include "models/mesh/surface_check.h"
 #include "models/mesh/surface_reader.h"
 #include "models/mesh/surface_resample.h"
@@ -99,6 +100,7 @@ class Search {
                                "mesh has {}, those tried had {} to {}",
                                wanted_, nearest_, fewest_, most_));
     }
+    smooth(*best_);
     return std::move(*best_);
   }
 

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <tetgen.h>
 
 #include "models/config/input_error.h"
+#include "models/mesh/predicates.h"
 
 namespace hvp::mesh {
 
@@ -33,11 +33,8 @@ struct Box {
 
 class Tester {
  public:
-  explicit Tester(const Surface& surface) : surface_(surface) {
-    double largest = 0.0;
-    for (const Vector3d& x : surface.points) largest = std::max(largest, x.cwiseAbs().maxCoeff());
-    ::exactinit(0, 0, 0, largest, largest, largest);
-  }
+  explicit Tester(const Surface& surface)
+      : surface_(surface), orientation_(largest_coordinate(surface)) {}
 
   bool intersect(const Triangle& a, const Triangle& b) const {
     std::vector<int> common;
@@ -54,11 +51,14 @@ class Tester {
  private:
   const Vector3d& point(int i) const { return surface_.points[at(i)]; }
 
-  // Positive, negative or zero, exactly.
+  static double largest_coordinate(const Surface& surface) {
+    double largest = 0.0;
+    for (const Vector3d& x : surface.points) largest = std::max(largest, x.cwiseAbs().maxCoeff());
+    return largest;
+  }
+
   int side(int a, int b, int c, int d) const {
-    const auto raw = [this](int i) { return const_cast<REAL*>(point(i).data()); };
-    const double value = ::orient3d(raw(a), raw(b), raw(c), raw(d));
-    return (value > 0.0) - (value < 0.0);
+    return orientation_(point(a), point(b), point(c), point(d));
   }
 
   bool coplanar(const Triangle& a, const Triangle& b) const {
@@ -151,6 +151,7 @@ class Tester {
   }
 
   const Surface& surface_;
+  Orientation orientation_;
 };
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <map>
 
-#include "models/mesh/tetgen_run.h"
+#include "models/mesh/convex_hull.h"
 
 namespace hvp::mesh {
 
@@ -28,7 +28,7 @@ Surface sphere_surface(double radius, int points) {
     c = next_c / length;
     s = next_s / length;
   }
-  surface.triangles = convex_hull(surface.points);
+  surface.triangles = hull_of_sphere_points(surface.points);
   return surface;
 }
 

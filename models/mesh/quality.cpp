@@ -114,6 +114,18 @@ Quality measure(const TetMesh& mesh) {
   return quality;
 }
 
+ElementShapes element_shapes(const TetMesh& mesh) {
+  ElementShapes shapes;
+  for (const auto& t : mesh.tetrahedra) {
+    std::array<Vector3d, 4> x;
+    for (std::size_t i = 0; i < 4; ++i) x[i] = mesh.nodes[static_cast<std::size_t>(t[i])];
+    const Shape shape = shape_of(x);
+    shapes.min_dihedral.push_back(*std::min_element(shape.dihedral.begin(), shape.dihedral.end()));
+    shapes.aspect_ratio.push_back(shape.aspect_ratio);
+  }
+  return shapes;
+}
+
 std::string draw_dihedral_histogram(const Quality& quality, std::size_t width) {
   const std::size_t tallest =
       *std::max_element(quality.dihedral_histogram.begin(), quality.dihedral_histogram.end());

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "models/mesh/tet_mesh.h"
 
@@ -37,6 +38,13 @@ struct Quality {
 };
 
 Quality measure(const TetMesh& mesh);
+
+// The same figures of each tetrahedron, one value a tetrahedron.
+struct ElementShapes {
+  std::vector<double> min_dihedral;  // degrees
+  std::vector<double> aspect_ratio;  // longest edge over shortest edge
+};
+ElementShapes element_shapes(const TetMesh& mesh);
 
 // The histogram as text, one line a bin with a bar at most `width` characters long.
 std::string draw_dihedral_histogram(const Quality& quality, std::size_t width = 40);

@@ -1,10 +1,13 @@
 #include "models/mesh/tetgen_run.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <map>
 #include <new>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <tetgen.h>
@@ -136,27 +139,6 @@ TetMesh run_tetgen(const Surface& surface, const TetgenOptions& options) {
   }
   mesh.boundary = boundary_of(mesh.tetrahedra);
   return mesh;
-}
-
-std::vector<std::array<int, 3>> convex_hull(const std::vector<Eigen::Vector3d>& points) {
-  tetgenio in;
-  tetgenio out;
-  set_points(in, points);
-  call("Q", in, out);
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  for (const auto& x : points) centre += x;
-  centre /= static_cast<double>(points.size());
-  std::vector<std::array<int, 3>> triangles;
-  for (int i = 0; i < out.numberoftrifaces; ++i) {
-    std::array<int, 3> t{out.trifacelist[3 * i], out.trifacelist[3 * i + 1],
-                         out.trifacelist[3 * i + 2]};
-    // The centre lies inside, so an outward triangle sees it below.
-    if (jacobian_determinant(points[at(t[0])], points[at(t[1])], points[at(t[2])], centre) > 0.0) {
-      std::swap(t[1], t[2]);
-    }
-    triangles.push_back(t);
-  }
-  return triangles;
 }
 
 }  // namespace hvp::mesh

@@ -1,9 +1,5 @@
 #pragma once
 
-#include <array>
-#include <string>
-#include <vector>
-
 #include "models/mesh/tet_mesh.h"
 
 // The one place that calls TetGen (Si, ACM TOMS 41(2), 2015; licence AGPL-3.0).
@@ -21,8 +17,5 @@ struct TetgenOptions {
 // kept. TetGen may crash, hang or exit on surfaces it cannot handle: call it in a child process
 // (child_process.h). Throws InputError with the key "surface".
 TetMesh run_tetgen(const Surface& surface, const TetgenOptions& options);
-
-// The convex hull of points in general position, triangles outward.
-std::vector<std::array<int, 3>> convex_hull(const std::vector<Eigen::Vector3d>& points);
 
 }  // namespace hvp::mesh
