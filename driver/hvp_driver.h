@@ -1,9 +1,14 @@
 #ifndef HVP_DRIVER_H
 #define HVP_DRIVER_H
 
+#ifdef __KERNEL__
+#include <linux/stddef.h>
+#include <linux/types.h>
+#else
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#endif
 
 // The driver of the solver board: loads a matrix K, changes single rows of it, sends b, starts a
 // solve of K·U = b, waits for it and fetches U. docs/driver.md shows a frame; docs/registers.md is
@@ -65,7 +70,7 @@ struct hvp_bus {
 #define HVP_MIN_SCRATCH_WORDS 16U
 
 // How long the board may take to check a matrix: thousands of times what 8192 nodes take.
-#define HVP_LOAD_TIMEOUT_NS UINT64_C(1000000000)
+#define HVP_LOAD_TIMEOUT_NS ((uint64_t)1000000000)
 
 struct hvp_capability {
   uint32_t max_nodes;

@@ -25,7 +25,7 @@ void hvp_write_register(const struct hvp_device* device, uint32_t offset, uint32
 }
 
 bool hvp_elements_fit(const int32_t* elements, size_t n, uint32_t bits) {
-  const int64_t limit = INT64_C(1) << (bits - 1U);
+  const int64_t limit = (int64_t)1 << (bits - 1U);
   for (size_t i = 0; i < n; ++i) {
     if (elements[i] < -limit || elements[i] >= limit) return false;
   }

@@ -9,7 +9,7 @@
 #define HVP_OFFSET(name) ((uint32_t)offsetof(hvp_t, name))
 
 // What a read returns when nobody answers.
-#define HVP_ALL_ONES UINT32_MAX
+#define HVP_ALL_ONES 0xffffffffU
 
 uint32_t hvp_read_register(const struct hvp_device* device, uint32_t offset);
 void hvp_write_register(const struct hvp_device* device, uint32_t offset, uint32_t value);

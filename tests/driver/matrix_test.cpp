@@ -114,7 +114,8 @@ TEST_F(DriverOnBoard, ConstrainAndRestoreAreInverse) {
          k < matrix.row_begin[static_cast<std::size_t>(i) + 1]; ++k) {
       const int j = matrix.column[static_cast<std::size_t>(k)];
       for (int e = 0; e < 9; ++e) {
-        const std::int32_t entry = constrained[static_cast<std::size_t>(9 * k + e)];
+        const std::int32_t entry =
+            constrained[9 * static_cast<std::size_t>(k) + static_cast<std::size_t>(e)];
         if (i != 2 && j != 2) {
           EXPECT_EQ(entry, ChainMatrix::entry(i, j, e / 3, e % 3));
         } else {
@@ -124,7 +125,7 @@ TEST_F(DriverOnBoard, ConstrainAndRestoreAreInverse) {
     }
   }
 
-  const auto first = static_cast<std::size_t>(9 * matrix.row_begin[2]);
+  const auto first = 9 * static_cast<std::size_t>(matrix.row_begin[2]);
   ASSERT_EQ(hvp_restore_node(&device, 2, matrix.value.data() + first, 3), HVP_OK);
   // 27 entries of 12 bits in 14 words.
   EXPECT_EQ(board.take_log(),

@@ -119,7 +119,7 @@ TEST_F(Bank, CallbacksSeeBeforeAndAfter) {
 TEST_F(Bank, BusyLocksSettingsMemoriesAndCommandsButNotTheWayOut) {
   bank.set(field::kStatusBusy, 1);
   EXPECT_EQ(write(offset(Register::iterations), {1}).access, Access::busy);
-  EXPECT_EQ(write(offset(Register::update_node), {1}).access, Access::busy);
+  EXPECT_EQ(write(offset(Register::update_node), {0}).access, Access::busy);
   EXPECT_EQ(write(offset(Aperture::b), {1}).access, Access::busy);
   EXPECT_EQ(read(offset(Aperture::u)).access, Access::busy);
   for (const auto command :
