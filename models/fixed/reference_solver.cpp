@@ -68,9 +68,9 @@ double norm(std::span<const std::int32_t> vector) {
   return std::sqrt(sum);
 }
 
-// Bits of magnitude that re-scaling gives the 32-bit r of PCG (and so z): the products in zᵀr
+// Bits of magnitude that re-scaling leaves the 32-bit r of PCG (and so z): the products in zᵀr
 // have 50 bits then, and 2^13 rows fit 64.
-constexpr int kWideResidualTarget = 25;
+constexpr int kWideResidualBits = 25;
 
 constexpr int kInverseBits = 18;
 
@@ -84,7 +84,9 @@ ReferenceSolver::ReferenceSolver(const Settings& settings, int block_rows)
       residual_limit_(word_limit(settings.residual_bits())),
       product_limit_(word_limit(Settings::kProductBits)),
       direction_target_(settings.vector_bits - 1 - settings.headroom_bits),
-      residual_target_(settings.method == Method::cg ? direction_target_ : kWideResidualTarget) {
+      residual_target_(settings.method == Method::cg ? direction_target_ : kWideResidualBits),
+      residual_available_(settings.method == Method::cg ? settings.vector_bits - 1
+                                                        : kWideResidualBits) {
   settings_.check();
   for (auto* vector : {&r_, &z_, &d_, &q_, &inverse_diagonal_}) {
     vector->assign(3 * at(block_rows), 0);
@@ -227,7 +229,7 @@ bool ReferenceSolver::step(const QuantisedMatrix& matrix, std::span<std::int32_t
     const auto step_size = static_cast<std::uint64_t>(alpha_.mantissa) * largest(q_);
     up = rescaling(
         sum_bit_length(largest(r_), 0, step_size, alpha_.exponent, settings_.residual_bits()),
-        settings_.residual_bits() - 1, residual_target_);
+        residual_available_, residual_target_);
   }
   const int x_exponent =
       alpha_.exponent + settings_.rhs_shift() - residual_exponent_ - settings_.product_shift();
@@ -319,13 +321,16 @@ void ReferenceSolver::judge(const QuantisedMatrix& matrix, const Job& job) {
   report_.rounding_floor = std::sqrt(floor);
   report_.residual_norm = std::ldexp(norm(r_), rhs_shift - residual_exponent_);
 
+  if (report_.saturations > 0) report_.flags.raise(stability::Flag::saturation);
+  // Without dynamic scaling a direction can round to zero far from the solution.
+  if (stopped_ && !all_zero(r_)) report_.flags.raise(stability::Flag::stagnation);
+
   // Rounding x in every iteration leaves a few units in the last place.
   constexpr double kFloors = 4;
   const double negligible = kFloors * report_.rounding_floor;
   const double reached = report_.true_residual_norm;
-  if (report_.saturations > 0) report_.flags.raise(stability::Flag::saturation);
   if (reached <= negligible) return;
-  if (stopped_ || reached > 2 * report_.residual_norm + negligible) {
+  if (reached > 2 * report_.residual_norm + negligible) {
     report_.flags.raise(stability::Flag::stagnation);
   }
   if (reached > std::max(report_.rhs_norm, report_.start_residual_norm)) {

@@ -34,8 +34,11 @@ class ReferenceSolver final : public Solver {
   std::int64_t vector_limit_;
   std::int64_t residual_limit_;
   std::int64_t product_limit_;
-  int direction_target_;  // bits of magnitude that re-scaling fills
+  // Bits of magnitude: re-scaling up fills the target, re-scaling down starts beyond what is
+  // available (for d, its word).
+  int direction_target_;
   int residual_target_;
+  int residual_available_;
 
   std::vector<std::int32_t> r_, z_, d_, q_;  // q = A·d
   std::vector<std::int32_t> inverse_diagonal_;

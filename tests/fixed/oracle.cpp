@@ -3,6 +3,7 @@
 // bits. Every word after every iteration must agree.
 #include <algorithm>
 #include <cstdlib>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -46,18 +47,27 @@ Int128 dot(const Vector& a, const Vector& b) {
   for (std::size_t i = 0; i < a.size(); ++i) sum += Int128{a[i]} * b[i];
   return sum;
 }
+// An inner product in its 64-bit word.
+Int128 scalar(const Vector& a, const Vector& b) {
+  constexpr Int128 kLimit = std::numeric_limits<std::int64_t>::max();
+  return std::clamp(dot(a, b), -kLimit, kLimit);
+}
 Vector product(const Matrix& a, const Vector& v, int drop) {
   Vector result;
   for (const Vector& row : a) result.push_back(clamp(times_power_of_two(dot(row, v), -drop), 32));
   return result;
 }
 
-// n/d with the exponent for which the nearest mantissa has `bits` - 1 bits.
+// n/d with the exponent for which the mantissa has `bits` - 1 bits, rounded to nearest.
 Coefficient fraction(Int128 n, Int128 d, int bits) {
   if (n == 0) return {};
   for (int exponent = 40;; --exponent) {
-    const Int128 m = exponent >= 0 ? nearest(n, d << exponent) : nearest(n << -exponent, d);
-    if (m >= Int128{1} << (bits - 2)) return {static_cast<std::int32_t>(m), exponent};
+    const Int128 up = exponent < 0 ? n << -exponent : n;
+    const Int128 down = exponent > 0 ? d << exponent : d;
+    if (up < down << (bits - 2)) continue;
+    const Int128 mantissa = nearest(up, down);
+    if (mantissa < Int128{1} << (bits - 1)) return {static_cast<std::int32_t>(mantissa), exponent};
+    return {static_cast<std::int32_t>(mantissa / 2), exponent + 1};
   }
 }
 
@@ -79,6 +89,7 @@ std::vector<Words> oracle(const Settings& s, const Matrix& a, const Vector& b, V
   const int r_bits = cg ? s.vector_bits : 32;
   const int d_target = s.vector_bits - 1 - s.headroom_bits;
   const int r_target = cg ? d_target : 25;
+  const int r_available = cg ? s.vector_bits - 1 : 25;
 
   Vector inverse(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -111,17 +122,17 @@ std::vector<Words> oracle(const Settings& s, const Matrix& a, const Vector& b, V
   for (std::size_t i = 0; i < n; ++i) d[i] = clamp(times_power_of_two(z[i], e), s.vector_bits);
 
   std::vector<Words> history;
-  Int128 zr = dot(z, r);
+  Int128 zr = scalar(z, r);
   while (static_cast<int>(history.size()) < s.iterations && zr != 0 && largest(d) != 0) {
     const Vector q = product(a, d, drop);
-    const Int128 dq = dot(d, q);
+    const Int128 dq = scalar(d, q);
     if (dq <= 0) break;
     Coefficient alpha = fraction(zr, dq, s.coefficient_bits);
     alpha.exponent += e;
     const int up = s.dynamic_scaling
                        ? rescaling(bound_bits(largest(r), 0, alpha.mantissa * largest(q),
                                               alpha.exponent, r_bits),
-                                   r_bits - 1, r_target)
+                                   r_available, r_target)
                        : 0;
     for (std::size_t i = 0; i < n; ++i) {
       x[i] = clamp(
@@ -134,7 +145,7 @@ std::vector<Words> oracle(const Settings& s, const Matrix& a, const Vector& b, V
     f += up;
     e -= up;
     z = precondition(r);
-    const Int128 zr_new = dot(z, r);
+    const Int128 zr_new = scalar(z, r);
     Coefficient beta = fraction(zr_new, zr, s.coefficient_bits);
     beta.exponent -= 2 * up;
     zr = zr_new;
@@ -210,6 +221,8 @@ TEST_P(Oracle, EveryWordAgrees) {
       ASSERT_EQ(got.x, expected[i].x) << "trial " << trial << " iteration " << i;
       ASSERT_EQ(got.r, expected[i].r) << "trial " << trial << " iteration " << i;
       ASSERT_EQ(got.d, expected[i].d) << "trial " << trial << " iteration " << i;
+      ASSERT_EQ(got.z, expected[i].z) << "trial " << trial << " iteration " << i;
+      ASSERT_EQ(got.beta, expected[i].beta) << "trial " << trial << " iteration " << i;
       ASSERT_TRUE(got == expected[i]) << "trial " << trial << " iteration " << i;
     }
     iterations += static_cast<int>(expected.size());

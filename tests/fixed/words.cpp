@@ -41,7 +41,7 @@ TEST(Word, ShiftSurvivesEveryExponent) {
     for (const std::int64_t value : {kMax, kMin, std::int64_t{1}, std::int64_t{-1}}) {
       const std::int64_t result = shift(value, exponent);
       const double exact = std::ldexp(static_cast<double>(value), exponent);
-      if (std::abs(exact) < std::ldexp(1.0, 60)) {
+      if (std::abs(exact) < std::ldexp(1.0, 61)) {
         EXPECT_LE(std::abs(static_cast<double>(result) - exact), 0.5);
       } else {
         EXPECT_EQ(result, value > 0 ? kShiftLimit : -kShiftLimit);
