@@ -150,6 +150,25 @@ void draw_legend(Canvas& canvas, const DeformationStep& step, const SceneSizes& 
   label("shape at rest");
 }
 
+// Beside the tip of an arrow that points up or down, above one that lies.
+void label_arrow(Canvas& canvas, const DeformationStep& step, const SceneSizes& sizes,
+                 const Projection& projection) {
+  const Point tip = projection.at(sizes.arrow_tip);
+  const Point along = tip - projection.at(step.probe);
+  TextStyle text = {.size = 20, .colour = scene_colour::kForce, .bold = true};
+  Point offset(16.0, along.y() < 0.0 ? 10.0 : -10.0);
+  if (std::abs(along.x()) > std::abs(along.y())) {
+    text.horizontal = Align::centre;
+    offset = {0.0, 30.0};
+  }
+  const std::string words = four_digits(step.force_N.norm()) + " N";
+  // Not beyond the margins, whatever the arrow does.
+  const double half = 0.5 * canvas.text_width(words, text);
+  Point at = tip + offset;
+  at.x() = std::clamp(at.x(), kSceneLow.x() + half, kSceneHigh.x() - half);
+  canvas.text(at, words, text);
+}
+
 void paint(Canvas& canvas, const DeformationStep& step, const SceneSizes& sizes,
            const Projection& projection) {
   const double force = step.force_N.norm();
@@ -163,15 +182,7 @@ void paint(Canvas& canvas, const DeformationStep& step, const SceneSizes& sizes,
                   force > 0.0 ? fmt::format("contact force {} N", four_digits(force))
                               : std::string("no contact")),
       {.size = 19, .colour = style::kSoftInk});
-  if (force > 0.0) {
-    const Point tip = projection.at(sizes.arrow_tip);
-    const bool room = tip.x() < kSceneHigh.x() - 120.0;
-    canvas.text(tip + Point(room ? 16.0 : -16.0, -10.0), four_digits(force) + " N",
-                {.size = 20,
-                 .colour = scene_colour::kForce,
-                 .bold = true,
-                 .horizontal = room ? Align::low : Align::high});
-  }
+  if (force > 0.0) label_arrow(canvas, step, sizes, projection);
   draw_colour_scale(canvas, sizes);
   draw_length_scale(canvas, projection);
   draw_legend(canvas, step, sizes);

@@ -1,7 +1,10 @@
 #include "app/draw/deformation_step.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <fstream>
+#include <iterator>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -25,6 +28,23 @@
 namespace hvp::draw {
 namespace {
 
+// VTK 9.1's reader does not survive an array of a type that it does not know. Our steps hold
+// these; the data that follow the header are not text.
+bool has_known_types_only(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string header{std::istreambuf_iterator<char>(file), {}};
+  header.resize(std::min(header.find("<AppendedData"), header.size()));
+  constexpr std::string_view kType = " type=\"";
+  for (std::size_t at = header.find(kType); at != std::string::npos; at = header.find(kType, at)) {
+    at += kType.size();
+    const std::string type = header.substr(at, header.find('"', at) - at);
+    if (type != "UnstructuredGrid" && type != "Float64" && type != "Float32" && type != "Int32" &&
+        type != "Int64" && type != "UInt8")
+      return false;
+  }
+  return true;
+}
+
 // Reads one file and says its name in every complaint.
 class StepFile {
  public:
@@ -33,6 +53,7 @@ class StepFile {
     VtkErrors::take();
     if (reader_->CanReadFile(path.c_str()) == 0 || VtkErrors::take())
       fail("not a VTK XML unstructured grid");
+    if (!has_known_types_only(path)) fail("holds an array of unknown type");
     reader_->SetFileName(path.c_str());
     reader_->UpdateInformation();
     reader_->GetCellDataArraySelection()->DisableAllArrays();

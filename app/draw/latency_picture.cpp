@@ -20,7 +20,7 @@ namespace {
 using Point = Canvas::Point;
 
 constexpr Colour kFrame = {38, 102, 150};
-constexpr Colour kContact = {228, 238, 243};
+constexpr Colour kContact = {224, 236, 243};
 
 // Colours of the parts, after Okabe and Ito's palette for the colour-blind.
 constexpr std::array<Colour, 6> kPartColours = {
@@ -42,7 +42,7 @@ struct Axes {
 
 struct Statistics {
   double median_us = 0.0;
-  std::size_t misses = 0;
+  std::size_t late = 0;
   std::size_t skipped = 0;
   const FrameRow* worst = nullptr;  // the first one of the largest latency
 };
@@ -51,11 +51,11 @@ Statistics statistics_of(const std::vector<FrameRow>& frames) {
   Statistics out;
   std::vector<double> latencies;
   for (const FrameRow& row : frames) {
-    if (!row.in_time) ++out.misses;
     if (std::isnan(row.latency_us)) {
       ++out.skipped;
       continue;
     }
+    if (!row.in_time) ++out.late;
     latencies.push_back(row.latency_us);
     if (out.worst == nullptr || row.latency_us > out.worst->latency_us) out.worst = &row;
   }
@@ -69,28 +69,22 @@ Statistics statistics_of(const std::vector<FrameRow>& frames) {
 
 std::string microseconds(double us) { return four_digits(us) + " µs"; }
 
-void shade_contact(Canvas& canvas, const Axes& axes, const std::vector<FrameRow>& frames) {
-  double widest = 0.0;
-  Point label = Point::Zero();
+// Returns whether there is any.
+bool shade_contact(Canvas& canvas, const Axes& axes, const std::vector<FrameRow>& frames) {
+  bool any = false;
   for (std::size_t i = 0; i < frames.size();) {
     std::size_t end = i + 1;
     if (frames[i].contact_node >= 0) {
+      any = true;
       while (end < frames.size() && frames[end].contact_node >= 0) ++end;
       const double left = axes.at(static_cast<double>(frames[i].frame) - 0.5, 0.0).x();
       const double right = axes.at(static_cast<double>(frames[end - 1].frame) + 0.5, 0.0).x();
-      const Point low(std::max(left, axes.low.x()), axes.low.y());
-      const Point high(std::min(right, axes.high.x()), axes.high.y());
-      canvas.rectangle(low, high, kContact);
-      if (high.x() - low.x() > widest) {
-        widest = high.x() - low.x();
-        label = {0.5 * (low.x() + high.x()), axes.low.y() + 18.0};
-      }
+      canvas.rectangle({std::max(left, axes.low.x()), axes.low.y()},
+                       {std::min(right, axes.high.x()), axes.high.y()}, kContact);
     }
     i = end;
   }
-  const TextStyle small = {.size = 17, .colour = style::kSoftInk, .horizontal = Align::centre};
-  if (widest > canvas.text_width("in contact", small) + 16.0)
-    canvas.text(label, "in contact", small);
+  return any;
 }
 
 void draw_axes(Canvas& canvas, const Axes& axes, double period_us) {
@@ -163,18 +157,24 @@ void draw_budget(Canvas& canvas, const Axes& axes, double budget_us, const Frame
                .vertical = Align::low});
 }
 
-void draw_legend(Canvas& canvas, const Statistics& statistics) {
+// From the right: what the marks mean, only those that are there.
+void draw_legend(Canvas& canvas, const Statistics& statistics, bool any_contact) {
   double x = 1365.0;
   const auto entry = [&](const char* words) {
     const TextStyle text = {.size = 18, .horizontal = Align::high};
     canvas.text({x, 926.0}, words, text);
-    x -= canvas.text_width(words, text) + 14.0;
+    x -= canvas.text_width(words, text) + 18.0;
     const Point sign(x, 926.0);
-    x -= 26.0;
+    x -= 30.0;
     return sign;
   };
+  if (any_contact) {
+    const Point p = entry("in contact");
+    canvas.rectangle(p - Point(10.0, 9.0), p + Point(10.0, 9.0), kContact);
+    canvas.frame(p - Point(10.0, 9.0), p + Point(10.0, 9.0), style::kGrid, 1.0);
+  }
   if (statistics.skipped > 0) draw_cross(canvas, entry("skipped"));
-  if (statistics.misses > statistics.skipped) {
+  if (statistics.late > 0) {
     canvas.disc(entry("late"), 4.5, style::kLate);
     canvas.disc(entry("in time"), 4.5, kFrame);
   }
@@ -247,21 +247,20 @@ void paint(Canvas& canvas, const std::vector<FrameRow>& frames, const Deadline& 
                   {last + margin, 1.12 * std::max({deadline.budget_us, worst_us, 1e-3})}};
 
   canvas.text({40.0, 963.0}, "Latency of every frame", {.size = 28, .bold = true});
-  std::string line = fmt::format("{} frames · median {} · worst {} · ", frames.size(),
+  std::string line = fmt::format("{} {} · median {} · worst {} · ", frames.size(),
+                                 frames.size() == 1 ? "frame" : "frames",
                                  microseconds(statistics.median_us), microseconds(worst_us));
-  if (statistics.misses == 0)
-    line += "all within the budget of " + microseconds(deadline.budget_us);
-  else
-    line += fmt::format("{} late against a budget of {}", statistics.misses,
-                        microseconds(deadline.budget_us));
-  if (statistics.skipped > 0) line += fmt::format(" · {} skipped", statistics.skipped);
+  if (statistics.late == 0 && statistics.skipped == 0) line += "all in time";
+  if (statistics.late > 0) line += fmt::format("{} late", statistics.late);
+  if (statistics.late > 0 && statistics.skipped > 0) line += " · ";
+  if (statistics.skipped > 0) line += fmt::format("{} skipped", statistics.skipped);
   canvas.text({40.0, 926.0}, line, {.size = 19, .colour = style::kSoftInk});
 
-  shade_contact(canvas, axes, frames);
+  const bool any_contact = shade_contact(canvas, axes, frames);
   draw_axes(canvas, axes, deadline.period_us);
   draw_frames(canvas, axes, frames);
   draw_budget(canvas, axes, deadline.budget_us, statistics.worst);
-  draw_legend(canvas, statistics);
+  draw_legend(canvas, statistics, any_contact);
   if (statistics.worst != nullptr) mark_worst(canvas, axes, *statistics.worst);
   draw_attribution(canvas, deadline);
 }

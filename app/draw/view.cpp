@@ -63,7 +63,10 @@ View choose_view(const DeformationStep& step) {
   const bool pressed_from_the_side = sideways.norm() > 0.5 * dent.norm() && dent.norm() > 0.0;
   if (pressed_from_the_side) {
     const Vector3d across = up.cross(sideways).normalized();
-    horizontal = across.dot(horizontal) < 0.0 ? Vector3d(-across) : across;
+    const double side = across.dot(horizontal) < 0.0 ? -1.0 : 1.0;
+    // Turned towards the pressed side, or a flat one would hide its dent.
+    constexpr double kTurn = 25.0 * std::numbers::pi / 180.0;
+    horizontal = std::cos(kTurn) * side * across - std::sin(kTurn) * sideways.normalized();
   }
   const double elevation = (pressed_from_the_side ? 20.0 : 16.0) * std::numbers::pi / 180.0;
 

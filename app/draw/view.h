@@ -15,7 +15,8 @@ struct View {
 };
 
 // Where the dent is seen in profile: up points away from the anchors (+z without a clear
-// answer), the viewer looks across the displacement under the probe and a little from above.
+// answer), the viewer looks across the displacement under the probe, a little from above and from
+// the pressed side.
 View choose_view(const DeformationStep& step);
 
 // The rectangle that points cover in the picture plane.

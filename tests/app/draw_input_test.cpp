@@ -126,6 +126,9 @@ TEST_F(DrawInputTest, StepWithoutWhatThePictureNeeds) {
   }
   write(file("deformation_000010.vtu"), replaced(good, "UnstructuredGrid", "PolyData"));
   expect_refused("deformation_000010.vtu: not a VTK XML unstructured grid");
+  // VTK's reader itself crashes on this.
+  write(file("deformation_000010.vtu"), replaced(good, "\"Float64\"", "\"Float65\""));
+  expect_refused("deformation_000010.vtu: holds an array of unknown type");
 }
 
 TEST_F(DrawInputTest, WrongNumberOfArguments) {
