@@ -38,6 +38,10 @@ constexpr double kRegularTetrahedron = 0.11785113019775793;  // 1/(6√2), volum
 // be much coarser than the inside.
 constexpr double kLongestEdge = 1.6;
 
+// A user's surface with more than this many times the suitable number of points is coarsened
+// first: kept as it is, it would leave the inside with too few nodes or with none.
+constexpr double kTooFine = 1.5;
+
 int nodes_of(const TetMesh& mesh) { return static_cast<int>(mesh.nodes.size()); }
 
 // The edge length for which a body of this volume and area gets `nodes` nodes:
@@ -135,7 +139,7 @@ void search_volume_bound(Search& search, const Surface& surface, double start, i
     } else if (above) {
       // Raising the bound beyond the whole body changes nothing any more.
       if (std::exp(x) > enclosed_volume(surface)) return;
-      x += std::log(4.0);
+      x += std::log(8.0);
     } else {
       x -= std::max(1.2 * (target - y), 0.2);
     }
@@ -170,9 +174,16 @@ TetMesh mesh_sphere(double radius, int wanted, const Progress& progress) {
 TetMesh mesh_first_that_fits(const std::vector<std::function<Surface()>>& candidates, double edge,
                              int wanted, const Progress& progress) {
   Search search(wanted, progress);
+  std::optional<InputError> refusal;
   for (const auto& candidate : candidates) {
     if (search.accepted()) break;
-    const Surface surface = candidate();
+    Surface surface;
+    try {
+      surface = candidate();
+    } catch (const InputError& error) {
+      refusal = error;
+      continue;
+    }
     if (static_cast<double>(surface.points.size()) > (1.0 + kAccepted) * wanted) {
       search.note(static_cast<int>(surface.points.size()));
       continue;
@@ -180,6 +191,7 @@ TetMesh mesh_first_that_fits(const std::vector<std::function<Surface()>>& candid
     search.grant_more_runs();
     search_volume_bound(search, surface, volume_bound(edge), wanted);
   }
+  if (!search.accepted() && refusal) throw InputError(*refusal);
   return search.result();
 }
 
@@ -208,22 +220,28 @@ TetMesh mesh_surface(const Surface& raw, int wanted, const Progress& progress) {
   const int points = static_cast<int>(surface.points.size());
   const int suitable = static_cast<int>(2.0 + 1.1547 * area / (edge * edge));
   std::vector<std::function<Surface()>> candidates;
-  if (points > suitable) candidates.emplace_back([&] { return surface; });
-  if (points <= wanted) {
+  const auto split = [&] {
     for (const double longest : {kLongestEdge, 1.3, 1.1, 0.9}) {
       candidates.emplace_back([&, longest] { return split_long_edges(surface, longest * edge); });
     }
-  }
-  if (points > suitable) {
+  };
+  const auto coarsen = [&] {
     for (const double share : {1.0, 0.8, 1.2}) {
       candidates.emplace_back([&, share] {
         const int fewer = std::max(4, static_cast<int>(share * suitable));
         if (progress) {
           progress(fmt::format("coarsening the surface from {} to {} points", points, fewer));
         }
-        return split_long_edges(decimate(surface, fewer), kLongestEdge * edge);
+        return collapse_short_edges(surface, fewer);
       });
     }
+  };
+  if (points > kTooFine * suitable) {
+    coarsen();
+    candidates.emplace_back([&] { return surface; });
+  } else {
+    split();
+    if (points > suitable) coarsen();
   }
   return mesh_first_that_fits(candidates, edge, wanted, progress);
 }

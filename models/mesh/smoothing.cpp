@@ -13,10 +13,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Only stars with an angle below 20° or above 160° are worked on.
-constexpr double kGoodSine = 0.34202014332566871;
-constexpr int kSweeps = 4;
-constexpr int kHalvings = 4;
+// Only stars with an angle below 18° or above 162° are worked on.
+constexpr double kGoodSine = 0.30901699437494742;
+constexpr int kSweeps = 3;
+constexpr int kHalvings = 3;
 constexpr double kFirstStep = 0.2;  // of the star's shortest edge at the node
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -57,9 +57,11 @@ class Smoother {
   }
 
  private:
-  double worst_sine(std::size_t node) const {
+  // Stops at the first tetrahedron that is no better than `hopeless`.
+  double worst_sine(std::size_t node, double hopeless) const {
     double worst = std::numeric_limits<double>::infinity();
     for (const int e : stars_[node]) {
+      if (worst <= hopeless) break;
       const auto& t = mesh_.tetrahedra[at(e)];
       worst = std::min(worst, smallest_sine(mesh_.nodes[at(t[0])], mesh_.nodes[at(t[1])],
                                             mesh_.nodes[at(t[2])], mesh_.nodes[at(t[3])]));
@@ -80,7 +82,7 @@ class Smoother {
 
   // Tries a step along each axis, both ways, and halves the step where none helps.
   bool improve(std::size_t node) {
-    double best = worst_sine(node);
+    double best = worst_sine(node, -std::numeric_limits<double>::infinity());
     if (best >= kGoodSine) return false;
     bool moved = false;
     double step = kFirstStep * shortest_edge(node);
@@ -91,9 +93,10 @@ class Smoother {
         for (const double sign : {-1.0, 1.0}) {
           mesh_.nodes[node] = origin;
           mesh_.nodes[node][axis] += sign * step;
-          const double sine = worst_sine(node);
           // A gain in the last bits only would make the search endless.
-          if (sine > best * (1.0 + 1e-3)) {
+          const double enough = best * (1.0 + 1e-3);
+          const double sine = worst_sine(node, enough);
+          if (sine > enough) {
             best = sine;
             target = mesh_.nodes[node];
           }

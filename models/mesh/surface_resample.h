@@ -8,10 +8,12 @@ namespace hvp::mesh {
 // shape stays what it was; long and flat triangles become shorter ones.
 Surface split_long_edges(const Surface& surface, double longest_edge);
 
-// Fewer triangles of nearly the same shape by quadric edge collapse (Garland & Heckbert,
-// SIGGRAPH 1997; VTK's implementation). `surface` and the result are closed. Throws InputError
-// with the key "nodes" where the coarse surface is not a valid one or differs by more than 5 % in
-// volume.
-Surface decimate(const Surface& surface, int wanted_points);
+// Takes points away by collapsing edges, the shortest first, until `wanted_points` are left.
+// `surface` is closed and consistently wound, and so is the result. A smooth patch keeps the
+// volume under it; sharp edges (folds of more than 40°) and their corners stay in place; no
+// collapse turns a triangle's normal by more than 45° or makes a needle of it. Throws InputError
+// with the key "nodes" where the coarse surface intersects itself or the volume changes by more
+// than 5 %; returns more points than wanted where no edge can go.
+Surface collapse_short_edges(const Surface& surface, int wanted_points);
 
 }  // namespace hvp::mesh
