@@ -41,6 +41,11 @@ void DeformedSurface::check_indices() const {
                                      node, nodes()));
       }
     }
+    const auto& [a, b, c] = triangles_[t];
+    if (a == b || b == c || c == a) {
+      throw InputError(
+          fmt::format("boundary triangle {} has the nodes {}, {}, {}; expected three", t, a, b, c));
+    }
   }
   for (int node = 0; node < nodes(); ++node) {
     if (!rest_[index(node)].allFinite()) {
@@ -84,7 +89,7 @@ void DeformedSurface::find_neighbours() {
     const Side reverse{side.to, side.from, 0, 0};
     const auto [begin, end] = std::equal_range(sides.begin(), sides.end(), reverse);
     const auto [same_begin, same_end] = std::equal_range(sides.begin(), sides.end(), side);
-    if (end - begin != 1 || same_end - same_begin != 1) {
+    if (end - begin != 1) {
       throw InputError(fmt::format(
           "the side between nodes {} and {} is run through {} times this way and {} times that way "
           "by boundary triangles; a closed, consistently wound surface has once each",

@@ -229,6 +229,14 @@ TEST(DeformedSurface, RefusesASurfaceThatHasNoInside) {
   astray.boundary[0][0] = 42;
   EXPECT_NE(refusal(astray).find("names node 42; the mesh has 42 nodes"), std::string::npos);
 
+  mesh::TetMesh folded = test::sphere(1.0, 1);
+  folded.boundary.push_back({0, 0, 1});
+  EXPECT_NE(refusal(folded).find("0, 0, 1; expected three"), std::string::npos);
+
+  mesh::TetMesh doubled = test::sphere(1.0, 1);
+  doubled.boundary.push_back(doubled.boundary.front());
+  EXPECT_NE(refusal(doubled).find("2 times"), std::string::npos);
+
   mesh::TetMesh nowhere = test::sphere(1.0, 1);
   nowhere.nodes[3].x() = std::nan("");
   EXPECT_NE(refusal(nowhere).find("node 3"), std::string::npos);
@@ -265,14 +273,31 @@ TEST(NearestSurfaceNode, IsTheNearestThatIsNotExcluded) {
                InputError);
 }
 
-// Four nodes at one distance: the lowest index, wherever the tree has put it.
+// Above the middle of a square four nodes are equally near, to the last bit with coordinates in
+// whole numbers: the lowest index counts, wherever the tree has put it.
 TEST(NearestSurfaceNode, TakesTheLowestIndexOfEqualOnes) {
-  const DeformedSurface surface(test::box({0.03, 0.03, 0.01}, {3, 3, 1}));
-  const Vector3d middle(0.015, 0.015, 0.02);
-  const int node = surface.nearest_surface_node(middle).node;
-  for (const int other : surface.surface_nodes()) {
-    if ((surface.position(other) - middle).norm() == (surface.position(node) - middle).norm()) {
-      EXPECT_LE(node, other);
+  mesh::TetMesh mesh = test::box({8.0, 8.0, 8.0}, {8, 8, 8});
+  // Numbered against the order in which the tree goes through them.
+  std::reverse(mesh.nodes.begin(), mesh.nodes.end());
+  for (auto& t : mesh.boundary) {
+    for (int& node : t) node = static_cast<int>(mesh.nodes.size()) - 1 - node;
+  }
+  const DeformedSurface surface(mesh);
+  for (int i = 0; i < 8; ++i) {
+    for (int j = 0; j < 8; ++j) {
+      for (int axis = 0; axis < 3; ++axis) {
+        Vector3d p = Vector3d::Constant(8.5);
+        p[(axis + 1) % 3] = i + 0.5;
+        p[(axis + 2) % 3] = j + 0.5;
+        int expected = 0;
+        for (const int node : surface.surface_nodes()) {
+          if ((surface.position(node) - p).squaredNorm() <
+              (surface.position(expected) - p).squaredNorm()) {
+            expected = node;
+          }
+        }
+        ASSERT_EQ(surface.nearest_surface_node(p).node, expected) << p.transpose();
+      }
     }
   }
 }
