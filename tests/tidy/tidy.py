@@ -8,6 +8,7 @@ import argparse
 import hashlib
 import json
 import os
+import shlex
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor, as_completed
@@ -57,7 +58,8 @@ def own_sources(build: Path) -> list[Source]:
         path = Path(entry["file"]).resolve()
         if TOP not in path.parents or build in path.parents:
             continue
-        files = includes.get(entry["output"])
+        words = shlex.split(entry["command"])
+        files = includes.get(words[words.index("-o") + 1])
         sources[path] = Source(path, entry["command"], None if files is None else tuple(files))
     return [sources[path] for path in sorted(sources)]
 
