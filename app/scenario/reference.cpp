@@ -77,7 +77,7 @@ std::string unit_section() {
 std::string reference_page(const Outline& outline) {
   std::string text =
       "# Scenario reference\n\n"
-      "Written from the declarations of the parts by `hvp reference`; do not edit.\n"
+      "Written from the declarations of the parts; do not edit.\n"
       "A table that is left out has its defaults, except an effect, which is then not simulated.\n";
   for (const OutlineTable& table : outline) text += section(table);
   return text + unit_section();

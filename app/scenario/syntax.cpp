@@ -4,21 +4,23 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
+
+#include "app/scenario/toml_parser.h"
 
 namespace hvp::scenario {
 namespace {
 
 constexpr int kDeepest = 32;
 
-// Finds the first bracket or dot that exceeds kDeepest by a scan that knows strings and
-// comments and nothing else. On text that is not TOML it may lose its place, but never before
-// the parser has stopped with an error of its own.
-class NestingScan {
+// Finds the first bracket or dot that exceeds kDeepest, and control characters, which TOML has
+// nowhere, by a scan that knows strings and comments and nothing else. On text that is not TOML it
+// may lose its place, but never before the parser has stopped with an error of its own.
+class PreliminaryScan {
  public:
-  explicit NestingScan(std::string_view text) : text_(text) {}
+  explicit PreliminaryScan(std::string_view text) : text_(text) {}
 
   void run() {
+    refuse_control_characters();
     while (at_ < text_.size()) {
       const char c = text_[at_];
       if (c == '#') {
@@ -35,19 +37,30 @@ class NestingScan {
   }
 
  private:
+  void refuse_control_characters() {
+    for (at_ = 0; at_ < text_.size(); ++at_) {
+      const auto c = static_cast<unsigned char>(text_[at_]);
+      const bool line_end = c == '\r' && text_.substr(at_ + 1, 1) == "\n";
+      if ((c >= 0x20U && c != 0x7FU) || c == '\t' || c == '\n' || line_end) continue;
+      fail(fmt::format("control character U+{:04X}", static_cast<unsigned>(c)));
+    }
+    at_ = 0;
+  }
+
   void count(char c) {
     switch (c) {
       case '[':
       case '{':
         dots_ = 0;
-        if (++depth_ > kDeepest) fail("tables and lists nested");
+        if (++depth_ > kDeepest)
+          fail(fmt::format("tables and lists nested more than {} deep", kDeepest));
         break;
       case ']':
       case '}':
         depth_ = std::max(0, depth_ - 1);
         break;
       case '.':
-        if (++dots_ >= kDeepest) fail("keys");
+        if (++dots_ >= kDeepest) fail(fmt::format("keys more than {} deep", kDeepest));
         break;
       case '=':
       case ',':
@@ -59,14 +72,13 @@ class NestingScan {
     }
   }
 
-  [[noreturn]] void fail(std::string_view what) const {
+  [[noreturn]] void fail(std::string message) const {
     const auto before = text_.substr(0, at_);
     const auto line_begin = before.rfind('\n');
     const std::size_t column =
         at_ - (line_begin == std::string_view::npos ? 0 : line_begin + 1) + 1;
     throw SyntaxError{1 + static_cast<int>(std::count(before.begin(), before.end(), '\n')),
-                      static_cast<int>(column),
-                      fmt::format("{} more than {} deep", what, kDeepest)};
+                      static_cast<int>(column), std::move(message)};
   }
 
   void skip_string(char quote) {
@@ -140,7 +152,7 @@ Node convert(const toml::node& source, int line) {
 }  // namespace
 
 Node parse_toml(std::string_view text) {
-  NestingScan(text).run();
+  PreliminaryScan(text).run();
   try {
     const toml::table table = toml::parse(text);
     return convert(table, 1);
@@ -148,6 +160,8 @@ Node parse_toml(std::string_view text) {
     throw SyntaxError{line_of(error.source()),
                       std::max(1, static_cast<int>(error.source().begin.column)),
                       std::string(error.description())};
+  } catch (const TomlAssertion&) {
+    throw SyntaxError{1, 1, "not TOML, in a way that the parser cannot place"};
   }
 }
 

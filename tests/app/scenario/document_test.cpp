@@ -92,6 +92,22 @@ TEST(Syntax, ErrorsAreOneLine) {
   }
 }
 
+// toml++ 3.3 does not survive the first one without our guard.
+TEST(Syntax, RefusesControlCharacters) {
+  EXPECT_EQ(parse_error(std::string("a = 1\n[\0]", 9)),
+            "x.toml:2:2: TOML syntax: control character U+0000");
+  EXPECT_EQ(parse_error("# \x7f"), "x.toml:1:3: TOML syntax: control character U+007F");
+  EXPECT_EQ(parse_error("a = 1\rb = 2"), "x.toml:1:6: TOML syntax: control character U+000D");
+  EXPECT_EQ(parse_error("a = 1\r\nb = '\t'\r\n"), "no error");
+}
+
+// In toml++ 3.3 these characters, where a blank could be, were undefined behaviour.
+TEST(Syntax, PlacesUnquotedLettersBeyondAscii) {
+  EXPECT_EQ(parse_error("a = 1\nb = 2 \u00b5s").substr(0, 23), "x.toml:2:7: TOML syntax");
+  EXPECT_EQ(parse_error("a = 1\n\u00e9 = 2").substr(0, 23), "x.toml:2:1: TOML syntax");
+  EXPECT_EQ(parse_error("a = \"\"\"b\\\n\u00e9\"\"\""), "no error");
+}
+
 // Each of these nests as deep as a file of 1 MiB can.
 TEST(Syntax, RefusesNestingBombs) {
   const auto times = [](const std::string& text, std::size_t count) {
