@@ -77,13 +77,15 @@ sparse::BlockMatrix stiffness_pattern(const mesh::TetMesh& mesh) {
 
 sparse::BlockMatrix assemble_stiffness(const mesh::TetMesh& mesh, const Material& material) {
   material.check();
+  const double lambda = material.lame_lambda();
+  const double mu = material.lame_mu();
   sparse::BlockMatrix k = stiffness_pattern(mesh);
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
     const ElementGeometry geometry = element_geometry(mesh, static_cast<int>(e));
     const auto& node = mesh.tetrahedra[e];
     for (int a = 0; a < 4; ++a) {
       for (int b = 0; b < 4; ++b) {
-        const std::array<double, 9> block = stiffness_block(geometry, material, a, b);
+        const std::array<double, 9> block = stiffness_block(geometry, lambda, mu, a, b);
         double* sum = k.block(static_cast<std::size_t>(k.find(node[index(a)], node[index(b)])));
         for (std::size_t i = 0; i < 9; ++i) sum[i] += block[i];
       }

@@ -21,12 +21,14 @@ void Dynamics::declare(config::Visitor& v) {
   v.choice("mass", mass, mass_kind_names(),
            {.help = "mass at the nodes (lumped) or by the interpolation functions (consistent)",
             .source = "thesis §3.6: lumping is the usual simplification"});
-  v.quantity("rayleigh_mass", rayleigh_mass, config::Dimension::rate, config::at_least(0),
-             {.help = "α of Rayleigh's damping C = α·M + β·K: damps slow motion",
-              .source = "thesis (3.22) gives no value; light damping, docs/finite-elements.md"});
+  v.quantity(
+      "rayleigh_mass", rayleigh_mass, config::Dimension::rate, config::at_least(0),
+      {.help = "α of Rayleigh's damping C = α·M + β·K: damps slow motion",
+       .source =
+           "thesis (3.22) gives no value; light damping of soft tissue, docs/finite-elements.md"});
   v.quantity("rayleigh_stiffness", rayleigh_stiffness, config::Dimension::time, config::at_least(0),
              {.help = "β of Rayleigh's damping C = α·M + β·K: damps fast vibration",
-              .source = "thesis (3.22) gives no value; half a period of 500 Hz, "
+              .source = "thesis (3.22) gives no value; 3 % of critical at 9 Hz, "
                         "docs/finite-elements.md"});
 }
 

@@ -69,18 +69,19 @@ StrainDisplacementMatrix strain_displacement(const ElementGeometry& geometry) {
   return b;
 }
 
-std::array<double, 9> stiffness_block(const ElementGeometry& geometry, const Material& material,
+std::array<double, 9> stiffness_block(const ElementGeometry& geometry, double lambda, double mu,
                                       int a, int b) {
   const Eigen::Vector3d& ga = geometry.gradient[static_cast<std::size_t>(a)];
   const Eigen::Vector3d& gb = geometry.gradient[static_cast<std::size_t>(b)];
-  const double lambda = material.lame_lambda() * geometry.volume();
-  const double mu = material.lame_mu() * geometry.volume();
-  const double shear = mu * (ga.x() * gb.x() + ga.y() * gb.y() + ga.z() * gb.z());
+  const double volume = geometry.volume();
+  const double lambda_volume = lambda * volume;
+  const double mu_volume = mu * volume;
+  const double shear = mu_volume * (ga.x() * gb.x() + ga.y() * gb.y() + ga.z() * gb.z());
   std::array<double, 9> block;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
       block[static_cast<std::size_t>(3 * i + j)] =
-          lambda * (ga[i] * gb[j]) + mu * (ga[j] * gb[i]) + (i == j ? shear : 0.0);
+          lambda_volume * (ga[i] * gb[j]) + mu_volume * (ga[j] * gb[i]) + (i == j ? shear : 0.0);
     }
   }
   return block;
@@ -88,9 +89,11 @@ std::array<double, 9> stiffness_block(const ElementGeometry& geometry, const Mat
 
 ElementMatrix element_stiffness(const ElementGeometry& geometry, const Material& material) {
   ElementMatrix k;
+  const double lambda = material.lame_lambda();
+  const double mu = material.lame_mu();
   for (int a = 0; a < 4; ++a) {
     for (int b = 0; b < 4; ++b) {
-      const std::array<double, 9> block = stiffness_block(geometry, material, a, b);
+      const std::array<double, 9> block = stiffness_block(geometry, lambda, mu, a, b);
       for (int i = 0; i < 9; ++i) {
         k(3 * a + i / 3, 3 * b + i % 3) = block[static_cast<std::size_t>(i)];
       }

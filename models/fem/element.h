@@ -39,7 +39,8 @@ StrainDisplacementMatrix strain_displacement(const ElementGeometry& geometry);
 // for D in (3.15) and (3.17).) Written out for an isotropic D it is
 //   V·(λ·g_a g_bᵀ + μ·g_b g_aᵀ + μ·(g_a·g_b)·I),
 // which is symmetric to the last bit: block (b, a) has the same products in the same order.
-std::array<double, 9> stiffness_block(const ElementGeometry& geometry, const Material& material,
+// λ and μ in Pa.
+std::array<double, 9> stiffness_block(const ElementGeometry& geometry, double lambda, double mu,
                                       int a, int b);
 
 ElementMatrix element_stiffness(const ElementGeometry& geometry, const Material& material);
