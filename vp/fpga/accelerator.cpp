@@ -59,16 +59,21 @@ Accelerator::Accelerator(const sc_core::sc_module_name& name,
   from_bus.register_b_transport(this, &Accelerator::b_transport);
   bank_.strap(Register::capability_clock,
               static_cast<std::uint32_t>(std::llround(architecture.clock_hz / 1000)));
-  bank_.on_write(Register::control, [this](std::uint32_t written) { control(written); });
+  bank_.on_write(Register::control,
+                 [this](std::uint32_t written, std::uint32_t /*before*/) { control(written); });
   for (const Register reg : {Register::interrupt_status, Register::interrupt_enable}) {
-    bank_.on_write(reg, [this](std::uint32_t /*written*/) {
+    bank_.on_write(reg, [this](std::uint32_t /*written*/, std::uint32_t /*before*/) {
       mirror_status();
       drive_interrupt_line();
     });
   }
   for (const Register reg : {Register::format, Register::nodes, Register::blocks}) {
-    bank_.on_write(reg,
-                   [this](std::uint32_t /*written*/) { bank_.set(field::kStatusMatrixLoaded, 0); });
+    bank_.on_write(reg, [this, reg](std::uint32_t /*written*/, std::uint32_t before) {
+      if (bank_.get(reg) != before) bank_.set(field::kStatusMatrixLoaded, 0);
+    });
+  }
+  for (const Aperture aperture : {Aperture::row_begin, Aperture::column, Aperture::value}) {
+    bank_.on_memory_write(aperture, [this] { bank_.set(field::kStatusMatrixLoaded, 0); });
   }
   SC_HAS_PROCESS(Accelerator);
   SC_METHOD(finish);
@@ -273,6 +278,9 @@ void Accelerator::solve() {
     u_[i] = packed_element(u_words, i, vector_bits);
   }
   report_ = solver_->solve(matrix_, {b_, u_});
+  saturations_ += report_.saturations;
+  breakdowns_ += report_.breakdowns;
+  if (job_tag_.frame >= 0) ledger_.frame(job_tag_.frame).saturations = report_.saturations;
   for (std::size_t i = 0; i < u_.size(); ++i) {
     set_packed_element(u_words, i, vector_bits, u_[i]);
   }

@@ -42,6 +42,9 @@ class Accelerator : public sc_core::sc_module {
 
   const RegisterBank& bank() const { return bank_; }
   std::int64_t illegal_accesses() const { return illegal_accesses_; }
+  // Of all jobs.
+  std::int64_t saturations() const { return saturations_; }
+  std::int64_t breakdowns() const { return breakdowns_; }
   // Of the last finished job.
   const fixed::Report& report() const { return report_; }
 
@@ -87,6 +90,8 @@ class Accelerator : public sc_core::sc_module {
   Picoseconds wait_states_ = 0;
   bool line_up_ = false;
   std::int64_t illegal_accesses_ = 0;
+  std::int64_t saturations_ = 0;
+  std::int64_t breakdowns_ = 0;
 };
 
 }  // namespace hvp::vp

@@ -2,22 +2,23 @@
 
 #include <algorithm>
 #include <cstring>
-#include <string>
-#include <utility>
 
 namespace hvp::vp {
 
 PciBus::PciBus(const sc_core::sc_module_name& name, const link::Pci& model, bool untimed,
                Ledger& ledger)
-    : sc_module(name), from_host("from_host"), model_(model), untimed_(untimed), ledger_(ledger) {
+    : sc_module(name),
+      from_host("from_host"),
+      model_(model),
+      untimed_(untimed),
+      ledger_(ledger),
+      to_targets_("to_targets") {
   from_host.register_b_transport(this, &PciBus::b_transport);
 }
 
 void PciBus::attach(tlm::tlm_target_socket<>& target, std::uint64_t base, std::uint64_t size) {
-  auto socket = std::make_unique<tlm_utils::simple_initiator_socket<PciBus>>(
-      ("to_target_" + std::to_string(windows_.size())).c_str());
-  socket->bind(target);
-  windows_.push_back({base, size, std::move(socket)});
+  to_targets_.bind(target);
+  windows_.push_back({base, size, static_cast<int>(windows_.size())});
 }
 
 PciBus::Window* PciBus::claim(std::uint64_t address) {
@@ -63,7 +64,7 @@ void PciBus::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time
   }
   const std::uint64_t address = transaction.get_address();
   transaction.set_address(address - window->base);
-  (*window->socket)->b_transport(transaction, delay);
+  to_targets_[window->target]->b_transport(transaction, delay);
   transaction.set_address(address);
   wait(delay);
   delay = sc_core::SC_ZERO_TIME;

@@ -1,11 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <systemc>
 #include <vector>
 
-#include <tlm_utils/simple_initiator_socket.h>
+#include <tlm_utils/multi_passthrough_initiator_socket.h>
 #include <tlm_utils/simple_target_socket.h>
 
 #include "models/link/pci.h"
@@ -38,7 +37,7 @@ class PciBus : public sc_core::sc_module {
   struct Window {
     std::uint64_t base;
     std::uint64_t size;
-    std::unique_ptr<tlm_utils::simple_initiator_socket<PciBus>> socket;
+    int target;  // in the order of binding
   };
 
   void b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
@@ -47,6 +46,7 @@ class PciBus : public sc_core::sc_module {
   link::Pci model_;
   bool untimed_;
   Ledger& ledger_;
+  tlm_utils::multi_passthrough_initiator_socket<PciBus> to_targets_;
   std::vector<Window> windows_;
   Picoseconds free_at_ = 0;
   std::int64_t bytes_ = 0;

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "app/scenario/document.h"
+#include "app/scene/scene.h"
+
+// One function a command. Each returns the exit status and throws InputError for wrong input.
+namespace hvp::app {
+
+enum ExitStatus { kHeld = 0, kNotHeld = 1, kWrongInput = 2, kFailed = 3 };
+
+struct ScenarioArguments {
+  std::filesystem::path scenario;
+  std::vector<std::string> overrides;  // --set key=value
+  bool quiet = false;
+};
+
+struct RunArguments : ScenarioArguments {
+  std::filesystem::path out;  // empty: runs/<scenario>
+  bool trace_registers = false;
+};
+int run_command(const RunArguments& arguments);
+
+int explain_command(const ScenarioArguments& arguments);
+
+struct ExportArguments : ScenarioArguments {
+  std::filesystem::path out;
+};
+int export_command(const ExportArguments& arguments);
+
+struct MeshArguments {
+  std::string surface;  // a file, "sphere" or "box"
+  std::string unit = "1 mm";
+  std::string size;  // of a sphere or box
+  int nodes = 500;
+  std::filesystem::path out;
+  bool quiet = false;
+};
+int mesh_command(const MeshArguments& arguments);
+
+// Prints docs/scenario-reference.md.
+int reference_command();
+
+// A scenario's text, and the scenario itself with file paths that can be opened.
+struct LoadedScenario {
+  scenario::Document document;
+  Scenario scenario;  // as written
+  Scenario openable;  // with `surface` resolved
+};
+LoadedScenario load(const ScenarioArguments& arguments);
+
+// Progress to stderr, and only to a terminal.
+Progress make_progress(bool quiet);
+// Wipes the line that progress stands on.
+void end_progress(bool quiet);
+
+}  // namespace hvp::app

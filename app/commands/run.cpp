@@ -1,0 +1,79 @@
+#include "app/run/run.h"
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include "app/commands/commands.h"
+#include "app/results/part_file.h"
+#include "app/results/pictures.h"
+#include "app/results/report.h"
+
+namespace hvp::app {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds(Clock::time_point from, Clock::time_point to) {
+  return std::chrono::duration<double>(to - from).count();
+}
+
+double peak_memory_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+}  // namespace
+
+int run_command(const RunArguments& arguments) {
+  const Clock::time_point start = Clock::now();
+  const LoadedScenario loaded = load(arguments);
+  std::filesystem::path out = arguments.out;
+  if (out.empty()) out = std::filesystem::path("runs") / arguments.scenario.stem();
+  const Progress progress = make_progress(arguments.quiet);
+
+  results::Outcome outcome;
+  std::string text;
+  Clock::time_point built, simulated;
+  try {
+    Scene scene(loaded.openable, loaded.scenario, progress);
+    built = Clock::now();
+    outcome = run(scene, {out, arguments.trace_registers, progress});
+    simulated = Clock::now();
+    text = results::report(scene, outcome);
+  } catch (const scenario::SourceError&) {
+    throw;
+  } catch (const InputError& e) {
+    throw loaded.document.complete(e);
+  }
+
+  results::PictureOutcome pictures;
+  if (loaded.scenario.output.pictures) {
+    if (progress) progress("drawing");
+    pictures = results::draw_pictures(out);
+  }
+  const Clock::time_point drawn = Clock::now();
+  end_progress(arguments.quiet);
+
+  nlohmann::ordered_json performance;
+  performance["build_scene_s"] = seconds(start, built);
+  performance["simulate_s"] = seconds(built, simulated);
+  performance["draw_s"] = seconds(simulated, drawn);
+  performance["simulated_s"] = static_cast<double>(outcome.simulated) * 1e-12;
+  performance["peak_memory_mb"] = peak_memory_mb();
+  results::write_through_part_file(out / "performance.json", performance.dump(2) + "\n");
+
+  fmt::print("{}", text);
+  fmt::print("\nResults in {} ({:.2f} s simulated in {:.2f} s", out.string(),
+             static_cast<double>(outcome.simulated) * 1e-12, seconds(built, simulated));
+  if (!pictures.files.empty()) fmt::print(", drawn in {:.1f} s", seconds(simulated, drawn));
+  fmt::print(")\n");
+  if (loaded.scenario.output.pictures && !pictures.drawn) fmt::print("{}\n", pictures.reason);
+  return outcome.force_in_time && outcome.load_held ? kHeld : kNotHeld;
+}
+
+}  // namespace hvp::app

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "models/stability/flag.h"
+#include "vp/verdict.h"
+
+namespace hvp::results {
+
+// How far the run was from double precision; absent where nothing was compared.
+struct Accuracy {
+  std::optional<double> displacement;  // against the true model
+  std::optional<double> force;
+  std::optional<double> displacement_quantised;  // against the matrix as the board's words have it
+  std::optional<double> force_quantised;
+  std::int64_t frames = 0;
+};
+
+// What a run came to: everything that the terminal and summary.json show.
+struct Outcome {
+  vp::Picoseconds period = 0;
+  vp::Picoseconds budget = 0;
+  vp::Picoseconds set_up = 0;
+  vp::Picoseconds worst = 0;
+  vp::Picoseconds p50 = 0;
+  vp::Picoseconds p99 = 0;
+  vp::Picoseconds worst_load = 0;
+  std::int64_t worst_frame = 0;
+  std::int64_t frames = 0;
+  std::int64_t skipped_ticks = 0;
+  std::int64_t misses = 0;
+  std::int64_t overloads = 0;
+  bool force_in_time = false;
+  bool load_held = false;
+  std::vector<vp::Attribution> attribution;
+
+  std::int64_t bus_transactions = 0;
+  std::int64_t bus_bytes = 0;
+  vp::Picoseconds bus_busy = 0;
+  vp::Picoseconds simulated = 0;  // from the first tick to the end of the last frame
+  std::int64_t illegal_accesses = 0;
+  std::int64_t driver_errors = 0;
+  std::string last_driver_error;
+  std::int64_t contact_changes = 0;
+  std::int64_t collision_passes = 0;
+  vp::Picoseconds longest_pass = 0;
+
+  std::optional<Accuracy> accuracy;
+  stability::Flags flags;
+  std::int64_t saturations = 0;
+  std::int64_t breakdowns = 0;
+  std::int64_t clamped_words = 0;
+};
+
+}  // namespace hvp::results

@@ -1,0 +1,115 @@
+#include "app/results/report.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "app/results/number_text.h"
+
+namespace hvp::results {
+
+namespace {
+
+using Out = std::back_insert_iterator<std::string>;
+
+constexpr int kBarWidth = 30;
+
+void scene_lines(Out out, const app::Scene& scene) {
+  const app::Scenario& s = scene.scenario();
+  if (!s.title.empty()) fmt::format_to(out, "{}\n", s.title);
+  fmt::format_to(out, "  body        {} nodes, {} tetrahedra; {} nodes in the system, {}\n",
+                 scene.quality().nodes, scene.quality().tetrahedra, scene.body().active_nodes(),
+                 s.dynamics ? "dynamic" : "static");
+  const accel::SolveCycles c = scene.solve_cycles();
+  fmt::format_to(out, "  solver      {}, {} iterations, {}-bit matrix, {}-bit vectors\n",
+                 s.solver.method == fixed::Method::cg ? "CG" : "Jacobi-PCG", s.solver.iterations,
+                 s.solver.matrix_bits, s.solver.vector_bits);
+  fmt::format_to(out, "  board       {}: {} clocks a solve at {:g} MHz = {};",
+                 accel::device(s.accelerator.device).name, c.total(), s.accelerator.clock_hz * 1e-6,
+                 readable_time(c.total() * s.accelerator.clock_period_ps()));
+  for (const accel::Resource& r : scene.usage().resources) {
+    if (r.used > 0) fmt::format_to(out, " {} {}/{}", r.type, r.used, r.available);
+  }
+  fmt::format_to(out, "\n");
+}
+
+void verdict_lines(Out out, const Outcome& o) {
+  const char* qualified = o.flags.empty() ? "PASS" : "held, with flags";
+  fmt::format_to(out, "\nTime         {} frames at {:g} Hz\n", o.frames,
+                 1e12 / static_cast<double>(o.period));
+  fmt::format_to(
+      out, "  force in time  {}: worst {} of {}, median {}, 99 % {}; {} late, {} skipped\n",
+      o.force_in_time ? qualified : "MISSED", readable_time(o.worst), readable_time(o.budget),
+      readable_time(o.p50), readable_time(o.p99), o.misses - o.skipped_ticks, o.skipped_ticks);
+  fmt::format_to(out, "  load           {}: worst {} of {}\n", o.load_held ? qualified : "EXCEEDED",
+                 readable_time(o.worst_load), readable_time(o.period));
+}
+
+void attribution_lines(Out out, const Outcome& o) {
+  fmt::format_to(out, "\nWorst frame  {}, {} from its tick to the force at the motor\n",
+                 o.worst_frame, readable_time(o.worst));
+  std::vector<vp::Attribution> lines = o.attribution;
+  std::stable_sort(lines.begin(), lines.end(),
+                   [](const auto& a, const auto& b) { return a.time > b.time; });
+  for (const vp::Attribution& a : lines) {
+    if (a.time == 0) continue;
+    const double share = static_cast<double>(a.time) / static_cast<double>(o.worst);
+    fmt::format_to(out, "  {:<22} {:>10}  {:>5.1f} %  {}\n",
+                   fmt::format("{} {}", name(a.part), name(a.phase)), readable_time(a.time),
+                   100 * share,
+                   std::string(static_cast<std::size_t>(share * kBarWidth + 0.5), '#'));
+  }
+}
+
+std::string ratio(const std::optional<double>& value) {
+  return value ? percent(*value) : std::string("not measurable");
+}
+
+void accuracy_lines(Out out, const Outcome& o) {
+  if (!o.accuracy) {
+    fmt::format_to(out, "\nAccuracy     not asked for: add [reference] to the scenario\n");
+    return;
+  }
+  const Accuracy& a = *o.accuracy;
+  fmt::format_to(out, "\nAccuracy     mean over {} frames, against double precision\n", a.frames);
+  fmt::format_to(out, "  displacement   {} from the true model, {} from the rounded one\n",
+                 ratio(a.displacement), ratio(a.displacement_quantised));
+  fmt::format_to(out, "  contact force  {} from the true model, {} from the rounded one\n",
+                 ratio(a.force), ratio(a.force_quantised));
+  fmt::format_to(out,
+                 "  The rounded model is what the matrix' words stand for: the second figure is "
+                 "the solver's\n  own error, the rest comes from rounding the matrix.\n");
+}
+
+void stability_lines(Out out, const app::Scene& scene, const Outcome& o) {
+  fmt::format_to(out, "\nStability    {} saturations, {} breakdowns, {} clamped words\n",
+                 o.saturations, o.breakdowns, o.clamped_words);
+  if (o.driver_errors > 0) {
+    fmt::format_to(out, "  {} frames without a solution ({}); the last force was held\n",
+                   o.driver_errors, o.last_driver_error);
+  }
+  for (unsigned i = 0; i < static_cast<unsigned>(stability::Flag::count); ++i) {
+    const auto flag = static_cast<stability::Flag>(i);
+    if (!o.flags.has(flag)) continue;
+    const stability::Description& d = stability::describe(flag);
+    fmt::format_to(out, "  FLAG {}: {}\n    remedy: {}\n", d.name, d.meaning, d.remedy);
+  }
+  if (scene.locking()) fmt::format_to(out, "    {}\n", scene.locking()->sentence);
+  if (o.flags.empty()) fmt::format_to(out, "  no flags\n");
+}
+
+}  // namespace
+
+std::string report(const app::Scene& scene, const Outcome& o) {
+  std::string text;
+  const Out out = std::back_inserter(text);
+  scene_lines(out, scene);
+  verdict_lines(out, o);
+  attribution_lines(out, o);
+  accuracy_lines(out, o);
+  stability_lines(out, scene, o);
+  return text;
+}
+
+}  // namespace hvp::results

@@ -1,0 +1,113 @@
+#include "app/results/summary.h"
+
+#include <nlohmann/json.hpp>
+
+#include "app/results/number_text.h"
+
+namespace hvp::results {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+// Microseconds as a number: exact to the picosecond for runs of less than two hours.
+double us(vp::Picoseconds time) { return static_cast<double>(time) * 1e-6; }
+
+ordered_json nullable(const std::optional<double>& value) {
+  return value ? ordered_json(*value) : ordered_json(nullptr);
+}
+
+ordered_json accuracy(const std::optional<Accuracy>& a) {
+  if (!a) {
+    return {{"displacement_rel", nullptr},
+            {"force_rel", nullptr},
+            {"displacement_rel_quantised", nullptr},
+            {"force_rel_quantised", nullptr},
+            {"frames", 0}};
+  }
+  return {{"displacement_rel", nullable(a->displacement)},
+          {"force_rel", nullable(a->force)},
+          {"displacement_rel_quantised", nullable(a->displacement_quantised)},
+          {"force_rel_quantised", nullable(a->force_quantised)},
+          {"frames", a->frames}};
+}
+
+ordered_json attribution(const std::vector<vp::Attribution>& lines) {
+  ordered_json list = ordered_json::array();
+  for (const vp::Attribution& a : lines) {
+    list.push_back({{"part", name(a.part)}, {"phase", name(a.phase)}, {"us", us(a.time)}});
+  }
+  return list;
+}
+
+}  // namespace
+
+std::vector<std::string> effects(const app::Scenario& s) {
+  std::vector<std::string> names;
+  if (s.dynamics) names.emplace_back("dynamics");
+  if (s.loads.gravity) names.emplace_back("loads.gravity");
+  if (s.reference) names.emplace_back("reference");
+  return names;
+}
+
+std::vector<std::string> flag_names(stability::Flags flags) {
+  std::vector<std::string> names;
+  for (unsigned i = 0; i < static_cast<unsigned>(stability::Flag::count); ++i) {
+    const auto flag = static_cast<stability::Flag>(i);
+    if (flags.has(flag)) names.emplace_back(stability::describe(flag).name);
+  }
+  return names;
+}
+
+std::string summary_json(const app::Scene& scene, const Outcome& o) {
+  const app::Scenario& s = scene.scenario();
+  const accel::SolveCycles cycles = scene.solve_cycles();
+  ordered_json j;
+  j["title"] = s.title;
+  j["deadline"] = {{"period_us", us(o.period)},    {"budget_us", us(o.budget)},
+                   {"worst_us", us(o.worst)},      {"p50_us", us(o.p50)},
+                   {"p99_us", us(o.p99)},          {"misses", o.misses},
+                   {"frames", o.frames},           {"skipped_ticks", o.skipped_ticks},
+                   {"worst_frame", o.worst_frame}, {"held", o.force_in_time}};
+  j["load"] = {{"worst_us", us(o.worst_load)}, {"misses", o.overloads}, {"held", o.load_held}};
+  j["attribution"] = attribution(o.attribution);
+  j["accuracy"] = accuracy(o.accuracy);
+  j["stability"] = {{"saturations", o.saturations},
+                    {"breakdowns", o.breakdowns},
+                    {"clamped_words", o.clamped_words},
+                    {"driver_errors", o.driver_errors},
+                    {"flags", flag_names(o.flags)}};
+  ordered_json resources = ordered_json::array();
+  for (const accel::Resource& r : scene.usage().resources) {
+    resources.push_back({{"type", r.type}, {"used", r.used}, {"available", r.available}});
+  }
+  j["resources"] = resources;
+  j["accelerator"] = {{"device", accel::device(s.accelerator.device).name},
+                      {"solve_cycles", cycles.total()},
+                      {"solve_us", us(cycles.total() * s.accelerator.clock_period_ps())},
+                      {"iteration_cycles", cycles.iteration()},
+                      {"illegal_accesses", o.illegal_accesses}};
+  j["bus"] = {
+      {"transactions", o.bus_transactions}, {"bytes", o.bus_bytes}, {"busy_us", us(o.bus_busy)}};
+  const mesh::Quality& q = scene.quality();
+  j["mesh"] = {{"nodes", q.nodes},
+               {"active_nodes", scene.body().active_nodes()},
+               {"tetrahedra", q.tetrahedra},
+               {"min_dihedral_deg", q.min_dihedral},
+               {"max_dihedral_deg", q.max_dihedral},
+               {"max_aspect_ratio", q.max_aspect_ratio},
+               {"min_det_jacobian", q.min_det_jacobian},
+               {"blocks", scene.computation().matrix().blocks()}};
+  j["contact"] = {{"changes", o.contact_changes},
+                  {"collision_passes", o.collision_passes},
+                  {"longest_pass_us", us(o.longest_pass)}};
+  j["set_up_us"] = us(o.set_up);
+  j["effects"] = effects(s);
+  j["fidelity"] = {{"accelerator", vp::name(s.fidelity.accelerator)},
+                   {"bus", vp::name(s.fidelity.bus)},
+                   {"host", vp::name(s.fidelity.host)},
+                   {"numbers", vp::name(s.fidelity.numbers)}};
+  return j.dump(2) + "\n";
+}
+
+}  // namespace hvp::results

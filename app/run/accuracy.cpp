@@ -1,0 +1,53 @@
+#include "app/run/accuracy.h"
+
+#include <span>
+
+namespace hvp::app {
+
+namespace {
+std::span<const double> components(const Eigen::Vector3d& v) { return {v.data(), 3}; }
+}  // namespace
+
+AccuracyTracker::AccuracyTracker(const Scene& scene, const host::Reference& settings)
+    : settings_(settings),
+      dynamic_(scene.computation().dynamic()),
+      rounded_(fixed::dequantise(scene.computation().quantised())),
+      true_run_(scene.body(), scene.scenario().dynamics, scene.scenario().budget.period_s,
+                scene.computation().matrix(), scene.computation().matrix()),
+      rounded_run_(scene.body(), scene.scenario().dynamics, scene.scenario().budget.period_s,
+                   scene.computation().matrix(), rounded_) {}
+
+void AccuracyTracker::solved(const vp::SolvedFrame& frame) {
+  const bool compared = frame.number % settings_.every_frames == 0;
+  // A static frame stands alone; a dynamic reference has a state that has to follow.
+  if (!compared && !dynamic_) return;
+  true_run_.step(frame.contact, frame.contact_displacement);
+  if (!rounded_run_.singular()) rounded_run_.step(frame.contact, frame.contact_displacement);
+  if (!compared) return;
+  ++frames_;
+  displacement_.add(frame.displacement, true_run_.displacement());
+  force_.add(components(frame.force), components(true_run_.force()));
+  if (rounded_run_.singular()) return;
+  displacement_rounded_.add(frame.displacement, rounded_run_.displacement());
+  force_rounded_.add(components(frame.force), components(rounded_run_.force()));
+}
+
+results::Accuracy AccuracyTracker::accuracy() const {
+  return {displacement_.relative(), force_.relative(), displacement_rounded_.relative(),
+          force_rounded_.relative(), frames_};
+}
+
+stability::Flags AccuracyTracker::flags() const {
+  stability::Flags flags;
+  const results::Accuracy a = accuracy();
+  if (a.displacement && !(*a.displacement <= settings_.tolerance)) {
+    flags.raise(stability::Flag::matrix_rounding);
+  }
+  if (a.displacement_quantised && !(*a.displacement_quantised <= settings_.solver_tolerance)) {
+    flags.raise(stability::Flag::not_converged);
+  }
+  if (!rounded_run_.positive_definite()) flags.raise(stability::Flag::negative_curvature);
+  return flags;
+}
+
+}  // namespace hvp::app

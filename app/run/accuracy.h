@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+
+#include "app/results/outcome.h"
+#include "app/scene/scene.h"
+#include "models/host/reference_run.h"
+#include "models/sparse/block_matrix.h"
+#include "models/stability/flag.h"
+#include "vp/host/servo_process.h"
+
+namespace hvp::app {
+
+// The effect [reference]: solves every frame beside the board, once with the true matrix and once
+// with the rounded one, and keeps the deviations.
+class AccuracyTracker : public vp::FrameObserver {
+ public:
+  AccuracyTracker(const Scene& scene, const host::Reference& settings);
+
+  void solved(const vp::SolvedFrame& frame) override;
+
+  results::Accuracy accuracy() const;
+  // matrix_rounding, not_converged and what the rounded matrix is flagged for.
+  stability::Flags flags() const;
+
+ private:
+  host::Reference settings_;
+  bool dynamic_;
+  sparse::BlockMatrix rounded_;
+  host::ReferenceRun true_run_;
+  host::ReferenceRun rounded_run_;
+  host::Deviation displacement_, force_;
+  host::Deviation displacement_rounded_, force_rounded_;
+  std::int64_t frames_ = 0;
+};
+
+}  // namespace hvp::app

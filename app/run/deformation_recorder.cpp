@@ -1,0 +1,50 @@
+#include "app/run/deformation_recorder.h"
+
+#include <array>
+#include <cstddef>
+
+#include "models/fem/stress.h"
+
+namespace hvp::app {
+
+namespace {
+// ParaView takes six components as xx yy zz xy yz xz; the model's order is in fem/material.h.
+template <class Six>
+void append(std::vector<double>& values, const Six& v) {
+  static constexpr std::array<int, 6> kOrder = {0, 1, 2, 3, 5, 4};
+  for (const int i : kOrder) values.push_back(v[i]);
+}
+}  // namespace
+
+DeformationRecorder::DeformationRecorder(const std::filesystem::path& directory, const Scene& scene)
+    : scene_(scene),
+      every_frames_(scene.scenario().output.deformation_every_frames),
+      writer_(directory, scene.body().mesh(), scene.body().anchored()),
+      displacement_(3 * scene.body().mesh().nodes.size()) {}
+
+void DeformationRecorder::solved(const vp::SolvedFrame& frame) {
+  if (frame.number % every_frames_ != 0) return;
+  const fem::Body& body = scene_.body();
+  body.expand(frame.displacement, displacement_);
+  strain_.clear();
+  stress_.clear();
+  von_mises_.clear();
+  for (const fem::ElementStress& e :
+       fem::element_stress(body.mesh(), body.material(), displacement_)) {
+    append(strain_, e.strain);
+    append(stress_, e.stress);
+    von_mises_.push_back(e.von_mises_pa);
+  }
+  results::StepInfo info;
+  info.probe_position_m = frame.tip;
+  info.probe_radius_m = scene_.scenario().probe.radius;
+  info.contact_node = frame.contact_node;
+  info.contact_force_N = -frame.force;
+  info.strain = strain_;
+  info.stress_Pa = stress_;
+  info.von_mises_Pa = von_mises_;
+  writer_.write(static_cast<double>(frame.time) * 1e-12, static_cast<int>(frame.number),
+                displacement_, info);
+}
+
+}  // namespace hvp::app

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "app/results/deformation.h"
+#include "app/scene/scene.h"
+#include "vp/host/servo_process.h"
+
+namespace hvp::app {
+
+// Writes the deformation of every so many frames, with strain and stress, for ParaView.
+class DeformationRecorder : public vp::FrameObserver {
+ public:
+  DeformationRecorder(const std::filesystem::path& directory, const Scene& scene);
+
+  void solved(const vp::SolvedFrame& frame) override;
+  void finish() { writer_.finish(); }
+
+ private:
+  const Scene& scene_;
+  int every_frames_;
+  results::DeformationWriter writer_;
+  std::vector<double> displacement_;
+  std::vector<double> strain_, stress_, von_mises_;
+};
+
+}  // namespace hvp::app

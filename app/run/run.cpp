@@ -1,0 +1,140 @@
+#include "app/run/run.h"
+
+#include <cmath>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "app/results/frames_csv.h"
+#include "app/results/part_file.h"
+#include "app/results/register_log.h"
+#include "app/results/summary.h"
+#include "app/results/trace.h"
+#include "app/run/accuracy.h"
+#include "app/run/deformation_recorder.h"
+#include "app/scenario/writer.h"
+#include "driver/hvp_driver.h"
+#include "vp/platform.h"
+
+namespace hvp::app {
+
+namespace {
+
+vp::PlatformSettings platform_settings(const Scenario& s) {
+  vp::PlatformSettings p;
+  p.servo.period = std::llround(s.budget.period_s * 1e12);
+  p.servo.frames = s.frames;
+  p.servo.costs = s.host;
+  p.servo.untimed = s.fidelity.host == vp::Timing::untimed;
+  p.servo.solver = s.solver;
+  // One frame at a time: the force is due when the next tick comes.
+  p.budget = p.servo.period;
+  p.accelerator = s.accelerator;
+  p.bus = s.bus;
+  p.daq = s.device.daq;
+  p.probe = s.probe;
+  p.fidelity = s.fidelity;
+  return p;
+}
+
+// Says how far a long run is.
+class ProgressTicker : public vp::FrameObserver {
+ public:
+  ProgressTicker(const Progress& progress, std::int64_t frames)
+      : progress_(progress), frames_(frames) {}
+
+  void solved(const vp::SolvedFrame& frame) override {
+    const std::int64_t percent = 100 * (frame.number + 1) / frames_;
+    if (percent == last_) return;
+    last_ = percent;
+    progress_(fmt::format("simulating: frame {} of {} ({} %)", frame.number + 1, frames_, percent));
+  }
+
+ private:
+  const Progress& progress_;
+  std::int64_t frames_;
+  std::int64_t last_ = -1;
+};
+
+results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
+                            const std::optional<results::Accuracy>& accuracy) {
+  const vp::Verdict& v = platform.verdict();
+  results::Outcome o;
+  o.period = v.period();
+  o.budget = v.budget();
+  o.set_up = platform.servo().set_up_time();
+  o.worst = v.worst_latency();
+  o.p50 = v.percentile(0.50);
+  o.p99 = v.percentile(0.99);
+  o.worst_load = v.worst_load();
+  o.worst_frame = v.worst_frame();
+  o.frames = v.frames();
+  o.skipped_ticks = v.skipped_ticks();
+  o.misses = v.misses();
+  o.overloads = v.overloads();
+  o.force_in_time = v.force_in_time();
+  o.load_held = v.load_held();
+  o.attribution = v.attribution();
+  o.bus_transactions = platform.bus().transactions();
+  o.bus_bytes = platform.bus().bytes_moved();
+  o.bus_busy = platform.bus().busy();
+  o.simulated = vp::now_ps() - platform.session().begin;
+  o.illegal_accesses = platform.accelerator().illegal_accesses();
+  const vp::ServoCounts& counts = platform.servo().counts();
+  o.driver_errors = counts.driver_errors;
+  o.last_driver_error = hvp_status_text(counts.last_error);
+  o.contact_changes = counts.contact_changes;
+  o.collision_passes = platform.collision().passes();
+  o.longest_pass = platform.collision().longest_pass();
+  o.accuracy = accuracy;
+  o.flags = stability::Flags(counts.flags);
+  o.saturations = platform.accelerator().saturations();
+  o.breakdowns = platform.accelerator().breakdowns();
+  o.clamped_words = counts.clamped_words;
+  if (scene.locking()) o.flags.raise(stability::Flag::locking);
+  if (scene.quality().slivers > 0) o.flags.raise(stability::Flag::poor_elements);
+  return o;
+}
+
+}  // namespace
+
+results::Outcome run(Scene& scene, const RunOptions& options) {
+  const Scenario& s = scene.scenario();
+  const std::filesystem::path& directory = options.directory;
+  std::filesystem::create_directories(directory);
+  results::write_through_part_file(directory / "scenario.resolved.toml", scenario::resolved(s));
+
+  std::optional<results::RegisterLog> registers;
+  if (options.trace_registers) registers.emplace(directory / "registers.log");
+  std::optional<AccuracyTracker> accuracy;
+  if (s.reference) accuracy.emplace(scene, *s.reference);
+  std::optional<DeformationRecorder> deformation;
+  if (s.output.deformation_every_frames > 0) deformation.emplace(directory, scene);
+
+  vp::Platform platform(platform_settings(s), scene.body(), scene.computation(), scene.contacts(),
+                        registers ? &*registers : nullptr);
+  results::FramesCsv frames(directory / "frames.csv", platform.session(),
+                            platform.verdict().budget());
+  results::Trace trace(directory / "trace.json", platform.session(), s.output.trace_frames);
+  platform.add_sink(frames);
+  platform.add_sink(trace);
+  if (accuracy) platform.add_observer(*accuracy);
+  if (deformation) platform.add_observer(*deformation);
+  ProgressTicker ticker(options.progress, s.frames);
+  if (options.progress) platform.add_observer(ticker);
+
+  platform.run();
+
+  frames.finish();
+  trace.finish();
+  if (registers) registers->finish();
+  if (deformation) deformation->finish();
+  results::Outcome outcome =
+      outcome_of(platform, scene, accuracy ? std::optional(accuracy->accuracy()) : std::nullopt);
+  if (accuracy) outcome.flags.merge(accuracy->flags());
+  results::write_through_part_file(directory / "summary.json",
+                                   results::summary_json(scene, outcome));
+  return outcome;
+}
+
+}  // namespace hvp::app

@@ -1,0 +1,72 @@
+#include "app/scene/scenario.h"
+
+#include "models/config/input_error.h"
+
+namespace hvp::app {
+
+using config::Dimension;
+
+void Budget::declare(config::Visitor& v) {
+  v.quantity("period", period_s, Dimension::time, config::between(1e-6, 1),
+             {"time between two servo ticks; force and load have to fit into it",
+              "thesis section 6.2.2: 500 Hz"});
+}
+
+void Anchor::declare(config::Visitor& v) { region.declare(v); }
+
+void Object::declare(config::Visitor& v) {
+  v.table("mesh", mesh, {"the body's shape and how finely it is meshed"});
+  v.table("material", material, {"what the body is made of"});
+  v.choice("anchored_nodes", anchored_nodes, fem::anchor_treatment_names(),
+           {"whether held nodes leave the system or stay as cleared rows",
+            "removed: the 500-node mesh then fits the EP2S60, docs/accelerator.md"});
+  v.list("anchor", anchors, {"regions whose nodes are held"});
+}
+
+void Object::check() const {
+  if (anchors.empty()) {
+    throw InputError("anchor",
+                     "the body has no anchor and can move freely: expected at least one "
+                     "[[object.anchor]]");
+  }
+}
+
+void Contact::declare(config::Visitor& v) {
+  search.declare(v);
+  v.choice("diagonal", diagonal, fem::contact_diagonal_names(),
+           {"what stands on the diagonal of the contact node's rows",
+            "thesis section 3.7, footnote: the average conditions better"});
+}
+
+void Device::declare(config::Visitor& v) { v.table("daq", daq, {"the data acquisition board"}); }
+
+void Output::declare(config::Visitor& v) {
+  v.integer("deformation_every_frames", deformation_every_frames, {0, 1'000'000},
+            {"a .vtu step every so many frames; 0: none", "20 pictures a second at 500 Hz"});
+  v.integer("trace_frames", trace_frames, {0, 1'000'000},
+            {"how many frames trace.json shows, from the first", "about 5 kB a frame"});
+  v.boolean("pictures", pictures,
+            {"draw deformation.png and latency.png at the end", "a run that is looked at"});
+}
+
+void Scenario::declare(config::Visitor& v) {
+  v.text("title", title, {"one line for the report"});
+  v.integer("frames", frames, {1, 100'000'000}, {"servo ticks to simulate", "2 s at 500 Hz"});
+  v.table("budget", budget, {"what has to hold"});
+  v.table("object", object, {"the soft body"});
+  v.table("loads", loads, {"what acts on the body besides the user"});
+  v.effect("dynamics", dynamics, {"inertia and damping; without it the body is static"});
+  v.table("contact", contact, {"how the probe takes hold of the body"});
+  v.table("solver", solver, {"method and words of the fixed-point solver"});
+  v.table("accelerator", accelerator, {"the FPGA's micro-architecture"});
+  v.table("bus", bus, {"the PCI bus"});
+  v.table("host", host, {"the host PC"});
+  v.table("device", device, {"the haptic device"});
+  v.table("probe", probe, {"the probe's prescribed motion"});
+  v.effect("reference", reference,
+           {"solves the same frames in double precision and says how accurate the run was"});
+  v.table("fidelity", fidelity, {"how finely each part is modelled"});
+  v.table("output", output, {"which results are written besides the summary"});
+}
+
+}  // namespace hvp::app

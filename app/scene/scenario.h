@@ -1,0 +1,100 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "models/accel/architecture.h"
+#include "models/collision/contact_settings.h"
+#include "models/config/declaration.h"
+#include "models/fem/body.h"
+#include "models/fem/contact.h"
+#include "models/fem/dynamics.h"
+#include "models/fem/loads.h"
+#include "models/fem/material.h"
+#include "models/fixed/settings.h"
+#include "models/host/costs.h"
+#include "models/host/reference_run.h"
+#include "models/link/pci.h"
+#include "models/mesh/mesh_settings.h"
+#include "models/mesh/region.h"
+#include "models/plant/daq.h"
+#include "models/plant/trajectory.h"
+#include "vp/fidelity.h"
+
+// A scenario as it is read: the tables of the parts, put together. docs/scenario-reference.md is
+// made from this declaration.
+namespace hvp::app {
+
+// [budget]: what has to hold.
+struct Budget {
+  double period_s = 2e-3;
+
+  void declare(config::Visitor& v);
+};
+
+// [[object.anchor]]: a region whose nodes are held.
+struct Anchor {
+  mesh::Region region;
+
+  void declare(config::Visitor& v);
+};
+
+// [object]: the soft body.
+struct Object {
+  mesh::MeshSettings mesh;
+  fem::Material material;
+  fem::AnchorTreatment anchored_nodes = fem::AnchorTreatment::removed;
+  std::vector<Anchor> anchors;
+
+  void declare(config::Visitor& v);
+  void check() const;
+};
+
+// [contact]
+struct Contact {
+  collision::ContactSettings search;
+  fem::ContactDiagonal diagonal = fem::ContactDiagonal::average;
+
+  void declare(config::Visitor& v);
+};
+
+// [device]: what the user holds.
+struct Device {
+  plant::Daq daq;
+
+  void declare(config::Visitor& v);
+};
+
+// [output]
+struct Output {
+  int deformation_every_frames = 25;
+  int trace_frames = 1000;
+  bool pictures = true;
+
+  void declare(config::Visitor& v);
+};
+
+struct Scenario {
+  std::string title;
+  int frames = 1000;
+  Budget budget;
+  Object object;
+  fem::Loads loads;
+  std::optional<fem::Dynamics> dynamics;
+  Contact contact;
+  fixed::Settings solver;
+  accel::Architecture accelerator;
+  link::Pci bus;
+  host::Host host;
+  Device device;
+  plant::Trajectory probe;
+  std::optional<host::Reference> reference;
+  vp::Fidelity fidelity;
+  Output output;
+
+  void declare(config::Visitor& v);
+};
+
+}  // namespace hvp::app

@@ -1,0 +1,90 @@
+#include "app/scene/scene.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "models/config/input_error.h"
+#include "models/mesh/generate.h"
+
+namespace hvp::app {
+
+namespace {
+
+// Runs a part's step; what it throws names the part's own key, which is completed here.
+template <class Step>
+auto within(const std::string& table, const Step& step) {
+  try {
+    return step();
+  } catch (const InputError& e) {
+    throw InputError(e.key().empty() ? table : table + "." + e.key(), e.what());
+  }
+}
+
+void tell(const Progress& progress, std::string_view what) {
+  if (progress) progress(what);
+}
+
+std::vector<int> anchored_nodes(const Scenario& s, const mesh::TetMesh& mesh) {
+  std::vector<int> nodes;
+  for (std::size_t i = 0; i < s.object.anchors.size(); ++i) {
+    const std::vector<int> found = mesh::select_nodes(s.object.anchors[i].region, mesh);
+    if (found.empty()) {
+      throw InputError("object.anchor[" + std::to_string(i) + "]",
+                       "no node of the mesh lies in this region");
+    }
+    nodes.insert(nodes.end(), found.begin(), found.end());
+  }
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+accel::WordLengths word_lengths(const fixed::Settings& solver) {
+  return {solver.matrix_bits, solver.vector_bits, solver.method == fixed::Method::jacobi_pcg};
+}
+
+}  // namespace
+
+std::unique_ptr<fem::Body> make_body(const Scenario& s, const Progress& progress) {
+  tell(progress, "meshing");
+  mesh::TetMesh mesh =
+      within("object.mesh", [&] { return mesh::generate(s.object.mesh, progress); });
+  tell(progress, "assembling");
+  const std::vector<int> anchored = anchored_nodes(s, mesh);
+  return within("object", [&] {
+    return std::make_unique<fem::Body>(std::move(mesh), s.object.material, anchored,
+                                       s.object.anchored_nodes, s.loads);
+  });
+}
+
+Scene::Scene(const Scenario& openable, const Scenario& written, const Progress& progress)
+    : scenario_(written), body_(make_body(openable, progress)) {
+  const Scenario& s = scenario_;
+  quality_ = mesh::measure(body_->mesh());
+  computation_ = within("solver", [&] {
+    return std::make_unique<host::FrameComputation>(*body_, s.contact.diagonal, s.dynamics,
+                                                    s.solver, s.budget.period_s);
+  });
+  pattern_ = accel::pattern_of(computation_->matrix().row_begin);
+  usage_ = accel::usage(s.accelerator, word_lengths(s.solver), pattern_);
+  within("accelerator",
+         [&] { accel::require_fit(s.accelerator, word_lengths(s.solver), pattern_); });
+
+  // A node that is held, by an anchor or by a prescribed displacement, cannot follow the probe.
+  std::vector<int> held;
+  for (int node = 0; node < static_cast<int>(body_->mesh().nodes.size()); ++node) {
+    if (body_->held(node)) held.push_back(node);
+  }
+  contacts_ = within("contact", [&] {
+    return std::make_unique<collision::ContactSearch>(body_->mesh(), held, s.contact.search);
+  });
+  locking_ = fem::measure_locking(body_->mesh(), s.object.material);
+}
+
+accel::SolveCycles Scene::solve_cycles() const {
+  return accel::solve_cycles(scenario_.accelerator, pattern_, scenario_.solver.iterations);
+}
+
+}  // namespace hvp::app

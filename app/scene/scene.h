@@ -1,0 +1,54 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include "app/scene/scenario.h"
+#include "models/accel/cycles.h"
+#include "models/accel/memory.h"
+#include "models/collision/contact_search.h"
+#include "models/fem/body.h"
+#include "models/fem/locking.h"
+#include "models/host/frame_computation.h"
+#include "models/mesh/quality.h"
+
+namespace hvp::app {
+
+using Progress = std::function<void(std::string_view)>;
+
+// A scenario with its mathematics done: the body is meshed and assembled, its matrix is in words
+// and is known to fit the device.
+class Scene {
+ public:
+  // `openable` has file paths that can be opened, `written` those of the scenario's text, which
+  // results repeat. Throws InputError with the full key of what is to blame.
+  Scene(const Scenario& openable, const Scenario& written, const Progress& progress = {});
+
+  const Scenario& scenario() const { return scenario_; }
+  const fem::Body& body() const { return *body_; }
+  host::FrameComputation& computation() { return *computation_; }
+  const host::FrameComputation& computation() const { return *computation_; }
+  collision::ContactSearch& contacts() { return *contacts_; }
+  const mesh::Quality& quality() const { return quality_; }
+  const accel::Pattern& pattern() const { return pattern_; }
+  const accel::Usage& usage() const { return usage_; }
+  accel::SolveCycles solve_cycles() const;
+  const std::optional<fem::Locking>& locking() const { return locking_; }
+
+ private:
+  Scenario scenario_;
+  mesh::Quality quality_;
+  std::unique_ptr<fem::Body> body_;
+  std::unique_ptr<host::FrameComputation> computation_;
+  std::unique_ptr<collision::ContactSearch> contacts_;
+  accel::Pattern pattern_;
+  accel::Usage usage_;
+  std::optional<fem::Locking> locking_;
+};
+
+// The elastic body alone, as `hvp export` needs it.
+std::unique_ptr<fem::Body> make_body(const Scenario& scenario, const Progress& progress);
+
+}  // namespace hvp::app
