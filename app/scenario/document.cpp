@@ -132,13 +132,10 @@ std::string Document::locate(std::string_view key) const {
     const Node* next = place->is_table() ? place->find(step.name) : nullptr;
     if (next == nullptr) break;
     place = next;
-    bool complete = true;
     for (const std::size_t index : step.indices) {
-      complete = place->is_array() && index < place->members.size();
-      if (!complete) break;
+      if (!place->is_array() || index >= place->members.size()) break;
       place = &place->members[index];
     }
-    if (!complete) break;
   }
   return locate(place->origin, key);
 }

@@ -145,6 +145,7 @@ TEST(Locate, FindsTheKeyOrTheNearestTable) {
   EXPECT_EQ(document.locate("host.jitter"), "scenes/x.toml:1: host.jitter: ");
   EXPECT_EQ(document.locate("contacts[1].b"), "scenes/x.toml:9: contacts[1].b: ");
   EXPECT_EQ(document.locate("contacts[1].a"), "scenes/x.toml:8: contacts[1].a: ");
+  EXPECT_EQ(document.locate("contacts[2].a"), "scenes/x.toml:6: contacts[2].a: ");
   EXPECT_EQ(document.locate("solver.iterations"), "--set solver.iterations=3: ");
   EXPECT_EQ(document.locate("budget.period"), "--set budget={period='1 s'}: budget.period: ");
   EXPECT_EQ(document.locate(""), "scenes/x.toml: ");

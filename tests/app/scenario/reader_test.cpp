@@ -209,6 +209,9 @@ INSTANTIATE_TEST_SUITE_P(
              "x.toml:2: solver.warm_start: expected true or false, found 1"},
         Case{"[solver]\niteratons = 3\ntolerance = '1'",
              "x.toml:2: solver.iteratons: unknown key; did you mean \"iterations\"?"},
+        // A rule does not see a part while something else is wrong.
+        Case{"title=3\n[[contacts]]\ndepth='1 m'\nat=['0 m','0 m','0 m']",
+             "x.toml:1: title: expected a text in quotes, found 3"},
         // What belongs to a table is not known while the name that decides it is wrong.
         Case{"title='x'\n[solver]\nextra = 3\nmethod = 'gc'",
              "x.toml:4: solver.method: expected \"cg\" or \"pcg\", found \"gc\"; did you mean "
