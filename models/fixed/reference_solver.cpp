@@ -97,11 +97,18 @@ Report ReferenceSolver::solve(const QuantisedMatrix& matrix, Job job, Observer* 
   require_fitting(matrix, job);
   report_ = {};
   stopped_ = false;
+  last_progress_ = 0;
   if (settings_.start == Start::zero) std::ranges::fill(job.x, 0);
   invert_diagonal(matrix);
   start(matrix, job);
+  smallest_ = std::ldexp(static_cast<double>(z_r_), -2 * residual_exponent_);
   while (report_.iterations < settings_.iterations && step(matrix, job.x)) {
     ++report_.iterations;
+    const double squared = std::ldexp(static_cast<double>(z_r_), -2 * residual_exponent_);
+    if (squared < smallest_) {
+      smallest_ = squared;
+      last_progress_ = report_.iterations;
+    }
     if (observer == nullptr) continue;
     observer->iteration({.iteration = report_.iterations,
                          .x = job.x,
@@ -322,7 +329,8 @@ void ReferenceSolver::judge(const QuantisedMatrix& matrix, const Job& job) {
   report_.residual_norm = std::ldexp(norm(r_), rhs_shift - residual_exponent_);
 
   if (report_.saturations > 0) report_.flags.raise(stability::Flag::saturation);
-  // Without dynamic scaling a direction can round to zero far from the solution.
+  // Without dynamic scaling a direction can round to zero, or stall at a few last places, far
+  // from the solution.
   if (stopped_ && !all_zero(r_)) report_.flags.raise(stability::Flag::stagnation);
 
   // Rounding x in every iteration leaves a few units in the last place.
@@ -330,7 +338,8 @@ void ReferenceSolver::judge(const QuantisedMatrix& matrix, const Job& job) {
   const double negligible = kFloors * report_.rounding_floor;
   const double reached = report_.true_residual_norm;
   if (reached <= negligible) return;
-  if (reached > 2 * report_.residual_norm + negligible) {
+  const bool stalled = last_progress_ < report_.iterations / 2;
+  if (stalled || reached > 2 * report_.residual_norm + negligible) {
     report_.flags.raise(stability::Flag::stagnation);
   }
   if (reached > std::max(report_.rhs_norm, report_.start_residual_norm)) {

@@ -50,6 +50,8 @@ class ReferenceSolver final : public Solver {
   int residual_exponent_ = 0;   // f: the residual is r · 2^(rhs_shift - f) in units of A·x
   int direction_exponent_ = 0;  // e: the direction is d · 2^-e in units of z
   bool stopped_ = false;
+  double smallest_ = 0;    // zᵀr so far, in units that do not move with the exponent
+  int last_progress_ = 0;  // the iteration that reached it
   Report report_;
 };
 
