@@ -12,7 +12,7 @@ namespace hvp::collision {
 
 namespace {
 
-constexpr std::size_t kLargestPatches = std::size_t{1} << 24;  // 64 MiB
+constexpr std::size_t kLargestPatches = std::size_t{1} << 22;  // 16 MiB
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 

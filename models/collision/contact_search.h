@@ -43,7 +43,7 @@ class ContactSearch {
  public:
   // `anchored`: nodes that are held and cannot be touched, in any order. Throws InputError as
   // DeformedSurface does; for an anchored node that the mesh does not have; where no surface
-  // node is free; for a patch radius that puts more than 16 million entries into the patches.
+  // node is free; for a patch radius that puts more than four million entries into the patches.
   ContactSearch(const mesh::TetMesh& mesh, std::span<const int> anchored,
                 const ContactSettings& settings);
 

@@ -115,7 +115,7 @@ TEST(DeformedSurface, MeasuresASphereUpToItsFacets) {
 // The classic failure: near an edge or a corner the nearest triangle's own normal, or a mean
 // that does not weigh by angle, gives the wrong side.
 TEST(DeformedSurface, KnowsInsideFromOutsideAtEdgesAndCorners) {
-  for (const mesh::TetMesh& mesh : {test::spike(), urchin(1), urchin(2), urchin(3)}) {
+  for (const mesh::TetMesh& mesh : {test::spike(), urchin(1), urchin(2)}) {
     const DeformedSurface surface(mesh);
     test::Uniform uniform(4);
     int inside = 0;
