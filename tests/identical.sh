@@ -11,7 +11,8 @@ trap 'rm -rf "$scratch"' EXIT
 run() { # name, program: each in a directory of its own, whose depth differs too
   local directory=$scratch/$1/$1
   mkdir -p "$directory"
-  (cd "$directory" && "$2" run "$top/scenarios/thesis.toml" --quiet --set frames=100 --out result) ||
+  (cd "$directory" && "$2" run "$top/scenarios/thesis.toml" --quiet --set frames=300 --out result \
+    --set output.pictures=false >/dev/null) ||
     (($? == 1)) # 1 says that a budget did not hold: still a result
 }
 
