@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <optional>
@@ -155,6 +156,13 @@ void check_ply(std::string_view bytes) {
   }
 }
 
+bool is_finite_number(std::string_view word) {
+  if (!word.empty() && word.front() == '+') word.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  return error == std::errc{} && end == word.data() + word.size() && std::isfinite(value);
+}
+
 void check_obj(std::string_view bytes) {
   if (bytes.find('\0') != std::string_view::npos)
     refuse("the OBJ file holds bytes that are no text");
@@ -169,6 +177,13 @@ void check_obj(std::string_view bytes) {
     if (line[0] == "v") {
       ++vertices;
       if (line.size() < 4) refuse(fmt::format("line {}: a vertex needs three coordinates", number));
+      for (std::size_t i = 1; i < 4; ++i) {
+        // VTK's reader takes what is no number for one.
+        if (!is_finite_number(line[i])) {
+          refuse(fmt::format("line {}: the coordinate \"{:.40}\" is not a finite number", number,
+                             line[i]));
+        }
+      }
     }
     if (line[0] != "f") continue;
     ++faces;

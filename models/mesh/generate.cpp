@@ -1,6 +1,7 @@
 #include "models/mesh/generate.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -33,6 +34,10 @@ constexpr int kMostRuns = 10;
 // nodes has 38.6 non-zeros a row.
 constexpr double kVolumeFactor = 2.6;
 constexpr double kRegularTetrahedron = 0.11785113019775793;  // 1/(6√2), volume for edge 1
+
+// TetGen's -q: largest ratio of circumradius to shortest edge. Where the surface's triangles are
+// uneven, 1.2 takes more nodes than are wanted, and looser bounds are tried.
+constexpr std::array<double, 3> kRadiusEdgeRatios{1.2, 1.4, 1.8};
 
 // Edges of a surface longer than this many target edges are halved: the boundary would otherwise
 // be much coarser than the inside.
@@ -70,8 +75,8 @@ class Search {
   Search(int wanted, const Progress& progress) : wanted_(wanted), progress_(progress) {}
 
   // Returns the node count of this attempt.
-  int attempt(const Surface& surface, double max_volume) {
-    TetMesh mesh = run_tetgen(surface, {.max_volume = max_volume});
+  int attempt(const Surface& surface, const TetgenOptions& options) {
+    TetMesh mesh = run_tetgen(surface, options);
     const int count = nodes_of(mesh);
     ++runs_;
     note(count);
@@ -120,14 +125,16 @@ class Search {
 
 // Keeps the surface and varies the volume bound: regula falsi on the logarithms once the count is
 // bracketed, since the count goes with a power of the bound.
-void search_volume_bound(Search& search, const Surface& surface, double start, int wanted) {
+void search_volume_bound(Search& search, const Surface& surface, double start, int wanted,
+                         double radius_edge_ratio) {
   double x = std::log(start);
   std::optional<std::pair<double, double>> above;  // (log bound, log count) with too many nodes
   std::optional<std::pair<double, double>> below;
   int unchanged = 0;
   const double target = std::log(static_cast<double>(wanted));
   while (!search.done() && !search.exhausted()) {
-    const double y = std::log(static_cast<double>(search.attempt(surface, std::exp(x))));
+    const double y = std::log(static_cast<double>(search.attempt(
+        surface, {.max_volume = std::exp(x), .radius_edge_ratio = radius_edge_ratio})));
     unchanged = below && below->second == y ? unchanged + 1 : 0;
     if (unchanged == 2) return;  // the surface's triangles admit no more nodes
     (y > target ? above : below) = {x, y};
@@ -160,11 +167,13 @@ TetMesh mesh_sphere(double radius, int wanted, const Progress& progress) {
     // 2(points − 2) equilateral triangles cover the area.
     const int points = static_cast<int>(std::lround(2.0 + 1.1547 * area / (edge * edge)));
     surface = sphere_surface(radius, std::max(points, 4));
-    const int count = search.attempt(surface, volume_bound(edge));
+    const int count = search.attempt(surface, {.max_volume = volume_bound(edge)});
     effective =
         static_cast<int>(std::lround(static_cast<double>(effective) * wanted / std::max(count, 1)));
   }
-  if (!search.done()) search_volume_bound(search, surface, volume_bound(edge), wanted);
+  if (!search.done()) {
+    search_volume_bound(search, surface, volume_bound(edge), wanted, kRadiusEdgeRatios[0]);
+  }
   return search.result();
 }
 
@@ -188,8 +197,11 @@ TetMesh mesh_first_that_fits(const std::vector<std::function<Surface()>>& candid
       search.note(static_cast<int>(surface.points.size()));
       continue;
     }
-    search.grant_more_runs();
-    search_volume_bound(search, surface, volume_bound(edge), wanted);
+    for (const double ratio : kRadiusEdgeRatios) {
+      if (search.accepted()) break;
+      search.grant_more_runs();
+      search_volume_bound(search, surface, volume_bound(edge), wanted, ratio);
+    }
   }
   if (!search.accepted() && refusal) throw InputError(*refusal);
   return search.result();
@@ -205,7 +217,7 @@ TetMesh mesh_box(const Eigen::Vector3d& size, int wanted, const Progress& progre
   for (const double cell : {0.93, 1.1, 0.8}) {
     candidates.emplace_back([=] { return box_surface(size, cell * edge); });
   }
-  for (const double longest : {kLongestEdge, 1.3, 1.1, 0.9}) {
+  for (const double longest : {kLongestEdge, 1.3, 1.1, 0.9, 2.0}) {
     candidates.emplace_back(
         [=] { return split_long_edges(box_surface(size, size.maxCoeff()), longest * edge); });
   }
@@ -221,7 +233,7 @@ TetMesh mesh_surface(const Surface& raw, int wanted, const Progress& progress) {
   const int suitable = static_cast<int>(2.0 + 1.1547 * area / (edge * edge));
   std::vector<std::function<Surface()>> candidates;
   const auto split = [&] {
-    for (const double longest : {kLongestEdge, 1.3, 1.1, 0.9}) {
+    for (const double longest : {kLongestEdge, 1.3, 1.1, 0.9, 2.0}) {
       candidates.emplace_back([&, longest] { return split_long_edges(surface, longest * edge); });
     }
   };
