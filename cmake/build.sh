@@ -161,8 +161,7 @@ build() { # preset target…
   [[ -w $build/$1 ]] ||
     fail "cannot write to $build/$1; set HVP_BUILD_DIR to a directory for the builds"
   set_jobs
-  # One cache serves every checkout; a home that cannot be written must not stop the compiler.
-  export CCACHE_BASEDIR=$top
+  # A home that cannot be written must not stop the compiler.
   [[ -n ${CCACHE_DIR:-} || -w ${HOME:-/nonexistent} ]] || export CCACHE_DIR=$build/ccache
   locked "$build/$1" configure_and_build "$@"
 }
