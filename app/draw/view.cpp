@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace hvp::draw {
@@ -78,7 +79,8 @@ View choose_view(const DeformationStep& step) {
 }
 
 Extent extent_in(const View& view, std::span<const Eigen::Vector3d> points) {
-  Extent extent{Eigen::Vector2d::Constant(INFINITY), Eigen::Vector2d::Constant(-INFINITY)};
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Extent extent{Eigen::Vector2d::Constant(kInfinity), Eigen::Vector2d::Constant(-kInfinity)};
   for (const Vector3d& x : points) {
     const Eigen::Vector2d p(view.right.dot(x), view.up.dot(x));
     extent.low = extent.low.cwiseMin(p);
