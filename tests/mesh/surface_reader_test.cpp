@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <ostream>
 #include <utility>
 #include <vector>
 
@@ -46,6 +47,7 @@ struct Format {
   std::string extension;
   std::function<std::string(const Surface&)> write;
 };
+std::ostream& operator<<(std::ostream& out, const Format& format) { return out << format.name; }
 
 std::vector<Format> formats() {
   return {

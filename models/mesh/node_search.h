@@ -1,0 +1,40 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "models/mesh/progress.h"
+#include "models/mesh/tet_mesh.h"
+
+// How a wanted number of nodes is met. TetGen keeps the surface and takes a bound on the volume of
+// a tetrahedron; how many nodes come out is known only afterwards.
+namespace hvp::mesh {
+
+// Of the wanted count: beyond that the count is refused.
+inline constexpr double kAcceptedDeviation = 0.10;
+
+// The edge length L for which a body of this volume and area gets `nodes` nodes:
+// n = 2 + 0.703·A/L² + 0.930·V/L³, fitted to TetGen's meshes of a sphere with 100 to 900 points
+// on it; off by 2 % at most there, and only the start of a search.
+double edge_length_for(double volume, double area, int nodes);
+
+// The points on a closed surface of this area made of equilateral triangles of this edge.
+int points_for(double area, double edge);
+
+// A surface that may do for the wanted count, made when it is tried.
+struct Candidate {
+  std::function<Surface()> surface;
+  double edge = 0.0;  // of the tetrahedra inside, to start from
+  // Whether TetGen's bound on the ratio of circumradius to shortest edge may be loosened.
+  bool loose_ratio = true;
+};
+
+// Tries the candidates one after the other, each with varied volume bounds, until one gives the
+// wanted count within kAcceptedDeviation and no sliver; failing that, the one with the fewest
+// slivers. A coarse surface bounds the count from above, since TetGen puts no node into the
+// smallest sphere around one of its triangles, and a fine one from below. Throws InputError with
+// the key "nodes" where none gives the count, with the counts that were seen.
+TetMesh mesh_first_that_fits(const std::vector<Candidate>& candidates, int wanted,
+                             const Progress& progress);
+
+}  // namespace hvp::mesh
