@@ -95,6 +95,9 @@ int sc_main(int /*argc*/, char** /*argv*/) { return kFailed; }
 
 int main(int argc, char** argv) {
   set_up_log();
+  // "Simulation stopped by user" is how every run ends.
+  sc_core::sc_report_handler::set_actions("/OSCI/SystemC", sc_core::SC_INFO,
+                                          sc_core::SC_DO_NOTHING);
   try {
     return parse_and_run(argc, argv);
   } catch (const hvp::InputError& e) {

@@ -13,6 +13,8 @@ struct SceneState {
   Eigen::Vector3d tip = Eigen::Vector3d::Zero();
   std::vector<double> displacement;  // over all mesh nodes
   collision::Contact contact;        // the one that the displacement was computed with
+  // Mean over the frames since the contact was last reported on: a single frame's force rings
+  // at half the servo rate where the time integration does not damp, and its sign says nothing.
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
 };
 

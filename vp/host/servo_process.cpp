@@ -111,6 +111,11 @@ void ServoProcess::frame(std::int64_t number) {
 
   spend(Phase::contact_lookup, settings_.costs.contact_lookup_s);
   const ContactReport& report = exchange_.contact.read(now_ps());
+  if (report.pass_began != last_report_) {
+    last_report_ = report.pass_began;
+    force_sum_.setZero();
+    force_frames_ = 0;
+  }
   hvp_status status = HVP_OK;
   if (!(report.contact == contact_)) {
     if (report.contact.present()) {
@@ -168,7 +173,9 @@ void ServoProcess::frame(std::int64_t number) {
   scene.tip = tip;
   body_.expand(computation_.displacement(), scene.displacement);
   scene.contact = contact_;
-  scene.force = force;
+  force_sum_ += force;
+  ++force_frames_;
+  scene.force = force_sum_ / static_cast<double>(force_frames_);
   exchange_.scene.publish(now_ps());
 
   Frame& record = ledger_.frame(number);

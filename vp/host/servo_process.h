@@ -108,6 +108,10 @@ class ServoProcess : public sc_core::sc_module {
   std::vector<int> next_contact_;
   collision::Contact contact_;
   Eigen::Vector3d held_force_ = Eigen::Vector3d::Zero();
+  // For the mean force since the last report of the collision process.
+  Eigen::Vector3d force_sum_ = Eigen::Vector3d::Zero();
+  std::int64_t force_frames_ = 0;
+  Picoseconds last_report_ = -1;
   ServoCounts counts_;
   Picoseconds set_up_time_ = 0;
 };
