@@ -112,12 +112,16 @@ TEST(Stress, PureShear) {
   EXPECT_NEAR(von_mises(stress), 2 * std::sqrt(3.0), 1e-15);
 }
 
-TEST(Material, StressIsTheMatrixTimesStrain) {
+// ε = B·û and σ = D·ε, (3.13) and (3.3), for any displacement.
+TEST(Stress, FollowsFromBAndD) {
   const mesh::TetMesh mesh = one_tetrahedron();
   const std::vector<double> u = noise_vector(12);
   const ElementStress element = element_stress(mesh, kTissue, u).front();
-  const StressVector expected = kTissue.stress_strain() * element.strain;
-  EXPECT_LT((element.stress - expected).norm(), 1e-14 * expected.norm());
+  const StrainVector strain = strain_displacement(element_geometry(mesh, 0)) *
+                              Eigen::Map<const Eigen::Matrix<double, 12, 1>>(u.data());
+  EXPECT_LT((element.strain - strain).norm(), 1e-14 * strain.norm());
+  const StressVector stress = kTissue.stress_strain() * strain;
+  EXPECT_LT((element.stress - stress).norm(), 1e-14 * stress.norm());
 }
 
 TEST(Material, RefusesWhatIsOutOfRange) {
