@@ -74,6 +74,7 @@ void Describer::file(std::string_view name, std::string& path, Note note) {
 void Describer::choice_index(std::string_view name, std::size_t& index,
                              const std::vector<std::string_view>& names, Note note) {
   std::vector<std::string> items;
+  items.reserve(names.size());
   for (const std::string_view item : names) items.push_back(toml_string(item));
   add(name, "one of", alternatives(items), toml_string(names.at(index)), note);
 }

@@ -136,14 +136,9 @@ std::string format_quantity(double value, Dimension dimension) {
   }
   // The largest unit that the value reaches, the smallest where it reaches none.
   const int magnitude = static_cast<int>(number.digits.size()) + number.exponent - 1;
-  const Unit* best = nullptr;
+  const Unit* best = &units_table(dimension).units.front();  // the SI unit, also for zero
   for (const Unit& unit : units_table(dimension).units) {
-    if (unit.use != Unit::Use::read_and_write) continue;
-    if (best == nullptr) {
-      best = &unit;  // the SI unit comes first
-      if (value == 0.0) break;
-      continue;
-    }
+    if (unit.use != Unit::Use::read_and_write || value == 0.0) continue;
     const bool reaches = unit.exponent <= magnitude;
     const bool best_reaches = best->exponent <= magnitude;
     if (reaches ? !best_reaches || unit.exponent > best->exponent

@@ -217,6 +217,7 @@ void Reader::choice_index(std::string_view name, std::size_t& index,
   const Node* node = take(name, note);
   if (node == nullptr) return;
   std::vector<std::string> items;
+  items.reserve(names.size());
   for (const std::string_view item : names) items.push_back(fmt::format("\"{}\"", item));
   const std::string expected = alternatives(items);
   std::string found;
