@@ -1,6 +1,7 @@
 #include "models/fixed/reference_solver.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -50,14 +51,16 @@ int rescaling(int bits, int available, int target) {
   return 0;
 }
 
-std::int64_t row_sum(const QuantisedMatrix& matrix, int equation,
-                     std::span<const std::int32_t> vector) {
-  const int row = equation / 3;
-  std::int64_t sum = 0;
+// The three sums of a block row, exact.
+std::array<std::int64_t, 3> block_row_sums(const QuantisedMatrix& matrix, int row,
+                                           std::span<const std::int32_t> vector) {
+  std::array<std::int64_t, 3> sum = {0, 0, 0};
   for (int k = matrix.row_begin[at(row)]; k < matrix.row_begin[at(row) + 1]; ++k) {
-    const std::int32_t* a = &matrix.value[at(9 * k + 3 * (equation % 3))];
+    const std::int32_t* a = &matrix.value[at(9 * k)];
     const std::int32_t* v = &vector[at(3 * matrix.column[at(k)])];
-    for (int c = 0; c < 3; ++c) sum += std::int64_t{a[c]} * v[c];
+    for (std::size_t r = 0; r < 3; ++r) {
+      for (std::size_t c = 0; c < 3; ++c) sum[r] += std::int64_t{a[3 * r + c]} * v[c];
+    }
   }
   return sum;
 }
@@ -276,8 +279,11 @@ bool ReferenceSolver::step(const QuantisedMatrix& matrix, std::span<std::int32_t
 void ReferenceSolver::multiply(const QuantisedMatrix& matrix,
                                std::span<const std::int32_t> vector) {
   const int product_shift = settings_.product_shift();
-  for (int i = 0; i < matrix.rows(); ++i) {
-    q_[at(i)] = clamp(shift(row_sum(matrix, i, vector), -product_shift), product_limit_);
+  for (int row = 0; row < matrix.block_rows(); ++row) {
+    const std::array<std::int64_t, 3> sum = block_row_sums(matrix, row, vector);
+    for (std::size_t c = 0; c < 3; ++c) {
+      q_[at(3 * row) + c] = clamp(shift(sum[c], -product_shift), product_limit_);
+    }
   }
 }
 
@@ -312,16 +318,20 @@ void ReferenceSolver::judge(const QuantisedMatrix& matrix, const Job& job) {
   double rhs = 0;
   double residual = 0;
   double floor = 0;
-  for (int i = 0; i < matrix.rows(); ++i) {
-    std::int64_t ignored = 0;
-    const std::int64_t b = saturate(job.b[at(i)], residual_limit_, ignored) << rhs_shift;
-    rhs += square(static_cast<double>(b));
-    residual += square(static_cast<double>(Int128{b} - row_sum(matrix, i, job.x)));
-    std::int64_t row = 0;
-    for (int k = matrix.row_begin[at(i / 3)]; k < matrix.row_begin[at(i / 3) + 1]; ++k) {
-      for (int c = 0; c < 3; ++c) row += std::abs(matrix.value[at(9 * k + 3 * (i % 3) + c)]);
+  for (int row = 0; row < matrix.block_rows(); ++row) {
+    const std::array<std::int64_t, 3> product = block_row_sums(matrix, row, job.x);
+    std::array<std::int64_t, 3> magnitudes = {0, 0, 0};
+    for (int k = matrix.row_begin[at(row)]; k < matrix.row_begin[at(row) + 1]; ++k) {
+      for (int e = 0; e < 9; ++e) magnitudes[at(e / 3)] += std::abs(matrix.value[at(9 * k + e)]);
     }
-    floor += square(static_cast<double>(row));
+    for (std::size_t c = 0; c < 3; ++c) {
+      std::int64_t ignored = 0;
+      const std::int64_t b = saturate(job.b[at(3 * row) + c], residual_limit_, ignored)
+                             << rhs_shift;
+      rhs += square(static_cast<double>(b));
+      residual += square(static_cast<double>(Int128{b} - product[c]));
+      floor += square(static_cast<double>(magnitudes[c]));
+    }
   }
   report_.rhs_norm = std::sqrt(rhs);
   report_.true_residual_norm = std::sqrt(residual);

@@ -42,19 +42,21 @@ inline constexpr std::int64_t kShiftLimit = std::int64_t{1} << 61;
 // ±kShiftLimit, which is beyond every word, so that the clamping is counted where the word is
 // written.
 constexpr std::int64_t shift(std::int64_t value, int exponent) {
-  const std::uint64_t size = magnitude(value);
+  // Sign and magnitude without a branch: signs are random, and a branch on them is the greater
+  // part of a solve's time.
+  const auto sign = static_cast<std::uint64_t>(value >> 63);
+  const std::uint64_t size = (static_cast<std::uint64_t>(value) ^ sign) - sign;
   constexpr auto kLimit = static_cast<std::uint64_t>(kShiftLimit);
   std::uint64_t result = 0;
-  if (size == 0) {
-    result = 0;
-  } else if (exponent >= 0) {
-    result = exponent > 62 || size > (kLimit >> exponent) ? kLimit : size << exponent;
-  } else if (exponent >= -63) {
+  if (exponent < 0) {
+    if (exponent < -63) return 0;
     // Adding half a unit could carry out of 64 bits; the bit below the cut says the same.
     result = (size >> -exponent) + ((size >> (-exponent - 1)) & 1U);
     if (result > kLimit) result = kLimit;
+  } else if (size != 0) {
+    result = exponent > 62 || size > (kLimit >> exponent) ? kLimit : size << exponent;
   }
-  return value < 0 ? -static_cast<std::int64_t>(result) : static_cast<std::int64_t>(result);
+  return static_cast<std::int64_t>((result ^ sign) - sign);
 }
 
 // A coefficient α or β: mantissa · 2^exponent. The mantissa of n bits (sign included) lies in
