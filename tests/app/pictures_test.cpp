@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,28 @@ namespace hvp::results {
 namespace {
 
 constexpr const char* kLost = ": deformation.png and latency.png were not drawn";
+
+// Sets an environment variable for the length of a test.
+class Variable {
+ public:
+  Variable(const char* name, const char* value) : name_(name) {
+    if (const char* old = std::getenv(name)) old_ = old;
+    set(value);
+  }
+  ~Variable() { set(old_ ? old_->c_str() : nullptr); }
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+  void set(const char* value) {
+    if (value != nullptr)
+      setenv(name_, value, 1);
+    else
+      unsetenv(name_);
+  }
+
+ private:
+  const char* name_;
+  std::optional<std::string> old_;
+};
 
 class PicturesTest : public testing::Test {
  protected:
@@ -55,16 +78,16 @@ TEST_F(PicturesTest, ToolsOfThisProcessFollowTheEnvironment) {
   const auto bin = scratch_.path() / "bin";
   std::filesystem::create_directory(bin);
   std::filesystem::rename(idle_server(), bin / "Xvfb");
-  setenv("PATH", ("/nowhere:" + bin.string()).c_str(), 1);
-  setenv("DISPLAY", ":12", 1);
+  Variable path("PATH", ("/nowhere:" + bin.string()).c_str());
+  Variable display("DISPLAY", ":12");
   const PictureTools tools = PictureTools::of_this_process();
   EXPECT_EQ(tools.xvfb, bin / "Xvfb");
   EXPECT_EQ(tools.display, ":12");
   EXPECT_EQ(tools.draw_program.filename(), "hvp-draw");
   EXPECT_EQ(tools.draw_program.parent_path(),
             std::filesystem::read_symlink("/proc/self/exe").parent_path());
-  setenv("PATH", "/nowhere", 1);
-  unsetenv("DISPLAY");
+  path.set("/nowhere");
+  display.set(nullptr);
   EXPECT_EQ(PictureTools::of_this_process().xvfb, "");
   EXPECT_EQ(PictureTools::of_this_process().display, "");
 }
