@@ -84,13 +84,19 @@ install_packages() { # sections
     missing_a_package_manager=yes
     return 0
   fi
-  local missing manual
+  local missing manual section
+  local -a required=()
   missing=$(missing_packages "$@")
   [[ -n $missing ]] || return 0
   manual="apt-get install -y --no-install-recommends $missing"
   command -v apt-get >/dev/null || fail "install these packages, then try again: $missing"
   if [[ $(id -u) != 0 ]] && ! sudo -n true 2>/dev/null &&
     ! { command -v sudo >/dev/null && [[ -t 0 ]]; }; then
+    for section in "$@"; do [[ $section == pictures ]] || required+=("$section"); done
+    if [[ -z $(missing_packages "${required[@]}") ]]; then
+      say "without a display there will be no pictures. For them, run as root: $manual"
+      return 0
+    fi
     fail "packages are missing, and installing them takes root. Run as root: $manual"
   fi
   say "installing Debian packages: $missing"
