@@ -16,13 +16,18 @@ constexpr int kM4kWords = 256;  // in the configuration 256 × 16 that vectors u
 constexpr int kM512Words = 32;  // 32 × 16
 constexpr int kMRamPortBits = 144;
 constexpr int kUnitWords = 1024;  // the basic unit of Fig. 5.8: 1 K words from both ports
-// §6.1: multipliers of the vector unit beside those of SpMxV, for 16-bit vectors.
+// §6.1: multipliers of the vector unit beside those of SpMxV, for 16-bit vectors and two nodes a
+// clock.
 constexpr int kVectorMultipliers = 21;
 
 // Blocks for a vector with three components a node, each component in a memory of its own.
 int vector_blocks(int nodes, int bits, int words_a_block) {
   return 3 * ceil_div(nodes, words_a_block) * ceil_div(bits, 16);
 }
+
+// Nodes, of three columns each, that a package touches at most. A row's first package starts with
+// a node's first column; so do all others where whole nodes fill a package.
+int nodes_in_package(int package) { return package % 3 == 0 ? package / 3 : (package + 1) / 3 + 1; }
 
 Usage usage_of(const Architecture& a, const WordLengths& w, int nodes, std::int64_t packages) {
   Usage u;
@@ -48,17 +53,15 @@ Usage usage_of(const Architecture& a, const WordLengths& w, int nodes, std::int6
       add(use, m512 ? "M512" : "M4K", vector_blocks(nodes, 32, m512 ? kM512Words : kM4kWords));
     }
   }
-  // A package spans at most (package + 2) / 3 + 1 nodes, but a node's first column starts a
-  // package, so that eight columns touch four nodes at most.
   int index_bits = 1;
   while ((std::int64_t{1} << index_bits) < nodes) ++index_bits;
-  const int nodes_in_package = (a.package + 1) / 3 + 1;
-  const int port_bits = a.partitions * nodes_in_package * index_bits;
+  const int port_bits = a.partitions * nodes_in_package(a.package) * index_bits;
   add("index", "M-RAM", ceil_div(port_bits, kMRamPortBits));
 
   const int products = ceil_div(w.matrix_bits, 18) * ceil_div(w.vector_bits, 18);
   int multipliers = a.rows_in_parallel * a.package * a.partitions * products;
-  multipliers += kVectorMultipliers * ceil_div(w.vector_bits, 18) * a.nodes_per_clock / 2;
+  multipliers += ceil_div(
+      std::int64_t{kVectorMultipliers} * ceil_div(w.vector_bits, 18) * a.nodes_per_clock, 2);
   // z = P⁻¹·r keeps pace with r: three products of 32 × 32 bits, each four of 18 × 18, a node.
   if (w.preconditioned) multipliers += 3 * 4 * a.nodes_per_clock;
 

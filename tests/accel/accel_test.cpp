@@ -108,6 +108,32 @@ TEST(Memory, PackagesBeyond512APartitionCostAnotherUnitEverywhere) {
   EXPECT_EQ(largest_mesh({}, {}, rows_of_packages(500, 5)), 512);
 }
 
+// The columns of a long row, package after package, and the nodes that each touches.
+int most_nodes_a_package(int package) {
+  int most = 0;
+  for (int first = 0; first < 3 * 64; first += package) {
+    most = std::max(most, (first + package - 1) / 3 - first / 3 + 1);
+  }
+  return most;
+}
+
+TEST(Memory, IndexPortServesTheNodesOfEveryPackage) {
+  for (const int package : {1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 16}) {
+    Architecture a;
+    a.package = package;
+    const int bits = a.partitions * most_nodes_a_package(package) * 9;  // 500 nodes: 9 bits
+    EXPECT_EQ(used(usage(a, {}, rows_of_packages(500, 5)), "M-RAM"), (bits + 143) / 144) << package;
+  }
+}
+
+TEST(Memory, OneNodeAClockTakesHalfTheVectorMultipliers) {
+  Architecture a;
+  a.nodes_per_clock = 1;
+  EXPECT_EQ(used(usage(a, {}, rows_of_packages(500, 5)), "multipliers"), 120 + 11);
+  a.nodes_per_clock = 4;
+  EXPECT_EQ(used(usage(a, {}, rows_of_packages(500, 5)), "multipliers"), 120 + 42);
+}
+
 TEST(Memory, JacobiNeedsMoreThanM4kHolds) {
   Architecture a;
   const WordLengths pcg{12, 16, true};
