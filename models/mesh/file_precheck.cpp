@@ -217,6 +217,23 @@ void check_vtk_xml(std::string_view bytes, std::string_view type) {
   if (bytes.find("</VTKFile>") == std::string_view::npos) {
     refuse("the file ends without </VTKFile>; it is cut off");
   }
+  // NumberOfPoints, NumberOfPolys, NumberOfTuples, …: the readers allocate what these promise.
+  constexpr std::string_view kCount = "NumberOf";
+  for (std::size_t at = bytes.find(kCount); at != std::string_view::npos;
+       at = bytes.find(kCount, at + 1)) {
+    const std::string_view attribute = bytes.substr(at, 80);
+    const std::size_t equals = attribute.find('=');
+    const std::size_t digits = attribute.find_first_of("0123456789-+");
+    if (equals == std::string_view::npos || digits == std::string_view::npos) continue;
+    std::uint64_t count = 0;
+    const auto [end, error] =
+        std::from_chars(attribute.data() + digits, attribute.data() + attribute.size(), count);
+    if (error != std::errc{} || count > 3 * std::uint64_t{kMostTriangles}) {
+      refuse(fmt::format("the file declares {} = {:.24}; at most {} are read",
+                         attribute.substr(0, equals), attribute.substr(digits),
+                         3 * kMostTriangles));
+    }
+  }
   if (bytes.find(fmt::format("<{}", type)) == std::string_view::npos) {
     refuse(fmt::format("the file holds no <{}>, which its extension promises", type));
   }

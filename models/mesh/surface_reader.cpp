@@ -18,8 +18,11 @@ namespace hvp::mesh {
 
 namespace {
 
-// A file of the largest accepted size is read in a few seconds.
-constexpr ChildLimits kLimits{.cpu_seconds = 30, .memory_bytes = std::size_t{4} << 30};
+// Text is read at some 10 MB/s.
+ChildLimits limits_for(std::size_t file_size) {
+  return {.cpu_seconds = 5 + static_cast<int>(file_size >> 20),
+          .memory_bytes = std::size_t{4} << 30};
+}
 
 std::string contents_of(const std::string& path) {
   std::error_code error;
@@ -48,15 +51,17 @@ std::string contents_of(const std::string& path) {
 Surface read_surface(const std::string& path, double unit_m) {
   const std::string extension = std::filesystem::path(path).extension().string();
   try {
-    const SurfaceFormat format = precheck(extension, contents_of(path));
-    const std::string bytes =
-        run_in_child("the reader", "surface", kLimits, {}, [&](const Progress& /*progress*/) {
-          const Surface surface = read_with_vtk(path, format, unit_m);
-          ByteWriter writer;
-          writer.points(surface.points);
-          writer.tuples(surface.triangles);
-          return writer.bytes();
-        });
+    const std::string contents = contents_of(path);
+    const SurfaceFormat format = precheck(extension, contents);
+    const std::string bytes = run_in_child("the reader", "surface", limits_for(contents.size()), {},
+                                           [&](const Progress& /*progress*/) {
+                                             const Surface surface =
+                                                 read_with_vtk(path, format, unit_m);
+                                             ByteWriter writer;
+                                             writer.points(surface.points);
+                                             writer.tuples(surface.triangles);
+                                             return writer.bytes();
+                                           });
     ByteReader reader(bytes);
     Surface surface;
     surface.points = reader.points();
