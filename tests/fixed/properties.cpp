@@ -315,6 +315,38 @@ TEST(Solver, IndefiniteMatrixIsNamed) {
   }
 }
 
+// Two nodes on a spring and nothing else: they move together without any force, d'Ad = 0.
+TEST(Solver, SingularMatrixIsNamed) {
+  std::vector<Vector> rows(6, Vector(6, 0));
+  for (std::size_t i = 0; i < 6; ++i) {
+    rows[i][i] = 1000;
+    rows[i][(i + 3) % 6] = -1000;
+  }
+  for (const Settings& s : four_variants()) {
+    const Solution solution = test::solve(s, test::dense_matrix(rows, 12), Vector(6, 2000));
+    EXPECT_TRUE(solution.report.flags.has(Flag::negative_curvature));
+    EXPECT_EQ(solution.x, Vector(6, 0));
+  }
+}
+
+// [100 70; 70 50] is nearly singular: x = (-38000, 54000) does not fit, and what is left when both
+// are clamped leaves twenty times the load as a residual.
+TEST(Solver, DivergenceIsNamed) {
+  std::vector<Vector> rows(6, Vector(6, 0));
+  for (std::size_t i = 0; i < 3; ++i) {
+    rows[i][i] = 100;
+    rows[i][i + 3] = rows[i + 3][i] = 70;
+    rows[i + 3][i + 3] = 50;
+  }
+  Settings s;
+  s.method = Method::jacobi_pcg;
+  const Solution solution =
+      test::solve(s, test::dense_matrix(rows, 12), {-20000, -20000, -20000, 40000, 40000, 40000});
+  EXPECT_TRUE(solution.report.flags.has(Flag::divergence));
+  EXPECT_TRUE(solution.report.flags.has(Flag::saturation));
+  EXPECT_GT(solution.report.true_residual_norm, 10 * solution.report.rhs_norm);
+}
+
 TEST(Solver, ZeroAndNegativeDiagonalsAreNamed) {
   for (const Settings& s : four_variants()) {
     const Vector b = {1000, 2000, 3000};
