@@ -203,16 +203,21 @@ void draw_deformation(PictureWindow& window, const DeformationStep& step) {
 
   vtkNew<vtkRenderer> scene;
   build_scene(*scene, step, sizes);
-  scene->AutomaticLightCreationOff();
-  add_lights(*scene);
-  place_camera(*scene, projection, sizes.body);
-  window.add(*scene, 1);
+  vtkNew<vtkRenderer> ghost;
+  build_probe_ghost(*ghost, step, sizes);
+  int layer = 1;
+  for (vtkRenderer* renderer : {scene.Get(), ghost.Get()}) {
+    renderer->AutomaticLightCreationOff();
+    add_lights(*renderer);
+    place_camera(*renderer, projection, sizes.body);
+    window.add(*renderer, layer++);
+  }
 
   vtkNew<vtkRenderer> labels;
   add_canvas(*labels, [&step, sizes, projection](Canvas& canvas) {
     paint(canvas, step, sizes, projection);
   });
-  window.add(*labels, 2);
+  window.add(*labels, layer);
 }
 
 }  // namespace hvp::draw

@@ -109,14 +109,15 @@ void add_lines(vtkRenderer& renderer, vtkPoints* points, std::span<const std::ar
   actor->GetProperty()->SetLineWidth(static_cast<float>(width * kSupersampling));
 }
 
-void add_sphere(vtkRenderer& renderer, const Vector3d& centre, double radius, Colour colour) {
+void add_probe(vtkRenderer& renderer, const Vector3d& centre, double radius, double opacity) {
   vtkNew<vtkSphereSource> sphere;
   sphere->SetCenter(centre.x(), centre.y(), centre.z());
   sphere->SetRadius(radius);
   sphere->SetThetaResolution(48);
   sphere->SetPhiResolution(32);
   sphere->Update();
-  const auto actor = add_actor(renderer, sphere->GetOutput(), colour);
+  const auto actor = add_actor(renderer, sphere->GetOutput(), faded(scene_colour::kProbe, opacity));
+  actor->GetProperty()->BackfaceCullingOn();
   soften(*actor->GetProperty());
   actor->GetProperty()->SetSpecular(0.35);
 }
@@ -138,7 +139,12 @@ void add_anchors(vtkRenderer& renderer, const DeformationStep& step,
   actor->GetProperty()->SetPointSize(9.0f * kSupersampling);
 }
 
-void add_arrow(vtkRenderer& renderer, const Vector3d& from, const Vector3d& to, double thickness) {
+void add_arrow(vtkRenderer& renderer, const DeformationStep& step, const SceneSizes& sizes,
+               double opacity) {
+  const Vector3d& to = sizes.arrow_tip;
+  // From the probe's surface, or the ghost of its start would show inside the probe.
+  const Vector3d from = step.probe + 0.98 * sizes.probe_radius * (to - step.probe).normalized();
+  const double thickness = 0.007 * sizes.body;
   const double length = (to - from).norm();
   if (!(length > 0.0)) return;
   vtkNew<vtkArrowSource> arrow;
@@ -159,7 +165,8 @@ void add_arrow(vtkRenderer& renderer, const Vector3d& from, const Vector3d& to, 
     pose->SetElement(row, 2, length * z[row]);
     pose->SetElement(row, 3, from[row]);
   }
-  const auto actor = add_actor(renderer, arrow->GetOutput(), scene_colour::kForce);
+  const auto actor = add_actor(renderer, arrow->GetOutput(), faded(scene_colour::kForce, opacity));
+  actor->GetProperty()->BackfaceCullingOn();
   actor->SetUserMatrix(pose);
   soften(*actor->GetProperty());
 }
@@ -200,8 +207,15 @@ void build_scene(vtkRenderer& renderer, const DeformationStep& step, const Scene
   add_body(renderer, step, sizes, points, cells_of(std::span<const std::array<int, 3>>(triangles)));
   add_lines(renderer, points, mesh_lines, {20, 20, 30, 70}, 1.0);
   add_anchors(renderer, step, deformed);
-  add_sphere(renderer, step.probe, sizes.probe_radius, scene_colour::kProbe);
-  add_arrow(renderer, step.probe, sizes.arrow_tip, 0.007 * sizes.body);
+  add_probe(renderer, step.probe, sizes.probe_radius, 1.0);
+  add_arrow(renderer, step, sizes, 1.0);
+}
+
+void build_probe_ghost(vtkRenderer& renderer, const DeformationStep& step,
+                       const SceneSizes& sizes) {
+  constexpr double kOpacity = 0.3;
+  add_probe(renderer, step.probe, sizes.probe_radius, kOpacity);
+  add_arrow(renderer, step, sizes, kOpacity);
 }
 
 void build_rest_shape(vtkRenderer& renderer, const DeformationStep& step, const View& view) {

@@ -34,6 +34,10 @@ SceneSizes sizes_of(const DeformationStep& step);
 // the force on the probe. The renderers' camera and lights are the caller's.
 void build_scene(vtkRenderer& renderer, const DeformationStep& step, const SceneSizes& sizes);
 
+// The probe and the arrow once more, translucent. In a layer above the scene they show through
+// the body where it hides them.
+void build_probe_ghost(vtkRenderer& renderer, const DeformationStep& step, const SceneSizes& sizes);
+
 // The rest shape, flat with its outline as seen in `view`. It belongs into a layer below the
 // scene: where nothing moved the two surfaces coincide, and only what sticks out is to be seen.
 void build_rest_shape(vtkRenderer& renderer, const DeformationStep& step, const View& view);

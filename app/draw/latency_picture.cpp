@@ -1,7 +1,6 @@
 #include "app/draw/latency_picture.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <string>
@@ -10,6 +9,7 @@
 #include <vtkNew.h>
 #include <vtkRenderer.h>
 
+#include "app/draw/attribution_bars.h"
 #include "app/draw/axis_ticks.h"
 #include "app/draw/canvas.h"
 #include "app/draw/picture_window.h"
@@ -21,11 +21,6 @@ using Point = Canvas::Point;
 
 constexpr Colour kFrame = {38, 102, 150};
 constexpr Colour kContact = {224, 236, 243};
-
-// Colours of the parts, after Okabe and Ito's palette for the colour-blind.
-constexpr std::array<Colour, 6> kPartColours = {
-    {{0, 114, 178}, {230, 159, 0}, {0, 158, 115}, {204, 121, 167}, {86, 180, 233}, {213, 94, 0}}};
-constexpr Colour kOther = {160, 160, 155};
 
 // Data coordinates in a rectangle of the picture.
 struct Axes {
@@ -41,6 +36,7 @@ struct Axes {
 };
 
 struct Statistics {
+  double best_us = 0.0;
   double median_us = 0.0;
   std::size_t late = 0;
   std::size_t skipped = 0;
@@ -63,6 +59,7 @@ Statistics statistics_of(const std::vector<FrameRow>& frames) {
     const auto middle = latencies.begin() + static_cast<std::ptrdiff_t>((latencies.size() - 1) / 2);
     std::nth_element(latencies.begin(), middle, latencies.end());
     out.median_us = *middle;
+    out.best_us = *std::min_element(latencies.begin(), latencies.end());
   }
   return out;
 }
@@ -87,34 +84,32 @@ bool shade_contact(Canvas& canvas, const Axes& axes, const std::vector<FrameRow>
   return any;
 }
 
-void draw_axes(Canvas& canvas, const Axes& axes, double period_us) {
-  const TextStyle number = {.size = 18, .colour = style::kSoftInk};
-  const Ticks y = round_ticks(axes.data_low.y(), axes.data_high.y(), 6);
-  TextStyle left = number;
-  left.horizontal = Align::high;
+void draw_y_axis(Canvas& canvas, const Axes& axes, int wanted_ticks) {
+  const Ticks y = round_ticks(axes.data_low.y(), axes.data_high.y(), wanted_ticks);
   for (std::size_t i = 0; i < y.values.size(); ++i) {
     const Point p = axes.at(axes.data_low.x(), y.values[i]);
     canvas.line(p, {axes.high.x(), p.y()}, style::kGrid, 1.0);
-    canvas.text(p - Point(10.0, 0.0), y.labels[i], left);
-  }
-  const Ticks x = whole_ticks(axes.data_low.x(), axes.data_high.x(), 10);
-  TextStyle below = number;
-  below.horizontal = Align::centre;
-  below.vertical = Align::high;
-  for (std::size_t i = 0; i < x.values.size(); ++i) {
-    const Point p = axes.at(x.values[i], axes.data_low.y());
-    canvas.line(p, p - Point(0.0, 6.0), style::kSoftInk, 1.2);
-    canvas.text(p - Point(0.0, 11.0), x.labels[i], below);
+    canvas.text(p - Point(10.0, 0.0), y.labels[i],
+                {.size = 18, .colour = style::kSoftInk, .horizontal = Align::high});
   }
   canvas.line(axes.low, {axes.high.x(), axes.low.y()}, style::kSoftInk, 1.4);
   canvas.line(axes.low, {axes.low.x(), axes.high.y()}, style::kSoftInk, 1.4);
+}
 
-  const TextStyle title = {.size = 19, .horizontal = Align::centre};
+void draw_x_axis(Canvas& canvas, const Axes& axes, double period_us) {
+  const Ticks x = whole_ticks(axes.data_low.x(), axes.data_high.x(), 10);
+  for (std::size_t i = 0; i < x.values.size(); ++i) {
+    const Point p = axes.at(x.values[i], axes.data_low.y());
+    canvas.line(p, p - Point(0.0, 6.0), style::kSoftInk, 1.2);
+    canvas.text(p - Point(0.0, 11.0), x.labels[i],
+                {.size = 18,
+                 .colour = style::kSoftInk,
+                 .horizontal = Align::centre,
+                 .vertical = Align::high});
+  }
   canvas.text({0.5 * (axes.low.x() + axes.high.x()), axes.low.y() - 52.0},
-              fmt::format("frame (one every {} ms)", four_digits(period_us * 1e-3)), title);
-  TextStyle upright = title;
-  upright.angle_deg = 90.0;
-  canvas.text({30.0, 0.5 * (axes.low.y() + axes.high.y())}, "latency (µs)", upright);
+              fmt::format("frame (one every {} ms)", four_digits(period_us * 1e-3)),
+              {.size = 19, .horizontal = Align::centre});
 }
 
 void draw_cross(Canvas& canvas, const Point& at) {
@@ -192,76 +187,70 @@ void mark_worst(Canvas& canvas, const Axes& axes, const FrameRow& worst) {
                .vertical = Align::low});
 }
 
-std::string name_of(const Contribution& row) { return row.part + " · " + row.phase; }
-
-void draw_attribution(Canvas& canvas, const Deadline& deadline) {
-  constexpr double kTop = 322.0;
-  constexpr double kRow = 34.0;
-  constexpr double kRight = 1180.0;
-  canvas.text({40.0, 356.0}, "Where the worst frame's time went", {.size = 24, .bold = true});
-  const auto rows = largest_contributions(deadline.attribution, 0.01, 9);
-  if (rows.empty()) {
-    canvas.text({40.0, kTop - 10.0}, "summary.json attributes nothing",
-                {.colour = style::kSoftInk});
-    return;
-  }
-  double sum = 0.0;
-  double longest = 0.0;
-  double names = 0.0;
-  for (const Contribution& row : rows) {
-    sum += row.us;
-    longest = std::max(longest, row.us);
-    names = std::max(names, canvas.text_width(name_of(row)));
-  }
-  const double left = 52.0 + std::clamp(names, 240.0, 520.0);
-  std::vector<std::string> parts;  // in the order of their first row: a colour each
-  double y = kTop;
-  for (const Contribution& row : rows) {
-    auto part = std::find(parts.begin(), parts.end(), row.part);
-    if (part == parts.end()) part = parts.insert(parts.end(), row.part);
-    const Colour colour =
-        &row == &rows.back() && row.part == "other"
-            ? kOther
-            : kPartColours[static_cast<std::size_t>(part - parts.begin()) % kPartColours.size()];
-    const double length = longest > 0.0 ? (kRight - left) * row.us / longest : 0.0;
-    const double middle = y - 0.5 * kRow;
-    canvas.text({left - 12.0, middle}, name_of(row), {.horizontal = Align::high});
-    canvas.rectangle({left, middle - 12.0}, {left + std::max(length, 1.5), middle + 12.0}, colour);
-    canvas.text({left + length + 10.0, middle},
-                fmt::format("{:.1f} µs   {:.1f} %", row.us, sum > 0 ? 100 * row.us / sum : 0),
-                {.colour = style::kInk});
-    y -= kRow;
-  }
-  canvas.line({left, kTop + 2.0}, {left, y - 2.0}, style::kSoftInk, 1.4);
+// The range of the latencies with some room, where it is too flat to be seen in the main plot
+// and is not a single value.
+bool needs_enlarging(const Statistics& statistics, double plotted_us, Axes& strip) {
+  if (statistics.worst == nullptr) return false;
+  const double span = statistics.worst->latency_us - statistics.best_us;
+  if (span > 0.08 * plotted_us || span < 1e-3) return false;
+  strip.data_low.y() = statistics.best_us - 0.15 * span;
+  strip.data_high.y() = statistics.worst->latency_us + 0.25 * span;
+  return true;
 }
 
-void paint(Canvas& canvas, const std::vector<FrameRow>& frames, const Deadline& deadline) {
-  const Statistics statistics = statistics_of(frames);
-  const double worst_us = statistics.worst != nullptr ? statistics.worst->latency_us : 0.0;
-  const auto first = static_cast<double>(frames.front().frame);
-  const auto last = static_cast<double>(frames.back().frame);
-  const double margin = std::max(0.5, 0.01 * (last - first));
-  const Axes axes{{110.0, 470.0},
-                  {1365.0, 890.0},
-                  {first - margin, 0.0},
-                  {last + margin, 1.12 * std::max({deadline.budget_us, worst_us, 1e-3})}};
-
+void draw_title(Canvas& canvas, const Statistics& statistics, std::size_t frames, double worst_us) {
   canvas.text({40.0, 963.0}, "Latency of every frame", {.size = 28, .bold = true});
-  std::string line = fmt::format("{} {} · median {} · worst {} · ", frames.size(),
-                                 frames.size() == 1 ? "frame" : "frames",
-                                 microseconds(statistics.median_us), microseconds(worst_us));
+  std::string line =
+      fmt::format("{} {} · median {} · worst {} · ", frames, frames == 1 ? "frame" : "frames",
+                  microseconds(statistics.median_us), microseconds(worst_us));
   if (statistics.late == 0 && statistics.skipped == 0) line += "all in time";
   if (statistics.late > 0) line += fmt::format("{} late", statistics.late);
   if (statistics.late > 0 && statistics.skipped > 0) line += " · ";
   if (statistics.skipped > 0) line += fmt::format("{} skipped", statistics.skipped);
   canvas.text({40.0, 926.0}, line, {.size = 19, .colour = style::kSoftInk});
+}
 
-  const bool any_contact = shade_contact(canvas, axes, frames);
-  draw_axes(canvas, axes, deadline.period_us);
-  draw_frames(canvas, axes, frames);
-  draw_budget(canvas, axes, deadline.budget_us, statistics.worst);
+void paint(Canvas& canvas, const std::vector<FrameRow>& frames, const Deadline& deadline) {
+  const Statistics statistics = statistics_of(frames);
+  const double worst_us = statistics.worst != nullptr ? statistics.worst->latency_us : 0.0;
+  draw_title(canvas, statistics, frames.size(), worst_us);
+
+  const auto first = static_cast<double>(frames.front().frame);
+  const auto last = static_cast<double>(frames.back().frame);
+  const double margin = std::max(0.5, 0.01 * (last - first));
+  Axes whole{{110.0, 470.0},
+             {1365.0, 890.0},
+             {first - margin, 0.0},
+             {last + margin, 1.12 * std::max({deadline.budget_us, worst_us, 1e-3})}};
+  Axes strip = whole;
+  const bool enlarged = needs_enlarging(statistics, whole.data_high.y(), strip);
+  if (enlarged) {
+    strip.high.y() = 585.0;
+    whole.low.y() = 615.0;
+  }
+
+  const bool any_contact = shade_contact(canvas, whole, frames);
+  draw_y_axis(canvas, whole, enlarged ? 4 : 6);
+  draw_frames(canvas, whole, frames);
+  draw_budget(canvas, whole, deadline.budget_us, statistics.worst);
+  if (statistics.worst != nullptr) mark_worst(canvas, whole, *statistics.worst);
+  if (enlarged) {
+    shade_contact(canvas, strip, frames);
+    const bool coarse = round_ticks(strip.data_low.y(), strip.data_high.y(), 3).values.size() < 2;
+    draw_y_axis(canvas, strip, coarse ? 5 : 3);
+    draw_frames(canvas, strip, frames);
+    canvas.ring(strip.at(static_cast<double>(statistics.worst->frame), worst_us), 8.0, style::kInk,
+                2.0);
+    canvas.text(strip.high - Point(6.0, 4.0), "enlarged",
+                {.size = 17,
+                 .colour = style::kSoftInk,
+                 .horizontal = Align::high,
+                 .vertical = Align::high});
+  }
+  draw_x_axis(canvas, strip, deadline.period_us);
+  canvas.text({30.0, 0.5 * (strip.low.y() + whole.high.y())}, "latency (µs)",
+              {.size = 19, .horizontal = Align::centre, .angle_deg = 90.0});
   draw_legend(canvas, statistics, any_contact);
-  if (statistics.worst != nullptr) mark_worst(canvas, axes, *statistics.worst);
   draw_attribution(canvas, deadline);
 }
 

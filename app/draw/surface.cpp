@@ -73,4 +73,22 @@ std::vector<std::array<int, 2>> outline(std::span<const Eigen::Vector3d> points,
   return lines;
 }
 
+bool hidden(std::span<const Eigen::Vector3d> points, std::span<const Triangle> triangles,
+            const Eigen::Vector3d& from, const Eigen::Vector3d& towards_viewer) {
+  for (const auto& [ia, ib, ic] : triangles) {
+    const Eigen::Vector3d a = points[static_cast<std::size_t>(ia)] - from;
+    const Eigen::Vector3d b = points[static_cast<std::size_t>(ib)] - from;
+    const Eigen::Vector3d c = points[static_cast<std::size_t>(ic)] - from;
+    // The ray passes the three edges on one side: signed volumes of one sign.
+    const double u = towards_viewer.dot(c.cross(b));
+    const double v = towards_viewer.dot(a.cross(c));
+    const double w = towards_viewer.dot(b.cross(a));
+    if ((u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0)) continue;
+    const double sum = u + v + w;
+    if (sum == 0.0) continue;  // edge-on
+    if ((u * a + v * b + w * c).dot(towards_viewer) / sum > 0.0) return true;
+  }
+  return false;
+}
+
 }  // namespace hvp::draw

@@ -28,4 +28,8 @@ std::vector<std::array<int, 2>> outline(std::span<const Eigen::Vector3d> points,
                                         std::span<const Edge> edges,
                                         const Eigen::Vector3d& towards_viewer);
 
+// Whether a triangle lies between `from` and a viewer far away in direction `towards_viewer`.
+bool hidden(std::span<const Eigen::Vector3d> points, std::span<const std::array<int, 3>> triangles,
+            const Eigen::Vector3d& from, const Eigen::Vector3d& towards_viewer);
+
 }  // namespace hvp::draw

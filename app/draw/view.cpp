@@ -5,6 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
+
+#include "app/draw/surface.h"
 
 namespace hvp::draw {
 namespace {
@@ -50,6 +53,31 @@ Vector3d dent_of(const DeformationStep& step) {
   return largest;
 }
 
+// Where the dent opens: the body pushes the probe out that way.
+Vector3d opening_of(const DeformationStep& step, const Vector3d& dent, const Vector3d& up) {
+  if (step.force_N.norm() > 0.0) return step.force_N.normalized();
+  return dent.norm() > 0.0 ? Vector3d(-dent.normalized()) : up;
+}
+
+// From a deep dent the rim hides the probe: the viewer then turns from `first` towards where the
+// dent opens, no further than needed and by 44° at most, which keeps him off the pole.
+Vector3d towards_visible_probe(const DeformationStep& step, const Vector3d& first,
+                               const Vector3d& outwards) {
+  const Vector3d sideways = (outwards - first.dot(outwards) * first).normalized();
+  if (!sideways.allFinite()) return first;
+  std::vector<Vector3d> deformed;
+  for (std::size_t i = 0; i < step.rest.size(); ++i)
+    deformed.push_back(step.rest[i] + step.displacement[i]);
+  const auto triangles = outer_faces(step.tetrahedra);
+  for (int degrees = 0; degrees <= 44; degrees += 4) {
+    const double angle = degrees * std::numbers::pi / 180.0;
+    const Vector3d towards = std::cos(angle) * first + std::sin(angle) * sideways;
+    const Vector3d front = step.probe + 0.9 * step.probe_radius * towards;
+    if (!hidden(deformed, triangles, front, towards)) return towards;
+  }
+  return first;
+}
+
 }  // namespace
 
 View choose_view(const DeformationStep& step) {
@@ -72,7 +100,8 @@ View choose_view(const DeformationStep& step) {
   const double elevation = (pressed_from_the_side ? 20.0 : 16.0) * std::numbers::pi / 180.0;
 
   View view;
-  view.towards_viewer = std::cos(elevation) * horizontal.normalized() + std::sin(elevation) * up;
+  const Vector3d first = std::cos(elevation) * horizontal.normalized() + std::sin(elevation) * up;
+  view.towards_viewer = towards_visible_probe(step, first, opening_of(step, dent, up));
   view.right = up.cross(view.towards_viewer).normalized();
   view.up = view.towards_viewer.cross(view.right);
   return view;

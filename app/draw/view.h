@@ -14,9 +14,9 @@ struct View {
   Eigen::Vector3d up;
 };
 
-// Where the dent is seen in profile: up points away from the anchors (+z without a clear
-// answer), the viewer looks across the displacement under the probe, a little from above and from
-// the pressed side.
+// Where the dent is seen in profile and the probe is not hidden: up points away from the anchors
+// (+z without a clear answer), the viewer looks across the displacement under the probe, a little
+// from above and from the pressed side, or more so until the probe shows.
 View choose_view(const DeformationStep& step);
 
 // The rectangle that points cover in the picture plane.

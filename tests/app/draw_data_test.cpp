@@ -124,6 +124,16 @@ TEST(Surface, OutlineOfABallIsAClosedLineAtItsRim) {
   for (const int d : degree) EXPECT_EQ(d % 2, 0);
 }
 
+TEST(Surface, HidesWhatLiesBehindIt) {
+  const mesh::TetMesh ball = sample::ball(1.0, 4);
+  const auto faces = outer_faces(ball.tetrahedra);
+  const Vector3d towards = Vector3d(0.3, -1.0, 0.2).normalized();
+  EXPECT_TRUE(hidden(ball.nodes, faces, -1.5 * towards, towards)) << "behind";
+  EXPECT_TRUE(hidden(ball.nodes, faces, Vector3d(0.01, 0.02, 0.03), towards)) << "inside";
+  EXPECT_FALSE(hidden(ball.nodes, faces, 1.5 * towards, towards)) << "in front";
+  EXPECT_FALSE(hidden(ball.nodes, faces, Vector3d(0.0, 0.0, 2.0), towards)) << "beside";
+}
+
 DeformationStep pressed_ball(const Vector3d& anchored_side, const Vector3d& dent) {
   DeformationStep step;
   const mesh::TetMesh ball = sample::ball(0.05, 4);
@@ -173,6 +183,24 @@ TEST(View, ADentInASideIsSeenNearlyInProfileAndNotFromBehind) {
     EXPECT_LT(along, -0.2);
     EXPECT_GT(along, -0.5);
   }
+}
+
+// A crater with steep walls and a small probe at its bottom.
+TEST(View, RisesUntilTheProbeIsNotHidden) {
+  DeformationStep step = pressed_ball(-Vector3d::UnitZ(), -Vector3d::UnitZ());
+  const auto contact = static_cast<std::size_t>(step.contact_node);
+  step.displacement[contact] = {0.0, 0.0, -0.02};
+  step.probe_radius = 0.002;
+  step.probe = step.rest[contact] + step.displacement[contact] + Vector3d(0.0, 0.0, 0.002);
+  const View view = choose_view(step);
+  expect_frame(view);
+  EXPECT_GT(view.towards_viewer.z(), 0.4);
+  EXPECT_LE(view.towards_viewer.z(), std::sin(60.0 * 3.15 / 180.0));
+  std::vector<Vector3d> deformed = step.rest;
+  for (std::size_t i = 0; i < deformed.size(); ++i) deformed[i] += step.displacement[i];
+  EXPECT_FALSE(hidden(deformed, outer_faces(step.tetrahedra),
+                      step.probe + 0.9 * step.probe_radius * view.towards_viewer,
+                      view.towards_viewer));
 }
 
 TEST(View, WithoutAnchorsAndContactUpIsZ) {
