@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <limits>
+#include <ostream>
 
 #include <gtest/gtest.h>
 
@@ -186,6 +187,11 @@ struct Case {
   int vector_bits;
   int headroom_bits;
 };
+
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << (c.method == Method::cg ? "cg" : "jacobi-pcg") << (c.dynamic_scaling ? "" : ", static")
+       << ", " << c.vector_bits << " bits, " << c.headroom_bits << " free";
+}
 
 class Oracle : public testing::TestWithParam<Case> {};
 
