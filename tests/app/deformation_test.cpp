@@ -240,6 +240,13 @@ TEST_F(DeformationTest, ADirectoryThatIsNotThereIsAnErrorWithItsName) {
   }
 }
 
+TEST_F(DeformationTest, AFailedWriteLeavesNoPartFile) {
+  const auto target = scratch_.path() / "mesh.vtu";
+  std::filesystem::create_directories(target / "occupied");
+  EXPECT_THROW(write_mesh(target, mesh_, {von_mises_, von_mises_}), std::runtime_error);
+  EXPECT_EQ(names_in(scratch_.path()), std::set<std::string>{"mesh.vtu"});
+}
+
 TEST_F(DeformationTest, MeshFileHoldsTheQualityOfEveryElement) {
   const std::vector<double> angle = von_mises_;
   std::vector<double> aspect(angle.size(), 1.5);

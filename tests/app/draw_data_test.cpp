@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <fstream>
 #include <numeric>
 #include <string>
 #include <vector>
@@ -11,10 +12,12 @@
 
 #include "app/draw/axis_ticks.h"
 #include "app/draw/colour_map.h"
+#include "app/draw/deformation_step.h"
 #include "app/draw/run_files.h"
 #include "app/draw/surface.h"
 #include "app/draw/view.h"
 #include "tests/app/sample_run.h"
+#include "tests/app/scratch_directory.h"
 
 namespace hvp::draw {
 namespace {
@@ -210,6 +213,31 @@ TEST(View, WithoutAnchorsAndContactUpIsZ) {
   const View view = choose_view(step);
   expect_frame(view);
   EXPECT_GT(view.up.z(), 0.9);
+}
+
+// The sample's steps are of frames 0, 50, 100 and 150; it presses most at 100.
+TEST(Step, IsTheOneWithTheLargestForce) {
+  const ScratchDirectory scratch;
+  sample::write_run(scratch.path(), {.frames = 200, .step_every = 50, .cells = 2});
+  const DeformationStep step = read_deepest_step(scratch.path());
+  EXPECT_EQ(step.frame, 100);
+  EXPECT_DOUBLE_EQ(step.time_s, 0.2);
+  EXPECT_GE(step.contact_node, 0);
+  EXPECT_NEAR(step.force_N.z(), 1.2, 1e-12);
+  EXPECT_EQ(step.anchors, sample::lowest_nodes(sample::ball(0.05, 2), 0.1));
+  EXPECT_EQ(step.tetrahedra, sample::ball(0.05, 2).tetrahedra);
+}
+
+TEST(Step, IsTheLastOneWhereNothingIsTouched) {
+  const ScratchDirectory scratch;
+  sample::write_run(scratch.path(), {.frames = 40, .step_every = 2, .cells = 2});
+  // The list's first two steps, of frames 0 and 2: the probe comes down at frame 5.
+  std::ofstream(scratch.path() / "deformation.pvd")
+      << "<VTKFile><Collection><DataSet file=\"deformation_000000.vtu\"/>"
+         "<DataSet file=\"deformation_000002.vtu\"/></Collection></VTKFile>";
+  const DeformationStep step = read_deepest_step(scratch.path());
+  EXPECT_EQ(step.frame, 2);
+  EXPECT_EQ(step.contact_node, -1);
 }
 
 std::vector<Contribution> many() {
