@@ -61,7 +61,7 @@ struct Frame {
 
   // What the frame did, for frames.csv.
   int contact_node = -1;        // mesh node, or −1
-  Picoseconds contact_age = 0;  // since the collision pass that found the node began
+  Picoseconds contact_age = 0;  // at the lookup, since the pass that found the node began
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   std::int64_t saturations = 0;

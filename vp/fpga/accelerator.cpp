@@ -64,7 +64,7 @@ Accelerator::Accelerator(const sc_core::sc_module_name& name,
   for (const Register reg : {Register::interrupt_status, Register::interrupt_enable}) {
     bank_.on_write(reg, [this](std::uint32_t /*written*/, std::uint32_t /*before*/) {
       mirror_status();
-      drive_interrupt_line();
+      drive_interrupt_line(*commanding_tag_);
     });
   }
   for (const Register reg : {Register::format, Register::nodes, Register::blocks}) {
@@ -245,7 +245,7 @@ void Accelerator::reset() {
   running_ = Running::nothing;
   solver_.reset();
   bank_.reset();
-  drive_interrupt_line();
+  drive_interrupt_line(*commanding_tag_);
 }
 
 void Accelerator::finish() {
@@ -254,6 +254,8 @@ void Accelerator::finish() {
   if (ended == Running::load) {
     bank_.set(field::kStatusMatrixLoaded, 1);
   } else {
+    // Before anything can go wrong: a frame that follows a fault follows this span too.
+    ledger_.extend(job_tag_, Part::fpga, Phase::solve, started_, now_ps());
     try {
       solve();
     } catch (const InputError& e) {
@@ -261,11 +263,10 @@ void Accelerator::finish() {
       raise({ErrorCode::internal_fault, 0});
       return;
     }
-    ledger_.extend(job_tag_, Part::fpga, Phase::solve, started_, now_ps());
   }
   bank_.set(field::kInterruptStatusDone, 1);
   mirror_status();
-  drive_interrupt_line();
+  drive_interrupt_line(job_tag_);
 }
 
 void Accelerator::solve() {
@@ -302,8 +303,8 @@ void Accelerator::raise(BoardError error) {
     bank_.set(field::kInterruptStatusError, 1);
   }
   mirror_status();
-  if (commanding_tag_ != nullptr) job_tag_ = *commanding_tag_;
-  drive_interrupt_line();
+  // An access that is refused while a job runs must not make the job its own.
+  drive_interrupt_line(commanding_tag_ != nullptr ? *commanding_tag_ : job_tag_);
 }
 
 void Accelerator::mirror_status() {
@@ -316,14 +317,14 @@ void Accelerator::mirror_status() {
   bank_.set(field::kStatusErrorCode, bank_.get(field::kErrorCode));
 }
 
-void Accelerator::drive_interrupt_line() {
+void Accelerator::drive_interrupt_line(const Tag& tag) {
   const bool up =
       (bank_.get(Register::interrupt_status) & bank_.get(Register::interrupt_enable)) != 0;
   if (up == line_up_) return;
   line_up_ = up;
   if (interrupt.size() == 0) return;
   if (up) {
-    interrupt->interrupt(job_tag_);
+    interrupt->interrupt(tag);
   } else {
     interrupt->lowered();
   }

@@ -64,7 +64,8 @@ class Accelerator : public sc_core::sc_module {
   void solve();
   void raise(BoardError error);
   void mirror_status();
-  void drive_interrupt_line();
+  // `tag`: the work that the line goes up for, if it does.
+  void drive_interrupt_line(const Tag& tag);
 
   accel::Architecture architecture_;
   bool untimed_;

@@ -1,8 +1,13 @@
 #include "vp/host/board_access.h"
 
+#include <algorithm>
+
 namespace hvp::vp {
 
 namespace {
+// A day. Picoseconds of longer waits would leave 64 bits before long.
+constexpr std::uint64_t kLongestWaitNs = std::uint64_t{86'400} * 1'000'000'000;
+
 BoardAccess& self(void* context) { return *static_cast<BoardAccess*>(context); }
 }  // namespace
 
@@ -79,7 +84,12 @@ void BoardAccess::lowered() { line_up_ = false; }
 int BoardAccess::wait_interrupt(std::uint64_t timeout_ns) {
   const Picoseconds blocked = now_ps();
   if (!line_up_) {
-    wait(to_sc_time(static_cast<Picoseconds>(timeout_ns) * 1000), raised_);
+    const auto timeout = static_cast<Picoseconds>(std::min(timeout_ns, kLongestWaitNs)) * 1000;
+    while (!line_up_ && now_ps() < blocked + timeout) {
+      wait(to_sc_time(blocked + timeout - now_ps()), raised_);
+    }
+    // A request of the same instant counts, whichever process the kernel runs first.
+    if (!line_up_) wait(sc_core::SC_ZERO_TIME);
     // What the host does not do meanwhile is a span too, beside the board's.
     const SpanId waited = ledger_.add(tag_, Part::host, Phase::wait, blocked, now_ps());
     if (!line_up_) {

@@ -27,7 +27,8 @@ void CollisionProcess::run() {
   const Picoseconds period = costs_.graphics.period_ps();
   for (std::int64_t tick = 0;; ++tick) {
     const Picoseconds due = session_.begin + tick * period;
-    if (now_ps() > due + period) {
+    // A tick that has passed entirely while the last pass went on is skipped.
+    if (now_ps() >= due + period) {
       ++skipped_;
       continue;
     }

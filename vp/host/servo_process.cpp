@@ -63,7 +63,9 @@ void ServoProcess::run() {
     }
   }
   access_.tag() = Tag{};
-  note(hvp_close(&device_));
+  // What went wrong before says more than that a lost board cannot be closed.
+  const hvp_status closed = hvp_close(&device_);
+  if (counts_.last_error == HVP_OK) note(closed);
   sc_core::sc_stop();
 }
 
@@ -110,7 +112,9 @@ void ServoProcess::frame(std::int64_t number) {
   const Eigen::Vector3d tip = read_position();
 
   spend(Phase::contact_lookup, settings_.costs.contact_lookup_s);
-  const ContactReport& report = exchange_.contact.read(now_ps());
+  // A copy: the frame goes on while the next report arrives.
+  const ContactReport report = exchange_.contact.read(now_ps());
+  const Picoseconds looked_up = now_ps();
   if (report.pass_began != last_report_) {
     last_report_ = report.pass_began;
     force_sum_.setZero();
@@ -160,13 +164,6 @@ void ServoProcess::frame(std::int64_t number) {
   if (status == HVP_OK) {
     computation_.update();
     spend(Phase::update, 0, computation_.update_operations());
-  } else {
-    // The last safe force is out; now the board is brought back, for as long as that takes.
-    const Tag tag = access_.tag();
-    if (!set_up()) {
-      spdlog::error("the board did not come back: {}", hvp_status_text(counts_.last_error));
-    }
-    access_.tag() = tag;
   }
 
   SceneState& scene = exchange_.scene.prepare(now_ps());
@@ -179,9 +176,8 @@ void ServoProcess::frame(std::int64_t number) {
   exchange_.scene.publish(now_ps());
 
   Frame& record = ledger_.frame(number);
-  record.work_done = now_ps();
   record.contact_node = contact_.node;
-  record.contact_age = contact_.present() ? born - report.pass_began : 0;
+  record.contact_age = contact_.present() ? looked_up - report.pass_began : 0;
   record.position = tip;
   record.force = force;
   record.flags = frame_flags;
@@ -190,6 +186,12 @@ void ServoProcess::frame(std::int64_t number) {
       number, born - session_.begin,       tip,  contact_.node, computation_.contact(),
       u_c,    computation_.displacement(), force};
   for (FrameObserver* observer : observers_) observer->solved(view);
+
+  // The last safe force is out; now the board is brought back, for as long as that takes.
+  if (status != HVP_OK && !set_up()) {
+    spdlog::error("the board did not come back: {}", hvp_status_text(counts_.last_error));
+  }
+  ledger_.frame(number).work_done = now_ps();
   ledger_.close(number);
 }
 
@@ -218,11 +220,12 @@ hvp_status ServoProcess::move_contact(std::span<const int> nodes) {
     if (stays(node) || status != HVP_OK) continue;
     const std::span<const std::int32_t> row = k.row(node);
     row_.assign(row.begin(), row.end());
-    // Columns of nodes that stay in contact are still cleared on the board, and must remain so.
+    // The board must be told zeros towards nodes that are still cleared there: those that stay
+    // in contact, and those whose turn comes later, which bring the blocks back by symmetry.
     const auto first = static_cast<std::size_t>(k.row_begin[static_cast<std::size_t>(node)]);
     for (std::size_t i = 0; i < row_.size() / 9; ++i) {
       const int other = k.column[first + i];
-      if (other != node && held(other) && stays(other)) {
+      if (held(other) && (stays(other) || other > node)) {
         std::fill_n(row_.begin() + static_cast<std::ptrdiff_t>(9 * i), 9, 0);
       }
     }

@@ -66,7 +66,13 @@ void PciBus::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time
   transaction.set_address(address - window->base);
   to_targets_[window->target]->b_transport(transaction, delay);
   transaction.set_address(address);
-  wait(delay);
+  // Wait states of the target keep the bus.
+  const auto held = static_cast<Picoseconds>(delay.value());
+  if (held > 0) {
+    free_at_ = now_ps() + held;
+    busy_ += held;
+    wait(delay);
+  }
   delay = sc_core::SC_ZERO_TIME;
 }
 
