@@ -175,7 +175,7 @@ extern "C" {
 #define HVP__SCALING__HEADROOM_BITS_bm 0xf00
 #define HVP__SCALING__HEADROOM_BITS_bp 8
 #define HVP__SCALING__HEADROOM_BITS_bw 4
-#define HVP__SCALING__HEADROOM_BITS_reset 0x3
+#define HVP__SCALING__HEADROOM_BITS_reset 0x1
 
 // reg - hvp.FORMAT
 #define HVP__FORMAT__MATRIX_BITS_bm 0xff

@@ -8,15 +8,17 @@ namespace {
 // The remedies are those that were tried on the hard cases; see docs/fixed-point.md.
 constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescriptions = {{
     {"saturation", "a word of the solver reached its limit and was clamped",
-     "raise solver.static_shift by one, or widen solver.displacement_range"},
+     "solver.static_shift = matrix_bits - 1 or one more, or a wider solver.displacement_range"},
     {"negative-curvature", "d'Ad was not positive: the rounded matrix is not positive definite",
      "more matrix bits, more anchors, or a lower Poisson's ratio"},
     {"zero-diagonal", "a diagonal entry of the matrix rounds to zero",
      "more matrix bits, or less contrast between the stiffest and the softest part"},
-    {"stagnation", "the step or the residual became zero before the iterations were used up",
+    {"stagnation",
+     "the step became zero, or the second half of the iterations made no progress, before the "
+     "residual was as small as the words allow",
      "more vector bits, or dynamic scaling if it is off"},
     {"scalar-overflow", "an inner product left its 64 bits", "fewer vector bits"},
-    {"divergence", "the residual at the end was larger than at the start",
+    {"divergence", "the residual at the end was larger than at the start and than b",
      "raise solver.static_shift, more headroom_bits, or dynamic scaling if it is off"},
     {"matrix-rounding",
      "rounding the matrix to its words moves the solution further from the true model than "

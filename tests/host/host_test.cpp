@@ -1,0 +1,211 @@
+#include <Eigen/Cholesky>
+#include <Eigen/Dense>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "models/fem/structured_box.h"
+#include "models/fixed/reference_solver.h"
+#include "models/host/costs.h"
+#include "models/host/frame_computation.h"
+#include "models/host/reference_run.h"
+
+namespace hvp::host {
+namespace {
+
+// A cube of 6 cm on its floor, 48 active nodes; a node in the middle of its top is touched.
+class Cube {
+ public:
+  Cube()
+      : body(fem::structured_box({0.06, 0.06, 0.06}, {3, 3, 3}), fem::Material{}, floor(),
+             fem::AnchorTreatment::removed) {}
+
+  static std::vector<int> floor() {
+    std::vector<int> nodes(16);
+    for (int i = 0; i < 16; ++i) nodes[static_cast<std::size_t>(i)] = i;
+    return nodes;
+  }
+  std::vector<int> touched() const { return {body.active_index(1 + 4 * (1 + 4 * 3))}; }
+
+  fem::Body body;
+};
+
+constexpr double kPeriod = 2e-3;
+const Eigen::Vector3d kPress(1e-4, -2e-4, -3e-3);
+
+fem::Dynamics damped() {
+  fem::Dynamics d;
+  d.newmark_gamma = 0.6;
+  d.newmark_beta = 0.605;
+  return d;
+}
+
+Eigen::VectorXd vector(std::span<const double> v) {
+  return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
+}
+
+// What an exact solver would answer to the words that the host sends.
+std::vector<std::int32_t> exact_answer(const FrameComputation& c, std::span<const std::int32_t> b,
+                                       const fixed::Settings& settings) {
+  fixed::QuantisedMatrix a = c.quantised();
+  for (const int node : c.contact()) a.set_contact(node, c.diagonal_word());
+  const double shift = std::ldexp(1.0, settings.rhs_shift());
+  Eigen::VectorXd rhs(static_cast<Eigen::Index>(b.size()));
+  for (std::size_t i = 0; i < b.size(); ++i) rhs[static_cast<Eigen::Index>(i)] = b[i] * shift;
+  const Eigen::MatrixXd dense = Eigen::MatrixXd(fixed::dequantise(a).to_eigen()) / a.scale;
+  const Eigen::VectorXd x = dense.llt().solve(rhs);
+  std::vector<std::int32_t> words;
+  for (const double word : x) words.push_back(static_cast<std::int32_t>(std::lround(word)));
+  return words;
+}
+
+TEST(FrameComputation, ExactSolutionOfItsWordsPutsTheContactWhereItIsPrescribed) {
+  const Cube cube;
+  const fixed::Settings settings;
+  for (const auto diagonal : {fem::ContactDiagonal::one, fem::ContactDiagonal::average}) {
+    FrameComputation c(cube.body, diagonal, std::nullopt, settings, kPeriod);
+    c.set_contact(cube.touched());
+    std::vector<std::int32_t> b(c.displacement().size());
+    EXPECT_EQ(c.form_rhs(kPress, b), 0);
+    c.accept(exact_answer(c, b, settings));
+    const auto first = static_cast<std::size_t>(3 * cube.touched()[0]);
+    // b of the contact rows is one word of 2^m units over the diagonal: that is its resolution.
+    const double step =
+        c.scaling().displacement_unit() * std::ldexp(1.0, settings.rhs_shift()) / c.diagonal_word();
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_NEAR(c.displacement()[first + static_cast<std::size_t>(i)], kPress[i], step);
+    }
+  }
+}
+
+TEST(FrameComputation, ForceOfAStaticFrameIsTheTrueStiffnessTimesTheSolution) {
+  const Cube cube;
+  const fixed::Settings settings;
+  FrameComputation c(cube.body, fem::ContactDiagonal::average, std::nullopt, settings, kPeriod);
+  EXPECT_EQ(c.force(), Eigen::Vector3d::Zero());
+  c.set_contact(cube.touched());
+  std::vector<std::int32_t> b(c.displacement().size());
+  c.form_rhs(kPress, b);
+  c.accept(exact_answer(c, b, settings));
+  const Eigen::VectorXd f =
+      Eigen::MatrixXd(cube.body.stiffness().to_eigen()) * vector(c.displacement());
+  const Eigen::Vector3d expected = f.segment<3>(3 * cube.touched()[0]);
+  EXPECT_NEAR((c.force() - expected).norm(), 0, 1e-12 * expected.norm());
+  // The user pushes down, so the force on the body points down.
+  EXPECT_LT(c.force().z(), 0);
+}
+
+TEST(FrameComputation, WordsBeyondTheRangeAreClampedAndCounted) {
+  const Cube cube;
+  fixed::Settings settings;
+  settings.displacement_range = 1e-4;
+  settings.static_shift = 6;
+  FrameComputation c(cube.body, fem::ContactDiagonal::average, std::nullopt, settings, kPeriod);
+  c.set_contact(cube.touched());
+  std::vector<std::int32_t> b(c.displacement().size());
+  EXPECT_GT(c.form_rhs(kPress, b), 0);
+  for (const std::int32_t word : b) EXPECT_LE(std::abs(word), 32767);
+}
+
+TEST(FrameComputation, DynamicMatrixIsNewmarksAndTheUpdateMovesItsState) {
+  const Cube cube;
+  const fixed::Settings settings;
+  FrameComputation c(cube.body, fem::ContactDiagonal::average, damped(), settings, kPeriod);
+  EXPECT_TRUE(c.dynamic());
+  EXPECT_GT(c.matrix().value[0], cube.body.stiffness().value[0]);
+  c.set_contact(cube.touched());
+  std::vector<std::int32_t> b(c.displacement().size());
+  c.form_rhs(kPress, b);
+  c.accept(exact_answer(c, b, settings));
+  const std::vector<double> before(c.external_force().begin(), c.external_force().end());
+  c.update();
+  // A body in motion pushes on: f̂ of the next frame is not that of rest.
+  EXPECT_GT((vector(c.external_force()) - vector(before)).norm(), 0);
+  EXPECT_GT(c.update_operations(), 18.0 * static_cast<double>(c.matrix().blocks()));
+}
+
+TEST(ReferenceRun, StaticContactIsTheConstrainedMinimumOfTheEnergy) {
+  const Cube cube;
+  ReferenceRun run(cube.body, std::nullopt, kPeriod, cube.body.stiffness(), cube.body.stiffness());
+  run.step(cube.touched(), kPress);
+  const Eigen::MatrixXd k(cube.body.stiffness().to_eigen());
+  const Eigen::VectorXd residual = k * vector(run.displacement());
+  const Eigen::Index at = 3 * cube.touched()[0];
+  for (Eigen::Index i = 0; i < residual.size(); ++i) {
+    if (i >= at && i < at + 3) continue;
+    EXPECT_NEAR(residual[i], 0, 1e-10 * run.force().norm());
+  }
+  EXPECT_NEAR((vector(run.displacement()).segment<3>(at) - kPress).norm(), 0, 1e-12);
+  EXPECT_NEAR((run.force() - residual.segment<3>(at)).norm(), 0, 1e-10 * run.force().norm());
+}
+
+TEST(ReferenceRun, OfTheRoundedMatrixIsWhatAnExactSolverMakesOfTheHostsRightHandSide) {
+  const Cube cube;
+  const fixed::Settings settings;
+  const FrameComputation c(cube.body, fem::ContactDiagonal::average, std::nullopt, settings,
+                           kPeriod);
+  const sparse::BlockMatrix rounded = fixed::dequantise(c.quantised());
+  ReferenceRun run(cube.body, std::nullopt, kPeriod, cube.body.stiffness(), rounded);
+  run.step(cube.touched(), kPress);
+
+  // The host moves the true columns to the right; the board's matrix is the rounded one.
+  const Eigen::MatrixXd k(cube.body.stiffness().to_eigen());
+  Eigen::MatrixXd a(rounded.to_eigen());
+  const Eigen::Index at = 3 * cube.touched()[0];
+  Eigen::VectorXd b = -k.middleCols<3>(at) * kPress;
+  a.middleCols<3>(at).setZero();
+  a.middleRows<3>(at).setZero();
+  a.block<3, 3>(at, at).setIdentity();
+  b.segment<3>(at) = kPress;
+  const Eigen::VectorXd expected = a.llt().solve(b);
+  EXPECT_NEAR((vector(run.displacement()) - expected).norm(), 0, 1e-10 * expected.norm());
+}
+
+TEST(ReferenceRun, DynamicRunFollowsTheSameStepsAsTheHost) {
+  const Cube cube;
+  // Words so long that the host's frames are the reference's but for their last bits.
+  fixed::Settings settings;
+  settings.matrix_bits = 24;
+  settings.vector_bits = 32;
+  settings.static_shift = 22;
+  FrameComputation c(cube.body, fem::ContactDiagonal::average, damped(), settings, kPeriod);
+  ReferenceRun run(cube.body, damped(), kPeriod, c.matrix(), c.matrix());
+  std::vector<std::int32_t> b(c.displacement().size());
+  Deviation deviation;
+  for (int n = 0; n < 50; ++n) {
+    const bool touching = n < 30;
+    c.set_contact(touching ? cube.touched() : std::vector<int>{});
+    const Eigen::Vector3d u_c = kPress * std::min(1.0, n / 20.0);
+    ASSERT_EQ(c.form_rhs(u_c, b), 0) << "frame " << n;
+    c.accept(exact_answer(c, b, settings));
+    c.update();
+    run.step(c.contact(), u_c);
+    deviation.add(c.displacement(), run.displacement());
+  }
+  EXPECT_LT(*deviation.relative(), 1e-4);
+  EXPECT_GT(*deviation.relative(), 0);
+}
+
+TEST(Deviation, IsTheMeanOverFramesOverTheLargestReference) {
+  Deviation d;
+  EXPECT_FALSE(d.relative());
+  const std::vector<double> zero = {0, 0}, one = {3, 4}, off = {3, 4.5};
+  d.add(zero, zero);
+  EXPECT_FALSE(d.relative());  // nothing to compare with
+  d.add(off, one);
+  EXPECT_DOUBLE_EQ(*d.relative(), 0.5 / 2 / 5);
+  EXPECT_DOUBLE_EQ(*d.worst_relative(), 0.5 / 5);
+}
+
+TEST(Host, ComputingTakesOperationsOverRateInWholePicoseconds) {
+  Host h;
+  h.sustained_rate_flops = 300e6;
+  EXPECT_EQ(h.compute_ps(300e6), 1'000'000'000'000);
+  EXPECT_EQ(h.compute_ps(1), 3'333);
+  EXPECT_EQ(h.graphics.period_ps(), 30'303'030'303);
+  EXPECT_EQ(conversion_operations(1500), 6000);
+}
+
+}  // namespace
+}  // namespace hvp::host
