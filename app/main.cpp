@@ -8,6 +8,8 @@
 #include <spdlog/spdlog.h>
 
 #include "app/commands/commands.h"
+#include "app/commands/usage_error.h"
+#include "app/scenario/message.h"
 #include "models/config/input_error.h"
 
 namespace {
@@ -15,11 +17,15 @@ namespace {
 using namespace hvp::app;
 
 void scenario_arguments(CLI::App& command, ScenarioArguments& arguments) {
-  command.add_option("scenario", arguments.scenario, "a scenario file (TOML)")->required();
+  command.add_option("scenario", arguments.scenario, "a scenario file")
+      ->required()
+      ->type_name("FILE.toml");
   command
-      .add_option("--set", arguments.overrides, "key=value: set a scenario key, as often as wanted")
-      ->allow_extra_args(false);
-  command.add_flag("--quiet", arguments.quiet, "no progress");
+      .add_option("--set", arguments.overrides,
+                  "gives a key of the scenario another value; as often as wanted")
+      ->allow_extra_args(false)
+      ->type_name("KEY=VALUE");
+  command.add_flag("--quiet", arguments.quiet, "no progress on the terminal");
 }
 
 // Warnings of the run go to stderr, a line each, without a date that would differ between runs.
@@ -32,48 +38,65 @@ void set_up_log() {
 
 int parse_and_run(int argc, char** argv) {
   CLI::App app{
-      "A virtual platform of a haptic system: does it meet its deadline, is it accurate "
-      "enough, is it stable?",
+      "A virtual platform of a haptic system: does it meet its deadline, is it accurate\n"
+      "enough, is it stable?\n\n"
+      "  hvp run scenarios/thesis.toml\n"
+      "  hvp run scenarios/thesis.toml --set solver.iterations=30 --set \"budget.period=1 ms\"",
       "hvp"};
   app.require_subcommand(1);
-  app.set_version_flag("--version", HVP_VERSION);
+  app.set_help_flag("-h,--help", "what a command does and takes");
+  app.set_version_flag("--version", "hvp " HVP_VERSION, "the program's version");
   app.footer(
-      "Exit status: 0 every budget held; 1 a budget did not hold; 2 wrong input; 3 other.\n"
-      "hvp test runs everything that CI runs.");
+      "Exit status: 0 it ran and every budget held; 1 it ran and a budget did not hold;\n"
+      "2 the input is wrong; 3 anything else.");
   int status = kHeld;
 
   RunArguments run;
-  CLI::App* command = app.add_subcommand("run", "simulate a scenario; the verdict");
+  CLI::App* command =
+      app.add_subcommand("run", "simulate a scenario and say whether its budgets held");
   scenario_arguments(*command, run);
-  command->add_option("--out", run.out, "folder for the results (default runs/<scenario>)");
+  command->add_option("--out", run.out, "folder for the results in place of runs/<scenario>")
+      ->type_name("FOLDER");
   command->add_flag("--trace-registers", run.trace_registers,
-                    "log every access to the board in registers.log");
+                    "also log every access to the board, in registers.log");
   command->callback([&] { status = run_command(run); });
 
   ScenarioArguments explain;
-  command = app.add_subcommand("explain", "what a scenario builds, how finely, at what cost");
+  command = app.add_subcommand("explain", "what a scenario builds, how finely, and what it costs");
   scenario_arguments(*command, explain);
   command->callback([&] { status = explain_command(explain); });
 
   MeshArguments mesh;
-  command = app.add_subcommand("mesh", "tetrahedra in a surface, and their quality");
-  command->add_option("surface", mesh.surface, "STL, PLY, OBJ, VTP or VTU; or sphere, or box")
-      ->required();
-  command->add_option("--nodes", mesh.nodes, "how many nodes are wanted")
-      ->check(CLI::Range(4, 10'000'000));
-  command->add_option("--unit", mesh.unit, "one unit of the file (default \"1 mm\")");
-  command->add_option("--size", mesh.size, "radius of the sphere, edge of the box: \"50 mm\"");
-  command->add_option("--out", mesh.out, "a .vtu file to write");
-  command->add_flag("--quiet", mesh.quiet, "no progress");
+  command = app.add_subcommand("mesh", "fill a surface with tetrahedra and show their quality");
+  command
+      ->add_option("surface", mesh.surface,
+                   "a file (STL, PLY, OBJ, VTP or VTU), or the word sphere or box")
+      ->required()
+      ->type_name("SURFACE");
+  command->add_option("--nodes", mesh.nodes, "how many nodes are wanted, 500 by default")
+      ->type_name("N");
+  command->add_option("--unit", mesh.unit, "length of one unit of the file, \"1 mm\" by default")
+      ->type_name("LENGTH");
+  command
+      ->add_option("--size", mesh.size,
+                   "radius of the sphere, \"50 mm\" by default, or edge of the box, \"100 mm\"")
+      ->type_name("LENGTH");
+  command->add_option("--out", mesh.out, "write the mesh into this file, for ParaView")
+      ->type_name("FILE.vtu");
+  command->add_flag("--quiet", mesh.quiet, "no progress on the terminal");
   command->callback([&] { status = mesh_command(mesh); });
 
   ExportArguments exporting;
-  command = app.add_subcommand("export", "K, M, b (Matrix Market) and the mesh");
+  command =
+      app.add_subcommand("export", "write K, M, b (Matrix Market) and the mesh, for other tools");
   scenario_arguments(*command, exporting);
-  command->add_option("--out", exporting.out, "folder to write into")->required();
+  command->add_option("--out", exporting.out, "folder to write into")
+      ->required()
+      ->type_name("FOLDER");
   command->callback([&] { status = export_command(exporting); });
 
-  command = app.add_subcommand("reference", "print the reference page of scenario files");
+  command = app.add_subcommand("reference",
+                               "print every key of a scenario: unit, range, default, source");
   command->callback([&] { status = reference_command(); });
 
   try {
@@ -82,7 +105,7 @@ int parse_and_run(int argc, char** argv) {
     app.exit(e);  // --help, --version
     return kHeld;
   } catch (const CLI::ParseError& e) {
-    fmt::print(stderr, "hvp: {} (hvp --help shows the commands)\n", e.what());
+    fmt::print(stderr, "hvp: {}\n", describe_usage_error(app, e));
     return kWrongInput;
   }
   return status;
@@ -104,9 +127,14 @@ int main(int argc, char** argv) {
     end_progress(false);
     fmt::print(stderr, "{}\n", e.what());
     return kWrongInput;
+  } catch (const sc_core::sc_report& e) {
+    // What a process threw, in the kernel's wrapping of several lines.
+    end_progress(false);
+    fmt::print(stderr, "hvp: {}\n", hvp::scenario::one_line(e.get_msg()));
+    return kFailed;
   } catch (const std::exception& e) {
     end_progress(false);
-    fmt::print(stderr, "hvp: {}\n", e.what());
+    fmt::print(stderr, "hvp: {}\n", hvp::scenario::one_line(e.what()));
     return kFailed;
   }
 }

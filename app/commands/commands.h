@@ -33,8 +33,8 @@ int export_command(const ExportArguments& arguments);
 
 struct MeshArguments {
   std::string surface;  // a file, "sphere" or "box"
-  std::string unit = "1 mm";
-  std::string size;  // of a sphere or box
+  std::string unit;     // of a file; empty: the default, like size
+  std::string size;     // of a sphere or box
   int nodes = 500;
   std::filesystem::path out;
   bool quiet = false;
@@ -51,6 +51,9 @@ struct LoadedScenario {
   Scenario openable;  // with `surface` resolved
 };
 LoadedScenario load(const ScenarioArguments& arguments);
+
+// The scenario's system; what it throws names the line of the scenario.
+Scene build_scene(const LoadedScenario& loaded, const Progress& progress);
 
 // Progress to stderr, and only to a terminal.
 Progress make_progress(bool quiet);

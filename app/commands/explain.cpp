@@ -38,38 +38,34 @@ void frame_cost(const Scene& scene) {
 int explain_command(const ScenarioArguments& arguments) {
   const LoadedScenario loaded = load(arguments);
   const Progress progress = make_progress(arguments.quiet);
-  try {
-    const Scene scene(loaded.openable, loaded.scenario, progress);
-    end_progress(arguments.quiet);
-    const Scenario& s = scene.scenario();
-    if (!s.title.empty()) fmt::print("{}\n", s.title);
-    fmt::print("\nParts and their fidelity\n");
-    fidelity_line("accelerator", vp::name(s.fidelity.accelerator),
-                  fmt::format("{}, {} clocks a solve", accel::device(s.accelerator.device).name,
-                              scene.solve_cycles().total()));
-    fidelity_line("bus", vp::name(s.fidelity.bus),
-                  fmt::format("{} bytes a data phase, {} ns a clock", s.bus.width_bytes(),
-                              s.bus.clock_period_ps() / 1000));
-    fidelity_line("host", vp::name(s.fidelity.host),
-                  fmt::format("servo at {:g} Hz, collision and graphics at {:g} Hz",
-                              1 / s.budget.period_s, s.host.graphics.rate_hz));
-    fidelity_line(
-        "numbers", vp::name(s.fidelity.numbers),
-        fmt::format("{}-bit matrix, {}-bit vectors", s.solver.matrix_bits, s.solver.vector_bits));
-    fmt::print("\nEffects\n");
-    effect_line("dynamics", s.dynamics.has_value(),
-                "inertia and damping: Newmark's update on the host after the force");
-    effect_line("loads.gravity", s.loads.gravity.has_value(), "no cost: part of f");
-    effect_line("reference", s.reference.has_value(),
-                "no simulated time; two double-precision solves beside the board's");
-    fmt::print("\nWhat a frame's large steps cost\n");
-    frame_cost(scene);
-    fmt::print("\nMemory and multipliers of the {}\n", accel::device(s.accelerator.device).name);
-    for (const accel::Resource& r : scene.usage().resources) {
-      fmt::print("  {:<12} {:>4} of {}\n", r.type, r.used, r.available);
-    }
-  } catch (const InputError& e) {
-    throw loaded.document.complete(e);
+  const Scene scene = build_scene(loaded, progress);
+  end_progress(arguments.quiet);
+  const Scenario& s = scene.scenario();
+  if (!s.title.empty()) fmt::print("{}\n", s.title);
+  fmt::print("\nParts and their fidelity\n");
+  fidelity_line("accelerator", vp::name(s.fidelity.accelerator),
+                fmt::format("{}, {} clocks a solve", accel::device(s.accelerator.device).name,
+                            scene.solve_cycles().total()));
+  fidelity_line("bus", vp::name(s.fidelity.bus),
+                fmt::format("{} bytes a data phase, {} ns a clock", s.bus.width_bytes(),
+                            s.bus.clock_period_ps() / 1000));
+  fidelity_line("host", vp::name(s.fidelity.host),
+                fmt::format("servo at {:g} Hz, collision and graphics at {:g} Hz",
+                            1 / s.budget.period_s, s.host.graphics.rate_hz));
+  fidelity_line(
+      "numbers", vp::name(s.fidelity.numbers),
+      fmt::format("{}-bit matrix, {}-bit vectors", s.solver.matrix_bits, s.solver.vector_bits));
+  fmt::print("\nEffects\n");
+  effect_line("dynamics", s.dynamics.has_value(),
+              "inertia and damping: Newmark's update on the host after the force");
+  effect_line("loads.gravity", s.loads.gravity.has_value(), "no cost: part of f");
+  effect_line("reference", s.reference.has_value(),
+              "no simulated time; two double-precision solves beside the board's");
+  fmt::print("\nWhat a frame's large steps cost\n");
+  frame_cost(scene);
+  fmt::print("\nMemory and multipliers of the {}\n", accel::device(s.accelerator.device).name);
+  for (const accel::Resource& r : scene.usage().resources) {
+    fmt::print("  {:<12} {:>4} of {}\n", r.type, r.used, r.available);
   }
   return kHeld;
 }

@@ -4,7 +4,9 @@
 #include <unistd.h>
 
 #include "app/commands/commands.h"
+#include "app/scenario/files.h"
 #include "app/scenario/reader.h"
+#include "models/config/input_error.h"
 
 namespace hvp::app {
 
@@ -12,9 +14,16 @@ LoadedScenario load(const ScenarioArguments& arguments) {
   LoadedScenario loaded{scenario::Document::load(arguments.scenario, arguments.overrides), {}, {}};
   scenario::read(loaded.document, loaded.scenario);
   loaded.openable = loaded.scenario;
-  std::string& surface = loaded.openable.object.mesh.surface;
-  if (!surface.empty()) surface = loaded.document.resolve(surface).string();
+  scenario::resolve_files(loaded.document, loaded.openable);
   return loaded;
+}
+
+Scene build_scene(const LoadedScenario& loaded, const Progress& progress) {
+  try {
+    return {loaded.openable, loaded.scenario, progress};
+  } catch (const InputError& e) {
+    throw loaded.document.complete(e);
+  }
 }
 
 Progress make_progress(bool quiet) {

@@ -2,6 +2,8 @@
 
 #include "app/commands/commands.h"
 #include "app/results/mesh_file.h"
+#include "app/results/results_folder.h"
+#include "app/scenario/message.h"
 #include "app/scenario/quantity.h"
 #include "models/config/input_error.h"
 #include "models/mesh/generate.h"
@@ -11,25 +13,56 @@ namespace hvp::app {
 
 namespace {
 
+constexpr int kMostNodes = 1'000'000;  // as object.mesh.nodes
+
+double length(const char* option, const std::string& text) {
+  try {
+    const double value = scenario::parse_quantity(text, config::Dimension::length);
+    if (value > 0) return value;
+  } catch (const InputError& e) {
+    throw InputError(fmt::format("{} {}: {}", option, scenario::one_line(text), e.what()));
+  }
+  throw InputError(fmt::format("{} {}: out of range: expected a length above zero", option,
+                               scenario::one_line(text)));
+}
+
 mesh::MeshSettings settings_of(const MeshArguments& a) {
   mesh::MeshSettings s;
+  if (a.nodes < 4 || a.nodes > kMostNodes) {
+    throw InputError(fmt::format("--nodes {0}: out of range: expected from 4 to {1}, found {0}",
+                                 a.nodes, kMostNodes));
+  }
   s.nodes = a.nodes;
   if (a.surface == "sphere" || a.surface == "box") {
     const bool sphere = a.surface == "sphere";
     s.shape = sphere ? mesh::MeshSettings::Shape::sphere : mesh::MeshSettings::Shape::box;
-    if (!a.size.empty()) {
-      const double size = scenario::parse_quantity(a.size, config::Dimension::length);
-      if (!(size > 0)) throw InputError("--size: expected a length above zero, found " + a.size);
-      s.radius = sphere ? size : s.radius;
-      if (!sphere) s.size.setConstant(size);
-    }
+    if (!a.unit.empty()) throw InputError("--unit belongs to a surface file only");
+    if (!a.size.empty() && sphere) s.radius = length("--size", a.size);
+    if (!a.size.empty() && !sphere) s.size.setConstant(length("--size", a.size));
   } else {
     s.shape = mesh::MeshSettings::Shape::surface;
     s.surface = a.surface;
-    s.surface_unit = scenario::parse_quantity(a.unit, config::Dimension::length);
-    if (!(s.surface_unit > 0)) throw InputError("--unit: expected a length above zero");
+    if (!a.size.empty()) throw InputError("--size belongs to sphere and box only");
+    if (!a.unit.empty()) s.surface_unit = length("--unit", a.unit);
   }
   return s;
+}
+
+// Before the work whose result would be lost.
+void check_out(const std::filesystem::path& out) {
+  if (out.empty()) return;
+  if (out.extension() != ".vtu") {
+    throw InputError(fmt::format("--out {}: expected a file that ends in .vtu", out.string()));
+  }
+  if (std::filesystem::is_directory(out)) {
+    throw InputError(fmt::format("--out {}: is a folder: expected a file", out.string()));
+  }
+  if (out.has_parent_path()) results::create_folder(out.parent_path(), "--out");
+}
+
+// The file comes first, as in a compiler's messages, and once.
+std::string about_surface(const std::string& surface, const std::string& message) {
+  return message.find(surface) == std::string::npos ? surface + ": " + message : message;
 }
 
 }  // namespace
@@ -37,11 +70,15 @@ mesh::MeshSettings settings_of(const MeshArguments& a) {
 int mesh_command(const MeshArguments& arguments) {
   const Progress progress = make_progress(arguments.quiet);
   mesh::TetMesh mesh;
+  const mesh::MeshSettings settings = settings_of(arguments);
+  check_out(arguments.out);
   try {
-    mesh = mesh::generate(settings_of(arguments), progress);
+    mesh = mesh::generate(settings, progress);
   } catch (const InputError& e) {
-    const bool about_file = e.key() == "surface" || e.key().empty();
-    throw InputError(about_file ? std::string(e.what()) : "--" + e.key() + ": " + e.what());
+    if (e.key() == "nodes") {
+      throw InputError(fmt::format("--nodes {}: {}", arguments.nodes, e.what()));
+    }
+    throw InputError(scenario::one_line(about_surface(arguments.surface, e.what()), 2000));
   }
   end_progress(arguments.quiet);
   const mesh::Quality q = mesh::measure(mesh);
@@ -58,9 +95,6 @@ int mesh_command(const MeshArguments& arguments) {
              q.max_row_nonzeros);
   fmt::print("{}", mesh::draw_dihedral_histogram(q));
   if (!arguments.out.empty()) {
-    if (arguments.out.has_parent_path()) {
-      std::filesystem::create_directories(arguments.out.parent_path());
-    }
     const mesh::ElementShapes shapes = mesh::element_shapes(mesh);
     results::write_mesh(arguments.out, mesh, {shapes.min_dihedral, shapes.aspect_ratio});
     fmt::print("\n{}\n", arguments.out.string());

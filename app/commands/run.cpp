@@ -10,6 +10,7 @@
 #include "app/results/part_file.h"
 #include "app/results/pictures.h"
 #include "app/results/report.h"
+#include "app/results/results_folder.h"
 
 namespace hvp::app {
 
@@ -36,20 +37,17 @@ int run_command(const RunArguments& arguments) {
   if (out.empty()) out = std::filesystem::path("runs") / arguments.scenario.stem();
   const Progress progress = make_progress(arguments.quiet);
 
+  Scene scene = build_scene(loaded, progress);
+  const Clock::time_point built = Clock::now();
+  results::create_folder(out, "--out");
   results::Outcome outcome;
-  std::string text;
-  Clock::time_point built, simulated;
   try {
-    Scene scene(loaded.openable, loaded.scenario, progress);
-    built = Clock::now();
-    outcome = run(scene, {out, arguments.trace_registers, progress});
-    simulated = Clock::now();
-    text = results::report(scene, outcome);
-  } catch (const scenario::SourceError&) {
-    throw;
+    outcome =
+        run(scene, {out, loaded.openable.object.mesh.surface, arguments.trace_registers, progress});
   } catch (const InputError& e) {
     throw loaded.document.complete(e);
   }
+  const Clock::time_point simulated = Clock::now();
 
   results::PictureOutcome pictures;
   if (loaded.scenario.output.pictures) {
@@ -67,8 +65,8 @@ int run_command(const RunArguments& arguments) {
   performance["peak_memory_mb"] = peak_memory_mb();
   results::write_through_part_file(out / "performance.json", performance.dump(2) + "\n");
 
-  fmt::print("{}", text);
-  fmt::print("\nResults in {} ({:.2f} s simulated in {:.2f} s", out.string(),
+  fmt::print("{}", results::report(scene, outcome));
+  fmt::print("\nResults in {} ({:.3g} s simulated in {:.2f} s", out.string(),
              static_cast<double>(outcome.simulated) * 1e-12, seconds(built, simulated));
   if (!pictures.files.empty()) fmt::print(", drawn in {:.1f} s", seconds(simulated, drawn));
   fmt::print(")\n");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -14,6 +15,11 @@ namespace {
 using Out = std::back_insert_iterator<std::string>;
 
 constexpr int kBarWidth = 30;
+
+// "1 frame", "2 frames".
+std::string counted(std::int64_t count, std::string_view what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
 
 void scene_lines(Out out, const app::Scene& scene) {
   const app::Scenario& s = scene.scenario();
@@ -28,26 +34,31 @@ void scene_lines(Out out, const app::Scene& scene) {
   fmt::format_to(out, "  board       {}: {} clocks a solve at {:g} MHz = {};",
                  accel::device(s.accelerator.device).name, c.total(), s.accelerator.clock_hz * 1e-6,
                  readable_time(c.total() * s.accelerator.clock_period_ps()));
+  const char* separator = " ";
   for (const accel::Resource& r : scene.usage().resources) {
-    if (r.used > 0) fmt::format_to(out, " {} {}/{}", r.type, r.used, r.available);
+    if (r.used == 0) continue;
+    fmt::format_to(out, "{}{} {}/{}", separator, r.type, r.used, r.available);
+    separator = ", ";
   }
   fmt::format_to(out, "\n");
 }
 
 void verdict_lines(Out out, const Outcome& o) {
   const char* qualified = o.flags.empty() ? "PASS" : "held, with flags";
-  fmt::format_to(out, "\nTime         {} frames at {:g} Hz\n", o.frames,
+  fmt::format_to(out, "\nTime         {} at {:g} Hz\n", counted(o.frames + o.skipped_ticks, "tick"),
                  1e12 / static_cast<double>(o.period));
-  fmt::format_to(
-      out, "  force in time  {}: worst {} of {}, median {}, 99 % {}; {} late, {} skipped\n",
-      o.force_in_time ? qualified : "MISSED", readable_time(o.worst), readable_time(o.budget),
-      readable_time(o.p50), readable_time(o.p99), o.misses - o.skipped_ticks, o.skipped_ticks);
-  fmt::format_to(out, "  load           {}: worst {} of {}\n", o.load_held ? qualified : "EXCEEDED",
+  fmt::format_to(out, "  force in time  {}: worst {} of {}, median {}, 99 % {}",
+                 o.force_in_time ? qualified : "MISSED", readable_time(o.worst),
+                 readable_time(o.budget), readable_time(o.p50), readable_time(o.p99));
+  fmt::format_to(out, "; {} late, {} skipped", o.misses - o.skipped_ticks, o.skipped_ticks);
+  if (o.driver_errors > 0) fmt::format_to(out, ", {} without a solution", o.driver_errors);
+  fmt::format_to(out, "\n  load           {}: worst {} of {}", o.load_held ? qualified : "EXCEEDED",
                  readable_time(o.worst_load), readable_time(o.period));
+  fmt::format_to(out, "; {} over, {} skipped\n", o.overloads - o.skipped_ticks, o.skipped_ticks);
 }
 
 void attribution_lines(Out out, const Outcome& o) {
-  fmt::format_to(out, "\nWorst frame  {}, {} from its tick to the force at the motor\n",
+  fmt::format_to(out, "\nWorst frame  number {}: {} from its tick to the force at the motor\n",
                  o.worst_frame, readable_time(o.worst));
   std::vector<vp::Attribution> lines = o.attribution;
   std::stable_sort(lines.begin(), lines.end(),
@@ -55,10 +66,10 @@ void attribution_lines(Out out, const Outcome& o) {
   for (const vp::Attribution& a : lines) {
     if (a.time == 0) continue;
     const double share = static_cast<double>(a.time) / static_cast<double>(o.worst);
-    fmt::format_to(out, "  {:<22} {:>10}  {:>5.1f} %  {}\n",
+    const auto bar = static_cast<std::size_t>(share * kBarWidth + 0.5);
+    fmt::format_to(out, "  {:<22} {:>10}  {:>5.1f} %{}\n",
                    fmt::format("{} {}", name(a.part), name(a.phase)), readable_time(a.time),
-                   100 * share,
-                   std::string(static_cast<std::size_t>(share * kBarWidth + 0.5), '#'));
+                   100 * share, bar == 0 ? "" : "  " + std::string(bar, '#'));
   }
 }
 
@@ -72,22 +83,31 @@ void accuracy_lines(Out out, const Outcome& o) {
     return;
   }
   const Accuracy& a = *o.accuracy;
-  fmt::format_to(out, "\nAccuracy     mean over {} frames, against double precision\n", a.frames);
+  if (!a.displacement) {
+    fmt::format_to(out, "\nAccuracy     nothing to compare: the body did not move in {}\n",
+                   counted(a.frames, "compared frame"));
+    return;
+  }
+  fmt::format_to(out, "\nAccuracy     mean error over {}, of the largest displacement and force\n",
+                 counted(a.frames, "frame"));
   fmt::format_to(out, "  displacement   {} from the true model, {} from the rounded one\n",
                  ratio(a.displacement), ratio(a.displacement_quantised));
   fmt::format_to(out, "  contact force  {} from the true model, {} from the rounded one\n",
                  ratio(a.force), ratio(a.force_quantised));
   fmt::format_to(out,
-                 "  The rounded model is what the matrix' words stand for: the second figure is "
-                 "the solver's\n  own error, the rest comes from rounding the matrix.\n");
+                 "  Both models are solved in double precision. The rounded one has the matrix as "
+                 "the board's\n  words hold it: the second figure is the solver's own error, the "
+                 "rest is the rounding.\n");
 }
 
 void stability_lines(Out out, const app::Scene& scene, const Outcome& o) {
-  fmt::format_to(out, "\nStability    {} saturations, {} breakdowns, {} clamped words\n",
-                 o.saturations, o.breakdowns, o.clamped_words);
+  fmt::format_to(out, "\nStability    {}, {}, {}\n", counted(o.saturations, "saturation"),
+                 counted(o.breakdowns, "breakdown"), counted(o.clamped_words, "clamped word"));
   if (o.driver_errors > 0) {
-    fmt::format_to(out, "  {} frames without a solution ({}); the last force was held\n",
-                   o.driver_errors, o.last_driver_error);
+    fmt::format_to(out,
+                   "  {} without a solution: the force of the last solved frame was held\n"
+                   "    the driver: {}\n",
+                   counted(o.driver_errors, "frame"), o.last_driver_error);
   }
   for (unsigned i = 0; i < static_cast<unsigned>(stability::Flag::count); ++i) {
     const auto flag = static_cast<stability::Flag>(i);

@@ -10,8 +10,8 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// Microseconds as a number: exact to the picosecond for runs of less than two hours.
-double us(vp::Picoseconds time) { return static_cast<double>(time) * 1e-6; }
+// The double next to the exact value, which prints without a tail: 651.34.
+double us(vp::Picoseconds time) { return static_cast<double>(time) / 1e6; }
 
 ordered_json nullable(const std::optional<double>& value) {
   return value ? ordered_json(*value) : ordered_json(nullptr);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <iterator>
+#include <string>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -10,12 +12,24 @@
 namespace hvp::results {
 
 namespace {
-// The host waits while the board works, beside everything else: a lane of its own, because the
-// slices of one lane may only nest.
+// The slices of one lane may only nest. The host waits while the board works, beside everything
+// else, and a late frame's release is delayed while the frame before it is still at work.
 constexpr int kWaitLane = 10;
+constexpr int kReleaseLane = 11;
 
 int lane(const vp::Span& span) {
-  return span.phase == vp::Phase::wait ? kWaitLane : static_cast<int>(span.part) + 1;
+  if (span.phase == vp::Phase::wait) return kWaitLane;
+  if (span.phase == vp::Phase::release) return kReleaseLane;
+  return static_cast<int>(span.part) + 1;
+}
+
+std::string lane_name(int lane, std::string_view text) {
+  return fmt::format(
+      ",\n{{\"name\":\"thread_name\",\"ph\":\"M\",\"pid\":1,\"tid\":{0},\"args\":{{\"name\":\"{1}"
+      "\"}}}}"
+      ",\n{{\"name\":\"thread_sort_index\",\"ph\":\"M\",\"pid\":1,\"tid\":{0},"
+      "\"args\":{{\"sort_index\":{0}}}}}",
+      lane, text);
 }
 }  // namespace
 
@@ -25,15 +39,10 @@ Trace::Trace(const std::filesystem::path& path, const vp::Session& session, std:
   stream_.write(R"({"name":"process_name","ph":"M","pid":1,"args":{"name":"hvp"}})");
   for (const vp::Part part :
        {vp::Part::host, vp::Part::bus, vp::Part::fpga, vp::Part::daq, vp::Part::device}) {
-    stream_.write(fmt::format(
-        ",\n{{\"name\":\"thread_name\",\"ph\":\"M\",\"pid\":1,\"tid\":{},\"args\":{{\"name\":"
-        "\"{}\"}}}}",
-        static_cast<int>(part) + 1, name(part)));
+    stream_.write(lane_name(static_cast<int>(part) + 1, name(part)));
   }
-  stream_.write(fmt::format(
-      ",\n{{\"name\":\"thread_name\",\"ph\":\"M\",\"pid\":1,\"tid\":{},\"args\":{{\"name\":"
-      "\"host waits\"}}}}",
-      kWaitLane));
+  stream_.write(lane_name(kWaitLane, "host waits"));
+  stream_.write(lane_name(kReleaseLane, "release delay"));
 }
 
 void Trace::take(const vp::Frame& frame, const std::vector<vp::SpanId>& critical_path) {

@@ -9,9 +9,10 @@
 
 namespace hvp::results {
 
-// trace.json: the spans as Chrome trace events, for Perfetto and chrome://tracing. A lane a part;
-// what lies on its frame's critical path says so. Times are microseconds since the servo loop
-// began. At most `frames` frames, so that its size is bounded.
+// trace.json: the spans as Chrome trace events, for Perfetto and chrome://tracing. A lane a part,
+// and one each for waiting and for the delay of a release; what lies on its frame's critical path
+// says so. Times are microseconds since the servo loop began. At most `frames` frames, so that its
+// size is bounded.
 class Trace : public vp::FrameSink {
  public:
   Trace(const std::filesystem::path& path, const vp::Session& session, std::int64_t frames);

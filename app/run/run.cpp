@@ -2,17 +2,19 @@
 
 #include <cmath>
 #include <memory>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "app/results/frames_csv.h"
 #include "app/results/part_file.h"
 #include "app/results/register_log.h"
+#include "app/results/resolved_scenario.h"
+#include "app/results/results_folder.h"
 #include "app/results/summary.h"
 #include "app/results/trace.h"
 #include "app/run/accuracy.h"
 #include "app/run/deformation_recorder.h"
-#include "app/scenario/writer.h"
 #include "driver/hvp_driver.h"
 #include "vp/platform.h"
 
@@ -72,7 +74,8 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
   o.skipped_ticks = v.skipped_ticks();
   o.misses = v.misses();
   o.overloads = v.overloads();
-  o.force_in_time = v.force_in_time();
+  // A force that is held from an earlier frame is not this frame's force.
+  o.force_in_time = v.force_in_time() && platform.servo().counts().driver_errors == 0;
   o.load_held = v.load_held();
   o.attribution = v.attribution();
   o.bus_transactions = platform.bus().transactions();
@@ -91,18 +94,16 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
   o.saturations = platform.accelerator().saturations();
   o.breakdowns = platform.accelerator().breakdowns();
   o.clamped_words = counts.clamped_words;
+  if (counts.clamped_words > 0) o.flags.raise(stability::Flag::range_exceeded);
   if (scene.locking()) o.flags.raise(stability::Flag::locking);
   if (scene.quality().slivers > 0) o.flags.raise(stability::Flag::poor_elements);
   return o;
 }
 
-}  // namespace
-
-results::Outcome run(Scene& scene, const RunOptions& options) {
+results::Outcome simulate(Scene& scene, const RunOptions& options) {
   const Scenario& s = scene.scenario();
   const std::filesystem::path& directory = options.directory;
-  std::filesystem::create_directories(directory);
-  results::write_through_part_file(directory / "scenario.resolved.toml", scenario::resolved(s));
+  results::write_resolved_scenario(directory, s, options.surface);
 
   std::optional<results::RegisterLog> registers;
   if (options.trace_registers) registers.emplace(directory / "registers.log");
@@ -124,6 +125,10 @@ results::Outcome run(Scene& scene, const RunOptions& options) {
   if (options.progress) platform.add_observer(ticker);
 
   platform.run();
+  if (platform.verdict().frames() == 0) {
+    throw std::runtime_error(fmt::format("the board could not be set up: {}",
+                                         hvp_status_text(platform.servo().counts().last_error)));
+  }
 
   frames.finish();
   trace.finish();
@@ -135,6 +140,18 @@ results::Outcome run(Scene& scene, const RunOptions& options) {
   results::write_through_part_file(directory / "summary.json",
                                    results::summary_json(scene, outcome));
   return outcome;
+}
+
+}  // namespace
+
+results::Outcome run(Scene& scene, const RunOptions& options) {
+  results::remove_earlier_results(options.directory);
+  try {
+    return simulate(scene, options);
+  } catch (...) {
+    results::remove_earlier_results(options.directory);
+    throw;
+  }
 }
 
 }  // namespace hvp::app

@@ -8,13 +8,14 @@
 namespace hvp::app {
 
 struct RunOptions {
-  std::filesystem::path directory;
+  std::filesystem::path directory;  // is there and may be written into
+  std::filesystem::path surface;    // the body's surface file; empty without one
   bool trace_registers = false;
   Progress progress;
 };
 
-// Simulates the scene and writes every result file but the pictures. Once in a process: SystemC
-// elaborates once.
+// Simulates the scene and writes every result file but the pictures, in place of those of an
+// earlier run; a run that fails leaves none. Once in a process: SystemC elaborates once.
 results::Outcome run(Scene& scene, const RunOptions& options);
 
 }  // namespace hvp::app

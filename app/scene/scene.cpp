@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "models/config/input_error.h"
 #include "models/mesh/generate.h"
 
@@ -32,7 +34,8 @@ std::vector<int> anchored_nodes(const Scenario& s, const mesh::TetMesh& mesh) {
     const std::vector<int> found = mesh::select_nodes(s.object.anchors[i].region, mesh);
     if (found.empty()) {
       throw InputError("object.anchor[" + std::to_string(i) + "]",
-                       "no node of the mesh lies in this region");
+                       "no node of the mesh lies in this region; expected at least three that are "
+                       "not on one line");
     }
     nodes.insert(nodes.end(), found.begin(), found.end());
   }
@@ -53,10 +56,13 @@ std::unique_ptr<fem::Body> make_body(const Scenario& s, const Progress& progress
       within("object.mesh", [&] { return mesh::generate(s.object.mesh, progress); });
   tell(progress, "assembling");
   const std::vector<int> anchored = anchored_nodes(s, mesh);
-  return within("object", [&] {
+  try {
     return std::make_unique<fem::Body>(std::move(mesh), s.object.material, anchored,
                                        s.object.anchored_nodes, s.loads);
-  });
+  } catch (const InputError& e) {
+    if (e.key().empty()) throw InputError("object.mesh", e.what());
+    throw InputError((e.key() == "anchor" ? "object." : "loads.") + e.key(), e.what());
+  }
 }
 
 Scene::Scene(const Scenario& openable, const Scenario& written, const Progress& progress)
@@ -69,8 +75,7 @@ Scene::Scene(const Scenario& openable, const Scenario& written, const Progress& 
   });
   pattern_ = accel::pattern_of(computation_->matrix().row_begin);
   usage_ = accel::usage(s.accelerator, word_lengths(s.solver), pattern_);
-  within("accelerator",
-         [&] { accel::require_fit(s.accelerator, word_lengths(s.solver), pattern_); });
+  require_fit();
 
   // A node that is held, by an anchor or by a prescribed displacement, cannot follow the probe.
   std::vector<int> held;
@@ -81,6 +86,20 @@ Scene::Scene(const Scenario& openable, const Scenario& written, const Progress& 
     return std::make_unique<collision::ContactSearch>(body_->mesh(), held, s.contact.search);
   });
   locking_ = fem::measure_locking(body_->mesh(), s.object.material);
+}
+
+// The device counts the nodes of the system; a scenario states those of the mesh.
+void Scene::require_fit() const {
+  const accel::WordLengths words = word_lengths(scenario_.solver);
+  try {
+    accel::require_fit(scenario_.accelerator, words, pattern_);
+  } catch (const InputError& e) {
+    const std::int64_t fitting = accel::largest_mesh(scenario_.accelerator, words, pattern_);
+    const std::int64_t in_mesh = fitting * quality_.nodes / body_->active_nodes();
+    const std::string advice =
+        fitting > 0 ? fmt::format("; that is object.mesh.nodes = {}", in_mesh) : "";
+    throw InputError("accelerator." + e.key(), e.what() + advice);
+  }
 }
 
 accel::SolveCycles Scene::solve_cycles() const {

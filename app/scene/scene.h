@@ -38,6 +38,8 @@ class Scene {
   const std::optional<fem::Locking>& locking() const { return locking_; }
 
  private:
+  void require_fit() const;
+
   Scenario scenario_;
   mesh::Quality quality_;
   std::unique_ptr<fem::Body> body_;

@@ -59,10 +59,10 @@ void expect_no_rigid_body_modes(const mesh::TetMesh& mesh, const std::vector<cha
                              : nodes.size() == 1
                                  ? "one anchored node"
                                  : fmt::format("{} anchored nodes on one line", nodes.size());
-    throw InputError(
-        fmt::format("{} has {} and keeps {} rigid-body mode{}: nothing holds it; "
-                    "expected at least three anchored nodes that are not on one line",
-                    where, what, modes, modes == 1 ? "" : "s"));
+    throw InputError("anchor",
+                     fmt::format("{} has {} and keeps {} rigid-body mode{}: nothing holds it; "
+                                 "expected at least three anchored nodes that are not on one line",
+                                 where, what, modes, modes == 1 ? "" : "s"));
   }
 }
 
@@ -101,8 +101,8 @@ Body::Body(mesh::TetMesh mesh, const Material& material, std::span<const int> an
   hold(anchored, loads);
   expect_no_rigid_body_modes(mesh_, held_);
   if (std::find(held_.begin(), held_.end(), 0) == held_.end()) {
-    throw InputError(
-        fmt::format("all {} nodes are held; expected some that can move", mesh_.nodes.size()));
+    throw InputError("anchor", fmt::format("all {} nodes are held; expected some that can move",
+                                           mesh_.nodes.size()));
   }
   active_of_node_.assign(mesh_.nodes.size(), -1);
   for (int i = 0; i < static_cast<int>(mesh_.nodes.size()); ++i) {

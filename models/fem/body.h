@@ -30,6 +30,7 @@ class Body {
   // `anchored` ascends. Throws InputError: an inverted element, a node without elements, too few
   // held nodes (some part of the mesh keeps rigid-body modes; the message counts them), all nodes
   // held, a node both anchored and prescribed, or prescribed twice and differently.
+  // The key is empty for the mesh, "anchor" for what holds the body, that of the load otherwise.
   Body(mesh::TetMesh mesh, const Material& material, std::span<const int> anchored,
        AnchorTreatment treatment, const Loads& loads = {});
 

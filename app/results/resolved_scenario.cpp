@@ -1,0 +1,61 @@
+#include "app/results/resolved_scenario.h"
+
+#include <algorithm>
+#include <cctype>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "app/results/part_file.h"
+#include "app/scenario/writer.h"
+
+namespace hvp::results {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kStem = "scenario.resolved";
+
+void copy_through_part_file(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  // A resolved scenario that is run into its own folder.
+  if (fs::equivalent(from, to, error)) return;
+  fs::path part = to;
+  part += ".part";
+  error.clear();
+  fs::copy_file(from, part, fs::copy_options::overwrite_existing, error);
+  if (!error) fs::rename(part, to, error);
+  if (!error) return;
+  const std::string cause = error.message();
+  fs::remove(part, error);
+  throw std::runtime_error(fmt::format("cannot write {}: {}", to.string(), cause));
+}
+
+// The surface of an earlier run, with another extension.
+void remove_other_surfaces(const fs::path& directory, const std::string& kept) {
+  for (const char* extension : {".stl", ".ply", ".obj", ".vtp", ".vtu"}) {
+    const std::string name = std::string(kStem) + extension;
+    std::error_code ignored;
+    if (name != kept) fs::remove(directory / name, ignored);
+  }
+}
+
+}  // namespace
+
+void write_resolved_scenario(const fs::path& directory, const app::Scenario& scenario,
+                             const fs::path& surface) {
+  app::Scenario resolved = scenario;
+  if (!surface.empty()) {
+    std::string extension = surface.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    resolved.object.mesh.surface = kStem + extension;
+    copy_through_part_file(surface, directory / resolved.object.mesh.surface);
+  }
+  remove_other_surfaces(directory, resolved.object.mesh.surface);
+  write_through_part_file(directory / (std::string(kStem) + ".toml"), scenario::resolved(resolved));
+}
+
+}  // namespace hvp::results
