@@ -173,10 +173,10 @@ void Accelerator::start() {
   if (solver_ == nullptr || !same(settings, settings_)) {
     settings_ = settings;
     solver_ = std::make_unique<fixed::ReferenceSolver>(settings_, matrix_.block_rows());
+    solve_clocks_ = accel::solve_cycles(architecture_, pattern_, settings_.iterations).total();
   }
   bank_.set(field::kJobJob, bank_.get(field::kJobJob) + 1);
-  run_for(Running::solve,
-          accel::solve_cycles(architecture_, pattern_, settings_.iterations).total());
+  run_for(Running::solve, solve_clocks_);
 }
 
 void Accelerator::load_done() {

@@ -76,7 +76,8 @@ class Accelerator : public sc_core::sc_module {
   fixed::QuantisedMatrix matrix_;
   accel::Pattern pattern_;
   fixed::Settings settings_;
-  std::unique_ptr<fixed::Solver> solver_;
+  std::unique_ptr<fixed::Solver> solver_;  // for these settings and this pattern, as is:
+  std::int64_t solve_clocks_ = 0;
   std::vector<std::int32_t> b_;
   std::vector<std::int32_t> u_;
   fixed::Report report_;
