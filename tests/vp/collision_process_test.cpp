@@ -1,0 +1,106 @@
+#include "vp/host/collision_process.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/vp/expected_time.h"
+#include "tests/vp/small_scene.h"
+#include "tests/vp/stimulus.h"
+
+namespace hvp::vp {
+namespace {
+
+using test::kMs;
+using test::kUs;
+
+constexpr Picoseconds kBegin = 700 * kUs;
+constexpr Picoseconds kPeriod = 30'303'030'303;  // 33 Hz in whole picoseconds
+
+// The probe inside the body, which nobody else moves.
+struct Bench {
+  Bench(const host::Host& costs, bool untimed, test::Program::Script script)
+      : exchange{Mailbox<SceneState>(inside()), Mailbox<ContactReport>(ContactReport{})},
+        process("collision", costs, untimed, scene.contacts, exchange, session, begun),
+        program("program", [this, script](test::Program& p) {
+          p.sleep_until(kBegin);
+          session.begin = kBegin;
+          begun.notify(sc_core::SC_ZERO_TIME);
+          script(p);
+          sc_core::sc_stop();
+        }) {}
+
+  SceneState inside() const {
+    SceneState state;
+    state.tip = test::SmallScene::above(-2e-3);
+    state.displacement.assign(3 * scene.body.mesh().nodes.size(), 0.0);
+    return state;
+  }
+
+  test::SmallScene scene;
+  Session session;
+  sc_core::sc_event begun;
+  Exchange exchange;
+  CollisionProcess process;
+  test::Program program;
+};
+
+TEST(CollisionProcess, PublishesWhenThePassIsOver) {
+  Bench* bench = nullptr;
+  Bench it({}, false, [&](test::Program& p) {
+    Picoseconds pass = 0;
+    for (int n = 0; n < 3; ++n) {
+      const Picoseconds began = kBegin + n * kPeriod;
+      p.sleep_until(began + 1);  // the search has been made, its time is being spent
+      pass = test::compute(bench->scene.contacts.pass_flops()) + 10 * kMs;
+      EXPECT_EQ(bench->process.passes(), n);
+      p.sleep_until(began + pass);
+      const ContactReport before = bench->exchange.contact.read(now_ps());
+      EXPECT_EQ(before.pass_began, n == 0 ? 0 : began - kPeriod) << "not at the same instant";
+      p.sleep(1);
+      const ContactReport after = bench->exchange.contact.read(now_ps());
+      EXPECT_EQ(after.pass_began, began);
+      EXPECT_EQ(after.contact.node, test::SmallScene::kTopNode);
+      EXPECT_EQ(bench->process.longest_pass(), pass);
+    }
+  });
+  bench = &it;
+  sc_core::sc_start();
+  EXPECT_EQ(it.process.passes(), 3);
+  EXPECT_EQ(it.process.skipped_passes(), 0);
+}
+
+TEST(CollisionProcess, UntimedPassEndsWhenItBegins) {
+  Bench* bench = nullptr;
+  Bench it({}, true, [&](test::Program& p) {
+    p.sleep(1);
+    EXPECT_EQ(bench->exchange.contact.read(now_ps()).pass_began, kBegin);
+    EXPECT_EQ(bench->process.passes(), 1);
+  });
+  bench = &it;
+  sc_core::sc_start();
+  EXPECT_EQ(it.process.longest_pass(), 0);
+}
+
+// A pass of two and a half periods: two ticks pass meanwhile, of which one entirely.
+TEST(CollisionProcess, TicksThatPassEntirelyAreSkipped) {
+  host::Host costs;
+  costs.graphics.drawing_s = 75e-3;
+  Bench* bench = nullptr;
+  Bench it(costs, false, [&](test::Program& p) {
+    p.sleep(1);
+    const Picoseconds pass = test::compute(bench->scene.contacts.pass_flops()) + 75 * kMs;
+    ASSERT_GT(pass, 2 * kPeriod);
+    ASSERT_LT(pass, 3 * kPeriod);
+    p.sleep_until(kBegin + pass + 1);
+    EXPECT_EQ(bench->process.passes(), 1);
+    EXPECT_EQ(bench->process.skipped_passes(), 1);
+    // The second pass is tick 2's and begins late, at once.
+    const Picoseconds second = test::compute(bench->scene.contacts.pass_flops()) + 75 * kMs;
+    p.sleep_until(kBegin + pass + second + 1);
+    EXPECT_EQ(bench->exchange.contact.read(now_ps()).pass_began, kBegin + pass);
+  });
+  bench = &it;
+  sc_core::sc_start();
+}
+
+}  // namespace
+}  // namespace hvp::vp

@@ -1,0 +1,105 @@
+// What is there at all, and that it is the same in every process.
+#include <array>
+#include <cstring>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "tests/vp/small_scene.h"
+#include "vp/platform.h"
+
+namespace hvp::vp {
+namespace {
+
+using test::SmallScene;
+
+void expect_the_six(SmallScene& scene) {
+  const Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
+  EXPECT_EQ(Platform::modules(), (std::vector<std::string>{"bus", "accelerator", "daq", "access",
+                                                           "servo", "collision"}));
+  // The end of a job; the servo process; the collision process.
+  EXPECT_EQ(Platform::processes(), 3U);
+}
+
+TEST(Composition, StaticSceneBuildsSixModules) {
+  SmallScene scene;
+  expect_the_six(scene);
+}
+
+TEST(Composition, DynamicsIsTheHostsArithmeticAndNoModule) {
+  SmallScene scene({.dynamics = fem::Dynamics{}, .solver = {}});
+  expect_the_six(scene);
+}
+
+TEST(Composition, UntimedBuildsTheSame) {
+  SmallScene scene;
+  scene.settings.fidelity = {Timing::untimed, Timing::untimed, Timing::untimed, Numbers::fixed};
+  scene.settings.servo.untimed = true;
+  expect_the_six(scene);
+}
+
+// All spans of all frames of a run, as bytes.
+class Bytes : public FrameSink {
+ public:
+  void take(const Frame& f, const std::vector<SpanId>& path) override {
+    add(f.number), add(f.born), add(f.work_done), add(f.contact_node), add(f.contact_age);
+    for (int i = 0; i < 3; ++i) add(f.position[i]), add(f.force[i]);
+    add(f.saturations), add(f.flags);
+    for (const Span& s : f.spans) add(s.part), add(s.phase), add(s.start), add(s.end), add(s.cause);
+    for (const SpanId id : path) add(id);
+  }
+  std::string text;
+
+ private:
+  template <class Value>
+  void add(const Value& value) {
+    std::array<char, sizeof(Value)> bytes{};
+    std::memcpy(bytes.data(), &value, sizeof(Value));
+    text.append(bytes.data(), bytes.size());
+  }
+};
+
+// Runs in a child process and returns what it wrote.
+std::string frames_of_a_run() {
+  std::array<int, 2> ends{};
+  if (pipe(ends.data()) != 0) return {};
+  const pid_t child = fork();
+  if (child == 0) {
+    close(ends[0]);
+    SmallScene scene({.dynamics = fem::Dynamics{}, .solver = {}});
+    scene.slide(0.05);
+    scene.settings.servo.frames = 40;
+    Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
+    Bytes bytes;
+    platform.add_sink(bytes);
+    platform.run();
+    for (std::size_t done = 0; done < bytes.text.size();) {
+      const ssize_t n = write(ends[1], bytes.text.data() + done, bytes.text.size() - done);
+      if (n <= 0) _exit(1);
+      done += static_cast<std::size_t>(n);
+    }
+    _exit(0);
+  }
+  close(ends[1]);
+  std::string text;
+  std::array<char, 4096> buffer{};
+  for (ssize_t n = 0; (n = read(ends[0], buffer.data(), buffer.size())) > 0;) {
+    text.append(buffer.data(), static_cast<std::size_t>(n));
+  }
+  close(ends[0]);
+  int status = 1;
+  waitpid(child, &status, 0);
+  return status == 0 ? text : std::string();
+}
+
+TEST(Composition, TwoProcessesGiveTheSameFrames) {
+  const std::string first = frames_of_a_run();
+  const std::string second = frames_of_a_run();
+  EXPECT_GT(first.size(), 40U * 500U);
+  EXPECT_TRUE(first == second);
+}
+
+}  // namespace
+}  // namespace hvp::vp

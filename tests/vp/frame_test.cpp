@@ -1,0 +1,218 @@
+// Frames of the whole platform: when each part works, to the picosecond.
+#include <algorithm>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "tests/vp/expected_time.h"
+#include "tests/vp/small_scene.h"
+#include "vp/platform.h"
+
+namespace hvp::vp {
+namespace {
+
+using test::compute;
+using test::FrameLog;
+using test::kUs;
+using test::pci_read;
+using test::pci_write;
+using test::SmallScene;
+
+constexpr int kUnknowns = SmallScene::kUnknowns;
+constexpr int kVectorBytes = 2 * kUnknowns;
+// Scaling, rounding and two comparisons a word.
+constexpr double kConversion = 4.0 * kUnknowns;
+
+struct Simulated {
+  explicit Simulated(SmallScene& s)
+      : scene(s), platform(s.settings, s.body, s.computation, s.contacts) {
+    platform.add_sink(log);
+    platform.run();
+  }
+  SmallScene& scene;
+  FrameLog log;
+  Platform platform;
+};
+
+// From the tick to the force at the motor, step by step as in thesis Fig. 6.2. `updates`: what the
+// board needs before, because the contact has moved; `contact_blocks`: of the contact's rows.
+Picoseconds latency(const SmallScene& scene, Picoseconds updates, int contact_blocks) {
+  const double columns = contact_blocks == 0 ? 0 : 18.0 * contact_blocks + 3;
+  return pci_write(4) + 1 * kUs               // latch
+         + pci_read(12)                       // position
+         + 1 * kUs                            // contact lookup
+         + updates                            //
+         + compute(kConversion + columns)     // modified force vector, in words
+         + 1 * kUs + pci_write(kVectorBytes)  // driver; b
+         + pci_write(4)                       // start
+         + test::solve_time(scene.computation.quantised().row_begin, 60)  //
+         + 5 * kUs                                                        // interrupt
+         + pci_read(4) + pci_write(4)        // STATUS; INTERRUPT_STATUS
+         + 1 * kUs + pci_read(kVectorBytes)  // driver; U
+         + compute(kConversion + columns)    // force
+         + pci_write(12) + 10 * kUs;         // force to the DAQ; its output
+}
+
+int blocks_of(const SmallScene& scene, int mesh_node) {
+  const fixed::QuantisedMatrix& k = scene.computation.quantised();
+  const auto row = static_cast<std::size_t>(scene.body.active_index(mesh_node));
+  return k.row_begin[row + 1] - k.row_begin[row];
+}
+
+Picoseconds constrain_time(const SmallScene& scene, int mesh_node) {
+  const fixed::QuantisedMatrix& k = scene.computation.quantised();
+  const auto row = static_cast<std::size_t>(scene.body.active_index(mesh_node));
+  std::int64_t clocks = 20;
+  for (int i = k.row_begin[row]; i < k.row_begin[row + 1]; ++i) {
+    const auto other = static_cast<std::size_t>(k.column[static_cast<std::size_t>(i)]);
+    clocks += test::packages(k.row_begin[other + 1] - k.row_begin[other]);
+  }
+  return pci_write(16) + pci_write(4) + clocks * test::kBoardClock;
+}
+
+void expect_sums(const Simulated& run) {
+  for (std::size_t n = 0; n < run.log.frames.size(); ++n) {
+    const Frame& frame = run.log.frames[n];
+    Picoseconds sum = 0;
+    for (const SpanId id : run.log.paths[n]) {
+      const Span& span = frame.spans[static_cast<std::size_t>(id)];
+      sum += span.end - span.start;
+    }
+    EXPECT_EQ(sum, frame.latency()) << "frame " << n;
+  }
+}
+
+TEST(Frame, WithoutContactTakesTheSumOfItsSteps) {
+  SmallScene scene;
+  const Simulated run(scene);
+  const Picoseconds begin = run.platform.session().begin;
+  EXPECT_EQ(begin, run.platform.servo().set_up_time());
+  ASSERT_EQ(run.log.frames.size(), 10U);
+  const Picoseconds expected = latency(scene, 0, 0);
+  for (const Frame& frame : run.log.frames) {
+    EXPECT_EQ(frame.born, begin + frame.number * 2'000 * kUs);
+    EXPECT_EQ(frame.latency(), expected);
+    // The output settles by itself; a static body needs no update.
+    EXPECT_EQ(frame.work_done - frame.born, expected - 10 * kUs);
+    EXPECT_EQ(frame.contact_node, -1);
+    EXPECT_EQ(frame.force.norm(), 0);
+    EXPECT_LE((frame.position - SmallScene::above(10e-3)).norm(), 1e-9);  // whole nanometres
+  }
+  expect_sums(run);
+  EXPECT_TRUE(run.platform.verdict().force_in_time());
+  EXPECT_TRUE(run.platform.verdict().load_held());
+  EXPECT_EQ(run.platform.verdict().worst_latency(), expected);
+}
+
+TEST(Frame, ContactAddsTheUpdateOnceAndTheColumnsInEachFrame) {
+  SmallScene scene;
+  scene.touch();
+  const Simulated run(scene);
+  const int blocks = blocks_of(scene, SmallScene::kTopNode);
+  const Picoseconds update = constrain_time(scene, SmallScene::kTopNode);
+  bool before = false;
+  for (const Frame& frame : run.log.frames) {
+    const bool now = frame.contact_node >= 0;
+    EXPECT_EQ(frame.contact_node, now ? SmallScene::kTopNode : -1);
+    EXPECT_EQ(frame.latency(), latency(scene, now && !before ? update : 0, now ? blocks : 0))
+        << "frame " << frame.number;
+    before = now;
+  }
+  EXPECT_TRUE(before);
+  EXPECT_GT(run.log.frames.back().force.norm(), 0);
+  EXPECT_EQ(run.platform.servo().counts().contact_changes, 1);
+  expect_sums(run);
+}
+
+TEST(Frame, NewmarkUpdateFollowsTheForceAndBelongsToTheLoad) {
+  SmallScene scene({.dynamics = fem::Dynamics{}, .solver = {}});
+  const Simulated run(scene);
+  // Update 4 and predictors 12 operations an unknown; the right-hand side one product with K for
+  // Rayleigh's stiffness part and two operations an unknown, and two with the lumped masses.
+  const double operations = (4 + 12 + 2 + 2) * kUnknowns +
+                            18.0 * static_cast<double>(scene.computation.quantised().column.size());
+  for (const Frame& frame : run.log.frames) {
+    EXPECT_EQ(frame.latency(), latency(scene, 0, 0));
+    EXPECT_EQ(frame.work_done - frame.born, latency(scene, 0, 0) - 10 * kUs + compute(operations));
+  }
+  expect_sums(run);
+}
+
+TEST(Frame, UntimedPartsLeaveNoTime) {
+  SmallScene scene;
+  scene.settings.fidelity = {Timing::untimed, Timing::untimed, Timing::untimed, Numbers::fixed};
+  scene.settings.servo.untimed = true;
+  const Simulated run(scene);
+  EXPECT_EQ(run.platform.session().begin, 0);
+  for (const Frame& frame : run.log.frames) EXPECT_EQ(frame.latency(), (1 + 10) * kUs);  // the DAQ
+  expect_sums(run);
+}
+
+// Every span of every critical path of real frames, those with contact changes included: without
+// it the chain has a gap.
+TEST(Frame, DeletingAnySpanOfTheCriticalPathIsNoticed) {
+  SmallScene scene({.dynamics = fem::Dynamics{}, .solver = {}});
+  scene.slide(0.04);
+  scene.settings.servo.frames = 40;
+  const Simulated run(scene);
+  ASSERT_GE(run.platform.servo().counts().contact_changes, 2);
+  int deleted = 0;
+  for (std::size_t n = 0; n < run.log.frames.size(); ++n) {
+    const Frame& whole = run.log.frames[n];
+    ASSERT_NO_THROW(critical_path(whole));
+    for (const SpanId id : run.log.paths[n]) {
+      const Span gone = whole.spans[static_cast<std::size_t>(id)];
+      if (gone.start == gone.end) continue;  // taking away nothing leaves the sum whole
+      // As if it had never been written: what followed it follows its cause.
+      Frame f = whole;
+      f.spans.erase(f.spans.begin() + id);
+      const auto renumbered = [&](SpanId cause) {
+        if (cause == id) cause = gone.cause;
+        return cause > id ? cause - 1 : cause;
+      };
+      for (Span& span : f.spans) span.cause = renumbered(span.cause);
+      f.force_at_motor = renumbered(f.force_at_motor);
+      EXPECT_THROW(critical_path(f), std::logic_error)
+          << "frame " << n << ", " << name(gone.part) << " " << name(gone.phase);
+      ++deleted;
+    }
+  }
+  EXPECT_GT(deleted, 40 * 15);
+}
+
+TEST(Frame, SolveIsOnThePathAndTheHostsWaitBesideIt) {
+  SmallScene scene;
+  const Simulated run(scene);
+  const Frame& frame = run.log.frames.front();
+  const auto on_path = [&](Phase phase) {
+    return std::any_of(run.log.paths[0].begin(), run.log.paths[0].end(), [&](SpanId id) {
+      return frame.spans[static_cast<std::size_t>(id)].phase == phase;
+    });
+  };
+  EXPECT_TRUE(on_path(Phase::solve));
+  EXPECT_FALSE(on_path(Phase::wait));
+  const auto wait = std::find_if(frame.spans.begin(), frame.spans.end(),
+                                 [](const Span& s) { return s.phase == Phase::wait; });
+  ASSERT_NE(wait, frame.spans.end());
+  EXPECT_EQ(wait->end - wait->start, test::solve_time(scene.computation.quantised().row_begin, 60));
+}
+
+TEST(Frame, ContactIsBetweenAPassAndAPeriodMoreOld) {
+  SmallScene scene;
+  scene.touch();
+  scene.settings.servo.frames = 60;
+  const Simulated run(scene);
+  const Picoseconds longest = run.platform.collision().longest_pass();
+  int in_contact = 0;
+  for (const Frame& frame : run.log.frames) {
+    if (frame.contact_node < 0) continue;
+    ++in_contact;
+    // A pass draws for 10 ms; the next report arrives a period of 33 Hz after the last.
+    EXPECT_GT(frame.contact_age, 10 * test::kMs);
+    EXPECT_LE(frame.contact_age, 30'303'030'303 + longest);
+  }
+  EXPECT_GT(in_contact, 45);
+}
+
+}  // namespace
+}  // namespace hvp::vp
