@@ -63,7 +63,7 @@ TetMesh mesh_box(const Eigen::Vector3d& size, int wanted, const Progress& progre
 }
 
 TetMesh mesh_surface(const Surface& raw, int wanted, const Progress& progress) {
-  const Surface surface = check_surface(raw);
+  Surface surface = check_surface(raw);
   const double area = surface_area(surface);
   const double edge = edge_length_for(enclosed_volume(surface), area, wanted);
   const int points = static_cast<int>(surface.points.size());

@@ -19,8 +19,6 @@ namespace {
 using Eigen::Vector3d;
 using Triangle = std::array<int, 3>;
 
-constexpr double kPlanarMargin = 1e-12;
-
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 struct Box {
@@ -45,7 +43,7 @@ class Tester {
     for (std::size_t k = 0; k < 3; ++k) {
       if (edge_meets(a, k, b, common) || edge_meets(b, k, a, common)) return true;
     }
-    return coplanar(a, b) && overlap_in_plane(a, b, common);
+    return false;
   }
 
  private:
@@ -61,13 +59,9 @@ class Tester {
     return orientation_(point(a), point(b), point(c), point(d));
   }
 
-  bool coplanar(const Triangle& a, const Triangle& b) const {
-    return side(a[0], a[1], a[2], b[0]) == 0 && side(a[0], a[1], a[2], b[1]) == 0 &&
-           side(a[0], a[1], a[2], b[2]) == 0;
-  }
-
-  // Edge k of `a` against `b`, the plane-parallel case excepted. Where the triangles have a
-  // corner in common, an edge from that corner meets `b` there in any case.
+  // Edge k of `a` against `b`. An edge in the plane of `b` is left to its neighbours: where flat
+  // parts of a closed surface overlap, the parts that rise from their rims cross them too. Where
+  // the triangles have a corner in common, an edge from that corner meets `b` there in any case.
   bool edge_meets(const Triangle& a, std::size_t k, const Triangle& b,
                   const std::vector<int>& common) const {
     const int p = a[k];
@@ -99,55 +93,6 @@ class Tester {
     const Vector3d along = point(edge[1]) - point(edge[0]);
     const Vector3d up = along.cross(point(p) - point(edge[0]));
     return up.dot(along.cross(point(q) - point(edge[0]))) > 0.0;
-  }
-
-  // Two triangles in one plane, projected along the axis nearest to its normal.
-  bool overlap_in_plane(const Triangle& a, const Triangle& b,
-                        const std::vector<int>& common) const {
-    Eigen::Index drop = 0;
-    (point(a[1]) - point(a[0])).cross(point(a[2]) - point(a[0])).cwiseAbs().maxCoeff(&drop);
-    const Eigen::Index u = (drop + 1) % 3;
-    const Eigen::Index v = (drop + 2) % 3;
-    const auto turn = [&](int i, int j, int k) {
-      const Vector3d e = point(j) - point(i);
-      const Vector3d f = point(k) - point(i);
-      const double value = e[u] * f[v] - e[v] * f[u];
-      const double margin = kPlanarMargin * (e.squaredNorm() + f.squaredNorm());
-      return (value > margin) - (value < -margin);
-    };
-    const auto inside = [&](int i, const Triangle& t) {
-      const int s0 = turn(t[0], t[1], i);
-      const int s1 = turn(t[1], t[2], i);
-      const int s2 = turn(t[2], t[0], i);
-      return s0 != 0 && s0 == s1 && s1 == s2;
-    };
-    const auto crossing = [&](int p, int q, int r, int s) {
-      return turn(p, q, r) * turn(p, q, s) < 0 && turn(r, s, p) * turn(r, s, q) < 0;
-    };
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (inside(a[k], b) || inside(b[k], a)) return true;
-      for (std::size_t l = 0; l < 3; ++l) {
-        if (crossing(a[k], a[(k + 1) % 3], b[l], b[(l + 1) % 3])) return true;
-      }
-    }
-    // Equal but for one corner, or one within the other's corner: a middle that lies inside.
-    if (common.empty()) return false;
-    const auto shares_direction = [&](const Triangle& t, const Triangle& other) {
-      for (const int i : t) {
-        if (i == common[0]) continue;
-        int inner = 0;
-        for (std::size_t l = 0; l < 3; ++l) {
-          if (other[l] != common[0]) continue;
-          const int j = other[(l + 1) % 3];
-          const int k = other[(l + 2) % 3];
-          const int whole = turn(common[0], j, k);
-          inner += turn(common[0], j, i) == whole && turn(common[0], i, k) == whole ? 1 : 0;
-        }
-        if (inner > 0) return true;
-      }
-      return false;
-    };
-    return shares_direction(a, b) || shares_direction(b, a);
   }
 
   const Surface& surface_;

@@ -20,6 +20,6 @@ Surface merge_points(const Surface& surface);
 // body: no triangles, coordinates that are no numbers, open or non-manifold edges, sheets that
 // meet in a point, a surface with one side, several shells, triangles without area, no volume,
 // self-intersection. The message counts what was found.
-Surface check_surface(const Surface& surface);
+Surface check_surface(const Surface& raw);
 
 }  // namespace hvp::mesh

@@ -185,7 +185,7 @@ class Collapser {
   // The middle of the edge, moved along the normal so that the enclosed volume stays what it was
   // (Lindstrom & Turk, IEEE Visualization 1998, their first constraint).
   Eigen::Vector3d volume_preserving_place(int gone, int kept, const Patch& patch) const {
-    const Eigen::Vector3d middle = 0.5 * (points_[at(gone)] + points_[at(kept)]);
+    Eigen::Vector3d middle = 0.5 * (points_[at(gone)] + points_[at(kept)]);
     double missing = 0.0;  // six volumes, seen from the middle
     for (const auto& t : patch.before) {
       missing +=

@@ -137,6 +137,7 @@ void collect_faces(vtkUnstructuredGrid* grid, vtkCellArray* faces) {
     for (int f = 0; f < cell->GetNumberOfFaces(); ++f) {
       vtkCell* face = cell->GetFace(f);
       std::vector<vtkIdType> loop;
+      loop.reserve(static_cast<std::size_t>(face->GetNumberOfPoints()));
       for (int k = 0; k < static_cast<int>(face->GetNumberOfPoints()); ++k)
         loop.push_back(face->GetPointId(k));
       // A voxel's faces are pixels, which count row by row instead of around.
