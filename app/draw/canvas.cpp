@@ -110,8 +110,11 @@ void Canvas::dashed_line(const Point& from, const Point& to, Colour colour, doub
   constexpr double kGap = 6.0;
   const double length = (to - from).norm();
   const Point along = (to - from).normalized();
-  for (double s = 0.0; s < length; s += kDash + kGap)
+  const int dashes = static_cast<int>(std::ceil(length / (kDash + kGap)));
+  for (int i = 0; i < dashes; ++i) {
+    const double s = i * (kDash + kGap);
     line(from + s * along, from + std::min(s + kDash, length) * along, colour, width);
+  }
 }
 
 void Canvas::rectangle(const Point& low, const Point& high, Colour fill) {

@@ -56,6 +56,11 @@ Triple path(double s) {
 
 }  // namespace
 
+Colour faded(Colour colour, double opacity) {
+  colour.alpha = static_cast<std::uint8_t>(std::lround(255.0 * opacity));
+  return colour;
+}
+
 std::array<double, 3> lab_of(Colour colour) {
   const double r = to_linear(colour.red / 255.0);
   const double g = to_linear(colour.green / 255.0);

@@ -15,10 +15,7 @@ struct Colour {
 };
 
 // The same colour with another opacity, 0 to 1.
-constexpr Colour faded(Colour colour, double opacity) {
-  colour.alpha = static_cast<std::uint8_t>(255.0 * opacity + 0.5);
-  return colour;
-}
+Colour faded(Colour colour, double opacity);
 
 // CIELAB (D65) of an opaque sRGB colour: {L*, a*, b*}; IEC 61966-2-1 and CIE 15.
 std::array<double, 3> lab_of(Colour colour);

@@ -28,10 +28,10 @@ std::vector<std::string> listed_steps(const std::filesystem::path& list);
 
 // Reads and checks a step. Throws hvp::InputError for a file that is missing, damaged, without
 // one of the arrays, with cells that are not tetrahedra or with numbers that are not finite.
-DeformationStep read_step(const std::filesystem::path& file);
+DeformationStep read_step(const std::filesystem::path& path);
 
 // The contact force of a step in newtons, without the mesh's arrays. Throws as read_step.
-double contact_force_of(const std::filesystem::path& file);
+double contact_force_of(const std::filesystem::path& path);
 
 // The listed step with the largest contact force; the last one where no step has any.
 DeformationStep read_deepest_step(const std::filesystem::path& run_directory);

@@ -159,7 +159,7 @@ void draw_legend(Canvas& canvas, const Statistics& statistics, bool any_contact)
     const TextStyle text = {.size = 18, .horizontal = Align::high};
     canvas.text({x, 926.0}, words, text);
     x -= canvas.text_width(words, text) + 18.0;
-    const Point sign(x, 926.0);
+    Point sign(x, 926.0);
     x -= 30.0;
     return sign;
   };

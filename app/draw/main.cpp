@@ -23,11 +23,10 @@
 #include "app/results/part_file.h"
 #include "models/config/input_error.h"
 
+namespace hvp::draw {
 namespace {
 
-using namespace hvp::draw;
-
-void draw(const std::filesystem::path& run) {
+void draw_pictures(const std::filesystem::path& run) {
   // All input is read and checked before anything is drawn, and everything is drawn before
   // anything is written.
   const std::vector<FrameRow> frames = read_frames(run / "frames.csv");
@@ -46,12 +45,13 @@ void draw(const std::filesystem::path& run) {
   pictures.emplace_back("latency.png", window.take_png());
 
   for (const auto& [name, bytes] : pictures) {
-    hvp::results::write_through_part_file(run / name, bytes);
+    results::write_through_part_file(run / name, bytes);
     fmt::print("{}\n", name);
   }
 }
 
 }  // namespace
+}  // namespace hvp::draw
 
 // Mesa's driver is unloaded with a few bytes still allocated, which would fail every picture of
 // a build with AddressSanitizer. ASAN_OPTIONS still has the last word.
@@ -64,9 +64,9 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "usage: hvp-draw RUN_DIRECTORY\n");
     return 2;
   }
-  VtkErrors::capture();
+  hvp::draw::VtkErrors::capture();
   try {
-    draw(argv[1]);
+    hvp::draw::draw_pictures(argv[1]);
     return 0;
   } catch (const hvp::InputError& error) {
     fmt::print(stderr, "{}\n", error.what());

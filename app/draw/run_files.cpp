@@ -165,6 +165,7 @@ std::vector<Contribution> largest_contributions(const std::vector<Contribution>&
     sum += one.us;
   }
   std::vector<Contribution> rows;
+  rows.reserve(by_name.size());
   for (const auto& [name, us] : by_name) rows.push_back({name.first, name.second, us});
   std::stable_sort(rows.begin(), rows.end(),
                    [](const Contribution& a, const Contribution& b) { return a.us > b.us; });

@@ -31,11 +31,11 @@ struct Deadline {
 // Reads the columns above by their names from the header line; others are ignored. Throws
 // hvp::InputError with the line for a file that is missing, has no row, lacks a column or holds
 // a field that is not a number.
-std::vector<FrameRow> read_frames(const std::filesystem::path& file);
+std::vector<FrameRow> read_frames(const std::filesystem::path& path);
 
 // Throws hvp::InputError with the key for a file that is missing, is not JSON, lacks a key or
 // holds a number that is not finite or negative.
-Deadline read_deadline(const std::filesystem::path& file);
+Deadline read_deadline(const std::filesystem::path& path);
 
 // The contributions by size with those of one part and phase added up; what is under
 // `smallest_share` of the sum, or beyond `most` rows, is one last row "other". Shares count from

@@ -71,7 +71,7 @@ Vector3d towards_visible_probe(const DeformationStep& step, const Vector3d& firs
   const auto triangles = outer_faces(step.tetrahedra);
   for (int degrees = 0; degrees <= 44; degrees += 4) {
     const double angle = degrees * std::numbers::pi / 180.0;
-    const Vector3d towards = std::cos(angle) * first + std::sin(angle) * sideways;
+    Vector3d towards = std::cos(angle) * first + std::sin(angle) * sideways;
     const Vector3d front = step.probe + 0.9 * step.probe_radius * towards;
     if (!hidden(deformed, triangles, front, towards)) return towards;
   }

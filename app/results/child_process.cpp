@@ -57,16 +57,17 @@ std::vector<std::string> environment_with(
   for (char** entry = environ; *entry != nullptr; ++entry) {
     const std::string_view text = *entry;
     const bool changed = std::any_of(changes.begin(), changes.end(), [&](const auto& change) {
-      return text.starts_with(change.first + "=");
+      return text.starts_with(change.first) && text.substr(change.first.size()).starts_with('=');
     });
     if (!changed) out.emplace_back(text);
   }
-  for (const auto& [name, value] : changes) out.push_back(name + "=" + value);
+  for (const auto& [name, value] : changes) out.emplace_back(name).append("=").append(value);
   return out;
 }
 
 std::vector<char*> pointers_to(std::vector<std::string>& texts) {
   std::vector<char*> out;
+  out.reserve(texts.size() + 1);
   for (std::string& text : texts) out.push_back(text.data());
   out.push_back(nullptr);
   return out;
@@ -74,7 +75,7 @@ std::vector<char*> pointers_to(std::vector<std::string>& texts) {
 
 // Reads what there is; false at the end of the stream.
 bool drain(int descriptor, std::string& kept) {
-  std::array<char, 4096> buffer;
+  std::array<char, 4096> buffer{};
   const ssize_t count = read(descriptor, buffer.data(), buffer.size());
   if (count < 0) return errno == EINTR;
   if (count == 0) return false;

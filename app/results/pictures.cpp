@@ -28,7 +28,7 @@ std::filesystem::path find_program(const char* name) {
   if (path == nullptr) return {};
   for (std::string_view rest = path; !rest.empty();) {
     const std::size_t colon = rest.find(':');
-    const std::filesystem::path candidate = std::filesystem::path(rest.substr(0, colon)) / name;
+    std::filesystem::path candidate = std::filesystem::path(rest.substr(0, colon)) / name;
     if (candidate.is_absolute() && access(candidate.c_str(), X_OK) == 0) return candidate;
     rest = colon == std::string_view::npos ? std::string_view() : rest.substr(colon + 1);
   }
