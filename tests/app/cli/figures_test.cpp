@@ -1,0 +1,111 @@
+#include <nlohmann/json.hpp>
+
+#include <gmock/gmock.h>
+
+#include "tests/app/cli/program.h"
+#include "tests/app/scratch_directory.h"
+
+// The figures that the thesis' experiment has to meet: thesis sections 4.2 and 6.2.4 and
+// Tables 4.1, 6.2, with the bounds that independent computations gave.
+namespace hvp::cli {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+#ifdef HVP_SANITISED
+constexpr int kFrames = 150;  // the probe touches the body at frame 100
+#else
+constexpr int kFrames = 1000;
+#endif
+
+struct Experiment {
+  Ended ended;
+  json summary;
+  json performance;
+};
+
+Experiment run(const std::string& name) {
+  const ScratchDirectory place;
+  Experiment e;
+  e.ended =
+      hvp(place.path(), {"run", scenario(name), "--out", "out", "--set", "output.pictures=false",
+                         "--set", "frames=" + std::to_string(kFrames)});
+  EXPECT_EQ(e.ended.status, 0) << e.ended.err;
+  e.summary = json::parse(read(place.path() / "out/summary.json"));
+  e.performance = json::parse(read(place.path() / "out/performance.json"));
+  return e;
+}
+
+// b and U over the bus: block transfers in the worst frame, position and contact included.
+double block_transfers_us(const json& summary) {
+  double sum = 0;
+  for (const json& line : summary.at("attribution")) {
+    if (line.at("part") != "bus") continue;
+    if (line.at("phase") == "block write" || line.at("phase") == "block read") {
+      sum += line.at("us").get<double>();
+    }
+  }
+  return sum;
+}
+
+void expect_the_budget_holds(const Experiment& e) {
+  const json& d = e.summary.at("deadline");
+  EXPECT_EQ(d.at("frames"), kFrames);
+  EXPECT_EQ(d.at("misses"), 0);
+  EXPECT_LT(d.at("worst_us"), 2000);
+  EXPECT_TRUE(d.at("held"));
+  EXPECT_TRUE(e.summary.at("load").at("held"));
+  EXPECT_LT(e.summary.at("load").at("worst_us"), 2000);
+
+  const json& a = e.summary.at("accelerator");
+  // 100 MHz: 10 ns a clock, to the clock. Equal doubles: both are the nearest to the same number.
+  EXPECT_EQ(a.at("solve_us").get<double>(), a.at("solve_cycles").get<double>() / 100);
+  EXPECT_GE(a.at("solve_us"), 600);
+  EXPECT_LE(a.at("solve_us"), 760);
+  for (const json& line : e.summary.at("attribution")) {
+    if (line.at("phase") == "solve") {
+      EXPECT_EQ(line.at("us"), a.at("solve_us"));
+    }
+  }
+  // 32 bit at 33 MHz.
+  EXPECT_GE(block_transfers_us(e.summary), 45);
+  EXPECT_LE(block_transfers_us(e.summary), 150);
+#ifdef HVP_RELEASE
+  EXPECT_LT(e.performance.at("peak_memory_mb"), 300);
+#endif
+}
+
+TEST(Figures, Dynamic) {
+  const Experiment e = run("thesis.toml");
+  expect_the_budget_holds(e);
+  // Rounding the step's matrix to 12 bits moves the trajectory by tens of per cent at any
+  // iteration count; the solver itself is exact enough. No PASS may hide that.
+  const json& a = e.summary.at("accuracy");
+  EXPECT_GE(a.at("displacement_rel"), 0.2);
+  EXPECT_LE(a.at("displacement_rel"), 0.5);
+  EXPECT_LE(a.at("displacement_rel_quantised"), 0.02);
+  EXPECT_THAT(e.summary.at("stability").at("flags").dump(), HasSubstr("matrix-rounding"));
+  EXPECT_THAT(e.ended.out, HasSubstr("FLAG matrix-rounding"));
+  EXPECT_THAT(e.ended.out, Not(HasSubstr("PASS")));
+}
+
+TEST(Figures, Static) {
+  const Experiment e = run("thesis-static.toml");
+  expect_the_budget_holds(e);
+  EXPECT_LE(e.summary.at("accuracy").at("displacement_rel"), 0.06);
+  EXPECT_LE(e.summary.at("accuracy").at("displacement_rel_quantised"), 0.02);
+  EXPECT_EQ(e.summary.at("stability").at("flags"), json::array());
+  EXPECT_THAT(e.ended.out, HasSubstr("PASS"));
+}
+
+TEST(Figures, Preconditioned) {
+  const Experiment e = run("thesis-pcg.toml");
+  expect_the_budget_holds(e);
+  EXPECT_LE(e.summary.at("accuracy").at("displacement_rel"), 0.06);
+  EXPECT_LE(e.summary.at("accuracy").at("displacement_rel_quantised"), 0.01);
+}
+
+}  // namespace
+}  // namespace hvp::cli

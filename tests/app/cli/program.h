@@ -1,0 +1,58 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+// The built `hvp`, used as a user does: started in a folder, with arguments.
+namespace hvp::cli {
+
+struct Ended {
+  int status = -1;  // exit status; -1: ended by a signal
+  int signal = 0;
+  std::string out;
+  std::string err;
+};
+
+// A started program; the destructor kills one that still runs.
+class Program {
+ public:
+  Program(const std::filesystem::path& folder, const std::vector<std::string>& arguments);
+  ~Program();
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  void kill();  // as SIGKILL does: nothing is cleaned up
+  bool ended();
+  Ended wait();
+
+ private:
+  void reap(int options);
+
+  std::filesystem::path output_;  // its standard output and error, beside the folder
+  pid_t pid_ = -1;
+  bool reaped_ = false;
+  int wait_status_ = 0;
+};
+
+Ended hvp(const std::filesystem::path& folder, const std::vector<std::string>& arguments);
+
+std::string read(const std::filesystem::path& file);
+void write(const std::filesystem::path& file, const std::string& text);
+std::vector<std::string> lines(const std::string& text);
+// Names in a folder, in order.
+std::vector<std::string> names(const std::filesystem::path& folder);
+
+// Letters and digits of a text, the rest as '-': a case's name for ctest.
+std::string slug(const std::string& text);
+
+// The project's scenarios/<name>.
+std::filesystem::path scenario(const std::string& name);
+
+// A small static scene that is touched within a few frames: a box of 60 nodes, pressed from its
+// first tick.
+extern const char* const kSmallScene;
+
+}  // namespace hvp::cli

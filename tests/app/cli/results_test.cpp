@@ -1,0 +1,280 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+#include <tuple>
+
+#include <gmock/gmock.h>
+
+#include "tests/app/cli/program.h"
+#include "tests/app/scratch_directory.h"
+
+// What is in the result files, and that they agree with each other.
+namespace hvp::cli {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// Exact: the files have microseconds with six decimals.
+std::int64_t picoseconds(double us) { return std::llround(us * 1e6); }
+
+class Results : public ::testing::Test {
+ protected:
+  Ended run(std::vector<std::string> more = {}, int status = 0) {
+    write(place_.path() / "s.toml", kSmallScene);
+    more.insert(more.begin(), {"run", "s.toml", "--out", "out"});
+    Ended ended = hvp(place_.path(), more);
+    EXPECT_EQ(ended.status, status) << ended.err;
+    return ended;
+  }
+  std::string file(const std::string& name) const { return read(place_.path() / "out" / name); }
+  json summary() const { return json::parse(file("summary.json")); }
+
+  // A column of frames.csv.
+  std::vector<std::string> column(const std::string& name) const {
+    const std::vector<std::string> text = lines(file("frames.csv"));
+    const auto cells = [](const std::string& line) {
+      std::vector<std::string> found;
+      std::istringstream stream(line);
+      for (std::string cell; std::getline(stream, cell, ',');) found.push_back(cell);
+      return found;
+    };
+    const std::vector<std::string> head = cells(text.at(0));
+    const auto at = std::find(head.begin(), head.end(), name) - head.begin();
+    std::vector<std::string> values;
+    for (std::size_t i = 1; i < text.size(); ++i) {
+      values.push_back(cells(text[i]).at(static_cast<std::size_t>(at)));
+    }
+    return values;
+  }
+
+ private:
+  ScratchDirectory place_;
+};
+
+TEST_F(Results, SummaryHasWhatTheDesignPromises) {
+  run();
+  const json s = summary();
+  for (const char* key : {"period_us", "worst_us", "p50_us", "p99_us"}) {
+    EXPECT_TRUE(s.at("deadline").at(key).is_number_float()) << key;
+  }
+  EXPECT_TRUE(s.at("deadline").at("misses").is_number_integer());
+  EXPECT_EQ(s.at("deadline").at("frames"), 40);
+  EXPECT_EQ(s.at("deadline").at("period_us"), 2000.0);
+  for (const char* key : {"displacement_rel", "force_rel", "displacement_rel_quantised"}) {
+    EXPECT_TRUE(s.at("accuracy").at(key).is_number_float()) << key;
+    EXPECT_GT(s.at("accuracy").at(key), 0) << key;
+  }
+  EXPECT_TRUE(s.at("stability").at("saturations").is_number_integer());
+  EXPECT_TRUE(s.at("stability").at("breakdowns").is_number_integer());
+  EXPECT_TRUE(s.at("stability").at("flags").is_array());
+  std::set<std::string> types;
+  for (const json& r : s.at("resources")) {
+    types.insert(r.at("type").get<std::string>());
+    EXPECT_LE(r.at("used"), r.at("available"));
+  }
+  EXPECT_EQ(types, (std::set<std::string>{"M512", "M4K", "M-RAM", "multipliers"}));
+  EXPECT_EQ(s.at("effects"), json({"reference"}));
+  EXPECT_EQ(s.at("fidelity"), json({{"accelerator", "loosely-timed"},
+                                    {"bus", "loosely-timed"},
+                                    {"host", "loosely-timed"},
+                                    {"numbers", "fixed"}}));
+}
+
+TEST_F(Results, AccuracyIsNullWithoutAReference) {
+  const Ended ended = run({"--set", "reference=false"});
+  const json s = summary();
+  for (const char* key : {"displacement_rel", "force_rel", "displacement_rel_quantised"}) {
+    EXPECT_TRUE(s.at("accuracy").at(key).is_null()) << key;
+  }
+  EXPECT_EQ(s.at("effects"), json::array());
+  EXPECT_THAT(ended.out, HasSubstr("not asked for: add [reference]"));
+}
+
+TEST_F(Results, EffectsAreThoseOfTheScenario) {
+  run({"--set", "dynamics=true", "--set", "loads.gravity=true"});
+  EXPECT_EQ(summary().at("effects"), json({"dynamics", "loads.gravity", "reference"}));
+}
+
+TEST_F(Results, AttributionSumsToTheWorstLatency) {
+  run();
+  const json s = summary();
+  std::int64_t exact = 0;
+  double sum = 0;
+  for (const json& line : s.at("attribution")) {
+    exact += picoseconds(line.at("us"));
+    sum += line.at("us").get<double>();
+  }
+  const double worst = s.at("deadline").at("worst_us");
+  EXPECT_EQ(exact, picoseconds(worst));
+  EXPECT_NEAR(sum, worst, 1e-12 * worst);
+}
+
+TEST_F(Results, FramesAgreeWithTheSummary) {
+  run();
+  const json s = summary();
+  const std::vector<std::string> frame = column("frame");
+  const std::vector<std::string> latency = column("latency_us");
+  ASSERT_EQ(frame.size(), 40U);
+  double worst = 0;
+  std::vector<double> sorted;
+  for (std::size_t i = 0; i < frame.size(); ++i) {
+    EXPECT_EQ(frame[i], std::to_string(i));
+    EXPECT_EQ(std::stod(column("born_us")[i]), 2000.0 * static_cast<double>(i));
+    sorted.push_back(std::stod(latency[i]));
+    worst = std::max(worst, sorted.back());
+  }
+  std::sort(sorted.begin(), sorted.end());
+  EXPECT_EQ(s.at("deadline").at("worst_us"), worst);
+  EXPECT_EQ(s.at("deadline").at("p50_us"), sorted[19]);  // the 20th of 40
+  EXPECT_EQ(s.at("deadline").at("p99_us"), sorted[39]);
+  EXPECT_EQ(std::stod(latency[s.at("deadline").at("worst_frame")]), worst);
+  EXPECT_EQ(s.at("deadline").at("misses"), 0);
+  for (const std::string& in_time : column("in_time")) EXPECT_EQ(in_time, "1");
+}
+
+// The exact slices of every lane: on one lane each begins after the last or lies within it.
+void expect_nested(const json& trace) {
+  struct Slice {
+    std::int64_t start, end;
+  };
+  std::map<std::int64_t, std::vector<Slice>> lanes;
+  for (const json& event : trace.at("traceEvents")) {
+    if (event.at("ph") != "X") continue;
+    const std::int64_t start = picoseconds(event.at("ts"));
+    const std::int64_t length = picoseconds(event.at("dur"));
+    EXPECT_GE(length, 0);
+    EXPECT_EQ(event.at("pid"), 1);
+    lanes[event.at("tid")].push_back({start, start + length});
+  }
+  for (auto& [lane, slices] : lanes) {
+    std::sort(slices.begin(), slices.end(), [](const Slice& a, const Slice& b) {
+      return std::tuple(a.start, -a.end) < std::tuple(b.start, -b.end);
+    });
+    std::vector<Slice> around;
+    for (const Slice& slice : slices) {
+      while (!around.empty() && around.back().end <= slice.start) around.pop_back();
+      if (!around.empty()) {
+        EXPECT_LE(slice.end, around.back().end) << "lane " << lane;
+      }
+      around.push_back(slice);
+    }
+  }
+}
+
+TEST_F(Results, TraceLoads) {
+  run();
+  const json trace = json::parse(file("trace.json"));
+  std::set<std::int64_t> named, used;
+  for (const json& event : trace.at("traceEvents")) {
+    if (event.at("ph") == "M") {
+      if (event.at("name") == "thread_name") named.insert(event.at("tid").get<std::int64_t>());
+      continue;
+    }
+    ASSERT_EQ(event.at("ph"), "X");
+    EXPECT_TRUE(event.at("name").is_string());
+    used.insert(event.at("tid").get<std::int64_t>());
+  }
+  EXPECT_TRUE(std::includes(named.begin(), named.end(), used.begin(), used.end()));
+  expect_nested(trace);
+}
+
+TEST_F(Results, TraceOfLateFramesStillNests) {
+  // Frames of 0.09 ms at a period of 0.05: the release of every other one is delayed.
+  run({"--set", "budget.period=50 us"}, 1);
+  expect_nested(json::parse(file("trace.json")));
+}
+
+TEST_F(Results, CriticalSlicesOfAFrameSumToItsLatency) {
+  run();
+  std::map<std::int64_t, std::int64_t> sum;
+  const json trace = json::parse(file("trace.json"));
+  for (const json& event : trace.at("traceEvents")) {
+    if (event.at("ph") != "X" || !event.at("args").at("critical").get<bool>()) continue;
+    sum[event.at("args").at("frame")] += picoseconds(event.at("dur"));
+  }
+  const std::vector<std::string> latency = column("latency_us");
+  ASSERT_EQ(sum.size(), latency.size());
+  for (const auto& [frame, time] : sum) {
+    EXPECT_EQ(time, picoseconds(std::stod(latency[static_cast<std::size_t>(frame)])));
+  }
+}
+
+TEST_F(Results, TraceHasAsManyFramesAsWereAskedFor) {
+  run({"--set", "output.trace_frames=3"});
+  std::set<std::int64_t> frames;
+  const json trace = json::parse(file("trace.json"));
+  for (const json& event : trace.at("traceEvents")) {
+    if (event.at("ph") == "X") frames.insert(event.at("args").at("frame").get<std::int64_t>());
+  }
+  EXPECT_EQ(frames, (std::set<std::int64_t>{0, 1, 2}));
+}
+
+TEST_F(Results, RegisterLogHasEveryAccess) {
+  run({"--trace-registers"});
+  const std::vector<std::string> log = lines(file("registers.log"));
+  ASSERT_FALSE(log.empty());
+  EXPECT_EQ(log[0], "# time_us access register bytes first_word outcome");
+  std::int64_t bytes = 0;
+  std::int64_t starts = 0;
+  double time = 0;
+  for (std::size_t i = 1; i < log.size(); ++i) {
+    std::istringstream stream(log[i]);
+    double at = 0;
+    std::int64_t size = 0;
+    std::string access, name, word, outcome, none;
+    ASSERT_TRUE(stream >> at >> access >> name >> size >> word >> outcome) << log[i];
+    EXPECT_FALSE(stream >> none) << log[i];
+    EXPECT_GE(at, time);
+    time = at;
+    EXPECT_EQ(outcome, "ok");
+    if (name == "CONTROL" && access == "write" && (std::stoul(word, nullptr, 16) & 1U) != 0U) {
+      ++starts;
+    }
+    bytes += size;
+  }
+  // A solve a frame; the rest of the bus' traffic is the DAQ board's: a command, three words of
+  // position and three of force a frame.
+  EXPECT_GE(starts, 40);
+  EXPECT_EQ(bytes + 40 * (4 + 12 + 12), summary().at("bus").at("bytes").get<std::int64_t>());
+}
+
+TEST_F(Results, NothingIsLoggedUnlessAskedFor) {
+  run();
+  EXPECT_THROW(file("registers.log"), std::runtime_error);
+}
+
+// A log that is no terminal gets no progress, so that --quiet changes nothing there.
+TEST_F(Results, ProgressStaysOutOfFiles) {
+  EXPECT_EQ(run().err, "");
+  EXPECT_EQ(run({"--quiet"}).err, "");
+}
+
+TEST_F(Results, TerminalAndSummaryAgree) {
+  const Ended ended = run();
+  EXPECT_THAT(ended.out, HasSubstr("force in time  PASS: worst "));
+  EXPECT_THAT(ended.out, HasSubstr("Time         40 ticks at 500 Hz"));
+  EXPECT_THAT(ended.out, HasSubstr("no flags"));
+  EXPECT_EQ(summary().at("stability").at("flags"), json::array());
+}
+
+TEST_F(Results, ClampedWordsAreAFlagAndNoPass) {
+  // A force of 10^8 N is no motor's.
+  const Ended ended = run({"--set", "object.material.young_modulus=1000 GPa"});
+  EXPECT_GT(summary().at("stability").at("clamped_words"), 0);
+  EXPECT_THAT(summary().at("stability").at("flags").dump(), HasSubstr("range-exceeded"));
+  EXPECT_THAT(ended.out, Not(HasSubstr("PASS")));
+}
+
+TEST_F(Results, ABodyThatIsNotTouchedHasNothingToCompare) {
+  const Ended ended = run({"--set", "frames=1"});
+  EXPECT_THAT(ended.out, HasSubstr("nothing to compare: the body did not move in 1 compared"));
+  EXPECT_TRUE(summary().at("accuracy").at("displacement_rel").is_null());
+}
+
+}  // namespace
+}  // namespace hvp::cli

@@ -1,0 +1,170 @@
+#include <algorithm>
+#include <regex>
+
+#include <gmock/gmock.h>
+
+#include "tests/app/cli/program.h"
+#include "tests/app/scratch_directory.h"
+
+namespace hvp::cli {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+std::string replaced(const std::string& from, const std::string& to) {
+  std::string text = kSmallScene;
+  const std::size_t at = text.find(from);
+  if (at == std::string::npos) throw std::runtime_error("the scene has no " + from);
+  return text.replace(at, from.size(), to);
+}
+
+// Wrong input: status 2, one line, no result and no folder for one.
+void expect_refused(const ScratchDirectory& place, const Ended& ended) {
+  EXPECT_EQ(ended.status, 2);
+  EXPECT_EQ(ended.out, "");
+  EXPECT_EQ(lines(ended.err).size(), 1U) << ended.err;
+  EXPECT_FALSE(std::filesystem::exists(place.path() / "out"));
+}
+
+struct InFile {
+  std::string from;
+  std::string to;
+  std::string start;  // file, line and key
+  std::string rest;   // what was expected
+
+  friend void PrintTo(const InFile& wrong, std::ostream* out) { *out << slug(wrong.to); }
+};
+
+class WrongScenario : public ::testing::TestWithParam<InFile> {};
+
+TEST_P(WrongScenario, NamesLineKeyAndWhatWasExpected) {
+  const ScratchDirectory place;
+  write(place.path() / "s.toml", replaced(GetParam().from, GetParam().to));
+  const Ended ended = hvp(place.path(), {"run", "s.toml", "--out", "out"});
+  expect_refused(place, ended);
+  EXPECT_THAT(ended.err, StartsWith(GetParam().start));
+  EXPECT_THAT(ended.err, HasSubstr(GetParam().rest));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Scenario, WrongScenario,
+    ::testing::Values(
+        // Read: what stands in the file.
+        InFile{"nodes = 60", "node = 60",
+               "s.toml:10: object.mesh.node: ", "unknown key; did you mean \"nodes\"?"},
+        InFile{"[budget]", "[budgets]", "s.toml:4: budgets: ", "did you mean \"budget\"?"},
+        InFile{"\"2 ms\"", "2",
+               "s.toml:5: budget.period: ", "missing unit: expected a time such as \"2 ms\""},
+        InFile{"\"2 ms\"", "\"2 kPa\"", "s.toml:5: budget.period: ",
+               "wrong unit: expected a time such as \"2 ms\", found the pressure"},
+        InFile{"\"2 ms\"", "\"0 ms\"",
+               "s.toml:5: budget.period: ", "out of range: expected from 1 us to 1 s, found 0 ms"},
+        InFile{"\"2 ms\"", "\"-2 ms\"", "s.toml:5: budget.period: ", "out of range"},
+        InFile{"frames = 40", "frames = 0", "s.toml:2: frames: ", "out of range: expected from 1"},
+        InFile{"frames = 40", "frames = 1.5", "s.toml:2: frames: ", "expected a whole number"},
+        InFile{"nodes = 60", "nodes = 3", "s.toml:10: object.mesh.nodes: ", "out of range"},
+        InFile{"0.3", "0.5", "s.toml:14: object.material.poisson_ratio: ", "out of range"},
+        InFile{"\"EP2S60\"", "\"EP2S61\"", "s.toml:24: accelerator.device: ", "\"EP2S60\""},
+        InFile{"\"box\"", "\"cone\"", "s.toml:8: object.mesh.shape: ", "\"sphere\""},
+        InFile{"\"box\"", "\"sphere\"",
+               "s.toml:9: object.mesh.size: ", "belongs to shape = \"box\" only"},
+        InFile{"frames = 40", "frames = ", "s.toml:2:", "TOML syntax"},
+        InFile{"frames = 40", "frames = 40\nframes = 41", "s.toml:3:", "TOML syntax"},
+        InFile{"[reference]", "[dynamics]\nnewmark_beta = 0.25\nnewmark_gamma = 0.5",
+               "s.toml:35: dynamics.newmark_beta: ", "β is 0.25 and γ is 0.5: unstable"},
+        InFile{"[reference]", "[dynamics]\nnewmark_gamma = 0.4",
+               "s.toml:35: dynamics.newmark_gamma: ", "0.4"},
+        InFile{"[[object.anchor]]\nkind = \"lowest-fraction\"\nfraction = 0.2\n", "# none\n",
+               "s.toml:7: object.anchor: ", "the body has no anchor"},
+        // Computed: the line has to be found long after the file was read.
+        InFile{"kind = \"lowest-fraction\"\nfraction = 0.2",
+               "kind = \"sphere\"\ncentre = [\"1 m\", \"0 m\", \"0 m\"]\nradius = \"1 mm\"",
+               "s.toml:16: object.anchor[0]: ", "no node of the mesh lies in this region"},
+        InFile{"fraction = 0.2", "fraction = 0.02",
+               "s.toml:16: object.anchor: ", "has one anchored node and keeps 3 rigid-body modes"},
+        InFile{"fraction = 0.2", "fraction = 1.0",
+               "s.toml:16: object.anchor: ", "nodes are held; expected some that can move"},
+        InFile{"nodes = 60", "nodes = 3000",
+               "s.toml:24: accelerator.device: ", "the EP2S60 cannot hold this system of "},
+        InFile{"device = \"EP2S60\"", "partitions = 12",
+               "s.toml:23: accelerator.device: ", "multipliers of 144"}));
+
+TEST(ScenarioErrors, AMissingFileIsNamed) {
+  const ScratchDirectory place;
+  const Ended ended = hvp(place.path(), {"run", "missing.toml", "--out", "out"});
+  expect_refused(place, ended);
+  EXPECT_THAT(ended.err, StartsWith("missing.toml: no such file"));
+}
+
+TEST(ScenarioErrors, AFolderOrAnEmptyFileIsNoScenario) {
+  const ScratchDirectory place;
+  write(place.path() / "empty.toml", "");
+  expect_refused(place, hvp(place.path(), {"run", ".", "--out", "out"}));
+  expect_refused(place, hvp(place.path(), {"run", "empty.toml", "--out", "out"}));
+}
+
+TEST(ScenarioErrors, ADeviceThatIsTooSmallSaysWhatWouldFitAndThatFits) {
+  const ScratchDirectory place;
+  const std::string thesis = scenario("thesis-static.toml").string();
+  for (const char* key : {"object.mesh.nodes=1000", "object.anchored_nodes=kept"}) {
+    const Ended ended = hvp(place.path(), {"run", thesis, "--out", "out", "--set", key});
+    expect_refused(place, ended);
+    std::smatch found;
+    ASSERT_TRUE(std::regex_search(ended.err, found,
+                                  std::regex("that is object\\.mesh\\.nodes = ([0-9]+)\n")))
+        << ended.err;
+    // "About": meshes hit their node count within one per cent.
+    const int nodes = std::stoi(found[1]) * 98 / 100;
+    const Ended fits = hvp(place.path(), {"explain", thesis, "--set", key, "--set",
+                                          "object.mesh.nodes=" + std::to_string(nodes)});
+    EXPECT_EQ(fits.status, 0) << fits.err;
+  }
+}
+
+struct Override {
+  std::string set;
+  std::string rest;
+
+  friend void PrintTo(const Override& wrong, std::ostream* out) { *out << slug(wrong.set); }
+};
+
+class WrongOverride : public ::testing::TestWithParam<Override> {};
+
+TEST_P(WrongOverride, IsNamedInPlaceOfALine) {
+  const ScratchDirectory place;
+  write(place.path() / "s.toml", kSmallScene);
+  const Ended ended = hvp(place.path(), {"run", "s.toml", "--out", "out", "--set", GetParam().set});
+  expect_refused(place, ended);
+  EXPECT_THAT(ended.err, StartsWith("--set " + GetParam().set + ": "));
+  EXPECT_THAT(ended.err, HasSubstr(GetParam().rest));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Set, WrongOverride,
+    ::testing::Values(Override{"object.mesh.node=60", "did you mean \"nodes\"?"},
+                      Override{"nonsense=1", "unknown key"},
+                      Override{"budget.period=2", "missing unit"},
+                      Override{"budget.period=0 s", "out of range"},
+                      Override{"dynamics.newmark_beta=0.25", "unstable"},
+                      Override{"object.anchor=[]", "the body has no anchor"},
+                      Override{"frames", "expected KEY=VALUE"},
+                      Override{"=3", "expected KEY=VALUE"},
+                      Override{"frames=", "expected a whole number"},
+                      Override{"object.mesh=3", "expected a table"},
+                      Override{"fidelity.accelerator=cycle-accurate", "\"loosely-timed\""},
+                      Override{"fidelity.bus=approximately-timed", "\"loosely-timed\""},
+                      Override{"fidelity.numbers=double", "\"fixed\""}));
+
+TEST(ScenarioErrors, AnUnreachableNodeCountSaysWhatIsNear) {
+  const ScratchDirectory place;
+  write(place.path() / "s.toml",
+        replaced("[\"20 mm\", \"20 mm\", \"20 mm\"]", "[\"1 m\", \"1 m\", \"0.1 mm\"]"));
+  const Ended ended =
+      hvp(place.path(), {"run", "s.toml", "--out", "out", "--set", "object.mesh.nodes=20"});
+  expect_refused(place, ended);
+  EXPECT_THAT(ended.err, HasSubstr("object.mesh.nodes=20: 20 nodes cannot be reached"));
+}
+
+}  // namespace
+}  // namespace hvp::cli

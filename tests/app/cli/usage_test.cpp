@@ -1,0 +1,98 @@
+#include <gmock/gmock.h>
+
+#include "tests/app/cli/program.h"
+#include "tests/app/scratch_directory.h"
+
+namespace hvp::cli {
+namespace {
+
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
+
+TEST(Usage, VersionNamesTheProgram) {
+  const ScratchDirectory place;
+  const Ended ended = hvp(place.path(), {"--version"});
+  EXPECT_EQ(ended.status, 0);
+  EXPECT_THAT(ended.out, MatchesRegex("hvp [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+  EXPECT_EQ(ended.err, "");
+}
+
+TEST(Usage, HelpNamesEveryCommandAndTheExitStatus) {
+  const ScratchDirectory place;
+  const Ended ended = hvp(place.path(), {"--help"});
+  EXPECT_EQ(ended.status, 0);
+  for (const char* word : {"run", "explain", "mesh", "export", "reference", "Exit status"}) {
+    EXPECT_THAT(ended.out, HasSubstr(word));
+  }
+  EXPECT_EQ(ended.err, "");
+}
+
+TEST(Usage, EveryCommandHasHelp) {
+  const ScratchDirectory place;
+  for (const char* command : {"run", "explain", "mesh", "export", "reference"}) {
+    const Ended ended = hvp(place.path(), {command, "--help"});
+    EXPECT_EQ(ended.status, 0);
+    EXPECT_THAT(ended.out, HasSubstr(std::string("Usage: hvp ") + command));
+  }
+}
+
+struct Wrong {
+  std::vector<std::string> arguments;
+  std::string line;
+
+  friend void PrintTo(const Wrong& wrong, std::ostream* out) { *out << slug(wrong.line); }
+};
+
+class WrongUsage : public ::testing::TestWithParam<Wrong> {};
+
+TEST_P(WrongUsage, IsOneLineAndStatusTwo) {
+  const ScratchDirectory place;
+  const Ended ended = hvp(place.path(), GetParam().arguments);
+  EXPECT_EQ(ended.status, 2);
+  EXPECT_EQ(ended.out, "");
+  EXPECT_EQ(lines(ended.err).size(), 1U) << ended.err;
+  EXPECT_THAT(ended.err, EndsWith("\n"));
+  EXPECT_THAT(ended.err, HasSubstr(GetParam().line));
+  EXPECT_TRUE(names(place.path()).empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    CommandLine, WrongUsage,
+    ::testing::Values(
+        Wrong{{}, "expected a command: run, explain, mesh, export, reference"},
+        Wrong{{"rum"}, "unknown command rum; did you mean run?"},
+        Wrong{{"simulate"}, "unknown command simulate; there is run, explain"},
+        Wrong{{"--versoin"}, "unknown option --versoin; did you mean --version?"},
+        Wrong{{"run"}, "run: scenario is required"},
+        Wrong{{"run", "a.toml", "b.toml"}, "run: one argument too many: b.toml"},
+        Wrong{{"run", "a.toml", "--quite"}, "unknown option --quite; did you mean --quiet?"},
+        Wrong{{"run", "a.toml", "--trace-register"}, "did you mean --trace-registers?"},
+        Wrong{{"run", "a.toml", "--frames=3"}, "unknown option --frames; there is"},
+        Wrong{{"run", "a.toml", "--out"}, "--out: 1 required FOLDER missing"},
+        Wrong{{"run", "a.toml", "--set"}, "--set: 1 required KEY=VALUE missing"},
+        Wrong{{"export", "a.toml"}, "export: --out is required"},
+        Wrong{{"mesh"}, "mesh: surface is required"},
+        Wrong{{"mesh", "sphere", "--nodes", "many"}, "--nodes"},
+        Wrong{{"mesh", "sphere", "--nodes", "3"}, "out of range: expected from 4 to 1000000"},
+        Wrong{{"mesh", "sphere", "--size", "50"}, "missing unit: expected a length"},
+        Wrong{{"mesh", "sphere", "--size", "5 kg"}, "wrong unit: expected a length"},
+        Wrong{{"mesh", "box", "--size", "0 mm"}, "expected a length above zero"},
+        Wrong{{"mesh", "sphere", "--unit", "1 mm"}, "--unit belongs to a surface file only"},
+        Wrong{{"mesh", "a.stl", "--size", "1 mm"}, "--size belongs to sphere and box only"},
+        Wrong{{"mesh", "a.stl", "--unit", "0 mm"}, "expected a length above zero"},
+        Wrong{{"mesh", "sphre"}, "there is no file sphre"},
+        Wrong{{"mesh", "sphere", "--out", "mesh.stl"}, "expected a file that ends in .vtu"}));
+
+TEST(Usage, AControlCharacterDoesNotBreakTheLine) {
+  const ScratchDirectory place;
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"r\nun"}, {"run", "a\nb.toml"}, {"run", "a", "--x\ny"}}) {
+    const Ended ended = hvp(place.path(), arguments);
+    EXPECT_EQ(ended.status, 2);
+    EXPECT_EQ(lines(ended.err).size(), 1U) << ended.err;
+  }
+}
+
+}  // namespace
+}  // namespace hvp::cli
