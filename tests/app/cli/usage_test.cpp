@@ -41,7 +41,11 @@ struct Wrong {
   std::vector<std::string> arguments;
   std::string line;
 
-  friend void PrintTo(const Wrong& wrong, std::ostream* out) { *out << slug(wrong.line); }
+  friend void PrintTo(const Wrong& wrong, std::ostream* out) {
+    std::string words = "hvp";
+    for (const std::string& argument : wrong.arguments) words += " " + argument;
+    *out << slug(words);
+  }
 };
 
 class WrongUsage : public ::testing::TestWithParam<Wrong> {};
