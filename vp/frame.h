@@ -63,7 +63,8 @@ struct Frame {
   int contact_node = -1;        // mesh node, or −1
   Picoseconds contact_age = 0;  // at the lookup, since the pass that found the node began
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // on the probe, N
+  bool solved = true;                               // false: the force of an earlier frame was held
   std::int64_t saturations = 0;
   std::uint32_t flags = 0;
 

@@ -53,7 +53,10 @@ Platform::Platform(const PlatformSettings& settings, const fem::Body& body,
 
 Platform::~Platform() = default;
 
-void Platform::run() { sc_core::sc_start(); }
+void Platform::run() {
+  sc_core::sc_start();
+  if (servo_.failure()) std::rethrow_exception(servo_.failure());
+}
 
 std::vector<std::string> Platform::modules() {
   std::vector<std::string> names;

@@ -51,7 +51,7 @@ class Platform {
   void add_sink(FrameSink& sink) { ledger_.add_sink(sink); }
   void add_observer(FrameObserver& observer) { servo_.add_observer(observer); }
 
-  // Runs all frames.
+  // Runs all frames. Throws what a sink or an observer threw.
   void run();
 
   const Verdict& verdict() const { return verdict_; }

@@ -9,7 +9,12 @@ void Verdict::take(const Frame& frame, const std::vector<SpanId>& path) {
   ++frames_;
   const Picoseconds latency = frame.latency();
   ++latencies_[latency];
-  if (latency > budget_) ++late_;
+  // A force that was held from an earlier frame is not this frame's, however early it is there.
+  if (!frame.solved) {
+    ++unsolved_;
+  } else if (latency > budget_) {
+    ++late_;
+  }
   const Picoseconds load = frame.work_done - frame.born;
   worst_load_ = std::max(worst_load_, load);
   if (load > period_) ++overloads_;

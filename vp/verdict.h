@@ -16,7 +16,8 @@ struct Attribution {
 };
 
 // The two verdicts of a run. *Force in time*: the force of frame n is at the motor by
-// n·T + (1 + pipeline depth)·T. *Load*: all work that belongs to a period, what follows the force
+// n·T + (1 + pipeline depth)·T, and it is of that frame: one that was held because the solve failed
+// is a miss. *Load*: all work that belongs to a period, what follows the force
 // included, fits into T. A tick that had no frame at all is a miss of both.
 class Verdict : public FrameSink {
  public:
@@ -31,7 +32,8 @@ class Verdict : public FrameSink {
   std::int64_t frames() const { return frames_; }
   std::int64_t skipped_ticks() const { return skipped_; }
   std::int64_t late_forces() const { return late_; }
-  std::int64_t misses() const { return late_ + skipped_; }
+  std::int64_t unsolved() const { return unsolved_; }
+  std::int64_t misses() const { return late_ + unsolved_ + skipped_; }
   std::int64_t overloads() const { return overloads_ + skipped_; }
   bool force_in_time() const { return misses() == 0; }
   bool load_held() const { return overloads() == 0; }
@@ -50,6 +52,7 @@ class Verdict : public FrameSink {
   std::int64_t frames_ = 0;
   std::int64_t skipped_ = 0;
   std::int64_t late_ = 0;
+  std::int64_t unsolved_ = 0;
   std::int64_t overloads_ = 0;
   Picoseconds worst_ = -1;
   std::int64_t worst_frame_ = -1;

@@ -40,6 +40,7 @@ int run_command(const RunArguments& arguments) {
   Scene scene = build_scene(loaded, progress);
   const Clock::time_point built = Clock::now();
   results::create_folder(out, "--out");
+  const results::FolderLock lock(out);
   results::Outcome outcome;
   try {
     outcome =

@@ -16,7 +16,9 @@ struct Accuracy {
   std::optional<double> force;
   std::optional<double> displacement_quantised;  // against the matrix as the board's words have it
   std::optional<double> force_quantised;
-  std::int64_t frames = 0;
+  std::optional<double> displacement_worst;  // the worst frame, against the true model
+  std::optional<double> force_worst;
+  std::int64_t frames = 0;  // compared, the body at rest not counted
 };
 
 // What a run came to: everything that the terminal and summary.json show.
@@ -31,7 +33,8 @@ struct Outcome {
   std::int64_t worst_frame = 0;
   std::int64_t frames = 0;
   std::int64_t skipped_ticks = 0;
-  std::int64_t misses = 0;
+  std::int64_t late = 0;
+  std::int64_t misses = 0;  // late, skipped, or without a solution
   std::int64_t overloads = 0;
   bool force_in_time = false;
   bool load_held = false;

@@ -43,6 +43,23 @@ void scene_lines(Out out, const app::Scene& scene) {
   fmt::format_to(out, "\n");
 }
 
+// What the verdict does not cover.
+void reservations(Out out, const app::Scene& scene, const Outcome& o) {
+  const vp::Fidelity& f = scene.scenario().fidelity;
+  std::string parts;
+  const auto check = [&parts](std::string_view part, vp::Timing level) {
+    if (level != vp::Timing::untimed) return;
+    parts += fmt::format("{}{}", parts.empty() ? "" : ", ", part);
+  };
+  check("accelerator", f.accelerator);
+  check("bus", f.bus);
+  check("host", f.host);
+  if (!parts.empty()) fmt::format_to(out, "  untimed        {}: takes no time here\n", parts);
+  if (o.contact_changes == 0) {
+    fmt::format_to(out, "  no contact     the probe did not touch the body in these frames\n");
+  }
+}
+
 void verdict_lines(Out out, const Outcome& o) {
   const char* qualified = o.flags.empty() ? "PASS" : "held, with flags";
   fmt::format_to(out, "\nTime         {} at {:g} Hz\n", counted(o.frames + o.skipped_ticks, "tick"),
@@ -50,7 +67,7 @@ void verdict_lines(Out out, const Outcome& o) {
   fmt::format_to(out, "  force in time  {}: worst {} of {}, median {}, 99 % {}",
                  o.force_in_time ? qualified : "MISSED", readable_time(o.worst),
                  readable_time(o.budget), readable_time(o.p50), readable_time(o.p99));
-  fmt::format_to(out, "; {} late, {} skipped", o.misses - o.skipped_ticks, o.skipped_ticks);
+  fmt::format_to(out, "; {} late, {} skipped", o.late, o.skipped_ticks);
   if (o.driver_errors > 0) fmt::format_to(out, ", {} without a solution", o.driver_errors);
   fmt::format_to(out, "\n  load           {}: worst {} of {}", o.load_held ? qualified : "EXCEEDED",
                  readable_time(o.worst_load), readable_time(o.period));
@@ -90,10 +107,12 @@ void accuracy_lines(Out out, const Outcome& o) {
   }
   fmt::format_to(out, "\nAccuracy     mean error over {}, of the largest displacement and force\n",
                  counted(a.frames, "frame"));
-  fmt::format_to(out, "  displacement   {} from the true model, {} from the rounded one\n",
-                 ratio(a.displacement), ratio(a.displacement_quantised));
-  fmt::format_to(out, "  contact force  {} from the true model, {} from the rounded one\n",
-                 ratio(a.force), ratio(a.force_quantised));
+  fmt::format_to(
+      out, "  displacement   {} from the true model (worst frame {}), {} from the rounded one\n",
+      ratio(a.displacement), ratio(a.displacement_worst), ratio(a.displacement_quantised));
+  fmt::format_to(
+      out, "  contact force  {} from the true model (worst frame {}), {} from the rounded one\n",
+      ratio(a.force), ratio(a.force_worst), ratio(a.force_quantised));
   fmt::format_to(out,
                  "  Both models are solved in double precision. The rounded one has the matrix as "
                  "the board's\n  words hold it: the second figure is the solver's own error, the "
@@ -126,6 +145,7 @@ std::string report(const app::Scene& scene, const Outcome& o) {
   const Out out = std::back_inserter(text);
   scene_lines(out, scene);
   verdict_lines(out, o);
+  reservations(out, scene, o);
   attribution_lines(out, o);
   accuracy_lines(out, o);
   stability_lines(out, scene, o);

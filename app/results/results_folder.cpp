@@ -9,7 +9,9 @@
 #include <system_error>
 #include <vector>
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include "models/config/input_error.h"
@@ -80,6 +82,18 @@ void remove_earlier_results(const fs::path& folder) {
     throw std::runtime_error(fmt::format("cannot clear {} of an earlier run's results: {}",
                                          folder.string(), error.code().message()));
   }
+}
+
+FolderLock::FolderLock(const std::filesystem::path& folder)
+    : descriptor_(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  if (descriptor_ < 0 || flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  close(descriptor_);
+  throw InputError("--out: another run is writing into " + folder.string() +
+                   "; expected a folder of its own for each run");
+}
+
+FolderLock::~FolderLock() {
+  if (descriptor_ >= 0) close(descriptor_);
 }
 
 }  // namespace hvp::results

@@ -14,4 +14,17 @@ void create_folder(const std::filesystem::path& folder, std::string_view option)
 // else: what stands in a folder after a run is of that run. Throws std::runtime_error.
 void remove_earlier_results(const std::filesystem::path& folder);
 
+// Holds a results folder for one run; it is free again when the process ends, however it does.
+class FolderLock {
+ public:
+  // Throws InputError where another run is writing into the folder.
+  explicit FolderLock(const std::filesystem::path& folder);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int descriptor_;
+};
+
 }  // namespace hvp::results

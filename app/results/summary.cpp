@@ -23,12 +23,16 @@ ordered_json accuracy(const std::optional<Accuracy>& a) {
             {"force_rel", nullptr},
             {"displacement_rel_quantised", nullptr},
             {"force_rel_quantised", nullptr},
+            {"displacement_worst_rel", nullptr},
+            {"force_worst_rel", nullptr},
             {"frames", 0}};
   }
   return {{"displacement_rel", nullable(a->displacement)},
           {"force_rel", nullable(a->force)},
           {"displacement_rel_quantised", nullable(a->displacement_quantised)},
           {"force_rel_quantised", nullable(a->force_quantised)},
+          {"displacement_worst_rel", nullable(a->displacement_worst)},
+          {"force_worst_rel", nullable(a->force_worst)},
           {"frames", a->frames}};
 }
 

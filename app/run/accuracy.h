@@ -31,7 +31,6 @@ class AccuracyTracker : public vp::FrameObserver {
   host::ReferenceRun rounded_run_;
   host::Deviation displacement_, force_;
   host::Deviation displacement_rounded_, force_rounded_;
-  std::int64_t frames_ = 0;
 };
 
 }  // namespace hvp::app

@@ -72,6 +72,7 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
   o.worst_frame = v.worst_frame();
   o.frames = v.frames();
   o.skipped_ticks = v.skipped_ticks();
+  o.late = v.late_forces();
   o.misses = v.misses();
   o.overloads = v.overloads();
   // A force that is held from an earlier frame is not this frame's force.

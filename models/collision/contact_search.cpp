@@ -140,35 +140,27 @@ Pass ContactSearch::start(const Eigen::Vector3d& tip, SearchCost& cost) const {
 Pass ContactSearch::proceed(const Eigen::Vector3d& tip, std::span<const double> displacement,
                             const Contact& present, SearchCost& cost) {
   const auto u = [&](int node) { return Eigen::Vector3d(&displacement[3 * index(node)]); };
-  const std::span<const int> prescribed = patch(present.node);
+  const std::span<const int> moving = patch(present.node);
 
+  // Every node is judged at its undragged place, the contact node and those that it drags along
+  // alike: with one measure for all, hysteresis is enough to keep contact from going to and fro.
   const double keeps = (undragged(present.node, u(present.node)) - tip).norm();
   int best = -1;
   double nearest = std::numeric_limits<double>::infinity();
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();
-  for (const int node : prescribed) excluded_[index(node)] = 1;
-  const NearestNode free = surface_.nearest_surface_node(tip, excluded_);
-  for (const int node : prescribed) excluded_[index(node)] = 0;
-  cost += free.cost;
-  if (free.node >= 0) {
-    best = free.node;
-    nearest = free.distance;
-    place = surface_.position(best);
-  }
-  for (const int node : prescribed) {
+  for (const int node : surface_.surface_nodes()) {
+    if (anchored_[index(node)] != 0 || node == present.node) continue;
     ++cost.nodes;
-    if (node == present.node) continue;
-    const Eigen::Vector3d position = undragged(node, u(node));
-    const double distance = (position - tip).norm();
+    const double distance = (undragged(node, u(node)) - tip).norm();
     if (distance < nearest) {
       best = node;
       nearest = distance;
-      place = position;
     }
   }
   if (best < 0 || !(nearest < (1.0 - settings_.hysteresis) * keeps)) {
     return {.contact = present, .event = ContactEvent::held};
   }
+  const bool prescribed = std::binary_search(moving.begin(), moving.end(), best);
+  const Eigen::Vector3d place = prescribed ? undragged(best, u(best)) : surface_.position(best);
   return {.contact = {.node = best, .offset = grip_offset(place, tip, surface_.rest_normal(best))},
           .event = ContactEvent::slid};
 }

@@ -20,6 +20,10 @@ void ContactSettings::declare(config::Visitor& v) {
              {.help = "nodes within this distance along the surface move with the contact node; "
                       "0 mm is one node, whose stiffness falls with the element size",
               .source = "zero: single-point contact, thesis 3.7"});
+  v.quantity("hand_over", hand_over_s, config::Dimension::time, config::between(0.0, 1.0),
+             {.help = "how long a new contact node takes from where it is to the tip; 0 s jumps, "
+                      "which is a blow to a body with mass",
+              .source = "one period of the collision process; thesis 3.7 jumps"});
 }
 
 }  // namespace hvp::collision

@@ -16,6 +16,7 @@ struct ContactSettings {
   double hysteresis = 0.05;    // fraction by which another node must be nearer to take over
   double release_force = 0.0;  // N, pull along the outward normal above which contact ends
   double patch_radius = 0.0;   // m; 0: a single node
+  double hand_over_s = 30e-3;  // 0: the prescribed displacement jumps
 
   void declare(config::Visitor& v);
 };

@@ -74,11 +74,14 @@ void ReferenceRun::step(std::span<const int> contact, const Eigen::Vector3d& u_c
 void Deviation::add(std::span<const double> value, std::span<const double> reference) {
   double difference = 0;
   double norm = 0;
+  double own = 0;
   for (std::size_t i = 0; i < value.size(); ++i) {
     const double d = value[i] - reference[i];
     difference += d * d;
     norm += reference[i] * reference[i];
+    own += value[i] * value[i];
   }
+  if (norm == 0 && own == 0) return;
   ++frames_;
   sum_ += std::sqrt(difference);
   worst_ = std::max(worst_, std::sqrt(difference));

@@ -56,10 +56,12 @@ class ReferenceRun {
 };
 
 // The deviation from a reference over a run: the mean of ‖v − v_ref‖ over the frames compared,
-// normalised by the largest ‖v_ref‖.
+// normalised by the largest ‖v_ref‖. Frames in which both are zero do not count: a body that
+// nobody touches is no evidence.
 class Deviation {
  public:
   void add(std::span<const double> value, std::span<const double> reference);
+  std::int64_t frames() const { return frames_; }
   // Zero frames, or a reference that is zero throughout, have no deviation.
   std::optional<double> relative() const;
   // The worst frame's ‖v − v_ref‖, normalised likewise.

@@ -23,11 +23,13 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
     {"matrix-rounding",
      "rounding the matrix to its words moves the solution further from the true model than "
      "reference.tolerance",
-     "more matrix bits (16 bits: 3 to 6 % in the dynamic case, 18 bits: 0.5 %)"},
+     "more matrix bits, with solver.static_shift = matrix_bits - 1; each bit about halves it"},
     {"not-converged", "the solver's own error is larger than reference.solver_tolerance",
-     "more iterations, method = \"jacobi-pcg\", or more vector bits"},
+     "first what other flags say; else more iterations, method = \"jacobi-pcg\", more vector bits, "
+     "or a solver.displacement_range that is not far above the displacements"},
     {"range-exceeded", "a displacement or a right-hand side did not fit its word and was clamped",
-     "widen solver.displacement_range or lower the speed of the probe"},
+     "solver.static_shift = matrix_bits - 1 if it is less, a wider solver.displacement_range, or "
+     "a slower probe"},
     {"locking", "linear tetrahedra are too stiff at this Poisson's ratio",
      "a Poisson's ratio of at most 0.45, or more nodes"},
     {"poor-elements", "the mesh has slivers: dihedral angles under 5 or over 175 degrees",

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <exception>
 
 #include <spdlog/spdlog.h>
 
@@ -42,6 +43,16 @@ ServoProcess::ServoProcess(const sc_core::sc_module_name& name, const ServoSetti
 ServoProcess::~ServoProcess() = default;
 
 void ServoProcess::run() {
+  // What is thrown here would otherwise end in the kernel's report of it.
+  try {
+    serve();
+  } catch (...) {
+    failure_ = std::current_exception();
+    sc_core::sc_stop();
+  }
+}
+
+void ServoProcess::serve() {
   const Picoseconds began = now_ps();
   if (!set_up()) {
     spdlog::error("set-up failed: {}", hvp_status_text(counts_.last_error));
@@ -132,10 +143,13 @@ void ServoProcess::frame(std::int64_t number) {
     status = move_contact(next_contact_);
     contact_ = report.contact;
     ++counts_.contact_changes;
+    if (contact_.present()) take_over(born, tip);
   }
 
   Eigen::Vector3d u_c = Eigen::Vector3d::Zero();
-  if (contact_.present()) u_c = contacts_.prescribed_displacement(contact_, tip);
+  if (contact_.present()) {
+    u_c = contacts_.prescribed_displacement(contact_, tip) + hand_over_.gap(born);
+  }
   std::uint32_t frame_flags = 0;
   Eigen::Vector3d force = held_force_;
   if (status == HVP_OK) {
@@ -179,7 +193,8 @@ void ServoProcess::frame(std::int64_t number) {
   record.contact_node = contact_.node;
   record.contact_age = contact_.present() ? looked_up - report.pass_began : 0;
   record.position = tip;
-  record.force = force;
+  record.force = Eigen::Vector3d::Zero() - force;  // no negative zeros
+  record.solved = status == HVP_OK;
   record.flags = frame_flags;
   counts_.flags |= frame_flags;
   const SolvedFrame view{
@@ -202,6 +217,14 @@ Eigen::Vector3d ServoProcess::read_position() {
   access_.read(kDaqBase + DaqBoard::kPosition, counts.data(), sizeof(counts));
   return {plant::kPosition.to_value(counts[0]), plant::kPosition.to_value(counts[1]),
           plant::kPosition.to_value(counts[2])};
+}
+
+// The new contact node is where the last solution left it, and on its way to the tip from now on.
+void ServoProcess::take_over(Picoseconds now, const Eigen::Vector3d& tip) {
+  const auto first = static_cast<std::size_t>(3 * body_.active_index(contact_.node));
+  const Eigen::Vector3d displacement(&computation_.displacement()[first]);
+  hand_over_.begin(now, std::llround(contacts_.settings().hand_over_s * 1e12),
+                   displacement - contacts_.prescribed_displacement(contact_, tip));
 }
 
 // Nodes that were let go get their rows back before others are taken, so that the board's matrix

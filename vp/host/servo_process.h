@@ -2,12 +2,14 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <exception>
 #include <span>
 #include <systemc>
 #include <vector>
 
 #include "driver/hvp_driver.h"
 #include "models/collision/contact_search.h"
+#include "models/collision/hand_over.h"
 #include "models/fem/body.h"
 #include "models/fixed/settings.h"
 #include "models/host/costs.h"
@@ -73,15 +75,19 @@ class ServoProcess : public sc_core::sc_module {
   // When the loop begins: other processes of the host start with it.
   sc_core::sc_event& begun() { return begun_; }
   const ServoCounts& counts() const { return counts_; }
+  // What the servo loop, or somebody whom it calls, threw; null where it ran to its end.
+  std::exception_ptr failure() const { return failure_; }
   // How long set-up took, loading K included.
   Picoseconds set_up_time() const { return set_up_time_; }
 
  private:
   void run();
+  void serve();
   bool set_up();
   void frame(std::int64_t number);
   Eigen::Vector3d read_position();
   void take_contact(const ContactReport& report, Frame& frame);
+  void take_over(Picoseconds now, const Eigen::Vector3d& tip);
   hvp_status move_contact(std::span<const int> nodes);
   hvp_status solve();
   void write_force(const Eigen::Vector3d& force);
@@ -107,12 +113,14 @@ class ServoProcess : public sc_core::sc_module {
   std::vector<std::int32_t> row_;
   std::vector<int> next_contact_;
   collision::Contact contact_;
+  collision::HandOver hand_over_;
   Eigen::Vector3d held_force_ = Eigen::Vector3d::Zero();
   // For the mean force since the last report of the collision process.
   Eigen::Vector3d force_sum_ = Eigen::Vector3d::Zero();
   std::int64_t force_frames_ = 0;
   Picoseconds last_report_ = -1;
   ServoCounts counts_;
+  std::exception_ptr failure_;
   Picoseconds set_up_time_ = 0;
 };
 
