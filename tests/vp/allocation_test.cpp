@@ -1,24 +1,9 @@
 // The frame loop does not allocate once the contact holds.
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
 #include <gtest/gtest.h>
 
+#include "tests/fem/allocation_count.h"
 #include "tests/vp/small_scene.h"
 #include "vp/platform.h"
-
-namespace {
-std::atomic<std::size_t> allocations = 0;
-}  // namespace
-
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace hvp::vp {
 namespace {
@@ -27,8 +12,8 @@ namespace {
 class Count : public FrameSink {
  public:
   void take(const Frame& frame, const std::vector<SpanId>& /*path*/) override {
-    if (frame.number == 100) first = allocations;
-    if (frame.number == 200) last = allocations;
+    if (frame.number == 100) first = fem::allocation_count();
+    if (frame.number == 200) last = fem::allocation_count();
   }
   std::size_t first = 0;
   std::size_t last = 0;

@@ -1,8 +1,11 @@
 // Frames of the whole platform: when each part works, to the picosecond.
 #include <algorithm>
+#include <array>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "tests/vp/expected_time.h"
 #include "tests/vp/small_scene.h"
@@ -148,19 +151,67 @@ TEST(Frame, UntimedPartsLeaveNoTime) {
   expect_sums(run);
 }
 
+// The slide's frames, simulated in a child process: AddressSanitizer does not follow an exception
+// in a process whose stack SystemC's coroutines have switched, and this test throws often.
+std::vector<Frame> frames_of_a_slide() {
+  std::array<int, 2> ends{};
+  if (pipe(ends.data()) != 0) return {};
+  const pid_t child = fork();
+  if (child == 0) {
+    close(ends[0]);
+    SmallScene scene({.dynamics = fem::Dynamics{}, .solver = {}});
+    scene.slide(0.04);
+    scene.settings.servo.frames = 40;
+    const Simulated run(scene);
+    bool sent = run.platform.servo().counts().contact_changes >= 2;
+    const auto send = [&](const void* data, std::size_t bytes) {
+      sent = sent && write(ends[1], data, bytes) == static_cast<ssize_t>(bytes);
+    };
+    for (const Frame& frame : run.log.frames) {
+      const std::size_t spans = frame.spans.size();
+      send(&frame.born, sizeof(frame.born));
+      send(&frame.force_at_motor, sizeof(frame.force_at_motor));
+      send(&spans, sizeof(spans));
+      send(frame.spans.data(), spans * sizeof(Span));
+    }
+    _exit(sent ? 0 : 1);
+  }
+  close(ends[1]);
+  std::vector<Frame> frames;
+  const auto receive = [&](void* data, std::size_t bytes) {
+    auto* to = static_cast<char*>(data);
+    while (bytes > 0) {
+      const ssize_t n = read(ends[0], to, bytes);
+      if (n <= 0) return false;
+      to += n;
+      bytes -= static_cast<std::size_t>(n);
+    }
+    return true;
+  };
+  for (Frame frame; receive(&frame.born, sizeof(frame.born)); frames.push_back(frame)) {
+    std::size_t spans = 0;
+    if (!receive(&frame.force_at_motor, sizeof(frame.force_at_motor)) ||
+        !receive(&spans, sizeof(spans))) {
+      break;
+    }
+    frame.spans.resize(spans);
+    if (!receive(frame.spans.data(), spans * sizeof(Span))) break;
+    frame.number = static_cast<std::int64_t>(frames.size());
+  }
+  close(ends[0]);
+  int status = 1;
+  waitpid(child, &status, 0);
+  return status == 0 ? frames : std::vector<Frame>();
+}
+
 // Every span of every critical path of real frames, those with contact changes included: without
 // it the chain has a gap.
 TEST(Frame, DeletingAnySpanOfTheCriticalPathIsNoticed) {
-  SmallScene scene({.dynamics = fem::Dynamics{}, .solver = {}});
-  scene.slide(0.04);
-  scene.settings.servo.frames = 40;
-  const Simulated run(scene);
-  ASSERT_GE(run.platform.servo().counts().contact_changes, 2);
+  const std::vector<Frame> frames = frames_of_a_slide();
+  ASSERT_EQ(frames.size(), 40U);
   int deleted = 0;
-  for (std::size_t n = 0; n < run.log.frames.size(); ++n) {
-    const Frame& whole = run.log.frames[n];
-    ASSERT_NO_THROW(critical_path(whole));
-    for (const SpanId id : run.log.paths[n]) {
+  for (const Frame& whole : frames) {
+    for (const SpanId id : critical_path(whole)) {
       const Span gone = whole.spans[static_cast<std::size_t>(id)];
       if (gone.start == gone.end) continue;  // taking away nothing leaves the sum whole
       // As if it had never been written: what followed it follows its cause.
@@ -173,7 +224,7 @@ TEST(Frame, DeletingAnySpanOfTheCriticalPathIsNoticed) {
       for (Span& span : f.spans) span.cause = renumbered(span.cause);
       f.force_at_motor = renumbered(f.force_at_motor);
       EXPECT_THROW(critical_path(f), std::logic_error)
-          << "frame " << n << ", " << name(gone.part) << " " << name(gone.phase);
+          << "frame " << whole.number << ", " << name(gone.part) << " " << name(gone.phase);
       ++deleted;
     }
   }

@@ -137,6 +137,19 @@ TEST(Verdict, CountsLateForcesOverloadsAndSkippedTicksApart) {
   EXPECT_EQ(v.percentile(0.99), 1'600);
 }
 
+TEST(Verdict, AForceHeldFromAnEarlierFrameIsAMissHoweverEarlyItIsThere) {
+  Verdict v(2'000, 2'000);
+  Frame f = overlapping_frame();
+  v.take(f, critical_path(f));
+  EXPECT_TRUE(v.force_in_time());
+  f.solved = false;
+  v.take(f, critical_path(f));
+  EXPECT_EQ(v.late_forces(), 0);
+  EXPECT_EQ(v.unsolved(), 1);
+  EXPECT_EQ(v.misses(), 1);
+  EXPECT_FALSE(v.force_in_time());
+}
+
 TEST(Verdict, AttributionOfTheWorstFrameSumsToItsLatency) {
   Verdict v(2'000, 2'000);
   const Frame f = overlapping_frame();
