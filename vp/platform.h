@@ -51,7 +51,8 @@ class Platform {
   void add_sink(FrameSink& sink) { ledger_.add_sink(sink); }
   void add_observer(FrameObserver& observer) { servo_.add_observer(observer); }
 
-  // Runs all frames. Throws what a sink or an observer threw.
+  // Runs all frames. Throws what a sink or an observer threw, and std::runtime_error where the
+  // board could not be set up.
   void run();
 
   const Verdict& verdict() const { return verdict_; }

@@ -50,6 +50,8 @@ TEST(Recovery, BoardThatIsTooSlowIsResetAfterEveryFrame) {
     EXPECT_EQ(frame.flags, kTimeoutFlag);
     EXPECT_EQ(frame.force.norm(), 0);
   }
+  EXPECT_EQ(platform.verdict().unsolved(), 5);
+  EXPECT_FALSE(platform.verdict().force_in_time());
   EXPECT_EQ(platform.servo().counts().driver_errors, 5);
   EXPECT_EQ(platform.servo().counts().last_error, HVP_ERROR_TIMEOUT);
   EXPECT_EQ(platform.servo().counts().flags, kTimeoutFlag);
@@ -115,6 +117,21 @@ TEST(Recovery, ForceOfTheLastGoodFrameIsHeld) {
   ASSERT_NE(wait, path.end());
   EXPECT_EQ(bad.spans[static_cast<std::size_t>(*wait)].end, intrusion);
   EXPECT_EQ(platform.accelerator().illegal_accesses(), 1);
+}
+
+// A run without a frame has no misses either; it must not look like one that held its budget.
+TEST(Recovery, BoardThatRefusesItsSettingsEndsTheRun) {
+  SmallScene scene;
+  scene.settings.servo.solver.headroom_bits = 9;  // the board has room for eight
+  Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
+  std::string what;
+  try {
+    platform.run();
+  } catch (const std::runtime_error& e) {
+    what = e.what();
+  }
+  EXPECT_EQ(what, std::string("the board could not be set up: ") +
+                      hvp_status_text(HVP_ERROR_BAD_SETTING));
 }
 
 }  // namespace

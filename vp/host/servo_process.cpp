@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <exception>
+#include <stdexcept>
+#include <string>
 
 #include <spdlog/spdlog.h>
 
@@ -55,9 +57,9 @@ void ServoProcess::run() {
 void ServoProcess::serve() {
   const Picoseconds began = now_ps();
   if (!set_up()) {
-    spdlog::error("set-up failed: {}", hvp_status_text(counts_.last_error));
-    sc_core::sc_stop();
-    return;
+    // Without a frame no miss would be counted, and the run would look like one that held.
+    throw std::runtime_error(std::string("the board could not be set up: ") +
+                             hvp_status_text(counts_.last_error));
   }
   set_up_time_ = now_ps() - began;
   session_.begin = now_ps();
