@@ -101,12 +101,14 @@ void accuracy_lines(Out out, const Outcome& o) {
   }
   const Accuracy& a = *o.accuracy;
   if (!a.displacement) {
-    fmt::format_to(out, "\nAccuracy     nothing to compare: the body did not move in {}\n",
-                   counted(a.frames, "compared frame"));
+    fmt::format_to(out, "\nAccuracy     nothing to compare: the body did not move\n");
     return;
   }
-  fmt::format_to(out, "\nAccuracy     mean error over {}, of the largest displacement and force\n",
-                 counted(a.frames, "frame"));
+  fmt::format_to(
+      out,
+      "\nAccuracy     mean error over {} in which the body is displaced, relative to the "
+      "largest displacement and force\n",
+      counted(a.frames, "frame"));
   fmt::format_to(
       out, "  displacement   {} from the true model (worst frame {}), {} from the rounded one\n",
       ratio(a.displacement), ratio(a.displacement_worst), ratio(a.displacement_quantised));

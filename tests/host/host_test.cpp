@@ -193,7 +193,9 @@ TEST(Deviation, IsTheMeanOverFramesOverTheLargestReference) {
   const std::vector<double> zero = {0, 0}, one = {3, 4}, off = {3, 4.5};
   d.add(zero, zero);
   EXPECT_FALSE(d.relative());  // nothing to compare with
+  EXPECT_EQ(d.frames(), 0);
   d.add(off, one);
+  d.add(one, one);
   EXPECT_DOUBLE_EQ(*d.relative(), 0.5 / 2 / 5);
   EXPECT_DOUBLE_EQ(*d.worst_relative(), 0.5 / 5);
 }

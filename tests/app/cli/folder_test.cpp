@@ -99,6 +99,21 @@ TEST_F(Folder, KeepsAnEarlierRunWhenTheNewScenarioIsWrong) {
 }
 
 // A killed run may leave files under final names only where they are complete.
+TEST_F(Folder, TakesOneRunAtATime) {
+  Program first(path(), {"run", "s.toml", "--out", "out", "--set", "frames=1000000", "--quiet"});
+  while (!fs::exists(path() / "out/deformation_000010.vtu") && !first.ended()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  const Ended second = run({"--out", "out"});
+  EXPECT_EQ(second.status, 2);
+  EXPECT_EQ(lines(second.err).size(), 1U) << second.err;
+  EXPECT_THAT(second.err, HasSubstr("another run is writing into out"));
+  EXPECT_FALSE(first.ended());
+  first.kill();
+  first.wait();
+  EXPECT_EQ(run({"--out", "out"}).status, 0);
+}
+
 TEST_F(Folder, OfAKilledRunHasNoHalfFileAndTakesTheNextRun) {
   ASSERT_EQ(run({"--out", "out"}).status, 0);
   {
