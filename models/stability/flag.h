@@ -9,18 +9,18 @@
 namespace hvp::stability {
 
 enum class Flag : std::uint8_t {
-  saturation,           // a word reached its limit and was clamped
-  negative_curvature,   // dᵀAd ≤ 0: the rounded matrix is not positive definite
-  zero_diagonal,        // a diagonal entry rounds to zero
-  stagnation,           // α or the residual's norm became zero before the iterations were used
-  scalar_overflow,      // an inner product left its word
-  divergence,           // the residual at the end is larger than the right-hand side
-  matrix_rounding,      // the rounding of the matrix moves the solution beyond the stated bound
-  not_converged,        // the solver's own error is beyond the stated bound
-  range_exceeded,       // a displacement or force does not fit the stated range
-  locking,              // Poisson's ratio at which linear tetrahedra are too stiff
-  poor_elements,        // slivers in the mesh
-  solver_timeout,       // the board did not answer in time
+  saturation,          // a word reached its limit and was clamped
+  negative_curvature,  // dᵀAd ≤ 0: the rounded matrix is not positive definite
+  zero_diagonal,       // a diagonal entry rounds to zero
+  stagnation,          // α or the residual's norm became zero before the iterations were used
+  scalar_overflow,     // an inner product left its word
+  divergence,          // the residual at the end is larger than the right-hand side
+  matrix_rounding,     // the rounding of the matrix moves the solution beyond the stated bound
+  not_converged,       // the solver's own error is beyond the stated bound
+  range_exceeded,      // a displacement or force does not fit the stated range
+  locking,             // Poisson's ratio at which linear tetrahedra are too stiff
+  poor_elements,       // slivers in the mesh
+  solver_timeout,      // the board did not answer in time
   count
 };
 
