@@ -36,13 +36,15 @@ place_in_network() {
   debian_sources 'deb $(REPO_URI) $(RELEASE) $(COMPONENT)' >"$machine/etc/apt/sources.list"
   apt-config dump Acquire >"$machine/etc/apt/apt.conf.d/99network"
   cp -L /etc/resolv.conf /etc/hosts "$machine/etc/"
-  mkdir -p "$machine/etc/ssl/certs"
+  # Beside the file that the package ca-certificates will write there.
+  mkdir -p "$machine/etc/ssl"
   [[ ! -f /etc/ssl/certs/ca-certificates.crt ]] ||
-    cp -L /etc/ssl/certs/ca-certificates.crt "$machine/etc/ssl/certs/"
+    cp -L /etc/ssl/certs/ca-certificates.crt "$machine/etc/ssl/network.crt"
 }
 
 network_environment() {
-  env | grep -iE '^(https?_proxy|no_proxy|PIP_CERT|PIP_INDEX_URL|PIP_PROXY|SSL_CERT_FILE)=' || true
+  env | grep -iE '^(https?_proxy|no_proxy|PIP_INDEX_URL|PIP_PROXY)=' || true
+  [[ ! -f $machine/etc/ssl/network.crt ]] || printf 'PIP_CERT=/etc/ssl/network.crt\n'
 }
 
 mkdir -p "$folder"
