@@ -11,7 +11,6 @@
 #include <vtkFloatArray.h>
 #include <vtkNew.h>
 #include <vtkPoints.h>
-#include <vtkSMPTools.h>
 #include <vtkTypeInt32Array.h>
 #include <vtkUnstructuredGrid.h>
 #include <vtkXMLUnstructuredGridWriter.h>
@@ -74,8 +73,6 @@ vtkSmartPointer<vtkDataArray> float_array(const char* name, int components,
 }
 
 void write_grid(const std::filesystem::path& path, vtkUnstructuredGrid& grid) {
-  // Threads for the ranges of a few thousand values: starting TBB's takes 8 ms.
-  vtkSMPTools::SetBackend("Sequential");
   vtkNew<vtkZLibDataCompressor> compressor;
   compressor->SetCompressionLevel(1);  // mantissas hardly shrink at any level; this is the fastest
   vtkNew<vtkXMLUnstructuredGridWriter> writer;
