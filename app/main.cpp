@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <stdexcept>
 #include <systemc>
@@ -124,6 +125,9 @@ extern "C" const char* __lsan_default_options() { return "use_stacks=0"; }
 #endif
 
 int main(int argc, char** argv) {
+  // Read by VTK, whose header for the same call is no C++20: its writer would start TBB's threads
+  // for the ranges of a few thousand values, which takes 8 ms.
+  setenv("VTK_SMP_BACKEND_IN_USE", "Sequential", 0);
   set_up_log();
   // "Simulation stopped by user" is how every run ends.
   sc_core::sc_report_handler::set_actions("/OSCI/SystemC", sc_core::SC_INFO,
