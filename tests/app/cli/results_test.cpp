@@ -137,6 +137,29 @@ TEST_F(Results, FramesAgreeWithTheSummary) {
   for (const std::string& in_time : column("in_time")) EXPECT_EQ(in_time, "1");
 }
 
+TEST_F(Results, FramesSayWhichWereLate) {
+  // A period between the shortest and the longest frame of a run that was in time.
+  run();
+  std::vector<double> frames;
+  for (const std::string& us : column("latency_us")) frames.push_back(std::stod(us));
+  const auto [shortest, longest] = std::minmax_element(frames.begin(), frames.end());
+  const double period = std::floor(1e6 * (*shortest + *longest) / 2) / 1e6;
+  ASSERT_LT(*shortest, period);
+  // As long as before in all, or the probe would not have come as far.
+  run({"--set", "frames=800", "--set", "budget.period=" + std::to_string(period) + " us"}, 1);
+  const std::vector<std::string> latency = column("latency_us");
+  const std::vector<std::string> in_time = column("in_time");
+  std::int64_t late = 0;
+  for (std::size_t i = 0; i < latency.size(); ++i) {
+    const bool held = std::stod(latency[i]) <= period;
+    EXPECT_EQ(in_time[i], held ? "1" : "0") << "frame " << i;
+    if (!held) ++late;
+  }
+  EXPECT_EQ(summary().at("deadline").at("misses"),
+            late + summary().at("deadline").at("skipped_ticks").get<std::int64_t>());
+  EXPECT_GT(late, 0);
+}
+
 // The exact slices of every lane: on one lane each begins after the last or lies within it.
 void expect_nested(const json& trace) {
   struct Slice {
