@@ -16,7 +16,19 @@
 
 namespace {
 
-using namespace hvp::app;
+using hvp::app::end_progress;
+using hvp::app::explain_command;
+using hvp::app::export_command;
+using hvp::app::ExportArguments;
+using hvp::app::kFailed;
+using hvp::app::kHeld;
+using hvp::app::kWrongInput;
+using hvp::app::mesh_command;
+using hvp::app::MeshArguments;
+using hvp::app::reference_command;
+using hvp::app::run_command;
+using hvp::app::RunArguments;
+using hvp::app::ScenarioArguments;
 
 void scenario_arguments(CLI::App& command, ScenarioArguments& arguments) {
   command.add_option("scenario", arguments.scenario, "a scenario file")

@@ -86,8 +86,9 @@ void Ledger::close(std::int64_t number) {
   Frame& closing = frame(number);
   critical_path(closing, path_);
   for (FrameSink* sink : sinks_) sink->take(closing, path_);
-  spare_.push_back(std::move(closing));
-  open_.erase(open_.begin() + (&closing - open_.data()));
+  const auto position = open_.begin() + (&closing - open_.data());
+  spare_.push_back(std::move(*position));
+  open_.erase(position);
 }
 
 }  // namespace hvp::vp

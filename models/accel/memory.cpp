@@ -124,7 +124,8 @@ void require_fit(const Architecture& a, const WordLengths& words, const Pattern&
                         std::to_string(p.nodes()) + " nodes:";
   for (const Resource& r : u.resources) {
     if (r.used <= r.available) continue;
-    message += " " + std::to_string(r.used) + " " + r.type + " of " + std::to_string(r.available);
+    message += message.back() == ':' ? " " : ", ";
+    message += std::to_string(r.used) + " " + r.type + " of " + std::to_string(r.available);
   }
   const int nodes = largest_mesh(a, words, p);
   if (nodes > 0) {
