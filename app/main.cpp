@@ -16,6 +16,7 @@
 
 namespace {
 
+using hvp::app::describe_usage_error;
 using hvp::app::end_progress;
 using hvp::app::explain_command;
 using hvp::app::export_command;
