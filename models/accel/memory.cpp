@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "models/config/input_error.h"
 
@@ -104,7 +105,7 @@ int largest_mesh(const Architecture& a, const WordLengths& words, const Pattern&
   const double packages_a_node =
       static_cast<double>(packages_in_fullest_partition(a, p)) / p.nodes();
   const auto fits = [&](int nodes) {
-    const auto packages = static_cast<std::int64_t>(packages_a_node * nodes + 0.5);
+    const auto packages = std::llround(packages_a_node * nodes);
     return usage_of(a, words, nodes, packages).fits();
   };
   // Usage grows with the mesh, so that the edge is found by halving.
