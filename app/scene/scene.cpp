@@ -95,7 +95,8 @@ void Scene::require_fit() const {
     accel::require_fit(scenario_.accelerator, words, pattern_);
   } catch (const InputError& e) {
     const std::int64_t fitting = accel::largest_mesh(scenario_.accelerator, words, pattern_);
-    const std::int64_t in_mesh = fitting * quality_.nodes / body_->active_nodes();
+    const auto mesh_nodes = static_cast<std::int64_t>(quality_.nodes);
+    const std::int64_t in_mesh = fitting * mesh_nodes / body_->active_nodes();
     const std::string advice =
         fitting > 0 ? fmt::format("; that is object.mesh.nodes = {}", in_mesh) : "";
     throw InputError("accelerator." + e.key(), e.what() + advice);
