@@ -1,6 +1,7 @@
 #include "app/results/report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <string_view>
 
@@ -83,7 +84,7 @@ void attribution_lines(Out out, const Outcome& o) {
   for (const vp::Attribution& a : lines) {
     if (a.time == 0) continue;
     const double share = static_cast<double>(a.time) / static_cast<double>(o.worst);
-    const auto bar = static_cast<std::size_t>(share * kBarWidth + 0.5);
+    const auto bar = static_cast<std::size_t>(std::lround(share * kBarWidth));
     fmt::format_to(out, "  {:<22} {:>10}  {:>5.1f} %{}\n",
                    fmt::format("{} {}", name(a.part), name(a.phase)), readable_time(a.time),
                    100 * share, bar == 0 ? "" : "  " + std::string(bar, '#'));
