@@ -17,7 +17,7 @@ constexpr Picoseconds kPeriod = 30'303'030'303;  // 33 Hz in whole picoseconds
 
 // The probe inside the body, which nobody else moves.
 struct Bench {
-  Bench(const host::Host& costs, bool untimed, test::Program::Script script)
+  Bench(const host::Host& costs, bool untimed, const test::Program::Script& script)
       : exchange{Mailbox<SceneState>(inside()), Mailbox<ContactReport>(ContactReport{})},
         process("collision", costs, untimed, scene.contacts, exchange, session, begun),
         program("program", [this, script](test::Program& p) {
