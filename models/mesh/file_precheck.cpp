@@ -17,7 +17,12 @@ namespace hvp::mesh {
 
 namespace {
 
-[[noreturn]] void refuse(const std::string& message) { throw InputError("surface", message); }
+// A message quotes the file, whose bytes need be no text: it stays one printable line.
+[[noreturn]] void refuse(std::string message) {
+  std::replace_if(
+      message.begin(), message.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  throw InputError("surface", message);
+}
 
 std::string_view next_line(std::string_view& rest) {
   const std::size_t end = rest.find('\n');
