@@ -31,7 +31,7 @@ void fixed_point(benchmark::State& state, Method method) {
     b.push_back(static_cast<std::int32_t>(std::ldexp(random.symmetric(), 19 - s.rhs_shift())));
   }
   std::vector<std::int32_t> x(b.size());
-  ReferenceSolver solver(s, matrix.block_rows());
+  ReferenceSolver solver(s);
   for (auto _ : state) {
     benchmark::DoNotOptimize(solver.solve(matrix, {.b = b, .x = x}));
   }

@@ -13,44 +13,6 @@ namespace {
 
 std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
-std::uint64_t largest(std::span<const std::int32_t> vector) {
-  std::uint64_t result = 0;
-  for (const std::int32_t word : vector) result = std::max(result, magnitude(word));
-  return result;
-}
-
-bool all_zero(std::span<const std::int32_t> vector) { return largest(vector) == 0; }
-
-// Bits of a·2^a_exponent + b·2^b_exponent, rounded up; negative for sums under one half. Both
-// terms are cut to 40 bits of the larger, as an adder behind two shifters would. The sum is
-// taken a little too large, by four units of a word of `word_bits` that it just fills: room for
-// the rounding of the two terms, so that what is scaled by this bound cannot saturate.
-int sum_bit_length(std::uint64_t a, int a_exponent, std::uint64_t b, int b_exponent,
-                   int word_bits) {
-  constexpr int kAdderBits = 40;
-  if (a == 0 && b == 0) return 0;
-  const int a_top = bit_length(a) + a_exponent;
-  const int b_top = bit_length(b) + b_exponent;
-  const int top = a == 0 ? b_top : b == 0 ? a_top : std::max(a_top, b_top);
-  const int unit = top - kAdderBits;
-  const auto aligned = [unit](std::uint64_t value, int exponent) {
-    if (value == 0) return std::uint64_t{0};
-    const int left = exponent - unit;
-    if (left >= 0) return value << left;
-    return left > -64 ? (value >> -left) + 1 : std::uint64_t{1};
-  };
-  const std::uint64_t sum = aligned(a, a_exponent) + aligned(b, b_exponent);
-  return bit_length(sum + (sum >> (word_bits - 3))) + unit;
-}
-
-// The power of two that re-scales a vector whose largest entry has `bits` bits of magnitude: up
-// to `target`, and down only as far as the word is narrow.
-int rescaling(int bits, int available, int target) {
-  if (bits < target) return target - bits;
-  if (bits > available) return available - bits;
-  return 0;
-}
-
 // The three sums of a block row, exact.
 std::array<std::int64_t, 3> block_row_sums(const QuantisedMatrix& matrix, int row,
                                            std::span<const std::int32_t> vector) {
@@ -71,72 +33,48 @@ double norm(std::span<const std::int32_t> vector) {
   return std::sqrt(sum);
 }
 
+// The same to the bit in any order of summation.
+double square_sum(std::span<const std::int32_t> vector) {
+  Int128 sum = 0;
+  for (const std::int32_t word : vector) sum += static_cast<Int128>(word) * word;
+  return static_cast<double>(sum);
+}
+
+double worth(const ScaledScalar& scalar) {
+  return std::ldexp(static_cast<double>(scalar.word), -scalar.exponent);
+}
+
 // Bits of magnitude that re-scaling leaves the 32-bit r of PCG (and so z): the products in zᵀr
 // have 50 bits then, and 2^13 rows fit 64.
 constexpr int kWideResidualBits = 25;
-
-constexpr int kInverseBits = 18;
 
 double square(double value) { return value * value; }
 
 }  // namespace
 
-ReferenceSolver::ReferenceSolver(const Settings& settings, int block_rows)
+ReferenceSolver::ReferenceSolver(const Settings& settings)
     : settings_(settings),
-      vector_limit_(word_limit(settings.vector_bits)),
-      residual_limit_(word_limit(settings.residual_bits())),
-      product_limit_(word_limit(Settings::kProductBits)),
+      preconditioner_(settings),
       direction_target_(settings.vector_bits - 1 - settings.headroom_bits),
-      residual_target_(settings.method == Method::cg ? direction_target_ : kWideResidualBits),
-      residual_available_(settings.method == Method::cg ? settings.vector_bits - 1
-                                                        : kWideResidualBits) {
+      residual_target_(settings.preconditioned() ? kWideResidualBits : direction_target_),
+      residual_available_(settings.preconditioned() ? kWideResidualBits
+                                                    : settings.vector_bits - 1) {
   settings_.check();
-  for (auto* vector : {&r_, &z_, &d_, &q_, &inverse_diagonal_}) {
-    vector->assign(3 * at(block_rows), 0);
-  }
 }
 
-Report ReferenceSolver::solve(const QuantisedMatrix& matrix, Job job, Observer* observer) {
-  require_fitting(matrix, job);
-  report_ = {};
-  stopped_ = false;
-  last_progress_ = 0;
-  if (settings_.start == Start::zero) std::ranges::fill(job.x, 0);
-  invert_diagonal(matrix);
-  start(matrix, job);
-  smallest_ = std::ldexp(static_cast<double>(z_r_), -2 * residual_exponent_);
-  while (report_.iterations < settings_.iterations && step(matrix, job.x)) {
-    ++report_.iterations;
-    const double squared = std::ldexp(static_cast<double>(z_r_), -2 * residual_exponent_);
-    if (squared < smallest_) {
-      smallest_ = squared;
-      last_progress_ = report_.iterations;
-    }
-    if (observer == nullptr) continue;
-    observer->iteration({.iteration = report_.iterations,
-                         .x = job.x,
-                         .r = r_,
-                         .z = z_,
-                         .d = d_,
-                         .q = q_,
-                         .d_q = d_q_,
-                         .z_r = z_r_,
-                         .alpha = alpha_,
-                         .beta = beta_,
-                         .residual_exponent = residual_exponent_,
-                         .direction_exponent = direction_exponent_});
+void ReferenceSolver::load(const QuantisedMatrix& matrix) {
+  require_fitting(matrix);
+  matrix_ = &matrix;
+  for (auto* vector : {&r_, &z_, &d_, &q_, &w_, &n_, &v_, &product_}) {
+    vector->word.assign(at(matrix.rows()), 0);
   }
-  judge(matrix, job);
-  return report_;
+  b_.assign(at(matrix.rows()), 0);
+  preconditioner_.load(matrix);
 }
 
-void ReferenceSolver::require_fitting(const QuantisedMatrix& matrix, const Job& job) const {
-  const std::size_t rows = r_.size();
-  if (at(matrix.rows()) != rows || job.b.size() != rows || job.x.size() != rows) {
-    throw InputError("a matrix of " + std::to_string(matrix.rows()) + " rows, b of " +
-                     std::to_string(job.b.size()) + " and x of " + std::to_string(job.x.size()) +
-                     " entries; the solver was made for " + std::to_string(rows));
-  }
+void ReferenceSolver::update(int node) { preconditioner_.update(*matrix_, node); }
+
+void ReferenceSolver::require_fitting(const QuantisedMatrix& matrix) const {
   if (matrix.bits != settings_.matrix_bits) {
     throw InputError("matrix_bits", "the matrix has words of " + std::to_string(matrix.bits) +
                                         " bits, the solver was set to " +
@@ -156,178 +94,349 @@ void ReferenceSolver::require_fitting(const QuantisedMatrix& matrix, const Job& 
   }
 }
 
-// P⁻¹ of thesis §4.3 in 32-bit words: 2^(matrix_bits + kInverseBits) / a_ii, so that the stiffest
-// diagonal still has 19 bits. The preconditioner only has to be positive, so a tiny diagonal
-// may be clamped at the largest word. A row without a positive diagonal takes no part.
-void ReferenceSolver::invert_diagonal(const QuantisedMatrix& matrix) {
-  const std::int64_t one = std::int64_t{1} << (settings_.matrix_bits + kInverseBits);
-  for (int i = 0; i < matrix.rows(); ++i) {
-    const std::int64_t diagonal = matrix.diagonal(i);
-    if (diagonal == 0) report_.flags.raise(stability::Flag::zero_diagonal);
-    if (diagonal < 0) report_.flags.raise(stability::Flag::negative_curvature);  // eᵢᵀA eᵢ < 0
-    const std::int64_t inverse = diagonal > 0 ? (2 * one + diagonal) / (2 * diagonal) : 0;
-    inverse_diagonal_[at(i)] = static_cast<std::int32_t>(std::min(inverse, product_limit_));
+Report ReferenceSolver::solve(Job job, Observer* observer) {
+  const std::size_t rows = r_.word.size();
+  if (matrix_ == nullptr || job.b.size() != rows || job.x.size() != rows) {
+    throw InputError("b of " + std::to_string(job.b.size()) + " and x of " +
+                     std::to_string(job.x.size()) + " entries; the loaded matrix has " +
+                     std::to_string(rows) + " rows");
   }
-  // One register for all rows: r · P⁻¹ / 2^shift always fits 32 bits.
-  preconditioner_shift_ = bit_length(largest(inverse_diagonal_));
+  report_ = {};
+  report_.flags = preconditioner_.flags();
+  stopped_ = false;
+  last_progress_ = 0;
+  start(job);
+  smallest_ = worth(z_r_);
+  while (report_.iterations < settings_.iterations) {
+    if (reached()) {
+      report_.reached = true;
+      break;
+    }
+    const Step made = by_recurrence() ? step_by_recurrence(job) : step(job);
+    if (made == Step::stopped) break;
+    if (worth(z_r_) < smallest_) {
+      smallest_ = worth(z_r_);
+      last_progress_ = report_.iterations;
+    }
+    observe(job, observer);
+  }
+  judge(job);
+  return report_;
 }
 
 // Lines 1 to 7 of the pseudo-code in thesis §4.3.
-void ReferenceSolver::start(const QuantisedMatrix& matrix, const Job& job) {
-  for (std::int32_t& word : job.x) word = clamp(word, vector_limit_);
-  multiply(matrix, job.x);
+void ReferenceSolver::start(const Job& job) {
+  for (std::size_t i = 0; i < b_.size(); ++i) {
+    if (settings_.start == Start::zero) job.x[i] = 0;
+    job.x[i] = machine_.write(job.x[i], settings_.vector_bits);
+    b_[i] = machine_.write(job.b[i], settings_.residual_bits());
+  }
+  rhs_square_ = std::ldexp(square_sum(b_), 2 * settings_.rhs_shift());
+  form_residual(job);
+  report_.start_residual_norm = std::sqrt(residual_squares_);
+  precondition();
+  z_r_ = machine_.inner_product(z_, r_);
+
+  // Without dynamic scaling the direction of PCG is in units of x (thesis §4.3).
+  d_.exponent = settings_.preconditioned() ? 0 : z_.exponent;
+  fill(z_, d_);
+  if (by_recurrence()) start_recurrences();
+}
+
+// r = b - A·x, as the host sent b. The exponent has to be known before the first word of r is
+// written, so A·x is read twice.
+void ReferenceSolver::form_residual(const Job& job) {
   const int rhs_shift = settings_.rhs_shift();
   const int product_shift = settings_.product_shift();
-  const bool cg = settings_.method == Method::cg;
-
-  // The exponent has to be known before the first word of r is written, so A·x is read twice.
+  multiply(job.x, 0, product_);
+  const auto full = [&](std::size_t i) {
+    return (std::int64_t{b_[i]} << rhs_shift) - (std::int64_t{product_.word[i]} << product_shift);
+  };
   std::uint64_t widest = 0;
-  double squares = 0;
-  for (std::size_t i = 0; i < r_.size(); ++i) {
-    const std::int64_t b = clamp(job.b[i], residual_limit_);
-    const std::int64_t full = (b << rhs_shift) - (std::int64_t{q_[i]} << product_shift);
-    widest = std::max(widest, magnitude(full));
-    squares += square(static_cast<double>(full));
+  residual_squares_ = 0;
+  for (std::size_t i = 0; i < b_.size(); ++i) {
+    widest = std::max(widest, magnitude(full(i)));
+    residual_squares_ += square(static_cast<double>(full(i)));
   }
-  report_.start_residual_norm = std::sqrt(squares);
-  residual_exponent_ = 0;
+  r_.exponent = -rhs_shift;
   if (settings_.dynamic_scaling && widest != 0) {
-    residual_exponent_ = residual_target_ - bit_length(widest) + rhs_shift;
+    r_.exponent = residual_target_ - bit_length(widest);
   }
-  for (std::size_t i = 0; i < r_.size(); ++i) {
-    std::int64_t ignored = 0;  // b was counted above
-    const std::int64_t b = saturate(job.b[i], residual_limit_, ignored);
-    const std::int64_t full = (b << rhs_shift) - (std::int64_t{q_[i]} << product_shift);
-    r_[i] = clamp(shift(full, residual_exponent_ - rhs_shift), residual_limit_);
-  }
-
-  precondition();
-  z_r_ = inner_product(z_, r_);
-
-  // With neither scaling the direction of PCG is in units of x (thesis §4.3).
-  direction_exponent_ =
-      cg ? 0 : preconditioner_shift_ - (settings_.matrix_bits + kInverseBits) + product_shift;
-  if (settings_.dynamic_scaling) direction_exponent_ = direction_target_ - bit_length(largest(z_));
-  for (std::size_t i = 0; i < d_.size(); ++i) {
-    d_[i] = clamp(shift(z_[i], direction_exponent_), vector_limit_);
+  for (std::size_t i = 0; i < b_.size(); ++i) {
+    r_.word[i] =
+        machine_.write(machine_.rounded_shift(full(i), r_.exponent), settings_.residual_bits());
   }
 }
 
-// Lines 9 to 18 of the pseudo-code in thesis §4.3.
-bool ReferenceSolver::step(const QuantisedMatrix& matrix, std::span<std::int32_t> x) {
-  const bool scaling = settings_.dynamic_scaling;
-  if (z_r_ == 0 || all_zero(d_)) {
-    stopped_ = true;
-    return false;
-  }
+// The vectors that the recurrences carry, from their definitions.
+void ReferenceSolver::start_recurrences() {
+  form_recurrences();
+  d_q_ = machine_.inner_product(w_, r_);
+}
 
-  multiply(matrix, d_);
-  d_q_ = inner_product(d_, q_);
-  if (d_q_ <= 0) {
-    // Every step so far lowered the energy ½xᵀAx - bᵀx; this one would raise it without
-    // bound. x stays the best there was.
-    report_.flags.raise(stability::Flag::negative_curvature);
-    ++report_.breakdowns;
-    return false;
+// w = A·r, q = A·d; pipelined: n = A·w, v = A·q.
+void ReferenceSolver::form_recurrences() {
+  if (!pipelined()) {
+    multiply(r_.word, r_.exponent, w_);
+    multiply(d_.word, d_.exponent, q_);
+    return;
   }
-  alpha_ = ratio(z_r_, d_q_, settings_.coefficient_bits);
-  alpha_.exponent += direction_exponent_;
+  multiply(r_.word, r_.exponent, product_);
+  w_.exponent = r_.exponent - settings_.static_shift;
+  fill(product_, w_);
+  multiply(d_.word, d_.exponent, product_);
+  q_.exponent = d_.exponent - settings_.static_shift;
+  fill(product_, q_);
+  multiply(w_.word, w_.exponent, n_);
+  multiply(q_.word, q_.exponent, v_);
+}
 
-  // r is re-scaled before it is written, by the bound |r| + α·|q| on what will come.
-  int up = 0;
-  if (scaling) {
-    const auto step_size = static_cast<std::uint64_t>(alpha_.mantissa) * largest(q_);
-    up = rescaling(
-        sum_bit_length(largest(r_), 0, step_size, alpha_.exponent, settings_.residual_bits()),
-        residual_available_, residual_target_);
+// Writes a vector into vector words, so that it fills them with dynamic scaling; with the
+// exponent that they have without.
+void ReferenceSolver::fill(const ScaledVector& from, ScaledVector& to) {
+  if (settings_.dynamic_scaling) {
+    to.exponent = from.exponent + direction_target_ - bit_length(from.largest());
   }
-  const int x_exponent =
-      alpha_.exponent + settings_.rhs_shift() - residual_exponent_ - settings_.product_shift();
-  for (std::size_t i = 0; i < r_.size(); ++i) {
-    const std::int64_t along = std::int64_t{alpha_.mantissa} * d_[i];
-    const std::int64_t change = std::int64_t{alpha_.mantissa} * q_[i];
-    x[i] = clamp(x[i] + shift(along, x_exponent), vector_limit_);
-    r_[i] = clamp(shift(r_[i], up) - shift(change, alpha_.exponent + up), residual_limit_);
+  for (std::size_t i = 0; i < to.word.size(); ++i) {
+    to.word[i] = machine_.write(machine_.rounded_shift(from.word[i], to.exponent - from.exponent),
+                                settings_.vector_bits);
   }
-  residual_exponent_ += up;
-  direction_exponent_ -= up;  // z grew with r
+}
 
-  precondition();
-  const std::int64_t z_r_old = z_r_;
-  z_r_ = inner_product(z_, r_);
-  beta_ = ratio(z_r_, z_r_old, settings_.coefficient_bits);
-  beta_.exponent -= 2 * up;
+// ‖r‖ <= stop_residual · ‖b‖.
+bool ReferenceSolver::reached() const {
+  if (settings_.stop_residual == 0) return false;
+  const double residual_square = std::ldexp(square_sum(r_.word), -2 * r_.exponent);
+  return residual_square <= square(settings_.stop_residual) * rhs_square_;
+}
 
-  // So is d, by |z| + β·|d|.
-  up = 0;
-  if (scaling && z_r_ != 0) {
-    const auto carried = static_cast<std::uint64_t>(beta_.mantissa) * largest(d_);
-    up = rescaling(sum_bit_length(largest(z_), direction_exponent_, carried, beta_.exponent,
-                                  settings_.vector_bits),
-                   settings_.vector_bits - 1, direction_target_);
-  }
-  direction_exponent_ += up;
-  for (std::size_t i = 0; i < d_.size(); ++i) {
-    const std::int64_t carried = std::int64_t{beta_.mantissa} * d_[i];
-    d_[i] = clamp(shift(z_[i], direction_exponent_) + shift(carried, beta_.exponent + up),
-                  vector_limit_);
-  }
+bool ReferenceSolver::nothing_left() {
+  stopped_ = z_r_.word <= 0 || d_.all_zero();
+  return stopped_;
+}
+
+// Every step so far lowered the energy ½xᵀAx - bᵀx; this one would raise it without bound. x
+// stays the best there was.
+bool ReferenceSolver::negative_curvature() {
+  if (d_q_.word > 0) return false;
+  report_.flags.raise(stability::Flag::negative_curvature);
+  ++report_.breakdowns;
   return true;
 }
 
-// q = A·vector. The sum is exact and is rounded and clamped once, when it is written.
-void ReferenceSolver::multiply(const QuantisedMatrix& matrix,
-                               std::span<const std::int32_t> vector) {
-  const int product_shift = settings_.product_shift();
-  for (int row = 0; row < matrix.block_rows(); ++row) {
-    const std::array<std::int64_t, 3> sum = block_row_sums(matrix, row, vector);
-    for (std::size_t c = 0; c < 3; ++c) {
-      q_[at(3 * row) + c] = clamp(shift(sum[c], -product_shift), product_limit_);
+// Lines 9 to 18 of the pseudo-code in thesis §4.3.
+ReferenceSolver::Step ReferenceSolver::step(const Job& job) {
+  if (nothing_left()) return Step::stopped;
+  multiply(d_.word, d_.exponent, q_);
+  d_q_ = machine_.inner_product(d_, q_);
+  if (negative_curvature()) return Step::stopped;
+  form_alpha();
+  advance_solution(job);
+  ++report_.iterations;
+  if (replaces()) {
+    form_residual(job);
+  } else {
+    advance(r_, q_, settings_.residual_bits(), residual_target_, residual_available_);
+  }
+  precondition();
+  const ScaledScalar z_r_old = z_r_;
+  z_r_ = machine_.inner_product(z_, r_);
+  form_beta(z_r_old);
+  follow(d_, z_);
+  return Step::made;
+}
+
+// Chronopoulos and Gear: δ = rᵀA·r with γ = rᵀr at once, and dᵀA·d = δ - β²·(the one before).
+// Ghysels and Vanroose: A·w beside both, and w = A·r and v = A·q by recurrence.
+ReferenceSolver::Step ReferenceSolver::step_by_recurrence(const Job& job) {
+  if (nothing_left()) return Step::stopped;
+  if (negative_curvature()) return Step::stopped;
+  form_alpha();
+  advance_solution(job);
+  ++report_.iterations;
+  if (replaces()) {
+    form_residual(job);
+    form_recurrences();
+  } else {
+    advance(r_, q_, settings_.residual_bits(), residual_target_, residual_available_);
+    if (pipelined()) {
+      advance(w_, v_, settings_.vector_bits, direction_target_, settings_.vector_bits - 1);
+      multiply(w_.word, w_.exponent, n_);
+    } else {
+      multiply(r_.word, r_.exponent, w_);
     }
   }
+  precondition();
+  const ScaledScalar z_r_old = z_r_;
+  z_r_ = machine_.inner_product(z_, r_);
+  form_beta(z_r_old);
+  follow_curvature(machine_.inner_product(w_, r_));
+  follow(d_, z_);
+  if (pipelined()) {
+    follow(q_, w_);
+    follow_product(v_, n_, q_.exponent);
+  } else {
+    follow_product(q_, w_, d_.exponent);
+  }
+  return Step::made;
 }
 
+bool ReferenceSolver::replaces() {
+  if (settings_.replace_residual_every == 0) return false;
+  if (report_.iterations % settings_.replace_residual_every != 0) return false;
+  ++report_.replacements;
+  return true;
+}
+
+void ReferenceSolver::form_alpha() {
+  alpha_ = machine_.divide(z_r_.word, d_q_.word, settings_.alpha_fraction_bits);
+  alpha_.exponent += d_q_.exponent - z_r_.exponent;
+  // As it applies to q, for words of r as they were.
+  shown_alpha_ = {alpha_.mantissa, alpha_.exponent - q_.exponent + r_.exponent};
+}
+
+void ReferenceSolver::form_beta(const ScaledScalar& z_r_old) {
+  beta_ = {};
+  if (z_r_.word <= 0) return;
+  beta_ = machine_.divide(z_r_.word, z_r_old.word, settings_.beta_fraction_bits);
+  beta_.exponent += z_r_old.exponent - z_r_.exponent;
+}
+
+// dᵀA·d of the next direction: δ - β²·(this one's). Both multiplications by β are rounded. Where
+// rounding leaves nothing of it, the directions start anew, with β = 0.
+void ReferenceSolver::follow_curvature(const ScaledScalar& delta) {
+  const int mantissa_bits = settings_.coefficient_bits - 1;
+  const Int128 once = machine_.shift_scalar(beta_.mantissa * d_q_.word, -mantissa_bits);
+  const Int128 twice = machine_.shift_scalar(
+      beta_.mantissa * once, 2 * beta_.exponent + mantissa_bits - d_q_.exponent + delta.exponent);
+  d_q_ = {machine_.write_scalar(delta.word - twice), delta.exponent};
+  if (d_q_.word > 0 || delta.word <= 0) return;
+  beta_ = {};
+  d_q_ = delta;
+}
+
+// x += α·d
+void ReferenceSolver::advance_solution(const Job& job) {
+  for (std::size_t i = 0; i < d_.word.size(); ++i) {
+    const std::int64_t along = std::int64_t{alpha_.mantissa} * d_.word[i];
+    const std::int64_t change = machine_.rounded_shift(along, alpha_.exponent - d_.exponent);
+    job.x[i] = machine_.write(job.x[i] + change, settings_.vector_bits);
+  }
+}
+
+// r -= α·q. r is re-scaled before it is written, by the bound |r| + α·|q| on what will come.
+void ReferenceSolver::advance(ScaledVector& r, const ScaledVector& q, int bits, int target,
+                              int available) {
+  const int exponent = alpha_.exponent - q.exponent + r.exponent;
+  const std::uint64_t step_size = magnitude(alpha_.mantissa) * q.largest();
+  const int up = machine_.rescaling(r.largest(), 0, step_size, exponent, bits, target, available);
+  for (std::size_t i = 0; i < r.word.size(); ++i) {
+    const std::int64_t change = std::int64_t{alpha_.mantissa} * q.word[i];
+    const std::int64_t kept = machine_.rounded_shift(r.word[i], up);
+    r.word[i] = machine_.write(kept - machine_.rounded_shift(change, exponent + up), bits);
+  }
+  r.exponent += up;
+}
+
+// d = z + β·d, re-scaled by the bound |z| + β·|d|.
+void ReferenceSolver::follow(ScaledVector& d, const ScaledVector& z) {
+  int up = 0;
+  if (z_r_.word > 0) {
+    const std::uint64_t carried = magnitude(beta_.mantissa) * d.largest();
+    up = machine_.rescaling(z.largest(), d.exponent - z.exponent, carried, beta_.exponent,
+                            settings_.vector_bits, direction_target_, settings_.vector_bits - 1);
+  }
+  d.exponent += up;
+  for (std::size_t i = 0; i < d.word.size(); ++i) {
+    const std::int64_t carried = std::int64_t{beta_.mantissa} * d.word[i];
+    const std::int64_t fresh = machine_.rounded_shift(z.word[i], d.exponent - z.exponent);
+    d.word[i] = machine_.write(fresh + machine_.rounded_shift(carried, beta_.exponent + up),
+                               settings_.vector_bits);
+  }
+}
+
+// q = w + β·q, where q is a product and its exponent that of A·(the vector it belongs to).
+void ReferenceSolver::follow_product(ScaledVector& q, const ScaledVector& w, int vector_exponent) {
+  const int exponent = vector_exponent - settings_.product_shift();
+  const int up = exponent - q.exponent;
+  q.exponent = exponent;
+  for (std::size_t i = 0; i < q.word.size(); ++i) {
+    const std::int64_t carried = std::int64_t{beta_.mantissa} * q.word[i];
+    const std::int64_t fresh = machine_.rounded_shift(w.word[i], q.exponent - w.exponent);
+    q.word[i] = machine_.write(fresh + machine_.rounded_shift(carried, beta_.exponent + up),
+                               Settings::kProductBits);
+  }
+}
+
+// product = A·vector. The sum is exact and is rounded and clamped once, when it is written.
+void ReferenceSolver::multiply(std::span<const std::int32_t> vector, int exponent,
+                               ScaledVector& product) {
+  const int product_shift = settings_.product_shift();
+  for (int row = 0; row < matrix_->block_rows(); ++row) {
+    const std::array<std::int64_t, 3> sum = block_row_sums(*matrix_, row, vector);
+    for (std::size_t c = 0; c < 3; ++c) {
+      product.word[at(3 * row) + c] =
+          machine_.write(machine_.rounded_shift(sum[c], -product_shift), Settings::kProductBits);
+    }
+  }
+  product.exponent = exponent - product_shift;
+}
+
+// z = P⁻¹·r
 void ReferenceSolver::precondition() {
-  if (settings_.method == Method::cg) {
-    std::ranges::copy(r_, z_.begin());
+  if (!settings_.preconditioned()) {
+    z_.exponent = r_.exponent;
+    std::ranges::copy(r_.word, z_.word.begin());
     return;
   }
-  for (std::size_t i = 0; i < r_.size(); ++i) {
-    const std::int64_t product = std::int64_t{r_[i]} * inverse_diagonal_[i];
-    z_[i] = clamp(shift(product, -preconditioner_shift_), product_limit_);
+  const int dropped = preconditioner_.shift();
+  for (std::size_t i = 0; i < r_.word.size(); ++i) {
+    const std::size_t node = i / 3;
+    const std::int32_t* inverse = &preconditioner_.words()[3 * i];
+    const std::int32_t* r = &r_.word[3 * node];
+    std::int64_t sum = 0;
+    for (std::size_t c = 0; c < 3; ++c) sum += std::int64_t{inverse[c]} * r[c];
+    z_.word[i] = machine_.write(machine_.rounded_shift(sum, -dropped), Settings::kProductBits);
   }
+  z_.exponent = r_.exponent + ReferencePreconditioner::scale_bits(settings_) - dropped;
 }
 
-std::int64_t ReferenceSolver::inner_product(std::span<const std::int32_t> a,
-                                            std::span<const std::int32_t> b) {
-  Accumulator sum;
-  for (std::size_t i = 0; i < a.size(); ++i) sum.add(a[i], b[i]);
-  bool overflow = false;
-  const std::int64_t result = sum.value(overflow);
-  if (overflow) report_.flags.raise(stability::Flag::scalar_overflow);
-  return result;
-}
-
-std::int32_t ReferenceSolver::clamp(std::int64_t value, std::int64_t limit) {
-  return static_cast<std::int32_t>(saturate(value, limit, report_.saturations));
+void ReferenceSolver::observe(const Job& job, Observer* observer) const {
+  if (observer == nullptr) return;
+  IterationState state{.iteration = report_.iterations,
+                       .x = job.x,
+                       .r = r_.word,
+                       .z = z_.word,
+                       .d = d_.word,
+                       .q = q_.word,
+                       .d_q = d_q_.word,
+                       .z_r = z_r_.word,
+                       .alpha = shown_alpha_,
+                       .beta = beta_,
+                       .residual_exponent = r_.exponent + settings_.rhs_shift(),
+                       .direction_exponent = d_.exponent - z_.exponent};
+  if (by_recurrence()) state.w = w_.word;
+  if (pipelined()) {
+    state.n = n_.word;
+    state.v = v_.word;
+  }
+  observer->iteration(state);
 }
 
 // What the words themselves cannot tell: the true residual, and which flags follow from it.
-void ReferenceSolver::judge(const QuantisedMatrix& matrix, const Job& job) {
+void ReferenceSolver::judge(const Job& job) {
   const int rhs_shift = settings_.rhs_shift();
   double rhs = 0;
   double residual = 0;
   double floor = 0;
-  for (int row = 0; row < matrix.block_rows(); ++row) {
-    const std::array<std::int64_t, 3> product = block_row_sums(matrix, row, job.x);
+  for (int row = 0; row < matrix_->block_rows(); ++row) {
+    const std::array<std::int64_t, 3> product = block_row_sums(*matrix_, row, job.x);
     std::array<std::int64_t, 3> magnitudes = {0, 0, 0};
-    for (int k = matrix.row_begin[at(row)]; k < matrix.row_begin[at(row) + 1]; ++k) {
-      for (int e = 0; e < 9; ++e) magnitudes[at(e / 3)] += std::abs(matrix.value[at(9 * k + e)]);
+    for (int k = matrix_->row_begin[at(row)]; k < matrix_->row_begin[at(row) + 1]; ++k) {
+      for (int e = 0; e < 9; ++e) magnitudes[at(e / 3)] += std::abs(matrix_->value[at(9 * k + e)]);
     }
     for (std::size_t c = 0; c < 3; ++c) {
-      std::int64_t ignored = 0;
-      const std::int64_t b = saturate(job.b[at(3 * row) + c], residual_limit_, ignored)
-                             << rhs_shift;
+      const std::int64_t b = std::int64_t{b_[at(3 * row) + c]} << rhs_shift;
       rhs += square(static_cast<double>(b));
       residual += square(static_cast<double>(Int128{b} - product[c]));
       floor += square(static_cast<double>(magnitudes[c]));
@@ -336,12 +445,13 @@ void ReferenceSolver::judge(const QuantisedMatrix& matrix, const Job& job) {
   report_.rhs_norm = std::sqrt(rhs);
   report_.true_residual_norm = std::sqrt(residual);
   report_.rounding_floor = std::sqrt(floor);
-  report_.residual_norm = std::ldexp(norm(r_), rhs_shift - residual_exponent_);
+  report_.residual_norm = std::ldexp(norm(r_.word), -r_.exponent);
 
   if (report_.saturations > 0) report_.flags.raise(stability::Flag::saturation);
+  if (report_.wraps > 0) report_.flags.raise(stability::Flag::wrapped);
   // Without dynamic scaling a direction can round to zero, or stall at a few last places, far
   // from the solution.
-  if (stopped_ && !all_zero(r_)) report_.flags.raise(stability::Flag::stagnation);
+  if (stopped_ && !r_.all_zero()) report_.flags.raise(stability::Flag::stagnation);
 
   // Rounding x in every iteration leaves a few units in the last place.
   constexpr double kFloors = 4;

@@ -4,55 +4,87 @@
 #include <span>
 #include <vector>
 
+#include "models/fixed/reference_machine.h"
+#include "models/fixed/reference_preconditioner.h"
 #include "models/fixed/solver.h"
 
 namespace hvp::fixed {
 
 // The solver as the thesis' FPGA computes it, written for the reader: one word, one statement.
-// Thesis §4.2 (CG) and §4.3 (Jacobi-PCG) are one loop here; CG is the case z = r.
-// docs/fixed-point.md derives the exponents.
+// Thesis §4.2 (CG) and §4.3 (PCG) are one loop here; CG is the case z = r. The two variants with
+// fewer synchronisations have a loop each. docs/fixed-point.md derives the exponents.
 class ReferenceSolver final : public Solver {
  public:
-  // Checks the settings (InputError) and allocates everything a solve needs.
-  ReferenceSolver(const Settings& settings, int block_rows);
+  // Checks the settings (InputError).
+  explicit ReferenceSolver(const Settings& settings);
+  ReferenceSolver(const ReferenceSolver&) = delete;
+  ReferenceSolver& operator=(const ReferenceSolver&) = delete;
 
-  Report solve(const QuantisedMatrix& matrix, Job job, Observer* observer = nullptr) override;
+  using Solver::solve;
+  void load(const QuantisedMatrix& matrix) override;
+  void update(int node) override;
+  Report solve(Job job, Observer* observer = nullptr) override;
 
  private:
-  void require_fitting(const QuantisedMatrix& matrix, const Job& job) const;
-  void invert_diagonal(const QuantisedMatrix& matrix);
-  void start(const QuantisedMatrix& matrix, const Job& job);
-  // Returns false where there is no step to make.
-  bool step(const QuantisedMatrix& matrix, std::span<std::int32_t> x);
-  void multiply(const QuantisedMatrix& matrix, std::span<const std::int32_t> vector);
+  enum class Step { made, stopped };
+
+  void require_fitting(const QuantisedMatrix& matrix) const;
+  bool pipelined() const { return settings_.method == Method::pipelined_cg; }
+  bool by_recurrence() const {
+    return pipelined() || settings_.method == Method::chronopoulos_gear;
+  }
+
+  void start(const Job& job);
+  void form_residual(const Job& job);
+  void start_recurrences();
+  void form_recurrences();
+  Step step(const Job& job);                // thesis §4.2, §4.3
+  Step step_by_recurrence(const Job& job);  // Chronopoulos-Gear, pipelined
+
+  bool reached() const;
+  bool nothing_left();
+  bool negative_curvature();
+  bool replaces();
+  void form_alpha();
+  void form_beta(const ScaledScalar& z_r_old);
+  void follow_curvature(const ScaledScalar& delta);
+  void advance_solution(const Job& job);
+  void advance(ScaledVector& r, const ScaledVector& q, int bits, int target, int available);
+  void follow(ScaledVector& d, const ScaledVector& z);
+  void follow_product(ScaledVector& q, const ScaledVector& w, int vector_exponent);
+  void multiply(std::span<const std::int32_t> vector, int exponent, ScaledVector& product);
+  void fill(const ScaledVector& from, ScaledVector& to);
   void precondition();
-  std::int64_t inner_product(std::span<const std::int32_t> a, std::span<const std::int32_t> b);
-  std::int32_t clamp(std::int64_t value, std::int64_t limit);
-  void judge(const QuantisedMatrix& matrix, const Job& job);
+
+  void observe(const Job& job, Observer* observer) const;
+  void judge(const Job& job);
 
   Settings settings_;
-  std::int64_t vector_limit_;
-  std::int64_t residual_limit_;
-  std::int64_t product_limit_;
+  Report report_;
+  ReferenceMachine machine_{settings_, report_};
+  ReferencePreconditioner preconditioner_;
+  const QuantisedMatrix* matrix_ = nullptr;
+
   // Bits of magnitude: re-scaling up fills the target, re-scaling down starts beyond what is
   // available (for d, its word).
   int direction_target_;
   int residual_target_;
   int residual_available_;
 
-  std::vector<std::int32_t> r_, z_, d_, q_;  // q = A·d
-  std::vector<std::int32_t> inverse_diagonal_;
-  int preconditioner_shift_ = 0;  // z = r · inverse_diagonal · 2^-shift
+  ScaledVector r_, z_, d_, q_;  // q = A·d
+  ScaledVector w_, n_, v_;      // A·r; A·w; what stands for A·q (IterationState)
+  ScaledVector product_;        // A·x and others, before they are scaled
 
-  std::int64_t z_r_ = 0;
-  std::int64_t d_q_ = 0;
+  // α is worth mantissa · 2^exponent, exponents of vectors included.
   Coefficient alpha_, beta_;
-  int residual_exponent_ = 0;   // f: the residual is r · 2^(rhs_shift - f) in units of A·x
-  int direction_exponent_ = 0;  // e: the direction is d · 2^-e in units of z
+  Coefficient shown_alpha_;
+  ScaledScalar z_r_, d_q_;
   bool stopped_ = false;
-  double smallest_ = 0;    // zᵀr so far, in units that do not move with the exponent
-  int last_progress_ = 0;  // the iteration that reached it
-  Report report_;
+  std::vector<std::int32_t> b_;  // as it came, in its word
+  double rhs_square_ = 0;        // ‖b‖²
+  double residual_squares_ = 0;  // ‖b - A·x‖² when r was formed last
+  double smallest_ = 0;          // zᵀr so far
+  int last_progress_ = 0;        // the iteration that reached it
 };
 
 }  // namespace hvp::fixed

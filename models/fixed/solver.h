@@ -22,7 +22,10 @@ struct Job {
 // for N. They are the model's, not the hardware's: the board has no pass to spare for them.
 struct Report {
   int iterations = 0;            // updates of x that were made
+  bool reached = false;          // ended by stop_residual
+  int replacements = 0;          // residuals formed anew
   std::int64_t saturations = 0;  // words clamped, those of b and x on entry included
+  std::int64_t wraps = 0;        // words wrapped, with Overflow::wrap
   int breakdowns = 0;            // directions of negative curvature
   stability::Flags flags;
 
@@ -44,11 +47,18 @@ struct IterationState {
   int iteration = 0;  // from 1
   std::span<const std::int32_t> x;
   std::span<const std::int32_t> r;
-  std::span<const std::int32_t> z;  // the same as r with method cg
+  std::span<const std::int32_t> z;  // the same as r without a preconditioner
   std::span<const std::int32_t> d;  // of the next iteration
-  std::span<const std::int32_t> q;  // A·d of this iteration
-  std::int64_t d_q = 0;             // dᵀAd
-  std::int64_t z_r = 0;             // zᵀr of the new residual
+  // A·d of this iteration; with chronopoulos_gear and pipelined_cg what stands for it by
+  // recurrence, of the next iteration.
+  std::span<const std::int32_t> q;
+  // chronopoulos_gear: A·r. pipelined_cg: A·r as a vector word, A·A·r and what stands for A·q.
+  // Empty elsewhere.
+  std::span<const std::int32_t> w = {};
+  std::span<const std::int32_t> n = {};
+  std::span<const std::int32_t> v = {};
+  Int128 d_q = 0;  // dᵀAd of this iteration; by recurrence, of the next one
+  Int128 z_r = 0;  // zᵀr of the new residual
   Coefficient alpha;
   Coefficient beta;
   // The residual is r · 2^(rhs_shift - residual_exponent) in units of A·x, the direction
@@ -70,9 +80,22 @@ class Solver {
  public:
   virtual ~Solver() = default;
 
-  // Does not allocate. Throws InputError where the sizes disagree, the matrix has other words
-  // than the settings say, or a row is so long that its sum could leave 64 bits.
-  virtual Report solve(const QuantisedMatrix& matrix, Job job, Observer* observer = nullptr) = 0;
+  // Takes a matrix, which has to stay where it is until the next load(). Throws InputError where
+  // it has other words than the settings say, or a row is so long that its sum could leave 64
+  // bits. Allocates where the matrix is larger than all before.
+  virtual void load(const QuantisedMatrix& matrix) = 0;
+
+  // After set_contact() or restore_row() of a node of the loaded matrix. Does not allocate.
+  virtual void update(int node) = 0;
+
+  // Does not allocate. Throws InputError where the sizes disagree.
+  virtual Report solve(Job job, Observer* observer = nullptr) = 0;
+
+  // load() and solve().
+  Report solve(const QuantisedMatrix& matrix, Job job, Observer* observer = nullptr) {
+    load(matrix);
+    return solve(job, observer);
+  }
 };
 
 }  // namespace hvp::fixed

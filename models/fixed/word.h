@@ -2,7 +2,8 @@
 
 #include <bit>
 #include <cstdint>
-#include <limits>
+
+#include "models/fixed/settings.h"
 
 // The words of the solver and the four operations on them that lose information: clamping,
 // rounding, dividing and summing. All of them are odd functions (f(-v) = -f(v)), as sign and
@@ -10,6 +11,7 @@
 namespace hvp::fixed {
 
 __extension__ using Int128 = __int128;
+__extension__ using UInt128 = unsigned __int128;
 
 // Largest magnitude of a signed word. The range is symmetric, -2^(bits-1) is not used, so
 // that negating a word never overflows.
@@ -22,8 +24,13 @@ constexpr std::uint64_t magnitude(std::int64_t value) {
 // Number of bits of the magnitude: 0 for 0, 1 for 1, 2 for 2 and 3.
 constexpr int bit_length(std::uint64_t value) { return static_cast<int>(std::bit_width(value)); }
 
+constexpr int bit_length(UInt128 value) {
+  const auto high = static_cast<std::uint64_t>(value >> 64);
+  return high != 0 ? 64 + bit_length(high) : bit_length(static_cast<std::uint64_t>(value));
+}
+
 // The nearest admissible value; counts what it clamps.
-constexpr std::int64_t saturate(std::int64_t value, std::int64_t limit, std::int64_t& count) {
+constexpr Int128 saturate(Int128 value, Int128 limit, std::int64_t& count) {
   if (value > limit) {
     ++count;
     return limit;
@@ -35,32 +42,75 @@ constexpr std::int64_t saturate(std::int64_t value, std::int64_t limit, std::int
   return value;
 }
 
+// The low bits of a value as a two's complement word; counts what did not fit the symmetric
+// range, the most negative word included.
+constexpr Int128 wrap(Int128 value, int bits, std::int64_t& count) {
+  const Int128 limit = static_cast<Int128>((UInt128{1} << (bits - 1)) - 1);
+  if (value <= limit && value >= -limit) return value;
+  ++count;
+  const int unused = 128 - bits;
+  return static_cast<Int128>(static_cast<UInt128>(value) << unused) >> unused;
+}
+
+// Whether a quotient goes up: `twice_rest` is double what the division left.
+constexpr bool rounds_up(UInt128 twice_rest, UInt128 divisor, bool odd, Rounding rounding) {
+  if (rounding == Rounding::truncation) return false;
+  if (rounding == Rounding::nearest_up) return twice_rest >= divisor;
+  return twice_rest > divisor || (twice_rest == divisor && odd);
+}
+
 // What shift() returns at most; it leaves room to add any word without overflow.
 inline constexpr std::int64_t kShiftLimit = std::int64_t{1} << 61;
 
-// value · 2^exponent, rounded to the nearest integer, ties away from zero; clamped to
-// ±kShiftLimit, which is beyond every word, so that the clamping is counted where the word is
-// written.
-constexpr std::int64_t shift(std::int64_t value, int exponent) {
-  // Sign and magnitude without a branch: signs are random, and a branch on them is the greater
-  // part of a solve's time.
-  const auto sign = static_cast<std::uint64_t>(value >> 63);
-  const std::uint64_t size = (static_cast<std::uint64_t>(value) ^ sign) - sign;
+// value · 2^exponent, rounded by `rounding`; clamped to ±kShiftLimit, which is beyond every word,
+// so that the clamping is counted where the word is written.
+constexpr std::int64_t shift(std::int64_t value, int exponent,
+                             Rounding rounding = Rounding::nearest_up) {
+  const std::uint64_t size = magnitude(value);
   constexpr auto kLimit = static_cast<std::uint64_t>(kShiftLimit);
   std::uint64_t result = 0;
-  if (exponent < 0) {
-    if (exponent < -63) return 0;
-    // Adding half a unit could carry out of 64 bits; the bit below the cut says the same.
-    result = (size >> -exponent) + ((size >> (-exponent - 1)) & 1U);
+  if (exponent >= 0) {
+    if (size != 0)
+      result = exponent > 62 || size > (kLimit >> exponent) ? kLimit : size << exponent;
+  } else if (exponent >= -64) {
+    const int dropped = -exponent;
+    const std::uint64_t half = std::uint64_t{1} << (dropped - 1);
+    const std::uint64_t kept = dropped == 64 ? 0 : size >> dropped;
+    const std::uint64_t rest = size & (half | (half - 1));
+    result = kept;
+    if (rounding == Rounding::nearest_up && rest >= half) result = kept + 1;
+    if (rounding == Rounding::nearest_even && rest >= half) {
+      if (rest > half || (kept & 1U) != 0) result = kept + 1;
+    }
     if (result > kLimit) result = kLimit;
-  } else if (size != 0) {
-    result = exponent > 62 || size > (kLimit >> exponent) ? kLimit : size << exponent;
   }
-  return static_cast<std::int64_t>((result ^ sign) - sign);
+  return value < 0 ? -static_cast<std::int64_t>(result) : static_cast<std::int64_t>(result);
+}
+
+// The same of a scalar; what leaves ±2^100 is clamped there and counted in `count`.
+constexpr Int128 shift_scalar(Int128 value, int exponent, Rounding rounding, std::int64_t& count) {
+  constexpr UInt128 kLimit = UInt128{1} << 100;
+  const UInt128 size = value < 0 ? ~static_cast<UInt128>(value) + 1 : static_cast<UInt128>(value);
+  UInt128 result = 0;
+  if (exponent >= 0) {
+    if (size != 0)
+      result = exponent > 100 || size > (kLimit >> exponent) ? kLimit + 1 : size << exponent;
+  } else if (exponent > -128) {
+    const UInt128 half = UInt128{1} << (-exponent - 1);
+    const UInt128 kept = size >> -exponent;
+    const UInt128 rest = size & (half | (half - 1));
+    // Twice the rest against twice the half is the rest against the half.
+    result = rounds_up(rest, half, (kept & 1U) != 0, rounding) ? kept + 1 : kept;
+  }
+  if (result > kLimit) {
+    ++count;
+    result = kLimit;
+  }
+  return value < 0 ? -static_cast<Int128>(result) : static_cast<Int128>(result);
 }
 
 // A coefficient α or β: mantissa · 2^exponent. The mantissa of n bits (sign included) lies in
-// [2^(n-2), 2^(n-1)), or is zero.
+// [2^(n-2), 2^(n-1)) where it has a shift of its own, or is zero.
 struct Coefficient {
   std::int32_t mantissa = 0;
   int exponent = 0;
@@ -68,15 +118,16 @@ struct Coefficient {
   friend constexpr bool operator==(const Coefficient&, const Coefficient&) = default;
 };
 
-// numerator / denominator rounded to a mantissa of `bits` bits, to nearest with ties away from
-// zero (nearest rounding in divisions: thesis §4.2). numerator >= 0, denominator > 0.
-// Shift and subtract, one bit of the quotient a step, as a divider in hardware does it.
-constexpr Coefficient ratio(std::int64_t numerator, std::int64_t denominator, int bits) {
+// numerator / denominator rounded to a mantissa of `bits` bits (nearest rounding in divisions:
+// thesis §4.2). numerator >= 0, denominator > 0. Shift and subtract, one bit of the quotient a
+// step, as a divider in hardware does it.
+constexpr Coefficient ratio(Int128 numerator, Int128 denominator, int bits,
+                            Rounding rounding = Rounding::nearest_up) {
   if (numerator == 0) return {};
-  auto rest = static_cast<std::uint64_t>(numerator);
-  auto divisor = static_cast<std::uint64_t>(denominator);
-  const int left = std::countl_zero(rest) - 1;  // both to 63 bits
-  const int right = std::countl_zero(divisor) - 1;
+  auto rest = static_cast<UInt128>(numerator);
+  auto divisor = static_cast<UInt128>(denominator);
+  const int left = 127 - bit_length(rest);  // both to 127 bits
+  const int right = 127 - bit_length(divisor);
   rest <<= left;
   divisor <<= right;
   int exponent = right - left;
@@ -84,7 +135,7 @@ constexpr Coefficient ratio(std::int64_t numerator, std::int64_t denominator, in
     rest <<= 1;
     --exponent;
   }
-  // Now 1 <= rest/divisor < 2, and rest < 2^64.
+  // Now 1 <= rest/divisor < 2, and rest < 2^128.
   std::uint64_t quotient = 0;
   for (int bit = 0; bit < bits - 1; ++bit) {
     quotient <<= 1;
@@ -94,7 +145,7 @@ constexpr Coefficient ratio(std::int64_t numerator, std::int64_t denominator, in
     }
     rest <<= 1;
   }
-  if (rest >= divisor) ++quotient;  // rest was doubled: this compares with half a unit
+  if (rounds_up(rest, divisor, (quotient & 1U) != 0, rounding)) ++quotient;
   exponent -= bits - 2;
   if (quotient == std::uint64_t{1} << (bits - 1)) {
     quotient >>= 1;
@@ -103,21 +154,25 @@ constexpr Coefficient ratio(std::int64_t numerator, std::int64_t denominator, in
   return {static_cast<std::int32_t>(quotient), exponent};
 }
 
-// The exact sum of products, clamped once to 64 bits; `overflow` tells of it.
-class Accumulator {
- public:
-  constexpr void add(std::int64_t a, std::int64_t b) { sum_ += static_cast<Int128>(a) * b; }
-  constexpr std::int64_t value(bool& overflow) const {
-    constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
-    if (sum_ > kMax || sum_ < -kMax) {
-      overflow = true;
-      return sum_ > 0 ? kMax : -kMax;
+// The quotient in units of 2^-fraction_bits, not yet cut to a word. numerator >= 0,
+// denominator > 0. Modulo 2^128, which is beyond every word by more than a quotient can have:
+// `huge` says that bits were lost.
+constexpr UInt128 fixed_ratio(Int128 numerator, Int128 denominator, int fraction_bits,
+                              Rounding rounding, bool& huge) {
+  const auto divisor = static_cast<UInt128>(denominator);
+  UInt128 quotient = static_cast<UInt128>(numerator) / divisor;
+  UInt128 rest = static_cast<UInt128>(numerator) % divisor;
+  huge = bit_length(quotient) + fraction_bits > 127;
+  for (int bit = 0; bit < fraction_bits; ++bit) {
+    quotient <<= 1;
+    rest <<= 1;
+    if (rest >= divisor) {
+      rest -= divisor;
+      quotient |= 1U;
     }
-    return static_cast<std::int64_t>(sum_);
   }
-
- private:
-  Int128 sum_ = 0;
-};
+  if (rounds_up(rest << 1, divisor, (quotient & 1U) != 0, rounding)) ++quotient;
+  return quotient;
+}
 
 }  // namespace hvp::fixed

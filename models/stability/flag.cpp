@@ -36,6 +36,8 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "a surface without needle-shaped triangles, or another node count"},
     {"solver-timeout", "the board did not finish in the driver's time-out",
      "raise host.timeout, or find out why the board is late in trace.json"},
+    {"wrapped", "a word of the solver did not fit and lost its high bits",
+     "solver.overflow = \"saturate\", and then what that run's flags say"},
 }};
 }  // namespace
 

@@ -21,6 +21,7 @@ enum class Flag : std::uint8_t {
   locking,             // Poisson's ratio at which linear tetrahedra are too stiff
   poor_elements,       // slivers in the mesh
   solver_timeout,      // the board did not answer in time
+  wrapped,             // a word lost its high bits: overflow = "wrap"
   count
 };
 

@@ -54,7 +54,7 @@ Accuracy press(const Press& p, Settings s) {
   const Eigen::VectorXd rounded_last = rounded_system.solve(load);
 
   const Scaling scaling(s, matrix);
-  ReferenceSolver solver(s, matrix.block_rows());
+  ReferenceSolver solver(s);
   const auto rows = static_cast<std::size_t>(matrix.rows());
   std::vector<std::int32_t> b(rows);
   std::vector<std::int32_t> x(rows, 0);
@@ -177,7 +177,7 @@ TEST(DynamicContact, SolutionOfTheRoundedSystemToTheLastPlaces) {
     std::vector<std::int32_t> b(static_cast<std::size_t>(matrix.rows()));
     std::vector<std::int32_t> x(b.size(), 0);
     EXPECT_EQ(scaling.right_hand_side({load.data(), b.size()}, b), 0);
-    ReferenceSolver solver(settings, matrix.block_rows());
+    ReferenceSolver solver(settings);
     EXPECT_TRUE(solver.solve(matrix, {.b = b, .x = x}).clean());
     const Eigen::VectorXd exact = Factor(dequantise(matrix).to_eigen()).solve(load);
     double worst = 0;

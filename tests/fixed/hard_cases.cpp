@@ -39,7 +39,7 @@ Trial solve_random_solution(const QuantisedMatrix& matrix, Settings s) {
         std::clamp(std::round(std::ldexp(entry, -s.rhs_shift())), -limit, limit)));
   }
   std::vector<std::int32_t> x(x0.size());
-  ReferenceSolver solver(s, matrix.block_rows());
+  ReferenceSolver solver(s);
   Trial trial;
   trial.report = solver.solve(matrix, {.b = words, .x = x});
   double error = 0;

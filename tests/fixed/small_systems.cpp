@@ -40,7 +40,7 @@ Solution solve(const Settings& settings, const QuantisedMatrix& matrix,
   result.x = std::move(guess);
   result.x.resize(b.size(), 0);
   Recorder recorder;
-  ReferenceSolver solver(settings, matrix.block_rows());
+  ReferenceSolver solver(settings);
   result.report = solver.solve(matrix, {.b = b, .x = result.x}, &recorder);
   result.history = std::move(recorder.history);
   return result;

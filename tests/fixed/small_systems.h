@@ -14,7 +14,7 @@ QuantisedMatrix dense_matrix(const std::vector<std::vector<std::int32_t>>& rows,
 // Everything an observer can see of one iteration.
 struct Words {
   std::vector<std::int32_t> x, r, z, d, q;
-  std::int64_t d_q = 0, z_r = 0;
+  Int128 d_q = 0, z_r = 0;
   Coefficient alpha, beta;
   int residual_exponent = 0, direction_exponent = 0;
   friend bool operator==(const Words&, const Words&) = default;

@@ -88,7 +88,7 @@ Outcome run(Settings s, std::span<const int> iterations, int meshes) {
     const std::vector<std::int32_t> b = to_words(e.b, s);
     std::vector<std::int32_t> x(b.size());
     ErrorAt observer(e.x0, iterations);
-    ReferenceSolver solver(s, e.matrix.block_rows());
+    ReferenceSolver solver(s);
     outcome.flags.merge(solver.solve(e.matrix, {.b = b, .x = x}, &observer).flags);
     EXPECT_EQ(observer.error.size(), iterations.size());
     for (std::size_t i = 0; i < observer.error.size(); ++i) {
@@ -220,7 +220,7 @@ TEST(ThesisTables, WarmStartPays) {
     const std::vector<std::int32_t> b = to_words(a * x0, s);
     std::vector<std::int32_t> x;
     for (const double entry : x0) x.push_back(static_cast<std::int32_t>(std::round(0.98 * entry)));
-    ReferenceSolver solver(s, matrix.block_rows());
+    ReferenceSolver solver(s);
     EXPECT_TRUE(solver.solve(matrix, {.b = b, .x = x}).clean());
     double sum = 0;
     for (std::size_t i = 0; i < x.size(); ++i) {

@@ -94,21 +94,53 @@ TEST(Word, RatioByHand) {
   EXPECT_EQ(ratio(65535, 65536, 16), (Coefficient{16384, -14}));
 }
 
-TEST(Word, AccumulatorIsExactAndClampsOnce) {
-  bool overflow = false;
-  Accumulator sum;
-  sum.add(kMax, 2);
-  sum.add(-kMax, 2);
-  sum.add(3, 5);
-  EXPECT_EQ(sum.value(overflow), 15);
-  EXPECT_FALSE(overflow);
-  sum.add(kMax, 1);
-  EXPECT_EQ(sum.value(overflow), kMax);
-  EXPECT_TRUE(overflow);
-  overflow = false;
-  sum.add(-kMax, 3);
-  EXPECT_EQ(sum.value(overflow), -kMax);
-  EXPECT_TRUE(overflow);
+TEST(Word, RoundsEveryWay) {
+  for (const int sign : {1, -1}) {
+    EXPECT_EQ(shift(sign * 5, -1, Rounding::nearest_up), sign * 3);
+    EXPECT_EQ(shift(sign * 5, -1, Rounding::nearest_even), sign * 2);
+    EXPECT_EQ(shift(sign * 7, -1, Rounding::nearest_even), sign * 4);
+    EXPECT_EQ(shift(sign * 7, -1, Rounding::truncation), sign * 3);
+    EXPECT_EQ(shift(sign * 7, -2, Rounding::nearest_even), sign * 2);
+  }
+  // 5/4 of three mantissa bits (sign included): 1.01 is a tie between 1.0 and 1.1.
+  EXPECT_EQ(ratio(5, 4, 3, Rounding::nearest_up), (Coefficient{3, -1}));
+  EXPECT_EQ(ratio(5, 4, 3, Rounding::nearest_even), (Coefficient{2, -1}));
+  EXPECT_EQ(ratio(7, 4, 3, Rounding::nearest_even), (Coefficient{2, 0}));
+  EXPECT_EQ(ratio(7, 4, 3, Rounding::truncation), (Coefficient{3, -1}));
+}
+
+TEST(Word, WrapsAndCounts) {
+  std::int64_t count = 0;
+  EXPECT_EQ(wrap(32767, 16, count), 32767);
+  EXPECT_EQ(wrap(-32767, 16, count), -32767);
+  EXPECT_EQ(count, 0);
+  EXPECT_EQ(wrap(32768, 16, count), -32768);
+  EXPECT_EQ(wrap(-32769, 16, count), 32767);
+  EXPECT_EQ(wrap(Int128{1} << 80, 64, count), 0);
+  EXPECT_EQ(count, 3);
+}
+
+TEST(Word, FixedPointQuotients) {
+  bool huge = false;
+  EXPECT_EQ(static_cast<std::int64_t>(fixed_ratio(1, 3, 8, Rounding::nearest_up, huge)), 85);
+  EXPECT_EQ(static_cast<std::int64_t>(fixed_ratio(2, 3, 8, Rounding::nearest_up, huge)), 171);
+  EXPECT_EQ(static_cast<std::int64_t>(fixed_ratio(2, 3, 8, Rounding::truncation, huge)), 170);
+  EXPECT_EQ(static_cast<std::int64_t>(fixed_ratio(1, 512, 8, Rounding::nearest_even, huge)), 0);
+  EXPECT_FALSE(huge);
+  fixed_ratio(Int128{1} << 120, 1, 40, Rounding::truncation, huge);
+  EXPECT_TRUE(huge);
+}
+
+TEST(Word, ShiftsScalars) {
+  std::int64_t count = 0;
+  EXPECT_EQ(static_cast<std::int64_t>(shift_scalar(-5, -1, Rounding::nearest_up, count)), -3);
+  EXPECT_EQ(
+      static_cast<std::int64_t>(shift_scalar(Int128{5} << 70, -71, Rounding::nearest_even, count)),
+      2);
+  EXPECT_EQ(static_cast<std::int64_t>(shift_scalar(3, 4, Rounding::truncation, count)), 48);
+  EXPECT_EQ(count, 0);
+  EXPECT_TRUE(shift_scalar(1, 101, Rounding::truncation, count) == Int128{1} << 100);
+  EXPECT_EQ(count, 1);
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ const fixed::Settings kDefaults;
 
 std::vector<std::int32_t> solved(const fixed::QuantisedMatrix& k, const fixed::Settings& s,
                                  const std::vector<std::int32_t>& b, std::vector<std::int32_t> u) {
-  fixed::ReferenceSolver(s, k.block_rows()).solve(k, {b, u});
+  fixed::ReferenceSolver(s).solve(k, {b, u});
   return u;
 }
 

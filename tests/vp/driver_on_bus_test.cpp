@@ -69,7 +69,7 @@ class DriverOnBus : public testing::Test {
     fixed::Settings settings;
     settings.headroom_bits = 3;
     std::vector<std::int32_t> u(kUnknowns, 0);
-    fixed::ReferenceSolver(settings, 48).solve(k(), {b_, u});
+    fixed::ReferenceSolver(settings).solve(k(), {b_, u});
     return u;
   }
   const fixed::QuantisedMatrix& k() const { return scene_.computation.quantised(); }

@@ -36,13 +36,6 @@ std::uint32_t saturated(std::int64_t value) {
   return static_cast<std::uint32_t>(std::min<std::int64_t>(value, 0xffffffff));
 }
 
-bool same(const fixed::Settings& a, const fixed::Settings& b) {
-  return a.method == b.method && a.start == b.start && a.iterations == b.iterations &&
-         a.matrix_bits == b.matrix_bits && a.vector_bits == b.vector_bits &&
-         a.coefficient_bits == b.coefficient_bits && a.static_shift == b.static_shift &&
-         a.dynamic_scaling == b.dynamic_scaling && a.headroom_bits == b.headroom_bits;
-}
-
 }  // namespace
 
 Accelerator::Accelerator(const sc_core::sc_module_name& name,
@@ -170,9 +163,10 @@ void Accelerator::start() {
   }
   fixed::Settings settings;
   if (!settings_from_registers(settings)) return;
-  if (solver_ == nullptr || !same(settings, settings_)) {
+  if (solver_ == nullptr || settings != settings_) {
     settings_ = settings;
-    solver_ = std::make_unique<fixed::ReferenceSolver>(settings_, matrix_.block_rows());
+    solver_ = std::make_unique<fixed::ReferenceSolver>(settings_);
+    solver_->load(matrix_);
     solve_clocks_ = accel::solve_cycles(architecture_, pattern_, settings_.iterations).total();
   }
   bank_.set(field::kJobJob, bank_.get(field::kJobJob) + 1);
@@ -226,6 +220,7 @@ void Accelerator::update_node() {
     }
     matrix_.restore_row(row, original);
   }
+  if (solver_ != nullptr) solver_->update(row);
   write_back_node(matrix_, row, bank_);
 
   const auto begin = static_cast<std::size_t>(matrix_.row_begin[node]);
@@ -278,7 +273,7 @@ void Accelerator::solve() {
     b_[i] = packed_element(b_words, i, rhs_bits);
     u_[i] = packed_element(u_words, i, vector_bits);
   }
-  report_ = solver_->solve(matrix_, {b_, u_});
+  report_ = solver_->solve({b_, u_});
   saturations_ += report_.saturations;
   breakdowns_ += report_.breakdowns;
   if (job_tag_.frame >= 0) ledger_.frame(job_tag_.frame).saturations = report_.saturations;

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "models/fixed/quantised_matrix.h"
+#include "models/fixed/settings.h"
+#include "models/stability/flag.h"
+
+namespace hvp::fixed {
+
+// P⁻¹ of thesis §4.3 in integer words: the inverse diagonal, or the inverse 3 × 3 blocks of the
+// diagonal. P⁻¹ · 2^scale_bits ≈ the words. It only has to be positive definite, so rounding it
+// costs iterations at worst.
+class ReferencePreconditioner {
+ public:
+  explicit ReferencePreconditioner(const Settings& settings) : settings_(settings) {}
+
+  void load(const QuantisedMatrix& matrix);
+  // After the block row and column of a node changed: only its diagonal block matters.
+  void update(const QuantisedMatrix& matrix, int node);
+
+  // Nine words a node, row by row; those beside the diagonal are zero for the inverse diagonal.
+  const std::vector<std::int32_t>& words() const { return words_; }
+  // z = P⁻¹·r drops so many bits: then every sum fits 32 bits.
+  int shift() const { return shift_; }
+  // The words are P⁻¹ · 2^scale_bits(settings).
+  static int scale_bits(const Settings& settings);
+  // Diagonals that rounded to zero, and blocks that are not positive definite.
+  stability::Flags flags() const;
+
+ private:
+  enum class Verdict : std::uint8_t { positive, zero, negative };
+
+  void invert(const QuantisedMatrix& matrix, int node);
+  void invert_diagonal(const QuantisedMatrix& matrix, int node);
+  bool invert_block(const QuantisedMatrix& matrix, int node);
+  void find_shift();
+
+  Settings settings_;
+  std::vector<std::int32_t> words_;
+  std::vector<std::uint8_t> zero_, negative_;  // per node
+  int shift_ = 0;
+};
+
+}  // namespace hvp::fixed
