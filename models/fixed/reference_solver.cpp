@@ -254,7 +254,8 @@ ReferenceSolver::Step ReferenceSolver::step_by_recurrence(const Job& job) {
   form_alpha();
   advance_solution(job);
   ++report_.iterations;
-  if (replaces()) {
+  const bool replaced = replaces();
+  if (replaced) {
     form_residual(job);
     form_recurrences();
   } else {
@@ -270,6 +271,8 @@ ReferenceSolver::Step ReferenceSolver::step_by_recurrence(const Job& job) {
   const ScaledScalar z_r_old = z_r_;
   z_r_ = machine_.inner_product(z_, r_);
   form_beta(z_r_old);
+  // The recurrences hold from the last residual to this one, not to one that was formed anew.
+  if (replaced) beta_ = {};
   follow_curvature(machine_.inner_product(w_, r_));
   follow(d_, z_);
   if (pipelined()) {
