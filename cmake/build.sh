@@ -169,5 +169,7 @@ build() { # preset target…
   set_jobs
   # A home that cannot be written must not stop the compiler.
   [[ -n ${CCACHE_DIR:-} || -w ${HOME:-/nonexistent} ]] || export CCACHE_DIR=$build/ccache
+  # What another checkout of the same files has compiled serves this one.
+  export CCACHE_BASEDIR=$top CCACHE_NOHASHDIR=1
   locked "$build/$1" configure_and_build "$@"
 }
