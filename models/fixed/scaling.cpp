@@ -1,8 +1,10 @@
 #include "models/fixed/scaling.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <string>
+#include <utility>
 
 #include "models/config/input_error.h"
 #include "models/fixed/word.h"
@@ -17,8 +19,10 @@ void require_same_size(std::size_t from, std::size_t to) {
                    std::to_string(to));
 }
 
-int to_words(std::span<const double> values, double unit, std::int64_t limit, const char* what,
-             std::span<std::int32_t> words) {
+// The word of entry i is values[i] · factor(i) / unit.
+template <class Factor>
+int to_words(std::span<const double> values, const Factor& factor, double unit, std::int64_t limit,
+             const char* what, std::span<std::int32_t> words) {
   require_same_size(values.size(), words.size());
   int clamped = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -26,7 +30,7 @@ int to_words(std::span<const double> values, double unit, std::int64_t limit, co
       throw InputError(std::string(what) + " " + std::to_string(i) + " is not a finite number");
     }
     // Clamped before the conversion: a double beyond 64 bits has no integer.
-    double scaled = std::round(values[i] / unit);
+    double scaled = std::round(values[i] * factor(i) / unit);
     const auto bound = static_cast<double>(limit);
     if (std::abs(scaled) > bound) {
       scaled = std::copysign(bound, scaled);
@@ -35,6 +39,19 @@ int to_words(std::span<const double> values, double unit, std::int64_t limit, co
     words[i] = static_cast<std::int32_t>(scaled);
   }
   return clamped;
+}
+
+double one(std::size_t /*entry*/) { return 1.0; }
+
+// The range that y = S⁻¹·x needs for every |x_i| <= displacement_range.
+double scaled_range(const System& system) {
+  const auto least = std::min_element(system.scale.begin(), system.scale.end());
+  return least == system.scale.end() ? system.settings.displacement_range
+                                     : system.settings.displacement_range / *least;
+}
+
+bool is_scaled(const System& system) {
+  return system.settings.matrix_scaling != MatrixScaling::none;
 }
 
 void require_unit(double unit, const char* what) {
@@ -46,7 +63,17 @@ void require_unit(double unit, const char* what) {
 }  // namespace
 
 Scaling::Scaling(const Settings& settings, double matrix_scale)
-    : displacement_unit_(settings.displacement_range /
+    : Scaling(settings, matrix_scale, settings.displacement_range, {}) {}
+
+Scaling::Scaling(const System& system)
+    : Scaling(system.settings, system.matrix.scale,
+              is_scaled(system) ? scaled_range(system) : system.settings.displacement_range,
+              is_scaled(system) ? system.scale : std::vector<double>()) {}
+
+Scaling::Scaling(const Settings& settings, double matrix_scale, double displacement_range,
+                 std::vector<double> scale)
+    : scale_(std::move(scale)),
+      displacement_unit_(displacement_range /
                          static_cast<double>(word_limit(settings.vector_bits))),
       force_unit_(std::ldexp(matrix_scale * displacement_unit_, settings.rhs_shift())),
       displacement_limit_(word_limit(settings.vector_bits)),
@@ -56,19 +83,31 @@ Scaling::Scaling(const Settings& settings, double matrix_scale)
 }
 
 int Scaling::right_hand_side(std::span<const double> force, std::span<std::int32_t> words) const {
-  return to_words(force, force_unit_, force_limit_, "right-hand side entry", words);
+  constexpr const char* kWhat = "right-hand side entry";
+  if (scale_.empty()) return to_words(force, one, force_unit_, force_limit_, kWhat, words);
+  require_same_size(force.size(), scale_.size());
+  const auto factor = [this](std::size_t i) { return scale_[i]; };
+  return to_words(force, factor, force_unit_, force_limit_, kWhat, words);
 }
 
 int Scaling::displacement_words(std::span<const double> displacement,
                                 std::span<std::int32_t> words) const {
-  return to_words(displacement, displacement_unit_, displacement_limit_, "displacement", words);
+  constexpr const char* kWhat = "displacement";
+  if (scale_.empty()) {
+    return to_words(displacement, one, displacement_unit_, displacement_limit_, kWhat, words);
+  }
+  require_same_size(displacement.size(), scale_.size());
+  const auto factor = [this](std::size_t i) { return 1.0 / scale_[i]; };
+  return to_words(displacement, factor, displacement_unit_, displacement_limit_, kWhat, words);
 }
 
 void Scaling::displacements(std::span<const std::int32_t> words,
                             std::span<double> displacement) const {
   require_same_size(words.size(), displacement.size());
+  if (!scale_.empty()) require_same_size(words.size(), scale_.size());
   for (std::size_t i = 0; i < words.size(); ++i) {
-    displacement[i] = displacement_unit_ * static_cast<double>(words[i]);
+    const double unscaled = displacement_unit_ * static_cast<double>(words[i]);
+    displacement[i] = scale_.empty() ? unscaled : scale_[i] * unscaled;
   }
 }
 

@@ -54,6 +54,62 @@ TEST(Scaling, RefusesWhatIsNotANumberOrDoesNotFit) {
   EXPECT_THROW(Scaling(Settings{}, std::nan("")), InputError);
 }
 
+// Diagonal entries 4 and 64: s = 1/2 and 1/8, and S·A·S has ones on its diagonal.
+sparse::BlockMatrix diagonal_matrix() {
+  sparse::BlockMatrix a;
+  a.row_begin = {0, 1};
+  a.column = {0};
+  a.value = {4, 0, 0, 0, 64, 0, 0, 0, 4};
+  return a;
+}
+
+TEST(Scaling, OfAScaledMatrixTranslatesBothVectors) {
+  Settings s;
+  s.matrix_scaling = MatrixScaling::diagonal;
+  s.displacement_range = 32767.0 / 8;
+  const System system = prepare(diagonal_matrix(), s);
+  const Scaling scaling(system);
+  // The stiffest equation has s = 1/8: y = 8·x, so that x = 32767/8 is the largest word.
+  EXPECT_DOUBLE_EQ(scaling.displacement_unit(), 1.0);
+  EXPECT_DOUBLE_EQ(scaling.force_unit(), system.matrix.scale * 2048);
+
+  std::vector<std::int32_t> words(3);
+  EXPECT_EQ(scaling.displacement_words(std::vector<double>{50, 32767.0 / 8, -10}, words), 0);
+  EXPECT_EQ(words, (std::vector<std::int32_t>{100, 32767, -20}));
+  std::vector<double> back(3);
+  scaling.displacements(words, back);
+  EXPECT_EQ(back, (std::vector<double>{50, 32767.0 / 8, -10}));
+  EXPECT_EQ(scaling.displacement_words(std::vector<double>{0, 4100, 0}, words), 1);
+
+  // b = A·x and S·b = (S·A·S)·y give the same words: y = (100, 200, -20) times the one of S·A·S.
+  const double unit = scaling.force_unit();
+  EXPECT_EQ(scaling.right_hand_side(std::vector<double>{4 * 50 * unit, 64 * 25 * unit, -40 * unit},
+                                    words),
+            0);
+  EXPECT_EQ(words, (std::vector<std::int32_t>{100, 200, -20}));
+}
+
+TEST(Scaling, OfAnUnscaledSystemIsThatOfItsMatrix) {
+  Settings s;
+  s.static_scale = StaticScale::matrix_norm;
+  const System system = prepare(diagonal_matrix(), s);
+  ASSERT_NE(system.settings.static_shift, s.static_shift);
+  const Scaling scaling(system);
+  EXPECT_EQ(scaling.displacement_unit(), Scaling(s, system.matrix).displacement_unit());
+  EXPECT_EQ(scaling.force_unit(), Scaling(system.settings, system.matrix).force_unit());
+}
+
+TEST(Scaling, RefusesAVectorOfAnotherSystem) {
+  Settings s;
+  s.matrix_scaling = MatrixScaling::diagonal;
+  const Scaling scaling(prepare(diagonal_matrix(), s));
+  std::vector<std::int32_t> words(6);
+  EXPECT_THROW(scaling.right_hand_side(std::vector<double>(6), words), InputError);
+  EXPECT_THROW(scaling.displacement_words(std::vector<double>(6), words), InputError);
+  std::vector<double> back(6);
+  EXPECT_THROW(scaling.displacements(words, back), InputError);
+}
+
 TEST(Settings, HeadroomMustLeaveAValue) {
   Settings s;
   s.vector_bits = 12;
