@@ -92,6 +92,7 @@ TEST(Scaling, OfAScaledMatrixTranslatesBothVectors) {
 TEST(Scaling, OfAnUnscaledSystemIsThatOfItsMatrix) {
   Settings s;
   s.static_scale = StaticScale::matrix_norm;
+  s.static_shift = 5;
   const System system = prepare(diagonal_matrix(), s);
   ASSERT_NE(system.settings.static_shift, s.static_shift);
   const Scaling scaling(system);
