@@ -77,7 +77,7 @@ std::array<double, 9> stiffness_block(const ElementGeometry& geometry, double la
   const double lambda_volume = lambda * volume;
   const double mu_volume = mu * volume;
   const double shear = mu_volume * (ga.x() * gb.x() + ga.y() * gb.y() + ga.z() * gb.z());
-  std::array<double, 9> block;
+  std::array<double, 9> block{};
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
       block[static_cast<std::size_t>(3 * i + j)] =

@@ -70,7 +70,7 @@ mesh::TetMesh structured_box(const Eigen::Vector3d& size, const std::array<int, 
             step[axis] = -1;
             reversed = !reversed;
           }
-          std::array<int, 4> tet;
+          std::array<int, 4> tet{};
           tet[0] = number(corner[0], corner[1], corner[2]);
           for (std::size_t s = 0; s < 3; ++s) {
             const auto axis = static_cast<std::size_t>(order[s]);

@@ -97,7 +97,7 @@ class Reader {
   // The next line that is neither empty nor a comment, as its words; empty at the end.
   std::vector<std::string_view> content() {
     while (next_line()) {
-      const std::vector<std::string_view> word = words();
+      std::vector<std::string_view> word = words();
       if (!word.empty() && word[0][0] != '%') return word;
     }
     return {};
@@ -113,7 +113,7 @@ class Reader {
   }
 
   std::int64_t integer(std::string_view word, std::int64_t min, std::int64_t max,
-                       std::string_view what) {
+                       std::string_view what) const {
     std::int64_t value = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (error != std::errc() || end != word.data() + word.size() || value < min || value > max) {
@@ -122,7 +122,7 @@ class Reader {
     return value;
   }
 
-  double number(std::string_view word) {
+  double number(std::string_view word) const {
     std::string_view digits = word;
     if (digits.size() > 1 && digits[0] == '+') digits.remove_prefix(1);
     double value = 0;

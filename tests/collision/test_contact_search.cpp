@@ -324,7 +324,7 @@ TEST(Patch, WithoutARadiusIsTheNodeItself) {
 TEST(Patch, HoldsTheFreeNodesWithinItsRadius) {
   const Block block;
   const ContactSearch search = block.search({.patch_radius = 0.0101});
-  const auto expect = [&](const Vector3d& centre, std::vector<Vector3d> members) {
+  const auto expect = [&](const Vector3d& centre, const std::vector<Vector3d>& members) {
     std::vector<int> expected;
     for (const Vector3d& m : members) expected.push_back(block.node_at(m));
     std::sort(expected.begin(), expected.end());
