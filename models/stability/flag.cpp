@@ -17,7 +17,8 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "the step became zero, or the second half of the iterations made no progress, before the "
      "residual was as small as the words allow",
      "more vector bits, or dynamic scaling if it is off"},
-    {"scalar-overflow", "an inner product left its 64 bits", "fewer vector bits"},
+    {"scalar-overflow", "an inner product left its word",
+     "solver.scalar_bits = 128, or fewer vector bits"},
     {"divergence", "the residual at the end was larger than at the start and than b",
      "raise solver.static_shift, more headroom_bits, or dynamic scaling if it is off"},
     {"matrix-rounding",
