@@ -1,7 +1,10 @@
+#include <string>
+
 #include <fmt/format.h>
 
 #include "app/commands/commands.h"
 #include "app/results/number_text.h"
+#include "app/results/report.h"
 #include "app/results/summary.h"
 #include "models/host/costs.h"
 
@@ -33,6 +36,39 @@ void frame_cost(const Scene& scene) {
   row("update after the force", s.host.compute_ps(c.update_operations()));
 }
 
+// The groups are those of docs/accelerator.md.
+void solve_clocks(const Scene& scene) {
+  const fixed::Settings& solver = scene.scenario().solver;
+  const accel::SolveCycles c = scene.solve_cycles();
+  const auto row = [](const char* what, std::int64_t clocks) {
+    fmt::print("  {:<34} {:>10}\n", what, clocks);
+  };
+  fmt::print("\nClocks of a solve: {}\n", results::display_name(solver.method));
+  row("set-up", c.setup);
+  row("an iteration", c.iteration());
+  row("  product and inner product", c.sparse_product);
+  row("  solution and residual", c.update);
+  row("  direction", c.direction);
+  row("  divisions that are waited for", c.divisions);
+  if (c.replacements > 0) row("a residual formed anew", c.replacement);
+  row(fmt::format("{}{} iterations", solver.stop_residual > 0 ? "at most " : "", c.iterations)
+          .c_str(),
+      c.total());
+}
+
+void memory(const Scene& scene) {
+  const Scenario& s = scene.scenario();
+  fmt::print("\nMemory and multipliers of the {}\n", accel::device(s.accelerator.device).name);
+  for (const accel::Resource& r : scene.usage().resources) {
+    std::string uses;
+    for (const accel::Allocation& a : scene.usage().allocations) {
+      if (a.type != r.type) continue;
+      uses += fmt::format("{}{} {}", uses.empty() ? "  " : ", ", a.use, a.blocks);
+    }
+    fmt::print("  {:<12} {:>4} of {}{}\n", r.type, r.used, r.available, uses);
+  }
+}
+
 }  // namespace
 
 int explain_command(const ScenarioArguments& arguments) {
@@ -43,9 +79,10 @@ int explain_command(const ScenarioArguments& arguments) {
   const Scenario& s = scene.scenario();
   if (!s.title.empty()) fmt::print("{}\n", s.title);
   fmt::print("\nParts and their fidelity\n");
-  fidelity_line("accelerator", vp::name(s.fidelity.accelerator),
-                fmt::format("{}, {} clocks a solve", accel::device(s.accelerator.device).name,
-                            scene.solve_cycles().total()));
+  fidelity_line(
+      "accelerator", vp::name(s.fidelity.accelerator),
+      fmt::format("{}, {}{} clocks a solve", accel::device(s.accelerator.device).name,
+                  s.solver.stop_residual > 0 ? "at most " : "", scene.solve_cycles().total()));
   fidelity_line("bus", vp::name(s.fidelity.bus),
                 fmt::format("{} bytes a data phase, {} ns a clock", s.bus.width_bytes(),
                             s.bus.clock_period_ps() / 1000));
@@ -63,10 +100,8 @@ int explain_command(const ScenarioArguments& arguments) {
               "no simulated time; two double-precision solves beside the board's");
   fmt::print("\nWhat a frame's large steps cost\n");
   frame_cost(scene);
-  fmt::print("\nMemory and multipliers of the {}\n", accel::device(s.accelerator.device).name);
-  for (const accel::Resource& r : scene.usage().resources) {
-    fmt::print("  {:<12} {:>4} of {}\n", r.type, r.used, r.available);
-  }
+  solve_clocks(scene);
+  memory(scene);
   return kHeld;
 }
 

@@ -29,11 +29,13 @@ void scene_lines(Out out, const app::Scene& scene) {
                  scene.quality().nodes, scene.quality().tetrahedra, scene.body().active_nodes(),
                  s.dynamics ? "dynamic" : "static");
   const accel::SolveCycles c = scene.solve_cycles();
-  fmt::format_to(out, "  solver      {}, {} iterations, {}-bit matrix, {}-bit vectors\n",
-                 s.solver.method == fixed::Method::cg ? "CG" : "Jacobi-PCG", s.solver.iterations,
-                 s.solver.matrix_bits, s.solver.vector_bits);
-  fmt::format_to(out, "  board       {}: {} clocks a solve at {:g} MHz = {};",
-                 accel::device(s.accelerator.device).name, c.total(), s.accelerator.clock_hz * 1e-6,
+  const char* most = s.solver.stop_residual > 0 ? "at most " : "";
+  fmt::format_to(out, "  solver      {}, {}{} iterations, {}-bit matrix, {}-bit vectors\n",
+                 display_name(s.solver.method), most, s.solver.iterations, s.solver.matrix_bits,
+                 s.solver.vector_bits);
+  fmt::format_to(out, "  board       {}: {}{} clocks a solve at {:g} MHz = {};",
+                 accel::device(s.accelerator.device).name, most, c.total(),
+                 s.accelerator.clock_hz * 1e-6,
                  readable_time(c.total() * s.accelerator.clock_period_ps()));
   const char* separator = " ";
   for (const accel::Resource& r : scene.usage().resources) {
@@ -142,6 +144,22 @@ void stability_lines(Out out, const app::Scene& scene, const Outcome& o) {
 }
 
 }  // namespace
+
+std::string_view display_name(fixed::Method method) {
+  switch (method) {
+    case fixed::Method::cg:
+      return "CG";
+    case fixed::Method::jacobi_pcg:
+      return "Jacobi-PCG";
+    case fixed::Method::block_jacobi_pcg:
+      return "block-Jacobi-PCG";
+    case fixed::Method::chronopoulos_gear:
+      return "Chronopoulos-Gear CG";
+    case fixed::Method::pipelined_cg:
+      return "pipelined CG";
+  }
+  return "";
+}
 
 std::string report(const app::Scene& scene, const Outcome& o) {
   std::string text;

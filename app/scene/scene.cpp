@@ -44,10 +44,6 @@ std::vector<int> anchored_nodes(const Scenario& s, const mesh::TetMesh& mesh) {
   return nodes;
 }
 
-accel::WordLengths word_lengths(const fixed::Settings& solver) {
-  return {solver.matrix_bits, solver.vector_bits, solver.method == fixed::Method::jacobi_pcg};
-}
-
 }  // namespace
 
 std::unique_ptr<fem::Body> make_body(const Scenario& s, const Progress& progress) {
@@ -74,7 +70,7 @@ Scene::Scene(const Scenario& openable, const Scenario& written, const Progress& 
                                                     s.solver, s.budget.period_s);
   });
   pattern_ = accel::pattern_of(computation_->matrix().row_begin);
-  usage_ = accel::usage(s.accelerator, word_lengths(s.solver), pattern_);
+  usage_ = accel::usage(s.accelerator, accel::word_lengths(s.solver), pattern_);
   require_fit();
 
   // A node that is held, by an anchor or by a prescribed displacement, cannot follow the probe.
@@ -90,7 +86,7 @@ Scene::Scene(const Scenario& openable, const Scenario& written, const Progress& 
 
 // The device counts the nodes of the system; a scenario states those of the mesh.
 void Scene::require_fit() const {
-  const accel::WordLengths words = word_lengths(scenario_.solver);
+  const accel::WordLengths words = accel::word_lengths(scenario_.solver);
   try {
     accel::require_fit(scenario_.accelerator, words, pattern_);
   } catch (const InputError& e) {
@@ -104,7 +100,8 @@ void Scene::require_fit() const {
 }
 
 accel::SolveCycles Scene::solve_cycles() const {
-  return accel::solve_cycles(scenario_.accelerator, pattern_, scenario_.solver.iterations);
+  return accel::solve_cycles(scenario_.accelerator, pattern_,
+                             accel::longest_solve(scenario_.solver));
 }
 
 }  // namespace hvp::app

@@ -34,6 +34,7 @@ class Scene {
   const mesh::Quality& quality() const { return quality_; }
   const accel::Pattern& pattern() const { return pattern_; }
   const accel::Usage& usage() const { return usage_; }
+  // Of a solve that makes all its iterations.
   accel::SolveCycles solve_cycles() const;
   const std::optional<fem::Locking>& locking() const { return locking_; }
 

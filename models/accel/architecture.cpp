@@ -22,7 +22,8 @@ void Architecture::declare(config::Visitor& v) {
   v.integer("pipeline_clocks", pipeline_clocks, {0, 1000},
             {"clocks from the first operand of a phase to its last result", "assumed"});
   v.integer("division_clocks", division_clocks, {1, 1000},
-            {"clocks of one division", "assumed: one a bit of a 64-bit quotient, and 4"});
+            {"clocks of one division of 64-bit scalars; twice as many with 128",
+             "assumed: one a bit of a 64-bit quotient, and 4"});
   v.choice("direction_memory", direction_memory,
            {{"double-pumped", DirectionMemory::double_pumped},
             {"two-copies", DirectionMemory::two_copies}},

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "models/accel/architecture.h"
+#include "models/fixed/settings.h"
+#include "models/fixed/solver.h"
 
 namespace hvp::accel {
 
@@ -25,29 +27,53 @@ int packages_of(const Architecture& a, int blocks_in_row);
 // which balances them as §5.3 asks.
 std::int64_t packages_in_fullest_partition(const Architecture& a, const Pattern& p);
 
-// Clocks of a solve by phase, loosely timed: the closed form. The groups are those of Fig. 4.4;
-// each ends when its pipeline has run empty, and the two divisions stand between them.
+// What a solve makes that takes clocks. The defaults are the thesis' solve.
+struct SolveWork {
+  fixed::Method method = fixed::Method::cg;
+  int iterations = 60;          // passes through the loop
+  int replacements = 0;         // residuals formed anew
+  bool broken_down = false;     // dᵀA·d came out at or below zero, which ended it
+  bool extrapolated = false;    // the guess is formed from the last two solutions
+  bool stop_test = false;       // ‖r‖ is compared with ‖b‖ after every iteration
+  bool dynamic_scaling = true;  // the size of a vector is known before the next one is written
+  int scalar_bits = 64;
+};
+// With every iteration that the settings allow.
+SolveWork longest_solve(const fixed::Settings& settings);
+// As it was. Without a stop test the board makes all its passes, as the thesis' does (§4.2: the
+// count is fixed); once nothing is left to do they change nothing. A breakdown ends it.
+SolveWork solve_made(const fixed::Settings& settings, const fixed::Report& report);
+
+// Clocks of a solve by phase, loosely timed: the closed form of docs/accelerator.md. The groups
+// are those of Fig. 4.4; each ends when its pipeline has run empty. A division stands where what
+// follows needs it, and costs only the clocks that no group covers.
 struct SolveCycles {
-  std::int64_t setup = 0;           // r = b − A·x, d = r, rᵀr: an iteration without divisions
-  std::int64_t sparse_product = 0;  // one iteration's group a: A·d and dᵀA·d
-  std::int64_t update = 0;          // group b: x, r and rᵀr (for PCG z too, in parallel, §4.4)
-  std::int64_t direction = 0;       // group c: d
-  std::int64_t divisions = 0;       // α and β
+  std::int64_t setup = 0;           // until the first iteration
+  std::int64_t sparse_product = 0;  // an iteration's group a: the product and its inner product
+  std::int64_t update = 0;          // group b: x, r and rᵀr (z too, in parallel, §4.4)
+  std::int64_t direction = 0;       // group c: d; 0 where it is one pass with the next group b
+  std::int64_t divisions = 0;       // α and β, as far as they are waited for
   std::int64_t iterations = 0;
+  std::int64_t replacement = 0;  // one residual formed anew, beyond its iteration
+  std::int64_t replacements = 0;
+  std::int64_t breakdown = 0;  // the product that showed it
 
   std::int64_t iteration() const { return sparse_product + update + direction + divisions; }
-  std::int64_t total() const { return setup + iterations * iteration(); }
+  std::int64_t total() const {
+    return setup + iterations * iteration() + replacements * replacement + breakdown;
+  }
 };
-SolveCycles solve_cycles(const Architecture& a, const Pattern& p, int iterations);
+SolveCycles solve_cycles(const Architecture& a, const Pattern& p, const SolveWork& work);
 
 // Clocks to clear or restore the row and the column of a node (§6.2.1). The node's own packages
-// are written and those of every neighbour are searched for the column.
+// are written and those of every neighbour are searched for the column; with a preconditioner the
+// node's part of P⁻¹ is made anew: three divisions, six and the block's adjugate for a block.
 // `neighbours` lists the block columns of the node's row, itself included.
 std::int64_t node_update_cycles(const Architecture& a, const Pattern& p, int node,
-                                std::span<const int> neighbours, bool preconditioned);
+                                std::span<const int> neighbours, fixed::Method method);
 
-// Clocks after the matrix was loaded, until the board is ready: the inverse diagonal, one
-// division after the other, where there is a preconditioner.
-std::int64_t load_cycles(const Architecture& a, const Pattern& p, bool preconditioned);
+// Clocks after the matrix was loaded, until the board is ready: P⁻¹, one division after the
+// other, where there is a preconditioner.
+std::int64_t load_cycles(const Architecture& a, const Pattern& p, fixed::Method method);
 
 }  // namespace hvp::accel

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 
 #include "models/config/input_error.h"
 
@@ -20,6 +21,7 @@ constexpr int kUnitWords = 1024;  // the basic unit of Fig. 5.8: 1 K words from 
 // §6.1: multipliers of the vector unit beside those of SpMxV, for 16-bit vectors and two nodes a
 // clock.
 constexpr int kVectorMultipliers = 21;
+constexpr int kProductBits = fixed::Settings::kProductBits;
 
 // Blocks for a vector with three components a node, each component in a memory of its own.
 int vector_blocks(int nodes, int bits, int words_a_block) {
@@ -30,41 +32,99 @@ int vector_blocks(int nodes, int bits, int words_a_block) {
 // a node's first column; so do all others where whole nodes fill a package.
 int nodes_in_package(int package) { return package % 3 == 0 ? package / 3 : (package + 1) / 3 + 1; }
 
+using fixed::Method;
+
+using Allocate = std::function<void(const char* use, const char* type, int blocks)>;
+
+// The vector that is multiplied in every iteration is there once for each partition (§5.6), or
+// twice.
+void allocate_vectors(const Architecture& a, const WordLengths& w, int nodes, const Allocate& add) {
+  const int copies = a.partitions * (a.direction_memory == DirectionMemory::two_copies ? 2 : 1);
+  const auto vector = [nodes](int bits) { return vector_blocks(nodes, bits, kM4kWords); };
+  const int word = vector(w.vector_bits);
+  const int residual = vector(w.preconditioned() ? kProductBits : w.vector_bits);
+  const int product = vector(kProductBits);
+  const bool gear = w.method == Method::chronopoulos_gear;
+  const bool pipelined = w.method == Method::pipelined_cg;
+  add("d", "M4K", gear || pipelined ? word : copies * word);
+  add("x", "M4K", word);
+  if (w.extrapolated) add("previous x", "M4K", word);
+  add("b", "M4K", residual);
+  add("r", "M4K", gear ? copies * word : residual);
+  add("A*d", "M4K", pipelined ? word : product);
+  if (gear) add("A*r", "M4K", product);
+  if (pipelined) {
+    add("A*r", "M4K", copies * word);
+    add("A*A*r", "M4K", product);
+    add("A*A*d", "M4K", product);
+  }
+}
+
+void allocate_preconditioner(const Architecture& a, const WordLengths& w, int nodes,
+                             const Allocate& add) {
+  if (!w.preconditioned()) return;
+  const bool m512 = a.preconditioner_memory == PreconditionerMemory::m512;
+  const char* type = m512 ? "M512" : "M4K";
+  const int vector = vector_blocks(nodes, kProductBits, m512 ? kM512Words : kM4kWords);
+  add("z", type, vector);
+  if (w.method == Method::jacobi_pcg) {
+    add("inverse diagonal", type, vector);
+  } else {
+    add("inverse blocks", type, 2 * vector);  // six words a node: they are symmetric
+  }
+}
+
+// Multipliers of 18 × 18 that a product of such words takes.
+int products(int bits, int other_bits) { return ceil_div(bits, 18) * ceil_div(other_bits, 18); }
+
+// What a component of a node takes beyond plain CG. Group c uses the multipliers of group b, unless
+// they are one pass: without dynamic scaling, where no size of a vector has to be awaited.
+int further_products(const WordLengths& w) {
+  const int by_vector = products(w.coefficient_bits, w.vector_bits);
+  const int by_product = products(w.coefficient_bits, kProductBits);
+  const int words = products(w.vector_bits, w.vector_bits);
+  const int wide = products(kProductBits, kProductBits);
+  switch (w.method) {
+    case Method::cg:
+      return 0;
+    case Method::jacobi_pcg:  // z = P⁻¹·r keeps pace with r; ‖r‖ is not zᵀr
+      return wide + (w.stop_test ? wide : 0);
+    case Method::block_jacobi_pcg:
+      return 3 * wide + (w.stop_test ? wide : 0);
+    case Method::chronopoulos_gear:  // with c in b's pass: β·d and β·q
+      return w.dynamic_scaling ? 0 : by_vector + by_product;
+    case Method::pipelined_cg:  // α·v and wᵀr, and q is a vector word; β·d, β·q and β·v
+      return by_vector + words + (w.dynamic_scaling ? 0 : 2 * by_vector + by_product);
+  }
+  return 0;
+}
+
+int multipliers(const Architecture& a, const WordLengths& w) {
+  const bool recurrence = w.method == Method::chronopoulos_gear || w.method == Method::pipelined_cg;
+  const int product =
+      a.rows_in_parallel * a.package * a.partitions * products(w.matrix_bits, w.vector_bits);
+  const int vectors = ceil_div(std::int64_t{kVectorMultipliers} * a.nodes_per_clock *
+                                   ceil_div(w.vector_bits, 18) * ceil_div(w.coefficient_bits, 18),
+                               2);
+  const int scalars = recurrence ? 1 : 0;  // β²·dᵀA·d, step by step
+  return product + vectors + 3 * further_products(w) * a.nodes_per_clock + scalars;
+}
+
 Usage usage_of(const Architecture& a, const WordLengths& w, int nodes, std::int64_t packages) {
   Usage u;
-  const auto add = [&u](const char* use, const char* type, int blocks) {
+  const Allocate add = [&u](const char* use, const char* type, int blocks) {
     u.allocations.push_back({use, type, blocks});
   };
   // A unit holds 1024 matrix words; words longer than 12 bits take more blocks side by side.
   const int unit_blocks = ceil_div(std::int64_t{kUnitWords} * w.matrix_bits, kM4kBits);
   const int units = ceil_div(packages * a.package, kUnitWords);
   add("matrix", "M4K", a.partitions * a.rows_in_parallel * units * unit_blocks);
-
-  const int residual_bits = w.preconditioned ? 32 : w.vector_bits;
-  const int direction_copies = a.direction_memory == DirectionMemory::two_copies ? 2 : 1;
-  const auto vector = [nodes](int bits) { return vector_blocks(nodes, bits, kM4kWords); };
-  add("d", "M4K", a.partitions * direction_copies * vector(w.vector_bits));
-  add("x", "M4K", vector(w.vector_bits));
-  add("b", "M4K", vector(residual_bits));
-  add("r", "M4K", vector(residual_bits));
-  add("A*d", "M4K", vector(32));
-  if (w.preconditioned) {
-    const bool m512 = a.preconditioner_memory == PreconditionerMemory::m512;
-    for (const char* use : {"z", "inverse diagonal"}) {
-      add(use, m512 ? "M512" : "M4K", vector_blocks(nodes, 32, m512 ? kM512Words : kM4kWords));
-    }
-  }
+  allocate_vectors(a, w, nodes, add);
+  allocate_preconditioner(a, w, nodes, add);
   int index_bits = 1;
   while ((std::int64_t{1} << index_bits) < nodes) ++index_bits;
   const int port_bits = a.partitions * nodes_in_package(a.package) * index_bits;
   add("index", "M-RAM", ceil_div(port_bits, kMRamPortBits));
-
-  const int products = ceil_div(w.matrix_bits, 18) * ceil_div(w.vector_bits, 18);
-  int multipliers = a.rows_in_parallel * a.package * a.partitions * products;
-  multipliers += ceil_div(
-      std::int64_t{kVectorMultipliers} * ceil_div(w.vector_bits, 18) * a.nodes_per_clock, 2);
-  // z = P⁻¹·r keeps pace with r: three products of 32 × 32 bits, each four of 18 × 18, a node.
-  if (w.preconditioned) multipliers += 3 * 4 * a.nodes_per_clock;
 
   const Device& d = device(a.device);
   const auto used = [&u](const std::string& type) {
@@ -77,7 +137,7 @@ Usage usage_of(const Architecture& a, const WordLengths& w, int nodes, std::int6
   u.resources = {{"M512", used("M512"), d.m512},
                  {"M4K", used("M4K"), d.m4k},
                  {"M-RAM", used("M-RAM"), d.m_ram},
-                 {"multipliers", multipliers, d.multipliers}};
+                 {"multipliers", multipliers(a, w), d.multipliers}};
   return u;
 }
 
@@ -94,6 +154,18 @@ const Device& device(DeviceName name) {
 bool Usage::fits() const {
   return std::all_of(resources.begin(), resources.end(),
                      [](const Resource& r) { return r.used <= r.available; });
+}
+
+WordLengths word_lengths(const fixed::Settings& s) {
+  WordLengths w;
+  w.matrix_bits = s.matrix_bits;
+  w.vector_bits = s.vector_bits;
+  w.coefficient_bits = s.coefficient_bits;
+  w.method = s.method;
+  w.dynamic_scaling = s.dynamic_scaling;
+  w.extrapolated = s.start == fixed::Start::extrapolated;
+  w.stop_test = s.stop_residual > 0;
+  return w;
 }
 
 Usage usage(const Architecture& a, const WordLengths& words, const Pattern& p) {

@@ -5,6 +5,7 @@
 
 #include "models/accel/architecture.h"
 #include "models/accel/cycles.h"
+#include "models/fixed/settings.h"
 
 namespace hvp::accel {
 
@@ -19,13 +20,22 @@ struct Device {
 };
 const Device& device(DeviceName name);
 
-// Word lengths of what is stored. CG keeps b and r in vector words; Jacobi-PCG keeps them in 32
-// bits, and adds z and the inverse diagonal in 32 bits (§4.4).
+// What of the solver's settings decides what is stored and multiplied. CG keeps b and r in vector
+// words; with a preconditioner they have 32 bits, and z and P⁻¹ too (§4.4).
 struct WordLengths {
   int matrix_bits = 12;
   int vector_bits = 16;
-  bool preconditioned = false;
+  int coefficient_bits = 16;
+  fixed::Method method = fixed::Method::cg;
+  bool dynamic_scaling = true;
+  bool extrapolated = false;  // the solution before the last one is kept
+  bool stop_test = false;     // ‖r‖ and ‖b‖ are formed
+
+  bool preconditioned() const {
+    return method == fixed::Method::jacobi_pcg || method == fixed::Method::block_jacobi_pcg;
+  }
 };
+WordLengths word_lengths(const fixed::Settings& settings);
 
 struct Resource {
   std::string type;  // "M512", "M4K", "M-RAM", "multipliers"

@@ -9,6 +9,8 @@
 namespace hvp::accel {
 namespace {
 
+using fixed::Method;
+
 // Rows that fill a given number of packages of eight columns.
 Pattern rows_of_packages(int nodes, int packages) {
   return {std::vector<int>(static_cast<std::size_t>(nodes), packages * 8 / 3)};
@@ -53,11 +55,12 @@ class CycleTable : public testing::TestWithParam<CycleRow> {};
 TEST_P(CycleTable, MatchesTheIndependentCount) {
   const CycleRow& row = GetParam();
   const Architecture a;
-  const SolveCycles c = solve_cycles(a, row.pattern, 60);
+  const SolveCycles c = solve_cycles(a, row.pattern, {});
   EXPECT_EQ(c.sparse_product - a.pipeline_clocks, row.sparse_product);
   EXPECT_EQ(c.iteration(), row.iteration);
   const auto us = [&](int iterations) {
-    return static_cast<double>(solve_cycles(a, row.pattern, iterations).total()) * 0.01;
+    const SolveWork work{.iterations = iterations};
+    return static_cast<double>(solve_cycles(a, row.pattern, work).total()) * 0.01;
   };
   EXPECT_NEAR(us(30), row.us_30, 0.5);
   EXPECT_NEAR(us(60), row.us_60, 0.5);
@@ -136,7 +139,7 @@ TEST(Memory, OneNodeAClockTakesHalfTheVectorMultipliers) {
 
 TEST(Memory, JacobiNeedsMoreThanM4kHolds) {
   Architecture a;
-  const WordLengths pcg{12, 16, true};
+  const WordLengths pcg{.method = fixed::Method::jacobi_pcg};
   const Pattern p = rows_of_packages(426, 5);
   EXPECT_FALSE(usage(a, pcg, p).fits());
   a.preconditioner_memory = PreconditionerMemory::m512;
@@ -161,8 +164,17 @@ TEST(Cycles, NodeUpdateGrowsWithItsNeighbours) {
   const Architecture a;
   const Pattern p = rows_of_packages(10, 5);
   const std::vector<int> neighbours = {1, 2, 3};
-  EXPECT_EQ(node_update_cycles(a, p, 2, neighbours, false), 20 + 5 + 2 * 5);
-  EXPECT_EQ(node_update_cycles(a, p, 2, neighbours, true), 20 + 5 + 2 * 5 + 3 * 68);
+  const auto clocks = [&](Method method) {
+    return node_update_cycles(a, p, 2, neighbours, method);
+  };
+  EXPECT_EQ(clocks(Method::cg), 20 + 5 + 2 * 5);
+  EXPECT_EQ(clocks(Method::chronopoulos_gear), 20 + 5 + 2 * 5);
+  EXPECT_EQ(clocks(Method::jacobi_pcg), 20 + 5 + 2 * 5 + 3 * 68);
+  // Adjugate and determinant in the pipeline, then six different entries.
+  EXPECT_EQ(clocks(Method::block_jacobi_pcg), 20 + 5 + 2 * 5 + 20 + 6 * 68);
+  EXPECT_EQ(load_cycles(a, p, Method::pipelined_cg), 1);
+  EXPECT_EQ(load_cycles(a, p, Method::jacobi_pcg), 10 * 3 * 68 + 20);
+  EXPECT_EQ(load_cycles(a, p, Method::block_jacobi_pcg), 10 * 6 * 68 + 20);
 }
 
 TEST(Architecture, PeriodIsWholePicoseconds) {

@@ -167,7 +167,8 @@ void Accelerator::start() {
     settings_ = settings;
     solver_ = std::make_unique<fixed::ReferenceSolver>(settings_);
     solver_->load(matrix_);
-    solve_clocks_ = accel::solve_cycles(architecture_, pattern_, settings_.iterations).total();
+    solve_clocks_ =
+        accel::solve_cycles(architecture_, pattern_, accel::longest_solve(settings_)).total();
   }
   bank_.set(field::kJobJob, bank_.get(field::kJobJob) + 1);
   run_for(Running::solve, solve_clocks_);
@@ -184,8 +185,7 @@ void Accelerator::load_done() {
   solver_.reset();
   b_.assign(static_cast<std::size_t>(matrix_.rows()), 0);
   u_.assign(static_cast<std::size_t>(matrix_.rows()), 0);
-  const bool preconditioned = settings.method == fixed::Method::jacobi_pcg;
-  run_for(Running::load, accel::load_cycles(architecture_, pattern_, preconditioned));
+  run_for(Running::load, accel::load_cycles(architecture_, pattern_, settings.method));
 }
 
 void Accelerator::update_node() {
@@ -225,11 +225,11 @@ void Accelerator::update_node() {
 
   const auto begin = static_cast<std::size_t>(matrix_.row_begin[node]);
   const auto end = static_cast<std::size_t>(matrix_.row_begin[node + 1]);
-  const bool preconditioned =
+  const bool jacobi =
       bank_.get(field::kMethodMethod) == static_cast<std::uint32_t>(SolverMethod::jacobi_pcg);
   const std::int64_t clocks = accel::node_update_cycles(
       architecture_, pattern_, row, std::span(matrix_.column).subspan(begin, end - begin),
-      preconditioned);
+      jacobi ? fixed::Method::jacobi_pcg : fixed::Method::cg);
   wait_states_ = untimed_ ? 0 : clocks * architecture_.clock_period_ps();
   ledger_.extend(*commanding_tag_, Part::fpga, Phase::node_update, now_ps(),
                  now_ps() + wait_states_);
