@@ -32,6 +32,20 @@ std::vector<double> diagonal_scale(const sparse::BlockMatrix& matrix) {
 
 }  // namespace
 
+sparse::BlockMatrix scaled(const sparse::BlockMatrix& matrix, std::span<const double> scale) {
+  sparse::BlockMatrix result = matrix;
+  for (int row = 0; row < result.block_rows(); ++row) {
+    for (int k = result.row_begin[at(row)]; k < result.row_begin[at(row) + 1]; ++k) {
+      const int column = result.column[at(k)];
+      for (int e = 0; e < 9; ++e) {
+        // The product of the two factors first, for the symmetry.
+        result.block(at(k))[e] *= scale[at(3 * row + e / 3)] * scale[at(3 * column + e % 3)];
+      }
+    }
+  }
+  return result;
+}
+
 int static_shift_for(const QuantisedMatrix& matrix) {
   std::uint64_t largest = 1;
   for (int row = 0; row < matrix.block_rows(); ++row) {
@@ -51,18 +65,7 @@ System prepare(const sparse::BlockMatrix& matrix, const Settings& settings) {
   System system{.settings = settings, .matrix = {}, .scale = {}};
   if (settings.matrix_scaling == MatrixScaling::diagonal) {
     system.scale = diagonal_scale(matrix);
-    sparse::BlockMatrix scaled = matrix;
-    for (int row = 0; row < scaled.block_rows(); ++row) {
-      for (int k = scaled.row_begin[at(row)]; k < scaled.row_begin[at(row) + 1]; ++k) {
-        const int column = scaled.column[at(k)];
-        for (int e = 0; e < 9; ++e) {
-          // The product of the two factors first: what is symmetric stays so to the last bit.
-          scaled.block(at(k))[e] *=
-              system.scale[at(3 * row + e / 3)] * system.scale[at(3 * column + e % 3)];
-        }
-      }
-    }
-    system.matrix = quantise(scaled, settings.matrix_bits);
+    system.matrix = quantise(scaled(matrix, system.scale), settings.matrix_bits);
   } else {
     system.scale.assign(at(matrix.rows()), 1.0);
     system.matrix = quantise(matrix, settings.matrix_bits);
@@ -71,6 +74,21 @@ System prepare(const sparse::BlockMatrix& matrix, const Settings& settings) {
     system.settings.static_shift = static_shift_for(system.matrix);
   }
   return system;
+}
+
+sparse::BlockMatrix dequantise(const System& system) {
+  sparse::BlockMatrix result = dequantise(system.matrix);
+  if (system.settings.matrix_scaling == MatrixScaling::none) return result;
+  for (int row = 0; row < result.block_rows(); ++row) {
+    for (int k = result.row_begin[at(row)]; k < result.row_begin[at(row) + 1]; ++k) {
+      const int column = result.column[at(k)];
+      for (int e = 0; e < 9; ++e) {
+        result.block(at(k))[e] /=
+            system.scale[at(3 * row + e / 3)] * system.scale[at(3 * column + e % 3)];
+      }
+    }
+  }
+  return result;
 }
 
 }  // namespace hvp::fixed

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "models/fixed/quantised_matrix.h"
@@ -20,6 +21,12 @@ struct System {
 // Scales and rounds a matrix as the settings say. Throws InputError as quantise() does, and where
 // a diagonal that is to be scaled is not above zero.
 System prepare(const sparse::BlockMatrix& matrix, const Settings& settings);
+
+// What the board's words stand for, in the units of the matrix that was prepared: S⁻¹·Ã·S⁻¹.
+sparse::BlockMatrix dequantise(const System& system);
+
+// S·A·S. What is symmetric stays so to the last bit.
+sparse::BlockMatrix scaled(const sparse::BlockMatrix& matrix, std::span<const double> scale);
 
 // The least m with which b = A·x cannot overflow its vector word for any x that fits its own:
 // 2^m >= the largest sum of magnitudes of a row.

@@ -16,24 +16,36 @@ std::optional<fem::Newmark> make_newmark(const fem::Body& body,
   return fem::Newmark(body.stiffness(), body.mass(dynamics->mass), *dynamics, period_s);
 }
 
-// Rounds the diagonal to a word; one that rounds to nothing would leave the node free.
-std::int32_t word_of(double diagonal, const fixed::QuantisedMatrix& matrix) {
+// Rounds the diagonal to a word; one that rounds to nothing would leave the node free. Where the
+// matrix is scaled its diagonal is one throughout, and so is the contact's.
+std::int32_t word_of(double diagonal, const fixed::System& system) {
+  const fixed::QuantisedMatrix& matrix = system.matrix;
+  const bool scaled = system.settings.matrix_scaling == fixed::MatrixScaling::diagonal;
   const double limit = std::ldexp(1.0, matrix.bits - 1) - 1;
-  return static_cast<std::int32_t>(std::clamp(std::round(diagonal / matrix.scale), 1.0, limit));
+  const double entry = scaled ? 1.0 : diagonal;
+  return static_cast<std::int32_t>(std::clamp(std::round(entry / matrix.scale), 1.0, limit));
+}
+
+fixed::Settings settings_of_board(const fixed::System& system, bool refined) {
+  fixed::Settings settings = system.settings;
+  if (refined) settings.start = fixed::Start::zero;
+  return settings;
 }
 
 }  // namespace
 
 FrameComputation::FrameComputation(const fem::Body& body, fem::ContactDiagonal diagonal,
                                    const std::optional<fem::Dynamics>& dynamics,
-                                   const fixed::Settings& settings, double period_s)
+                                   const fixed::Settings& settings, double period_s,
+                                   const std::optional<Refinement>& refinement)
     : body_(body),
       newmark_(make_newmark(body, dynamics, period_s)),
       matrix_(newmark_ ? newmark_->effective_matrix() : body.stiffness()),
       constraint_(matrix_, diagonal),
-      quantised_(fixed::quantise(matrix_, settings.matrix_bits)),
-      scaling_(settings, quantised_),
-      diagonal_word_(word_of(constraint_.diagonal(), quantised_)),
+      system_(fixed::prepare(matrix_, settings)),
+      board_settings_(settings_of_board(system_, refinement.has_value())),
+      scaling_(system_),
+      diagonal_word_(word_of(constraint_.diagonal(), system_)),
       f_(body.load()),
       b_(f_.size()),
       u_(body.initial_displacement()) {
@@ -42,6 +54,7 @@ FrameComputation::FrameComputation(const fem::Body& body, fem::ContactDiagonal d
     newmark_->set_state(u_, rest, rest);
     predict();
   }
+  if (refinement) refined_.emplace(*refinement, matrix_, system_, u_);
 }
 
 void FrameComputation::predict() {
@@ -59,10 +72,13 @@ int FrameComputation::form_rhs(const Eigen::Vector3d& u_c, std::span<std::int32_
   } else {
     constraint_.modified_rhs(f_, contact_, u_c, b_);
     // The board has the diagonal as a word; the right-hand side has to belong to that word for
-    // the solution to be u_c.
-    const double diagonal = diagonal_word_ * quantised_.scale;
+    // the solution to be u_c: word · scale · u_c = s·b with u_c/s for u_c in a scaled system.
+    const double diagonal = diagonal_word_ * system_.matrix.scale;
     for (const int node : contact_) {
-      for (int i = 0; i < 3; ++i) b_[static_cast<std::size_t>(3 * node + i)] = diagonal * u_c[i];
+      for (int i = 0; i < 3; ++i) {
+        const auto row = static_cast<std::size_t>(3 * node + i);
+        b_[row] = diagonal / (system_.scale[row] * system_.scale[row]) * u_c[i];
+      }
     }
   }
   return scaling_.right_hand_side(b_, words);
@@ -74,23 +90,28 @@ void FrameComputation::accept(std::span<const std::int32_t> words) {
 
 Eigen::Vector3d FrameComputation::force() const {
   if (contact_.empty()) return Eigen::Vector3d::Zero();
-  return constraint_.reaction(u_, f_, contact_);
+  return constraint_.reaction(displacement(), f_, contact_);
 }
 
 void FrameComputation::update() {
   if (!newmark_) return;
-  newmark_->update(u_);
+  newmark_->update(displacement());
   predict();
 }
 
+// A word more to scale where every equation has a scale of its own.
+double FrameComputation::conversion() const {
+  const bool scaled = system_.settings.matrix_scaling != fixed::MatrixScaling::none;
+  return conversion_operations(matrix_.rows()) + (scaled ? matrix_.rows() : 0);
+}
+
 double FrameComputation::form_rhs_operations() const {
-  const double conversion = conversion_operations(matrix_.rows());
-  return contact_.empty() ? conversion : conversion + constraint_.modified_rhs_flops(contact_);
+  return contact_.empty() ? conversion() : conversion() + constraint_.modified_rhs_flops(contact_);
 }
 
 double FrameComputation::force_operations() const {
-  const double conversion = conversion_operations(matrix_.rows());
-  return contact_.empty() ? conversion : conversion + constraint_.reaction_flops(contact_);
+  const double words = refined_ ? 0 : conversion();
+  return contact_.empty() ? words : words + constraint_.reaction_flops(contact_);
 }
 
 double FrameComputation::update_operations() const {

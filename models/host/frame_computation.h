@@ -10,9 +10,10 @@
 #include "models/fem/contact.h"
 #include "models/fem/dynamics.h"
 #include "models/fem/newmark.h"
-#include "models/fixed/quantised_matrix.h"
 #include "models/fixed/scaling.h"
 #include "models/fixed/settings.h"
+#include "models/fixed/system.h"
+#include "models/host/refinement.h"
 
 namespace hvp::host {
 
@@ -23,6 +24,10 @@ namespace hvp::host {
 //   set_contact(patch);          // when the contact has moved
 //   form_rhs(u_c, b);  …the board solves…  accept(u);  force();  update();
 //
+// With refinement the passes of refined() stand in the place of form_rhs() and accept():
+//
+//   begin_passes(u_c);  refined()->next(b), …accept(u)…;  force();  refined()->finish();  update();
+//
 // Nothing allocates after construction but set_contact.
 class FrameComputation {
  public:
@@ -30,10 +35,16 @@ class FrameComputation {
   // InputError for an unstable time integration or a matrix that cannot be put into words.
   FrameComputation(const fem::Body& body, fem::ContactDiagonal diagonal,
                    const std::optional<fem::Dynamics>& dynamics, const fixed::Settings& settings,
-                   double period_s);
+                   double period_s, const std::optional<Refinement>& refinement = std::nullopt);
+  FrameComputation(const FrameComputation&) = delete;
+  FrameComputation& operator=(const FrameComputation&) = delete;
 
   const sparse::BlockMatrix& matrix() const { return matrix_; }
-  const fixed::QuantisedMatrix& quantised() const { return quantised_; }
+  // The matrix as the board has it, and the settings that the board works with: the static shift
+  // in force, and a start from zero where it solves for increments.
+  const fixed::System& system() const { return system_; }
+  const fixed::QuantisedMatrix& quantised() const { return system_.matrix; }
+  const fixed::Settings& board_settings() const { return board_settings_; }
   const fixed::Scaling& scaling() const { return scaling_; }
   // What the board puts on the diagonal of a contact node, in matrix words.
   std::int32_t diagonal_word() const { return diagonal_word_; }
@@ -48,33 +59,46 @@ class FrameComputation {
   int form_rhs(const Eigen::Vector3d& u_c, std::span<std::int32_t> words);
   // Takes the board's solution.
   void accept(std::span<const std::int32_t> words);
+
+  // Null without refinement.
+  RefinedSolve* refined() { return refined_ ? &*refined_ : nullptr; }
+  const RefinedSolve* refined() const { return refined_ ? &*refined_ : nullptr; }
+  void begin_passes(const Eigen::Vector3d& u_c) { refined_->begin(f_, contact_, u_c); }
+
   // On the body at the contact, N; zero without contact.
   Eigen::Vector3d force() const;
   // Newmark's update with the accepted solution and the next frame's f̂; nothing when static.
   void update();
 
-  std::span<const double> displacement() const { return u_; }    // m, as accepted
+  // m, as accepted.
+  std::span<const double> displacement() const {
+    return refined_ ? refined_->displacement() : std::span<const double>(u_);
+  }
   std::span<const double> external_force() const { return f_; }  // f or f̂ of this frame, N
 
-  // Operations of each step, conversions to and from words included.
+  // Operations of each step, conversions to and from words included; those of the passes are
+  // refined()'s.
   double form_rhs_operations() const;
   double force_operations() const;
   double update_operations() const;
 
  private:
   void predict();
+  double conversion() const;
 
   const fem::Body& body_;
   std::optional<fem::Newmark> newmark_;
   sparse::BlockMatrix matrix_;
   fem::ContactConstraint constraint_;
-  fixed::QuantisedMatrix quantised_;
+  fixed::System system_;
+  fixed::Settings board_settings_;
   fixed::Scaling scaling_;
   std::int32_t diagonal_word_;
   std::vector<int> contact_;
   std::vector<double> f_;
   std::vector<double> b_;
   std::vector<double> u_;
+  std::optional<RefinedSolve> refined_;
 };
 
 }  // namespace hvp::host

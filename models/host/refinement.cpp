@@ -1,0 +1,286 @@
+#include "models/host/refinement.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "models/fixed/word.h"
+#include "models/host/costs.h"
+
+namespace hvp::host {
+
+namespace {
+
+using stability::Flag;
+using stability::Flags;
+
+std::size_t at(int index) { return static_cast<std::size_t>(index); }
+
+// A unit that much finer than the range's is beyond what double precision tells apart.
+constexpr int kFinest = -64;
+// What rounding leaves of a residual that is zero, of ‖A‖∞·‖u‖∞: a few units in the last place.
+constexpr double kNoise = 0x1p-50;
+// Of a word of x that stays free for an increment larger than the gain foretells.
+constexpr double kReserve = 4;
+// Where a pass has no gain of its own yet it takes that of the pass before.
+constexpr double kUnknown = 4;
+constexpr double kWiden = 4;
+// What a gain forgets in a frame: a larger one is believed at once, a smaller one within some ten.
+constexpr double kForget = 0.75;
+
+double square(double v) { return v * v; }
+
+// ‖A‖∞, the largest sum of magnitudes in a row.
+double row_sum_norm(const sparse::BlockMatrix& matrix) {
+  double norm = 0;
+  for (int row = 0; row < matrix.block_rows(); ++row) {
+    std::array<double, 3> sum = {0, 0, 0};
+    for (int k = matrix.row_begin[at(row)]; k < matrix.row_begin[at(row) + 1]; ++k) {
+      for (std::size_t e = 0; e < 9; ++e) sum[e / 3] += std::abs(matrix.block(at(k))[e]);
+    }
+    norm = std::max({norm, sum[0], sum[1], sum[2]});
+  }
+  return norm;
+}
+
+// The least k with value <= 2^k; value > 0.
+int ceil_log2(double value) {
+  int exponent = 0;
+  const double mantissa = std::frexp(value, &exponent);
+  return mantissa == 0.5 ? exponent - 1 : exponent;
+}
+
+// Of a pass' own words: a later pass sees what is left and makes it good.
+Flags repairable() {
+  Flags flags;
+  flags.raise(Flag::saturation);
+  flags.raise(Flag::stagnation);
+  flags.raise(Flag::divergence);
+  return flags;
+}
+
+}  // namespace
+
+void Refinement::declare(config::Visitor& v) {
+  v.integer("passes", passes, {1, 16},
+            {"solves of a frame: each is for the increment that the residual of the last leaves",
+             "two bring 12/16-bit words under 1e-3 of the true trajectory, docs/fixed-point.md"});
+  v.quantity("tolerance", tolerance, config::Dimension::dimensionless, config::between(0, 1),
+             {"residual after the last pass, of the largest right-hand side so far, above which "
+              "a frame is flagged not-converged",
+              "assumed: times the condition number it bounds the error"});
+}
+
+RefinedSolve::RefinedSolve(const Refinement& refinement, const sparse::BlockMatrix& matrix,
+                           const fixed::System& system, std::span<const double> initial)
+    : matrix_(matrix),
+      scaling_(system),
+      start_(system.settings.start),
+      tolerance_(refinement.tolerance),
+      norm_(row_sum_norm(matrix)),
+      displacement_range_(system.settings.displacement_range),
+      displacement_limit_(static_cast<double>(fixed::word_limit(system.settings.vector_bits))),
+      force_limit_(static_cast<double>(fixed::word_limit(system.settings.residual_bits()))),
+      u_(initial.begin(), initial.end()),
+      product_(u_.size()),
+      solution_(u_),
+      f_(u_.size()),
+      b_(u_.size()),
+      r_(u_.size()),
+      increment_(u_.size()),
+      gain_(at(refinement.passes), 0.0) {
+  if (system.settings.matrix_scaling != fixed::MatrixScaling::none) scale_ = system.scale;
+  contact_.reserve(at(matrix.block_rows()));
+  matrix_.multiply(u_, product_);
+  solution_product_ = product_;
+  guess_ = u_;
+  guess_product_ = product_;
+  if (start_ == fixed::Start::zero) {
+    std::fill(guess_.begin(), guess_.end(), 0.0);
+    std::fill(guess_product_.begin(), guess_product_.end(), 0.0);
+  }
+}
+
+// from −= A[:, node]·u. A is symmetric: block (j, c) is block (c, j) transposed.
+void RefinedSolve::subtract_columns(const Eigen::Vector3d& u, int node,
+                                    std::span<double> from) const {
+  for (int k = matrix_.row_begin[at(node)]; k < matrix_.row_begin[at(node) + 1]; ++k) {
+    const double* block = matrix_.block(at(k));
+    double* target = &from[3 * at(matrix_.column[at(k)])];
+    for (std::size_t r = 0; r < 3; ++r) {
+      target[r] -= block[r] * u[0] + block[3 + r] * u[1] + block[6 + r] * u[2];
+    }
+  }
+}
+
+void RefinedSolve::begin(std::span<const double> f, std::span<const int> contact,
+                         const Eigen::Vector3d& u_c) {
+  std::copy(f.begin(), f.end(), f_.begin());
+  contact_.assign(contact.begin(), contact.end());
+  u_ = guess_;
+  product_ = guess_product_;
+  current_ = true;
+  pass_ = 0;
+  pass_flags_ = {};
+  clamped_ = 0;
+  way_ = 0;
+  b_ = f_;
+  move_contact_to(u_c);
+}
+
+void RefinedSolve::move_contact_to(const Eigen::Vector3d& u_c) {
+  for (const int node : contact_) {
+    double* u = &u_[3 * at(node)];
+    const Eigen::Vector3d back(u[0] - u_c[0], u[1] - u_c[1], u[2] - u_c[2]);
+    subtract_columns(back, node, product_);
+    subtract_columns(u_c, node, b_);
+    for (int i = 0; i < 3; ++i) {
+      const double scale = scale_.empty() ? 1 : scale_[at(3 * node + i)];
+      way_ = std::max(way_, std::abs(back[i]) / (scale * scaling_.displacement_unit()));
+      u[i] = u_c[i];
+    }
+  }
+  for (const int node : contact_) std::fill_n(&b_[3 * at(node)], 3, 0.0);
+}
+
+void RefinedSolve::form_residual() {
+  for (std::size_t i = 0; i < r_.size(); ++i) r_[i] = f_[i] - product_[i];
+  for (const int node : contact_) std::fill_n(&r_[3 * at(node)], 3, 0.0);
+}
+
+// The pass' unit, as an exponent: the residual fits its word, and so does the increment that the
+// gain foretells. `largest` is the residual's largest word in the range's own unit.
+int RefinedSolve::exponent_for(double largest) const {
+  const auto pass = at(pass_);
+  double gain = gain_[pass];
+  if (gain == 0) gain = pass > 0 ? kUnknown * gain_[pass - 1] : way_ / largest;
+  // No increment is beyond the range that the scenario states.
+  if (gain == 0) return 0;
+  const double filling =
+      largest * std::max(1 / force_limit_, kReserve * gain / displacement_limit_);
+  return std::clamp(ceil_log2(filling), kFinest, 0);
+}
+
+bool RefinedSolve::next(std::span<std::int32_t> b) {
+  next_operations_ = 0;
+  if (pass_ == passes()) return false;
+  next_operations_ = residual_operations(!current_);
+  if (!current_) matrix_.multiply(u_, product_);
+  current_ = true;
+  form_residual();
+  double largest = 0;
+  double largest_r = 0;
+  double largest_u = 0;
+  for (std::size_t i = 0; i < r_.size(); ++i) {
+    largest = std::max(largest, std::abs(scale_.empty() ? r_[i] : scale_[i] * r_[i]));
+    largest_r = std::max(largest_r, std::abs(r_[i]));
+    largest_u = std::max(largest_u, std::abs(u_[i]));
+  }
+  if (largest_r <= kNoise * norm_ * largest_u) return false;
+  exponent_ = exponent_for(largest / scaling_.force_unit());
+  // The unit is a power of two times the range's: scaling r by it loses nothing.
+  for (double& r : r_) r = std::ldexp(r, -exponent_);
+  clamped_ += scaling_.right_hand_side(r_, b);
+  largest_b_ = 0;
+  for (const std::int32_t word : b) largest_b_ = std::max(largest_b_, std::abs(double{1} * word));
+  return largest_b_ > 0;
+}
+
+void RefinedSolve::accept(std::span<const std::int32_t> x, Flags flags) {
+  scaling_.displacements(x, increment_);
+  double largest = 0;
+  for (const std::int32_t word : x) largest = std::max(largest, std::abs(double{1} * word));
+  for (std::size_t i = 0; i < u_.size(); ++i) {
+    const double u = u_[i] + std::ldexp(increment_[i], exponent_);
+    u_[i] = std::clamp(u, -displacement_range_, displacement_range_);
+    if (u_[i] != u) ++clamped_;
+  }
+  current_ = false;
+  pass_flags_.merge(flags);
+
+  double& gain = gain_[at(pass_)];
+  if (largest >= displacement_limit_ && exponent_ < 0) {
+    gain = kWiden * std::max(gain, largest / largest_b_);
+    ++widened_;
+  } else {
+    gain = std::max((largest + 1) / largest_b_, kForget * gain);
+  }
+  ++pass_;
+}
+
+void RefinedSolve::finish() {
+  if (!current_) matrix_.multiply(u_, product_);
+  current_ = true;
+  form_residual();
+  double residual = 0;
+  double rhs = 0;
+  double energy = 0;  // −2·(½uᵀAu − bᵀu) outside the contact: positive where u is better than zero
+  for (std::size_t i = 0; i < r_.size(); ++i) {
+    residual += square(r_[i]);
+    rhs += square(b_[i]);
+    energy += u_[i] * (b_[i] + r_[i]);
+  }
+  largest_rhs_ = std::max(largest_rhs_, std::sqrt(rhs));
+  residual_ = residual == 0 ? 0 : std::sqrt(residual) / largest_rhs_;
+
+  flags_ = pass_flags_;
+  const bool converged = residual_ <= tolerance_;
+  if (converged) flags_ = Flags(flags_.bits() & ~repairable().bits());
+  if (!converged) flags_.raise(Flag::not_converged);
+  if (clamped_ > 0) flags_.raise(Flag::range_exceeded);
+  // Worse than no solution: what follows from it would be worse still.
+  const bool diverged = !converged && energy < 0;
+  if (diverged) flags_.raise(Flag::divergence);
+
+  for (std::size_t i = 0; i < u_.size(); ++i) {
+    const bool keep = start_ != fixed::Start::zero && !diverged;
+    const bool extrapolate = start_ == fixed::Start::extrapolated;
+    guess_[i] = !keep ? 0 : extrapolate ? 2 * u_[i] - solution_[i] : u_[i];
+    guess_product_[i] = !keep         ? 0
+                        : extrapolate ? 2 * product_[i] - solution_product_[i]
+                                      : product_[i];
+  }
+  solution_ = u_;
+  solution_product_ = product_;
+}
+
+void RefinedSolve::abandon() {
+  u_ = solution_;
+  product_ = solution_product_;
+  current_ = true;
+}
+
+double RefinedSolve::conversion() const {
+  const double entries = matrix_.rows();
+  return conversion_operations(matrix_.rows()) + (scale_.empty() ? 0 : entries);
+}
+
+double RefinedSolve::begin_operations() const {
+  double blocks = 0;
+  for (const int node : contact_) {
+    blocks += matrix_.row_begin[at(node) + 1] - matrix_.row_begin[at(node)];
+  }
+  // Two products with the contact's columns; the way that its nodes go.
+  return 36 * blocks + 6 * static_cast<double>(contact_.size());
+}
+
+double RefinedSolve::residual_operations(bool product) const {
+  // Subtract, and find the largest of r and u.
+  const double residual = 3.0 * matrix_.rows() + conversion();
+  return product ? 18.0 * static_cast<double>(matrix_.blocks()) + residual : residual;
+}
+
+double RefinedSolve::accept_operations() const {
+  // Find the largest, add, two comparisons with the range.
+  return 4.0 * matrix_.rows() + conversion();
+}
+
+double RefinedSolve::finish_operations() const {
+  // Subtract; two norms, and an inner product with a sum.
+  const double judge = 8.0 * matrix_.rows();
+  const double extrapolation = start_ == fixed::Start::extrapolated ? 4.0 * matrix_.rows() : 0;
+  return 18.0 * static_cast<double>(matrix_.blocks()) + judge + extrapolation;
+}
+
+}  // namespace hvp::host

@@ -1,0 +1,121 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "models/config/declaration.h"
+#include "models/fixed/scaling.h"
+#include "models/fixed/system.h"
+#include "models/sparse/block_matrix.h"
+#include "models/stability/flag.h"
+
+namespace hvp::host {
+
+// The scenario's effect [refinement]. Without it the board solves for u itself, as in the thesis.
+struct Refinement {
+  int passes = 2;
+  double tolerance = 1e-3;
+
+  void declare(config::Visitor& v);
+};
+
+// Iterative refinement (Wilkinson 1963, Moler 1967) with the board as inner solver: a pass forms
+// r = f − A·u in double precision, the board solves Ã·Δ = r for the increment, from zero and in
+// its words, and u += Δ. Ã's rounding then costs passes instead of accuracy, as long as
+// ‖I − A·Ã⁻¹‖ < 1. docs/fixed-point.md, section Refinement.
+//
+//   begin(f, contact, u_c);
+//   while (next(b)) { …the board solves for x, from zero… accept(x, flags); }
+//   finish();
+//
+// Contact (thesis §3.7) is a displacement that is known: u has it before the first residual is
+// formed, so that the contact's rows of r and Δ are zero, whatever stands on their diagonal. That
+// is the residual of the modified system.
+//
+// Each pass has its own unit of a word, a power of two below that of the scenario's
+// displacement_range: the board's arithmetic is linear and knows nothing of it. Vectors are over
+// A's rows, in m and N. Nothing allocates after construction.
+class RefinedSolve {
+ public:
+  // Keeps a reference to the matrix as it was before it was rounded. `system` is what prepare()
+  // made of it; its settings' start says where a solve begins: at the last solution, at zero, or
+  // at 2·(the last one) − (the one before). `initial` is the solution of the time before.
+  RefinedSolve(const Refinement& refinement, const sparse::BlockMatrix& matrix,
+               const fixed::System& system, std::span<const double> initial);
+
+  int passes() const { return static_cast<int>(gain_.size()); }
+
+  // The right-hand side f, and the nodes (ascending) that are at u_c.
+  void begin(std::span<const double> f, std::span<const int> contact, const Eigen::Vector3d& u_c);
+  // Puts the next pass' residual into the board's words. False where nothing is left to solve:
+  // all passes are through, or the residual is zero.
+  bool next(std::span<std::int32_t> b);
+  // Adds the board's increment; `flags` are those of its solve.
+  void accept(std::span<const std::int32_t> x, stability::Flags flags);
+  // What is left of the residual, and where the next solve begins. It needs a product with A,
+  // which is the first pass' of the next solve.
+  void finish();
+  // Instead of finish(): the solve has failed, the last solution stands.
+  void abandon();
+
+  std::span<const double> displacement() const { return u_; }
+  // ‖f − A·u‖ outside the contact after the last finish(), over the largest ‖b‖ so far, where
+  // b = f − A[:, c]·u_c is the right-hand side with the contact moved to it.
+  double residual() const { return residual_; }
+  // Of the solve that finish() ended. What a pass did to its words and a later pass made good
+  // (saturation, stagnation, divergence) is no flag while residual() is within the tolerance.
+  stability::Flags flags() const { return flags_; }
+  // Passes whose increment did not fit its words, and which made the unit wider.
+  std::int64_t widened() const { return widened_; }
+  // Since begin(): words of residuals, and displacements beyond displacement_range, that were
+  // clamped.
+  std::int64_t clamped() const { return clamped_; }
+
+  // Additions, multiplications and comparisons, conversions included: of begin() with its contact,
+  // of a residual with or without the product A·u (the first pass has it from finish()), of the
+  // next() that was called last, of accept() and of finish().
+  double begin_operations() const;
+  double residual_operations(bool product) const;
+  double next_operations() const { return next_operations_; }
+  double accept_operations() const;
+  double finish_operations() const;
+
+ private:
+  void move_contact_to(const Eigen::Vector3d& u_c);
+  void subtract_columns(const Eigen::Vector3d& u, int node, std::span<double> from) const;
+  void form_residual();
+  int exponent_for(double largest) const;
+  double conversion() const;
+
+  const sparse::BlockMatrix& matrix_;
+  fixed::Scaling scaling_;
+  std::vector<double> scale_;  // s_i of the words' equations; empty: one
+  fixed::Start start_;
+  double tolerance_;
+  double norm_;  // ‖A‖∞
+  double displacement_range_;
+  double displacement_limit_;  // of a word of x
+  double force_limit_;         // of a word of b
+
+  std::vector<double> u_, product_;  // A·u, where `current_`
+  bool current_ = true;
+  double next_operations_ = 0;
+  std::vector<double> solution_, solution_product_;  // of the last finish()
+  std::vector<double> guess_, guess_product_;        // where the next solve begins
+  std::vector<double> f_, b_, r_, increment_;
+  std::vector<int> contact_;
+  int pass_ = 0;
+  int exponent_ = 0;          // the pass' unit is 2^exponent of that of the range
+  double largest_b_ = 0;      // word of the pass
+  double way_ = 0;            // of the contact since the last solve, in words of the range's unit
+  std::vector<double> gain_;  // largest word of x over that of b, a pass
+  double largest_rhs_ = 0;
+  double residual_ = 0;
+  stability::Flags pass_flags_, flags_;
+  std::int64_t widened_ = 0;
+  std::int64_t clamped_ = 0;
+};
+
+}  // namespace hvp::host
