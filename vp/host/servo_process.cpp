@@ -155,17 +155,9 @@ void ServoProcess::frame(std::int64_t number) {
   std::uint32_t frame_flags = 0;
   Eigen::Vector3d force = held_force_;
   if (status == HVP_OK) {
-    const int clamped = computation_.form_rhs(u_c, b_);
-    spend(Phase::form_rhs, 0, computation_.form_rhs_operations());
-    counts_.clamped_words += clamped;
-    if (clamped > 0) {
-      frame_flags |= std::uint32_t{1} << static_cast<unsigned>(stability::Flag::range_exceeded);
-    }
-    status = solve();
+    status = find_displacement(u_c, frame_flags);
   }
   if (status == HVP_OK) {
-    frame_flags |= hvp_last_flags(&device_);
-    computation_.accept(u_);
     force = computation_.force();
     spend(Phase::force, 0, computation_.force_operations());
   } else {
@@ -178,6 +170,9 @@ void ServoProcess::frame(std::int64_t number) {
   write_force(-force);
 
   if (status == HVP_OK) {
+    if (computation_.refined() != nullptr) {
+      judge_refinement(*computation_.refined(), frame_flags);
+    }
     computation_.update();
     spend(Phase::update, 0, computation_.update_operations());
   }
@@ -264,6 +259,48 @@ hvp_status ServoProcess::move_contact(std::span<const int> nodes) {
   }
   computation_.set_contact(nodes);
   return status;
+}
+
+// U of this frame, in words or refined.
+hvp_status ServoProcess::find_displacement(const Eigen::Vector3d& u_c, std::uint32_t& flags) {
+  if (computation_.refined() != nullptr) return refine(u_c, *computation_.refined());
+  const int clamped = computation_.form_rhs(u_c, b_);
+  spend(Phase::form_rhs, 0, computation_.form_rhs_operations());
+  counts_.clamped_words += clamped;
+  if (clamped > 0) {
+    flags |= std::uint32_t{1} << static_cast<unsigned>(stability::Flag::range_exceeded);
+  }
+  const hvp_status status = solve();
+  if (status != HVP_OK) return status;
+  flags |= hvp_last_flags(&device_);
+  computation_.accept(u_);
+  return status;
+}
+
+// Each pass' residual follows the increment of the pass before in one span; the last increment has
+// one of its own.
+hvp_status ServoProcess::refine(const Eigen::Vector3d& u_c, host::RefinedSolve& refined) {
+  computation_.begin_passes(u_c);
+  double operations = refined.begin_operations();
+  while (refined.next(b_)) {
+    spend(Phase::refinement, 0, operations + refined.next_operations());
+    if (const hvp_status status = solve(); status != HVP_OK) {
+      refined.abandon();
+      return status;
+    }
+    refined.accept(u_, stability::Flags(hvp_last_flags(&device_)));
+    operations = refined.accept_operations();
+  }
+  spend(Phase::refinement, 0, operations + refined.next_operations());
+  return HVP_OK;
+}
+
+// What is left of the residual is known when the next frame's product is formed: after the force.
+void ServoProcess::judge_refinement(host::RefinedSolve& refined, std::uint32_t& flags) {
+  refined.finish();
+  spend(Phase::refinement, 0, refined.finish_operations());
+  flags |= refined.flags().bits();
+  counts_.clamped_words += refined.clamped();
 }
 
 hvp_status ServoProcess::solve() {

@@ -89,6 +89,9 @@ class ServoProcess : public sc_core::sc_module {
   void take_contact(const ContactReport& report, Frame& frame);
   void take_over(Picoseconds now, const Eigen::Vector3d& tip);
   hvp_status move_contact(std::span<const int> nodes);
+  hvp_status find_displacement(const Eigen::Vector3d& u_c, std::uint32_t& flags);
+  hvp_status refine(const Eigen::Vector3d& u_c, host::RefinedSolve& refined);
+  void judge_refinement(host::RefinedSolve& refined, std::uint32_t& flags);
   hvp_status solve();
   void write_force(const Eigen::Vector3d& force);
   void spend(Phase phase, double seconds, double operations = 0);
