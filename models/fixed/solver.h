@@ -5,7 +5,7 @@
 
 #include "models/fixed/quantised_matrix.h"
 #include "models/fixed/settings.h"
-#include "models/fixed/word.h"
+#include "models/fixed/types.h"
 #include "models/stability/flag.h"
 
 namespace hvp::fixed {

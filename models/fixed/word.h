@@ -4,14 +4,12 @@
 #include <cstdint>
 
 #include "models/fixed/settings.h"
+#include "models/fixed/types.h"
 
 // The words of the solver and the four operations on them that lose information: clamping,
 // rounding, dividing and summing. All of them are odd functions (f(-v) = -f(v)), as sign and
 // magnitude hardware makes them: the thesis' multipliers work on absolute values (§5.5).
 namespace hvp::fixed {
-
-__extension__ using Int128 = __int128;
-__extension__ using UInt128 = unsigned __int128;
 
 // Largest magnitude of a signed word. The range is symmetric, -2^(bits-1) is not used, so
 // that negating a word never overflows.
@@ -108,15 +106,6 @@ constexpr Int128 shift_scalar(Int128 value, int exponent, Rounding rounding, std
   }
   return value < 0 ? -static_cast<Int128>(result) : static_cast<Int128>(result);
 }
-
-// A coefficient α or β: mantissa · 2^exponent. The mantissa of n bits (sign included) lies in
-// [2^(n-2), 2^(n-1)) where it has a shift of its own, or is zero.
-struct Coefficient {
-  std::int32_t mantissa = 0;
-  int exponent = 0;
-
-  friend constexpr bool operator==(const Coefficient&, const Coefficient&) = default;
-};
 
 // numerator / denominator rounded to a mantissa of `bits` bits (nearest rounding in divisions:
 // thesis §4.2). numerator >= 0, denominator > 0. Shift and subtract, one bit of the quotient a

@@ -7,7 +7,7 @@
 #include <spdlog/spdlog.h>
 
 #include "models/config/input_error.h"
-#include "models/fixed/reference_solver.h"
+#include "models/fixed/kernel.h"
 #include "vp/fpga/packed_words.h"
 
 namespace hvp::vp {
@@ -165,7 +165,7 @@ void Accelerator::start() {
   if (!settings_from_registers(settings)) return;
   if (solver_ == nullptr || settings != settings_) {
     settings_ = settings;
-    solver_ = std::make_unique<fixed::ReferenceSolver>(settings_);
+    solver_ = fixed::make_solver(settings_);
     solver_->load(matrix_);
     solve_clocks_ =
         accel::solve_cycles(architecture_, pattern_, accel::longest_solve(settings_)).total();

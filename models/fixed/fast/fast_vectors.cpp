@@ -1,0 +1,224 @@
+// Which pass is taken, and the exact ones for what no pass can prove.
+#include <algorithm>
+#include <cstdint>
+
+#include "models/fixed/fast/fast_solver.h"
+
+namespace hvp::fixed::fast {
+
+namespace {
+
+std::size_t at(int index) { return static_cast<std::size_t>(index); }
+
+constexpr std::uint64_t kLargestSum = (std::uint64_t{1} << 31) - 1;
+
+RightShift right_shift(int places, Rounding rounding) {
+  RightShift result{.right = static_cast<std::uint32_t>(places), .odd = 0, .bias = 0};
+  if (places == 0 || rounding == Rounding::truncation) return result;
+  result.bias = std::uint64_t{1} << (places - 1);
+  if (rounding == Rounding::nearest_even) {
+    --result.bias;
+    result.odd = 1;
+  }
+  return result;
+}
+
+// More than any rounding of size · 2^-places.
+std::uint64_t shifted_bound(std::uint64_t size, int places) { return (size >> places) + 1; }
+
+}  // namespace
+
+void FastSolver::count(std::int64_t overflows) {
+  if (settings_.overflow == Overflow::saturate) {
+    report_.saturations += overflows;
+  } else {
+    report_.wraps += overflows;
+  }
+}
+
+// Entries of two vectors in one accumulator of a lane.
+bool FastSolver::dot_fits(std::uint64_t a, std::uint64_t b) const {
+  const std::uint64_t products = x_.word.size() / passes_.lanes;
+  return width(a) + width(b) + width(products) <= 63;
+}
+
+// out = word(a + b), term by term rounded.
+void FastSolver::write(Vector& out, const Term& a, const Term& b, int bits, Wants wants) {
+  Terms terms{.out = out.word.data(),
+              .a = a.vector.word.data(),
+              .b = b.vector.word.data(),
+              .size = out.word.size(),
+              .bits = bits,
+              .wraps = settings_.overflow == Overflow::wrap,
+              .nearest_even = settings_.shift_rounding == Rounding::nearest_even,
+              .square = wants == Wants::squares};
+  const Found found = prove(terms, a, b) ? passes_.combine(terms) : write_exactly(out, a, b, bits);
+  out.largest = found.largest;
+  count(found.overflows);
+  if (wants == Wants::squares) z_r_sum_ = found.dot;
+}
+
+// Fills in the shifts, and says whether the pass keeps its promises for these magnitudes.
+bool FastSolver::prove(Terms& terms, const Term& a, const Term& b) const {
+  const Rounding rounding = settings_.shift_rounding;
+  std::uint64_t a_bound = 0;
+  if (a.vector.largest > kLargestSum) return false;
+  if (a.vector.largest == 0) {
+    // Nothing to shift.
+  } else if (a.exponent >= 0) {
+    if (width(a.vector.largest) + a.exponent > 31) return false;
+    terms.a_left = static_cast<std::uint32_t>(a.exponent);
+    a_bound = a.vector.largest << a.exponent;
+  } else if (a.exponent >= -31) {
+    terms.a_right = right_shift(-a.exponent, rounding);
+    a_bound = shifted_bound(a.vector.largest, -a.exponent);
+  } else {
+    terms.a_right = right_shift(31, Rounding::truncation);  // nothing is left
+  }
+
+  const std::uint64_t product = size_of(b.factor) * b.vector.largest;
+  std::uint64_t b_bound = 0;
+  if (product == 0 || b.exponent < -60) {
+    // Magnitudes below 2^56: nothing is left.
+  } else if (b.exponent > 0) {
+    if (width(product) + b.exponent > 31) return false;
+    terms.factor = b.factor * (std::int32_t{1} << b.exponent);
+    b_bound = product << b.exponent;
+  } else {
+    terms.factor = b.factor;
+    terms.b_right = right_shift(-b.exponent, rounding);
+    b_bound = shifted_bound(product, -b.exponent);
+  }
+  terms.short_product = size_of(terms.factor) < (1U << 15) && b.vector.largest < (1U << 15) &&
+                        product < (1U << 30) && b_bound < (1U << 30);
+  if (terms.short_product && terms.b_right.right > 31) {
+    terms.factor = 0;
+    terms.b_right = {};
+  }
+  const std::uint64_t sum = a_bound + b_bound;
+  const std::uint64_t word = std::min(sum, std::uint64_t{1} << (terms.bits - 1));
+  return sum <= kLargestSum && (!terms.square || dot_fits(word, word));
+}
+
+Found FastSolver::write_exactly(Vector& out, const Term& a, const Term& b, int bits) const {
+  const Shift a_shift(a.exponent, settings_.shift_rounding);
+  const Shift b_shift(b.exponent, settings_.shift_rounding);
+  Found found;
+  for (std::size_t i = 0; i < out.word.size(); ++i) {
+    const std::int64_t sum =
+        a_shift(a.vector.word[i]) + b_shift(std::int64_t{b.factor} * b.vector.word[i]);
+    const std::int32_t word = to_word(sum, bits, settings_.overflow, found.overflows);
+    out.word[i] = word;
+    found.largest = std::max(found.largest, size_of(word));
+    found.dot += std::int64_t{word} * word;
+  }
+  return found;
+}
+
+// aᵀb; finds the largest of b besides.
+Int128 FastSolver::dot(const Vector& a, Vector& b) {
+  if (dot_fits(a.largest, b.largest)) {
+    const Found found = passes_.inner_product(a.word.data(), b.word.data(), a.word.size());
+    b.largest = found.largest;
+    return found.dot;
+  }
+  Int128 sum = 0;
+  b.largest = 0;
+  for (std::size_t i = 0; i < a.word.size(); ++i) {
+    sum += std::int64_t{a.word[i]} * b.word[i];
+    b.largest = std::max(b.largest, size_of(b.word[i]));
+  }
+  return sum;
+}
+
+// The exact sums of A·vector: in `paired` where the matrix is paired, else in sums_.
+void FastSolver::sum_rows(const Vector& vector, Vector& paired) {
+  if (!packed_.paired()) {
+    passes_.multiply_wide(packed_.wide_slices(), vector.word.data(), sums_.data());
+    return;
+  }
+  passes_.to_short(vector.word.data(), short_.data(), vector.word.size());
+  passes_.multiply_paired(packed_.paired_slices(), short_.data(), paired.word.data());
+}
+
+// product = A·vector, rounded and cut to its word. Returns their inner product.
+Int128 FastSolver::multiply(const Vector& vector, int exponent, Vector& product) {
+  const int dropped = settings_.product_shift();
+  product.exponent = exponent - dropped;
+  const std::uint64_t bound = std::min(packed_.largest_row() * vector.largest, kLargestSum + 1);
+  if (packed_.paired()) {
+    sum_rows(vector, dropped > 0 ? product_ : product);
+    if (dropped > 0) {
+      product_.largest = bound;
+      write(product, {.vector = product_, .exponent = -dropped}, {.vector = product_, .factor = 0},
+            Settings::kProductBits);
+    } else {
+      product.largest = bound;
+    }
+    return dot(vector, product);
+  }
+  sum_rows(vector, product);
+  write_sums(product, dropped);
+  return dot(vector, product);
+}
+
+// The words of exact sums.
+void FastSolver::write_sums(Vector& out, int dropped) {
+  const Shift shift(-dropped, settings_.shift_rounding);
+  std::int64_t overflows = 0;
+  out.largest = 0;
+  for (std::size_t i = 0; i < out.word.size(); ++i) {
+    out.word[i] = to_word(shift(sums_[i]), Settings::kProductBits, settings_.overflow, overflows);
+    out.largest = std::max(out.largest, size_of(out.word[i]));
+  }
+  count(overflows);
+}
+
+// z = P⁻¹·r, and zᵀr.
+void FastSolver::precondition() {
+  if (!preconditioned()) return;
+  z_.exponent = r_.exponent + preconditioner_.scale_bits() - preconditioner_.dropped();
+  // |P⁻¹·r| / 2^dropped <= |r|.
+  if (preconditioner_.blocks() || r_.largest > kLargestSum || !dot_fits(r_.largest, r_.largest)) {
+    if (preconditioner_.blocks()) {
+      passes_.multiply_wide(preconditioner_.slices(), r_.word.data(), sums_.data());
+    } else {
+      for (std::size_t i = 0; i < r_.word.size(); ++i) {
+        sums_[i] = std::int64_t{preconditioner_.diagonal()[i]} * r_.word[i];
+      }
+    }
+    write_sums(z_, preconditioner_.dropped());
+    z_r_sum_ = dot(r_, z_);
+    return;
+  }
+  const Found found = passes_.multiply_entries(
+      {.out = z_.word.data(),
+       .in = r_.word.data(),
+       .factor = preconditioner_.diagonal(),
+       .size = r_.word.size(),
+       .shift = right_shift(preconditioner_.dropped(), settings_.shift_rounding)});
+  z_.largest = found.largest;
+  z_r_sum_ = found.dot;
+}
+
+void FastSolver::take(const Job& job) {
+  std::int64_t overflows = 0;
+  const auto take_vector = [&](Vector& to, auto word_of, int bits) {
+    to.largest = 0;
+    for (int node = 0; node < packed_.nodes(); ++node) {
+      std::int32_t* words = &to.word[packed_.first_row(node)];
+      for (std::size_t c = 0; c < 3; ++c) {
+        words[c] = to_word(word_of(3 * at(node) + c), bits, settings_.overflow, overflows);
+        to.largest = std::max(to.largest, size_of(words[c]));
+      }
+    }
+  };
+  const bool zero = settings_.start == Start::zero;
+  take_vector(
+      x_, [&](std::size_t i) { return zero ? 0 : job.x[i]; }, settings_.vector_bits);
+  take_vector(
+      b_, [&](std::size_t i) { return job.b[i]; }, settings_.residual_bits());
+  count(overflows);
+}
+
+}  // namespace hvp::fixed::fast

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "models/fixed/types.h"
+
+// The passes over vectors that the fast solver consists of, and their arguments. A kernel is a
+// table of them. Included where instructions beyond the baseline are allowed, so there are only
+// plain data here: an inline function could be kept in the version that not every machine runs.
+//
+// Vectors start and end at a cache line; what lies behind their last entry is zero and stays zero.
+namespace hvp::fixed::fast {
+
+// Nodes of a slice, and 16-bit words that one of them has in a step of the paired layout: a row of
+// a block is (x, y, z, 0), so that it meets three words of a vector and whatever follows.
+inline constexpr std::size_t kSliceNodes = 8;
+inline constexpr std::size_t kRowWords = 4;
+inline constexpr std::size_t kPairedStep = 3 * kSliceNodes * kRowWords;  // [row][node][word]
+inline constexpr std::size_t kWideStep = 9 * kSliceNodes;                // [row][column][node]
+
+// The matrix in slices of eight nodes. A step has one block of each: `first` is the row of the
+// vector that the block's first column meets. Where a node has no block left, its words are zero.
+struct PairedSlices {
+  const std::int16_t* value = nullptr;
+  const int* slice_begin = nullptr;            // steps; size slices + 1
+  const std::uint16_t* short_first = nullptr;  // either this
+  const std::uint32_t* long_first = nullptr;   // or that
+  std::size_t slices = 0;
+};
+
+struct WideSlices {
+  const std::int32_t* value = nullptr;
+  const int* slice_begin = nullptr;
+  const std::uint32_t* first = nullptr;
+  std::size_t slices = 0;
+};
+
+// (size + bias + (its own bit at `right` & odd)) >> right of a magnitude.
+struct RightShift {
+  std::uint32_t right = 0;
+  std::uint32_t odd = 0;  // 0 or 1
+  std::uint64_t bias = 0;
+};
+
+// out = word(a · 2^left or a >> a_right, + factor · b >> b_right), entry by entry. Whoever calls
+// has made sure that every term and their sum stay within ±(2^31 - 1), and that
+//   a_right <= 31, a_left = 0 or a_right = 0;
+//   b_right <= 60;
+//   short_product: factor and b fit 16 bits, their product 30, b_right <= 31;
+//   square: the sums of out² in one lane's accumulator fit 63 bits (Passes::lanes).
+struct Terms {
+  std::int32_t* out = nullptr;  // may be a or b
+  const std::int32_t* a = nullptr;
+  const std::int32_t* b = nullptr;
+  std::size_t size = 0;  // a multiple of 16
+  std::uint32_t a_left = 0;
+  RightShift a_right = {};
+  std::int32_t factor = 0;
+  RightShift b_right = {};
+  int bits = 32;              // of the word
+  bool wraps = false;         // what does not fit is wrapped, not clamped
+  bool nearest_even = false;  // some `odd` is set
+  bool short_product = false;
+  bool square = false;  // wants Σ out²
+};
+
+// What a pass has seen of the vector that it wrote.
+struct Found {
+  std::uint64_t largest = 0;   // magnitude
+  std::int64_t overflows = 0;  // words that did not fit
+  Int128 dot = 0;
+};
+
+// out = factor · in >> shift, entry by entry; factor >= 0, the results fit 31 bits, the sums of
+// in · out in one lane's accumulator 63. Finds the largest result and Σ in · out.
+struct Products {
+  std::int32_t* out = nullptr;
+  const std::int32_t* in = nullptr;
+  const std::int32_t* factor = nullptr;
+  std::size_t size = 0;
+  RightShift shift = {};  // right <= 60
+};
+
+struct Passes {
+  std::size_t lanes = 1;  // words at once: every accumulator sums every lanes-th product
+  Found (*combine)(const Terms& terms) = nullptr;
+  Found (*multiply_entries)(const Products& products) = nullptr;
+  // Σ a · b, and the largest magnitude of b. The sums in one lane's accumulator fit 63 bits.
+  Found (*inner_product)(const std::int32_t* a, const std::int32_t* b, std::size_t size) = nullptr;
+  void (*to_short)(const std::int32_t* in, std::int16_t* out, std::size_t size) = nullptr;
+  // out: 24 words a slice, the three rows of a node together. No sum exceeds 32 bits.
+  void (*multiply_paired)(const PairedSlices& a, const std::int16_t* vector,
+                          std::int32_t* out) = nullptr;
+  void (*multiply_wide)(const WideSlices& a, const std::int32_t* vector,
+                        std::int64_t* out) = nullptr;
+};
+
+const Passes& portable_passes();
+const Passes& avx2_passes();
+const Passes& avx512_passes();
+
+}  // namespace hvp::fixed::fast

@@ -1,0 +1,155 @@
+// The kernel for every machine: one word at a time, left to the compiler.
+#include "models/fixed/fast/lane_passes.h"
+
+namespace hvp::fixed::fast {
+
+namespace {
+
+struct OneWord {
+  using Word = std::int32_t;
+  static constexpr std::size_t kWords = 1;
+
+  struct Left {
+    explicit Left(std::uint32_t places) : n(places) {}
+    std::uint32_t n;
+  };
+  struct ShortShift {
+    explicit ShortShift(const RightShift& s)
+        : n(s.right), odd(s.odd), bias(static_cast<std::uint32_t>(s.bias)) {}
+    std::uint32_t n, odd, bias;
+  };
+  struct LongShift {
+    explicit LongShift(const RightShift& s) : n(s.right), odd(s.odd), bias(s.bias) {}
+    std::uint32_t n;
+    std::uint64_t odd, bias;
+  };
+  struct Wrap {
+    explicit Wrap(int bits) : unused(32U - static_cast<unsigned>(bits)) {}
+    unsigned unused;
+  };
+
+  static Word load(const std::int32_t* p) { return *p; }
+  static void store(std::int32_t* p, Word w) { *p = w; }
+  static void store_short(std::int16_t* p, Word w) { *p = static_cast<std::int16_t>(w); }
+  static Word all(std::int32_t w) { return w; }
+  static Word size(Word w) { return with_sign(w, w); }
+  static Word with_sign(Word size, Word sign) {
+    const std::int32_t negative = sign >> 31;
+    return static_cast<Word>(static_cast<std::uint32_t>(size ^ negative) -
+                             static_cast<std::uint32_t>(negative));
+  }
+  static Word sign_of_product(Word a, Word b) { return a ^ b; }
+  static Word sum(Word a, Word b) { return a + b; }
+  static Word shifted(Word w, Left s) {
+    return static_cast<Word>(static_cast<std::uint32_t>(w) << s.n);
+  }
+  template <bool kEven>
+  static Word shifted(Word size, ShortShift s) {
+    const auto u = static_cast<std::uint32_t>(size);
+    return static_cast<Word>((u + s.bias + (kEven ? (u >> s.n) & s.odd : 0)) >> s.n);
+  }
+  static Word short_product(Word a, Word b) { return a * b; }
+  template <bool kEven>
+  static Word product(Word a, Word b, LongShift s) {
+    const std::uint64_t u =
+        std::uint64_t{static_cast<std::uint32_t>(a)} * static_cast<std::uint32_t>(b);
+    return static_cast<Word>((u + s.bias + (kEven ? (u >> s.n) & s.odd : 0)) >> s.n);
+  }
+  static Word clamped(Word w, Word lowest, Word highest) {
+    const Word raised = w < lowest ? lowest : w;
+    return raised > highest ? highest : raised;
+  }
+  static Word wrapped(Word w, Wrap s) {
+    return static_cast<Word>(static_cast<std::uint32_t>(w) << s.unused) >> s.unused;
+  }
+  static Word larger_size(Word a, Word b) {
+    const auto x = static_cast<std::uint32_t>(a);
+    const auto y = static_cast<std::uint32_t>(b);
+    return static_cast<Word>(x > y ? x : y);
+  }
+  static std::uint64_t largest(Word w) { return static_cast<std::uint32_t>(w); }
+
+  struct Counter {
+    void add_different(Word a, Word b) { count += a != b ? 1 : 0; }
+    std::int64_t sum() const { return count; }
+    std::int64_t count = 0;
+  };
+  struct Accumulator {
+    void add(Word a, Word b) { total += std::int64_t{a} * b; }
+    Int128 sum() const { return total; }
+    std::int64_t total = 0;
+  };
+};
+
+template <typename Sum, typename Index, typename Row>
+void multiply_slice(int steps, const Index* first, Row&& row, Sum* out) {
+  Sum sum[3 * kSliceNodes] = {};
+  for (int step = 0; step < steps; ++step) {
+    for (std::size_t node = 0; node < kSliceNodes; ++node) {
+      row(step, node, first[kSliceNodes * static_cast<std::size_t>(step) + node], sum + 3 * node);
+    }
+  }
+  for (std::size_t i = 0; i < 3 * kSliceNodes; ++i) out[i] = sum[i];
+}
+
+template <typename Index>
+void multiply_pairs(const PairedSlices& a, const Index* first, const std::int16_t* vector,
+                    std::int32_t* out) {
+  for (std::size_t slice = 0; slice < a.slices; ++slice) {
+    const auto begin = static_cast<std::size_t>(a.slice_begin[slice]);
+    const std::int16_t* value = a.value + kPairedStep * begin;
+    const auto block = [&](int step, std::size_t node, std::size_t column, std::int32_t* sum) {
+      const std::int16_t* v = vector + column;
+      const std::int16_t* w =
+          value + kPairedStep * static_cast<std::size_t>(step) + kRowWords * node;
+      for (std::size_t r = 0; r < 3; ++r) {
+        const std::int16_t* entry = w + kRowWords * kSliceNodes * r;
+        sum[r] += entry[0] * v[0] + entry[1] * v[1] + entry[2] * v[2];
+      }
+    };
+    multiply_slice(a.slice_begin[slice + 1] - a.slice_begin[slice], first + kSliceNodes * begin,
+                   block, out + 3 * kSliceNodes * slice);
+  }
+}
+
+void multiply_paired(const PairedSlices& a, const std::int16_t* vector, std::int32_t* out) {
+  if (a.short_first != nullptr) {
+    multiply_pairs(a, a.short_first, vector, out);
+  } else {
+    multiply_pairs(a, a.long_first, vector, out);
+  }
+}
+
+void multiply_wide(const WideSlices& a, const std::int32_t* vector, std::int64_t* out) {
+  for (std::size_t slice = 0; slice < a.slices; ++slice) {
+    const auto begin = static_cast<std::size_t>(a.slice_begin[slice]);
+    const std::int32_t* value = a.value + kWideStep * begin;
+    const auto block = [&](int step, std::size_t node, std::size_t column, std::int64_t* sum) {
+      const std::int32_t* v = vector + column;
+      const std::int32_t* w = value + kWideStep * static_cast<std::size_t>(step) + node;
+      for (std::size_t r = 0; r < 3; ++r) {
+        for (std::size_t c = 0; c < 3; ++c) {
+          sum[r] += std::int64_t{w[kSliceNodes * (3 * r + c)]} * v[c];
+        }
+      }
+    };
+    multiply_slice(a.slice_begin[slice + 1] - a.slice_begin[slice], a.first + kSliceNodes * begin,
+                   block, out + 3 * kSliceNodes * slice);
+  }
+}
+
+}  // namespace
+
+const Passes& portable_passes() {
+  using P = LanePasses<OneWord>;
+  static constexpr Passes kPasses = {.lanes = OneWord::kWords,
+                                     .combine = P::combine,
+                                     .multiply_entries = P::multiply_entries,
+                                     .inner_product = P::inner_product,
+                                     .to_short = P::to_short,
+                                     .multiply_paired = multiply_paired,
+                                     .multiply_wide = multiply_wide};
+  return kPasses;
+}
+
+}  // namespace hvp::fixed::fast
