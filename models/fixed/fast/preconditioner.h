@@ -49,7 +49,7 @@ class Preconditioner {
   stability::Flags flags_;
   Aligned<std::int32_t> words_;
   std::vector<int> slice_begin_ = {0};
-  std::vector<std::uint32_t> first_;
+  Aligned<std::uint32_t> first_;
   std::vector<std::uint64_t> widest_;          // per node: largest absolute row sum
   std::vector<std::uint8_t> zero_, negative_;  // per node
 };

@@ -1,0 +1,223 @@
+// The kernel for AVX2: eight words at once.
+#include <immintrin.h>
+
+#include "models/fixed/fast/lane_passes.h"
+
+namespace hvp::fixed::fast {
+
+namespace {
+
+struct Avx2 {
+  using Word = __m256i;
+  static constexpr std::size_t kWords = 8;
+
+  struct Left {
+    explicit Left(std::uint32_t places) : n(_mm256_set1_epi32(static_cast<int>(places))) {}
+    Word n;
+  };
+  struct ShortShift {
+    explicit ShortShift(const RightShift& s)
+        : n(_mm256_set1_epi32(static_cast<int>(s.right))),
+          odd(_mm256_set1_epi32(static_cast<int>(s.odd))),
+          bias(_mm256_set1_epi32(static_cast<int>(static_cast<std::uint32_t>(s.bias)))) {}
+    Word n, odd, bias;
+  };
+  struct LongShift {
+    explicit LongShift(const RightShift& s)
+        : n(_mm256_set1_epi64x(s.right)),
+          odd(_mm256_set1_epi64x(s.odd)),
+          bias(_mm256_set1_epi64x(static_cast<long long>(s.bias))) {}
+    Word n, odd, bias;
+  };
+  struct Wrap {
+    explicit Wrap(int bits) : unused(_mm256_set1_epi32(32 - bits)) {}
+    Word unused;
+  };
+
+  static Word load(const std::int32_t* p) {
+    return _mm256_load_si256(reinterpret_cast<const Word*>(p));
+  }
+  static void store(std::int32_t* p, Word w) { _mm256_store_si256(reinterpret_cast<Word*>(p), w); }
+  static void store_short(std::int16_t* p, Word w) {
+    const Word packed = _mm256_permute4x64_epi64(_mm256_packs_epi32(w, w), 0x08);
+    _mm_store_si128(reinterpret_cast<__m128i*>(p), _mm256_castsi256_si128(packed));
+  }
+  static Word all(std::int32_t w) { return _mm256_set1_epi32(w); }
+  static Word size(Word w) { return _mm256_abs_epi32(w); }
+  // Where the sign is zero, so is the size.
+  static Word with_sign(Word size, Word sign) {
+    const Word negative = _mm256_srai_epi32(sign, 31);
+    return _mm256_sub_epi32(_mm256_xor_si256(size, negative), negative);
+  }
+  static Word sign_of_product(Word a, Word b) { return _mm256_xor_si256(a, b); }
+  static Word sum(Word a, Word b) { return _mm256_add_epi32(a, b); }
+  static Word shifted(Word w, const Left& s) { return _mm256_sllv_epi32(w, s.n); }
+  template <bool kEven>
+  static Word shifted(Word size, const ShortShift& s) {
+    Word up = _mm256_add_epi32(size, s.bias);
+    if constexpr (kEven) {
+      up = _mm256_add_epi32(up, _mm256_and_si256(_mm256_srlv_epi32(size, s.n), s.odd));
+    }
+    return _mm256_srlv_epi32(up, s.n);
+  }
+  // The low halves meet; the high half of b is no number, so it meets zero.
+  static Word short_product(Word a, Word b) {
+    return _mm256_madd_epi16(a, _mm256_and_si256(b, _mm256_set1_epi32(0xFFFF)));
+  }
+  template <bool kEven>
+  static Word product(Word a, Word b, const LongShift& s) {
+    const Word even = shifted<kEven>(_mm256_mul_epu32(a, b), s);
+    const Word odd =
+        shifted<kEven>(_mm256_mul_epu32(_mm256_srli_epi64(a, 32), _mm256_srli_epi64(b, 32)), s);
+    return _mm256_or_si256(even, _mm256_slli_epi64(odd, 32));
+  }
+  template <bool kEven>
+  static Word shifted(Word size, const LongShift& s) {
+    Word up = _mm256_add_epi64(size, s.bias);
+    if constexpr (kEven) {
+      up = _mm256_add_epi64(up, _mm256_and_si256(_mm256_srlv_epi64(size, s.n), s.odd));
+    }
+    return _mm256_srlv_epi64(up, s.n);
+  }
+  static Word clamped(Word w, Word lowest, Word highest) {
+    return _mm256_min_epi32(_mm256_max_epi32(w, lowest), highest);
+  }
+  static Word wrapped(Word w, const Wrap& s) {
+    return _mm256_srav_epi32(_mm256_sllv_epi32(w, s.unused), s.unused);
+  }
+  static Word larger_size(Word a, Word b) { return _mm256_max_epu32(a, b); }
+  static std::uint64_t largest(Word w) {
+    alignas(32) std::uint32_t part[kWords];
+    _mm256_store_si256(reinterpret_cast<Word*>(part), w);
+    std::uint64_t result = 0;
+    for (const std::uint32_t one : part) result = one > result ? one : result;
+    return result;
+  }
+
+  struct Counter {
+    void add_different(Word a, Word b) {
+      same = _mm256_sub_epi32(same, _mm256_cmpeq_epi32(a, b));
+      ++words;
+    }
+    std::int64_t sum() const {
+      alignas(32) std::int32_t part[kWords];
+      _mm256_store_si256(reinterpret_cast<Word*>(part), same);
+      std::int64_t result = words * static_cast<std::int64_t>(kWords);
+      for (const std::int32_t one : part) result -= one;
+      return result;
+    }
+    Word same = _mm256_setzero_si256();
+    std::int64_t words = 0;
+  };
+  struct Accumulator {
+    void add(Word a, Word b) {
+      even = _mm256_add_epi64(even, _mm256_mul_epi32(a, b));
+      odd = _mm256_add_epi64(odd,
+                             _mm256_mul_epi32(_mm256_srli_epi64(a, 32), _mm256_srli_epi64(b, 32)));
+    }
+    Int128 sum() const {
+      alignas(32) long long part[kWords];
+      _mm256_store_si256(reinterpret_cast<Word*>(part), even);
+      _mm256_store_si256(reinterpret_cast<Word*>(part + kWords / 2), odd);
+      Int128 total = 0;
+      for (const long long one : part) total += one;
+      return total;
+    }
+    Word even = _mm256_setzero_si256();
+    Word odd = _mm256_setzero_si256();
+  };
+};
+
+__m128i load_index(const std::uint16_t* p) {
+  return _mm_cvtepu16_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(p)));
+}
+__m128i load_index(const std::uint32_t* p) {
+  return _mm_load_si128(reinterpret_cast<const __m128i*>(p));
+}
+
+constexpr std::size_t kHalf = kSliceNodes / 2;
+
+template <typename Index>
+void multiply_pairs(const PairedSlices& a, const Index* first, const std::int16_t* vector,
+                    std::int32_t* out) {
+  const std::int16_t* value = a.value;
+  for (std::size_t slice = 0; slice < a.slices; ++slice) {
+    __m256i sum[6];  // [row][half of the nodes]
+    for (__m256i& s : sum) s = _mm256_setzero_si256();
+    for (int step = a.slice_begin[slice]; step < a.slice_begin[slice + 1]; ++step) {
+      for (std::size_t half = 0; half < 2; ++half) {
+        const __m256i v =
+            _mm256_i32gather_epi64(reinterpret_cast<const long long*>(vector),
+                                   load_index(first + kHalf * half), sizeof(std::int16_t));
+        for (std::size_t r = 0; r < 3; ++r) {
+          const __m256i w = _mm256_load_si256(reinterpret_cast<const __m256i*>(
+              value + kPairedStep / 3 * r + kHalf * kRowWords * half));
+          sum[2 * r + half] = _mm256_add_epi32(sum[2 * r + half], _mm256_madd_epi16(v, w));
+        }
+      }
+      first += kSliceNodes;
+      value += kPairedStep;
+    }
+    alignas(32) std::int32_t row[3][2 * kSliceNodes];
+    for (std::size_t i = 0; i < 6; ++i) {
+      _mm256_store_si256(reinterpret_cast<__m256i*>(row[i / 2] + kSliceNodes * (i % 2)),
+                         _mm256_add_epi32(sum[i], _mm256_srli_epi64(sum[i], 32)));
+    }
+    for (std::size_t node = 0; node < kSliceNodes; ++node) {
+      for (std::size_t r = 0; r < 3; ++r) *out++ = row[r][2 * node];
+    }
+  }
+}
+
+void multiply_paired(const PairedSlices& a, const std::int16_t* vector, std::int32_t* out) {
+  if (a.short_first != nullptr) {
+    multiply_pairs(a, a.short_first, vector, out);
+  } else {
+    multiply_pairs(a, a.long_first, vector, out);
+  }
+}
+
+void multiply_wide(const WideSlices& a, const std::int32_t* vector, std::int64_t* out) {
+  const std::int32_t* value = a.value;
+  const std::uint32_t* first = a.first;
+  for (std::size_t slice = 0; slice < a.slices; ++slice) {
+    __m256i sum[6];  // [row][half of the nodes]
+    for (__m256i& s : sum) s = _mm256_setzero_si256();
+    for (int step = a.slice_begin[slice]; step < a.slice_begin[slice + 1]; ++step) {
+      for (std::size_t i = 0; i < 6; ++i) {
+        const std::size_t c = i / 2;
+        const std::size_t half = i % 2;
+        const __m256i v = _mm256_cvtepi32_epi64(_mm_i32gather_epi32(
+            vector + c, load_index(first + kHalf * half), sizeof(std::int32_t)));
+        for (std::size_t r = 0; r < 3; ++r) {
+          const __m256i w = _mm256_cvtepi32_epi64(_mm_load_si128(
+              reinterpret_cast<const __m128i*>(value + kSliceNodes * (3 * r + c) + kHalf * half)));
+          sum[2 * r + half] = _mm256_add_epi64(sum[2 * r + half], _mm256_mul_epi32(v, w));
+        }
+      }
+      first += kSliceNodes;
+      value += kWideStep;
+    }
+    alignas(32) long long row[3][kSliceNodes];
+    for (std::size_t i = 0; i < 6; ++i) {
+      _mm256_store_si256(reinterpret_cast<__m256i*>(row[i / 2] + kHalf * (i % 2)), sum[i]);
+    }
+    for (std::size_t i = 0; i < 3 * kSliceNodes; ++i) *out++ = row[i % 3][i / 3];
+  }
+}
+
+}  // namespace
+
+const Passes& avx2_passes() {
+  using P = LanePasses<Avx2>;
+  static constexpr Passes kPasses = {.lanes = Avx2::kWords,
+                                     .combine = P::combine,
+                                     .multiply_entries = P::multiply_entries,
+                                     .inner_product = P::inner_product,
+                                     .to_short = P::to_short,
+                                     .multiply_paired = multiply_paired,
+                                     .multiply_wide = multiply_wide};
+  return kPasses;
+}
+
+}  // namespace hvp::fixed::fast

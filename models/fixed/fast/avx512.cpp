@@ -1,0 +1,206 @@
+// The kernel for AVX-512 with VNNI: sixteen words at once, and two products of 16-bit words added
+// to a 32-bit sum by one instruction.
+#include <immintrin.h>
+
+#include "models/fixed/fast/lane_passes.h"
+
+namespace hvp::fixed::fast {
+
+namespace {
+
+struct Avx512 {
+  using Word = __m512i;
+  static constexpr std::size_t kWords = 16;
+  static constexpr __mmask16 kOdd = 0xAAAA;
+
+  struct Left {
+    explicit Left(std::uint32_t places) : n(_mm512_set1_epi32(static_cast<int>(places))) {}
+    Word n;
+  };
+  struct ShortShift {
+    explicit ShortShift(const RightShift& s)
+        : n(_mm512_set1_epi32(static_cast<int>(s.right))),
+          odd(_mm512_set1_epi32(static_cast<int>(s.odd))),
+          bias(_mm512_set1_epi32(static_cast<int>(static_cast<std::uint32_t>(s.bias)))) {}
+    Word n, odd, bias;
+  };
+  struct LongShift {
+    explicit LongShift(const RightShift& s)
+        : n(_mm512_set1_epi64(s.right)),
+          odd(_mm512_set1_epi64(s.odd)),
+          bias(_mm512_set1_epi64(static_cast<long long>(s.bias))) {}
+    Word n, odd, bias;
+  };
+  struct Wrap {
+    explicit Wrap(int bits) : unused(_mm512_set1_epi32(32 - bits)) {}
+    Word unused;
+  };
+
+  static Word load(const std::int32_t* p) { return _mm512_load_si512(p); }
+  static void store(std::int32_t* p, Word w) { _mm512_store_si512(p, w); }
+  static void store_short(std::int16_t* p, Word w) {
+    _mm256_store_si256(reinterpret_cast<__m256i*>(p), _mm512_cvtepi32_epi16(w));
+  }
+  static Word all(std::int32_t w) { return _mm512_set1_epi32(w); }
+  static Word size(Word w) { return _mm512_abs_epi32(w); }
+  static Word with_sign(Word size, Word sign) {
+    return _mm512_mask_sub_epi32(size, _mm512_movepi32_mask(sign), _mm512_setzero_si512(), size);
+  }
+  static Word sign_of_product(Word a, Word b) { return _mm512_xor_si512(a, b); }
+  static Word sum(Word a, Word b) { return _mm512_add_epi32(a, b); }
+  static Word shifted(Word w, const Left& s) { return _mm512_sllv_epi32(w, s.n); }
+  template <bool kEven>
+  static Word shifted(Word size, const ShortShift& s) {
+    Word up = _mm512_add_epi32(size, s.bias);
+    if constexpr (kEven) {
+      up = _mm512_add_epi32(up, _mm512_and_si512(_mm512_srlv_epi32(size, s.n), s.odd));
+    }
+    return _mm512_srlv_epi32(up, s.n);
+  }
+  // The low halves meet; the high half of b is no number, so it meets zero.
+  static Word short_product(Word a, Word b) {
+    return _mm512_madd_epi16(a, _mm512_and_si512(b, _mm512_set1_epi32(0xFFFF)));
+  }
+  template <bool kEven>
+  static Word product(Word a, Word b, const LongShift& s) {
+    const Word even = shifted<kEven>(_mm512_mul_epu32(a, b), s);
+    const Word odd =
+        shifted<kEven>(_mm512_mul_epu32(_mm512_srli_epi64(a, 32), _mm512_srli_epi64(b, 32)), s);
+    return _mm512_or_si512(even, _mm512_slli_epi64(odd, 32));
+  }
+  template <bool kEven>
+  static Word shifted(Word size, const LongShift& s) {
+    Word up = _mm512_add_epi64(size, s.bias);
+    if constexpr (kEven) {
+      up = _mm512_add_epi64(up, _mm512_and_si512(_mm512_srlv_epi64(size, s.n), s.odd));
+    }
+    return _mm512_srlv_epi64(up, s.n);
+  }
+  static Word clamped(Word w, Word lowest, Word highest) {
+    return _mm512_min_epi32(_mm512_max_epi32(w, lowest), highest);
+  }
+  static Word wrapped(Word w, const Wrap& s) {
+    return _mm512_srav_epi32(_mm512_sllv_epi32(w, s.unused), s.unused);
+  }
+  static Word larger_size(Word a, Word b) { return _mm512_max_epu32(a, b); }
+  static std::uint64_t largest(Word w) { return _mm512_reduce_max_epu32(w); }
+
+  struct Counter {
+    void add_different(Word a, Word b) {
+      count = _mm512_mask_sub_epi32(count, _mm512_cmpneq_epi32_mask(a, b), count,
+                                    _mm512_set1_epi32(-1));
+    }
+    std::int64_t sum() const { return _mm512_reduce_add_epi32(count); }
+    Word count = _mm512_setzero_si512();
+  };
+  struct Accumulator {
+    void add(Word a, Word b) {
+      even = _mm512_add_epi64(even, _mm512_mul_epi32(a, b));
+      odd = _mm512_add_epi64(odd,
+                             _mm512_mul_epi32(_mm512_srli_epi64(a, 32), _mm512_srli_epi64(b, 32)));
+    }
+    Int128 sum() const {
+      alignas(64) long long part[kWords];
+      _mm512_store_si512(part, even);
+      _mm512_store_si512(part + kWords / 2, odd);
+      Int128 total = 0;
+      for (const long long one : part) total += one;
+      return total;
+    }
+    Word even = _mm512_setzero_si512();
+    Word odd = _mm512_setzero_si512();
+  };
+};
+
+__m256i load_index(const std::uint16_t* p) {
+  return _mm256_cvtepu16_epi32(_mm_load_si128(reinterpret_cast<const __m128i*>(p)));
+}
+__m256i load_index(const std::uint32_t* p) {
+  return _mm256_load_si256(reinterpret_cast<const __m256i*>(p));
+}
+
+// Every pair of a row's two sums to one, and the three rows of eight nodes next to each other.
+void store_rows(const __m512i (&sum)[3], std::int32_t* out) {
+  __m512i row[3];
+  for (int r = 0; r < 3; ++r) {
+    row[r] = _mm512_add_epi32(sum[r], _mm512_srli_epi64(sum[r], 32));  // in the even words
+  }
+  // Word 3·n + r of the result is word 2·n of row r; 16 stands for the second operand.
+  const __m512i first_two = _mm512_set_epi32(10, 0, 24, 8, 0, 22, 6, 0, 20, 4, 0, 18, 2, 0, 16, 0);
+  const __m512i first_third = _mm512_set_epi32(0, 8, 0, 0, 6, 0, 0, 4, 0, 0, 2, 0, 0, 0, 0, 0);
+  const __m512i last_two = _mm512_set_epi32(0, 0, 0, 0, 0, 0, 0, 0, 0, 30, 14, 0, 28, 12, 0, 26);
+  const __m512i last_third = _mm512_set_epi32(0, 0, 0, 0, 0, 0, 0, 0, 14, 0, 0, 12, 0, 0, 10, 0);
+  const __m512i first = _mm512_mask_permutexvar_epi32(
+      _mm512_permutex2var_epi32(row[0], first_two, row[1]), 0x4924, first_third, row[2]);
+  const __m512i last = _mm512_mask_permutexvar_epi32(
+      _mm512_permutex2var_epi32(row[0], last_two, row[1]), 0x92, last_third, row[2]);
+  _mm512_storeu_si512(out, first);
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(out + 16), _mm512_castsi512_si256(last));
+}
+
+template <typename Index>
+void multiply_pairs(const PairedSlices& a, const Index* first, const std::int16_t* vector,
+                    std::int32_t* out) {
+  const std::int16_t* value = a.value;
+  for (std::size_t slice = 0; slice < a.slices; ++slice) {
+    __m512i sum[3] = {_mm512_setzero_si512(), _mm512_setzero_si512(), _mm512_setzero_si512()};
+    for (int step = a.slice_begin[slice]; step < a.slice_begin[slice + 1]; ++step) {
+      const __m512i v = _mm512_i32gather_epi64(load_index(first), vector, sizeof(std::int16_t));
+      for (std::size_t r = 0; r < 3; ++r) {
+        sum[r] = _mm512_dpwssd_epi32(sum[r], v, _mm512_load_si512(value + kPairedStep / 3 * r));
+      }
+      first += kSliceNodes;
+      value += kPairedStep;
+    }
+    store_rows(sum, out + 3 * kSliceNodes * slice);
+  }
+}
+
+void multiply_paired(const PairedSlices& a, const std::int16_t* vector, std::int32_t* out) {
+  if (a.short_first != nullptr) {
+    multiply_pairs(a, a.short_first, vector, out);
+  } else {
+    multiply_pairs(a, a.long_first, vector, out);
+  }
+}
+
+void multiply_wide(const WideSlices& a, const std::int32_t* vector, std::int64_t* out) {
+  const std::int32_t* value = a.value;
+  const std::uint32_t* first = a.first;
+  for (std::size_t slice = 0; slice < a.slices; ++slice) {
+    __m512i sum[3] = {_mm512_setzero_si512(), _mm512_setzero_si512(), _mm512_setzero_si512()};
+    for (int step = a.slice_begin[slice]; step < a.slice_begin[slice + 1]; ++step) {
+      const __m256i index = load_index(first);
+      for (std::size_t c = 0; c < 3; ++c) {
+        const __m512i v =
+            _mm512_cvtepi32_epi64(_mm256_i32gather_epi32(vector + c, index, sizeof(std::int32_t)));
+        for (std::size_t r = 0; r < 3; ++r) {
+          const __m512i w = _mm512_cvtepi32_epi64(_mm256_load_si256(
+              reinterpret_cast<const __m256i*>(value + kSliceNodes * (3 * r + c))));
+          sum[r] = _mm512_add_epi64(sum[r], _mm512_mul_epi32(v, w));
+        }
+      }
+      first += kSliceNodes;
+      value += kWideStep;
+    }
+    alignas(64) long long row[3][kSliceNodes];
+    for (std::size_t r = 0; r < 3; ++r) _mm512_store_si512(row[r], sum[r]);
+    for (std::size_t i = 0; i < 3 * kSliceNodes; ++i) *out++ = row[i % 3][i / 3];
+  }
+}
+
+}  // namespace
+
+const Passes& avx512_passes() {
+  using P = LanePasses<Avx512>;
+  static constexpr Passes kPasses = {.lanes = Avx512::kWords,
+                                     .combine = P::combine,
+                                     .multiply_entries = P::multiply_entries,
+                                     .inner_product = P::inner_product,
+                                     .to_short = P::to_short,
+                                     .multiply_paired = multiply_paired,
+                                     .multiply_wide = multiply_wide};
+  return kPasses;
+}
+
+}  // namespace hvp::fixed::fast
