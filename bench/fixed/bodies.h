@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "models/fixed/quantised_matrix.h"
+#include "models/fixed/settings.h"
+#include "models/sparse/block_matrix.h"
+
+namespace hvp::fixed::bench {
+
+inline constexpr int kIterations = 60;   // thesis Table 4.1
+inline constexpr double kPeriod = 2e-3;  // s: 500 Hz
+
+// The stiffness of an elastic box of about so many free nodes (500 … 50000), formed once.
+const sparse::BlockMatrix& stiffness(int nodes);
+
+// The thesis' words, from zero.
+Settings settings(Method method);
+
+// A right-hand side of full size, the same for everyone.
+std::vector<std::int32_t> right_hand_side(const Settings& settings, int rows);
+
+}  // namespace hvp::fixed::bench
