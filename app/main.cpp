@@ -30,6 +30,8 @@ using hvp::app::reference_command;
 using hvp::app::run_command;
 using hvp::app::RunArguments;
 using hvp::app::ScenarioArguments;
+using hvp::app::solve_command;
+using hvp::app::SolveArguments;
 
 void scenario_arguments(CLI::App& command, ScenarioArguments& arguments) {
   command.add_option("scenario", arguments.scenario, "a scenario file")
@@ -80,6 +82,32 @@ int parse_and_run(int argc, char** argv) {
   command = app.add_subcommand("explain", "what a scenario builds, how finely, and what it costs");
   scenario_arguments(*command, explain);
   command->callback([&] { status = explain_command(explain); });
+
+  SolveArguments solve;
+  command = app.add_subcommand("solve",
+                               "the accelerator's numbers on any symmetric positive definite "
+                               "system: prints one JSON object");
+  command->add_option("--matrix", solve.matrix, "the matrix, in Matrix Market form")
+      ->required()
+      ->type_name("A.mtx");
+  command->add_option("--rhs", solve.rhs, "the right-hand side, likewise")
+      ->required()
+      ->type_name("b.mtx");
+  command
+      ->add_option("--solution,--out", solve.solution,
+                   "write the solution into this file, solution.mtx by default")
+      ->type_name("x.mtx");
+  command
+      ->add_option("--set", solve.overrides,
+                   "gives a key of [solver], [accelerator] or [spectrum] another value; as often "
+                   "as wanted")
+      ->allow_extra_args(false)
+      ->type_name("KEY=VALUE");
+  command
+      ->add_option("--tolerance", solve.tolerance,
+                   "exit with 1 where the error exceeds this part of the solution")
+      ->type_name("T");
+  command->callback([&] { status = solve_command(solve); });
 
   MeshArguments mesh;
   command = app.add_subcommand("mesh", "fill a surface with tetrahedra and show their quality");

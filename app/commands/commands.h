@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,15 @@ struct MeshArguments {
   bool quiet = false;
 };
 int mesh_command(const MeshArguments& arguments);
+
+struct SolveArguments {
+  std::filesystem::path matrix;
+  std::filesystem::path rhs;
+  std::filesystem::path solution = "solution.mtx";
+  std::vector<std::string> overrides;  // --set key=value
+  std::optional<double> tolerance;     // of error_rel; given: exit 1 beyond it
+};
+int solve_command(const SolveArguments& arguments);
 
 // Prints docs/scenario-reference.md.
 int reference_command();

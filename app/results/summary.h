@@ -14,7 +14,4 @@ std::string summary_json(const app::Scene& scene, const Outcome& outcome);
 // Tables that are effects and are in the scenario, by name.
 std::vector<std::string> effects(const app::Scenario& scenario);
 
-// Names of the flags that were raised.
-std::vector<std::string> flag_names(stability::Flags flags);
-
 }  // namespace hvp::results

@@ -99,6 +99,12 @@ Document Document::parse(std::string_view text, const std::filesystem::path& fil
   return document;
 }
 
+Document Document::of_overrides(const std::vector<std::string>& overrides) {
+  Document document;
+  for (const std::string& item : overrides) document.apply(item);
+  return document;
+}
+
 void Document::apply(const std::string& text) {
   const int index = static_cast<int>(overrides_.size());
   const auto equals = text.find('=');
@@ -120,13 +126,14 @@ std::filesystem::path Document::resolve(const std::string& path_in_scenario) con
 
 std::string Document::locate(const Origin& origin, std::string_view key) const {
   const std::string shown = key.empty() ? "" : one_line(key) + ": ";
+  if (origin.in_file() && file_.empty()) return shown;
   if (origin.in_file()) return fmt::format("{}:{}: {}", name_of(file_), origin.line, shown);
   const Override& source = overrides_.at(static_cast<std::size_t>(origin.override_index));
   return override_prefix(source.text) + (source.key == key ? "" : shown);
 }
 
 std::string Document::locate(std::string_view key) const {
-  if (key.empty()) return name_of(file_) + ": ";
+  if (key.empty()) return file_.empty() ? "" : name_of(file_) + ": ";
   const Node* place = &root_;
   for (const KeyStep& step : split_key(key)) {
     const Node* next = place->is_table() ? place->find(step.name) : nullptr;

@@ -27,6 +27,8 @@ class Document {
   // paths start.
   static Document parse(std::string_view text, const std::filesystem::path& file_name,
                         const std::vector<std::string>& overrides = {});
+  // Overrides alone, for a command that has no scenario; errors then name no file.
+  static Document of_overrides(const std::vector<std::string>& overrides);
 
   const Node& root() const { return root_; }
   const std::filesystem::path& file() const { return file_; }

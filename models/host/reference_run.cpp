@@ -18,6 +18,21 @@ void Reference::declare(config::Visitor& v) {
               "60 iterations of CG with a warm start reach 1 to 2 %, docs/fixed-point.md"});
 }
 
+stability::Flags accuracy_flags(const Reference& settings, const std::optional<double>& error,
+                                const std::optional<double>& error_rounded) {
+  stability::Flags flags;
+  constexpr double kClearly = 1.5;
+  const bool rounding = !error_rounded || !error || *error > kClearly * *error_rounded;
+  if (rounding && error && !(*error <= settings.tolerance)) {
+    flags.raise(stability::Flag::matrix_rounding);
+  }
+  const double solver_bound = std::min(settings.solver_tolerance, settings.tolerance / kClearly);
+  if (error_rounded && !(*error_rounded <= solver_bound)) {
+    flags.raise(stability::Flag::not_converged);
+  }
+  return flags;
+}
+
 ReferenceRun::ReferenceRun(const fem::Body& body, const std::optional<fem::Dynamics>& dynamics,
                            double period_s, const sparse::BlockMatrix& true_matrix,
                            const sparse::BlockMatrix& solved_matrix)

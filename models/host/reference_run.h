@@ -11,6 +11,7 @@
 #include "models/fem/dynamics.h"
 #include "models/fem/newmark.h"
 #include "models/fem/reference_solver.h"
+#include "models/stability/flag.h"
 
 namespace hvp::host {
 
@@ -23,6 +24,13 @@ struct Reference {
 
   void declare(config::Visitor& v);
 };
+
+// matrix_rounding and not_converged, by the relative errors against the true model and against the
+// rounded one, either unknown where it is empty. Rounding is to blame where the rounded model is
+// clearly nearer than the true one; otherwise the solver is, and its own bound, the tighter one,
+// is exceeded too.
+stability::Flags accuracy_flags(const Reference& settings, const std::optional<double>& error,
+                                const std::optional<double>& error_rounded);
 
 // The same frames in double precision, with a state of its own: what the run would have been
 // with an exact solver. Given the system matrix itself it is the true model; given the matrix

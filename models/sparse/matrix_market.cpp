@@ -62,6 +62,16 @@ void write_comment(std::ostream& out, std::string_view comment) {
   if (!comment.empty()) out << "% " << comment << '\n';
 }
 
+// A message quotes the file, whose bytes need be no text: it stays one short, printable line.
+std::string quoted(std::string_view word) {
+  constexpr std::size_t kLongest = 40;
+  std::string result(word.substr(0, kLongest));
+  for (char& c : result) {
+    if (c < ' ' || c > '~') c = '?';
+  }
+  return word.size() > kLongest ? result + "..." : result;
+}
+
 struct Header {
   bool coordinate = false;
   bool symmetric = false;
@@ -83,13 +93,13 @@ class Reader {
       fail("expected '%%MatrixMarket matrix coordinate real symmetric' or the like");
     }
     if (word[2] != "coordinate" && word[2] != "array") {
-      fail(fmt::format("the format is '{}'; expected coordinate or array", word[2]));
+      fail(fmt::format("the format is '{}'; expected coordinate or array", quoted(word[2])));
     }
     if (word[3] != "real" && word[3] != "integer" && word[3] != "double") {
-      fail(fmt::format("the entries are '{}'; expected real or integer", word[3]));
+      fail(fmt::format("the entries are '{}'; expected real or integer", quoted(word[3])));
     }
     if (word[4] != "symmetric" && word[4] != "general") {
-      fail(fmt::format("the symmetry is '{}'; expected symmetric or general", word[4]));
+      fail(fmt::format("the symmetry is '{}'; expected symmetric or general", quoted(word[4])));
     }
     return {.coordinate = word[2] == "coordinate", .symmetric = word[4] == "symmetric"};
   }
@@ -117,7 +127,8 @@ class Reader {
     std::int64_t value = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (error != std::errc() || end != word.data() + word.size() || value < min || value > max) {
-      fail(fmt::format("the {} is '{}'; expected an integer from {} to {}", what, word, min, max));
+      fail(fmt::format("the {} is '{}'; expected an integer from {} to {}", what, quoted(word), min,
+                       max));
     }
     return value;
   }
@@ -128,7 +139,7 @@ class Reader {
     double value = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
     if (error != std::errc() || end != digits.data() + digits.size() || !std::isfinite(value)) {
-      fail(fmt::format("the entry is '{}'; expected a finite number", word));
+      fail(fmt::format("the entry is '{}'; expected a finite number", quoted(word)));
     }
     return value;
   }
@@ -279,6 +290,11 @@ SquareMatrix read_matrix_market(std::istream& in, std::string_view name) {
     }
   }
 
+  // Also keeps the memory in proportion to the file, whatever its size line says.
+  if (count < rows) {
+    reader.fail(fmt::format("{} rows have {} entries: a row is empty", rows, count));
+  }
+
   SquareMatrix result;
   result.rows = static_cast<int>(rows);
   const int block_rows = (result.rows + 2) / 3;
@@ -291,9 +307,10 @@ SquareMatrix read_matrix_market(std::istream& in, std::string_view name) {
   for (const Entry& entry : entries) {
     at(entry.row, entry.column) = entry.value;
     if (header.symmetric) at(entry.column, entry.row) = entry.value;
-    if (entry.row == entry.column) diagonal += entry.value;
+    // The sum itself could overflow.
+    if (entry.row == entry.column) diagonal += entry.value / result.rows;
   }
-  for (int i = result.rows; i < 3 * block_rows; ++i) at(i, i) = diagonal / result.rows;
+  for (int i = result.rows; i < 3 * block_rows; ++i) at(i, i) = diagonal;
   if (!header.symmetric) expect_symmetric(a, reader);
   return result;
 }

@@ -32,7 +32,8 @@ struct SquareMatrix {
 // Every diagonal block and both of (i, j) and (j, i) are in the pattern. Throws InputError naming
 // the line: no Matrix Market banner, a complex or pattern matrix, not square, not symmetric (to
 // 1e-12 of the largest entry), an index out of range, an entry given twice, a number that is not
-// finite, too few or too many entries.
+// finite, too few or too many entries, fewer entries than rows. Its messages are one printable
+// line. Memory stays in proportion to the file.
 SquareMatrix read_matrix_market(std::istream& in, std::string_view name);
 
 // Reads a vector: `array` or `coordinate` with one column (or one row).

@@ -121,7 +121,10 @@ TEST(MatrixMarket, BadFilesAreRefusedWithTheLine) {
       {banner + "3 3 1\n1 1 1e999\n", "'1e999'"},
       {banner + "3 3 1\n1 1 1x\n", "'1x'"},
       {banner + "3 3 2\n1 1 1\n1 1 2\n", "(1, 1) is given twice"},
-      {general + "3 3 2\n1 1 1\n1 2 1\n", "not symmetric: entry (1, 2) is 1 and its mirror 0"},
+      {banner + "3000000 3000000 1\n1 1 1\n", "3000000 rows have 1 entries: a row is empty"},
+      {banner + "3 3 1\n1 1 \x01\xff" + std::string(500, 'x') + "\n", "'??xxx"},
+      {general + "3 3 3\n1 1 1\n1 2 1\n3 3 1\n",
+       "not symmetric: entry (1, 2) is 1 and its mirror 0"},
   };
   for (const auto& [text, expected] : cases) {
     EXPECT_NE(refusal(text).find(expected), std::string::npos)

@@ -1,0 +1,113 @@
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <string_view>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "app/commands/commands.h"
+#include "app/results/part_file.h"
+#include "app/results/results_folder.h"
+#include "app/results/solve_json.h"
+#include "app/scenario/document.h"
+#include "app/scenario/message.h"
+#include "app/scenario/reader.h"
+#include "app/solve/system_solve.h"
+#include "models/config/input_error.h"
+#include "models/host/reference_run.h"
+#include "models/sparse/matrix_market.h"
+
+namespace hvp::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string option(const char* name, const fs::path& file) {
+  return fmt::format("{} {}: ", name, scenario::one_line(file.string()));
+}
+
+std::ifstream open(const char* name, const fs::path& file) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  if (!fs::exists(status)) throw InputError(option(name, file) + "no such file");
+  if (fs::is_directory(status)) {
+    throw InputError(option(name, file) + "is a folder: expected a Matrix Market file");
+  }
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw InputError(option(name, file) + "cannot be read");
+  return stream;
+}
+
+// What a reader throws names the file and the line.
+template <class Read>
+auto read(const char* name, const fs::path& file, const Read& read_from) {
+  std::ifstream stream = open(name, file);
+  try {
+    return read_from(stream, file.string());
+  } catch (const InputError& e) {
+    throw InputError(scenario::one_line(e.what(), 2000));
+  }
+}
+
+LinearSystem read_system(const SolveArguments& a) {
+  sparse::SquareMatrix matrix = read("--matrix", a.matrix, sparse::read_matrix_market);
+  LinearSystem system{std::move(matrix.matrix),
+                      read("--rhs", a.rhs, sparse::read_matrix_market_vector), matrix.rows};
+  if (system.b.size() != static_cast<std::size_t>(system.rows)) {
+    throw InputError(fmt::format("{}has {} entries: expected {}, as many as the matrix has rows",
+                                 option("--rhs", a.rhs), system.b.size(), system.rows));
+  }
+  system.b.resize(static_cast<std::size_t>(system.matrix.rows()), 0.0);
+  return system;
+}
+
+// Before the work whose result would be lost.
+void check_solution_file(const fs::path& file) {
+  std::error_code error;
+  if (file.filename().empty() || fs::is_directory(file, error)) {
+    throw InputError(option("--solution", file) + "is a folder: expected a file");
+  }
+  if (file.has_parent_path()) results::create_folder(file.parent_path(), "--solution");
+}
+
+bool names(const scenario::Document& document, std::string_view table, std::string_view key) {
+  const scenario::Node* node = document.root().find(table);
+  return node != nullptr && node->is_table() && node->find(key) != nullptr;
+}
+
+SolveTask task_of(const SolveArguments& a, const scenario::Document& document) {
+  SolveTask task;
+  scenario::read(document, task.settings);
+  task.range_given = names(document, "solver", "displacement_range");
+  task.tolerance = a.tolerance.value_or(host::Reference().tolerance);
+  if (!(task.tolerance > 0) || !std::isfinite(task.tolerance)) {
+    throw InputError(
+        fmt::format("--tolerance {}: out of range: expected a number above zero", task.tolerance));
+  }
+  return task;
+}
+
+}  // namespace
+
+int solve_command(const SolveArguments& arguments) {
+  const auto document = scenario::Document::of_overrides(arguments.overrides);
+  const SolveTask task = task_of(arguments, document);
+  const LinearSystem system = read_system(arguments);
+  check_solution_file(arguments.solution);
+  SystemSolution solution;
+  try {
+    solution = solve_system(system, task);
+  } catch (const InputError& e) {
+    if (e.key().empty()) throw InputError(option("--matrix", arguments.matrix) + e.what());
+    throw document.complete(InputError("solver." + e.key(), e.what()));
+  }
+  std::ostringstream text;
+  sparse::write_matrix_market(text, solution.x);
+  results::write_through_part_file(arguments.solution, text.str());
+  fmt::print("{}", results::solve_json(system, task, solution));
+  return arguments.tolerance && !(solution.error <= *arguments.tolerance) ? kNotHeld : kHeld;
+}
+
+}  // namespace hvp::app

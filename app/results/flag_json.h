@@ -1,0 +1,17 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "models/stability/flag.h"
+
+namespace hvp::results {
+
+// The names of the flags that are up, in their order.
+std::vector<std::string> flag_names(stability::Flags flags);
+
+// A list of {"flag", "meaning", "remedy"}, one for each flag that is up.
+nlohmann::ordered_json remedies_json(stability::Flags flags);
+
+}  // namespace hvp::results

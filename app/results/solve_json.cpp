@@ -1,0 +1,69 @@
+#include "app/results/solve_json.h"
+
+#include <nlohmann/json.hpp>
+
+#include "app/results/flag_json.h"
+#include "app/results/settings_json.h"
+#include "app/results/spectrum_json.h"
+#include "models/accel/memory.h"
+
+namespace hvp::results {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json condition(const app::SystemSolution& s) {
+  if (!s.spectrum) return nullptr;
+  ordered_json j;
+  j["given"] = spectrum_json(s.spectrum->given);
+  j["scaled"] = s.spectrum->scaled ? spectrum_json(*s.spectrum->scaled) : ordered_json(nullptr);
+  j["rounded"] = spectrum_json(s.spectrum->rounded);
+  return j;
+}
+
+ordered_json resources(const accel::Usage& usage) {
+  ordered_json list = ordered_json::array();
+  for (const accel::Resource& r : usage.resources) {
+    list.push_back({{"type", r.type}, {"used", r.used}, {"available", r.available}});
+  }
+  return list;
+}
+
+}  // namespace
+
+std::string solve_json(const app::LinearSystem& system, const app::SolveTask& task,
+                       const app::SystemSolution& s) {
+  ordered_json j;
+  j["dimension"] = system.rows;
+  j["nonzeros"] = s.nonzeros;
+  j["iterations"] = s.iterations;
+  j["error_rel"] = s.error;
+  j["error_rel_quantised"] = s.error_rounded ? ordered_json(*s.error_rounded) : nullptr;
+  j["residual_rel"] = s.residual;
+  j["residual_rel_quantised"] = s.residual_rounded;
+  j["residual_recursive_rel"] = s.residual_recursive;
+  j["saturations"] = s.saturations;
+  j["wraps"] = s.wraps;
+  j["breakdowns"] = s.breakdowns;
+  j["clamped_words"] = s.clamped;
+  j["flags"] = flag_names(s.flags);
+  j["remedies"] = remedies_json(s.flags);
+  j["tolerance"] = task.tolerance;
+  j["cycles"] = s.cycles;
+  j["time_us"] = static_cast<double>(s.time_ps) / 1e6;
+  j["device"] = accel::device(task.settings.accelerator.device).name;
+  j["fits"] = s.usage.fits();
+  j["resources"] = resources(s.usage);
+  j["x_unit"] = s.unit;
+  j["x_range_from"] = s.range_from;
+  j["nonpositive_eigenvalues_quantised"] =
+      s.rounded_nonpositive < 0 ? ordered_json(nullptr) : ordered_json(s.rounded_nonpositive);
+  j["condition"] = condition(s);
+  app::SolveSettings in_force = task.settings;
+  in_force.solver = s.solver;
+  j["settings"] = settings_json(in_force);
+  return j.dump(2) + "\n";
+}
+
+}  // namespace hvp::results

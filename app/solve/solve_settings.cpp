@@ -1,0 +1,23 @@
+#include "app/solve/solve_settings.h"
+
+#include "models/config/input_error.h"
+
+namespace hvp::app {
+
+SolveSettings::SolveSettings() {
+  solver.method = fixed::Method::jacobi_pcg;
+  solver.start = fixed::Start::zero;
+}
+
+void SolveSettings::declare(config::Visitor& v) {
+  v.table("solver", solver, {"method and words of the fixed-point solver"});
+  v.table("accelerator", accelerator, {"the FPGA's micro-architecture"});
+  v.effect("spectrum", spectrum, {"bounds the extreme eigenvalues and the condition number"});
+}
+
+void SolveSettings::check() const {
+  if (solver.start == fixed::Start::zero) return;
+  throw InputError("solver.start", "there is no earlier solution to start from: expected zero");
+}
+
+}  // namespace hvp::app

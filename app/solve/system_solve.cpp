@@ -1,0 +1,197 @@
+#include "app/solve/system_solve.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "app/solve/exact_solution.h"
+#include "models/accel/cycles.h"
+#include "models/fem/reference_solver.h"
+#include "models/fixed/reference_solver.h"
+#include "models/fixed/scaling.h"
+#include "models/fixed/system.h"
+#include "models/fixed/word.h"
+#include "models/host/reference_run.h"
+
+namespace hvp::app {
+
+namespace {
+
+using Vector = std::vector<double>;
+
+std::size_t count_nonzeros(const LinearSystem& system) {
+  std::size_t count = 0;
+  for (const double entry : system.matrix.value) count += entry != 0 ? 1 : 0;
+  // The rows that fill the last block have a diagonal entry each.
+  return count - static_cast<std::size_t>(system.matrix.rows() - system.rows);
+}
+
+Vector residual(const sparse::BlockMatrix& a, std::span<const double> b,
+                std::span<const double> x) {
+  Vector r(b.size());
+  a.multiply(x, r);
+  for (std::size_t i = 0; i < r.size(); ++i) r[i] = b[i] - r[i];
+  return r;
+}
+
+double ratio(double part, double whole) {
+  if (part == 0) return 0;
+  return whole > 0 ? part / whole : std::numeric_limits<double>::infinity();
+}
+
+// The matrix that the words stand for, in the coordinates in which it was rounded:
+// Ã·y = S·b with x = S·y.
+class RoundedSystem {
+ public:
+  RoundedSystem(const fixed::System& system, std::span<const double> b)
+      : matrix_(fixed::dequantise(system.matrix)), scale_(system.scale), b_(b), solver_(matrix_) {}
+
+  const sparse::BlockMatrix& matrix() const { return matrix_; }
+  bool positive_definite() const { return solver_.positive_definite(); }
+  int nonpositive_eigenvalues() const {
+    return solver_.singular() ? -1 : solver_.negative_eigenvalues();
+  }
+
+  std::optional<Vector> solution() const {
+    if (solver_.singular()) return std::nullopt;
+    Vector x = scaled(b_);
+    solver_.solve(x, x);
+    return scaled(x);
+  }
+
+  // ‖b − S⁻¹·Ã·S⁻¹·x‖ / ‖b‖
+  double residual_of(std::span<const double> x) const {
+    Vector y(x.begin(), x.end());
+    for (std::size_t i = 0; i < y.size(); ++i) y[i] /= scale_[i];
+    Vector r = residual(matrix_, scaled(b_), y);
+    for (std::size_t i = 0; i < r.size(); ++i) r[i] /= scale_[i];
+    return ratio(norm(r), norm(b_));
+  }
+
+ private:
+  Vector scaled(std::span<const double> v) const {
+    Vector result(v.begin(), v.end());
+    for (std::size_t i = 0; i < result.size(); ++i) result[i] *= scale_[i];
+    return result;
+  }
+
+  sparse::BlockMatrix matrix_;
+  std::span<const double> scale_;
+  std::span<const double> b_;
+  fem::ReferenceSolver solver_;
+};
+
+// Iterates may pass beyond the solution in single entries; the bit that this costs is the last
+// one of x.
+constexpr double kMargin = 2;
+
+struct Range {
+  double displacement = 0;
+  std::string_view from;
+};
+
+// The least range in which x has its margin and b fits its word. A board cannot know x; the host
+// does here, since the error is to be stated.
+Range fitting_range(const fixed::System& system, std::span<const double> b,
+                    std::span<const double> x, const std::optional<Vector>& x_rounded) {
+  const std::span<const double> scale = system.scale;
+  double largest_x = 0;
+  double largest_b = 0;
+  for (std::size_t i = 0; i < scale.size(); ++i) {
+    largest_x = std::max(largest_x, std::abs(x[i]) / scale[i]);
+    if (x_rounded) largest_x = std::max(largest_x, std::abs((*x_rounded)[i]) / scale[i]);
+    largest_b = std::max(largest_b, std::abs(b[i]) * scale[i]);
+  }
+  const fixed::Settings& s = system.settings;
+  const double unit_for_x =
+      kMargin * largest_x / static_cast<double>(fixed::word_limit(s.vector_bits));
+  const double unit_for_b =
+      largest_b /
+      (system.matrix.scale *
+       std::ldexp(static_cast<double>(fixed::word_limit(s.residual_bits())), s.rhs_shift()));
+  const double unit = std::max(unit_for_x, unit_for_b);
+  if (!(unit > 0)) return {1.0, "nothing: b is zero"};
+  // The scaling counts the range from the stiffest equation (fixed/scaling.h).
+  const double least = *std::min_element(scale.begin(), scale.end());
+  return {unit * least * static_cast<double>(fixed::word_limit(s.vector_bits)),
+          unit_for_b > unit_for_x ? "right-hand side" : "solution"};
+}
+
+SystemSpectrum spectrum_of(const LinearSystem& given, const fixed::System& system,
+                           const RoundedSystem& rounded, double width) {
+  SystemSpectrum found;
+  found.given = sparse::bound_spectrum(given.matrix, width);
+  if (system.settings.matrix_scaling != fixed::MatrixScaling::none) {
+    found.scaled = sparse::bound_spectrum(fixed::scaled(given.matrix, system.scale), width);
+  }
+  found.rounded = sparse::bound_spectrum(rounded.matrix(), width);
+  return found;
+}
+
+void run_board(const fixed::System& system, const accel::Architecture& architecture,
+               std::span<const double> b, SystemSolution& s) {
+  const fixed::Scaling scaling(system);
+  const std::size_t size = b.size();
+  std::vector<std::int32_t> b_words(size);
+  std::vector<std::int32_t> x_words(size, 0);
+  s.clamped = scaling.right_hand_side(b, b_words);
+  fixed::ReferenceSolver solver(system.settings);
+  const fixed::Report report = solver.solve(system.matrix, {b_words, x_words});
+  s.x.resize(size);
+  scaling.displacements(x_words, s.x);
+  s.unit =
+      scaling.displacement_unit() * *std::max_element(system.scale.begin(), system.scale.end());
+  s.iterations = report.iterations;
+  s.residual_recursive = ratio(report.residual_norm, report.rhs_norm);
+  s.saturations = report.saturations;
+  s.wraps = report.wraps;
+  s.breakdowns = report.breakdowns;
+  s.flags.merge(report.flags);
+
+  const accel::Pattern pattern = accel::pattern_of(system.matrix.row_begin);
+  s.cycles = accel::solve_cycles(architecture, pattern, accel::solve_made(system.settings, report))
+                 .total();
+  s.time_ps = s.cycles * architecture.clock_period_ps();
+  s.usage = accel::usage(architecture, accel::word_lengths(system.settings), pattern);
+}
+
+}  // namespace
+
+SystemSolution solve_system(const LinearSystem& given, const SolveTask& task) {
+  SystemSolution s;
+  const Vector exact = exact_solution(given.matrix, given.b);
+  fixed::System system = fixed::prepare(given.matrix, task.settings.solver);
+  const RoundedSystem rounded(system, given.b);
+  const std::optional<Vector> exact_rounded = rounded.solution();
+  s.range_from = "given";
+  if (!task.range_given) {
+    const bool usable = rounded.positive_definite();
+    const Range range =
+        fitting_range(system, given.b, exact, usable ? exact_rounded : std::nullopt);
+    system.settings.displacement_range = range.displacement;
+    s.range_from = range.from;
+  }
+  run_board(system, task.settings.accelerator, given.b, s);
+
+  s.solver = system.settings;
+  s.nonzeros = count_nonzeros(given);
+  s.rounded_nonpositive = rounded.nonpositive_eigenvalues();
+  s.error = relative_distance(s.x, exact);
+  if (exact_rounded) s.error_rounded = relative_distance(s.x, *exact_rounded);
+  s.residual = ratio(norm(residual(given.matrix, given.b, s.x)), norm(given.b));
+  s.residual_rounded = rounded.residual_of(s.x);
+  if (task.settings.spectrum) {
+    s.spectrum = spectrum_of(given, system, rounded, task.settings.spectrum->relative_width);
+  }
+
+  if (s.clamped > 0) s.flags.raise(stability::Flag::range_exceeded);
+  if (!rounded.positive_definite()) s.flags.raise(stability::Flag::negative_curvature);
+  const host::Reference defaults;
+  s.flags.merge(host::accuracy_flags({1, task.tolerance, defaults.solver_tolerance}, s.error,
+                                     s.error_rounded));
+  s.x.resize(static_cast<std::size_t>(given.rows));
+  return s;
+}
+
+}  // namespace hvp::app

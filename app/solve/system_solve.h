@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "app/solve/solve_settings.h"
+#include "models/accel/memory.h"
+#include "models/fixed/settings.h"
+#include "models/sparse/block_matrix.h"
+#include "models/sparse/spectrum.h"
+#include "models/stability/flag.h"
+
+namespace hvp::app {
+
+// A·x = b as a file states it: `rows` equations, filled up to blocks of three.
+struct LinearSystem {
+  sparse::BlockMatrix matrix;
+  std::vector<double> b;  // matrix.rows() entries
+  int rows = 0;
+};
+
+struct SolveTask {
+  SolveSettings settings;
+  // Otherwise the range of x is chosen so that x and b fit their words.
+  bool range_given = false;
+  double tolerance = 0;  // of error_rel, for the flags
+};
+
+// What the spectrum's effect found.
+struct SystemSpectrum {
+  sparse::Spectrum given;
+  std::optional<sparse::Spectrum> scaled;  // S·A·S, where the matrix is scaled
+  sparse::Spectrum rounded;                // of what the words stand for
+};
+
+struct SystemSolution {
+  std::vector<double> x;  // `rows` entries
+  int iterations = 0;
+  double error = 0;                     // ‖x − x*‖ / ‖x*‖, A·x* = b
+  std::optional<double> error_rounded;  // the same with the rounded matrix; none: it is singular
+  double residual = 0;                  // ‖b − A·x‖ / ‖b‖
+  double residual_rounded = 0;          // with the rounded matrix
+  double residual_recursive = 0;        // as the recurrence's words have it
+  std::int64_t saturations = 0;
+  std::int64_t wraps = 0;
+  int breakdowns = 0;
+  std::int64_t clamped = 0;  // words of b that did not fit
+  stability::Flags flags;
+
+  std::size_t nonzeros = 0;
+  int rounded_nonpositive = 0;  // eigenvalues of the rounded matrix; -1: it is singular
+  std::optional<SystemSpectrum> spectrum;
+
+  fixed::Settings solver;  // in force: the range and the static shift that were chosen
+  std::string_view range_from;
+  double unit = 0;  // of a word of x, the coarsest of all unknowns
+
+  std::int64_t cycles = 0;
+  std::int64_t time_ps = 0;
+  accel::Usage usage;
+};
+
+// What the accelerator makes of the system, and how far that is from double precision. Throws
+// InputError where the matrix is not positive definite or cannot be put into words.
+SystemSolution solve_system(const LinearSystem& system, const SolveTask& task);
+
+}  // namespace hvp::app
