@@ -28,11 +28,21 @@ void frame_cost(const Scene& scene) {
   };
   const int words = c.matrix().rows();
   const auto bytes = [words](int bits) { return std::int64_t{words} * (bits <= 16 ? 2 : 4); };
-  row("form b (without contact)", s.host.compute_ps(c.form_rhs_operations()));
+  const host::RefinedSolve* refined = c.refined();
+  if (refined == nullptr) {
+    row("form b (without contact)", s.host.compute_ps(c.form_rhs_operations()));
+  } else {
+    row("first residual (without contact)", s.host.compute_ps(refined->residual_operations(false)));
+    row("each further pass' residual",
+        s.host.compute_ps(refined->accept_operations() + refined->residual_operations(true)));
+  }
   row("send b", s.bus.write_ps(bytes(s.solver.residual_bits())));
   row("solve", scene.solve_cycles().total() * s.accelerator.clock_period_ps());
   row("receive U", s.bus.read_ps(bytes(s.solver.vector_bits)));
   row("force (without contact)", s.host.compute_ps(c.force_operations()));
+  if (refined != nullptr) {
+    row("residual after the force", s.host.compute_ps(refined->finish_operations()));
+  }
   row("update after the force", s.host.compute_ps(c.update_operations()));
 }
 
@@ -95,6 +105,13 @@ int explain_command(const ScenarioArguments& arguments) {
   fmt::print("\nEffects\n");
   effect_line("dynamics", s.dynamics.has_value(),
               "inertia and damping: Newmark's update on the host after the force");
+  const std::string passes =
+      s.refinement ? fmt::format(
+                         "{} solves a frame, each for what the last left, and a product "
+                         "with the matrix on the host for each",
+                         s.refinement->passes)
+                   : "a solve a pass, and a product with the matrix on the host for each";
+  effect_line("refinement", s.refinement.has_value(), passes.c_str());
   effect_line("loads.gravity", s.loads.gravity.has_value(), "no cost: part of f");
   effect_line("reference", s.reference.has_value(),
               "no simulated time; two double-precision solves beside the board's");

@@ -22,6 +22,10 @@ std::string counted(std::int64_t count, std::string_view what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
+std::string counted_passes(int passes) {
+  return fmt::format("{} pass{}", passes, passes == 1 ? "" : "es");
+}
+
 void scene_lines(Out out, const app::Scene& scene) {
   const app::Scenario& s = scene.scenario();
   if (!s.title.empty()) fmt::format_to(out, "{}\n", s.title);
@@ -30,9 +34,11 @@ void scene_lines(Out out, const app::Scene& scene) {
                  s.dynamics ? "dynamic" : "static");
   const accel::SolveCycles c = scene.solve_cycles();
   const char* most = s.solver.stop_residual > 0 ? "at most " : "";
-  fmt::format_to(out, "  solver      {}, {}{} iterations, {}-bit matrix, {}-bit vectors\n",
+  fmt::format_to(out, "  solver      {}, {}{} iterations, {}-bit matrix, {}-bit vectors{}\n",
                  display_name(s.solver.method), most, s.solver.iterations, s.solver.matrix_bits,
-                 s.solver.vector_bits);
+                 s.solver.vector_bits,
+                 s.refinement ? fmt::format(", refined in {}", counted_passes(s.refinement->passes))
+                              : std::string());
   fmt::format_to(out, "  board       {}: {}{} clocks a solve at {:g} MHz = {};",
                  accel::device(s.accelerator.device).name, most, c.total(),
                  s.accelerator.clock_hz * 1e-6,
@@ -97,7 +103,7 @@ std::string ratio(const std::optional<double>& value) {
   return value ? percent(*value) : std::string("not measurable");
 }
 
-void accuracy_lines(Out out, const Outcome& o) {
+void accuracy_lines(Out out, const Outcome& o, bool refined) {
   if (!o.accuracy) {
     fmt::format_to(out, "\nAccuracy     not asked for: add [reference] to the scenario\n");
     return;
@@ -118,6 +124,13 @@ void accuracy_lines(Out out, const Outcome& o) {
   fmt::format_to(
       out, "  contact force  {} from the true model (worst frame {}), {} from the rounded one\n",
       ratio(a.force), ratio(a.force_worst), ratio(a.force_quantised));
+  if (refined) {
+    fmt::format_to(
+        out,
+        "  Both models are solved in double precision. The rounded one is where the board "
+        "would end\n  without refinement; the passes lead to the true one.\n");
+    return;
+  }
   fmt::format_to(out,
                  "  Both models are solved in double precision. The rounded one has the matrix as "
                  "the board's\n  words hold it: the second figure is the solver's own error, the "
@@ -168,7 +181,7 @@ std::string report(const app::Scene& scene, const Outcome& o) {
   verdict_lines(out, o);
   reservations(out, scene, o);
   attribution_lines(out, o);
-  accuracy_lines(out, o);
+  accuracy_lines(out, o, scene.scenario().refinement.has_value());
   stability_lines(out, scene, o);
   return text;
 }

@@ -2,7 +2,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/results/flag_json.h"
 #include "app/results/number_text.h"
 
 namespace hvp::results {
@@ -50,8 +49,18 @@ ordered_json attribution(const std::vector<vp::Attribution>& lines) {
 std::vector<std::string> effects(const app::Scenario& s) {
   std::vector<std::string> names;
   if (s.dynamics) names.emplace_back("dynamics");
+  if (s.refinement) names.emplace_back("refinement");
   if (s.loads.gravity) names.emplace_back("loads.gravity");
   if (s.reference) names.emplace_back("reference");
+  return names;
+}
+
+std::vector<std::string> flag_names(stability::Flags flags) {
+  std::vector<std::string> names;
+  for (unsigned i = 0; i < static_cast<unsigned>(stability::Flag::count); ++i) {
+    const auto flag = static_cast<stability::Flag>(i);
+    if (flags.has(flag)) names.emplace_back(stability::describe(flag).name);
+  }
   return names;
 }
 
@@ -73,6 +82,11 @@ std::string summary_json(const app::Scene& scene, const Outcome& o) {
                     {"clamped_words", o.clamped_words},
                     {"driver_errors", o.driver_errors},
                     {"flags", flag_names(o.flags)}};
+  if (const host::RefinedSolve* refined = scene.computation().refined()) {
+    j["refinement"] = {{"passes", refined->passes()},
+                       {"worst_residual_rel", refined->worst_residual()},
+                       {"widened", refined->widened()}};
+  }
   ordered_json resources = ordered_json::array();
   for (const accel::Resource& r : scene.usage().resources) {
     resources.push_back({{"type", r.type}, {"used", r.used}, {"available", r.available}});

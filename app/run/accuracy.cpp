@@ -1,5 +1,6 @@
 #include "app/run/accuracy.h"
 
+#include <algorithm>
 #include <span>
 
 namespace hvp::app {
@@ -11,7 +12,8 @@ std::span<const double> components(const Eigen::Vector3d& v) { return {v.data(),
 AccuracyTracker::AccuracyTracker(const Scene& scene, const host::Reference& settings)
     : settings_(settings),
       dynamic_(scene.computation().dynamic()),
-      rounded_(fixed::dequantise(scene.computation().quantised())),
+      refined_(scene.computation().refined() != nullptr),
+      rounded_(fixed::dequantise(scene.computation().system())),
       true_run_(scene.body(), scene.scenario().dynamics, scene.scenario().budget.period_s,
                 scene.computation().matrix(), scene.computation().matrix()),
       rounded_run_(scene.body(), scene.scenario().dynamics, scene.scenario().budget.period_s,
@@ -42,9 +44,20 @@ results::Accuracy AccuracyTracker::accuracy() const {
 }
 
 stability::Flags AccuracyTracker::flags() const {
+  stability::Flags flags;
   const results::Accuracy a = accuracy();
-  stability::Flags flags =
-      host::accuracy_flags(settings_, a.displacement, a.displacement_quantised);
+  // Rounding is to blame where the rounded model is clearly nearer than the true one; otherwise
+  // the solver is, and then its own bound, the tighter one, is exceeded too.
+  // Refinement leads to the true model, so that the way to it is the solver's own error.
+  const std::optional<double>& own = refined_ ? a.displacement : a.displacement_quantised;
+  const bool rounding = !own || !a.displacement || *a.displacement > 1.5 * *own;
+  if (rounding && a.displacement && !(*a.displacement <= settings_.tolerance)) {
+    flags.raise(stability::Flag::matrix_rounding);
+  }
+  const double solver_bound = std::min(settings_.solver_tolerance, settings_.tolerance / 1.5);
+  if (own && !(*own <= solver_bound)) {
+    flags.raise(stability::Flag::not_converged);
+  }
   if (!rounded_run_.positive_definite()) flags.raise(stability::Flag::negative_curvature);
   return flags;
 }

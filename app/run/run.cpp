@@ -22,13 +22,14 @@ namespace hvp::app {
 
 namespace {
 
-vp::PlatformSettings platform_settings(const Scenario& s) {
+vp::PlatformSettings platform_settings(const Scene& scene) {
+  const Scenario& s = scene.scenario();
   vp::PlatformSettings p;
   p.servo.period = std::llround(s.budget.period_s * 1e12);
   p.servo.frames = s.frames;
   p.servo.costs = s.host;
   p.servo.untimed = s.fidelity.host == vp::Timing::untimed;
-  p.servo.solver = s.solver;
+  p.servo.solver = scene.computation().board_settings();
   // One frame at a time: the force is due when the next tick comes.
   p.budget = p.servo.period;
   p.accelerator = s.accelerator;
@@ -113,8 +114,8 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   std::optional<DeformationRecorder> deformation;
   if (s.output.deformation_every_frames > 0) deformation.emplace(directory, scene);
 
-  vp::Platform platform(platform_settings(s), scene.body(), scene.computation(), scene.contacts(),
-                        registers ? &*registers : nullptr);
+  vp::Platform platform(platform_settings(scene), scene.body(), scene.computation(),
+                        scene.contacts(), registers ? &*registers : nullptr);
   results::FramesCsv frames(directory / "frames.csv", platform.session(),
                             platform.verdict().budget());
   results::Trace trace(directory / "trace.json", platform.session(), s.output.trace_frames);

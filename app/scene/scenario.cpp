@@ -58,6 +58,9 @@ void Scenario::declare(config::Visitor& v) {
   v.effect("dynamics", dynamics, {"inertia and damping; without it the body is static"});
   v.table("contact", contact, {"how the probe takes hold of the body"});
   v.table("solver", solver, {"method and words of the fixed-point solver"});
+  v.effect("refinement", refinement,
+           {"the host forms the residual in double precision and the board solves for the "
+            "increment, in several passes a frame"});
   v.table("accelerator", accelerator, {"the FPGA's micro-architecture"});
   v.table("bus", bus, {"the PCI bus"});
   v.table("host", host, {"the host PC"});

@@ -16,6 +16,7 @@
 #include "models/fixed/settings.h"
 #include "models/host/costs.h"
 #include "models/host/reference_run.h"
+#include "models/host/refinement.h"
 #include "models/link/pci.h"
 #include "models/mesh/mesh_settings.h"
 #include "models/mesh/region.h"
@@ -85,6 +86,7 @@ struct Scenario {
   std::optional<fem::Dynamics> dynamics;
   Contact contact;
   fixed::Settings solver;
+  std::optional<host::Refinement> refinement;
   accel::Architecture accelerator;
   link::Pci bus;
   host::Host host;

@@ -67,7 +67,7 @@ Scene::Scene(const Scenario& openable, const Scenario& written, const Progress& 
   quality_ = mesh::measure(body_->mesh());
   computation_ = within("solver", [&] {
     return std::make_unique<host::FrameComputation>(*body_, s.contact.diagonal, s.dynamics,
-                                                    s.solver, s.budget.period_s);
+                                                    s.solver, s.budget.period_s, s.refinement);
   });
   pattern_ = accel::pattern_of(computation_->matrix().row_begin);
   usage_ = accel::usage(s.accelerator, accel::word_lengths(s.solver), pattern_);

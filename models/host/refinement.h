@@ -64,6 +64,8 @@ class RefinedSolve {
   // ‖f − A·u‖ outside the contact after the last finish(), over the largest ‖b‖ so far, where
   // b = f − A[:, c]·u_c is the right-hand side with the contact moved to it.
   double residual() const { return residual_; }
+  // The largest of all solves.
+  double worst_residual() const { return worst_residual_; }
   // Of the solve that finish() ended. What a pass did to its words and a later pass made good
   // (saturation, stagnation, divergence) is no flag while residual() is within the tolerance.
   stability::Flags flags() const { return flags_; }
@@ -113,6 +115,7 @@ class RefinedSolve {
   std::vector<double> gain_;  // largest word of x over that of b, a pass
   double largest_rhs_ = 0;
   double residual_ = 0;
+  double worst_residual_ = 0;
   stability::Flags pass_flags_, flags_;
   std::int64_t widened_ = 0;
   std::int64_t clamped_ = 0;
