@@ -15,12 +15,20 @@ struct Avx2 {
     explicit Left(std::uint32_t places) : n(_mm256_set1_epi32(static_cast<int>(places))) {}
     Word n;
   };
-  struct ShortShift {
-    explicit ShortShift(const RightShift& s)
+  struct SignedShift {
+    explicit SignedShift(const RightShift& s)
         : n(_mm256_set1_epi32(static_cast<int>(s.right))),
           odd(_mm256_set1_epi32(static_cast<int>(s.odd))),
-          bias(_mm256_set1_epi32(static_cast<int>(static_cast<std::uint32_t>(s.bias)))) {}
-    Word n, odd, bias;
+          bias(_mm256_set1_epi32(static_cast<int>(s.bias))),
+          below_zero(_mm256_set1_epi32(static_cast<int>(s.below_zero))) {}
+    Word n, odd, bias, below_zero;
+  };
+  // What is left to shift once the lowest 16 bits have gone.
+  struct SplitShift {
+    explicit SplitShift(const RightShift& s)
+        : n(_mm256_set1_epi32(static_cast<int>(s.right) - 16)),
+          bias(_mm256_set1_epi32(static_cast<int>(s.bias >> 16))) {}
+    Word n, bias;
   };
   struct LongShift {
     explicit LongShift(const RightShift& s)
@@ -53,16 +61,25 @@ struct Avx2 {
   static Word sum(Word a, Word b) { return _mm256_add_epi32(a, b); }
   static Word shifted(Word w, const Left& s) { return _mm256_sllv_epi32(w, s.n); }
   template <bool kEven>
-  static Word shifted(Word size, const ShortShift& s) {
-    Word up = _mm256_add_epi32(size, s.bias);
+  static Word shifted(Word w, const SignedShift& s) {
+    const Word below = _mm256_and_si256(_mm256_srai_epi32(w, 31), s.below_zero);
+    Word up = _mm256_add_epi32(_mm256_add_epi32(w, s.bias), below);
     if constexpr (kEven) {
-      up = _mm256_add_epi32(up, _mm256_and_si256(_mm256_srlv_epi32(size, s.n), s.odd));
+      up = _mm256_add_epi32(up, _mm256_and_si256(_mm256_srlv_epi32(w, s.n), s.odd));
     }
-    return _mm256_srlv_epi32(up, s.n);
+    return _mm256_srav_epi32(up, s.n);
   }
   // The low halves meet; the high half of b is no number, so it meets zero.
-  static Word short_product(Word a, Word b) {
-    return _mm256_madd_epi16(a, _mm256_and_si256(b, _mm256_set1_epi32(0xFFFF)));
+  template <bool kEven>
+  static Word narrow_product(Word a, Word b, const SignedShift& s) {
+    const Word low = _mm256_and_si256(b, _mm256_set1_epi32(0xFFFF));
+    return shifted<kEven>(_mm256_madd_epi16(a, low), s);
+  }
+  // (high · b · 2^16 + low · b + bias) >> n, where the bias has no bits below 2^16.
+  static Word split_product(Word a, Word b, const SplitShift& s) {
+    const Word low = _mm256_mulhi_epu16(a, b);
+    const Word high = _mm256_madd_epi16(a, _mm256_slli_epi32(b, 16));
+    return _mm256_srlv_epi32(_mm256_add_epi32(_mm256_add_epi32(high, s.bias), low), s.n);
   }
   template <bool kEven>
   static Word product(Word a, Word b, const LongShift& s) {

@@ -17,12 +17,20 @@ struct Avx512 {
     explicit Left(std::uint32_t places) : n(_mm512_set1_epi32(static_cast<int>(places))) {}
     Word n;
   };
-  struct ShortShift {
-    explicit ShortShift(const RightShift& s)
+  struct SignedShift {
+    explicit SignedShift(const RightShift& s)
         : n(_mm512_set1_epi32(static_cast<int>(s.right))),
           odd(_mm512_set1_epi32(static_cast<int>(s.odd))),
-          bias(_mm512_set1_epi32(static_cast<int>(static_cast<std::uint32_t>(s.bias)))) {}
-    Word n, odd, bias;
+          bias(_mm512_set1_epi32(static_cast<int>(s.bias))),
+          below_zero(_mm512_set1_epi32(static_cast<int>(s.below_zero))) {}
+    Word n, odd, bias, below_zero;
+  };
+  // What is left to shift once the lowest 16 bits have gone.
+  struct SplitShift {
+    explicit SplitShift(const RightShift& s)
+        : n(_mm512_set1_epi32(static_cast<int>(s.right) - 16)),
+          bias(_mm512_set1_epi32(static_cast<int>(s.bias >> 16))) {}
+    Word n, bias;
   };
   struct LongShift {
     explicit LongShift(const RightShift& s)
@@ -49,17 +57,33 @@ struct Avx512 {
   static Word sign_of_product(Word a, Word b) { return _mm512_xor_si512(a, b); }
   static Word sum(Word a, Word b) { return _mm512_add_epi32(a, b); }
   static Word shifted(Word w, const Left& s) { return _mm512_sllv_epi32(w, s.n); }
+  // `up` is w with its bias.
   template <bool kEven>
-  static Word shifted(Word size, const ShortShift& s) {
-    Word up = _mm512_add_epi32(size, s.bias);
+  static Word shifted(Word w, Word up, __mmask16 negative, const SignedShift& s) {
+    up = _mm512_mask_add_epi32(up, negative, up, s.below_zero);
     if constexpr (kEven) {
-      up = _mm512_add_epi32(up, _mm512_and_si512(_mm512_srlv_epi32(size, s.n), s.odd));
+      up = _mm512_add_epi32(up, _mm512_and_si512(_mm512_srlv_epi32(w, s.n), s.odd));
     }
-    return _mm512_srlv_epi32(up, s.n);
+    return _mm512_srav_epi32(up, s.n);
   }
-  // The low halves meet; the high half of b is no number, so it meets zero.
-  static Word short_product(Word a, Word b) {
-    return _mm512_madd_epi16(a, _mm512_and_si512(b, _mm512_set1_epi32(0xFFFF)));
+  template <bool kEven>
+  static Word shifted(Word w, const SignedShift& s) {
+    return shifted<kEven>(w, _mm512_add_epi32(w, s.bias), _mm512_movepi32_mask(w), s);
+  }
+  // The low halves meet; the high half of b is no number, so it meets zero. A product of zero may
+  // take either sign's bias.
+  template <bool kEven>
+  static Word narrow_product(Word a, Word b, const SignedShift& s) {
+    const Word low = _mm512_and_si512(b, _mm512_set1_epi32(0xFFFF));
+    const __mmask16 negative = _mm512_movepi32_mask(_mm512_xor_si512(a, b));
+    const Word product = kEven ? _mm512_madd_epi16(a, low) : Word{};
+    return shifted<kEven>(product, _mm512_dpwssd_epi32(s.bias, a, low), negative, s);
+  }
+  // (high · b · 2^16 + low · b + bias) >> n, where the bias has no bits below 2^16.
+  static Word split_product(Word a, Word b, const SplitShift& s) {
+    const Word low = _mm512_mulhi_epu16(a, b);
+    const Word high = _mm512_dpwssd_epi32(s.bias, a, _mm512_slli_epi32(b, 16));
+    return _mm512_srlv_epi32(_mm512_add_epi32(high, low), s.n);
   }
   template <bool kEven>
   static Word product(Word a, Word b, const LongShift& s) {

@@ -13,12 +13,21 @@ std::size_t at(int index) { return static_cast<std::size_t>(index); }
 constexpr std::uint64_t kLargestSum = (std::uint64_t{1} << 31) - 1;
 
 RightShift right_shift(int places, Rounding rounding) {
-  RightShift result{.right = static_cast<std::uint32_t>(places), .odd = 0, .bias = 0};
-  if (places == 0 || rounding == Rounding::truncation) return result;
-  result.bias = std::uint64_t{1} << (places - 1);
-  if (rounding == Rounding::nearest_even) {
-    --result.bias;
-    result.odd = 1;
+  RightShift result{.right = static_cast<std::uint32_t>(places)};
+  if (places == 0) return result;
+  const std::uint64_t half = std::uint64_t{1} << (places - 1);
+  switch (rounding) {
+    case Rounding::truncation:
+      result.below_zero = static_cast<std::int64_t>(2 * half - 1);
+      break;
+    case Rounding::nearest_up:
+      result.bias = half;
+      result.below_zero = -1;
+      break;
+    case Rounding::nearest_even:
+      result.bias = half - 1;
+      result.odd = 1;
+      break;
   }
   return result;
 }
@@ -69,6 +78,8 @@ bool FastSolver::prove(Terms& terms, const Term& a, const Term& b) const {
     if (width(a.vector.largest) + a.exponent > 31) return false;
     terms.a_left = static_cast<std::uint32_t>(a.exponent);
     a_bound = a.vector.largest << a.exponent;
+  } else if (a.vector.largest >= 1U << 30) {
+    return false;
   } else if (a.exponent >= -31) {
     terms.a_right = right_shift(-a.exponent, rounding);
     a_bound = shifted_bound(a.vector.largest, -a.exponent);
@@ -95,7 +106,11 @@ bool FastSolver::prove(Terms& terms, const Term& a, const Term& b) const {
     terms.factor = 0;
     terms.b_right = {};
   }
+  terms.split_product = !terms.nearest_even && size_of(terms.factor) < (1U << 15) &&
+                        b.vector.largest <= kLargestSum && terms.b_right.right >= 17 &&
+                        terms.b_right.right <= 47;
   const std::uint64_t sum = a_bound + b_bound;
+  terms.fits = sum <= static_cast<std::uint64_t>(largest_word(terms.bits));
   const std::uint64_t word = std::min(sum, std::uint64_t{1} << (terms.bits - 1));
   return sum <= kLargestSum && (!terms.square || dot_fits(word, word));
 }

@@ -15,8 +15,10 @@ struct LanePasses {
   using Word = typename Lanes::Word;
 
   static Found combine(const Terms& t) {
-    if (t.wraps) return t.nearest_even ? combine<true, true>(t) : combine<true, false>(t);
-    return t.nearest_even ? combine<false, true>(t) : combine<false, false>(t);
+    if (t.fits)
+      return t.nearest_even ? combine<Cut::never, true>(t) : combine<Cut::never, false>(t);
+    if (t.wraps) return t.nearest_even ? combine<Cut::wrap, true>(t) : combine<Cut::wrap, false>(t);
+    return t.nearest_even ? combine<Cut::clamp, true>(t) : combine<Cut::clamp, false>(t);
   }
 
   static Found multiply_entries(const Products& p) {
@@ -53,21 +55,33 @@ struct LanePasses {
   }
 
  private:
-  template <bool kWraps, bool kEven>
+  enum class Cut { never, clamp, wrap };
+  enum class Move { none, left, right };
+  // How factor · b is formed: in 32 bits, in 32 after the upper half of b, or in 64.
+  enum class Width { narrow, split, wide };
+
+  template <Cut kCut, bool kEven>
   static Found combine(const Terms& t) {
-    if (t.a_right.right != 0) {
-      return t.short_product ? combine<kWraps, kEven, true, true>(t)
-                             : combine<kWraps, kEven, true, false>(t);
-    }
-    return t.short_product ? combine<kWraps, kEven, false, true>(t)
-                           : combine<kWraps, kEven, false, false>(t);
+    if (t.a_right.right != 0) return combine<kCut, kEven, Move::right>(t);
+    if (t.a_left != 0) return combine<kCut, kEven, Move::left>(t);
+    return combine<kCut, kEven, Move::none>(t);
   }
 
-  template <bool kWraps, bool kEven, bool kRight, bool kShort>
+  template <Cut kCut, bool kEven, Move kMove>
+  static Found combine(const Terms& t) {
+    if (t.short_product) return combine<kCut, kEven, kMove, Width::narrow>(t);
+    if constexpr (!kEven) {
+      if (t.split_product) return combine<kCut, kEven, kMove, Width::split>(t);
+    }
+    return combine<kCut, kEven, kMove, Width::wide>(t);
+  }
+
+  template <Cut kCut, bool kEven, Move kMove, Width kWidth>
   static Found combine(const Terms& t) {
     const typename Lanes::Left left(t.a_left);
-    const typename Lanes::ShortShift a_shift(t.a_right);
-    const typename Lanes::ShortShift b_short(t.b_right);
+    const typename Lanes::SignedShift a_shift(t.a_right);
+    const typename Lanes::SignedShift b_signed(t.b_right);
+    const typename Lanes::SplitShift b_split(t.b_right);
     const typename Lanes::LongShift b_long(t.b_right);
     const typename Lanes::Wrap wrap(t.bits);
     const auto limit = static_cast<std::int32_t>((std::uint32_t{1} << (t.bits - 1)) - 1);
@@ -80,26 +94,27 @@ struct LanePasses {
     Word largest = Lanes::all(0);
     for (std::size_t i = 0; i < t.size; i += Lanes::kWords) {
       Word a = Lanes::load(t.a + i);
-      if constexpr (kRight) {
-        a = Lanes::with_sign(Lanes::template shifted<kEven>(Lanes::size(a), a_shift), a);
-      } else {
-        a = Lanes::shifted(a, left);
-      }
+      if constexpr (kMove == Move::left) a = Lanes::shifted(a, left);
+      if constexpr (kMove == Move::right) a = Lanes::template shifted<kEven>(a, a_shift);
       const Word b = Lanes::load(t.b + i);
       Word change;
-      if constexpr (kShort) {
-        const Word product = Lanes::short_product(b, factor);
-        change = Lanes::with_sign(Lanes::template shifted<kEven>(Lanes::size(product), b_short),
-                                  product);
+      if constexpr (kWidth == Width::narrow) {
+        change = Lanes::template narrow_product<kEven>(b, factor, b_signed);
+      } else if constexpr (kWidth == Width::split) {
+        change = Lanes::with_sign(Lanes::split_product(Lanes::size(b), factor_size, b_split),
+                                  Lanes::sign_of_product(b, factor));
       } else {
         change =
             Lanes::with_sign(Lanes::template product<kEven>(Lanes::size(b), factor_size, b_long),
                              Lanes::sign_of_product(b, factor));
       }
       const Word sum = Lanes::sum(a, change);
-      Word out = Lanes::clamped(sum, lowest, highest);
-      overflows.add_different(sum, out);
-      if constexpr (kWraps) out = Lanes::wrapped(sum, wrap);
+      Word out = sum;
+      if constexpr (kCut != Cut::never) {
+        out = Lanes::clamped(sum, lowest, highest);
+        overflows.add_different(sum, out);
+        if constexpr (kCut == Cut::wrap) out = Lanes::wrapped(sum, wrap);
+      }
       Lanes::store(t.out + i, out);
       largest = Lanes::larger_size(largest, Lanes::size(out));
       if (t.square) squares.add(out, out);

@@ -36,11 +36,14 @@ struct WideSlices {
   std::size_t slices = 0;
 };
 
-// (size + bias + (its own bit at `right` & odd)) >> right of a magnitude.
+// A shift to the right that rounds, of a magnitude: (size + bias + (its own bit at `right` & odd))
+// >> right. Of a signed value the same is (value + bias + (value < 0 ? below_zero : 0) + …) >>
+// right, as a shift of a negative number rounds down.
 struct RightShift {
   std::uint32_t right = 0;
   std::uint32_t odd = 0;  // 0 or 1
   std::uint64_t bias = 0;
+  std::int64_t below_zero = 0;
 };
 
 // out = word(a · 2^left or a >> a_right, + factor · b >> b_right), entry by entry. Whoever calls
@@ -48,6 +51,8 @@ struct RightShift {
 //   a_right <= 31, a_left = 0 or a_right = 0;
 //   b_right <= 60;
 //   short_product: factor and b fit 16 bits, their product 30, b_right <= 31;
+//   split_product: factor fits 16 bits, b 31 + sign, 17 <= b_right <= 47, no `odd` is set;
+//   fits: the sum fits the word;
 //   square: the sums of out² in one lane's accumulator fit 63 bits (Passes::lanes).
 struct Terms {
   std::int32_t* out = nullptr;  // may be a or b
@@ -62,6 +67,8 @@ struct Terms {
   bool wraps = false;         // what does not fit is wrapped, not clamped
   bool nearest_even = false;  // some `odd` is set
   bool short_product = false;
+  bool split_product = false;
+  bool fits = false;
   bool square = false;  // wants Σ out²
 };
 

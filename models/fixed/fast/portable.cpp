@@ -13,10 +13,19 @@ struct OneWord {
     explicit Left(std::uint32_t places) : n(places) {}
     std::uint32_t n;
   };
-  struct ShortShift {
-    explicit ShortShift(const RightShift& s)
-        : n(s.right), odd(s.odd), bias(static_cast<std::uint32_t>(s.bias)) {}
-    std::uint32_t n, odd, bias;
+  struct SignedShift {
+    explicit SignedShift(const RightShift& s)
+        : n(s.right),
+          odd(static_cast<std::int32_t>(s.odd)),
+          bias(static_cast<std::int32_t>(s.bias)),
+          below_zero(static_cast<std::int32_t>(s.below_zero)) {}
+    std::uint32_t n;
+    std::int32_t odd, bias, below_zero;
+  };
+  struct SplitShift {
+    explicit SplitShift(const RightShift& s) : n(s.right), bias(s.bias) {}
+    std::uint32_t n;
+    std::uint64_t bias;
   };
   struct LongShift {
     explicit LongShift(const RightShift& s) : n(s.right), odd(s.odd), bias(s.bias) {}
@@ -44,11 +53,19 @@ struct OneWord {
     return static_cast<Word>(static_cast<std::uint32_t>(w) << s.n);
   }
   template <bool kEven>
-  static Word shifted(Word size, ShortShift s) {
-    const auto u = static_cast<std::uint32_t>(size);
-    return static_cast<Word>((u + s.bias + (kEven ? (u >> s.n) & s.odd : 0)) >> s.n);
+  static Word shifted(Word w, SignedShift s) {
+    const std::int32_t own = kEven ? (w >> s.n) & s.odd : 0;
+    return (w + s.bias + (w < 0 ? s.below_zero : 0) + own) >> s.n;
   }
-  static Word short_product(Word a, Word b) { return a * b; }
+  template <bool kEven>
+  static Word narrow_product(Word a, Word b, SignedShift s) {
+    return shifted<kEven>(a * b, s);
+  }
+  static Word split_product(Word a, Word b, SplitShift s) {
+    const std::uint64_t u =
+        std::uint64_t{static_cast<std::uint32_t>(a)} * static_cast<std::uint32_t>(b);
+    return static_cast<Word>((u + s.bias) >> s.n);
+  }
   template <bool kEven>
   static Word product(Word a, Word b, LongShift s) {
     const std::uint64_t u =
