@@ -99,14 +99,19 @@ int parse_and_run(int argc, char** argv) {
       ->type_name("x.mtx");
   command
       ->add_option("--set", solve.overrides,
-                   "gives a key of [solver], [accelerator] or [spectrum] another value; as often "
-                   "as wanted")
+                   "gives a key of [solver], [refinement], [accelerator] or [spectrum] another "
+                   "value; as often as wanted")
       ->allow_extra_args(false)
       ->type_name("KEY=VALUE");
   command
       ->add_option("--tolerance", solve.tolerance,
                    "exit with 1 where the error exceeds this part of the solution")
       ->type_name("T");
+  command
+      ->add_option("--kernel", solve.kernel,
+                   "which implementation computes: reference, portable, avx2 or avx512; all give "
+                   "the same words, and the fastest is the default")
+      ->type_name("NAME");
   command->callback([&] { status = solve_command(solve); });
 
   MeshArguments mesh;

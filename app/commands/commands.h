@@ -48,6 +48,7 @@ struct SolveArguments {
   std::filesystem::path solution = "solution.mtx";
   std::vector<std::string> overrides;  // --set key=value
   std::optional<double> tolerance;     // of error_rel; given: exit 1 beyond it
+  std::string kernel;                  // in place of the environment's HVP_KERNEL
 };
 int solve_command(const SolveArguments& arguments);
 

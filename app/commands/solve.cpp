@@ -1,4 +1,5 @@
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <string_view>
@@ -15,6 +16,7 @@
 #include "app/scenario/reader.h"
 #include "app/solve/system_solve.h"
 #include "models/config/input_error.h"
+#include "models/fixed/kernel.h"
 #include "models/host/reference_run.h"
 #include "models/sparse/matrix_market.h"
 
@@ -89,11 +91,22 @@ SolveTask task_of(const SolveArguments& a, const scenario::Document& document) {
   return task;
 }
 
+void choose_kernel(const std::string& kernel) {
+  if (kernel.empty()) return;
+  setenv("HVP_KERNEL", kernel.c_str(), 1);
+  try {
+    fixed::chosen_kernel();
+  } catch (const InputError& e) {
+    throw InputError(scenario::one_line(fmt::format("--kernel {}: {}", kernel, e.what())));
+  }
+}
+
 }  // namespace
 
 int solve_command(const SolveArguments& arguments) {
   const auto document = scenario::Document::of_overrides(arguments.overrides);
   const SolveTask task = task_of(arguments, document);
+  choose_kernel(arguments.kernel);
   const LinearSystem system = read_system(arguments);
   check_solution_file(arguments.solution);
   SystemSolution solution;

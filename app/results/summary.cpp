@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "app/results/flag_json.h"
 #include "app/results/number_text.h"
 
 namespace hvp::results {
@@ -52,15 +53,6 @@ std::vector<std::string> effects(const app::Scenario& s) {
   if (s.refinement) names.emplace_back("refinement");
   if (s.loads.gravity) names.emplace_back("loads.gravity");
   if (s.reference) names.emplace_back("reference");
-  return names;
-}
-
-std::vector<std::string> flag_names(stability::Flags flags) {
-  std::vector<std::string> names;
-  for (unsigned i = 0; i < static_cast<unsigned>(stability::Flag::count); ++i) {
-    const auto flag = static_cast<stability::Flag>(i);
-    if (flags.has(flag)) names.emplace_back(stability::describe(flag).name);
-  }
   return names;
 }
 

@@ -1,6 +1,5 @@
 #include "app/run/accuracy.h"
 
-#include <algorithm>
 #include <span>
 
 namespace hvp::app {
@@ -44,20 +43,10 @@ results::Accuracy AccuracyTracker::accuracy() const {
 }
 
 stability::Flags AccuracyTracker::flags() const {
-  stability::Flags flags;
   const results::Accuracy a = accuracy();
-  // Rounding is to blame where the rounded model is clearly nearer than the true one; otherwise
-  // the solver is, and then its own bound, the tighter one, is exceeded too.
   // Refinement leads to the true model, so that the way to it is the solver's own error.
-  const std::optional<double>& own = refined_ ? a.displacement : a.displacement_quantised;
-  const bool rounding = !own || !a.displacement || *a.displacement > 1.5 * *own;
-  if (rounding && a.displacement && !(*a.displacement <= settings_.tolerance)) {
-    flags.raise(stability::Flag::matrix_rounding);
-  }
-  const double solver_bound = std::min(settings_.solver_tolerance, settings_.tolerance / 1.5);
-  if (own && !(*own <= solver_bound)) {
-    flags.raise(stability::Flag::not_converged);
-  }
+  stability::Flags flags = host::accuracy_flags(
+      settings_, a.displacement, refined_ ? a.displacement : a.displacement_quantised);
   if (!rounded_run_.positive_definite()) flags.raise(stability::Flag::negative_curvature);
   return flags;
 }

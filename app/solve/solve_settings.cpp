@@ -11,6 +11,9 @@ SolveSettings::SolveSettings() {
 
 void SolveSettings::declare(config::Visitor& v) {
   v.table("solver", solver, {"method and words of the fixed-point solver"});
+  v.effect("refinement", refinement,
+           {"the host forms the residual in double precision and the board solves for the "
+            "increment, in several passes"});
   v.table("accelerator", accelerator, {"the FPGA's micro-architecture"});
   v.effect("spectrum", spectrum, {"bounds the extreme eigenvalues and the condition number"});
 }

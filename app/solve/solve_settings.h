@@ -5,6 +5,7 @@
 #include "models/accel/architecture.h"
 #include "models/config/declaration.h"
 #include "models/fixed/settings.h"
+#include "models/host/refinement.h"
 #include "models/sparse/spectrum.h"
 
 namespace hvp::app {
@@ -15,6 +16,7 @@ struct SolveSettings {
   SolveSettings();
 
   fixed::Settings solver;
+  std::optional<host::Refinement> refinement;
   accel::Architecture accelerator;
   std::optional<sparse::SpectrumSettings> spectrum;
 

@@ -3,16 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <span>
 
 #include "app/solve/exact_solution.h"
 #include "models/accel/cycles.h"
 #include "models/fem/reference_solver.h"
-#include "models/fixed/reference_solver.h"
+#include "models/fixed/kernel.h"
 #include "models/fixed/scaling.h"
 #include "models/fixed/system.h"
 #include "models/fixed/word.h"
 #include "models/host/reference_run.h"
+#include "models/host/refinement.h"
 
 namespace hvp::app {
 
@@ -129,31 +131,70 @@ SystemSpectrum spectrum_of(const LinearSystem& given, const fixed::System& syste
   return found;
 }
 
-void run_board(const fixed::System& system, const accel::Architecture& architecture,
-               std::span<const double> b, SystemSolution& s) {
-  const fixed::Scaling scaling(system);
-  const std::size_t size = b.size();
-  std::vector<std::int32_t> b_words(size);
-  std::vector<std::int32_t> x_words(size, 0);
-  s.clamped = scaling.right_hand_side(b, b_words);
-  fixed::ReferenceSolver solver(system.settings);
-  const fixed::Report report = solver.solve(system.matrix, {b_words, x_words});
-  s.x.resize(size);
-  scaling.displacements(x_words, s.x);
-  s.unit =
-      scaling.displacement_unit() * *std::max_element(system.scale.begin(), system.scale.end());
-  s.iterations = report.iterations;
-  s.residual_recursive = ratio(report.residual_norm, report.rhs_norm);
-  s.saturations = report.saturations;
-  s.wraps = report.wraps;
-  s.breakdowns = report.breakdowns;
-  s.flags.merge(report.flags);
+// The accelerator with a system in its memory: solves, and keeps count of what that took.
+class Board {
+ public:
+  Board(const fixed::System& system, const accel::Architecture& architecture)
+      : settings_(system.settings),
+        architecture_(architecture),
+        pattern_(accel::pattern_of(system.matrix.row_begin)),
+        solver_(fixed::make_solver(settings_)) {
+    solver_->load(system.matrix);
+  }
 
-  const accel::Pattern pattern = accel::pattern_of(system.matrix.row_begin);
-  s.cycles = accel::solve_cycles(architecture, pattern, accel::solve_made(system.settings, report))
-                 .total();
-  s.time_ps = s.cycles * architecture.clock_period_ps();
-  s.usage = accel::usage(architecture, accel::word_lengths(system.settings), pattern);
+  fixed::Report solve(fixed::Job job) {
+    const fixed::Report report = solver_->solve(job);
+    ++counts_.solves;
+    counts_.iterations += report.iterations;
+    counts_.saturations += report.saturations;
+    counts_.wraps += report.wraps;
+    counts_.breakdowns += report.breakdowns;
+    counts_.residual_recursive = ratio(report.residual_norm, report.rhs_norm);
+    counts_.cycles +=
+        accel::solve_cycles(architecture_, pattern_, accel::solve_made(settings_, report)).total();
+    counts_.time_ps = counts_.cycles * architecture_.clock_period_ps();
+    return report;
+  }
+
+  const BoardCounts& counts() const { return counts_; }
+  accel::Usage usage() const {
+    return accel::usage(architecture_, accel::word_lengths(settings_), pattern_);
+  }
+
+ private:
+  fixed::Settings settings_;
+  accel::Architecture architecture_;
+  accel::Pattern pattern_;
+  std::unique_ptr<fixed::Solver> solver_;
+  BoardCounts counts_;
+};
+
+void solve_once(const fixed::System& system, std::span<const double> b, Board& board,
+                SystemSolution& s) {
+  const fixed::Scaling scaling(system);
+  std::vector<std::int32_t> b_words(b.size());
+  std::vector<std::int32_t> x_words(b.size(), 0);
+  s.clamped = scaling.right_hand_side(b, b_words);
+  s.flags.merge(board.solve({b_words, x_words}).flags);
+  s.x.resize(b.size());
+  scaling.displacements(x_words, s.x);
+}
+
+void solve_refined(const host::Refinement& refinement, const LinearSystem& given,
+                   const fixed::System& system, Board& board, SystemSolution& s) {
+  const Vector zero(given.b.size(), 0.0);
+  host::RefinedSolve refined(refinement, given.matrix, system, zero);
+  std::vector<std::int32_t> b_words(given.b.size());
+  std::vector<std::int32_t> x_words(given.b.size());
+  refined.begin(given.b, {}, Eigen::Vector3d::Zero());
+  while (refined.next(b_words)) {
+    const fixed::Report report = board.solve({b_words, x_words});
+    refined.accept(x_words, report.flags);
+  }
+  refined.finish();
+  s.clamped = refined.clamped();
+  s.flags.merge(refined.flags());
+  s.x.assign(refined.displacement().begin(), refined.displacement().end());
 }
 
 }  // namespace
@@ -172,8 +213,17 @@ SystemSolution solve_system(const LinearSystem& given, const SolveTask& task) {
     system.settings.displacement_range = range.displacement;
     s.range_from = range.from;
   }
-  run_board(system, task.settings.accelerator, given.b, s);
+  Board board(system, task.settings.accelerator);
+  if (task.settings.refinement) {
+    solve_refined(*task.settings.refinement, given, system, board, s);
+  } else {
+    solve_once(system, given.b, board, s);
+  }
+  s.board = board.counts();
+  s.usage = board.usage();
 
+  s.unit = fixed::Scaling(system).displacement_unit() *
+           *std::max_element(system.scale.begin(), system.scale.end());
   s.solver = system.settings;
   s.nonzeros = count_nonzeros(given);
   s.rounded_nonpositive = rounded.nonpositive_eigenvalues();
@@ -188,8 +238,10 @@ SystemSolution solve_system(const LinearSystem& given, const SolveTask& task) {
   if (s.clamped > 0) s.flags.raise(stability::Flag::range_exceeded);
   if (!rounded.positive_definite()) s.flags.raise(stability::Flag::negative_curvature);
   const host::Reference defaults;
-  s.flags.merge(host::accuracy_flags({1, task.tolerance, defaults.solver_tolerance}, s.error,
-                                     s.error_rounded));
+  // Refinement leads to the true solution, so that the way to it is the solver's own error.
+  s.flags.merge(
+      host::accuracy_flags({1, task.tolerance, defaults.solver_tolerance}, s.error,
+                           task.settings.refinement ? std::optional(s.error) : s.error_rounded));
   s.x.resize(static_cast<std::size_t>(given.rows));
   return s;
 }

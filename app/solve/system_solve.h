@@ -36,17 +36,25 @@ struct SystemSpectrum {
   sparse::Spectrum rounded;                // of what the words stand for
 };
 
-struct SystemSolution {
-  std::vector<double> x;  // `rows` entries
+// What the board did, over all its solves.
+struct BoardCounts {
+  int solves = 0;  // one, or the passes of the refinement
   int iterations = 0;
+  std::int64_t saturations = 0;
+  std::int64_t wraps = 0;
+  int breakdowns = 0;
+  double residual_recursive = 0;  // of the last solve, relative to its own right-hand side
+  std::int64_t cycles = 0;
+  std::int64_t time_ps = 0;
+};
+
+struct SystemSolution {
+  std::vector<double> x;                // `rows` entries
   double error = 0;                     // ‖x − x*‖ / ‖x*‖, A·x* = b
   std::optional<double> error_rounded;  // the same with the rounded matrix; none: it is singular
   double residual = 0;                  // ‖b − A·x‖ / ‖b‖
   double residual_rounded = 0;          // with the rounded matrix
-  double residual_recursive = 0;        // as the recurrence's words have it
-  std::int64_t saturations = 0;
-  std::int64_t wraps = 0;
-  int breakdowns = 0;
+  BoardCounts board;
   std::int64_t clamped = 0;  // words of b that did not fit
   stability::Flags flags;
 
@@ -57,9 +65,6 @@ struct SystemSolution {
   fixed::Settings solver;  // in force: the range and the static shift that were chosen
   std::string_view range_from;
   double unit = 0;  // of a word of x, the coarsest of all unknowns
-
-  std::int64_t cycles = 0;
-  std::int64_t time_ps = 0;
   accel::Usage usage;
 };
 

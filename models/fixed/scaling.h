@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -27,6 +28,11 @@ class Scaling {
   // Of a word, without s_i: m and N (the unit of K·x) where the matrix is not scaled.
   double displacement_unit() const { return displacement_unit_; }
   double force_unit() const { return force_unit_; }
+  // The displacement of an equation that fills its word, s_i counted.
+  double displacement_limit(std::size_t equation) const {
+    const double limit = displacement_unit_ * static_cast<double>(displacement_limit_);
+    return scale_.empty() ? limit : scale_[equation] * limit;
+  }
 
   // Nearest words, ties away from zero; a value beyond its word is clamped. Both return how
   // many were clamped, which the caller reports as range_exceeded, and throw InputError for

@@ -72,6 +72,8 @@ TEST(Scaling, OfAScaledMatrixTranslatesBothVectors) {
   // The stiffest equation has s = 1/8: y = 8·x, so that x = 32767/8 is the largest word.
   EXPECT_DOUBLE_EQ(scaling.displacement_unit(), 1.0);
   EXPECT_DOUBLE_EQ(scaling.force_unit(), system.matrix.scale * 2048);
+  EXPECT_DOUBLE_EQ(scaling.displacement_limit(1), 32767.0 / 8);
+  EXPECT_DOUBLE_EQ(scaling.displacement_limit(0), 32767.0 / 2);
 
   std::vector<std::int32_t> words(3);
   EXPECT_EQ(scaling.displacement_words(std::vector<double>{50, 32767.0 / 8, -10}, words), 0);
