@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <string>
 
+#include "models/config/input_error.h"
 #include "models/fixed/word.h"
 #include "models/host/costs.h"
 
@@ -116,6 +118,10 @@ void RefinedSolve::subtract_columns(const Eigen::Vector3d& u, int node,
 
 void RefinedSolve::begin(std::span<const double> f, std::span<const int> contact,
                          const Eigen::Vector3d& u_c) {
+  for (std::size_t i = 0; i < f.size(); ++i) {
+    if (std::isfinite(f[i])) continue;
+    throw InputError("right-hand side entry " + std::to_string(i) + " is not a finite number");
+  }
   std::copy(f.begin(), f.end(), f_.begin());
   contact_.assign(contact.begin(), contact.end());
   u_ = guess_;
@@ -193,7 +199,8 @@ void RefinedSolve::accept(std::span<const std::int32_t> x, Flags flags) {
   for (const std::int32_t word : x) largest = std::max(largest, std::abs(double{1} * word));
   for (std::size_t i = 0; i < u_.size(); ++i) {
     const double u = u_[i] + std::ldexp(increment_[i], exponent_);
-    u_[i] = std::clamp(u, -displacement_range_, displacement_range_);
+    const double limit = scaling_.displacement_limit(i);
+    u_[i] = std::clamp(u, -limit, limit);
     if (u_[i] != u) ++clamped_;
   }
   current_ = false;
@@ -216,10 +223,13 @@ void RefinedSolve::finish() {
   double residual = 0;
   double rhs = 0;
   double energy = 0;  // −2·(½uᵀAu − bᵀu) outside the contact: positive where u is better than zero
+  // In units in which no square leaves the range of double precision, whatever the load's size.
+  const double force = std::ldexp(1.0, -std::ilogb(scaling_.force_unit()));
+  const double length = std::ldexp(1.0, -std::ilogb(displacement_range_));
   for (std::size_t i = 0; i < r_.size(); ++i) {
-    residual += square(r_[i]);
-    rhs += square(b_[i]);
-    energy += u_[i] * (b_[i] + r_[i]);
+    residual += square(force * r_[i]);
+    rhs += square(force * b_[i]);
+    energy += length * u_[i] * (force * (b_[i] + r_[i]));
   }
   largest_rhs_ = std::max(largest_rhs_, std::sqrt(rhs));
   residual_ = residual == 0 ? 0 : std::sqrt(residual) / largest_rhs_;

@@ -47,7 +47,8 @@ class RefinedSolve {
 
   int passes() const { return static_cast<int>(gain_.size()); }
 
-  // The right-hand side f, and the nodes (ascending) that are at u_c.
+  // The right-hand side f, and the nodes (ascending) that are at u_c. Throws InputError where an
+  // entry of f is not finite.
   void begin(std::span<const double> f, std::span<const int> contact, const Eigen::Vector3d& u_c);
   // Puts the next pass' residual into the board's words. False where nothing is left to solve:
   // all passes are through, or the residual is zero.
