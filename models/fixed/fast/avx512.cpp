@@ -144,20 +144,19 @@ __m256i load_index(const std::uint32_t* p) {
 }
 
 // Every pair of a row's two sums to one, and the three rows of eight nodes next to each other.
-void store_rows(const __m512i (&sum)[3], std::int32_t* out) {
-  __m512i row[3];
-  for (int r = 0; r < 3; ++r) {
-    row[r] = _mm512_add_epi32(sum[r], _mm512_srli_epi64(sum[r], 32));  // in the even words
-  }
+void store_rows(__m512i row0, __m512i row1, __m512i row2, std::int32_t* out) {
+  row0 = _mm512_add_epi32(row0, _mm512_srli_epi64(row0, 32));  // in the even words
+  row1 = _mm512_add_epi32(row1, _mm512_srli_epi64(row1, 32));
+  row2 = _mm512_add_epi32(row2, _mm512_srli_epi64(row2, 32));
   // Word 3·n + r of the result is word 2·n of row r; 16 stands for the second operand.
   const __m512i first_two = _mm512_set_epi32(10, 0, 24, 8, 0, 22, 6, 0, 20, 4, 0, 18, 2, 0, 16, 0);
   const __m512i first_third = _mm512_set_epi32(0, 8, 0, 0, 6, 0, 0, 4, 0, 0, 2, 0, 0, 0, 0, 0);
   const __m512i last_two = _mm512_set_epi32(0, 0, 0, 0, 0, 0, 0, 0, 0, 30, 14, 0, 28, 12, 0, 26);
   const __m512i last_third = _mm512_set_epi32(0, 0, 0, 0, 0, 0, 0, 0, 14, 0, 0, 12, 0, 0, 10, 0);
   const __m512i first = _mm512_mask_permutexvar_epi32(
-      _mm512_permutex2var_epi32(row[0], first_two, row[1]), 0x4924, first_third, row[2]);
+      _mm512_permutex2var_epi32(row0, first_two, row1), 0x4924, first_third, row2);
   const __m512i last = _mm512_mask_permutexvar_epi32(
-      _mm512_permutex2var_epi32(row[0], last_two, row[1]), 0x92, last_third, row[2]);
+      _mm512_permutex2var_epi32(row0, last_two, row1), 0x92, last_third, row2);
   _mm512_storeu_si512(out, first);
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(out + 16), _mm512_castsi512_si256(last));
 }
@@ -167,16 +166,20 @@ void multiply_pairs(const PairedSlices& a, const Index* first, const std::int16_
                     std::int32_t* out) {
   const std::int16_t* value = a.value;
   for (std::size_t slice = 0; slice < a.slices; ++slice) {
-    __m512i sum[3] = {_mm512_setzero_si512(), _mm512_setzero_si512(), _mm512_setzero_si512()};
-    for (int step = a.slice_begin[slice]; step < a.slice_begin[slice + 1]; ++step) {
+    __m512i row0 = _mm512_setzero_si512();
+    __m512i row1 = _mm512_setzero_si512();
+    __m512i row2 = _mm512_setzero_si512();
+    const std::int16_t* const end =
+        value +
+        kPairedStep * static_cast<std::size_t>(a.slice_begin[slice + 1] - a.slice_begin[slice]);
+    for (; value != end; value += kPairedStep) {
       const __m512i v = _mm512_i32gather_epi64(load_index(first), vector, sizeof(std::int16_t));
-      for (std::size_t r = 0; r < 3; ++r) {
-        sum[r] = _mm512_dpwssd_epi32(sum[r], v, _mm512_load_si512(value + kPairedStep / 3 * r));
-      }
+      row0 = _mm512_dpwssd_epi32(row0, v, _mm512_load_si512(value));
+      row1 = _mm512_dpwssd_epi32(row1, v, _mm512_load_si512(value + kPairedStep / 3));
+      row2 = _mm512_dpwssd_epi32(row2, v, _mm512_load_si512(value + kPairedStep / 3 * 2));
       first += kSliceNodes;
-      value += kPairedStep;
     }
-    store_rows(sum, out + 3 * kSliceNodes * slice);
+    store_rows(row0, row1, row2, out + 3 * kSliceNodes * slice);
   }
 }
 

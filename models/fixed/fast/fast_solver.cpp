@@ -124,17 +124,15 @@ void FastSolver::form_residual() {
   const int rhs_shift = settings_.rhs_shift();
   const int product_shift = settings_.product_shift();
   multiply(x_, 0, product_);
-  const auto full = [&](std::size_t i) {
-    return (std::int64_t{b_.word[i]} << rhs_shift) -
-           (std::int64_t{product_.word[i]} << product_shift);
-  };
   std::uint64_t bits = 0;  // as many as the widest has
   residual_squares_ = 0;
   Int128 rhs = 0;
   for (int node = 0; node < packed_.nodes(); ++node) {
     const std::size_t first = packed_.first_row(node);
     for (std::size_t i = first; i < first + 3; ++i) {
-      const std::int64_t entry = full(i);
+      const std::int64_t entry = (std::int64_t{b_.word[i]} << rhs_shift) -
+                                 (std::int64_t{product_.word[i]} << product_shift);
+      sums_[i] = entry;
       bits |= size_of(entry);
       residual_squares_ += square(static_cast<double>(entry));
       rhs += std::int64_t{b_.word[i]} * b_.word[i];
@@ -143,18 +141,7 @@ void FastSolver::form_residual() {
   rhs_square_ = std::ldexp(static_cast<double>(rhs), 2 * rhs_shift);
   r_.exponent = -rhs_shift;
   if (settings_.dynamic_scaling && bits != 0) r_.exponent = residual_target_ - width(bits);
-  const Shift shift(r_.exponent, settings_.shift_rounding);
-  std::int64_t overflows = 0;
-  r_.largest = 0;
-  z_r_sum_ = 0;
-  for (std::size_t i = 0; i < r_.word.size(); ++i) {
-    const std::int32_t word =
-        to_word(shift(full(i)), settings_.residual_bits(), settings_.overflow, overflows);
-    r_.word[i] = word;
-    r_.largest = std::max(r_.largest, size_of(word));
-    z_r_sum_ += std::int64_t{word} * word;
-  }
-  count(overflows);
+  write_sums(r_, r_.exponent, settings_.residual_bits(), Wants::squares);
 }
 
 // w = A·r, q = A·d; pipelined: n = A·w, v = A·q.

@@ -88,7 +88,7 @@ class FastSolver final : public Solver {
   Int128 dot(const Vector& a, Vector& b);
   Int128 multiply(const Vector& vector, int exponent, Vector& product);
   void sum_rows(const Vector& vector, Vector& paired);
-  void write_sums(Vector& out, int dropped);
+  void write_sums(Vector& out, int exponent, int bits, Wants wants = Wants::nothing);
   void count(std::int64_t overflows);
 
   Scalar scalar(Int128 value, int exponent);
@@ -111,7 +111,7 @@ class FastSolver final : public Solver {
 
   Vector x_, b_, r_, z_, d_, q_, w_, n_, v_, product_;
   Aligned<std::int16_t> short_;      // the vector that meets the paired matrix
-  Aligned<std::int64_t> sums_;       // what a wide product leaves
+  Aligned<std::int64_t> sums_;       // values that are not words yet; zero behind the last row
   std::vector<std::int32_t> shown_;  // for the observer, in the order of the matrix
 
   Coefficient alpha_, beta_, shown_alpha_;

@@ -173,20 +173,34 @@ Int128 FastSolver::multiply(const Vector& vector, int exponent, Vector& product)
     return dot(vector, product);
   }
   sum_rows(vector, product);
-  write_sums(product, dropped);
+  write_sums(product, -dropped, Settings::kProductBits);
   return dot(vector, product);
 }
 
-// The words of exact sums.
-void FastSolver::write_sums(Vector& out, int dropped) {
-  const Shift shift(-dropped, settings_.shift_rounding);
+// The words of sums_ · 2^exponent. Where they fit 32 bits, so that a pass can write them.
+void FastSolver::write_sums(Vector& out, int exponent, int bits, Wants wants) {
+  std::uint64_t all = 0;  // as many bits as the widest has
+  for (std::size_t i = 0; i < out.word.size(); ++i) {
+    all |= size_of(sums_[i]);
+    out.word[i] = static_cast<std::int32_t>(sums_[i]);
+  }
+  if (all <= kLargestSum) {
+    out.largest = all;
+    write(out, {.vector = out, .exponent = exponent}, {.vector = out, .factor = 0}, bits, wants);
+    return;
+  }
+  const Shift shift(exponent, settings_.shift_rounding);
   std::int64_t overflows = 0;
+  Int128 squares = 0;
   out.largest = 0;
   for (std::size_t i = 0; i < out.word.size(); ++i) {
-    out.word[i] = to_word(shift(sums_[i]), Settings::kProductBits, settings_.overflow, overflows);
-    out.largest = std::max(out.largest, size_of(out.word[i]));
+    const std::int32_t word = to_word(shift(sums_[i]), bits, settings_.overflow, overflows);
+    out.word[i] = word;
+    out.largest = std::max(out.largest, size_of(word));
+    squares += std::int64_t{word} * word;
   }
   count(overflows);
+  if (wants == Wants::squares) z_r_sum_ = squares;
 }
 
 // z = P⁻¹·r, and zᵀr.
@@ -202,7 +216,7 @@ void FastSolver::precondition() {
         sums_[i] = std::int64_t{preconditioner_.diagonal()[i]} * r_.word[i];
       }
     }
-    write_sums(z_, preconditioner_.dropped());
+    write_sums(z_, -preconditioner_.dropped(), Settings::kProductBits);
     z_r_sum_ = dot(r_, z_);
     return;
   }
