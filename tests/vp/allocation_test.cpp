@@ -41,5 +41,15 @@ TEST(Allocation, NoneInAHold) {
   expect_none(scene, 1);
 }
 
+TEST(Allocation, NoneInPassesOfRefinement) {
+  test::SmallScene::Options options;
+  options.dynamics = fem::Dynamics{};
+  options.solver.start = fixed::Start::extrapolated;
+  options.refinement = host::Refinement{};
+  test::SmallScene scene(options);
+  scene.touch();
+  expect_none(scene, 1);
+}
+
 }  // namespace
 }  // namespace hvp::vp

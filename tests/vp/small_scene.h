@@ -20,6 +20,7 @@ struct SmallScene {
   struct Options {
     std::optional<fem::Dynamics> dynamics;
     fixed::Settings solver;
+    std::optional<host::Refinement> refinement = std::nullopt;
     double patch_radius = 0;
     double period_s = 2e-3;
   };
@@ -32,9 +33,9 @@ struct SmallScene {
       : body(fem::structured_box({kEdge, kEdge, kEdge}, {3, 3, 3}), fem::Material{}, floor(),
              fem::AnchorTreatment::removed),
         computation(body, fem::ContactDiagonal::average, options.dynamics, options.solver,
-                    options.period_s),
+                    options.period_s, options.refinement),
         contacts(body.mesh(), floor(), contact_settings(options)) {
-    settings.servo.solver = options.solver;
+    settings.servo.solver = computation.board_settings();
     settings.servo.period = std::llround(options.period_s * 1e12);
     settings.budget = settings.servo.period;
     settings.servo.frames = 10;

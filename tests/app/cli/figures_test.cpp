@@ -107,5 +107,34 @@ TEST(Figures, Preconditioned) {
   EXPECT_LE(e.summary.at("accuracy").at("displacement_rel_quantised"), 0.01);
 }
 
+// The thesis' words, refined: two passes of 15 iterations lead to the true trajectory.
+TEST(Figures, Refined) {
+  const Experiment e = run("thesis-refined.toml");
+  const json& d = e.summary.at("deadline");
+  EXPECT_TRUE(d.at("held"));
+  EXPECT_TRUE(e.summary.at("load").at("held"));
+  EXPECT_LE(e.summary.at("accuracy").at("displacement_rel"), 1e-3);
+  EXPECT_LE(e.summary.at("accuracy").at("force_rel"), 1e-3);
+  EXPECT_EQ(e.summary.at("stability").at("flags"), json::array());
+  EXPECT_THAT(e.ended.out, HasSubstr("PASS"));
+  EXPECT_EQ(e.summary.at("refinement").at("passes"), 2);
+  EXPECT_THAT(e.summary.at("effects").dump(), HasSubstr("refinement"));
+
+  const double solve_us = e.summary.at("accelerator").at("solve_us");
+  double sum = 0;
+  double passes = 0;
+  double host = 0;
+  for (const json& line : e.summary.at("attribution")) {
+    const double us = line.at("us");
+    sum += us;
+    if (line.at("phase") == "solve") passes = us;
+    if (line.at("phase") == "refinement") host = us;
+  }
+  EXPECT_DOUBLE_EQ(passes, 2 * solve_us);
+  // A product with the matrix: 18 operations a block at the host's rate.
+  EXPECT_GT(host, 18 * e.summary.at("mesh").at("blocks").get<double>() / 297.88);
+  EXPECT_NEAR(sum, d.at("worst_us").get<double>(), 1e-6);
+}
+
 }  // namespace
 }  // namespace hvp::cli
