@@ -154,35 +154,80 @@ __m128i load_index(const std::uint32_t* p) {
 
 constexpr std::size_t kHalf = kSliceNodes / 2;
 
+// The three rows' sums of four nodes, two words a row.
+struct Rows {
+  __m256i row0 = _mm256_setzero_si256();
+  __m256i row1 = _mm256_setzero_si256();
+  __m256i row2 = _mm256_setzero_si256();
+
+  void add(__m256i v, const std::int16_t* value) {
+    row0 = _mm256_add_epi32(row0, _mm256_madd_epi16(v, load(value)));
+    row1 = _mm256_add_epi32(row1, _mm256_madd_epi16(v, load(value + kRowStep)));
+    row2 = _mm256_add_epi32(row2, _mm256_madd_epi16(v, load(value + 2 * kRowStep)));
+  }
+  static __m256i load(const std::int16_t* p) {
+    return _mm256_load_si256(reinterpret_cast<const __m256i*>(p));
+  }
+  // The rows of a node together.
+  void store(std::int32_t* out) const {
+    alignas(32) std::int32_t part[3][2 * kHalf];
+    store(row0, part[0]);
+    store(row1, part[1]);
+    store(row2, part[2]);
+    for (std::size_t i = 0; i < 3 * kHalf; ++i) out[i] = part[i % 3][i / 3 * 2];
+  }
+  static void store(__m256i row, std::int32_t* out) {
+    _mm256_store_si256(reinterpret_cast<__m256i*>(out),
+                       _mm256_add_epi32(row, _mm256_srli_epi64(row, 32)));
+  }
+};
+
+template <typename Index>
+__m256i gather(const std::int16_t* vector, const Index* first) {
+  return _mm256_i32gather_epi64(reinterpret_cast<const long long*>(vector), load_index(first),
+                                sizeof(std::int16_t));
+}
+
+// (x, y, z) of one step and the z of the next.
+__m256i with_next_z(__m256i one, __m256i next) {
+  return _mm256_blend_epi16(one, _mm256_slli_epi64(next, 16), 0x88);
+}
+
+// Four nodes of a slice. What the other four need is in the first cache then.
+template <typename Index>
+void multiply_half(std::size_t steps, const std::int16_t* value, const Index* first,
+                   const std::int16_t* vector, std::int32_t* out) {
+  Rows rows;
+  for (; steps >= kQuadSteps; steps -= kQuadSteps) {
+    const __m256i v0 = gather(vector, first);
+    const __m256i v1 = gather(vector, first + kSliceNodes);
+    const __m256i v2 = gather(vector, first + 2 * kSliceNodes);
+    const __m256i v3 = gather(vector, first + 3 * kSliceNodes);
+    rows.add(with_next_z(v0, v1), value);
+    rows.add(with_next_z(v2, v3), value + kPairedStep);
+    rows.add(_mm256_blend_epi32(v1, _mm256_slli_epi64(v3, 32), 0xAA), value + 2 * kPairedStep);
+    first += kQuadSteps * kSliceNodes;
+    value += kQuadWords;
+  }
+  for (; steps > 0; --steps) {
+    rows.add(gather(vector, first), value);
+    first += kSliceNodes;
+    value += kPairedStep;
+  }
+  rows.store(out);
+}
+
 template <typename Index>
 void multiply_pairs(const PairedSlices& a, const Index* first, const std::int16_t* vector,
                     std::int32_t* out) {
   const std::int16_t* value = a.value;
   for (std::size_t slice = 0; slice < a.slices; ++slice) {
-    __m256i sum[6];  // [row][half of the nodes]
-    for (__m256i& s : sum) s = _mm256_setzero_si256();
-    for (int step = a.slice_begin[slice]; step < a.slice_begin[slice + 1]; ++step) {
-      for (std::size_t half = 0; half < 2; ++half) {
-        const __m256i v =
-            _mm256_i32gather_epi64(reinterpret_cast<const long long*>(vector),
-                                   load_index(first + kHalf * half), sizeof(std::int16_t));
-        for (std::size_t r = 0; r < 3; ++r) {
-          const __m256i w = _mm256_load_si256(reinterpret_cast<const __m256i*>(
-              value + kPairedStep / 3 * r + kHalf * kRowWords * half));
-          sum[2 * r + half] = _mm256_add_epi32(sum[2 * r + half], _mm256_madd_epi16(v, w));
-        }
-      }
-      first += kSliceNodes;
-      value += kPairedStep;
-    }
-    alignas(32) std::int32_t row[3][2 * kSliceNodes];
-    for (std::size_t i = 0; i < 6; ++i) {
-      _mm256_store_si256(reinterpret_cast<__m256i*>(row[i / 2] + kSliceNodes * (i % 2)),
-                         _mm256_add_epi32(sum[i], _mm256_srli_epi64(sum[i], 32)));
-    }
-    for (std::size_t node = 0; node < kSliceNodes; ++node) {
-      for (std::size_t r = 0; r < 3; ++r) *out++ = row[r][2 * node];
-    }
+    const auto steps = static_cast<std::size_t>(a.slice_begin[slice + 1] - a.slice_begin[slice]);
+    multiply_half(steps, value, first, vector, out);
+    multiply_half(steps, value + kHalf * kRowWords, first + kHalf, vector, out + 3 * kHalf);
+    first += kSliceNodes * steps;
+    value += kQuadWords * (steps / kQuadSteps) + kPairedStep * (steps % kQuadSteps);
+    out += 3 * kSliceNodes;
   }
 }
 

@@ -161,25 +161,54 @@ void store_rows(__m512i row0, __m512i row1, __m512i row2, std::int32_t* out) {
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(out + 16), _mm512_castsi512_si256(last));
 }
 
+// The three rows' sums of eight nodes, two words a row.
+struct Rows {
+  __m512i row0 = _mm512_setzero_si512();
+  __m512i row1 = _mm512_setzero_si512();
+  __m512i row2 = _mm512_setzero_si512();
+
+  void add(__m512i v, const std::int16_t* value) {
+    row0 = _mm512_dpwssd_epi32(row0, v, _mm512_load_si512(value));
+    row1 = _mm512_dpwssd_epi32(row1, v, _mm512_load_si512(value + kRowStep));
+    row2 = _mm512_dpwssd_epi32(row2, v, _mm512_load_si512(value + 2 * kRowStep));
+  }
+};
+
+template <typename Index>
+__m512i gather(const std::int16_t* vector, const Index* first) {
+  return _mm512_i32gather_epi64(load_index(first), vector, sizeof(std::int16_t));
+}
+
+// (x, y, z) of one step and the z of the next.
+__m512i with_next_z(__m512i one, __m512i next) {
+  return _mm512_mask_mov_epi16(one, 0x88888888, _mm512_slli_epi64(next, 16));
+}
+
 template <typename Index>
 void multiply_pairs(const PairedSlices& a, const Index* first, const std::int16_t* vector,
                     std::int32_t* out) {
   const std::int16_t* value = a.value;
   for (std::size_t slice = 0; slice < a.slices; ++slice) {
-    __m512i row0 = _mm512_setzero_si512();
-    __m512i row1 = _mm512_setzero_si512();
-    __m512i row2 = _mm512_setzero_si512();
-    const std::int16_t* const end =
-        value +
-        kPairedStep * static_cast<std::size_t>(a.slice_begin[slice + 1] - a.slice_begin[slice]);
-    for (; value != end; value += kPairedStep) {
-      const __m512i v = _mm512_i32gather_epi64(load_index(first), vector, sizeof(std::int16_t));
-      row0 = _mm512_dpwssd_epi32(row0, v, _mm512_load_si512(value));
-      row1 = _mm512_dpwssd_epi32(row1, v, _mm512_load_si512(value + kPairedStep / 3));
-      row2 = _mm512_dpwssd_epi32(row2, v, _mm512_load_si512(value + kPairedStep / 3 * 2));
-      first += kSliceNodes;
+    Rows rows;
+    auto steps = static_cast<std::size_t>(a.slice_begin[slice + 1] - a.slice_begin[slice]);
+    for (; steps >= kQuadSteps; steps -= kQuadSteps) {
+      const __m512i v0 = gather(vector, first);
+      const __m512i v1 = gather(vector, first + kSliceNodes);
+      const __m512i v2 = gather(vector, first + 2 * kSliceNodes);
+      const __m512i v3 = gather(vector, first + 3 * kSliceNodes);
+      rows.add(with_next_z(v0, v1), value);
+      rows.add(with_next_z(v2, v3), value + kPairedStep);
+      rows.add(_mm512_mask_mov_epi32(v1, Avx512::kOdd, _mm512_slli_epi64(v3, 32)),
+               value + 2 * kPairedStep);
+      first += kQuadSteps * kSliceNodes;
+      value += kQuadWords;
     }
-    store_rows(row0, row1, row2, out + 3 * kSliceNodes * slice);
+    for (; steps > 0; --steps) {
+      rows.add(gather(vector, first), value);
+      first += kSliceNodes;
+      value += kPairedStep;
+    }
+    store_rows(rows.row0, rows.row1, rows.row2, out + 3 * kSliceNodes * slice);
   }
 }
 

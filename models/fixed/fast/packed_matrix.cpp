@@ -18,6 +18,11 @@ constexpr std::size_t kWindow = 1024;
 // Vectors are whole cache lines of whole slices.
 constexpr std::size_t kVectorNodes = 16;
 
+// Words of a slice with so many steps.
+std::size_t paired_words(std::size_t steps) {
+  return kQuadWords * (steps / kQuadSteps) + kPairedStep * (steps % kQuadSteps);
+}
+
 std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 bool is_short(std::int32_t word) {
@@ -60,7 +65,11 @@ void PackedMatrix::place_nodes(const QuantisedMatrix& matrix) {
     int& steps = slice_begin_[place / kSliceNodes + 1];
     steps = std::max(steps, length(order[place]));
   }
-  std::partial_sum(slice_begin_.begin(), slice_begin_.end(), slice_begin_.begin());
+  value_begin_.assign(slice_begin_.size(), 0);
+  for (std::size_t slice = 1; slice < slice_begin_.size(); ++slice) {
+    value_begin_[slice] = value_begin_[slice - 1] + paired_words(at(slice_begin_[slice]));
+    slice_begin_[slice] += slice_begin_[slice - 1];
+  }
 }
 
 // Where which block of a vector is read: of the pattern alone.
@@ -87,7 +96,7 @@ void PackedMatrix::lay_out(const QuantisedMatrix& matrix) {
 
 void PackedMatrix::pack(const QuantisedMatrix& matrix) {
   const std::size_t steps = at(slice_begin_.back());
-  words16_.assign(paired_ ? kPairedStep * steps : 0, 0);
+  words16_.assign(paired_ ? value_begin_.back() : 0, 0);
   words32_.reserve(kWideStep * steps);
   words32_.assign(paired_ ? 0 : kWideStep * steps, 0);
   for (int row = 0; row < matrix.block_rows(); ++row) {
@@ -100,15 +109,22 @@ void PackedMatrix::pack(const QuantisedMatrix& matrix) {
 void PackedMatrix::pack_block(const QuantisedMatrix& matrix, int row, int block) {
   const std::size_t slice = place_[at(row)] / kSliceNodes;
   const std::size_t lane = place_[at(row)] % kSliceNodes;
-  const std::size_t step = at(slice_begin_[slice] + block - matrix.row_begin[at(row)]);
+  const std::size_t step = at(block - matrix.row_begin[at(row)]);
+  const std::size_t steps = at(slice_begin_[slice + 1] - slice_begin_[slice]);
+  const bool in_quad = step < steps / kQuadSteps * kQuadSteps;
+  std::int16_t* const words16 =
+      words16_.data() + value_begin_[slice] + kRowWords * lane +
+      (in_quad ? paired_words(step / kQuadSteps * kQuadSteps) : paired_words(step));
+  std::int32_t* const words32 =
+      words32_.data() + kWideStep * (at(slice_begin_[slice]) + step) + lane;
   for (std::size_t r = 0; r < 3; ++r) {
     for (std::size_t c = 0; c < 3; ++c) {
       const std::int32_t word = matrix.value[9 * at(block) + 3 * r + c];
       if (paired_) {
-        words16_[kPairedStep * step + kRowWords * (kSliceNodes * r + lane) + c] =
+        words16[kRowStep * r + (in_quad ? kQuadWord[step % kQuadSteps][c] : c)] =
             static_cast<std::int16_t>(word);
       } else {
-        words32_[kWideStep * step + kSliceNodes * (3 * r + c) + lane] = word;
+        words32[kSliceNodes * (3 * r + c)] = word;
       }
     }
   }

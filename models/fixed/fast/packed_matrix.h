@@ -50,8 +50,9 @@ class PackedMatrix {
   bool short_index_ = true;
   int vector_bits_ = 16;
   std::size_t padded_rows_ = 0;
-  std::vector<std::size_t> place_;  // of every node
-  std::vector<int> slice_begin_;    // in steps of eight blocks
+  std::vector<std::size_t> place_;        // of every node
+  std::vector<int> slice_begin_;          // in steps of eight blocks
+  std::vector<std::size_t> value_begin_;  // of the paired words of a slice
   Aligned<std::uint16_t> short_first_;
   Aligned<std::uint32_t> long_first_;
   Aligned<std::int16_t> words16_;

@@ -12,15 +12,28 @@
 // Vectors start and end at a cache line; what lies behind their last entry is zero and stays zero.
 namespace hvp::fixed::fast {
 
-// Nodes of a slice, and 16-bit words that one of them has in a step of the paired layout: a row of
-// a block is (x, y, z, 0), so that it meets three words of a vector and whatever follows.
+// Nodes of a slice, and the words that one row of theirs has in a step of the paired layout: a row
+// of a block is (x, y, z, 0), so that it meets three words of a vector and whatever follows.
 inline constexpr std::size_t kSliceNodes = 8;
 inline constexpr std::size_t kRowWords = 4;
-inline constexpr std::size_t kPairedStep = 3 * kSliceNodes * kRowWords;  // [row][node][word]
-inline constexpr std::size_t kWideStep = 9 * kSliceNodes;                // [row][column][node]
+inline constexpr std::size_t kRowStep = kSliceNodes * kRowWords;
+inline constexpr std::size_t kPairedStep = 3 * kRowStep;   // [row][node][word]
+inline constexpr std::size_t kWideStep = 9 * kSliceNodes;  // [row][column][node]
+
+// Four steps are packed into three: the z of two steps stand together, and so do the (x, y) of
+// the second and the fourth. Where the word of a step and a column is within the four, from the
+// row's and the node's place in a step.
+inline constexpr std::size_t kQuadSteps = 4;
+inline constexpr std::size_t kQuadWords = 3 * kPairedStep;
+inline constexpr std::size_t kQuadWord[kQuadSteps][3] = {
+    {0, 1, 2},
+    {2 * kPairedStep, 2 * kPairedStep + 1, 3},
+    {kPairedStep, kPairedStep + 1, kPairedStep + 2},
+    {2 * kPairedStep + 2, 2 * kPairedStep + 3, kPairedStep + 3}};
 
 // The matrix in slices of eight nodes. A step has one block of each: `first` is the row of the
 // vector that the block's first column meets. Where a node has no block left, its words are zero.
+// Of the paired layout a slice has as many fours of steps as it can; the rest stand alone.
 struct PairedSlices {
   const std::int16_t* value = nullptr;
   const int* slice_begin = nullptr;            // steps; size slices + 1

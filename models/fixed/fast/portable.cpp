@@ -98,34 +98,37 @@ struct OneWord {
   };
 };
 
-template <typename Sum, typename Index, typename Row>
-void multiply_slice(int steps, const Index* first, Row&& row, Sum* out) {
-  Sum sum[3 * kSliceNodes] = {};
-  for (int step = 0; step < steps; ++step) {
-    for (std::size_t node = 0; node < kSliceNodes; ++node) {
-      row(step, node, first[kSliceNodes * static_cast<std::size_t>(step) + node], sum + 3 * node);
-    }
+// Adds a block whose word of row r and column c is value[kRowStep · r + place[c]].
+void add_block(const std::int16_t* value, const std::size_t (&place)[3], const std::int16_t* vector,
+               std::int32_t* sum) {
+  for (std::size_t r = 0; r < 3; ++r) {
+    const std::int16_t* const row = value + kRowStep * r;
+    sum[r] += row[place[0]] * vector[0] + row[place[1]] * vector[1] + row[place[2]] * vector[2];
   }
-  for (std::size_t i = 0; i < 3 * kSliceNodes; ++i) out[i] = sum[i];
 }
 
 template <typename Index>
 void multiply_pairs(const PairedSlices& a, const Index* first, const std::int16_t* vector,
                     std::int32_t* out) {
+  constexpr std::size_t kAlone[3] = {0, 1, 2};
+  const std::int16_t* value = a.value;
   for (std::size_t slice = 0; slice < a.slices; ++slice) {
-    const auto begin = static_cast<std::size_t>(a.slice_begin[slice]);
-    const std::int16_t* value = a.value + kPairedStep * begin;
-    const auto block = [&](int step, std::size_t node, std::size_t column, std::int32_t* sum) {
-      const std::int16_t* v = vector + column;
-      const std::int16_t* w =
-          value + kPairedStep * static_cast<std::size_t>(step) + kRowWords * node;
-      for (std::size_t r = 0; r < 3; ++r) {
-        const std::int16_t* entry = w + kRowWords * kSliceNodes * r;
-        sum[r] += entry[0] * v[0] + entry[1] * v[1] + entry[2] * v[2];
+    std::int32_t sum[3 * kSliceNodes] = {};
+    const auto add_step = [&](const std::size_t(&place)[3]) {
+      for (std::size_t node = 0; node < kSliceNodes; ++node) {
+        add_block(value + kRowWords * node, place, vector + *first++, sum + 3 * node);
       }
     };
-    multiply_slice(a.slice_begin[slice + 1] - a.slice_begin[slice], first + kSliceNodes * begin,
-                   block, out + 3 * kSliceNodes * slice);
+    auto steps = static_cast<std::size_t>(a.slice_begin[slice + 1] - a.slice_begin[slice]);
+    for (; steps >= kQuadSteps; steps -= kQuadSteps) {
+      for (const auto& place : kQuadWord) add_step(place);
+      value += kQuadWords;
+    }
+    for (; steps > 0; --steps) {
+      add_step(kAlone);
+      value += kPairedStep;
+    }
+    for (const std::int32_t one : sum) *out++ = one;
   }
 }
 
@@ -138,20 +141,20 @@ void multiply_paired(const PairedSlices& a, const std::int16_t* vector, std::int
 }
 
 void multiply_wide(const WideSlices& a, const std::int32_t* vector, std::int64_t* out) {
+  const std::int32_t* value = a.value;
+  const std::uint32_t* first = a.first;
   for (std::size_t slice = 0; slice < a.slices; ++slice) {
-    const auto begin = static_cast<std::size_t>(a.slice_begin[slice]);
-    const std::int32_t* value = a.value + kWideStep * begin;
-    const auto block = [&](int step, std::size_t node, std::size_t column, std::int64_t* sum) {
-      const std::int32_t* v = vector + column;
-      const std::int32_t* w = value + kWideStep * static_cast<std::size_t>(step) + node;
-      for (std::size_t r = 0; r < 3; ++r) {
-        for (std::size_t c = 0; c < 3; ++c) {
-          sum[r] += std::int64_t{w[kSliceNodes * (3 * r + c)]} * v[c];
+    std::int64_t sum[3 * kSliceNodes] = {};
+    for (int step = a.slice_begin[slice]; step < a.slice_begin[slice + 1]; ++step) {
+      for (std::size_t node = 0; node < kSliceNodes; ++node) {
+        const std::int32_t* const v = vector + *first++;
+        for (std::size_t e = 0; e < 9; ++e) {
+          sum[3 * node + e / 3] += std::int64_t{value[kSliceNodes * e + node]} * v[e % 3];
         }
       }
-    };
-    multiply_slice(a.slice_begin[slice + 1] - a.slice_begin[slice], a.first + kSliceNodes * begin,
-                   block, out + 3 * kSliceNodes * slice);
+      value += kWideStep;
+    }
+    for (const std::int64_t one : sum) *out++ = one;
   }
 }
 
