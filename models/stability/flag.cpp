@@ -5,38 +5,53 @@
 namespace hvp::stability {
 
 namespace {
-// The remedies are those that were tried on the hard cases; see docs/fixed-point.md.
+// The remedies are those that fixed::next_remedy() applies, in its order; docs/hard-cases.md shows
+// each of them tried.
 constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescriptions = {{
     {"saturation", "a word of the solver reached its limit and was clamped",
-     "solver.static_shift = matrix_bits - 1 or one more, or a wider solver.displacement_range"},
+     "solver.dynamic_scaling and scaling_down = true, coefficient_format = \"own-shift\", "
+     "static_scale = \"matrix-norm\" (without a preconditioner), a displacement_range twice the "
+     "displacements, method = \"jacobi-pcg\", more matrix_bits and vector_bits; with refinement "
+     "more refinement.passes, then more solver.iterations, then more bits"},
     {"negative-curvature", "d'Ad was not positive: the rounded matrix is not positive definite",
-     "more matrix bits, more anchors, or a lower Poisson's ratio"},
+     "solver.matrix_scaling = \"diagonal\", then more matrix_bits and vector_bits; where 24 bits "
+     "leave it indefinite no setting of the board helps: more anchors, less contrast of stiffness "
+     "or a lower Poisson's ratio"},
     {"zero-diagonal", "a diagonal entry of the matrix rounds to zero",
-     "more matrix bits, or less contrast between the stiffest and the softest part"},
+     "solver.matrix_scaling = \"diagonal\", then more matrix_bits and vector_bits"},
     {"stagnation",
      "the step became zero, or the second half of the iterations made no progress, before the "
      "residual was as small as the words allow",
-     "more vector bits, or dynamic scaling if it is off"},
-    {"scalar-overflow", "an inner product left its word",
-     "solver.scalar_bits = 128, or fewer vector bits"},
+     "solver.dynamic_scaling and scaling_down = true, coefficient_format = \"own-shift\", method = "
+     "\"jacobi-pcg\", more refinement.passes, more solver.vector_bits; with refinement more "
+     "refinement.passes, then more solver.iterations, then more matrix_bits and vector_bits"},
+    {"scalar-overflow", "an inner product left its 64 bits",
+     "solver.scalar_bits = 128, or fewer vector_bits"},
     {"divergence", "the residual at the end was larger than at the start and than b",
-     "raise solver.static_shift, more headroom_bits, or dynamic scaling if it is off"},
+     "as for saturation: solver.dynamic_scaling and scaling_down = true, coefficient_format = "
+     "\"own-shift\", static_scale = \"matrix-norm\" (without a preconditioner), a "
+     "displacement_range twice the displacements, method = \"jacobi-pcg\", more matrix_bits and "
+     "vector_bits; with refinement more refinement.passes, then more solver.iterations"},
     {"matrix-rounding",
      "rounding the matrix to its words moves the solution further from the true model than "
      "reference.tolerance",
-     "more matrix bits, with solver.static_shift = matrix_bits - 1; each bit about halves it"},
+     "more refinement.passes, solver.matrix_scaling = \"diagonal\", more matrix_bits and "
+     "vector_bits; each bit about halves it"},
     {"not-converged", "the solver's own error is larger than reference.solver_tolerance",
-     "first what other flags say; else more iterations, method = \"jacobi-pcg\", more vector bits, "
-     "or a solver.displacement_range that is not far above the displacements"},
+     "first what other flags say; then a solver.displacement_range twice the displacements if it "
+     "is far wider, method = \"jacobi-pcg\", more refinement.passes, more solver.iterations, more "
+     "matrix_bits and vector_bits"},
     {"range-exceeded", "a displacement or a right-hand side did not fit its word and was clamped",
-     "solver.static_shift = matrix_bits - 1 if it is less, a wider solver.displacement_range, or "
-     "a slower probe"},
+     "a solver.displacement_range twice the displacements, static_scale = \"matrix-norm\" (without "
+     "a preconditioner), or a slower probe"},
     {"locking", "linear tetrahedra are too stiff at this Poisson's ratio",
-     "a Poisson's ratio of at most 0.45, or more nodes"},
+     "no setting of the board helps: a Poisson's ratio of at most 0.45, or more nodes"},
     {"poor-elements", "the mesh has slivers: dihedral angles under 5 or over 175 degrees",
-     "a surface without needle-shaped triangles, or another node count"},
+     "no setting of the board helps: a surface without needle-shaped triangles, or another node "
+     "count"},
     {"solver-timeout", "the board did not finish in the driver's time-out",
-     "raise host.timeout, or find out why the board is late in trace.json"},
+     "no setting of the solver's words helps: raise host.timeout, fewer solver.iterations, or find "
+     "out why the board is late in trace.json"},
     {"wrapped", "a word of the solver did not fit and lost its high bits",
      "solver.overflow = \"saturate\", and then what that run's flags say"},
 }};

@@ -1,0 +1,261 @@
+#include "models/fixed/remedy.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <utility>
+
+#include "models/fixed/word.h"
+
+namespace hvp::fixed {
+
+namespace {
+
+using stability::Flag;
+
+// One change: alters the plan and returns true, or leaves it and returns false where it is in
+// force or used up.
+using Change = bool (*)(Plan& plan, const Extent& extent);
+
+bool saturate_instead_of_wrapping(Plan& plan, const Extent& /*extent*/) {
+  return std::exchange(plan.settings.overflow, Overflow::saturate) != Overflow::saturate;
+}
+
+bool wide_scalars(Plan& plan, const Extent& /*extent*/) {
+  return std::exchange(plan.settings.scalar_bits, 128) != 128;
+}
+
+bool dynamic_scaling(Plan& plan, const Extent& /*extent*/) {
+  const bool was_on = std::exchange(plan.settings.dynamic_scaling, true);
+  const bool was_down = std::exchange(plan.settings.scaling_down, true);
+  return !was_on || !was_down;
+}
+
+// The coefficients' exponents are then found in every iteration.
+bool coefficients_with_their_own_shift(Plan& plan, const Extent& /*extent*/) {
+  return std::exchange(plan.settings.coefficient_format, CoefficientFormat::own_shift) !=
+         CoefficientFormat::own_shift;
+}
+
+bool static_scale_of_the_norm(Plan& plan, const Extent& /*extent*/) {
+  if (plan.settings.preconditioned()) return false;  // it has none
+  return std::exchange(plan.settings.static_scale, StaticScale::matrix_norm) !=
+         StaticScale::matrix_norm;
+}
+
+bool diagonal_scaling(Plan& plan, const Extent& /*extent*/) {
+  return std::exchange(plan.settings.matrix_scaling, MatrixScaling::diagonal) !=
+         MatrixScaling::diagonal;
+}
+
+bool jacobi(Plan& plan, const Extent& /*extent*/) {
+  if (plan.settings.preconditioned()) return false;
+  plan.settings.method = Method::jacobi_pcg;
+  return true;
+}
+
+// Twice what was seen: a solution on its way may be larger than where it ends.
+constexpr double kReserve = 2;
+
+bool wider_range(Plan& plan, const Extent& extent) {
+  const double wanted = kReserve * extent.largest_displacement;
+  if (!(wanted > plan.settings.displacement_range)) return false;
+  plan.settings.displacement_range = wanted;
+  return true;
+}
+
+bool narrower_range(Plan& plan, const Extent& extent) {
+  // Less than four bits of the word gained are not worth a change.
+  constexpr double kWorthIt = 16;
+  const double wanted = kReserve * extent.largest_displacement;
+  if (!(wanted > 0) || plan.settings.displacement_range < kWorthIt * wanted) return false;
+  plan.settings.displacement_range = wanted;
+  return true;
+}
+
+// The vectors stay four bits wider than the matrix, as the thesis' 12 and 16 are: what the matrix
+// holds more of, the vectors have to carry.
+bool wider_matrix(Plan& plan, const Extent& /*extent*/) {
+  constexpr int kWidest = 24;
+  Settings& s = plan.settings;
+  if (s.matrix_bits >= kWidest) return false;
+  s.matrix_bits = std::min(s.matrix_bits + 4, kWidest);
+  s.vector_bits = std::max(s.vector_bits, s.matrix_bits + 4);
+  if (!s.preconditioned()) s.static_scale = StaticScale::matrix_norm;
+  if (s.vector_bits > 24) s.scalar_bits = 128;
+  return true;
+}
+
+bool wider_vectors(Plan& plan, const Extent& /*extent*/) {
+  constexpr int kWidest = 32;
+  Settings& s = plan.settings;
+  if (s.vector_bits >= kWidest) return false;
+  s.vector_bits = std::min(s.vector_bits + 4, kWidest);
+  if (s.vector_bits > 24) s.scalar_bits = 128;
+  return true;
+}
+
+// Passes and iterations are tried in two stages, with wider words between them: a matrix that is
+// rounded too far cannot be made good by time.
+template <int kMost>
+bool more_passes(Plan& plan, const Extent& /*extent*/) {
+  if (plan.passes >= kMost) return false;
+  ++plan.passes;
+  return true;
+}
+
+template <int kMost>
+bool more_iterations(Plan& plan, const Extent& /*extent*/) {
+  int& iterations = plan.settings.iterations;
+  if (2 * iterations > kMost) return false;
+  iterations *= 2;
+  return true;
+}
+
+constexpr int kFewPasses = 4;
+constexpr int kManyPasses = 6;
+constexpr int kFewIterations = 320;
+constexpr int kManyIterations = 1280;
+
+// What helps a refinement whose passes do not come closer: it widens the unit of a pass that
+// saturated in the next one, and what the board solves too coarsely it has to solve again.
+constexpr std::array<Change, 5> kForRefinement = {
+    more_passes<kFewPasses>, more_iterations<kFewIterations>, wider_matrix,
+    more_passes<kManyPasses>, more_iterations<kManyIterations>};
+
+std::vector<Change> changes_for(Flag flag) {
+  switch (flag) {
+    case Flag::wrapped:
+      return {saturate_instead_of_wrapping};
+    case Flag::range_exceeded:
+      return {wider_range, static_scale_of_the_norm};
+    case Flag::scalar_overflow:
+      return {wide_scalars};
+    case Flag::zero_diagonal:
+    case Flag::negative_curvature:
+      return {diagonal_scaling, wider_matrix};
+    case Flag::saturation:
+    case Flag::divergence:
+      return {dynamic_scaling,
+              coefficients_with_their_own_shift,
+              static_scale_of_the_norm,
+              wider_range,
+              jacobi,
+              wider_matrix};
+    case Flag::stagnation:
+      return {dynamic_scaling, coefficients_with_their_own_shift, jacobi, more_passes<kManyPasses>,
+              wider_vectors};
+    case Flag::matrix_rounding:
+      return {more_passes<kFewPasses>, diagonal_scaling, wider_matrix, more_passes<kManyPasses>};
+    case Flag::not_converged:
+      return {narrower_range,
+              jacobi,
+              more_passes<kFewPasses>,
+              more_iterations<kFewIterations>,
+              wider_matrix,
+              more_passes<kManyPasses>,
+              more_iterations<kManyIterations>,
+              wider_vectors};
+    case Flag::locking:
+    case Flag::poor_elements:
+    case Flag::solver_timeout:
+    case Flag::count:
+      return {};
+  }
+  return {};
+}
+
+bool of_a_refined_solve(Flag flag, const Plan& plan) {
+  const bool of_a_pass =
+      flag == Flag::saturation || flag == Flag::divergence || flag == Flag::stagnation;
+  return plan.passes > 1 && of_a_pass;
+}
+
+// A cause before what follows from it.
+constexpr std::array<Flag, 10> kCauses = {
+    Flag::wrapped,       Flag::range_exceeded,     Flag::scalar_overflow,
+    Flag::zero_diagonal, Flag::negative_curvature, Flag::saturation,
+    Flag::divergence,    Flag::matrix_rounding,    Flag::stagnation,
+    Flag::not_converged};
+
+// Every parameter of the settings as "name = value", in the order of declaration.
+class Listing : public config::Visitor {
+ public:
+  std::vector<std::string> lines;
+
+  using config::Visitor::integer;
+  void quantity(std::string_view name, double& value, config::Dimension dimension, config::Range,
+                config::Note) override {
+    std::array<char, 32> digits{};
+    std::snprintf(digits.data(), digits.size(), "%.2g", value);
+    const bool length = dimension == config::Dimension::length;
+    add(name, length ? "\"" + std::string(digits.data()) + " m\"" : digits.data());
+  }
+  void vector(std::string_view, Eigen::Vector3d&, config::Dimension, config::Range,
+              config::Note) override {}
+  void integer(std::string_view name, std::int64_t& value, config::IntegerRange,
+               config::Note) override {
+    add(name, std::to_string(value));
+  }
+  void boolean(std::string_view name, bool& value, config::Note) override {
+    add(name, value ? "true" : "false");
+  }
+  void text(std::string_view, std::string&, config::Note) override {}
+  void file(std::string_view, std::string&, config::Note) override {}
+  void choice_index(std::string_view name, std::size_t& index,
+                    const std::vector<std::string_view>& names, config::Note) override {
+    add(name, "\"" + std::string(names[index]) + "\"");
+  }
+
+ protected:
+  void begin_table(std::string_view, config::Note) override {}
+  void end_table() override {}
+  bool begin_effect(std::string_view, bool&, config::Note) override { return false; }
+  void end_effect() override {}
+  bool begin_list(std::string_view, std::size_t&, config::Note) override { return false; }
+  void begin_item(std::size_t) override {}
+  void end_item() override {}
+  void end_list() override {}
+
+ private:
+  void add(std::string_view name, const std::string& value) {
+    lines.push_back("solver." + std::string(name) + " = " + value);
+  }
+};
+
+std::vector<std::string> listing(Plan plan) {
+  Listing list;
+  plan.settings.declare(list);
+  list.lines.push_back("refinement.passes = " + std::to_string(plan.passes));
+  return list.lines;
+}
+
+}  // namespace
+
+std::optional<Remedy> next_remedy(stability::Flags flags, const Plan& plan, const Extent& extent) {
+  for (const Flag flag : kCauses) {
+    if (!flags.has(flag)) continue;
+    std::vector<Change> changes = changes_for(flag);
+    if (of_a_refined_solve(flag, plan))
+      changes.assign(kForRefinement.begin(), kForRefinement.end());
+    for (const Change change : changes) {
+      Plan changed = plan;
+      if (!change(changed, extent)) continue;
+      return Remedy{.flag = flag, .plan = changed, .change = difference(plan, changed)};
+    }
+  }
+  return std::nullopt;
+}
+
+std::string difference(const Plan& from, const Plan& to) {
+  const std::vector<std::string> before = listing(from);
+  const std::vector<std::string> after = listing(to);
+  std::string text;
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    if (before[i] == after[i]) continue;
+    text += (text.empty() ? "" : ", ") + after[i];
+  }
+  return text;
+}
+
+}  // namespace hvp::fixed

@@ -1,0 +1,36 @@
+// Computes the pages of figures in docs/ and prints them.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include "tables/hard_cases/page.h"
+#include "tables/thesis/page.h"
+
+namespace {
+
+void print(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stdout); }
+
+int run(int argc, char** argv) {
+  CLI::App app{"Computes the tables of figures in docs/ and prints them."};
+  app.require_subcommand(1);
+  CLI::App* thesis = app.add_subcommand("thesis", "Tables 4.1 and 4.2 of the thesis: Markdown");
+  bool csv = false;
+  thesis->add_flag("--csv", csv, "the errors alone, one line each, to plot");
+  const CLI::App* hard = app.add_subcommand("hard-cases", "the hard cases and their remedies");
+  CLI11_PARSE(app, argc, argv);
+  if (thesis->parsed()) print(csv ? hvp::tables::thesis_csv() : hvp::tables::thesis_page());
+  if (hard->parsed()) print(hvp::tables::hard_cases_page());
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "hvp-tables: %s\n", error.what());
+    return 3;
+  }
+}

@@ -1,0 +1,119 @@
+#include "models/fixed/remedy.h"
+
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace hvp::fixed {
+namespace {
+
+using stability::Flag;
+using stability::Flags;
+
+// Everything that can be wrong with settings is.
+Plan worst_plan() {
+  Plan plan;
+  plan.settings.method = Method::pipelined_cg;
+  plan.settings.matrix_bits = 8;
+  plan.settings.vector_bits = 12;
+  plan.settings.overflow = Overflow::wrap;
+  plan.settings.dynamic_scaling = false;
+  plan.settings.scaling_down = false;
+  plan.settings.coefficient_format = CoefficientFormat::fixed;
+  return plan;
+}
+
+Flags only(Flag flag) {
+  Flags flags;
+  flags.raise(flag);
+  return flags;
+}
+
+// "solver.matrix_bits = 16, …": the names without table and value.
+std::set<std::string> keys(const std::string& change) {
+  std::set<std::string> result;
+  for (std::size_t equals = change.find(" = "); equals != std::string::npos;
+       equals = change.find(" = ", equals + 1)) {
+    const std::size_t dot = change.rfind('.', equals);
+    result.insert(change.substr(dot + 1, equals - dot - 1));
+  }
+  return result;
+}
+
+class RemedyOf : public testing::TestWithParam<unsigned> {};
+
+// What a flag tells the reader is what next_remedy() does, and it comes to an end.
+TEST_P(RemedyOf, IsNamedByTheFlagsText) {
+  const auto flag = static_cast<Flag>(GetParam());
+  const std::string text(stability::describe(flag).remedy);
+  int found = 0;
+  for (const double displacement : {0.0, 1e-6, 1.0}) {
+    Plan plan = worst_plan();
+    int steps = 0;
+    while (const auto remedy = next_remedy(only(flag), plan, {displacement})) {
+      ASSERT_LT(++steps, 60);
+      EXPECT_EQ(remedy->flag, flag);
+      EXPECT_NE(remedy->plan, plan);
+      EXPECT_EQ(remedy->change, difference(plan, remedy->plan));
+      EXPECT_NO_THROW(remedy->plan.settings.check());
+      for (const std::string& key : keys(remedy->change)) {
+        // What comes with wider words by itself.
+        if (key == "scalar_bits" || (key == "static_scale" && flag != Flag::saturation)) continue;
+        EXPECT_NE(text.find(key), std::string::npos) << key << " is not in: " << text;
+      }
+      plan = remedy->plan;
+    }
+    found += steps;
+  }
+  // A flag without a setting that helps says so.
+  EXPECT_EQ(found == 0, text.starts_with("no setting of the")) << text;
+}
+
+INSTANTIATE_TEST_SUITE_P(Flags, RemedyOf, testing::Range(0U, static_cast<unsigned>(Flag::count)),
+                         [](const auto& parameter) {
+                           std::string name(
+                               stability::describe(static_cast<Flag>(parameter.param)).name);
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+TEST(Remedy, TreatsTheCauseBeforeWhatFollowsFromIt) {
+  Flags flags;
+  flags.raise(Flag::not_converged);
+  flags.raise(Flag::negative_curvature);
+  flags.raise(Flag::stagnation);
+  Plan plan;
+  EXPECT_EQ(next_remedy(flags, plan)->flag, Flag::negative_curvature);
+  EXPECT_EQ(next_remedy(flags, plan)->change, "solver.matrix_scaling = \"diagonal\"");
+  // The next one in turn once a cause has no remedy left.
+  plan.settings.matrix_scaling = MatrixScaling::diagonal;
+  plan.settings.matrix_bits = 24;
+  EXPECT_EQ(next_remedy(flags, plan)->flag, Flag::stagnation);
+}
+
+TEST(Remedy, WiderMatrixWordsTakeTheVectorsAlong) {
+  Plan plan;
+  plan.settings.matrix_scaling = MatrixScaling::diagonal;
+  const auto remedy = next_remedy(only(Flag::negative_curvature), plan);
+  ASSERT_TRUE(remedy);
+  EXPECT_EQ(remedy->plan.settings.matrix_bits, 16);
+  EXPECT_EQ(remedy->plan.settings.vector_bits, 20);
+  EXPECT_EQ(remedy->plan.settings.static_scale, StaticScale::matrix_norm);
+}
+
+TEST(Remedy, MovesTheRangeBothWays) {
+  Plan plan;
+  plan.settings.displacement_range = 0.02;
+  const auto wider = next_remedy(only(Flag::range_exceeded), plan, {0.05});
+  ASSERT_TRUE(wider);
+  EXPECT_DOUBLE_EQ(wider->plan.settings.displacement_range, 0.1);
+  const auto narrower = next_remedy(only(Flag::not_converged), plan, {1e-6});
+  ASSERT_TRUE(narrower);
+  EXPECT_DOUBLE_EQ(narrower->plan.settings.displacement_range, 2e-6);
+}
+
+TEST(Remedy, HasNothingForNoFlag) { EXPECT_FALSE(next_remedy(Flags{}, Plan{})); }
+
+}  // namespace
+}  // namespace hvp::fixed
