@@ -16,19 +16,41 @@ void Architecture::declare(config::Visitor& v) {
             {"PL2: non-zero columns a clock and row", "thesis sections 5.3 and 5.4"});
   v.integer("partitions", partitions, {1, 256},
             {"PL3: partitions of the matrix worked on together", "thesis section 5.3"});
+  v.integer("packages_per_row", packages_per_row, {0, 1024},
+            {"s: packages that every row has, padded; 0: as many as it needs",
+             "thesis section 5.3 leaves s to the mesh"});
   v.integer("nodes_per_clock", nodes_per_clock, {1, 64},
             {"L: nodes the vector unit takes in a clock",
              "2, from 21 multipliers in section 6.1; the thesis does not say"});
   v.integer("pipeline_clocks", pipeline_clocks, {0, 1000},
-            {"clocks from the first operand of a phase to its last result", "assumed"});
+            {"clocks from the first operand of a phase to its last result: the three depths below "
+             "and the vector unit, which has the rest",
+             "assumed"});
+  v.integer("memory_read_clocks", memory_read_clocks, {1, 100},
+            {"depth of a memory's read: address and output register",
+             "Stratix II device handbook: both registers for full speed"});
+  v.integer("multiplier_clocks", multiplier_clocks, {1, 100},
+            {"depth of a multiplier: input, pipeline and output register",
+             "Stratix II device handbook: a DSP block's three ranks"});
+  v.integer("adder_tree_clocks", adder_tree_clocks, {1, 100},
+            {"depth of an adder tree with its accumulator",
+             "three ranks for eight products, and the accumulator"});
   v.integer("division_clocks", division_clocks, {1, 1000},
             {"clocks of one division of 64-bit scalars; twice as many with 128",
              "assumed: one a bit of a 64-bit quotient, and 4"});
+  v.integer(
+      "result_queue", result_queue, {1, 1024},
+      {"rows that a partition finishes ahead of the vector unit", "assumed: an M512's words"});
   v.choice("direction_memory", direction_memory,
            {{"double-pumped", DirectionMemory::double_pumped},
-            {"two-copies", DirectionMemory::two_copies}},
-           {"how four reads of d a clock are had from memories with two ports",
+            {"two-copies", DirectionMemory::two_copies},
+            {"stall", DirectionMemory::stall}},
+           {"how four reads of d a clock are had from memories with two ports; stall: they are "
+            "not, and a third read of a bank takes another clock",
             "two copies do not fit the EP2S60; the thesis does not say"});
+  v.integer("direction_banks", direction_banks, {1, 64},
+            {"memories that the nodes of a component of d are dealt to in turn",
+             "thesis Fig. 5.9: one a component"});
   v.choice("preconditioner_memory", preconditioner_memory,
            {{"m4k", PreconditionerMemory::m4k}, {"m512", PreconditionerMemory::m512}},
            {"where z and the inverse diagonal of Jacobi-PCG are kept",

@@ -10,7 +10,11 @@ enum class DeviceName { ep2s60, ep2s180 };
 
 // How the search direction d is read by the multipliers. A package of eight columns can need
 // three words of one bank in a clock, and a dual-port memory gives two.
-enum class DirectionMemory { double_pumped, two_copies };
+enum class DirectionMemory {
+  double_pumped,  // the memory runs at twice the clock: four accesses
+  two_copies,     // four reads; a write takes a port of both
+  stall,          // two accesses; a package that needs a third waits a clock
+};
 
 enum class PreconditionerMemory { m4k, m512 };
 
@@ -22,12 +26,29 @@ struct Architecture {
   int package = 8;           // PL2
   int partitions = 5;        // PL3
   int nodes_per_clock = 2;   // L, nodes the vector unit takes in a clock
+  int packages_per_row = 0;  // s; 0: as many as the row has
+  // Depths of the pipelines. Every phase passes each of them once, so that only their sum shows
+  // in the clocks of a phase; the vector unit has what the other three leave.
   int pipeline_clocks = 20;
+  int memory_read_clocks = 2;
+  int multiplier_clocks = 3;
+  int adder_tree_clocks = 4;
   int division_clocks = 68;
+  int result_queue = 16;  // rows that a partition has finished and the vector unit not yet taken
   DirectionMemory direction_memory = DirectionMemory::double_pumped;
+  int direction_banks = 1;  // memories that a component of d is dealt to, node by node
   PreconditionerMemory preconditioner_memory = PreconditionerMemory::m4k;
 
   void declare(config::Visitor& v);
+
+  int vector_clocks() const {
+    return pipeline_clocks - memory_read_clocks - multiplier_clocks - adder_tree_clocks;
+  }
+  // Accesses a clock that a bank of d has, and how many of them a write takes.
+  int direction_accesses() const { return direction_memory == DirectionMemory::stall ? 2 : 4; }
+  int direction_write_accesses() const {
+    return direction_memory == DirectionMemory::two_copies ? 2 : 1;
+  }
 
   // The period in whole picoseconds, the resolution of simulated time: 300 MHz is simulated as
   // 3333 ps, 0.01 % fast.

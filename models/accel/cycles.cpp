@@ -3,11 +3,16 @@
 #include <algorithm>
 #include <functional>
 #include <queue>
+#include <string>
+
+#include "models/accel/bank_conflicts.h"
+#include "models/config/input_error.h"
 
 namespace hvp::accel {
 
-Pattern pattern_of(std::span<const int> row_begin) {
+Pattern pattern_of(std::span<const int> row_begin, std::span<const int> column) {
   Pattern p;
+  p.column.assign(column.begin(), column.end());
   for (std::size_t i = 1; i < row_begin.size(); ++i) {
     p.blocks_in_row.push_back(row_begin[i] - row_begin[i - 1]);
   }
@@ -15,7 +20,13 @@ Pattern pattern_of(std::span<const int> row_begin) {
 }
 
 int packages_of(const Architecture& a, int blocks_in_row) {
-  return (3 * blocks_in_row + a.package - 1) / a.package;
+  const int needed = (3 * blocks_in_row + a.package - 1) / a.package;
+  if (a.packages_per_row == 0) return needed;
+  if (needed <= a.packages_per_row) return a.packages_per_row;
+  throw InputError("packages_per_row", "a row of " + std::to_string(blocks_in_row) +
+                                           " blocks fills " + std::to_string(needed) +
+                                           " packages; " + std::to_string(a.packages_per_row) +
+                                           " were given to every row");
 }
 
 std::int64_t packages_in_fullest_partition(const Architecture& a, const Pattern& p) {
@@ -54,19 +65,60 @@ std::int64_t division_clocks(const Architecture& a, int scalar_bits) {
 // multiplier of 18 × 18 that takes 17 bits of the scalar's magnitude a clock.
 std::int64_t curvature_clocks(int scalar_bits) { return 2 * ((scalar_bits - 1 + 16) / 17); }
 
+// Clocks between two groups of L nodes in the vector unit: what the ports of d allow. A group that
+// is read and one that is written share a clock where the ports suffice for both.
+struct GroupClocks {
+  std::int64_t reading, writing, moving;
+};
+GroupClocks group_clocks(const Architecture& a) {
+  const int nodes_a_bank = (a.nodes_per_clock + a.direction_banks - 1) / a.direction_banks;
+  const int ports = a.direction_accesses();
+  const int write = nodes_a_bank * a.direction_write_accesses();
+  const auto clocks = [ports](int accesses) { return (accesses + ports - 1) / ports; };
+  const int both = nodes_a_bank + write;
+  return {clocks(nodes_a_bank), clocks(write),
+          both <= ports ? 1 : clocks(nodes_a_bank) + clocks(write)};
+}
+
+// A pass that reads and writes d. Where the ports do not serve both at once, groups are read while
+// the first is on its way; then their writes keep further groups out, and so on in turn.
+std::int64_t moving_clocks(const Architecture& a, std::int64_t groups) {
+  const auto [reading, writing, moving] = group_clocks(a);
+  if (moving == 1) return groups + a.pipeline_clocks;
+  const std::int64_t way = std::max(1, a.pipeline_clocks - a.adder_tree_clocks - 1);
+  const std::int64_t on_the_way = std::min(groups, way / reading);
+  const std::int64_t tail = a.adder_tree_clocks + 1;
+  if (reading == 1) {
+    const std::int64_t rest = groups % way;
+    return groups / way * way * moving + (rest > 0 ? way + rest * writing : 0) + tail;
+  }
+  return way + (groups - on_the_way) * moving + on_the_way * (moving - 1) + tail;
+}
+
+// The vector unit takes L finished rows a clock, one a partition, once the first are there.
+std::int64_t collection_clocks(const Architecture& a, int nodes, std::int64_t issue_clocks) {
+  if (nodes == 0) return 0;
+  const int rows_a_clock = std::min(a.nodes_per_clock, a.partitions);
+  const std::int64_t first = issue_clocks * a.partitions / nodes;
+  return first + (nodes + rows_a_clock - 1) / rows_a_clock;
+}
+
 // One pass through a unit, until its pipeline is empty.
 struct Passes {
   std::int64_t product;   // A times a vector, inner product included
   std::int64_t vectors;   // the vector unit over all nodes
+  std::int64_t reading;   // the same where d is read,
+  std::int64_t writing;   // written,
+  std::int64_t moving;    // or both: group c
   std::int64_t division;  // α or β
   std::int64_t scaled;  // a vector brought to its size: a pass of its own where that is looked for
 };
 
 // One after the other: α needs dᵀA·d, β needs the new residual, d needs β.
 void conjugate_gradients(const Passes& pass, SolveCycles& c) {
-  c.direction = pass.vectors;
+  c.direction = pass.moving;
   c.divisions = 2 * pass.division;
-  c.setup = pass.product + c.update + c.direction;
+  c.setup = pass.product + pass.vectors + pass.writing;
   c.replacement = pass.product + pass.vectors;
 }
 
@@ -78,8 +130,8 @@ void chronopoulos_gear(const Passes& pass, const SolveWork& work, SolveCycles& c
   const std::int64_t beta = pass.division + curvature_clocks(work.scalar_bits);
   c.divisions = std::max(pass.product, beta) - pass.product;
   if (work.dynamic_scaling) {
-    c.direction = pass.vectors;
-    c.divisions += std::max(pass.vectors, pass.division) - pass.vectors;
+    c.direction = pass.moving;
+    c.divisions += std::max(pass.moving, pass.division) - pass.moving;
   } else {
     c.divisions += pass.division;
   }
@@ -93,7 +145,7 @@ void chronopoulos_gear(const Passes& pass, const SolveWork& work, SolveCycles& c
 void pipelined(const Passes& pass, const SolveWork& work, SolveCycles& c) {
   const std::int64_t both = 2 * pass.division + curvature_clocks(work.scalar_bits);
   c.divisions = std::max(pass.product, both) - pass.product;
-  if (work.dynamic_scaling) c.direction = pass.vectors;
+  if (work.dynamic_scaling) c.direction = pass.moving;
   // r and d, then A·r and A·d brought to vector words, A·(A·r) and A·(A·d); the first α beside.
   const std::int64_t recurrences = 4 * pass.product + 2 * pass.scaled;
   c.setup = pass.product + 2 * pass.vectors + recurrences;
@@ -124,14 +176,25 @@ SolveWork solve_made(const fixed::Settings& s, const fixed::Report& report) {
 }
 
 SolveCycles solve_cycles(const Architecture& a, const Pattern& p, const SolveWork& work) {
+  return solve_cycles(a, p.nodes(), issue_clocks_of_fullest_partition(a, p), work);
+}
+
+SolveCycles solve_cycles(const Architecture& a, int nodes, std::int64_t issue_clocks,
+                         const SolveWork& work) {
   Passes pass{};
-  pass.product = packages_in_fullest_partition(a, p) + a.pipeline_clocks;
-  pass.vectors = (p.nodes() + a.nodes_per_clock - 1) / a.nodes_per_clock + a.pipeline_clocks;
+  pass.product =
+      std::max(issue_clocks, collection_clocks(a, nodes, issue_clocks)) + a.pipeline_clocks;
+  const GroupClocks group = group_clocks(a);
+  const std::int64_t groups = (nodes + a.nodes_per_clock - 1) / a.nodes_per_clock;
+  pass.vectors = groups + a.pipeline_clocks;
+  pass.reading = groups * group.reading + a.pipeline_clocks;
+  pass.writing = groups * group.writing + a.pipeline_clocks;
+  pass.moving = moving_clocks(a, groups);
   pass.division = division_clocks(a, work.scalar_bits);
   pass.scaled = work.dynamic_scaling ? pass.vectors : 0;
   SolveCycles c;
   c.sparse_product = pass.product;
-  c.update = pass.vectors;
+  c.update = pass.reading;
   switch (work.method) {
     case Method::chronopoulos_gear:
       chronopoulos_gear(pass, work, c);
@@ -145,8 +208,6 @@ SolveCycles solve_cycles(const Architecture& a, const Pattern& p, const SolveWor
       if (work.broken_down) c.breakdown = pass.product;
   }
   if (work.extrapolated) c.setup += pass.vectors;
-  // bᵀb, in the vector unit, beside the product A·x.
-  if (work.stop_test) c.setup += std::max(pass.product, pass.vectors) - pass.product;
   c.iterations = work.iterations;
   c.replacements = work.replacements;
   return c;

@@ -13,14 +13,19 @@ namespace hvp::accel {
 // What the clock count depends on, of a matrix in 3 × 3 blocks.
 struct Pattern {
   std::vector<int> blocks_in_row;  // non-zero blocks of each block row
+  // Their block columns, row after row; empty where they are not known. Only how often the banks of
+  // d compete depends on them.
+  std::vector<int> column = {};
 
   int nodes() const { return static_cast<int>(blocks_in_row.size()); }
 };
 
 // From compressed rows: row_begin has one entry more than there are block rows.
-Pattern pattern_of(std::span<const int> row_begin);
+Pattern pattern_of(std::span<const int> row_begin, std::span<const int> column = {});
 
-// Packages of `package` columns that a node's rows fill (thesis §5.4: the last one is padded).
+// Packages of `package` columns that a node's rows fill (thesis §5.4: the last one is padded), or s
+// where every row has as many. Throws InputError with the key "packages_per_row" where s are too
+// few.
 int packages_of(const Architecture& a, int blocks_in_row);
 
 // Packages of the fullest partition. Rows are dealt out longest first to the emptiest partition,
@@ -34,7 +39,7 @@ struct SolveWork {
   int replacements = 0;         // residuals formed anew
   bool broken_down = false;     // dᵀA·d came out at or below zero, which ended it
   bool extrapolated = false;    // the guess is formed from the last two solutions
-  bool stop_test = false;       // ‖r‖ is compared with ‖b‖ after every iteration
+  bool stop_test = false;       // ‖r‖ is compared with ‖b‖; takes no clocks
   bool dynamic_scaling = true;  // the size of a vector is known before the next one is written
   int scalar_bits = 64;
 };
@@ -64,6 +69,9 @@ struct SolveCycles {
   }
 };
 SolveCycles solve_cycles(const Architecture& a, const Pattern& p, const SolveWork& work);
+// The same where issue_clocks_of_fullest_partition() are known already. Does not allocate.
+SolveCycles solve_cycles(const Architecture& a, int nodes, std::int64_t issue_clocks,
+                         const SolveWork& work);
 
 // Clocks to clear or restore the row and the column of a node (§6.2.1). The node's own packages
 // are written and those of every neighbour are searched for the column; with a preconditioner the

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "models/accel/bank_conflicts.h"
 #include "models/accel/cycles.h"
 #include "models/accel/memory.h"
 #include "models/config/input_error.h"
@@ -175,6 +176,61 @@ TEST(Cycles, NodeUpdateGrowsWithItsNeighbours) {
   EXPECT_EQ(load_cycles(a, p, Method::pipelined_cg), 1);
   EXPECT_EQ(load_cycles(a, p, Method::jacobi_pcg), 10 * 3 * 68 + 20);
   EXPECT_EQ(load_cycles(a, p, Method::block_jacobi_pcg), 10 * 6 * 68 + 20);
+}
+
+// A full package of eight columns reads three words of two components, of the third two.
+TEST(BankConflicts, AThirdReadOfABankTakesAClock) {
+  Architecture a;
+  EXPECT_EQ(package_clocks(a, 0, 8), 1);
+  a.direction_memory = DirectionMemory::two_copies;
+  EXPECT_EQ(package_clocks(a, 0, 8), 1);
+  a.direction_memory = DirectionMemory::stall;
+  EXPECT_EQ(package_clocks(a, 0, 8), 2);
+  EXPECT_EQ(package_clocks(a, 0, 6), 1);
+  EXPECT_EQ(package_clocks(a, 0, 15), 3);
+  // With two banks it does where nodes 1 to 3 are all even or all odd; a package that begins with
+  // a z has two such triples of four nodes.
+  a.direction_banks = 2;
+  EXPECT_EQ(package_clocks(a, 0, 8), 1 + 1.0 / 4);
+  EXPECT_EQ(package_clocks(a, 2, 8), 1 + 3.0 / 8);
+  a.direction_memory = DirectionMemory::double_pumped;
+  EXPECT_EQ(package_clocks(a, 2, 8), 1);
+}
+
+TEST(BankConflicts, PlacesAreCountedWhereTheColumnsAreKnown) {
+  Architecture a;
+  a.partitions = 1;
+  a.direction_memory = DirectionMemory::stall;
+  a.direction_banks = 2;
+  // Nodes 0, 2, 4 and 1 in the one row: the first package's triple is all even.
+  EXPECT_EQ(issue_clocks_of_fullest_partition(a, {{4}, {0, 2, 4, 6}}), 3);
+  EXPECT_EQ(issue_clocks_of_fullest_partition(a, {{4}, {0, 1, 2, 3}}), 2);
+  a.direction_banks = 1;
+  EXPECT_EQ(issue_clocks_of_fullest_partition(a, {{4}, {0, 1, 2, 3}}), 3);
+}
+
+TEST(Cycles, TheVectorUnitTakesItsRowsAndItsPortsInTurn) {
+  const Pattern p = rows_of_packages(500, 5);
+  Architecture a;
+  a.partitions = 25;  // 100 packages each, 500 rows
+  EXPECT_EQ(solve_cycles(a, p, {}).sparse_product, 5 + 250 + 20);
+  a = {};
+  a.direction_memory = DirectionMemory::stall;
+  a.partitions = 1;
+  // Four of five packages twice, the last has seven columns of 39: once more for its third x.
+  EXPECT_EQ(solve_cycles(a, p, {}).sparse_product, 500 * 10 + 20);
+  EXPECT_EQ(solve_cycles(a, p, {}).update, 270);
+  // Two reads and two writes of a bank with two ports; 15 groups are read before the first comes
+  // back, and so on in turn: 16 times 30 clocks, then 15 and 10.
+  EXPECT_EQ(solve_cycles(a, p, {}).direction, 16 * 30 + 15 + 10 + 5);
+}
+
+TEST(Packages, ARowThatIsLongerThanSIsRefused) {
+  Architecture a;
+  a.packages_per_row = 7;
+  EXPECT_EQ(packages_of(a, 13), 7);
+  EXPECT_EQ(packages_of(a, 18), 7);  // thesis section 5.3: 54 non-zeros at most
+  EXPECT_THROW(packages_of(a, 19), InputError);
 }
 
 TEST(Architecture, PeriodIsWholePicoseconds) {

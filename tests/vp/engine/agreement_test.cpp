@@ -1,0 +1,135 @@
+// Clocks of a solve at the three levels: the cycle-accurate engine is the measure.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "models/accel/cycles.h"
+#include "tests/vp/engine/engine_systems.h"
+#include "vp/fpga/engine/cycle_engine.h"
+#include "vp/fpga/engine/phase_engine.h"
+
+namespace hvp::vp::engine {
+namespace {
+
+using accel::Architecture;
+using accel::DirectionMemory;
+using fixed::Settings;
+
+struct Variant {
+  std::string name;
+  std::function<void(Architecture&)> change;
+};
+
+// A chapter-5 design and what an architect turns of it, one number at a time and some together.
+std::vector<Variant> variants() {
+  using A = Architecture;
+  return {
+      {"thesis", [](A&) {}},
+      {"PL3 = 1", [](A& a) { a.partitions = 1; }},
+      {"PL3 = 16", [](A& a) { a.partitions = 16; }},
+      {"PL3 = 16, L = 1", [](A& a) { a.partitions = 16, a.nodes_per_clock = 1; }},
+      {"PL2 = 4", [](A& a) { a.package = 4; }},
+      {"PL2 = 16", [](A& a) { a.package = 16; }},
+      {"PL2 = 24, L = 4", [](A& a) { a.package = 24, a.nodes_per_clock = 4; }},
+      {"s = 12", [](A& a) { a.packages_per_row = 12; }},
+      {"L = 1", [](A& a) { a.nodes_per_clock = 1; }},
+      {"L = 8", [](A& a) { a.nodes_per_clock = 8; }},
+      {"two copies", [](A& a) { a.direction_memory = DirectionMemory::two_copies; }},
+      {"two copies, two banks",
+       [](A& a) { a.direction_memory = DirectionMemory::two_copies, a.direction_banks = 2; }},
+      {"stall", [](A& a) { a.direction_memory = DirectionMemory::stall; }},
+      {"stall, two banks",
+       [](A& a) { a.direction_memory = DirectionMemory::stall, a.direction_banks = 2; }},
+      {"stall, four banks",
+       [](A& a) { a.direction_memory = DirectionMemory::stall, a.direction_banks = 4; }},
+      {"deep pipelines",
+       [](A& a) {
+         a.memory_read_clocks = 4, a.multiplier_clocks = 9, a.adder_tree_clocks = 8;
+         a.pipeline_clocks = 45;
+       }},
+      {"shallow pipelines",
+       [](A& a) {
+         a.memory_read_clocks = a.multiplier_clocks = a.adder_tree_clocks = 1;
+         a.pipeline_clocks = 6;
+       }},
+      {"short division", [](A& a) { a.division_clocks = 20; }},
+  };
+}
+
+struct Levels {
+  std::int64_t cycle_accurate = 0;
+  std::int64_t approximately_timed = 0;
+  std::int64_t loosely_timed = 0;
+
+  static double percent(std::int64_t clocks, std::int64_t measure) {
+    return 100.0 * static_cast<double>(clocks - measure) / static_cast<double>(measure);
+  }
+  double approximate_error() const { return percent(approximately_timed, cycle_accurate); }
+  double loose_error() const { return percent(loosely_timed, cycle_accurate); }
+};
+
+Levels compare(CycleEngine& cycles, PhaseEngine& phases, const fixed::QuantisedMatrix& matrix,
+               const Settings& settings) {
+  cycles.load(matrix, settings);
+  cycles.write_b(test::random_words(matrix.rows(), 2000, 3));
+  cycles.start_solve(settings);
+  sc_core::sc_start();
+  phases.load(matrix, settings);
+  phases.start_solve(settings, cycles.report());
+  sc_core::sc_start();
+  EXPECT_TRUE(cycles.idle() && phases.idle());
+  return {
+      cycles.clocks(), phases.clocks(),
+      accel::solve_cycles(cycles.architecture(), accel::pattern_of(matrix.row_begin, matrix.column),
+                          accel::solve_made(settings, cycles.report()))
+          .total()};
+}
+
+TEST(Agreement, OverMeshesAndArchitectures) {
+  const std::vector<test::NamedMatrix> meshes = test::mesh_set();
+  struct Pair {
+    std::string name;
+    std::unique_ptr<CycleEngine> cycles;
+    std::unique_ptr<PhaseEngine> phases;
+  };
+  std::vector<Pair> pairs;
+  for (const Variant& variant : variants()) {
+    Architecture a;
+    variant.change(a);
+    const std::string number = std::to_string(pairs.size());
+    pairs.push_back({variant.name, std::make_unique<CycleEngine>(("cycles_" + number).c_str(), a),
+                     std::make_unique<PhaseEngine>(("phases_" + number).c_str(), a)});
+  }
+  Settings settings;
+  settings.iterations = 30;
+  std::printf("%-24s %9s %24s %24s\n", "architecture", "clocks*", "approximately-timed, %",
+              "loosely-timed, %");
+  for (const Pair& pair : pairs) {
+    double approximate = 0;
+    double loose = 0;
+    std::int64_t clocks = 0;
+    for (const test::NamedMatrix& mesh : meshes) {
+      SCOPED_TRACE(pair.name + ", " + mesh.name);
+      const Levels levels = compare(*pair.cycles, *pair.phases, mesh.matrix, settings);
+      EXPECT_LE(std::abs(levels.approximate_error()), 0.5);
+      EXPECT_LE(std::abs(levels.loose_error()), 3.0);
+      const auto keep = [](double& worst, double error) {
+        if (std::abs(error) > std::abs(worst)) worst = error;
+      };
+      keep(approximate, levels.approximate_error());
+      keep(loose, levels.loose_error());
+      if (mesh.name == "sphere of 500") clocks = levels.cycle_accurate;
+    }
+    std::printf("%-24s %9lld %+24.2f %+24.2f\n", pair.name.c_str(), static_cast<long long>(clocks),
+                approximate, loose);
+  }
+}
+
+}  // namespace
+}  // namespace hvp::vp::engine

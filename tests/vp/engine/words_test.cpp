@@ -1,0 +1,250 @@
+// The words that come out of the engine's pipelines against those of fixed::ReferenceSolver.
+#include <memory>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "models/config/input_error.h"
+#include "tests/fixed/elastic_box.h"
+#include "tests/fixed/small_systems.h"
+#include "tests/vp/engine/engine_systems.h"
+#include "vp/fpga/engine/cycle_engine.h"
+
+namespace hvp::vp::engine {
+namespace {
+
+using fixed::Settings;
+using fixed::test::Recorder;
+using fixed::test::Solution;
+
+// Runs the clock until the engine has stopped it.
+void run_until_idle(CycleEngine& engine) {
+  sc_core::sc_start();
+  ASSERT_TRUE(engine.idle());
+}
+
+fixed::Report solve(CycleEngine& engine, const Settings& settings,
+                    const std::vector<std::int32_t>& b, const std::vector<std::int32_t>& guess,
+                    Recorder& recorder, std::vector<std::int32_t>& x) {
+  engine.write_b(b);
+  engine.write_x(guess);
+  engine.start_solve(settings, &recorder);
+  sc_core::sc_start();
+  x.resize(b.size());
+  engine.read_x(x);
+  return engine.report();
+}
+
+void expect_same(CycleEngine& engine, const Settings& settings,
+                 const fixed::QuantisedMatrix& matrix, const std::vector<std::int32_t>& b,
+                 const std::vector<std::int32_t>& guess) {
+  const Solution expected = fixed::test::solve(settings, matrix, b, guess);
+  Recorder recorder;
+  std::vector<std::int32_t> x;
+  const fixed::Report report = solve(engine, settings, b, guess, recorder, x);
+  ASSERT_TRUE(engine.idle());
+  ASSERT_EQ(recorder.history.size(), expected.history.size());
+  for (std::size_t i = 0; i < expected.history.size(); ++i) {
+    SCOPED_TRACE("iteration " + std::to_string(i + 1));
+    const auto& is = recorder.history[i];
+    const auto& should = expected.history[i];
+    ASSERT_EQ(is.x, should.x);
+    ASSERT_EQ(is.r, should.r);
+    ASSERT_EQ(is.z, should.z);
+    ASSERT_EQ(is.d, should.d);
+    // q has A·x where the residual was formed anew.
+    const int every = settings.replace_residual_every;
+    const bool anew = every > 0 && (i + 1) % static_cast<std::size_t>(every) == 0;
+    if (!anew) {
+      ASSERT_EQ(is.q, should.q);
+    }
+    ASSERT_TRUE(is.d_q == should.d_q);
+    ASSERT_TRUE(is.z_r == should.z_r);
+    ASSERT_EQ(is.alpha, should.alpha);
+    ASSERT_EQ(is.beta, should.beta);
+    ASSERT_EQ(is.residual_exponent, should.residual_exponent);
+    ASSERT_EQ(is.direction_exponent, should.direction_exponent);
+  }
+  EXPECT_EQ(x, expected.x);
+  EXPECT_EQ(report.iterations, expected.report.iterations);
+  EXPECT_EQ(report.reached, expected.report.reached);
+  EXPECT_EQ(report.replacements, expected.report.replacements);
+  EXPECT_EQ(report.saturations, expected.report.saturations);
+  EXPECT_EQ(report.wraps, expected.report.wraps);
+  EXPECT_EQ(report.breakdowns, expected.report.breakdowns);
+}
+
+template <class Enum>
+Enum pick(fixed::test::Random& random, int values) {
+  return static_cast<Enum>(random.below(values));
+}
+
+// Any words and rules that the settings admit.
+Settings random_settings(fixed::test::Random& random) {
+  Settings s;
+  s.method = pick<fixed::Method>(random, 3);
+  s.start = random.below(4) == 0 ? fixed::Start::zero : fixed::Start::warm;
+  s.iterations = 1 + random.below(12);
+  s.matrix_bits = 8 + random.below(17);
+  s.vector_bits = 14 + random.below(19);
+  s.coefficient_bits = 8 + random.below(17);
+  s.scalar_bits = random.below(2) == 0 ? 64 : 128;
+  s.coefficient_format = pick<fixed::CoefficientFormat>(random, 2);
+  s.division_rounding = pick<fixed::Rounding>(random, 3);
+  s.shift_rounding = pick<fixed::Rounding>(random, 3);
+  s.overflow = random.below(4) == 0 ? fixed::Overflow::wrap : fixed::Overflow::saturate;
+  s.static_shift = s.matrix_bits - 2 + random.below(3);
+  s.dynamic_scaling = random.below(3) != 0;
+  s.scaling_down = random.below(3) != 0;
+  s.scaling_threshold = 1 + random.below(3);
+  s.scaling_step = 1 + random.below(3);
+  s.headroom_bits = random.below(4);
+  s.stop_residual = random.below(4) == 0 ? 0.3 : 0;
+  s.replace_residual_every = random.below(3) == 0 ? 1 + random.below(4) : 0;
+  return s;
+}
+
+TEST(Words, AreThoseOfTheReferenceWithAnyWordsAndRules) {
+  const sparse::BlockMatrix stiffness = test::box_stiffness(2, 2, 2);
+  accel::Architecture architecture;
+  CycleEngine engine("engine", architecture);
+  fixed::test::Random random(7);
+  int checked = 0;
+  for (int i = 0; i < 150; ++i) {
+    const Settings s = random_settings(random);
+    SCOPED_TRACE("system " + std::to_string(i));
+    const fixed::QuantisedMatrix matrix = fixed::quantise(stiffness, s.matrix_bits);
+    const auto size =
+        static_cast<std::int32_t>(std::int64_t{1} << (4 + random.below(s.vector_bits - 4)));
+    const auto b = test::random_words(matrix.rows(), size, random.bits());
+    const auto guess = test::random_words(matrix.rows(), 1 << random.below(12), random.bits());
+    engine.load(matrix, s);
+    expect_same(engine, s, matrix, b, guess);
+    if (HasFatalFailure()) return;
+    ++checked;
+  }
+  EXPECT_EQ(checked, 150);
+}
+
+TEST(Words, DoNotDependOnTheArchitecture) {
+  const fixed::QuantisedMatrix matrix = fixed::quantise(test::box_stiffness(3, 3, 3), 12);
+  const auto b = test::random_words(matrix.rows(), 3000, 5);
+  const std::vector<std::int32_t> guess(b.size(), 0);
+  std::vector<std::unique_ptr<CycleEngine>> engines;
+  const auto add = [&](auto&& change) {
+    accel::Architecture a;
+    change(a);
+    const std::string name = "engine_" + std::to_string(engines.size());
+    engines.push_back(std::make_unique<CycleEngine>(name.c_str(), a));
+  };
+  add([](accel::Architecture& a) { a.package = 1, a.partitions = 1, a.nodes_per_clock = 1; });
+  add([](accel::Architecture& a) { a.package = 3, a.partitions = 16, a.nodes_per_clock = 4; });
+  add([](accel::Architecture& a) { a.package = 16, a.nodes_per_clock = 5; });
+  add([](accel::Architecture& a) { a.package = 64, a.result_queue = 1, a.nodes_per_clock = 1; });
+  add([](accel::Architecture& a) { a.packages_per_row = 9, a.partitions = 256; });
+  add([](accel::Architecture& a) {
+    a.direction_memory = accel::DirectionMemory::stall, a.nodes_per_clock = 64;
+  });
+  add([](accel::Architecture& a) {
+    a.direction_memory = accel::DirectionMemory::two_copies, a.direction_banks = 3;
+  });
+  add([](accel::Architecture& a) {
+    a.memory_read_clocks = 1, a.multiplier_clocks = 1, a.adder_tree_clocks = 1;
+    a.pipeline_clocks = 4, a.division_clocks = 1;
+  });
+  for (const auto& engine : engines) {
+    SCOPED_TRACE(engine->name());
+    for (const auto method : {fixed::Method::cg, fixed::Method::jacobi_pcg}) {
+      Settings s;
+      s.method = method;
+      s.iterations = 12;
+      s.replace_residual_every = 5;
+      engine->load(matrix, s);
+      expect_same(*engine, s, matrix, b, guess);
+      if (HasFatalFailure()) return;
+    }
+  }
+}
+
+TEST(Words, GoOnWhenNothingIsLeftToDo) {
+  const fixed::QuantisedMatrix matrix = fixed::quantise(test::box_stiffness(2, 2, 2), 12);
+  const std::vector<std::int32_t> b(static_cast<std::size_t>(matrix.rows()), 0);
+  CycleEngine engine("engine", {});
+  Settings s;
+  s.iterations = 10;
+  engine.load(matrix, s);
+  expect_same(engine, s, matrix, b, b);
+  const std::int64_t idle_clocks = engine.clocks();
+  expect_same(engine, s, matrix, test::random_words(matrix.rows(), 3000, 5), b);
+  EXPECT_EQ(engine.clocks(), idle_clocks);  // thesis §4.2: the count is fixed
+}
+
+TEST(Words, ContactComesAndGoesInTheMatrixMemories) {
+  fixed::QuantisedMatrix matrix = fixed::quantise(test::box_stiffness(3, 3, 3), 12);
+  const fixed::QuantisedMatrix original = matrix;
+  CycleEngine engine("engine", {});
+  Settings s;
+  s.method = fixed::Method::jacobi_pcg;
+  s.iterations = 8;
+  engine.load(matrix, s);
+  const auto b = test::random_words(matrix.rows(), 30000, 5);
+  const std::vector<std::int32_t> guess(b.size(), 0);
+  const std::vector<std::pair<int, bool>> moves = {{21, true}, {22, true},  {21, false},
+                                                   {0, true},  {22, false}, {47, true},
+                                                   {0, false}, {47, false}};
+  for (const auto& [node, constrain] : moves) {
+    if (constrain) {
+      matrix.set_contact(node, 1000);
+      engine.start_constraining(node, 1000);
+    } else {
+      matrix.restore_row(node, original.row(node));
+      engine.start_restoring(node, original.row(node));
+    }
+    run_until_idle(engine);
+    EXPECT_EQ(engine.read_matrix().value, matrix.value);
+    EXPECT_EQ(engine.read_matrix().is_contact, matrix.is_contact);
+    expect_same(engine, s, matrix, b, guess);
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_EQ(engine.read_matrix().value, original.value);
+}
+
+TEST(Words, AnAbortedSolveLeavesTheEngineUsable) {
+  const fixed::QuantisedMatrix matrix = fixed::quantise(test::box_stiffness(2, 2, 2), 12);
+  const auto b = test::random_words(matrix.rows(), 3000, 5);
+  const std::vector<std::int32_t> guess(b.size(), 0);
+  CycleEngine engine("engine", {});
+  Settings s;
+  for (const int clocks : {3, 57, 400, 1001}) {
+    engine.load(matrix, s);
+    engine.write_b(b);
+    engine.start_solve(s);
+    sc_core::sc_start(10 * clocks, sc_core::SC_NS);
+    EXPECT_FALSE(engine.idle());
+    engine.abort();
+    run_until_idle(engine);
+    engine.load(matrix, s);
+    expect_same(engine, s, matrix, b, guess);
+    if (HasFatalFailure()) return;
+  }
+}
+
+TEST(Words, WhatTheEngineCannotDoIsRefusedByKey) {
+  CycleEngine engine("engine", {});
+  const fixed::QuantisedMatrix matrix = fixed::quantise(test::box_stiffness(2, 2, 2), 12);
+  Settings s;
+  s.method = fixed::Method::pipelined_cg;
+  try {
+    engine.load(matrix, s);
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_EQ(e.key(), "method");
+    EXPECT_NE(std::string(e.what()).find("loosely-timed"), std::string::npos) << e.what();
+  }
+  accel::Architecture shallow;
+  shallow.pipeline_clocks = 9;
+  EXPECT_THROW(require_supported(shallow), InputError);
+}
+
+}  // namespace
+}  // namespace hvp::vp::engine

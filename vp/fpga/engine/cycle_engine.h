@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <systemc>
+#include <vector>
+
+#include "models/accel/architecture.h"
+#include "models/fixed/quantised_matrix.h"
+#include "models/fixed/reference_preconditioner.h"
+#include "models/fixed/settings.h"
+#include "models/fixed/solver.h"
+#include "vp/fpga/engine/divider.h"
+#include "vp/fpga/engine/engine_clock.h"
+#include "vp/fpga/engine/layout.h"
+#include "vp/fpga/engine/matrix_editor.h"
+#include "vp/fpga/engine/sequencer.h"
+#include "vp/fpga/engine/spmxv_block.h"
+#include "vp/fpga/engine/vector_unit.h"
+
+namespace hvp::vp::engine {
+
+// Throws InputError where an engine cannot be built so (key of accel::Architecture), or where a
+// level has no such solver (key "method" or "start" of fixed::Settings).
+void require_supported(const accel::Architecture& architecture);
+void require_supported(const fixed::Settings& settings);
+
+// The accelerator of thesis chapter 5, every clock of it. The words come out of its pipelines and
+// are those of fixed::ReferenceSolver; when they come is decided by ports, pipelines and the units
+// that wait for each other. It has the methods cg, jacobi-pcg and block-jacobi-pcg.
+//
+// The host has the memories while the engine is idle; whoever calls then is the bus.
+class CycleEngine : public sc_core::sc_module {
+ public:
+  CycleEngine(const sc_core::sc_module_name& name, const accel::Architecture& architecture);
+
+  // Fills the matrix memories, and lets go of all vectors. Throws InputError as require_supported()
+  // and Layout do.
+  void load(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings);
+  void write_b(std::span<const std::int32_t> words);
+  void write_x(std::span<const std::int32_t> words);
+  void read_x(std::span<std::int32_t> words) const;
+  // The words of the matrix memories in the pattern that was loaded.
+  const fixed::QuantisedMatrix& read_matrix();
+
+  // Each takes until done() and may be started while idle only. The clocks are counted from the
+  // start to the edge of done().
+  void start_inversion();  // P⁻¹ of all nodes: the matrix was loaded
+  void start_constraining(int node, std::int32_t diagonal);
+  void start_restoring(int node, std::span<const std::int32_t> row);
+  void start_solve(const fixed::Settings& settings, fixed::Observer* observer = nullptr);
+  void abort();
+
+  const sc_core::sc_event& done() const { return done_; }
+  bool idle() const { return !clock_.is_open(); }
+  std::int64_t clocks() const { return clock_.edges(); }
+  // What the hardware knows of the last solve: iterations, replacements, what was clamped or
+  // wrapped, breakdowns, and the flags of these. No norms.
+  fixed::Report report();
+
+  const accel::Architecture& architecture() const { return architecture_; }
+  const Layout& layout() const { return *layout_; }
+  EngineClock& clock() { return clock_; }
+  const Sequencer& sequencer() const { return sequencer_; }
+  const VectorUnit& vector_unit() const { return vectors_; }
+  const Divider& divider() const { return divider_; }
+  const SpmxvBlock& block(int partition) const {
+    return *blocks_[static_cast<std::size_t>(partition)];
+  }
+
+ private:
+  void open_clock();
+  void finish();
+  void observe();
+  void fetch_row(int row);
+  void make_inverse(const fixed::Settings& settings);
+  void refresh_inverse(int node);
+
+  accel::Architecture architecture_;
+  EngineClock clock_;
+  std::vector<std::unique_ptr<SpmxvBlock>> blocks_;
+  VectorUnit vectors_;
+  Divider divider_;
+  Sequencer sequencer_;
+  MatrixEditor editor_;
+  sc_core::sc_event done_;
+
+  std::optional<Layout> layout_;
+  fixed::QuantisedMatrix matrix_;  // the pattern; its words are fetched when they are asked for
+  fixed::Settings settings_;
+  std::optional<fixed::ReferencePreconditioner> preconditioner_;
+  fixed::Observer* observer_ = nullptr;
+  int edited_node_ = -1;
+};
+
+}  // namespace hvp::vp::engine

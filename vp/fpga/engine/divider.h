@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <systemc>
+
+#include "models/fixed/reference_machine.h"
+#include "models/fixed/settings.h"
+#include "models/fixed/solver.h"
+#include "models/fixed/types.h"
+#include "vp/fpga/engine/engine_clock.h"
+#include "vp/fpga/engine/register.h"
+
+namespace hvp::vp::engine {
+
+struct DivisionCommand {
+  std::uint32_t number = 0;  // a division starts with every change
+  fixed::Int128 numerator = 0;
+  fixed::Int128 denominator = 1;
+  int fraction_bits = 0;  // of fixed coefficients
+  bool hold = false;      // the divider turns, and nobody takes what it gives
+};
+
+struct Quotient {
+  std::uint32_t number = 0;
+  fixed::Coefficient value;
+};
+
+// The divider of α and β: shift and subtract, so many clocks whatever it divides. The command's
+// edge and the quotient's are `clocks` apart.
+class Divider : public sc_core::sc_module {
+ public:
+  Divider(const sc_core::sc_module_name& name, EngineClock& clock);
+
+  const Register<DivisionCommand>* command = nullptr;
+  Register<Quotient> quotient;
+
+  // Words and rules of the next jobs.
+  void configure(const fixed::Settings& settings, int clocks);
+  void reset() { busy_ = false; }
+  fixed::Report& report() { return report_; }
+  bool busy() const { return busy_; }
+
+ private:
+  void clocked();
+
+  EngineClock& clock_;
+  fixed::Settings settings_;
+  fixed::Report report_;
+  fixed::ReferenceMachine machine_{settings_, report_};
+  int clocks_ = 1;
+  int left_ = 0;
+  bool busy_ = false;
+  std::uint32_t number_ = 0;
+};
+
+}  // namespace hvp::vp::engine

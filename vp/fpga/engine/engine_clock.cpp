@@ -1,0 +1,24 @@
+#include "vp/fpga/engine/engine_clock.h"
+
+namespace hvp::vp::engine {
+
+EngineClock::EngineClock(const sc_core::sc_module_name& name, std::int64_t period_ps)
+    : sc_module(name), period_(static_cast<double>(period_ps), sc_core::SC_PS), edge_("edge") {
+  SC_HAS_PROCESS(EngineClock);
+  SC_METHOD(tick);
+  sensitive << edge_;
+  dont_initialize();
+}
+
+void EngineClock::open() {
+  open_ = true;
+  edges_ = 0;
+  edge_.notify(period_);
+}
+
+void EngineClock::tick() {
+  ++edges_;
+  if (open_) edge_.notify(period_);
+}
+
+}  // namespace hvp::vp::engine

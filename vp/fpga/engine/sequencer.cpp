@@ -1,0 +1,309 @@
+#include "vp/fpga/engine/sequencer.h"
+
+#include <cmath>
+
+#include "models/fixed/reference_preconditioner.h"
+#include "models/fixed/word.h"
+
+namespace hvp::vp::engine {
+
+namespace {
+
+// Bits of magnitude that re-scaling leaves the 32-bit r of PCG (docs/fixed-point.md).
+constexpr int kWideResidualBits = 25;
+
+}  // namespace
+
+const char* name(State state) {
+  switch (state) {
+    case State::idle:
+      return "idle";
+    case State::guess:
+      return "guess";
+    case State::start_product:
+      return "start_product";
+    case State::start_residual:
+      return "start_residual";
+    case State::first_direction:
+      return "first_direction";
+    case State::product:
+      return "product";
+    case State::alpha:
+      return "alpha";
+    case State::update:
+      return "update";
+    case State::anew_product:
+      return "anew_product";
+    case State::anew_residual:
+      return "anew_residual";
+    case State::beta:
+      return "beta";
+    case State::direction:
+      return "direction";
+  }
+  return "";
+}
+
+Sequencer::Sequencer(const sc_core::sc_module_name& name, EngineClock& clock)
+    : sc_module(name), clock_(clock) {
+  SC_HAS_PROCESS(Sequencer);
+  SC_METHOD(clocked);
+  sensitive << clock_.edge();
+  dont_initialize();
+}
+
+void Sequencer::start(const fixed::Settings& settings, int inverse_shift) {
+  settings_ = settings;
+  inverse_shift_ = inverse_shift;
+  direction_target_ = settings.vector_bits - 1 - settings.headroom_bits;
+  residual_target_ = settings.preconditioned() ? kWideResidualBits : direction_target_;
+  residual_available_ = settings.preconditioned() ? kWideResidualBits : settings.vector_bits - 1;
+  report_ = {};
+  scalars_ = {};
+  loops_ = 0;
+  hold_ = false;
+  replaced_ = false;
+  command(State::guess, {.pass = Pass::guess});
+}
+
+void Sequencer::abort() {
+  state_ = State::idle;
+  command(State::idle, {.pass = Pass::none});
+}
+
+void Sequencer::clocked() {
+  if (state_ == State::idle) return;
+  if (state_ == State::alpha || state_ == State::beta) {
+    if (quotient->read().number == division_number_) take_quotient(quotient->read().value);
+  } else if (vector_status->read().number == vector_number_) {
+    pass_is_over(vector_status->read());
+  }
+}
+
+void Sequencer::pass_is_over(const VectorStatus& status) {
+  switch (state_) {
+    case State::guess:
+      multiply(State::start_product, true);
+      break;
+    case State::start_product:
+      rhs_square_ = std::ldexp(static_cast<double>(status.squares), 2 * settings_.rhs_shift());
+      form_residual(State::start_residual, status);
+      break;
+    case State::start_residual:
+      take_residual(status);
+      form_first_direction();
+      break;
+    case State::product:
+      take_product(status);
+      break;
+    case State::update:
+      if (replaced_) {
+        multiply(State::anew_product, true);
+        break;
+      }
+      take_residual(status);
+      form_beta();
+      break;
+    case State::anew_product:
+      form_residual(State::anew_residual, status);
+      break;
+    case State::anew_residual:
+      take_residual(status);
+      form_beta();
+      break;
+    case State::direction:
+      ++loops_;
+      if (!hold_ && iteration_made) iteration_made();
+      [[fallthrough]];
+    case State::first_direction:
+      if (!hold_) scalars_.largest_d = status.largest_d;
+      begin_iteration();
+      break;
+    case State::idle:
+    case State::alpha:
+    case State::beta:
+      break;
+  }
+}
+
+void Sequencer::take_quotient(fixed::Coefficient value) {
+  Scalars& s = scalars_;
+  if (state_ == State::alpha) {
+    s.alpha = value;
+    s.alpha.exponent += s.d_q.exponent - s.z_r.exponent;
+    form_update();
+    return;
+  }
+  s.beta = {};
+  if (s.z_r.word > 0) {
+    s.beta = value;
+    s.beta.exponent += z_r_before_.exponent - s.z_r.exponent;
+  }
+  form_direction();
+}
+
+void Sequencer::command(State state, VectorCommand next) {
+  state_ = state;
+  next.number = ++vector_number_;
+  vector_command.write(next);
+}
+
+void Sequencer::multiply(State state, bool compare) {
+  product_start.write(++products_);
+  command(state, {.pass = Pass::product, .hold = hold_, .compare = compare});
+}
+
+void Sequencer::divide(State state, DivisionCommand next) {
+  state_ = state;
+  next.number = ++division_number_;
+  division_command.write(next);
+}
+
+void Sequencer::end() {
+  state_ = State::idle;
+  if (finished) finished();
+}
+
+// r = b − A·x. Its exponent follows from the size of the difference.
+void Sequencer::form_residual(State state, const VectorStatus& product) {
+  scalars_.r_exponent = -settings_.rhs_shift();
+  if (settings_.dynamic_scaling && product.widest != 0) {
+    scalars_.r_exponent = residual_target_ - fixed::bit_length(product.widest);
+  }
+  command(state, {.pass = Pass::residual,
+                  .first = state == State::start_residual,
+                  .exchange = state == State::anew_residual,
+                  .r_shift = scalars_.r_exponent});
+}
+
+void Sequencer::take_residual(const VectorStatus& status) {
+  Scalars& s = scalars_;
+  z_r_before_ = s.z_r;
+  if (hold_) return;
+  s.largest_r = status.largest_r;
+  s.largest_z = status.largest_z;
+  s.z_exponent = s.r_exponent;
+  if (settings_.preconditioned()) {
+    s.z_exponent += fixed::ReferencePreconditioner::scale_bits(settings_) - inverse_shift_;
+  }
+  s.z_r = {machine_.write_scalar(status.dot), s.z_exponent + s.r_exponent};
+  residual_square_ = std::ldexp(static_cast<double>(status.squares), -2 * s.r_exponent);
+}
+
+void Sequencer::form_first_direction() {
+  Scalars& s = scalars_;
+  // Without dynamic scaling the direction of PCG is in units of x (thesis §4.3).
+  s.d_exponent = settings_.preconditioned() ? 0 : s.z_exponent;
+  if (settings_.dynamic_scaling) {
+    s.d_exponent = s.z_exponent + direction_target_ - fixed::bit_length(s.largest_z);
+  }
+  command(State::first_direction,
+          {.pass = Pass::first_direction, .z_shift = s.d_exponent - s.z_exponent});
+}
+
+// ‖r‖ <= stop_residual · ‖b‖.
+bool Sequencer::reached() const {
+  if (settings_.stop_residual == 0) return false;
+  const double limit = settings_.stop_residual;
+  return residual_square_ <= limit * limit * rhs_square_;
+}
+
+void Sequencer::begin_iteration() {
+  if (loops_ == settings_.iterations) {
+    end();
+    return;
+  }
+  if (!hold_ && reached()) {
+    report_.reached = true;
+    end();
+    return;
+  }
+  if (scalars_.z_r.word <= 0 || scalars_.largest_d == 0) hold_ = true;
+  scalars_.q_exponent = scalars_.d_exponent - settings_.product_shift();
+  multiply(State::product, false);
+}
+
+void Sequencer::take_product(const VectorStatus& status) {
+  Scalars& s = scalars_;
+  if (hold_) {
+    divide(State::alpha, {.hold = true});
+    return;
+  }
+  s.largest_q = status.largest_q;
+  s.d_q = {machine_.write_scalar(status.dot), s.d_exponent + s.q_exponent};
+  if (s.d_q.word <= 0) {
+    report_.flags.raise(stability::Flag::negative_curvature);
+    ++report_.breakdowns;
+    end();
+    return;
+  }
+  divide(State::alpha, {.numerator = s.z_r.word,
+                        .denominator = s.d_q.word,
+                        .fraction_bits = settings_.alpha_fraction_bits});
+}
+
+bool Sequencer::replaces() {
+  if (hold_ || settings_.replace_residual_every == 0) return false;
+  if (report_.iterations % settings_.replace_residual_every != 0) return false;
+  ++report_.replacements;
+  return true;
+}
+
+// x += α·d, r −= α·q with r re-scaled by the bound |r| + α·|q|.
+void Sequencer::form_update() {
+  Scalars& s = scalars_;
+  if (hold_) {
+    replaced_ = false;
+    command(State::update, {.pass = Pass::update, .hold = true});
+    return;
+  }
+  ++report_.iterations;
+  replaced_ = replaces();
+  const int exponent = s.alpha.exponent - s.q_exponent + s.r_exponent;
+  s.shown_alpha = {s.alpha.mantissa, exponent};
+  int up = 0;
+  if (!replaced_) {
+    up = machine_.rescaling(s.largest_r, 0, fixed::magnitude(s.alpha.mantissa) * s.largest_q,
+                            exponent, settings_.residual_bits(), residual_target_,
+                            residual_available_);
+    s.r_exponent += up;
+  }
+  command(State::update, {.pass = Pass::update,
+                          .exchange = replaced_,
+                          .alpha = s.alpha.mantissa,
+                          .x_shift = s.alpha.exponent - s.d_exponent,
+                          .r_shift = up,
+                          .change_shift = exponent + up});
+}
+
+void Sequencer::form_beta() {
+  if (hold_ || scalars_.z_r.word <= 0) {
+    divide(State::beta, {.hold = true});
+    return;
+  }
+  divide(State::beta, {.numerator = scalars_.z_r.word,
+                       .denominator = z_r_before_.word,
+                       .fraction_bits = settings_.beta_fraction_bits});
+}
+
+// d = z + β·d, re-scaled by the bound |z| + β·|d|.
+void Sequencer::form_direction() {
+  Scalars& s = scalars_;
+  if (hold_) {
+    command(State::direction, {.pass = Pass::direction, .hold = true});
+    return;
+  }
+  int up = 0;
+  if (s.z_r.word > 0) {
+    up = machine_.rescaling(s.largest_z, s.d_exponent - s.z_exponent,
+                            fixed::magnitude(s.beta.mantissa) * s.largest_d, s.beta.exponent,
+                            settings_.vector_bits, direction_target_, settings_.vector_bits - 1);
+  }
+  s.d_exponent += up;
+  command(State::direction, {.pass = Pass::direction,
+                             .beta = s.beta.mantissa,
+                             .z_shift = s.d_exponent - s.z_exponent,
+                             .d_shift = s.beta.exponent + up});
+}
+
+}  // namespace hvp::vp::engine

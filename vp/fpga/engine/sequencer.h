@@ -1,0 +1,114 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <systemc>
+
+#include "models/fixed/reference_machine.h"
+#include "models/fixed/settings.h"
+#include "models/fixed/solver.h"
+#include "vp/fpga/engine/divider.h"
+#include "vp/fpga/engine/engine_clock.h"
+#include "vp/fpga/engine/register.h"
+#include "vp/fpga/engine/vector_unit.h"
+
+namespace hvp::vp::engine {
+
+// Where a solve is. The data dependences of thesis Fig. 4.4 are the order: α needs dᵀA·d, which
+// ends group a; group b needs α; β needs the residual's size, which ends group b; group c needs β.
+enum class State {
+  idle,
+  guess,            // x into the copies of d
+  start_product,    // A·x
+  start_residual,   // r = b − A·x
+  first_direction,  // d = z
+  product,          // group a
+  alpha,
+  update,        // group b
+  anew_product,  // A·x amid the iterations: x and d have changed places
+  anew_residual,
+  beta,
+  direction,  // group c
+};
+const char* name(State state);
+
+// What the control registers hold: exponents of the vectors, sizes, and both scalars.
+struct Scalars {
+  int r_exponent = 0, z_exponent = 0, d_exponent = 0, q_exponent = 0;
+  std::uint64_t largest_r = 0, largest_z = 0, largest_d = 0, largest_q = 0;
+  fixed::ScaledScalar z_r, d_q;
+  fixed::Coefficient alpha, beta;
+  fixed::Coefficient shown_alpha;  // as it applies to q, for words of r as they were
+};
+
+// Starts the passes of a solve one after the other and keeps the exponents (dynamic scaling, thesis
+// §4.2). It decides when a unit says that it is done, never by counting clocks.
+class Sequencer : public sc_core::sc_module {
+ public:
+  Sequencer(const sc_core::sc_module_name& name, EngineClock& clock);
+
+  Register<std::uint32_t> product_start;  // to the SpMxV blocks
+  Register<VectorCommand> vector_command;
+  Register<DivisionCommand> division_command;
+  const Register<VectorStatus>* vector_status = nullptr;
+  const Register<Quotient>* quotient = nullptr;
+
+  // Called when an iteration's words are all written, and when the solve is over.
+  std::function<void()> iteration_made;
+  std::function<void()> finished;
+
+  // `inverse_shift` is that of P⁻¹·r. The first pass starts at once.
+  void start(const fixed::Settings& settings, int inverse_shift);
+  // Gives up a solve.
+  void abort();
+
+  State state() const { return state_; }
+  const Scalars& scalars() const { return scalars_; }
+  // Iterations, replacements, breakdowns and flags of the solve.
+  const fixed::Report& report() const { return report_; }
+  int pass_of_loop() const { return loops_; }
+
+ private:
+  void clocked();
+  void pass_is_over(const VectorStatus& status);
+  void take_quotient(fixed::Coefficient value);
+
+  void command(State state, VectorCommand next);
+  void multiply(State state, bool compare);
+  void divide(State state, DivisionCommand next);
+  void end();
+
+  void form_residual(State state, const VectorStatus& product);
+  void take_residual(const VectorStatus& status);
+  void form_first_direction();
+  void begin_iteration();
+  void take_product(const VectorStatus& status);
+  void form_update();
+  void form_beta();
+  void form_direction();
+  bool reached() const;
+  bool replaces();
+
+  EngineClock& clock_;
+  fixed::Settings settings_;
+  fixed::Report report_;
+  fixed::ReferenceMachine machine_{settings_, report_};
+  int inverse_shift_ = 0;
+  int direction_target_ = 0;
+  int residual_target_ = 0;
+  int residual_available_ = 0;
+
+  State state_ = State::idle;
+  Scalars scalars_;
+  std::uint32_t vector_number_ = 0;
+  std::uint32_t division_number_ = 0;
+  std::uint32_t products_ = 0;
+  int loops_ = 0;
+  bool hold_ = false;      // nothing is left to do, and the passes go on
+  bool replaced_ = false;  // this iteration's residual is formed anew
+  double rhs_square_ = 0;
+  double residual_square_ = 0;
+  fixed::ScaledScalar z_r_before_;
+};
+
+}  // namespace hvp::vp::engine

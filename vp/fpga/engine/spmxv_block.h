@@ -1,0 +1,119 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <systemc>
+#include <vector>
+
+#include "models/accel/architecture.h"
+#include "vp/fpga/engine/engine_clock.h"
+#include "vp/fpga/engine/layout.h"
+#include "vp/fpga/engine/ranks.h"
+#include "vp/fpga/engine/register.h"
+
+namespace hvp::vp::engine {
+
+// A row of blocks when its last package has passed the adder trees: exact sums, not yet words.
+struct RowResult {
+  int node = 0;
+  std::array<std::int64_t, 3> sum{};
+  // The words of the multiplied vector at the row's own node, caught as they passed: the inner
+  // product with the result needs no further port.
+  std::array<std::int32_t, 3> own{};
+};
+
+// Nodes of a vector that are written into the copies at one edge.
+struct DirectionWrite {
+  int first = 0;
+  int count = 0;
+  std::uint32_t number = 0;             // counts the writes, so that one is not taken twice
+  const std::int32_t* words = nullptr;  // three a node
+};
+
+// The SpMxV sub-block of thesis Fig. 5.5, one a partition: non-zero memory and index memory, its
+// own copy of the vector that is multiplied, PL1 × PL2 multipliers, adder trees and accumulators,
+// and a memory for the rows that are done.
+//
+// A package enters the pipelines when the banks of d have served it (Partition::clocks edges) and,
+// if it ends a row, when the result memory has room for that row. Its row is in the result memory
+// memory_read + multiplier + adder_tree edges later. The index memory is read ahead: it does not
+// depend on any vector.
+class SpmxvBlock : public sc_core::sc_module {
+ public:
+  SpmxvBlock(const sc_core::sc_module_name& name, const accel::Architecture& architecture,
+             EngineClock& clock);
+
+  // From the sequencer: a product starts with every change.
+  const Register<std::uint32_t>* start = nullptr;
+  // From the vector unit: results taken so far, and what it writes into the copies of d.
+  const Register<std::uint32_t>* taken = nullptr;
+  const Register<DirectionWrite>* direction_write = nullptr;
+  // To the vector unit: results put into the result memory so far.
+  Register<std::uint32_t> finished;
+
+  // Host access, while idle. `layout` has to stay where it is.
+  void load(const Layout& layout, int partition);
+  // Empties pipelines and result memory.
+  void reset();
+  // The words of a package: three rows of PL2.
+  std::span<std::int32_t> package_words(int package);
+  std::span<const std::int32_t> package_words(int package) const;
+
+  const Partition& partition() const { return *partition_; }
+  // The second half of a dual-port memory: the vector unit's port on this copy of d.
+  const std::int32_t* direction(int node) const {
+    return &direction_[3 * static_cast<std::size_t>(node)];
+  }
+  const std::vector<std::int32_t>& direction() const { return direction_; }
+  const RowResult& result(std::uint32_t number) const { return queue_[number % queue_.size()]; }
+
+  // For traces and statistics.
+  int position() const { return position_; }
+  bool busy() const { return busy_; }
+  std::int64_t bank_stalls() const { return bank_stalls_; }
+  std::int64_t queue_stalls() const { return queue_stalls_; }
+
+ private:
+  // A package on its way.
+  struct InFlight {
+    int package = -1;
+    std::array<std::int64_t, 3> sum{};
+    std::array<std::int32_t, 3> own{};
+    std::array<bool, 3> caught{};
+  };
+
+  void clocked();
+  void write_direction();
+  int issue();
+  void multiply(std::size_t slot);
+  void add(std::size_t slot);
+  void accumulate(const InFlight& flight);
+
+  const accel::Architecture& architecture_;
+  EngineClock& clock_;
+  const Partition* partition_ = nullptr;
+  int nodes_in_package_ = 0;
+
+  std::vector<std::int32_t> nonzeros_;   // package by package, three rows of PL2
+  std::vector<std::int32_t> direction_;  // three a node
+  std::vector<RowResult> queue_;         // the result memory
+
+  Ranks ranks_;
+  std::vector<InFlight> flight_;
+  std::vector<std::int64_t> products_;  // of each slot: three rows of PL2
+
+  RowResult row_;  // the accumulators
+  bool busy_ = false;
+  int position_ = 0;  // the package that is served
+  int served_ = 0;    // edges that the banks have spent on it
+  std::uint32_t started_ = 0;
+  std::uint32_t written_ = 0;
+  std::uint32_t issued_rows_ = 0;
+  std::uint32_t finished_rows_ = 0;
+  std::int64_t bank_stalls_ = 0;
+  std::int64_t queue_stalls_ = 0;
+};
+
+}  // namespace hvp::vp::engine
