@@ -12,7 +12,7 @@ inline constexpr std::size_t kLine = 64;
 
 template <typename T>
 struct LineAllocator {
-  using value_type = T;
+  using value_type = T;  // NOLINT(readability-identifier-naming): the library's name
   LineAllocator() = default;
   template <typename U>
   explicit LineAllocator(const LineAllocator<U>& /*other*/) {}

@@ -16,8 +16,9 @@ struct Division {
   std::strong_ordering rest = std::strong_ordering::less;
 
   std::uint64_t rounded(Rounding rounding, bool odd) const {
-    const bool up = (rounding == Rounding::nearest_up && rest >= 0) ||
-                    (rounding == Rounding::nearest_even && (rest > 0 || (rest == 0 && odd)));
+    const bool up =
+        (rounding == Rounding::nearest_up && std::is_gteq(rest)) ||
+        (rounding == Rounding::nearest_even && (std::is_gt(rest) || (std::is_eq(rest) && odd)));
     return up ? floor + 1 : floor;
   }
   std::uint64_t rounded(Rounding rounding) const { return rounded(rounding, floor % 2 != 0); }

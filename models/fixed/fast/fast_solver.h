@@ -28,6 +28,8 @@ class FastSolver final : public Solver {
 
   // Bytes of the packed matrix, which a product reads once.
   std::size_t matrix_bytes() const { return packed_.bytes(); }
+  // Whether every row's sum fits 32 bits, so that the narrow layout is in use.
+  bool paired() const { return packed_.paired(); }
 
  private:
   enum class Step { made, stopped };
