@@ -5,6 +5,7 @@
 #include "app/commands/commands.h"
 #include "app/results/number_text.h"
 #include "app/results/report.h"
+#include "app/results/spectrum_text.h"
 #include "app/results/summary.h"
 #include "models/host/costs.h"
 
@@ -115,6 +116,12 @@ int explain_command(const ScenarioArguments& arguments) {
   effect_line("loads.gravity", s.loads.gravity.has_value(), "no cost: part of f");
   effect_line("reference", s.reference.has_value(),
               "no simulated time; two double-precision solves beside the board's");
+  effect_line("spectrum", s.spectrum.has_value(),
+              "no simulated time; about six factorisations before the run");
+  if (scene.spectrum()) {
+    fmt::print("\nSpectrum of the system without contact\n{}",
+               results::spectrum_text(*scene.spectrum()));
+  }
   fmt::print("\nWhat a frame's large steps cost\n");
   frame_cost(scene);
   solve_clocks(scene);

@@ -4,6 +4,7 @@
 #include <sstream>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -66,8 +67,13 @@ LinearSystem read_system(const SolveArguments& a) {
 }
 
 // Before the work whose result would be lost.
-void check_solution_file(const fs::path& file) {
+void check_solution_file(const SolveArguments& a) {
+  const fs::path& file = a.solution;
   std::error_code error;
+  for (const auto& [name, input] : {std::pair{"--matrix", &a.matrix}, {"--rhs", &a.rhs}}) {
+    if (!fs::equivalent(file, *input, error)) continue;
+    throw InputError(fmt::format("{}is the {} itself", option("--solution", file), name));
+  }
   if (file.filename().empty() || fs::is_directory(file, error)) {
     throw InputError(option("--solution", file) + "is a folder: expected a file");
   }
@@ -108,7 +114,7 @@ int solve_command(const SolveArguments& arguments) {
   const SolveTask task = task_of(arguments, document);
   choose_kernel(arguments.kernel);
   const LinearSystem system = read_system(arguments);
-  check_solution_file(arguments.solution);
+  check_solution_file(arguments);
   SystemSolution solution;
   try {
     solution = solve_system(system, task);

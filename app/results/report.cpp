@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "app/results/number_text.h"
+#include "app/results/spectrum_text.h"
 
 namespace hvp::results {
 
@@ -156,6 +157,12 @@ void stability_lines(Out out, const app::Scene& scene, const Outcome& o) {
   if (o.flags.empty()) fmt::format_to(out, "  no flags\n");
 }
 
+void spectrum_lines(Out out, const app::Scene& scene) {
+  if (!scene.spectrum()) return;
+  fmt::format_to(out, "\nSpectrum     of the system without contact\n{}",
+                 spectrum_text(*scene.spectrum()));
+}
+
 }  // namespace
 
 std::string_view display_name(fixed::Method method) {
@@ -183,6 +190,7 @@ std::string report(const app::Scene& scene, const Outcome& o) {
   attribution_lines(out, o);
   accuracy_lines(out, o, scene.scenario().refinement.has_value());
   stability_lines(out, scene, o);
+  spectrum_lines(out, scene);
   return text;
 }
 

@@ -13,15 +13,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-ordered_json condition(const app::SystemSolution& s) {
-  if (!s.spectrum) return nullptr;
-  ordered_json j;
-  j["given"] = spectrum_json(s.spectrum->given);
-  j["scaled"] = s.spectrum->scaled ? spectrum_json(*s.spectrum->scaled) : ordered_json(nullptr);
-  j["rounded"] = spectrum_json(s.spectrum->rounded);
-  return j;
-}
-
 ordered_json resources(const accel::Usage& usage) {
   ordered_json list = ordered_json::array();
   for (const accel::Resource& r : usage.resources) {
@@ -60,7 +51,7 @@ std::string solve_json(const app::LinearSystem& system, const app::SolveTask& ta
   j["x_range_from"] = s.range_from;
   j["nonpositive_eigenvalues_quantised"] =
       s.rounded_nonpositive < 0 ? ordered_json(nullptr) : ordered_json(s.rounded_nonpositive);
-  j["condition"] = condition(s);
+  j["condition"] = condition_json(s.spectrum);
   app::SolveSettings in_force = task.settings;
   in_force.solver = s.solver;
   j["settings"] = settings_json(in_force);

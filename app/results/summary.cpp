@@ -4,6 +4,7 @@
 
 #include "app/results/flag_json.h"
 #include "app/results/number_text.h"
+#include "app/results/spectrum_json.h"
 
 namespace hvp::results {
 
@@ -53,6 +54,7 @@ std::vector<std::string> effects(const app::Scenario& s) {
   if (s.refinement) names.emplace_back("refinement");
   if (s.loads.gravity) names.emplace_back("loads.gravity");
   if (s.reference) names.emplace_back("reference");
+  if (s.spectrum) names.emplace_back("spectrum");
   return names;
 }
 
@@ -79,6 +81,7 @@ std::string summary_json(const app::Scene& scene, const Outcome& o) {
                        {"worst_residual_rel", refined->worst_residual()},
                        {"widened", refined->widened()}};
   }
+  j["condition"] = condition_json(scene.spectrum());
   ordered_json resources = ordered_json::array();
   for (const accel::Resource& r : scene.usage().resources) {
     resources.push_back({{"type", r.type}, {"used", r.used}, {"available", r.available}});

@@ -97,6 +97,9 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
   o.breakdowns = platform.accelerator().breakdowns();
   o.clamped_words = counts.clamped_words;
   if (counts.clamped_words > 0) o.flags.raise(stability::Flag::range_exceeded);
+  if (scene.spectrum() && !scene.spectrum()->rounded.positive_definite()) {
+    o.flags.raise(stability::Flag::negative_curvature);
+  }
   if (scene.locking()) o.flags.raise(stability::Flag::locking);
   if (scene.quality().slivers > 0) o.flags.raise(stability::Flag::poor_elements);
   return o;

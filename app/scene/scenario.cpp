@@ -68,6 +68,8 @@ void Scenario::declare(config::Visitor& v) {
   v.table("probe", probe, {"the probe's prescribed motion"});
   v.effect("reference", reference,
            {"solves the same frames in double precision and says how accurate the run was"});
+  v.effect("spectrum", spectrum,
+           {"bounds the extreme eigenvalues and the condition number before the run"});
   v.table("fidelity", fidelity, {"how finely each part is modelled"});
   v.table("output", output, {"which results are written besides the summary"});
 }

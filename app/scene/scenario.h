@@ -22,6 +22,7 @@
 #include "models/mesh/region.h"
 #include "models/plant/daq.h"
 #include "models/plant/trajectory.h"
+#include "models/sparse/spectrum.h"
 #include "vp/fidelity.h"
 
 // A scenario as it is read: the tables of the parts, put together. docs/scenario-reference.md is
@@ -93,6 +94,7 @@ struct Scenario {
   Device device;
   plant::Trajectory probe;
   std::optional<host::Reference> reference;
+  std::optional<sparse::SpectrumSettings> spectrum;
   vp::Fidelity fidelity;
   Output output;
 

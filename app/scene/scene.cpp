@@ -81,6 +81,10 @@ Scene::Scene(const Scenario& openable, const Scenario& written, const Progress& 
   contacts_ = within("contact", [&] {
     return std::make_unique<collision::ContactSearch>(body_->mesh(), held, s.contact.search);
   });
+  if (s.spectrum) {
+    tell(progress, "bounding the spectrum");
+    spectrum_ = fixed::bound_spectrum(computation_->matrix(), computation_->system(), *s.spectrum);
+  }
   locking_ = fem::measure_locking(body_->mesh(), s.object.material);
 }
 

@@ -11,6 +11,7 @@
 #include "models/collision/contact_search.h"
 #include "models/fem/body.h"
 #include "models/fem/locking.h"
+#include "models/fixed/spectrum.h"
 #include "models/host/frame_computation.h"
 #include "models/mesh/quality.h"
 
@@ -36,6 +37,8 @@ class Scene {
   const accel::Usage& usage() const { return usage_; }
   // Of a solve that makes all its iterations.
   accel::SolveCycles solve_cycles() const;
+  // Of the system without contact; where the scenario asks for it.
+  const std::optional<fixed::SystemSpectrum>& spectrum() const { return spectrum_; }
   const std::optional<fem::Locking>& locking() const { return locking_; }
 
  private:
@@ -48,6 +51,7 @@ class Scene {
   std::unique_ptr<collision::ContactSearch> contacts_;
   accel::Pattern pattern_;
   accel::Usage usage_;
+  std::optional<fixed::SystemSpectrum> spectrum_;
   std::optional<fem::Locking> locking_;
 };
 

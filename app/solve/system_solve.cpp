@@ -49,7 +49,6 @@ class RoundedSystem {
   RoundedSystem(const fixed::System& system, std::span<const double> b)
       : matrix_(fixed::dequantise(system.matrix)), scale_(system.scale), b_(b), solver_(matrix_) {}
 
-  const sparse::BlockMatrix& matrix() const { return matrix_; }
   bool positive_definite() const { return solver_.positive_definite(); }
   int nonpositive_eigenvalues() const {
     return solver_.singular() ? -1 : solver_.negative_eigenvalues();
@@ -118,17 +117,6 @@ Range fitting_range(const fixed::System& system, std::span<const double> b,
   const double least = *std::min_element(scale.begin(), scale.end());
   return {unit * least * static_cast<double>(fixed::word_limit(s.vector_bits)),
           unit_for_b > unit_for_x ? "right-hand side" : "solution"};
-}
-
-SystemSpectrum spectrum_of(const LinearSystem& given, const fixed::System& system,
-                           const RoundedSystem& rounded, double width) {
-  SystemSpectrum found;
-  found.given = sparse::bound_spectrum(given.matrix, width);
-  if (system.settings.matrix_scaling != fixed::MatrixScaling::none) {
-    found.scaled = sparse::bound_spectrum(fixed::scaled(given.matrix, system.scale), width);
-  }
-  found.rounded = sparse::bound_spectrum(rounded.matrix(), width);
-  return found;
 }
 
 // The accelerator with a system in its memory: solves, and keeps count of what that took.
@@ -232,7 +220,7 @@ SystemSolution solve_system(const LinearSystem& given, const SolveTask& task) {
   s.residual = ratio(norm(residual(given.matrix, given.b, s.x)), norm(given.b));
   s.residual_rounded = rounded.residual_of(s.x);
   if (task.settings.spectrum) {
-    s.spectrum = spectrum_of(given, system, rounded, task.settings.spectrum->relative_width);
+    s.spectrum = fixed::bound_spectrum(given.matrix, system, *task.settings.spectrum);
   }
 
   if (s.clamped > 0) s.flags.raise(stability::Flag::range_exceeded);

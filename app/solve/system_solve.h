@@ -9,8 +9,8 @@
 #include "app/solve/solve_settings.h"
 #include "models/accel/memory.h"
 #include "models/fixed/settings.h"
+#include "models/fixed/spectrum.h"
 #include "models/sparse/block_matrix.h"
-#include "models/sparse/spectrum.h"
 #include "models/stability/flag.h"
 
 namespace hvp::app {
@@ -27,13 +27,6 @@ struct SolveTask {
   // Otherwise the range of x is chosen so that x and b fit their words.
   bool range_given = false;
   double tolerance = 0;  // of error_rel, for the flags
-};
-
-// What the spectrum's effect found.
-struct SystemSpectrum {
-  sparse::Spectrum given;
-  std::optional<sparse::Spectrum> scaled;  // S·A·S, where the matrix is scaled
-  sparse::Spectrum rounded;                // of what the words stand for
 };
 
 // What the board did, over all its solves.
@@ -60,7 +53,7 @@ struct SystemSolution {
 
   std::size_t nonzeros = 0;
   int rounded_nonpositive = 0;  // eigenvalues of the rounded matrix; -1: it is singular
-  std::optional<SystemSpectrum> spectrum;
+  std::optional<fixed::SystemSpectrum> spectrum;
 
   fixed::Settings solver;  // in force: the range and the static shift that were chosen
   std::string_view range_from;

@@ -22,7 +22,8 @@ TEST(Usage, HelpNamesEveryCommandAndTheExitStatus) {
   const ScratchDirectory place;
   const Ended ended = hvp(place.path(), {"--help"});
   EXPECT_EQ(ended.status, 0);
-  for (const char* word : {"run", "explain", "mesh", "export", "reference", "Exit status"}) {
+  for (const char* word :
+       {"run", "explain", "solve", "mesh", "export", "reference", "Exit status"}) {
     EXPECT_THAT(ended.out, HasSubstr(word));
   }
   EXPECT_EQ(ended.err, "");
@@ -30,7 +31,7 @@ TEST(Usage, HelpNamesEveryCommandAndTheExitStatus) {
 
 TEST(Usage, EveryCommandHasHelp) {
   const ScratchDirectory place;
-  for (const char* command : {"run", "explain", "mesh", "export", "reference"}) {
+  for (const char* command : {"run", "explain", "solve", "mesh", "export", "reference"}) {
     const Ended ended = hvp(place.path(), {command, "--help"});
     EXPECT_EQ(ended.status, 0);
     EXPECT_THAT(ended.out, HasSubstr(std::string("Usage: hvp ") + command));
@@ -64,7 +65,7 @@ TEST_P(WrongUsage, IsOneLineAndStatusTwo) {
 INSTANTIATE_TEST_SUITE_P(
     CommandLine, WrongUsage,
     ::testing::Values(
-        Wrong{{}, "expected a command: run, explain, mesh, export, reference"},
+        Wrong{{}, "expected a command: run, explain, solve, mesh, export, reference"},
         Wrong{{"rum"}, "unknown command rum; did you mean run?"},
         Wrong{{"simulate"}, "unknown command simulate; there is run, explain"},
         Wrong{{"--versoin"}, "unknown option --versoin; did you mean --version?"},
@@ -76,6 +77,9 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{{"run", "a.toml", "--out"}, "--out: 1 required FOLDER missing"},
         Wrong{{"run", "a.toml", "--set"}, "--set: 1 required KEY=VALUE missing"},
         Wrong{{"export", "a.toml"}, "export: --out is required"},
+        Wrong{{"solve"}, "solve: --matrix is required"},
+        Wrong{{"solve", "--matrix", "a.mtx"}, "solve: --rhs is required"},
+        Wrong{{"solve", "--matrx", "a.mtx"}, "did you mean --matrix?"},
         Wrong{{"mesh"}, "mesh: surface is required"},
         Wrong{{"mesh", "sphere", "--nodes", "many"}, "--nodes"},
         Wrong{{"mesh", "sphere", "--nodes", "3"}, "out of range: expected from 4 to 1000000"},
