@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -144,9 +145,10 @@ Trajectory press(const fem::Body& body, const fixed::Settings& settings, int pas
   result.released = released.relative().value_or(0);
   result.force = force.relative().value_or(0);
   result.u.assign(c.displacement().begin(), c.displacement().end());
+  std::ostringstream errors;
+  errors << result.pressed << " " << result.released << " " << result.force;
   testing::Test::RecordProperty(
-      "passes" + std::to_string(passes),
-      std::to_string(result.pressed) + " " + std::to_string(result.released));
+      (dynamics ? "dynamic_" : "static_") + std::to_string(passes) + "_passes", errors.str());
   return result;
 }
 
