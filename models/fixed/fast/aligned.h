@@ -19,9 +19,7 @@ struct LineAllocator {
   T* allocate(std::size_t n) {
     return static_cast<T*>(::operator new (n * sizeof(T), std::align_val_t{kLine}));
   }
-  void deallocate(T* p, std::size_t n) {
-    ::operator delete (p, n * sizeof(T), std::align_val_t{kLine});
-  }
+  void deallocate(T* p, std::size_t /*n*/) { ::operator delete (p, std::align_val_t{kLine}); }
   friend bool operator==(const LineAllocator&, const LineAllocator&) { return true; }
 };
 
