@@ -162,6 +162,7 @@ void CycleEngine::start_solve(const fixed::Settings& settings, fixed::Observer* 
   vectors_.report() = {};
   divider_.report() = {};
   open_clock();
+  ++jobs_;
   sequencer_.start(settings_, preconditioner_->shift());
 }
 

@@ -56,13 +56,16 @@ class CycleEngine : public sc_core::sc_module {
   const sc_core::sc_event& done() const { return done_; }
   bool idle() const { return !clock_.is_open(); }
   std::int64_t clocks() const { return clock_.edges(); }
+  // Solves that were started.
+  std::int64_t jobs() const { return jobs_; }
   // What the hardware knows of the last solve: iterations, replacements, what was clamped or
   // wrapped, breakdowns, and the flags of these. No norms.
   fixed::Report report();
 
   const accel::Architecture& architecture() const { return architecture_; }
   const Layout& layout() const { return *layout_; }
-  EngineClock& clock() { return clock_; }
+  const fixed::Settings& settings() const { return settings_; }
+  const EngineClock& clock() const { return clock_; }
   const Sequencer& sequencer() const { return sequencer_; }
   const VectorUnit& vector_unit() const { return vectors_; }
   const Divider& divider() const { return divider_; }
@@ -93,6 +96,7 @@ class CycleEngine : public sc_core::sc_module {
   std::optional<fixed::ReferencePreconditioner> preconditioner_;
   fixed::Observer* observer_ = nullptr;
   int edited_node_ = -1;
+  std::int64_t jobs_ = 0;
 };
 
 }  // namespace hvp::vp::engine

@@ -203,6 +203,7 @@ void VectorUnit::multiply(const Group& group, Lane* lanes) {
 
 void VectorUnit::align_and_write(const Group& group, Lane* lanes) {
   if (group.count == 0 || now_.hold) return;
+  written_node_ = group.first;
   // The blocks take the words at the next edge, at which others may be written already.
   const std::uint32_t number = direction_write.read().number + 1;
   std::int32_t* const words = &direction_words_[(number & 1U) * direction_words_.size() / 2];
@@ -356,7 +357,8 @@ void VectorUnit::write_back(int age) {
   const int count = back_count_[slot];
   done_nodes_ += count;
   collected_ += count;
-  if (now_.hold) return;
+  if (now_.hold || count == 0) return;
+  written_node_ = back_row_[slot * at(architecture_.nodes_per_clock)].node;
   for (int i = 0; i < count; ++i) {
     const RowResult& row = back_row_[slot * at(architecture_.nodes_per_clock) + at(i)];
     for (std::size_t c = 0; c < 3; ++c) {

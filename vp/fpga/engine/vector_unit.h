@@ -99,6 +99,9 @@ class VectorUnit : public sc_core::sc_module {
 
   // For traces.
   int position() const { return next_node_; }
+  Pass pass() const { return running_ ? now_.pass : Pass::none; }
+  // The node whose words lane 0 wrote last.
+  int written_node() const { return written_node_; }
   std::int64_t port_stalls() const { return port_stalls_; }
   std::int64_t collected() const { return collected_; }
 
@@ -170,6 +173,7 @@ class VectorUnit : public sc_core::sc_module {
   std::size_t first_block_ = 0;  // whose turn it is
   std::vector<std::uint8_t> bank_written_;
   std::vector<std::int32_t> direction_words_;
+  int written_node_ = 0;
   std::int64_t port_stalls_ = 0;
   std::int64_t collected_ = 0;
 };

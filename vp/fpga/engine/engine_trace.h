@@ -1,0 +1,75 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <string>
+#include <systemc>
+#include <vector>
+
+#include "vp/fpga/engine/cycle_engine.h"
+
+namespace hvp::vp::engine {
+
+// Jobs that are traced, counted from 1 as the board counts them.
+struct TraceWindow {
+  std::int64_t first_job = 1;
+  std::int64_t last_job = std::numeric_limits<std::int64_t>::max();
+};
+
+// Writes what the cycle-accurate engine does into a VCD file (IEEE 1364) that GTKWave and Surfer
+// show: a wire for each state of the sequencer, the SpMxV blocks' positions and queues, and the
+// words that lane 0 of the vector unit wrote last, as signed words (…_word) and as real numbers in
+// the units of docs/fixed-point.md (…_value). Outside the window nothing changes, so that nothing
+// is written.
+//
+// It looks at an edge when all processes of that edge have run. Has to be there before simulation
+// starts.
+class EngineTrace : public sc_core::sc_module {
+ public:
+  // Writes `path` with the suffix ".vcd".
+  EngineTrace(const sc_core::sc_module_name& name, const CycleEngine& engine,
+              const std::string& path, const TraceWindow& window);
+
+ private:
+  struct Close {
+    void operator()(sc_core::sc_trace_file* file) const { sc_core::sc_close_vcd_trace_file(file); }
+  };
+  // A vector's x component at the node: the word, and what it is worth.
+  struct Component {
+    std::int32_t word = 0;
+    double value = 0;
+  };
+  struct Block {
+    bool busy = false;
+    int package = 0;
+    std::uint32_t rows_finished = 0;
+    std::uint32_t rows_waiting = 0;
+  };
+
+  void declare();
+  void wait_until_settled();
+  void sample();
+  void show(Component& component, const std::vector<std::int32_t>& words, int node, int exponent);
+
+  const CycleEngine& engine_;
+  TraceWindow window_;
+  std::unique_ptr<sc_core::sc_trace_file, Close> file_;
+  sc_core::sc_event settled_;
+
+  bool clock_ = false;  // changes at every edge
+  std::int64_t job_ = 0;
+  std::int64_t edge_ = 0;
+  int iteration_ = 0;
+  std::array<bool, static_cast<std::size_t>(State::direction) + 1> state_{};
+  std::vector<Block> block_;
+  bool divider_busy_ = false;
+  int node_ = 0;
+  int entered_node_ = 0;
+  Component x_, b_, r_, z_, d_, q_;
+  double alpha_ = 0, beta_ = 0, z_r_ = 0, d_q_ = 0;
+  int r_exponent_ = 0, d_exponent_ = 0;
+};
+
+}  // namespace hvp::vp::engine
