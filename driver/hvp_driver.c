@@ -2,11 +2,7 @@
 
 #include "driver/hvp_device.h"
 
-enum { SETTINGS_WORDS = 6 };
-static_assert(offsetof(hvp_t, START_MODE) - offsetof(hvp_t, METHOD) == 4 * (SETTINGS_WORDS - 1),
-              "one burst writes METHOD to START_MODE");
-
-enum { KNOWN_MAJOR_VERSION = 1 };
+enum { KNOWN_MAJOR_VERSION = 2 };
 
 static hvp_status status_of_board(uint32_t error_code) {
   switch (error_code) {
@@ -76,6 +72,10 @@ static void read_capability(struct hvp_device* device) {
   capability->max_rhs_bits = FIELD(format, HVP__CAPABILITY_FORMAT__MAX_RHS_BITS);
   capability->max_coefficient_bits = FIELD(format, HVP__CAPABILITY_FORMAT__MAX_COEFFICIENT_BITS);
   capability->clock_khz = hvp_read_register(device, HVP_OFFSET(CAPABILITY_CLOCK));
+  const uint32_t solver = hvp_read_register(device, HVP_OFFSET(CAPABILITY_SOLVER));
+  capability->methods = FIELD(solver, HVP__CAPABILITY_SOLVER__METHODS);
+  capability->start_modes = FIELD(solver, HVP__CAPABILITY_SOLVER__START_MODES);
+  capability->max_scalar_bits = FIELD(solver, HVP__CAPABILITY_SOLVER__MAX_SCALAR_BITS);
 }
 
 // The map has room for this much; a board that claims more is not one of ours.
@@ -89,7 +89,9 @@ static bool capability_is_sane(const struct hvp_capability* capability) {
          hvp_between(capability->max_matrix_bits, 2U, 32U) &&
          hvp_between(capability->max_vector_bits, 2U, 32U) &&
          hvp_between(capability->max_rhs_bits, 2U, 32U) &&
-         hvp_between(capability->max_coefficient_bits, 2U, 32U) && capability->clock_khz != 0U;
+         hvp_between(capability->max_coefficient_bits, 2U, 32U) && capability->clock_khz != 0U &&
+         capability->methods != 0U && capability->start_modes != 0U &&
+         capability->max_scalar_bits >= 64U;
 }
 
 hvp_status hvp_open(struct hvp_device* device, const struct hvp_bus* bus, uint32_t* scratch,
@@ -122,6 +124,7 @@ hvp_status hvp_reset(struct hvp_device* device) {
   hvp_write_register(device, HVP_OFFSET(CONTROL), HVP__CONTROL__RESET_bm);
   device->state = STATE_OPEN;
   device->format = 0U;
+  device->method = 0U;
   device->nodes = 0U;
   device->job = 0U;
   device->last_status = 0U;
@@ -146,43 +149,4 @@ hvp_status hvp_close(struct hvp_device* device) {
 
 const struct hvp_capability* hvp_capability_of(const struct hvp_device* device) {
   return device == NULL ? NULL : &device->capability;
-}
-
-hvp_status hvp_configure(struct hvp_device* device, const struct hvp_solver_config* config) {
-  if (device == NULL || config == NULL) return HVP_ERROR_ARGUMENT;
-  if (device->state != STATE_OPEN && device->state != STATE_CONFIGURED &&
-      device->state != STATE_LOADED) {
-    return HVP_ERROR_STATE;
-  }
-  uint32_t rhs = config->rhs_bits;
-  if (rhs == 0U) rhs = config->jacobi ? 32U : config->vector_bits;
-  if (config->matrix_bits < 2U || config->vector_bits < 2U || rhs < 2U ||
-      config->coefficient_bits < 2U || !hvp_between(config->iterations, 1U, 0xffffU) ||
-      config->static_shift > 63U || config->headroom_bits > 15U) {
-    return HVP_ERROR_ARGUMENT;
-  }
-  const struct hvp_capability* capability = &device->capability;
-  if (config->matrix_bits > capability->max_matrix_bits ||
-      config->vector_bits > capability->max_vector_bits || rhs > capability->max_rhs_bits ||
-      config->coefficient_bits > capability->max_coefficient_bits) {
-    return HVP_ERROR_CAPABILITY;
-  }
-
-  const uint32_t format = PLACE(config->matrix_bits, HVP__FORMAT__MATRIX_BITS) |
-                          PLACE(config->vector_bits, HVP__FORMAT__VECTOR_BITS) |
-                          PLACE(rhs, HVP__FORMAT__RHS_BITS) |
-                          PLACE(config->coefficient_bits, HVP__FORMAT__COEFFICIENT_BITS);
-  uint32_t* words = device->scratch;
-  words[0] = config->jacobi ? HVP_SOLVER_METHOD_JACOBI_PCG : HVP_SOLVER_METHOD_CG;
-  words[1] = config->iterations;
-  words[2] = config->static_shift;
-  words[3] = PLACE(config->dynamic_scaling, HVP__SCALING__DYNAMIC) |
-             PLACE(config->headroom_bits, HVP__SCALING__HEADROOM_BITS);
-  words[4] = format;
-  words[5] = config->warm_start ? HVP_START_MODE_WARM : HVP_START_MODE_ZERO;
-  device->bus.write_block(device->bus.context, HVP_OFFSET(METHOD), words, SETTINGS_WORDS);
-
-  if (device->state == STATE_OPEN || format != device->format) device->state = STATE_CONFIGURED;
-  device->format = format;
-  return HVP_OK;
 }

@@ -81,6 +81,9 @@ struct hvp_capability {
   uint32_t max_rhs_bits;
   uint32_t max_coefficient_bits;
   uint32_t clock_khz;
+  uint32_t methods;      // bit n: hvp_method n
+  uint32_t start_modes;  // bit n: hvp_start_from n
+  uint32_t max_scalar_bits;
 };
 
 // A board. The caller provides the room; the members are the driver's own.
@@ -91,24 +94,63 @@ struct hvp_device {
   struct hvp_capability capability;
   int state;
   uint32_t format;
+  uint32_t method;
   uint32_t nodes;
   uint32_t job;
   uint32_t last_status;
   uint32_t error_detail;
 };
 
-// Word lengths are bits of signed words, 2 to the board's capability.
+// What the members of struct hvp_solver_config choose between; docs/fixed-point.md defines them.
+typedef enum hvp_method {
+  HVP_METHOD_CG = 0,            // thesis §4.2
+  HVP_METHOD_JACOBI_PCG,        // thesis §4.3
+  HVP_METHOD_BLOCK_JACOBI_PCG,  // with the inverse 3 × 3 blocks of the diagonal
+  HVP_METHOD_CHRONOPOULOS_GEAR,
+  HVP_METHOD_PIPELINED_CG,
+  HVP_METHOD_COUNT
+} hvp_method;
+
+typedef enum hvp_start_from {
+  HVP_START_FROM_ZERO = 0,
+  HVP_START_FROM_LAST,          // the last U, or what hvp_write_initial_guess() wrote
+  HVP_START_FROM_EXTRAPOLATED,  // 2·U − (the U before), where the board has both
+  HVP_START_FROM_COUNT
+} hvp_start_from;
+
+typedef enum hvp_round {
+  HVP_ROUND_NEAREST_UP = 0,  // ties away from zero
+  HVP_ROUND_NEAREST_EVEN,
+  HVP_ROUND_TRUNCATION,
+  HVP_ROUND_COUNT
+} hvp_round;
+
+// Word lengths are bits of signed words, 2 to the board's capability. A member that says what zero
+// means may be left out of an initialiser.
 struct hvp_solver_config {
-  bool jacobi;                // Jacobi-preconditioned (thesis §4.3) instead of plain CG
-  bool warm_start;            // start from the last U instead of zero
-  bool dynamic_scaling;       // thesis §4.2
-  uint32_t headroom_bits;     // kept free by dynamic scaling, 0 to 15
-  uint32_t iterations;        // 1 to 65535
-  uint32_t static_shift;      // m of the static scale 2^m (thesis §4.2), 0 to 63
-  uint32_t matrix_bits;       // entries of K
-  uint32_t vector_bits;       // entries of U
-  uint32_t rhs_bits;          // entries of b; 0: vector_bits, or 32 with Jacobi (thesis §4.3)
-  uint32_t coefficient_bits;  // mantissas of α and β
+  hvp_method method;
+  hvp_start_from start;
+  uint32_t iterations;     // 1 to 65535
+  uint64_t stop_residual;  // ends a job once ‖r‖ <= t·‖b‖: the bits of t, an IEEE 754 double
+                           // from 0 to 1; 0: the count alone
+  uint32_t replace_every;      // iterations after which r is formed anew, up to 65535; 0: never
+  uint32_t static_shift;       // m of the static scale 2^m (thesis §4.2), 0 to 63
+  bool dynamic_scaling;        // thesis §4.2
+  bool scaling_up_only;        // makes no room where a vector grows
+  uint32_t headroom_bits;      // kept free by dynamic scaling, 0 to 15
+  uint32_t scaling_threshold;  // free bits before it scales up, up to 31; 0: 1
+  uint32_t scaling_step;       // a re-scaling is a multiple of so many bits, up to 31; 0: 1
+  uint32_t matrix_bits;        // entries of K
+  uint32_t vector_bits;        // entries of U
+  uint32_t rhs_bits;           // entries of b; 0: vector_bits, or 32 with a preconditioner
+  uint32_t scalar_bits;        // inner products, 64 or 128; 0: 64
+  uint32_t coefficient_bits;   // mantissas of α and β
+  bool fixed_coefficients;     // α and β with a fixed point instead of a shift of their own:
+  uint32_t alpha_fraction;     // bits of α behind it, 0 to 63
+  uint32_t beta_fraction;      // bits of β behind it, 0 to 63
+  hvp_round division_rounding;
+  hvp_round shift_rounding;
+  bool wrap_overflow;  // keep the low bits of what leaves its word, instead of its limit
 };
 
 // Symmetric, of 3 × 3 blocks, both triangles stored, columns ascending within a block row, every
@@ -124,7 +166,10 @@ struct hvp_matrix {
 struct hvp_result {
   uint32_t job;         // 1 for the first since hvp_open() or hvp_reset()
   uint32_t iterations;  // passes that changed U
+  bool reached;         // stop_residual was met
+  uint32_t replacements;
   uint32_t saturations;
+  uint32_t wraps;
   uint32_t breakdowns;
   uint32_t flags;   // bit n: entry n of the numerical flags, see RESULT_FLAGS
   uint64_t cycles;  // of the board's clock, from start to done
@@ -145,7 +190,9 @@ hvp_status hvp_close(struct hvp_device* device);
 
 const struct hvp_capability* hvp_capability_of(const struct hvp_device* device);
 
-// One burst. May be repeated between jobs; changing a word length drops the loaded matrix.
+// One burst. May be repeated between jobs; changing the method or a word length drops the loaded
+// matrix. What no board has is HVP_ERROR_ARGUMENT, what this one lacks HVP_ERROR_CAPABILITY. A
+// board may have narrower ranges: it says so at the next start or load (HVP_ERROR_BAD_SETTING).
 hvp_status hvp_configure(struct hvp_device* device, const struct hvp_solver_config* config);
 
 // Sends the whole matrix and has the board check it.

@@ -1,6 +1,6 @@
 #include "driver/hvp_device.h"
 
-enum { RESULT_WORDS = 7 };
+enum { RESULT_WORDS = 10 };
 static_assert(offsetof(hvp_t, RESULT_CYCLES_HIGH) - offsetof(hvp_t, RESULT_JOB) ==
                   4 * (RESULT_WORDS - 1),
               "one burst reads RESULT_JOB to RESULT_CYCLES_HIGH");
@@ -62,10 +62,13 @@ hvp_status hvp_read_result(struct hvp_device* device, struct hvp_result* result)
   if (words[0] != device->job) return HVP_ERROR_STALE_RESULT;
   *result = (struct hvp_result){.job = words[0],
                                 .iterations = words[1],
-                                .saturations = words[2],
-                                .breakdowns = words[3],
-                                .flags = words[4],
-                                .cycles = (uint64_t)words[6] << 32U | words[5]};
+                                .reached = FIELD(words[2], HVP__RESULT_END__REACHED) != 0U,
+                                .replacements = words[3],
+                                .saturations = words[4],
+                                .wraps = words[5],
+                                .breakdowns = words[6],
+                                .flags = words[7],
+                                .cycles = (uint64_t)words[9] << 32U | words[8]};
   return HVP_OK;
 }
 

@@ -25,7 +25,7 @@ extern "C" {
 #define HVP__VERSION__MAJOR_bm 0xffff0000
 #define HVP__VERSION__MAJOR_bp 16
 #define HVP__VERSION__MAJOR_bw 16
-#define HVP__VERSION__MAJOR_reset 0x1
+#define HVP__VERSION__MAJOR_reset 0x2
 
 // reg - hvp.CAPABILITY_NODES
 #define HVP__CAPABILITY_NODES__MAX_NODES_bm 0xffff
@@ -66,6 +66,20 @@ extern "C" {
 #define HVP__CAPABILITY_CLOCK__KILOHERTZ_bp 0
 #define HVP__CAPABILITY_CLOCK__KILOHERTZ_bw 32
 #define HVP__CAPABILITY_CLOCK__KILOHERTZ_reset 0x186a0
+
+// reg - hvp.CAPABILITY_SOLVER
+#define HVP__CAPABILITY_SOLVER__METHODS_bm 0xff
+#define HVP__CAPABILITY_SOLVER__METHODS_bp 0
+#define HVP__CAPABILITY_SOLVER__METHODS_bw 8
+#define HVP__CAPABILITY_SOLVER__METHODS_reset 0x1f
+#define HVP__CAPABILITY_SOLVER__START_MODES_bm 0xf00
+#define HVP__CAPABILITY_SOLVER__START_MODES_bp 8
+#define HVP__CAPABILITY_SOLVER__START_MODES_bw 4
+#define HVP__CAPABILITY_SOLVER__START_MODES_reset 0x7
+#define HVP__CAPABILITY_SOLVER__MAX_SCALAR_BITS_bm 0xff000000
+#define HVP__CAPABILITY_SOLVER__MAX_SCALAR_BITS_bp 24
+#define HVP__CAPABILITY_SOLVER__MAX_SCALAR_BITS_bw 8
+#define HVP__CAPABILITY_SOLVER__MAX_SCALAR_BITS_reset 0x80
 
 // reg - hvp.CONTROL
 #define HVP__CONTROL__START_bm 0x1
@@ -150,9 +164,9 @@ extern "C" {
 #define HVP__JOB__JOB_reset 0x0
 
 // reg - hvp.METHOD
-#define HVP__METHOD__METHOD_bm 0x3
+#define HVP__METHOD__METHOD_bm 0x7
 #define HVP__METHOD__METHOD_bp 0
-#define HVP__METHOD__METHOD_bw 2
+#define HVP__METHOD__METHOD_bw 3
 #define HVP__METHOD__METHOD_reset 0x0
 
 // reg - hvp.ITERATIONS
@@ -160,6 +174,24 @@ extern "C" {
 #define HVP__ITERATIONS__COUNT_bp 0
 #define HVP__ITERATIONS__COUNT_bw 16
 #define HVP__ITERATIONS__COUNT_reset 0x3c
+
+// reg - hvp.STOP_RESIDUAL_LOW
+#define HVP__STOP_RESIDUAL_LOW__LOW_bm 0xffffffff
+#define HVP__STOP_RESIDUAL_LOW__LOW_bp 0
+#define HVP__STOP_RESIDUAL_LOW__LOW_bw 32
+#define HVP__STOP_RESIDUAL_LOW__LOW_reset 0x0
+
+// reg - hvp.STOP_RESIDUAL_HIGH
+#define HVP__STOP_RESIDUAL_HIGH__HIGH_bm 0xffffffff
+#define HVP__STOP_RESIDUAL_HIGH__HIGH_bp 0
+#define HVP__STOP_RESIDUAL_HIGH__HIGH_bw 32
+#define HVP__STOP_RESIDUAL_HIGH__HIGH_reset 0x0
+
+// reg - hvp.REPLACE_EVERY
+#define HVP__REPLACE_EVERY__COUNT_bm 0xffff
+#define HVP__REPLACE_EVERY__COUNT_bp 0
+#define HVP__REPLACE_EVERY__COUNT_bw 16
+#define HVP__REPLACE_EVERY__COUNT_reset 0x0
 
 // reg - hvp.STATIC_SHIFT
 #define HVP__STATIC_SHIFT__SHIFT_bm 0x3f
@@ -172,10 +204,22 @@ extern "C" {
 #define HVP__SCALING__DYNAMIC_bp 0
 #define HVP__SCALING__DYNAMIC_bw 1
 #define HVP__SCALING__DYNAMIC_reset 0x1
+#define HVP__SCALING__DOWN_bm 0x2
+#define HVP__SCALING__DOWN_bp 1
+#define HVP__SCALING__DOWN_bw 1
+#define HVP__SCALING__DOWN_reset 0x1
 #define HVP__SCALING__HEADROOM_BITS_bm 0xf00
 #define HVP__SCALING__HEADROOM_BITS_bp 8
 #define HVP__SCALING__HEADROOM_BITS_bw 4
 #define HVP__SCALING__HEADROOM_BITS_reset 0x1
+#define HVP__SCALING__THRESHOLD_bm 0x1f0000
+#define HVP__SCALING__THRESHOLD_bp 16
+#define HVP__SCALING__THRESHOLD_bw 5
+#define HVP__SCALING__THRESHOLD_reset 0x1
+#define HVP__SCALING__STEP_bm 0x1f000000
+#define HVP__SCALING__STEP_bp 24
+#define HVP__SCALING__STEP_bw 5
+#define HVP__SCALING__STEP_reset 0x1
 
 // reg - hvp.FORMAT
 #define HVP__FORMAT__MATRIX_BITS_bm 0xff
@@ -195,10 +239,42 @@ extern "C" {
 #define HVP__FORMAT__COEFFICIENT_BITS_bw 8
 #define HVP__FORMAT__COEFFICIENT_BITS_reset 0x10
 
+// reg - hvp.COEFFICIENTS
+#define HVP__COEFFICIENTS__FORMAT_bm 0x1
+#define HVP__COEFFICIENTS__FORMAT_bp 0
+#define HVP__COEFFICIENTS__FORMAT_bw 1
+#define HVP__COEFFICIENTS__FORMAT_reset 0x0
+#define HVP__COEFFICIENTS__ALPHA_FRACTION_bm 0x3f00
+#define HVP__COEFFICIENTS__ALPHA_FRACTION_bp 8
+#define HVP__COEFFICIENTS__ALPHA_FRACTION_bw 6
+#define HVP__COEFFICIENTS__ALPHA_FRACTION_reset 0x18
+#define HVP__COEFFICIENTS__BETA_FRACTION_bm 0x3f0000
+#define HVP__COEFFICIENTS__BETA_FRACTION_bp 16
+#define HVP__COEFFICIENTS__BETA_FRACTION_bw 6
+#define HVP__COEFFICIENTS__BETA_FRACTION_reset 0xd
+
+// reg - hvp.ARITHMETIC
+#define HVP__ARITHMETIC__DIVISION_ROUNDING_bm 0x3
+#define HVP__ARITHMETIC__DIVISION_ROUNDING_bp 0
+#define HVP__ARITHMETIC__DIVISION_ROUNDING_bw 2
+#define HVP__ARITHMETIC__DIVISION_ROUNDING_reset 0x0
+#define HVP__ARITHMETIC__SHIFT_ROUNDING_bm 0x30
+#define HVP__ARITHMETIC__SHIFT_ROUNDING_bp 4
+#define HVP__ARITHMETIC__SHIFT_ROUNDING_bw 2
+#define HVP__ARITHMETIC__SHIFT_ROUNDING_reset 0x0
+#define HVP__ARITHMETIC__OVERFLOW_bm 0x100
+#define HVP__ARITHMETIC__OVERFLOW_bp 8
+#define HVP__ARITHMETIC__OVERFLOW_bw 1
+#define HVP__ARITHMETIC__OVERFLOW_reset 0x0
+#define HVP__ARITHMETIC__SCALAR_BITS_bm 0xff000000
+#define HVP__ARITHMETIC__SCALAR_BITS_bp 24
+#define HVP__ARITHMETIC__SCALAR_BITS_bw 8
+#define HVP__ARITHMETIC__SCALAR_BITS_reset 0x40
+
 // reg - hvp.START_MODE
-#define HVP__START_MODE__MODE_bm 0x1
+#define HVP__START_MODE__MODE_bm 0x3
 #define HVP__START_MODE__MODE_bp 0
-#define HVP__START_MODE__MODE_bw 1
+#define HVP__START_MODE__MODE_bw 2
 #define HVP__START_MODE__MODE_reset 0x1
 
 // reg - hvp.NODES
@@ -249,11 +325,29 @@ extern "C" {
 #define HVP__RESULT_ITERATIONS__COUNT_bw 32
 #define HVP__RESULT_ITERATIONS__COUNT_reset 0x0
 
+// reg - hvp.RESULT_END
+#define HVP__RESULT_END__REACHED_bm 0x1
+#define HVP__RESULT_END__REACHED_bp 0
+#define HVP__RESULT_END__REACHED_bw 1
+#define HVP__RESULT_END__REACHED_reset 0x0
+
+// reg - hvp.RESULT_REPLACEMENTS
+#define HVP__RESULT_REPLACEMENTS__COUNT_bm 0xffffffff
+#define HVP__RESULT_REPLACEMENTS__COUNT_bp 0
+#define HVP__RESULT_REPLACEMENTS__COUNT_bw 32
+#define HVP__RESULT_REPLACEMENTS__COUNT_reset 0x0
+
 // reg - hvp.RESULT_SATURATIONS
 #define HVP__RESULT_SATURATIONS__COUNT_bm 0xffffffff
 #define HVP__RESULT_SATURATIONS__COUNT_bp 0
 #define HVP__RESULT_SATURATIONS__COUNT_bw 32
 #define HVP__RESULT_SATURATIONS__COUNT_reset 0x0
+
+// reg - hvp.RESULT_WRAPS
+#define HVP__RESULT_WRAPS__COUNT_bm 0xffffffff
+#define HVP__RESULT_WRAPS__COUNT_bp 0
+#define HVP__RESULT_WRAPS__COUNT_bw 32
+#define HVP__RESULT_WRAPS__COUNT_reset 0x0
 
 // reg - hvp.RESULT_BREAKDOWNS
 #define HVP__RESULT_BREAKDOWNS__COUNT_bm 0xffffffff
@@ -317,7 +411,8 @@ typedef struct __attribute__ ((__packed__)) {
     uint32_t CAPABILITY_BLOCKS;
     uint32_t CAPABILITY_FORMAT;
     uint32_t CAPABILITY_CLOCK;
-    uint8_t RESERVED_18_1f[0x8];
+    uint32_t CAPABILITY_SOLVER;
+    uint8_t RESERVED_1c_1f[0x4];
     uint32_t CONTROL;
     uint32_t STATUS;
     uint32_t INTERRUPT_STATUS;
@@ -328,25 +423,34 @@ typedef struct __attribute__ ((__packed__)) {
     uint8_t RESERVED_3c_3f[0x4];
     uint32_t METHOD;
     uint32_t ITERATIONS;
+    uint32_t STOP_RESIDUAL_LOW;
+    uint32_t STOP_RESIDUAL_HIGH;
+    uint32_t REPLACE_EVERY;
     uint32_t STATIC_SHIFT;
     uint32_t SCALING;
     uint32_t FORMAT;
+    uint32_t COEFFICIENTS;
+    uint32_t ARITHMETIC;
     uint32_t START_MODE;
     uint32_t NODES;
     uint32_t BLOCKS;
+    uint8_t RESERVED_74_7f[0xc];
     uint32_t UPDATE_NODE;
     uint32_t UPDATE_KIND;
     uint32_t UPDATE_DIAGONAL;
     uint32_t UPDATE_BLOCKS;
-    uint8_t RESERVED_70_7f[0x10];
+    uint8_t RESERVED_90_9f[0x10];
     uint32_t RESULT_JOB;
     uint32_t RESULT_ITERATIONS;
+    uint32_t RESULT_END;
+    uint32_t RESULT_REPLACEMENTS;
     uint32_t RESULT_SATURATIONS;
+    uint32_t RESULT_WRAPS;
     uint32_t RESULT_BREAKDOWNS;
     uint32_t RESULT_FLAGS;
     uint32_t RESULT_CYCLES_LOW;
     uint32_t RESULT_CYCLES_HIGH;
-    uint8_t RESERVED_9c_fff[0xf64];
+    uint8_t RESERVED_c8_fff[0xf38];
     hvp__ROW_t ROW;
     uint8_t RESERVED_1900_1ffff[0x1e700];
     hvp__B_t B;
@@ -380,12 +484,35 @@ enum hvp_error_code {
 enum hvp_solver_method {
     HVP_SOLVER_METHOD_CG = 0, // Conjugate gradients (thesis §4.2).
     HVP_SOLVER_METHOD_JACOBI_PCG = 1, // Conjugate gradients with Jacobi's preconditioner (thesis §4.3).
+    HVP_SOLVER_METHOD_BLOCK_JACOBI_PCG = 2, // The same with the inverse 3 × 3 blocks of the diagonal.
+    HVP_SOLVER_METHOD_CHRONOPOULOS_GEAR = 3, // Conjugate gradients with A·d by a recurrence (Chronopoulos and Gear 1989).
+    HVP_SOLVER_METHOD_PIPELINED_CG = 4, // Conjugate gradients with the divisions beside the product (Ghysels and Vanroose 2014).
+};
+
+// enumeration - coefficient_format
+enum hvp_coefficient_format {
+    HVP_COEFFICIENT_FORMAT_OWN_SHIFT = 0, // A shift of its own in every iteration, which fills the mantissa.
+    HVP_COEFFICIENT_FORMAT_FIXED_POINT = 1, // A fixed number of bits behind the point.
+};
+
+// enumeration - rounding_mode
+enum hvp_rounding_mode {
+    HVP_ROUNDING_MODE_NEAREST_UP = 0, // To nearest, ties away from zero.
+    HVP_ROUNDING_MODE_NEAREST_EVEN = 1, // To nearest, ties to the even word.
+    HVP_ROUNDING_MODE_TRUNCATION = 2, // Towards zero.
+};
+
+// enumeration - overflow_mode
+enum hvp_overflow_mode {
+    HVP_OVERFLOW_MODE_SATURATE = 0, // The limit of the word; counted in RESULT_SATURATIONS.
+    HVP_OVERFLOW_MODE_WRAP = 1, // The low bits of the value; counted in RESULT_WRAPS.
 };
 
 // enumeration - start_mode
 enum hvp_start_mode {
     HVP_START_MODE_ZERO = 0, // Start from U = 0.
     HVP_START_MODE_WARM = 1, // Start from what the U memory holds: the last solution, or what the host wrote.
+    HVP_START_MODE_EXTRAPOLATED = 2, // Start from 2·U - (the U of the job before), saturating. From U alone where the job before had another mode, where the host has written to U since, and after load_done.
 };
 
 // enumeration - update_kind

@@ -46,7 +46,7 @@ struct ChainMatrix {
 
 inline hvp_solver_config thesis_config() {
   hvp_solver_config config{};
-  config.warm_start = true;
+  config.start = HVP_START_FROM_LAST;
   config.dynamic_scaling = true;
   config.headroom_bits = 3;
   config.iterations = 60;

@@ -159,14 +159,25 @@ TEST_F(DriverOnBoard, ARowOfAnotherLengthIsReportedByTheNextWait) {
   EXPECT_EQ(result.job, 1U);
 }
 
-TEST_F(DriverOnBoard, SettingsMayChangeBetweenJobsButNotTheWordLengths) {
+TEST_F(DriverOnBoard, SettingsMayChangeBetweenJobsButNotTheMethodOrTheWordLengths) {
   load();
   hvp_solver_config config = thesis_config();
   config.iterations = 30;
   ASSERT_EQ(hvp_configure(&device, &config), HVP_OK);
   EXPECT_EQ(hvp_solve(&device, b.data(), u.data(), u.size(), kTimeoutNs), HVP_OK);
-  config.matrix_bits = 14;
+  hvp_solver_config other = config;
+  other.matrix_bits = 14;
+  ASSERT_EQ(hvp_configure(&device, &other), HVP_OK);
+  EXPECT_EQ(hvp_start(&device), HVP_ERROR_STATE);
+  EXPECT_EQ(board.bank().get(vp::field::kStatusMatrixLoaded), 0U);
+
+  // load_done forms the preconditioner.
+  const hvp_matrix view = matrix.view();
   ASSERT_EQ(hvp_configure(&device, &config), HVP_OK);
+  ASSERT_EQ(hvp_load_matrix(&device, &view), HVP_OK);
+  other = config;
+  other.method = HVP_METHOD_CHRONOPOULOS_GEAR;
+  ASSERT_EQ(hvp_configure(&device, &other), HVP_OK);
   EXPECT_EQ(hvp_start(&device), HVP_ERROR_STATE);
   EXPECT_EQ(board.bank().get(vp::field::kStatusMatrixLoaded), 0U);
 }

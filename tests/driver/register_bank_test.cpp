@@ -42,7 +42,7 @@ class Bank : public ::testing::Test {
 
 TEST_F(Bank, StartsAtTheResetValuesAndItsOwnCapacity) {
   ASSERT_TRUE(read(offset(Register::id), 4).ok());
-  EXPECT_EQ(got, (std::vector<std::uint32_t>{0x48565031, 0x00010000, 4U << 16 | 10U, 30}));
+  EXPECT_EQ(got, (std::vector<std::uint32_t>{0x48565031, 0x00020000, 4U << 16 | 10U, 30}));
   ASSERT_TRUE(read(offset(Register::iterations)).ok());
   EXPECT_EQ(got[0], 60U);
 }
@@ -55,10 +55,10 @@ TEST_F(Bank, LittleEndianOnTheBus) {
 
 TEST_F(Bank, KeepsWhatIsWrittenWithinTheFields) {
   ASSERT_TRUE(write(offset(Register::scaling), {0xffffffff}).ok());
-  EXPECT_EQ(bank.get(Register::scaling), 0x00000f01U);
+  EXPECT_EQ(bank.get(Register::scaling), 0x1f1f0f03U);
   EXPECT_EQ(bank.get(field::kScalingHeadroomBits), 15U);
   bank.set(field::kScalingHeadroomBits, 0x35);
-  EXPECT_EQ(bank.get(Register::scaling), 0x00000501U);
+  EXPECT_EQ(bank.get(Register::scaling), 0x1f1f0503U);
 }
 
 TEST_F(Bank, ReadOnlyWriteOnlyAndNothing) {
@@ -138,7 +138,7 @@ TEST_F(Bank, ARefusedBurstHasNoEffectAndNamesItsWord) {
   // UPDATE_BLOCKS is the last of its group; the word behind it is nothing.
   const Outcome outcome = write(offset(Register::update_diagonal), {5, 6, 7});
   EXPECT_EQ(outcome.access, Access::unmapped);
-  EXPECT_EQ(outcome.offset, 0x70U);
+  EXPECT_EQ(outcome.offset, 0x90U);
   EXPECT_EQ(bank.get(Register::update_diagonal), 1U);
   EXPECT_EQ(bank.get(Register::update_blocks), 0U);
 }

@@ -26,7 +26,8 @@ ScriptedBoard::ScriptedBoard(const vp::Capacity& capacity) : bank_(capacity) {
     mirror_interrupts();
   });
   const auto forget_matrix = [this] { bank_.set(field::kStatusMatrixLoaded, 0); };
-  for (const Register reg : {Register::nodes, Register::blocks, Register::format}) {
+  for (const Register reg :
+       {Register::nodes, Register::blocks, Register::format, Register::method}) {
     bank_.on_write(reg, [this, reg, forget_matrix](std::uint32_t, std::uint32_t before) {
       if (bank_.get(reg) != before) forget_matrix();
     });

@@ -56,7 +56,7 @@ TEST_F(DriverOnBoard, LongVectorsTravelOneToAWordAndInSeveralBursts) {
   board.solve = turn_round;
   const hvp_bus bus = board.bus();
   hvp_solver_config config = thesis_config();
-  config.jacobi = true;
+  config.method = HVP_METHOD_JACOBI_PCG;
   config.vector_bits = 24;
   matrix = ChainMatrix(9);
   const hvp_matrix nine = matrix.view();
@@ -86,7 +86,10 @@ TEST_F(DriverOnBoard, AnInitialGuessIsWhatTheBoardStartsFrom) {
 TEST_F(DriverOnBoard, ResultsAreOneBurst) {
   load();
   board.solve = [](vp::RegisterBank& bank) {
+    bank.set(vp::field::kResultEndReached, 1);
+    bank.set(Register::result_replacements, 9);
     bank.set(Register::result_saturations, 11);
+    bank.set(Register::result_wraps, 10);
     bank.set(Register::result_breakdowns, 12);
     bank.set(Register::result_flags, 0x00020081);
     bank.set(Register::result_cycles_low, 0xfffffff0);
@@ -99,10 +102,13 @@ TEST_F(DriverOnBoard, ResultsAreOneBurst) {
   EXPECT_EQ(hvp_last_flags(&device), 0x81U);  // the low half, with STATUS already
   hvp_result result{};
   ASSERT_EQ(hvp_read_result(&device, &result), HVP_OK);
-  EXPECT_EQ(board.take_log(), Log{"read RESULT_JOB x7"});
+  EXPECT_EQ(board.take_log(), Log{"read RESULT_JOB x10"});
   EXPECT_EQ(result.job, 3U);
   EXPECT_EQ(result.iterations, 60U);
+  EXPECT_TRUE(result.reached);
+  EXPECT_EQ(result.replacements, 9U);
   EXPECT_EQ(result.saturations, 11U);
+  EXPECT_EQ(result.wraps, 10U);
   EXPECT_EQ(result.breakdowns, 12U);
   EXPECT_EQ(result.flags, 0x00020081U);
   EXPECT_EQ(result.cycles, 0x1fffffff0U);

@@ -52,7 +52,7 @@ class DriverOnBus : public testing::Test {
   }
   void load() {
     hvp_solver_config config{};
-    config.warm_start = true;
+    config.start = HVP_START_FROM_LAST;
     config.dynamic_scaling = true;
     config.headroom_bits = 3;
     config.iterations = 60;
@@ -102,11 +102,11 @@ Picoseconds elements(std::size_t n, unsigned bits) {
 TEST_F(DriverOnBus, EveryCallTakesItsAccesses) {
   run([&](test::Program&) {
     ASSERT_EQ(hvp_open(&device_, &access_->solver_bus(), scratch_.data(), scratch_.size()), HVP_OK);
-    // ID, VERSION, four of CAPABILITY and STATUS; CONTROL.reset and INTERRUPT_ENABLE.
-    Picoseconds expected = 7 * pci_read(4) + 2 * pci_write(4);
+    // ID, VERSION, five of CAPABILITY and STATUS; CONTROL.reset and INTERRUPT_ENABLE.
+    Picoseconds expected = 8 * pci_read(4) + 2 * pci_write(4);
     EXPECT_EQ(now_ps(), expected);
     load();
-    expected += pci_write(24);  // METHOD to START_MODE
+    expected += pci_write(44);  // METHOD to START_MODE
     expected += elements(2, 32) + elements(49, 32) + elements(k().column.size(), 32) +
                 elements(k().value.size(), 12);
     expected += pci_write(4) + 10 * kNs;  // load_done, and the clock that it takes
@@ -121,7 +121,7 @@ TEST_F(DriverOnBus, EveryCallTakesItsAccesses) {
 
     hvp_result result{};
     ASSERT_EQ(hvp_read_result(&device_, &result), HVP_OK);
-    expected += pci_read(28);
+    expected += pci_read(40);
     EXPECT_EQ(result.job, 1U);
     EXPECT_EQ(static_cast<Picoseconds>(result.cycles) * test::kBoardClock, solve_time());
     EXPECT_EQ(hvp_close(&device_), HVP_OK);

@@ -6,6 +6,7 @@
 #include <functional>
 #include <vector>
 
+#include "models/fixed/settings.h"
 #include "tests/vp/stimulus.h"
 #include "vp/frame.h"
 
@@ -52,15 +53,98 @@ inline std::vector<int> blocks_in_rows(const std::vector<int>& row_begin) {
   return blocks;
 }
 
-// Thesis Fig. 4.4 with pipelines of 20 clocks, two nodes a clock and divisions of 68 clocks.
+// What a job made.
+struct Made {
+  fixed::Method method = fixed::Method::cg;
+  int passes = 60;
+  int replacements = 0;  // in the first passes
+  bool extrapolated = false;
+  bool dynamic_scaling = true;
+  bool broken_down = false;
+};
+
+// Pipelines of 20 clocks, two nodes a clock and divisions of 68 clocks, step by step: a step begins
+// when all that it needs has ended (docs/accelerator.md).
+class SolveClocks {
+ public:
+  explicit SolveClocks(const std::vector<int>& row_begin) {
+    const std::vector<int> blocks = blocks_in_rows(row_begin);
+    const auto nodes = static_cast<std::int64_t>(blocks.size());
+    product_ = fullest_of_five(blocks) + 20;
+    vectors_ = nodes / 2 + nodes % 2 + 20;
+  }
+
+  std::int64_t operator()(const Made& made) const {
+    const std::int64_t begin = made.extrapolated ? vectors_ : 0;
+    // r = b − A·x, and the first d.
+    const std::int64_t ready = begin + product_ + vectors_ + vectors_;
+    switch (made.method) {
+      case fixed::Method::chronopoulos_gear:
+        return chronopoulos_gear(made, ready);
+      case fixed::Method::pipelined_cg:
+        return pipelined(made, ready);
+      default:
+        return conjugate_gradients(made, ready);
+    }
+  }
+
+ private:
+  static constexpr std::int64_t kDivision = 68;
+  static constexpr std::int64_t kCurvature = 4 + 4;  // β·(dᵀAd), twice: 63 bits, 17 a clock
+
+  // Thesis Fig. 4.4.
+  std::int64_t conjugate_gradients(const Made& made, std::int64_t now) const {
+    for (int pass = 0; pass < made.passes; ++pass) {
+      now += product_;
+      now += kDivision;
+      now += vectors_;
+      if (pass < made.replacements) now += product_ + vectors_;
+      now += kDivision;
+      now += vectors_;
+    }
+    return made.broken_down ? now + product_ : now;
+  }
+
+  std::int64_t chronopoulos_gear(const Made& made, std::int64_t ready) const {
+    std::int64_t alpha = ready + product_ + product_ + kDivision;  // A·r, A·d
+    std::int64_t direction = alpha;
+    for (int pass = 0; pass < made.passes; ++pass) {
+      std::int64_t residual = std::max(alpha, direction) + vectors_;
+      if (pass < made.replacements) residual += product_ + vectors_;
+      const std::int64_t curvature =
+          std::max(residual + product_, residual + kDivision + kCurvature);
+      alpha = curvature + kDivision;
+      // In one pass with the next x and r where no size has to be awaited.
+      direction = made.dynamic_scaling ? curvature + vectors_ : 0;
+    }
+    return std::max(alpha, direction);
+  }
+
+  std::int64_t pipelined(const Made& made, std::int64_t ready) const {
+    const std::int64_t scaled = made.dynamic_scaling ? vectors_ : 0;
+    // A·r and A·d in vector words, A·A·r and A·A·d.
+    std::int64_t now = ready + product_ + scaled + product_ + scaled + product_ + product_;
+    for (int pass = 0; pass < made.passes; ++pass) {
+      now += vectors_;
+      if (pass < made.replacements) {
+        now += product_ + vectors_;
+        now += product_ + scaled + product_ + scaled + product_;
+      }
+      now = std::max(now + product_, now + kDivision + kCurvature + kDivision);
+      if (made.dynamic_scaling) now += vectors_;
+    }
+    return now;
+  }
+
+  std::int64_t product_;
+  std::int64_t vectors_;
+};
+
+inline vp::Picoseconds solve_time(const std::vector<int>& row_begin, const Made& made) {
+  return SolveClocks(row_begin)(made) * kBoardClock;
+}
 inline vp::Picoseconds solve_time(const std::vector<int>& row_begin, int iterations) {
-  const std::vector<int> blocks = blocks_in_rows(row_begin);
-  const auto nodes = static_cast<std::int64_t>(blocks.size());
-  const std::int64_t product = fullest_of_five(blocks) + 20;
-  const std::int64_t vectors = nodes / 2 + nodes % 2 + 20;
-  std::int64_t clocks = product + vectors + vectors;  // r and d of the initial guess
-  for (int i = 0; i < iterations; ++i) clocks += product + 68 + vectors + 68 + vectors;
-  return clocks * kBoardClock;
+  return solve_time(row_begin, Made{.passes = iterations});
 }
 
 // Host computation at 297.88 Mflop/s.

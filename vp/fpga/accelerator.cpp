@@ -6,8 +6,11 @@
 
 #include <spdlog/spdlog.h>
 
+#include "models/accel/bank_conflicts.h"
 #include "models/config/input_error.h"
 #include "models/fixed/kernel.h"
+#include "models/fixed/start_guess.h"
+#include "vp/fpga/board_settings.h"
 #include "vp/fpga/packed_words.h"
 
 namespace hvp::vp {
@@ -50,6 +53,7 @@ Accelerator::Accelerator(const sc_core::sc_module_name& name,
       observer_(observer),
       done_("done") {
   from_bus.register_b_transport(this, &Accelerator::b_transport);
+  strap_capability(bank_);
   bank_.strap(Register::capability_clock,
               static_cast<std::uint32_t>(std::llround(architecture.clock_hz / 1000)));
   bank_.on_write(Register::control,
@@ -60,7 +64,8 @@ Accelerator::Accelerator(const sc_core::sc_module_name& name,
       drive_interrupt_line(*commanding_tag_);
     });
   }
-  for (const Register reg : {Register::format, Register::nodes, Register::blocks}) {
+  for (const Register reg :
+       {Register::method, Register::format, Register::nodes, Register::blocks}) {
     bank_.on_write(reg, [this, reg](std::uint32_t /*written*/, std::uint32_t before) {
       if (bank_.get(reg) != before) bank_.set(field::kStatusMatrixLoaded, 0);
     });
@@ -68,6 +73,7 @@ Accelerator::Accelerator(const sc_core::sc_module_name& name,
   for (const Aperture aperture : {Aperture::row_begin, Aperture::column, Aperture::value}) {
     bank_.on_memory_write(aperture, [this] { bank_.set(field::kStatusMatrixLoaded, 0); });
   }
+  bank_.on_memory_write(Aperture::u, [this] { has_previous_u_ = false; });
   SC_HAS_PROCESS(Accelerator);
   SC_METHOD(finish);
   sensitive << done_;
@@ -111,42 +117,6 @@ void Accelerator::control(std::uint32_t commands) {
   }
 }
 
-// Returns false and raises bad_setting where the board cannot work with the registers.
-bool Accelerator::settings_from_registers(fixed::Settings& s) {
-  const auto bad = [this](Register reg) {
-    raise({ErrorCode::bad_setting, offset_of(reg)});
-    return false;
-  };
-  const std::uint32_t method = bank_.get(field::kMethodMethod);
-  if (method > 1) return bad(Register::method);
-  s.method = method == static_cast<std::uint32_t>(SolverMethod::cg) ? fixed::Method::cg
-                                                                    : fixed::Method::jacobi_pcg;
-  s.start = bank_.get(field::kStartModeMode) == static_cast<std::uint32_t>(StartMode::warm)
-                ? fixed::Start::warm
-                : fixed::Start::zero;
-  s.iterations = static_cast<int>(bank_.get(field::kIterationsCount));
-  if (s.iterations < 1) return bad(Register::iterations);
-  s.static_shift = static_cast<int>(bank_.get(field::kStaticShiftShift));
-  if (s.static_shift > 31) return bad(Register::static_shift);
-  s.dynamic_scaling = bank_.get(field::kScalingDynamic) != 0;
-  s.headroom_bits = static_cast<int>(bank_.get(field::kScalingHeadroomBits));
-  if (s.headroom_bits > 8) return bad(Register::scaling);
-  s.matrix_bits = static_cast<int>(bank_.get(field::kFormatMatrixBits));
-  s.vector_bits = static_cast<int>(bank_.get(field::kFormatVectorBits));
-  s.coefficient_bits = static_cast<int>(bank_.get(field::kFormatCoefficientBits));
-  const bool words = s.matrix_bits >= 8 && s.matrix_bits <= 24 && s.vector_bits >= 12 &&
-                     s.vector_bits <= 32 && s.coefficient_bits >= 8 && s.coefficient_bits <= 24;
-  if (!words || bank_.get(field::kFormatRhsBits) != static_cast<std::uint32_t>(s.residual_bits())) {
-    return bad(Register::format);
-  }
-  try {
-    s.check();
-  } catch (const InputError&) {
-    return bad(Register::scaling);
-  }
-  return true;
-}
-
 void Accelerator::run_for(Running what, std::int64_t clocks) {
   running_ = what;
   clocks_ = clocks;
@@ -161,28 +131,30 @@ void Accelerator::start() {
     raise({ErrorCode::not_loaded, 0});
     return;
   }
-  fixed::Settings settings;
-  if (!settings_from_registers(settings)) return;
-  if (solver_ == nullptr || settings != settings_) {
-    settings_ = settings;
-    solver_ = fixed::make_solver(settings_);
-    solver_->load(matrix_);
-    solve_clocks_ =
-        accel::solve_cycles(architecture_, pattern_, accel::longest_solve(settings_)).total();
+  if (const BoardError error = read_settings(bank_, settings_); error.code != ErrorCode::none) {
+    raise(error);
+    return;
   }
   bank_.set(field::kJobJob, bank_.get(field::kJobJob) + 1);
-  run_for(Running::solve, solve_clocks_);
+  compute();
+  const accel::SolveWork work = accel::solve_made(settings_, result_);
+  run_for(Running::solve,
+          accel::solve_cycles(architecture_, matrix_.block_rows(), issue_clocks_, work).total());
 }
 
 void Accelerator::load_done() {
   fixed::Settings settings;
-  if (!settings_from_registers(settings)) return;
-  if (const BoardError error = read_matrix(bank_, matrix_); error.code != ErrorCode::none) {
+  BoardError error = read_settings(bank_, settings);
+  if (error.code == ErrorCode::none) error = read_matrix(bank_, matrix_);
+  if (error.code != ErrorCode::none) {
     raise(error);
     return;
   }
-  pattern_ = accel::pattern_of(matrix_.row_begin);
+  pattern_ = accel::pattern_of(matrix_.row_begin, matrix_.column);
+  issue_clocks_ = accel::issue_clocks_of_fullest_partition(architecture_, pattern_);
   solver_.reset();
+  loaded_method_ = settings.method;
+  has_previous_u_ = false;
   b_.assign(static_cast<std::size_t>(matrix_.rows()), 0);
   u_.assign(static_cast<std::size_t>(matrix_.rows()), 0);
   run_for(Running::load, accel::load_cycles(architecture_, pattern_, settings.method));
@@ -213,23 +185,22 @@ void Accelerator::update_node() {
       raise({ErrorCode::bad_row, static_cast<std::uint32_t>(blocks)});
       return;
     }
-    std::vector<std::int32_t> original(present.size());
+    row_.resize(present.size());
     const std::span<const std::uint32_t> staged = bank_.memory(Aperture::row);
-    for (std::size_t i = 0; i < original.size(); ++i) {
-      original[i] = packed_element(staged, i, static_cast<unsigned>(matrix_.bits));
+    for (std::size_t i = 0; i < row_.size(); ++i) {
+      row_[i] = packed_element(staged, i, static_cast<unsigned>(matrix_.bits));
     }
-    matrix_.restore_row(row, original);
+    matrix_.restore_row(row, row_);
   }
   if (solver_ != nullptr) solver_->update(row);
   write_back_node(matrix_, row, bank_);
 
   const auto begin = static_cast<std::size_t>(matrix_.row_begin[node]);
   const auto end = static_cast<std::size_t>(matrix_.row_begin[node + 1]);
-  const bool jacobi =
-      bank_.get(field::kMethodMethod) == static_cast<std::uint32_t>(SolverMethod::jacobi_pcg);
+  // A matrix is loaded, so that METHOD is what it was loaded with.
   const std::int64_t clocks = accel::node_update_cycles(
       architecture_, pattern_, row, std::span(matrix_.column).subspan(begin, end - begin),
-      jacobi ? fixed::Method::jacobi_pcg : fixed::Method::cg);
+      loaded_method_);
   wait_states_ = untimed_ ? 0 : clocks * architecture_.clock_period_ps();
   ledger_.extend(*commanding_tag_, Part::fpga, Phase::node_update, now_ps(),
                  now_ps() + wait_states_);
@@ -239,6 +210,7 @@ void Accelerator::reset() {
   done_.cancel();
   running_ = Running::nothing;
   solver_.reset();
+  has_previous_u_ = false;
   bank_.reset();
   drive_interrupt_line(*commanding_tag_);
 }
@@ -249,40 +221,83 @@ void Accelerator::finish() {
   if (ended == Running::load) {
     bank_.set(field::kStatusMatrixLoaded, 1);
   } else {
-    // Before anything can go wrong: a frame that follows a fault follows this span too.
     ledger_.extend(job_tag_, Part::fpga, Phase::solve, started_, now_ps());
-    try {
-      solve();
-    } catch (const InputError& e) {
-      spdlog::warn("the board's solver stopped: {}", e.what());
+    if (fault_) {
       raise({ErrorCode::internal_fault, 0});
       return;
     }
+    publish();
   }
   bank_.set(field::kInterruptStatusDone, 1);
   mirror_status();
   drive_interrupt_line(job_tag_);
 }
 
-void Accelerator::solve() {
-  const unsigned rhs_bits = bank_.get(field::kFormatRhsBits);
+// U as the job starts from it, in u_.
+void Accelerator::form_guess(fixed::Start start) {
   const unsigned vector_bits = bank_.get(field::kFormatVectorBits);
-  const std::span<const std::uint32_t> b_words = bank_.memory(Aperture::b);
-  const std::span<std::uint32_t> u_words = bank_.memory(Aperture::u);
-  for (std::size_t i = 0; i < b_.size(); ++i) {
-    b_[i] = packed_element(b_words, i, rhs_bits);
-    u_[i] = packed_element(u_words, i, vector_bits);
+  const std::span<const std::uint32_t> words = bank_.memory(Aperture::u);
+  for (std::size_t i = 0; i < u_.size(); ++i) {
+    u_[i] = start == fixed::Start::zero ? 0 : packed_element(words, i, vector_bits);
   }
-  report_ = solver_->solve({b_, u_});
+  result_ = {};
+  if (start != fixed::Start::extrapolated) {
+    has_previous_u_ = false;
+    return;
+  }
+  if (has_previous_u_) {
+    result_.saturations = fixed::extrapolate(u_, previous_u_, settings_.vector_bits);
+  } else {
+    previous_u_ = u_;
+    has_previous_u_ = true;
+  }
+}
+
+void Accelerator::require_solver(const fixed::Settings& settings) {
+  fixed::Settings wanted = settings;
+  wanted.start = fixed::Start::warm;
+  if (solver_ != nullptr && wanted == solver_settings_) return;
+  solver_settings_ = wanted;
+  solver_ = fixed::make_solver(solver_settings_);
+  solver_->load(matrix_);
+}
+
+// The job that starts now, into u_ and result_. Nothing of it is visible yet.
+void Accelerator::compute() {
+  const unsigned rhs_bits = bank_.get(field::kFormatRhsBits);
+  const std::span<const std::uint32_t> words = bank_.memory(Aperture::b);
+  for (std::size_t i = 0; i < b_.size(); ++i) b_[i] = packed_element(words, i, rhs_bits);
+  form_guess(settings_.start);
+  const std::int64_t clamped = result_.saturations;
+  // Through the driver's frames nothing may be thrown.
+  try {
+    require_solver(settings_);
+    result_ = solver_->solve({b_, u_});
+    fault_ = false;
+  } catch (const InputError& e) {
+    spdlog::warn("the board's solver stopped: {}", e.what());
+    solver_.reset();
+    has_previous_u_ = false;
+    fault_ = true;
+  }
+  result_.saturations += clamped;
+  if (clamped > 0) result_.flags.raise(stability::Flag::saturation);
+}
+
+void Accelerator::publish() {
+  report_ = result_;
   saturations_ += report_.saturations;
   breakdowns_ += report_.breakdowns;
-  if (job_tag_.frame >= 0) ledger_.frame(job_tag_.frame).saturations = report_.saturations;
-  for (std::size_t i = 0; i < u_.size(); ++i) {
-    set_packed_element(u_words, i, vector_bits, u_[i]);
-  }
+  if (job_tag_.frame >= 0) ledger_.frame(job_tag_.frame).saturations += report_.saturations;
+  const unsigned vector_bits = bank_.get(field::kFormatVectorBits);
+  const std::span<std::uint32_t> words = bank_.memory(Aperture::u);
+  for (std::size_t i = 0; i < u_.size(); ++i) set_packed_element(words, i, vector_bits, u_[i]);
   bank_.set(field::kResultJobJob, bank_.get(field::kJobJob));
   bank_.set(field::kResultIterationsCount, static_cast<std::uint32_t>(report_.iterations));
+  bank_.set(field::kResultEndReached, report_.reached ? 1 : 0);
+  bank_.set(field::kResultReplacementsCount, static_cast<std::uint32_t>(report_.replacements));
   bank_.set(field::kResultSaturationsCount, saturated(report_.saturations));
+  bank_.set(field::kResultWrapsCount, saturated(report_.wraps));
   bank_.set(field::kResultBreakdownsCount, saturated(report_.breakdowns));
   bank_.set(field::kResultFlagsBits, report_.flags.bits());
   bank_.set(field::kStatusFlags, report_.flags.bits());

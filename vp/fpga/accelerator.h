@@ -29,9 +29,10 @@ class AccessObserver {
 };
 
 // The solver board (thesis chapter 5, §6.2.1) behind its register bank. Loosely timed: a job
-// takes the clocks of accel::solve_cycles and its words are those of fixed::Solver; U, the
-// results and the interrupt appear when the last clock is over. docs/registers.md is what
-// software sees.
+// takes the clocks of accel::solve_cycles and its words are those of fixed::Solver. How many
+// iterations a job makes is known only when it has been computed, so that this happens when it
+// starts; U, the results and the interrupt appear when its last clock is over, and a reset before
+// that discards them. docs/registers.md is what software sees.
 class Accelerator : public sc_core::sc_module {
  public:
   Accelerator(const sc_core::sc_module_name& name, const accel::Architecture& architecture,
@@ -59,9 +60,11 @@ class Accelerator : public sc_core::sc_module {
   void reset();
   void finish();
 
-  bool settings_from_registers(fixed::Settings& settings);
   void run_for(Running what, std::int64_t clocks);
-  void solve();
+  void form_guess(fixed::Start start);
+  void require_solver(const fixed::Settings& settings);
+  void compute();
+  void publish();
   void raise(BoardError error);
   void mirror_status();
   // `tag`: the work that the line goes up for, if it does.
@@ -75,12 +78,26 @@ class Accelerator : public sc_core::sc_module {
   RegisterBank bank_;
   fixed::QuantisedMatrix matrix_;
   accel::Pattern pattern_;
+  std::int64_t issue_clocks_ = 0;  // of the pattern's fullest partition
+  fixed::Method loaded_method_ = fixed::Method::cg;
+  // The solver never starts from zero or forms a guess itself: form_guess() has done it.
+  fixed::Settings solver_settings_;
+  std::unique_ptr<fixed::Solver> solver_;  // for these settings and the loaded matrix
+  std::vector<std::int32_t> row_;          // of a node that gets it back
+
+  // Of the job that runs.
   fixed::Settings settings_;
-  std::unique_ptr<fixed::Solver> solver_;  // for these settings and this pattern, as is:
-  std::int64_t solve_clocks_ = 0;
   std::vector<std::int32_t> b_;
   std::vector<std::int32_t> u_;
-  fixed::Report report_;
+  fixed::Report result_;
+  bool fault_ = false;
+
+  // For StartMode::extrapolated: U before the last job, where that had this mode too and nobody
+  // has written to U since.
+  std::vector<std::int32_t> previous_u_;
+  bool has_previous_u_ = false;
+
+  fixed::Report report_;  // of the last finished job
 
   Running running_ = Running::nothing;
   sc_core::sc_event done_;

@@ -16,6 +16,7 @@ enum class Register : std::uint8_t {
   capability_blocks,  // Capability: blocks
   capability_format,  // Capability: word lengths
   capability_clock,  // Capability: clock
+  capability_solver,  // Capability: solver
   control,  // Control
   status,  // Status
   interrupt_status,  // Interrupt status
@@ -25,9 +26,14 @@ enum class Register : std::uint8_t {
   job,  // Job
   method,  // Method
   iterations,  // Iterations
+  stop_residual_low,  // Stop residual, low half
+  stop_residual_high,  // Stop residual, high half
+  replace_every,  // Residual replacement
   static_shift,  // Static scaling
   scaling,  // Dynamic scaling
   format,  // Word lengths
+  coefficients,  // Coefficients
+  arithmetic,  // Arithmetic
   start_mode,  // Start mode
   nodes,  // Nodes
   blocks,  // Blocks
@@ -37,7 +43,10 @@ enum class Register : std::uint8_t {
   update_blocks,  // Update: blocks
   result_job,  // Result: job
   result_iterations,  // Result: iterations
+  result_end,  // Result: end
+  result_replacements,  // Result: replacements
   result_saturations,  // Result: saturations
+  result_wraps,  // Result: wraps
   result_breakdowns,  // Result: breakdowns
   result_flags,  // Result: flags
   result_cycles_low,  // Result: cycles, low half
@@ -89,16 +98,17 @@ struct Field {
 
 inline constexpr std::uint32_t kBarBytes = 0x02000000;
 // Registers lie below this offset, memories above.
-inline constexpr std::uint32_t kRegisterBytes = 0x0000009c;
+inline constexpr std::uint32_t kRegisterBytes = 0x000000c8;
 
 // In the order of Register; offsets ascend.
-inline constexpr std::array<RegisterInfo, 32> kRegisters = {{
+inline constexpr std::array<RegisterInfo, 41> kRegisters = {{
     {"ID", 0x00000000, 0x48565031, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
-    {"VERSION", 0x00000004, 0x00010000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"VERSION", 0x00000004, 0x00020000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_NODES", 0x00000008, 0x00402000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_BLOCKS", 0x0000000c, 0x00050000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_FORMAT", 0x00000010, 0x20202020, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_CLOCK", 0x00000014, 0x000186a0, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"CAPABILITY_SOLVER", 0x00000018, 0x8000071f, 0xff000fff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CONTROL", 0x00000020, 0x00000000, 0x00000000, 0x80000007, 0x00000000, 0x80000007, 0x00000007},
     {"STATUS", 0x00000024, 0x00000000, 0xffffff0f, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"INTERRUPT_STATUS", 0x00000028, 0x00000000, 0x00000003, 0x00000003, 0x00000003, 0x00000000, 0x00000000},
@@ -106,25 +116,33 @@ inline constexpr std::array<RegisterInfo, 32> kRegisters = {{
     {"ERROR", 0x00000030, 0x00000000, 0x000000ff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"ERROR_DETAIL", 0x00000034, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"JOB", 0x00000038, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
-    {"METHOD", 0x00000040, 0x00000000, 0x00000003, 0x00000003, 0x00000000, 0x00000000, 0x00000003},
+    {"METHOD", 0x00000040, 0x00000000, 0x00000007, 0x00000007, 0x00000000, 0x00000000, 0x00000007},
     {"ITERATIONS", 0x00000044, 0x0000003c, 0x0000ffff, 0x0000ffff, 0x00000000, 0x00000000, 0x0000ffff},
-    {"STATIC_SHIFT", 0x00000048, 0x0000000b, 0x0000003f, 0x0000003f, 0x00000000, 0x00000000, 0x0000003f},
-    {"SCALING", 0x0000004c, 0x00000101, 0x00000f01, 0x00000f01, 0x00000000, 0x00000000, 0x00000f01},
-    {"FORMAT", 0x00000050, 0x1010100c, 0xffffffff, 0xffffffff, 0x00000000, 0x00000000, 0xffffffff},
-    {"START_MODE", 0x00000054, 0x00000001, 0x00000001, 0x00000001, 0x00000000, 0x00000000, 0x00000001},
-    {"NODES", 0x00000058, 0x00000000, 0x0000ffff, 0x0000ffff, 0x00000000, 0x00000000, 0x0000ffff},
-    {"BLOCKS", 0x0000005c, 0x00000000, 0xffffffff, 0xffffffff, 0x00000000, 0x00000000, 0xffffffff},
-    {"UPDATE_NODE", 0x00000060, 0x00000000, 0x0000ffff, 0x0000ffff, 0x00000000, 0x00000000, 0x0000ffff},
-    {"UPDATE_KIND", 0x00000064, 0x00000000, 0x00000001, 0x00000001, 0x00000000, 0x00000000, 0x00000001},
-    {"UPDATE_DIAGONAL", 0x00000068, 0x00000001, 0xffffffff, 0xffffffff, 0x00000000, 0x00000000, 0xffffffff},
-    {"UPDATE_BLOCKS", 0x0000006c, 0x00000000, 0x0000ffff, 0x0000ffff, 0x00000000, 0x00000000, 0x0000ffff},
-    {"RESULT_JOB", 0x00000080, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
-    {"RESULT_ITERATIONS", 0x00000084, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
-    {"RESULT_SATURATIONS", 0x00000088, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
-    {"RESULT_BREAKDOWNS", 0x0000008c, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
-    {"RESULT_FLAGS", 0x00000090, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
-    {"RESULT_CYCLES_LOW", 0x00000094, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
-    {"RESULT_CYCLES_HIGH", 0x00000098, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"STOP_RESIDUAL_LOW", 0x00000048, 0x00000000, 0xffffffff, 0xffffffff, 0x00000000, 0x00000000, 0xffffffff},
+    {"STOP_RESIDUAL_HIGH", 0x0000004c, 0x00000000, 0xffffffff, 0xffffffff, 0x00000000, 0x00000000, 0xffffffff},
+    {"REPLACE_EVERY", 0x00000050, 0x00000000, 0x0000ffff, 0x0000ffff, 0x00000000, 0x00000000, 0x0000ffff},
+    {"STATIC_SHIFT", 0x00000054, 0x0000000b, 0x0000003f, 0x0000003f, 0x00000000, 0x00000000, 0x0000003f},
+    {"SCALING", 0x00000058, 0x01010103, 0x1f1f0f03, 0x1f1f0f03, 0x00000000, 0x00000000, 0x1f1f0f03},
+    {"FORMAT", 0x0000005c, 0x1010100c, 0xffffffff, 0xffffffff, 0x00000000, 0x00000000, 0xffffffff},
+    {"COEFFICIENTS", 0x00000060, 0x000d1800, 0x003f3f01, 0x003f3f01, 0x00000000, 0x00000000, 0x003f3f01},
+    {"ARITHMETIC", 0x00000064, 0x40000000, 0xff000133, 0xff000133, 0x00000000, 0x00000000, 0xff000133},
+    {"START_MODE", 0x00000068, 0x00000001, 0x00000003, 0x00000003, 0x00000000, 0x00000000, 0x00000003},
+    {"NODES", 0x0000006c, 0x00000000, 0x0000ffff, 0x0000ffff, 0x00000000, 0x00000000, 0x0000ffff},
+    {"BLOCKS", 0x00000070, 0x00000000, 0xffffffff, 0xffffffff, 0x00000000, 0x00000000, 0xffffffff},
+    {"UPDATE_NODE", 0x00000080, 0x00000000, 0x0000ffff, 0x0000ffff, 0x00000000, 0x00000000, 0x0000ffff},
+    {"UPDATE_KIND", 0x00000084, 0x00000000, 0x00000001, 0x00000001, 0x00000000, 0x00000000, 0x00000001},
+    {"UPDATE_DIAGONAL", 0x00000088, 0x00000001, 0xffffffff, 0xffffffff, 0x00000000, 0x00000000, 0xffffffff},
+    {"UPDATE_BLOCKS", 0x0000008c, 0x00000000, 0x0000ffff, 0x0000ffff, 0x00000000, 0x00000000, 0x0000ffff},
+    {"RESULT_JOB", 0x000000a0, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"RESULT_ITERATIONS", 0x000000a4, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"RESULT_END", 0x000000a8, 0x00000000, 0x00000001, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"RESULT_REPLACEMENTS", 0x000000ac, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"RESULT_SATURATIONS", 0x000000b0, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"RESULT_WRAPS", 0x000000b4, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"RESULT_BREAKDOWNS", 0x000000b8, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"RESULT_FLAGS", 0x000000bc, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"RESULT_CYCLES_LOW", 0x000000c0, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"RESULT_CYCLES_HIGH", 0x000000c4, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
 }};
 
 // In the order of Aperture; offsets ascend.
@@ -152,11 +170,31 @@ enum class ErrorCode : std::uint32_t {
 enum class SolverMethod : std::uint32_t {
   cg = 0,  // Conjugate gradients (thesis §4.2).
   jacobi_pcg = 1,  // Conjugate gradients with Jacobi's preconditioner (thesis §4.3).
+  block_jacobi_pcg = 2,  // The same with the inverse 3 × 3 blocks of the diagonal.
+  chronopoulos_gear = 3,  // Conjugate gradients with A·d by a recurrence (Chronopoulos and Gear 1989).
+  pipelined_cg = 4,  // Conjugate gradients with the divisions beside the product (Ghysels and Vanroose 2014).
+};
+
+enum class CoefficientFormat : std::uint32_t {
+  own_shift = 0,  // A shift of its own in every iteration, which fills the mantissa.
+  fixed_point = 1,  // A fixed number of bits behind the point.
+};
+
+enum class RoundingMode : std::uint32_t {
+  nearest_up = 0,  // To nearest, ties away from zero.
+  nearest_even = 1,  // To nearest, ties to the even word.
+  truncation = 2,  // Towards zero.
+};
+
+enum class OverflowMode : std::uint32_t {
+  saturate = 0,  // The limit of the word; counted in RESULT_SATURATIONS.
+  wrap = 1,  // The low bits of the value; counted in RESULT_WRAPS.
 };
 
 enum class StartMode : std::uint32_t {
   zero = 0,  // Start from U = 0.
   warm = 1,  // Start from what the U memory holds: the last solution, or what the host wrote.
+  extrapolated = 2,  // Start from 2·U - (the U of the job before), saturating. From U alone where the job before had another mode, where the host has written to U since, and after load_done.
 };
 
 enum class UpdateKind : std::uint32_t {
@@ -177,6 +215,9 @@ inline constexpr Field kCapabilityFormatMaxVectorBits{Register::capability_forma
 inline constexpr Field kCapabilityFormatMaxRhsBits{Register::capability_format, 16, 8};
 inline constexpr Field kCapabilityFormatMaxCoefficientBits{Register::capability_format, 24, 8};
 inline constexpr Field kCapabilityClockKilohertz{Register::capability_clock, 0, 32};
+inline constexpr Field kCapabilitySolverMethods{Register::capability_solver, 0, 8};
+inline constexpr Field kCapabilitySolverStartModes{Register::capability_solver, 8, 4};
+inline constexpr Field kCapabilitySolverMaxScalarBits{Register::capability_solver, 24, 8};
 inline constexpr Field kControlStart{Register::control, 0, 1};
 inline constexpr Field kControlUpdateNode{Register::control, 1, 1};
 inline constexpr Field kControlLoadDone{Register::control, 2, 1};
@@ -194,16 +235,29 @@ inline constexpr Field kInterruptEnableError{Register::interrupt_enable, 1, 1};
 inline constexpr Field kErrorCode{Register::error, 0, 8};
 inline constexpr Field kErrorDetailDetail{Register::error_detail, 0, 32};
 inline constexpr Field kJobJob{Register::job, 0, 32};
-inline constexpr Field kMethodMethod{Register::method, 0, 2};
+inline constexpr Field kMethodMethod{Register::method, 0, 3};
 inline constexpr Field kIterationsCount{Register::iterations, 0, 16};
+inline constexpr Field kStopResidualLowLow{Register::stop_residual_low, 0, 32};
+inline constexpr Field kStopResidualHighHigh{Register::stop_residual_high, 0, 32};
+inline constexpr Field kReplaceEveryCount{Register::replace_every, 0, 16};
 inline constexpr Field kStaticShiftShift{Register::static_shift, 0, 6};
 inline constexpr Field kScalingDynamic{Register::scaling, 0, 1};
+inline constexpr Field kScalingDown{Register::scaling, 1, 1};
 inline constexpr Field kScalingHeadroomBits{Register::scaling, 8, 4};
+inline constexpr Field kScalingThreshold{Register::scaling, 16, 5};
+inline constexpr Field kScalingStep{Register::scaling, 24, 5};
 inline constexpr Field kFormatMatrixBits{Register::format, 0, 8};
 inline constexpr Field kFormatVectorBits{Register::format, 8, 8};
 inline constexpr Field kFormatRhsBits{Register::format, 16, 8};
 inline constexpr Field kFormatCoefficientBits{Register::format, 24, 8};
-inline constexpr Field kStartModeMode{Register::start_mode, 0, 1};
+inline constexpr Field kCoefficientsFormat{Register::coefficients, 0, 1};
+inline constexpr Field kCoefficientsAlphaFraction{Register::coefficients, 8, 6};
+inline constexpr Field kCoefficientsBetaFraction{Register::coefficients, 16, 6};
+inline constexpr Field kArithmeticDivisionRounding{Register::arithmetic, 0, 2};
+inline constexpr Field kArithmeticShiftRounding{Register::arithmetic, 4, 2};
+inline constexpr Field kArithmeticOverflow{Register::arithmetic, 8, 1};
+inline constexpr Field kArithmeticScalarBits{Register::arithmetic, 24, 8};
+inline constexpr Field kStartModeMode{Register::start_mode, 0, 2};
 inline constexpr Field kNodesCount{Register::nodes, 0, 16};
 inline constexpr Field kBlocksCount{Register::blocks, 0, 32};
 inline constexpr Field kUpdateNodeNode{Register::update_node, 0, 16};
@@ -212,7 +266,10 @@ inline constexpr Field kUpdateDiagonalValue{Register::update_diagonal, 0, 32};
 inline constexpr Field kUpdateBlocksCount{Register::update_blocks, 0, 16};
 inline constexpr Field kResultJobJob{Register::result_job, 0, 32};
 inline constexpr Field kResultIterationsCount{Register::result_iterations, 0, 32};
+inline constexpr Field kResultEndReached{Register::result_end, 0, 1};
+inline constexpr Field kResultReplacementsCount{Register::result_replacements, 0, 32};
 inline constexpr Field kResultSaturationsCount{Register::result_saturations, 0, 32};
+inline constexpr Field kResultWrapsCount{Register::result_wraps, 0, 32};
 inline constexpr Field kResultBreakdownsCount{Register::result_breakdowns, 0, 32};
 inline constexpr Field kResultFlagsBits{Register::result_flags, 0, 32};
 inline constexpr Field kResultCyclesLowLow{Register::result_cycles_low, 0, 32};

@@ -12,6 +12,7 @@
 #include "models/plant/daq.h"
 #include "models/stability/flag.h"
 #include "vp/device/daq_board.h"
+#include "vp/host/driver_config.h"
 
 namespace hvp::vp {
 
@@ -84,18 +85,7 @@ void ServoProcess::serve() {
 
 bool ServoProcess::set_up() {
   access_.tag() = Tag{};
-  const fixed::Settings& s = settings_.solver;
-  hvp_solver_config config{};
-  config.jacobi = s.method == fixed::Method::jacobi_pcg;
-  config.warm_start = s.start == fixed::Start::warm;
-  config.dynamic_scaling = s.dynamic_scaling;
-  config.headroom_bits = static_cast<std::uint32_t>(s.headroom_bits);
-  config.iterations = static_cast<std::uint32_t>(s.iterations);
-  config.static_shift = static_cast<std::uint32_t>(s.static_shift);
-  config.matrix_bits = static_cast<std::uint32_t>(s.matrix_bits);
-  config.vector_bits = static_cast<std::uint32_t>(s.vector_bits);
-  config.rhs_bits = static_cast<std::uint32_t>(s.residual_bits());
-  config.coefficient_bits = static_cast<std::uint32_t>(s.coefficient_bits);
+  const hvp_solver_config config = driver_config(settings_.solver);
   const fixed::QuantisedMatrix& k = computation_.quantised();
   const hvp_matrix matrix{static_cast<std::uint32_t>(k.block_rows()),
                           static_cast<std::uint32_t>(k.column.size()), k.row_begin.data(),
@@ -107,7 +97,7 @@ bool ServoProcess::set_up() {
   hvp_status status = hvp_open(&device_, &access_.solver_bus(), scratch_.data(), scratch_.size());
   if (status == HVP_OK) status = hvp_configure(&device_, &config);
   if (status == HVP_OK) status = hvp_load_matrix(&device_, &matrix);
-  if (status == HVP_OK && config.warm_start) {
+  if (status == HVP_OK && config.start != HVP_START_FROM_ZERO) {
     computation_.scaling().displacement_words(computation_.displacement(), u_);
     status = hvp_write_initial_guess(&device_, u_.data(), u_.size());
   }
