@@ -32,6 +32,7 @@ Settings settings(Method method) {
 std::vector<std::int32_t> right_hand_side(const Settings& settings, int rows) {
   test::Random random(1);
   std::vector<std::int32_t> b;
+  b.reserve(static_cast<std::size_t>(rows));
   for (int i = 0; i < rows; ++i) {
     b.push_back(
         static_cast<std::int32_t>(std::ldexp(random.symmetric(), 19 - settings.rhs_shift())));
