@@ -10,7 +10,7 @@ void Architecture::declare(config::Visitor& v) {
            {"the FPGA", "thesis section 6.1"});
   v.quantity("clock", clock_hz, Dimension::frequency, config::between(1e6, 1e9),
              {"clock of the whole engine", "thesis section 5.5 and Table 6.2"});
-  v.integer("rows_in_parallel", rows_in_parallel, {3, 3},
+  v.integer("rows_in_parallel", rows_in_parallel, {1, 3},
             {"PL1: rows of one node worked on together", "thesis section 5.3"});
   v.integer("package", package, {1, 64},
             {"PL2: non-zero columns a clock and row", "thesis sections 5.3 and 5.4"});

@@ -42,19 +42,22 @@ void allocate_vectors(const Architecture& a, const WordLengths& w, int nodes, co
   const int copies = a.partitions * (a.direction_memory == DirectionMemory::two_copies ? 2 : 1);
   const auto vector = [nodes](int bits) { return vector_blocks(nodes, bits, kM4kWords); };
   const int word = vector(w.vector_bits);
+  // The copies are dealt to banks; a bank has whole blocks.
+  const int copy = a.direction_banks *
+                   vector_blocks(ceil_div(nodes, a.direction_banks), w.vector_bits, kM4kWords);
   const int residual = vector(w.preconditioned() ? kProductBits : w.vector_bits);
   const int product = vector(kProductBits);
   const bool gear = w.method == Method::chronopoulos_gear;
   const bool pipelined = w.method == Method::pipelined_cg;
-  add("d", "M4K", gear || pipelined ? word : copies * word);
+  add("d", "M4K", gear || pipelined ? word : copies * copy);
   add("x", "M4K", word);
   if (w.extrapolated) add("previous x", "M4K", word);
   add("b", "M4K", residual);
-  add("r", "M4K", gear ? copies * word : residual);
+  add("r", "M4K", gear ? copies * copy : residual);
   add("A*d", "M4K", pipelined ? word : product);
   if (gear) add("A*r", "M4K", product);
   if (pipelined) {
-    add("A*r", "M4K", copies * word);
+    add("A*r", "M4K", copies * copy);
     add("A*A*r", "M4K", product);
     add("A*A*d", "M4K", product);
   }
@@ -117,7 +120,9 @@ Usage usage_of(const Architecture& a, const WordLengths& w, int nodes, std::int6
   };
   // A unit holds 1024 matrix words; words longer than 12 bits take more blocks side by side.
   const int unit_blocks = ceil_div(std::int64_t{kUnitWords} * w.matrix_bits, kM4kBits);
-  const int units = ceil_div(packages * a.package, kUnitWords);
+  // The rows of a node that are not worked on at once stand one behind the other.
+  const int rows_a_memory = ceil_div(3, a.rows_in_parallel);
+  const int units = ceil_div(packages * a.package * rows_a_memory, kUnitWords);
   add("matrix", "M4K", a.partitions * a.rows_in_parallel * units * unit_blocks);
   allocate_vectors(a, w, nodes, add);
   allocate_preconditioner(a, w, nodes, add);

@@ -178,6 +178,30 @@ TEST(Cycles, NodeUpdateGrowsWithItsNeighbours) {
   EXPECT_EQ(load_cycles(a, p, Method::block_jacobi_pcg), 10 * 6 * 68 + 20);
 }
 
+TEST(Memory, RowsOneAfterTheOtherShareAMemory) {
+  const auto matrix = [](const Architecture& a) {
+    return usage(a, {}, rows_of_packages(500, 5)).allocations.front().blocks;
+  };
+  Architecture a;
+  EXPECT_EQ(matrix(a), 5 * 3 * 4 * 3);  // 4000 words a memory: four units of three blocks
+  a.rows_in_parallel = 1;
+  EXPECT_EQ(matrix(a), 5 * 1 * 12 * 3);
+}
+
+TEST(Memory, BanksOfTheDirectionAreWholeBlocks) {
+  const auto direction = [](int banks) {
+    Architecture a;
+    a.direction_banks = banks;
+    for (const Allocation& use : usage(a, {}, rows_of_packages(500, 5)).allocations) {
+      if (use.use == "d") return use.blocks;
+    }
+    return -1;
+  };
+  EXPECT_EQ(direction(1), 5 * 3 * 2);
+  EXPECT_EQ(direction(2), 5 * 3 * 2);  // 500 words of a component are two blocks anyway
+  EXPECT_EQ(direction(4), 5 * 3 * 4);
+}
+
 // A full package of eight columns reads three words of two components, of the third two.
 TEST(BankConflicts, AThirdReadOfABankTakesAClock) {
   Architecture a;

@@ -31,6 +31,7 @@ std::vector<Variant> variants() {
   using A = Architecture;
   return {
       {"thesis", [](A&) {}},
+      {"PL1 = 1", [](A& a) { a.rows_in_parallel = 1; }},
       {"PL3 = 1", [](A& a) { a.partitions = 1; }},
       {"PL3 = 16", [](A& a) { a.partitions = 16; }},
       {"PL3 = 16, L = 1", [](A& a) { a.partitions = 16, a.nodes_per_clock = 1; }},
@@ -75,9 +76,9 @@ struct Levels {
 };
 
 Levels compare(CycleEngine& cycles, PhaseEngine& phases, const fixed::QuantisedMatrix& matrix,
-               const Settings& settings) {
+               const Settings& settings, std::int32_t rhs = 2000) {
   cycles.load(matrix, settings);
-  cycles.write_b(test::random_words(matrix.rows(), 2000, 3));
+  cycles.write_b(test::random_words(matrix.rows(), rhs, 3));
   cycles.start_solve(settings);
   sc_core::sc_start();
   phases.load(matrix, settings);
@@ -128,6 +129,82 @@ TEST(Agreement, OverMeshesAndArchitectures) {
     }
     std::printf("%-24s %9lld %+24.2f %+24.2f\n", pair.name.c_str(), static_cast<long long>(clocks),
                 approximate, loose);
+  }
+}
+
+struct Job {
+  std::string name;
+  std::function<void(Settings&)> change;
+  std::int32_t rhs = 2000;
+};
+
+// What a solve can make beside its iterations.
+TEST(Agreement, OverMethodsAndEndings) {
+  const fixed::QuantisedMatrix matrix = fixed::quantise(test::box_stiffness(6, 6, 5), 12);
+  // Not positive definite: the diagonal of one node has the wrong sign.
+  fixed::QuantisedMatrix indefinite = matrix;
+  for (std::size_t e = 0; e < 9; e += 4) {
+    auto& entry = indefinite.value[9 * static_cast<std::size_t>(indefinite.find(100, 100)) + e];
+    entry = -entry;
+  }
+  CycleEngine cycles("cycles", {});
+  PhaseEngine phases("phases", {});
+  const std::vector<Job> jobs = {
+      {"jacobi-pcg", [](Settings& s) { s.method = fixed::Method::jacobi_pcg; }},
+      {"block-jacobi-pcg", [](Settings& s) { s.method = fixed::Method::block_jacobi_pcg; }},
+      {"128-bit scalars", [](Settings& s) { s.scalar_bits = 128; }},
+      {"residual formed anew", [](Settings& s) { s.replace_residual_every = 7; }},
+      {"stopped by the residual",
+       [](Settings& s) {
+         s.method = fixed::Method::jacobi_pcg, s.stop_residual = 0.1;
+         s.iterations = 200;
+       }},
+      {"nothing to do", [](Settings&) {}, 0},
+  };
+  for (const Job& job : jobs) {
+    SCOPED_TRACE(job.name);
+    Settings settings;
+    settings.iterations = 30;
+    job.change(settings);
+    const Levels levels = compare(cycles, phases, matrix, settings, job.rhs);
+    EXPECT_EQ(cycles.report().reached, settings.stop_residual > 0);
+    EXPECT_EQ(levels.approximately_timed, levels.cycle_accurate);
+    EXPECT_LE(std::abs(levels.loose_error()), 3.0) << levels.loose_error();
+  }
+  Settings settings;
+  const Levels broken = compare(cycles, phases, indefinite, settings, 2000);
+  EXPECT_EQ(cycles.report().breakdowns, 1);
+  EXPECT_EQ(broken.approximately_timed, broken.cycle_accurate);
+}
+
+// Commands that are not solves: the closed form is what the engine takes.
+TEST(Agreement, OfLoadsAndNodeUpdatesIsExact) {
+  const fixed::QuantisedMatrix matrix = fixed::quantise(test::box_stiffness(4, 4, 3), 12);
+  const Architecture architecture;
+  const accel::Pattern pattern = accel::pattern_of(matrix.row_begin);
+  CycleEngine engine("engine", architecture);
+  for (const fixed::Method method :
+       {fixed::Method::cg, fixed::Method::jacobi_pcg, fixed::Method::block_jacobi_pcg}) {
+    Settings settings;
+    settings.method = method;
+    engine.load(matrix, settings);
+    engine.start_inversion();
+    sc_core::sc_start();
+    EXPECT_EQ(engine.clocks(), accel::load_cycles(architecture, pattern, method));
+    for (const int node : {0, 17, 60}) {
+      const auto row = static_cast<std::size_t>(node);
+      const auto first = static_cast<std::size_t>(matrix.row_begin[row]);
+      const auto last = static_cast<std::size_t>(matrix.row_begin[row + 1]);
+      const std::int64_t clocks =
+          accel::node_update_cycles(architecture, pattern, node,
+                                    std::span(matrix.column).subspan(first, last - first), method);
+      engine.start_constraining(node, 1000);
+      sc_core::sc_start();
+      EXPECT_EQ(engine.clocks(), clocks) << node;
+      engine.start_restoring(node, matrix.row(node));
+      sc_core::sc_start();
+      EXPECT_EQ(engine.clocks(), clocks) << node;
+    }
   }
 }
 
