@@ -69,8 +69,9 @@ Scene::Scene(const Scenario& openable, const Scenario& written, const Progress& 
     return std::make_unique<host::FrameComputation>(*body_, s.contact.diagonal, s.dynamics,
                                                     s.solver, s.budget.period_s, s.refinement);
   });
-  pattern_ = accel::pattern_of(computation_->matrix().row_begin);
-  usage_ = accel::usage(s.accelerator, accel::word_lengths(s.solver), pattern_);
+  pattern_ = accel::pattern_of(computation_->matrix().row_begin, computation_->matrix().column);
+  usage_ =
+      accel::usage(s.accelerator, accel::word_lengths(computation_->board_settings()), pattern_);
   require_fit();
 
   // A node that is held, by an anchor or by a prescribed displacement, cannot follow the probe.
@@ -90,7 +91,7 @@ Scene::Scene(const Scenario& openable, const Scenario& written, const Progress& 
 
 // The device counts the nodes of the system; a scenario states those of the mesh.
 void Scene::require_fit() const {
-  const accel::WordLengths words = accel::word_lengths(scenario_.solver);
+  const accel::WordLengths words = accel::word_lengths(computation_->board_settings());
   try {
     accel::require_fit(scenario_.accelerator, words, pattern_);
   } catch (const InputError& e) {
@@ -105,7 +106,7 @@ void Scene::require_fit() const {
 
 accel::SolveCycles Scene::solve_cycles() const {
   return accel::solve_cycles(scenario_.accelerator, pattern_,
-                             accel::longest_solve(scenario_.solver));
+                             accel::longest_solve(computation_->board_settings()));
 }
 
 }  // namespace hvp::app

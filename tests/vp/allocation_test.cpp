@@ -41,6 +41,17 @@ TEST(Allocation, NoneInAHold) {
   expect_none(scene, 1);
 }
 
+TEST(Allocation, NoneInJobsThatEndEarlyFromAnExtrapolatedStart) {
+  test::SmallScene::Options options;
+  options.solver.method = fixed::Method::chronopoulos_gear;
+  options.solver.start = fixed::Start::extrapolated;
+  options.solver.stop_residual = 0.1;
+  options.solver.replace_residual_every = 5;
+  test::SmallScene scene(options);
+  scene.touch();
+  expect_none(scene, 1);
+}
+
 TEST(Allocation, NoneInPassesOfRefinement) {
   test::SmallScene::Options options;
   options.dynamics = fem::Dynamics{};

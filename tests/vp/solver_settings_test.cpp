@@ -343,6 +343,55 @@ TEST_P(EveryMethod, AResetDiscardsAJobThatWouldHaveEndedEarly) {
 
 INSTANTIATE_TEST_SUITE_P(Methods, EveryMethod, testing::ValuesIn(kMethods));
 
+// From the scenario's settings to the ledger: a frame's solve takes what its job made.
+class MethodFrames : public testing::TestWithParam<Method> {};
+
+TEST_P(MethodFrames, SpansTheIterationsThatWereMade) {
+  SmallScene::Options options;
+  options.solver.method = GetParam();
+  options.solver.iterations = 30;
+  options.solver.start = fixed::Start::extrapolated;
+  options.solver.stop_residual = 0.3;
+  SmallScene scene(options);
+  scene.touch();
+  scene.settings.servo.frames = 30;
+  Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
+  test::FrameLog log;
+  struct Reports : FrameObserver {
+    explicit Reports(const Platform& p) : platform(p) {}
+    void solved(const SolvedFrame& /*frame*/) override {
+      made.push_back(platform.accelerator().report());
+    }
+    const Platform& platform;
+    std::vector<fixed::Report> made;
+  } reports(platform);
+  platform.add_sink(log);
+  platform.add_observer(reports);
+  platform.run();
+
+  ASSERT_EQ(log.frames.size(), 30U);
+  int worked = 0;
+  for (std::size_t n = 0; n < log.frames.size(); ++n) {
+    const std::vector<Span>& spans = log.frames[n].spans;
+    const auto solve = std::find_if(spans.begin(), spans.end(),
+                                    [](const Span& s) { return s.phase == Phase::solve; });
+    ASSERT_NE(solve, spans.end());
+    const fixed::Report& report = reports.made[n];
+    const int passes = report.reached || report.breakdowns > 0 ? report.iterations : 30;
+    EXPECT_EQ(solve->end - solve->start,
+              test::solve_time(scene.computation.quantised().row_begin,
+                               Made{.method = GetParam(),
+                                    .passes = passes,
+                                    .extrapolated = true,
+                                    .broken_down = report.breakdowns > 0}));
+    worked += report.reached && report.iterations > 0 ? 1 : 0;
+  }
+  EXPECT_GT(worked, 0);
+  EXPECT_EQ(platform.accelerator().illegal_accesses(), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, MethodFrames, testing::ValuesIn(kMethods));
+
 // 2·U − (the U before), clamped to the word; only where the board has both.
 class Extrapolated : public SolverSettings {
  protected:
