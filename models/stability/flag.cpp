@@ -37,7 +37,9 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "reference.tolerance",
      "more refinement.passes, solver.matrix_scaling = \"diagonal\", more matrix_bits and "
      "vector_bits; each bit about halves it"},
-    {"not-converged", "the solver's own error is larger than reference.solver_tolerance",
+    {"not-converged",
+     "the solver's own error is larger than reference.solver_tolerance, or the residual that "
+     "refinement leaves than refinement.tolerance",
      "first what other flags say; then a solver.displacement_range twice the displacements if it "
      "is far wider, method = \"jacobi-pcg\", more refinement.passes, more solver.iterations, more "
      "matrix_bits and vector_bits"},
