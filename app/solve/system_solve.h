@@ -63,6 +63,6 @@ struct SystemSolution {
 
 // What the accelerator makes of the system, and how far that is from double precision. Throws
 // InputError where the matrix is not positive definite or cannot be put into words.
-SystemSolution solve_system(const LinearSystem& system, const SolveTask& task);
+SystemSolution solve_system(const LinearSystem& given, const SolveTask& task);
 
 }  // namespace hvp::app

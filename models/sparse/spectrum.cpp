@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 namespace hvp::sparse {
@@ -182,22 +183,27 @@ class Bounds {
     return found;
   }
 
-  // A shift below the smallest eigenvalue: zero where A is positive definite.
-  double shift_below() {
+  // A shift below the smallest eigenvalue, with its factors in place: zero where A is positive
+  // definite. None where even a shift by ‖A‖∞ is lost in rounding: a matrix of zeros.
+  std::optional<double> shift_below() {
     if (factorise(1, 0)) return 0;
-    for (double shift = -0x1p-30 * norm_; shift > lowest_; shift *= 4) {
+    for (int exponent = -30; exponent <= 0; exponent += 2) {
+      const double shift = -std::ldexp(norm_, exponent);
+      if (!(shift > lowest_)) break;
       if (factorise(1, shift)) return shift;
     }
     // Gershgorin's bound may be an eigenvalue itself.
-    double shift = lowest_;
-    for (double beyond = 0x1p-40 * norm_; !factorise(1, shift) && beyond < norm_; beyond *= 4) {
-      shift = lowest_ - beyond;
+    for (int exponent = -40; exponent <= 0; exponent += 2) {
+      const double shift = lowest_ - std::ldexp(norm_, exponent);
+      if (factorise(1, shift)) return shift;
     }
-    return shift;
+    return std::nullopt;
   }
 
   Interval smallest() {
-    double shift = shift_below();
+    const std::optional<double> below = shift_below();
+    if (!below) return {lowest_, rayleigh(start_vector(size_)) + rayleigh_error()};
+    double shift = *below;
     Interval found{std::max(shift - error_, lowest_), std::numeric_limits<double>::infinity()};
     const auto apply = [this](const Vector& x, Vector& y) {
       const auto rows = static_cast<Eigen::Index>(size_);
