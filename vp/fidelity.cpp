@@ -7,14 +7,33 @@ void Fidelity::declare(config::Visitor& v) {
     v.choice(part, level, {{"untimed", Timing::untimed}, {"loosely-timed", Timing::loosely_timed}},
              {help, "the level that answers whether a budget holds"});
   };
-  timing("accelerator", accelerator, "loosely-timed: a closed form of clocks; untimed: no time");
+  v.choice("accelerator", accelerator,
+           {{"untimed", Timing::untimed},
+            {"loosely-timed", Timing::loosely_timed},
+            {"approximately-timed", Timing::approximately_timed},
+            {"cycle-accurate", Timing::cycle_accurate}},
+           {"loosely-timed: a closed form of clocks; approximately-timed: an event a phase, its "
+            "stalls from conflicts; cycle-accurate: every clock of the engine; untimed: no time",
+            "the level that answers whether a budget holds"});
   timing("bus", bus, "loosely-timed: latency and bursts; untimed: no time");
   timing("host", host, "loosely-timed: annotated costs; untimed: no time");
   v.choice("numbers", numbers, {{"fixed", Numbers::fixed}},
            {"fixed: bit-true fixed point", "thesis section 4.2"});
 }
 
-const char* name(Timing level) { return level == Timing::untimed ? "untimed" : "loosely-timed"; }
+const char* name(Timing level) {
+  switch (level) {
+    case Timing::untimed:
+      return "untimed";
+    case Timing::loosely_timed:
+      return "loosely-timed";
+    case Timing::approximately_timed:
+      return "approximately-timed";
+    case Timing::cycle_accurate:
+      return "cycle-accurate";
+  }
+  return "";
+}
 
 const char* name(Numbers /*level*/) { return "fixed"; }
 

@@ -6,7 +6,7 @@ namespace hvp::vp {
 
 // How finely a part that is there is modelled. Levels that a part does not have are not listed,
 // so that asking for one is an error.
-enum class Timing { untimed, loosely_timed };
+enum class Timing { untimed, loosely_timed, approximately_timed, cycle_accurate };
 enum class Numbers { fixed };
 
 // The scenario's table [fidelity].

@@ -32,8 +32,8 @@ Platform::Platform(const PlatformSettings& settings, const fem::Body& body,
       exchange_{Mailbox<SceneState>(at_rest(body, computation, settings_.probe)),
                 Mailbox<ContactReport>(ContactReport{})},
       bus_("bus", settings_.bus, settings_.fidelity.bus == Timing::untimed, ledger_),
-      accelerator_("accelerator", settings_.accelerator,
-                   settings_.fidelity.accelerator == Timing::untimed, ledger_, register_trace),
+      accelerator_("accelerator", settings_.accelerator, settings_.fidelity.accelerator, ledger_,
+                   register_trace),
       daq_("daq", settings_.daq, settings_.probe, session_, ledger_),
       access_("access",
               settings_.servo.untimed
@@ -44,6 +44,7 @@ Platform::Platform(const PlatformSettings& settings, const fem::Body& body,
              verdict_, session_),
       collision_("collision", settings_.servo.costs, settings_.servo.untimed, contacts, exchange_,
                  session_, servo_.begun()) {
+  Accelerator::require_supported(settings_.fidelity.accelerator, settings_.servo.solver);
   ledger_.add_sink(verdict_);
   access_.to_bus.bind(bus_.from_host);
   bus_.attach(accelerator_.from_bus, kSolverBase, kBarBytes);

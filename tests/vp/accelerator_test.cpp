@@ -39,12 +39,12 @@ std::vector<std::int32_t> solved(const fixed::QuantisedMatrix& k, const fixed::S
 class AcceleratorTest : public testing::Test {
  protected:
   void run(const std::function<void(Stimulus&, BoardMaster&)>& script,
-           const accel::Architecture& architecture = {}, bool untimed = false) {
+           const accel::Architecture& architecture = {}, Timing level = Timing::loosely_timed) {
     auto logger = std::make_shared<spdlog::logger>(
         "test", std::make_shared<spdlog::sinks::ostream_sink_st>(log_));
     logger->set_pattern("%v");
     spdlog::set_default_logger(logger);
-    accelerator_ = std::make_unique<Accelerator>("accelerator", architecture, untimed, ledger_);
+    accelerator_ = std::make_unique<Accelerator>("accelerator", architecture, level, ledger_);
     line_ = std::make_unique<test::LineProbe>("line");
     stimulus_ = std::make_unique<Stimulus>("stimulus", [&](Stimulus& s) {
       BoardMaster master(s);
@@ -154,7 +154,7 @@ TEST_F(AcceleratorTest, UntimedEndsAtOnce) {
         ASSERT_EQ(line_->up.size(), 1U);
         EXPECT_EQ(line_->up[0], 1);
       },
-      {}, true);
+      {}, Timing::untimed);
 }
 
 TEST_F(AcceleratorTest, LoadTakesAClockAndWithAPreconditionerADivisionARow) {

@@ -31,8 +31,8 @@ class DriverOnBus : public testing::Test {
  protected:
   void run(const std::function<void(test::Program&)>& script) {
     bus_ = std::make_unique<PciBus>("bus", link::Pci{}, false, ledger_);
-    accelerator_ =
-        std::make_unique<Accelerator>("accelerator", accel::Architecture{}, false, ledger_);
+    accelerator_ = std::make_unique<Accelerator>("accelerator", accel::Architecture{},
+                                                 Timing::loosely_timed, ledger_);
     access_ = std::make_unique<BoardAccess>("access", kInterruptLatency, ledger_);
     access_->to_bus.bind(bus_->from_host);
     bus_->attach(accelerator_->from_bus, kSolverBase, kBarBytes);

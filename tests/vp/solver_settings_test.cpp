@@ -43,8 +43,8 @@ class SolverSettings : public testing::Test {
  protected:
   void run(const std::function<void(test::Program&)>& script) {
     bus_ = std::make_unique<PciBus>("bus", link::Pci{}, false, ledger_);
-    accelerator_ =
-        std::make_unique<Accelerator>("accelerator", accel::Architecture{}, false, ledger_);
+    accelerator_ = std::make_unique<Accelerator>("accelerator", accel::Architecture{},
+                                                 Timing::loosely_timed, ledger_);
     access_ = std::make_unique<BoardAccess>("access", 0, ledger_);
     access_->to_bus.bind(bus_->from_host);
     bus_->attach(accelerator_->from_bus, kSolverBase, kBarBytes);

@@ -42,13 +42,13 @@ std::uint32_t saturated(std::int64_t value) {
 }  // namespace
 
 Accelerator::Accelerator(const sc_core::sc_module_name& name,
-                         const accel::Architecture& architecture, bool untimed, Ledger& ledger,
+                         const accel::Architecture& architecture, Timing level, Ledger& ledger,
                          AccessObserver* observer)
     : sc_module(name),
       from_bus("from_bus"),
       interrupt("interrupt"),
       architecture_(architecture),
-      untimed_(untimed),
+      level_(level),
       ledger_(ledger),
       observer_(observer),
       done_("done") {
@@ -78,6 +78,31 @@ Accelerator::Accelerator(const sc_core::sc_module_name& name,
   SC_METHOD(finish);
   sensitive << done_;
   dont_initialize();
+  if (level == Timing::approximately_timed) {
+    phases_ = std::make_unique<engine::PhaseEngine>("phases", architecture);
+    sensitive << phases_->done();
+  } else if (level == Timing::cycle_accurate) {
+    cycles_ = std::make_unique<engine::CycleEngine>("engine", architecture);
+    sensitive << cycles_->done();
+  }
+}
+
+void Accelerator::require_supported(Timing level, const fixed::Settings& settings) {
+  if (level == Timing::approximately_timed || level == Timing::cycle_accurate) {
+    engine::require_supported(settings);
+  }
+}
+
+// A job is refused where its level does not have the method.
+bool Accelerator::supported(const fixed::Settings& settings) {
+  try {
+    require_supported(level_, settings);
+    return true;
+  } catch (const InputError& e) {
+    spdlog::warn("the board refused a setting: {}", e.what());
+    raise({ErrorCode::bad_setting, offset_of(Register::method)});
+    return false;
+  }
 }
 
 void Accelerator::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay) {
@@ -117,13 +142,46 @@ void Accelerator::control(std::uint32_t commands) {
   }
 }
 
-void Accelerator::run_for(Running what, std::int64_t clocks) {
+void Accelerator::begin(Running what) {
   running_ = what;
-  clocks_ = clocks;
   started_ = now_ps();
   job_tag_ = *commanding_tag_;
   bank_.set(field::kStatusBusy, 1);
-  done_.notify(to_sc_time(untimed_ ? 0 : clocks * architecture_.clock_period_ps()));
+}
+
+void Accelerator::run_for(Running what, std::int64_t clocks) {
+  begin(what);
+  clocks_ = clocks;
+  const bool untimed = level_ == Timing::untimed;
+  done_.notify(to_sc_time(untimed ? 0 : clocks * architecture_.clock_period_ps()));
+}
+
+// The job is computed; who says how long it takes depends on the level.
+void Accelerator::begin_solve() {
+  if (cycles_ != nullptr && !fault_) {
+    begin(Running::solve);
+    cycles_->start_solve(solver_settings_);
+  } else if (phases_ != nullptr && !fault_) {
+    begin(Running::solve);
+    phases_->start_solve(settings_, result_);
+  } else {
+    const accel::SolveWork work = accel::solve_made(settings_, result_);
+    run_for(Running::solve,
+            accel::solve_cycles(architecture_, matrix_.block_rows(), issue_clocks_, work).total());
+  }
+}
+
+// What the engine's pipelines have put out is what software reads.
+void Accelerator::take_engine_words() {
+  if (fault_) return;
+  if (phases_ != nullptr) clocks_ = phases_->clocks();
+  if (cycles_ == nullptr) return;
+  clocks_ = cycles_->clocks();
+  engine_u_.resize(u_.size());
+  cycles_->read_x(engine_u_);
+  if (engine_u_ == u_) return;
+  spdlog::error("the engine's words are not those of the solver");
+  fault_ = true;
 }
 
 void Accelerator::start() {
@@ -135,11 +193,10 @@ void Accelerator::start() {
     raise(error);
     return;
   }
+  if (!supported(settings_)) return;
   bank_.set(field::kJobJob, bank_.get(field::kJobJob) + 1);
   compute();
-  const accel::SolveWork work = accel::solve_made(settings_, result_);
-  run_for(Running::solve,
-          accel::solve_cycles(architecture_, matrix_.block_rows(), issue_clocks_, work).total());
+  begin_solve();
 }
 
 void Accelerator::load_done() {
@@ -150,14 +207,33 @@ void Accelerator::load_done() {
     raise(error);
     return;
   }
-  pattern_ = accel::pattern_of(matrix_.row_begin, matrix_.column);
-  issue_clocks_ = accel::issue_clocks_of_fullest_partition(architecture_, pattern_);
+  if (!supported(settings) || !load_engine(settings)) return;
   solver_.reset();
   loaded_method_ = settings.method;
   has_previous_u_ = false;
   b_.assign(static_cast<std::size_t>(matrix_.rows()), 0);
   u_.assign(static_cast<std::size_t>(matrix_.rows()), 0);
-  run_for(Running::load, accel::load_cycles(architecture_, pattern_, settings.method));
+  if (cycles_ != nullptr) {
+    begin(Running::load);
+    cycles_->start_inversion();
+  } else {
+    run_for(Running::load, accel::load_cycles(architecture_, pattern_, settings.method));
+  }
+}
+
+// How the matrix lies in the memories. Through the driver's frames nothing may be thrown.
+bool Accelerator::load_engine(const fixed::Settings& settings) {
+  try {
+    pattern_ = accel::pattern_of(matrix_.row_begin, matrix_.column);
+    issue_clocks_ = accel::issue_clocks_of_fullest_partition(architecture_, pattern_);
+    if (phases_ != nullptr) phases_->load(matrix_, settings);
+    if (cycles_ != nullptr) cycles_->load(matrix_, settings);
+    return true;
+  } catch (const InputError& e) {
+    spdlog::warn("the board cannot hold the matrix: {}", e.what());
+    raise({ErrorCode::internal_fault, 0});
+    return false;
+  }
 }
 
 void Accelerator::update_node() {
@@ -194,6 +270,10 @@ void Accelerator::update_node() {
   }
   if (solver_ != nullptr) solver_->update(row);
   write_back_node(matrix_, row, bank_);
+  if (cycles_ != nullptr) {
+    edit_engine(row);
+    return;
+  }
 
   const auto begin = static_cast<std::size_t>(matrix_.row_begin[node]);
   const auto end = static_cast<std::size_t>(matrix_.row_begin[node + 1]);
@@ -201,13 +281,29 @@ void Accelerator::update_node() {
   const std::int64_t clocks = accel::node_update_cycles(
       architecture_, pattern_, row, std::span(matrix_.column).subspan(begin, end - begin),
       loaded_method_);
-  wait_states_ = untimed_ ? 0 : clocks * architecture_.clock_period_ps();
+  wait_states_ = level_ == Timing::untimed ? 0 : clocks * architecture_.clock_period_ps();
   ledger_.extend(*commanding_tag_, Part::fpga, Phase::node_update, now_ps(),
                  now_ps() + wait_states_);
 }
 
+// The access that gave the command is held until the engine has written its packages.
+void Accelerator::edit_engine(int node) {
+  Tag* const commanding = commanding_tag_;
+  const Picoseconds before = now_ps();
+  if (matrix_.is_contact[static_cast<std::size_t>(node)] != 0) {
+    cycles_->start_constraining(node, matrix_.diagonal(3 * node));
+  } else {
+    cycles_->start_restoring(node, row_);
+  }
+  sc_core::wait(cycles_->done());
+  commanding_tag_ = commanding;
+  ledger_.extend(*commanding_tag_, Part::fpga, Phase::node_update, before, now_ps());
+}
+
 void Accelerator::reset() {
   done_.cancel();
+  if (phases_ != nullptr) phases_->abort();
+  if (cycles_ != nullptr) cycles_->abort();
   running_ = Running::nothing;
   solver_.reset();
   has_previous_u_ = false;
@@ -216,12 +312,14 @@ void Accelerator::reset() {
 }
 
 void Accelerator::finish() {
+  if (running_ == Running::nothing) return;  // a node was updated
   bank_.set(field::kStatusBusy, 0);
   const Running ended = std::exchange(running_, Running::nothing);
   if (ended == Running::load) {
     bank_.set(field::kStatusMatrixLoaded, 1);
   } else {
     ledger_.extend(job_tag_, Part::fpga, Phase::solve, started_, now_ps());
+    take_engine_words();
     if (fault_) {
       raise({ErrorCode::internal_fault, 0});
       return;
@@ -269,6 +367,10 @@ void Accelerator::compute() {
   for (std::size_t i = 0; i < b_.size(); ++i) b_[i] = packed_element(words, i, rhs_bits);
   form_guess(settings_.start);
   const std::int64_t clamped = result_.saturations;
+  if (cycles_ != nullptr) {
+    cycles_->write_b(b_);
+    cycles_->write_x(u_);
+  }
   // Through the driver's frames nothing may be thrown.
   try {
     require_solver(settings_);

@@ -11,7 +11,10 @@
 #include "models/accel/architecture.h"
 #include "models/accel/cycles.h"
 #include "models/fixed/solver.h"
+#include "vp/fidelity.h"
 #include "vp/fpga/board_matrix.h"
+#include "vp/fpga/engine/cycle_engine.h"
+#include "vp/fpga/engine/phase_engine.h"
 #include "vp/fpga/register_bank.h"
 #include "vp/frame_tag.h"
 #include "vp/ledger.h"
@@ -28,15 +31,20 @@ class AccessObserver {
                       std::span<const std::uint8_t> data) = 0;
 };
 
-// The solver board (thesis chapter 5, §6.2.1) behind its register bank. Loosely timed: a job
-// takes the clocks of accel::solve_cycles and its words are those of fixed::Solver. How many
-// iterations a job makes is known only when it has been computed, so that this happens when it
-// starts; U, the results and the interrupt appear when its last clock is over, and a reset before
-// that discards them. docs/registers.md is what software sees.
+// The solver board (thesis chapter 5, §6.2.1) behind its register bank. The words of a job are
+// those of fixed::Solver. How many iterations it makes is known only when it has been computed, so
+// that this happens when it starts; U, the results and the interrupt appear when its last clock is
+// over, and a reset before that discards them. docs/registers.md is what software sees.
+//
+// Loosely timed, a job takes the clocks of accel::solve_cycles; approximately timed, those of an
+// engine::PhaseEngine. Cycle-accurate, an engine::CycleEngine does the work beside, its words are
+// what appears in U, and words other than the solver's are an internal fault.
 class Accelerator : public sc_core::sc_module {
  public:
   Accelerator(const sc_core::sc_module_name& name, const accel::Architecture& architecture,
-              bool untimed, Ledger& ledger, AccessObserver* observer = nullptr);
+              Timing level, Ledger& ledger, AccessObserver* observer = nullptr);
+  // Throws InputError with the key "method" where a level does not have it.
+  static void require_supported(Timing level, const fixed::Settings& settings);
 
   tlm_utils::simple_target_socket<Accelerator> from_bus;
   sc_core::sc_port<InterruptIf, 1, sc_core::SC_ZERO_OR_MORE_BOUND> interrupt;
@@ -60,7 +68,13 @@ class Accelerator : public sc_core::sc_module {
   void reset();
   void finish();
 
+  void begin(Running what);
   void run_for(Running what, std::int64_t clocks);
+  void begin_solve();
+  void take_engine_words();
+  bool load_engine(const fixed::Settings& settings);
+  void edit_engine(int node);
+  bool supported(const fixed::Settings& settings);
   void form_guess(fixed::Start start);
   void require_solver(const fixed::Settings& settings);
   void compute();
@@ -71,7 +85,7 @@ class Accelerator : public sc_core::sc_module {
   void drive_interrupt_line(const Tag& tag);
 
   accel::Architecture architecture_;
-  bool untimed_;
+  Timing level_;
   Ledger& ledger_;
   AccessObserver* observer_;
 
@@ -98,6 +112,10 @@ class Accelerator : public sc_core::sc_module {
   bool has_previous_u_ = false;
 
   fixed::Report report_;  // of the last finished job
+
+  std::unique_ptr<engine::PhaseEngine> phases_;  // approximately timed
+  std::unique_ptr<engine::CycleEngine> cycles_;  // cycle-accurate
+  std::vector<std::int32_t> engine_u_;
 
   Running running_ = Running::nothing;
   sc_core::sc_event done_;
