@@ -152,7 +152,6 @@ INSTANTIATE_TEST_SUITE_P(
                       Override{"=3", "expected KEY=VALUE"},
                       Override{"frames=", "expected a whole number"},
                       Override{"object.mesh=3", "expected a table"},
-                      Override{"fidelity.accelerator=cycle-accurate", "\"loosely-timed\""},
                       Override{"fidelity.bus=approximately-timed", "\"loosely-timed\""},
                       Override{"fidelity.numbers=double", "\"fixed\""}));
 
