@@ -190,7 +190,7 @@ void VectorUnit::read(const Group& group, Lane* lanes) {
   }
 }
 
-void VectorUnit::multiply(const Group& group, Lane* lanes) {
+void VectorUnit::multiply(const Group& group, Lane* lanes) const {
   for (int i = 0; i < group.count; ++i) {
     Lane& lane = lanes[i];
     for (std::size_t c = 0; c < 3; ++c) {

@@ -122,7 +122,7 @@ class VectorUnit : public sc_core::sc_module {
   void move_lanes();
   void enter_group(int accesses);
   void read(const Group& group, Lane* lanes);
-  void multiply(const Group& group, Lane* lanes);
+  void multiply(const Group& group, Lane* lanes) const;
   void align_and_write(const Group& group, Lane* lanes);
   void sum(const Group& group, const Lane* lanes);
   void finish_pass();
@@ -134,7 +134,7 @@ class VectorUnit : public sc_core::sc_module {
   void precondition(int node, Lane& lane);
 
   void collect();
-  void write_back(int slot);
+  void write_back(int age);
   int take(std::size_t block);
 
   bool reads_direction() const;
