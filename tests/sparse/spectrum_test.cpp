@@ -113,7 +113,7 @@ TEST(Spectrum, OfAPatternWithoutADiagonalBlock) {
   a.row_begin = {0, 1, 2};
   a.column = {1, 0};
   a.value.assign(18, 0.0);
-  for (std::size_t e : {0, 4, 8, 9, 13, 17}) a.value[e] = 2;
+  for (const std::size_t e : {0U, 4U, 8U, 9U, 13U, 17U}) a.value[e] = 2;
   const Spectrum s = bound_spectrum(a);
   expect_inside(s.smallest, -2, 0.0101, 1e-12);
   expect_inside(s.largest, 2, 0.0101, 1e-12);
