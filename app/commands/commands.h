@@ -66,6 +66,9 @@ LoadedScenario load(const ScenarioArguments& arguments);
 // The scenario's system; what it throws names the line of the scenario.
 Scene build_scene(const LoadedScenario& loaded, const Progress& progress);
 
+// Throws InputError that begins with `chosen_by` where HVP_KERNEL names no kernel of this machine.
+void check_kernel(const std::string& chosen_by);
+
 // Progress to stderr, and only to a terminal.
 Progress make_progress(bool quiet);
 // Wipes the line that progress stands on.

@@ -5,8 +5,10 @@
 
 #include "app/commands/commands.h"
 #include "app/scenario/files.h"
+#include "app/scenario/message.h"
 #include "app/scenario/reader.h"
 #include "models/config/input_error.h"
+#include "models/fixed/kernel.h"
 
 namespace hvp::app {
 
@@ -23,6 +25,14 @@ Scene build_scene(const LoadedScenario& loaded, const Progress& progress) {
     return {loaded.openable, loaded.scenario, progress};
   } catch (const InputError& e) {
     throw loaded.document.complete(e);
+  }
+}
+
+void check_kernel(const std::string& chosen_by) {
+  try {
+    fixed::chosen_kernel();
+  } catch (const InputError& e) {
+    throw InputError(scenario::one_line(fmt::format("{}: {}", chosen_by, e.what())));
   }
 }
 

@@ -32,6 +32,7 @@ double peak_memory_mb() {
 
 int run_command(const RunArguments& arguments) {
   const Clock::time_point start = Clock::now();
+  check_kernel("HVP_KERNEL");
   const LoadedScenario loaded = load(arguments);
   std::filesystem::path out = arguments.out;
   if (out.empty()) out = std::filesystem::path("runs") / arguments.scenario.stem();

@@ -17,7 +17,6 @@
 #include "app/scenario/reader.h"
 #include "app/solve/system_solve.h"
 #include "models/config/input_error.h"
-#include "models/fixed/kernel.h"
 #include "models/host/reference_run.h"
 #include "models/sparse/matrix_market.h"
 
@@ -77,7 +76,10 @@ void check_solution_file(const SolveArguments& a) {
   if (file.filename().empty() || fs::is_directory(file, error)) {
     throw InputError(option("--solution", file) + "is a folder: expected a file");
   }
-  if (file.has_parent_path()) results::create_folder(file.parent_path(), "--solution");
+  if (fs::exists(file, error) && !fs::is_regular_file(file, error)) {
+    throw InputError(option("--solution", file) + "is not a regular file");
+  }
+  results::create_folder(file.has_parent_path() ? file.parent_path() : fs::path("."), "--solution");
 }
 
 bool names(const scenario::Document& document, std::string_view table, std::string_view key) {
@@ -98,13 +100,8 @@ SolveTask task_of(const SolveArguments& a, const scenario::Document& document) {
 }
 
 void choose_kernel(const std::string& kernel) {
-  if (kernel.empty()) return;
-  setenv("HVP_KERNEL", kernel.c_str(), 1);
-  try {
-    fixed::chosen_kernel();
-  } catch (const InputError& e) {
-    throw InputError(scenario::one_line(fmt::format("--kernel {}: {}", kernel, e.what())));
-  }
+  if (!kernel.empty()) setenv("HVP_KERNEL", kernel.c_str(), 1);
+  check_kernel(kernel.empty() ? "HVP_KERNEL" : "--kernel " + kernel);
 }
 
 }  // namespace

@@ -54,6 +54,7 @@ struct Outcome {
   std::optional<Accuracy> accuracy;
   stability::Flags flags;
   std::int64_t saturations = 0;
+  std::int64_t wraps = 0;
   std::int64_t breakdowns = 0;
   std::int64_t clamped_words = 0;
 };

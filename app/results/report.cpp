@@ -111,7 +111,9 @@ void accuracy_lines(Out out, const Outcome& o, bool refined) {
   }
   const Accuracy& a = *o.accuracy;
   if (!a.displacement) {
-    fmt::format_to(out, "\nAccuracy     nothing to compare: the body did not move\n");
+    fmt::format_to(
+        out,
+        "\nAccuracy     nothing to compare: no frame that was compared had the body displaced\n");
     return;
   }
   fmt::format_to(
@@ -141,6 +143,7 @@ void accuracy_lines(Out out, const Outcome& o, bool refined) {
 void stability_lines(Out out, const app::Scene& scene, const Outcome& o) {
   fmt::format_to(out, "\nStability    {}, {}, {}\n", counted(o.saturations, "saturation"),
                  counted(o.breakdowns, "breakdown"), counted(o.clamped_words, "clamped word"));
+  if (o.wraps > 0) fmt::format_to(out, "  {}\n", counted(o.wraps, "wrapped word"));
   if (o.driver_errors > 0) {
     fmt::format_to(out,
                    "  {} without a solution: the force of the last solved frame was held\n"

@@ -71,11 +71,9 @@ std::string summary_json(const app::Scene& scene, const Outcome& o) {
   j["load"] = {{"worst_us", us(o.worst_load)}, {"misses", o.overloads}, {"held", o.load_held}};
   j["attribution"] = attribution(o.attribution);
   j["accuracy"] = accuracy(o.accuracy);
-  j["stability"] = {{"saturations", o.saturations},
-                    {"breakdowns", o.breakdowns},
-                    {"clamped_words", o.clamped_words},
-                    {"driver_errors", o.driver_errors},
-                    {"flags", flag_names(o.flags)}};
+  j["stability"] = {{"saturations", o.saturations},     {"wraps", o.wraps},
+                    {"breakdowns", o.breakdowns},       {"clamped_words", o.clamped_words},
+                    {"driver_errors", o.driver_errors}, {"flags", flag_names(o.flags)}};
   if (const host::RefinedSolve* refined = scene.computation().refined()) {
     j["refinement"] = {{"passes", refined->passes()},
                        {"worst_residual_rel", refined->worst_residual()},

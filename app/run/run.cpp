@@ -94,6 +94,7 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
   o.accuracy = accuracy;
   o.flags = stability::Flags(counts.flags);
   o.saturations = platform.accelerator().saturations();
+  o.wraps = platform.accelerator().wraps();
   o.breakdowns = platform.accelerator().breakdowns();
   o.clamped_words = counts.clamped_words;
   if (counts.clamped_words > 0) o.flags.raise(stability::Flag::range_exceeded);

@@ -389,6 +389,7 @@ void Accelerator::compute() {
 void Accelerator::publish() {
   report_ = result_;
   saturations_ += report_.saturations;
+  wraps_ += report_.wraps;
   breakdowns_ += report_.breakdowns;
   if (job_tag_.frame >= 0) ledger_.frame(job_tag_.frame).saturations += report_.saturations;
   const unsigned vector_bits = bank_.get(field::kFormatVectorBits);

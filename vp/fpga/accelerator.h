@@ -53,6 +53,7 @@ class Accelerator : public sc_core::sc_module {
   std::int64_t illegal_accesses() const { return illegal_accesses_; }
   // Of all jobs.
   std::int64_t saturations() const { return saturations_; }
+  std::int64_t wraps() const { return wraps_; }
   std::int64_t breakdowns() const { return breakdowns_; }
   // Of the last finished job.
   const fixed::Report& report() const { return report_; }
@@ -128,6 +129,7 @@ class Accelerator : public sc_core::sc_module {
   bool line_up_ = false;
   std::int64_t illegal_accesses_ = 0;
   std::int64_t saturations_ = 0;
+  std::int64_t wraps_ = 0;
   std::int64_t breakdowns_ = 0;
 };
 

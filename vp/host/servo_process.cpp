@@ -18,7 +18,9 @@ namespace hvp::vp {
 
 namespace {
 constexpr std::size_t kStackBytes = 1 << 20;  // the C driver runs on it
-}
+// A touch begins with displacements below any word's unit; after so many frames it has not.
+constexpr int kFramesWithoutWords = 16;
+}  // namespace
 
 ServoProcess::ServoProcess(const sc_core::sc_module_name& name, const ServoSettings& settings,
                            const fem::Body& body, host::FrameComputation& computation,
@@ -263,6 +265,13 @@ hvp_status ServoProcess::find_displacement(const Eigen::Vector3d& u_c, std::uint
   const hvp_status status = solve();
   if (status != HVP_OK) return status;
   flags |= hvp_last_flags(&device_);
+  // Words that are too coarse leave nothing of the load: the board solves A·x = 0 without a flag.
+  const bool vanished =
+      u_c.squaredNorm() > 0 && std::ranges::all_of(b_, [](int w) { return w == 0; });
+  frames_without_words_ = vanished ? frames_without_words_ + 1 : 0;
+  if (frames_without_words_ >= kFramesWithoutWords) {
+    flags |= std::uint32_t{1} << static_cast<unsigned>(stability::Flag::stagnation);
+  }
   computation_.accept(u_);
   return status;
 }

@@ -122,6 +122,7 @@ class ServoProcess : public sc_core::sc_module {
   Eigen::Vector3d force_sum_ = Eigen::Vector3d::Zero();
   std::int64_t force_frames_ = 0;
   Picoseconds last_report_ = -1;
+  int frames_without_words_ = 0;  // in a row, with a contact that is displaced
   ServoCounts counts_;
   std::exception_ptr failure_;
   Picoseconds set_up_time_ = 0;
