@@ -53,7 +53,7 @@ rm -rf --one-file-system "$machine"
 mkdir "$machine"
 tar -C "$machine" -xzf "$folder/base.tar.gz"
 place_in_network
-git -c safe.directory='*' clone --quiet --no-local "$top" "$machine/root/hvp"
+git -c safe.directory='*' clone --quiet --no-local "$top" "$machine/src/hvp"
 mapfile -t environment < <(network_environment)
 
 # The mounts live in a namespace of their own and go with it.
@@ -70,7 +70,7 @@ for command in "${commands[@]}"; do
   started=$SECONDS status=0
   unshare --mount --pid --fork --kill-child bash -c "$in_machine" bash "$machine" \
     HOME=/root PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin TERM=dumb \
-    "${environment[@]}" bash -c "cd /root/hvp && $command" || status=$?
+    "${environment[@]}" bash -c "cd /src/hvp && $command" || status=$?
   printf '== bare machine: exit %d after %d s: %s\n' "$status" $((SECONDS - started)) "$command"
   ((status == 0)) || failed=1
 done
