@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -291,6 +292,31 @@ TEST_F(Results, ClampedWordsAreAFlagAndNoPass) {
   EXPECT_GT(summary().at("stability").at("clamped_words"), 0);
   EXPECT_THAT(summary().at("stability").at("flags").dump(), HasSubstr("range-exceeded"));
   EXPECT_THAT(ended.out, Not(HasSubstr("PASS")));
+}
+
+// Nobody asked for a reference: the words alone have to tell.
+TEST_F(Results, ALoadThatVanishesInItsWordsIsAFlagAndNoPass) {
+  const Ended ended =
+      run({"--set", "reference=false", "--set", "solver.static_shift=31", "--set", "frames=100"});
+  EXPECT_THAT(summary().at("stability").at("flags").dump(), HasSubstr("stagnation"));
+  EXPECT_THAT(ended.out, Not(HasSubstr("PASS")));
+}
+
+TEST_F(Results, WrappedWordsAreCountedAndNoPass) {
+  const Ended ended =
+      run({"--set", "solver.overflow=wrap", "--set", "solver.displacement_range=1 mm"});
+  EXPECT_GT(summary().at("stability").at("wraps"), 0);
+  EXPECT_THAT(summary().at("stability").at("flags").dump(), HasSubstr("wrapped"));
+  EXPECT_THAT(ended.out, HasSubstr("wrapped word"));
+  EXPECT_THAT(ended.out, Not(HasSubstr("PASS")));
+}
+
+TEST_F(Results, AKernelThatDoesNotExistIsRefusedBeforeTheRun) {
+  ASSERT_EQ(setenv("HVP_KERNEL", "abacus", 1), 0);
+  const Ended ended = run({}, 2);
+  ASSERT_EQ(unsetenv("HVP_KERNEL"), 0);
+  EXPECT_THAT(ended.err, HasSubstr("HVP_KERNEL: a kernel \"abacus\" does not exist"));
+  EXPECT_EQ(lines(ended.err).size(), 1U);
 }
 
 TEST_F(Results, ABodyThatIsNotTouchedHasNothingToCompare) {
