@@ -10,7 +10,7 @@
 #include "models/fem/body.h"
 #include "models/fem/newmark.h"
 #include "models/fem/reference_solver.h"
-#include "tests/fem/allocation_count.h"
+#include "tests/allocation_count.h"
 #include "tests/fem/box_meshes.h"
 
 namespace hvp::fem {
@@ -184,12 +184,12 @@ TEST(Contact, CallsOfARunningSimulationAllocateNothing) {
   ReferenceSolver reference(body.stiffness());
   const ContactConstraint contact(body.stiffness(), ContactDiagonal::average);
   reference.solve_with_contact(f, 40, kPress, u);
-  const std::size_t before = allocation_count();
+  const std::size_t before = hvp::test::allocation_count();
   reference.solve_with_contact(f, 40, 2 * kPress, u);
   reference.solve_with_contact(f, 12, kPress, u);
   contact.modified_rhs(f, 12, kPress, b);
   const Eigen::Vector3d force = contact.reaction(u, f, 12);
-  EXPECT_EQ(allocation_count(), before);
+  EXPECT_EQ(hvp::test::allocation_count(), before);
   EXPECT_TRUE(force.allFinite());
 }
 

@@ -11,7 +11,7 @@
 #include "models/config/input_error.h"
 #include "models/fem/body.h"
 #include "models/fem/reference_solver.h"
-#include "tests/fem/allocation_count.h"
+#include "tests/allocation_count.h"
 #include "tests/fem/box_meshes.h"
 
 namespace hvp::fem {
@@ -196,10 +196,10 @@ TEST(Newmark, StepsAllocateNothing) {
   for (const MassKind mass : {MassKind::lumped, MassKind::consistent}) {
     Simulation simulation(body, Dynamics{.mass = mass}, 2e-3);
     const std::vector<double> f = noise_vector(simulation.u.size());
-    const std::size_t before = allocation_count();
+    const std::size_t before = hvp::test::allocation_count();
     simulation.step(f);
     simulation.step(f);
-    EXPECT_EQ(allocation_count(), before);
+    EXPECT_EQ(hvp::test::allocation_count(), before);
   }
 }
 

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "models/fixed/fast/packed_matrix.h"
-#include "tests/fixed/allocation_count.h"
+#include "tests/allocation_count.h"
 #include "tests/fixed/contest.h"
 #include "tests/fixed/elastic_box.h"
 #include "tests/fixed/random_systems.h"
@@ -165,9 +165,9 @@ TEST(AgreementTest, WhereARestoredRowNeedsWiderSums) {
     fast->load(matrix);
     for (int node = 0; node < 40; ++node) {
       matrix.restore_row(node, full.row(node));
-      const std::size_t before = test::allocation_count();
+      const std::size_t before = hvp::test::allocation_count();
       fast->update(node);
-      EXPECT_EQ(test::allocation_count(), before);
+      EXPECT_EQ(hvp::test::allocation_count(), before);
       reference.update(node);
       if (node % 5 != 4) continue;
       const Vector guess(120, 7);
@@ -192,10 +192,10 @@ TEST(AgreementTest, NothingIsAllocatedInASolveOrAnUpdate) {
         Vector x(b.size(), 3);
         const auto solver = make_solver(s, kernel);
         solver->load(matrix);
-        const std::size_t before = test::allocation_count();
+        const std::size_t before = hvp::test::allocation_count();
         solver->solve({.b = b, .x = x});
         solver->update(0);
-        EXPECT_EQ(test::allocation_count(), before) << name(kernel);
+        EXPECT_EQ(hvp::test::allocation_count(), before) << name(kernel);
       }
     }
   }

@@ -7,7 +7,7 @@
 
 #include "models/config/input_error.h"
 #include "models/fixed/reference_solver.h"
-#include "tests/fixed/allocation_count.h"
+#include "tests/allocation_count.h"
 #include "tests/fixed/elastic_box.h"
 #include "tests/fixed/small_systems.h"
 
@@ -421,10 +421,10 @@ TEST(Solver, SolvingDoesNotAllocate) {
     ElasticSystem system = elastic_system(s);
     ReferenceSolver solver(s);
     solver.load(system.matrix);
-    const std::size_t before = test::allocation_count();
+    const std::size_t before = hvp::test::allocation_count();
     solver.solve({.b = system.b, .x = system.x});
     solver.update(0);
-    EXPECT_EQ(test::allocation_count(), before);
+    EXPECT_EQ(hvp::test::allocation_count(), before);
   }
 }
 

@@ -1,7 +1,7 @@
 // The frame loop does not allocate once the contact holds.
 #include <gtest/gtest.h>
 
-#include "tests/fem/allocation_count.h"
+#include "tests/allocation_count.h"
 #include "tests/vp/small_scene.h"
 #include "vp/platform.h"
 
@@ -12,8 +12,8 @@ namespace {
 class Count : public FrameSink {
  public:
   void take(const Frame& frame, const std::vector<SpanId>& /*path*/) override {
-    if (frame.number == 100) first = fem::allocation_count();
-    if (frame.number == 200) last = fem::allocation_count();
+    if (frame.number == 100) first = hvp::test::allocation_count();
+    if (frame.number == 200) last = hvp::test::allocation_count();
   }
   std::size_t first = 0;
   std::size_t last = 0;

@@ -1,4 +1,4 @@
-#include "tests/fixed/allocation_count.h"
+#include "tests/allocation_count.h"
 
 #include <atomic>
 #include <cstdlib>
@@ -39,6 +39,6 @@ void operator delete[](void* memory) noexcept { std::free(memory); }
 void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
 void operator delete[](void* memory, const std::nothrow_t&) noexcept { std::free(memory); }
 
-namespace hvp::fixed::test {
+namespace hvp::test {
 std::size_t allocation_count() { return count; }
-}  // namespace hvp::fixed::test
+}  // namespace hvp::test

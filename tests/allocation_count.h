@@ -2,9 +2,9 @@
 
 #include <cstddef>
 
-namespace hvp::fixed::test {
+namespace hvp::test {
 
 // How often this program has called operator new.
 std::size_t allocation_count();
 
-}  // namespace hvp::fixed::test
+}  // namespace hvp::test
