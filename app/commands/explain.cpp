@@ -7,7 +7,7 @@
 #include "app/results/report.h"
 #include "app/results/spectrum_text.h"
 #include "app/results/summary.h"
-#include "models/host/costs.h"
+#include "app/scene/frame_cost.h"
 
 namespace hvp::app {
 
@@ -22,29 +22,9 @@ void effect_line(const char* table, bool present, const char* cost) {
 }
 
 void frame_cost(const Scene& scene) {
-  const Scenario& s = scene.scenario();
-  const host::FrameComputation& c = scene.computation();
-  const auto row = [](const char* what, vp::Picoseconds time) {
-    fmt::print("  {:<34} {:>10}\n", what, results::readable_time(time));
-  };
-  const int words = c.matrix().rows();
-  const auto bytes = [words](int bits) { return std::int64_t{words} * (bits <= 16 ? 2 : 4); };
-  const host::RefinedSolve* refined = c.refined();
-  if (refined == nullptr) {
-    row("form b (without contact)", s.host.compute_ps(c.form_rhs_operations()));
-  } else {
-    row("first residual (without contact)", s.host.compute_ps(refined->residual_operations(false)));
-    row("each further pass' residual",
-        s.host.compute_ps(refined->accept_operations() + refined->residual_operations(true)));
+  for (const FrameStep& step : frame_steps(scene)) {
+    fmt::print("  {:<34} {:>10}\n", step.what, results::readable_time(step.ps));
   }
-  row("send b", s.bus.write_ps(bytes(s.solver.residual_bits())));
-  row("solve", scene.solve_cycles().total() * s.accelerator.clock_period_ps());
-  row("receive U", s.bus.read_ps(bytes(s.solver.vector_bits)));
-  row("force (without contact)", s.host.compute_ps(c.force_operations()));
-  if (refined != nullptr) {
-    row("residual after the force", s.host.compute_ps(refined->finish_operations()));
-  }
-  row("update after the force", s.host.compute_ps(c.update_operations()));
 }
 
 // The groups are those of docs/accelerator.md.

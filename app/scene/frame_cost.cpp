@@ -1,0 +1,45 @@
+#include "app/scene/frame_cost.h"
+
+#include "models/host/costs.h"
+
+namespace hvp::app {
+
+std::vector<FrameStep> frame_steps(const Scene& scene) {
+  return frame_steps(scene, scene.pattern().nodes(),
+                     scene.solve_cycles().total() * scene.scenario().accelerator.clock_period_ps());
+}
+
+std::vector<FrameStep> frame_steps(const Scene& scene, int nodes, std::int64_t solve_ps) {
+  const Scenario& s = scene.scenario();
+  const host::FrameComputation& c = scene.computation();
+  const double grown = static_cast<double>(nodes) / scene.pattern().nodes();
+  std::vector<FrameStep> steps;
+  const auto compute = [&](const char* what, double operations, int times = 1) {
+    steps.push_back({what, s.host.compute_ps(operations * grown), times});
+  };
+  const auto bytes = [nodes](int bits) { return std::int64_t{3} * nodes * (bits <= 16 ? 2 : 4); };
+  const host::RefinedSolve* refined = c.refined();
+  const int passes = refined == nullptr ? 1 : refined->passes();
+  if (refined == nullptr) {
+    compute("form b (without contact)", c.form_rhs_operations());
+  } else {
+    compute("first residual (without contact)", refined->residual_operations(false));
+    compute("each further pass' residual",
+            refined->accept_operations() + refined->residual_operations(true), passes - 1);
+  }
+  steps.push_back({"send b", s.bus.write_ps(bytes(s.solver.residual_bits())), passes});
+  steps.push_back({"solve", solve_ps, passes});
+  steps.push_back({"receive U", s.bus.read_ps(bytes(s.solver.vector_bits)), passes});
+  compute("force (without contact)", c.force_operations());
+  if (refined != nullptr) compute("residual after the force", refined->finish_operations());
+  compute("update after the force", c.update_operations());
+  return steps;
+}
+
+std::int64_t frame_ps(const std::vector<FrameStep>& steps) {
+  std::int64_t sum = 0;
+  for (const FrameStep& step : steps) sum += step.times * step.ps;
+  return sum;
+}
+
+}  // namespace hvp::app
