@@ -4,6 +4,7 @@
 #include <exception>
 #include <string>
 
+#include "tables/devices/page.h"
 #include "tables/hard_cases/page.h"
 #include "tables/thesis/page.h"
 
@@ -18,8 +19,10 @@ int run(int argc, char** argv) {
   bool csv = false;
   thesis->add_flag("--csv", csv, "the errors alone, one line each, to plot");
   const CLI::App* hard = app.add_subcommand("hard-cases", "the hard cases and their remedies");
+  const CLI::App* devices = app.add_subcommand("devices", "the FPGAs that a scenario can name");
   CLI11_PARSE(app, argc, argv);
   if (thesis->parsed()) print(csv ? hvp::tables::thesis_csv() : hvp::tables::thesis_page());
+  if (devices->parsed()) print(hvp::tables::devices_page());
   if (hard->parsed()) print(hvp::tables::hard_cases_page());
   return 0;
 }

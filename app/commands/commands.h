@@ -60,6 +60,8 @@ struct LoadedScenario {
   scenario::Document document;
   Scenario scenario;  // as written
   Scenario openable;  // with `surface` resolved
+  accel::Device device;
+  std::filesystem::path device_file;  // that can be opened; empty for a built-in device
 };
 LoadedScenario load(const ScenarioArguments& arguments);
 

@@ -48,8 +48,7 @@ void solve_clocks(const Scene& scene) {
 }
 
 void memory(const Scene& scene) {
-  const Scenario& s = scene.scenario();
-  fmt::print("\nMemory and multipliers of the {}\n", accel::device(s.accelerator.device).name);
+  fmt::print("\nMemory and multipliers of the {}\n", scene.device().name);
   for (const accel::Resource& r : scene.usage().resources) {
     std::string uses;
     for (const accel::Allocation& a : scene.usage().allocations) {
@@ -72,7 +71,7 @@ int explain_command(const ScenarioArguments& arguments) {
   fmt::print("\nParts and their fidelity\n");
   fidelity_line(
       "accelerator", vp::name(s.fidelity.accelerator),
-      fmt::format("{}, {}{} clocks a solve", accel::device(s.accelerator.device).name,
+      fmt::format("{}, {}{} clocks a solve", scene.device().name,
                   s.solver.stop_residual > 0 ? "at most " : "", scene.solve_cycles().total()));
   fidelity_line("bus", vp::name(s.fidelity.bus),
                 fmt::format("{} bytes a data phase, {} ns a clock", s.bus.width_bytes(),

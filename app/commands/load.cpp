@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "app/commands/commands.h"
+#include "app/devices/devices.h"
 #include "app/scenario/files.h"
 #include "app/scenario/message.h"
 #include "app/scenario/reader.h"
@@ -13,16 +14,20 @@
 namespace hvp::app {
 
 LoadedScenario load(const ScenarioArguments& arguments) {
-  LoadedScenario loaded{scenario::Document::load(arguments.scenario, arguments.overrides), {}, {}};
+  LoadedScenario loaded{
+      scenario::Document::load(arguments.scenario, arguments.overrides), {}, {}, {}, {}};
   scenario::read(loaded.document, loaded.scenario);
   loaded.openable = loaded.scenario;
   scenario::resolve_files(loaded.document, loaded.openable);
+  const std::string& device = loaded.scenario.accelerator.device;
+  loaded.device = devices::find(loaded.document, device);
+  loaded.device_file = devices::openable(loaded.document, device);
   return loaded;
 }
 
 Scene build_scene(const LoadedScenario& loaded, const Progress& progress) {
   try {
-    return {loaded.openable, loaded.scenario, progress};
+    return {loaded.openable, loaded.scenario, loaded.device, progress};
   } catch (const InputError& e) {
     throw loaded.document.complete(e);
   }

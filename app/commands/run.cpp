@@ -44,8 +44,8 @@ int run_command(const RunArguments& arguments) {
   const results::FolderLock lock(out);
   results::Outcome outcome;
   try {
-    outcome =
-        run(scene, {out, loaded.openable.object.mesh.surface, arguments.trace_registers, progress});
+    outcome = run(scene, {out, loaded.openable.object.mesh.surface, loaded.device_file,
+                          arguments.trace_registers, progress});
   } catch (const InputError& e) {
     throw loaded.document.complete(e);
   }

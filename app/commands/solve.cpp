@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "app/commands/commands.h"
+#include "app/devices/devices.h"
 #include "app/results/part_file.h"
 #include "app/results/results_folder.h"
 #include "app/results/solve_json.h"
@@ -90,6 +91,7 @@ bool names(const scenario::Document& document, std::string_view table, std::stri
 SolveTask task_of(const SolveArguments& a, const scenario::Document& document) {
   SolveTask task;
   scenario::read(document, task.settings);
+  task.device = devices::find(document, task.settings.accelerator.device);
   task.range_given = names(document, "solver", "displacement_range");
   task.tolerance = a.tolerance.value_or(host::Reference().tolerance);
   if (!(task.tolerance > 0) || !std::isfinite(task.tolerance)) {

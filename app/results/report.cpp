@@ -41,8 +41,7 @@ void scene_lines(Out out, const app::Scene& scene) {
                  s.refinement ? fmt::format(", refined in {}", counted_passes(s.refinement->passes))
                               : std::string());
   fmt::format_to(out, "  board       {}: {}{} clocks a solve at {:g} MHz = {};",
-                 accel::device(s.accelerator.device).name, most, c.total(),
-                 s.accelerator.clock_hz * 1e-6,
+                 scene.device().name, most, c.total(), s.accelerator.clock_hz * 1e-6,
                  readable_time(c.total() * s.accelerator.clock_period_ps()));
   const char* separator = " ";
   for (const accel::Resource& r : scene.usage().resources) {

@@ -45,8 +45,16 @@ void remove_other_surfaces(const fs::path& directory, const std::string& kept) {
 }  // namespace
 
 void write_resolved_scenario(const fs::path& directory, const app::Scenario& scenario,
-                             const fs::path& surface) {
+                             const fs::path& surface, const fs::path& device) {
   app::Scenario resolved = scenario;
+  const std::string device_name = std::string(kStem) + ".device.toml";
+  if (!device.empty()) {
+    resolved.accelerator.device = device_name;
+    copy_through_part_file(device, directory / device_name);
+  } else {
+    std::error_code ignored;
+    fs::remove(directory / device_name, ignored);  // of an earlier run
+  }
   if (!surface.empty()) {
     std::string extension = surface.extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),

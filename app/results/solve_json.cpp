@@ -44,7 +44,7 @@ std::string solve_json(const app::LinearSystem& system, const app::SolveTask& ta
   j["tolerance"] = task.tolerance;
   j["cycles"] = s.board.cycles;
   j["time_us"] = static_cast<double>(s.board.time_ps) / 1e6;
-  j["device"] = accel::device(task.settings.accelerator.device).name;
+  j["device"] = task.device.name;
   j["fits"] = s.usage.fits();
   j["resources"] = resources(s.usage);
   j["x_unit"] = s.unit;

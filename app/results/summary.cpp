@@ -85,7 +85,7 @@ std::string summary_json(const app::Scene& scene, const Outcome& o) {
     resources.push_back({{"type", r.type}, {"used", r.used}, {"available", r.available}});
   }
   j["resources"] = resources;
-  j["accelerator"] = {{"device", accel::device(s.accelerator.device).name},
+  j["accelerator"] = {{"device", scene.device().name},
                       {"solve_cycles", cycles.total()},
                       {"solve_us", us(cycles.total() * s.accelerator.clock_period_ps())},
                       {"iteration_cycles", cycles.iteration()},

@@ -109,7 +109,7 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
 results::Outcome simulate(Scene& scene, const RunOptions& options) {
   const Scenario& s = scene.scenario();
   const std::filesystem::path& directory = options.directory;
-  results::write_resolved_scenario(directory, s, options.surface);
+  results::write_resolved_scenario(directory, s, options.surface, options.device);
 
   std::optional<results::RegisterLog> registers;
   if (options.trace_registers) registers.emplace(directory / "registers.log");

@@ -63,8 +63,7 @@ std::string read_text(const std::filesystem::path& file) {
     if (count == 0) return text;
     text.append(piece.data(), static_cast<std::size_t>(count));
     if (text.size() > kLargestFile) {
-      throw SourceError(
-          fmt::format("{}: is too large: a scenario has at most 1 MiB", name_of(file)));
+      throw SourceError(fmt::format("{}: is too large: expected at most 1 MiB", name_of(file)));
     }
   }
 }
@@ -84,7 +83,7 @@ Document Document::parse(std::string_view text, const std::filesystem::path& fil
   document.file_ = file_name;
   const std::string name = name_of(file_name);
   if (text.size() > kLargestFile) {
-    throw SourceError(fmt::format("{}: is too large: a scenario has at most 1 MiB", name));
+    throw SourceError(fmt::format("{}: is too large: expected at most 1 MiB", name));
   }
   try {
     document.root_ = parse_toml(text);

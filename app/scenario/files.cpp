@@ -9,20 +9,25 @@
 
 namespace hvp::scenario {
 
-void FileResolver::file(std::string_view name, std::string& path, config::Note) {
-  if (path.empty()) return;
-  const std::filesystem::path resolved = document_.resolve(path);
+std::filesystem::path openable_file(const Document& document, std::string_view key,
+                                    const std::string& path_in_scenario) {
+  const std::filesystem::path resolved = document.resolve(path_in_scenario);
   std::error_code error;
   const auto status = std::filesystem::status(resolved, error);
   const std::string shown = one_line(resolved.string());
-  const std::string place = document_.locate(joined(path_.back(), key_text(name)));
+  const std::string place = document.locate(key);
   if (!std::filesystem::exists(status)) {
     throw SourceError(fmt::format("{}no such file: {}", place, shown));
   }
   if (std::filesystem::is_directory(status)) {
     throw SourceError(fmt::format("{}expected a file, found the directory {}", place, shown));
   }
-  path = resolved.string();
+  return resolved;
+}
+
+void FileResolver::file(std::string_view name, std::string& path, config::Note) {
+  if (path.empty()) return;
+  path = openable_file(document_, joined(path_.back(), key_text(name)), path).string();
 }
 
 bool FileResolver::begin_effect(std::string_view name, bool& present, config::Note) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -8,6 +9,11 @@
 #include "models/config/declaration.h"
 
 namespace hvp::scenario {
+
+// A file as the scenario writes it -> one that can be opened. Throws SourceError, of the line of
+// `key`, where it is missing or is a directory.
+std::filesystem::path openable_file(const Document& document, std::string_view key,
+                                    const std::string& path_in_scenario);
 
 // Turns every file parameter from the scenario's words into a path that can be opened. Call it
 // after the resolved scenario is written, which keeps the words. Throws SourceError where a

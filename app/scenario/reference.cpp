@@ -74,13 +74,18 @@ std::string unit_section() {
 
 }  // namespace
 
+std::string reference_tables(const Outline& outline) {
+  std::string text;
+  for (const OutlineTable& table : outline) text += section(table);
+  return text;
+}
+
 std::string reference_page(const Outline& outline) {
-  std::string text =
+  const std::string text =
       "# Scenario reference\n\n"
       "Written from the declarations of the parts; do not edit.\n"
       "A table that is left out has its defaults, except an effect, which is then not simulated.\n";
-  for (const OutlineTable& table : outline) text += section(table);
-  return text + unit_section();
+  return text + reference_tables(outline) + unit_section();
 }
 
 }  // namespace hvp::scenario

@@ -61,8 +61,9 @@ std::unique_ptr<fem::Body> make_body(const Scenario& s, const Progress& progress
   }
 }
 
-Scene::Scene(const Scenario& openable, const Scenario& written, const Progress& progress)
-    : scenario_(written), body_(make_body(openable, progress)) {
+Scene::Scene(const Scenario& openable, const Scenario& written, accel::Device device,
+             const Progress& progress)
+    : scenario_(written), device_(std::move(device)), body_(make_body(openable, progress)) {
   const Scenario& s = scenario_;
   quality_ = mesh::measure(body_->mesh());
   computation_ = within("solver", [&] {
@@ -70,8 +71,8 @@ Scene::Scene(const Scenario& openable, const Scenario& written, const Progress& 
                                                     s.solver, s.budget.period_s, s.refinement);
   });
   pattern_ = accel::pattern_of(computation_->matrix().row_begin, computation_->matrix().column);
-  usage_ =
-      accel::usage(s.accelerator, accel::word_lengths(computation_->board_settings()), pattern_);
+  usage_ = accel::usage(device_, s.accelerator, accel::word_lengths(computation_->board_settings()),
+                        pattern_);
   require_fit();
 
   // A node that is held, by an anchor or by a prescribed displacement, cannot follow the probe.
@@ -93,9 +94,10 @@ Scene::Scene(const Scenario& openable, const Scenario& written, const Progress& 
 void Scene::require_fit() const {
   const accel::WordLengths words = accel::word_lengths(computation_->board_settings());
   try {
-    accel::require_fit(scenario_.accelerator, words, pattern_);
+    accel::require_fit(device_, scenario_.accelerator, words, pattern_);
   } catch (const InputError& e) {
-    const std::int64_t fitting = accel::largest_mesh(scenario_.accelerator, words, pattern_);
+    const std::int64_t fitting =
+        accel::largest_mesh(device_, scenario_.accelerator, words, pattern_);
     const auto mesh_nodes = static_cast<std::int64_t>(quality_.nodes);
     const std::int64_t in_mesh = fitting * mesh_nodes / body_->active_nodes();
     const std::string advice =

@@ -24,8 +24,10 @@ using Progress = std::function<void(std::string_view)>;
 class Scene {
  public:
   // `openable` has file paths that can be opened, `written` those of the scenario's text, which
-  // results repeat. Throws InputError with the full key of what is to blame.
-  Scene(const Scenario& openable, const Scenario& written, const Progress& progress = {});
+  // results repeat; `device` is what accelerator.device names. Throws InputError with the full key
+  // of what is to blame.
+  Scene(const Scenario& openable, const Scenario& written, accel::Device device,
+        const Progress& progress = {});
 
   const Scenario& scenario() const { return scenario_; }
   const fem::Body& body() const { return *body_; }
@@ -34,6 +36,7 @@ class Scene {
   collision::ContactSearch& contacts() { return *contacts_; }
   const mesh::Quality& quality() const { return quality_; }
   const accel::Pattern& pattern() const { return pattern_; }
+  const accel::Device& device() const { return device_; }
   const accel::Usage& usage() const { return usage_; }
   // Of a solve that makes all its iterations.
   accel::SolveCycles solve_cycles() const;
@@ -45,6 +48,7 @@ class Scene {
   void require_fit() const;
 
   Scenario scenario_;
+  accel::Device device_;
   mesh::Quality quality_;
   std::unique_ptr<fem::Body> body_;
   std::unique_ptr<host::FrameComputation> computation_;

@@ -122,9 +122,10 @@ Range fitting_range(const fixed::System& system, std::span<const double> b,
 // The accelerator with a system in its memory: solves, and keeps count of what that took.
 class Board {
  public:
-  Board(const fixed::System& system, const accel::Architecture& architecture)
+  Board(const fixed::System& system, const SolveTask& task)
       : settings_(system.settings),
-        architecture_(architecture),
+        architecture_(task.settings.accelerator),
+        device_(task.device),
         pattern_(accel::pattern_of(system.matrix.row_begin)),
         solver_(fixed::make_solver(settings_)) {
     solver_->load(system.matrix);
@@ -146,12 +147,13 @@ class Board {
 
   const BoardCounts& counts() const { return counts_; }
   accel::Usage usage() const {
-    return accel::usage(architecture_, accel::word_lengths(settings_), pattern_);
+    return accel::usage(device_, architecture_, accel::word_lengths(settings_), pattern_);
   }
 
  private:
   fixed::Settings settings_;
   accel::Architecture architecture_;
+  const accel::Device& device_;
   accel::Pattern pattern_;
   std::unique_ptr<fixed::Solver> solver_;
   BoardCounts counts_;
@@ -201,7 +203,7 @@ SystemSolution solve_system(const LinearSystem& given, const SolveTask& task) {
     system.settings.displacement_range = range.displacement;
     s.range_from = range.from;
   }
-  Board board(system, task.settings.accelerator);
+  Board board(system, task);
   if (task.settings.refinement) {
     solve_refined(*task.settings.refinement, given, system, board, s);
   } else {

@@ -24,6 +24,7 @@ struct LinearSystem {
 
 struct SolveTask {
   SolveSettings settings;
+  accel::Device device;  // that settings.accelerator names
   // Otherwise the range of x is chosen so that x and b fit their words.
   bool range_given = false;
   double tolerance = 0;  // of error_rel, for the flags

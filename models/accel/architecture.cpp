@@ -6,8 +6,10 @@ namespace hvp::accel {
 
 void Architecture::declare(config::Visitor& v) {
   using config::Dimension;
-  v.choice("device", device, {{"EP2S60", DeviceName::ep2s60}, {"EP2S180", DeviceName::ep2s180}},
-           {"the FPGA", "thesis section 6.1"});
+  v.text("device", device,
+         {"the FPGA: one of docs/devices.md, or a file of your own that ends in .toml, relative to "
+          "the scenario",
+          "thesis section 6.1"});
   v.quantity("clock", clock_hz, Dimension::frequency, config::between(1e6, 1e9),
              {"clock of the whole engine", "thesis section 5.5 and Table 6.2"});
   v.integer("rows_in_parallel", rows_in_parallel, {1, 3},

@@ -1,12 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "models/config/declaration.h"
 
 namespace hvp::accel {
-
-enum class DeviceName { ep2s60, ep2s180 };
 
 // How the search direction d is read by the multipliers. A package of eight columns can need
 // three words of one bank in a clock, and a dual-port memory gives two.
@@ -20,7 +19,7 @@ enum class PreconditionerMemory { m4k, m512 };
 
 // The accelerator's micro-architecture (thesis chapter 5): the scenario's table [accelerator].
 struct Architecture {
-  DeviceName device = DeviceName::ep2s60;
+  std::string device = "EP2S60";  // built in, or a file of the user's own
   double clock_hz = 100e6;
   int rows_in_parallel = 3;  // PL1
   int package = 8;           // PL2

@@ -1,7 +1,6 @@
 #include "models/accel/memory.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 
@@ -113,7 +112,8 @@ int multipliers(const Architecture& a, const WordLengths& w) {
   return product + vectors + 3 * further_products(w) * a.nodes_per_clock + scalars;
 }
 
-Usage usage_of(const Architecture& a, const WordLengths& w, int nodes, std::int64_t packages) {
+Usage usage_of(const Device& d, const Architecture& a, const WordLengths& w, int nodes,
+               std::int64_t packages) {
   Usage u;
   const Allocate add = [&u](const char* use, const char* type, int blocks) {
     u.allocations.push_back({use, type, blocks});
@@ -131,7 +131,6 @@ Usage usage_of(const Architecture& a, const WordLengths& w, int nodes, std::int6
   const int port_bits = a.partitions * nodes_in_package(a.package) * index_bits;
   add("index", "M-RAM", ceil_div(port_bits, kMRamPortBits));
 
-  const Device& d = device(a.device);
   const auto used = [&u](const std::string& type) {
     int sum = 0;
     for (const Allocation& allocation : u.allocations) {
@@ -139,22 +138,15 @@ Usage usage_of(const Architecture& a, const WordLengths& w, int nodes, std::int6
     }
     return sum;
   };
-  u.resources = {{"M512", used("M512"), d.m512},
-                 {"M4K", used("M4K"), d.m4k},
-                 {"M-RAM", used("M-RAM"), d.m_ram},
-                 {"multipliers", multipliers(a, w), d.multipliers}};
+  for (const char* type : {"M512", "M4K", "M-RAM"}) {
+    const MemoryType* memory = d.memory(type);
+    u.resources.push_back({type, used(type), memory == nullptr ? 0 : memory->blocks});
+  }
+  u.resources.push_back({"multipliers", multipliers(a, w), d.multipliers.front().count});
   return u;
 }
 
 }  // namespace
-
-const Device& device(DeviceName name) {
-  static const std::array<Device, 2> devices = {{
-      {"EP2S60", 329, 255, 2, 144, "thesis Table 5.1"},
-      {"EP2S180", 930, 768, 9, 384, "Stratix II device handbook, table 1-1"},
-  }};
-  return devices.at(static_cast<std::size_t>(name));
-}
 
 bool Usage::fits() const {
   return std::all_of(resources.begin(), resources.end(),
@@ -173,17 +165,19 @@ WordLengths word_lengths(const fixed::Settings& s) {
   return w;
 }
 
-Usage usage(const Architecture& a, const WordLengths& words, const Pattern& p) {
-  return usage_of(a, words, p.nodes(), packages_in_fullest_partition(a, p));
+Usage usage(const Device& device, const Architecture& a, const WordLengths& words,
+            const Pattern& p) {
+  return usage_of(device, a, words, p.nodes(), packages_in_fullest_partition(a, p));
 }
 
-int largest_mesh(const Architecture& a, const WordLengths& words, const Pattern& p) {
+int largest_mesh(const Device& device, const Architecture& a, const WordLengths& words,
+                 const Pattern& p) {
   if (p.nodes() == 0) return 0;
   const double packages_a_node =
       static_cast<double>(packages_in_fullest_partition(a, p)) / p.nodes();
   const auto fits = [&](int nodes) {
     const auto packages = std::llround(packages_a_node * nodes);
-    return usage_of(a, words, nodes, packages).fits();
+    return usage_of(device, a, words, nodes, packages).fits();
   };
   // Usage grows with the mesh, so that the edge is found by halving.
   int low = 0;
@@ -195,17 +189,18 @@ int largest_mesh(const Architecture& a, const WordLengths& words, const Pattern&
   return low;
 }
 
-void require_fit(const Architecture& a, const WordLengths& words, const Pattern& p) {
-  const Usage u = usage(a, words, p);
+void require_fit(const Device& device, const Architecture& a, const WordLengths& words,
+                 const Pattern& p) {
+  const Usage u = usage(device, a, words, p);
   if (u.fits()) return;
-  std::string message = "the " + device(a.device).name + " cannot hold this system of " +
-                        std::to_string(p.nodes()) + " nodes:";
+  std::string message =
+      "the " + device.name + " cannot hold this system of " + std::to_string(p.nodes()) + " nodes:";
   for (const Resource& r : u.resources) {
     if (r.used <= r.available) continue;
     message += message.back() == ':' ? " " : ", ";
     message += std::to_string(r.used) + " " + r.type + " of " + std::to_string(r.available);
   }
-  const int nodes = largest_mesh(a, words, p);
+  const int nodes = largest_mesh(device, a, words, p);
   if (nodes > 0) {
     message += "; about " + std::to_string(nodes) + " nodes with such rows would fit";
   } else {

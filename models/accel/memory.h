@@ -5,20 +5,10 @@
 
 #include "models/accel/architecture.h"
 #include "models/accel/cycles.h"
+#include "models/accel/device.h"
 #include "models/fixed/settings.h"
 
 namespace hvp::accel {
-
-// What the device has (thesis Table 5.1 for the EP2S60).
-struct Device {
-  std::string name;
-  int m512 = 0;         // blocks of 512 bits
-  int m4k = 0;          // blocks of 4 kbit
-  int m_ram = 0;        // blocks of 512 kbit
-  int multipliers = 0;  // 18 × 18
-  std::string source;
-};
-const Device& device(DeviceName name);
 
 // What of the solver's settings decides what is stored and multiplied. CG keeps b and r in vector
 // words; with a preconditioner they have 32 bits, and z and P⁻¹ too (§4.4).
@@ -60,12 +50,15 @@ struct Usage {
 // Memory and multipliers of a system with this pattern (thesis §5.4). Every partition has PL1
 // matrix memories, each a whole number of basic units of 1024 words that give a package a clock;
 // vectors are stored a component (x, y, z) a memory.
-Usage usage(const Architecture& a, const WordLengths& words, const Pattern& p);
+Usage usage(const Device& device, const Architecture& a, const WordLengths& words,
+            const Pattern& p);
 
 // The largest number of nodes that fits with the same rows on average, found by the model.
-int largest_mesh(const Architecture& a, const WordLengths& words, const Pattern& p);
+int largest_mesh(const Device& device, const Architecture& a, const WordLengths& words,
+                 const Pattern& p);
 
 // Throws InputError with what is short and how many nodes would fit.
-void require_fit(const Architecture& a, const WordLengths& words, const Pattern& p);
+void require_fit(const Device& device, const Architecture& a, const WordLengths& words,
+                 const Pattern& p);
 
 }  // namespace hvp::accel

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "app/devices/devices.h"
 #include "models/accel/cycles.h"
 #include "models/accel/memory.h"
 #include "models/fixed/system.h"
@@ -19,11 +20,9 @@ std::int64_t bytes_of(int words, int bits) { return (std::int64_t{words} * bits 
 
 std::string smallest_device(const accel::WordLengths& words, const accel::Pattern& pattern) {
   std::string shortage;
-  for (const accel::DeviceName name : {accel::DeviceName::ep2s60, accel::DeviceName::ep2s180}) {
-    accel::Architecture architecture;
-    architecture.device = name;
-    const accel::Usage usage = accel::usage(architecture, words, pattern);
-    if (usage.fits()) return accel::device(name).name;
+  for (const char* name : {"EP2S60", "EP2S180"}) {
+    const accel::Usage usage = accel::usage(devices::built_in(name), {}, words, pattern);
+    if (usage.fits()) return name;
     shortage.clear();
     for (const accel::Resource& r : usage.resources) {
       if (r.used <= r.available) continue;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "app/devices/devices.h"
 #include "models/accel/bank_conflicts.h"
 #include "models/accel/cycles.h"
 #include "models/accel/memory.h"
@@ -11,6 +12,8 @@ namespace hvp::accel {
 namespace {
 
 using fixed::Method;
+
+const Device& ep2s60() { return devices::built_in("EP2S60"); }
 
 // Rows that fill a given number of packages of eight columns.
 Pattern rows_of_packages(int nodes, int packages) {
@@ -84,9 +87,9 @@ class MemoryTable : public testing::TestWithParam<MemoryRow> {};
 
 TEST_P(MemoryTable, MatchesTheIndependentCount) {
   Architecture a;
-  EXPECT_EQ(used(usage(a, {}, GetParam().pattern), "M4K"), GetParam().m4k_one_copy);
+  EXPECT_EQ(used(usage(ep2s60(), a, {}, GetParam().pattern), "M4K"), GetParam().m4k_one_copy);
   a.direction_memory = DirectionMemory::two_copies;
-  EXPECT_EQ(used(usage(a, {}, GetParam().pattern), "M4K"), GetParam().m4k_two_copies);
+  EXPECT_EQ(used(usage(ep2s60(), a, {}, GetParam().pattern), "M4K"), GetParam().m4k_two_copies);
 }
 
 INSTANTIATE_TEST_SUITE_P(Facts, MemoryTable,
@@ -96,7 +99,7 @@ INSTANTIATE_TEST_SUITE_P(Facts, MemoryTable,
                                          MemoryRow{rows_of_packages(1000, 5), 480, 540}));
 
 TEST(Memory, ThesisDesignUses141MultipliersAndTwoMRam) {
-  const Usage u = usage({}, {}, rows_of_packages(500, 5));
+  const Usage u = usage(ep2s60(), {}, {}, rows_of_packages(500, 5));
   EXPECT_EQ(used(u, "multipliers"), 141);  // Table 6.2
   EXPECT_EQ(used(u, "M-RAM"), 2);
   EXPECT_TRUE(u.fits());
@@ -104,12 +107,12 @@ TEST(Memory, ThesisDesignUses141MultipliersAndTwoMRam) {
 
 TEST(Memory, PackagesBeyond512APartitionCostAnotherUnitEverywhere) {
   const auto matrix = [](int nodes) {
-    return usage({}, {}, rows_of_packages(nodes, 5)).allocations.front().blocks;
+    return usage(ep2s60(), {}, {}, rows_of_packages(nodes, 5)).allocations.front().blocks;
   };
   // Rows are whole: 510 nodes of five packages are 102 rows a partition, 511 need 103.
   EXPECT_EQ(matrix(510), 180);
   EXPECT_EQ(matrix(511), 225);
-  EXPECT_EQ(largest_mesh({}, {}, rows_of_packages(500, 5)), 512);
+  EXPECT_EQ(largest_mesh(ep2s60(), {}, {}, rows_of_packages(500, 5)), 512);
 }
 
 // The columns of a long row, package after package, and the nodes that each touches.
@@ -126,32 +129,33 @@ TEST(Memory, IndexPortServesTheNodesOfEveryPackage) {
     Architecture a;
     a.package = package;
     const int bits = a.partitions * most_nodes_a_package(package) * 9;  // 500 nodes: 9 bits
-    EXPECT_EQ(used(usage(a, {}, rows_of_packages(500, 5)), "M-RAM"), (bits + 143) / 144) << package;
+    EXPECT_EQ(used(usage(ep2s60(), a, {}, rows_of_packages(500, 5)), "M-RAM"), (bits + 143) / 144)
+        << package;
   }
 }
 
 TEST(Memory, OneNodeAClockTakesHalfTheVectorMultipliers) {
   Architecture a;
   a.nodes_per_clock = 1;
-  EXPECT_EQ(used(usage(a, {}, rows_of_packages(500, 5)), "multipliers"), 120 + 11);
+  EXPECT_EQ(used(usage(ep2s60(), a, {}, rows_of_packages(500, 5)), "multipliers"), 120 + 11);
   a.nodes_per_clock = 4;
-  EXPECT_EQ(used(usage(a, {}, rows_of_packages(500, 5)), "multipliers"), 120 + 42);
+  EXPECT_EQ(used(usage(ep2s60(), a, {}, rows_of_packages(500, 5)), "multipliers"), 120 + 42);
 }
 
 TEST(Memory, JacobiNeedsMoreThanM4kHolds) {
   Architecture a;
   const WordLengths pcg{.method = fixed::Method::jacobi_pcg};
   const Pattern p = rows_of_packages(426, 5);
-  EXPECT_FALSE(usage(a, pcg, p).fits());
+  EXPECT_FALSE(usage(ep2s60(), a, pcg, p).fits());
   a.preconditioner_memory = PreconditionerMemory::m512;
   a.partitions = 4;
-  EXPECT_TRUE(usage(a, pcg, p).fits());
-  EXPECT_EQ(used(usage(a, pcg, p), "multipliers"), 4 * 24 + 21 + 24);
+  EXPECT_TRUE(usage(ep2s60(), a, pcg, p).fits());
+  EXPECT_EQ(used(usage(ep2s60(), a, pcg, p), "multipliers"), 4 * 24 + 21 + 24);
 }
 
 TEST(Memory, RefusalNamesWhatIsShortAndHowManyNodesWouldFit) {
   try {
-    require_fit({}, {}, rows_of_packages(1000, 5));
+    require_fit(ep2s60(), {}, {}, rows_of_packages(1000, 5));
     FAIL();
   } catch (const InputError& e) {
     EXPECT_EQ(e.key(), "device");
@@ -180,7 +184,7 @@ TEST(Cycles, NodeUpdateGrowsWithItsNeighbours) {
 
 TEST(Memory, RowsOneAfterTheOtherShareAMemory) {
   const auto matrix = [](const Architecture& a) {
-    return usage(a, {}, rows_of_packages(500, 5)).allocations.front().blocks;
+    return usage(ep2s60(), a, {}, rows_of_packages(500, 5)).allocations.front().blocks;
   };
   Architecture a;
   EXPECT_EQ(matrix(a), 5 * 3 * 4 * 3);  // 4000 words a memory: four units of three blocks
@@ -192,7 +196,7 @@ TEST(Memory, BanksOfTheDirectionAreWholeBlocks) {
   const auto direction = [](int banks) {
     Architecture a;
     a.direction_banks = banks;
-    for (const Allocation& use : usage(a, {}, rows_of_packages(500, 5)).allocations) {
+    for (const Allocation& use : usage(ep2s60(), a, {}, rows_of_packages(500, 5)).allocations) {
       if (use.use == "d") return use.blocks;
     }
     return -1;

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "app/devices/devices.h"
 #include "models/accel/cycles.h"
 #include "models/accel/memory.h"
 #include "models/config/input_error.h"
@@ -14,6 +15,8 @@ namespace hvp::accel {
 namespace {
 
 using fixed::Method;
+
+const Device& ep2s60() { return devices::built_in("EP2S60"); }
 
 constexpr std::array kAll = {Method::cg, Method::jacobi_pcg, Method::block_jacobi_pcg,
                              Method::chronopoulos_gear, Method::pipelined_cg};
@@ -194,14 +197,14 @@ TEST(SolveWork, FollowsTheSettingsAndTheReport) {
 
 std::map<std::string, int> blocks_of(const WordLengths& words, const Architecture& a = {}) {
   std::map<std::string, int> blocks;
-  for (const Allocation& allocation : usage(a, words, thesis_mesh()).allocations) {
+  for (const Allocation& allocation : usage(ep2s60(), a, words, thesis_mesh()).allocations) {
     blocks[allocation.use] = allocation.blocks;
   }
   return blocks;
 }
 
 int multipliers(const WordLengths& words) {
-  return usage({}, words, thesis_mesh()).resources.back().used;
+  return usage(ep2s60(), {}, words, thesis_mesh()).resources.back().used;
 }
 
 // 500 words of 16 bits are two blocks; three components six; 32 bits twelve. Five partitions read
@@ -298,19 +301,18 @@ TEST(MethodMemory, FollowsTheSettings) {
 
 // Chronopoulos and Gear's method fits where plain CG does; the pipelined one does not.
 TEST(MethodMemory, TheEp2s60TakesOneOfTheTwo) {
-  EXPECT_TRUE(usage({}, {.method = Method::chronopoulos_gear}, thesis_mesh()).fits());
+  EXPECT_TRUE(usage(ep2s60(), {}, {.method = Method::chronopoulos_gear}, thesis_mesh()).fits());
   try {
-    require_fit({}, {.method = Method::pipelined_cg}, thesis_mesh());
+    require_fit(ep2s60(), {}, {.method = Method::pipelined_cg}, thesis_mesh());
     FAIL();
   } catch (const InputError& e) {
     EXPECT_STREQ(e.what(),
                  "the EP2S60 cannot hold this system of 500 nodes: 264 M4K of 255, 154 "
                  "multipliers of 144; no mesh fits: fewer partitions or a larger device would");
   }
-  Architecture larger;
-  larger.device = DeviceName::ep2s180;
+  const Device& larger = devices::built_in("EP2S180");
   for (const Method method : kAll) {
-    EXPECT_TRUE(usage(larger, {.method = method}, thesis_mesh()).fits());
+    EXPECT_TRUE(usage(larger, {}, {.method = method}, thesis_mesh()).fits());
   }
 }
 

@@ -68,5 +68,25 @@ TEST(Repeat, TheResolvedScenarioBringsItsSurface) {
   EXPECT_FALSE(fs::exists(elsewhere.path() / "a/scenario.resolved.stl"));
 }
 
+TEST(Repeat, TheResolvedScenarioBringsItsDevice) {
+  const ScratchDirectory place, elsewhere;
+  std::string device = read(scenario("../devices/EP2S60.toml"));
+  const std::string name = "name = \"EP2S60\"";
+  device.replace(device.find(name), name.size(), "name = \"my own\"");
+  write(place.path() / "own.toml", device);
+  write(place.path() / "s.toml", kSmallScene);
+  run(place.path(),
+      {"s.toml", "--out", elsewhere.path() / "a", "--set", "accelerator.device=own.toml"});
+  fs::remove_all(place.path());
+  run(elsewhere.path(), {"a/scenario.resolved.toml", "--out", "b"});
+  expect_same_results(elsewhere.path() / "a", elsewhere.path() / "b");
+  EXPECT_THAT(read(elsewhere.path() / "b/summary.json"), testing::HasSubstr("\"my own\""));
+  EXPECT_EQ(read(elsewhere.path() / "b/scenario.resolved.device.toml"), device);
+  // A built-in device leaves none behind.
+  write(elsewhere.path() / "s.toml", kSmallScene);
+  run(elsewhere.path(), {"s.toml", "--out", "b"});
+  EXPECT_FALSE(fs::exists(elsewhere.path() / "b/scenario.resolved.device.toml"));
+}
+
 }  // namespace
 }  // namespace hvp::cli

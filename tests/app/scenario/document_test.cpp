@@ -61,8 +61,8 @@ TEST_F(Files, ThatCannotBeReadAreReportedInOneLine) {
   EXPECT_EQ(load_error(write("blank.toml", "\n# only a comment\n")),
             name("blank.toml") + ": is empty: expected TOML tables");
   EXPECT_EQ(load_error(write("large.toml", std::string((1U << 20U) + 1, '\n'))),
-            name("large.toml") + ": is too large: a scenario has at most 1 MiB");
-  EXPECT_EQ(load_error("/dev/zero"), "/dev/zero: is too large: a scenario has at most 1 MiB");
+            name("large.toml") + ": is too large: expected at most 1 MiB");
+  EXPECT_EQ(load_error("/dev/zero"), "/dev/zero: is too large: expected at most 1 MiB");
   EXPECT_EQ(load_error(write("file", "x") / "a.toml"),
             name("file/a.toml") + ": no such file: expected a scenario");
   std::filesystem::create_symlink("loop.toml", folder_ / "loop.toml");

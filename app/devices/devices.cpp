@@ -1,0 +1,75 @@
+#include "app/devices/devices.h"
+
+#include <algorithm>
+#include <map>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "app/devices/embedded.h"
+#include "app/scenario/files.h"
+#include "app/scenario/message.h"
+#include "app/scenario/nearest.h"
+#include "app/scenario/reader.h"
+
+namespace hvp::devices {
+
+namespace {
+
+constexpr std::string_view kKey = "accelerator.device";
+
+std::string unknown_device(const std::string& name) {
+  const std::vector<std::string_view> names = built_in_names();
+  std::string message = fmt::format("expected {} or a file that ends in .toml, found {}",
+                                    fmt::join(names, ", "), scenario::in_quotes(name));
+  const std::string_view close = scenario::nearest(name, names);
+  if (!close.empty()) message += fmt::format("; did you mean \"{}\"?", close);
+  return message;
+}
+
+}  // namespace
+
+std::vector<std::string_view> built_in_names() {
+  std::vector<std::string_view> names;
+  for (const EmbeddedFile& file : embedded_files()) names.push_back(file.name);
+  return names;
+}
+
+const accel::Device& built_in(std::string_view name) {
+  static std::map<std::string_view, accel::Device> known;
+  const auto files = embedded_files();
+  const auto file = std::ranges::find(files, name, &EmbeddedFile::name);
+  if (file == files.end()) {
+    throw std::invalid_argument(fmt::format("no built-in device is called {}", name));
+  }
+  const auto found = known.find(file->name);
+  if (found != known.end()) return found->second;
+  const std::string path = fmt::format("devices/{}.toml", name);
+  return known.emplace(file->name, parse(file->text, path)).first->second;
+}
+
+accel::Device parse(std::string_view text, const std::filesystem::path& file_name) {
+  accel::Device device;
+  scenario::read(scenario::Document::parse(text, file_name), device);
+  return device;
+}
+
+bool names_file(std::string_view device) { return device.ends_with(".toml"); }
+
+std::filesystem::path openable(const scenario::Document& document, const std::string& device) {
+  if (!names_file(device)) return {};
+  return scenario::openable_file(document, kKey, device);
+}
+
+accel::Device find(const scenario::Document& document, const std::string& device) {
+  if (names_file(device)) {
+    accel::Device own;
+    scenario::read(scenario::Document::load(openable(document, device)), own);
+    return own;
+  }
+  const std::vector<std::string_view> names = built_in_names();
+  if (std::ranges::find(names, device) != names.end()) return built_in(device);
+  throw scenario::SourceError(std::string(kKey), document.locate(kKey) + unknown_device(device));
+}
+
+}  // namespace hvp::devices
