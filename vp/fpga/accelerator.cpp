@@ -73,7 +73,10 @@ Accelerator::Accelerator(const sc_core::sc_module_name& name,
   for (const Aperture aperture : {Aperture::row_begin, Aperture::column, Aperture::value}) {
     bank_.on_memory_write(aperture, [this] { bank_.set(field::kStatusMatrixLoaded, 0); });
   }
-  bank_.on_memory_write(Aperture::u, [this] { has_previous_u_ = false; });
+  bank_.on_memory_write(Aperture::u, [this] {
+    has_previous_u_ = false;
+    give_engine_x();
+  });
   SC_HAS_PROCESS(Accelerator);
   SC_METHOD(finish);
   sensitive << done_;
@@ -160,7 +163,7 @@ void Accelerator::run_for(Running what, std::int64_t clocks) {
 void Accelerator::begin_solve() {
   if (cycles_ != nullptr && !fault_) {
     begin(Running::solve);
-    cycles_->start_solve(solver_settings_);
+    cycles_->start_solve(settings_);
   } else if (phases_ != nullptr && !fault_) {
     begin(Running::solve);
     phases_->start_solve(settings_, result_);
@@ -213,6 +216,7 @@ void Accelerator::load_done() {
   has_previous_u_ = false;
   b_.assign(static_cast<std::size_t>(matrix_.rows()), 0);
   u_.assign(static_cast<std::size_t>(matrix_.rows()), 0);
+  give_engine_x();
   if (cycles_ != nullptr) {
     begin(Running::load);
     cycles_->start_inversion();
@@ -281,23 +285,37 @@ void Accelerator::update_node() {
   const std::int64_t clocks = accel::node_update_cycles(
       architecture_, pattern_, row, std::span(matrix_.column).subspan(begin, end - begin),
       loaded_method_);
-  wait_states_ = level_ == Timing::untimed ? 0 : clocks * architecture_.clock_period_ps();
-  ledger_.extend(*commanding_tag_, Part::fpga, Phase::node_update, now_ps(),
-                 now_ps() + wait_states_);
+  hold_access(clocks);
 }
 
-// The access that gave the command is held until the engine has written its packages.
+// U is the engine's memory of x, which it brings into the copies of d when the host has written.
+void Accelerator::give_engine_x() {
+  if (u_.empty()) return;  // no matrix has been loaded
+  if (phases_ != nullptr) phases_->written_x();
+  if (cycles_ == nullptr) return;
+  engine_u_.resize(u_.size());
+  const unsigned vector_bits = bank_.get(field::kFormatVectorBits);
+  const std::span<const std::uint32_t> words = bank_.memory(Aperture::u);
+  for (std::size_t i = 0; i < engine_u_.size(); ++i) {
+    engine_u_[i] = packed_element(words, i, vector_bits);
+  }
+  cycles_->write_x(engine_u_);
+}
+
+// The engine writes its packages while the access that gave the command is held.
 void Accelerator::edit_engine(int node) {
-  Tag* const commanding = commanding_tag_;
-  const Picoseconds before = now_ps();
   if (matrix_.is_contact[static_cast<std::size_t>(node)] != 0) {
     cycles_->start_constraining(node, matrix_.diagonal(3 * node));
   } else {
     cycles_->start_restoring(node, row_);
   }
-  sc_core::wait(cycles_->done());
-  commanding_tag_ = commanding;
-  ledger_.extend(*commanding_tag_, Part::fpga, Phase::node_update, before, now_ps());
+  hold_access(cycles_->update_clocks());
+}
+
+void Accelerator::hold_access(std::int64_t clocks) {
+  wait_states_ = level_ == Timing::untimed ? 0 : clocks * architecture_.clock_period_ps();
+  ledger_.extend(*commanding_tag_, Part::fpga, Phase::node_update, now_ps(),
+                 now_ps() + wait_states_);
 }
 
 void Accelerator::reset() {
@@ -312,7 +330,7 @@ void Accelerator::reset() {
 }
 
 void Accelerator::finish() {
-  if (running_ == Running::nothing) return;  // a node was updated
+  if (running_ == Running::nothing) return;  // given up at this instant
   bank_.set(field::kStatusBusy, 0);
   const Running ended = std::exchange(running_, Running::nothing);
   if (ended == Running::load) {
@@ -367,10 +385,7 @@ void Accelerator::compute() {
   for (std::size_t i = 0; i < b_.size(); ++i) b_[i] = packed_element(words, i, rhs_bits);
   form_guess(settings_.start);
   const std::int64_t clamped = result_.saturations;
-  if (cycles_ != nullptr) {
-    cycles_->write_b(b_);
-    cycles_->write_x(u_);
-  }
+  if (cycles_ != nullptr) cycles_->write_b(b_);
   // Through the driver's frames nothing may be thrown.
   try {
     require_solver(settings_);
@@ -380,6 +395,7 @@ void Accelerator::compute() {
     spdlog::warn("the board's solver stopped: {}", e.what());
     solver_.reset();
     has_previous_u_ = false;
+    if (cycles_ != nullptr) cycles_->forget_previous();
     fault_ = true;
   }
   result_.saturations += clamped;

@@ -74,7 +74,9 @@ class Accelerator : public sc_core::sc_module {
   void begin_solve();
   void take_engine_words();
   bool load_engine(const fixed::Settings& settings);
+  void give_engine_x();
   void edit_engine(int node);
+  void hold_access(std::int64_t clocks);
   bool supported(const fixed::Settings& settings);
   void form_guess(fixed::Start start);
   void require_solver(const fixed::Settings& settings);

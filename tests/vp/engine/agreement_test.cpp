@@ -132,6 +132,31 @@ TEST(Agreement, OverMeshesAndArchitectures) {
   }
 }
 
+// A solve of few iterations, as a stop test ends them: what a solve takes once weighs most here.
+TEST(Agreement, OfShortSolves) {
+  const std::vector<test::NamedMatrix> meshes = test::mesh_set();
+  CycleEngine cycles("cycles", {});
+  PhaseEngine phases("phases", {});
+  for (const test::NamedMatrix& mesh : meshes) {
+    for (const fixed::Method method : {fixed::Method::cg, fixed::Method::jacobi_pcg}) {
+      int shortest = 100;
+      for (const double stop : {0.9, 0.5, 0.2, 0.1}) {
+        SCOPED_TRACE(mesh.name + ", " + std::to_string(stop));
+        Settings settings;
+        settings.method = method;
+        settings.iterations = 200;
+        settings.stop_residual = stop;
+        const Levels levels = compare(cycles, phases, mesh.matrix, settings);
+        ASSERT_TRUE(cycles.report().reached);
+        shortest = std::min(shortest, cycles.report().iterations);
+        EXPECT_LE(std::abs(levels.approximate_error()), 0.5);
+        EXPECT_LE(std::abs(levels.loose_error()), 3.0);
+      }
+      EXPECT_LE(shortest, 5);
+    }
+  }
+}
+
 struct Job {
   std::string name;
   std::function<void(Settings&)> change;
@@ -160,6 +185,8 @@ TEST(Agreement, OverMethodsAndEndings) {
          s.iterations = 200;
        }},
       {"nothing to do", [](Settings&) {}, 0},
+      {"from zero", [](Settings& s) { s.start = fixed::Start::zero; }},
+      {"extrapolated", [](Settings& s) { s.start = fixed::Start::extrapolated, s.iterations = 3; }},
   };
   for (const Job& job : jobs) {
     SCOPED_TRACE(job.name);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "models/config/input_error.h"
+#include "models/fixed/start_guess.h"
 #include "tests/fixed/elastic_box.h"
 #include "tests/fixed/small_systems.h"
 #include "tests/vp/engine/engine_systems.h"
@@ -16,6 +17,15 @@ namespace {
 using fixed::Settings;
 using fixed::test::Recorder;
 using fixed::test::Solution;
+
+// x as it lies in the copies of d.
+std::vector<std::vector<std::int32_t>> copies(const CycleEngine& engine) {
+  std::vector<std::vector<std::int32_t>> all;
+  for (int i = 0; i < engine.architecture().partitions; ++i) {
+    all.push_back(engine.block(i).direction());
+  }
+  return all;
+}
 
 // Runs the clock until the engine has stopped it.
 void run_until_idle(CycleEngine& engine) {
@@ -72,6 +82,7 @@ void expect_same(CycleEngine& engine, const Settings& settings,
     ASSERT_EQ(is.direction_exponent, should.direction_exponent);
   }
   EXPECT_EQ(x, expected.x);
+  for (const auto& copy : copies(engine)) ASSERT_EQ(copy, x);  // where the next solve looks for it
   seen.saturations += report.saturations > 0 ? 1 : 0;
   seen.wraps += report.wraps > 0 ? 1 : 0;
   seen.breakdowns += report.breakdowns;
@@ -94,7 +105,7 @@ Enum pick(fixed::test::Random& random, int values) {
 Settings random_settings(fixed::test::Random& random) {
   Settings s;
   s.method = pick<fixed::Method>(random, 3);
-  s.start = random.below(4) == 0 ? fixed::Start::zero : fixed::Start::warm;
+  s.start = pick<fixed::Start>(random, 3);  // an extrapolated one has nothing before it: warm
   s.iterations = 1 + random.below(12);
   s.matrix_bits = 8 + random.below(17);
   s.vector_bits = 14 + random.below(19);
@@ -196,6 +207,58 @@ TEST(Words, GoOnWhenNothingIsLeftToDo) {
   const std::int64_t idle_clocks = engine.clocks();
   expect_same(engine, s, matrix, test::random_words(matrix.rows(), 3000, 5), b);
   EXPECT_EQ(engine.clocks(), idle_clocks);  // thesis §4.2: the count is fixed
+}
+
+// The line through the last two solutions, from the engine's own memories.
+TEST(Words, AnExtrapolatedStartIsOnTheLineThroughTheLastSolutions) {
+  const fixed::QuantisedMatrix matrix = fixed::quantise(test::box_stiffness(3, 3, 3), 12);
+  CycleEngine engine("engine", {});
+  Settings s;
+  s.start = fixed::Start::extrapolated;
+  s.iterations = 6;
+  engine.load(matrix, s);
+  const auto size = static_cast<std::size_t>(matrix.rows());
+  std::vector<std::int32_t> x(size, 0);
+  std::vector<std::int32_t> previous = x;
+  std::int64_t clamped = 0;
+  for (std::uint64_t job = 1; job <= 8; ++job) {
+    SCOPED_TRACE(job);
+    if (job == 5) {  // the host's words have no solution before them
+      x = test::random_words(matrix.rows(), 32767, 77);
+      previous = x;
+      engine.write_x(x);
+    }
+    const auto b = test::random_words(matrix.rows(), 30000, job);
+    clamped += fixed::extrapolate(x, previous, s.vector_bits);
+    const Solution expected = fixed::test::solve(s, matrix, b, x);
+    engine.write_b(b);
+    engine.start_solve(s);
+    run_until_idle(engine);
+    engine.read_x(x);
+    ASSERT_EQ(x, expected.x);
+  }
+  EXPECT_GT(clamped, 0);
+}
+
+// The host's words of x are copied anew where it writes while the ones before are on their way.
+TEST(Words, XWrittenAmidACopyIsTheXThatIsCopied) {
+  const fixed::QuantisedMatrix matrix = fixed::quantise(test::box_stiffness(3, 3, 3), 12);
+  accel::Architecture narrow;
+  narrow.direction_memory = accel::DirectionMemory::stall;
+  narrow.nodes_per_clock = 8;
+  CycleEngine thesis("thesis", {});
+  CycleEngine stalling("stalling", narrow);
+  for (CycleEngine* engine : {&thesis, &stalling}) {
+    engine->load(matrix, {});
+    std::vector<std::int32_t> x;
+    for (int clocks = 0; clocks < 60; ++clocks) {
+      x = test::random_words(matrix.rows(), 3000, static_cast<std::uint64_t>(clocks));
+      engine->write_x(x);
+      sc_core::sc_start(10 * clocks + 5, sc_core::SC_NS);
+    }
+    run_until_idle(*engine);
+    for (const auto& copy : copies(*engine)) ASSERT_EQ(copy, x);
+  }
 }
 
 TEST(Words, ContactComesAndGoesInTheMatrixMemories) {

@@ -60,12 +60,14 @@ CycleEngine::CycleEngine(const sc_core::sc_module_name& name,
   sequencer_.vector_status = &vectors_.status;
   sequencer_.quotient = &divider_.quotient;
   sequencer_.iteration_made = [this] { observe(); };
-  sequencer_.finished = [this] { finish(); };
-  editor_.finished = [this] { finish(); };
+  sequencer_.finished = [this] { end_solve(); };
+  sequencer_.copied = [this] { end_copy(); };
+  editor_.finished = [this] { end_editing(); };
 }
 
 void CycleEngine::load(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings) {
   require_supported(settings);
+  abort();
   layout_.emplace(architecture_, matrix.row_begin, matrix.column);
   matrix_ = matrix;
   settings_ = settings;
@@ -98,7 +100,10 @@ void CycleEngine::write_b(std::span<const std::int32_t> words) {
 }
 
 void CycleEngine::write_x(std::span<const std::int32_t> words) {
+  if (!idle()) throw std::logic_error("the engine is busy");
   std::ranges::copy(words, vectors_.memories().x.begin());
+  has_previous_ = false;
+  copy_x();
 }
 
 void CycleEngine::read_x(std::span<std::int32_t> words) const {
@@ -128,57 +133,110 @@ const fixed::QuantisedMatrix& CycleEngine::read_matrix() {
   return matrix_;
 }
 
-void CycleEngine::open_clock() {
+// Also counts where the clock is not open yet, or runs for a copy of x.
+std::int64_t CycleEngine::clocks() const {
+  const sc_core::sc_time end = idle() ? ended_ : sc_core::sc_time_stamp();
+  const auto period = static_cast<std::uint64_t>(architecture_.clock_period_ps());
+  return static_cast<std::int64_t>(((end - commanded_).value() + period - 1) / period);
+}
+
+// A command can come at the instant of an update's last edge, and before it.
+void CycleEngine::begin_command() {
+  if (editor_.busy() && editor_.at_last_edge()) editor_.finish();
   if (!idle()) throw std::logic_error("the engine is busy");
-  clock_.open();
+  commanded_ = sc_core::sc_time_stamp();
+}
+
+void CycleEngine::end_command() {
+  ended_ = sc_core::sc_time_stamp();
+  close_clock_if_idle();
+}
+
+void CycleEngine::close_clock_if_idle() {
+  if (idle() && sequencer_.state() == State::idle) clock_.close();
+}
+
+// The editor's memories are not those of a copy, which goes on beside it.
+void CycleEngine::start_editing(int node) {
+  begin_command();
+  edited_node_ = node;
+  if (!clock_.is_open()) clock_.open();
 }
 
 void CycleEngine::start_inversion() {
-  edited_node_ = -1;
-  open_clock();
+  start_editing(-1);
   editor_.invert_all(settings_.method);
 }
 
 void CycleEngine::start_constraining(int node, std::int32_t diagonal) {
-  edited_node_ = node;
-  open_clock();
+  start_editing(node);
   editor_.constrain(node, diagonal, settings_.method);
 }
 
 void CycleEngine::start_restoring(int node, std::span<const std::int32_t> row) {
-  edited_node_ = node;
-  open_clock();
+  start_editing(node);
   editor_.restore(node, row, settings_.method);
+}
+
+void CycleEngine::end_editing() {
+  if (edited_node_ >= 0) {
+    refresh_inverse(edited_node_);
+  } else {
+    done_.notify(sc_core::SC_ZERO_TIME);
+  }
+  end_command();
+}
+
+void CycleEngine::copy_x() {
+  clock_.open();
+  sequencer_.copy();
+}
+
+void CycleEngine::end_copy() {
+  if (solving_) {
+    begin_solve();
+  } else {
+    close_clock_if_idle();
+  }
 }
 
 void CycleEngine::start_solve(const fixed::Settings& settings, fixed::Observer* observer) {
   require_supported(settings);
-  edited_node_ = -1;
+  begin_command();
   observer_ = observer;
   if (settings.method != settings_.method) make_inverse(settings);
   settings_ = settings;
+  ++jobs_;
+  solving_ = true;
+  if (sequencer_.state() != State::copy) begin_solve();
+}
+
+void CycleEngine::begin_solve() {
   vectors_.configure(settings_, preconditioner_->shift());
   divider_.configure(settings_, architecture_.division_clocks * settings_.scalar_bits / 64);
   vectors_.report() = {};
   divider_.report() = {};
-  open_clock();
-  ++jobs_;
-  sequencer_.start(settings_, preconditioner_->shift());
+  clock_.open();
+  sequencer_.start(settings_, preconditioner_->shift(), has_previous_);
+  has_previous_ = settings_.start == fixed::Start::extrapolated;
+}
+
+void CycleEngine::end_solve() {
+  solving_ = false;
+  end_command();
+  done_.notify(sc_core::SC_ZERO_TIME);
+  copy_x();
 }
 
 void CycleEngine::abort() {
+  solving_ = false;
+  has_previous_ = false;
   clock_.close();
   sequencer_.abort();
   editor_.abort();
   divider_.reset();
   vectors_.reset();
   for (const auto& block : blocks_) block->reset();
-}
-
-void CycleEngine::finish() {
-  clock_.close();
-  if (edited_node_ >= 0) refresh_inverse(edited_node_);
-  done_.notify(sc_core::SC_ZERO_TIME);
 }
 
 // The node's part of P⁻¹, from the words that now stand in the matrix memories.

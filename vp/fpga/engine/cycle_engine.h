@@ -31,7 +31,9 @@ void require_supported(const fixed::Settings& settings);
 // are those of fixed::ReferenceSolver; when they come is decided by ports, pipelines and the units
 // that wait for each other. It has the methods cg, jacobi-pcg and block-jacobi-pcg.
 //
-// The host has the memories while the engine is idle; whoever calls then is the bus.
+// The host has the memories while the engine is idle; whoever calls then is the bus. In that time
+// the engine brings x into the copies of d, where the first product of the next solve looks for it:
+// after each solve, and when the host has written x. d is dead then.
 class CycleEngine : public sc_core::sc_module {
  public:
   CycleEngine(const sc_core::sc_module_name& name, const accel::Architecture& architecture);
@@ -40,22 +42,29 @@ class CycleEngine : public sc_core::sc_module {
   // and Layout do.
   void load(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings);
   void write_b(std::span<const std::int32_t> words);
+  // Words of Settings::vector_bits. There is no solution before them.
   void write_x(std::span<const std::int32_t> words);
   void read_x(std::span<std::int32_t> words) const;
   // The words of the matrix memories in the pattern that was loaded.
   const fixed::QuantisedMatrix& read_matrix();
 
-  // Each takes until done() and may be started while idle only. The clocks are counted from the
-  // start to the edge of done().
+  // Each may be started while idle only; solves and inversions end with done(). The clocks are
+  // the edges from the start to the last one.
   void start_inversion();  // P⁻¹ of all nodes: the matrix was loaded
   void start_constraining(int node, std::int32_t diagonal);
   void start_restoring(int node, std::span<const std::int32_t> row);
+  // How long the access that gave one of these two has to be held.
+  std::int64_t update_clocks() const { return editor_.edges(); }
+  // Waits for x to be in the copies of d.
   void start_solve(const fixed::Settings& settings, fixed::Observer* observer = nullptr);
   void abort();
+  // The next extrapolated start has no solution before x.
+  void forget_previous() { has_previous_ = false; }
 
   const sc_core::sc_event& done() const { return done_; }
-  bool idle() const { return !clock_.is_open(); }
-  std::int64_t clocks() const { return clock_.edges(); }
+  // Nothing that the host asked for is going on.
+  bool idle() const { return !solving_ && !editor_.busy(); }
+  std::int64_t clocks() const;
   // Solves that were started.
   std::int64_t jobs() const { return jobs_; }
   // What the hardware knows of the last solve: iterations, replacements, what was clamped or
@@ -74,8 +83,15 @@ class CycleEngine : public sc_core::sc_module {
   }
 
  private:
-  void open_clock();
-  void finish();
+  void begin_command();
+  void end_command();
+  void start_editing(int node);
+  void copy_x();
+  void begin_solve();
+  void end_solve();
+  void end_editing();
+  void end_copy();
+  void close_clock_if_idle();
   void observe();
   void fetch_row(int row);
   void make_inverse(const fixed::Settings& settings);
@@ -95,8 +111,12 @@ class CycleEngine : public sc_core::sc_module {
   fixed::Settings settings_;
   std::optional<fixed::ReferencePreconditioner> preconditioner_;
   fixed::Observer* observer_ = nullptr;
-  int edited_node_ = -1;
+  int edited_node_ = -1;  // −1: all
+  bool solving_ = false;  // begun, or waiting for the copy
+  bool has_previous_ = false;
   std::int64_t jobs_ = 0;
+  sc_core::sc_time commanded_;
+  sc_core::sc_time ended_;
 };
 
 }  // namespace hvp::vp::engine

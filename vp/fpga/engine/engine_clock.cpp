@@ -12,12 +12,11 @@ EngineClock::EngineClock(const sc_core::sc_module_name& name, std::int64_t perio
 
 void EngineClock::open() {
   open_ = true;
-  edges_ = 0;
+  edge_.cancel();
   edge_.notify(period_);
 }
 
 void EngineClock::tick() {
-  ++edges_;
   if (open_) edge_.notify(period_);
 }
 

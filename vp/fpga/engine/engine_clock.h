@@ -12,15 +12,13 @@ class EngineClock : public sc_core::sc_module {
   EngineClock(const sc_core::sc_module_name& name, std::int64_t period_ps);
 
   const sc_core::sc_event& edge() const { return edge_; }
-  // The first edge comes a period from now.
+  // The first edge comes a period from now, also where the gate was open.
   void open();
   void close() {
     open_ = false;
     edge_.cancel();
   }
   bool is_open() const { return open_; }
-  // Edges since the gate was opened last.
-  std::int64_t edges() const { return edges_; }
 
  private:
   void tick();
@@ -28,7 +26,6 @@ class EngineClock : public sc_core::sc_module {
   sc_core::sc_time period_;
   sc_core::sc_event edge_;
   bool open_ = false;
-  std::int64_t edges_ = 0;
 };
 
 }  // namespace hvp::vp::engine

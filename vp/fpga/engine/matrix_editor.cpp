@@ -54,6 +54,7 @@ void MatrixEditor::invert_all(fixed::Method method) {
   drain_ = divisions == 0
                ? 1
                : divisions * architecture_.division_clocks + architecture_.pipeline_clocks;
+  edges_ = drain_;
   busy_ = true;
 }
 
@@ -88,6 +89,7 @@ void MatrixEditor::begin(int node, fixed::Method method) {
   drain_ = architecture_.pipeline_clocks +
            std::int64_t{divisions_a_node(method)} * architecture_.division_clocks;
   if (method == fixed::Method::block_jacobi_pcg) drain_ += architecture_.pipeline_clocks;
+  edges_ = static_cast<std::int64_t>(visits_.size()) + drain_;
   busy_ = true;
 }
 
@@ -97,7 +99,10 @@ void MatrixEditor::clocked() {
     visit(visits_[next_visit_++]);
     return;
   }
-  if (--drain_ > 0) return;
+  if (--drain_ <= 0) finish();
+}
+
+void MatrixEditor::finish() {
   busy_ = false;
   if (finished) finished();
 }

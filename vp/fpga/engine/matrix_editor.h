@@ -36,9 +36,14 @@ class MatrixEditor : public sc_core::sc_module {
   // P⁻¹ of all nodes.
   void invert_all(fixed::Method method);
   void abort() { busy_ = false; }
+  // Everything is written, and the pipelines are empty with the next edge.
+  bool at_last_edge() const { return next_visit_ == visits_.size() && drain_ <= 1; }
+  void finish();
 
   bool is_contact(int node) const { return contact_[static_cast<std::size_t>(node)] != 0; }
   bool busy() const { return busy_; }
+  // Edges of the command that was given last: its packages, then the pipelines and the divisions.
+  std::int64_t edges() const { return edges_; }
 
  private:
   // A package of a row that has to be looked at.
@@ -67,6 +72,7 @@ class MatrixEditor : public sc_core::sc_module {
   std::vector<int> staged_block_of_;  // a node each: its block in that row, or -1
   std::vector<Visit> visits_;
   std::size_t next_visit_ = 0;
+  std::int64_t edges_ = 0;
   std::int64_t drain_ = 0;  // edges until the pipelines are empty and the divider is done
 };
 

@@ -40,6 +40,11 @@ void PhaseEngine::load(const fixed::QuantisedMatrix& matrix, const fixed::Settin
   require_supported(settings);
   layout_.emplace(architecture_, matrix.row_begin, matrix.column);
   phases_ = phase_clocks(architecture_, *layout_);
+  copied_ = sc_core::SC_ZERO_TIME;
+}
+
+void PhaseEngine::copy_x() {
+  copied_ = sc_core::sc_time_stamp() + static_cast<double>(phases_.writing_direction) * period_;
 }
 
 void PhaseEngine::start_solve(const fixed::Settings& settings, const fixed::Report& report) {
@@ -47,15 +52,20 @@ void PhaseEngine::start_solve(const fixed::Settings& settings, const fixed::Repo
   settings_ = settings;
   report_ = report;
   loop_ = 0;
-  clock_ = 0;
   free_at_ = {};
   held_ = {};
-  hold(State::guess);
+  // The copy may end between two of the job's clocks; they begin with its end.
+  const sc_core::sc_time now = sc_core::sc_time_stamp();
+  const sc_core::sc_time wait = copied_ > now ? copied_ - now : sc_core::SC_ZERO_TIME;
+  const auto period = period_.value();
+  clock_ = static_cast<std::int64_t>((wait.value() + period - 1) / period);
+  hold(settings.start == fixed::Start::extrapolated ? State::guess : State::start_product, wait);
 }
 
 void PhaseEngine::abort() {
   over_.cancel();
   state_ = State::idle;
+  copied_ = sc_core::SC_ZERO_TIME;
 }
 
 // The residual is formed anew in this iteration. Once nothing is left to do it never is.
@@ -91,6 +101,7 @@ State PhaseEngine::next() const {
       return State::beta;
     case State::beta:
       return State::direction;
+    case State::copy:
     case State::idle:
       break;
   }
@@ -101,6 +112,7 @@ void PhaseEngine::advance() {
   const State following = next();
   if (following == State::idle) {
     state_ = State::idle;
+    copy_x();
     done_.notify(sc_core::SC_ZERO_TIME);
     return;
   }
@@ -108,7 +120,7 @@ void PhaseEngine::advance() {
   hold(following);
 }
 
-void PhaseEngine::hold(State state) {
+void PhaseEngine::hold(State state, sc_core::sc_time after) {
   const auto phase = [&]() -> Phase {
     const std::int64_t division =
         std::int64_t{architecture_.division_clocks} * settings_.scalar_bits / 64;
@@ -131,6 +143,7 @@ void PhaseEngine::hold(State state) {
       case State::anew_residual:
       case State::direction:
         return {phases_.moving_direction, kVectorsAndDirection};
+      case State::copy:
       case State::idle:
         break;
     }
@@ -148,7 +161,7 @@ void PhaseEngine::hold(State state) {
     held_[u] += phase.clocks;
   }
   if (phase_begun) phase_begun(state);
-  over_.notify(static_cast<double>(end - clock_) * period_);
+  over_.notify(after + static_cast<double>(end - clock_) * period_);
   clock_ = end;
 }
 

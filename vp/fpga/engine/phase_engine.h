@@ -28,7 +28,10 @@ class PhaseEngine : public sc_core::sc_module {
 
   // Throws InputError as CycleEngine::load() does.
   void load(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings);
-  // A solve that went as the report says. Throws InputError for a method it does not have.
+  // The host has written x, which then goes into the copies of d, as after every solve.
+  void written_x() { copy_x(); }
+  // A solve that went as the report says, from when x is in the copies of d. Throws InputError for
+  // a method it does not have.
   void start_solve(const fixed::Settings& settings, const fixed::Report& report);
   void abort();
 
@@ -37,7 +40,7 @@ class PhaseEngine : public sc_core::sc_module {
 
   const sc_core::sc_event& done() const { return done_; }
   bool idle() const { return state_ == State::idle; }
-  // Of the last solve.
+  // Of the last solve, its wait for x included.
   std::int64_t clocks() const { return clock_; }
   const PhaseClocks& phases() const { return phases_; }
   // Clocks of the last solve in which a unit was held.
@@ -46,7 +49,8 @@ class PhaseEngine : public sc_core::sc_module {
  private:
   void advance();
   State next() const;
-  void hold(State state);
+  void hold(State state, sc_core::sc_time after = sc_core::SC_ZERO_TIME);
+  void copy_x();
   bool replaces() const;
 
   accel::Architecture architecture_;
@@ -55,6 +59,7 @@ class PhaseEngine : public sc_core::sc_module {
   fixed::Settings settings_;
   fixed::Report report_;
   sc_core::sc_time period_;
+  sc_core::sc_time copied_;  // when x is in the copies of d
   sc_core::sc_event over_;
   sc_core::sc_event done_;
 

@@ -18,6 +18,8 @@ const char* name(State state) {
   switch (state) {
     case State::idle:
       return "idle";
+    case State::copy:
+      return "copy";
     case State::guess:
       return "guess";
     case State::start_product:
@@ -52,7 +54,7 @@ Sequencer::Sequencer(const sc_core::sc_module_name& name, EngineClock& clock)
   dont_initialize();
 }
 
-void Sequencer::start(const fixed::Settings& settings, int inverse_shift) {
+void Sequencer::start(const fixed::Settings& settings, int inverse_shift, bool has_previous) {
   settings_ = settings;
   inverse_shift_ = inverse_shift;
   direction_target_ = settings.vector_bits - 1 - settings.headroom_bits;
@@ -63,8 +65,15 @@ void Sequencer::start(const fixed::Settings& settings, int inverse_shift) {
   loops_ = 0;
   hold_ = false;
   replaced_ = false;
-  command(State::guess, {.pass = Pass::guess});
+  zero_ = settings.start == fixed::Start::zero;
+  if (settings.start == fixed::Start::extrapolated) {
+    command(State::guess, {.pass = Pass::guess, .alone = !has_previous});
+  } else {
+    multiply(State::start_product, true);
+  }
 }
+
+void Sequencer::copy() { command(State::copy, {.pass = Pass::copy}); }
 
 void Sequencer::abort() {
   state_ = State::idle;
@@ -82,6 +91,10 @@ void Sequencer::clocked() {
 
 void Sequencer::pass_is_over(const VectorStatus& status) {
   switch (state_) {
+    case State::copy:
+      state_ = State::idle;
+      if (copied) copied();
+      break;
     case State::guess:
       multiply(State::start_product, true);
       break;
@@ -150,7 +163,10 @@ void Sequencer::command(State state, VectorCommand next) {
 
 void Sequencer::multiply(State state, bool compare) {
   product_start.write(++products_);
-  command(state, {.pass = Pass::product, .hold = hold_, .compare = compare});
+  command(state, {.pass = Pass::product,
+                  .hold = hold_,
+                  .compare = compare,
+                  .zero = zero_ && state == State::start_product});
 }
 
 void Sequencer::divide(State state, DivisionCommand next) {
@@ -172,6 +188,7 @@ void Sequencer::form_residual(State state, const VectorStatus& product) {
   }
   command(state, {.pass = Pass::residual,
                   .first = state == State::start_residual,
+                  .zero = zero_ && state == State::start_residual,
                   .exchange = state == State::anew_residual,
                   .r_shift = scalars_.r_exponent});
 }

@@ -18,7 +18,8 @@ namespace hvp::vp::engine {
 // ends group a; group b needs α; β needs the residual's size, which ends group b; group c needs β.
 enum class State {
   idle,
-  guess,            // x into the copies of d
+  copy,             // after a job: x into the copies of d, for the next one's first product
+  guess,            // extrapolated start: x and the copies of d
   start_product,    // A·x
   start_residual,   // r = b − A·x
   first_direction,  // d = z
@@ -56,10 +57,14 @@ class Sequencer : public sc_core::sc_module {
   // Called when an iteration's words are all written, and when the solve is over.
   std::function<void()> iteration_made;
   std::function<void()> finished;
+  std::function<void()> copied;  // the copies of d hold x
 
-  // `inverse_shift` is that of P⁻¹·r. The first pass starts at once.
-  void start(const fixed::Settings& settings, int inverse_shift);
-  // Gives up a solve.
+  // `inverse_shift` is that of P⁻¹·r. The first pass starts at once. Has to find x in the copies
+  // of d. `has_previous`: an extrapolated start has a solution before x.
+  void start(const fixed::Settings& settings, int inverse_shift, bool has_previous);
+  // Starts the copy of x into the copies of d, anew where one is going on.
+  void copy();
+  // Gives up a solve or a copy.
   void abort();
 
   State state() const { return state_; }
@@ -104,6 +109,7 @@ class Sequencer : public sc_core::sc_module {
   std::uint32_t division_number_ = 0;
   std::uint32_t products_ = 0;
   int loops_ = 0;
+  bool zero_ = false;      // the solve starts from zero, whatever x is
   bool hold_ = false;      // nothing is left to do, and the passes go on
   bool replaced_ = false;  // this iteration's residual is formed anew
   double rhs_square_ = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "models/fixed/start_guess.h"
 #include "models/fixed/word.h"
 
 namespace hvp::vp::engine {
@@ -47,7 +48,8 @@ VectorUnit::VectorUnit(const sc_core::sc_module_name& name, const accel::Archite
 
 void VectorUnit::load(int nodes) {
   nodes_ = nodes;
-  for (auto* memory : {&memories_.x, &memories_.b, &memories_.r, &memories_.z, &memories_.q}) {
+  for (auto* memory : {&memories_.x, &memories_.previous, &memories_.b, &memories_.r, &memories_.z,
+                       &memories_.q}) {
     memory->assign(3 * at(nodes), 0);
   }
   memories_.inverse.assign(9 * at(nodes), 0);
@@ -81,6 +83,7 @@ void VectorUnit::clocked() {
   if (done_nodes_ == nodes_) finish_pass();
 }
 
+// A pass may take the place of one that is not over: the copy of an x that has changed since.
 void VectorUnit::begin_pass() {
   now_ = command->read();
   sums_ = {};
@@ -89,6 +92,8 @@ void VectorUnit::begin_pass() {
   next_node_ = 0;
   done_nodes_ = 0;
   reads_left_ = 0;
+  writes_left_ = 0;
+  for (Group& group : group_) group.count = 0;
 }
 
 void VectorUnit::finish_pass() {
@@ -103,6 +108,7 @@ bool VectorUnit::reads_direction() const {
 
 bool VectorUnit::writes_direction() const {
   switch (now_.pass) {
+    case Pass::copy:
     case Pass::guess:
     case Pass::first_direction:
     case Pass::direction:
@@ -182,6 +188,7 @@ void VectorUnit::read(const Group& group, Lane* lanes) {
     Lane& lane = lanes[i];
     const int node = group.first + i;
     lane.x = words(memories_.x, node);
+    lane.previous = words(memories_.previous, node);
     lane.r = words(memories_.r, node);
     lane.q = words(memories_.q, node);
     lane.b = words(memories_.b, node);
@@ -211,6 +218,9 @@ void VectorUnit::align_and_write(const Group& group, Lane* lanes) {
   for (int i = 0; i < group.count; ++i, direction += 3) {
     const int node = group.first + i;
     switch (now_.pass) {
+      case Pass::copy:
+        write_copy(lanes[i], direction);
+        break;
       case Pass::guess:
         write_guess(node, lanes[i], direction);
         break;
@@ -232,13 +242,18 @@ void VectorUnit::align_and_write(const Group& group, Lane* lanes) {
   if (writes_direction()) direction_write.write({group.first, group.count, number, words});
 }
 
-void VectorUnit::write_guess(int node, Lane& lane, std::int32_t* direction) {
-  for (std::size_t c = 0; c < 3; ++c) {
-    const std::int32_t from = settings_.start == fixed::Start::zero ? 0 : lane.x[c];
-    lane.x[c] = machine_.write(from, settings_.vector_bits);
-    memories_.x[3 * at(node) + c] = lane.x[c];
-    direction[c] = lane.x[c];
-  }
+void VectorUnit::write_copy(const Lane& lane, std::int32_t* direction) const {
+  std::ranges::copy(lane.x, direction);
+}
+
+// The guess of fixed::extrapolate.
+void VectorUnit::write_guess(int node, const Lane& lane, std::int32_t* direction) {
+  std::array<std::int32_t, 3> previous = now_.alone ? lane.x : lane.previous;
+  std::array<std::int32_t, 3> x = lane.x;
+  report_.saturations += fixed::extrapolate(x, previous, settings_.vector_bits);
+  std::ranges::copy(x, memories_.x.begin() + 3 * node);
+  std::ranges::copy(previous, memories_.previous.begin() + 3 * node);
+  std::ranges::copy(x, direction);
 }
 
 void VectorUnit::write_residual(int node, Lane& lane, std::int32_t* direction) {
@@ -250,6 +265,7 @@ void VectorUnit::write_residual(int node, Lane& lane, std::int32_t* direction) {
     lane.r[c] =
         machine_.write(machine_.rounded_shift(full, now_.r_shift), settings_.residual_bits());
     memories_.r[3 * at(node) + c] = lane.r[c];
+    if (now_.zero) memories_.x[3 * at(node) + c] = 0;
     if (now_.exchange) {
       memories_.x[3 * at(node) + c] = lane.d[c];
       direction[c] = lane.x[c];
@@ -362,9 +378,9 @@ void VectorUnit::write_back(int age) {
   for (int i = 0; i < count; ++i) {
     const RowResult& row = back_row_[slot * at(architecture_.nodes_per_clock) + at(i)];
     for (std::size_t c = 0; c < 3; ++c) {
-      const std::int32_t q =
-          machine_.write(machine_.rounded_shift(row.sum[c], -settings_.product_shift()),
-                         fixed::Settings::kProductBits);
+      const std::int64_t sum = now_.zero ? 0 : row.sum[c];
+      const std::int32_t q = machine_.write(machine_.rounded_shift(sum, -settings_.product_shift()),
+                                            fixed::Settings::kProductBits);
       memories_.q[3 * at(row.node) + c] = q;
       sums_.dot += static_cast<fixed::Int128>(q) * row.own[c];
       track(sums_.largest_q, q);

@@ -22,8 +22,9 @@ namespace hvp::vp::engine {
 // What the vector unit does in one pass over all nodes. The groups are those of thesis Fig. 4.4.
 enum class Pass {
   none,
+  copy,             // x into the copies of d
+  guess,            // the same with x on the line through the last two solutions
   product,          // group a: rows that the SpMxV blocks finish become q, and dᵀq
-  guess,            // the initial guess into the copies of d
   residual,         // r = b − q and z = P⁻¹·r, rᵀr or zᵀr
   first_direction,  // d = z
   update,           // group b: x, r, z and zᵀr
@@ -37,6 +38,8 @@ struct VectorCommand {
   bool hold = false;     // nothing is written: the solve is over, its passes are not
   bool compare = false;  // product: also the size of b − q
   bool first = false;    // residual: clamped words of b are counted
+  bool zero = false;     // of a start from zero: rows count as zero, and the residual clears x
+  bool alone = false;    // guess: no solution lies before x
   // x and the copies of d change places, for a product with x amid the iterations.
   bool exchange = false;
   std::int32_t alpha = 0;  // mantissas
@@ -64,7 +67,8 @@ struct VectorStatus {
 // port to write. Three words a node.
 struct VectorMemories {
   std::vector<std::int32_t> x, b, r, z, q;
-  std::vector<std::int32_t> inverse;  // P⁻¹, nine words a node
+  std::vector<std::int32_t> previous;  // x before the last job, for an extrapolated start
+  std::vector<std::int32_t> inverse;   // P⁻¹, nine words a node
 };
 
 // The vector unit: L lanes of a node each. A group of L nodes is read (memory_read_clocks),
@@ -113,7 +117,7 @@ class VectorUnit : public sc_core::sc_module {
   };
   // A lane's registers.
   struct Lane {
-    std::array<std::int32_t, 3> x{}, d{}, r{}, q{}, b{}, z{};
+    std::array<std::int32_t, 3> x{}, previous{}, d{}, r{}, q{}, b{}, z{};
     std::array<std::int64_t, 3> alpha_d{}, alpha_q{}, beta_d{};
   };
 
@@ -127,7 +131,8 @@ class VectorUnit : public sc_core::sc_module {
   void sum(const Group& group, const Lane* lanes);
   void finish_pass();
 
-  void write_guess(int node, Lane& lane, std::int32_t* direction);
+  void write_copy(const Lane& lane, std::int32_t* direction) const;
+  void write_guess(int node, const Lane& lane, std::int32_t* direction);
   void write_residual(int node, Lane& lane, std::int32_t* direction);
   void write_update(int node, Lane& lane, std::int32_t* direction);
   void write_direction_word(Lane& lane, std::int32_t* direction);
