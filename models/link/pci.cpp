@@ -12,7 +12,8 @@ void Pci::declare(config::Visitor& v) {
   v.choice("kind", kind,
            {{"pci-32/33", PciKind::pci_32_33},
             {"pci-32/66", PciKind::pci_32_66},
-            {"pci-64/66", PciKind::pci_64_66}},
+            {"pci-64/66", PciKind::pci_64_66},
+            {"pci-x-133", PciKind::pci_x_133}},
            {"width in bits and clock in MHz", "thesis appendix A: the board sits on PCI"});
   v.integer("burst_bytes", burst_bytes, {4, 4096},
             {"longest burst before the bus is released",
@@ -39,9 +40,20 @@ void Pci::check() const {
   }
 }
 
-int Pci::width_bytes() const { return kind == PciKind::pci_64_66 ? 8 : 4; }
+int Pci::width_bytes() const {
+  return kind == PciKind::pci_64_66 || kind == PciKind::pci_x_133 ? 8 : 4;
+}
 
-std::int64_t Pci::clock_period_ps() const { return kind == PciKind::pci_32_33 ? 30'000 : 15'000; }
+std::int64_t Pci::clock_period_ps() const {
+  switch (kind) {
+    case PciKind::pci_32_33:
+      return 30'000;
+    case PciKind::pci_x_133:
+      return 7'500;
+    default:
+      return 15'000;
+  }
+}
 
 std::int64_t Pci::wire_ps(std::int64_t bytes, int overhead) const {
   const std::int64_t bursts = (bytes + burst_bytes - 1) / burst_bytes;

@@ -6,7 +6,7 @@
 
 namespace hvp::link {
 
-enum class PciKind { pci_32_33, pci_32_66, pci_64_66 };
+enum class PciKind { pci_32_33, pci_32_66, pci_64_66, pci_x_133 };
 
 // Conventional PCI as arithmetic: what a transaction costs on the wire. The scenario's table
 // [bus]. All times are whole picoseconds, so that simulated time is exact.

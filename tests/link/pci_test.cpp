@@ -41,7 +41,19 @@ TEST_P(PciTable, BlockOf3000BytesIn64ByteBursts) {
 INSTANTIATE_TEST_SUITE_P(Facts, PciTable,
                          testing::Values(Row{PciKind::pci_32_33, 0.125, 28},
                                          Row{PciKind::pci_32_66, 0.251, 14},
-                                         Row{PciKind::pci_64_66, 0.474, 8.4}));
+                                         Row{PciKind::pci_64_66, 0.474, 8.4},
+                                         Row{PciKind::pci_x_133, 0.948, 4.2}));
+
+TEST(Pci, RawRatesAreWidthOverPeriod) {
+  const auto raw = [](PciKind kind) {
+    const Pci pci = bus(kind, 64);
+    return pci.width_bytes() * 1e3 / static_cast<double>(pci.clock_period_ps());
+  };
+  EXPECT_NEAR(raw(PciKind::pci_32_33), 0.133, 0.0005);
+  EXPECT_NEAR(raw(PciKind::pci_32_66), 0.267, 0.0005);
+  EXPECT_NEAR(raw(PciKind::pci_64_66), 0.533, 0.0005);
+  EXPECT_NEAR(raw(PciKind::pci_x_133), 1.066, 0.001);  // 8 bytes in 7.5 ns: 1.0667
+}
 
 TEST(Pci, OneWordCostsItsOverheadOneDataPhaseAndTheLatency) {
   const Pci pci;

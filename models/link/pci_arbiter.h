@@ -1,0 +1,101 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "models/link/direction.h"
+#include "models/link/pci_protocol.h"
+
+namespace hvp::link {
+
+// A PCI bus with several masters, exact to the clock: who owns it, when, and for how many data
+// phases. It has no clock of its own: whoever drives it says how far time has come.
+//
+//   arbiter.request(master, Direction::read, 64, now);
+//   …wait until arbiter.forecast(master), or until somebody else requests…
+//   arbiter.advance(now);  arbiter.done(master)
+//
+// Rules. A request is seen at the first clock edge that is not before it. Arbitration is hidden
+// behind the running transaction. The winner of simultaneous requests follows from the policy and
+// the masters' numbers, never from the order of the calls: a grant at an instant is decided only
+// once time has passed it. A master asks for its next burst when its last one has released the
+// bus. A burst whose GNT# is gone and whose latency timer has run out ends with the data phase
+// under way (PCI 3.0 §3.5.4), and what is left of it goes on in a later tenure.
+//
+// Value semantics, and nothing allocates: forecast() runs a copy.
+class PciArbiter {
+ public:
+  static constexpr int kMaxMasters = 8;
+
+  struct Statistics {
+    std::int64_t tenures = 0;
+    std::int64_t retries = 0;
+    std::int64_t preemptions = 0;
+    std::int64_t bytes = 0;
+    std::int64_t owned_ps = 0;    // address phase to turnaround
+    std::int64_t waiting_ps = 0;  // REQ# to address phase
+  };
+
+  // Throws InputError for less than one or more than kMaxMasters masters.
+  PciArbiter(const Pci& bus, const PciProtocol& protocol, int masters);
+
+  // The master has nothing under way, bytes > 0, and `time_ps` is not before the last advance().
+  void request(int master, Direction direction, std::int64_t bytes, std::int64_t time_ps);
+  // Everything up to this time has happened.
+  void advance(std::int64_t time_ps);
+  bool busy(int master) const { return at(master).busy; }
+  // The master's last request has released the bus by the time of the last advance().
+  bool done(int master) const { return !at(master).busy; }
+  // When the last request that is done released the bus.
+  std::int64_t completed_ps(int master) const { return at(master).completed * clocks_.period_ps(); }
+  // When the request under way will be done if nobody requests until then; kNever without one.
+  std::int64_t forecast(int master) const;
+  // The earliest of all forecasts: what a driver waits for.
+  std::int64_t next_completion() const;
+
+  const Statistics& statistics(int master) const { return at(master).statistics; }
+  const PciClocks& clocks() const { return clocks_; }
+
+ private:
+  struct Master {
+    bool busy = false;
+    bool releasing = false;  // its last data phase is over, the turnaround is not
+    Direction direction = Direction::write;
+    std::int64_t left = 0;   // data phases
+    std::int64_t moved = 0;  // data phases
+    std::int64_t bytes = 0;
+    std::int64_t requested = 0;  // clock at which REQ# is asserted
+    bool fetching = false;       // a target works on the delayed read of this burst
+    bool fetched = false;        // …and has had it
+    std::int64_t ready = 0;      // clock at which it has the data
+    std::int64_t completed = 0;
+    Statistics statistics;
+  };
+
+  const Master& at(int master) const { return masters_[static_cast<std::size_t>(master)]; }
+  Master& at(int master) { return masters_[static_cast<std::size_t>(master)]; }
+  bool competes(int master) const { return at(master).busy && !at(master).releasing; }
+  std::int64_t clock_of(std::int64_t time_ps) const;
+  void run(std::int64_t to);
+  std::int64_t next_grant() const;
+  int winner(std::int64_t clock) const;
+  void begin_tenure(std::int64_t clock);
+  bool attempt_in_vain(const Master& m, std::int64_t clock) const;
+  std::int64_t preempted_at() const;
+  std::int64_t tenure_phases() const;
+  std::int64_t tenure_end(std::int64_t phases) const;
+  void end_tenure(std::int64_t phases);
+  void release(std::int64_t clock);
+
+  PciClocks clocks_;
+  int count_;
+  std::array<Master, kMaxMasters> masters_{};
+  int owner_ = -1;
+  int last_owner_ = -1;
+  bool retrying_ = false;     // the tenure is an attempt in vain
+  std::int64_t address_ = 0;  // clock of the tenure's address phase
+  std::int64_t planned_ = 0;  // its data phases if nothing cuts it
+  std::int64_t free_ = 0;     // clock from which the bus is idle
+};
+
+}  // namespace hvp::link
