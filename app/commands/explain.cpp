@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "app/commands/commands.h"
+#include "app/results/engine_text.h"
 #include "app/results/number_text.h"
-#include "app/results/report.h"
 #include "app/results/spectrum_text.h"
 #include "app/results/summary.h"
 #include "app/scene/frame_cost.h"
@@ -24,38 +24,6 @@ void effect_line(const char* table, bool present, const char* cost) {
 void frame_cost(const Scene& scene) {
   for (const FrameStep& step : frame_steps(scene)) {
     fmt::print("  {:<34} {:>10}\n", step.what, results::readable_time(step.ps));
-  }
-}
-
-// The groups are those of docs/accelerator.md.
-void solve_clocks(const Scene& scene) {
-  const fixed::Settings& solver = scene.scenario().solver;
-  const accel::SolveCycles c = scene.solve_cycles();
-  const auto row = [](const char* what, std::int64_t clocks) {
-    fmt::print("  {:<34} {:>10}\n", what, clocks);
-  };
-  fmt::print("\nClocks of a solve: {}\n", results::display_name(solver.method));
-  row("set-up", c.setup);
-  row("an iteration", c.iteration());
-  row("  product and inner product", c.sparse_product);
-  row("  solution and residual", c.update);
-  row("  direction", c.direction);
-  row("  divisions that are waited for", c.divisions);
-  if (c.replacements > 0) row("a residual formed anew", c.replacement);
-  row(fmt::format("{}{} iterations", solver.stop_residual > 0 ? "at most " : "", c.iterations)
-          .c_str(),
-      c.total());
-}
-
-void memory(const Scene& scene) {
-  fmt::print("\nMemory and multipliers of the {}\n", scene.device().name);
-  for (const accel::Resource& r : scene.usage().resources) {
-    std::string uses;
-    for (const accel::Allocation& a : scene.usage().allocations) {
-      if (a.type != r.type) continue;
-      uses += fmt::format("{}{} {}", uses.empty() ? "  " : ", ", a.use, a.blocks);
-    }
-    fmt::print("  {:<12} {:>4} of {}{}\n", r.type, r.used, r.available, uses);
   }
 }
 
@@ -103,8 +71,7 @@ int explain_command(const ScenarioArguments& arguments) {
   }
   fmt::print("\nWhat a frame's large steps cost\n");
   frame_cost(scene);
-  solve_clocks(scene);
-  memory(scene);
+  fmt::print("{}{}", results::clocks_text(scene), results::resources_text(scene));
   return kHeld;
 }
 
