@@ -60,8 +60,10 @@ void Pcie::declare(config::Visitor& v) {
   v.quantity("processor_latency", processor_latency_s, Dimension::time, between(0, 1e-3),
              {"between a processor's read and the root port, both ways together",
               "unverified split of an FPGA's 850 ns over Gen3 x8; over 2 us are reported too"});
-  v.quantity("write_gap", write_gap_s, Dimension::time, between(0, 1e-3),
-             {"between two uncached writes of the processor", "50 to 300 ns are reported"});
+  v.quantity(
+      "write_gap", write_gap_s, Dimension::time, between(0, 1e-3),
+      {"between two uncached stores of the processor, or two lines that its buffer has combined",
+       "50 to 300 ns are reported for uncached ones"});
   v.integer("write_combining_bytes", write_combining_bytes, {8, 256},
             {"what a write-combining buffer sends at once", "a cache line of x86"});
 }

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "models/config/declaration.h"
+#include "models/link/interconnect.h"
+
+namespace hvp::link {
+
+// What a frame sends to the board and gets back: b and U.
+struct Payload {
+  std::int64_t words_to_board = 0;
+  std::int64_t words_to_host = 0;
+  int word_bits = 16;
+  // Two words of up to 16 bits in one of 32, which a bus moves.
+  bool packed = true;
+
+  // Whole words of 32 bits; a word of more than 16 bits fills one.
+  std::int64_t bytes(std::int64_t words) const;
+};
+
+// The board's DMA engine: it is told by a doorbell, fetches descriptors from the host's memory and
+// moves a segment a descriptor.
+struct DmaEngine {
+  int descriptor_bytes = 32;
+  int segment_bytes = 4096;
+  bool prefetches_descriptors = true;
+  double engine_latency_s = 200e-9;
+
+  void declare(config::Visitor& v);
+  std::int64_t segments(std::int64_t bytes) const;
+};
+
+enum class Movement { programmed_io, write_combined_io, dma };
+enum class Notification { polling, intx, msi };
+
+// Write-combining serves stores alone: with it the results are read back word by word.
+struct TransferMethod {
+  Movement movement = Movement::dma;
+  Notification notification = Notification::msi;
+  // Between two polls, for polling. A poll of the board is a read over the bus; with DMA the host
+  // polls its own memory, which costs the bus nothing.
+  std::int64_t poll_interval_ps = 0;
+};
+
+const char* name(Movement movement);
+const char* name(Notification notification);
+
+struct TransferStep {
+  std::string_view what;
+  Cost cost;
+};
+
+// A frame's transfers, one step after the other; the solve is between the two lists. What the host
+// computes, its interrupt latency and its caches are not in it.
+struct FrameTransfer {
+  std::vector<TransferStep> to_board;  // until the board may start
+  std::vector<TransferStep> to_host;   // from the solve's end until the host has U
+  // Polling meets the end of the solve half a period late on average; at worst it is this much
+  // later.
+  std::int64_t poll_worst_extra_ps = 0;
+
+  Cost to_board_total() const;
+  Cost to_host_total() const;
+  Cost total() const { return to_board_total() + to_host_total(); }
+};
+
+FrameTransfer frame_transfer(const Interconnect& bus, const DmaEngine& engine,
+                             const Payload& payload, const TransferMethod& method);
+
+}  // namespace hvp::link
