@@ -4,6 +4,7 @@
 #include <exception>
 #include <string>
 
+#include "tables/buses/page.h"
 #include "tables/devices/page.h"
 #include "tables/hard_cases/page.h"
 #include "tables/thesis/page.h"
@@ -20,9 +21,11 @@ int run(int argc, char** argv) {
   thesis->add_flag("--csv", csv, "the errors alone, one line each, to plot");
   const CLI::App* hard = app.add_subcommand("hard-cases", "the hard cases and their remedies");
   const CLI::App* devices = app.add_subcommand("devices", "the FPGAs that a scenario can name");
+  const CLI::App* buses = app.add_subcommand("buses", "what links carry and transfers cost");
   CLI11_PARSE(app, argc, argv);
   if (thesis->parsed()) print(csv ? hvp::tables::thesis_csv() : hvp::tables::thesis_page());
   if (devices->parsed()) print(hvp::tables::devices_page());
+  if (buses->parsed()) print(hvp::tables::buses_page());
   if (hard->parsed()) print(hvp::tables::hard_cases_page());
   return 0;
 }

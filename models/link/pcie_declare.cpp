@@ -22,7 +22,8 @@ void Pcie::declare(config::Visitor& v) {
            {"2.5, 5, 8, 16, 32 or 64 GT/s a lane", "what FPGA boards of the time have"});
   v.integer("lanes", lanes, {1, 16}, {"1, 2, 4, 8 or 16", "a small board's connector"});
   v.integer("max_payload_bytes", max_payload_bytes, {128, 4096},
-            {"largest payload of a packet (MPS)", "common on PCs; SIGCOMM'18, table 1"});
+            {"largest payload of a packet (MPS)",
+             "common on PCs, and what the figures of SIGCOMM'18 are at"});
   v.integer("max_read_request_bytes", max_read_request_bytes, {128, 4096},
             {"largest read request (MRRS)", "the reset value, PCIe 5.0 section 7.5.3.4"});
   v.integer("read_completion_boundary_bytes", read_completion_boundary_bytes, {64, 128},
