@@ -65,6 +65,8 @@ int explain_command(const ScenarioArguments& arguments) {
               "no simulated time; two double-precision solves beside the board's");
   effect_line("spectrum", s.spectrum.has_value(),
               "no simulated time; about six factorisations before the run");
+  effect_line("accelerator.several", s.accelerator.several.has_value(),
+              "simulated time of the links; the words are those of one device");
   if (scene.spectrum()) {
     fmt::print("\nSpectrum of the system without contact\n{}",
                results::spectrum_text(*scene.spectrum()));

@@ -119,7 +119,8 @@ int solve_command(const SolveArguments& arguments) {
     solution = solve_system(system, task);
   } catch (const InputError& e) {
     if (e.key().empty()) throw InputError(option("--matrix", arguments.matrix) + e.what());
-    throw document.complete(InputError("solver." + e.key(), e.what()));
+    const bool complete = e.key().starts_with("accelerator.");
+    throw document.complete(InputError(complete ? e.key() : "solver." + e.key(), e.what()));
   }
   std::ostringstream text;
   sparse::write_matrix_market(text, solution.x);

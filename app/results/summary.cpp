@@ -55,6 +55,7 @@ std::vector<std::string> effects(const app::Scenario& s) {
   if (s.loads.gravity) names.emplace_back("loads.gravity");
   if (s.reference) names.emplace_back("reference");
   if (s.spectrum) names.emplace_back("spectrum");
+  if (s.accelerator.several) names.emplace_back("accelerator.several");
   return names;
 }
 

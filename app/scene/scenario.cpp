@@ -74,4 +74,16 @@ void Scenario::declare(config::Visitor& v) {
   v.table("output", output, {"which results are written besides the summary"});
 }
 
+void Scenario::check() const {
+  const vp::Timing level = fidelity.accelerator;
+  const bool engine =
+      level == vp::Timing::approximately_timed || level == vp::Timing::cycle_accurate;
+  if (accelerator.several && engine) {
+    throw InputError("fidelity.accelerator",
+                     std::string("\"") + vp::name(level) +
+                         "\" has no model of several devices: expected loosely-timed or untimed "
+                         "with [accelerator.several]");
+  }
+}
+
 }  // namespace hvp::app

@@ -99,6 +99,7 @@ struct Scenario {
   Output output;
 
   void declare(config::Visitor& v);
+  void check() const;
 };
 
 }  // namespace hvp::app

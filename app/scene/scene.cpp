@@ -70,9 +70,12 @@ Scene::Scene(const Scenario& openable, const Scenario& written, accel::Device de
     return std::make_unique<host::FrameComputation>(*body_, s.contact.diagonal, s.dynamics,
                                                     s.solver, s.budget.period_s, s.refinement);
   });
-  pattern_ = accel::pattern_of(computation_->matrix().row_begin, computation_->matrix().column);
-  usage_ = accel::usage(device_, s.accelerator, accel::word_lengths(computation_->board_settings()),
-                        pattern_);
+  within("accelerator", [&] {
+    const auto& matrix = computation_->matrix();
+    board_.emplace(s.accelerator, accel::pattern_of(matrix.row_begin, matrix.column));
+  });
+  usage_ = accel::board_usage(device_, s.accelerator,
+                              accel::word_lengths(computation_->board_settings()), *board_);
   require_fit();
 
   // A node that is held, by an anchor or by a prescribed displacement, cannot follow the probe.
@@ -94,10 +97,10 @@ Scene::Scene(const Scenario& openable, const Scenario& written, accel::Device de
 void Scene::require_fit() const {
   const accel::WordLengths words = accel::word_lengths(computation_->board_settings());
   try {
-    accel::require_fit(device_, scenario_.accelerator, words, pattern_);
+    accel::require_board_fit(device_, scenario_.accelerator, words, *board_);
   } catch (const InputError& e) {
     const std::int64_t fitting =
-        accel::largest_mesh(device_, scenario_.accelerator, words, pattern_);
+        accel::largest_mesh_of_board(device_, scenario_.accelerator, words, *board_);
     const auto mesh_nodes = static_cast<std::int64_t>(quality_.nodes);
     const std::int64_t in_mesh = fitting * mesh_nodes / body_->active_nodes();
     const std::string advice =
@@ -107,8 +110,7 @@ void Scene::require_fit() const {
 }
 
 accel::SolveCycles Scene::solve_cycles() const {
-  return accel::solve_cycles(scenario_.accelerator, pattern_,
-                             accel::longest_solve(computation_->board_settings()));
+  return board_->solve(accel::longest_solve(computation_->board_settings()));
 }
 
 }  // namespace hvp::app

@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "app/scene/scenario.h"
-#include "models/accel/cycles.h"
-#include "models/accel/memory.h"
+#include "models/accel/board_clocks.h"
+#include "models/accel/board_memory.h"
 #include "models/collision/contact_search.h"
 #include "models/fem/body.h"
 #include "models/fem/locking.h"
@@ -35,8 +35,10 @@ class Scene {
   const host::FrameComputation& computation() const { return *computation_; }
   collision::ContactSearch& contacts() { return *contacts_; }
   const mesh::Quality& quality() const { return quality_; }
-  const accel::Pattern& pattern() const { return pattern_; }
+  const accel::BoardClocks& board() const { return *board_; }
+  const accel::Pattern& pattern() const { return board_->pattern(); }
   const accel::Device& device() const { return device_; }
+  // Of one device, the one with the least to spare.
   const accel::Usage& usage() const { return usage_; }
   // Of a solve that makes all its iterations.
   accel::SolveCycles solve_cycles() const;
@@ -53,7 +55,7 @@ class Scene {
   std::unique_ptr<fem::Body> body_;
   std::unique_ptr<host::FrameComputation> computation_;
   std::unique_ptr<collision::ContactSearch> contacts_;
-  accel::Pattern pattern_;
+  std::optional<accel::BoardClocks> board_;
   accel::Usage usage_;
   std::optional<fixed::SystemSpectrum> spectrum_;
   std::optional<fem::Locking> locking_;

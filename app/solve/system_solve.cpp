@@ -7,7 +7,9 @@
 #include <span>
 
 #include "app/solve/exact_solution.h"
-#include "models/accel/cycles.h"
+#include "models/accel/board_clocks.h"
+#include "models/accel/board_memory.h"
+#include "models/config/input_error.h"
 #include "models/fem/reference_solver.h"
 #include "models/fixed/kernel.h"
 #include "models/fixed/scaling.h"
@@ -126,7 +128,7 @@ class Board {
       : settings_(system.settings),
         architecture_(task.settings.accelerator),
         device_(task.device),
-        pattern_(accel::pattern_of(system.matrix.row_begin)),
+        clocks_(architecture_, accel::pattern_of(system.matrix.row_begin, system.matrix.column)),
         solver_(fixed::make_solver(settings_)) {
     solver_->load(system.matrix);
   }
@@ -139,25 +141,32 @@ class Board {
     counts_.wraps += report.wraps;
     counts_.breakdowns += report.breakdowns;
     counts_.residual_recursive = ratio(report.residual_norm, report.rhs_norm);
-    counts_.cycles +=
-        accel::solve_cycles(architecture_, pattern_, accel::solve_made(settings_, report)).total();
+    counts_.cycles += clocks_.solve(accel::solve_made(settings_, report)).total();
     counts_.time_ps = counts_.cycles * architecture_.clock_period_ps();
     return report;
   }
 
   const BoardCounts& counts() const { return counts_; }
   accel::Usage usage() const {
-    return accel::usage(device_, architecture_, accel::word_lengths(settings_), pattern_);
+    return accel::board_usage(device_, architecture_, accel::word_lengths(settings_), clocks_);
   }
 
  private:
   fixed::Settings settings_;
   accel::Architecture architecture_;
   const accel::Device& device_;
-  accel::Pattern pattern_;
+  accel::BoardClocks clocks_;
   std::unique_ptr<fixed::Solver> solver_;
   BoardCounts counts_;
 };
+
+Board make_board(const fixed::System& system, const SolveTask& task) {
+  try {
+    return {system, task};
+  } catch (const InputError& e) {
+    throw InputError("accelerator." + e.key(), e.what());
+  }
+}
 
 void solve_once(const fixed::System& system, std::span<const double> b, Board& board,
                 SystemSolution& s) {
@@ -203,7 +212,7 @@ SystemSolution solve_system(const LinearSystem& given, const SolveTask& task) {
     system.settings.displacement_range = range.displacement;
     s.range_from = range.from;
   }
-  Board board(system, task);
+  Board board = make_board(system, task);
   if (task.settings.refinement) {
     solve_refined(*task.settings.refinement, given, system, board, s);
   } else {

@@ -57,6 +57,7 @@ void Architecture::declare(config::Visitor& v) {
            {{"m4k", PreconditionerMemory::m4k}, {"m512", PreconditionerMemory::m512}},
            {"where z and the inverse diagonal of Jacobi-PCG are kept",
             "M4K holds all vectors in thesis section 5.4"});
+  v.effect("several", several, {"several devices share the rows of K; without it there is one"});
 }
 
 std::int64_t Architecture::clock_period_ps() const { return std::llround(1e12 / clock_hz); }

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
+#include "models/accel/several.h"
 #include "models/config/declaration.h"
 
 namespace hvp::accel {
@@ -37,6 +39,8 @@ struct Architecture {
   DirectionMemory direction_memory = DirectionMemory::double_pumped;
   int direction_banks = 1;  // memories that a component of d is dealt to, node by node
   PreconditionerMemory preconditioner_memory = PreconditionerMemory::m4k;
+
+  std::optional<Several> several;  // absent: one device
 
   void declare(config::Visitor& v);
 

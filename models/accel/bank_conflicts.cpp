@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <functional>
 #include <map>
-#include <numeric>
-#include <queue>
 #include <utility>
 #include <vector>
+
+#include "models/accel/partition.h"
 
 namespace hvp::accel {
 
@@ -109,21 +108,11 @@ double package_clocks(const Architecture& a, int phase, int columns) {
 }
 
 std::int64_t issue_clocks_of_fullest_partition(const Architecture& a, const Pattern& p) {
-  std::vector<std::size_t> order(p.blocks_in_row.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, [&p](std::size_t one, std::size_t other) {
-    return p.blocks_in_row[one] > p.blocks_in_row[other];
-  });
-  using Filled = std::pair<std::int64_t, std::size_t>;  // packages, partition
-  std::priority_queue<Filled, std::vector<Filled>, std::greater<>> emptiest;
-  for (std::size_t i = 0; i < at(a.partitions); ++i) emptiest.emplace(0, i);
+  const std::vector<int> partition = deal_rows(a, p, a.partitions);
   std::vector<double> clocks(at(a.partitions), 0.0);
   RowClocks rows(a, p);
-  for (const std::size_t row : order) {
-    const auto [filled, partition] = emptiest.top();
-    emptiest.pop();
-    emptiest.emplace(filled + packages_of(a, p.blocks_in_row[row]), partition);
-    clocks[partition] += rows.of(row);
+  for (std::size_t row = 0; row < partition.size(); ++row) {
+    clocks[at(partition[row])] += rows.of(row);
   }
   return std::llround(*std::ranges::max_element(clocks));
 }

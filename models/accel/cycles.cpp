@@ -1,11 +1,10 @@
 #include "models/accel/cycles.h"
 
 #include <algorithm>
-#include <functional>
-#include <queue>
 #include <string>
 
 #include "models/accel/bank_conflicts.h"
+#include "models/accel/partition.h"
 #include "models/config/input_error.h"
 
 namespace hvp::accel {
@@ -30,20 +29,7 @@ int packages_of(const Architecture& a, int blocks_in_row) {
 }
 
 std::int64_t packages_in_fullest_partition(const Architecture& a, const Pattern& p) {
-  std::vector<std::int64_t> packages;
-  packages.reserve(p.blocks_in_row.size());
-  for (const int blocks : p.blocks_in_row) packages.push_back(packages_of(a, blocks));
-  std::sort(packages.begin(), packages.end(), std::greater<>());
-  std::priority_queue<std::int64_t, std::vector<std::int64_t>, std::greater<>> partitions;
-  for (int i = 0; i < a.partitions; ++i) partitions.push(0);
-  std::int64_t fullest = 0;
-  for (const std::int64_t n : packages) {
-    const std::int64_t filled = partitions.top() + n;
-    partitions.pop();
-    partitions.push(filled);
-    fullest = std::max(fullest, filled);
-  }
-  return fullest;
+  return balance_of(a, p, deal_rows(a, p, a.partitions), a.partitions).fullest;
 }
 
 namespace {
@@ -99,25 +85,14 @@ std::int64_t moving_clocks(const Architecture& a, std::int64_t groups) {
 std::int64_t collection_clocks(const Architecture& a, int nodes, std::int64_t issue_clocks) {
   if (nodes == 0) return 0;
   const int rows_a_clock = std::min(a.nodes_per_clock, a.partitions);
-  const std::int64_t first = issue_clocks * a.partitions / nodes;
+  const std::int64_t first = std::min(issue_clocks, issue_clocks * a.partitions / nodes);
   return first + (nodes + rows_a_clock - 1) / rows_a_clock;
 }
-
-// One pass through a unit, until its pipeline is empty.
-struct Passes {
-  std::int64_t product;   // A times a vector, inner product included
-  std::int64_t vectors;   // the vector unit over all nodes
-  std::int64_t reading;   // the same where d is read,
-  std::int64_t writing;   // written,
-  std::int64_t moving;    // or both: group c
-  std::int64_t division;  // α or β
-  std::int64_t scaled;  // a vector brought to its size: a pass of its own where that is looked for
-};
 
 // One after the other: α needs dᵀA·d, β needs the new residual, d needs β.
 void conjugate_gradients(const Passes& pass, SolveCycles& c) {
   c.direction = pass.moving;
-  c.divisions = 2 * pass.division;
+  c.divisions = 2 * (pass.reduction + pass.division);
   c.setup = pass.product + pass.vectors + pass.writing;
   c.replacement = pass.product + pass.vectors;
 }
@@ -127,23 +102,24 @@ void conjugate_gradients(const Passes& pass, SolveCycles& c) {
 // zero. α hides behind group c, which does not need it. Without
 // dynamic scaling c and the next b are one pass; then α has to be waited for.
 void chronopoulos_gear(const Passes& pass, const SolveWork& work, SolveCycles& c) {
-  const std::int64_t beta = pass.division + curvature_clocks(work.scalar_bits);
+  const std::int64_t beta = pass.reduction + pass.division + curvature_clocks(work.scalar_bits);
+  const std::int64_t alpha = pass.reduction + pass.division;
   c.divisions = std::max(pass.product, beta) - pass.product;
   if (work.dynamic_scaling) {
     c.direction = pass.moving;
-    c.divisions += std::max(pass.moving, pass.division) - pass.moving;
+    c.divisions += std::max(pass.moving, alpha) - pass.moving;
   } else {
-    c.divisions += pass.division;
+    c.divisions += alpha;
   }
   // r and d as everywhere, then A·r, A·d and the first α.
-  c.setup = 3 * pass.product + 2 * pass.vectors + pass.division;
+  c.setup = 3 * pass.product + 2 * pass.vectors + alpha;
   c.replacement = pass.product + pass.vectors;
 }
 
 // Both inner products are formed with group b, so that both divisions hide behind the product
 // A·w. Again c and the next b are one pass without dynamic scaling.
 void pipelined(const Passes& pass, const SolveWork& work, SolveCycles& c) {
-  const std::int64_t both = 2 * pass.division + curvature_clocks(work.scalar_bits);
+  const std::int64_t both = pass.reduction + 2 * pass.division + curvature_clocks(work.scalar_bits);
   c.divisions = std::max(pass.product, both) - pass.product;
   if (work.dynamic_scaling) c.direction = pass.moving;
   // r and d, then A·r and A·d brought to vector words, A·(A·r) and A·(A·d); the first α beside.
@@ -164,6 +140,7 @@ SolveWork longest_solve(const fixed::Settings& s) {
   work.stop_test = s.stop_residual > 0;
   work.dynamic_scaling = s.dynamic_scaling;
   work.scalar_bits = s.scalar_bits;
+  work.vector_bits = s.vector_bits;
   return work;
 }
 
@@ -179,19 +156,28 @@ SolveCycles solve_cycles(const Architecture& a, const Pattern& p, const SolveWor
   return solve_cycles(a, p.nodes(), issue_clocks_of_fullest_partition(a, p), work);
 }
 
-SolveCycles solve_cycles(const Architecture& a, int nodes, std::int64_t issue_clocks,
-                         const SolveWork& work) {
-  Passes pass{};
+Passes passes_of(const Architecture& a, int rows, std::int64_t issue_clocks, int vector_nodes,
+                 const SolveWork& work) {
+  Passes pass;
   pass.product =
-      std::max(issue_clocks, collection_clocks(a, nodes, issue_clocks)) + a.pipeline_clocks;
+      std::max(issue_clocks, collection_clocks(a, rows, issue_clocks)) + a.pipeline_clocks;
   const GroupClocks group = group_clocks(a);
-  const std::int64_t groups = (nodes + a.nodes_per_clock - 1) / a.nodes_per_clock;
+  const std::int64_t groups = (vector_nodes + a.nodes_per_clock - 1) / a.nodes_per_clock;
   pass.vectors = groups + a.pipeline_clocks;
   pass.reading = groups * group.reading + a.pipeline_clocks;
   pass.writing = groups * group.writing + a.pipeline_clocks;
   pass.moving = moving_clocks(a, groups);
   pass.division = division_clocks(a, work.scalar_bits);
   pass.scaled = work.dynamic_scaling ? pass.vectors : 0;
+  return pass;
+}
+
+SolveCycles solve_cycles(const Architecture& a, int nodes, std::int64_t issue_clocks,
+                         const SolveWork& work) {
+  return solve_cycles(passes_of(a, nodes, issue_clocks, nodes, work), work);
+}
+
+SolveCycles solve_cycles(const Passes& pass, const SolveWork& work) {
   SolveCycles c;
   c.sparse_product = pass.product;
   c.update = pass.reading;
@@ -220,8 +206,12 @@ std::int64_t node_update_cycles(const Architecture& a, const Pattern& p, int nod
   for (const int n : neighbours) {
     if (n != node) clocks += packages_of(a, p.blocks_in_row[static_cast<std::size_t>(n)]);
   }
-  if (method == Method::block_jacobi_pcg) clocks += a.pipeline_clocks;
-  return clocks + std::int64_t{divisions_a_node(method)} * a.division_clocks;
+  return clocks + node_inverse_cycles(a, method);
+}
+
+std::int64_t node_inverse_cycles(const Architecture& a, Method method) {
+  const std::int64_t adjugate = method == Method::block_jacobi_pcg ? a.pipeline_clocks : 0;
+  return adjugate + std::int64_t{divisions_a_node(method)} * a.division_clocks;
 }
 
 std::int64_t load_cycles(const Architecture& a, const Pattern& p, Method method) {

@@ -16,8 +16,14 @@ struct Pattern {
   // Their block columns, row after row; empty where they are not known. Only how often the banks of
   // d compete depends on them.
   std::vector<int> column = {};
+  // Where these are the rows that one of several devices has: how many nodes its vectors hold, and
+  // how many the vector that is multiplied. 0: as many as there are rows.
+  int vector_nodes = 0;
+  int direction_nodes = 0;
 
   int nodes() const { return static_cast<int>(blocks_in_row.size()); }
+  int nodes_in_vectors() const { return vector_nodes > 0 ? vector_nodes : nodes(); }
+  int nodes_in_direction() const { return direction_nodes > 0 ? direction_nodes : nodes(); }
 };
 
 // From compressed rows: row_begin has one entry more than there are block rows.
@@ -42,6 +48,7 @@ struct SolveWork {
   bool stop_test = false;       // ‖r‖ is compared with ‖b‖; takes no clocks
   bool dynamic_scaling = true;  // the size of a vector is known before the next one is written
   int scalar_bits = 64;
+  int vector_bits = 16;  // of the words that several devices exchange
 };
 // With every iteration that the settings allow.
 SolveWork longest_solve(const fixed::Settings& settings);
@@ -69,6 +76,22 @@ struct SolveCycles {
   }
 };
 SolveCycles solve_cycles(const Architecture& a, const Pattern& p, const SolveWork& work);
+
+// Clocks of one pass through each unit, until its pipeline is empty.
+struct Passes {
+  std::int64_t product = 0;    // A times a vector, inner product included
+  std::int64_t vectors = 0;    // the vector unit over all nodes
+  std::int64_t reading = 0;    // the same where d is read,
+  std::int64_t writing = 0;    // written,
+  std::int64_t moving = 0;     // or both: group c
+  std::int64_t division = 0;   // α or β
+  std::int64_t scaled = 0;     // a vector brought to its size: a pass where that is looked for
+  std::int64_t reduction = 0;  // sums of several devices put together; 0 with one
+};
+// Of a device with so many rows, whose vector unit works on `vector_nodes` nodes.
+Passes passes_of(const Architecture& a, int rows, std::int64_t issue_clocks, int vector_nodes,
+                 const SolveWork& work);
+SolveCycles solve_cycles(const Passes& pass, const SolveWork& work);
 // The same where issue_clocks_of_fullest_partition() are known already. Does not allocate.
 SolveCycles solve_cycles(const Architecture& a, int nodes, std::int64_t issue_clocks,
                          const SolveWork& work);
@@ -79,6 +102,9 @@ SolveCycles solve_cycles(const Architecture& a, int nodes, std::int64_t issue_cl
 // `neighbours` lists the block columns of the node's row, itself included.
 std::int64_t node_update_cycles(const Architecture& a, const Pattern& p, int node,
                                 std::span<const int> neighbours, fixed::Method method);
+
+// Of those, the clocks in which the node's part of P⁻¹ is made.
+std::int64_t node_inverse_cycles(const Architecture& a, fixed::Method method);
 
 // Clocks after the matrix was loaded, until the board is ready: P⁻¹, one division after the
 // other, where there is a preconditioner.

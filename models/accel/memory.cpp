@@ -35,15 +35,26 @@ using fixed::Method;
 
 using Allocate = std::function<void(const char* use, const char* type, int blocks)>;
 
+// What a device holds: nodes of its vectors and of the vector that is multiplied, which is longer
+// where several devices share the rows.
+struct Size {
+  int nodes;
+  int direction_nodes;
+  std::int64_t packages;  // of the fullest partition
+};
+
 // The vector that is multiplied in every iteration is there once for each partition (§5.6), or
 // twice.
-void allocate_vectors(const Architecture& a, const WordLengths& w, int nodes, const Allocate& add) {
+void allocate_vectors(const Architecture& a, const WordLengths& w, const Size& size,
+                      const Allocate& add) {
+  const int nodes = size.nodes;
   const int copies = a.partitions * (a.direction_memory == DirectionMemory::two_copies ? 2 : 1);
   const auto vector = [nodes](int bits) { return vector_blocks(nodes, bits, kM4kWords); };
   const int word = vector(w.vector_bits);
   // The copies are dealt to banks; a bank has whole blocks.
-  const int copy = a.direction_banks *
-                   vector_blocks(ceil_div(nodes, a.direction_banks), w.vector_bits, kM4kWords);
+  const int copy =
+      a.direction_banks *
+      vector_blocks(ceil_div(size.direction_nodes, a.direction_banks), w.vector_bits, kM4kWords);
   const int residual = vector(w.preconditioned() ? kProductBits : w.vector_bits);
   const int product = vector(kProductBits);
   const bool gear = w.method == Method::chronopoulos_gear;
@@ -112,8 +123,7 @@ int multipliers(const Architecture& a, const WordLengths& w) {
   return product + vectors + 3 * further_products(w) * a.nodes_per_clock + scalars;
 }
 
-Usage usage_of(const Device& d, const Architecture& a, const WordLengths& w, int nodes,
-               std::int64_t packages) {
+Usage usage_of(const Device& d, const Architecture& a, const WordLengths& w, const Size& size) {
   Usage u;
   const Allocate add = [&u](const char* use, const char* type, int blocks) {
     u.allocations.push_back({use, type, blocks});
@@ -122,12 +132,12 @@ Usage usage_of(const Device& d, const Architecture& a, const WordLengths& w, int
   const int unit_blocks = ceil_div(std::int64_t{kUnitWords} * w.matrix_bits, kM4kBits);
   // The rows of a node that are not worked on at once stand one behind the other.
   const int rows_a_memory = ceil_div(3, a.rows_in_parallel);
-  const int units = ceil_div(packages * a.package * rows_a_memory, kUnitWords);
+  const int units = ceil_div(size.packages * a.package * rows_a_memory, kUnitWords);
   add("matrix", "M4K", a.partitions * a.rows_in_parallel * units * unit_blocks);
-  allocate_vectors(a, w, nodes, add);
-  allocate_preconditioner(a, w, nodes, add);
+  allocate_vectors(a, w, size, add);
+  allocate_preconditioner(a, w, size.nodes, add);
   int index_bits = 1;
-  while ((std::int64_t{1} << index_bits) < nodes) ++index_bits;
+  while ((std::int64_t{1} << index_bits) < size.direction_nodes) ++index_bits;
   const int port_bits = a.partitions * nodes_in_package(a.package) * index_bits;
   add("index", "M-RAM", ceil_div(port_bits, kMRamPortBits));
 
@@ -167,17 +177,23 @@ WordLengths word_lengths(const fixed::Settings& s) {
 
 Usage usage(const Device& device, const Architecture& a, const WordLengths& words,
             const Pattern& p) {
-  return usage_of(device, a, words, p.nodes(), packages_in_fullest_partition(a, p));
+  return usage_of(
+      device, a, words,
+      {p.nodes_in_vectors(), p.nodes_in_direction(), packages_in_fullest_partition(a, p)});
 }
 
 int largest_mesh(const Device& device, const Architecture& a, const WordLengths& words,
                  const Pattern& p) {
   if (p.nodes() == 0) return 0;
-  const double packages_a_node =
-      static_cast<double>(packages_in_fullest_partition(a, p)) / p.nodes();
+  const std::int64_t packages = packages_in_fullest_partition(a, p);
   const auto fits = [&](int nodes) {
-    const auto packages = std::llround(packages_a_node * nodes);
-    return usage_of(device, a, words, nodes, packages).fits();
+    const double times = static_cast<double>(nodes) / p.nodes();
+    const auto scaled = [times](std::int64_t count) {
+      return std::llround(times * static_cast<double>(count));
+    };
+    const Size size{static_cast<int>(scaled(p.nodes_in_vectors())),
+                    static_cast<int>(scaled(p.nodes_in_direction())), scaled(packages)};
+    return usage_of(device, a, words, size).fits();
   };
   // Usage grows with the mesh, so that the edge is found by halving.
   int low = 0;

@@ -6,7 +6,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include "models/accel/bank_conflicts.h"
 #include "models/config/input_error.h"
 #include "models/fixed/kernel.h"
 #include "models/fixed/start_guess.h"
@@ -169,8 +168,7 @@ void Accelerator::begin_solve() {
     phases_->start_solve(settings_, result_);
   } else {
     const accel::SolveWork work = accel::solve_made(settings_, result_);
-    run_for(Running::solve,
-            accel::solve_cycles(architecture_, matrix_.block_rows(), issue_clocks_, work).total());
+    run_for(Running::solve, loosely_timed_->solve(work).total());
   }
 }
 
@@ -221,15 +219,14 @@ void Accelerator::load_done() {
     begin(Running::load);
     cycles_->start_inversion();
   } else {
-    run_for(Running::load, accel::load_cycles(architecture_, pattern_, settings.method));
+    run_for(Running::load, loosely_timed_->load(settings.method));
   }
 }
 
 // How the matrix lies in the memories. Through the driver's frames nothing may be thrown.
 bool Accelerator::load_engine(const fixed::Settings& settings) {
   try {
-    pattern_ = accel::pattern_of(matrix_.row_begin, matrix_.column);
-    issue_clocks_ = accel::issue_clocks_of_fullest_partition(architecture_, pattern_);
+    loosely_timed_.emplace(architecture_, accel::pattern_of(matrix_.row_begin, matrix_.column));
     if (phases_ != nullptr) phases_->load(matrix_, settings);
     if (cycles_ != nullptr) cycles_->load(matrix_, settings);
     return true;
@@ -282,9 +279,8 @@ void Accelerator::update_node() {
   const auto begin = static_cast<std::size_t>(matrix_.row_begin[node]);
   const auto end = static_cast<std::size_t>(matrix_.row_begin[node + 1]);
   // A matrix is loaded, so that METHOD is what it was loaded with.
-  const std::int64_t clocks = accel::node_update_cycles(
-      architecture_, pattern_, row, std::span(matrix_.column).subspan(begin, end - begin),
-      loaded_method_);
+  const std::int64_t clocks = loosely_timed_->node_update(
+      row, std::span(matrix_.column).subspan(begin, end - begin), loaded_method_);
   hold_access(clocks);
 }
 

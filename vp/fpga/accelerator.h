@@ -9,7 +9,7 @@
 #include <tlm_utils/simple_target_socket.h>
 
 #include "models/accel/architecture.h"
-#include "models/accel/cycles.h"
+#include "models/accel/board_clocks.h"
 #include "models/fixed/solver.h"
 #include "vp/fidelity.h"
 #include "vp/fpga/board_matrix.h"
@@ -36,7 +36,7 @@ class AccessObserver {
 // that this happens when it starts; U, the results and the interrupt appear when its last clock is
 // over, and a reset before that discards them. docs/registers.md is what software sees.
 //
-// Loosely timed, a job takes the clocks of accel::solve_cycles; approximately timed, those of an
+// Loosely timed, a job takes the clocks of accel::BoardClocks; approximately timed, those of an
 // engine::PhaseEngine. Cycle-accurate, an engine::CycleEngine does the work beside, its words are
 // what appears in U, and words other than the solver's are an internal fault.
 class Accelerator : public sc_core::sc_module {
@@ -94,8 +94,7 @@ class Accelerator : public sc_core::sc_module {
 
   RegisterBank bank_;
   fixed::QuantisedMatrix matrix_;
-  accel::Pattern pattern_;
-  std::int64_t issue_clocks_ = 0;  // of the pattern's fullest partition
+  std::optional<accel::BoardClocks> loosely_timed_;  // of the loaded matrix
   fixed::Method loaded_method_ = fixed::Method::cg;
   // The solver never starts from zero or forms a guess itself: form_guess() has done it.
   fixed::Settings solver_settings_;

@@ -1,0 +1,95 @@
+#include "models/accel/board_memory.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <utility>
+
+#include "models/config/input_error.h"
+
+namespace hvp::accel {
+
+namespace {
+
+constexpr int kMostDevices = 8;  // a scenario's
+
+// The scarcest resource's use; beyond one it does not fit.
+double fullness(const Usage& usage) {
+  double most = 0;
+  for (const Resource& r : usage.resources) {
+    if (r.used > 0) most = std::max(most, static_cast<double>(r.used) / std::max(r.available, 1));
+  }
+  return most;
+}
+
+struct Fullest {
+  std::size_t device = 0;
+  Usage usage;
+};
+
+Fullest fullest(const Device& device, const Architecture& a, const WordLengths& words,
+                const SeveralDevices& several) {
+  Fullest found;
+  for (std::size_t d = 0; d < several.shares().size(); ++d) {
+    Usage own = usage(device, a, words, several.shares()[d].pattern);
+    if (d == 0 || fullness(own) > fullness(found.usage)) found = {d, std::move(own)};
+  }
+  return found;
+}
+
+// The fewest devices, more than there are, on which each share fits; 0: none do.
+int devices_that_would_do(const Device& device, const Architecture& a, const WordLengths& words,
+                          const Pattern& p) {
+  Architecture more = a;
+  if (!more.several) more.several.emplace();
+  const int most = std::min(kMostDevices, p.nodes());
+  for (int devices = a.several ? a.several->devices + 1 : 2; devices <= most; ++devices) {
+    more.several->devices = devices;
+    if (fullest(device, more, words, SeveralDevices(more, p)).usage.fits()) return devices;
+  }
+  return 0;
+}
+
+}  // namespace
+
+Usage board_usage(const Device& device, const Architecture& a, const WordLengths& words,
+                  const BoardClocks& board) {
+  if (!board.several()) return usage(device, a, words, board.pattern());
+  return fullest(device, a, words, *board.several()).usage;
+}
+
+int largest_mesh_of_board(const Device& device, const Architecture& a, const WordLengths& words,
+                          const BoardClocks& board) {
+  if (!board.several()) return largest_mesh(device, a, words, board.pattern());
+  const std::size_t device = fullest(device, a, words, *board.several()).device;
+  const Pattern& share = board.several()->shares()[device].pattern;
+  const std::int64_t fitting = largest_mesh(device, a, words, share);
+  return static_cast<int>(fitting * board.pattern().nodes() / std::max(share.nodes(), 1));
+}
+
+void require_board_fit(const Device& device, const Architecture& a, const WordLengths& words,
+                       const BoardClocks& board) {
+  std::string where;
+  try {
+    if (!board.several()) {
+      require_fit(device, a, words, board.pattern());
+    } else {
+      const Fullest worst = fullest(device, a, words, *board.several());
+      const auto& shares = board.several()->shares();
+      where = "device " + std::to_string(worst.device + 1) + " of " +
+              std::to_string(shares.size()) + ", with " +
+              std::to_string(shares[worst.device].pattern.nodes()) + " of " +
+              std::to_string(board.pattern().nodes()) + " nodes: ";
+      require_fit(device, a, words, shares[worst.device].pattern);
+    }
+  } catch (const InputError& e) {
+    const int devices = devices_that_would_do(device, a, words, board.pattern());
+    const std::string advice =
+        devices == 0 ? ""
+                     : "; [accelerator.several] with devices = " + std::to_string(devices) +
+                           " would hold it";
+    throw InputError(e.key(), where + e.what() + advice);
+  }
+}
+
+}  // namespace hvp::accel
