@@ -5,6 +5,7 @@
 #include "app/commands/commands.h"
 #include "app/results/engine_text.h"
 #include "app/results/number_text.h"
+#include "app/results/several_text.h"
 #include "app/results/spectrum_text.h"
 #include "app/results/summary.h"
 #include "app/scene/frame_cost.h"
@@ -18,7 +19,7 @@ void fidelity_line(const char* part, const char* level, const std::string& what)
 }
 
 void effect_line(const char* table, bool present, const char* cost) {
-  fmt::print("  {:<16} {:<8} {}\n", table, present ? "built" : "absent", cost);
+  fmt::print("  {:<20} {:<8} {}\n", table, present ? "built" : "absent", cost);
 }
 
 void frame_cost(const Scene& scene) {
@@ -73,7 +74,8 @@ int explain_command(const ScenarioArguments& arguments) {
   }
   fmt::print("\nWhat a frame's large steps cost\n");
   frame_cost(scene);
-  fmt::print("{}{}", results::clocks_text(scene), results::resources_text(scene));
+  fmt::print("{}{}{}", results::clocks_text(scene), results::several_text(scene),
+             results::resources_text(scene));
   return kHeld;
 }
 

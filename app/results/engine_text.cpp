@@ -28,7 +28,8 @@ std::string clocks_text(const app::Scene& scene) {
 }
 
 std::string resources_text(const app::Scene& scene) {
-  std::string text = fmt::format("\nMemory and multipliers of the {}\n", scene.device().name);
+  std::string text = fmt::format("\nMemory and multipliers of the {}{}\n",
+                                 scene.board().several() ? "fullest " : "", scene.device().name);
   for (const accel::Resource& r : scene.usage().resources) {
     std::string uses;
     for (const accel::Allocation& a : scene.usage().allocations) {

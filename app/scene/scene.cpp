@@ -103,8 +103,13 @@ void Scene::require_fit() const {
         accel::largest_mesh_of_board(device_, scenario_.accelerator, words, *board_);
     const auto mesh_nodes = static_cast<std::int64_t>(quality_.nodes);
     const std::int64_t in_mesh = fitting * mesh_nodes / body_->active_nodes();
-    const std::string advice =
-        fitting > 0 ? fmt::format("; that is object.mesh.nodes = {}", in_mesh) : "";
+    std::string advice;
+    if (fitting > 0) advice = fmt::format("; that is object.mesh.nodes = {}", in_mesh);
+    const int devices =
+        accel::devices_that_would_do(device_, scenario_.accelerator, words, pattern());
+    if (devices > 0) {
+      advice += fmt::format("; or accelerator.several.devices = {}", devices);
+    }
     throw InputError("accelerator." + e.key(), e.what() + advice);
   }
 }

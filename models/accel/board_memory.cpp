@@ -37,19 +37,6 @@ Fullest fullest(const Device& device, const Architecture& a, const WordLengths& 
   return found;
 }
 
-// The fewest devices, more than there are, on which each share fits; 0: none do.
-int devices_that_would_do(const Device& device, const Architecture& a, const WordLengths& words,
-                          const Pattern& p) {
-  Architecture more = a;
-  if (!more.several) more.several.emplace();
-  const int most = std::min(kMostDevices, p.nodes());
-  for (int devices = a.several ? a.several->devices + 1 : 2; devices <= most; ++devices) {
-    more.several->devices = devices;
-    if (fullest(device, more, words, SeveralDevices(more, p)).usage.fits()) return devices;
-  }
-  return 0;
-}
-
 }  // namespace
 
 Usage board_usage(const Device& device, const Architecture& a, const WordLengths& words,
@@ -61,10 +48,22 @@ Usage board_usage(const Device& device, const Architecture& a, const WordLengths
 int largest_mesh_of_board(const Device& device, const Architecture& a, const WordLengths& words,
                           const BoardClocks& board) {
   if (!board.several()) return largest_mesh(device, a, words, board.pattern());
-  const std::size_t device = fullest(device, a, words, *board.several()).device;
-  const Pattern& share = board.several()->shares()[device].pattern;
+  const std::size_t worst = fullest(device, a, words, *board.several()).device;
+  const Pattern& share = board.several()->shares()[worst].pattern;
   const std::int64_t fitting = largest_mesh(device, a, words, share);
   return static_cast<int>(fitting * board.pattern().nodes() / std::max(share.nodes(), 1));
+}
+
+int devices_that_would_do(const Device& device, const Architecture& a, const WordLengths& words,
+                          const Pattern& p) {
+  Architecture more = a;
+  if (!more.several) more.several.emplace();
+  const int most = std::min(kMostDevices, p.nodes());
+  for (int devices = a.several ? a.several->devices + 1 : 2; devices <= most; ++devices) {
+    more.several->devices = devices;
+    if (fullest(device, more, words, SeveralDevices(more, p)).usage.fits()) return devices;
+  }
+  return 0;
 }
 
 void require_board_fit(const Device& device, const Architecture& a, const WordLengths& words,
@@ -83,12 +82,7 @@ void require_board_fit(const Device& device, const Architecture& a, const WordLe
       require_fit(device, a, words, shares[worst.device].pattern);
     }
   } catch (const InputError& e) {
-    const int devices = devices_that_would_do(device, a, words, board.pattern());
-    const std::string advice =
-        devices == 0 ? ""
-                     : "; [accelerator.several] with devices = " + std::to_string(devices) +
-                           " would hold it";
-    throw InputError(e.key(), where + e.what() + advice);
+    throw InputError(e.key(), where + e.what());
   }
 }
 

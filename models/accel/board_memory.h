@@ -14,8 +14,12 @@ Usage board_usage(const Device& device, const Architecture& a, const WordLengths
 int largest_mesh_of_board(const Device& device, const Architecture& a, const WordLengths& words,
                           const BoardClocks& board);
 
-// Throws InputError with the key "device", what is short on which device, and how many devices
-// would do.
+// The fewest devices, more than the architecture has and eight at most, on which every share fits;
+// 0: none do.
+int devices_that_would_do(const Device& device, const Architecture& a, const WordLengths& words,
+                          const Pattern& p);
+
+// Throws InputError with the key "device", what is short and on which device.
 void require_board_fit(const Device& device, const Architecture& a, const WordLengths& words,
                        const BoardClocks& board);
 

@@ -1,8 +1,11 @@
 #include "vp/fpga/accelerator.h"
 
+#include <algorithm>
 #include <array>
+#include <functional>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <spdlog/sinks/ostream_sink.h>
@@ -434,6 +437,49 @@ TEST_F(AcceleratorTest, ResetAbortsTheJobAndNoInterruptComes) {
     EXPECT_EQ(board.get(Aperture::u, SmallScene::kUnknowns, 16),
               solved(k(), kDefaults, b, std::vector<std::int32_t>(SmallScene::kUnknowns)));
   });
+}
+
+// Two devices, counted out: rows dealt longest first, halves of d over 64 wires at 100 MHz, sums of
+// 64 bits with a word of 32.
+Picoseconds two_devices(const std::vector<int>& row_begin) {
+  std::vector<int> blocks = test::blocks_in_rows(row_begin);
+  std::sort(blocks.begin(), blocks.end(), std::greater<>());
+  std::array<std::vector<int>, 2> rows;
+  std::array<int, 2> filled = {0, 0};
+  for (const int n : blocks) {
+    const std::size_t device = filled[1] < filled[0] ? 1 : 0;
+    filled[device] += test::packages(n);
+    rows[device].push_back(n);
+  }
+  const auto nodes = static_cast<std::int64_t>(std::max(rows[0].size(), rows[1].size()));
+  const std::int64_t product =
+      std::max(test::fullest_of_five(rows[0]), test::fullest_of_five(rows[1])) + 20;
+  const std::int64_t vectors = (nodes + 1) / 2 + 20;
+  const std::int64_t exchange = (nodes * 48 + 63) / 64 + 8;
+  const std::int64_t sum = 2 + 8 + 1;
+  const std::int64_t pass = exchange + product + sum + 68 + vectors + sum + 68 + vectors;
+  return (exchange + product + vectors + vectors + 60 * pass) * test::kBoardClock;
+}
+
+TEST_F(AcceleratorTest, SeveralDevicesGiveTheSameWordsAndTakeTheirLinks) {
+  const std::vector<std::int32_t> b = test::words(SmallScene::kUnknowns, 200);
+  accel::Architecture architecture;
+  architecture.several.emplace();
+  run(
+      [&](Stimulus& s, BoardMaster& board) {
+        board.load_and_wait(k());
+        board.put(Aperture::b, b, 16);
+        const Picoseconds takes = two_devices(k().row_begin);
+        board.command(field::kControlStart);
+        s.sleep(takes - 1);
+        EXPECT_EQ(board.peek(Register::status) & 7U, 1U);  // busy alone
+        s.sleep(2);
+        EXPECT_EQ(board.peek(Register::status) & 7U, 2U);  // done alone
+        EXPECT_EQ(board.get(Aperture::u, SmallScene::kUnknowns, 16),
+                  solved(k(), kDefaults, b, std::vector<std::int32_t>(SmallScene::kUnknowns, 0)));
+        EXPECT_EQ(board.peek(Register::result_cycles_low) * kBoardClock, takes);
+      },
+      architecture);
 }
 
 }  // namespace
