@@ -112,13 +112,41 @@ TEST(ScenarioErrors, ADeviceThatIsTooSmallSaysWhatWouldFitAndThatFits) {
     expect_refused(place, ended);
     std::smatch found;
     ASSERT_TRUE(std::regex_search(ended.err, found,
-                                  std::regex("that is object\\.mesh\\.nodes = ([0-9]+)\n")))
+                                  std::regex("that is object\\.mesh\\.nodes = ([0-9]+); or "
+                                             "(accelerator\\.several\\.devices) = ([0-9]+)\n")))
         << ended.err;
     // "About": meshes hit their node count within one per cent.
     const int nodes = std::stoi(found[1]) * 98 / 100;
     const Ended fits = hvp(place.path(), {"explain", thesis, "--set", key, "--set",
                                           "object.mesh.nodes=" + std::to_string(nodes)});
     EXPECT_EQ(fits.status, 0) << fits.err;
+    const Ended more = hvp(place.path(), {"explain", thesis, "--set", key, "--set",
+                                          found[2].str() + "=" + found[3].str()});
+    EXPECT_EQ(more.status, 0) << more.err;
+    EXPECT_THAT(more.out, HasSubstr("Several devices"));
+  }
+}
+
+TEST(ScenarioErrors, ShareOfOneOfSeveralDevicesIsNamed) {
+  const ScratchDirectory place;
+  const Ended ended =
+      hvp(place.path(), {"run", scenario("thesis-static.toml").string(), "--out", "out", "--set",
+                         "object.mesh.nodes=2000", "--set", "accelerator.several.devices=2"});
+  expect_refused(place, ended);
+  EXPECT_TRUE(std::regex_search(
+      ended.err, std::regex("accelerator\\.device: device [12] of 2, with [0-9]+ of [0-9]+ nodes")))
+      << ended.err;
+}
+
+TEST(ScenarioErrors, AnEngineHasNoSeveralDevices) {
+  const ScratchDirectory place;
+  write(place.path() / "s.toml", kSmallScene);
+  for (const char* level : {"approximately-timed", "cycle-accurate"}) {
+    const Ended ended =
+        hvp(place.path(), {"run", "s.toml", "--out", "out", "--set", "accelerator.several=true",
+                           "--set", std::string("fidelity.accelerator=") + level});
+    expect_refused(place, ended);
+    EXPECT_THAT(ended.err, HasSubstr(std::string("\"") + level + "\" has no model of several"));
   }
 }
 
@@ -153,7 +181,10 @@ INSTANTIATE_TEST_SUITE_P(
                       Override{"frames=", "expected a whole number"},
                       Override{"object.mesh=3", "expected a table"},
                       Override{"fidelity.bus=approximately-timed", "\"loosely-timed\""},
-                      Override{"fidelity.numbers=double", "\"fixed\""}));
+                      Override{"fidelity.numbers=double", "\"fixed\""},
+                      Override{"accelerator.several.devices=9", "out of range"},
+                      Override{"accelerator.several={vectors='unsplit', exchange='halo'}",
+                               "\"halo\" contradicts vectors = \"unsplit\""}));
 
 TEST(ScenarioErrors, AnUnreachableNodeCountSaysWhatIsNear) {
   const ScratchDirectory place;

@@ -53,6 +53,18 @@ TEST(Explain, ListsWhatIsThereAndWhatIsNot) {
   EXPECT_THAT(names(place.path()), ElementsAre("s.toml"));
 }
 
+TEST(Explain, TellsWhatSeveralDevicesCost) {
+  const ScratchDirectory place;
+  write(place.path() / "s.toml", kSmallScene);
+  const Ended ended =
+      hvp(place.path(), {"explain", "s.toml", "--set", "accelerator.several.devices=3"});
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_THAT(ended.out, ::testing::ContainsRegex("accelerator.several +built"));
+  EXPECT_THAT(ended.out, ::testing::ContainsRegex("device 3 +[0-9]+ rows of nodes"));
+  EXPECT_THAT(ended.out, ::testing::ContainsRegex("clocks of links an iteration +[0-9]+"));
+  EXPECT_THAT(ended.out, ::testing::ContainsRegex("speed-up over one device +1: 1.00 2: "));
+}
+
 TEST(Export, WritesTheSystem) {
   const ScratchDirectory place;
   write(place.path() / "s.toml", kSmallScene);
