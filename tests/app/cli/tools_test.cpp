@@ -60,7 +60,7 @@ TEST(Explain, TellsWhatSeveralDevicesCost) {
       hvp(place.path(), {"explain", "s.toml", "--set", "accelerator.several.devices=3"});
   EXPECT_EQ(ended.status, 0) << ended.err;
   EXPECT_THAT(ended.out, ::testing::ContainsRegex("accelerator.several +built"));
-  EXPECT_THAT(ended.out, ::testing::ContainsRegex("device 3 +[0-9]+ rows of nodes"));
+  EXPECT_THAT(ended.out, ::testing::ContainsRegex("device 3 +[0-9]+ nodes' rows"));
   EXPECT_THAT(ended.out, ::testing::ContainsRegex("clocks of links an iteration +[0-9]+"));
   EXPECT_THAT(ended.out, ::testing::ContainsRegex("speed-up over one device +1: 1.00 2: "));
 }
