@@ -22,6 +22,8 @@ std::string_view name(Phase phase) {
   switch (phase) {
     case Phase::release:
       return "release";
+    case Phase::wake_up:
+      return "wake-up";
     case Phase::sample:
       return "sample";
     case Phase::bus_read:

@@ -14,6 +14,7 @@ enum class Part : std::uint8_t { host, bus, fpga, daq, device };
 
 enum class Phase : std::uint8_t {
   release,   // host: from n·T until the process begins
+  wake_up,   // host: from being ready until the process runs
   sample,    // daq: latch and convert the position
   bus_read,  // bus: a single register
   bus_write,

@@ -35,13 +35,14 @@ Platform::Platform(const PlatformSettings& settings, const fem::Body& body,
       accelerator_("accelerator", settings_.accelerator, settings_.fidelity.accelerator, ledger_,
                    register_trace),
       daq_("daq", settings_.daq, settings_.probe, session_, ledger_),
+      dispatcher_(settings_.servo.costs, settings_.seed, ledger_),
       access_("access",
               settings_.servo.untimed
                   ? 0
                   : std::llround(settings_.servo.costs.interrupt_latency_s * 1e12),
-              ledger_),
-      servo_("servo", settings_.servo, body, computation, contacts, access_, exchange_, ledger_,
-             verdict_, session_),
+              ledger_, &dispatcher_),
+      servo_("servo", settings_.servo, body, computation, contacts, access_, dispatcher_, exchange_,
+             ledger_, verdict_, session_),
       collision_("collision", settings_.servo.costs, settings_.servo.untimed, contacts, exchange_,
                  session_, servo_.begun()) {
   Accelerator::require_supported(settings_.fidelity.accelerator, settings_.servo.solver);

@@ -16,6 +16,7 @@
 #include "vp/fidelity.h"
 #include "vp/fpga/accelerator.h"
 #include "vp/host/collision_process.h"
+#include "vp/host/dispatcher.h"
 #include "vp/host/servo_process.h"
 #include "vp/ledger.h"
 #include "vp/pci/pci_bus.h"
@@ -26,6 +27,7 @@ namespace hvp::vp {
 // What a scenario calls for; every part's settings and its fidelity.
 struct PlatformSettings {
   ServoSettings servo;
+  std::int64_t seed = 1;  // of every effect that draws
   Picoseconds budget = 2'000'000'000;
   accel::Architecture accelerator;
   link::Pci bus;
@@ -76,6 +78,7 @@ class Platform {
   PciBus bus_;
   Accelerator accelerator_;
   DaqBoard daq_;
+  Dispatcher dispatcher_;
   BoardAccess access_;
   ServoProcess servo_;
   CollisionProcess collision_;

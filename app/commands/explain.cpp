@@ -1,3 +1,4 @@
+#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -20,6 +21,10 @@ void fidelity_line(const char* part, const char* level, const std::string& what)
 
 void effect_line(const char* table, bool present, const char* cost) {
   fmt::print("  {:<20} {:<8} {}\n", table, present ? "built" : "absent", cost);
+}
+
+std::string delay_cost(const std::optional<random::TimeDistribution>& delay, const char* where) {
+  return delay ? fmt::format("{}, {}", where, random::name(delay->kind)) : where;
 }
 
 void frame_cost(const Scene& scene) {
@@ -61,6 +66,11 @@ int explain_command(const ScenarioArguments& arguments) {
                          s.refinement->passes)
                    : "a solve a pass, and a product with the matrix on the host for each";
   effect_line("refinement", s.refinement.has_value(), passes.c_str());
+  effect_line("host.jitter", s.host.jitter.has_value(),
+              delay_cost(s.host.jitter, "before each frame: the timer is late").c_str());
+  effect_line(
+      "host.wake_up", s.host.wake_up.has_value(),
+      delay_cost(s.host.wake_up, "after each tick and interrupt: until the process runs").c_str());
   effect_line("loads.gravity", s.loads.gravity.has_value(), "no cost: part of f");
   effect_line("reference", s.reference.has_value(),
               "no simulated time; two double-precision solves beside the board's");

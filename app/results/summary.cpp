@@ -52,6 +52,8 @@ std::vector<std::string> effects(const app::Scenario& s) {
   std::vector<std::string> names;
   if (s.dynamics) names.emplace_back("dynamics");
   if (s.refinement) names.emplace_back("refinement");
+  if (s.host.jitter) names.emplace_back("host.jitter");
+  if (s.host.wake_up) names.emplace_back("host.wake_up");
   if (s.loads.gravity) names.emplace_back("loads.gravity");
   if (s.reference) names.emplace_back("reference");
   if (s.spectrum) names.emplace_back("spectrum");

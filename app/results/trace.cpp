@@ -18,7 +18,7 @@ constexpr int kWaitLane = 10;
 constexpr int kReleaseLane = 11;
 
 int lane(const vp::Span& span) {
-  if (span.phase == vp::Phase::wait) return kWaitLane;
+  if (span.phase == vp::Phase::wait || span.phase == vp::Phase::wake_up) return kWaitLane;
   if (span.phase == vp::Phase::release) return kReleaseLane;
   return static_cast<int>(span.part) + 1;
 }

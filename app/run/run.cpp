@@ -28,6 +28,7 @@ vp::PlatformSettings platform_settings(const Scene& scene) {
   p.servo.period = std::llround(s.budget.period_s * 1e12);
   p.servo.frames = s.frames;
   p.servo.costs = s.host;
+  p.seed = s.seed;
   p.servo.untimed = s.fidelity.host == vp::Timing::untimed;
   p.servo.solver = scene.computation().board_settings();
   // One frame at a time: the force is due when the next tick comes.

@@ -1,5 +1,7 @@
 #include "app/scene/scenario.h"
 
+#include <limits>
+
 #include "models/config/input_error.h"
 
 namespace hvp::app {
@@ -52,6 +54,9 @@ void Output::declare(config::Visitor& v) {
 void Scenario::declare(config::Visitor& v) {
   v.text("title", title, {"one line for the report"});
   v.integer("frames", frames, {1, 100'000'000}, {"servo ticks to simulate", "2 s at 500 Hz"});
+  v.integer("seed", seed, {0, std::numeric_limits<std::int64_t>::max()},
+            {"chooses the random numbers of every effect that draws some",
+             "any will do; the same number gives the same run"});
   v.table("budget", budget, {"what has to hold"});
   v.table("object", object, {"the soft body"});
   v.table("loads", loads, {"what acts on the body besides the user"});
@@ -84,6 +89,12 @@ void Scenario::check() const {
                          "\" has no model of several devices: expected loosely-timed or untimed "
                          "with [accelerator.several]");
   }
+  const auto needs_time = [&](const char* effect, bool present) {
+    if (!present || fidelity.host != vp::Timing::untimed) return;
+    throw InputError(effect, "the host takes no time where fidelity.host is \"untimed\"");
+  };
+  needs_time("host.jitter", host.jitter.has_value());
+  needs_time("host.wake_up", host.wake_up.has_value());
 }
 
 }  // namespace hvp::app

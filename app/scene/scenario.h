@@ -81,6 +81,7 @@ struct Output {
 struct Scenario {
   std::string title;
   int frames = 1000;
+  std::int64_t seed = 1;
   Budget budget;
   Object object;
   fem::Loads loads;

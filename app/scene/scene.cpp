@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "app/scene/samples.h"
 #include "models/config/input_error.h"
 #include "models/mesh/generate.h"
 
@@ -44,6 +45,13 @@ std::vector<int> anchored_nodes(const Scenario& s, const mesh::TetMesh& mesh) {
   return nodes;
 }
 
+// What effects draw from the user's own files.
+void load_samples(std::optional<random::TimeDistribution>& effect,
+                  const std::optional<random::TimeDistribution>& openable, const char* table) {
+  if (!effect || effect->kind != random::TimeDistribution::Kind::measured) return;
+  effect->samples_s = within(table, [&] { return read_samples(openable->samples_file); });
+}
+
 }  // namespace
 
 std::unique_ptr<fem::Body> make_body(const Scenario& s, const Progress& progress) {
@@ -64,6 +72,8 @@ std::unique_ptr<fem::Body> make_body(const Scenario& s, const Progress& progress
 Scene::Scene(const Scenario& openable, const Scenario& written, accel::Device device,
              const Progress& progress)
     : scenario_(written), device_(std::move(device)), body_(make_body(openable, progress)) {
+  load_samples(scenario_.host.jitter, openable.host.jitter, "host.jitter");
+  load_samples(scenario_.host.wake_up, openable.host.wake_up, "host.wake_up");
   const Scenario& s = scenario_;
   quality_ = mesh::measure(body_->mesh());
   computation_ = within("solver", [&] {

@@ -31,6 +31,11 @@ void Host::declare(config::Visitor& v) {
               "assumed; real-time extensions lie between 2 and 20 us"});
   v.quantity("timeout", timeout_s, Dimension::time, config::between(1e-6, 10),
              {"how long the driver waits for the board", "five periods at 500 Hz"});
+  v.effect("jitter", jitter,
+           {"the timer releases the servo process late, by a time drawn for each tick"});
+  v.effect("wake_up", wake_up,
+           {"the servo process runs some time after its tick or interrupt has made it ready, drawn "
+            "each time"});
   v.table("graphics", graphics, {"the 33 Hz collision and graphics process"});
 }
 

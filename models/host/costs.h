@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "models/config/declaration.h"
+#include "models/random/distribution.h"
 
 namespace hvp::host {
 
@@ -27,6 +29,8 @@ struct Host {
   double driver_call_s = 1e-6;
   double interrupt_latency_s = 5e-6;
   double timeout_s = 10e-3;
+  std::optional<random::TimeDistribution> jitter;
+  std::optional<random::TimeDistribution> wake_up;
   Graphics graphics;
 
   void declare(config::Visitor& v);

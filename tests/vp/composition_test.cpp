@@ -40,6 +40,13 @@ TEST(Composition, UntimedBuildsTheSame) {
   expect_the_six(scene);
 }
 
+TEST(Composition, JitterIsNoModuleAndNoProcess) {
+  SmallScene scene;
+  scene.settings.servo.costs.jitter.emplace();
+  scene.settings.servo.costs.wake_up.emplace();
+  expect_the_six(scene);
+}
+
 // All spans of all frames of a run, as bytes.
 class Bytes : public FrameSink {
  public:

@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tests/vp/expected_frame.h"
 #include "tests/vp/expected_time.h"
 #include "tests/vp/small_scene.h"
 #include "vp/platform.h"
@@ -17,14 +18,10 @@ namespace {
 using test::compute;
 using test::FrameLog;
 using test::kUs;
-using test::pci_read;
 using test::pci_write;
 using test::SmallScene;
 
 constexpr int kUnknowns = SmallScene::kUnknowns;
-constexpr int kVectorBytes = 2 * kUnknowns;
-// Scaling, rounding and two comparisons a word.
-constexpr double kConversion = 4.0 * kUnknowns;
 
 struct Simulated {
   explicit Simulated(SmallScene& s)
@@ -36,25 +33,6 @@ struct Simulated {
   FrameLog log;
   Platform platform;
 };
-
-// From the tick to the force at the motor, step by step as in thesis Fig. 6.2. `updates`: what the
-// board needs before, because the contact has moved; `contact_blocks`: of the contact's rows.
-Picoseconds latency(const SmallScene& scene, Picoseconds updates, int contact_blocks) {
-  const double columns = contact_blocks == 0 ? 0 : 18.0 * contact_blocks + 3;
-  return pci_write(4) + 1 * kUs               // latch
-         + pci_read(12)                       // position
-         + 1 * kUs                            // contact lookup
-         + updates                            //
-         + compute(kConversion + columns)     // modified force vector, in words
-         + 1 * kUs + pci_write(kVectorBytes)  // driver; b
-         + pci_write(4)                       // start
-         + test::solve_time(scene.computation.quantised().row_begin, 60)  //
-         + 5 * kUs                                                        // interrupt
-         + pci_read(4) + pci_write(4)        // STATUS; INTERRUPT_STATUS
-         + 1 * kUs + pci_read(kVectorBytes)  // driver; U
-         + compute(kConversion + columns)    // force
-         + pci_write(12) + 10 * kUs;         // force to the DAQ; its output
-}
 
 int blocks_of(const SmallScene& scene, int mesh_node) {
   const fixed::QuantisedMatrix& k = scene.computation.quantised();
@@ -91,7 +69,7 @@ TEST(Frame, WithoutContactTakesTheSumOfItsSteps) {
   const Picoseconds begin = run.platform.session().begin;
   EXPECT_EQ(begin, run.platform.servo().set_up_time());
   ASSERT_EQ(run.log.frames.size(), 10U);
-  const Picoseconds expected = latency(scene, 0, 0);
+  const Picoseconds expected = test::latency(scene, 0, 0);
   for (const Frame& frame : run.log.frames) {
     EXPECT_EQ(frame.born, begin + frame.number * 2'000 * kUs);
     EXPECT_EQ(frame.latency(), expected);
@@ -117,7 +95,7 @@ TEST(Frame, ContactAddsTheUpdateOnceAndTheColumnsInEachFrame) {
   for (const Frame& frame : run.log.frames) {
     const bool now = frame.contact_node >= 0;
     EXPECT_EQ(frame.contact_node, now ? SmallScene::kTopNode : -1);
-    EXPECT_EQ(frame.latency(), latency(scene, now && !before ? update : 0, now ? blocks : 0))
+    EXPECT_EQ(frame.latency(), test::latency(scene, now && !before ? update : 0, now ? blocks : 0))
         << "frame " << frame.number;
     before = now;
   }
@@ -135,8 +113,9 @@ TEST(Frame, NewmarkUpdateFollowsTheForceAndBelongsToTheLoad) {
   const double operations = (4 + 12 + 2 + 2) * kUnknowns +
                             18.0 * static_cast<double>(scene.computation.quantised().column.size());
   for (const Frame& frame : run.log.frames) {
-    EXPECT_EQ(frame.latency(), latency(scene, 0, 0));
-    EXPECT_EQ(frame.work_done - frame.born, latency(scene, 0, 0) - 10 * kUs + compute(operations));
+    EXPECT_EQ(frame.latency(), test::latency(scene, 0, 0));
+    EXPECT_EQ(frame.work_done - frame.born,
+              test::latency(scene, 0, 0) - 10 * kUs + compute(operations));
   }
   expect_sums(run);
 }

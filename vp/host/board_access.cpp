@@ -12,11 +12,12 @@ BoardAccess& self(void* context) { return *static_cast<BoardAccess*>(context); }
 }  // namespace
 
 BoardAccess::BoardAccess(const sc_core::sc_module_name& name, Picoseconds interrupt_latency,
-                         Ledger& ledger)
+                         Ledger& ledger, Dispatcher* dispatcher)
     : sc_module(name),
       to_bus("to_bus"),
       interrupt_latency_(interrupt_latency),
       ledger_(ledger),
+      dispatcher_(dispatcher),
       raised_("raised") {
   extension_.tag = &tag_;
   payload_.set_extension(&extension_);
@@ -83,7 +84,8 @@ void BoardAccess::lowered() { line_up_ = false; }
 
 int BoardAccess::wait_interrupt(std::uint64_t timeout_ns) {
   const Picoseconds blocked = now_ps();
-  if (!line_up_) {
+  const bool sleeps = !line_up_;
+  if (sleeps) {
     const auto timeout = static_cast<Picoseconds>(std::min(timeout_ns, kLongestWaitNs)) * 1000;
     while (!line_up_ && now_ps() < blocked + timeout) {
       wait(to_sc_time(blocked + timeout - now_ps()), raised_);
@@ -94,6 +96,7 @@ int BoardAccess::wait_interrupt(std::uint64_t timeout_ns) {
     const SpanId waited = ledger_.add(tag_, Part::host, Phase::wait, blocked, now_ps());
     if (!line_up_) {
       tag_.cause = waited;
+      if (dispatcher_ != nullptr) dispatcher_->wake(tag_);
       return HVP_INTERRUPT_TIMED_OUT;
     }
     // From here on the frame follows what the board did.
@@ -106,6 +109,7 @@ int BoardAccess::wait_interrupt(std::uint64_t timeout_ns) {
   const Picoseconds requested = now_ps();
   wait(to_sc_time(interrupt_latency_));
   ledger_.extend(tag_, Part::host, Phase::interrupt, requested, now_ps());
+  if (sleeps && dispatcher_ != nullptr) dispatcher_->wake(tag_);
   return HVP_INTERRUPT;
 }
 

@@ -8,6 +8,7 @@
 
 #include "driver/hvp_driver.h"
 #include "vp/frame_tag.h"
+#include "vp/host/dispatcher.h"
 #include "vp/ledger.h"
 
 namespace hvp::vp {
@@ -22,7 +23,9 @@ inline constexpr std::uint64_t kDaqBase = 0x2000'0000;
 // C frame is ever unwound.
 class BoardAccess : public sc_core::sc_module, public InterruptIf {
  public:
-  BoardAccess(const sc_core::sc_module_name& name, Picoseconds interrupt_latency, Ledger& ledger);
+  // `dispatcher`: what wakes the process that waits for an interrupt; null: it runs at once.
+  BoardAccess(const sc_core::sc_module_name& name, Picoseconds interrupt_latency, Ledger& ledger,
+              Dispatcher* dispatcher = nullptr);
   ~BoardAccess() override;
 
   tlm_utils::simple_initiator_socket<BoardAccess> to_bus;
@@ -48,6 +51,7 @@ class BoardAccess : public sc_core::sc_module, public InterruptIf {
 
   Picoseconds interrupt_latency_;
   Ledger& ledger_;
+  Dispatcher* dispatcher_;
   hvp_bus solver_bus_{};
   Tag tag_;
   tlm::tlm_generic_payload payload_;

@@ -25,13 +25,15 @@ constexpr int kFramesWithoutWords = 16;
 ServoProcess::ServoProcess(const sc_core::sc_module_name& name, const ServoSettings& settings,
                            const fem::Body& body, host::FrameComputation& computation,
                            const collision::ContactSearch& contacts, BoardAccess& access,
-                           Exchange& exchange, Ledger& ledger, Verdict& verdict, Session& session)
+                           Dispatcher& dispatcher, Exchange& exchange, Ledger& ledger,
+                           Verdict& verdict, Session& session)
     : sc_module(name),
       settings_(settings),
       body_(body),
       computation_(computation),
       contacts_(contacts),
       access_(access),
+      dispatcher_(dispatcher),
       exchange_(exchange),
       ledger_(ledger),
       verdict_(verdict),
@@ -107,12 +109,21 @@ bool ServoProcess::set_up() {
   return status == HVP_OK;
 }
 
-void ServoProcess::frame(std::int64_t number) {
+// A process that is still at work at its tick goes on; one that slept has to be woken.
+void ServoProcess::release(std::int64_t number) {
   const Picoseconds born = session_.begin + number * settings_.period;
-  if (now_ps() < born) wait(to_sc_time(born - now_ps()));
+  const Picoseconds released = born + dispatcher_.release_delay(number);
+  const bool sleeps = now_ps() < released;
+  if (sleeps) wait(to_sc_time(released - now_ps()));
   ledger_.open(number, born);
   access_.tag() = Tag{number, kBirth};
   ledger_.extend(access_.tag(), Part::host, Phase::release, born, now_ps());
+  if (sleeps) dispatcher_.wake(access_.tag());
+}
+
+void ServoProcess::frame(std::int64_t number) {
+  release(number);
+  const Picoseconds born = ledger_.frame(number).born;
 
   const Eigen::Vector3d tip = read_position();
 

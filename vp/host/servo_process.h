@@ -15,6 +15,7 @@
 #include "models/host/costs.h"
 #include "models/host/frame_computation.h"
 #include "vp/host/board_access.h"
+#include "vp/host/dispatcher.h"
 #include "vp/host/exchange.h"
 #include "vp/ledger.h"
 #include "vp/session.h"
@@ -67,8 +68,9 @@ class ServoProcess : public sc_core::sc_module {
  public:
   ServoProcess(const sc_core::sc_module_name& name, const ServoSettings& settings,
                const fem::Body& body, host::FrameComputation& computation,
-               const collision::ContactSearch& contacts, BoardAccess& access, Exchange& exchange,
-               Ledger& ledger, Verdict& verdict, Session& session);
+               const collision::ContactSearch& contacts, BoardAccess& access,
+               Dispatcher& dispatcher, Exchange& exchange, Ledger& ledger, Verdict& verdict,
+               Session& session);
   ~ServoProcess() override;
 
   void add_observer(FrameObserver& observer) { observers_.push_back(&observer); }
@@ -84,6 +86,7 @@ class ServoProcess : public sc_core::sc_module {
   void run();
   void serve();
   bool set_up();
+  void release(std::int64_t number);
   void frame(std::int64_t number);
   Eigen::Vector3d read_position();
   void take_contact(const ContactReport& report, Frame& frame);
@@ -102,6 +105,7 @@ class ServoProcess : public sc_core::sc_module {
   host::FrameComputation& computation_;
   const collision::ContactSearch& contacts_;
   BoardAccess& access_;
+  Dispatcher& dispatcher_;
   Exchange& exchange_;
   Ledger& ledger_;
   Verdict& verdict_;

@@ -1,0 +1,215 @@
+#include "models/random/distribution.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "models/config/input_error.h"
+#include "models/random/elementary.h"
+#include "models/random/philox.h"
+
+namespace hvp::random {
+
+namespace {
+
+using config::Dimension;
+using Kind = TimeDistribution::Kind;
+
+constexpr double kLongest = 1.0;  // s
+// At least a third of the draws are taken, so that so many in vain do not happen.
+constexpr std::uint32_t kAttempts = 1000;
+
+// FNV-1a: an effect is told from another by its name, not by its place in a list.
+std::uint32_t hash(std::string_view text) {
+  std::uint32_t h = 2166136261U;
+  for (const char c : text) h = (h ^ static_cast<unsigned char>(c)) * 16777619U;
+  return h;
+}
+
+std::string microseconds(double seconds) { return fmt::format("{:g} us", seconds * 1e6); }
+
+}  // namespace
+
+const char* name(Kind kind) {
+  switch (kind) {
+    case Kind::constant:
+      return "constant";
+    case Kind::uniform:
+      return "uniform";
+    case Kind::normal:
+      return "normal";
+    case Kind::exponential:
+      return "exponential";
+    case Kind::lognormal:
+      return "lognormal";
+    case Kind::measured:
+      return "measured";
+  }
+  return "";
+}
+
+void TimeDistribution::declare(config::Visitor& v) {
+  const std::string_view absent = "absent: needed by its distribution only";
+  v.choice("distribution", kind,
+           {{"constant", Kind::constant},
+            {"uniform", Kind::uniform},
+            {"normal", Kind::normal},
+            {"exponential", Kind::exponential},
+            {"lognormal", Kind::lognormal},
+            {"measured", Kind::measured}},
+           {"how the time is distributed; measured: drawn from the user's own samples",
+            "assumed: no figure published for QuaRC; many short delays, few long ones"});
+  v.quantity("mean", mean_s, Dimension::time, config::between(0, kLongest),
+             {"constant: the time; normal: its mean; exponential: its mean above minimum",
+              "assumed; real-time extensions lie between 2 and 20 us"});
+  v.quantity("deviation", deviation_s, Dimension::time, config::between(0, kLongest),
+             {"normal: standard deviation before it is cut off", absent});
+  v.quantity("median", median_s, Dimension::time, config::between(0, kLongest),
+             {"lognormal: median", absent});
+  v.quantity("spread", spread, Dimension::dimensionless, config::between(0, 1000),
+             {"lognormal: geometric standard deviation; two thirds lie between median/spread and "
+              "median*spread",
+              absent});
+  v.quantity("minimum", minimum_s, Dimension::time, config::between(0, kLongest),
+             {"no time is shorter: what is drawn below is drawn again", "nothing ends before now"});
+  v.quantity("maximum", maximum_s, Dimension::time, config::between(0, kLongest),
+             {"no time is longer: what is drawn above is drawn again",
+              "assumed: half a period at 500 Hz"});
+  v.file(
+      "samples", samples_file,
+      {"measured: a CSV file whose first column with a name in _s, _ms, _us or _ns has the times",
+       absent});
+}
+
+void TimeDistribution::check() const {
+  const TimeDistribution defaults;
+  const auto belongs = [&](const char* key, bool given, std::initializer_list<Kind> kinds) {
+    if (!given) return;
+    std::string names;
+    for (const Kind k : kinds) {
+      if (k == kind) return;
+      names += fmt::format("{}\"{}\"", names.empty() ? "" : " or ", name(k));
+    }
+    throw InputError(key, fmt::format("belongs to distribution = {} only", names));
+  };
+  belongs("mean", mean_s != defaults.mean_s, {Kind::constant, Kind::normal, Kind::exponential});
+  belongs("deviation", deviation_s != 0, {Kind::normal});
+  belongs("median", median_s != 0, {Kind::lognormal});
+  belongs("spread", spread != 0, {Kind::lognormal});
+  const std::initializer_list<Kind> cut = {Kind::uniform, Kind::normal, Kind::exponential,
+                                           Kind::lognormal};
+  belongs("minimum", minimum_s != defaults.minimum_s, cut);
+  belongs("maximum", maximum_s != defaults.maximum_s, cut);
+  belongs("samples", !samples_file.empty(), {Kind::measured});
+
+  if (maximum_s < minimum_s) {
+    throw InputError("maximum", fmt::format("expected at least minimum = {}, found {}",
+                                            microseconds(minimum_s), microseconds(maximum_s)));
+  }
+  const double width = maximum_s - minimum_s;
+  const auto inside = [&](const char* key, double centre) {
+    if (centre >= minimum_s && centre <= maximum_s) return;
+    throw InputError(
+        key, fmt::format("expected between minimum = {} and maximum = {}, found {}",
+                         microseconds(minimum_s), microseconds(maximum_s), microseconds(centre)));
+  };
+  const auto at_least_wide = [&](const char* key, double scale) {
+    if (scale <= width) return;
+    throw InputError(key, fmt::format("expected at most maximum - minimum = {}, found {}: fewer "
+                                      "than a third of the draws would lie between",
+                                      microseconds(width), microseconds(scale)));
+  };
+  if (kind == Kind::normal) {
+    inside("mean", mean_s);
+    at_least_wide("deviation", deviation_s);
+  }
+  if (kind == Kind::exponential) at_least_wide("mean", mean_s);
+  if (kind == Kind::lognormal) {
+    if (!(median_s > 0)) throw InputError("median", "a lognormal distribution needs it above 0 s");
+    if (!(spread >= 1)) throw InputError("spread", "a lognormal distribution needs it, 1 or more");
+    inside("median", median_s);
+    if (median_s * spread > maximum_s && median_s / spread < minimum_s) {
+      throw InputError("spread",
+                       fmt::format("expected median*spread within maximum = {} or median/spread "
+                                   "within minimum = {}: fewer than a third of the draws would "
+                                   "lie between",
+                                   microseconds(maximum_s), microseconds(minimum_s)));
+    }
+  }
+  if (kind == Kind::measured && samples_file.empty()) {
+    throw InputError("samples", "distribution = \"measured\" needs a CSV file of samples");
+  }
+}
+
+Source::Source(TimeDistribution distribution, std::int64_t seed, std::string_view effect)
+    : distribution_(std::move(distribution)),
+      seed_(static_cast<std::uint64_t>(seed)),
+      effect_(hash(effect)) {
+  if (distribution_.kind == Kind::lognormal) log_spread_ = natural_log(distribution_.spread);
+  if (distribution_.kind == Kind::measured && distribution_.samples_s.empty()) {
+    throw std::logic_error("a measured distribution without its samples");
+  }
+}
+
+Source::Pair Source::uniform(std::int64_t frame, std::uint32_t draw, std::uint32_t attempt) const {
+  const auto number = static_cast<std::uint64_t>(frame);
+  const auto low = [](std::uint64_t v) { return static_cast<std::uint32_t>(v); };
+  const auto high = [](std::uint64_t v) { return static_cast<std::uint32_t>(v >> 32U); };
+  const std::array<std::uint32_t, 4> word = philox(
+      {low(number), high(number), effect_, draw << 16U | attempt}, {low(seed_), high(seed_)});
+  // The middle of one of 2^53 equal parts, so that neither 0 nor 1 comes up.
+  const auto fraction = [](std::uint32_t upper, std::uint32_t lower) {
+    const std::uint64_t bits = (std::uint64_t{upper} << 32U | lower) >> 11U;
+    return (static_cast<double>(bits) + 0.5) * 0x1p-53;
+  };
+  return {fraction(word[0], word[1]), fraction(word[2], word[3])};
+}
+
+// False where the draw is to be made again.
+bool Source::attempt(const Pair& u, double& value) const {
+  const TimeDistribution& d = distribution_;
+  switch (d.kind) {
+    case Kind::constant:
+      value = d.mean_s;
+      return true;
+    case Kind::uniform:
+      value = d.minimum_s + u.first * (d.maximum_s - d.minimum_s);
+      return true;
+    case Kind::measured: {
+      const auto count = static_cast<double>(d.samples_s.size());
+      const auto index = static_cast<std::size_t>(u.first * count);
+      value = d.samples_s[std::min(index, d.samples_s.size() - 1)];
+      return true;
+    }
+    case Kind::exponential:
+      value = d.minimum_s - d.mean_s * natural_log(u.first);
+      break;
+    case Kind::normal:
+    case Kind::lognormal: {
+      // Marsaglia's polar method: a point in the unit disc. One of the two numbers is enough.
+      const double x = 2 * u.first - 1;
+      const double y = 2 * u.second - 1;
+      const double square = x * x + y * y;
+      if (square >= 1 || square == 0) return false;
+      const double z = x * std::sqrt(-2 * natural_log(square) / square);
+      value = d.kind == Kind::normal ? d.mean_s + d.deviation_s * z
+                                     : d.median_s * exponential(log_spread_ * z);
+      break;
+    }
+  }
+  return value >= d.minimum_s && value <= d.maximum_s;
+}
+
+double Source::time_s(std::int64_t frame, std::uint32_t draw) const {
+  double value = 0;
+  for (std::uint32_t n = 0; n < kAttempts; ++n) {
+    if (attempt(uniform(frame, draw, n), value)) return value;
+  }
+  throw std::logic_error("a distribution of which nothing lies within its bounds");
+}
+
+}  // namespace hvp::random
