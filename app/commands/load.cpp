@@ -19,9 +19,9 @@ LoadedScenario load(const ScenarioArguments& arguments) {
   scenario::read(loaded.document, loaded.scenario);
   loaded.openable = loaded.scenario;
   scenario::resolve_files(loaded.document, loaded.openable);
-  const std::string& device = loaded.scenario.accelerator.device;
-  loaded.device = devices::find(loaded.document, device);
-  loaded.device_file = devices::openable(loaded.document, device);
+  const accel::Architecture& accelerator = loaded.scenario.accelerator;
+  loaded.device = devices::find(loaded.document, accelerator);
+  loaded.device_file = devices::openable(loaded.document, accelerator.device);
   return loaded;
 }
 

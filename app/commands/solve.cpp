@@ -91,7 +91,7 @@ bool names(const scenario::Document& document, std::string_view table, std::stri
 SolveTask task_of(const SolveArguments& a, const scenario::Document& document) {
   SolveTask task;
   scenario::read(document, task.settings);
-  task.device = devices::find(document, task.settings.accelerator.device);
+  task.device = devices::find(document, task.settings.accelerator);
   task.range_given = names(document, "solver", "displacement_range");
   task.tolerance = a.tolerance.value_or(host::Reference().tolerance);
   if (!(task.tolerance > 0) || !std::isfinite(task.tolerance)) {

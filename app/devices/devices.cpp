@@ -11,6 +11,7 @@
 #include "app/scenario/message.h"
 #include "app/scenario/nearest.h"
 #include "app/scenario/reader.h"
+#include "models/accel/memory.h"
 
 namespace hvp::devices {
 
@@ -48,6 +49,12 @@ const accel::Device& built_in(std::string_view name) {
   return known.emplace(file->name, parse(file->text, path)).first->second;
 }
 
+std::vector<const accel::Device*> all_built_in() {
+  std::vector<const accel::Device*> all;
+  for (const std::string_view name : built_in_names()) all.push_back(&built_in(name));
+  return all;
+}
+
 accel::Device parse(std::string_view text, const std::filesystem::path& file_name) {
   accel::Device device;
   scenario::read(scenario::Document::parse(text, file_name), device);
@@ -61,7 +68,9 @@ std::filesystem::path openable(const scenario::Document& document, const std::st
   return scenario::openable_file(document, kKey, device);
 }
 
-accel::Device find(const scenario::Document& document, const std::string& device) {
+namespace {
+
+accel::Device named(const scenario::Document& document, const std::string& device) {
   if (names_file(device)) {
     accel::Device own;
     scenario::read(scenario::Document::load(openable(document, device)), own);
@@ -70,6 +79,18 @@ accel::Device find(const scenario::Document& document, const std::string& device
   const std::vector<std::string_view> names = built_in_names();
   if (std::ranges::find(names, device) != names.end()) return built_in(device);
   throw scenario::SourceError(std::string(kKey), document.locate(kKey) + unknown_device(device));
+}
+
+}  // namespace
+
+accel::Device find(const scenario::Document& document, const accel::Architecture& architecture) {
+  accel::Device device = named(document, architecture.device);
+  try {
+    accel::require_choices(device, architecture);
+  } catch (const InputError& e) {
+    throw document.complete(InputError("accelerator." + e.key(), e.what()));
+  }
+  return device;
 }
 
 }  // namespace hvp::devices

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "app/devices/devices.h"
 #include "app/scene/samples.h"
 #include "models/config/input_error.h"
 #include "models/mesh/generate.h"
@@ -83,10 +84,8 @@ Scene::Scene(const Scenario& openable, const Scenario& written, accel::Device de
   within("accelerator", [&] {
     const auto& matrix = computation_->matrix();
     board_.emplace(s.accelerator, accel::pattern_of(matrix.row_begin, matrix.column));
+    require_fit();
   });
-  usage_ = accel::board_usage(device_, s.accelerator,
-                              accel::word_lengths(computation_->board_settings()), *board_);
-  require_fit();
 
   // A node that is held, by an anchor or by a prescribed displacement, cannot follow the probe.
   std::vector<int> held;
@@ -103,25 +102,13 @@ Scene::Scene(const Scenario& openable, const Scenario& written, accel::Device de
   locking_ = fem::measure_locking(body_->mesh(), s.object.material);
 }
 
-// The device counts the nodes of the system; a scenario states those of the mesh.
-void Scene::require_fit() const {
+void Scene::require_fit() {
   const accel::WordLengths words = accel::word_lengths(computation_->board_settings());
-  try {
-    accel::require_board_fit(device_, scenario_.accelerator, words, *board_);
-  } catch (const InputError& e) {
-    const std::int64_t fitting =
-        accel::largest_mesh_of_board(device_, scenario_.accelerator, words, *board_);
-    const auto mesh_nodes = static_cast<std::int64_t>(quality_.nodes);
-    const std::int64_t in_mesh = fitting * mesh_nodes / body_->active_nodes();
-    std::string advice;
-    if (fitting > 0) advice = fmt::format("; that is object.mesh.nodes = {}", in_mesh);
-    const int devices =
-        accel::devices_that_would_do(device_, scenario_.accelerator, words, pattern());
-    if (devices > 0) {
-      advice += fmt::format("; or accelerator.several.devices = {}", devices);
-    }
-    throw InputError("accelerator." + e.key(), e.what() + advice);
-  }
+  usage_ = accel::board_usage(device_, scenario_.accelerator, words, *board_);
+  if (usage_.fits()) return;
+  // The device counts the nodes of the system; a scenario states those of the mesh.
+  accel::require_board_fit(device_, scenario_.accelerator, words, *board_, devices::all_built_in(),
+                           static_cast<int>(quality_.nodes));
 }
 
 accel::SolveCycles Scene::solve_cycles() const {

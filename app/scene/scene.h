@@ -47,7 +47,7 @@ class Scene {
   const std::optional<fem::Locking>& locking() const { return locking_; }
 
  private:
-  void require_fit() const;
+  void require_fit();
 
   Scenario scenario_;
   accel::Device device_;

@@ -53,10 +53,25 @@ void Architecture::declare(config::Visitor& v) {
   v.integer("direction_banks", direction_banks, {1, 64},
             {"memories that the nodes of a component of d are dealt to in turn",
              "thesis Fig. 5.9: one a component"});
-  v.choice("preconditioner_memory", preconditioner_memory,
-           {{"m4k", PreconditionerMemory::m4k}, {"m512", PreconditionerMemory::m512}},
-           {"where z and the inverse diagonal of Jacobi-PCG are kept",
-            "M4K holds all vectors in thesis section 5.4"});
+  constexpr std::string_view kWidest =
+      "thesis section 5.4: M4K, of which a Stratix II reads most bits a clock";
+  v.text("matrix_memory", matrix_memory,
+         {"the device's memory type that holds the matrix; auto: docs/accelerator.md", kWidest});
+  v.text("index_memory", index_memory,
+         {"the same for the indices of the packages", "thesis section 5.4: M-RAM, the largest"});
+  v.text("copies_memory", copies_memory, {"the same for the copies of d", kWidest});
+  v.text("vector_memory", vector_memory, {"the same for the other vectors", kWidest});
+  v.text("preconditioner_memory", preconditioner_memory,
+         {"the same for z and the inverse diagonal or blocks of a preconditioner", kWidest});
+  v.text("queue_memory", queue_memory,
+         {"the same for the rows that wait for the vector unit",
+          "the smallest type: a few words; the thesis does not say"});
+  v.boolean(
+      "parity_bits", parity_bits,
+      {"parity bits of the memories hold data too", "thesis section 5.4, footnote: not used"});
+  v.text("multiplier_mode", multiplier_mode,
+         {"the way to use the device's multipliers, docs/devices.md; auto: the first one",
+          "independent multipliers"});
   v.effect("several", several, {"several devices share the rows of K; without it there is one"});
 }
 

@@ -17,8 +17,6 @@ enum class DirectionMemory {
   stall,          // two accesses; a package that needs a third waits a clock
 };
 
-enum class PreconditionerMemory { m4k, m512 };
-
 // The accelerator's micro-architecture (thesis chapter 5): the scenario's table [accelerator].
 struct Architecture {
   std::string device = "EP2S60";  // built in, or a file of the user's own
@@ -38,7 +36,15 @@ struct Architecture {
   int result_queue = 16;  // rows that a partition has finished and the vector unit not yet taken
   DirectionMemory direction_memory = DirectionMemory::double_pumped;
   int direction_banks = 1;  // memories that a component of d is dealt to, node by node
-  PreconditionerMemory preconditioner_memory = PreconditionerMemory::m4k;
+  // What the device offers, by its names; "auto" is the rule of memory_blocks.h.
+  std::string matrix_memory = "auto";
+  std::string index_memory = "auto";
+  std::string copies_memory = "auto";
+  std::string vector_memory = "auto";
+  std::string preconditioner_memory = "auto";
+  std::string queue_memory = "auto";
+  bool parity_bits = false;
+  std::string multiplier_mode = "auto";
 
   std::optional<Several> several;  // absent: one device
 

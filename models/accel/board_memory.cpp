@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <utility>
 
+#include "models/accel/fit.h"
 #include "models/config/input_error.h"
 
 namespace hvp::accel {
@@ -15,6 +17,7 @@ constexpr int kMostDevices = 8;  // a scenario's
 
 // The scarcest resource's use; beyond one it does not fit.
 double fullness(const Usage& usage) {
+  if (!usage.obstacles.empty()) return std::numeric_limits<double>::infinity();
   double most = 0;
   for (const Resource& r : usage.resources) {
     if (r.used > 0) most = std::max(most, static_cast<double>(r.used) / std::max(r.available, 1));
@@ -67,11 +70,12 @@ int devices_that_would_do(const Device& device, const Architecture& a, const Wor
 }
 
 void require_board_fit(const Device& device, const Architecture& a, const WordLengths& words,
-                       const BoardClocks& board) {
+                       const BoardClocks& board, std::span<const Device* const> others,
+                       int mesh_nodes) {
   std::string where;
   try {
     if (!board.several()) {
-      require_fit(device, a, words, board.pattern());
+      require_fit(device, a, words, board.pattern(), others, mesh_nodes);
     } else {
       const Fullest worst = fullest(device, a, words, *board.several());
       const auto& shares = board.several()->shares();
@@ -79,10 +83,13 @@ void require_board_fit(const Device& device, const Architecture& a, const WordLe
               std::to_string(shares.size()) + ", with " +
               std::to_string(shares[worst.device].pattern.nodes()) + " of " +
               std::to_string(board.pattern().nodes()) + " nodes: ";
-      require_fit(device, a, words, shares[worst.device].pattern);
+      require_fit(device, a, words, shares[worst.device].pattern, others, mesh_nodes);
     }
   } catch (const InputError& e) {
-    throw InputError(e.key(), where + e.what());
+    const int devices = devices_that_would_do(device, a, words, board.pattern());
+    std::string more;
+    if (devices > 0) more = ", or accelerator.several.devices = " + std::to_string(devices);
+    throw InputError(e.key(), where + e.what() + more);
   }
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include "models/accel/architecture.h"
 #include "models/accel/board_clocks.h"
 #include "models/accel/memory.h"
@@ -19,8 +21,10 @@ int largest_mesh_of_board(const Device& device, const Architecture& a, const Wor
 int devices_that_would_do(const Device& device, const Architecture& a, const WordLengths& words,
                           const Pattern& p);
 
-// Throws InputError with the key "device", what is short and on which device.
+// Throws InputError with the key "device", what is short, on which device, and what would fit, as
+// require_fit() has it, and how many devices.
 void require_board_fit(const Device& device, const Architecture& a, const WordLengths& words,
-                       const BoardClocks& board);
+                       const BoardClocks& board, std::span<const Device* const> others = {},
+                       int mesh_nodes = 0);
 
 }  // namespace hvp::accel

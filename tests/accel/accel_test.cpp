@@ -5,6 +5,7 @@
 #include "app/devices/devices.h"
 #include "models/accel/bank_conflicts.h"
 #include "models/accel/cycles.h"
+#include "models/accel/fit.h"
 #include "models/accel/memory.h"
 #include "models/config/input_error.h"
 
@@ -128,8 +129,9 @@ TEST(Memory, IndexPortServesTheNodesOfEveryPackage) {
   for (const int package : {1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 16}) {
     Architecture a;
     a.package = package;
-    const int bits = a.partitions * most_nodes_a_package(package) * 9;  // 500 nodes: 9 bits
-    EXPECT_EQ(used(usage(ep2s60(), a, {}, rows_of_packages(500, 5)), "M-RAM"), (bits + 143) / 144)
+    a.index_memory = "M-RAM";
+    const int bits = a.partitions * (most_nodes_a_package(package) * 9 + 1);  // 500 nodes: 9 bits
+    EXPECT_EQ(used(usage(ep2s60(), a, {}, rows_of_packages(500, 5)), "M-RAM"), (bits + 127) / 128)
         << package;
   }
 }
@@ -147,7 +149,7 @@ TEST(Memory, JacobiNeedsMoreThanM4kHolds) {
   const WordLengths pcg{.method = fixed::Method::jacobi_pcg};
   const Pattern p = rows_of_packages(426, 5);
   EXPECT_FALSE(usage(ep2s60(), a, pcg, p).fits());
-  a.preconditioner_memory = PreconditionerMemory::m512;
+  a.preconditioner_memory = "M512";
   a.partitions = 4;
   EXPECT_TRUE(usage(ep2s60(), a, pcg, p).fits());
   EXPECT_EQ(used(usage(ep2s60(), a, pcg, p), "multipliers"), 4 * 24 + 21 + 24);
@@ -159,9 +161,10 @@ TEST(Memory, RefusalNamesWhatIsShortAndHowManyNodesWouldFit) {
     FAIL();
   } catch (const InputError& e) {
     EXPECT_EQ(e.key(), "device");
-    EXPECT_STREQ(e.what(),
-                 "the EP2S60 cannot hold this system of 1000 nodes: 480 M4K of 255; about 512 "
-                 "nodes with such rows would fit");
+    EXPECT_STREQ(
+        e.what(),
+        "the EP2S60 cannot hold this system of 1000 nodes: 480 M4K of 255; what fits: about "
+        "512 nodes with such rows");
   }
 }
 

@@ -135,8 +135,10 @@ TEST(DeviceFile, WhatNoBlockCanBeIsRefused) {
 class DeviceOfAScenario : public testing::Test {
  protected:
   std::string error_of(const std::string& device) const {
+    accel::Architecture architecture;
+    architecture.device = device;
     try {
-      find(document_, device);
+      find(document_, architecture);
     } catch (const scenario::SourceError& e) {
       return e.what();
     }
@@ -149,10 +151,13 @@ class DeviceOfAScenario : public testing::Test {
 };
 
 TEST_F(DeviceOfAScenario, IsBuiltInOrAFileBesideIt) {
-  EXPECT_EQ(find(document_, "EP2S180").memory("M4K")->blocks, 768);
+  accel::Architecture architecture;
+  architecture.device = "EP2S180";
+  EXPECT_EQ(find(document_, architecture).memory("M4K")->blocks, 768);
   EXPECT_EQ(openable(document_, "EP2S180"), "");
   std::ofstream(place_.path() / "own.toml") << kSmall;
-  EXPECT_EQ(find(document_, "own.toml").name, "small");
+  architecture.device = "own.toml";
+  EXPECT_EQ(find(document_, architecture).name, "small");
   EXPECT_EQ(openable(document_, "own.toml"), place_.path() / "own.toml");
 }
 
@@ -167,6 +172,25 @@ TEST_F(DeviceOfAScenario, WhatIsNotThereIsNamedWithTheNearest) {
   std::ofstream(place_.path() / "bad.toml") << changed("cells = 100", "cells = -1");
   EXPECT_THAT(error_of("bad.toml"),
               testing::StartsWith((place_.path() / "bad.toml").string() + ":5: logic.cells: "));
+}
+
+TEST_F(DeviceOfAScenario, HasWhatTheArchitectureNames) {
+  accel::Architecture architecture;
+  architecture.vector_memory = "M9K";
+  try {
+    find(document_, architecture);
+    FAIL();
+  } catch (const scenario::SourceError& e) {
+    EXPECT_EQ(e.what(), (place_.path() / "s.toml").string() +
+                            ":1: accelerator.vector_memory: the EP2S60 has auto, M512, M4K, M-RAM: "
+                            "found \"M9K\"");
+  }
+  architecture.vector_memory = "M4K";
+  architecture.multiplier_mode = "sum-of-four";
+  EXPECT_THROW(find(document_, architecture), scenario::SourceError);
+  architecture.device = "EP3SE110";
+  architecture.vector_memory = "M144K";
+  EXPECT_EQ(find(document_, architecture).name, "EP3SE110");
 }
 
 }  // namespace

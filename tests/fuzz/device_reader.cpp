@@ -9,6 +9,7 @@
 
 #include "app/devices/devices.h"
 #include "app/scenario/source_error.h"
+#include "models/accel/fit.h"
 #include "models/accel/memory.h"
 #include "models/config/input_error.h"
 

@@ -123,7 +123,7 @@ TEST(ScenarioErrors, ADeviceThatIsTooSmallSaysWhatWouldFitAndThatFits) {
     expect_refused(place, ended);
     std::smatch found;
     ASSERT_TRUE(std::regex_search(ended.err, found,
-                                  std::regex("that is object\\.mesh\\.nodes = ([0-9]+); or "
+                                  std::regex("object\\.mesh\\.nodes = ([0-9]+)\\).*, or "
                                              "(accelerator\\.several\\.devices) = ([0-9]+)\n")))
         << ended.err;
     // "About": meshes hit their node count within one per cent.

@@ -1,0 +1,157 @@
+#include "models/accel/fit.h"
+
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include "models/accel/memory_blocks.h"
+#include "models/accel/multipliers.h"
+#include "models/config/input_error.h"
+
+namespace hvp::accel {
+
+namespace {
+
+// An architecture that differs in one key.
+struct Change {
+  std::string text;  // "accelerator.parity_bits = true"
+  Architecture architecture;
+};
+
+std::string setting(const std::string& key, const std::string& value) {
+  return "accelerator." + key + " = " + value;
+}
+
+std::string quoted(const std::string& text) { return "\"" + text + "\""; }
+
+// The other memory types for a structure.
+void retype(const Device& device, const Architecture& a, Role role,
+            std::string Architecture::*choice, std::vector<Change>& changes) {
+  const MemoryType& now = memory_for(device, a, role);
+  for (const MemoryType& type : device.memories) {
+    if (&type == &now) continue;
+    Change& change = changes.emplace_back(setting(key_of(role), quoted(type.name)), a);
+    change.architecture.*choice = type.name;
+  }
+}
+
+std::vector<Change> changes_of(const Device& device, const Architecture& a,
+                               const WordLengths& words) {
+  std::vector<Change> changes;
+  retype(device, a, Role::matrix, &Architecture::matrix_memory, changes);
+  if (words.preconditioned()) {
+    retype(device, a, Role::preconditioner, &Architecture::preconditioner_memory, changes);
+  }
+  retype(device, a, Role::vectors, &Architecture::vector_memory, changes);
+  retype(device, a, Role::copies, &Architecture::copies_memory, changes);
+  retype(device, a, Role::index, &Architecture::index_memory, changes);
+  if (!a.parity_bits) {
+    changes.emplace_back(setting("parity_bits", "true"), a).architecture.parity_bits = true;
+  }
+  for (const MultiplierMode& mode : device.multipliers) {
+    if (&mode == &multiplier_mode(device, a)) continue;
+    changes.emplace_back(setting("multiplier_mode", quoted(mode.name)), a)
+        .architecture.multiplier_mode = mode.name;
+  }
+  return changes;
+}
+
+// The most partitions, fewer than now, with which it fits.
+std::optional<int> fewer_partitions(const Device& device, Architecture a, const WordLengths& words,
+                                    const Pattern& p) {
+  while (a.partitions > 1) {
+    --a.partitions;
+    if (usage(device, a, words, p).fits()) return a.partitions;
+  }
+  return std::nullopt;
+}
+
+std::string partitions(int count) { return setting("partitions", std::to_string(count)); }
+
+// On this device.
+std::vector<std::string> changes_that_fit(const Device& device, const Architecture& a,
+                                          const WordLengths& words, const Pattern& p) {
+  std::vector<std::string> fitting;
+  if (const auto fewer = fewer_partitions(device, a, words, p)) {
+    fitting.push_back(partitions(*fewer));
+  }
+  const std::vector<Change> changes = changes_of(device, a, words);
+  for (const Change& change : changes) {
+    if (usage(device, change.architecture, words, p).fits()) fitting.push_back(change.text);
+  }
+  if (!fitting.empty()) return fitting;
+  for (const Change& change : changes) {
+    const auto fewer = fewer_partitions(device, change.architecture, words, p);
+    if (fewer) fitting.push_back(change.text + " with " + partitions(*fewer));
+  }
+  return fitting;
+}
+
+// Another device has other memory types.
+Architecture without_choices(Architecture a) {
+  const Architecture defaults;
+  a.matrix_memory = defaults.matrix_memory;
+  a.index_memory = defaults.index_memory;
+  a.copies_memory = defaults.copies_memory;
+  a.vector_memory = defaults.vector_memory;
+  a.preconditioner_memory = defaults.preconditioner_memory;
+  a.queue_memory = defaults.queue_memory;
+  a.multiplier_mode = defaults.multiplier_mode;
+  return a;
+}
+
+// "480 M4K of 255, 154 multipliers of 144"
+std::string shortage(const Usage& u) {
+  std::string text;
+  const auto add = [&text](const std::string& what) { text += (text.empty() ? "" : ", ") + what; };
+  for (const Resource& r : u.resources) {
+    if (r.used <= r.available) continue;
+    add(std::to_string(r.used) + " " + r.type + " of " + std::to_string(r.available));
+  }
+  for (const Obstacle& o : u.obstacles) add(o.reason);
+  return text;
+}
+
+}  // namespace
+
+std::vector<std::string> what_would_fit(const Device& device, const Architecture& a,
+                                        const WordLengths& words, const Pattern& p,
+                                        std::span<const Device* const> others) {
+  std::vector<std::string> fitting = changes_that_fit(device, a, words, p);
+  for (const Device* other : others) {
+    if (other->name == device.name) continue;
+    if (!usage(*other, without_choices(a), words, p).fits()) continue;
+    fitting.push_back(setting("device", quoted(other->name)));
+    break;
+  }
+  return fitting;
+}
+
+void require_fit(const Device& device, const Architecture& a, const WordLengths& words,
+                 const Pattern& p, std::span<const Device* const> others, int mesh_nodes) {
+  const Usage u = usage(device, a, words, p);
+  if (u.fits()) return;
+  std::vector<std::string> fitting;
+  const int nodes = largest_mesh(device, a, words, p);
+  if (nodes > 0) {
+    fitting.push_back("about " + std::to_string(nodes) + " nodes with such rows");
+    if (mesh_nodes > 0) {
+      const std::int64_t in_mesh = std::int64_t{nodes} * mesh_nodes / p.nodes();
+      fitting.back() += " (object.mesh.nodes = " + std::to_string(in_mesh) + ")";
+    }
+  }
+  for (std::string& change : what_would_fit(device, a, words, p, others)) {
+    fitting.push_back(std::move(change));
+  }
+  std::string message = "the " + device.name + " cannot hold this system of " +
+                        std::to_string(p.nodes()) + " nodes: " + shortage(u);
+  const char* separator = "; what fits: ";
+  for (const std::string& change : fitting) {
+    message += separator + change;
+    separator = ", or ";
+  }
+  if (fitting.empty()) message += "; nothing that was tried fits";
+  throw InputError("device", message);
+}
+
+}  // namespace hvp::accel

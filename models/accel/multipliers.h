@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+
+#include "models/accel/architecture.h"
+#include "models/accel/device.h"
+#include "models/accel/structures.h"
+
+namespace hvp::accel {
+
+// The mode that accelerator.multiplier_mode names; the device's first one for "auto". Throws
+// InputError with that key where the device has none of that name.
+const MultiplierMode& multiplier_mode(const Device& device, const Architecture& a);
+
+// Multipliers that a signed product of such words takes: a word is split into pieces of one bit
+// less than the multiplier has, but for the sign's.
+int multipliers_a_product(const MultiplierMode& mode, int bits, int other_bits);
+
+// Multipliers of the engine, in the counts of the mode: PL1·PL2·PL3 for the product with the
+// matrix, 21 for two nodes a clock of the vector unit (thesis §6.1), and what the method adds. In a
+// mode that gives only sums, products of a row are summed in the block, and a product of its own
+// takes as many as the device has fewer of those.
+std::int64_t multipliers(const Device& device, const Architecture& a, const WordLengths& w);
+
+}  // namespace hvp::accel
