@@ -24,6 +24,10 @@ std::string_view name(Phase phase) {
       return "release";
     case Phase::wake_up:
       return "wake-up";
+    case Phase::blocked:
+      return "blocked";
+    case Phase::context_switch:
+      return "context switch";
     case Phase::sample:
       return "sample";
     case Phase::bus_read:

@@ -13,10 +13,12 @@ using Picoseconds = std::int64_t;
 enum class Part : std::uint8_t { host, bus, fpga, daq, device };
 
 enum class Phase : std::uint8_t {
-  release,   // host: from n·T until the process begins
-  wake_up,   // host: from being ready until the process runs
-  sample,    // daq: latch and convert the position
-  bus_read,  // bus: a single register
+  release,         // host: from n·T until the process begins
+  wake_up,         // host: from being ready until the process runs
+  blocked,         // host: ready, but the other process on the core cannot be preempted
+  context_switch,  // host: from the other process on the core to this one
+  sample,          // daq: latch and convert the position
+  bus_read,        // bus: a single register
   bus_write,
   block_read,  // bus: a block
   block_write,

@@ -44,7 +44,7 @@ Platform::Platform(const PlatformSettings& settings, const fem::Body& body,
       servo_("servo", settings_.servo, body, computation, contacts, access_, dispatcher_, exchange_,
              ledger_, verdict_, session_),
       collision_("collision", settings_.servo.costs, settings_.servo.untimed, contacts, exchange_,
-                 session_, servo_.begun()) {
+                 session_, servo_.begun(), dispatcher_) {
   Accelerator::require_supported(settings_.fidelity.accelerator, settings_.servo.solver);
   ledger_.add_sink(verdict_);
   access_.to_bus.bind(bus_.from_host);

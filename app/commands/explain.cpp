@@ -50,9 +50,10 @@ int explain_command(const ScenarioArguments& arguments) {
   fidelity_line("bus", vp::name(s.fidelity.bus),
                 fmt::format("{} bytes a data phase, {} ns a clock", s.bus.width_bytes(),
                             s.bus.clock_period_ps() / 1000));
-  fidelity_line("host", vp::name(s.fidelity.host),
-                fmt::format("servo at {:g} Hz, collision and graphics at {:g} Hz",
-                            1 / s.budget.period_s, s.host.graphics.rate_hz));
+  fidelity_line(
+      "host", vp::name(s.fidelity.host),
+      fmt::format("servo at {:g} Hz, collision and graphics at {:g} Hz, {}", 1 / s.budget.period_s,
+                  s.host.graphics.rate_hz, s.host.cores == 1 ? "on one core" : "a core each"));
   fidelity_line(
       "numbers", vp::name(s.fidelity.numbers),
       fmt::format("{}-bit matrix, {}-bit vectors", s.solver.matrix_bits, s.solver.vector_bits));

@@ -18,9 +18,17 @@ constexpr int kWaitLane = 10;
 constexpr int kReleaseLane = 11;
 
 int lane(const vp::Span& span) {
-  if (span.phase == vp::Phase::wait || span.phase == vp::Phase::wake_up) return kWaitLane;
-  if (span.phase == vp::Phase::release) return kReleaseLane;
-  return static_cast<int>(span.part) + 1;
+  switch (span.phase) {
+    case vp::Phase::wait:
+    case vp::Phase::wake_up:
+    case vp::Phase::blocked:
+    case vp::Phase::context_switch:
+      return kWaitLane;
+    case vp::Phase::release:
+      return kReleaseLane;
+    default:
+      return static_cast<int>(span.part) + 1;
+  }
 }
 
 std::string lane_name(int lane, std::string_view text) {

@@ -95,6 +95,7 @@ void Scenario::check() const {
   };
   needs_time("host.jitter", host.jitter.has_value());
   needs_time("host.wake_up", host.wake_up.has_value());
+  needs_time("host.cores", host.cores == 1);
 }
 
 }  // namespace hvp::app

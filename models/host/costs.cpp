@@ -2,6 +2,10 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
+
+#include "models/config/input_error.h"
+
 namespace hvp::host {
 
 using config::Dimension;
@@ -12,6 +16,20 @@ void Graphics::declare(config::Visitor& v) {
   v.quantity("drawing_time", drawing_s, Dimension::time, config::between(0, 1),
              {"time of a pass that is not collision detection: one picture",
               "assumed: a third of the period"});
+  v.quantity("non_preemptible", non_preemptible_s, Dimension::time, config::between(0, 0.1),
+             {"on one core: how long a section is that holds the servo process up",
+              "none: every instruction can be preempted"});
+  v.quantity("non_preemptible_every", non_preemptible_every_s, Dimension::time,
+             config::between(1e-6, 1),
+             {"on one core: processor time from one such section's beginning to the next one's",
+              "assumed: a call of the graphics driver every millisecond"});
+}
+
+void Graphics::check() const {
+  if (non_preemptible_s <= non_preemptible_every_s) return;
+  throw InputError("non_preemptible",
+                   fmt::format("expected at most non_preemptible_every = {:g} us, found {:g} us",
+                               1e6 * non_preemptible_every_s, 1e6 * non_preemptible_s));
 }
 
 std::int64_t Graphics::period_ps() const { return std::llround(1e12 / rate_hz); }
@@ -31,12 +49,34 @@ void Host::declare(config::Visitor& v) {
               "assumed; real-time extensions lie between 2 and 20 us"});
   v.quantity("timeout", timeout_s, Dimension::time, config::between(1e-6, 10),
              {"how long the driver waits for the board", "five periods at 500 Hz"});
+  v.integer("cores", cores, {1, 2},
+            {"2: a core for each process; 1: the servo process preempts the other one",
+             "thesis section 6.2: a Pentium D, which has two"});
+  v.quantity("context_switch", context_switch_s, Dimension::time, config::between(0, 1e-3),
+             {"on one core: from one process to the other",
+              "Li, Ding & Shen, ExpCS 2007: 3.8 us without cold caches, dual 2 GHz Xeon; from "
+              "memory, unverified"});
   v.effect("jitter", jitter,
            {"the timer releases the servo process late, by a time drawn for each tick"});
   v.effect("wake_up", wake_up,
            {"the servo process runs some time after its tick or interrupt has made it ready, drawn "
             "each time"});
   v.table("graphics", graphics, {"the 33 Hz collision and graphics process"});
+}
+
+void Host::check() const {
+  const Host defaults;
+  const auto one_core_only = [this](const char* key, bool given) {
+    if (given && cores != 1) throw InputError(key, "belongs to cores = 1 only");
+  };
+  one_core_only("context_switch", context_switch_s != defaults.context_switch_s);
+  one_core_only("graphics.non_preemptible", graphics.non_preemptible_s != 0);
+}
+
+SharedCore::Settings Host::shared_core() const {
+  const auto ps = [](double seconds) { return std::llround(seconds * 1e12); };
+  return {ps(context_switch_s), ps(graphics.non_preemptible_s),
+          ps(graphics.non_preemptible_every_s)};
 }
 
 std::int64_t Host::compute_ps(double operations) const {

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "models/config/declaration.h"
+#include "models/host/shared_core.h"
 #include "models/random/distribution.h"
 
 namespace hvp::host {
@@ -12,8 +13,12 @@ namespace hvp::host {
 struct Graphics {
   double rate_hz = 33;
   double drawing_s = 10e-3;
+  // On one core: the first so much of every so much of its processor time cannot be preempted.
+  double non_preemptible_s = 0;
+  double non_preemptible_every_s = 1e-3;
 
   void declare(config::Visitor& v);
+  void check() const;
 
   std::int64_t period_ps() const;
 };
@@ -22,19 +27,24 @@ struct Graphics {
 //
 // A step's cost is its floating-point operations over the rate at which the processor sustains
 // sparse products, so that it grows with the mesh as the step does, plus what does not depend on
-// the mesh. The two processes run on a core each (the thesis' Pentium D has two).
+// the mesh. The two processes run on a core each (the thesis' Pentium D has two), or share one.
 struct Host {
   double sustained_rate_flops = 297.88e6;
   double contact_lookup_s = 1e-6;
   double driver_call_s = 1e-6;
   double interrupt_latency_s = 5e-6;
   double timeout_s = 10e-3;
+  int cores = 2;
+  double context_switch_s = 3.8e-6;
   std::optional<random::TimeDistribution> jitter;
   std::optional<random::TimeDistribution> wake_up;
   Graphics graphics;
 
   void declare(config::Visitor& v);
+  void check() const;
 
+  // Where the processes share one core: shared_core.h.
+  SharedCore::Settings shared_core() const;
   // Time of so many additions and multiplications, in whole picoseconds.
   std::int64_t compute_ps(double operations) const;
 };

@@ -19,7 +19,7 @@ constexpr Picoseconds kPeriod = 30'303'030'303;  // 33 Hz in whole picoseconds
 struct Bench {
   Bench(const host::Host& costs, bool untimed, const test::Program::Script& script)
       : exchange{Mailbox<SceneState>(inside()), Mailbox<ContactReport>(ContactReport{})},
-        process("collision", costs, untimed, scene.contacts, exchange, session, begun),
+        process("collision", costs, untimed, scene.contacts, exchange, session, begun, dispatcher),
         program("program", [this, script](test::Program& p) {
           p.sleep_until(kBegin);
           session.begin = kBegin;
@@ -39,6 +39,8 @@ struct Bench {
   Session session;
   sc_core::sc_event begun;
   Exchange exchange;
+  Ledger ledger;
+  Dispatcher dispatcher{{}, 1, ledger};
   CollisionProcess process;
   test::Program program;
 };

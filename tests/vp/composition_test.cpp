@@ -40,6 +40,12 @@ TEST(Composition, UntimedBuildsTheSame) {
   expect_the_six(scene);
 }
 
+TEST(Composition, OneCoreBuildsTheSame) {
+  SmallScene scene;
+  scene.settings.servo.costs.cores = 1;
+  expect_the_six(scene);
+}
+
 TEST(Composition, JitterIsNoModuleAndNoProcess) {
   SmallScene scene;
   scene.settings.servo.costs.jitter.emplace();

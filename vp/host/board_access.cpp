@@ -86,6 +86,7 @@ int BoardAccess::wait_interrupt(std::uint64_t timeout_ns) {
   const Picoseconds blocked = now_ps();
   const bool sleeps = !line_up_;
   if (sleeps) {
+    if (dispatcher_ != nullptr) dispatcher_->sleep();
     const auto timeout = static_cast<Picoseconds>(std::min(timeout_ns, kLongestWaitNs)) * 1000;
     while (!line_up_ && now_ps() < blocked + timeout) {
       wait(to_sc_time(blocked + timeout - now_ps()), raised_);

@@ -10,14 +10,15 @@ namespace hvp::vp {
 CollisionProcess::CollisionProcess(const sc_core::sc_module_name& name, const host::Host& costs,
                                    bool untimed, collision::ContactSearch& search,
                                    Exchange& exchange, const Session& session,
-                                   sc_core::sc_event& begun)
+                                   sc_core::sc_event& begun, Dispatcher& dispatcher)
     : sc_module(name),
       costs_(costs),
       untimed_(untimed),
       search_(search),
       exchange_(exchange),
       session_(session),
-      begun_(begun) {
+      begun_(begun),
+      dispatcher_(dispatcher) {
   SC_HAS_PROCESS(CollisionProcess);
   SC_THREAD(run);
 }
@@ -33,21 +34,33 @@ void CollisionProcess::run() {
       continue;
     }
     if (now_ps() < due) wait(to_sc_time(due - now_ps()));
-    const Picoseconds began = now_ps();
+    pass();
+  }
+}
+
+// On a shared core a pass begins with its first instruction: one that lost the core before has not
+// looked at the scene yet.
+void CollisionProcess::pass() {
+  const bool shares = dispatcher_.shares_core();
+  Picoseconds began = 0;
+  collision::Pass result;
+  for (bool worked = false; !worked;) {
+    if (shares) dispatcher_.acquire_core();
+    began = now_ps();
     const SceneState& scene = exchange_.scene.read(began);
-    const collision::Pass pass =
-        search_.pass(scene.tip, scene.displacement, scene.contact, scene.force);
+    result = search_.pass(scene.tip, scene.displacement, scene.contact, scene.force);
     const Picoseconds time =
         untimed_ ? 0
-                 : costs_.compute_ps(pass.flops) + std::llround(costs_.graphics.drawing_s * 1e12);
-    wait(to_sc_time(time));
-    longest_ = std::max(longest_, time);
-    ContactReport& report = exchange_.contact.prepare(now_ps());
-    report.contact = pass.contact;
-    report.pass_began = began;
-    exchange_.contact.publish(now_ps());
-    ++passes_;
+                 : costs_.compute_ps(result.flops) + std::llround(costs_.graphics.drawing_s * 1e12);
+    if (!shares) wait(to_sc_time(time));
+    worked = !shares || dispatcher_.work(time);
   }
+  longest_ = std::max(longest_, now_ps() - began);
+  ContactReport& report = exchange_.contact.prepare(now_ps());
+  report.contact = result.contact;
+  report.pass_began = began;
+  exchange_.contact.publish(now_ps());
+  ++passes_;
 }
 
 }  // namespace hvp::vp

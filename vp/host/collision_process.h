@@ -5,12 +5,14 @@
 
 #include "models/collision/contact_search.h"
 #include "models/host/costs.h"
+#include "vp/host/dispatcher.h"
 #include "vp/host/exchange.h"
 #include "vp/session.h"
 
 namespace hvp::vp {
 
-// The collision and graphics process (thesis §6.2.3), on a core of its own: once a period it
+// The collision and graphics process (thesis §6.2.3), on a core of its own or on the
+// servo process' one: once a period it
 // takes the latest tip and U, tests the tip against the deformed surface, draws, and publishes
 // the contact node when the pass is over. What the servo process gets is therefore between one
 // pass and one period plus one pass old.
@@ -18,15 +20,16 @@ class CollisionProcess : public sc_core::sc_module {
  public:
   CollisionProcess(const sc_core::sc_module_name& name, const host::Host& costs, bool untimed,
                    collision::ContactSearch& search, Exchange& exchange, const Session& session,
-                   sc_core::sc_event& begun);
+                   sc_core::sc_event& begun, Dispatcher& dispatcher);
 
   std::int64_t passes() const { return passes_; }
   std::int64_t skipped_passes() const { return skipped_; }
-  // The longest pass so far.
+  // The longest pass so far, from its first instruction to its last.
   Picoseconds longest_pass() const { return longest_; }
 
  private:
   void run();
+  void pass();
 
   host::Host costs_;
   bool untimed_;
@@ -34,6 +37,7 @@ class CollisionProcess : public sc_core::sc_module {
   Exchange& exchange_;
   const Session& session_;
   sc_core::sc_event& begun_;
+  Dispatcher& dispatcher_;
   std::int64_t passes_ = 0;
   std::int64_t skipped_ = 0;
   Picoseconds longest_ = 0;

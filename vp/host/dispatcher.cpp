@@ -1,7 +1,6 @@
 #include "vp/host/dispatcher.h"
 
 #include <cmath>
-#include <systemc>
 
 #include "vp/frame_tag.h"
 
@@ -20,14 +19,20 @@ Picoseconds to_ps(double seconds) { return std::llround(seconds * 1e12); }
 Dispatcher::Dispatcher(const host::Host& costs, std::int64_t seed, Ledger& ledger)
     : jitter_(source(costs.jitter, seed, "host.jitter")),
       wake_up_(source(costs.wake_up, seed, "host.wake_up")),
-      ledger_(ledger) {}
+      ledger_(ledger) {
+  if (costs.cores == 1) shared_.emplace(costs.shared_core());
+}
 
 Picoseconds Dispatcher::release_delay(std::int64_t number) const {
   return jitter_ ? to_ps(jitter_->time_s(number)) : 0;
 }
 
 void Dispatcher::wake(Tag& tag) {
-  if (!wake_up_ || tag.frame < 0) return;
+  if (wake_up_ && tag.frame >= 0) delay(tag);
+  if (shared_) take_core(tag);
+}
+
+void Dispatcher::delay(Tag& tag) {
   if (tag.frame != frame_) {
     frame_ = tag.frame;
     awakened_ = 0;
@@ -35,6 +40,49 @@ void Dispatcher::wake(Tag& tag) {
   const Picoseconds ready = now_ps();
   sc_core::wait(to_sc_time(to_ps(wake_up_->time_s(frame_, awakened_++))));
   ledger_.extend(tag, Part::host, Phase::wake_up, ready, now_ps());
+}
+
+// Why the process still does not run is a span: the section that holds it up, the switch.
+void Dispatcher::take_core(Tag& tag) {
+  const auto until = [&](Picoseconds time, Phase phase) {
+    const Picoseconds start = now_ps();
+    if (time == start) return;
+    sc_core::wait(to_sc_time(time - start));
+    ledger_.extend(tag, Part::host, phase, start, time);
+  };
+  const host::SharedCore::Dispatch dispatch = shared_->core.servo_ready(now_ps());
+  if (dispatch.preempts) shared_->preempted.notify(to_sc_time(dispatch.unblocked - now_ps()));
+  until(dispatch.unblocked, Phase::blocked);
+  until(dispatch.runs, Phase::context_switch);
+}
+
+void Dispatcher::sleep() {
+  if (!shared_) return;
+  shared_->core.servo_sleeps(now_ps());
+  shared_->freed.notify(sc_core::SC_ZERO_TIME);
+}
+
+void Dispatcher::acquire_core() {
+  host::SharedCore& core = shared_->core;
+  do {
+    while (core.servo_has_it()) sc_core::wait(shared_->freed);
+    const Picoseconds runs = core.other_takes(now_ps());
+    if (runs > now_ps()) sc_core::wait(to_sc_time(runs - now_ps()), shared_->preempted);
+  } while (!core.other_has_it());
+}
+
+bool Dispatcher::work(Picoseconds time) {
+  host::SharedCore& core = shared_->core;
+  for (core.other_begins(now_ps(), time); !core.other_done(now_ps());
+       core.other_resumes(now_ps())) {
+    if (core.other_has_it()) {
+      sc_core::wait(to_sc_time(core.other_ends() - now_ps()), shared_->preempted);
+    }
+    if (core.other_done(now_ps())) break;
+    if (core.other_progress() == 0) return false;
+    acquire_core();
+  }
+  return true;
 }
 
 }  // namespace hvp::vp

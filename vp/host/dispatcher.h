@@ -2,8 +2,10 @@
 
 #include <cstdint>
 #include <optional>
+#include <systemc>
 
 #include "models/host/costs.h"
+#include "models/host/shared_core.h"
 #include "models/random/distribution.h"
 #include "vp/ledger.h"
 
@@ -19,13 +21,33 @@ class Dispatcher {
   // How long after n·T the timer releases frame n.
   Picoseconds release_delay(std::int64_t number) const;
 
-  // The process has slept and was made ready now, for the tag's frame. Waits until it runs; the
-  // spans follow the tag. Called in the servo thread. A tag without a frame costs nothing.
+  // The servo process gives its core up, to sleep.
+  void sleep();
+  // It has slept and was made ready now, for the tag's frame. Waits until it runs; the spans follow
+  // the tag. Called in the servo thread. A tag without a frame (set-up) draws nothing.
   void wake(Tag& tag);
 
+  // The other process on a core that both share; each called in its thread.
+  bool shares_core() const { return shared_.has_value(); }
+  // Waits until it has the core and is to run its first instruction.
+  void acquire_core();
+  // Works for so long of its own time, however often it is preempted. False where the core was lost
+  // before the first instruction: it did nothing.
+  bool work(Picoseconds time);
+
  private:
+  struct Shared {
+    explicit Shared(const host::SharedCore::Settings& settings) : core(settings) {}
+    host::SharedCore core;
+    sc_core::sc_event freed;      // by the servo process
+    sc_core::sc_event preempted;  // the other process
+  };
+  void delay(Tag& tag);
+  void take_core(Tag& tag);
+
   std::optional<random::Source> jitter_;
   std::optional<random::Source> wake_up_;
+  std::optional<Shared> shared_;
   Ledger& ledger_;
   std::int64_t frame_ = -1;     // that woke last
   std::uint32_t awakened_ = 0;  // how often that frame was woken

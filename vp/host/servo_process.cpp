@@ -114,7 +114,10 @@ void ServoProcess::release(std::int64_t number) {
   const Picoseconds born = session_.begin + number * settings_.period;
   const Picoseconds released = born + dispatcher_.release_delay(number);
   const bool sleeps = now_ps() < released;
-  if (sleeps) wait(to_sc_time(released - now_ps()));
+  if (sleeps) {
+    dispatcher_.sleep();
+    wait(to_sc_time(released - now_ps()));
+  }
   ledger_.open(number, born);
   access_.tag() = Tag{number, kBirth};
   ledger_.extend(access_.tag(), Part::host, Phase::release, born, now_ps());

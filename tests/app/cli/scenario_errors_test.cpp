@@ -87,6 +87,12 @@ INSTANTIATE_TEST_SUITE_P(
                "s.toml:34: host.jitter.samples: ", "needs a CSV file"},
         InFile{"[reference]", "[fidelity]\nhost = \"untimed\"\n[host.jitter]",
                "s.toml:36: host.jitter: ", "the host takes no time"},
+        InFile{"[reference]", "[host]\ncores = 3", "s.toml:35: host.cores: ", "from 1 to 2"},
+        InFile{"[reference]", "[host]\ncontext_switch = \"1 us\"",
+               "s.toml:35: host.context_switch: ", "belongs to cores = 1 only"},
+        InFile{"[reference]",
+               "[host]\ncores = 1\n[host.graphics]\nnon_preemptible = \"2 ms\"",
+               "s.toml:37: host.graphics.non_preemptible: ", "at most non_preemptible_every"},
         InFile{"frames = 40", "seed = -1", "s.toml:2: seed: ", "out of range"},
         // Computed: the line has to be found long after the file was read.
         InFile{"kind = \"lowest-fraction\"\nfraction = 0.2",
