@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/results/engine_clocks.h"
 #include "models/stability/flag.h"
 #include "vp/verdict.h"
 
@@ -45,6 +46,7 @@ struct Outcome {
   vp::Picoseconds bus_busy = 0;
   vp::Picoseconds simulated = 0;  // from the first tick to the end of the last frame
   std::int64_t illegal_accesses = 0;
+  std::optional<EngineClocks> engine;  // where the fidelity has one and it solved something
   std::int64_t driver_errors = 0;
   std::string last_driver_error;
   std::int64_t contact_changes = 0;

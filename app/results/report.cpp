@@ -27,22 +27,44 @@ std::string counted_passes(int passes) {
   return fmt::format("{} pass{}", passes, passes == 1 ? "" : "es");
 }
 
-void scene_lines(Out out, const app::Scene& scene) {
+// Longest solve of the run where an engine counted it, else by the closed form.
+std::string solve_clocks(const app::Scene& scene, const Outcome& o) {
+  const std::int64_t clocks = o.engine ? o.engine->engine : scene.solve_cycles().total();
+  const bool bound = !o.engine && scene.scenario().solver.stop_residual > 0;
+  const accel::Architecture& a = scene.scenario().accelerator;
+  return fmt::format("{}{} clocks {} at {:g} MHz = {}", bound ? "at most " : "", clocks,
+                     o.engine ? "for the longest solve" : "a solve", a.clock_hz * 1e-6,
+                     readable_time(clocks * a.clock_period_ps()));
+}
+
+void engine_lines(Out out, const app::Scene& scene, const Outcome& o) {
+  if (!o.engine) return;
+  const EngineClocks& e = *o.engine;
+  fmt::format_to(out, "\nEngine       {}: the longest solve, {}\n",
+                 vp::name(scene.scenario().fidelity.accelerator),
+                 counted(e.iterations, "iteration"));
+  fmt::format_to(out, "  {:<28} {:>9} {:>12}\n", "clocks", "engine", "closed form");
+  for (const PhaseClocks& p : e.phases) {
+    if (p.engine == 0 && p.closed_form == 0) continue;
+    fmt::format_to(out, "  {:<28} {:>9} {:>12}\n", p.title, p.engine, p.closed_form);
+  }
+  fmt::format_to(out, "  {:<28} {:>9} {:>12}   {:+.2f} %\n", "together", e.engine, e.closed_form,
+                 100 * e.deviation());
+}
+
+void scene_lines(Out out, const app::Scene& scene, const Outcome& o) {
   const app::Scenario& s = scene.scenario();
   if (!s.title.empty()) fmt::format_to(out, "{}\n", s.title);
   fmt::format_to(out, "  body        {} nodes, {} tetrahedra; {} nodes in the system, {}\n",
                  scene.quality().nodes, scene.quality().tetrahedra, scene.body().active_nodes(),
                  s.dynamics ? "dynamic" : "static");
-  const accel::SolveCycles c = scene.solve_cycles();
   const char* most = s.solver.stop_residual > 0 ? "at most " : "";
   fmt::format_to(out, "  solver      {}, {}{} iterations, {}-bit matrix, {}-bit vectors{}\n",
                  display_name(s.solver.method), most, s.solver.iterations, s.solver.matrix_bits,
                  s.solver.vector_bits,
                  s.refinement ? fmt::format(", refined in {}", counted_passes(s.refinement->passes))
                               : std::string());
-  fmt::format_to(out, "  board       {}: {}{} clocks a solve at {:g} MHz = {};",
-                 scene.device().name, most, c.total(), s.accelerator.clock_hz * 1e-6,
-                 readable_time(c.total() * s.accelerator.clock_period_ps()));
+  fmt::format_to(out, "  board       {}: {};", scene.device().name, solve_clocks(scene, o));
   const char* separator = " ";
   for (const accel::Resource& r : scene.usage().resources) {
     if (r.used == 0) continue;
@@ -186,10 +208,11 @@ std::string_view display_name(fixed::Method method) {
 std::string report(const app::Scene& scene, const Outcome& o) {
   std::string text;
   const Out out = std::back_inserter(text);
-  scene_lines(out, scene);
+  scene_lines(out, scene, o);
   verdict_lines(out, o);
   reservations(out, scene, o);
   attribution_lines(out, o);
+  engine_lines(out, scene, o);
   accuracy_lines(out, o, scene.scenario().refinement.has_value());
   stability_lines(out, scene, o);
   spectrum_lines(out, scene);

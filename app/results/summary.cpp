@@ -46,6 +46,29 @@ ordered_json attribution(const std::vector<vp::Attribution>& lines) {
   return list;
 }
 
+// The clocks of the longest solve: the engine's where there is one, beside the closed form of the
+// same work; elsewhere the closed form of a solve that makes all its iterations.
+ordered_json accelerator(const app::Scene& scene, const Outcome& o) {
+  const accel::Architecture& architecture = scene.scenario().accelerator;
+  const accel::SolveCycles cycles = scene.solve_cycles();
+  const std::int64_t clocks = o.engine ? o.engine->engine : cycles.total();
+  ordered_json j = {{"device", scene.device().name},
+                    {"solve_cycles", clocks},
+                    {"solve_us", us(clocks * architecture.clock_period_ps())},
+                    {"iteration_cycles", cycles.iteration()},
+                    {"illegal_accesses", o.illegal_accesses}};
+  if (!o.engine) return j;
+  j["closed_form_cycles"] = o.engine->closed_form;
+  j["closed_form_deviation_rel"] = o.engine->deviation();
+  ordered_json phases = ordered_json::array();
+  for (const PhaseClocks& p : o.engine->phases) {
+    phases.push_back(
+        {{"phase", p.name}, {"cycles", p.engine}, {"closed_form_cycles", p.closed_form}});
+  }
+  j["phases"] = phases;
+  return j;
+}
+
 }  // namespace
 
 std::vector<std::string> effects(const app::Scenario& s) {
@@ -63,7 +86,6 @@ std::vector<std::string> effects(const app::Scenario& s) {
 
 std::string summary_json(const app::Scene& scene, const Outcome& o) {
   const app::Scenario& s = scene.scenario();
-  const accel::SolveCycles cycles = scene.solve_cycles();
   ordered_json j;
   j["title"] = s.title;
   j["deadline"] = {{"period_us", us(o.period)},    {"budget_us", us(o.budget)},
@@ -88,11 +110,7 @@ std::string summary_json(const app::Scene& scene, const Outcome& o) {
     resources.push_back({{"type", r.type}, {"used", r.used}, {"available", r.available}});
   }
   j["resources"] = resources;
-  j["accelerator"] = {{"device", scene.device().name},
-                      {"solve_cycles", cycles.total()},
-                      {"solve_us", us(cycles.total() * s.accelerator.clock_period_ps())},
-                      {"iteration_cycles", cycles.iteration()},
-                      {"illegal_accesses", o.illegal_accesses}};
+  j["accelerator"] = accelerator(scene, o);
   j["bus"] = {
       {"transactions", o.bus_transactions}, {"bytes", o.bus_bytes}, {"busy_us", us(o.bus_busy)}};
   const mesh::Quality& q = scene.quality();

@@ -86,6 +86,11 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
   o.bus_busy = platform.bus().busy();
   o.simulated = vp::now_ps() - platform.session().begin;
   o.illegal_accesses = platform.accelerator().illegal_accesses();
+  if (const auto& longest = platform.accelerator().longest_solve()) {
+    o.engine = results::engine_clocks(
+        *longest,
+        accel::solve_cycles(scene.scenario().accelerator, scene.pattern(), longest->work));
+  }
   const vp::ServoCounts& counts = platform.servo().counts();
   o.driver_errors = counts.driver_errors;
   o.last_driver_error = hvp_status_text(counts.last_error);

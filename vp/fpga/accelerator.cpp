@@ -160,10 +160,12 @@ void Accelerator::run_for(Running what, std::int64_t clocks) {
 
 // The job is computed; who says how long it takes depends on the level.
 void Accelerator::begin_solve() {
-  if (cycles_ != nullptr && !fault_) {
+  if (fault_) {
+    run_for(Running::solve, 1);  // there is nothing to wait for
+  } else if (cycles_ != nullptr) {
     begin(Running::solve);
     cycles_->start_solve(settings_);
-  } else if (phases_ != nullptr && !fault_) {
+  } else if (phases_ != nullptr) {
     begin(Running::solve);
     phases_->start_solve(settings_, result_);
   } else {
@@ -175,14 +177,23 @@ void Accelerator::begin_solve() {
 // What the engine's pipelines have put out is what software reads.
 void Accelerator::take_engine_words() {
   if (fault_) return;
-  if (phases_ != nullptr) clocks_ = phases_->clocks();
+  if (phases_ != nullptr) {
+    clocks_ = phases_->clocks();
+    note_engine_clocks(phases_->state_clocks());
+  }
   if (cycles_ == nullptr) return;
   clocks_ = cycles_->clocks();
+  note_engine_clocks(cycles_->state_clocks());
   engine_u_.resize(u_.size());
   cycles_->read_x(engine_u_);
   if (engine_u_ == u_) return;
   spdlog::error("the engine's words are not those of the solver");
   fault_ = true;
+}
+
+void Accelerator::note_engine_clocks(const engine::StateClocks& state) {
+  if (longest_solve_ && longest_solve_->clocks >= clocks_) return;
+  longest_solve_ = {accel::solve_made(settings_, result_), clocks_, state};
 }
 
 void Accelerator::start() {
@@ -226,9 +237,12 @@ void Accelerator::load_done() {
 // How the matrix lies in the memories. Through the driver's frames nothing may be thrown.
 bool Accelerator::load_engine(const fixed::Settings& settings) {
   try {
-    loosely_timed_.emplace(architecture_, accel::pattern_of(matrix_.row_begin, matrix_.column));
     if (phases_ != nullptr) phases_->load(matrix_, settings);
-    if (cycles_ != nullptr) cycles_->load(matrix_, settings);
+    if (cycles_ != nullptr) {
+      cycles_->load(matrix_, settings);
+    } else {
+      loosely_timed_.emplace(architecture_, accel::pattern_of(matrix_.row_begin, matrix_.column));
+    }
     return true;
   } catch (const InputError& e) {
     spdlog::warn("the board cannot hold the matrix: {}", e.what());

@@ -31,6 +31,13 @@ class AccessObserver {
                       std::span<const std::uint8_t> data) = 0;
 };
 
+// A solve as an engine took it.
+struct EngineSolve {
+  accel::SolveWork work;
+  std::int64_t clocks = 0;  // from the start until done
+  engine::StateClocks state{};
+};
+
 // The solver board (thesis chapter 5, §6.2.1) behind its register bank. The words of a job are
 // those of fixed::Solver. How many iterations it makes is known only when it has been computed, so
 // that this happens when it starts; U, the results and the interrupt appear when its last clock is
@@ -55,6 +62,8 @@ class Accelerator : public sc_core::sc_module {
   std::int64_t saturations() const { return saturations_; }
   std::int64_t wraps() const { return wraps_; }
   std::int64_t breakdowns() const { return breakdowns_; }
+  // At the levels that have an engine: of all finished jobs the one that took most clocks.
+  const std::optional<EngineSolve>& longest_solve() const { return longest_solve_; }
   // Of the last finished job.
   const fixed::Report& report() const { return report_; }
 
@@ -73,6 +82,7 @@ class Accelerator : public sc_core::sc_module {
   void run_for(Running what, std::int64_t clocks);
   void begin_solve();
   void take_engine_words();
+  void note_engine_clocks(const engine::StateClocks& state);
   bool load_engine(const fixed::Settings& settings);
   void give_engine_x();
   void edit_engine(int node);
@@ -94,7 +104,7 @@ class Accelerator : public sc_core::sc_module {
 
   RegisterBank bank_;
   fixed::QuantisedMatrix matrix_;
-  std::optional<accel::BoardClocks> loosely_timed_;  // of the loaded matrix
+  std::optional<accel::BoardClocks> loosely_timed_;  // of the loaded matrix; not cycle-accurate
   fixed::Method loaded_method_ = fixed::Method::cg;
   // The solver never starts from zero or forms a guess itself: form_guess() has done it.
   fixed::Settings solver_settings_;
@@ -118,6 +128,7 @@ class Accelerator : public sc_core::sc_module {
   std::unique_ptr<engine::PhaseEngine> phases_;  // approximately timed
   std::unique_ptr<engine::CycleEngine> cycles_;  // cycle-accurate
   std::vector<std::int32_t> engine_u_;
+  std::optional<EngineSolve> longest_solve_;
 
   Running running_ = Running::nothing;
   sc_core::sc_event done_;

@@ -100,7 +100,7 @@ void CycleEngine::write_b(std::span<const std::int32_t> words) {
 }
 
 void CycleEngine::write_x(std::span<const std::int32_t> words) {
-  if (!idle()) throw std::logic_error("the engine is busy");
+  require_idle();
   std::ranges::copy(words, vectors_.memories().x.begin());
   has_previous_ = false;
   copy_x();
@@ -140,10 +140,14 @@ std::int64_t CycleEngine::clocks() const {
   return static_cast<std::int64_t>(((end - commanded_).value() + period - 1) / period);
 }
 
-// A command can come at the instant of an update's last edge, and before it.
-void CycleEngine::begin_command() {
+// The host can come at the instant of an update's last edge, and before it.
+void CycleEngine::require_idle() {
   if (editor_.busy() && editor_.at_last_edge()) editor_.finish();
   if (!idle()) throw std::logic_error("the engine is busy");
+}
+
+void CycleEngine::begin_command() {
+  require_idle();
   commanded_ = sc_core::sc_time_stamp();
 }
 

@@ -65,6 +65,8 @@ class CycleEngine : public sc_core::sc_module {
   // Nothing that the host asked for is going on.
   bool idle() const { return !solving_ && !editor_.busy(); }
   std::int64_t clocks() const;
+  // Where those of the last solve went; the rest is its wait for x.
+  const StateClocks& state_clocks() const { return sequencer_.state_clocks(); }
   // Solves that were started.
   std::int64_t jobs() const { return jobs_; }
   // What the hardware knows of the last solve: iterations, replacements, what was clamped or
@@ -83,6 +85,7 @@ class CycleEngine : public sc_core::sc_module {
   }
 
  private:
+  void require_idle();
   void begin_command();
   void end_command();
   void start_editing(int node);

@@ -19,6 +19,7 @@ class EngineClock : public sc_core::sc_module {
     edge_.cancel();
   }
   bool is_open() const { return open_; }
+  const sc_core::sc_time& period() const { return period_; }
 
  private:
   void tick();

@@ -54,6 +54,7 @@ void PhaseEngine::start_solve(const fixed::Settings& settings, const fixed::Repo
   loop_ = 0;
   free_at_ = {};
   held_ = {};
+  state_clocks_ = {};
   // The copy may end between two of the job's clocks; they begin with its end.
   const sc_core::sc_time now = sc_core::sc_time_stamp();
   const sc_core::sc_time wait = copied_ > now ? copied_ - now : sc_core::SC_ZERO_TIME;
@@ -162,6 +163,7 @@ void PhaseEngine::hold(State state, sc_core::sc_time after) {
   }
   if (phase_begun) phase_begun(state);
   over_.notify(after + static_cast<double>(end - clock_) * period_);
+  state_clocks_[static_cast<std::size_t>(state)] += end - clock_;
   clock_ = end;
 }
 

@@ -42,6 +42,7 @@ class PhaseEngine : public sc_core::sc_module {
   bool idle() const { return state_ == State::idle; }
   // Of the last solve, its wait for x included.
   std::int64_t clocks() const { return clock_; }
+  const StateClocks& state_clocks() const { return state_clocks_; }
   const PhaseClocks& phases() const { return phases_; }
   // Clocks of the last solve in which a unit was held.
   std::int64_t held(Unit unit) const { return held_[static_cast<std::size_t>(unit)]; }
@@ -68,6 +69,7 @@ class PhaseEngine : public sc_core::sc_module {
   std::int64_t clock_ = 0;
   std::array<std::int64_t, static_cast<std::size_t>(Unit::count)> free_at_{};
   std::array<std::int64_t, static_cast<std::size_t>(Unit::count)> held_{};
+  StateClocks state_clocks_{};
 };
 
 }  // namespace hvp::vp::engine

@@ -62,6 +62,8 @@ void Sequencer::start(const fixed::Settings& settings, int inverse_shift, bool h
   residual_available_ = settings.preconditioned() ? kWideResidualBits : settings.vector_bits - 1;
   report_ = {};
   scalars_ = {};
+  enter(State::idle);
+  state_clocks_ = {};
   loops_ = 0;
   hold_ = false;
   replaced_ = false;
@@ -75,10 +77,7 @@ void Sequencer::start(const fixed::Settings& settings, int inverse_shift, bool h
 
 void Sequencer::copy() { command(State::copy, {.pass = Pass::copy}); }
 
-void Sequencer::abort() {
-  state_ = State::idle;
-  command(State::idle, {.pass = Pass::none});
-}
+void Sequencer::abort() { command(State::idle, {.pass = Pass::none}); }
 
 void Sequencer::clocked() {
   if (state_ == State::idle) return;
@@ -92,7 +91,7 @@ void Sequencer::clocked() {
 void Sequencer::pass_is_over(const VectorStatus& status) {
   switch (state_) {
     case State::copy:
-      state_ = State::idle;
+      enter(State::idle);
       if (copied) copied();
       break;
     case State::guess:
@@ -155,8 +154,17 @@ void Sequencer::take_quotient(fixed::Coefficient value) {
   form_direction();
 }
 
-void Sequencer::command(State state, VectorCommand next) {
+// For whoever reads the clocks; no decision hangs on them.
+void Sequencer::enter(State state) {
+  const sc_core::sc_time now = sc_core::sc_time_stamp();
+  state_clocks_[static_cast<std::size_t>(state_)] +=
+      static_cast<std::int64_t>((now - entered_).value() / clock_.period().value());
+  entered_ = now;
   state_ = state;
+}
+
+void Sequencer::command(State state, VectorCommand next) {
+  enter(state);
   next.number = ++vector_number_;
   vector_command.write(next);
 }
@@ -170,13 +178,13 @@ void Sequencer::multiply(State state, bool compare) {
 }
 
 void Sequencer::divide(State state, DivisionCommand next) {
-  state_ = state;
+  enter(state);
   next.number = ++division_number_;
   division_command.write(next);
 }
 
 void Sequencer::end() {
-  state_ = State::idle;
+  enter(State::idle);
   if (finished) finished();
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <systemc>
@@ -32,6 +34,10 @@ enum class State {
   direction,  // group c
 };
 const char* name(State state);
+inline constexpr std::size_t kStates = static_cast<std::size_t>(State::direction) + 1;
+
+// Clocks that a solve has spent in each state, counted from its first pass.
+using StateClocks = std::array<std::int64_t, kStates>;
 
 // What the control registers hold: exponents of the vectors, sizes, and both scalars.
 struct Scalars {
@@ -72,12 +78,14 @@ class Sequencer : public sc_core::sc_module {
   // Iterations, replacements, breakdowns and flags of the solve.
   const fixed::Report& report() const { return report_; }
   int pass_of_loop() const { return loops_; }
+  const StateClocks& state_clocks() const { return state_clocks_; }
 
  private:
   void clocked();
   void pass_is_over(const VectorStatus& status);
   void take_quotient(fixed::Coefficient value);
 
+  void enter(State state);
   void command(State state, VectorCommand next);
   void multiply(State state, bool compare);
   void divide(State state, DivisionCommand next);
@@ -104,6 +112,8 @@ class Sequencer : public sc_core::sc_module {
   int residual_available_ = 0;
 
   State state_ = State::idle;
+  StateClocks state_clocks_{};
+  sc_core::sc_time entered_;
   Scalars scalars_;
   std::uint32_t vector_number_ = 0;
   std::uint32_t division_number_ = 0;
