@@ -35,6 +35,10 @@ const char* name(Timing level) {
   return "";
 }
 
+bool has_engine(Timing level) {
+  return level == Timing::approximately_timed || level == Timing::cycle_accurate;
+}
+
 const char* name(Numbers /*level*/) { return "fixed"; }
 
 }  // namespace hvp::vp

@@ -20,6 +20,8 @@ struct Fidelity {
 };
 
 const char* name(Timing level);
+// Of an accelerator: something else than a closed form says how long a solve takes.
+bool has_engine(Timing level);
 const char* name(Numbers level);
 
 }  // namespace hvp::vp

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "models/config/input_error.h"
+
 namespace hvp::vp {
 
 namespace {
@@ -51,6 +53,17 @@ Platform::Platform(const PlatformSettings& settings, const fem::Body& body,
   bus_.attach(accelerator_.from_bus, kSolverBase, kBarBytes);
   bus_.attach(daq_.from_bus, kDaqBase, DaqBoard::kSize);
   accelerator_.interrupt.bind(access_);
+  if (settings_.waveform) trace(*settings_.waveform);
+}
+
+void Platform::trace(const Waveform& waveform) {
+  if (accelerator_.engine() == nullptr) {
+    throw InputError("waveform", "only the cycle-accurate accelerator has one");
+  }
+  waveform_ = std::make_unique<engine::EngineTrace>(
+      "waveform", *accelerator_.engine(), waveform.file,
+      engine::TraceWindow{[this] { return accelerator_.frame(); }, waveform.first_frame,
+                          waveform.first_frame + waveform.frames - 1});
 }
 
 Platform::~Platform() = default;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "vp/device/daq_board.h"
 #include "vp/fidelity.h"
 #include "vp/fpga/accelerator.h"
+#include "vp/fpga/engine/engine_trace.h"
 #include "vp/host/collision_process.h"
 #include "vp/host/dispatcher.h"
 #include "vp/host/servo_process.h"
@@ -23,6 +25,13 @@
 #include "vp/verdict.h"
 
 namespace hvp::vp {
+
+// What the engine does in these frames goes into a VCD file. Cycle-accurate only.
+struct Waveform {
+  std::string file;  // without the suffix ".vcd", which is added
+  std::int64_t first_frame = 0;
+  std::int64_t frames = 1;
+};
 
 // What a scenario calls for; every part's settings and its fidelity.
 struct PlatformSettings {
@@ -34,6 +43,7 @@ struct PlatformSettings {
   plant::Daq daq;
   plant::Trajectory probe;
   Fidelity fidelity;
+  std::optional<Waveform> waveform;
 };
 
 // The whole system, built and wired. SystemC elaborates once in a process, so there is one
@@ -56,6 +66,8 @@ class Platform {
   // Runs all frames. Throws what a sink or an observer threw, and std::runtime_error where the
   // board could not be set up.
   void run();
+  // Closes the file of the waveform; after the run.
+  void close_waveform() { waveform_.reset(); }
 
   const Verdict& verdict() const { return verdict_; }
   const ServoProcess& servo() const { return servo_; }
@@ -70,6 +82,8 @@ class Platform {
   static std::size_t processes();
 
  private:
+  void trace(const Waveform& waveform);
+
   PlatformSettings settings_;
   Ledger ledger_;
   Verdict verdict_;
@@ -82,6 +96,7 @@ class Platform {
   BoardAccess access_;
   ServoProcess servo_;
   CollisionProcess collision_;
+  std::unique_ptr<engine::EngineTrace> waveform_;
 };
 
 }  // namespace hvp::vp

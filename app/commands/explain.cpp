@@ -45,8 +45,11 @@ int explain_command(const ScenarioArguments& arguments) {
   fmt::print("\nParts and their fidelity\n");
   fidelity_line(
       "accelerator", vp::name(s.fidelity.accelerator),
-      fmt::format("{}, {}{} clocks a solve", scene.device().name,
-                  s.solver.stop_residual > 0 ? "at most " : "", scene.solve_cycles().total()));
+      fmt::format("{}, {}{} clocks a solve{}", scene.device().name,
+                  s.solver.stop_residual > 0 ? "at most " : "", scene.solve_cycles().total(),
+                  vp::has_engine(s.fidelity.accelerator)
+                      ? " by the closed form; a run prints the engine's"
+                      : ""));
   fidelity_line("bus", vp::name(s.fidelity.bus),
                 fmt::format("{} bytes a data phase, {} ns a clock", s.bus.width_bytes(),
                             s.bus.clock_period_ps() / 1000));
@@ -79,6 +82,8 @@ int explain_command(const ScenarioArguments& arguments) {
               "no simulated time; about six factorisations before the run");
   effect_line("accelerator.several", s.accelerator.several.has_value(),
               "simulated time of the links; the words are those of one device");
+  effect_line("output.waveform", s.output.waveform.has_value(),
+              "no simulated time; a value change file of every clock of some frames");
   if (scene.spectrum()) {
     fmt::print("\nSpectrum of the system without contact\n{}",
                results::spectrum_text(*scene.spectrum()));

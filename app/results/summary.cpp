@@ -81,6 +81,7 @@ std::vector<std::string> effects(const app::Scenario& s) {
   if (s.reference) names.emplace_back("reference");
   if (s.spectrum) names.emplace_back("spectrum");
   if (s.accelerator.several) names.emplace_back("accelerator.several");
+  if (s.output.waveform) names.emplace_back("output.waveform");
   return names;
 }
 

@@ -13,6 +13,7 @@
 #include "app/results/results_folder.h"
 #include "app/results/summary.h"
 #include "app/results/trace.h"
+#include "app/results/waveform.h"
 #include "app/run/accuracy.h"
 #include "app/run/deformation_recorder.h"
 #include "driver/hvp_driver.h"
@@ -124,8 +125,15 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   std::optional<DeformationRecorder> deformation;
   if (s.output.deformation_every_frames > 0) deformation.emplace(directory, scene);
 
-  vp::Platform platform(platform_settings(scene), scene.body(), scene.computation(),
-                        scene.contacts(), registers ? &*registers : nullptr);
+  vp::PlatformSettings settings = platform_settings(scene);
+  std::optional<results::Waveform> waveform;
+  if (s.output.waveform) {
+    waveform.emplace(directory);
+    settings.waveform = {waveform->tracer_file(), s.output.waveform->first_frame,
+                         s.output.waveform->frames};
+  }
+  vp::Platform platform(settings, scene.body(), scene.computation(), scene.contacts(),
+                        registers ? &*registers : nullptr);
   results::FramesCsv frames(directory / "frames.csv", platform.session(),
                             platform.verdict().budget());
   results::Trace trace(directory / "trace.json", platform.session(), s.output.trace_frames);
@@ -146,6 +154,8 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   trace.finish();
   if (registers) registers->finish();
   if (deformation) deformation->finish();
+  platform.close_waveform();
+  if (waveform) waveform->finish();
   results::Outcome outcome =
       outcome_of(platform, scene, accuracy ? std::optional(accuracy->accuracy()) : std::nullopt);
   if (accuracy) outcome.flags.merge(accuracy->flags());

@@ -49,6 +49,16 @@ void Output::declare(config::Visitor& v) {
             {"how many frames trace.json shows, from the first", "about 5 kB a frame"});
   v.boolean("pictures", pictures,
             {"draw deformation.png and latency.png at the end", "a run that is looked at"});
+  v.effect("waveform", waveform,
+           {"engine.vcd, for GTKWave: what the engine does at every clock of some frames; "
+            "fidelity.accelerator = \"cycle-accurate\" only"});
+}
+
+void Waveform::declare(config::Visitor& v) {
+  v.integer("first_frame", first_frame, {0, 100'000'000},
+            {"the first frame that is shown", "the run's first"});
+  v.integer("frames", frames, {1, 100'000'000},
+            {"how many frames are shown", "a solve of 500 nodes is about 260 bytes a clock"});
 }
 
 void Scenario::declare(config::Visitor& v) {
@@ -79,11 +89,27 @@ void Scenario::declare(config::Visitor& v) {
   v.table("output", output, {"which results are written besides the summary"});
 }
 
+namespace {
+
+void require_shown(const Waveform& waveform, int frames, vp::Timing level) {
+  if (level != vp::Timing::cycle_accurate) {
+    throw InputError("output.waveform",
+                     std::string("only a cycle-accurate accelerator has clocks to show: expected "
+                                 "fidelity.accelerator = \"cycle-accurate\", found \"") +
+                         vp::name(level) + "\"");
+  }
+  if (waveform.first_frame >= frames) {
+    throw InputError("output.waveform.first_frame",
+                     "the run ends before frame " + std::to_string(waveform.first_frame) +
+                         ": expected less than frames, which is " + std::to_string(frames));
+  }
+}
+
+}  // namespace
+
 void Scenario::check() const {
   const vp::Timing level = fidelity.accelerator;
-  const bool engine =
-      level == vp::Timing::approximately_timed || level == vp::Timing::cycle_accurate;
-  if (accelerator.several && engine) {
+  if (accelerator.several && vp::has_engine(level)) {
     throw InputError("fidelity.accelerator",
                      std::string("\"") + vp::name(level) +
                          "\" has no model of several devices: expected loosely-timed or untimed "
@@ -96,6 +122,7 @@ void Scenario::check() const {
   needs_time("host.jitter", host.jitter.has_value());
   needs_time("host.wake_up", host.wake_up.has_value());
   needs_time("host.cores", host.cores == 1);
+  if (output.waveform) require_shown(*output.waveform, frames, level);
 }
 
 }  // namespace hvp::app

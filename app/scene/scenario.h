@@ -69,11 +69,20 @@ struct Device {
   void declare(config::Visitor& v);
 };
 
+// [output.waveform]: what the cycle-accurate engine does, clock by clock, in engine.vcd.
+struct Waveform {
+  int first_frame = 0;
+  int frames = 1;
+
+  void declare(config::Visitor& v);
+};
+
 // [output]
 struct Output {
   int deformation_every_frames = 25;
   int trace_frames = 1000;
   bool pictures = true;
+  std::optional<Waveform> waveform;
 
   void declare(config::Visitor& v);
 };

@@ -81,6 +81,23 @@ class AcceleratorLevels : public testing::TestWithParam<Timing> {
   }
   static constexpr std::int64_t kPass = 24 + 20;  // of the vector unit
   static constexpr Picoseconds kCopy = kPass * kBoardClock;
+  // Counted out: each group's pass, the product's with its one clock more, two divisions.
+  void expect_phases_of_the_longest(int iterations) const {
+    using engine::State;
+    ASSERT_TRUE(accelerator_->longest_solve());
+    const EngineSolve& longest = *accelerator_->longest_solve();
+    const auto spent = [&](State s) { return longest.state[static_cast<std::size_t>(s)]; };
+    const std::int64_t product = test::fullest_of_five(test::blocks_in_rows(k().row_begin)) + 21;
+    EXPECT_EQ(longest.clocks, expected_clocks(iterations));
+    EXPECT_EQ(spent(State::start_product), product);
+    EXPECT_EQ(spent(State::start_residual), kPass);
+    EXPECT_EQ(spent(State::first_direction), kPass);
+    EXPECT_EQ(spent(State::product), iterations * product);
+    EXPECT_EQ(spent(State::update), iterations * kPass);
+    EXPECT_EQ(spent(State::direction), iterations * kPass);
+    EXPECT_EQ(spent(State::alpha), iterations * 68);
+    EXPECT_EQ(spent(State::beta), iterations * 68);
+  }
   const fixed::QuantisedMatrix& k() const { return scene_.computation.quantised(); }
 
   SmallScene scene_;
@@ -110,6 +127,7 @@ TEST_P(AcceleratorLevels, JobsHaveTheReferencesWordsAndTheEnginesClocks) {
     };
     EXPECT_EQ(solve(), expected_clocks(60));
     EXPECT_EQ(solve(), expected_clocks(60));  // from the first one's U
+    expect_phases_of_the_longest(60);
 
     // A contact node comes and goes; the access that says so is held for the packages.
     board.poke(Register::update_node, 17);

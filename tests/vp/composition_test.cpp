@@ -1,12 +1,15 @@
 // What is there at all, and that it is the same in every process.
+#include <algorithm>
 #include <array>
 #include <cstring>
+#include <filesystem>
 #include <string>
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "models/config/input_error.h"
 #include "tests/vp/small_scene.h"
 #include "vp/platform.h"
 
@@ -51,6 +54,31 @@ TEST(Composition, JitterIsNoModuleAndNoProcess) {
   scene.settings.servo.costs.jitter.emplace();
   scene.settings.servo.costs.wake_up.emplace();
   expect_the_six(scene);
+}
+
+// The engine is the accelerator's; who looks at its clocks is there when asked for.
+TEST(Composition, AnEngineAndAWaveformAreThereWhereTheyAreAskedFor) {
+  SmallScene scene;
+  scene.settings.fidelity.accelerator = Timing::cycle_accurate;
+  {
+    const Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
+    const std::vector<std::string> modules = Platform::modules();
+    EXPECT_EQ(std::ranges::count(modules, "waveform"), 0);
+    EXPECT_EQ(std::ranges::count(modules, "accelerator.engine"), 1);
+    for (const char* unit : {"vector_unit", "divider", "sequencer", "matrix_editor", "spmxv_0",
+                             "spmxv_1", "spmxv_2", "spmxv_3", "spmxv_4"}) {
+      EXPECT_EQ(std::ranges::count(modules, std::string("accelerator.engine.") + unit), 1) << unit;
+    }
+  }
+  const std::string file = testing::TempDir() + "hvp_composition_" + std::to_string(getpid());
+  scene.settings.waveform = {file, 0, 1};
+  {
+    const Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
+    EXPECT_EQ(std::ranges::count(Platform::modules(), "waveform"), 1);
+  }
+  std::filesystem::remove(file + ".vcd");
+  scene.settings.fidelity.accelerator = Timing::approximately_timed;
+  EXPECT_THROW(Platform(scene.settings, scene.body, scene.computation, scene.contacts), InputError);
 }
 
 // All spans of all frames of a run, as bytes.

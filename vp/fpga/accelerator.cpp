@@ -90,9 +90,7 @@ Accelerator::Accelerator(const sc_core::sc_module_name& name,
 }
 
 void Accelerator::require_supported(Timing level, const fixed::Settings& settings) {
-  if (level == Timing::approximately_timed || level == Timing::cycle_accurate) {
-    engine::require_supported(settings);
-  }
+  if (has_engine(level)) engine::require_supported(settings);
 }
 
 // A job is refused where its level does not have the method.
@@ -135,6 +133,7 @@ void Accelerator::control(std::uint32_t commands) {
     return;
   }
   if (bank_.get(field::kInterruptStatusError) != 0) return;
+  frame_ = commanding_tag_->frame;
   if (given(field::kControlStart)) {
     start();
   } else if (given(field::kControlLoadDone)) {

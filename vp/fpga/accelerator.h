@@ -62,6 +62,10 @@ class Accelerator : public sc_core::sc_module {
   std::int64_t saturations() const { return saturations_; }
   std::int64_t wraps() const { return wraps_; }
   std::int64_t breakdowns() const { return breakdowns_; }
+  // Cycle-accurate; null elsewhere.
+  const engine::CycleEngine* engine() const { return cycles_.get(); }
+  // The frame whose job or update was commanded last, -1 before the first.
+  std::int64_t frame() const { return frame_; }
   // At the levels that have an engine: of all finished jobs the one that took most clocks.
   const std::optional<EngineSolve>& longest_solve() const { return longest_solve_; }
   // Of the last finished job.
@@ -135,6 +139,7 @@ class Accelerator : public sc_core::sc_module {
   std::int64_t clocks_ = 0;
   Picoseconds started_ = 0;
   Tag job_tag_;
+  std::int64_t frame_ = -1;
   // The transaction that gives a command: whose frame it is, and how long it is held up.
   Tag* commanding_tag_ = nullptr;
   Picoseconds wait_states_ = 0;

@@ -100,7 +100,7 @@ TEST(Trace, ShowsTheJobsOfItsWindowWithReadableNumbers) {
   std::vector<std::int32_t> x(static_cast<std::size_t>(matrix.rows()));
   {
     CycleEngine engine("engine", {});
-    const EngineTrace trace("trace", engine, path.string(), {2, 2});
+    const EngineTrace trace("trace", engine, path.string(), {[&] { return engine.jobs(); }, 2, 2});
     engine.load(matrix, settings);
     engine.write_b(test::random_words(matrix.rows(), 3000, 5));
     for (int job = 1; job <= 3; ++job) {
@@ -138,6 +138,9 @@ TEST(Trace, ShowsTheJobsOfItsWindowWithReadableNumbers) {
   EXPECT_EQ(products, 3);
   EXPECT_EQ(vcd.at(top + "sequencer.iteration", end), 3);
   EXPECT_EQ(vcd.at(top + "job", end), 2);
+  EXPECT_EQ(vcd.at(top + "frame", end), 2);
+  // When the job is over, x goes into the copies of d.
+  EXPECT_EQ(vcd.changes.at(top + "sequencer.state.copy").size(), 3U);
 
   const double alpha = std::ldexp(scalars.alpha.mantissa, scalars.alpha.exponent);
   EXPECT_NEAR(vcd.at(top + "sequencer.alpha_value", end), alpha, 1e-5 * alpha);

@@ -80,6 +80,7 @@ class CycleEngine : public sc_core::sc_module {
   const Sequencer& sequencer() const { return sequencer_; }
   const VectorUnit& vector_unit() const { return vectors_; }
   const Divider& divider() const { return divider_; }
+  const MatrixEditor& matrix_editor() const { return editor_; }
   const SpmxvBlock& block(int partition) const {
     return *blocks_[static_cast<std::size_t>(partition)];
   }

@@ -42,6 +42,7 @@ void EngineTrace::declare() {
   file->set_time_unit(1, sc_core::SC_PS);
   const std::string top = std::string(engine_.name()) + ".";
   sc_trace(file, clock_, top + "clock_edge");
+  sc_trace(file, frame_, top + "frame");
   sc_trace(file, job_, top + "job");
   sc_trace(file, edge_, top + "edge_of_job");
   for (std::size_t s = 0; s < state_.size(); ++s) {
@@ -55,6 +56,8 @@ void EngineTrace::declare() {
   sc_trace(file, r_exponent_, top + "sequencer.r_exponent");
   sc_trace(file, d_exponent_, top + "sequencer.d_exponent");
   sc_trace(file, divider_busy_, top + "divider.busy");
+  sc_trace(file, editor_busy_, top + "matrix_editor.busy");
+  sc_trace(file, edited_node_, top + "matrix_editor.node");
   for (std::size_t i = 0; i < block_.size(); ++i) {
     const std::string block = top + "spmxv_" + std::to_string(i) + ".";
     sc_trace(file, block_[i].busy, block + "busy");
@@ -77,7 +80,14 @@ void EngineTrace::declare() {
   component(q_, "q");
 }
 
-void EngineTrace::wait_until_settled() { settled_.notify(sc_core::SC_ZERO_TIME); }
+bool EngineTrace::in_window() const {
+  const std::int64_t frame = window_.frame();
+  return frame >= window_.first && frame <= window_.last;
+}
+
+void EngineTrace::wait_until_settled() {
+  if (in_window()) settled_.notify(sc_core::SC_ZERO_TIME);
+}
 
 void EngineTrace::show(Component& component, const std::vector<std::int32_t>& words, int node,
                        int exponent) {
@@ -86,8 +96,8 @@ void EngineTrace::show(Component& component, const std::vector<std::int32_t>& wo
 }
 
 void EngineTrace::sample() {
-  if (engine_.jobs() < window_.first_job || engine_.jobs() > window_.last_job) return;
   clock_ = !clock_;
+  frame_ = window_.frame();
   job_ = engine_.jobs();
   edge_ = engine_.clocks();
   const Sequencer& sequencer = engine_.sequencer();
@@ -103,6 +113,8 @@ void EngineTrace::sample() {
   r_exponent_ = scalars.r_exponent;
   d_exponent_ = scalars.d_exponent;
   divider_busy_ = engine_.divider().busy();
+  editor_busy_ = engine_.matrix_editor().busy();
+  edited_node_ = engine_.matrix_editor().node();
   for (std::size_t i = 0; i < block_.size(); ++i) {
     const SpmxvBlock& block = engine_.block(static_cast<int>(i));
     block_[i] = {block.busy(), block.position(), block.finished.read(),

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <string>
@@ -12,10 +13,11 @@
 
 namespace hvp::vp::engine {
 
-// Jobs that are traced, counted from 1 as the board counts them.
+// What is traced: that for which the engine works while `frame()` lies between two frames.
 struct TraceWindow {
-  std::int64_t first_job = 1;
-  std::int64_t last_job = std::numeric_limits<std::int64_t>::max();
+  std::function<std::int64_t()> frame;  // asked at every edge
+  std::int64_t first = 0;
+  std::int64_t last = std::numeric_limits<std::int64_t>::max();
 };
 
 // Writes what the cycle-accurate engine does into a VCD file (IEEE 1364) that GTKWave and Surfer
@@ -51,6 +53,7 @@ class EngineTrace : public sc_core::sc_module {
   void declare();
   void wait_until_settled();
   void sample();
+  bool in_window() const;
   void show(Component& component, const std::vector<std::int32_t>& words, int node, int exponent);
 
   const CycleEngine& engine_;
@@ -59,12 +62,15 @@ class EngineTrace : public sc_core::sc_module {
   sc_core::sc_event settled_;
 
   bool clock_ = false;  // changes at every edge
+  std::int64_t frame_ = 0;
   std::int64_t job_ = 0;
   std::int64_t edge_ = 0;
   int iteration_ = 0;
   std::array<bool, static_cast<std::size_t>(State::direction) + 1> state_{};
   std::vector<Block> block_;
   bool divider_busy_ = false;
+  bool editor_busy_ = false;
+  int edited_node_ = 0;
   int node_ = 0;
   int entered_node_ = 0;
   Component x_, b_, r_, z_, d_, q_;

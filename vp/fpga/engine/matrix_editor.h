@@ -42,6 +42,8 @@ class MatrixEditor : public sc_core::sc_module {
 
   bool is_contact(int node) const { return contact_[static_cast<std::size_t>(node)] != 0; }
   bool busy() const { return busy_; }
+  // The node whose row and column are changed, or were last.
+  int node() const { return node_; }
   // Edges of the command that was given last: its packages, then the pipelines and the divisions.
   std::int64_t edges() const { return edges_; }
 

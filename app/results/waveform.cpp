@@ -1,0 +1,59 @@
+#include "app/results/waveform.h"
+
+#include <fstream>
+#include <ios>
+#include <stdexcept>
+#include <system_error>
+
+#include <fmt/format.h>
+
+namespace hvp::results {
+
+namespace {
+
+// The tracer does not say whether the disk took all: a whole file ends with its last line's end.
+bool ends_with_a_line(std::fstream& file) {
+  file.seekg(-1, std::ios::end);
+  return file.get() == '\n';
+}
+
+// The line behind "$date".
+void blank_date(std::fstream& file) {
+  file.seekg(0);
+  std::string line;
+  while (std::getline(file, line) && !line.starts_with("$date")) {
+  }
+  const std::streampos begin = file.tellg();
+  if (!std::getline(file, line) || line.starts_with('$')) return;
+  file.seekp(begin);
+  file << std::string(line.size(), ' ');
+}
+
+}  // namespace
+
+Waveform::Waveform(const std::filesystem::path& folder)
+    : part_(folder / "engine.part.vcd"), path_(folder / "engine.vcd") {}
+
+Waveform::~Waveform() {
+  if (finished_) return;
+  std::error_code ignored;
+  std::filesystem::remove(part_, ignored);
+}
+
+std::string Waveform::tracer_file() const {
+  std::filesystem::path file = part_;
+  return file.replace_extension().string();
+}
+
+void Waveform::finish() {
+  {
+    std::fstream file(part_, std::ios::binary | std::ios::in | std::ios::out);
+    if (file && ends_with_a_line(file)) blank_date(file);
+    file.close();
+    if (!file) throw std::runtime_error(fmt::format("cannot write {}", path_.string()));
+  }
+  std::filesystem::rename(part_, path_);
+  finished_ = true;
+}
+
+}  // namespace hvp::results

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace hvp::results {
+
+// engine.vcd, written beside under another name by SystemC's tracer, which opens and closes it.
+// One that is not finished is removed.
+class Waveform {
+ public:
+  explicit Waveform(const std::filesystem::path& folder);
+  ~Waveform();
+  Waveform(const Waveform&) = delete;
+  Waveform& operator=(const Waveform&) = delete;
+
+  // For the tracer, which adds ".vcd".
+  std::string tracer_file() const;
+  // The tracer has closed its file: the date of its header is blanked, so that the same scenario
+  // gives the same bytes, and it gets its name. Throws std::runtime_error where it is not whole.
+  void finish();
+
+ private:
+  std::filesystem::path part_;
+  std::filesystem::path path_;
+  bool finished_ = false;
+};
+
+}  // namespace hvp::results

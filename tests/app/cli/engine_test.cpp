@@ -1,0 +1,125 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include <gmock/gmock.h>
+
+#include "tests/app/cli/program.h"
+#include "tests/app/scratch_directory.h"
+
+// What a run says of the engine that timed its board.
+namespace hvp::cli {
+namespace {
+
+using nlohmann::json;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class Engine : public ::testing::Test {
+ protected:
+  Ended run(const std::string& level, std::vector<std::string> more = {}, int status = 0) {
+    write(place_.path() / "s.toml", kSmallScene);
+    std::vector<std::string> all = {"run",   "s.toml",   "--out",
+                                    "out",   "--set",    "fidelity.accelerator=" + level,
+                                    "--set", "frames=12"};
+    all.insert(all.end(), more.begin(), more.end());
+    Ended ended = hvp(place_.path(), all);
+    EXPECT_EQ(ended.status, status) << ended.err;
+    return ended;
+  }
+  std::filesystem::path folder() const { return place_.path() / "out"; }
+  std::string file(const std::string& name) const { return read(folder() / name); }
+  json board() const { return json::parse(file("summary.json")).at("accelerator"); }
+
+ private:
+  ScratchDirectory place_;
+};
+
+std::vector<std::string> with_waveform(const std::string& first, const std::string& frames) {
+  return {"--set", "output.waveform.first_frame=" + first, "--set",
+          "output.waveform.frames=" + frames};
+}
+
+TEST_F(Engine, PhasesOfTheLongestSolveSumToItsClocks) {
+  for (const char* level : {"approximately-timed", "cycle-accurate"}) {
+    SCOPED_TRACE(level);
+    const Ended ended = run(level);
+    EXPECT_THAT(ended.out, HasSubstr(std::string("Engine       ") + level));
+    const json a = board();
+    std::int64_t engine = 0, closed_form = 0;
+    for (const json& phase : a.at("phases")) {
+      engine += phase.at("cycles").get<std::int64_t>();
+      closed_form += phase.at("closed_form_cycles").get<std::int64_t>();
+      // Frames are further apart than the copy of U takes.
+      if (phase.at("phase") == "wait") {
+        EXPECT_EQ(phase.at("cycles"), 0);
+      }
+      // Two divisions of 68 clocks an iteration.
+      if (phase.at("phase") == "divisions") {
+        EXPECT_EQ(phase.at("cycles"), 20 * 2 * 68);
+      }
+    }
+    EXPECT_EQ(engine, a.at("solve_cycles"));
+    EXPECT_EQ(closed_form, a.at("closed_form_cycles"));
+    const auto deviation = a.at("closed_form_deviation_rel").get<double>();
+    EXPECT_NEAR(deviation, static_cast<double>(closed_form - engine) / static_cast<double>(engine),
+                1e-12);
+    EXPECT_LE(std::abs(deviation), 0.03);
+    // The solve of the worst frame is what the ledger saw.
+    const json summary = json::parse(file("summary.json"));
+    for (const json& line : summary.at("attribution")) {
+      if (line.at("phase") == "solve") {
+        EXPECT_EQ(line.at("us"), a.at("solve_us"));
+      }
+    }
+  }
+  const Ended loose = run("loosely-timed");
+  EXPECT_THAT(loose.out, Not(HasSubstr("Engine")));
+  EXPECT_FALSE(board().contains("phases"));
+}
+
+TEST_F(Engine, AWaveformIsThereForWhoAsksAndChangesNothingElse) {
+  run("cycle-accurate");
+  EXPECT_THAT(names(folder()), Not(Contains("engine.vcd")));
+  const std::string frames = file("frames.csv");
+  const std::string trace = file("trace.json");
+  run("cycle-accurate", with_waveform("3", "2"));
+  EXPECT_EQ(file("frames.csv"), frames);
+  EXPECT_EQ(file("trace.json"), trace);
+  EXPECT_THAT(names(folder()), Contains("engine.vcd"));
+  EXPECT_THAT(names(folder()), Not(Contains("engine.part.vcd")));
+  const json summary = json::parse(file("summary.json"));
+  EXPECT_THAT(summary.at("effects"), Contains("output.waveform"));
+
+  const std::string first = file("engine.vcd");
+  EXPECT_THAT(first, HasSubstr("z_r_value"));
+  // A second run has the same bytes, and no date that could differ.
+  const std::size_t date = first.find("$date") + 5;
+  const std::string dated = first.substr(date, first.find("$end") - date);
+  EXPECT_EQ(dated.find_first_not_of(" \n"), std::string::npos) << dated;
+  run("cycle-accurate", with_waveform("3", "2"));
+  EXPECT_TRUE(file("engine.vcd") == first);
+  // Twice the frames, and nothing of the ones before and after.
+  run("cycle-accurate", with_waveform("3", "4"));
+  EXPECT_GT(file("engine.vcd").size(), first.size() * 3 / 2);
+
+  // What an earlier run left is not this run's.
+  write(folder() / "engine.part.vcd", "half a file");
+  run("cycle-accurate");
+  EXPECT_THAT(names(folder()), Not(Contains("engine.vcd")));
+  EXPECT_THAT(names(folder()), Not(Contains("engine.part.vcd")));
+}
+
+TEST_F(Engine, AWaveformThatCannotBeIsRefusedByName) {
+  for (const char* level : {"untimed", "loosely-timed", "approximately-timed"}) {
+    const Ended ended = run(level, with_waveform("3", "1"), 2);
+    EXPECT_THAT(ended.err, HasSubstr("output.waveform"));
+    EXPECT_THAT(ended.err, HasSubstr("expected fidelity.accelerator = \"cycle-accurate\", found"));
+    EXPECT_EQ(lines(ended.err).size(), 1U);
+  }
+  EXPECT_THAT(run("cycle-accurate", with_waveform("12", "1"), 2).err,
+              HasSubstr("output.waveform.first_frame"));
+}
+
+}  // namespace
+}  // namespace hvp::cli
