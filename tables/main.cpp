@@ -7,6 +7,8 @@
 #include "tables/buses/page.h"
 #include "tables/devices/page.h"
 #include "tables/hard_cases/page.h"
+#include "tables/partitions/page.h"
+#include "tables/pc/page.h"
 #include "tables/thesis/page.h"
 
 namespace {
@@ -22,10 +24,16 @@ int run(int argc, char** argv) {
   const CLI::App* hard = app.add_subcommand("hard-cases", "the hard cases and their remedies");
   const CLI::App* devices = app.add_subcommand("devices", "the FPGAs that a scenario can name");
   const CLI::App* buses = app.add_subcommand("buses", "what links carry and transfers cost");
+  const CLI::App* partitions =
+      app.add_subcommand("partitions", "partitions of K: zeros isolated, balance, exchanged words");
+  const CLI::App* pc =
+      app.add_subcommand("pc", "Table 6.3 with this machine's row, measured in about a second");
   CLI11_PARSE(app, argc, argv);
   if (thesis->parsed()) print(csv ? hvp::tables::thesis_csv() : hvp::tables::thesis_page());
   if (devices->parsed()) print(hvp::tables::devices_page());
   if (buses->parsed()) print(hvp::tables::buses_page());
+  if (partitions->parsed()) print(hvp::tables::partitions_page());
+  if (pc->parsed()) print(hvp::tables::pc_table());
   if (hard->parsed()) print(hvp::tables::hard_cases_page());
   return 0;
 }

@@ -45,7 +45,7 @@ int explain_command(const ScenarioArguments& arguments) {
   fmt::print("\nParts and their fidelity\n");
   fidelity_line(
       "accelerator", vp::name(s.fidelity.accelerator),
-      fmt::format("{}, {}{} clocks a solve{}", scene.device().name,
+      fmt::format("{}, {}{} clocks a solve{}", scene.board_name(),
                   s.solver.stop_residual > 0 ? "at most " : "", scene.solve_cycles().total(),
                   vp::has_engine(s.fidelity.accelerator)
                       ? " by the closed form; a run prints the engine's"

@@ -64,7 +64,7 @@ void scene_lines(Out out, const app::Scene& scene, const Outcome& o) {
                  s.solver.vector_bits,
                  s.refinement ? fmt::format(", refined in {}", counted_passes(s.refinement->passes))
                               : std::string());
-  fmt::format_to(out, "  board       {}: {};", scene.device().name, solve_clocks(scene, o));
+  fmt::format_to(out, "  board       {}: {};", scene.board_name(), solve_clocks(scene, o));
   const char* separator = " ";
   for (const accel::Resource& r : scene.usage().resources) {
     if (r.used == 0) continue;

@@ -112,6 +112,11 @@ std::string summary_json(const app::Scene& scene, const Outcome& o) {
   }
   j["resources"] = resources;
   j["accelerator"] = accelerator(scene, o);
+  if (const std::optional<accel::SeveralDevices>& several = scene.board().several()) {
+    const accel::SolveWork work = accel::longest_solve(scene.computation().board_settings());
+    j["accelerator"]["devices"] = several->shares().size();
+    j["accelerator"]["link_cycles"] = several->solve(work).link_clocks();
+  }
   j["bus"] = {
       {"transactions", o.bus_transactions}, {"bytes", o.bus_bytes}, {"busy_us", us(o.bus_busy)}};
   const mesh::Quality& q = scene.quality();

@@ -111,6 +111,11 @@ void Scene::require_fit() {
                            static_cast<int>(quality_.nodes));
 }
 
+std::string Scene::board_name() const {
+  const std::optional<accel::Several>& several = scenario_.accelerator.several;
+  return several ? fmt::format("{} × {}", several->devices, device_.name) : device_.name;
+}
+
 accel::SolveCycles Scene::solve_cycles() const {
   return board_->solve(accel::longest_solve(computation_->board_settings()));
 }

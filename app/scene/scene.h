@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "app/scene/scenario.h"
@@ -38,6 +39,8 @@ class Scene {
   const accel::BoardClocks& board() const { return *board_; }
   const accel::Pattern& pattern() const { return board_->pattern(); }
   const accel::Device& device() const { return device_; }
+  // "EP2S60", or "2 × EP2S60".
+  std::string board_name() const;
   // Of one device, the one with the least to spare.
   const accel::Usage& usage() const { return usage_; }
   // Of a solve that makes all its iterations.
