@@ -1,5 +1,7 @@
 #include "app/results/summary.h"
 
+#include <optional>
+
 #include <nlohmann/json.hpp>
 
 #include "app/results/flag_json.h"
