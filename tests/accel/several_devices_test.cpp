@@ -6,7 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include "app/devices/devices.h"
 #include "models/accel/board_clocks.h"
+#include "models/accel/board_memory.h"
 #include "models/accel/operations.h"
 #include "models/accel/partition.h"
 #include "models/config/input_error.h"
@@ -256,6 +258,30 @@ TEST(SeveralDevices, TheRingOfFourMeetsItsRate) {
     EXPECT_DOUBLE_EQ(4 * operation_rate(a, p, Method::cg, c.solve).thesis, 230.4e9);
     EXPECT_LT(us(c.solve.total()), 5000);
   }
+}
+
+Usage ring_of_four(Exchange exchange) {
+  Architecture a = on(4, VectorWork::split, exchange);
+  a.partitions = 16;
+  return board_usage(devices::built_in("EP3SE110"), a, {},
+                     BoardClocks(a, test::lattice(10, 10, 15)));
+}
+
+int blocks_of_d(const Usage& u) {
+  int blocks = 0;
+  for (const Allocation& use : u.allocations) blocks += use.use == "d" ? use.blocks : 0;
+  return blocks;
+}
+
+// Sixteen copies of three components in M9K of 512 words: with all 6000 nodes they alone leave 63
+// of 639 blocks, less than the matrix takes; a halo leaves room for everything.
+TEST(SeveralDevices, TheRingOfFourFitsWithHalos) {
+  const Usage all = ring_of_four(Exchange::all);
+  EXPECT_EQ(blocks_of_d(all), 16 * 3 * 12);
+  EXPECT_FALSE(all.fits());
+  const Usage halo = ring_of_four(Exchange::halo);
+  EXPECT_EQ(blocks_of_d(halo), 16 * 3 * 4);  // 1500 nodes and 260
+  EXPECT_TRUE(halo.fits());
 }
 
 TEST(SeveralDevices, RowsOfANodeUpdateAreChangedWhereTheyAre) {
