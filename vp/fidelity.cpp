@@ -15,7 +15,13 @@ void Fidelity::declare(config::Visitor& v) {
            {"loosely-timed: a closed form of clocks; approximately-timed: an event a phase, its "
             "stalls from conflicts; cycle-accurate: every clock of the engine; untimed: no time",
             "the level that answers whether a budget holds"});
-  timing("bus", bus, "loosely-timed: latency and bursts; untimed: no time");
+  v.choice("bus", bus,
+           {{"untimed", Timing::untimed},
+            {"loosely-timed", Timing::loosely_timed},
+            {"approximately-timed", Timing::approximately_timed}},
+           {"loosely-timed: latency and bursts; approximately-timed: arbitration, clock edges and "
+            "other masters; untimed: no time",
+            "the level that answers whether a budget holds"});
   timing("host", host, "loosely-timed: annotated costs; untimed: no time");
   v.choice("numbers", numbers, {{"fixed", Numbers::fixed}},
            {"fixed: bit-true fixed point", "thesis section 4.2"});

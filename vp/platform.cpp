@@ -33,7 +33,10 @@ Platform::Platform(const PlatformSettings& settings, const fem::Body& body,
       verdict_(settings.servo.period, settings.budget),
       exchange_{Mailbox<SceneState>(at_rest(body, computation, settings_.probe)),
                 Mailbox<ContactReport>(ContactReport{})},
-      bus_("bus", settings_.bus, settings_.fidelity.bus == Timing::untimed, ledger_),
+      bus_("bus", settings_.bus, settings_.fidelity.bus, ledger_),
+      traffic_(settings_.bus.traffic
+                   ? std::make_unique<TrafficMaster>("traffic", *settings_.bus.traffic, bus_, 1)
+                   : nullptr),
       accelerator_("accelerator", settings_.accelerator, settings_.fidelity.accelerator, ledger_,
                    register_trace),
       daq_("daq", settings_.daq, settings_.probe, session_, ledger_),

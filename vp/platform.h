@@ -10,7 +10,6 @@
 #include "models/collision/contact_search.h"
 #include "models/fem/body.h"
 #include "models/host/frame_computation.h"
-#include "models/link/pci.h"
 #include "models/plant/daq.h"
 #include "models/plant/trajectory.h"
 #include "vp/device/daq_board.h"
@@ -21,7 +20,9 @@
 #include "vp/host/dispatcher.h"
 #include "vp/host/servo_process.h"
 #include "vp/ledger.h"
+#include "vp/pci/bus_settings.h"
 #include "vp/pci/pci_bus.h"
+#include "vp/pci/traffic_master.h"
 #include "vp/verdict.h"
 
 namespace hvp::vp {
@@ -39,7 +40,7 @@ struct PlatformSettings {
   std::int64_t seed = 1;  // of every effect that draws
   Picoseconds budget = 2'000'000'000;
   accel::Architecture accelerator;
-  link::Pci bus;
+  BusSettings bus;
   plant::Daq daq;
   plant::Trajectory probe;
   Fidelity fidelity;
@@ -73,6 +74,8 @@ class Platform {
   const ServoProcess& servo() const { return servo_; }
   const CollisionProcess& collision() const { return collision_; }
   const PciBus& bus() const { return bus_; }
+  // Null without the effect.
+  const TrafficMaster* traffic() const { return traffic_.get(); }
   const Accelerator& accelerator() const { return accelerator_; }
   const Session& session() const { return session_; }
 
@@ -90,6 +93,7 @@ class Platform {
   Session session_;
   Exchange exchange_;
   PciBus bus_;
+  std::unique_ptr<TrafficMaster> traffic_;  // the effect [bus.traffic]
   Accelerator accelerator_;
   DaqBoard daq_;
   Dispatcher dispatcher_;

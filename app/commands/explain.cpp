@@ -51,8 +51,8 @@ int explain_command(const ScenarioArguments& arguments) {
                       ? " by the closed form; a run prints the engine's"
                       : ""));
   fidelity_line("bus", vp::name(s.fidelity.bus),
-                fmt::format("{} bytes a data phase, {} ns a clock", s.bus.width_bytes(),
-                            s.bus.clock_period_ps() / 1000));
+                fmt::format("{} bytes a data phase, {:g} ns a clock", s.bus.pci.width_bytes(),
+                            static_cast<double>(s.bus.pci.clock_period_ps()) * 1e-3));
   fidelity_line(
       "host", vp::name(s.fidelity.host),
       fmt::format("servo at {:g} Hz, collision and graphics at {:g} Hz, {}", 1 / s.budget.period_s,
@@ -76,6 +76,10 @@ int explain_command(const ScenarioArguments& arguments) {
       "host.wake_up", s.host.wake_up.has_value(),
       delay_cost(s.host.wake_up, "after each tick and interrupt: until the process runs").c_str());
   effect_line("loads.gravity", s.loads.gravity.has_value(), "no cost: part of f");
+  effect_line("bus.protocol", s.bus.protocol.has_value(),
+              "latency timer, wait states and delayed reads between the bus' masters");
+  effect_line("bus.traffic", s.bus.traffic.has_value(),
+              "a process that takes the bus for a block a period");
   effect_line("reference", s.reference.has_value(),
               "no simulated time; two double-precision solves beside the board's");
   effect_line("spectrum", s.spectrum.has_value(),

@@ -80,6 +80,8 @@ std::vector<std::string> effects(const app::Scenario& s) {
   if (s.host.jitter) names.emplace_back("host.jitter");
   if (s.host.wake_up) names.emplace_back("host.wake_up");
   if (s.loads.gravity) names.emplace_back("loads.gravity");
+  if (s.bus.protocol) names.emplace_back("bus.protocol");
+  if (s.bus.traffic) names.emplace_back("bus.traffic");
   if (s.reference) names.emplace_back("reference");
   if (s.spectrum) names.emplace_back("spectrum");
   if (s.accelerator.several) names.emplace_back("accelerator.several");

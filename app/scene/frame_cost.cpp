@@ -27,9 +27,9 @@ std::vector<FrameStep> frame_steps(const Scene& scene, int nodes, std::int64_t s
     compute("each further pass' residual",
             refined->accept_operations() + refined->residual_operations(true), passes - 1);
   }
-  steps.push_back({"send b", s.bus.write_ps(bytes(s.solver.residual_bits())), passes});
+  steps.push_back({"send b", s.bus.pci.write_ps(bytes(s.solver.residual_bits())), passes});
   steps.push_back({"solve", solve_ps, passes});
-  steps.push_back({"receive U", s.bus.read_ps(bytes(s.solver.vector_bits)), passes});
+  steps.push_back({"receive U", s.bus.pci.read_ps(bytes(s.solver.vector_bits)), passes});
   compute("force (without contact)", c.force_operations());
   if (refined != nullptr) compute("residual after the force", refined->finish_operations());
   compute("update after the force", c.update_operations());

@@ -123,6 +123,11 @@ void Scenario::check() const {
   needs_time("host.wake_up", host.wake_up.has_value());
   needs_time("host.cores", host.cores == 1);
   if (output.waveform) require_shown(*output.waveform, frames, level);
+  const char* effect = bus.traffic ? "bus.traffic" : bus.protocol ? "bus.protocol" : nullptr;
+  if (effect != nullptr && fidelity.bus != vp::Timing::approximately_timed) {
+    throw InputError(effect, std::string("needs fidelity.bus = \"approximately-timed\", found \"") +
+                                 vp::name(fidelity.bus) + "\"");
+  }
 }
 
 }  // namespace hvp::app

@@ -17,13 +17,13 @@
 #include "models/host/costs.h"
 #include "models/host/reference_run.h"
 #include "models/host/refinement.h"
-#include "models/link/pci.h"
 #include "models/mesh/mesh_settings.h"
 #include "models/mesh/region.h"
 #include "models/plant/daq.h"
 #include "models/plant/trajectory.h"
 #include "models/sparse/spectrum.h"
 #include "vp/fidelity.h"
+#include "vp/pci/bus_settings.h"
 
 // A scenario as it is read: the tables of the parts, put together. docs/scenario-reference.md is
 // made from this declaration.
@@ -99,7 +99,7 @@ struct Scenario {
   fixed::Settings solver;
   std::optional<host::Refinement> refinement;
   accel::Architecture accelerator;
-  link::Pci bus;
+  vp::BusSettings bus;
   host::Host host;
   Device device;
   plant::Trajectory probe;
@@ -109,6 +109,7 @@ struct Scenario {
   Output output;
 
   void declare(config::Visitor& v);
+  // Throws InputError for an effect that its part's fidelity does not have, and the reverse.
   void check() const;
 };
 

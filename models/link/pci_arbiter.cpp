@@ -34,6 +34,13 @@ void PciArbiter::request(int master, Direction direction, std::int64_t bytes,
   m.requested = clock_of(time_ps);
 }
 
+void PciArbiter::hold(std::int64_t until_ps) {
+  const std::int64_t until = clock_of(until_ps);
+  if (until <= free_) return;
+  held_ += until - free_;
+  free_ = until;
+}
+
 void PciArbiter::advance(std::int64_t time_ps) { run(time_ps / clocks_.period_ps()); }
 
 // Everything at clocks up to `to`, but for grants at `to` itself: another master may still request

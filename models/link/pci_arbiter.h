@@ -43,6 +43,10 @@ class PciArbiter {
   void request(int master, Direction direction, std::int64_t bytes, std::int64_t time_ps);
   // Everything up to this time has happened.
   void advance(std::int64_t time_ps);
+  // A target keeps the bus until then, although its transaction has just released it. At the time
+  // of the last advance(), before which the bus was released.
+  void hold(std::int64_t until_ps);
+  std::int64_t held_ps() const { return held_ * clocks_.period_ps(); }
   bool busy(int master) const { return at(master).busy; }
   // The master's last request has released the bus by the time of the last advance().
   bool done(int master) const { return !at(master).busy; }
@@ -96,6 +100,7 @@ class PciArbiter {
   std::int64_t address_ = 0;  // clock of the tenure's address phase
   std::int64_t planned_ = 0;  // its data phases if nothing cuts it
   std::int64_t free_ = 0;     // clock from which the bus is idle
+  std::int64_t held_ = 0;     // clocks
 };
 
 }  // namespace hvp::link

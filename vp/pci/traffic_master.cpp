@@ -1,0 +1,27 @@
+#include "vp/pci/traffic_master.h"
+
+#include "vp/frame_tag.h"
+
+namespace hvp::vp {
+
+TrafficMaster::TrafficMaster(const sc_core::sc_module_name& name, const BusTraffic& traffic,
+                             PciBus& bus, int master)
+    : sc_module(name), traffic_(traffic), bus_(bus), master_(master) {
+  SC_HAS_PROCESS(TrafficMaster);
+  SC_THREAD(run);
+}
+
+void TrafficMaster::run() {
+  for (std::int64_t block = 0;; ++block) {
+    const Picoseconds due = traffic_.start() + block * traffic_.period();
+    if (now_ps() > due) {
+      ++left_out_;
+      continue;
+    }
+    wait(to_sc_time(due - now_ps()));
+    bus_.move(master_, traffic_.direction, traffic_.bytes);
+    ++blocks_;
+  }
+}
+
+}  // namespace hvp::vp
