@@ -97,6 +97,7 @@ void MultiplierMode::check() const {
 void LogicCells::declare(config::Visitor& v) {
   v.text("name", name, {.help = "what the look-up tables are called", .required = true});
   v.integer("cells", cells, {0, 100'000'000}, {.help = "look-up tables", .required = true});
+  v.integer("inputs", inputs, {3, 16}, {"of a look-up table", "six: all but ECP5"});
   v.integer("registers", registers, {0, 100'000'000}, {.help = "flip-flops", .required = true});
   v.text("source", source, {.help = kSourceHelp, .required = true});
 }

@@ -43,6 +43,7 @@ struct MultiplierMode {
 struct LogicCells {
   std::string name;  // "ALUTs"
   int cells = 0;
+  int inputs = 6;  // of a cell
   int registers = 0;
   std::string source;
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "models/accel/logic.h"
 #include "models/accel/memory_blocks.h"
 #include "models/accel/multipliers.h"
 
@@ -44,6 +45,14 @@ Usage usage_of(const Device& device, const Architecture& a, const WordLengths& w
   }
   u.resources.push_back(
       {"multipliers", counted(multipliers(device, a, w)), multiplier_mode(device, a).count});
+  std::int64_t cells = 0;
+  std::int64_t registers = 0;
+  for (const LogicUse& use : logic(device, a, w, size)) {
+    cells += use.cells;
+    registers += use.registers;
+  }
+  u.resources.push_back({"logic", counted(cells), device.logic.cells});
+  u.resources.push_back({"registers", counted(registers), device.logic.registers});
   return u;
 }
 

@@ -35,7 +35,7 @@ struct Obstacle {
 
 struct Usage {
   std::vector<Allocation> allocations;
-  std::vector<Resource> resources;  // the device's memory types, then multipliers
+  std::vector<Resource> resources;  // the device's memory types, multipliers, logic, registers
   std::vector<Obstacle> obstacles;
 
   bool fits() const;

@@ -45,17 +45,6 @@ int further_products(const MultiplierMode& mode, const WordLengths& w) {
   return 0;
 }
 
-// Products of the vector unit, each of its own.
-std::int64_t vector_unit(const MultiplierMode& mode, const Architecture& a, const WordLengths& w) {
-  const bool recurrence = w.method == Method::chronopoulos_gear || w.method == Method::pipelined_cg;
-  const std::int64_t plain =
-      ceil_div(std::int64_t{kVectorMultipliers} * a.nodes_per_clock *
-                   multipliers_a_product(mode, w.coefficient_bits, w.vector_bits),
-               2);
-  const int scalars = recurrence ? 1 : 0;  // β²·dᵀA·d, step by step
-  return plain + std::int64_t{3} * further_products(mode, w) * a.nodes_per_clock + scalars;
-}
-
 // Multipliers of a summing mode that a product of its own keeps from others.
 std::int64_t alone(const Device& device, const MultiplierMode& mode, std::int64_t products) {
   if (mode.summed == 1) return products;
@@ -83,13 +72,24 @@ int multipliers_a_product(const MultiplierMode& mode, int bits, int other_bits) 
                   pieces(other_bits, mode.bits) * pieces(bits, mode.other_bits));
 }
 
+std::int64_t vector_multipliers(const MultiplierMode& mode, const Architecture& a,
+                                const WordLengths& w) {
+  const bool recurrence = w.method == Method::chronopoulos_gear || w.method == Method::pipelined_cg;
+  const std::int64_t plain =
+      ceil_div(std::int64_t{kVectorMultipliers} * a.nodes_per_clock *
+                   multipliers_a_product(mode, w.coefficient_bits, w.vector_bits),
+               2);
+  const int scalars = recurrence ? 1 : 0;  // β²·dᵀA·d, step by step
+  return plain + std::int64_t{3} * further_products(mode, w) * a.nodes_per_clock + scalars;
+}
+
 std::int64_t multipliers(const Device& device, const Architecture& a, const WordLengths& w) {
   const MultiplierMode& mode = multiplier_mode(device, a);
   // Pieces of a product have different weights and cannot be summed with each other.
   const std::int64_t a_row = ceil_div(a.package, mode.summed) * mode.summed *
                              multipliers_a_product(mode, w.matrix_bits, w.vector_bits);
   return std::int64_t{a.rows_in_parallel} * a.partitions * a_row +
-         alone(device, mode, vector_unit(mode, a, w));
+         alone(device, mode, vector_multipliers(mode, a, w));
 }
 
 }  // namespace hvp::accel

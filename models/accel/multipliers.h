@@ -16,10 +16,14 @@ const MultiplierMode& multiplier_mode(const Device& device, const Architecture& 
 // less than the multiplier has, but for the sign's.
 int multipliers_a_product(const MultiplierMode& mode, int bits, int other_bits);
 
+// Those of the vector unit, each for a product of its own: 21 for two nodes a clock (thesis §6.1),
+// and what the method adds.
+std::int64_t vector_multipliers(const MultiplierMode& mode, const Architecture& a,
+                                const WordLengths& w);
+
 // Multipliers of the engine, in the counts of the mode: PL1·PL2·PL3 for the product with the
-// matrix, 21 for two nodes a clock of the vector unit (thesis §6.1), and what the method adds. In a
-// mode that gives only sums, products of a row are summed in the block, and a product of its own
-// takes as many as the device has fewer of those.
+// matrix and vector_multipliers(). In a mode that gives only sums, products of a row are summed in
+// the block, and a product of its own takes as many as the device has fewer of those.
 std::int64_t multipliers(const Device& device, const Architecture& a, const WordLengths& w);
 
 }  // namespace hvp::accel

@@ -205,7 +205,10 @@ std::map<std::string, int> blocks_of(const WordLengths& words, const Architectur
 }
 
 int multipliers(const WordLengths& words) {
-  return usage(ep2s60(), {}, words, thesis_mesh()).resources.back().used;
+  for (const Resource& r : usage(ep2s60(), {}, words, thesis_mesh()).resources) {
+    if (r.type == "multipliers") return r.used;
+  }
+  return -1;
 }
 
 // 500 words of 16 bits are two blocks; three components six; 32 bits twelve. Five partitions read

@@ -1,0 +1,147 @@
+#include "models/accel/logic.h"
+
+#include <bit>
+
+#include "models/accel/multipliers.h"
+
+namespace hvp::accel {
+
+namespace {
+
+constexpr int kProductBits = fixed::Settings::kProductBits;
+constexpr int kScalarBits = 64;
+// States, counters of nodes, iterations and passes, exponents and shifts: registers of the
+// sequencer, each with its next value's logic.
+constexpr int kSequencerBits = 150;
+
+std::int64_t ceil_div(std::int64_t a, std::int64_t b) { return (a + b - 1) / b; }
+
+int bits_to_number(std::int64_t count) {
+  return count < 2 ? 1 : static_cast<int>(std::bit_width(static_cast<std::uint64_t>(count - 1)));
+}
+
+// Ways that one look-up table chooses from: 4 data and 2 select of six inputs.
+int ways_of(int inputs) {
+  int ways = 2;
+  while (2 * ways + bits_to_number(ways) <= inputs) ways *= 2;
+  return ways;
+}
+
+class Estimate {
+ public:
+  Estimate(const Device& device, const Architecture& a, const WordLengths& w, const SystemSize& s)
+      : mode_(multiplier_mode(device, a)), inputs_(device.logic.inputs), a_(a), w_(w), s_(s) {}
+
+  std::vector<LogicUse> take() const {
+    return {adder_trees(), operands(),
+            own_words(),   vector_operands(),
+            alignment(),   inner_products(),
+            divider(),     {"sequencer", kSequencerBits, kSequencerBits}};
+  }
+
+ private:
+  std::int64_t choose(int ways) const { return multiplexer_cells(ways, inputs_); }
+  // A barrel shifter by any distance, in stages of as many ways as a look-up table has.
+  std::int64_t shifter(std::int64_t bits) const {
+    return bits * ceil_div(bits_to_number(bits), bits_to_number(ways_of(inputs_)));
+  }
+
+  // The product's adders and accumulators; what the multipliers' blocks sum is theirs.
+  LogicUse adder_trees() const {
+    const int product = w_.matrix_bits + w_.vector_bits;
+    const int operands = static_cast<int>(ceil_div(a_.package, mode_.summed));
+    const int bits = product + bits_to_number(mode_.summed) * (mode_.summed > 1 ? 1 : 0);
+    const std::int64_t row = adder_tree_bits(operands, bits) + row_sum_bits(w_, s_.longest_row);
+    const std::int64_t all = std::int64_t{a_.partitions} * a_.rows_in_parallel * row;
+    return {"adder trees and accumulators", all, all};
+  }
+
+  // From the words of a package's nodes to its columns: the first is x, y or z. Half of the words
+  // come with the first access of a double-pumped memory and wait for the others.
+  LogicUse operands() const {
+    const std::int64_t columns = std::int64_t{a_.package} * w_.vector_bits * choose(3);
+    const int node = bits_to_number(s_.direction_nodes);
+    const bool pumped = a_.direction_memory == DirectionMemory::double_pumped;
+    const std::int64_t addresses = pumped ? 2 * node * choose(2) : 0;
+    const std::int64_t words = 3 * std::int64_t{nodes_in_package(a_.package)} * w_.vector_bits;
+    const int counters = bits_to_number(s_.packages) + 2 * bits_to_number(a_.result_queue);
+    return {"operands of the multipliers", a_.partitions * (columns + addresses + counters),
+            a_.partitions * (words / 2 + counters)};
+  }
+
+  // The words of d at the row's own node, caught as they pass for the inner product.
+  LogicUse own_words() const {
+    const int nodes = nodes_in_package(a_.package);
+    const std::int64_t compared =
+        nodes * ceil_div(2 * bits_to_number(s_.direction_nodes), inputs_ - 1);
+    const std::int64_t words = 3 * std::int64_t{w_.vector_bits};
+    return {"words of the row's own node", a_.partitions * (compared + words * choose(nodes)),
+            a_.partitions * words};
+  }
+
+  // Components that the vector unit takes in a clock.
+  std::int64_t components() const { return 3 * std::int64_t{a_.nodes_per_clock}; }
+
+  // Fig. 5.10: a multiplexer and the absolute value before each multiplier.
+  LogicUse vector_operands() const {
+    const std::int64_t multipliers = vector_multipliers(mode_, a_, w_);
+    return {"operands of the vector unit",
+            multipliers * std::int64_t{w_.vector_bits} * (choose(2) + 1), 0};
+  }
+
+  // Products and the residual are shifted to their exponents, rounded, added and clamped. Groups b
+  // and c share the shifters as they share the multipliers. Every rank carries the words of x and r
+  // and a product.
+  LogicUse alignment() const {
+    const int residual = w_.preconditioned() ? kProductBits : w_.vector_bits;
+    const int by_vector = w_.coefficient_bits + w_.vector_bits;
+    const int by_product = w_.coefficient_bits + kProductBits;
+    std::int64_t cells = by_product;  // the two halves of a product with A·d
+    for (const int bits : {by_vector, by_product, residual}) cells += shifter(bits) + bits;
+    cells += 2 * (2 * w_.vector_bits + residual);  // sums and clamps of x, d and r
+    const std::int64_t ranks = a_.multiplier_clocks + a_.vector_clocks();
+    const std::int64_t words = std::int64_t{w_.vector_bits} + residual + kProductBits;
+    return {"shifters, rounding and clamps", components() * cells, components() * ranks * words};
+  }
+
+  LogicUse inner_products() const {
+    const std::int64_t bits =
+        adder_tree_bits(static_cast<int>(components()), w_.vector_bits + kProductBits) +
+        kScalarBits;
+    return {"inner products", bits, bits};
+  }
+
+  // A subtractor and a choice a bit; remainder, divisor, quotient and dividend.
+  LogicUse divider() const {
+    return {"divider", kScalarBits * (1 + choose(2)), std::int64_t{4} * kScalarBits};
+  }
+
+  const MultiplierMode& mode_;
+  int inputs_;
+  const Architecture& a_;
+  const WordLengths& w_;
+  const SystemSize& s_;
+};
+
+}  // namespace
+
+std::int64_t multiplexer_cells(int ways, int inputs) {
+  return ceil_div(ways - 1, ways_of(inputs) - 1);
+}
+
+std::int64_t adder_tree_bits(int operands, int bits) {
+  std::int64_t sum = 0;
+  while (operands > 1) {
+    ++bits;
+    sum += std::int64_t{operands / 2} * bits;
+    operands = operands / 2 + operands % 2;
+  }
+  return sum;
+}
+
+std::vector<LogicUse> logic(const Device& device, const Architecture& a, const WordLengths& w,
+                            const SystemSize& s) {
+  return Estimate(device, a, w, s).take();
+}
+
+}  // namespace hvp::accel
