@@ -115,6 +115,12 @@ void Scenario::check() const {
                          "\" has no model of several devices: expected loosely-timed or untimed "
                          "with [accelerator.several]");
   }
+  if (accelerator.matrix_storage == accel::MatrixStorage::symmetric && vp::has_engine(level)) {
+    throw InputError("fidelity.accelerator",
+                     std::string("\"") + vp::name(level) +
+                         "\" has no model of symmetric storage: expected loosely-timed or untimed "
+                         "with accelerator.matrix_storage = \"symmetric\"");
+  }
   const auto needs_time = [&](const char* effect, bool present) {
     if (!present || fidelity.host != vp::Timing::untimed) return;
     throw InputError(effect, "the host takes no time where fidelity.host is \"untimed\"");

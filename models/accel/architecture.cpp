@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "models/config/input_error.h"
+
 namespace hvp::accel {
 
 void Architecture::declare(config::Visitor& v) {
@@ -66,6 +68,10 @@ void Architecture::declare(config::Visitor& v) {
   v.text("queue_memory", queue_memory,
          {"the same for the rows that wait for the vector unit",
           "the smallest type: a few words; the thesis does not say"});
+  v.choice("matrix_storage", matrix_storage,
+           {{"full", MatrixStorage::full}, {"symmetric", MatrixStorage::symmetric}},
+           {"whether both blocks (i, j) and (j, i) are stored, or one for both",
+            "full: thesis section 5.1 knows the symmetry and section 5.4 stores all non-zeros"});
   v.boolean(
       "parity_bits", parity_bits,
       {"parity bits of the memories hold data too", "thesis section 5.4, footnote: not used"});
@@ -73,6 +79,14 @@ void Architecture::declare(config::Visitor& v) {
          {"the way to use the device's multipliers, docs/devices.md; auto: the first one",
           "independent multipliers"});
   v.effect("several", several, {"several devices share the rows of K; without it there is one"});
+}
+
+void Architecture::check() const {
+  if (several && matrix_storage == MatrixStorage::symmetric) {
+    throw InputError("matrix_storage",
+                     "\"symmetric\" has no model of several devices: expected full with "
+                     "[accelerator.several]");
+  }
 }
 
 std::int64_t Architecture::clock_period_ps() const { return std::llround(1e12 / clock_hz); }

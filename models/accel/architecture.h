@@ -17,6 +17,9 @@ enum class DirectionMemory {
   stall,          // two accesses; a package that needs a third waits a clock
 };
 
+// Which of the blocks (i, j) and (j, i) of K are stored.
+enum class MatrixStorage { full, symmetric };
+
 // The accelerator's micro-architecture (thesis chapter 5): the scenario's table [accelerator].
 struct Architecture {
   std::string device = "EP2S60";  // built in, or a file of the user's own
@@ -36,6 +39,7 @@ struct Architecture {
   int result_queue = 16;  // rows that a partition has finished and the vector unit not yet taken
   DirectionMemory direction_memory = DirectionMemory::double_pumped;
   int direction_banks = 1;  // memories that a component of d is dealt to, node by node
+  MatrixStorage matrix_storage = MatrixStorage::full;
   // What the device offers, by its names; "auto" is the rule of memory_blocks.h.
   std::string matrix_memory = "auto";
   std::string index_memory = "auto";
@@ -49,6 +53,7 @@ struct Architecture {
   std::optional<Several> several;  // absent: one device
 
   void declare(config::Visitor& v);
+  void check() const;
 
   int vector_clocks() const {
     return pipeline_clocks - memory_read_clocks - multiplier_clocks - adder_tree_clocks;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "models/accel/partition.h"
+#include "models/accel/symmetric.h"
 
 namespace hvp::accel {
 
@@ -20,7 +21,10 @@ int ceil_div(int a, int b) { return (a + b - 1) / b; }
 // The bank that is asked most decides; fewer than three rows at once take the package again.
 int served_clocks(const Architecture& a, const std::vector<int>& reads) {
   const int most = *std::ranges::max_element(reads);
-  return std::max({1, ceil_div(most, a.direction_accesses()), ceil_div(3, a.rows_in_parallel)});
+  const int direct =
+      std::max({1, ceil_div(most, a.direction_accesses()), ceil_div(3, a.rows_in_parallel)});
+  if (a.matrix_storage == MatrixStorage::full) return direct;
+  return symmetric_package_clocks(a, direct, most);
 }
 
 // All placements are looked at up to so many; beyond that, as many drawn ones.
@@ -107,7 +111,9 @@ double package_clocks(const Architecture& a, int phase, int columns) {
   return sum / static_cast<double>(placements);
 }
 
-std::int64_t issue_clocks_of_fullest_partition(const Architecture& a, const Pattern& p) {
+std::int64_t issue_clocks_of_fullest_partition(const Architecture& a, const Pattern& whole) {
+  Pattern scratch;
+  const Pattern& p = stored_pattern(a, whole, scratch);
   const std::vector<int> partition = deal_rows(a, p, a.partitions);
   std::vector<double> clocks(at(a.partitions), 0.0);
   RowClocks rows(a, p);

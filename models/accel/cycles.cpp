@@ -5,6 +5,7 @@
 
 #include "models/accel/bank_conflicts.h"
 #include "models/accel/partition.h"
+#include "models/accel/symmetric.h"
 #include "models/config/input_error.h"
 
 namespace hvp::accel {
@@ -28,7 +29,9 @@ int packages_of(const Architecture& a, int blocks_in_row) {
                                            " were given to every row");
 }
 
-std::int64_t packages_in_fullest_partition(const Architecture& a, const Pattern& p) {
+std::int64_t packages_in_fullest_partition(const Architecture& a, const Pattern& whole) {
+  Pattern scratch;
+  const Pattern& p = stored_pattern(a, whole, scratch);
   return balance_of(a, p, deal_rows(a, p, a.partitions), a.partitions).fullest;
 }
 
@@ -159,8 +162,13 @@ SolveCycles solve_cycles(const Architecture& a, const Pattern& p, const SolveWor
 Passes passes_of(const Architecture& a, int rows, std::int64_t issue_clocks, int vector_nodes,
                  const SolveWork& work) {
   Passes pass;
-  pass.product =
-      std::max(issue_clocks, collection_clocks(a, rows, issue_clocks)) + a.pipeline_clocks;
+  if (a.matrix_storage == MatrixStorage::symmetric) {
+    // No row is done before the last package.
+    pass.product = issue_clocks + a.pipeline_clocks + gathering_clocks(a, rows);
+  } else {
+    pass.product =
+        std::max(issue_clocks, collection_clocks(a, rows, issue_clocks)) + a.pipeline_clocks;
+  }
   const GroupClocks group = group_clocks(a);
   const std::int64_t groups = (vector_nodes + a.nodes_per_clock - 1) / a.nodes_per_clock;
   pass.vectors = groups + a.pipeline_clocks;
@@ -199,12 +207,17 @@ SolveCycles solve_cycles(const Passes& pass, const SolveWork& work) {
   return c;
 }
 
-std::int64_t node_update_cycles(const Architecture& a, const Pattern& p, int node,
+std::int64_t node_update_cycles(const Architecture& a, const Pattern& whole, int node,
                                 std::span<const int> neighbours, Method method) {
+  const bool symmetric = a.matrix_storage == MatrixStorage::symmetric;
+  Pattern scratch;
+  const Pattern& p = stored_pattern(a, whole, scratch);
   std::int64_t clocks = a.pipeline_clocks;
   clocks += packages_of(a, p.blocks_in_row[static_cast<std::size_t>(node)]);
   for (const int n : neighbours) {
-    if (n != node) clocks += packages_of(a, p.blocks_in_row[static_cast<std::size_t>(n)]);
+    // The node's column right of the diagonal stands in its own row.
+    const bool searched = n != node && !(symmetric && n > node);
+    if (searched) clocks += packages_of(a, p.blocks_in_row[static_cast<std::size_t>(n)]);
   }
   return clocks + node_inverse_cycles(a, method);
 }

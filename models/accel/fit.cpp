@@ -24,14 +24,19 @@ std::string setting(const std::string& key, const std::string& value) {
 
 std::string quoted(const std::string& text) { return "\"" + text + "\""; }
 
+// The architecture of a change that is added; the key is still to be changed in it.
+Architecture& add(std::vector<Change>& changes, std::string text, const Architecture& a) {
+  changes.push_back({std::move(text), a});
+  return changes.back().architecture;
+}
+
 // The other memory types for a structure.
 void retype(const Device& device, const Architecture& a, Role role,
             std::string Architecture::*choice, std::vector<Change>& changes) {
   const MemoryType& now = memory_for(device, a, role);
   for (const MemoryType& type : device.memories) {
     if (&type == &now) continue;
-    Change& change = changes.emplace_back(setting(key_of(role), quoted(type.name)), a);
-    change.architecture.*choice = type.name;
+    add(changes, setting(key_of(role), quoted(type.name)), a).*choice = type.name;
   }
 }
 
@@ -45,13 +50,14 @@ std::vector<Change> changes_of(const Device& device, const Architecture& a,
   retype(device, a, Role::vectors, &Architecture::vector_memory, changes);
   retype(device, a, Role::copies, &Architecture::copies_memory, changes);
   retype(device, a, Role::index, &Architecture::index_memory, changes);
-  if (!a.parity_bits) {
-    changes.emplace_back(setting("parity_bits", "true"), a).architecture.parity_bits = true;
-  }
+  if (!a.parity_bits) add(changes, setting("parity_bits", "true"), a).parity_bits = true;
   for (const MultiplierMode& mode : device.multipliers) {
     if (&mode == &multiplier_mode(device, a)) continue;
-    changes.emplace_back(setting("multiplier_mode", quoted(mode.name)), a)
-        .architecture.multiplier_mode = mode.name;
+    add(changes, setting("multiplier_mode", quoted(mode.name)), a).multiplier_mode = mode.name;
+  }
+  if (!a.several && a.matrix_storage == MatrixStorage::full) {
+    add(changes, setting("matrix_storage", quoted("symmetric")), a).matrix_storage =
+        MatrixStorage::symmetric;
   }
   return changes;
 }

@@ -33,10 +33,12 @@ class Estimate {
       : mode_(multiplier_mode(device, a)), inputs_(device.logic.inputs), a_(a), w_(w), s_(s) {}
 
   std::vector<LogicUse> take() const {
-    return {adder_trees(), operands(),
-            own_words(),   vector_operands(),
-            alignment(),   inner_products(),
-            divider(),     {"sequencer", kSequencerBits, kSequencerBits}};
+    std::vector<LogicUse> all = {adder_trees(), operands(),
+                                 own_words(),   vector_operands(),
+                                 alignment(),   inner_products(),
+                                 divider(),     {"sequencer", kSequencerBits, kSequencerBits}};
+    if (a_.matrix_storage == MatrixStorage::symmetric) all.push_back(transposed_products());
+    return all;
   }
 
  private:
@@ -54,6 +56,19 @@ class Estimate {
     const std::int64_t row = adder_tree_bits(operands, bits) + row_sum_bits(w_, s_.longest_row);
     const std::int64_t all = std::int64_t{a_.partitions} * a_.rows_in_parallel * row;
     return {"adder trees and accumulators", all, all};
+  }
+
+  // The other operand of each multiplier, sums over a node's rows and into the partial sums of
+  // every column, and the partitions' sums added L nodes at a time.
+  LogicUse transposed_products() const {
+    const int sum = row_sum_bits(w_, s_.longest_row);
+    const std::int64_t operands =
+        std::int64_t{a_.rows_in_parallel} * a_.package * w_.vector_bits * choose(2);
+    const std::int64_t column =
+        adder_tree_bits(a_.rows_in_parallel, w_.matrix_bits + w_.vector_bits) + sum;
+    const std::int64_t sums = a_.partitions * a_.package * column;
+    const std::int64_t gathered = components() * adder_tree_bits(a_.partitions, sum);
+    return {"transposed products", a_.partitions * operands + sums + gathered, sums + gathered};
   }
 
   // From the words of a package's nodes to its columns: the first is x, y or z. Half of the words

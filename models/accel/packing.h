@@ -10,7 +10,7 @@ namespace hvp::accel {
 
 // What packages of PL2 columns cost (thesis §5.4), and how even the partitions are (§5.3).
 struct Packing {
-  std::int64_t nonzeros = 0;  // words of the matrix
+  std::int64_t nonzeros = 0;  // words of the matrix that are stored
   std::int64_t stored = 0;    // with the padding of the packages
   Balance balance;            // of the partitions
 

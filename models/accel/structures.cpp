@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "models/accel/symmetric.h"
+
 namespace hvp::accel {
 
 namespace {
@@ -27,7 +29,11 @@ class Engine {
     vectors();
     preconditioner();
     index();
-    results();
+    if (a_.matrix_storage == MatrixStorage::symmetric) {
+      partial_sums();
+    } else {
+      results();
+    }
     return std::move(all_);
   }
 
@@ -98,6 +104,14 @@ class Engine {
       // Six words a node: the blocks are symmetric.
       vector("inverse blocks", kProductBits, 6, Role::preconditioner);
     }
+  }
+
+  // Of every partition, for all nodes, exact; in banks as d.
+  void partial_sums() {
+    all_.push_back({"partial sums of A*d", Role::copies,
+                    std::int64_t{a_.partitions} * 3 * a_.direction_banks,
+                    ceil_div(s_.direction_nodes, a_.direction_banks),
+                    row_sum_bits(w_, s_.longest_row), Access::anywhere, sum_accesses(a_)});
   }
 
   void results() {

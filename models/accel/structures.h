@@ -65,7 +65,8 @@ struct Structure {
 //   d       PL3 copies, or twice as many, each component dealt to banks; four reads a clock or two
 //   x, b, r, q, z, P⁻¹  L memories a component, so that L nodes are read and written in a clock
 //   results rows that a partition has finished and the vector unit not yet taken: exact sums, and
-//           the words of d at that node
+//           the words of d at that node; with symmetric storage the partial sums of every partition
+//           instead
 std::vector<Structure> structures(const Architecture& a, const WordLengths& w, const SystemSize& s);
 
 // Bits of an exact sum of a row: a product and a bit for every doubling of the row's length.

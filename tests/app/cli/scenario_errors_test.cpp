@@ -90,8 +90,7 @@ INSTANTIATE_TEST_SUITE_P(
         InFile{"[reference]", "[host]\ncores = 3", "s.toml:35: host.cores: ", "from 1 to 2"},
         InFile{"[reference]", "[host]\ncontext_switch = \"1 us\"",
                "s.toml:35: host.context_switch: ", "belongs to cores = 1 only"},
-        InFile{"[reference]",
-               "[host]\ncores = 1\n[host.graphics]\nnon_preemptible = \"2 ms\"",
+        InFile{"[reference]", "[host]\ncores = 1\n[host.graphics]\nnon_preemptible = \"2 ms\"",
                "s.toml:37: host.graphics.non_preemptible: ", "at most non_preemptible_every"},
         InFile{"frames = 40", "seed = -1", "s.toml:2: seed: ", "out of range"},
         // Computed: the line has to be found long after the file was read.
@@ -167,6 +166,18 @@ TEST(ScenarioErrors, AnEngineHasNoSeveralDevices) {
   }
 }
 
+TEST(ScenarioErrors, AnEngineHasNoSymmetricStorage) {
+  const ScratchDirectory place;
+  write(place.path() / "s.toml", kSmallScene);
+  for (const char* level : {"approximately-timed", "cycle-accurate"}) {
+    const Ended ended = hvp(place.path(), {"run", "s.toml", "--out", "out", "--set",
+                                           "accelerator.matrix_storage=symmetric", "--set",
+                                           std::string("fidelity.accelerator=") + level});
+    expect_refused(place, ended);
+    EXPECT_THAT(ended.err, HasSubstr(std::string("\"") + level + "\" has no model of symmetric"));
+  }
+}
+
 struct Override {
   std::string set;
   std::string rest;
@@ -201,6 +212,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Override{"bus.traffic.bytes=64",
                                "bus.traffic: needs fidelity.bus = \"approximately-timed\""},
                       Override{"fidelity.numbers=double", "\"fixed\""},
+                      Override{"accelerator.matrix_memory=M9K", "the EP2S60 has auto, M512, M4K"},
+                      Override{"accelerator.multiplier_mode=sums", "the EP2S60 has auto, 18x18"},
                       Override{"accelerator.several.devices=9", "out of range"},
                       Override{"accelerator.several={vectors='unsplit', exchange='halo'}",
                                "\"halo\" contradicts vectors = \"unsplit\""}));
