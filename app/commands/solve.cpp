@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -17,6 +18,7 @@
 #include "app/scenario/message.h"
 #include "app/scenario/reader.h"
 #include "app/solve/system_solve.h"
+#include "models/accel/critical_path.h"
 #include "models/config/input_error.h"
 #include "models/host/reference_run.h"
 #include "models/sparse/matrix_market.h"
@@ -101,6 +103,22 @@ SolveTask task_of(const SolveArguments& a, const scenario::Document& document) {
   return task;
 }
 
+// A system that is too large is solved all the same: then the clock is that of the largest that
+// fits.
+void require_clock(const SolveTask& task, const LinearSystem& system,
+                   const scenario::Document& document) {
+  const accel::Architecture& architecture = task.settings.accelerator;
+  const accel::WordLengths words = accel::word_lengths(task.settings.solver);
+  const accel::Pattern pattern = accel::pattern_of(system.matrix.row_begin);
+  const int nodes =
+      std::min(pattern.nodes(), accel::largest_mesh(task.device, architecture, words, pattern));
+  try {
+    accel::require_clock({task.device, architecture, words, nodes});
+  } catch (const InputError& e) {
+    throw document.complete(InputError("accelerator." + e.key(), e.what()));
+  }
+}
+
 void choose_kernel(const std::string& kernel) {
   if (!kernel.empty()) setenv("HVP_KERNEL", kernel.c_str(), 1);
   check_kernel(kernel.empty() ? "HVP_KERNEL" : "--kernel " + kernel);
@@ -114,6 +132,7 @@ int solve_command(const SolveArguments& arguments) {
   choose_kernel(arguments.kernel);
   const LinearSystem system = read_system(arguments);
   check_solution_file(arguments);
+  require_clock(task, system, document);
   SystemSolution solution;
   try {
     solution = solve_system(system, task);

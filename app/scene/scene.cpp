@@ -9,6 +9,7 @@
 
 #include "app/devices/devices.h"
 #include "app/scene/samples.h"
+#include "models/accel/critical_path.h"
 #include "models/config/input_error.h"
 #include "models/mesh/generate.h"
 
@@ -85,6 +86,8 @@ Scene::Scene(const Scenario& openable, const Scenario& written, accel::Device de
     const auto& matrix = computation_->matrix();
     board_.emplace(s.accelerator, accel::pattern_of(matrix.row_begin, matrix.column));
     require_fit();
+    accel::require_clock({device_, s.accelerator,
+                          accel::word_lengths(computation_->board_settings()), pattern().nodes()});
   });
 
   // A node that is held, by an anchor or by a prescribed displacement, cannot follow the probe.

@@ -39,6 +39,10 @@ void Architecture::declare(config::Visitor& v) {
   v.integer("adder_tree_clocks", adder_tree_clocks, {1, 100},
             {"depth of an adder tree with its accumulator",
              "three ranks for eight products, and the accumulator"});
+  v.boolean("absolute_value_register", absolute_value_register,
+            {"a register between absolute value and multiplier, which are the critical path of "
+             "thesis Fig. 5.10: one clock more in every pipeline",
+             "thesis section 5.5"});
   v.integer("division_clocks", division_clocks, {1, 1000},
             {"clocks of one division of 64-bit scalars; twice as many with 128",
              "assumed: one a bit of a 64-bit quotient, and 4"});

@@ -35,6 +35,8 @@ struct Architecture {
   int memory_read_clocks = 2;
   int multiplier_clocks = 3;
   int adder_tree_clocks = 4;
+  // A register between the absolute value and the multiplier of Fig. 5.10: a clock more.
+  bool absolute_value_register = false;
   int division_clocks = 68;
   int result_queue = 16;  // rows that a partition has finished and the vector unit not yet taken
   DirectionMemory direction_memory = DirectionMemory::double_pumped;
@@ -55,8 +57,10 @@ struct Architecture {
   void declare(config::Visitor& v);
   void check() const;
 
+  // Clocks from the first operand of a phase to its last result.
+  int phase_clocks() const { return pipeline_clocks + (absolute_value_register ? 1 : 0); }
   int vector_clocks() const {
-    return pipeline_clocks - memory_read_clocks - multiplier_clocks - adder_tree_clocks;
+    return phase_clocks() - memory_read_clocks - multiplier_clocks - adder_tree_clocks;
   }
   // Accesses a clock that a bank of d has, and how many of them a write takes.
   int direction_accesses() const { return direction_memory == DirectionMemory::stall ? 2 : 4; }

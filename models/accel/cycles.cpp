@@ -73,8 +73,8 @@ GroupClocks group_clocks(const Architecture& a) {
 // the first is on its way; then their writes keep further groups out, and so on in turn.
 std::int64_t moving_clocks(const Architecture& a, std::int64_t groups) {
   const auto [reading, writing, moving] = group_clocks(a);
-  if (moving == 1) return groups + a.pipeline_clocks;
-  const std::int64_t way = std::max(1, a.pipeline_clocks - a.adder_tree_clocks - 1);
+  if (moving == 1) return groups + a.phase_clocks();
+  const std::int64_t way = std::max(1, a.phase_clocks() - a.adder_tree_clocks - 1);
   const std::int64_t on_the_way = std::min(groups, way / reading);
   const std::int64_t tail = a.adder_tree_clocks + 1;
   if (reading == 1) {
@@ -164,16 +164,16 @@ Passes passes_of(const Architecture& a, int rows, std::int64_t issue_clocks, int
   Passes pass;
   if (a.matrix_storage == MatrixStorage::symmetric) {
     // No row is done before the last package.
-    pass.product = issue_clocks + a.pipeline_clocks + gathering_clocks(a, rows);
+    pass.product = issue_clocks + a.phase_clocks() + gathering_clocks(a, rows);
   } else {
     pass.product =
-        std::max(issue_clocks, collection_clocks(a, rows, issue_clocks)) + a.pipeline_clocks;
+        std::max(issue_clocks, collection_clocks(a, rows, issue_clocks)) + a.phase_clocks();
   }
   const GroupClocks group = group_clocks(a);
   const std::int64_t groups = (vector_nodes + a.nodes_per_clock - 1) / a.nodes_per_clock;
-  pass.vectors = groups + a.pipeline_clocks;
-  pass.reading = groups * group.reading + a.pipeline_clocks;
-  pass.writing = groups * group.writing + a.pipeline_clocks;
+  pass.vectors = groups + a.phase_clocks();
+  pass.reading = groups * group.reading + a.phase_clocks();
+  pass.writing = groups * group.writing + a.phase_clocks();
   pass.moving = moving_clocks(a, groups);
   pass.division = division_clocks(a, work.scalar_bits);
   pass.scaled = work.dynamic_scaling ? pass.vectors : 0;
@@ -212,7 +212,7 @@ std::int64_t node_update_cycles(const Architecture& a, const Pattern& whole, int
   const bool symmetric = a.matrix_storage == MatrixStorage::symmetric;
   Pattern scratch;
   const Pattern& p = stored_pattern(a, whole, scratch);
-  std::int64_t clocks = a.pipeline_clocks;
+  std::int64_t clocks = a.phase_clocks();
   clocks += packages_of(a, p.blocks_in_row[static_cast<std::size_t>(node)]);
   for (const int n : neighbours) {
     // The node's column right of the diagonal stands in its own row.
@@ -223,14 +223,14 @@ std::int64_t node_update_cycles(const Architecture& a, const Pattern& whole, int
 }
 
 std::int64_t node_inverse_cycles(const Architecture& a, Method method) {
-  const std::int64_t adjugate = method == Method::block_jacobi_pcg ? a.pipeline_clocks : 0;
+  const std::int64_t adjugate = method == Method::block_jacobi_pcg ? a.phase_clocks() : 0;
   return adjugate + std::int64_t{divisions_a_node(method)} * a.division_clocks;
 }
 
 std::int64_t load_cycles(const Architecture& a, const Pattern& p, Method method) {
   const int divisions = divisions_a_node(method);
   if (divisions == 0) return 1;
-  return std::int64_t{divisions} * p.nodes() * a.division_clocks + a.pipeline_clocks;
+  return std::int64_t{divisions} * p.nodes() * a.division_clocks + a.phase_clocks();
 }
 
 }  // namespace hvp::accel

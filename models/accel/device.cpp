@@ -109,6 +109,7 @@ void Device::declare(config::Visitor& v) {
   v.list("multiplier", multipliers,
          {"ways to use the multipliers; without accelerator.multiplier_mode the first one"});
   v.list("memory", memories, {"kinds of memory blocks"});
+  v.effect("timing", timing, {"delays of the device's elements; without them no clock is refused"});
 }
 
 void Device::check() const {

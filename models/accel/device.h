@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "models/accel/device_timing.h"
 #include "models/config/declaration.h"
 
 namespace hvp::accel {
@@ -57,6 +59,7 @@ struct Device {
   LogicCells logic;
   std::vector<MultiplierMode> multipliers;  // the first is the one without a choice
   std::vector<MemoryType> memories;
+  std::optional<DeviceTiming> timing;  // without it no clock is refused
 
   // nullptr where the device has none of that name.
   const MemoryType* memory(const std::string& type) const;

@@ -131,7 +131,7 @@ std::int64_t SeveralDevices::direction_exchange(const Passes& pass, const SolveW
   const WritePorts ports = write_ports(architecture_);
   int halo = 0;
   for (const DeviceShare& s : shares_) halo = std::max(halo, s.halo);
-  const auto producing = static_cast<double>(pass.moving - architecture_.pipeline_clocks);
+  const auto producing = static_cast<double>(pass.moving - architecture_.phase_clocks());
   const bool beside = pass.moving > 0 && ports.beside_a_pass > 0;
   const double written_beside = beside ? ports.beside_a_pass * producing : 0;
   const double writing = std::max(0.0, halo - written_beside) / ports.idle;
@@ -145,7 +145,7 @@ std::int64_t SeveralDevices::product_exchange(const Passes& pass, const SolveWor
   const double transfer = links_.exchange(demand_, 3 * fixed::Settings::kProductBits);
   int halo = 0;
   for (const DeviceShare& s : shares_) halo = std::max(halo, s.halo);
-  const auto issue = static_cast<double>(pass.product - architecture_.pipeline_clocks);
+  const auto issue = static_cast<double>(pass.product - architecture_.phase_clocks());
   const double first = issue * architecture_.partitions * devices() / nodes_;
   const double producing = std::max(0.0, issue - first);
   const double writing = static_cast<double>(halo) / architecture_.nodes_per_clock - producing;
@@ -194,7 +194,7 @@ std::int64_t SeveralDevices::node_update(const Pattern& p, int node,
   std::int64_t slowest = 0;
   for (int device = 0; device < devices(); ++device) {
     const bool owner = device_of(node) == device;
-    std::int64_t clocks = architecture_.pipeline_clocks;
+    std::int64_t clocks = architecture_.phase_clocks();
     if (owner) clocks += packages_of(architecture_, p.blocks_in_row[at(node)]);
     for (const int n : neighbours) {
       if (n != node && device_of(n) == device) {

@@ -133,6 +133,7 @@ WordLengths word_lengths(const fixed::Settings& s) {
   w.matrix_bits = s.matrix_bits;
   w.vector_bits = s.vector_bits;
   w.coefficient_bits = s.coefficient_bits;
+  w.scalar_bits = s.scalar_bits;
   w.method = s.method;
   w.dynamic_scaling = s.dynamic_scaling;
   w.extrapolated = s.start == fixed::Start::extrapolated;

@@ -16,6 +16,7 @@ struct WordLengths {
   int matrix_bits = 12;
   int vector_bits = 16;
   int coefficient_bits = 16;
+  int scalar_bits = 64;
   fixed::Method method = fixed::Method::cg;
   bool dynamic_scaling = true;
   bool extrapolated = false;  // the solution before the last one is kept

@@ -90,6 +90,25 @@ std::string memory_table() {
   return table.text();
 }
 
+// Picoseconds, as whole numbers.
+std::string delays_table() {
+  MarkdownTable table({"device", "register", "look-up table", "carry + a bit", "multiplier",
+                       "memory without / with its register", "net", "net of a block", "crowding",
+                       "source"});
+  const auto ps = [](double seconds) { return fmt::format("{:.0f}", seconds * 1e12); };
+  for (const std::string_view name : devices::built_in_names()) {
+    const auto& t = devices::built_in(name).timing;
+    if (!t) continue;
+    table.add({std::string(name), ps(t->clock_to_out_s + t->set_up_s),
+               fmt::format("{}, {} inputs", ps(t->logic_s), t->logic_inputs),
+               fmt::format("{} + {}", ps(t->carry_s), ps(t->carry_bit_s)), ps(t->multiplier_s),
+               fmt::format("{} / {}", ps(t->memory_read_s), ps(t->memory_register_s)),
+               ps(t->routing_s), ps(t->block_routing_s), fmt::format("{:.2f}", t->crowding),
+               t->source});
+  }
+  return table.text();
+}
+
 }  // namespace
 
 std::string devices_page() {
@@ -100,6 +119,11 @@ std::string devices_page() {
       "are signed.\n\n" +
       multiplier_table();
   page += "\n## Memory\n\nPort widths are without parity.\n\n" + memory_table();
+  page +=
+      "\n## Delays\n\nIn ps; what they are is in [critical-path.md](critical-path.md). A register "
+      "is "
+      "clock-to-out and set-up.\n\n" +
+      delays_table();
   page += kOwnDevice;
   return page + scenario::reference_tables(scenario::describe(accel::Device{}));
 }

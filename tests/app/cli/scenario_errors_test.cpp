@@ -103,6 +103,8 @@ INSTANTIATE_TEST_SUITE_P(
                "s.toml:16: object.anchor: ", "nodes are held; expected some that can move"},
         InFile{"nodes = 60", "nodes = 3000",
                "s.toml:24: accelerator.device: ", "the EP2S60 cannot hold this system of "},
+        InFile{"device = \"EP2S60\"", "clock = \"120 MHz\"", "s.toml:24: accelerator.clock: ",
+               "the limit of \"inner product d'(A d)\": register"},
         InFile{"device = \"EP2S60\"", "partitions = 12",
                "s.toml:23: accelerator.device: ", "multipliers of 144"}));
 

@@ -93,6 +93,8 @@ TEST(SolveErrors, OfSettings) {
       {{"--set", "solver.start=warm"}, "there is no earlier solution to start from"},
       {{"--set", "solver.vector_bits=12", "--set", "solver.headroom_bits=7"},
        "--set solver.headroom_bits=7: 7 free bits leave fewer"},
+      {{"--set", "accelerator.clock=120 MHz"},
+       "--set accelerator.clock=120 MHz: 120.0 MHz is beyond what the EP2S60 reaches"},
       {{"--set", "object.mesh.nodes=3"}, "unknown key; the scenario has solver"},
       {{"--set", "solver"}, "expected KEY=VALUE"},
       {{"--set", "refinement.passes=0"}, "out of range"},

@@ -20,7 +20,7 @@ void require_supported(const accel::Architecture& architecture) {
                    std::to_string(architecture.pipeline_clocks) +
                        " clocks leave the vector unit none beside memory_read_clocks, "
                        "multiplier_clocks and adder_tree_clocks, which are " +
-                       std::to_string(architecture.pipeline_clocks - architecture.vector_clocks()));
+                       std::to_string(architecture.phase_clocks() - architecture.vector_clocks()));
 }
 
 void require_supported(const fixed::Settings& settings) {

@@ -53,7 +53,7 @@ void MatrixEditor::invert_all(fixed::Method method) {
   next_visit_ = 0;
   drain_ = divisions == 0
                ? 1
-               : divisions * architecture_.division_clocks + architecture_.pipeline_clocks;
+               : divisions * architecture_.division_clocks + architecture_.phase_clocks();
   edges_ = drain_;
   busy_ = true;
 }
@@ -86,9 +86,9 @@ void MatrixEditor::begin(int node, fixed::Method method) {
       if (neighbour != node) list(neighbour);
     }
   }
-  drain_ = architecture_.pipeline_clocks +
+  drain_ = architecture_.phase_clocks() +
            std::int64_t{divisions_a_node(method)} * architecture_.division_clocks;
-  if (method == fixed::Method::block_jacobi_pcg) drain_ += architecture_.pipeline_clocks;
+  if (method == fixed::Method::block_jacobi_pcg) drain_ += architecture_.phase_clocks();
   edges_ = static_cast<std::int64_t>(visits_.size()) + drain_;
   busy_ = true;
 }

@@ -100,7 +100,7 @@ std::int64_t pass_clocks(const accel::Architecture& architecture, int nodes, boo
     const int count = std::min(lanes, nodes - first);
     return each * ((count + architecture.direction_banks - 1) / architecture.direction_banks);
   };
-  const int to_write = architecture.pipeline_clocks - architecture.adder_tree_clocks - 1;
+  const int to_write = architecture.phase_clocks() - architecture.adder_tree_clocks - 1;
   std::deque<std::int64_t> entered;  // moves of the lanes at which groups entered, to be written
   int next = 0;
   int next_written = 0;
@@ -109,7 +109,7 @@ std::int64_t pass_clocks(const accel::Architecture& architecture, int nodes, boo
   std::int64_t moves = 0;
   std::int64_t last_entered = 0;
   std::int64_t clock = 0;
-  while (next < nodes || moves < last_entered + architecture.pipeline_clocks - 1) {
+  while (next < nodes || moves < last_entered + architecture.phase_clocks() - 1) {
     ++clock;
     int free = ports;
     const int written = std::min(free, writing);

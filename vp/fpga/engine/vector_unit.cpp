@@ -28,7 +28,7 @@ VectorUnit::VectorUnit(const sc_core::sc_module_name& name, const accel::Archite
       architecture_(architecture),
       clock_(clock),
       blocks_(blocks),
-      ranks_(architecture.pipeline_clocks),
+      ranks_(architecture.phase_clocks()),
       group_(ranks_.size()),
       lane_(ranks_.size() * at(architecture.nodes_per_clock)),
       back_ranks_(architecture.vector_clocks()),
@@ -139,7 +139,7 @@ void VectorUnit::move_lanes() {
   const int read_age = architecture_.memory_read_clocks;
   const int multiplied_age = read_age + architecture_.multiplier_clocks;
   const int written_age = multiplied_age + architecture_.vector_clocks() - 1;
-  const int summed_age = architecture_.pipeline_clocks - 1;
+  const int summed_age = architecture_.phase_clocks() - 1;
 
   ranks_.advance();
   const std::size_t written = ranks_.slot(written_age);

@@ -1,0 +1,251 @@
+#include "models/accel/engine_paths.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "models/accel/memory_blocks.h"
+#include "models/accel/multipliers.h"
+#include "models/accel/path_builder.h"
+#include "models/accel/vector_stages.h"
+
+namespace hvp::accel {
+
+namespace {
+
+constexpr int kProductBits = fixed::Settings::kProductBits;
+// Vectors and tables that the host reads beside the matrix memories.
+constexpr int kHostMemories = 12;
+constexpr int kHostAddressBits = 20;
+
+int ceil_div(int a, int b) { return (a + b - 1) / b; }
+// Levels of a tree that adds so many words in pairs.
+int tree_levels(int words) {
+  return std::bit_width(static_cast<unsigned>(std::max(words, 1)) - 1U);
+}
+
+// The part of the device's multipliers that is in use.
+double multiplier_fill(const Device& device, const Architecture& a, const WordLengths& w) {
+  const int count = multiplier_mode(device, a).count;
+  return count > 0 ? static_cast<double>(multipliers(device, a, w)) / count : 0;
+}
+
+class EnginePaths {
+ public:
+  EnginePaths(const Clocking& c, const std::function<void(const Path&)>& take)
+      : device_(c.device),
+        a_(c.architecture),
+        w_(c.words),
+        nodes_(std::max(c.nodes, 2)),
+        take_(take),
+        multiplier_(multiplier_mode(c.device, c.architecture)),
+        path_(*c.device.timing, multiplier_fill(c.device, c.architecture, c.words)) {}
+
+  void all() {
+    issue();
+    read_direction();
+    multiply();
+    add();
+    collect();
+    vector_unit();
+    divide();
+    host();
+    block_limits();
+  }
+
+ private:
+  // The counters of rows decide whether the next package is issued, which is the address of the
+  // index memory at once.
+  void issue() {
+    const int row_bits = std::bit_width(static_cast<unsigned>(nodes_));
+    take_(path_.begin("issue of a package")
+              .from_register()
+              .adder(row_bits)
+              .gates(row_bits)
+              .multiplexer(2)
+              .to_memory());
+  }
+
+  // Index memory -> address of d -> word of d.
+  void read_direction() {
+    const bool pumped = a_.direction_memory == DirectionMemory::double_pumped;
+    path_.begin("index to the address of d").from_memory(output_register());
+    if (a_.direction_banks > 1) path_.multiplexer(a_.package);
+    take_(path_.to_register());
+    path_.begin("address into the memory of d");
+    if (pumped) path_.twice_a_clock();
+    path_.from_register();
+    if (pumped) path_.multiplexer(2);
+    take_(path_.to_memory());
+    if (!pumped) return;
+    take_(path_.begin("word out of the memory of d")
+              .twice_a_clock()
+              .from_memory(output_register())
+              .to_register());
+  }
+
+  void multiply() {
+    const int bits = std::max(w_.matrix_bits, w_.vector_bits);
+    path_.begin("matrix word to its multiplier").from_memory(output_register());
+    into_multiplier(bits);
+    // A column's word is that of a bank and block, and of one of three components.
+    path_.begin("word of d to its multiplier").from_memory(output_register());
+    deep_memory(Role::copies, a_.direction_banks);
+    path_.multiplexer(3);
+    into_multiplier(bits);
+    // Sign and magnitude, as in Fig. 5.10, but into the multiplier's own register.
+    path_.begin("vector word to its multiplier").from_memory(output_register());
+    deep_memory(Role::vectors, 1);
+    path_.absolute_value(magnitude_bits(multiplier_, w_));
+    into_multiplier(magnitude_bits(multiplier_, w_));
+    if (a_.multiplier_clocks == 2) {
+      take_(path_.begin("multiplier").multiplier_alone(bits).to_multiplier_output());
+    }
+  }
+
+  // Adder trees of the sub-blocks and of the vector unit's inner products. Parts of a product that
+  // is wider than a multiplier are added first.
+  void add() {
+    const int bits = w_.matrix_bits + w_.vector_bits;
+    const int parts = multipliers_a_product(multiplier_, w_.matrix_bits, w_.vector_bits);
+    const int levels = tree_levels(parts) + tree_levels(a_.package);
+    const int sum_bits = bits + kRowGrowthBits;
+    tree("adder tree of a row", levels, bits, sum_bits, true);
+    tree("sum over the lanes", tree_levels(3 * a_.nodes_per_clock), kProductBits + w_.vector_bits,
+         w_.scalar_bits, false);
+  }
+
+  // A tree over its ranks, and the accumulator behind it, which goes into a memory or a register.
+  void tree(std::string_view name, int levels, int bits, int sum_bits, bool into_memory) {
+    const int spare = std::max(0, a_.multiplier_clocks - 3);
+    const int ranks = a_.adder_tree_clocks - 1 + (into_memory ? spare : 0);
+    const int together = ranks > 0 ? ceil_div(levels, ranks) : levels;
+    const auto adders = [&](int first, int count) {
+      for (int i = 0; i < count; ++i) path_.adder(bits + first + i);
+    };
+    if (ranks > 0 && levels > 0) {
+      path_.begin(name);
+      into_memory ? path_.from_multiplier_register() : path_.from_register();
+      adders(1, together);
+      take_(path_.to_register());
+      path_.begin(name).from_register();
+      adders(levels - together + 1, together);
+      take_(path_.to_register());
+    }
+    path_.begin(into_memory ? "accumulator of a row" : "accumulator of an inner product");
+    path_.from_register();
+    if (ranks <= 0) adders(1, levels);
+    path_.adder(sum_bits);
+    take_(into_memory ? path_.to_memory() : path_.to_register());
+  }
+
+  // Rows from the partitions' result memories.
+  void collect() {
+    const int row_bits = std::bit_width(static_cast<unsigned>(nodes_));
+    take_(path_.begin("row out of the result memories")
+              .from_memory(true)
+              .multiplexer(a_.partitions)
+              .to_register());
+    take_(path_.begin("choice of a result memory")
+              .from_register()
+              .gates(2 * row_bits)
+              .gates(a_.partitions * a_.nodes_per_clock)
+              .adder(row_bits)
+              .to_register());
+  }
+
+  void vector_unit() {
+    const int ranks = std::max(1, a_.vector_clocks());
+    for (const VectorStages& stages :
+         {product_stages(a_, w_, multiplier_), update_stages(a_, w_, multiplier_)}) {
+      each_rank(stages, ranks, path_, take_);
+    }
+    // Dynamic scaling keeps the largest magnitude of what is written.
+    take_(path_.begin("magnitude of a written word")
+              .from_register()
+              .absolute_value(kProductBits)
+              .to_register());
+    take_(
+        path_.begin("largest written word").from_register().comparator(kProductBits).to_register());
+  }
+
+  // Shift and subtract. 128-bit scalars take twice the clocks; of these, 4 are not steps.
+  void divide() {
+    const int steps = std::max(1, a_.division_clocks * ceil_div(w_.scalar_bits, 64) - 4);
+    const int bits_a_clock = ceil_div(w_.scalar_bits, steps);
+    path_.begin("step of a division").from_register();
+    for (int i = 0; i < bits_a_clock; ++i) path_.comparator(w_.scalar_bits);
+    take_(path_.to_register());
+    take_(path_.begin("quotient to mantissa and shift")
+              .from_register()
+              .shifter(w_.scalar_bits)
+              .to_register());
+  }
+
+  void host() {
+    take_(path_.begin("host writes a memory")
+              .from_register()
+              .gates(kHostAddressBits)
+              .multiplexer(2)
+              .to_memory());
+    take_(path_.begin("host reads a memory")
+              .from_memory(output_register())
+              .multiplexer(a_.rows_in_parallel * a_.partitions + kHostMemories)
+              .to_register());
+  }
+
+  void block_limits() {
+    if (a_.multiplier_clocks >= 2) {
+      take_(path_.begin("multiplier block").block(multiplier_.clock_hz));
+    }
+    memory_limit("memory block of d", Role::copies);
+    memory_limit("memory block of the matrix", Role::matrix);
+    memory_limit("memory block of the index", Role::index);
+    memory_limit("memory block of a vector", Role::vectors);
+    memory_limit("memory block of the results", Role::queue);
+  }
+
+  void memory_limit(std::string_view name, Role role) {
+    path_.begin(name);
+    const bool pumped = a_.direction_memory == DirectionMemory::double_pumped;
+    if (role == Role::copies && pumped) path_.twice_a_clock();
+    take_(path_.block(memory_for(device_, a_, role).clock_hz));
+  }
+
+  bool output_register() const { return a_.memory_read_clocks >= 2; }
+
+  // Blocks of a component's memory are chosen from; a third clock of reading is a register there.
+  void deep_memory(Role role, int banks) {
+    const MemoryType& memory = memory_for(device_, a_, role);
+    const int width = memory.two_port_bits > 0 ? memory.two_port_bits : memory.read_write_bits;
+    const int words = std::max(1, memory.bits / width);
+    path_.multiplexer(banks * ceil_div(ceil_div(nodes_, banks), words));
+    if (a_.memory_read_clocks < 3) return;
+    const std::string_view name = path_.name();
+    take_(path_.to_register());
+    path_.begin(name).from_register();
+  }
+
+  void into_multiplier(int bits) {
+    if (a_.multiplier_clocks >= 2) {
+      take_(path_.to_multiplier());
+    } else {
+      take_(path_.multiplier(bits).to_multiplier_output());
+    }
+  }
+
+  const Device& device_;
+  const Architecture& a_;
+  const WordLengths& w_;
+  int nodes_;
+  const std::function<void(const Path&)>& take_;
+  const MultiplierMode& multiplier_;
+  PathBuilder path_;
+};
+
+}  // namespace
+
+void each_path(const Clocking& c, const std::function<void(const Path&)>& take) {
+  EnginePaths(c, take).all();
+}
+
+}  // namespace hvp::accel

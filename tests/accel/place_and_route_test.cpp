@@ -1,0 +1,139 @@
+// Delays against place-and-route of ECP5: studies/critical_path.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "app/devices/devices.h"
+#include "models/accel/path_builder.h"
+
+namespace hvp::accel {
+namespace {
+
+struct Measured {
+  std::string design;
+  std::string device;
+  bool fits = false;   // the elements were fitted to it
+  double fill = 0;     // part of the device's multipliers that it uses
+  double path_ns = 0;  // median over the seeds
+};
+
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  const std::size_t n = values.size();
+  return n % 2 == 1 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2;
+}
+
+// Speed grade 6 of measured.csv.
+std::vector<Measured> measured() {
+  std::ifstream file(HVP_SOURCE_DIR "/studies/critical_path/measured.csv");
+  std::string line;
+  std::getline(file, line);
+  EXPECT_EQ(line, "design,device,grade,seed,set,path_ns,logic_ns,routing_ns,multipliers_used");
+  std::map<std::pair<std::string, std::string>, std::pair<Measured, std::vector<double>>> found;
+  while (std::getline(file, line)) {
+    std::istringstream cells(line);
+    std::vector<std::string> c;
+    for (std::string cell; std::getline(cells, cell, ',');) c.push_back(cell);
+    if (c[2] != "6") continue;
+    auto& [m, paths] = found[{c[0], c[1]}];
+    m = {c[0], c[1], c[4] == "fit", std::stod(c[8]), 0};
+    paths.push_back(std::stod(c[5]));
+  }
+  std::vector<Measured> result;
+  for (auto& [key, entry] : found) {
+    entry.first.path_ns = median(entry.second);
+    result.push_back(entry.first);
+  }
+  return result;
+}
+
+// The longest path of a design of designs.py, laid with the elements of the engine's paths.
+const Path& build(PathBuilder& b, const std::string& design) {
+  int n = 0;
+  int m = 0;
+  char kind[16] = {};
+  const char* const d = design.c_str();
+  b.begin("measured");
+  if (std::sscanf(d, "absolute_value_%d", &n) == 1) {
+    return b.from_register().absolute_value(n).to_register();
+  }
+  if (std::sscanf(d, "adder_tree_%dx%d", &n, &m) == 2) {
+    b.from_register();
+    for (int words = n, bits = m + 1; words > 1; words /= 2, ++bits) b.adder(bits);
+    return b.to_register();
+  }
+  if (std::sscanf(d, "adder_%d", &n) == 1) return b.from_register().adder(n).to_register();
+  if (std::sscanf(d, "selector_%dx", &n) == 1) {
+    return b.from_register().multiplexer(n).to_register();
+  }
+  if (std::sscanf(d, "barrel_shifter_%d", &n) == 1) {
+    return b.from_register().shifter(n).to_register();
+  }
+  if (std::sscanf(d, "comparator_%d", &n) == 1 || std::sscanf(d, "divider_step_%d", &n) == 1) {
+    return b.from_register().comparator(n).to_register();
+  }
+  if (std::sscanf(d, "wide_product_%dx", &n) == 1) {
+    return b.from_register().multiplier(16).adder(n).to_register();
+  }
+  if (std::sscanf(d, "registered_multiplier_%d", &n) == 1 ||
+      std::sscanf(d, "pipelined_multiplier_%d", &n) == 1) {
+    return b.from_multiplier_register().to_register();
+  }
+  if (std::sscanf(d, "multiplier_%d", &n) == 1 ||
+      std::sscanf(d, "multiply_accumulate_%dx", &n) == 1 ||
+      std::sscanf(d, "critical_path_with_register_%dx", &n) == 1) {
+    return b.from_register().multiplier(n).to_register();
+  }
+  if (std::sscanf(d, "critical_path_%dx", &n) == 1) {
+    return b.from_register().multiplexer(2).absolute_value(n).multiplier(n).to_register();
+  }
+  if (std::sscanf(d, "memory_%15[a-z]_%d", kind, &n) == 2) {
+    const std::string what = kind;
+    if (what == "address") return b.from_register().multiplexer(2).to_memory();
+    b.from_memory(what == "output");
+    if (what == "operand") b.multiplexer(2);
+    if (what == "adder") b.adder(n);
+    return b.to_register();
+  }
+  ADD_FAILURE() << "no path for " << design;
+  return b.from_register().to_register();
+}
+
+double built_ns(const Measured& m) {
+  const Device& device = devices::built_in("LFE5U-25F");
+  PathBuilder b(*device.timing, m.fill);
+  return build(b, m.design).delay_s() * 1e9;
+}
+
+// docs/critical-path.md states these errors.
+TEST(PlaceAndRoute, DesignsThatWereNotFittedAreWithinTheStatedError) {
+  double sum = 0;
+  int checked = 0;
+  for (const Measured& m : measured()) {
+    if (m.fits) continue;
+    const double error = built_ns(m) / m.path_ns - 1;
+    EXPECT_LT(std::abs(error), 0.15) << m.design << " on " << m.device << ": " << m.path_ns
+                                     << " ns measured, " << built_ns(m) << " ns";
+    sum += std::abs(error);
+    ++checked;
+  }
+  ASSERT_GE(checked, 12);
+  EXPECT_LT(sum / checked, 0.08);
+}
+
+// Facts of an independent run: the path of Fig. 5.10 on ECP5-25, speed grade 6, 96.6 MHz.
+TEST(PlaceAndRoute, AnIndependentRunOfFigure510) {
+  const double path = built_ns({"critical_path_16x1", "25k", false, 1.0 / 28, 0});
+  EXPECT_NEAR(1e3 / path, 96.6, 0.12 * 96.6);
+}
+
+}  // namespace
+}  // namespace hvp::accel
