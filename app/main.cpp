@@ -17,6 +17,8 @@
 namespace {
 
 using hvp::app::describe_usage_error;
+using hvp::app::device_command;
+using hvp::app::DeviceArguments;
 using hvp::app::end_progress;
 using hvp::app::explain_command;
 using hvp::app::export_command;
@@ -82,6 +84,14 @@ int parse_and_run(int argc, char** argv) {
   command = app.add_subcommand("explain", "what a scenario builds, how finely, and what it costs");
   scenario_arguments(*command, explain);
   command->callback([&] { status = explain_command(explain); });
+
+  DeviceArguments device;
+  command = app.add_subcommand(
+      "device",
+      "the accelerator of a scenario: cycles, critical path, memory, largest mesh, what if");
+  scenario_arguments(*command, device);
+  command->add_flag("--json", device.json, "as one JSON object");
+  command->callback([&] { status = device_command(device); });
 
   SolveArguments solve;
   command = app.add_subcommand("solve",

@@ -4,6 +4,7 @@
 #include <exception>
 #include <string>
 
+#include "tables/accelerator/page.h"
 #include "tables/buses/page.h"
 #include "tables/devices/page.h"
 #include "tables/hard_cases/page.h"
@@ -22,6 +23,8 @@ int run(int argc, char** argv) {
   bool csv = false;
   thesis->add_flag("--csv", csv, "the errors alone, one line each, to plot");
   const CLI::App* hard = app.add_subcommand("hard-cases", "the hard cases and their remedies");
+  const CLI::App* accelerator =
+      app.add_subcommand("accelerator", "Tables 5.1, 6.1, 6.2 and 6.4 of the thesis");
   const CLI::App* devices = app.add_subcommand("devices", "the FPGAs that a scenario can name");
   const CLI::App* buses = app.add_subcommand("buses", "what links carry and transfers cost");
   const CLI::App* partitions =
@@ -30,6 +33,7 @@ int run(int argc, char** argv) {
       app.add_subcommand("pc", "Table 6.3 with this machine's row, measured in about a second");
   CLI11_PARSE(app, argc, argv);
   if (thesis->parsed()) print(csv ? hvp::tables::thesis_csv() : hvp::tables::thesis_page());
+  if (accelerator->parsed()) print(hvp::tables::accelerator_page());
   if (devices->parsed()) print(hvp::tables::devices_page());
   if (buses->parsed()) print(hvp::tables::buses_page());
   if (partitions->parsed()) print(hvp::tables::partitions_page());

@@ -27,6 +27,12 @@ int run_command(const RunArguments& arguments);
 
 int explain_command(const ScenarioArguments& arguments);
 
+struct DeviceArguments : ScenarioArguments {
+  bool json = false;
+};
+// Exit status 1 where the system does not fit its device or the clock is not reached.
+int device_command(const DeviceArguments& arguments);
+
 struct ExportArguments : ScenarioArguments {
   std::filesystem::path out;
 };
@@ -66,7 +72,8 @@ struct LoadedScenario {
 LoadedScenario load(const ScenarioArguments& arguments);
 
 // The scenario's system; what it throws names the line of the scenario.
-Scene build_scene(const LoadedScenario& loaded, const Progress& progress);
+Scene build_scene(const LoadedScenario& loaded, const Progress& progress,
+                  Scene::Limits limits = Scene::Limits::refused);
 
 // Throws InputError that begins with `chosen_by` where HVP_KERNEL names no kernel of this machine.
 void check_kernel(const std::string& chosen_by);

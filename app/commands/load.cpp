@@ -25,9 +25,9 @@ LoadedScenario load(const ScenarioArguments& arguments) {
   return loaded;
 }
 
-Scene build_scene(const LoadedScenario& loaded, const Progress& progress) {
+Scene build_scene(const LoadedScenario& loaded, const Progress& progress, Scene::Limits limits) {
   try {
-    return {loaded.openable, loaded.scenario, loaded.device, progress};
+    return {loaded.openable, loaded.scenario, loaded.device, progress, limits};
   } catch (const InputError& e) {
     throw loaded.document.complete(e);
   }

@@ -72,7 +72,7 @@ std::unique_ptr<fem::Body> make_body(const Scenario& s, const Progress& progress
 }
 
 Scene::Scene(const Scenario& openable, const Scenario& written, accel::Device device,
-             const Progress& progress)
+             const Progress& progress, Limits limits)
     : scenario_(written), device_(std::move(device)), body_(make_body(openable, progress)) {
   load_samples(scenario_.host.jitter, openable.host.jitter, "host.jitter");
   load_samples(scenario_.host.wake_up, openable.host.wake_up, "host.wake_up");
@@ -85,9 +85,11 @@ Scene::Scene(const Scenario& openable, const Scenario& written, accel::Device de
   within("accelerator", [&] {
     const auto& matrix = computation_->matrix();
     board_.emplace(s.accelerator, accel::pattern_of(matrix.row_begin, matrix.column));
+    const accel::WordLengths words = accel::word_lengths(computation_->board_settings());
+    usage_ = accel::board_usage(device_, s.accelerator, words, *board_);
+    if (limits == Limits::reported) return;
     require_fit();
-    accel::require_clock({device_, s.accelerator,
-                          accel::word_lengths(computation_->board_settings()), pattern().nodes()});
+    accel::require_clock({device_, s.accelerator, words, pattern().nodes()});
   });
 
   // A node that is held, by an anchor or by a prescribed displacement, cannot follow the probe.
@@ -105,10 +107,9 @@ Scene::Scene(const Scenario& openable, const Scenario& written, accel::Device de
   locking_ = fem::measure_locking(body_->mesh(), s.object.material);
 }
 
-void Scene::require_fit() {
-  const accel::WordLengths words = accel::word_lengths(computation_->board_settings());
-  usage_ = accel::board_usage(device_, scenario_.accelerator, words, *board_);
+void Scene::require_fit() const {
   if (usage_.fits()) return;
+  const accel::WordLengths words = accel::word_lengths(computation_->board_settings());
   // The device counts the nodes of the system; a scenario states those of the mesh.
   accel::require_board_fit(device_, scenario_.accelerator, words, *board_, devices::all_built_in(),
                            static_cast<int>(quality_.nodes));

@@ -21,14 +21,17 @@ namespace hvp::app {
 using Progress = std::function<void(std::string_view)>;
 
 // A scenario with its mathematics done: the body is meshed and assembled, its matrix is in words
-// and is known to fit the device.
+// and is known to fit the device unless Limits::reported was asked for.
 class Scene {
  public:
+  // What becomes of a system that the device cannot hold, or a clock that it does not reach.
+  enum class Limits { refused, reported };
+
   // `openable` has file paths that can be opened, `written` those of the scenario's text, which
   // results repeat; `device` is what accelerator.device names. Throws InputError with the full key
   // of what is to blame.
   Scene(const Scenario& openable, const Scenario& written, accel::Device device,
-        const Progress& progress = {});
+        const Progress& progress = {}, Limits limits = Limits::refused);
 
   const Scenario& scenario() const { return scenario_; }
   const fem::Body& body() const { return *body_; }
@@ -50,7 +53,7 @@ class Scene {
   const std::optional<fem::Locking>& locking() const { return locking_; }
 
  private:
-  void require_fit();
+  void require_fit() const;
 
   Scenario scenario_;
   accel::Device device_;

@@ -48,7 +48,7 @@ int symmetric_package_clocks(const Architecture& a, int direct, int most) {
 std::int64_t gathering_clocks(const Architecture& a, int nodes) {
   const std::int64_t in_a_bank = ceil_div(a.nodes_per_clock, a.direction_banks);
   return ceil_div(nodes, a.nodes_per_clock) * ceil_div(2 * in_a_bank, sum_accesses(a)) +
-         a.pipeline_clocks;
+         a.phase_clocks();
 }
 
 }  // namespace hvp::accel

@@ -98,6 +98,8 @@ std::vector<Variation> variations(const Design& design) {
            {{"double-pumped", DirectionMemory::double_pumped},
             {"two-copies", DirectionMemory::two_copies},
             {"stall", DirectionMemory::stall}});
+  c.choice("matrix_storage", &Architecture::matrix_storage,
+           {{"full", MatrixStorage::full}, {"symmetric", MatrixStorage::symmetric}});
   c.number("direction_banks", &Architecture::direction_banks, 64, {2 * a.direction_banks});
   c.rule("method", &fixed::Settings::method,
          {{"cg", Method::cg},

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+
+#include "app/design/design_figures.h"
+
+namespace hvp::results {
+
+// What `hvp device --json` prints: one JSON object, docs/device-report.md.
+std::string design_json(const app::Scene& scene, const app::DesignFigures& figures);
+
+}  // namespace hvp::results

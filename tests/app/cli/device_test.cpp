@@ -1,0 +1,130 @@
+#include <nlohmann/json.hpp>
+
+#include <gmock/gmock.h>
+
+#include "tests/app/cli/program.h"
+#include "tests/app/scratch_directory.h"
+
+// `hvp device`: the accelerator of a scenario.
+namespace hvp::cli {
+namespace {
+
+using nlohmann::json;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class Device : public testing::Test {
+ protected:
+  void SetUp() override { write(place_.path() / "s.toml", kSmallScene); }
+
+  Ended device(std::vector<std::string> further) const {
+    further.insert(further.begin(), {"device", "s.toml"});
+    return hvp(place_.path(), further);
+  }
+  json figures(std::vector<std::string> further, int status = 0) const {
+    further.emplace_back("--json");
+    const Ended ended = device(further);
+    EXPECT_EQ(ended.status, status) << ended.err;
+    return json::parse(ended.out);
+  }
+
+  const ScratchDirectory place_;
+};
+
+int used(const json& j, const std::string& type) {
+  for (const json& r : j["resources"]) {
+    if (r["type"] == type) return r["used"];
+  }
+  return -1;
+}
+
+TEST_F(Device, ShowsWhatAnArchitectAsksForAndWritesNothing) {
+  const Ended ended = device({});
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  for (const char* word :
+       {"Clocks of a solve", "Critical path", "inner product", "M4K", "multipliers", "GOPS",
+        "largest", "Hz", "If one number changes", "accelerator.partitions 5 -> 6"}) {
+    EXPECT_THAT(ended.out, HasSubstr(word));
+  }
+  EXPECT_THAT(names(place_.path()), ElementsAre("s.toml"));
+}
+
+TEST_F(Device, SaysTheSameInJson) {
+  const json j = figures({});
+  EXPECT_EQ(j["device"]["name"], "EP2S60");
+  EXPECT_TRUE(j["fits"]);
+  const json& c = j["cycles"];
+  EXPECT_EQ(c["iteration"], c["sparse_product"].get<int>() + c["update"].get<int>() +
+                                c["direction"].get<int>() + c["divisions"].get<int>());
+  EXPECT_EQ(c["solve"],
+            c["setup"].get<int>() + c["iterations"].get<int>() * c["iteration"].get<int>());
+  EXPECT_DOUBLE_EQ(j["operations_per_s"]["thesis"], 18e9);
+  EXPECT_LT(j["operations_per_s"]["product"], j["operations_per_s"]["peak"]);
+}
+
+TEST_F(Device, SortsThePathsByTheirLength) {
+  const json clock = figures({})["clock"];
+  ASSERT_GE(clock["paths"].size(), 2U);
+  const double longest = clock["paths"][0]["period_ns"];
+  EXPECT_NEAR(1e9 / longest, clock["highest_hz"].get<double>(), 1e-3);
+  for (std::size_t i = 1; i < clock["paths"].size(); ++i) {
+    EXPECT_LE(clock["paths"][i]["period_ns"], clock["paths"][i - 1]["period_ns"]);
+  }
+}
+
+// What a line says is what the scenario with that key gives.
+TEST_F(Device, WhatIfIsWhatTheChangedScenarioSays) {
+  const json j = figures({});
+  int tried = 0;
+  for (const json& change : j["what_if"]) {
+    const std::string key = change["key"];
+    if (key != "accelerator.partitions" && key != "accelerator.nodes_per_clock" &&
+        key != "solver.method") {
+      continue;
+    }
+    const bool held = change["fits"].get<bool>() &&
+                      change["highest_hz"].get<double>() >= j["clock"]["hz"].get<double>();
+    const json changed =
+        figures({"--set", key + "=" + change["to"].get<std::string>()}, held ? 0 : 1);
+    EXPECT_EQ(changed["cycles"]["solve"], change["solve_cycles"]) << key << change["to"];
+    EXPECT_EQ(changed["clock"]["highest_hz"], change["highest_hz"]) << key << change["to"];
+    EXPECT_EQ(changed["fits"], change["fits"]) << key << change["to"];
+    ++tried;
+  }
+  EXPECT_GE(tried, 8);
+}
+
+TEST_F(Device, LargestMeshFitsAndOneMoreNodeWouldNot) {
+  const json j = figures({});
+  const int nodes = j["largest_mesh"]["nodes"];
+  EXPECT_GT(nodes, j["mesh"]["nodes"].get<int>());
+  EXPECT_GT(j["mesh"]["solve_rate_hz"], j["largest_mesh"]["solve_rate_hz"]);
+  EXPECT_GT(j["mesh"]["solve_rate_hz"], j["mesh"]["frame_rate_hz"]);
+}
+
+TEST_F(Device, ShowsADesignThatDoesNotFitAndEndsWithOne) {
+  const json j = figures({"--set", "accelerator.partitions=12"}, 1);
+  EXPECT_FALSE(j["fits"]);
+  EXPECT_GT(used(j, "multipliers"), 144);
+  const Ended ended = device({"--set", "accelerator.partitions=12"});
+  EXPECT_EQ(ended.status, 1);
+  EXPECT_THAT(ended.out, HasSubstr("DOES NOT FIT"));
+  // A run of it is refused.
+  EXPECT_EQ(hvp(place_.path(), {"run", "s.toml", "--set", "accelerator.partitions=12"}).status, 2);
+}
+
+TEST_F(Device, ShowsAClockThatIsNotReachedAndEndsWithOne) {
+  const json j = figures({"--set", "accelerator.clock=150 MHz"}, 1);
+  EXPECT_FALSE(j["clock"]["reached"]);
+  EXPECT_THAT(device({"--set", "accelerator.clock=150 MHz"}).out, HasSubstr("TOO FAST"));
+}
+
+TEST_F(Device, RefusesAWrongScenarioAsEveryCommandDoes) {
+  const Ended ended = device({"--set", "accelerator.partition=5"});
+  EXPECT_EQ(ended.status, 2);
+  EXPECT_THAT(ended.err, HasSubstr("accelerator.partitions"));
+  EXPECT_EQ(lines(ended.err).size(), 1U);
+}
+
+}  // namespace
+}  // namespace hvp::cli
