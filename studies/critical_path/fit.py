@@ -1,10 +1,11 @@
 """Element delays of ECP5: least squares over half of `measured.csv`, checked on the rest.
 
-Writes `elements.csv`, what devices/LFE5U-*.toml have, and prints the error of each design. Logic
+Prints the error of each design; `--write` renews `elements.csv`, what devices/LFE5U-*.toml have. Logic
 and nets are fitted apart, since the reports tell them apart; nets of full devices give the
 crowding.
 """
 
+import argparse
 import csv
 import statistics
 from collections import defaultdict
@@ -121,6 +122,9 @@ def predict(elements: dict[str, float], m: Measured) -> float:
 
 def main() -> None:
     """Fits, checks, writes."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--write", action="store_true", help="write elements.csv")
+    write = parser.parse_args().write
     measured = read()
     elements = fit(measured)
     fast = [(m.path, predict(elements, m)) for m in measured if m.fits and m.grade == FAST]
@@ -141,6 +145,8 @@ def main() -> None:
     for kind, values in errors.items():
         mean = statistics.mean(abs(value) for value in values)
         print(f"{kind}: mean {mean:.1f} %, largest {max(values, key=abs):+.1f} %")
+    if not write:
+        return
     with (HERE / "elements.csv").open("w", newline="") as stream:
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(["element", "ns"])

@@ -120,19 +120,59 @@ TEST(PlaceAndRoute, DesignsThatWereNotFittedAreWithinTheStatedError) {
   for (const Measured& m : measured()) {
     if (m.fits) continue;
     const double error = built_ns(m) / m.path_ns - 1;
-    EXPECT_LT(std::abs(error), 0.15) << m.design << " on " << m.device << ": " << m.path_ns
+    EXPECT_LT(std::abs(error), 0.12) << m.design << " on " << m.device << ": " << m.path_ns
                                      << " ns measured, " << built_ns(m) << " ns";
     sum += std::abs(error);
     ++checked;
   }
-  ASSERT_GE(checked, 12);
-  EXPECT_LT(sum / checked, 0.08);
+  ASSERT_GE(checked, 15);
+  EXPECT_LT(sum / checked, 0.06);
 }
 
-// Facts of an independent run: the path of Fig. 5.10 on ECP5-25, speed grade 6, 96.6 MHz.
+// What a path takes on speed grade 8, of that on 6.
+double fast_factor() {
+  std::ifstream file(HVP_SOURCE_DIR "/studies/critical_path/elements.csv");
+  const std::string key = "grade_8_factor,";
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with(key)) return std::stod(line.substr(key.size()));
+  }
+  return 0;
+}
+
+// An independent run of the path of Fig. 5.10 on ECP5-25 with one multiplier: 96.6 MHz on speed
+// grade 6 and 123.3 on 8. The seed and the source text alone move such a path by some per cent.
 TEST(PlaceAndRoute, AnIndependentRunOfFigure510) {
   const double path = built_ns({"critical_path_16x1", "25k", false, 1.0 / 28, 0});
   EXPECT_NEAR(1e3 / path, 96.6, 0.12 * 96.6);
+  EXPECT_NEAR(1e3 / (path * fast_factor()), 123.3, 0.12 * 123.3);
+}
+
+// The device files have what the fit gave.
+TEST(PlaceAndRoute, TheDeviceFilesHaveTheFittedElements) {
+  std::ifstream file(HVP_SOURCE_DIR "/studies/critical_path/elements.csv");
+  std::map<std::string, double> ns;
+  std::string line;
+  std::getline(file, line);
+  while (std::getline(file, line)) {
+    const auto comma = line.find(',');
+    ns[line.substr(0, comma)] = std::stod(line.substr(comma + 1));
+  }
+  for (const char* name : {"LFE5U-25F", "LFE5U-85F"}) {
+    const DeviceTiming& t = *devices::built_in(name).timing;
+    constexpr double kRounding = 0.6e-3;
+    EXPECT_NEAR(1e9 * (t.clock_to_out_s + t.set_up_s), ns.at("registers"), kRounding);
+    EXPECT_NEAR(1e9 * t.logic_s, ns.at("luts"), kRounding);
+    EXPECT_NEAR(1e9 * t.carry_s, ns.at("chains"), kRounding);
+    EXPECT_NEAR(1e9 * t.carry_bit_s, ns.at("chain_bits"), kRounding);
+    EXPECT_NEAR(1e9 * t.multiplier_s, ns.at("multipliers"), kRounding);
+    EXPECT_NEAR(1e9 * t.multiplier_register_s, ns.at("block_registers"), kRounding);
+    EXPECT_NEAR(1e9 * t.memory_read_s, ns.at("memory_reads"), kRounding);
+    EXPECT_NEAR(1e9 * t.memory_register_s, ns.at("memory_outputs"), kRounding);
+    EXPECT_NEAR(1e9 * t.memory_set_up_s, ns.at("memory_writes"), kRounding);
+    EXPECT_NEAR(1e9 * t.routing_s, ns.at("hops"), kRounding);
+    EXPECT_NEAR(1e9 * t.block_routing_s, ns.at("block_hops"), kRounding);
+    EXPECT_NEAR(t.crowding, ns.at("crowding"), 0.01);
+  }
 }
 
 }  // namespace
