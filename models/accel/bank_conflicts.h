@@ -16,6 +16,6 @@ double package_clocks(const Architecture& a, int phase, int columns);
 // Clocks in which the fullest partition issues its packages; their number where no bank is asked
 // for more than it gives. Packages of several banks are counted as they are where the pattern has
 // its columns. Rows are dealt as packages_in_fullest_partition() says.
-std::int64_t issue_clocks_of_fullest_partition(const Architecture& a, const Pattern& p);
+std::int64_t issue_clocks_of_fullest_partition(const Architecture& a, const Pattern& whole);
 
 }  // namespace hvp::accel

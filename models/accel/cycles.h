@@ -36,7 +36,7 @@ int packages_of(const Architecture& a, int blocks_in_row);
 
 // Packages of the fullest partition. Rows are dealt out longest first to the emptiest partition,
 // which balances them as §5.3 asks.
-std::int64_t packages_in_fullest_partition(const Architecture& a, const Pattern& p);
+std::int64_t packages_in_fullest_partition(const Architecture& a, const Pattern& whole);
 
 // What a solve makes that takes clocks. The defaults are the thesis' solve.
 struct SolveWork {
@@ -100,7 +100,7 @@ SolveCycles solve_cycles(const Architecture& a, int nodes, std::int64_t issue_cl
 // are written and those of every neighbour are searched for the column; with a preconditioner the
 // node's part of P⁻¹ is made anew: three divisions, six and the block's adjugate for a block.
 // `neighbours` lists the block columns of the node's row, itself included.
-std::int64_t node_update_cycles(const Architecture& a, const Pattern& p, int node,
+std::int64_t node_update_cycles(const Architecture& a, const Pattern& whole, int node,
                                 std::span<const int> neighbours, fixed::Method method);
 
 // Of those, the clocks in which the node's part of P⁻¹ is made.

@@ -20,7 +20,7 @@ struct Packing {
     return static_cast<double>(stored - nonzeros) / static_cast<double>(nonzeros);
   }
 };
-Packing packing(const Architecture& a, const Pattern& p);
+Packing packing(const Architecture& a, const Pattern& whole);
 
 // Equation 5.1 itself, an estimate: half a package of padding a row of so many non-zeros.
 constexpr double expected_packing_loss(int package, double nonzeros_a_row) {
