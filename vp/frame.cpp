@@ -50,6 +50,8 @@ std::string_view name(Phase phase) {
       return "solve";
     case Phase::interrupt:
       return "interrupt";
+    case Phase::pipeline:
+      return "pipeline";
     case Phase::wait:
       return "wait";
     case Phase::driver:

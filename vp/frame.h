@@ -28,6 +28,7 @@ enum class Phase : std::uint8_t {
   form_rhs,        // host: the modified force vector, in the board's words
   solve,           // fpga
   interrupt,       // host: from the board's request until the process runs again
+  pipeline,        // host: another frame is worked on, or none until the next tick
   wait,            // host: blocked until the board is done
   driver,          // host: instructions of the driver around its bus accesses
   force,           // host: the contact force out of U

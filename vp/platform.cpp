@@ -37,8 +37,11 @@ Platform::Platform(const PlatformSettings& settings, const fem::Body& body,
       traffic_(settings_.bus.traffic
                    ? std::make_unique<TrafficMaster>("traffic", *settings_.bus.traffic, bus_, 1)
                    : nullptr),
-      accelerator_("accelerator", settings_.accelerator, settings_.fidelity.accelerator, ledger_,
-                   register_trace),
+      accelerator_(computation.on_host() != nullptr
+                       ? nullptr
+                       : std::make_unique<Accelerator>("accelerator", settings_.accelerator,
+                                                       settings_.fidelity.accelerator, ledger_,
+                                                       register_trace)),
       daq_("daq", settings_.daq, settings_.probe, session_, ledger_),
       dispatcher_(settings_.servo.costs, settings_.seed, ledger_),
       access_("access",
@@ -50,22 +53,24 @@ Platform::Platform(const PlatformSettings& settings, const fem::Body& body,
              ledger_, verdict_, session_),
       collision_("collision", settings_.servo.costs, settings_.servo.untimed, contacts, exchange_,
                  session_, servo_.begun(), dispatcher_) {
-  Accelerator::require_supported(settings_.fidelity.accelerator, settings_.servo.solver);
   ledger_.add_sink(verdict_);
   access_.to_bus.bind(bus_.from_host);
-  bus_.attach(accelerator_.from_bus, kSolverBase, kBarBytes);
+  if (accelerator_ != nullptr) {
+    Accelerator::require_supported(settings_.fidelity.accelerator, settings_.servo.solver);
+    bus_.attach(accelerator_->from_bus, kSolverBase, kBarBytes);
+    accelerator_->interrupt.bind(access_);
+  }
   bus_.attach(daq_.from_bus, kDaqBase, DaqBoard::kSize);
-  accelerator_.interrupt.bind(access_);
   if (settings_.waveform) trace(*settings_.waveform);
 }
 
 void Platform::trace(const Waveform& waveform) {
-  if (accelerator_.engine() == nullptr) {
+  if (accelerator_ == nullptr || accelerator_->engine() == nullptr) {
     throw InputError("waveform", "only the cycle-accurate accelerator has one");
   }
   waveform_ = std::make_unique<engine::EngineTrace>(
-      "waveform", *accelerator_.engine(), waveform.file,
-      engine::TraceWindow{[this] { return accelerator_.frame(); }, waveform.first_frame,
+      "waveform", *accelerator_->engine(), waveform.file,
+      engine::TraceWindow{[this] { return accelerator_->frame(); }, waveform.first_frame,
                           waveform.first_frame + waveform.frames - 1});
 }
 

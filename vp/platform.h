@@ -76,7 +76,9 @@ class Platform {
   const PciBus& bus() const { return bus_; }
   // Null without the effect.
   const TrafficMaster* traffic() const { return traffic_.get(); }
-  const Accelerator& accelerator() const { return accelerator_; }
+  // Null where the host solves.
+  const Accelerator* board() const { return accelerator_.get(); }
+  const Accelerator& accelerator() const { return *accelerator_; }
   const Session& session() const { return session_; }
 
   // Names of the modules that exist and the number of processes: what was not asked for is not
@@ -94,7 +96,7 @@ class Platform {
   Exchange exchange_;
   PciBus bus_;
   std::unique_ptr<TrafficMaster> traffic_;  // the effect [bus.traffic]
-  Accelerator accelerator_;
+  std::unique_ptr<Accelerator> accelerator_;
   DaqBoard daq_;
   Dispatcher dispatcher_;
   BoardAccess access_;

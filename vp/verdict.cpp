@@ -5,6 +5,17 @@
 
 namespace hvp::vp {
 
+namespace {
+Picoseconds time_in(const Frame& frame, const std::vector<SpanId>& path, Phase phase) {
+  Picoseconds time = 0;
+  for (const SpanId id : path) {
+    const Span& span = frame.spans[static_cast<std::size_t>(id)];
+    if (span.phase == phase) time += span.end - span.start;
+  }
+  return time;
+}
+}  // namespace
+
 void Verdict::take(const Frame& frame, const std::vector<SpanId>& path) {
   ++frames_;
   const Picoseconds latency = frame.latency();
@@ -14,7 +25,10 @@ void Verdict::take(const Frame& frame, const std::vector<SpanId>& path) {
     ++unsolved_;
   } else if (latency > budget_) {
     ++late_;
+    lateness_.add(latency - budget_);
   }
+  release_.add(time_in(frame, path, Phase::release));
+  wake_up_.add(time_in(frame, path, Phase::wake_up));
   const Picoseconds load = frame.work_done - frame.born;
   worst_load_ = std::max(worst_load_, load);
   if (load > period_) ++overloads_;

@@ -4,6 +4,7 @@
 #include <map>
 #include <vector>
 
+#include "vp/histogram.h"
 #include "vp/ledger.h"
 
 namespace hvp::vp {
@@ -43,6 +44,12 @@ class Verdict : public FrameSink {
   Picoseconds worst_load() const { return worst_load_; }
   // The smallest latency that at least this share of the frames does not exceed.
   Picoseconds percentile(double share) const;
+  // By how much late forces were late.
+  const Histogram& lateness() const { return lateness_; }
+  // Of each frame's critical path, what the operating system took: from the tick until the release,
+  // and from being ready until the process ran.
+  const Histogram& release() const { return release_; }
+  const Histogram& wake_up() const { return wake_up_; }
   // Of the worst frame, in the order of time; sums to worst_latency() exactly.
   const std::vector<Attribution>& attribution() const { return attribution_; }
 
@@ -58,6 +65,9 @@ class Verdict : public FrameSink {
   std::int64_t worst_frame_ = -1;
   Picoseconds worst_load_ = 0;
   std::map<Picoseconds, std::int64_t> latencies_;  // how many frames had it
+  Histogram lateness_;
+  Histogram release_;
+  Histogram wake_up_;
   std::vector<Attribution> attribution_;
 };
 

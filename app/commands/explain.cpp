@@ -43,13 +43,18 @@ int explain_command(const ScenarioArguments& arguments) {
   const Scenario& s = scene.scenario();
   if (!s.title.empty()) fmt::print("{}\n", s.title);
   fmt::print("\nParts and their fidelity\n");
-  fidelity_line(
-      "accelerator", vp::name(s.fidelity.accelerator),
-      fmt::format("{}, {}{} clocks a solve{}", scene.board_name(),
-                  s.solver.stop_residual > 0 ? "at most " : "", scene.solve_cycles().total(),
-                  vp::has_engine(s.fidelity.accelerator)
-                      ? " by the closed form; a run prints the engine's"
-                      : ""));
+  if (scene.has_board()) {
+    fidelity_line(
+        "accelerator", vp::name(s.fidelity.accelerator),
+        fmt::format("{}, {}{} clocks a solve{}", scene.board_name(),
+                    s.solver.stop_residual > 0 ? "at most " : "", scene.solve_cycles().total(),
+                    vp::has_engine(s.fidelity.accelerator)
+                        ? " by the closed form; a run prints the engine's"
+                        : ""));
+  } else {
+    fidelity_line("accelerator", "absent",
+                  fmt::format("the host solves: {}", host::name(s.host.solver)));
+  }
   fidelity_line("bus", vp::name(s.fidelity.bus),
                 fmt::format("{} bytes a data phase, {:g} ns a clock", s.bus.pci.width_bytes(),
                             static_cast<double>(s.bus.pci.clock_period_ps()) * 1e-3));
@@ -57,9 +62,13 @@ int explain_command(const ScenarioArguments& arguments) {
       "host", vp::name(s.fidelity.host),
       fmt::format("servo at {:g} Hz, collision and graphics at {:g} Hz, {}", 1 / s.budget.period_s,
                   s.host.graphics.rate_hz, s.host.cores == 1 ? "on one core" : "a core each"));
-  fidelity_line(
-      "numbers", vp::name(s.fidelity.numbers),
-      fmt::format("{}-bit matrix, {}-bit vectors", s.solver.matrix_bits, s.solver.vector_bits));
+  if (scene.has_board()) {
+    fidelity_line(
+        "numbers", vp::name(s.fidelity.numbers),
+        fmt::format("{}-bit matrix, {}-bit vectors", s.solver.matrix_bits, s.solver.vector_bits));
+  } else {
+    fidelity_line("numbers", "double", "of the host");
+  }
   fmt::print("\nEffects\n");
   effect_line("dynamics", s.dynamics.has_value(),
               "inertia and damping: Newmark's update on the host after the force");
@@ -94,6 +103,7 @@ int explain_command(const ScenarioArguments& arguments) {
   }
   fmt::print("\nWhat a frame's large steps cost\n");
   frame_cost(scene);
+  if (!scene.has_board()) return kHeld;
   fmt::print("{}{}{}", results::clocks_text(scene), results::several_text(scene),
              results::resources_text(scene));
   return kHeld;

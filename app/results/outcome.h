@@ -22,6 +22,14 @@ struct Accuracy {
   std::int64_t frames = 0;  // compared, the body at rest not counted
 };
 
+// How a time was distributed over the frames.
+struct Spread {
+  vp::Picoseconds p50 = 0;
+  vp::Picoseconds p99 = 0;
+  vp::Picoseconds worst = 0;
+  double mean = 0;  // ps
+};
+
 // What a run came to: everything that the terminal and summary.json show.
 struct Outcome {
   vp::Picoseconds period = 0;
@@ -40,6 +48,10 @@ struct Outcome {
   bool force_in_time = false;
   bool load_held = false;
   std::vector<vp::Attribution> attribution;
+  std::optional<Spread> lateness;  // of late forces, where there are some
+  std::vector<vp::Histogram::Octave> late_octaves;
+  std::optional<Spread> release;  // with [host.jitter]
+  std::optional<Spread> wake_up;  // with [host.wake_up]
 
   std::int64_t bus_transactions = 0;
   std::int64_t bus_bytes = 0;

@@ -58,6 +58,15 @@ void scene_lines(Out out, const app::Scene& scene, const Outcome& o) {
   fmt::format_to(out, "  body        {} nodes, {} tetrahedra; {} nodes in the system, {}\n",
                  scene.quality().nodes, scene.quality().tetrahedra, scene.body().active_nodes(),
                  s.dynamics ? "dynamic" : "static");
+  if (!scene.has_board()) {
+    fmt::format_to(
+        out, "  solver      {}, in double precision on the host; no board\n",
+        s.host.solver == host::Solver::cholesky
+            ? std::string("Cholesky factors of the matrix")
+            : fmt::format("CG, {}{} iterations", s.solver.stop_residual > 0 ? "at most " : "",
+                          s.solver.iterations));
+    return;
+  }
   const char* most = s.solver.stop_residual > 0 ? "at most " : "";
   fmt::format_to(out, "  solver      {}, {}{} iterations, {}-bit matrix, {}-bit vectors{}\n",
                  display_name(s.solver.method), most, s.solver.iterations, s.solver.matrix_bits,
@@ -91,6 +100,12 @@ void reservations(Out out, const app::Scene& scene, const Outcome& o) {
   }
 }
 
+void spread_line(Out out, std::string_view what, const std::optional<Spread>& s) {
+  if (!s) return;
+  fmt::format_to(out, "  {:<14} median {}, 99 % {}, worst {}\n", what, readable_time(s->p50),
+                 readable_time(s->p99), readable_time(s->worst));
+}
+
 void verdict_lines(Out out, const Outcome& o) {
   const char* qualified = o.flags.empty() ? "PASS" : "held, with flags";
   fmt::format_to(out, "\nTime         {} at {:g} Hz\n", counted(o.frames + o.skipped_ticks, "tick"),
@@ -103,6 +118,9 @@ void verdict_lines(Out out, const Outcome& o) {
   fmt::format_to(out, "\n  load           {}: worst {} of {}", o.load_held ? qualified : "EXCEEDED",
                  readable_time(o.worst_load), readable_time(o.period));
   fmt::format_to(out, "; {} over, {} skipped\n", o.overloads - o.skipped_ticks, o.skipped_ticks);
+  spread_line(out, "late forces by", o.lateness);
+  spread_line(out, "release after", o.release);
+  spread_line(out, "wake-up after", o.wake_up);
 }
 
 void attribution_lines(Out out, const Outcome& o) {
@@ -142,6 +160,14 @@ void accuracy_lines(Out out, const Outcome& o, bool refined) {
       "\nAccuracy     mean error over {} in which the body is displaced, relative to the "
       "largest displacement and force\n",
       counted(a.frames, "frame"));
+  if (!a.displacement_quantised) {
+    fmt::format_to(out,
+                   "  displacement   {} from the true model (worst frame {})\n"
+                   "  contact force  {} from the true model (worst frame {})\n",
+                   ratio(a.displacement), ratio(a.displacement_worst), ratio(a.force),
+                   ratio(a.force_worst));
+    return;
+  }
   fmt::format_to(
       out, "  displacement   {} from the true model (worst frame {}), {} from the rounded one\n",
       ratio(a.displacement), ratio(a.displacement_worst), ratio(a.displacement_quantised));

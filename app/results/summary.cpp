@@ -1,8 +1,7 @@
 #include "app/results/summary.h"
 
-#include <optional>
-
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "app/results/flag_json.h"
 #include "app/results/number_text.h"
@@ -38,6 +37,24 @@ ordered_json accuracy(const std::optional<Accuracy>& a) {
           {"displacement_worst_rel", nullable(a->displacement_worst)},
           {"force_worst_rel", nullable(a->force_worst)},
           {"frames", a->frames}};
+}
+
+ordered_json spread(const Spread& s) {
+  return {{"p50_us", us(s.p50)},
+          {"p99_us", us(s.p99)},
+          {"worst_us", us(s.worst)},
+          {"mean_us", s.mean / 1e6}};
+}
+
+// By how much forces were late; null where none was.
+ordered_json lateness(const Outcome& o) {
+  if (!o.lateness) return nullptr;
+  ordered_json j = spread(*o.lateness);
+  j["octaves"] = ordered_json::array();
+  for (const vp::Histogram::Octave& octave : o.late_octaves) {
+    j["octaves"].push_back({{"from_us", us(octave.from)}, {"frames", octave.count}});
+  }
+  return j;
 }
 
 ordered_json attribution(const std::vector<vp::Attribution>& lines) {
@@ -98,6 +115,9 @@ std::string summary_json(const app::Scene& scene, const Outcome& o) {
                    {"p99_us", us(o.p99)},          {"misses", o.misses},
                    {"frames", o.frames},           {"skipped_ticks", o.skipped_ticks},
                    {"worst_frame", o.worst_frame}, {"held", o.force_in_time}};
+  j["deadline"]["lateness"] = lateness(o);
+  if (o.release) j["jitter"]["release"] = spread(*o.release);
+  if (o.wake_up) j["jitter"]["wake_up"] = spread(*o.wake_up);
   j["load"] = {{"worst_us", us(o.worst_load)}, {"misses", o.overloads}, {"held", o.load_held}};
   j["attribution"] = attribution(o.attribution);
   j["accuracy"] = accuracy(o.accuracy);
@@ -115,12 +135,17 @@ std::string summary_json(const app::Scene& scene, const Outcome& o) {
     resources.push_back({{"type", r.type}, {"used", r.used}, {"available", r.available}});
   }
   j["resources"] = resources;
-  j["accelerator"] = accelerator(scene, o);
-  if (const std::optional<accel::SeveralDevices>& several = scene.board().several()) {
-    const accel::SolveWork work = accel::longest_solve(scene.computation().board_settings());
-    j["accelerator"]["devices"] = several->shares().size();
-    j["accelerator"]["link_cycles"] = several->solve(work).link_clocks();
+  if (scene.has_board()) {
+    j["accelerator"] = accelerator(scene, o);
+    if (const std::optional<accel::SeveralDevices>& several = scene.board().several()) {
+      const accel::SolveWork work = accel::longest_solve(scene.computation().board_settings());
+      j["accelerator"]["devices"] = several->shares().size();
+      j["accelerator"]["link_cycles"] = several->solve(work).link_clocks();
+    }
+  } else {
+    j["accelerator"] = nullptr;
   }
+  j["solver"] = host::name(s.host.solver);
   j["bus"] = {
       {"transactions", o.bus_transactions}, {"bytes", o.bus_bytes}, {"busy_us", us(o.bus_busy)}};
   const mesh::Quality& q = scene.quality();
@@ -140,7 +165,8 @@ std::string summary_json(const app::Scene& scene, const Outcome& o) {
   j["fidelity"] = {{"accelerator", vp::name(s.fidelity.accelerator)},
                    {"bus", vp::name(s.fidelity.bus)},
                    {"host", vp::name(s.fidelity.host)},
-                   {"numbers", vp::name(s.fidelity.numbers)}};
+                   {"numbers", scene.has_board() ? vp::name(s.fidelity.numbers) : "double"}};
+  if (!scene.has_board()) j["fidelity"]["accelerator"] = nullptr;
   return j.dump(2) + "\n";
 }
 

@@ -20,6 +20,7 @@ constexpr int kReleaseLane = 11;
 int lane(const vp::Span& span) {
   switch (span.phase) {
     case vp::Phase::wait:
+    case vp::Phase::pipeline:
     case vp::Phase::wake_up:
     case vp::Phase::blocked:
     case vp::Phase::context_switch:

@@ -26,6 +26,7 @@ class AccuracyTracker : public vp::FrameObserver {
  private:
   host::Reference settings_;
   bool dynamic_;
+  bool has_board_;
   bool refined_;
   sparse::BlockMatrix rounded_;
   host::ReferenceRun true_run_;

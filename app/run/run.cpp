@@ -32,8 +32,8 @@ vp::PlatformSettings platform_settings(const Scene& scene) {
   p.seed = s.seed;
   p.servo.untimed = s.fidelity.host == vp::Timing::untimed;
   p.servo.solver = scene.computation().board_settings();
-  // One frame at a time: the force is due when the next tick comes.
-  p.budget = p.servo.period;
+  // A force is due when the next tick comes, with a pipeline so many ticks later.
+  p.budget = (1 + s.host.pipeline_depth) * p.servo.period;
   p.accelerator = s.accelerator;
   p.bus = s.bus;
   p.daq = s.device.daq;
@@ -61,6 +61,10 @@ class ProgressTicker : public vp::FrameObserver {
   std::int64_t last_ = -1;
 };
 
+results::Spread spread_of(const vp::Histogram& times) {
+  return {times.percentile(0.50), times.percentile(0.99), times.largest(), times.mean()};
+}
+
 results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
                             const std::optional<results::Accuracy>& accuracy) {
   const vp::Verdict& v = platform.verdict();
@@ -82,16 +86,14 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
   o.force_in_time = v.force_in_time() && platform.servo().counts().driver_errors == 0;
   o.load_held = v.load_held();
   o.attribution = v.attribution();
+  if (v.lateness().count() > 0) o.lateness = spread_of(v.lateness());
+  o.late_octaves = v.lateness().octaves();
+  if (scene.scenario().host.jitter) o.release = spread_of(v.release());
+  if (scene.scenario().host.wake_up) o.wake_up = spread_of(v.wake_up());
   o.bus_transactions = platform.bus().transactions();
   o.bus_bytes = platform.bus().bytes_moved();
   o.bus_busy = platform.bus().busy();
   o.simulated = vp::now_ps() - platform.session().begin;
-  o.illegal_accesses = platform.accelerator().illegal_accesses();
-  if (const auto& longest = platform.accelerator().longest_solve()) {
-    o.engine = results::engine_clocks(
-        *longest,
-        accel::solve_cycles(scene.scenario().accelerator, scene.pattern(), longest->work));
-  }
   const vp::ServoCounts& counts = platform.servo().counts();
   o.driver_errors = counts.driver_errors;
   o.last_driver_error = hvp_status_text(counts.last_error);
@@ -100,12 +102,20 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
   o.longest_pass = platform.collision().longest_pass();
   o.accuracy = accuracy;
   o.flags = stability::Flags(counts.flags);
-  o.saturations = platform.accelerator().saturations();
-  o.wraps = platform.accelerator().wraps();
-  o.breakdowns = platform.accelerator().breakdowns();
+  if (const vp::Accelerator* board = platform.board()) {
+    o.illegal_accesses = board->illegal_accesses();
+    if (const auto& longest = board->longest_solve()) {
+      o.engine = results::engine_clocks(
+          *longest,
+          accel::solve_cycles(scene.scenario().accelerator, scene.pattern(), longest->work));
+    }
+    o.saturations = board->saturations();
+    o.wraps = board->wraps();
+    o.breakdowns = board->breakdowns();
+  }
   o.clamped_words = counts.clamped_words;
   if (counts.clamped_words > 0) o.flags.raise(stability::Flag::range_exceeded);
-  if (scene.spectrum() && !scene.spectrum()->rounded.positive_definite()) {
+  if (scene.has_board() && scene.spectrum() && !scene.spectrum()->rounded.positive_definite()) {
     o.flags.raise(stability::Flag::negative_curvature);
   }
   if (scene.locking()) o.flags.raise(stability::Flag::locking);

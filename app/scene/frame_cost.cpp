@@ -1,23 +1,41 @@
 #include "app/scene/frame_cost.h"
 
+#include <fmt/format.h>
+
 #include "models/host/costs.h"
 
 namespace hvp::app {
 
+namespace {
+// Of a solve without contact: all iterations, or two triangular solves.
+double host_solve_operations(const Scene& scene) {
+  const host::FrameComputation& c = scene.computation();
+  return c.on_host()->most_operations();
+}
+}  // namespace
+
 std::vector<FrameStep> frame_steps(const Scene& scene) {
-  return frame_steps(scene, scene.pattern().nodes(),
+  return frame_steps(scene, scene.body().active_nodes(),
                      scene.solve_cycles().total() * scene.scenario().accelerator.clock_period_ps());
 }
 
 std::vector<FrameStep> frame_steps(const Scene& scene, int nodes, std::int64_t solve_ps) {
   const Scenario& s = scene.scenario();
   const host::FrameComputation& c = scene.computation();
-  const double grown = static_cast<double>(nodes) / scene.pattern().nodes();
+  const double grown = static_cast<double>(nodes) / scene.body().active_nodes();
   std::vector<FrameStep> steps;
   const auto compute = [&](const char* what, double operations, int times = 1) {
     steps.push_back({what, s.host.compute_ps(operations * grown), times});
   };
   const auto bytes = [nodes](int bits) { return std::int64_t{3} * nodes * (bits <= 16 ? 2 : 4); };
+  if (c.on_host() != nullptr) {
+    steps.push_back(
+        {fmt::format("solve on the host ({})", host::name(s.host.solver)),
+         s.host.compute_ps(host_solve_operations(scene) / s.host.solver_speed() * grown), 1});
+    compute("force (without contact)", c.force_operations());
+    compute("update after the force", c.update_operations());
+    return steps;
+  }
   const host::RefinedSolve* refined = c.refined();
   const int passes = refined == nullptr ? 1 : refined->passes();
   if (refined == nullptr) {

@@ -121,6 +121,13 @@ void Scenario::check() const {
                          "\" has no model of symmetric storage: expected loosely-timed or untimed "
                          "with accelerator.matrix_storage = \"symmetric\"");
   }
+  if (refinement && host.pipeline_depth > 0) {
+    throw InputError("host.pipeline_depth",
+                     "expected 0 with [refinement]: each of its passes needs the one before");
+  }
+  if (refinement && host.solver != host::Solver::board) {
+    throw InputError("refinement", "the host solves in double precision: nothing to refine");
+  }
   const auto needs_time = [&](const char* effect, bool present) {
     if (!present || fidelity.host != vp::Timing::untimed) return;
     throw InputError(effect, "the host takes no time where fidelity.host is \"untimed\"");

@@ -80,17 +80,20 @@ Scene::Scene(const Scenario& openable, const Scenario& written, accel::Device de
   quality_ = mesh::measure(body_->mesh());
   computation_ = within("solver", [&] {
     return std::make_unique<host::FrameComputation>(*body_, s.contact.diagonal, s.dynamics,
-                                                    s.solver, s.budget.period_s, s.refinement);
+                                                    s.solver, s.budget.period_s, s.refinement,
+                                                    s.host.solver);
   });
-  within("accelerator", [&] {
-    const auto& matrix = computation_->matrix();
-    board_.emplace(s.accelerator, accel::pattern_of(matrix.row_begin, matrix.column));
-    const accel::WordLengths words = accel::word_lengths(computation_->board_settings());
-    usage_ = accel::board_usage(device_, s.accelerator, words, *board_);
-    if (limits == Limits::reported) return;
-    require_fit();
-    accel::require_clock({device_, s.accelerator, words, pattern().nodes()});
-  });
+  if (s.host.solver == host::Solver::board) {
+    within("accelerator", [&] {
+      const auto& matrix = computation_->matrix();
+      board_.emplace(s.accelerator, accel::pattern_of(matrix.row_begin, matrix.column));
+      const accel::WordLengths words = accel::word_lengths(computation_->board_settings());
+      usage_ = accel::board_usage(device_, s.accelerator, words, *board_);
+      if (limits == Limits::reported) return;
+      require_fit();
+      accel::require_clock({device_, s.accelerator, words, pattern().nodes()});
+    });
+  }
 
   // A node that is held, by an anchor or by a prescribed displacement, cannot follow the probe.
   std::vector<int> held;
@@ -120,7 +123,13 @@ std::string Scene::board_name() const {
   return several ? fmt::format("{} × {}", several->devices, device_.name) : device_.name;
 }
 
+const accel::BoardClocks& Scene::board() const {
+  if (!board_) throw InputError("host.solver", "the host solves: there is no board to ask about");
+  return *board_;
+}
+
 accel::SolveCycles Scene::solve_cycles() const {
+  if (!board_) return {};
   return board_->solve(accel::longest_solve(computation_->board_settings()));
 }
 

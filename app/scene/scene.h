@@ -39,8 +39,10 @@ class Scene {
   const host::FrameComputation& computation() const { return *computation_; }
   collision::ContactSearch& contacts() { return *contacts_; }
   const mesh::Quality& quality() const { return quality_; }
-  const accel::BoardClocks& board() const { return *board_; }
-  const accel::Pattern& pattern() const { return board_->pattern(); }
+  // False where the host solves: board() and pattern() then throw InputError, usage() is empty.
+  bool has_board() const { return board_.has_value(); }
+  const accel::BoardClocks& board() const;
+  const accel::Pattern& pattern() const { return board().pattern(); }
   const accel::Device& device() const { return device_; }
   // "EP2S60", or "2 × EP2S60".
   std::string board_name() const;

@@ -49,6 +49,16 @@ void Host::declare(config::Visitor& v) {
               "assumed; real-time extensions lie between 2 and 20 us"});
   v.quantity("timeout", timeout_s, Dimension::time, config::between(1e-6, 10),
              {"how long the driver waits for the board", "five periods at 500 Hz"});
+  v.choice("solver", solver,
+           {{"board", Solver::board}, {"cg", Solver::cg}, {"cholesky", Solver::cholesky}},
+           {"board: the FPGA; cg, cholesky: no board, the host solves in double precision",
+            "thesis section 6.2.1"});
+  v.quantity("solver_rate", solver_rate_flops, Dimension::throughput, config::between(0, 1e13),
+             {"operations a second of the host's own solve; 0: sustained_rate",
+              "absent: Table 6.3's rate is that of sparse products"});
+  v.integer("pipeline_depth", pipeline_depth, {0, 1},
+            {"1: the force comes a period later, and the board solves meanwhile",
+             "thesis Fig. 6.2: one frame after the other"});
   v.integer("cores", cores, {1, 2},
             {"2: a core for each process; 1: the servo process preempts the other one",
              "thesis section 6.2: a Pentium D, which has two"});
@@ -69,6 +79,13 @@ void Host::check() const {
   const auto one_core_only = [this](const char* key, bool given) {
     if (given && cores != 1) throw InputError(key, "belongs to cores = 1 only");
   };
+  if (solver_rate_flops != 0 && solver == Solver::board) {
+    throw InputError("solver_rate", "belongs to solver = \"cg\" or \"cholesky\" only");
+  }
+  if (pipeline_depth > 0 && solver != Solver::board) {
+    throw InputError("pipeline_depth",
+                     "expected 0: without a board nothing solves while the host does other work");
+  }
   one_core_only("context_switch", context_switch_s != defaults.context_switch_s);
   one_core_only("graphics.non_preemptible", graphics.non_preemptible_s != 0);
 }
@@ -77,6 +94,10 @@ SharedCore::Settings Host::shared_core() const {
   const auto ps = [](double seconds) { return std::llround(seconds * 1e12); };
   return {ps(context_switch_s), ps(graphics.non_preemptible_s),
           ps(graphics.non_preemptible_every_s)};
+}
+
+double Host::solver_speed() const {
+  return solver_rate_flops > 0 ? solver_rate_flops / sustained_rate_flops : 1;
 }
 
 std::int64_t Host::compute_ps(double operations) const {

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "models/config/declaration.h"
+#include "models/host/host_solve.h"
 #include "models/host/shared_core.h"
 #include "models/random/distribution.h"
 
@@ -34,6 +35,9 @@ struct Host {
   double driver_call_s = 1e-6;
   double interrupt_latency_s = 5e-6;
   double timeout_s = 10e-3;
+  Solver solver = Solver::board;
+  double solver_rate_flops = 0;  // 0: sustained_rate_flops
+  int pipeline_depth = 0;
   int cores = 2;
   double context_switch_s = 3.8e-6;
   std::optional<random::TimeDistribution> jitter;
@@ -45,6 +49,8 @@ struct Host {
 
   // Where the processes share one core: shared_core.h.
   SharedCore::Settings shared_core() const;
+  // The rate of the host's own solve over that of its other steps.
+  double solver_speed() const;
   // Time of so many additions and multiplications, in whole picoseconds.
   std::int64_t compute_ps(double operations) const;
 };

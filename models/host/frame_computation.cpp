@@ -32,12 +32,26 @@ fixed::Settings settings_of_board(const fixed::System& system, bool refined) {
   return settings;
 }
 
+std::unique_ptr<HostSolve> make_host_solve(Solver solver, const sparse::BlockMatrix& a,
+                                           const fixed::Settings& settings) {
+  switch (solver) {
+    case Solver::cg:
+      return std::make_unique<ConjugateGradients>(a, settings.iterations, settings.stop_residual,
+                                                  settings.start != fixed::Start::zero);
+    case Solver::cholesky:
+      return std::make_unique<Prefactored>(a);
+    case Solver::board:
+      break;
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 FrameComputation::FrameComputation(const fem::Body& body, fem::ContactDiagonal diagonal,
                                    const std::optional<fem::Dynamics>& dynamics,
                                    const fixed::Settings& settings, double period_s,
-                                   const std::optional<Refinement>& refinement)
+                                   const std::optional<Refinement>& refinement, Solver solver)
     : body_(body),
       newmark_(make_newmark(body, dynamics, period_s)),
       matrix_(newmark_ ? newmark_->effective_matrix() : body.stiffness()),
@@ -48,7 +62,8 @@ FrameComputation::FrameComputation(const fem::Body& body, fem::ContactDiagonal d
       diagonal_word_(word_of(constraint_.diagonal(), system_)),
       f_(body.load()),
       b_(f_.size()),
-      u_(body.initial_displacement()) {
+      u_(body.initial_displacement()),
+      on_host_(make_host_solve(solver, matrix_, settings)) {
   if (newmark_) {
     const std::vector<double> rest(u_.size(), 0.0);
     newmark_->set_state(u_, rest, rest);
@@ -110,7 +125,7 @@ double FrameComputation::form_rhs_operations() const {
 }
 
 double FrameComputation::force_operations() const {
-  const double words = refined_ ? 0 : conversion();
+  const double words = refined_ || on_host_ ? 0 : conversion();
   return contact_.empty() ? words : words + constraint_.reaction_flops(contact_);
 }
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "models/fixed/scaling.h"
 #include "models/fixed/settings.h"
 #include "models/fixed/system.h"
+#include "models/host/host_solve.h"
 #include "models/host/refinement.h"
 
 namespace hvp::host {
@@ -35,7 +37,8 @@ class FrameComputation {
   // InputError for an unstable time integration or a matrix that cannot be put into words.
   FrameComputation(const fem::Body& body, fem::ContactDiagonal diagonal,
                    const std::optional<fem::Dynamics>& dynamics, const fixed::Settings& settings,
-                   double period_s, const std::optional<Refinement>& refinement = std::nullopt);
+                   double period_s, const std::optional<Refinement>& refinement = std::nullopt,
+                   Solver solver = Solver::board);
   FrameComputation(const FrameComputation&) = delete;
   FrameComputation& operator=(const FrameComputation&) = delete;
 
@@ -64,6 +67,12 @@ class FrameComputation {
   RefinedSolve* refined() { return refined_ ? &*refined_ : nullptr; }
   const RefinedSolve* refined() const { return refined_ ? &*refined_ : nullptr; }
   void begin_passes(const Eigen::Vector3d& u_c) { refined_->begin(f_, contact_, u_c); }
+
+  // Null where the board solves. Otherwise solve_on_host stands in the place of form_rhs() and
+  // accept(), and words are not used.
+  HostSolve* on_host() { return on_host_.get(); }
+  const HostSolve* on_host() const { return on_host_.get(); }
+  void solve_on_host(const Eigen::Vector3d& u_c) { on_host_->solve(f_, u_c, u_); }
 
   // On the body at the contact, N; zero without contact.
   Eigen::Vector3d force() const;
@@ -99,6 +108,7 @@ class FrameComputation {
   std::vector<double> b_;
   std::vector<double> u_;
   std::optional<RefinedSolve> refined_;
+  std::unique_ptr<HostSolve> on_host_;
 };
 
 }  // namespace hvp::host

@@ -23,6 +23,7 @@ struct SmallScene {
     std::optional<host::Refinement> refinement = std::nullopt;
     double patch_radius = 0;
     double period_s = 2e-3;
+    host::Solver solved_by = host::Solver::board;
   };
 
   static constexpr double kEdge = 0.06;
@@ -33,7 +34,7 @@ struct SmallScene {
       : body(fem::structured_box({kEdge, kEdge, kEdge}, {3, 3, 3}), fem::Material{}, floor(),
              fem::AnchorTreatment::removed),
         computation(body, fem::ContactDiagonal::average, options.dynamics, options.solver,
-                    options.period_s, options.refinement),
+                    options.period_s, options.refinement, options.solved_by),
         contacts(body.mesh(), floor(), contact_settings(options)) {
     settings.servo.solver = computation.board_settings();
     settings.servo.period = std::llround(options.period_s * 1e12);

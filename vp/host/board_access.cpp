@@ -80,6 +80,10 @@ void BoardAccess::interrupt(const Tag& tag) {
   raised_.notify(sc_core::SC_ZERO_TIME);
 }
 
+void BoardAccess::follow_interrupt() {
+  if (line_up_ && interrupt_tag_.frame == tag_.frame) tag_.cause = interrupt_tag_.cause;
+}
+
 void BoardAccess::lowered() { line_up_ = false; }
 
 int BoardAccess::wait_interrupt(std::uint64_t timeout_ns) {

@@ -36,6 +36,9 @@ class BoardAccess : public sc_core::sc_module, public InterruptIf {
   // The frame that accesses are for and its newest span.
   Tag& tag() { return tag_; }
 
+  // Where the board has answered the frame that is worked on, the frame follows what the board did.
+  void follow_interrupt();
+
   // Single accesses to any board; false where nobody answered.
   bool write(std::uint64_t address, const void* data, std::size_t bytes);
   bool read(std::uint64_t address, void* data, std::size_t bytes);

@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <exception>
+#include <memory>
+#include <optional>
 #include <span>
 #include <systemc>
 #include <vector>
@@ -17,6 +19,7 @@
 #include "vp/host/board_access.h"
 #include "vp/host/dispatcher.h"
 #include "vp/host/exchange.h"
+#include "vp/host/frame_solver.h"
 #include "vp/ledger.h"
 #include "vp/session.h"
 #include "vp/verdict.h"
@@ -62,8 +65,10 @@ struct ServoCounts {
 
 // The servo process (thesis §6.2.2), step by step as in Fig. 6.2: read the position, fetch the
 // contact node, form the modified force vector, send it, solve, receive U, form the force, write
-// it, and Newmark's update after that. Each step waits for what it costs and adds its span. The
-// process reaches the solver through the driver alone.
+// it, and Newmark's update after that. Each step waits for what it costs and adds its span.
+//
+// With a pipeline depth of one the frame before is concluded in between: its U is received before
+// the modified force vector is formed, its force is written while the board solves this one.
 class ServoProcess : public sc_core::sc_module {
  public:
   ServoProcess(const sc_core::sc_module_name& name, const ServoSettings& settings,
@@ -83,21 +88,48 @@ class ServoProcess : public sc_core::sc_module {
   Picoseconds set_up_time() const { return set_up_time_; }
 
  private:
+  // A frame on its way through the steps.
+  struct Step {
+    std::int64_t number = 0;
+    Picoseconds born = 0;
+    Tag tag;  // while another frame is worked on
+    ContactReport report;
+    Picoseconds looked_up = 0;
+    Eigen::Vector3d tip = Eigen::Vector3d::Zero();
+    collision::Contact contact;
+    Eigen::Vector3d u_c = Eigen::Vector3d::Zero();
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();
+    std::uint32_t flags = 0;
+    hvp_status status = HVP_OK;
+  };
+
   void run();
   void serve();
   bool set_up();
-  void release(std::int64_t number);
+  void sleep_until(Picoseconds time);
+  Step release(std::int64_t number);
   void frame(std::int64_t number);
+  void pipelined_frame(std::int64_t number);
+  void drain(std::int64_t tick);
+  void take_pending();
+  void hand_out_pending();
+
+  // The steps of Fig. 6.2.
+  void sense(Step& step);
+  void begin(Step& step);
+  void collect(Step& step);
+  void deliver(const Step& step);
+  void advance(Step& step);
+  void publish(const Step& step);
+  void record(const Step& step);
+  void observe(const Step& step);
+  void recover();
+
+  void put_aside(Step& step) { step.tag = access_.tag(); }
+  void resume(const Step& step);
   Eigen::Vector3d read_position();
-  void take_contact(const ContactReport& report, Frame& frame);
   void take_over(Picoseconds now, const Eigen::Vector3d& tip);
-  hvp_status move_contact(std::span<const int> nodes);
-  hvp_status find_displacement(const Eigen::Vector3d& u_c, std::uint32_t& flags);
-  hvp_status refine(const Eigen::Vector3d& u_c, host::RefinedSolve& refined);
-  void judge_refinement(host::RefinedSolve& refined, std::uint32_t& flags);
-  hvp_status solve();
   void write_force(const Eigen::Vector3d& force);
-  void spend(Phase phase, double seconds, double operations = 0);
   void note(hvp_status status);
 
   ServoSettings settings_;
@@ -112,12 +144,10 @@ class ServoProcess : public sc_core::sc_module {
   Session& session_;
   std::vector<FrameObserver*> observers_;
   sc_core::sc_event begun_;
+  Work work_;
+  std::unique_ptr<FrameSolver> solver_;
 
-  hvp_device device_{};
-  std::vector<std::uint32_t> scratch_;
-  std::vector<std::int32_t> b_;
-  std::vector<std::int32_t> u_;
-  std::vector<std::int32_t> row_;
+  std::optional<Step> pending_;  // the frame whose solution is still to come
   std::vector<int> next_contact_;
   collision::Contact contact_;
   collision::HandOver hand_over_;
@@ -126,7 +156,6 @@ class ServoProcess : public sc_core::sc_module {
   Eigen::Vector3d force_sum_ = Eigen::Vector3d::Zero();
   std::int64_t force_frames_ = 0;
   Picoseconds last_report_ = -1;
-  int frames_without_words_ = 0;  // in a row, with a contact that is displaced
   ServoCounts counts_;
   std::exception_ptr failure_;
   Picoseconds set_up_time_ = 0;

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "models/fem/reference_solver.h"
+#include "models/sparse/block_matrix.h"
+
+namespace hvp::host {
+
+// Who solves the frame's system. The scenario's key host.solver.
+enum class Solver {
+  board,     // the FPGA, in fixed point
+  cg,        // the host, conjugate gradients in double precision
+  cholesky,  // the host, with factors of A that were made before the first frame
+};
+
+const char* name(Solver solver);
+
+// A frame's system A·u = f with the contact's nodes at u_c, solved by the host in double precision,
+// and the operations that takes. Vectors are over A's rows, in m and N.
+class HostSolve {
+ public:
+  virtual ~HostSolve() = default;
+  // The nodes (ascending) that are prescribed from now on.
+  virtual void move_contact(std::span<const int> nodes) = 0;
+  // `u` holds the last solution, from which an iteration starts.
+  virtual void solve(std::span<const double> f, const Eigen::Vector3d& u_c,
+                     std::span<double> u) = 0;
+  // Additions, multiplications and divisions of the last call of each.
+  double contact_operations() const { return contact_operations_; }
+  double operations() const { return operations_; }
+  // Of a solve without contact that makes all its iterations.
+  virtual double most_operations() const = 0;
+
+ protected:
+  double contact_operations_ = 0;
+  double operations_ = 0;
+};
+
+// Hestenes & Stiefel's conjugate gradients on the nodes that are not prescribed: the others keep
+// u_c, so that their rows of residual and direction stay zero.
+class ConjugateGradients : public HostSolve {
+ public:
+  // Keeps a reference to the matrix. Ends after `iterations`, or once ‖r‖ <= stop_residual·‖b‖
+  // where that is above zero, b being f with the contact's columns moved to it.
+  ConjugateGradients(const sparse::BlockMatrix& a, int iterations, double stop_residual,
+                     bool warm_start);
+
+  void move_contact(std::span<const int> nodes) override;
+  void solve(std::span<const double> f, const Eigen::Vector3d& u_c, std::span<double> u) override;
+  double most_operations() const override;
+  int iterations() const { return made_; }
+
+ private:
+  void clear_contact(std::span<double> v) const;
+
+  const sparse::BlockMatrix& a_;
+  int most_iterations_;
+  double stop_residual_;
+  bool warm_start_;
+  int made_ = 0;
+  std::vector<int> contact_;
+  std::vector<double> r_, d_, q_;
+};
+
+// Factors of A once, two triangular solves a frame. The contact is an update of rank 3 a node
+// (fem/reference_solver.h): when it moves, three solves a node; in each frame the force that holds
+// it in place.
+class Prefactored : public HostSolve {
+ public:
+  // Throws InputError for a matrix that is not positive definite.
+  explicit Prefactored(const sparse::BlockMatrix& a);
+
+  void move_contact(std::span<const int> nodes) override;
+  void solve(std::span<const double> f, const Eigen::Vector3d& u_c, std::span<double> u) override;
+  double most_operations() const override { return triangular_operations(); }
+  std::size_t factor_nonzeros() const { return solver_.factor_nonzeros(); }
+
+ private:
+  double triangular_operations() const;
+
+  fem::ReferenceSolver solver_;
+  std::vector<int> contact_;
+  std::vector<double> right_hand_side_;
+};
+
+}  // namespace hvp::host

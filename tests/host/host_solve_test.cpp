@@ -1,0 +1,140 @@
+#include "models/host/host_solve.h"
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "models/fem/body.h"
+#include "models/fem/structured_box.h"
+
+namespace hvp::host {
+namespace {
+
+std::vector<int> floor_of(int nodes) {
+  std::vector<int> floor;
+  for (int i = 0; i < nodes; ++i) floor.push_back(i);
+  return floor;
+}
+
+struct Box {
+  fem::Body body{fem::structured_box({0.06, 0.06, 0.06}, {3, 3, 3}), fem::Material{}, floor_of(16),
+                 fem::AnchorTreatment::removed};
+  const sparse::BlockMatrix& a = body.stiffness();
+  std::size_t n = static_cast<std::size_t>(a.rows());
+  std::vector<double> load() const {
+    std::vector<double> f(n);
+    for (std::size_t i = 0; i < n; ++i) f[i] = 1e-3 * std::sin(static_cast<double>(i));
+    return f;
+  }
+};
+
+double difference(const std::vector<double>& x, const std::vector<double>& y) {
+  double sum = 0;
+  double norm = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    sum += (x[i] - y[i]) * (x[i] - y[i]);
+    norm += y[i] * y[i];
+  }
+  return std::sqrt(sum / norm);
+}
+
+// Nodes that only know themselves: A = diag(1, 2, 4) for each, and one block a row.
+sparse::BlockMatrix lonely_nodes(int nodes) {
+  sparse::BlockMatrix a;
+  for (int i = 0; i < nodes; ++i) {
+    a.column.push_back(i);
+    a.row_begin.push_back(i + 1);
+    for (const double v : std::array<double, 9>{1, 0, 0, 0, 2, 0, 0, 0, 4}) a.value.push_back(v);
+  }
+  return a;
+}
+
+TEST(HostSolve, BothMethodsFindTheSameSolutionWithAContact) {
+  const Box box;
+  const std::vector<double> f = box.load();
+  const std::vector<int> contact = {40, 44};
+  const Eigen::Vector3d u_c(1e-3, 0, -2e-3);
+  ConjugateGradients cg(box.a, 1000, 1e-12, true);
+  Prefactored factors(box.a);
+  std::vector<double> by_cg(box.n);
+  std::vector<double> by_factors(box.n);
+  for (HostSolve* solve : {static_cast<HostSolve*>(&cg), static_cast<HostSolve*>(&factors)}) {
+    solve->move_contact(contact);
+  }
+  cg.solve(f, u_c, by_cg);
+  factors.solve(f, u_c, by_factors);
+  EXPECT_LT(difference(by_cg, by_factors), 1e-9);
+  for (const int node : contact) {
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_EQ(by_cg[static_cast<std::size_t>(3 * node + i)], u_c[i]);
+      EXPECT_NEAR(by_factors[static_cast<std::size_t>(3 * node + i)], u_c[i], 1e-15);
+    }
+  }
+  // And without it again.
+  cg.move_contact({});
+  factors.move_contact({});
+  cg.solve(f, u_c, by_cg);
+  factors.solve(f, u_c, by_factors);
+  EXPECT_LT(difference(by_cg, by_factors), 1e-9);
+}
+
+// Conjugate gradients end after as many iterations as there are different eigenvalues.
+TEST(HostSolve, ThreeEigenvaluesTakeThreeIterations) {
+  const sparse::BlockMatrix a = lonely_nodes(5);
+  std::vector<double> f(15, 1.0);
+  std::vector<double> u(15);
+  ConjugateGradients cg(a, 60, 1e-10, false);
+  cg.solve(f, Eigen::Vector3d::Zero(), u);
+  EXPECT_EQ(cg.iterations(), 3);
+  const std::array<double, 3> eigenvalue = {1, 2, 4};
+  for (std::size_t i = 0; i < 15; ++i) EXPECT_NEAR(u[i], 1 / eigenvalue[i % 3], 1e-12);
+}
+
+TEST(HostSolve, WarmStartOfTheSolutionMakesNoIteration) {
+  const Box box;
+  const std::vector<double> f = box.load();
+  std::vector<double> u(box.n);
+  ConjugateGradients cg(box.a, 1000, 1e-8, true);
+  cg.solve(f, Eigen::Vector3d::Zero(), u);
+  EXPECT_GT(cg.iterations(), 10);
+  cg.solve(f, Eigen::Vector3d::Zero(), u);
+  EXPECT_EQ(cg.iterations(), 0);
+}
+
+// Five nodes, one block each, two iterations: the first residual takes a product (5·18) and 15
+// subtractions, its norm 30; an iteration a product, two inner products (60), three vector updates
+// (90) and two divisions.
+TEST(HostSolve, OperationsOfConjugateGradientsAreCounted) {
+  const sparse::BlockMatrix a = lonely_nodes(5);
+  std::vector<double> f(15, 1.0);
+  std::vector<double> u(15);
+  ConjugateGradients cg(a, 2, 0, false);
+  cg.solve(f, Eigen::Vector3d::Zero(), u);
+  EXPECT_EQ(cg.operations(), 90 + 15 + 30 + 2 * (90 + 60 + 90 + 2));
+  EXPECT_EQ(cg.most_operations(), cg.operations());
+}
+
+// Diagonal factors: three stored zeros below the diagonal of each block, 4 operations each, and a
+// division a row. A contact of one node has W of 3 columns: 2·3·15 to add it up, 2·9 for the small
+// system; to make it, three solves and ⅔·27.
+TEST(HostSolve, OperationsOfTriangularSolvesAreCounted) {
+  const sparse::BlockMatrix a = lonely_nodes(5);
+  Prefactored factors(a);
+  std::vector<double> f(15, 1.0);
+  std::vector<double> u(15);
+  factors.solve(f, Eigen::Vector3d::Zero(), u);
+  const double triangular = 4.0 * static_cast<double>(factors.factor_nonzeros()) + 15;
+  EXPECT_LE(factors.factor_nonzeros(), 15U);
+  EXPECT_EQ(factors.operations(), triangular);
+  EXPECT_EQ(factors.most_operations(), triangular);
+  const std::vector<int> contact = {2};
+  factors.move_contact(contact);
+  EXPECT_DOUBLE_EQ(factors.contact_operations(), 3 * triangular + 18);
+  factors.solve(f, Eigen::Vector3d::Ones(), u);
+  EXPECT_EQ(factors.operations(), triangular + 18 + 90);
+}
+
+}  // namespace
+}  // namespace hvp::host

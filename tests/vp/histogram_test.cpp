@@ -1,0 +1,58 @@
+#include "vp/histogram.h"
+
+#include <gtest/gtest.h>
+
+namespace hvp::vp {
+namespace {
+
+TEST(Histogram, PercentilesAreWithinAPartInSixtyFour) {
+  Histogram h;
+  for (Picoseconds t = 1; t <= 1'000'000; t += 7) h.add(t * 1000);
+  EXPECT_EQ(h.count(), 142'858);
+  EXPECT_EQ(h.largest(), 1'000'000'000);
+  for (const double share : {0.01, 0.25, 0.5, 0.9, 0.99, 0.999}) {
+    const double exact = share * 1e9;
+    EXPECT_NEAR(static_cast<double>(h.percentile(share)), exact, exact / 64 + 7000) << share;
+  }
+  EXPECT_EQ(h.percentile(1), h.largest());
+  EXPECT_NEAR(h.mean(), 5e8, 1e4);
+}
+
+TEST(Histogram, SmallTimesAreExact) {
+  Histogram h;
+  for (Picoseconds t = 0; t < 64; ++t) h.add(t);
+  EXPECT_EQ(h.percentile(0.5), 31);
+  EXPECT_EQ(h.percentile(1), 63);
+}
+
+TEST(Histogram, OneTimeIsEveryPercentile) {
+  Histogram h;
+  h.add(1'234'567'890'123);
+  EXPECT_EQ(h.percentile(0.01), 1'234'567'890'123);
+  EXPECT_EQ(h.percentile(0.99), 1'234'567'890'123);
+  EXPECT_EQ(Histogram().percentile(0.5), 0);
+}
+
+TEST(Histogram, OctavesHoldEveryTimeOnce) {
+  Histogram h;
+  for (Picoseconds t = 1; t < Picoseconds{1} << 40; t *= 3) h.add(t);
+  h.add(0);
+  h.add(Picoseconds{1} << 62);
+  std::int64_t sum = 0;
+  Picoseconds before = -1;
+  for (const Histogram::Octave& o : h.octaves()) {
+    EXPECT_GT(o.from, before);
+    before = o.from;
+    sum += o.count;
+  }
+  EXPECT_EQ(sum, h.count());
+  EXPECT_EQ(before, Picoseconds{1} << 62);
+  // 64 to 127 ps: 81 alone.
+  Histogram one;
+  one.add(81);
+  ASSERT_EQ(one.octaves().size(), 1U);
+  EXPECT_EQ(one.octaves()[0].from, 64);
+}
+
+}  // namespace
+}  // namespace hvp::vp

@@ -1,0 +1,128 @@
+// No board: the servo process solves.
+#include <gtest/gtest.h>
+
+#include "models/fem/reference_solver.h"
+#include "tests/vp/expected_frame.h"
+#include "vp/platform.h"
+
+namespace hvp::vp {
+namespace {
+
+using test::FrameLog;
+using test::kUs;
+using test::SmallScene;
+
+SmallScene::Options solved_by(host::Solver solver) {
+  SmallScene::Options options;
+  options.solved_by = solver;
+  return options;
+}
+
+struct Simulated {
+  explicit Simulated(SmallScene& scene)
+      : platform(scene.settings, scene.body, scene.computation, scene.contacts) {
+    platform.add_sink(log);
+    platform.run();
+  }
+  FrameLog log;
+  Platform platform;
+};
+
+// Everything but the solve: the DAQ's registers, the lookup and the converter.
+Picoseconds around_the_solve() {
+  return test::pci_write(4) + 1 * kUs + test::pci_read(12) + 1 * kUs + test::pci_write(12) +
+         10 * kUs;
+}
+
+TEST(HostSolver, NeitherBoardNorItsProcessIsThere) {
+  SmallScene scene(solved_by(host::Solver::cholesky));
+  const Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
+  // The bus and its master carry the DAQ board.
+  EXPECT_EQ(Platform::modules(),
+            (std::vector<std::string>{"bus", "daq", "access", "servo", "collision"}));
+  EXPECT_EQ(Platform::processes(), 2U);
+  EXPECT_EQ(platform.board(), nullptr);
+}
+
+TEST(HostSolver, TriangularSolvesTakeTheirOperations) {
+  SmallScene scene(solved_by(host::Solver::cholesky));
+  const Simulated run(scene);
+  const fem::ReferenceSolver factors(scene.computation.matrix());
+  const double operations =
+      4.0 * static_cast<double>(factors.factor_nonzeros()) + SmallScene::kUnknowns;
+  EXPECT_EQ(run.platform.session().begin, 0);
+  for (const Frame& frame : run.log.frames) {
+    EXPECT_EQ(frame.latency(), around_the_solve() + test::compute(operations));
+  }
+}
+
+TEST(HostSolver, ConjugateGradientsTakeTheirIterations) {
+  SmallScene::Options options = solved_by(host::Solver::cg);
+  options.solver.iterations = 7;
+  SmallScene scene(options);
+  scene.touch();
+  scene.settings.servo.frames = 20;
+  const Simulated run(scene);
+  const double n = SmallScene::kUnknowns;
+  const double product = 18.0 * static_cast<double>(scene.computation.matrix().blocks());
+  const Frame& frame = run.log.frames.back();
+  ASSERT_GE(frame.contact_node, 0);
+  const int row = scene.body.active_index(frame.contact_node);
+  const auto& begin = scene.computation.matrix().row_begin;
+  const int blocks =
+      begin[static_cast<std::size_t>(row) + 1] - begin[static_cast<std::size_t>(row)];
+  EXPECT_EQ(frame.latency(), around_the_solve() +
+                                 test::compute(product + 3 * n + 7 * (product + 10 * n + 2)) +
+                                 test::compute(18.0 * blocks + 3));
+}
+
+TEST(HostSolver, AMeasuredRateScalesTheSolveAlone) {
+  SmallScene scene(solved_by(host::Solver::cholesky));
+  scene.settings.servo.costs.solver_rate_flops =
+      4 * scene.settings.servo.costs.sustained_rate_flops;
+  const Simulated run(scene);
+  const fem::ReferenceSolver factors(scene.computation.matrix());
+  const double operations =
+      4.0 * static_cast<double>(factors.factor_nonzeros()) + SmallScene::kUnknowns;
+  EXPECT_EQ(run.log.frames[0].latency(), around_the_solve() + test::compute(operations / 4));
+}
+
+// The numbers are those of the double-precision reference, frame by frame.
+class AgainstReference : public FrameObserver {
+ public:
+  explicit AgainstReference(const SmallScene& scene)
+      : solver_(scene.computation.matrix()),
+        constraint_(scene.computation.matrix(), fem::ContactDiagonal::average),
+        load_(scene.body.load()),
+        u_(load_.size()) {}
+  void solved(const SolvedFrame& frame) override {
+    if (frame.contact.empty()) return;
+    solver_.solve_with_contact(load_, frame.contact, frame.contact_displacement, u_);
+    const Eigen::Vector3d force = constraint_.reaction(u_, load_, frame.contact);
+    EXPECT_LE((frame.force - force).norm(), 1e-9 * force.norm()) << frame.number;
+    ++compared;
+  }
+  int compared = 0;
+
+ private:
+  fem::ReferenceSolver solver_;
+  fem::ContactConstraint constraint_;
+  std::vector<double> load_;
+  std::vector<double> u_;
+};
+
+TEST(HostSolver, ForcesAreThoseOfTheTrueModel) {
+  SmallScene scene(solved_by(host::Solver::cholesky));
+  scene.slide(0.06);
+  scene.settings.servo.frames = 40;
+  Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
+  AgainstReference reference(scene);
+  platform.add_observer(reference);
+  platform.run();
+  EXPECT_GT(reference.compared, 20);
+  EXPECT_GE(platform.servo().counts().contact_changes, 2);
+  EXPECT_EQ(platform.servo().counts().driver_errors, 0);
+}
+
+}  // namespace
+}  // namespace hvp::vp

@@ -1,0 +1,154 @@
+#include "vp/host/board_solver.h"
+
+#include <algorithm>
+
+#include "models/stability/flag.h"
+#include "vp/host/driver_config.h"
+
+namespace hvp::vp {
+
+namespace {
+// A touch begins with displacements below any word's unit; after so many frames it has not.
+constexpr int kFramesWithoutWords = 16;
+
+std::uint32_t bit(stability::Flag flag) { return std::uint32_t{1} << static_cast<unsigned>(flag); }
+
+bool contains(std::span<const int> ascending, int node) {
+  return std::binary_search(ascending.begin(), ascending.end(), node);
+}
+}  // namespace
+
+BoardSolver::BoardSolver(const fixed::Settings& settings, host::FrameComputation& computation,
+                         const hvp_bus& bus, const Work& work)
+    : settings_(settings),
+      computation_(computation),
+      bus_(bus),
+      work_(work),
+      b_(computation.displacement().size()),
+      u_(computation.displacement().size()) {
+  scratch_.resize(std::max<std::size_t>(HVP_MIN_SCRATCH_WORDS, b_.size()));
+}
+
+hvp_status BoardSolver::set_up() {
+  const hvp_solver_config config = driver_config(settings_);
+  const fixed::QuantisedMatrix& k = computation_.quantised();
+  const hvp_matrix matrix{static_cast<std::uint32_t>(k.block_rows()),
+                          static_cast<std::uint32_t>(k.column.size()), k.row_begin.data(),
+                          k.column.data(), k.value.data()};
+  // Whatever the board had been told of a contact went with its matrix.
+  computation_.set_contact({});
+
+  hvp_status status = hvp_open(&device_, &bus_, scratch_.data(), scratch_.size());
+  if (status == HVP_OK) status = hvp_configure(&device_, &config);
+  if (status == HVP_OK) status = hvp_load_matrix(&device_, &matrix);
+  if (status == HVP_OK && config.start != HVP_START_FROM_ZERO) {
+    computation_.scaling().displacement_words(computation_.displacement(), u_);
+    status = hvp_write_initial_guess(&device_, u_.data(), u_.size());
+  }
+  return status;
+}
+
+// Nodes that were let go get their rows back before others are taken, so that the board's matrix
+// is K but for the rows and columns of `nodes`.
+hvp_status BoardSolver::move_contact(std::span<const int> nodes) {
+  const std::vector<int>& present = computation_.contact();
+  hvp_status status = HVP_OK;
+  for (const int node : present) {
+    if (contains(nodes, node) || status != HVP_OK) continue;
+    status = restore_node(node, nodes);
+  }
+  for (const int node : nodes) {
+    if (contains(present, node) || status != HVP_OK) continue;
+    status = hvp_constrain_node(&device_, static_cast<std::uint32_t>(node),
+                                computation_.diagonal_word());
+  }
+  computation_.set_contact(nodes);
+  return status;
+}
+
+// The board must be told zeros towards nodes that are still cleared there: those that stay in
+// contact, and those whose turn comes later, which bring the blocks back by symmetry.
+hvp_status BoardSolver::restore_node(int node, std::span<const int> nodes) {
+  const fixed::QuantisedMatrix& k = computation_.quantised();
+  const std::span<const std::int32_t> row = k.row(node);
+  row_.assign(row.begin(), row.end());
+  const auto first = static_cast<std::size_t>(k.row_begin[static_cast<std::size_t>(node)]);
+  for (std::size_t i = 0; i < row_.size() / 9; ++i) {
+    const int other = k.column[first + i];
+    if (contains(computation_.contact(), other) && (contains(nodes, other) || other > node)) {
+      std::fill_n(row_.begin() + static_cast<std::ptrdiff_t>(9 * i), 9, 0);
+    }
+  }
+  return hvp_restore_node(&device_, static_cast<std::uint32_t>(node), row_.data(),
+                          static_cast<std::uint32_t>(row_.size() / 9));
+}
+
+// With refinement each pass needs the one before: nothing is begun that could be left alone.
+hvp_status BoardSolver::begin(const Eigen::Vector3d& u_c, std::uint32_t& flags) {
+  if (computation_.refined() != nullptr) return HVP_OK;
+  const int clamped = computation_.form_rhs(u_c, b_);
+  work_.spend(Phase::form_rhs, 0, computation_.form_rhs_operations());
+  clamped_words_ += clamped;
+  if (clamped > 0) flags |= bit(stability::Flag::range_exceeded);
+  return start();
+}
+
+hvp_status BoardSolver::end(const Eigen::Vector3d& u_c, std::uint32_t& flags) {
+  if (computation_.refined() != nullptr) return refine(u_c, *computation_.refined());
+  const hvp_status status = receive();
+  if (status != HVP_OK) return status;
+  flags |= hvp_last_flags(&device_);
+  // Words that are too coarse leave nothing of the load: the board solves A·x = 0 without a flag.
+  const bool vanished =
+      u_c.squaredNorm() > 0 && std::ranges::all_of(b_, [](int w) { return w == 0; });
+  frames_without_words_ = vanished ? frames_without_words_ + 1 : 0;
+  if (frames_without_words_ >= kFramesWithoutWords) flags |= bit(stability::Flag::stagnation);
+  computation_.accept(u_);
+  return status;
+}
+
+// Each pass' residual follows the increment of the pass before in one span; the last increment has
+// one of its own.
+hvp_status BoardSolver::refine(const Eigen::Vector3d& u_c, host::RefinedSolve& refined) {
+  computation_.begin_passes(u_c);
+  double operations = refined.begin_operations();
+  while (refined.next(b_)) {
+    work_.spend(Phase::refinement, 0, operations + refined.next_operations());
+    hvp_status status = start();
+    if (status == HVP_OK) status = receive();
+    if (status != HVP_OK) {
+      refined.abandon();
+      return status;
+    }
+    refined.accept(u_, stability::Flags(hvp_last_flags(&device_)));
+    operations = refined.accept_operations();
+  }
+  work_.spend(Phase::refinement, 0, operations + refined.next_operations());
+  return HVP_OK;
+}
+
+// What is left of the residual is known when the next frame's product is formed: after the force.
+void BoardSolver::finish(std::uint32_t& flags) {
+  host::RefinedSolve* refined = computation_.refined();
+  if (refined == nullptr) return;
+  refined->finish();
+  work_.spend(Phase::refinement, 0, refined->finish_operations());
+  flags |= refined->flags().bits();
+  clamped_words_ += refined->clamped();
+}
+
+hvp_status BoardSolver::start() {
+  work_.spend(Phase::driver, work_.costs().driver_call_s);
+  const hvp_status status = hvp_write_rhs(&device_, b_.data(), b_.size());
+  return status == HVP_OK ? hvp_start(&device_) : status;
+}
+
+hvp_status BoardSolver::receive() {
+  const hvp_status status =
+      hvp_wait(&device_, static_cast<std::uint64_t>(work_.costs().timeout_s * 1e9));
+  if (status != HVP_OK) return status;
+  work_.spend(Phase::driver, work_.costs().driver_call_s);
+  return hvp_read_solution(&device_, u_.data(), u_.size());
+}
+
+}  // namespace hvp::vp

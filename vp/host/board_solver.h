@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "models/fixed/settings.h"
+#include "models/host/frame_computation.h"
+#include "vp/host/frame_solver.h"
+
+namespace hvp::vp {
+
+// The board solves: b in words goes there, U comes back, in several passes where the solution is
+// refined. Reaches the board through the driver alone.
+class BoardSolver : public FrameSolver {
+ public:
+  // Keeps references. `settings` are those of the board; `bus` is the driver's way to it.
+  BoardSolver(const fixed::Settings& settings, host::FrameComputation& computation,
+              const hvp_bus& bus, const Work& work);
+
+  hvp_status set_up() override;
+  hvp_status move_contact(std::span<const int> nodes) override;
+  hvp_status begin(const Eigen::Vector3d& u_c, std::uint32_t& flags) override;
+  hvp_status end(const Eigen::Vector3d& u_c, std::uint32_t& flags) override;
+  void finish(std::uint32_t& flags) override;
+  hvp_status close() override { return hvp_close(&device_); }
+  std::int64_t take_clamped_words() override { return std::exchange(clamped_words_, 0); }
+
+ private:
+  hvp_status restore_node(int node, std::span<const int> nodes);
+  hvp_status refine(const Eigen::Vector3d& u_c, host::RefinedSolve& refined);
+  hvp_status start();
+  hvp_status receive();
+
+  fixed::Settings settings_;
+  host::FrameComputation& computation_;
+  const hvp_bus& bus_;
+  const Work& work_;
+
+  hvp_device device_{};
+  std::vector<std::uint32_t> scratch_;
+  std::vector<std::int32_t> b_;
+  std::vector<std::int32_t> u_;
+  std::vector<std::int32_t> row_;
+  int frames_without_words_ = 0;  // in a row, with a contact that is displaced
+  std::int64_t clamped_words_ = 0;
+};
+
+}  // namespace hvp::vp

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <cstdint>
+#include <span>
+
+#include "driver/hvp_driver.h"
+#include "models/host/costs.h"
+#include "vp/frame_tag.h"
+#include "vp/ledger.h"
+
+namespace hvp::vp {
+
+// Time that the servo process spends at work: spans of the host that follow the tag.
+class Work {
+ public:
+  Work(const host::Host& costs, bool untimed, Tag& tag, Ledger& ledger)
+      : costs_(costs), untimed_(untimed), tag_(tag), ledger_(ledger) {}
+
+  void spend(Phase phase, double seconds, double operations = 0) const {
+    if (untimed_) return;
+    const Picoseconds start = now_ps();
+    sc_core::wait(to_sc_time(std::llround(seconds * 1e12) + costs_.compute_ps(operations)));
+    ledger_.extend(tag_, Part::host, phase, start, now_ps());
+  }
+  const host::Host& costs() const { return costs_; }
+  Tag& tag() const { return tag_; }
+
+ private:
+  host::Host costs_;
+  bool untimed_;
+  Tag& tag_;
+  Ledger& ledger_;
+};
+
+// Who finds a frame's displacements: the board, behind its driver, or the host itself. All calls
+// are made in the servo thread and take simulated time.
+class FrameSolver {
+ public:
+  virtual ~FrameSolver() = default;
+
+  // Before the first frame, and again after a frame that failed: the solver has the matrix without
+  // contact.
+  virtual hvp_status set_up() = 0;
+  // The nodes (active, ascending) that follow the probe from now on.
+  virtual hvp_status move_contact(std::span<const int> nodes) = 0;
+  // Everything up to the point where the solver works and the host need not wait for it.
+  virtual hvp_status begin(const Eigen::Vector3d& u_c, std::uint32_t& flags) = 0;
+  // Waits for what begin() began and takes the solution.
+  virtual hvp_status end(const Eigen::Vector3d& u_c, std::uint32_t& flags) = 0;
+  // What is left to do once the force is out.
+  virtual void finish(std::uint32_t& flags) = 0;
+  virtual hvp_status close() = 0;
+
+  // Words of right-hand sides that did not fit, since the last call.
+  virtual std::int64_t take_clamped_words() { return 0; }
+};
+
+}  // namespace hvp::vp
