@@ -78,7 +78,8 @@ TEST_F(Results, SummaryHasWhatTheDesignPromises) {
     types.insert(r.at("type").get<std::string>());
     EXPECT_LE(r.at("used"), r.at("available"));
   }
-  EXPECT_EQ(types, (std::set<std::string>{"M512", "M4K", "M-RAM", "multipliers"}));
+  EXPECT_EQ(types,
+            (std::set<std::string>{"M512", "M4K", "M-RAM", "multipliers", "logic", "registers"}));
   EXPECT_EQ(s.at("effects"), json({"reference"}));
   EXPECT_EQ(s.at("fidelity"), json({{"accelerator", "loosely-timed"},
                                     {"bus", "loosely-timed"},
