@@ -1,8 +1,8 @@
 #include "models/accel/engine_paths.h"
 
 #include <algorithm>
-#include <bit>
 
+#include "models/accel/bits.h"
 #include "models/accel/memory_blocks.h"
 #include "models/accel/multipliers.h"
 #include "models/accel/path_builder.h"
@@ -18,10 +18,6 @@ constexpr int kHostMemories = 12;
 constexpr int kHostAddressBits = 20;
 
 int ceil_div(int a, int b) { return (a + b - 1) / b; }
-// Levels of a tree that adds so many words in pairs.
-int tree_levels(int words) {
-  return std::bit_width(static_cast<unsigned>(std::max(words, 1)) - 1U);
-}
 
 // The part of the device's multipliers that is in use.
 double multiplier_fill(const Device& device, const Architecture& a, const WordLengths& w) {
@@ -56,7 +52,7 @@ class EnginePaths {
   // The counters of rows decide whether the next package is issued, which is the address of the
   // index memory at once.
   void issue() {
-    const int row_bits = std::bit_width(static_cast<unsigned>(nodes_));
+    const int row_bits = bits_of(nodes_);
     take_(path_.begin("issue of a package")
               .from_register()
               .adder(row_bits)
@@ -107,10 +103,10 @@ class EnginePaths {
   void add() {
     const int bits = w_.matrix_bits + w_.vector_bits;
     const int parts = multipliers_a_product(multiplier_, w_.matrix_bits, w_.vector_bits);
-    const int levels = tree_levels(parts) + tree_levels(a_.package);
+    const int levels = levels_over(parts) + levels_over(a_.package);
     const int sum_bits = bits + kRowGrowthBits;
     tree("adder tree of a row", levels, bits, sum_bits, true);
-    tree("sum over the lanes", tree_levels(3 * a_.nodes_per_clock), kProductBits + w_.vector_bits,
+    tree("sum over the lanes", levels_over(3 * a_.nodes_per_clock), kProductBits + w_.vector_bits,
          w_.scalar_bits, false);
   }
 
@@ -140,7 +136,7 @@ class EnginePaths {
 
   // Rows from the partitions' result memories.
   void collect() {
-    const int row_bits = std::bit_width(static_cast<unsigned>(nodes_));
+    const int row_bits = bits_of(nodes_);
     take_(path_.begin("row out of the result memories")
               .from_memory(true)
               .multiplexer(a_.partitions)

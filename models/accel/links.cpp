@@ -1,9 +1,10 @@
 #include "models/accel/links.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstddef>
+
+#include "models/accel/bits.h"
 
 namespace hvp::accel {
 
@@ -83,7 +84,7 @@ std::int64_t Links::reduction(int devices, int bits) const {
   if (devices < 2) return 0;
   const double message = clocks(bits);
   const double arrived = (hops(devices) - 1) * std::max(message, latency_) + message + latency_;
-  const int adder_ranks = std::bit_width(static_cast<unsigned>(devices - 1));
+  const int adder_ranks = levels_over(devices);
   return static_cast<std::int64_t>(std::ceil(arrived)) + adder_ranks;
 }
 

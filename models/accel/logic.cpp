@@ -1,7 +1,6 @@
 #include "models/accel/logic.h"
 
-#include <bit>
-
+#include "models/accel/bits.h"
 #include "models/accel/multipliers.h"
 
 namespace hvp::accel {
@@ -15,10 +14,6 @@ constexpr int kScalarBits = 64;
 constexpr int kSequencerBits = 150;
 
 std::int64_t ceil_div(std::int64_t a, std::int64_t b) { return (a + b - 1) / b; }
-
-int bits_to_number(std::int64_t count) {
-  return count < 2 ? 1 : static_cast<int>(std::bit_width(static_cast<std::uint64_t>(count - 1)));
-}
 
 // Ways that one look-up table chooses from: 4 data and 2 select of six inputs.
 int ways_of(int inputs) {

@@ -1,14 +1,12 @@
 #include "models/accel/path_builder.h"
 
 #include <algorithm>
-#include <bit>
+
+#include "models/accel/bits.h"
 
 namespace hvp::accel {
 
 namespace {
-
-// Bits that tell so many ways apart.
-int select_bits(int ways) { return std::bit_width(static_cast<unsigned>(std::max(ways, 1)) - 1U); }
 
 // Levels of a multiplexer. A look-up table of four inputs chooses one of two words, and a hard
 // multiplexer behind each pair of them saves a level; one of six inputs chooses one of four.
@@ -89,12 +87,12 @@ PathBuilder& PathBuilder::from_memory(bool output_register) {
 
 PathBuilder& PathBuilder::multiplexer(int ways) {
   levels(ElementKind::multiplexer, ways,
-         multiplexer_levels(select_bits(ways), timing_.logic_inputs));
+         multiplexer_levels(levels_over(ways), timing_.logic_inputs));
   return *this;
 }
 
 PathBuilder& PathBuilder::shifter(int bits) {
-  levels(ElementKind::shifter, bits, multiplexer_levels(select_bits(bits), timing_.logic_inputs));
+  levels(ElementKind::shifter, bits, multiplexer_levels(levels_over(bits), timing_.logic_inputs));
   return *this;
 }
 

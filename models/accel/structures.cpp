@@ -1,8 +1,8 @@
 #include "models/accel/structures.h"
 
 #include <algorithm>
-#include <bit>
 
+#include "models/accel/bits.h"
 #include "models/accel/symmetric.h"
 
 namespace hvp::accel {
@@ -14,11 +14,6 @@ using fixed::Method;
 constexpr int kProductBits = fixed::Settings::kProductBits;
 
 std::int64_t ceil_div(std::int64_t a, std::int64_t b) { return (a + b - 1) / b; }
-
-// Bits that number so many things.
-int bits_to_number(std::int64_t count) {
-  return count < 2 ? 1 : static_cast<int>(std::bit_width(static_cast<std::uint64_t>(count - 1)));
-}
 
 class Engine {
  public:

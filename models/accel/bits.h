@@ -1,0 +1,20 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+namespace hvp::accel {
+
+// Bits that a number of at least 0 takes: 0 for 0, 4 for 8.
+constexpr int bits_of(std::int64_t number) {
+  return static_cast<int>(std::bit_width(static_cast<std::uint64_t>(number)));
+}
+
+// Levels of a binary tree over so many leaves, and the bits that tell them apart: 0 for one or
+// none, 3 for 5 to 8.
+constexpr int levels_over(std::int64_t leaves) { return leaves < 2 ? 0 : bits_of(leaves - 1); }
+
+// Bits of a number of one of so many things: at least one.
+constexpr int bits_to_number(std::int64_t count) { return count < 2 ? 1 : levels_over(count); }
+
+}  // namespace hvp::accel
