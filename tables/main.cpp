@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
+#include <stdexcept>
 #include <string>
 
 #include "tables/accelerator/page.h"
@@ -31,7 +32,17 @@ int run(int argc, char** argv) {
       app.add_subcommand("partitions", "partitions of K: zeros isolated, balance, exchanged words");
   const CLI::App* pc =
       app.add_subcommand("pc", "Table 6.3 with this machine's row, measured in about a second");
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& e) {
+    return app.exit(e);  // --help
+  } catch (const CLI::ParseError& e) {
+    std::string names;
+    for (const CLI::App* page : app.get_subcommands({})) names += " " + page->get_name();
+    std::fprintf(stderr, "hvp-tables: %s: expected one of%s\n",
+                 argc > 1 ? argv[argc - 1] : "no name", names.c_str());
+    return 2;
+  }
   if (thesis->parsed()) print(csv ? hvp::tables::thesis_csv() : hvp::tables::thesis_page());
   if (accelerator->parsed()) print(hvp::tables::accelerator_page());
   if (devices->parsed()) print(hvp::tables::devices_page());
@@ -39,6 +50,9 @@ int run(int argc, char** argv) {
   if (partitions->parsed()) print(hvp::tables::partitions_page());
   if (pc->parsed()) print(hvp::tables::pc_table());
   if (hard->parsed()) print(hvp::tables::hard_cases_page());
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+    throw std::runtime_error("cannot write to standard output");
+  }
   return 0;
 }
 

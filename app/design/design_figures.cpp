@@ -32,22 +32,41 @@ Reach reach_of(const Scene& scene, int nodes) {
   return r;
 }
 
-void take_time(const Scene& scene, const accel::BoardClocks& board, Reach& r) {
+// A clock that the design does not reach gives no times: the highest one does.
+double clock_in_force(const accel::Architecture& a, const std::optional<accel::CriticalPath>& c) {
+  return c ? std::min(a.clock_hz, c->highest_clock_hz) : a.clock_hz;
+}
+
+void take_time(const Scene& scene, const accel::BoardClocks& board, double clock_hz, Reach& r) {
   const accel::SolveWork work = accel::longest_solve(scene.computation().board_settings());
-  r.solve_ps = board.solve(work).total() * scene.scenario().accelerator.clock_period_ps();
+  accel::Architecture a = scene.scenario().accelerator;
+  a.clock_hz = clock_hz;
+  r.solve_ps = board.solve(work).total() * a.clock_period_ps();
   r.frame_ps = frame_ps(frame_steps(scene, r.nodes, r.solve_ps));
 }
 
-std::optional<Reach> largest(const Scene& scene, const accel::WordLengths& words) {
+std::optional<Reach> largest(const Scene& scene, const accel::WordLengths& words, double clock_hz) {
   const accel::Architecture& a = scene.scenario().accelerator;
   const int nodes = accel::largest_mesh_of_board(scene.device(), a, words, scene.board());
   if (nodes == 0) return std::nullopt;
   Reach r = reach_of(scene, nodes);
   // What devices send each other of a larger mesh depends on its columns, which there are none of.
   if (!a.several || a.several->exchange == accel::Exchange::all) {
-    take_time(scene, accel::BoardClocks(a, resized(scene.pattern(), nodes)), r);
+    take_time(scene, accel::BoardClocks(a, resized(scene.pattern(), nodes)), clock_hz, r);
   }
   return r;
+}
+
+// What the scenario's fidelity, or several devices, would refuse is no neighbour.
+bool has_model(const Scene& scene, const accel::Design& design) {
+  using fixed::Method;
+  const bool engine = vp::has_engine(scene.scenario().fidelity.accelerator);
+  const Method method = design.solver.method;
+  if (engine && (method == Method::chronopoulos_gear || method == Method::pipelined_cg)) {
+    return false;
+  }
+  const bool symmetric = design.architecture.matrix_storage == accel::MatrixStorage::symmetric;
+  return !symmetric || !(engine || design.architecture.several);
 }
 
 double per_second(std::int64_t ps) { return ps == 0 ? 0 : 1e12 / static_cast<double>(ps); }
@@ -95,12 +114,14 @@ DesignFigures design_figures(const Scene& scene) {
   }
   f.usage = scene.usage();
   f.packing = accel::packing(a, scene.pattern());
-  f.operations = accel::operation_rate(a, scene.pattern(), solver.method, f.cycles);
+  accel::Architecture in_force = a;
+  in_force.clock_hz = clock_in_force(a, f.clock);
+  f.operations = accel::operation_rate(in_force, scene.pattern(), solver.method, f.cycles);
   f.scene = reach_of(scene, scene.pattern().nodes());
-  take_time(scene, scene.board(), f.scene);
-  f.largest = largest(scene, words);
+  take_time(scene, scene.board(), in_force.clock_hz, f.scene);
+  f.largest = largest(scene, words, in_force.clock_hz);
   for (const accel::Variation& v : accel::variations({a, solver})) {
-    f.what_if.push_back(try_out(scene, v));
+    if (has_model(scene, v.design)) f.what_if.push_back(try_out(scene, v));
   }
   return f;
 }

@@ -54,7 +54,19 @@ ordered_json resources(const accel::Usage& usage) {
   return list;
 }
 
+ordered_json obstacles(const accel::Usage& usage) {
+  ordered_json list = ordered_json::array();
+  for (const accel::Obstacle& o : usage.obstacles) {
+    list.push_back({{"key", "accelerator." + o.key}, {"reason", o.reason}});
+  }
+  return list;
+}
+
 ordered_json reach(const app::Reach& r) {
+  if (r.solve_ps == 0) {
+    return {{"nodes", r.nodes},         {"mesh_nodes", r.mesh_nodes}, {"solve_us", nullptr},
+            {"solve_rate_hz", nullptr}, {"frame_us", nullptr},        {"frame_rate_hz", nullptr}};
+  }
   return {{"nodes", r.nodes},           {"mesh_nodes", r.mesh_nodes},
           {"solve_us", us(r.solve_ps)}, {"solve_rate_hz", r.solve_rate_hz()},
           {"frame_us", us(r.frame_ps)}, {"frame_rate_hz", r.frame_rate_hz()}};
@@ -93,6 +105,14 @@ std::string design_json(const app::Scene& scene, const app::DesignFigures& f) {
   j["cycles"] = cycles(f.cycles);
   j["clock"] = clock(s.accelerator, f);
   j["resources"] = resources(f.usage);
+  j["obstacles"] = obstacles(f.usage);
+  j["devices"] = s.accelerator.several ? s.accelerator.several->devices : 1;
+  if (const std::optional<accel::SeveralDevices>& several = scene.board().several()) {
+    const accel::SeveralCycles c =
+        several->solve(accel::longest_solve(scene.computation().board_settings()));
+    j["links"] = {{"clocks_an_iteration", c.link_clocks_an_iteration()},
+                  {"clocks_a_solve", c.link_clocks()}};
+  }
   j["packing"] = {{"nonzeros", f.packing.nonzeros},
                   {"stored", f.packing.stored},
                   {"padding_rel", f.packing.loss()},

@@ -9,6 +9,7 @@
 #include "app/results/engine_text.h"
 #include "app/results/number_text.h"
 #include "app/results/report.h"
+#include "app/results/several_text.h"
 
 namespace hvp::results {
 
@@ -16,13 +17,18 @@ namespace {
 
 using Out = std::back_insert_iterator<std::string>;
 
-std::string megahertz(double hz) { return fmt::format("{:.4g} MHz", hz * 1e-6); }
+// Down, as the refusal of a clock has it: what is told can be set.
+std::string megahertz(double hz) {
+  return fmt::format("{:g} MHz", std::floor(hz * 1e-5 + 1e-9) / 10);
+}
 
 void head(Out out, const app::Scene& scene, const app::DesignFigures& f) {
   const app::Scenario& s = scene.scenario();
   const accel::Architecture& a = s.accelerator;
   if (!s.title.empty()) fmt::format_to(out, "{}\n", s.title);
-  fmt::format_to(out, "  device      {} ({})\n", scene.device().name, scene.device().family);
+  fmt::format_to(out, "  device      {}{} ({})\n",
+                 a.several ? fmt::format("{} x ", a.several->devices) : "", scene.device().name,
+                 scene.device().family);
   fmt::format_to(out, "  engine      {} rows x {} columns x {} partitions, {} node{} a clock\n",
                  a.rows_in_parallel, a.package, a.partitions, a.nodes_per_clock,
                  a.nodes_per_clock == 1 ? "" : "s");
@@ -75,6 +81,13 @@ void critical_path(Out out, const app::DesignFigures& f) {
   }
 }
 
+// What no block of the chosen type can do, which the counts of blocks do not show.
+void obstacles(Out out, const accel::Usage& usage) {
+  for (const accel::Obstacle& o : usage.obstacles) {
+    fmt::format_to(out, "  DOES NOT FIT: {} (accelerator.{})\n", o.reason, o.key);
+  }
+}
+
 void packing(Out out, const accel::Packing& p) {
   fmt::format_to(
       out,
@@ -104,9 +117,10 @@ void reach_line(Out out, const char* what, const app::Reach& r) {
   fmt::format_to(out, "\n");
 }
 
-void reach(Out out, const app::DesignFigures& f) {
+void reach(Out out, const accel::Architecture& a, const app::DesignFigures& f) {
   fmt::format_to(out,
-                 "\nLargest mesh and highest rate, with rows like these and as many iterations\n");
+                 "\nLargest mesh and highest rate, with rows like these and as many iterations{}\n",
+                 f.clock_is_reached(a) ? "" : ", at " + megahertz(f.clock->highest_clock_hz));
   reach_line(out, "this mesh", f.scene);
   if (f.largest) {
     reach_line(out, "largest", *f.largest);
@@ -147,10 +161,12 @@ std::string design_text(const app::Scene& scene, const app::DesignFigures& f) {
   text += clocks_text(scene);
   bottleneck(out, f.cycles);
   critical_path(out, f);
+  text += several_text(scene);
   text += resources_text(scene);
+  obstacles(out, f.usage);
   packing(out, f.packing);
   operations(out, f.operations);
-  reach(out, f);
+  reach(out, scene.scenario().accelerator, f);
   what_if(out, f);
   return text;
 }

@@ -20,7 +20,9 @@ std::string clocks_text(const app::Scene& scene) {
   row("  product and inner product", c.sparse_product);
   row("  solution and residual", c.update);
   row("  direction", c.direction);
-  row("  divisions that are waited for", c.divisions);
+  row(scene.board().several() ? "  divisions, and sums over links"
+                              : "  divisions that are waited for",
+      c.divisions);
   if (c.replacements > 0) row("a residual formed anew", c.replacement);
   row(fmt::format("{}{} iterations", solver.stop_residual > 0 ? "at most " : "", c.iterations),
       c.total());

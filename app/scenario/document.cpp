@@ -124,7 +124,7 @@ std::filesystem::path Document::resolve(const std::string& path_in_scenario) con
 }
 
 std::string Document::locate(const Origin& origin, std::string_view key) const {
-  const std::string shown = key.empty() ? "" : one_line(key) + ": ";
+  std::string shown = key.empty() ? "" : one_line(key) + ": ";
   if (origin.in_file() && file_.empty()) return shown;
   if (origin.in_file()) return fmt::format("{}:{}: {}", name_of(file_), origin.line, shown);
   const Override& source = overrides_.at(static_cast<std::size_t>(origin.override_index));

@@ -11,7 +11,7 @@ namespace hvp::scenario {
 
 std::filesystem::path openable_file(const Document& document, std::string_view key,
                                     const std::string& path_in_scenario) {
-  const std::filesystem::path resolved = document.resolve(path_in_scenario);
+  std::filesystem::path resolved = document.resolve(path_in_scenario);
   std::error_code error;
   const auto status = std::filesystem::status(resolved, error);
   const std::string shown = one_line(resolved.string());

@@ -105,28 +105,51 @@ void require_shown(const Waveform& waveform, int frames, vp::Timing level) {
   }
 }
 
+// What the finer levels of the accelerator lack.
+void require_engine(const Scenario& s) {
+  const std::string level = vp::name(s.fidelity.accelerator);
+  const auto lacks = [&level](const std::string& what, const std::string& with) {
+    throw InputError("fidelity.accelerator", "\"" + level + "\" has no model of " + what +
+                                                 ": expected loosely-timed or untimed with " +
+                                                 with);
+  };
+  if (s.accelerator.several) lacks("several devices", "[accelerator.several]");
+  if (s.accelerator.matrix_storage == accel::MatrixStorage::symmetric) {
+    lacks("symmetric storage", "accelerator.matrix_storage = \"symmetric\"");
+  }
+  if (s.solver.method == fixed::Method::chronopoulos_gear ||
+      s.solver.method == fixed::Method::pipelined_cg) {
+    lacks("chronopoulos-gear and pipelined-cg", "this solver.method");
+  }
+  if (s.accelerator.vector_clocks() < 1) {
+    throw InputError("accelerator.pipeline_clocks",
+                     "expected more than memory_read_clocks, multiplier_clocks and "
+                     "adder_tree_clocks together, which leave the vector unit nothing of " +
+                         std::to_string(s.accelerator.pipeline_clocks));
+  }
+}
+
+// What a scenario without a board cannot have.
+void require_no_board(const Scenario& s) {
+  const std::string found =
+      std::string("there is no board where host.solver is \"") + host::name(s.host.solver) + "\"";
+  if (s.refinement) {
+    throw InputError("refinement", "the host solves in double precision: nothing to refine");
+  }
+  if (s.output.waveform) throw InputError("output.waveform", found);
+  if (s.accelerator.several) throw InputError("accelerator.several", found);
+}
+
 }  // namespace
 
 void Scenario::check() const {
   const vp::Timing level = fidelity.accelerator;
-  if (accelerator.several && vp::has_engine(level)) {
-    throw InputError("fidelity.accelerator",
-                     std::string("\"") + vp::name(level) +
-                         "\" has no model of several devices: expected loosely-timed or untimed "
-                         "with [accelerator.several]");
-  }
-  if (accelerator.matrix_storage == accel::MatrixStorage::symmetric && vp::has_engine(level)) {
-    throw InputError("fidelity.accelerator",
-                     std::string("\"") + vp::name(level) +
-                         "\" has no model of symmetric storage: expected loosely-timed or untimed "
-                         "with accelerator.matrix_storage = \"symmetric\"");
-  }
+  const bool board = host.solver == host::Solver::board;
+  if (!board) require_no_board(*this);
+  if (board && vp::has_engine(level)) require_engine(*this);
   if (refinement && host.pipeline_depth > 0) {
     throw InputError("host.pipeline_depth",
                      "expected 0 with [refinement]: each of its passes needs the one before");
-  }
-  if (refinement && host.solver != host::Solver::board) {
-    throw InputError("refinement", "the host solves in double precision: nothing to refine");
   }
   const auto needs_time = [&](const char* effect, bool present) {
     if (!present || fidelity.host != vp::Timing::untimed) return;

@@ -90,8 +90,8 @@ Scene::Scene(const Scenario& openable, const Scenario& written, accel::Device de
       const accel::WordLengths words = accel::word_lengths(computation_->board_settings());
       usage_ = accel::board_usage(device_, s.accelerator, words, *board_);
       if (limits == Limits::reported) return;
-      require_fit();
       accel::require_clock({device_, s.accelerator, words, pattern().nodes()});
+      require_fit();
     });
   }
 

@@ -59,6 +59,7 @@ int largest_mesh_of_board(const Device& device, const Architecture& a, const Wor
 
 int devices_that_would_do(const Device& device, const Architecture& a, const WordLengths& words,
                           const Pattern& p) {
+  if (a.matrix_storage == MatrixStorage::symmetric) return 0;  // one device alone has it
   Architecture more = a;
   if (!more.several) more.several.emplace();
   const int most = std::min(kMostDevices, p.nodes());
@@ -88,7 +89,8 @@ void require_board_fit(const Device& device, const Architecture& a, const WordLe
   } catch (const InputError& e) {
     const int devices = devices_that_would_do(device, a, words, board.pattern());
     std::string more;
-    if (devices > 0) more = ", or accelerator.several.devices = " + std::to_string(devices);
+    if (devices > 0)
+      more = ", or accelerator.several.devices = " + std::to_string(devices) + " (loosely-timed)";
     throw InputError(e.key(), where + e.what() + more);
   }
 }

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "models/accel/critical_path.h"
 #include "models/accel/memory_blocks.h"
 #include "models/accel/multipliers.h"
 #include "models/config/input_error.h"
@@ -20,6 +21,13 @@ struct Change {
 
 std::string setting(const std::string& key, const std::string& value) {
   return "accelerator." + key + " = " + value;
+}
+
+// Whether a system fits and the clock is reached: nothing else is worth a proposal.
+bool works(const Device& device, const Architecture& a, const WordLengths& words,
+           const Pattern& p) {
+  if (!usage(device, a, words, p).fits()) return false;
+  return !device.timing || highest_clock({device, a, words, p.nodes()}) >= a.clock_hz;
 }
 
 std::string quoted(const std::string& text) { return "\"" + text + "\""; }
@@ -56,8 +64,8 @@ std::vector<Change> changes_of(const Device& device, const Architecture& a,
     add(changes, setting("multiplier_mode", quoted(mode.name)), a).multiplier_mode = mode.name;
   }
   if (!a.several && a.matrix_storage == MatrixStorage::full) {
-    add(changes, setting("matrix_storage", quoted("symmetric")), a).matrix_storage =
-        MatrixStorage::symmetric;
+    add(changes, setting("matrix_storage", quoted("symmetric")) + " (loosely-timed)", a)
+        .matrix_storage = MatrixStorage::symmetric;
   }
   return changes;
 }
@@ -67,7 +75,7 @@ std::optional<int> fewer_partitions(const Device& device, Architecture a, const 
                                     const Pattern& p) {
   while (a.partitions > 1) {
     --a.partitions;
-    if (usage(device, a, words, p).fits()) return a.partitions;
+    if (works(device, a, words, p)) return a.partitions;
   }
   return std::nullopt;
 }
@@ -83,7 +91,7 @@ std::vector<std::string> changes_that_fit(const Device& device, const Architectu
   }
   const std::vector<Change> changes = changes_of(device, a, words);
   for (const Change& change : changes) {
-    if (usage(device, change.architecture, words, p).fits()) fitting.push_back(change.text);
+    if (works(device, change.architecture, words, p)) fitting.push_back(change.text);
   }
   if (!fitting.empty()) return fitting;
   for (const Change& change : changes) {
@@ -93,7 +101,7 @@ std::vector<std::string> changes_that_fit(const Device& device, const Architectu
   return fitting;
 }
 
-// Another device has other memory types.
+// Another device has other memory types and modes.
 Architecture without_choices(Architecture a) {
   const Architecture defaults;
   a.matrix_memory = defaults.matrix_memory;
@@ -104,6 +112,18 @@ Architecture without_choices(Architecture a) {
   a.queue_memory = defaults.queue_memory;
   a.multiplier_mode = defaults.multiplier_mode;
   return a;
+}
+
+// What to set for another device; empty where it does not do.
+std::string with_device(const Device& other, const Architecture& a, const WordLengths& words,
+                        const Pattern& p) {
+  const std::string text = setting("device", quoted(other.name));
+  try {
+    if (works(other, a, words, p)) return text;
+  } catch (const InputError&) {  // it has not the types and modes that are chosen
+  }
+  if (!works(other, without_choices(a), words, p)) return {};
+  return text + " with every memory key and multiplier_mode left out";
 }
 
 // "480 M4K of 255, 154 multipliers of 144"
@@ -118,6 +138,12 @@ std::string shortage(const Usage& u) {
   return text;
 }
 
+// A body of fewer nodes is none.
+constexpr int kFewestNodes = 20;
+// Another mesh of the same body has not quite the same rows, and anchors hold another share of it:
+// up to 3 % in the meshes tried.
+constexpr double kMeshReserve = 0.97;
+
 }  // namespace
 
 std::vector<std::string> what_would_fit(const Device& device, const Architecture& a,
@@ -126,8 +152,9 @@ std::vector<std::string> what_would_fit(const Device& device, const Architecture
   std::vector<std::string> fitting = changes_that_fit(device, a, words, p);
   for (const Device* other : others) {
     if (other->name == device.name) continue;
-    if (!usage(*other, without_choices(a), words, p).fits()) continue;
-    fitting.push_back(setting("device", quoted(other->name)));
+    std::string change = with_device(*other, a, words, p);
+    if (change.empty()) continue;
+    fitting.push_back(std::move(change));
     break;
   }
   return fitting;
@@ -139,10 +166,11 @@ void require_fit(const Device& device, const Architecture& a, const WordLengths&
   if (u.fits()) return;
   std::vector<std::string> fitting;
   const int nodes = largest_mesh(device, a, words, p);
-  if (nodes > 0) {
+  if (nodes >= kFewestNodes) {
     fitting.push_back("about " + std::to_string(nodes) + " nodes with such rows");
     if (mesh_nodes > 0) {
-      const std::int64_t in_mesh = std::int64_t{nodes} * mesh_nodes / p.nodes();
+      const auto in_mesh = static_cast<std::int64_t>(kMeshReserve * static_cast<double>(nodes) *
+                                                     mesh_nodes / p.nodes());
       fitting.back() += " (object.mesh.nodes = " + std::to_string(in_mesh) + ")";
     }
   }

@@ -48,8 +48,10 @@ std::int64_t iteration_operations(const Pattern& p, Method method) {
 OperationRate operation_rate(const Architecture& a, const Pattern& p, Method method,
                              const SolveCycles& cycles) {
   OperationRate r;
-  r.thesis = static_cast<double>(kThesisOperationsAPartition) * a.partitions * a.clock_hz;
-  r.peak = 2.0 * a.rows_in_parallel * a.package * a.partitions * a.clock_hz;
+  const double partitions_a_second =
+      static_cast<double>(a.several ? a.several->devices : 1) * a.partitions * a.clock_hz;
+  r.thesis = kThesisOperationsAPartition * partitions_a_second;
+  r.peak = 2.0 * a.rows_in_parallel * a.package * partitions_a_second;
   r.product = rate(product_operations(p), cycles.sparse_product, a.clock_hz);
   r.solve = rate(cycles.iterations * iteration_operations(p, method), cycles.total(), a.clock_hz);
   return r;

@@ -99,7 +99,9 @@ void PciBus::serve_in_bursts(Tag& tag, Phase phase, link::Direction direction, s
   move(kProcessor, direction, bytes);
   processor_served_ = false;
   changed_.notify();
-  const Picoseconds waited = now_ps() - start - alone;
+  // A retried read can end sooner than it would alone: what another master moves in the meantime
+  // shifts its attempts to where the target is just ready.
+  const Picoseconds waited = std::max<Picoseconds>(0, now_ps() - start - alone);
   if (waited > 0) ledger_.extend(tag, Part::bus, Phase::arbitration, start, start + waited);
   ledger_.extend(tag, Part::bus, phase, start + waited, now_ps());
 }

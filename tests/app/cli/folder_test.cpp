@@ -150,5 +150,29 @@ TEST_F(Folder, OfARunThatFailsIsEmptyAndTheStatusIsThree) {
   EXPECT_THAT(names(path() / "out"), ElementsAre("frames.csv.part"));
 }
 
+TEST(EarlierResults, AreKeptWhereTheScenarioContradictsItself) {
+  const ScratchDirectory place;
+  write(place.path() / "s.toml", kSmallScene);
+  ASSERT_EQ(hvp(place.path(), {"run", "s.toml", "--out", "a"}).status, 0);
+  const auto before = names(place.path() / "a");
+  const std::vector<std::vector<std::string>> contradictions = {
+      {"host.solver=cg", "output.waveform.frames=1", "fidelity.accelerator=cycle-accurate"},
+      {"solver.method=chronopoulos-gear", "fidelity.accelerator=cycle-accurate"},
+      {"host.solver=cholesky", "accelerator.several.devices=2"},
+      {"accelerator.pipeline_clocks=9", "fidelity.accelerator=approximately-timed"},
+      {"accelerator.clock=500 MHz"}};
+  for (const auto& keys : contradictions) {
+    std::vector<std::string> arguments = {"run", "s.toml", "--out", "a"};
+    for (const std::string& key : keys) {
+      arguments.emplace_back("--set");
+      arguments.push_back(key);
+    }
+    const Ended ended = hvp(place.path(), arguments);
+    EXPECT_EQ(ended.status, 2) << keys[0] << ended.err;
+    EXPECT_EQ(lines(ended.err).size(), 1U) << ended.err;
+    EXPECT_EQ(names(place.path() / "a"), before) << keys[0];
+  }
+}
+
 }  // namespace
 }  // namespace hvp::cli

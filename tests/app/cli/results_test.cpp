@@ -327,5 +327,19 @@ TEST_F(Results, ABodyThatIsNotTouchedHasNothingToCompare) {
   EXPECT_TRUE(summary().at("accuracy").at("displacement_rel").is_null());
 }
 
+// What the other master moves can let a retried read end sooner than alone.
+TEST(SharedBus, AttributionOfDelayedReadsAddsUp) {
+  const ScratchDirectory place;
+  const Ended ended = hvp(
+      place.path(), {"run", scenario("shared-bus.toml").string(), "--out", "a", "--set",
+                     "bus.protocol.delayed_read_clocks=16", "--set", "bus.traffic.direction=read",
+                     "--set", "frames=20", "--set", "output.pictures=false"});
+  EXPECT_LE(ended.status, 1) << ended.err;
+  const json s = json::parse(read(place.path() / "a/summary.json"));
+  double sum = 0;
+  for (const json& line : s.at("attribution")) sum += line.at("us").get<double>();
+  EXPECT_NEAR(sum, s.at("deadline").at("worst_us").get<double>(), 1e-9);
+}
+
 }  // namespace
 }  // namespace hvp::cli

@@ -128,7 +128,8 @@ void EngineTrace::sample() {
   show(x_, memories.x, node_, 0);
   show(b_, memories.b, node_, -engine_.settings().rhs_shift());
   show(r_, memories.r, node_, scalars.r_exponent);
-  show(z_, preconditioned ? memories.z : memories.r, node_, scalars.z_exponent);
+  show(z_, preconditioned ? memories.z : memories.r, node_,
+       preconditioned ? scalars.z_exponent : scalars.r_exponent);
   show(d_, engine_.block(0).direction(), node_, scalars.d_exponent);
   show(q_, memories.q, node_, scalars.q_exponent);
 }
