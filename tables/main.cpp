@@ -24,8 +24,10 @@ int run(int argc, char** argv) {
   bool csv = false;
   thesis->add_flag("--csv", csv, "the errors alone, one line each, to plot");
   const CLI::App* hard = app.add_subcommand("hard-cases", "the hard cases and their remedies");
-  const CLI::App* accelerator =
+  CLI::App* accelerator =
       app.add_subcommand("accelerator", "Tables 5.1, 6.1, 6.2 and 6.4 of the thesis");
+  bool measure = false;
+  accelerator->add_flag("--measure", measure, "and Table 6.3, with this machine's row");
   const CLI::App* devices = app.add_subcommand("devices", "the FPGAs that a scenario can name");
   const CLI::App* buses = app.add_subcommand("buses", "what links carry and transfers cost");
   const CLI::App* partitions =
@@ -45,6 +47,7 @@ int run(int argc, char** argv) {
   }
   if (thesis->parsed()) print(csv ? hvp::tables::thesis_csv() : hvp::tables::thesis_page());
   if (accelerator->parsed()) print(hvp::tables::accelerator_page());
+  if (measure) print("\n## Table 6.3: beside a PC\n\n" + hvp::tables::pc_table());
   if (devices->parsed()) print(hvp::tables::devices_page());
   if (buses->parsed()) print(hvp::tables::buses_page());
   if (partitions->parsed()) print(hvp::tables::partitions_page());

@@ -151,12 +151,13 @@ std::string accelerator_page() {
 
 The thesis' figures beside what `models/accel` gives for the same design: 500 nodes with 36
 non-zeros a row (§5.4), PL1 = 3, PL2 = 8, plain CG, 12-bit matrix, 16-bit vectors, 100 MHz. Table 6.3
-depends on the machine that measures it: `./hvp tables pc` and [accelerator.md](accelerator.md).
+depends on the machine that measures it: `--measure` prints it too, [accelerator.md](accelerator.md) has
+one recorded.
 
 <!-- not run: writes into the checkout -->
 ```sh
 ./hvp tables accelerator > docs/accelerator-tables.md
-./hvp tables pc
+./hvp tables accelerator --measure
 ```
 
 ## Table 5.1: what an EP2S60 has
@@ -170,7 +171,8 @@ depends on the machine that measures it: `./hvp tables pc` and [accelerator.md](
   text += R"(
 The multipliers agree. The rate does not: 24 multipliers and their adders are 48 operations a clock
 and partition, not 36; no count of the design gives 36. What a product really does is less than all
-multipliers busy, because rows are padded to whole packages and the pipeline has to fill; what the
+multipliers busy, because rows are padded to whole packages and the pipeline has to fill; from some
+PL3 on it stands still, because the vector unit takes no more than L = 2 finished rows a clock. What the
 whole solve does is less again, because the multipliers of SpMxV rest while the vectors are updated.
 
 ## Table 6.2: what the design takes
