@@ -122,9 +122,9 @@ TEST(TimeDistribution, MeasuredDrawsEachSampleEquallyOften) {
     return static_cast<int>(std::count(values.begin(), values.end(), v));
   };
   // Four standard deviations of a binomial count are 245 for a quarter of the draws.
-  EXPECT_NEAR(count(1e-6), kDraws / 4, 245);
-  EXPECT_NEAR(count(2e-6), kDraws / 2, 283);
-  EXPECT_NEAR(count(7e-6), kDraws / 4, 245);
+  EXPECT_NEAR(count(1e-6), kDraws / 4.0, 245);
+  EXPECT_NEAR(count(2e-6), kDraws / 2.0, 283);
+  EXPECT_NEAR(count(7e-6), kDraws / 4.0, 245);
   EXPECT_EQ(count(1e-6) + count(2e-6) + count(7e-6), kDraws);
 }
 

@@ -56,7 +56,7 @@ void PhaseEngine::start_solve(const fixed::Settings& settings, const fixed::Repo
   held_ = {};
   state_clocks_ = {};
   // The copy may end between two of the job's clocks; they begin with its end.
-  const sc_core::sc_time now = sc_core::sc_time_stamp();
+  const sc_core::sc_time& now = sc_core::sc_time_stamp();
   const sc_core::sc_time wait = copied_ > now ? copied_ - now : sc_core::SC_ZERO_TIME;
   const auto period = period_.value();
   clock_ = static_cast<std::int64_t>((wait.value() + period - 1) / period);
@@ -121,7 +121,7 @@ void PhaseEngine::advance() {
   hold(following);
 }
 
-void PhaseEngine::hold(State state, sc_core::sc_time after) {
+void PhaseEngine::hold(State state, const sc_core::sc_time& after) {
   const auto phase = [&]() -> Phase {
     const std::int64_t division =
         std::int64_t{architecture_.division_clocks} * settings_.scalar_bits / 64;

@@ -50,7 +50,7 @@ class PhaseEngine : public sc_core::sc_module {
  private:
   void advance();
   State next() const;
-  void hold(State state, sc_core::sc_time after = sc_core::SC_ZERO_TIME);
+  void hold(State state, const sc_core::sc_time& after = sc_core::SC_ZERO_TIME);
   void copy_x();
   bool replaces() const;
 

@@ -156,7 +156,7 @@ void Sequencer::take_quotient(fixed::Coefficient value) {
 
 // For whoever reads the clocks; no decision hangs on them.
 void Sequencer::enter(State state) {
-  const sc_core::sc_time now = sc_core::sc_time_stamp();
+  const sc_core::sc_time& now = sc_core::sc_time_stamp();
   state_clocks_[static_cast<std::size_t>(state_)] +=
       static_cast<std::int64_t>((now - entered_).value() / clock_.period().value());
   entered_ = now;
