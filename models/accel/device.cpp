@@ -13,8 +13,19 @@ using config::Dimension;
 
 constexpr std::string_view kSourceHelp = "where the figures stand, or \"unverified\"";
 
+// Names go to the terminal and into messages of one line.
 void require_name(const std::string& name) {
   if (name.empty()) throw InputError("name", "expected a name, found an empty text");
+  const auto control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
+  if (std::ranges::any_of(name, control)) {
+    throw InputError("name", "expected a name in one line, found a control character in it");
+  }
+}
+
+// Of something that a key of [accelerator] chooses.
+void require_choice(const std::string& name) {
+  require_name(name);
+  if (name == "auto") throw InputError("name", "\"auto\" is the rule: expected another name");
 }
 
 // A port's width is the narrowest one, doubled so many times, and divides the block's bits.
@@ -61,8 +72,13 @@ void MemoryType::declare(config::Visitor& v) {
 }
 
 void MemoryType::check() const {
-  require_name(name);
+  require_choice(name);
   require_width(*this, "read_write_bits", read_write_bits);
+  if (two_port_bits > read_write_bits) {
+    throw InputError("two_port_bits", "expected at most read_write_bits, which are " +
+                                          std::to_string(read_write_bits) + "; found " +
+                                          std::to_string(two_port_bits));
+  }
   if (two_port_bits > 0) require_width(*this, "two_port_bits", two_port_bits);
   if (parity_bits > bits) {
     throw InputError("parity_bits", "expected no more than the block's " + std::to_string(bits) +
@@ -86,7 +102,7 @@ void MultiplierMode::declare(config::Visitor& v) {
 }
 
 void MultiplierMode::check() const {
-  require_name(name);
+  require_choice(name);
   if (other_bits > bits) {
     throw InputError("other_bits", "expected the narrower operand, at most " +
                                        std::to_string(bits) + " bits; found " +
@@ -114,6 +130,7 @@ void Device::declare(config::Visitor& v) {
 
 void Device::check() const {
   require_name(name);
+  require_name(family);
   require_distinct("multiplier", multipliers);
   require_distinct("memory", memories);
 }

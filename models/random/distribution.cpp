@@ -124,6 +124,9 @@ void TimeDistribution::check() const {
                                       microseconds(width), microseconds(scale)));
   };
   if (kind == Kind::normal) {
+    if (!(deviation_s > 0)) {
+      throw InputError("deviation", "a normal distribution needs it above 0 s");
+    }
     inside("mean", mean_s);
     at_least_wide("deviation", deviation_s);
   }

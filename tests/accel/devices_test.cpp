@@ -125,6 +125,12 @@ TEST(DeviceFile, WhatNoBlockCanBeIsRefused) {
               HasSubstr("multiplier[0].other_bits: expected the narrower operand"));
   EXPECT_THAT(error_of(changed("name = \"RAM\"", "name = \"\"")),
               HasSubstr("memory[0].name: expected a name"));
+  EXPECT_THAT(error_of(changed("name = \"RAM\"", "name = \"auto\"")),
+              HasSubstr("memory[0].name: \"auto\" is the rule"));
+  EXPECT_THAT(error_of(changed("name = \"small\"", "name = \"sm\\u001ball\"")),
+              HasSubstr("name: expected a name in one line"));
+  EXPECT_THAT(error_of(changed("two_port_bits = 16", "two_port_bits = 64")),
+              HasSubstr("memory[0].two_port_bits: expected at most read_write_bits"));
   std::string twice(kSmall);
   twice += kSmall.substr(kSmall.find("[[memory]]"));
   EXPECT_THAT(error_of(twice), HasSubstr("memory[1].name: \"RAM\" is there already"));

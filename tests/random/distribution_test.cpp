@@ -177,6 +177,7 @@ TEST(TimeDistribution, RefusesWhatIsMissingBelongsElsewhereOrLeavesNoRoom) {
       {"maximum", [](auto& d) { d.maximum_s = 4e-6; }, Kind::uniform},
       {"mean", [](auto& d) { d.mean_s = 61e-6; }, Kind::normal},
       {"deviation", [](auto& d) { d.deviation_s = 61e-6; }, Kind::normal},
+      {"deviation", [](auto& d) { d.deviation_s = 0; }, Kind::normal},
       {"mean", [](auto& d) { d.mean_s = 29e-6; }, Kind::exponential},
       {"median", [](auto& d) { d.median_s = 0; }, Kind::lognormal},
       {"median", [](auto& d) { d.median_s = 21e-6; }, Kind::lognormal},
