@@ -101,7 +101,10 @@ int explain_command(const ScenarioArguments& arguments) {
     fmt::print("\nSpectrum of the system without contact\n{}",
                results::spectrum_text(*scene.spectrum()));
   }
-  fmt::print("\nWhat a frame's large steps cost\n");
+  fmt::print("\nWhat a frame's large steps cost{}\n",
+             s.fidelity.bus == vp::Timing::approximately_timed
+                 ? " (the bus without its protocol's waits)"
+                 : "");
   frame_cost(scene);
   if (!scene.has_board()) return kHeld;
   fmt::print("{}{}{}", results::clocks_text(scene), results::several_text(scene),

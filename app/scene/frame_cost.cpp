@@ -15,23 +15,29 @@ double host_solve_operations(const Scene& scene) {
 }  // namespace
 
 std::vector<FrameStep> frame_steps(const Scene& scene) {
-  return frame_steps(scene, scene.body().active_nodes(),
-                     scene.solve_cycles().total() * scene.scenario().accelerator.clock_period_ps());
+  const Scenario& s = scene.scenario();
+  const bool takes_time = s.fidelity.accelerator != vp::Timing::untimed;
+  const std::int64_t clocks = takes_time ? scene.solve_cycles().total() : 0;
+  return frame_steps(scene, scene.body().active_nodes(), clocks * s.accelerator.clock_period_ps());
 }
 
 std::vector<FrameStep> frame_steps(const Scene& scene, int nodes, std::int64_t solve_ps) {
   const Scenario& s = scene.scenario();
   const host::FrameComputation& c = scene.computation();
   const double grown = static_cast<double>(nodes) / scene.body().active_nodes();
+  const bool host_takes_time = s.fidelity.host != vp::Timing::untimed;
+  const bool bus_takes_time = s.fidelity.bus != vp::Timing::untimed;
   std::vector<FrameStep> steps;
   const auto compute = [&](const char* what, double operations, int times = 1) {
-    steps.push_back({what, s.host.compute_ps(operations * grown), times});
+    steps.push_back({what, host_takes_time ? s.host.compute_ps(operations * grown) : 0, times});
   };
   const auto bytes = [nodes](int bits) { return std::int64_t{3} * nodes * (bits <= 16 ? 2 : 4); };
   if (c.on_host() != nullptr) {
-    steps.push_back(
-        {fmt::format("solve on the host ({})", host::name(s.host.solver)),
-         s.host.compute_ps(host_solve_operations(scene) / s.host.solver_speed() * grown), 1});
+    steps.push_back({fmt::format("solve on the host ({})", host::name(s.host.solver)),
+                     host_takes_time ? s.host.compute_ps(host_solve_operations(scene) /
+                                                         s.host.solver_speed() * grown)
+                                     : 0,
+                     1});
     compute("force (without contact)", c.force_operations());
     compute("update after the force", c.update_operations());
     return steps;
@@ -45,9 +51,11 @@ std::vector<FrameStep> frame_steps(const Scene& scene, int nodes, std::int64_t s
     compute("each further pass' residual",
             refined->accept_operations() + refined->residual_operations(true), passes - 1);
   }
-  steps.push_back({"send b", s.bus.pci.write_ps(bytes(s.solver.residual_bits())), passes});
+  steps.push_back(
+      {"send b", bus_takes_time ? s.bus.pci.write_ps(bytes(s.solver.residual_bits())) : 0, passes});
   steps.push_back({"solve", solve_ps, passes});
-  steps.push_back({"receive U", s.bus.pci.read_ps(bytes(s.solver.vector_bits)), passes});
+  steps.push_back(
+      {"receive U", bus_takes_time ? s.bus.pci.read_ps(bytes(s.solver.vector_bits)) : 0, passes});
   compute("force (without contact)", c.force_operations());
   if (refined != nullptr) compute("residual after the force", refined->finish_operations());
   compute("update after the force", c.update_operations());
