@@ -94,7 +94,7 @@ TEST_F(Device, WhatIfIsWhatTheChangedScenarioSays) {
   EXPECT_GE(tried, 8);
 }
 
-TEST_F(Device, LargestMeshFitsAndOneMoreNodeWouldNot) {
+TEST_F(Device, LargestMeshIsLargerAndSlower) {
   const json j = figures({});
   const int nodes = j["largest_mesh"]["nodes"];
   EXPECT_GT(nodes, j["mesh"]["nodes"].get<int>());
@@ -119,10 +119,31 @@ TEST_F(Device, ShowsAClockThatIsNotReachedAndEndsWithOne) {
   EXPECT_THAT(device({"--set", "accelerator.clock=150 MHz"}).out, HasSubstr("TOO FAST"));
 }
 
+// Times are those of the highest clock where the scenario's is not reached.
+TEST_F(Device, GivesTimesAtAClockThatIsReached) {
+  const json j = figures({"--set", "accelerator.clock=150 MHz"}, 1);
+  const double seconds =
+      j["cycles"]["solve"].get<double>() / j["clock"]["highest_hz"].get<double>();
+  EXPECT_NEAR(j["mesh"]["solve_us"].get<double>(), seconds * 1e6, 1e-3 * seconds * 1e6);
+}
+
+TEST_F(Device, CountsSeveralDevices) {
+  const json one = figures({});
+  const json two = figures({"--set", "accelerator.several.devices=2"});
+  EXPECT_EQ(two["devices"], 2);
+  EXPECT_DOUBLE_EQ(two["operations_per_s"]["thesis"].get<double>(),
+                   2 * one["operations_per_s"]["thesis"].get<double>());
+  EXPECT_LT(two["operations_per_s"]["product"], two["operations_per_s"]["peak"]);
+  EXPECT_GT(two["links"]["clocks_a_solve"], 0);
+  EXPECT_FALSE(one.contains("links"));
+  // Symmetric storage is of one device alone.
+  for (const json& change : two["what_if"]) EXPECT_NE(change["key"], "accelerator.matrix_storage");
+}
+
 TEST_F(Device, RefusesAWrongScenarioAsEveryCommandDoes) {
   const Ended ended = device({"--set", "accelerator.partition=5"});
   EXPECT_EQ(ended.status, 2);
-  EXPECT_THAT(ended.err, HasSubstr("accelerator.partitions"));
+  EXPECT_THAT(ended.err, HasSubstr("did you mean \"partitions\"?"));
   EXPECT_EQ(lines(ended.err).size(), 1U);
 }
 
