@@ -1,7 +1,7 @@
 """Element delays of ECP5: least squares over half of `measured.csv`, checked on the rest.
 
-Prints the error of each design; `--write` renews `elements.csv`, what devices/LFE5U-*.toml have. Logic
-and nets are fitted apart, since the reports tell them apart; nets of full devices give the
+Prints the error of each design; `--write` renews `elements.csv`, what devices/LFE5U-*.toml have.
+Logic and nets are fitted apart, since the reports tell them apart; nets of full devices give the
 crowding.
 """
 

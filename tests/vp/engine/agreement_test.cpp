@@ -59,8 +59,7 @@ std::vector<Variant> variants() {
          a.memory_read_clocks = a.multiplier_clocks = a.adder_tree_clocks = 1;
          a.pipeline_clocks = 6;
        }},
-      {"register behind the absolute value",
-       [](A& a) { a.absolute_value_register = true; }},
+      {"register behind the absolute value", [](A& a) { a.absolute_value_register = true; }},
       {"short division", [](A& a) { a.division_clocks = 20; }},
   };
 }

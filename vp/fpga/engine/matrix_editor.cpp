@@ -51,9 +51,8 @@ void MatrixEditor::invert_all(fixed::Method method) {
   const std::int64_t divisions = std::int64_t{divisions_a_node(method)} * layout_->nodes();
   visits_.clear();
   next_visit_ = 0;
-  drain_ = divisions == 0
-               ? 1
-               : divisions * architecture_.division_clocks + architecture_.phase_clocks();
+  drain_ =
+      divisions == 0 ? 1 : divisions * architecture_.division_clocks + architecture_.phase_clocks();
   edges_ = drain_;
   busy_ = true;
 }
