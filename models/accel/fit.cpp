@@ -117,7 +117,7 @@ Architecture without_choices(Architecture a) {
 // What to set for another device; empty where it does not do.
 std::string with_device(const Device& other, const Architecture& a, const WordLengths& words,
                         const Pattern& p) {
-  const std::string text = setting("device", quoted(other.name));
+  std::string text = setting("device", quoted(other.name));
   try {
     if (works(other, a, words, p)) return text;
   } catch (const InputError&) {  // it has not the types and modes that are chosen
