@@ -166,7 +166,10 @@ std::vector<Contribution> largest_contributions(const std::vector<Contribution>&
   }
   std::vector<Contribution> rows;
   rows.reserve(by_name.size());
-  for (const auto& [name, us] : by_name) rows.push_back({name.first, name.second, us});
+  // What took no time is no phase of the picture, as it is no line on the terminal.
+  for (const auto& [name, us] : by_name) {
+    if (us > 0) rows.push_back({name.first, name.second, us});
+  }
   std::stable_sort(rows.begin(), rows.end(),
                    [](const Contribution& a, const Contribution& b) { return a.us > b.us; });
 

@@ -270,6 +270,13 @@ TEST(Contributions, NeverMoreThanAskedForAndNothingIsLost) {
     }
 }
 
+TEST(Contributions, WhatTookNoTimeIsNotCounted) {
+  auto all = many();
+  all.push_back({"host", "release", 0.0});
+  const auto rows = largest_contributions(all, 0.01, 10);
+  EXPECT_EQ(rows.back().phase, "2 phases");
+}
+
 TEST(Contributions, ASingleSmallOneKeepsItsName) {
   const auto rows = largest_contributions({{"a", "x", 99.5}, {"b", "y", 0.5}}, 0.01, 10);
   ASSERT_EQ(rows.size(), 2u);

@@ -16,23 +16,12 @@ namespace hvp::vp {
 namespace {
 
 using test::compute;
-using test::FrameLog;
 using test::kUs;
 using test::pci_write;
+using test::Simulated;
 using test::SmallScene;
 
 constexpr int kUnknowns = SmallScene::kUnknowns;
-
-struct Simulated {
-  explicit Simulated(SmallScene& s)
-      : scene(s), platform(s.settings, s.body, s.computation, s.contacts) {
-    platform.add_sink(log);
-    platform.run();
-  }
-  SmallScene& scene;
-  FrameLog log;
-  Platform platform;
-};
 
 int blocks_of(const SmallScene& scene, int mesh_node) {
   const fixed::QuantisedMatrix& k = scene.computation.quantised();

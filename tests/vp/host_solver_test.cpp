@@ -8,8 +8,8 @@
 namespace hvp::vp {
 namespace {
 
-using test::FrameLog;
 using test::kUs;
+using test::Simulated;
 using test::SmallScene;
 
 SmallScene::Options solved_by(host::Solver solver) {
@@ -17,16 +17,6 @@ SmallScene::Options solved_by(host::Solver solver) {
   options.solved_by = solver;
   return options;
 }
-
-struct Simulated {
-  explicit Simulated(SmallScene& scene)
-      : platform(scene.settings, scene.body, scene.computation, scene.contacts) {
-    platform.add_sink(log);
-    platform.run();
-  }
-  FrameLog log;
-  Platform platform;
-};
 
 // Everything but the solve: the DAQ's registers, the lookup and the converter.
 Picoseconds around_the_solve() {

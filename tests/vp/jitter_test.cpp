@@ -9,8 +9,8 @@
 namespace hvp::vp {
 namespace {
 
-using test::FrameLog;
 using test::kUs;
+using test::Simulated;
 using test::SmallScene;
 using Kind = random::TimeDistribution::Kind;
 
@@ -27,16 +27,6 @@ random::TimeDistribution uniform(double longest_s) {
   d.maximum_s = longest_s;
   return d;
 }
-
-struct Simulated {
-  explicit Simulated(SmallScene& scene)
-      : platform(scene.settings, scene.body, scene.computation, scene.contacts) {
-    platform.add_sink(log);
-    platform.run();
-  }
-  FrameLog log;
-  Platform platform;
-};
 
 Picoseconds time_of(const Frame& frame, const std::vector<SpanId>& path, Phase phase) {
   Picoseconds sum = 0;

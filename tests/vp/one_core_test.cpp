@@ -9,22 +9,12 @@
 namespace hvp::vp {
 namespace {
 
-using test::FrameLog;
 using test::kMs;
 using test::kUs;
+using test::Simulated;
 using test::SmallScene;
 
 constexpr Picoseconds kSwitch = 3'800'000;
-
-struct Simulated {
-  explicit Simulated(SmallScene& scene)
-      : platform(scene.settings, scene.body, scene.computation, scene.contacts) {
-    platform.add_sink(log);
-    platform.run();
-  }
-  FrameLog log;
-  Platform platform;
-};
 
 SmallScene& on_one_core(SmallScene& scene, double drawing_s) {
   scene.settings.servo.costs.cores = 1;

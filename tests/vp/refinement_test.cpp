@@ -9,10 +9,10 @@ namespace hvp::vp {
 namespace {
 
 using test::compute;
-using test::FrameLog;
 using test::kUs;
 using test::pci_read;
 using test::pci_write;
+using test::Simulated;
 using test::SmallScene;
 
 constexpr int kUnknowns = SmallScene::kUnknowns;
@@ -58,15 +58,6 @@ Picoseconds latency(const SmallScene& scene, int passes) {
   return sum + compute(accept) + compute(18 * columns + 3)  // the last increment; the force
          + pci_write(12) + 10 * kUs;
 }
-
-struct Simulated {
-  explicit Simulated(SmallScene& s) : platform(s.settings, s.body, s.computation, s.contacts) {
-    platform.add_sink(log);
-    platform.run();
-  }
-  FrameLog log;
-  Platform platform;
-};
 
 void expect_times(int passes) {
   SmallScene scene(refined(passes));

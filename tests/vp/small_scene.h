@@ -101,4 +101,16 @@ class FrameLog : public vp::FrameSink {
   std::vector<std::vector<vp::SpanId>> paths;
 };
 
+// A scene's run, done.
+struct Simulated {
+  explicit Simulated(SmallScene& s)
+      : scene(s), platform(s.settings, s.body, s.computation, s.contacts) {
+    platform.add_sink(log);
+    platform.run();
+  }
+  SmallScene& scene;
+  FrameLog log;
+  vp::Platform platform;
+};
+
 }  // namespace hvp::test

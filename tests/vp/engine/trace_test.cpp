@@ -150,6 +150,13 @@ TEST(Trace, ShowsTheJobsOfItsWindowWithReadableNumbers) {
   const double value = std::ldexp(word, -scalars.r_exponent);
   EXPECT_NE(word, 0);
   EXPECT_NEAR(vcd.at(top + "vector_unit.r_x_value", end), value, 1e-5 * std::abs(value));
+  // Without a preconditioner z is r, the same word of the same worth at every clock.
+  const Vcd::Changes& residual = vcd.changes.at(top + "vector_unit.r_x_value");
+  EXPECT_GT(residual.size(), 10U);
+  for (const auto& [time, worth] : residual) {
+    EXPECT_EQ(vcd.at(top + "vector_unit.z_x_value", time),
+              vcd.at(top + "vector_unit.r_x_value", time));
+  }
 }
 
 }  // namespace
