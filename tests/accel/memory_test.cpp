@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "app/devices/devices.h"
+#include "models/accel/critical_path.h"
 #include "models/accel/fit.h"
 #include "models/accel/logic.h"
 #include "models/accel/memory_blocks.h"
@@ -292,6 +293,39 @@ TEST(Fit, EveryProposalFits) {
               testing::Contains("accelerator.parity_bits = true"));
   a.parity_bits = true;
   EXPECT_TRUE(usage(small, a, wide, thesis_mesh()).fits());
+}
+
+// A proposal that the clock refuses is none: fewer partitions that fit, but too fast for them.
+TEST(Fit, EveryProposalReachesTheClock) {
+  const Device& d = device("EP2S180");
+  Architecture a;
+  a.partitions = 40;
+  const auto proposed = [&](double clock_hz) {
+    a.clock_hz = clock_hz;
+    return what_would_fit(d, a, {}, thesis_mesh(), {});
+  };
+  ASSERT_THAT(proposed(100e6), testing::Contains("accelerator.partitions = 15"));
+  Architecture fifteen = a;
+  fifteen.partitions = 15;
+  const double reached = highest_clock({d, fifteen, {}, 500});
+  EXPECT_THAT(proposed(reached * 1.0001),
+              testing::Not(testing::Contains("accelerator.partitions = 15")));
+}
+
+// A device with other memory types is proposed with what has to go; one that has them, without.
+TEST(Fit, AnotherDeviceComesWithItsOwnMemoryTypes) {
+  Architecture a;
+  a.preconditioner_memory = "M512";
+  const WordLengths pcg{.method = Method::jacobi_pcg};
+  const std::vector<const Device*> stratix = {&device("EP2S180")};
+  EXPECT_THAT(what_would_fit(device("EP2S60"), a, pcg, thesis_mesh(800), stratix),
+              testing::Contains("accelerator.device = \"EP2S180\""));
+  const std::vector<const Device*> other = {&device("5SGXA7")};
+  EXPECT_THAT(what_would_fit(device("EP2S60"), a, pcg, thesis_mesh(2000), other),
+              ElementsAre("accelerator.device = \"5SGXA7\" with every memory key and "
+                          "multiplier_mode left out"));
+  EXPECT_THROW(usage(device("5SGXA7"), a, pcg, thesis_mesh(2000)), InputError);
+  EXPECT_TRUE(usage(device("5SGXA7"), {}, pcg, thesis_mesh(2000)).fits());
 }
 
 TEST(Fit, ARefusalSaysWhatAStructureMisses) {
