@@ -127,6 +127,15 @@ TEST_F(Device, GivesTimesAtAClockThatIsReached) {
   EXPECT_NEAR(j["mesh"]["solve_us"].get<double>(), seconds * 1e6, 1e-3 * seconds * 1e6);
 }
 
+// A block that cannot serve a structure at all shows in no count of blocks.
+TEST_F(Device, SaysWhatAMemoryCannotDo) {
+  const Ended ended = device({"--set", "accelerator.copies_memory=M512"});
+  EXPECT_EQ(ended.status, 1);
+  EXPECT_THAT(ended.out, HasSubstr("DOES NOT FIT: the M512 has no two ports"));
+  const json j = figures({"--set", "accelerator.copies_memory=M512"}, 1);
+  EXPECT_EQ(j["obstacles"][0]["key"], "accelerator.copies_memory");
+}
+
 TEST_F(Device, CountsSeveralDevices) {
   const json one = figures({});
   const json two = figures({"--set", "accelerator.several.devices=2"});

@@ -53,6 +53,25 @@ TEST(Explain, ListsWhatIsThereAndWhatIsNot) {
   EXPECT_THAT(names(place.path()), ElementsAre("s.toml"));
 }
 
+TEST(Explain, GivesNoTimeToAPartThatTakesNone) {
+  const ScratchDirectory place;
+  write(place.path() / "s.toml", kSmallScene);
+  const auto explained = [&](const std::string& key) {
+    return hvp(place.path(), {"explain", "s.toml", "--set", key}).out;
+  };
+  using ::testing::ContainsRegex;
+  using ::testing::Not;
+  for (const char* step : {"form b [(]without contact[)] +0 ns", "send b +0 ns", "\n  solve +0 ns",
+                           "receive U +0 ns"}) {
+    EXPECT_THAT(explained("frames=1"), Not(ContainsRegex(step)));
+  }
+  EXPECT_THAT(explained("fidelity.accelerator=untimed"), ContainsRegex("\n  solve +0 ns"));
+  EXPECT_THAT(explained("fidelity.bus=untimed"), ContainsRegex("send b +0 ns"));
+  EXPECT_THAT(explained("fidelity.bus=untimed"), ContainsRegex("receive U +0 ns"));
+  EXPECT_THAT(explained("fidelity.host=untimed"),
+              ContainsRegex("form b [(]without contact[)] +0 ns"));
+}
+
 TEST(Explain, TellsWhatSeveralDevicesCost) {
   const ScratchDirectory place;
   write(place.path() / "s.toml", kSmallScene);
