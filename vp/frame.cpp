@@ -40,6 +40,16 @@ std::string_view name(Phase phase) {
       return "block write";
     case Phase::arbitration:
       return "arbitration";
+    case Phase::dma_read:
+      return "dma read";
+    case Phase::dma_write:
+      return "dma write";
+    case Phase::descriptor:
+      return "descriptor";
+    case Phase::message:
+      return "message";
+    case Phase::dma_engine:
+      return "dma engine";
     case Phase::contact_lookup:
       return "contact lookup";
     case Phase::node_update:

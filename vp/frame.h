@@ -23,6 +23,11 @@ enum class Phase : std::uint8_t {
   block_read,  // bus: a block
   block_write,
   arbitration,     // bus: waiting for another master
+  dma_read,        // bus: the board reads the host's memory
+  dma_write,       // bus: the board writes to it
+  descriptor,      // bus: the board fetches descriptors
+  message,         // bus: an interrupt as a write, or as a packet
+  dma_engine,      // fpga: the board's DMA engine between its requests
   contact_lookup,  // host: fetch the contact node that the collision process published
   node_update,     // fpga: clear or restore the rows of the contact node
   form_rhs,        // host: the modified force vector, in the board's words
