@@ -40,6 +40,8 @@ std::string_view name(Phase phase) {
       return "block write";
     case Phase::arbitration:
       return "arbitration";
+    case Phase::posting:
+      return "posting";
     case Phase::dma_read:
       return "dma read";
     case Phase::dma_write:
@@ -50,6 +52,8 @@ std::string_view name(Phase phase) {
       return "message";
     case Phase::dma_engine:
       return "dma engine";
+    case Phase::to_memory:
+      return "to memory";
     case Phase::contact_lookup:
       return "contact lookup";
     case Phase::node_update:

@@ -22,11 +22,13 @@ enum class Phase : std::uint8_t {
   bus_write,
   block_read,  // bus: a block
   block_write,
-  arbitration,     // bus: waiting for another master
+  arbitration,     // bus: waiting for another master, or for what was posted before
+  posting,         // bus: the processor hands a posted write to the bridge and goes on
   dma_read,        // bus: the board reads the host's memory
   dma_write,       // bus: the board writes to it
   descriptor,      // bus: the board fetches descriptors
   message,         // bus: an interrupt as a write, or as a packet
+  to_memory,       // bus: a board's posted write, from its last data phase until memory has it
   dma_engine,      // fpga: the board's DMA engine between its requests
   contact_lookup,  // host: fetch the contact node that the collision process published
   node_update,     // fpga: clear or restore the rows of the contact node

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <tlm>
 
 #include "vp/frame.h"
@@ -10,14 +11,20 @@ namespace hvp::vp {
 // part that the transaction passes adds its spans to it.
 struct FrameTag : tlm::tlm_extension<FrameTag> {
   Tag* tag = nullptr;
+  // What the bus is to call a board's own transaction, where its kind does not say it: that a read
+  // fetches a descriptor.
+  std::optional<Phase> phase;
 
   tlm::tlm_extension_base* clone() const override {
     auto* copy = new FrameTag;
     copy->tag = tag;
+    copy->phase = phase;
     return copy;
   }
   void copy_from(const tlm::tlm_extension_base& other) override {
-    tag = static_cast<const FrameTag&>(other).tag;
+    const auto& from = static_cast<const FrameTag&>(other);
+    tag = from.tag;
+    phase = from.phase;
   }
 };
 
@@ -26,6 +33,13 @@ inline Tag& tag_of(tlm::tlm_generic_payload& transaction, Tag& none) {
   FrameTag* extension = nullptr;
   transaction.get_extension(extension);
   return extension != nullptr && extension->tag != nullptr ? *extension->tag : none;
+}
+
+// The phase of a board's own transaction, where it is named.
+inline std::optional<Phase> phase_of(tlm::tlm_generic_payload& transaction) {
+  FrameTag* extension = nullptr;
+  transaction.get_extension(extension);
+  return extension != nullptr ? extension->phase : std::nullopt;
 }
 
 // A request line that says which frame's work raised it: the board's INTA#.

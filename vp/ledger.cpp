@@ -58,18 +58,20 @@ Frame& Ledger::open(std::int64_t number, Picoseconds born) {
   frame.spans = std::move(spans);
   frame.number = number;
   frame.born = born;
-  open_.push_back(std::move(frame));
-  return open_.back();
+  open_.push_back({std::move(frame)});
+  return open_.back().frame;
 }
 
-Frame& Ledger::frame(std::int64_t number) {
+Ledger::Entry& Ledger::entry(std::int64_t number) {
   const auto hit = std::find_if(open_.begin(), open_.end(),
-                                [number](const Frame& f) { return f.number == number; });
+                                [number](const Entry& e) { return e.frame.number == number; });
   if (hit == open_.end()) {
     throw std::logic_error("frame " + std::to_string(number) + " is not open");
   }
   return *hit;
 }
+
+Frame& Ledger::frame(std::int64_t number) { return entry(number).frame; }
 
 SpanId Ledger::add(const Tag& tag, Part part, Phase phase, Picoseconds start, Picoseconds end) {
   if (tag.frame < 0) return kBirth;
@@ -82,13 +84,41 @@ void Ledger::extend(Tag& tag, Part part, Phase phase, Picoseconds start, Picosec
   tag.cause = add(tag, part, phase, start, end);
 }
 
+void Ledger::hold(const Tag& tag) {
+  if (tag.frame >= 0) ++entry(tag.frame).holds;
+}
+
+void Ledger::unhold(const Tag& tag) {
+  if (tag.frame < 0) return;
+  Entry& held = entry(tag.frame);
+  if (held.holds == 0) broken(held.frame, "nothing holds it, and it was let go");
+  --held.holds;
+}
+
 void Ledger::close(std::int64_t number) {
-  Frame& closing = frame(number);
-  critical_path(closing, path_);
-  for (FrameSink* sink : sinks_) sink->take(closing, path_);
-  const auto position = open_.begin() + (&closing - open_.data());
-  spare_.push_back(std::move(*position));
-  open_.erase(position);
+  entry(number).closed = true;
+  hand_on_ready();
+}
+
+void Ledger::finish() {
+  hand_on_ready();
+  for (const Entry& e : open_) {
+    if (e.closed) broken(e.frame, "the run ended while something of it was under way");
+  }
+}
+
+void Ledger::hand_on_ready() {
+  auto ready = open_.begin();
+  for (; ready != open_.end() && ready->closed && ready->holds == 0; ++ready) {
+    hand_on(ready->frame);
+    spare_.push_back(std::move(ready->frame));
+  }
+  open_.erase(open_.begin(), ready);
+}
+
+void Ledger::hand_on(const Frame& frame) {
+  critical_path(frame, path_);
+  for (FrameSink* sink : sinks_) sink->take(frame, path_);
 }
 
 }  // namespace hvp::vp

@@ -38,11 +38,31 @@ class Ledger {
   // As add, and the tag's cause becomes the new span.
   void extend(Tag& tag, Part part, Phase phase, Picoseconds start, Picoseconds end);
 
-  // The frame has all its spans. Computes the critical path and hands it on.
+  // Something of the frame is still under way, a posted write or a DMA: the frame does not leave
+  // before as many unhold(). A tag without a frame holds nothing.
+  void hold(const Tag& tag);
+  void unhold(const Tag& tag);
+
+  // The frame's process is done with it. It is handed on, with its critical path, as soon as
+  // nothing holds it and all frames before it have been: here, or in a later close() or finish().
+  // So every sink runs in the caller's process.
   void close(std::int64_t number);
+  // At the end of a run, when nothing is under way: hands on what is left. Throws std::logic_error
+  // where a closed frame is still held.
+  void finish();
 
  private:
-  std::vector<Frame> open_;
+  struct Entry {
+    Frame frame;
+    int holds = 0;
+    bool closed = false;
+  };
+
+  Entry& entry(std::int64_t number);
+  void hand_on(const Frame& frame);
+  void hand_on_ready();
+
+  std::vector<Entry> open_;
   std::vector<Frame> spare_;
   std::vector<SpanId> path_;
   std::vector<FrameSink*> sinks_;

@@ -35,7 +35,7 @@ Platform::Platform(const PlatformSettings& settings, const fem::Body& body,
                 Mailbox<ContactReport>(ContactReport{})},
       bus_("bus", settings_.bus, settings_.fidelity.bus, ledger_),
       traffic_(settings_.bus.traffic
-                   ? std::make_unique<TrafficMaster>("traffic", *settings_.bus.traffic, bus_, 1)
+                   ? std::make_unique<TrafficMaster>("traffic", *settings_.bus.traffic, bus_)
                    : nullptr),
       accelerator_(computation.on_host() != nullptr
                        ? nullptr

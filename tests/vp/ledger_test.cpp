@@ -120,6 +120,54 @@ TEST(Ledger, FramesOverlapAndTheirStorageIsUsedAgain) {
   EXPECT_THROW(ledger.frame(99), std::logic_error);
 }
 
+// A frame of one span that ends at the motor.
+void open_frame(Ledger& ledger, std::int64_t number) {
+  ledger.open(number, number);
+  Tag tag{number, kBirth};
+  ledger.extend(tag, Part::device, Phase::motor, number, number + 1);
+  ledger.frame(number).force_at_motor = tag.cause;
+}
+
+TEST(Ledger, AHeldFrameWaitsAndSoDoThoseBehindIt) {
+  Ledger ledger;
+  Collect sink;
+  ledger.add_sink(sink);
+  const Tag first{1, kBirth};
+  const Tag second{2, kBirth};
+  const Tag third{3, kBirth};
+  for (const std::int64_t n : {1, 2, 3}) open_frame(ledger, n);
+  ledger.hold(first);
+  ledger.hold(first);
+  ledger.hold(third);
+  ledger.close(1);
+  ledger.close(2);
+  EXPECT_TRUE(sink.numbers.empty());
+  ledger.unhold(first);
+  ledger.close(3);
+  EXPECT_TRUE(sink.numbers.empty());
+  // A held frame still takes spans.
+  Tag late{1, 0};
+  ledger.extend(late, Part::bus, Phase::bus_write, 2, 5);
+  EXPECT_EQ(ledger.frame(1).spans.size(), 2U);
+  ledger.unhold(first);
+  EXPECT_TRUE(sink.numbers.empty()) << "sinks run where frames are closed";
+  EXPECT_THROW(ledger.finish(), std::logic_error);
+  EXPECT_EQ(sink.numbers, (std::vector<std::int64_t>{1, 2}));
+  ledger.unhold(third);
+  ledger.finish();
+  EXPECT_EQ(sink.numbers, (std::vector<std::int64_t>{1, 2, 3}));
+  EXPECT_THROW(ledger.unhold(third), std::logic_error);
+  EXPECT_THROW(ledger.unhold(second), std::logic_error);
+}
+
+TEST(Ledger, HoldingForNoFrameIsNothingAndLettingGoTwiceIsAnError) {
+  Ledger ledger;
+  ledger.hold(Tag{});
+  ledger.unhold(Tag{});
+  open_frame(ledger, 1);
+  EXPECT_THROW(ledger.unhold(Tag{1, kBirth}), std::logic_error);
+}
+
 TEST(Verdict, CountsLateForcesOverloadsAndSkippedTicksApart) {
   Verdict v(1'500, 1'500);
   Frame f = overlapping_frame();  // latency 1400, load 1600

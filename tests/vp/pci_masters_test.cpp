@@ -88,7 +88,7 @@ TEST(PciMasters, WordWaitsForTheBurstUnderWayAndTheLedgerSaysSo) {
     // Address 20, decoding, word, turnaround: free at 24.
     EXPECT_EQ(now_ps(), 24 * 30 * kNs);
   });
-  TrafficMaster other("traffic", traffic, bench.bus, 1);
+  TrafficMaster other("traffic", traffic, bench.bus);
   sc_core::sc_start(to_sc_time(100 * kUs));
   EXPECT_EQ(other.blocks(), 1);
   const std::vector<Span>& spans = bench.ledger.frame(0).spans;
@@ -118,7 +118,7 @@ TEST(PciMasters, LatencyTimerEndsALongBurst) {
         EXPECT_EQ(now_ps(), 17 * 30 * kNs);
       },
       settings);
-  TrafficMaster other("traffic", traffic, bench.bus, 1);
+  TrafficMaster other("traffic", traffic, bench.bus);
   sc_core::sc_start(to_sc_time(100 * kUs));
 }
 
@@ -133,7 +133,7 @@ TEST(PciMasters, WaitStatesOfATargetKeepOthersOut) {
     EXPECT_EQ(now_ps(), (270 + 1'000) * kNs);
   });
   bench.memory.wait_states = 1'000 * kNs;
-  TrafficMaster other("traffic", traffic, bench.bus, 1);
+  TrafficMaster other("traffic", traffic, bench.bus);
   // Asked at 150 ns; the bus is free at 1270 ns, the edge after it at 1290; four clocks.
   sc_core::sc_start(to_sc_time((1'290 + 4 * 30) * kNs - 1));
   EXPECT_EQ(other.blocks(), 0);
@@ -147,7 +147,7 @@ TEST(PciMasters, BlockThatIsDueDuringTheLastOneIsLeftOut) {
   traffic.period_s = 10e-6;
   traffic.bytes = 3'000;  // 28 us
   Bench bench([](Stimulus&) {});
-  TrafficMaster other("traffic", traffic, bench.bus, 1);
+  TrafficMaster other("traffic", traffic, bench.bus);
   sc_core::sc_start(to_sc_time(89 * kUs));
   // At 0, 30 and 60 us.
   EXPECT_EQ(other.blocks(), 3);

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <systemc>
 #include <utility>
 #include <vector>
@@ -40,6 +41,11 @@ class Stimulus : public sc_core::sc_module {
                                 vp::Tag* tag = nullptr) {
     return transport(tlm::TLM_READ_COMMAND, address, data, bytes, tag);
   }
+  // A board's read whose span is to have this phase.
+  tlm::tlm_response_status read_as(vp::Phase phase, std::uint64_t address, void* data,
+                                   std::size_t bytes, vp::Tag* tag) {
+    return transport(tlm::TLM_READ_COMMAND, address, data, bytes, tag, phase);
+  }
   void sleep(vp::Picoseconds time) { wait(vp::to_sc_time(time)); }
   void sleep_until(vp::Picoseconds time) { sleep(time - vp::now_ps()); }
 
@@ -47,9 +53,11 @@ class Stimulus : public sc_core::sc_module {
   void run() { script_(*this); }
 
   tlm::tlm_response_status transport(tlm::tlm_command command, std::uint64_t address, void* data,
-                                     std::size_t bytes, vp::Tag* tag) {
+                                     std::size_t bytes, vp::Tag* tag,
+                                     std::optional<vp::Phase> phase = std::nullopt) {
     tlm::tlm_generic_payload payload;
     vp::FrameTag extension;
+    extension.phase = phase;
     extension.tag = tag;
     payload.set_extension(&extension);
     payload.set_command(command);

@@ -1,15 +1,18 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <systemc>
 #include <vector>
 
 #include <tlm_utils/multi_passthrough_initiator_socket.h>
+#include <tlm_utils/simple_initiator_socket.h>
 #include <tlm_utils/simple_target_socket.h>
 
 #include "models/link/pci.h"
 #include "models/link/pci_arbiter.h"
+#include "vp/bus_use.h"
 #include "vp/fidelity.h"
 #include "vp/frame_tag.h"
 #include "vp/ledger.h"
@@ -22,35 +25,41 @@ namespace hvp::vp {
 //
 // Loosely timed, a transaction waits until the bus is free, takes what link::Pci says and is served
 // whole. Approximately timed, it takes the processor's way to the bus and then what
-// link::PciArbiter says: bursts, clock edges, other masters. `untimed` takes no time at all.
+// link::PciArbiter says: bursts, clock edges, other masters. `untimed` takes no time at all. A
+// board's own transactions have no processor in front of them: they take the wire's time alone.
 //
 // A transaction that no target claims ends in a master abort: TLM_ADDRESS_ERROR_RESPONSE and, for
 // a read, all ones (PCI 3.0 §3.3.3.1).
 class PciBus : public sc_core::sc_module {
  public:
-  // Masters of the approximately-timed bus: the processor's bridge is number 0.
-  static constexpr int kMasters = 2;
-  static constexpr int kProcessor = 0;
+  // Masters of the bus: the processor's bridge, [bus.traffic], the board, [bus.graphics_traffic].
+  enum Master : int { kProcessor, kTraffic, kBoard, kGraphics, kMasters };
 
   PciBus(const sc_core::sc_module_name& name, const link::Pci& model, bool untimed, Ledger& ledger);
   PciBus(const sc_core::sc_module_name& name, const BusSettings& settings, Timing level,
          Ledger& ledger);
 
   tlm_utils::simple_target_socket<PciBus> from_host;
+  // The board as master of the bus; unbound where no board is one. One transaction at a time:
+  // others wait.
+  tlm_utils::simple_target_socket_optional<PciBus> from_board;
 
   // Claims [base, base + size) for a target; before the simulation starts. Addresses that the
   // target sees start at zero.
   void attach(tlm::tlm_target_socket<>& target, std::uint64_t base, std::uint64_t size);
+  // What the board's transactions reach, with their addresses as they are.
+  void attach_memory(tlm::tlm_target_socket<>& memory);
 
   // A master's block on the approximately-timed bus, in the caller's process; returns when the bus
   // is released. One at a time a master.
-  void move(int master, link::Direction direction, std::int64_t bytes);
+  void move(Master master, link::Direction direction, std::int64_t bytes);
 
   // Of the processor's transactions.
-  std::int64_t bytes_moved() const { return bytes_; }
-  std::int64_t transactions() const { return transactions_; }
-  // Time that they took; approximately timed, that anybody owned the bus.
+  std::int64_t bytes_moved() const { return uses_.front().bytes; }
+  std::int64_t transactions() const { return uses_.front().transactions; }
+  // Time that anybody's took; approximately timed, that anybody owned the bus.
   Picoseconds busy() const;
+  BusUses uses() const;
 
  private:
   struct Window {
@@ -58,26 +67,39 @@ class PciBus : public sc_core::sc_module {
     std::uint64_t size;
     int target;  // in the order of binding
   };
+  // A transaction's time on the bus: before it, and on it.
+  struct Service {
+    Master master;
+    link::Direction direction;
+    std::int64_t bytes;
+    Picoseconds latency;
+    Phase phase;
+  };
 
-  void b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
-  void serve_whole(Tag& tag, Phase phase, Picoseconds time);
-  void serve_in_bursts(Tag& tag, Phase phase, link::Direction direction, std::int64_t bytes);
-  void hold(Picoseconds time);
+  void from_host_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
+  void from_board_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
+  void reach_target(tlm::tlm_generic_payload& transaction);
+  void reach_memory(tlm::tlm_generic_payload& transaction);
+  void serve(Tag& tag, const Service& service);
+  void serve_whole(Tag& tag, const Service& service);
+  void serve_in_bursts(Tag& tag, const Service& service);
+  void keep_bus(Master master, Picoseconds time);
+  BusUse& use(Master master) { return uses_[static_cast<std::size_t>(master)]; }
   Window* claim(std::uint64_t address);
 
   link::Pci model_;
   bool untimed_;
   Ledger& ledger_;
   tlm_utils::multi_passthrough_initiator_socket<PciBus> to_targets_;
+  tlm_utils::simple_initiator_socket_optional<PciBus> to_memory_;
   std::vector<Window> windows_;
+  bool has_memory_ = false;
   Picoseconds free_at_ = 0;
-  std::int64_t bytes_ = 0;
-  std::int64_t transactions_ = 0;
-  Picoseconds busy_ = 0;
+  std::array<BusUse, kMasters> uses_;
 
   std::unique_ptr<link::PciArbiter> arbiter_;  // approximately timed
   sc_core::sc_event changed_;                  // what forecasts rest on
-  bool processor_served_ = false;
+  std::array<bool, kMasters> served_{};        // approximately timed
 };
 
 }  // namespace hvp::vp

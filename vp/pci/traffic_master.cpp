@@ -5,7 +5,7 @@
 namespace hvp::vp {
 
 TrafficMaster::TrafficMaster(const sc_core::sc_module_name& name, const BusTraffic& traffic,
-                             PciBus& bus, int master)
+                             PciBus& bus, PciBus::Master master)
     : sc_module(name), traffic_(traffic), bus_(bus), master_(master) {
   SC_HAS_PROCESS(TrafficMaster);
   SC_THREAD(run);

@@ -13,7 +13,7 @@ class TrafficMaster : public sc_core::sc_module {
  public:
   // `master` is its number on the bus.
   TrafficMaster(const sc_core::sc_module_name& name, const BusTraffic& traffic, PciBus& bus,
-                int master);
+                PciBus::Master master = PciBus::kTraffic);
 
   std::int64_t blocks() const { return blocks_; }
   std::int64_t left_out() const { return left_out_; }
@@ -23,7 +23,7 @@ class TrafficMaster : public sc_core::sc_module {
 
   BusTraffic traffic_;
   PciBus& bus_;
-  int master_;
+  PciBus::Master master_;
   std::int64_t blocks_ = 0;
   std::int64_t left_out_ = 0;
 };
