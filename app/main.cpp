@@ -78,6 +78,8 @@ int parse_and_run(int argc, char** argv) {
       ->type_name("FOLDER");
   command->add_flag("--trace-registers", run.trace_registers,
                     "also log every access to the board, in registers.log");
+  command->add_flag("--details", run.details,
+                    "also report every frame's time by phase, and the bus' transactions");
   command->callback([&] { status = run_command(run); });
 
   ScenarioArguments explain;

@@ -26,11 +26,12 @@ Picoseconds Histogram::upper_end(std::size_t part) {
   return static_cast<Picoseconds>((next << shift) - 1);
 }
 
-void Histogram::add(Picoseconds time) {
-  ++counts_[part(time)];
-  ++count_;
+void Histogram::add(Picoseconds time, std::int64_t times) {
+  if (times == 0) return;
+  counts_[part(time)] += times;
+  count_ += times;
   largest_ = std::max(largest_, time);
-  sum_ += static_cast<double>(time);
+  sum_ += static_cast<double>(time) * static_cast<double>(times);
 }
 
 Picoseconds Histogram::percentile(double share) const {
@@ -41,6 +42,15 @@ Picoseconds Histogram::percentile(double share) const {
     if (seen >= wanted && seen > 0) return std::min(upper_end(i), largest_);
   }
   return 0;
+}
+
+std::vector<Histogram::Part> Histogram::parts() const {
+  std::vector<Part> parts;
+  for (std::size_t i = 0; i < counts_.size(); ++i) {
+    if (counts_[i] == 0) continue;
+    parts.push_back({i == 0 ? 0 : upper_end(i - 1) + 1, upper_end(i) + 1, counts_[i]});
+  }
+  return parts;
 }
 
 std::vector<Histogram::Octave> Histogram::octaves() const {

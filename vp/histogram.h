@@ -13,7 +13,7 @@ namespace hvp::vp {
 // are exact.
 class Histogram {
  public:
-  void add(Picoseconds time);
+  void add(Picoseconds time, std::int64_t times = 1);
 
   std::int64_t count() const { return count_; }
   Picoseconds largest() const { return largest_; }
@@ -21,6 +21,14 @@ class Histogram {
   // At least this share of the times is not above it: the upper end of a part, and never more than
   // the largest time. 0 where there is none.
   Picoseconds percentile(double share) const;
+
+  // Parts in which something lies: [from, below) holds `count` times.
+  struct Part {
+    Picoseconds from;
+    Picoseconds below;
+    std::int64_t count;
+  };
+  std::vector<Part> parts() const;
 
   // Octaves in which something lies: [from, 2·from) holds `count` times.
   struct Octave {

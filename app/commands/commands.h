@@ -22,6 +22,7 @@ struct ScenarioArguments {
 struct RunArguments : ScenarioArguments {
   std::filesystem::path out;  // empty: runs/<scenario>
   bool trace_registers = false;
+  bool details = false;  // the report has times by phase and by bus transaction
 };
 int run_command(const RunArguments& arguments);
 

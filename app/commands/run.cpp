@@ -68,6 +68,7 @@ int run_command(const RunArguments& arguments) {
   results::write_through_part_file(out / "performance.json", performance.dump(2) + "\n");
 
   fmt::print("{}", results::report(scene, outcome));
+  if (arguments.details) fmt::print("{}", results::details_text(outcome.latency));
   fmt::print("\nResults in {} ({:.3g} s simulated in {:.2f} s", out.string(),
              static_cast<double>(outcome.simulated) * 1e-12, seconds(built, simulated));
   if (!pictures.files.empty()) fmt::print(", drawn in {:.1f} s", seconds(simulated, drawn));

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/results/engine_clocks.h"
+#include "app/results/latency_figures.h"
 #include "models/stability/flag.h"
 #include "vp/verdict.h"
 
@@ -20,14 +21,6 @@ struct Accuracy {
   std::optional<double> displacement_worst;  // the worst frame, against the true model
   std::optional<double> force_worst;
   std::int64_t frames = 0;  // compared, the body at rest not counted
-};
-
-// How a time was distributed over the frames.
-struct Spread {
-  vp::Picoseconds p50 = 0;
-  vp::Picoseconds p99 = 0;
-  vp::Picoseconds worst = 0;
-  double mean = 0;  // ps
 };
 
 // What a run came to: everything that the terminal and summary.json show.
@@ -48,6 +41,7 @@ struct Outcome {
   bool force_in_time = false;
   bool load_held = false;
   std::vector<vp::Attribution> attribution;
+  LatencyFigures latency;
   std::optional<Spread> lateness;  // of late forces, where there are some
   std::vector<vp::Histogram::Octave> late_octaves;
   std::optional<Spread> release;  // with [host.jitter]

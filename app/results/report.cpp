@@ -17,6 +17,7 @@ namespace {
 using Out = std::back_insert_iterator<std::string>;
 
 constexpr int kBarWidth = 30;
+constexpr double kLeastShare = 0.005;  // of the worst frame, for a line of its own
 
 // "1 frame", "2 frames".
 std::string counted(std::int64_t count, std::string_view what) {
@@ -119,6 +120,7 @@ void verdict_lines(Out out, const Outcome& o) {
                  readable_time(o.worst_load), readable_time(o.period));
   fmt::format_to(out, "; {} over, {} skipped\n", o.overloads - o.skipped_ticks, o.skipped_ticks);
   spread_line(out, "late forces by", o.lateness);
+  if (o.latency.change.worst > 0) spread_line(out, "frame to frame", o.latency.change);
   spread_line(out, "release after", o.release);
   spread_line(out, "wake-up after", o.wake_up);
 }
@@ -129,14 +131,28 @@ void attribution_lines(Out out, const Outcome& o) {
   std::vector<vp::Attribution> lines = o.attribution;
   std::stable_sort(lines.begin(), lines.end(),
                    [](const auto& a, const auto& b) { return a.time > b.time; });
-  for (const vp::Attribution& a : lines) {
-    if (a.time == 0) continue;
-    const double share = static_cast<double>(a.time) / static_cast<double>(o.worst);
+  const auto line = [&](const std::string& what, vp::Picoseconds time) {
+    const double share = static_cast<double>(time) / static_cast<double>(o.worst);
     const auto bar = static_cast<std::size_t>(std::lround(share * kBarWidth));
-    fmt::format_to(out, "  {:<22} {:>10}  {:>5.1f} %{}\n",
-                   fmt::format("{} {}", name(a.part), name(a.phase)), readable_time(a.time),
-                   100 * share, bar == 0 ? "" : "  " + std::string(bar, '#'));
+    fmt::format_to(out, "  {:<22} {:>10}  {:>5.1f} %{}\n", what, readable_time(time), 100 * share,
+                   bar == 0 ? "" : "  " + std::string(bar, '#'));
+  };
+  vp::Picoseconds rest = 0;
+  int rests = 0;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const vp::Attribution& a = lines[i];
+    if (a.time == 0) continue;
+    // The report fits a screen; summary.json has every phase. One line is not folded into one.
+    const bool more = i + 1 < lines.size() && lines[i + 1].time > 0;
+    if (static_cast<double>(a.time) < kLeastShare * static_cast<double>(o.worst) &&
+        (rests > 0 || more)) {
+      rest += a.time;
+      ++rests;
+    } else {
+      line(fmt::format("{} {}", name(a.part), name(a.phase)), a.time);
+    }
   }
+  if (rests > 0) line(fmt::format("other, {} phases", rests), rest);
 }
 
 std::string ratio(const std::optional<double>& value) {
@@ -237,6 +253,7 @@ std::string report(const app::Scene& scene, const Outcome& o) {
   scene_lines(out, scene, o);
   verdict_lines(out, o);
   reservations(out, scene, o);
+  text += parts_text(o.latency);
   attribution_lines(out, o);
   engine_lines(out, scene, o);
   accuracy_lines(out, o, scene.scenario().refinement.has_value());

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "app/results/flag_json.h"
+#include "app/results/latency_json.h"
 #include "app/results/number_text.h"
 #include "app/results/spectrum_json.h"
 
@@ -12,9 +13,6 @@ namespace hvp::results {
 namespace {
 
 using nlohmann::ordered_json;
-
-// The double next to the exact value, which prints without a tail: 651.34.
-double us(vp::Picoseconds time) { return static_cast<double>(time) / 1e6; }
 
 ordered_json nullable(const std::optional<double>& value) {
   return value ? ordered_json(*value) : ordered_json(nullptr);
@@ -39,21 +37,11 @@ ordered_json accuracy(const std::optional<Accuracy>& a) {
           {"frames", a->frames}};
 }
 
-ordered_json spread(const Spread& s) {
-  return {{"p50_us", us(s.p50)},
-          {"p99_us", us(s.p99)},
-          {"worst_us", us(s.worst)},
-          {"mean_us", s.mean / 1e6}};
-}
-
 // By how much forces were late; null where none was.
 ordered_json lateness(const Outcome& o) {
   if (!o.lateness) return nullptr;
-  ordered_json j = spread(*o.lateness);
-  j["octaves"] = ordered_json::array();
-  for (const vp::Histogram::Octave& octave : o.late_octaves) {
-    j["octaves"].push_back({{"from_us", us(octave.from)}, {"frames", octave.count}});
-  }
+  ordered_json j = spread_json(*o.lateness);
+  j["octaves"] = octaves_json(o.late_octaves, "frames");
   return j;
 }
 
@@ -116,8 +104,10 @@ std::string summary_json(const app::Scene& scene, const Outcome& o) {
                    {"frames", o.frames},           {"skipped_ticks", o.skipped_ticks},
                    {"worst_frame", o.worst_frame}, {"held", o.force_in_time}};
   j["deadline"]["lateness"] = lateness(o);
-  if (o.release) j["jitter"]["release"] = spread(*o.release);
-  if (o.wake_up) j["jitter"]["wake_up"] = spread(*o.wake_up);
+  j["latency"] = latency_json(o.latency);
+  j["jitter"]["frame_to_frame"] = spread_json(o.latency.change);
+  if (o.release) j["jitter"]["release"] = spread_json(*o.release);
+  if (o.wake_up) j["jitter"]["wake_up"] = spread_json(*o.wake_up);
   j["load"] = {{"worst_us", us(o.worst_load)}, {"misses", o.overloads}, {"held", o.load_held}};
   j["attribution"] = attribution(o.attribution);
   j["accuracy"] = accuracy(o.accuracy);

@@ -17,6 +17,7 @@
 #include "app/run/accuracy.h"
 #include "app/run/deformation_recorder.h"
 #include "driver/hvp_driver.h"
+#include "vp/latency_statistics.h"
 #include "vp/platform.h"
 
 namespace hvp::app {
@@ -61,11 +62,8 @@ class ProgressTicker : public vp::FrameObserver {
   std::int64_t last_ = -1;
 };
 
-results::Spread spread_of(const vp::Histogram& times) {
-  return {times.percentile(0.50), times.percentile(0.99), times.largest(), times.mean()};
-}
-
 results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
+                            const vp::LatencyStatistics& latency,
                             const std::optional<results::Accuracy>& accuracy) {
   const vp::Verdict& v = platform.verdict();
   results::Outcome o;
@@ -86,10 +84,11 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
   o.force_in_time = v.force_in_time() && platform.servo().counts().driver_errors == 0;
   o.load_held = v.load_held();
   o.attribution = v.attribution();
-  if (v.lateness().count() > 0) o.lateness = spread_of(v.lateness());
+  o.latency = results::latency_figures(v, latency);
+  if (v.lateness().count() > 0) o.lateness = results::spread_of(v.lateness());
   o.late_octaves = v.lateness().octaves();
-  if (scene.scenario().host.jitter) o.release = spread_of(v.release());
-  if (scene.scenario().host.wake_up) o.wake_up = spread_of(v.wake_up());
+  if (scene.scenario().host.jitter) o.release = results::spread_of(v.release());
+  if (scene.scenario().host.wake_up) o.wake_up = results::spread_of(v.wake_up());
   o.bus_transactions = platform.bus().transactions();
   o.bus_bytes = platform.bus().bytes_moved();
   o.bus_busy = platform.bus().busy();
@@ -147,6 +146,8 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   results::FramesCsv frames(directory / "frames.csv", platform.session(),
                             platform.verdict().budget());
   results::Trace trace(directory / "trace.json", platform.session(), s.output.trace_frames);
+  vp::LatencyStatistics latency;
+  platform.add_sink(latency);
   platform.add_sink(frames);
   platform.add_sink(trace);
   if (accuracy) platform.add_observer(*accuracy);
@@ -166,8 +167,8 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   if (deformation) deformation->finish();
   platform.close_waveform();
   if (waveform) waveform->finish();
-  results::Outcome outcome =
-      outcome_of(platform, scene, accuracy ? std::optional(accuracy->accuracy()) : std::nullopt);
+  results::Outcome outcome = outcome_of(
+      platform, scene, latency, accuracy ? std::optional(accuracy->accuracy()) : std::nullopt);
   if (accuracy) outcome.flags.merge(accuracy->flags());
   results::write_through_part_file(directory / "summary.json",
                                    results::summary_json(scene, outcome));

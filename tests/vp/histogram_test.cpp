@@ -1,5 +1,7 @@
 #include "vp/histogram.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 namespace hvp::vp {
@@ -31,6 +33,36 @@ TEST(Histogram, OneTimeIsEveryPercentile) {
   EXPECT_EQ(h.percentile(0.01), 1'234'567'890'123);
   EXPECT_EQ(h.percentile(0.99), 1'234'567'890'123);
   EXPECT_EQ(Histogram().percentile(0.5), 0);
+}
+
+TEST(Histogram, PartsHoldEveryTimeOnceAndDoNotOverlap) {
+  Histogram h;
+  for (Picoseconds t = 1; t < Picoseconds{1} << 40; t *= 3) h.add(t, 2);
+  std::int64_t sum = 0;
+  Picoseconds before = 0;
+  for (const Histogram::Part& part : h.parts()) {
+    EXPECT_GE(part.from, before);
+    EXPECT_LE(64 * (part.below - part.from), std::max<Picoseconds>(part.from, 64));
+    before = part.below;
+    sum += part.count;
+  }
+  EXPECT_EQ(sum, h.count());
+  Histogram one;
+  one.add(1'000'003);
+  ASSERT_EQ(one.parts().size(), 1U);
+  EXPECT_LE(one.parts()[0].from, 1'000'003);
+  EXPECT_GT(one.parts()[0].below, 1'000'003);
+}
+
+TEST(Histogram, ATimeThatOccursOftenIsAddedOnce) {
+  Histogram h;
+  h.add(10, 99);
+  h.add(1000);
+  h.add(5'000'000, 0);
+  EXPECT_EQ(h.count(), 100);
+  EXPECT_EQ(h.percentile(0.99), 10);
+  EXPECT_EQ(h.largest(), 1000);
+  EXPECT_DOUBLE_EQ(h.mean(), 19.9);
 }
 
 TEST(Histogram, OctavesHoldEveryTimeOnce) {

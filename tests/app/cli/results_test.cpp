@@ -139,6 +139,72 @@ TEST_F(Results, FramesAgreeWithTheSummary) {
   for (const std::string& in_time : column("in_time")) EXPECT_EQ(in_time, "1");
 }
 
+TEST_F(Results, PartsOfAFrameSumToItsLatency) {
+  run();
+  const std::vector<std::string> latency = column("latency_us");
+  std::vector<std::int64_t> sum(latency.size());
+  double all = 0;
+  for (const char* part : {"host_us", "bus_us", "fpga_us", "daq_us", "device_us"}) {
+    const std::vector<std::string> time = column(part);
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += picoseconds(std::stod(time[i]));
+  }
+  for (std::size_t i = 0; i < sum.size(); ++i) {
+    EXPECT_EQ(sum[i], picoseconds(std::stod(latency[i]))) << "frame " << i;
+    all += static_cast<double>(sum[i]);
+  }
+  const json s = summary().at("latency");
+  EXPECT_NEAR(s.at("mean_us").get<double>(), 1e-6 * all / 40, 1e-9);
+}
+
+TEST_F(Results, LatencyFiguresAgreeWithTheFrames) {
+  const Ended ended = run({"--details"});
+  const json s = summary();
+  const json& latency = s.at("latency");
+  std::vector<std::int64_t> sorted;
+  for (const std::string& us : column("latency_us")) sorted.push_back(picoseconds(std::stod(us)));
+  std::int64_t change = 0;
+  for (std::size_t i = 1; i < sorted.size(); ++i) {
+    change = std::max(change, std::abs(sorted[i] - sorted[i - 1]));
+  }
+  EXPECT_EQ(picoseconds(s.at("jitter").at("frame_to_frame").at("worst_us")), change);
+  std::sort(sorted.begin(), sorted.end());
+  EXPECT_EQ(picoseconds(latency.at("best_us")), sorted.front());
+  // Percentiles are exact: the 36th of 40 is the smallest that 90 % do not exceed.
+  EXPECT_EQ(picoseconds(latency.at("percentiles").at("p50_us")), sorted[19]);
+  EXPECT_EQ(picoseconds(latency.at("percentiles").at("p90_us")), sorted[35]);
+  EXPECT_EQ(picoseconds(latency.at("percentiles").at("p99_us")), sorted[39]);
+  EXPECT_EQ(picoseconds(latency.at("percentiles").at("p99_9_us")), sorted[39]);
+  EXPECT_EQ(latency.at("percentiles").at("worst_us"), s.at("deadline").at("worst_us"));
+  for (const json& bin : latency.at("histogram")) {
+    const auto in_bin = std::count_if(sorted.begin(), sorted.end(), [&bin](std::int64_t t) {
+      return t >= picoseconds(bin.at("from_us")) && t < picoseconds(bin.at("below_us"));
+    });
+    EXPECT_EQ(bin.at("frames"), in_bin);
+    EXPECT_GT(in_bin, 0);
+  }
+  double share = 0;
+  double mean = 0;
+  for (const json& part : latency.at("by_part")) {
+    share += part.at("share").get<double>();
+    mean += part.at("mean_us").get<double>();
+    EXPECT_THAT(ended.out, HasSubstr("\n  " + part.at("part").get<std::string>() + "  "));
+  }
+  EXPECT_NEAR(share, 1, 1e-12);
+  EXPECT_NEAR(mean, latency.at("mean_us").get<double>(), 1e-9);
+  // A start, an acknowledgement and a latch of the position a frame at least.
+  const json& transactions = latency.at("by_transaction");
+  const auto writes = std::find_if(transactions.begin(), transactions.end(),
+                                   [](const json& t) { return t.at("transaction") == "write"; });
+  ASSERT_NE(writes, transactions.end());
+  EXPECT_GE(writes->at("count"), 3 * 40);
+  std::int64_t counted = 0;
+  for (const json& octave : writes->at("octaves")) {
+    counted += octave.at("count").get<std::int64_t>();
+  }
+  EXPECT_EQ(writes->at("count"), counted);
+  EXPECT_THAT(ended.out, HasSubstr("\n  bus block read "));
+}
+
 TEST_F(Results, FramesSayWhichWereLate) {
   // A period between the shortest and the longest frame of a run that was in time.
   run();

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "vp/histogram.h"
+#include "vp/ledger.h"
+
+namespace hvp::vp {
+
+// How the frames' latency was distributed, and what it was made of: by part, by part and phase, and
+// by kind of bus transaction. From the ledger alone, in an amount of memory that does not depend on
+// the number of frames: percentiles are as exact as a Histogram's, counts, means and worst values
+// exact.
+class LatencyStatistics : public FrameSink {
+ public:
+  // What a part, or one of its phases, added to the critical path. Every frame counts, with zero
+  // where it added nothing, so that the means of all parts sum to the mean latency, and those of a
+  // part's phases to the part's.
+  struct PathTime {
+    Part part;
+    Phase phase;
+    std::int64_t frames = 0;  // in which it took time
+    Histogram times;
+  };
+  // Spans of one kind on the bus, each by itself, whether the frame waited for it or not.
+  struct Transactions {
+    Phase phase;
+    Histogram times;
+  };
+
+  void take(const Frame& frame, const std::vector<SpanId>& path) override;
+
+  std::int64_t frames() const { return latency_.count(); }
+  Picoseconds best() const { return best_; }
+  const Histogram& latency() const { return latency_; }
+  // By how much a frame's latency differs from that of the frame before it, whichever is longer.
+  const Histogram& change() const { return change_; }
+  const Histogram& part(Part part) const { return parts_[static_cast<std::size_t>(part)]; }
+  // In the order in which they first occurred.
+  const std::deque<PathTime>& on_path() const { return on_path_; }
+  const std::deque<Transactions>& transactions() const { return transactions_; }
+
+ private:
+  static constexpr std::size_t kParts = 5;
+  static constexpr std::size_t kMostPhases = 64;
+
+  // An entry's number plus one; 0: the phase has not occurred.
+  using Index = std::array<std::uint16_t, kMostPhases>;
+
+  std::size_t entry_of(const Span& span);
+  Histogram& transactions_of(Phase phase);
+
+  Picoseconds best_ = 0;
+  Picoseconds last_ = 0;
+  Histogram latency_;
+  Histogram change_;
+  std::array<Histogram, kParts> parts_;
+  std::array<Index, kParts> path_index_{};
+  std::deque<PathTime> on_path_;
+  std::array<Picoseconds, kParts * kMostPhases> in_frame_{};  // of the entries, zero between frames
+  Index transaction_index_{};
+  std::deque<Transactions> transactions_;
+};
+
+}  // namespace hvp::vp
