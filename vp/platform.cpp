@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "models/config/input_error.h"
+#include "vp/host/local_time.h"
 
 namespace hvp::vp {
 
@@ -77,6 +78,7 @@ void Platform::trace(const Waveform& waveform) {
 Platform::~Platform() = default;
 
 void Platform::run() {
+  LocalTime::set_quantum(std::llround(settings_.servo.costs.quantum_s * 1e12));
   sc_core::sc_start();
   if (servo_.failure()) std::rethrow_exception(servo_.failure());
 }

@@ -59,6 +59,10 @@ void Host::declare(config::Visitor& v) {
   v.integer("pipeline_depth", pipeline_depth, {0, 1},
             {"1: the force comes a period later, and the board solves meanwhile",
              "thesis Fig. 6.2: one frame after the other"});
+  v.quantity(
+      "quantum", quantum_s, Dimension::time, config::between(0, 1),
+      {"temporal decoupling of the servo process, for speed: the results do not depend on it",
+       "docs/virtual-platform.md; 0: every step synchronises"});
   v.integer("cores", cores, {1, 2},
             {"2: a core for each process; 1: the servo process preempts the other one",
              "thesis section 6.2: a Pentium D, which has two"});

@@ -38,6 +38,7 @@ struct Host {
   Solver solver = Solver::board;
   double solver_rate_flops = 0;  // 0: sustained_rate_flops
   int pipeline_depth = 0;
+  double quantum_s = 0;  // how far the servo process' time may run ahead in the simulation
   int cores = 2;
   double context_switch_s = 3.8e-6;
   std::optional<random::TimeDistribution> jitter;

@@ -42,8 +42,8 @@ BoardAccess::BoardAccess(const sc_core::sc_module_name& name, Picoseconds interr
   solver_bus_.wait_interrupt = [](void* context, std::uint64_t timeout_ns) noexcept {
     return self(context).wait_interrupt(timeout_ns);
   };
-  solver_bus_.now_ns = [](void* /*context*/) noexcept {
-    return static_cast<std::uint64_t>(now_ps() / 1000);
+  solver_bus_.now_ns = [](void* context) noexcept {
+    return static_cast<std::uint64_t>(self(context).time_.now() / 1000);
   };
 }
 
@@ -68,9 +68,10 @@ bool BoardAccess::transport(tlm::tlm_command command, std::uint64_t address, uns
   payload_.set_streaming_width(static_cast<unsigned>(bytes));
   payload_.set_dmi_allowed(false);
   payload_.set_response_status(tlm::TLM_INCOMPLETE_RESPONSE);
-  sc_core::sc_time delay = sc_core::SC_ZERO_TIME;
+  sc_core::sc_time delay = time_.ahead();
   to_bus->b_transport(payload_, delay);
   wait(delay);
+  time_.restart();
   return payload_.is_response_ok();
 }
 
@@ -87,6 +88,7 @@ void BoardAccess::follow_interrupt() {
 void BoardAccess::lowered() { line_up_ = false; }
 
 int BoardAccess::wait_interrupt(std::uint64_t timeout_ns) {
+  time_.synchronise();
   const Picoseconds blocked = now_ps();
   const bool sleeps = !line_up_;
   if (sleeps) {

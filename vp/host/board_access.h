@@ -9,6 +9,7 @@
 #include "driver/hvp_driver.h"
 #include "vp/frame_tag.h"
 #include "vp/host/dispatcher.h"
+#include "vp/host/local_time.h"
 #include "vp/ledger.h"
 
 namespace hvp::vp {
@@ -36,6 +37,9 @@ class BoardAccess : public sc_core::sc_module, public InterruptIf {
   // The frame that accesses are for and its newest span.
   Tag& tag() { return tag_; }
 
+  // The servo process' own time.
+  LocalTime& time() { return time_; }
+
   // Where the board has answered the frame that is worked on, the frame follows what the board did.
   void follow_interrupt();
 
@@ -57,6 +61,7 @@ class BoardAccess : public sc_core::sc_module, public InterruptIf {
   Dispatcher* dispatcher_;
   hvp_bus solver_bus_{};
   Tag tag_;
+  LocalTime time_;
   tlm::tlm_generic_payload payload_;
   FrameTag extension_;
   bool line_up_ = false;

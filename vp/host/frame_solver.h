@@ -8,6 +8,7 @@
 #include "driver/hvp_driver.h"
 #include "models/host/costs.h"
 #include "vp/frame_tag.h"
+#include "vp/host/local_time.h"
 #include "vp/ledger.h"
 
 namespace hvp::vp {
@@ -15,14 +16,14 @@ namespace hvp::vp {
 // Time that the servo process spends at work: spans of the host that follow the tag.
 class Work {
  public:
-  Work(const host::Host& costs, bool untimed, Tag& tag, Ledger& ledger)
-      : costs_(costs), untimed_(untimed), tag_(tag), ledger_(ledger) {}
+  Work(const host::Host& costs, bool untimed, Tag& tag, LocalTime& time, Ledger& ledger)
+      : costs_(costs), untimed_(untimed), tag_(tag), time_(time), ledger_(ledger) {}
 
   void spend(Phase phase, double seconds, double operations = 0) const {
     if (untimed_) return;
-    const Picoseconds start = now_ps();
-    sc_core::wait(to_sc_time(std::llround(seconds * 1e12) + costs_.compute_ps(operations)));
-    ledger_.extend(tag_, Part::host, phase, start, now_ps());
+    const Picoseconds start = time_.now();
+    time_.advance(std::llround(seconds * 1e12) + costs_.compute_ps(operations));
+    ledger_.extend(tag_, Part::host, phase, start, time_.now());
   }
   const host::Host& costs() const { return costs_; }
   Tag& tag() const { return tag_; }
@@ -31,6 +32,7 @@ class Work {
   host::Host costs_;
   bool untimed_;
   Tag& tag_;
+  LocalTime& time_;
   Ledger& ledger_;
 };
 

@@ -44,7 +44,7 @@ ServoProcess::ServoProcess(const sc_core::sc_module_name& name, const ServoSetti
       verdict_(verdict),
       session_(session),
       begun_("begun"),
-      work_(settings_.costs, settings_.untimed, access.tag(), ledger),
+      work_(settings_.costs, settings_.untimed, access.tag(), access.time(), ledger),
       solver_(make_solver(settings_.solver, computation, access, work_)) {
   SC_HAS_PROCESS(ServoProcess);
   SC_THREAD(run);
@@ -70,6 +70,7 @@ void ServoProcess::serve() {
     throw std::runtime_error(std::string("the board could not be set up: ") +
                              hvp_status_text(counts_.last_error));
   }
+  access_.time().synchronise();
   set_up_time_ = now_ps() - began;
   session_.begin = now_ps();
   begun_.notify(sc_core::SC_ZERO_TIME);
@@ -83,13 +84,14 @@ void ServoProcess::serve() {
     ++number;
     // A tick that has passed entirely while the process was at work had no frame.
     while (number < settings_.frames &&
-           now_ps() >= session_.begin + (number + 1) * settings_.period) {
+           access_.time().now() >= session_.begin + (number + 1) * settings_.period) {
       verdict_.skip_tick();
       ++number;
     }
   }
   if (pending_) drain(number);
   access_.tag() = Tag{};
+  access_.time().synchronise();
   // What went wrong before says more than that a lost board cannot be closed.
   const hvp_status closed = solver_->close();
   if (counts_.last_error == HVP_OK) note(closed);
@@ -112,6 +114,7 @@ void ServoProcess::sleep_until(Picoseconds time) {
 
 // A process that is still at work at its tick goes on; one that slept has to be woken.
 ServoProcess::Step ServoProcess::release(std::int64_t number) {
+  access_.time().synchronise();
   Step step;
   step.number = number;
   step.born = session_.begin + number * settings_.period;
@@ -137,7 +140,7 @@ void ServoProcess::frame(std::int64_t number) {
   observe(step);
   // The last safe force is out; now the board is brought back, for as long as that takes.
   if (step.status != HVP_OK) recover();
-  ledger_.frame(number).work_done = now_ps();
+  ledger_.frame(number).work_done = access_.time().now();
   ledger_.close(number);
 }
 
@@ -158,11 +161,12 @@ void ServoProcess::pipelined_frame(std::int64_t number) {
   put_aside(step);
   if (pending_) hand_out_pending();
   pending_ = step;
-  ledger_.frame(number).work_done = now_ps();
+  ledger_.frame(number).work_done = access_.time().now();
 }
 
 // The last frame's force comes in the period after it, like every other's.
 void ServoProcess::drain(std::int64_t tick) {
+  access_.time().synchronise();
   const Picoseconds due =
       session_.begin + tick * settings_.period + dispatcher_.release_delay(tick);
   const bool sleeps = now_ps() < due;
@@ -194,6 +198,7 @@ void ServoProcess::hand_out_pending() {
 void ServoProcess::sense(Step& step) {
   step.tip = read_position();
   work_.spend(Phase::contact_lookup, settings_.costs.contact_lookup_s);
+  access_.time().synchronise();
   // A copy: the frame goes on while the next report arrives.
   step.report = exchange_.contact.read(now_ps());
   step.looked_up = now_ps();
@@ -250,6 +255,7 @@ void ServoProcess::advance(Step& step) {
 }
 
 void ServoProcess::publish(const Step& step) {
+  access_.time().synchronise();
   SceneState& scene = exchange_.scene.prepare(now_ps());
   scene.tip = step.tip;
   body_.expand(computation_.displacement(), scene.displacement);
@@ -293,6 +299,7 @@ void ServoProcess::recover() {
 // frame's work or the process' own sleep, is a span too; where the board has answered in the
 // meantime the frame follows the board.
 void ServoProcess::resume(const Step& step) {
+  access_.time().synchronise();
   access_.tag() = step.tag;
   access_.follow_interrupt();
   const Tag& tag = access_.tag();
