@@ -85,7 +85,9 @@ void Ledger::extend(Tag& tag, Part part, Phase phase, Picoseconds start, Picosec
 }
 
 void Ledger::hold(const Tag& tag) {
-  if (tag.frame >= 0) ++entry(tag.frame).holds;
+  if (tag.frame < 0) return;
+  ++entry(tag.frame).holds;
+  ++held_;
 }
 
 void Ledger::unhold(const Tag& tag) {
@@ -93,6 +95,7 @@ void Ledger::unhold(const Tag& tag) {
   Entry& held = entry(tag.frame);
   if (held.holds == 0) broken(held.frame, "nothing holds it, and it was let go");
   --held.holds;
+  --held_;
 }
 
 void Ledger::close(std::int64_t number) {

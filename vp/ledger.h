@@ -42,6 +42,7 @@ class Ledger {
   // before as many unhold(). A tag without a frame holds nothing.
   void hold(const Tag& tag);
   void unhold(const Tag& tag);
+  bool holds() const { return held_ > 0; }  // any frame
 
   // The frame's process is done with it. It is handed on, with its critical path, as soon as
   // nothing holds it and all frames before it have been: here, or in a later close() or finish().
@@ -63,6 +64,7 @@ class Ledger {
   void hand_on_ready();
 
   std::vector<Entry> open_;
+  std::int64_t held_ = 0;
   std::vector<Frame> spare_;
   std::vector<SpanId> path_;
   std::vector<FrameSink*> sinks_;

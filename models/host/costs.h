@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -33,6 +34,7 @@ struct Host {
   double sustained_rate_flops = 297.88e6;
   double contact_lookup_s = 1e-6;
   double driver_call_s = 1e-6;
+  double driver_word_s = 0;
   double interrupt_latency_s = 5e-6;
   double timeout_s = 10e-3;
   Solver solver = Solver::board;
@@ -50,6 +52,8 @@ struct Host {
 
   // Where the processes share one core: shared_core.h.
   SharedCore::Settings shared_core() const;
+  // Of the driver beside its bus accesses, in a call that packs or unpacks so many vector words.
+  double driver_s(std::size_t words) const;
   // The rate of the host's own solve over that of its other steps.
   double solver_speed() const;
   // Time of so many additions and multiplications, in whole picoseconds.

@@ -16,6 +16,7 @@ namespace hvp::vp {
 namespace {
 
 using test::compute;
+using test::kNs;
 using test::kUs;
 using test::pci_write;
 using test::Simulated;
@@ -231,6 +232,16 @@ TEST(Frame, ContactIsBetweenAPassAndAPeriodMoreOld) {
     EXPECT_LE(frame.contact_age, 30'303'030'303 + longest);
   }
   EXPECT_GT(in_contact, 45);
+}
+
+TEST(Frame, DriverTakesTimeForEachWordThatItPacksAndUnpacks) {
+  SmallScene scene;
+  scene.settings.servo.costs.driver_word_s = 10e-9;
+  const Simulated run(scene);
+  SmallScene without;
+  for (const Frame& frame : run.log.frames) {
+    EXPECT_EQ(frame.latency(), test::latency(without) + 2 * SmallScene::kUnknowns * 10 * kNs);
+  }
 }
 
 }  // namespace

@@ -138,7 +138,7 @@ void BoardSolver::finish(std::uint32_t& flags) {
 }
 
 hvp_status BoardSolver::start() {
-  work_.spend(Phase::driver, work_.costs().driver_call_s);
+  work_.spend(Phase::driver, work_.costs().driver_s(b_.size()));
   const hvp_status status = hvp_write_rhs(&device_, b_.data(), b_.size());
   return status == HVP_OK ? hvp_start(&device_) : status;
 }
@@ -147,7 +147,7 @@ hvp_status BoardSolver::receive() {
   const hvp_status status =
       hvp_wait(&device_, static_cast<std::uint64_t>(work_.costs().timeout_s * 1e9));
   if (status != HVP_OK) return status;
-  work_.spend(Phase::driver, work_.costs().driver_call_s);
+  work_.spend(Phase::driver, work_.costs().driver_s(u_.size()));
   return hvp_read_solution(&device_, u_.data(), u_.size());
 }
 

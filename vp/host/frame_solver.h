@@ -23,6 +23,8 @@ class Work {
     if (untimed_) return;
     const Picoseconds start = time_.now();
     time_.advance(std::llround(seconds * 1e12) + costs_.compute_ps(operations));
+    // Behind what is still under way the order of the spans would be another.
+    if (ledger_.holds()) time_.synchronise();
     ledger_.extend(tag_, Part::host, phase, start, time_.now());
   }
   const host::Host& costs() const { return costs_; }
