@@ -23,8 +23,10 @@ void Fidelity::declare(config::Visitor& v) {
             "other masters; untimed: no time",
             "the level that answers whether a budget holds"});
   timing("host", host, "loosely-timed: annotated costs; untimed: no time");
-  v.choice("numbers", numbers, {{"fixed", Numbers::fixed}},
-           {"fixed: bit-true fixed point", "thesis section 4.2"});
+  v.choice("numbers", numbers, {{"fixed", Numbers::fixed}, {"none", Numbers::none}},
+           {"fixed: bit-true fixed point; none: timing only, the same accesses and costs while "
+            "nobody computes words, forces or deformations",
+            "thesis section 4.2"});
 }
 
 const char* name(Timing level) {
@@ -45,6 +47,6 @@ bool has_engine(Timing level) {
   return level == Timing::approximately_timed || level == Timing::cycle_accurate;
 }
 
-const char* name(Numbers /*level*/) { return "fixed"; }
+const char* name(Numbers level) { return level == Numbers::none ? "none" : "fixed"; }
 
 }  // namespace hvp::vp

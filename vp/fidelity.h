@@ -7,7 +7,10 @@ namespace hvp::vp {
 // How finely a part that is there is modelled. Levels that a part does not have are not listed,
 // so that asking for one is an error.
 enum class Timing { untimed, loosely_timed, approximately_timed, cycle_accurate };
-enum class Numbers { fixed };
+enum class Numbers {
+  fixed,  // bit-true words
+  none,   // timing only: nobody computes words, and every solve makes all its iterations
+};
 
 // The scenario's table [fidelity].
 struct Fidelity {

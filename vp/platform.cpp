@@ -14,7 +14,12 @@ SceneState at_rest(const fem::Body& body, const host::FrameComputation& computat
   SceneState scene;
   scene.tip = probe.state_ps(0).position;
   scene.displacement = body.expand(computation.displacement());
+  scene.has_force = !computation.timing_only();
   return scene;
+}
+
+Numbers numbers_of(const host::FrameComputation& computation) {
+  return computation.timing_only() ? Numbers::none : Numbers::fixed;
 }
 
 template <class Visit>
@@ -42,7 +47,7 @@ Platform::Platform(const PlatformSettings& settings, const fem::Body& body,
                        ? nullptr
                        : std::make_unique<Accelerator>("accelerator", settings_.accelerator,
                                                        settings_.fidelity.accelerator, ledger_,
-                                                       register_trace)),
+                                                       register_trace, numbers_of(computation))),
       daq_("daq", settings_.daq, settings_.probe, session_, ledger_),
       dispatcher_(settings_.servo.costs, settings_.seed, ledger_),
       access_("access",

@@ -44,13 +44,13 @@ int explain_command(const ScenarioArguments& arguments) {
   if (!s.title.empty()) fmt::print("{}\n", s.title);
   fmt::print("\nParts and their fidelity\n");
   if (scene.has_board()) {
-    fidelity_line(
-        "accelerator", vp::name(s.fidelity.accelerator),
-        fmt::format("{}, {}{} clocks a solve{}", scene.board_name(),
-                    s.solver.stop_residual > 0 ? "at most " : "", scene.solve_cycles().total(),
-                    vp::has_engine(s.fidelity.accelerator)
-                        ? " by the closed form; a run prints the engine's"
-                        : ""));
+    fidelity_line("accelerator", vp::name(s.fidelity.accelerator),
+                  fmt::format("{}, {}{} clocks a solve{}", scene.board_name(),
+                              s.solver.stop_residual > 0 && !s.timing_only() ? "at most " : "",
+                              scene.solve_cycles().total(),
+                              vp::has_engine(s.fidelity.accelerator)
+                                  ? " by the closed form; a run prints the engine's"
+                                  : ""));
   } else {
     fidelity_line("accelerator", "absent",
                   fmt::format("the host solves: {}", host::name(s.host.solver)));
@@ -62,7 +62,12 @@ int explain_command(const ScenarioArguments& arguments) {
       "host", vp::name(s.fidelity.host),
       fmt::format("servo at {:g} Hz, collision and graphics at {:g} Hz, {}", 1 / s.budget.period_s,
                   s.host.graphics.rate_hz, s.host.cores == 1 ? "on one core" : "a core each"));
-  if (scene.has_board()) {
+  if (s.timing_only()) {
+    fidelity_line("numbers", vp::name(s.fidelity.numbers),
+                  fmt::format("timing only: all {} iterations a solve, the probe against the "
+                              "undeformed body; no words, forces or deformation",
+                              s.solver.iterations));
+  } else if (scene.has_board()) {
     fidelity_line(
         "numbers", vp::name(s.fidelity.numbers),
         fmt::format("{}-bit matrix, {}-bit vectors", s.solver.matrix_bits, s.solver.vector_bits));

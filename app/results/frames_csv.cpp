@@ -27,8 +27,8 @@ std::array<vp::Picoseconds, kParts> by_part(const vp::Frame& frame,
 }  // namespace
 
 FramesCsv::FramesCsv(const std::filesystem::path& path, const vp::Session& session,
-                     vp::Picoseconds budget)
-    : stream_(path), session_(session), budget_(budget) {
+                     vp::Picoseconds budget, Columns columns)
+    : stream_(path), session_(session), budget_(budget), columns_(columns) {
   stream_.write(
       "frame,born_us,latency_us,load_us,deadline_us,in_time,contact_node,contact_age_us,"
       "x_m,y_m,z_m,force_N,fx_N,fy_N,fz_N,saturations,flags,"
@@ -38,16 +38,20 @@ FramesCsv::FramesCsv(const std::filesystem::path& path, const vp::Session& sessi
 void FramesCsv::take(const vp::Frame& f, const std::vector<vp::SpanId>& critical_path) {
   const std::array<vp::Picoseconds, kParts> path = by_part(f, critical_path);
   fmt::memory_buffer line;
-  fmt::format_to(std::back_inserter(line), "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
-                 f.number, microseconds(f.born - session_.begin), microseconds(f.latency()),
+  const auto out = std::back_inserter(line);
+  fmt::format_to(out, "{},{},{},{},{},{},{},{},{},{},{},", f.number,
+                 microseconds(f.born - session_.begin), microseconds(f.latency()),
                  microseconds(f.work_done - f.born), microseconds(budget_),
                  f.latency() <= budget_ ? 1 : 0, f.contact_node, microseconds(f.contact_age),
-                 shortest(f.position.x()), shortest(f.position.y()), shortest(f.position.z()),
-                 shortest(f.force.norm()), shortest(f.force.x()), shortest(f.force.y()),
-                 shortest(f.force.z()), f.saturations, f.flags);
-  for (const vp::Picoseconds time : path) {
-    fmt::format_to(std::back_inserter(line), ",{}", microseconds(time));
+                 shortest(f.position.x()), shortest(f.position.y()), shortest(f.position.z()));
+  if (columns_ == Columns::all) {
+    fmt::format_to(out, "{},{},{},{},{},", shortest(f.force.norm()), shortest(f.force.x()),
+                   shortest(f.force.y()), shortest(f.force.z()), f.saturations);
+  } else {
+    fmt::format_to(out, ",,,,,");
   }
+  fmt::format_to(out, "{}", f.flags);
+  for (const vp::Picoseconds time : path) fmt::format_to(out, ",{}", microseconds(time));
   line.push_back('\n');
   stream_.write({line.data(), line.size()});
 }

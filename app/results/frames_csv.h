@@ -8,10 +8,14 @@
 
 namespace hvp::results {
 
+// Timing only, nobody computes forces or words: their fields are empty.
+enum class Columns { all, times };
+
 // frames.csv: a line a frame, times since the servo loop began.
 class FramesCsv : public vp::FrameSink {
  public:
-  FramesCsv(const std::filesystem::path& path, const vp::Session& session, vp::Picoseconds budget);
+  FramesCsv(const std::filesystem::path& path, const vp::Session& session, vp::Picoseconds budget,
+            Columns columns = Columns::all);
 
   void take(const vp::Frame& frame, const std::vector<vp::SpanId>& critical_path) override;
   void finish() { stream_.finish(); }
@@ -20,6 +24,7 @@ class FramesCsv : public vp::FrameSink {
   PartStream stream_;
   const vp::Session& session_;
   vp::Picoseconds budget_;
+  Columns columns_;
 };
 
 }  // namespace hvp::results

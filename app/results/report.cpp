@@ -31,7 +31,8 @@ std::string counted_passes(int passes) {
 // Longest solve of the run where an engine counted it, else by the closed form.
 std::string solve_clocks(const app::Scene& scene, const Outcome& o) {
   const std::int64_t clocks = o.engine ? o.engine->engine : scene.solve_cycles().total();
-  const bool bound = !o.engine && scene.scenario().solver.stop_residual > 0;
+  const bool bound =
+      !o.engine && scene.scenario().solver.stop_residual > 0 && !scene.scenario().timing_only();
   const accel::Architecture& a = scene.scenario().accelerator;
   return fmt::format("{}{} clocks {} at {:g} MHz = {}", bound ? "at most " : "", clocks,
                      o.engine ? "for the longest solve" : "a solve", a.clock_hz * 1e-6,
@@ -68,7 +69,7 @@ void scene_lines(Out out, const app::Scene& scene, const Outcome& o) {
                           s.solver.iterations));
     return;
   }
-  const char* most = s.solver.stop_residual > 0 ? "at most " : "";
+  const char* most = s.solver.stop_residual > 0 && !s.timing_only() ? "at most " : "";
   fmt::format_to(out, "  solver      {}, {}{} iterations, {}-bit matrix, {}-bit vectors{}\n",
                  display_name(s.solver.method), most, s.solver.iterations, s.solver.matrix_bits,
                  s.solver.vector_bits,
@@ -96,6 +97,14 @@ void reservations(Out out, const app::Scene& scene, const Outcome& o) {
   check("bus", f.bus);
   check("host", f.host);
   if (!parts.empty()) fmt::format_to(out, "  untimed        {}: takes no time here\n", parts);
+  if (scene.scenario().timing_only()) {
+    fmt::format_to(
+        out,
+        "  timing only    nobody computed numbers: {}every solve makes all {} iterations, "
+        "the probe\n                 meets the undeformed body\n",
+        scene.scenario().solver.stop_residual > 0 ? "stop_residual ends none, " : "",
+        scene.scenario().solver.iterations);
+  }
   if (o.contact_changes == 0) {
     fmt::format_to(out, "  no contact     the probe did not touch the body in these frames\n");
   }
@@ -107,8 +116,10 @@ void spread_line(Out out, std::string_view what, const std::optional<Spread>& s)
                  readable_time(s->p99), readable_time(s->worst));
 }
 
-void verdict_lines(Out out, const Outcome& o) {
-  const char* qualified = o.flags.empty() ? "PASS" : "held, with flags";
+void verdict_lines(Out out, const Outcome& o, bool timing_only) {
+  const char* qualified = !o.flags.empty() ? "held, with flags"
+                          : timing_only    ? "PASS, timing only"
+                                           : "PASS";
   fmt::format_to(out, "\nTime         {} at {:g} Hz\n", counted(o.frames + o.skipped_ticks, "tick"),
                  1e12 / static_cast<double>(o.period));
   fmt::format_to(out, "  force in time  {}: worst {} of {}, median {}, 99 % {}",
@@ -159,7 +170,12 @@ std::string ratio(const std::optional<double>& value) {
   return value ? percent(*value) : std::string("not measurable");
 }
 
-void accuracy_lines(Out out, const Outcome& o, bool refined) {
+void accuracy_lines(Out out, const app::Scene& scene, const Outcome& o) {
+  const bool refined = scene.scenario().refinement.has_value();
+  if (scene.scenario().timing_only()) {
+    fmt::format_to(out, "\nAccuracy     timing only: there are no numbers to compare\n");
+    return;
+  }
   if (!o.accuracy) {
     fmt::format_to(out, "\nAccuracy     not asked for: add [reference] to the scenario\n");
     return;
@@ -204,8 +220,12 @@ void accuracy_lines(Out out, const Outcome& o, bool refined) {
 }
 
 void stability_lines(Out out, const app::Scene& scene, const Outcome& o) {
-  fmt::format_to(out, "\nStability    {}, {}, {}\n", counted(o.saturations, "saturation"),
-                 counted(o.breakdowns, "breakdown"), counted(o.clamped_words, "clamped word"));
+  if (scene.scenario().timing_only()) {
+    fmt::format_to(out, "\nStability    timing only: there are no words that could saturate\n");
+  } else {
+    fmt::format_to(out, "\nStability    {}, {}, {}\n", counted(o.saturations, "saturation"),
+                   counted(o.breakdowns, "breakdown"), counted(o.clamped_words, "clamped word"));
+  }
   if (o.wraps > 0) fmt::format_to(out, "  {}\n", counted(o.wraps, "wrapped word"));
   if (o.driver_errors > 0) {
     fmt::format_to(out,
@@ -251,12 +271,12 @@ std::string report(const app::Scene& scene, const Outcome& o) {
   std::string text;
   const Out out = std::back_inserter(text);
   scene_lines(out, scene, o);
-  verdict_lines(out, o);
+  verdict_lines(out, o, scene.scenario().timing_only());
   reservations(out, scene, o);
   text += parts_text(o.latency);
   attribution_lines(out, o);
   engine_lines(out, scene, o);
-  accuracy_lines(out, o, scene.scenario().refinement.has_value());
+  accuracy_lines(out, scene, o);
   stability_lines(out, scene, o);
   spectrum_lines(out, scene);
   return text;

@@ -37,6 +37,16 @@ ordered_json accuracy(const std::optional<Accuracy>& a) {
           {"frames", a->frames}};
 }
 
+// Null where nobody computed the words that are counted.
+ordered_json stability(const Outcome& o, bool timing_only) {
+  const auto count = [timing_only](std::int64_t words) {
+    return timing_only ? ordered_json(nullptr) : ordered_json(words);
+  };
+  return {{"saturations", count(o.saturations)}, {"wraps", count(o.wraps)},
+          {"breakdowns", count(o.breakdowns)},   {"clamped_words", count(o.clamped_words)},
+          {"driver_errors", o.driver_errors},    {"flags", flag_names(o.flags)}};
+}
+
 // By how much forces were late; null where none was.
 ordered_json lateness(const Outcome& o) {
   if (!o.lateness) return nullptr;
@@ -111,9 +121,7 @@ std::string summary_json(const app::Scene& scene, const Outcome& o) {
   j["load"] = {{"worst_us", us(o.worst_load)}, {"misses", o.overloads}, {"held", o.load_held}};
   j["attribution"] = attribution(o.attribution);
   j["accuracy"] = accuracy(o.accuracy);
-  j["stability"] = {{"saturations", o.saturations},     {"wraps", o.wraps},
-                    {"breakdowns", o.breakdowns},       {"clamped_words", o.clamped_words},
-                    {"driver_errors", o.driver_errors}, {"flags", flag_names(o.flags)}};
+  j["stability"] = stability(o, s.timing_only());
   if (const host::RefinedSolve* refined = scene.computation().refined()) {
     j["refinement"] = {{"passes", refined->passes()},
                        {"worst_residual_rel", refined->worst_residual()},

@@ -132,7 +132,9 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   std::optional<AccuracyTracker> accuracy;
   if (s.reference) accuracy.emplace(scene, *s.reference);
   std::optional<DeformationRecorder> deformation;
-  if (s.output.deformation_every_frames > 0) deformation.emplace(directory, scene);
+  if (s.output.deformation_every_frames > 0 && !s.timing_only()) {
+    deformation.emplace(directory, scene);
+  }
 
   vp::PlatformSettings settings = platform_settings(scene);
   std::optional<results::Waveform> waveform;
@@ -144,7 +146,8 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   vp::Platform platform(settings, scene.body(), scene.computation(), scene.contacts(),
                         registers ? &*registers : nullptr);
   results::FramesCsv frames(directory / "frames.csv", platform.session(),
-                            platform.verdict().budget());
+                            platform.verdict().budget(),
+                            s.timing_only() ? results::Columns::times : results::Columns::all);
   results::Trace trace(directory / "trace.json", platform.session(), s.output.trace_frames);
   vp::LatencyStatistics latency;
   platform.add_sink(latency);

@@ -140,12 +140,37 @@ void require_no_board(const Scenario& s) {
   if (s.accelerator.several) throw InputError("accelerator.several", found);
 }
 
+// What a timing-only run cannot have: what looks at numbers, and times that depend on them.
+void require_no_numbers(const Scenario& s) {
+  const auto lacks = [](const std::string& table) {
+    throw InputError(
+        table,
+        "nobody computes numbers where fidelity.numbers is \"none\": expected no [" + table + "]");
+  };
+  if (s.host.solver != host::Solver::board) {
+    throw InputError(
+        "host.solver",
+        std::string("how long the host's own solve takes depends on its numbers, which "
+                    "fidelity.numbers = \"none\" does not compute: expected \"board\", "
+                    "found \"") +
+            host::name(s.host.solver) + "\"");
+  }
+  if (s.fidelity.accelerator == vp::Timing::cycle_accurate) {
+    throw InputError("fidelity.accelerator",
+                     "the cycle-accurate engine makes the words that fidelity.numbers = \"none\" "
+                     "does without: expected approximately-timed, loosely-timed or untimed");
+  }
+  if (s.reference) lacks("reference");
+  if (s.refinement) lacks("refinement");
+}
+
 }  // namespace
 
 void Scenario::check() const {
   const vp::Timing level = fidelity.accelerator;
   const bool board = host.solver == host::Solver::board;
   if (!board) require_no_board(*this);
+  if (timing_only()) require_no_numbers(*this);
   if (board && vp::has_engine(level)) require_engine(*this);
   if (refinement && host.pipeline_depth > 0) {
     throw InputError("host.pipeline_depth",

@@ -109,6 +109,7 @@ struct Scenario {
   Output output;
 
   void declare(config::Visitor& v);
+  bool timing_only() const { return fidelity.numbers == vp::Numbers::none; }
   // Throws InputError for an effect that its part's fidelity does not have, and the reverse.
   void check() const;
 };

@@ -79,9 +79,9 @@ Scene::Scene(const Scenario& openable, const Scenario& written, accel::Device de
   const Scenario& s = scenario_;
   quality_ = mesh::measure(body_->mesh());
   computation_ = within("solver", [&] {
-    return std::make_unique<host::FrameComputation>(*body_, s.contact.diagonal, s.dynamics,
-                                                    s.solver, s.budget.period_s, s.refinement,
-                                                    s.host.solver);
+    return std::make_unique<host::FrameComputation>(
+        *body_, s.contact.diagonal, s.dynamics, s.solver, s.budget.period_s, s.refinement,
+        s.host.solver, s.timing_only() ? host::Effort::counted : host::Effort::computed);
   });
   if (s.host.solver == host::Solver::board) {
     within("accelerator", [&] {

@@ -165,27 +165,48 @@ Pass ContactSearch::proceed(const Eigen::Vector3d& tip, std::span<const double> 
           .event = ContactEvent::slid};
 }
 
+void ContactSearch::require_touchable(const Contact& present) const {
+  if (touchable(present.node)) return;
+  throw InputError(
+      fmt::format("contact at node {}, which is not a free node of the surface", present.node));
+}
+
 Pass ContactSearch::pass(const Eigen::Vector3d& tip, std::span<const double> displacement,
                          const Contact& present, const Eigen::Vector3d& force) {
+  bool pulls = false;
+  if (present.present()) {
+    require_touchable(present);
+    if (!force.allFinite()) throw InputError("the contact force is not finite");
+    pulls = force.dot(surface_.rest_normal(present.node)) > settings_.release_force;
+  }
+  return pass(tip, displacement, present, pulls);
+}
+
+Pass ContactSearch::pass_without_force(const Eigen::Vector3d& tip,
+                                       std::span<const double> displacement,
+                                       const Contact& present) {
+  bool pulls = false;
+  if (present.present()) {
+    require_touchable(present);
+    pulls = prescribed_displacement(present, tip).dot(surface_.rest_normal(present.node)) > 0;
+  }
+  return pass(tip, displacement, present, pulls);
+}
+
+// Released in a pass of its own: this U still holds the surface at the tip, so whether the tip
+// touches the body that let go can only be told from the next one.
+Pass ContactSearch::pass(const Eigen::Vector3d& tip, std::span<const double> displacement,
+                         const Contact& present, bool pulls) {
   if (!tip.allFinite()) throw InputError("the probe is not at a finite position");
   surface_.update(displacement);
   SearchCost cost;
   Pass result;
   if (!present.present()) {
     result = start(tip, cost);
+  } else if (pulls) {
+    result.event = ContactEvent::released;
   } else {
-    if (!touchable(present.node)) {
-      throw InputError(
-          fmt::format("contact at node {}, which is not a free node of the surface", present.node));
-    }
-    if (!force.allFinite()) throw InputError("the contact force is not finite");
-    // Released in a pass of its own: this U still holds the surface at the tip, so whether the
-    // tip touches the body that let go can only be told from the next one.
-    if (force.dot(surface_.rest_normal(present.node)) > settings_.release_force) {
-      result.event = ContactEvent::released;
-    } else {
-      result = proceed(tip, displacement, present, cost);
-    }
+    result = proceed(tip, displacement, present, cost);
   }
   pass_flops_ = surface_.update_flops() + cost.flops();
   result.flops = pass_flops_;

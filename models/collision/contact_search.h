@@ -54,6 +54,12 @@ class ContactSearch {
   Pass pass(const Eigen::Vector3d& tip, std::span<const double> displacement,
             const Contact& present, const Eigen::Vector3d& force);
 
+  // Where nobody computes forces: the tip pulls once it has brought the contact node's prescribed
+  // place off the surface at rest, outwards. To a body at rest with a positive definite compliance
+  // the normal forces have that sign; settings().release_force has nothing to be compared with.
+  Pass pass_without_force(const Eigen::Vector3d& tip, std::span<const double> displacement,
+                          const Contact& present);
+
   // The displacement that §3.7 prescribes at the contact node, and at every node of its patch.
   Eigen::Vector3d prescribed_displacement(const Contact& contact, const Eigen::Vector3d& tip) const;
 
@@ -72,6 +78,9 @@ class ContactSearch {
   const DeformedSurface& surface() const { return surface_; }
 
  private:
+  void require_touchable(const Contact& present) const;
+  Pass pass(const Eigen::Vector3d& tip, std::span<const double> displacement,
+            const Contact& present, bool pulls);
   Pass start(const Eigen::Vector3d& tip, SearchCost& cost) const;
   Pass proceed(const Eigen::Vector3d& tip, std::span<const double> displacement,
                const Contact& present, SearchCost& cost);

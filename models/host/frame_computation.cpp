@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/config/input_error.h"
 #include "models/host/costs.h"
 
 namespace hvp::host {
@@ -51,8 +52,10 @@ std::unique_ptr<HostSolve> make_host_solve(Solver solver, const sparse::BlockMat
 FrameComputation::FrameComputation(const fem::Body& body, fem::ContactDiagonal diagonal,
                                    const std::optional<fem::Dynamics>& dynamics,
                                    const fixed::Settings& settings, double period_s,
-                                   const std::optional<Refinement>& refinement, Solver solver)
+                                   const std::optional<Refinement>& refinement, Solver solver,
+                                   Effort effort)
     : body_(body),
+      effort_(effort),
       newmark_(make_newmark(body, dynamics, period_s)),
       matrix_(newmark_ ? newmark_->effective_matrix() : body.stiffness()),
       constraint_(matrix_, diagonal),
@@ -70,6 +73,11 @@ FrameComputation::FrameComputation(const fem::Body& body, fem::ContactDiagonal d
     predict();
   }
   if (refinement) refined_.emplace(*refinement, matrix_, system_, u_);
+  if (timing_only() && (refined_ || on_host_)) {
+    throw InputError(
+        "the operations of refinement and of a solve on the host depend on the numbers: "
+        "expected neither where nothing is computed");
+  }
 }
 
 void FrameComputation::predict() {
@@ -82,6 +90,7 @@ void FrameComputation::set_contact(std::span<const int> patch) {
 }
 
 int FrameComputation::form_rhs(const Eigen::Vector3d& u_c, std::span<std::int32_t> words) {
+  if (timing_only()) return 0;
   if (contact_.empty()) {
     std::copy(f_.begin(), f_.end(), b_.begin());
   } else {
@@ -100,16 +109,16 @@ int FrameComputation::form_rhs(const Eigen::Vector3d& u_c, std::span<std::int32_
 }
 
 void FrameComputation::accept(std::span<const std::int32_t> words) {
-  scaling_.displacements(words, u_);
+  if (!timing_only()) scaling_.displacements(words, u_);
 }
 
 Eigen::Vector3d FrameComputation::force() const {
-  if (contact_.empty()) return Eigen::Vector3d::Zero();
+  if (contact_.empty() || timing_only()) return Eigen::Vector3d::Zero();
   return constraint_.reaction(displacement(), f_, contact_);
 }
 
 void FrameComputation::update() {
-  if (!newmark_) return;
+  if (!newmark_ || timing_only()) return;
   newmark_->update(displacement());
   predict();
 }

@@ -19,6 +19,9 @@
 
 namespace hvp::host {
 
+// Whether a frame's steps are computed, or only their operations counted.
+enum class Effort { computed, counted };
+
 // What the host computes in a frame around the board's solve (thesis Fig. 6.2): the modified
 // force vector in the board's words, the contact force out of U, and Newmark's update. A is K of
 // a static body or Â of a dynamic one; indices and vectors are over the body's active nodes.
@@ -30,15 +33,20 @@ namespace hvp::host {
 //
 //   begin_passes(u_c);  refined()->next(b), …accept(u)…;  force();  refined()->finish();  update();
 //
+// Timing only, the same calls cost the same operations and compute nothing: right-hand sides and
+// words stay as they are, the body stays where it was at the beginning, the force is zero.
+//
 // Nothing allocates after construction but set_contact.
 class FrameComputation {
  public:
   // Keeps a reference to the body. `period_s` is the servo period, Newmark's time step. Throws
-  // InputError for an unstable time integration or a matrix that cannot be put into words.
+  // InputError for an unstable time integration, a matrix that cannot be put into words, or
+  // refinement or a solve on the host that is only to be counted: their operations depend on the
+  // numbers.
   FrameComputation(const fem::Body& body, fem::ContactDiagonal diagonal,
                    const std::optional<fem::Dynamics>& dynamics, const fixed::Settings& settings,
                    double period_s, const std::optional<Refinement>& refinement = std::nullopt,
-                   Solver solver = Solver::board);
+                   Solver solver = Solver::board, Effort effort = Effort::computed);
   FrameComputation(const FrameComputation&) = delete;
   FrameComputation& operator=(const FrameComputation&) = delete;
 
@@ -51,6 +59,7 @@ class FrameComputation {
   const fixed::Scaling& scaling() const { return scaling_; }
   // What the board puts on the diagonal of a contact node, in matrix words.
   std::int32_t diagonal_word() const { return diagonal_word_; }
+  bool timing_only() const { return effort_ == Effort::counted; }
   bool dynamic() const { return newmark_.has_value(); }
 
   // The nodes that follow the probe, ascending; empty without contact.
@@ -96,6 +105,7 @@ class FrameComputation {
   double conversion() const;
 
   const fem::Body& body_;
+  Effort effort_;
   std::optional<fem::Newmark> newmark_;
   sparse::BlockMatrix matrix_;
   fem::ContactConstraint constraint_;

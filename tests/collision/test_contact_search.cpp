@@ -231,6 +231,39 @@ TEST(ContactSearch, ReleasesAlongTheNormalOfTheTouchedFace) {
 }
 
 // Made-up forces of a spring under the tip: press, slide, release, and the same touch again.
+// The body stays at rest: nobody computes what a press does to it.
+TEST(ContactSearch, WithoutForcesEndsWhereTheTipHasLeftTheBodyAtRest) {
+  const Block block;
+  ContactSettings settings;
+  settings.release_force = 5;  // nothing to compare it with
+  ContactSearch search = block.search(settings);
+  Contact contact;
+  const auto event = [&](double height) {
+    const Pass pass = search.pass_without_force({0.022, 0.031, kTop + height}, block.u, contact);
+    contact = pass.contact;
+    return pass.event;
+  };
+  EXPECT_EQ(event(1e-6), ContactEvent::none);
+  EXPECT_EQ(event(-1e-6), ContactEvent::started);
+  EXPECT_EQ(contact.node, block.node_at({0.02, 0.03, kTop}));
+  EXPECT_EQ(event(-3e-3), ContactEvent::held);
+  EXPECT_EQ(event(-1e-6), ContactEvent::held);
+  EXPECT_EQ(event(1e-6), ContactEvent::released);
+  EXPECT_FALSE(contact.present());
+  EXPECT_EQ(event(1e-6), ContactEvent::none);
+}
+
+TEST(ContactSearch, WithoutForcesSlidesToTheNodeThatIsNearer) {
+  const Block block;
+  ContactSearch search = block.search();
+  Contact contact = search.pass_without_force({0.02, 0.03, kTop - 1e-3}, block.u, {}).contact;
+  const Pass pass = search.pass_without_force({0.028, 0.03, kTop - 1e-3}, block.u, contact);
+  EXPECT_EQ(pass.event, ContactEvent::slid);
+  EXPECT_EQ(pass.contact.node, block.node_at({0.03, 0.03, kTop}));
+  contact.node = block.node_at({0.02, 0.03, 0});
+  EXPECT_THROW(search.pass_without_force({0.02, 0.03, kTop}, block.u, contact), InputError);
+}
+
 TEST(ContactSearch, GoesThroughAPressASlideAndARelease) {
   Block block;
   ContactSearch search = block.search();

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "models/config/input_error.h"
 #include "models/fem/structured_box.h"
 #include "models/fixed/reference_solver.h"
 #include "models/host/costs.h"
@@ -215,6 +216,48 @@ TEST(Host, ComputingTakesOperationsOverRateInWholePicoseconds) {
   EXPECT_EQ(h.compute_ps(1), 3'333);
   EXPECT_EQ(h.graphics.period_ps(), 30'303'030'303);
   EXPECT_EQ(conversion_operations(1500), 6000);
+}
+
+// The same operations as where they are done, and nothing of what they would make.
+TEST(FrameComputation, CountedCostsTheSameAndComputesNothing) {
+  const Cube cube;
+  const auto make = [&](Effort effort) {
+    return FrameComputation(cube.body, fem::ContactDiagonal::average, damped(), fixed::Settings{},
+                            kPeriod, std::nullopt, Solver::board, effort);
+  };
+  FrameComputation done = make(Effort::computed);
+  FrameComputation counted = make(Effort::counted);
+  EXPECT_FALSE(done.timing_only());
+  EXPECT_TRUE(counted.timing_only());
+  std::vector<std::int32_t> b(done.displacement().size(), 7);
+  const std::vector<std::int32_t> untouched = b;
+  for (const bool touched : {false, true}) {
+    for (FrameComputation* c : {&done, &counted}) {
+      if (touched) c->set_contact(cube.touched());
+    }
+    EXPECT_EQ(counted.form_rhs_operations(), done.form_rhs_operations());
+    EXPECT_EQ(counted.force_operations(), done.force_operations());
+    EXPECT_EQ(counted.update_operations(), done.update_operations());
+    EXPECT_EQ(counted.form_rhs(kPress, b), 0);
+    EXPECT_EQ(b, untouched);
+    counted.accept(b);
+    EXPECT_EQ(vector(counted.displacement()).norm(), 0);
+    EXPECT_EQ(counted.force().norm(), 0);
+    counted.update();
+    EXPECT_EQ(vector(counted.external_force()).norm(), 0);
+  }
+  EXPECT_EQ(counted.quantised().value, done.quantised().value);
+}
+
+TEST(FrameComputation, CountsNothingWhoseOperationsDependOnNumbers) {
+  const Cube cube;
+  const auto counted = [&](const std::optional<Refinement>& refinement, Solver solver) {
+    return FrameComputation(cube.body, fem::ContactDiagonal::average, std::nullopt,
+                            fixed::Settings{}, kPeriod, refinement, solver, Effort::counted);
+  };
+  EXPECT_THROW(counted(Refinement{}, Solver::board), InputError);
+  EXPECT_THROW(counted(std::nullopt, Solver::cg), InputError);
+  EXPECT_THROW(counted(std::nullopt, Solver::cholesky), InputError);
 }
 
 }  // namespace

@@ -41,6 +41,15 @@ TEST(Allocation, NoneInAHold) {
   expect_none(scene, 1);
 }
 
+TEST(Allocation, NoneInAHoldWithTimingOnly) {
+  test::SmallScene::Options options;
+  options.dynamics = fem::Dynamics{};
+  options.effort = host::Effort::counted;
+  test::SmallScene scene(options);
+  scene.touch();
+  expect_none(scene, 1);
+}
+
 TEST(Allocation, NoneInJobsThatEndEarlyFromAnExtrapolatedStart) {
   test::SmallScene::Options options;
   options.solver.method = fixed::Method::chronopoulos_gear;

@@ -6,10 +6,10 @@
 #include <string>
 
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "models/config/input_error.h"
+#include "tests/vp/child_output.h"
 #include "tests/vp/small_scene.h"
 #include "vp/platform.h"
 
@@ -102,13 +102,8 @@ class Bytes : public FrameSink {
   }
 };
 
-// Runs in a child process and returns what it wrote.
 std::string frames_of_a_run() {
-  std::array<int, 2> ends{};
-  if (pipe(ends.data()) != 0) return {};
-  const pid_t child = fork();
-  if (child == 0) {
-    close(ends[0]);
+  return test::output_of_child([](std::string& text) {
     SmallScene scene({.dynamics = fem::Dynamics{}, .solver = {}});
     scene.slide(0.05);
     scene.settings.servo.frames = 40;
@@ -116,23 +111,8 @@ std::string frames_of_a_run() {
     Bytes bytes;
     platform.add_sink(bytes);
     platform.run();
-    for (std::size_t done = 0; done < bytes.text.size();) {
-      const ssize_t n = write(ends[1], bytes.text.data() + done, bytes.text.size() - done);
-      if (n <= 0) _exit(1);
-      done += static_cast<std::size_t>(n);
-    }
-    _exit(0);
-  }
-  close(ends[1]);
-  std::string text;
-  std::array<char, 4096> buffer{};
-  for (ssize_t n = 0; (n = read(ends[0], buffer.data(), buffer.size())) > 0;) {
-    text.append(buffer.data(), static_cast<std::size_t>(n));
-  }
-  close(ends[0]);
-  int status = 1;
-  waitpid(child, &status, 0);
-  return status == 0 ? text : std::string();
+    text = bytes.text;
+  });
 }
 
 TEST(Composition, TwoProcessesGiveTheSameFrames) {

@@ -24,6 +24,7 @@ struct SmallScene {
     double patch_radius = 0;
     double period_s = 2e-3;
     host::Solver solved_by = host::Solver::board;
+    host::Effort effort = host::Effort::computed;
   };
 
   static constexpr double kEdge = 0.06;
@@ -34,7 +35,7 @@ struct SmallScene {
       : body(fem::structured_box({kEdge, kEdge, kEdge}, {3, 3, 3}), fem::Material{}, floor(),
              fem::AnchorTreatment::removed),
         computation(body, fem::ContactDiagonal::average, options.dynamics, options.solver,
-                    options.period_s, options.refinement, options.solved_by),
+                    options.period_s, options.refinement, options.solved_by, options.effort),
         contacts(body.mesh(), floor(), contact_settings(options)) {
     settings.servo.solver = computation.board_settings();
     settings.servo.period = std::llround(options.period_s * 1e12);

@@ -42,15 +42,19 @@ std::uint32_t saturated(std::int64_t value) {
 
 Accelerator::Accelerator(const sc_core::sc_module_name& name,
                          const accel::Architecture& architecture, Timing level, Ledger& ledger,
-                         AccessObserver* observer)
+                         AccessObserver* observer, Numbers numbers)
     : sc_module(name),
       from_bus("from_bus"),
       interrupt("interrupt"),
       architecture_(architecture),
       level_(level),
+      numbers_(numbers),
       ledger_(ledger),
       observer_(observer),
       done_("done") {
+  if (numbers == Numbers::none && level == Timing::cycle_accurate) {
+    throw InputError("numbers", "the cycle-accurate engine makes the words: expected \"fixed\"");
+  }
   from_bus.register_b_transport(this, &Accelerator::b_transport);
   strap_capability(bank_);
   bank_.strap(Register::capability_clock,
@@ -389,6 +393,13 @@ void Accelerator::require_solver(const fixed::Settings& settings) {
 
 // The job that starts now, into u_ and result_. Nothing of it is visible yet.
 void Accelerator::compute() {
+  if (numbers_ == Numbers::none) {
+    result_ = {};
+    result_.iterations = settings_.iterations;
+    result_.replacements = accel::longest_solve(settings_).replacements;
+    fault_ = false;
+    return;
+  }
   const unsigned rhs_bits = bank_.get(field::kFormatRhsBits);
   const std::span<const std::uint32_t> words = bank_.memory(Aperture::b);
   for (std::size_t i = 0; i < b_.size(); ++i) b_[i] = packed_element(words, i, rhs_bits);
@@ -417,9 +428,11 @@ void Accelerator::publish() {
   wraps_ += report_.wraps;
   breakdowns_ += report_.breakdowns;
   if (job_tag_.frame >= 0) ledger_.frame(job_tag_.frame).saturations += report_.saturations;
-  const unsigned vector_bits = bank_.get(field::kFormatVectorBits);
-  const std::span<std::uint32_t> words = bank_.memory(Aperture::u);
-  for (std::size_t i = 0; i < u_.size(); ++i) set_packed_element(words, i, vector_bits, u_[i]);
+  if (numbers_ == Numbers::fixed) {
+    const unsigned vector_bits = bank_.get(field::kFormatVectorBits);
+    const std::span<std::uint32_t> words = bank_.memory(Aperture::u);
+    for (std::size_t i = 0; i < u_.size(); ++i) set_packed_element(words, i, vector_bits, u_[i]);
+  }
   bank_.set(field::kResultJobJob, bank_.get(field::kJobJob));
   bank_.set(field::kResultIterationsCount, static_cast<std::uint32_t>(report_.iterations));
   bank_.set(field::kResultEndReached, report_.reached ? 1 : 0);

@@ -46,10 +46,14 @@ struct EngineSolve {
 // Loosely timed, a job takes the clocks of accel::BoardClocks; approximately timed, those of an
 // engine::PhaseEngine. Cycle-accurate, an engine::CycleEngine does the work beside, its words are
 // what appears in U, and words other than the solver's are an internal fault.
+//
+// Timing only, a job makes all its iterations and no words: U stays as it was. Throws InputError
+// with the key "numbers" where the engine makes the words, cycle-accurate.
 class Accelerator : public sc_core::sc_module {
  public:
   Accelerator(const sc_core::sc_module_name& name, const accel::Architecture& architecture,
-              Timing level, Ledger& ledger, AccessObserver* observer = nullptr);
+              Timing level, Ledger& ledger, AccessObserver* observer = nullptr,
+              Numbers numbers = Numbers::fixed);
   // Throws InputError with the key "method" where a level does not have it.
   static void require_supported(Timing level, const fixed::Settings& settings);
 
@@ -103,6 +107,7 @@ class Accelerator : public sc_core::sc_module {
 
   accel::Architecture architecture_;
   Timing level_;
+  Numbers numbers_;
   Ledger& ledger_;
   AccessObserver* observer_;
 

@@ -48,7 +48,9 @@ void CollisionProcess::pass() {
     if (shares) dispatcher_.acquire_core();
     began = now_ps();
     const SceneState& scene = exchange_.scene.read(began);
-    result = search_.pass(scene.tip, scene.displacement, scene.contact, scene.force);
+    result = scene.has_force
+                 ? search_.pass(scene.tip, scene.displacement, scene.contact, scene.force)
+                 : search_.pass_without_force(scene.tip, scene.displacement, scene.contact);
     const Picoseconds time =
         untimed_ ? 0
                  : costs_.compute_ps(result.flops) + std::llround(costs_.graphics.drawing_s * 1e12);

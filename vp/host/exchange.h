@@ -16,6 +16,7 @@ struct SceneState {
   // Mean over the frames since the contact was last reported on: a single frame's force rings
   // at half the servo rate where the time integration does not damp, and its sign says nothing.
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  bool has_force = true;  // false: nobody computes it
 };
 
 // And what comes back: the contact node, as old as the pass that found it.

@@ -258,8 +258,13 @@ void ServoProcess::publish(const Step& step) {
   access_.time().synchronise();
   SceneState& scene = exchange_.scene.prepare(now_ps());
   scene.tip = step.tip;
-  body_.expand(computation_.displacement(), scene.displacement);
   scene.contact = step.contact;
+  if (computation_.timing_only()) {
+    // The body stays as the mailbox has had it from the beginning.
+    exchange_.scene.publish(now_ps());
+    return;
+  }
+  body_.expand(computation_.displacement(), scene.displacement);
   force_sum_ += step.force;
   ++force_frames_;
   scene.force = force_sum_ / static_cast<double>(force_frames_);
