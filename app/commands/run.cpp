@@ -73,6 +73,10 @@ int run_command(const RunArguments& arguments) {
              static_cast<double>(outcome.simulated) * 1e-12, seconds(built, simulated));
   if (!pictures.files.empty()) fmt::print(", drawn in {:.1f} s", seconds(simulated, drawn));
   fmt::print(")\n");
+  if (outcome.trace_cut_at) {
+    fmt::print("trace.json ends before frame {}: output.trace_size is {:g} MB\n",
+               *outcome.trace_cut_at, loaded.scenario.output.trace_bytes * 1e-6);
+  }
   if (loaded.scenario.output.pictures && !pictures.drawn) fmt::print("{}\n", pictures.reason);
   return outcome.force_in_time && outcome.load_held ? kHeld : kNotHeld;
 }

@@ -59,6 +59,9 @@ struct Outcome {
   std::int64_t collision_passes = 0;
   vp::Picoseconds longest_pass = 0;
 
+  // The first frame that output.trace_size left out of trace.json.
+  std::optional<std::int64_t> trace_cut_at;
+
   std::optional<Accuracy> accuracy;
   stability::Flags flags;
   std::int64_t saturations = 0;

@@ -1,80 +1,148 @@
 #include "app/results/trace.h"
 
-#include <algorithm>
 #include <iterator>
 #include <string>
 #include <string_view>
 
-#include <fmt/format.h>
-
-#include "app/results/number_text.h"
+#include <fmt/compile.h>
 
 namespace hvp::results {
 
 namespace {
-// The slices of one lane may only nest. The host waits while the board works, beside everything
-// else, and a late frame's release is delayed while the frame before it is still at work.
-constexpr int kWaitLane = 10;
-constexpr int kReleaseLane = 11;
 
-int lane(const vp::Span& span) {
-  switch (span.phase) {
-    case vp::Phase::wait:
-    case vp::Phase::pipeline:
-    case vp::Phase::wake_up:
-    case vp::Phase::blocked:
-    case vp::Phase::context_switch:
-      return kWaitLane;
-    case vp::Phase::release:
-      return kReleaseLane;
-    default:
-      return static_cast<int>(span.part) + 1;
-  }
-}
+constexpr std::string_view kEnd = "\n]}\n";
+// What the mark of a cut takes at most, with the end of the file.
+constexpr std::int64_t kRoomForEnd = 256;
 
-std::string lane_name(int lane, std::string_view text) {
-  return fmt::format(
-      ",\n{{\"name\":\"thread_name\",\"ph\":\"M\",\"pid\":1,\"tid\":{0},\"args\":{{\"name\":\"{1}"
-      "\"}}}}"
-      ",\n{{\"name\":\"thread_sort_index\",\"ph\":\"M\",\"pid\":1,\"tid\":{0},"
-      "\"args\":{{\"sort_index\":{0}}}}}",
-      lane, text);
-}
 }  // namespace
 
-Trace::Trace(const std::filesystem::path& path, const vp::Session& session, std::int64_t frames)
-    : stream_(path), session_(session), left_(frames) {
-  stream_.write("{\"displayTimeUnit\":\"ns\",\"traceEvents\":[\n");
-  stream_.write(R"({"name":"process_name","ph":"M","pid":1,"args":{"name":"hvp"}})");
-  for (const vp::Part part :
-       {vp::Part::host, vp::Part::bus, vp::Part::fpga, vp::Part::daq, vp::Part::device}) {
-    stream_.write(lane_name(static_cast<int>(part) + 1, name(part)));
+Trace::Trace(const std::filesystem::path& path, const vp::Session& session,
+             const TraceSettings& settings)
+    : stream_(path), session_(session), settings_(settings) {
+  write("{\"traceEvents\":[\n");
+  write(R"({"name":"process_name","ph":"M","pid":1,"args":{"name":"hvp"}})");
+  for (int row = 0; row < static_cast<int>(Row::count); ++row) {
+    name_lane(first_lane(static_cast<Row>(row)));
   }
-  stream_.write(lane_name(kWaitLane, "host waits"));
-  stream_.write(lane_name(kReleaseLane, "release delay"));
+  write({text_.data(), text_.size()});
+}
+
+void Trace::write(std::string_view text) {
+  written_ += static_cast<std::int64_t>(text.size());
+  stream_.write(text);
+}
+
+void Trace::name_lane(int lane) {
+  fmt::format_to(std::back_inserter(text_),
+                 ",\n{{\"name\":\"thread_name\",\"ph\":\"M\",\"pid\":1,\"tid\":{0},"
+                 "\"args\":{{\"name\":\"{1}\"}}}}"
+                 ",\n{{\"name\":\"thread_sort_index\",\"ph\":\"M\",\"pid\":1,\"tid\":{0},"
+                 "\"args\":{{\"sort_index\":{0}}}}}",
+                 lane, lane_name(lane));
+}
+
+// Microseconds, exact to the picosecond. Perfetto takes a time as trunc(double · 1000) in
+// nanoseconds, and 1.001 · 1000 is less than 1001 in double precision: a nanosecond less would let
+// the slice overlap the one before it, and an overlapping slice is dropped. A tenth of a picosecond
+// more mends that and is none to who rounds to picoseconds.
+void Trace::append_time(vp::Picoseconds time) {
+  constexpr vp::Picoseconds kPerUs = 1'000'000;
+  fmt::format_to(std::back_inserter(text_), FMT_COMPILE("{}.{:06d}"), time / kPerUs, time % kPerUs);
+  const double us = static_cast<double>(time) / static_cast<double>(kPerUs);
+  if (static_cast<std::int64_t>(us * 1000.0) < time / 1000) text_.push_back('1');
+}
+
+void Trace::append_slice(const vp::Frame& frame, std::size_t index, bool critical) {
+  const vp::Span& span = frame.spans[index];
+  const TraceLanes::Lane lane = lanes_.place(row_of(span), span.start, span.end);
+  lane_ = lane.id;
+  if (!lane.used && lane.id != first_lane(row_of(span))) name_lane(lane.id);
+  const auto out = std::back_inserter(text_);
+  fmt::format_to(out,
+                 FMT_COMPILE(",\n{{\"name\":\"{}\",\"cat\":\"{}\",\"ph\":\"X\",\"pid\":1,"
+                             "\"tid\":{},\"ts\":"),
+                 name(span.phase), name(span.part), lane.id);
+  append_time(span.start - session_.begin);
+  constexpr vp::Picoseconds kPerUs = 1'000'000;
+  const vp::Picoseconds length = span.end - span.start;
+  fmt::format_to(out,
+                 FMT_COMPILE(",\"dur\":{}.{:06d},\"args\":{{\"frame\":{},\"span\":{},\"cause\":{},"
+                             "\"critical\":{}}}}}"),
+                 length / kPerUs, length % kPerUs, frame.number, index, span.cause, critical);
+}
+
+// Binds to the slice that was written last.
+void Trace::append_flow(const vp::Frame& frame, char phase, vp::Picoseconds at) {
+  const auto out = std::back_inserter(text_);
+  fmt::format_to(out,
+                 FMT_COMPILE(",\n{{\"name\":\"frame\",\"cat\":\"path\",\"ph\":\"{}\",\"id\":{},"
+                             "\"pid\":1,\"tid\":{},\"ts\":"),
+                 phase, frame.number, lane_);
+  append_time(at - session_.begin);
+  fmt::format_to(out, FMT_COMPILE("{}}}"), phase == 'f' ? ",\"bp\":\"e\"" : "");
+}
+
+// The latency as a curve, and what a frame missed.
+void Trace::append_marks(const vp::Frame& frame) {
+  const auto out = std::back_inserter(text_);
+  const auto mark = [&](std::string_view what, vp::Picoseconds at) {
+    fmt::format_to(
+        out, ",\n{{\"name\":\"{}\",\"ph\":\"i\",\"s\":\"p\",\"pid\":1,\"tid\":{},\"ts\":", what,
+        first_lane(Row::device));
+    append_time(at - session_.begin);
+    fmt::format_to(out, ",\"args\":{{\"frame\":{}}}}}", frame.number);
+  };
+  constexpr vp::Picoseconds kPerUs = 1'000'000;
+  const vp::Picoseconds latency = frame.latency();
+  fmt::format_to(out, FMT_COMPILE(",\n{{\"name\":\"latency\",\"ph\":\"C\",\"pid\":1,\"ts\":"));
+  append_time(frame.born - session_.begin);
+  fmt::format_to(out, FMT_COMPILE(",\"args\":{{\"us\":{}.{:06d}}}}}"), latency / kPerUs,
+                 latency % kPerUs);
+  if (!frame.solved) mark("no solution: force held", frame.born + latency);
+  if (latency > settings_.budget) mark("late", frame.born + settings_.budget);
 }
 
 void Trace::take(const vp::Frame& frame, const std::vector<vp::SpanId>& critical_path) {
-  if (left_ == 0) return;
-  --left_;
-  fmt::memory_buffer text;
+  if (frames_ == settings_.frames || cut_at_) return;
+  ++frames_;
+  text_.clear();
+  lanes_.forget_before(frame.born);
+  append_marks(frame);
+  // A cause comes before what follows it, so that the path's spans ascend.
+  auto next = critical_path.begin();
   for (std::size_t i = 0; i < frame.spans.size(); ++i) {
-    const vp::Span& span = frame.spans[i];
-    const bool critical = std::find(critical_path.begin(), critical_path.end(),
-                                    static_cast<vp::SpanId>(i)) != critical_path.end();
-    fmt::format_to(std::back_inserter(text),
-                   ",\n{{\"name\":\"{}\",\"cat\":\"{}\",\"ph\":\"X\",\"pid\":1,\"tid\":{},"
-                   "\"ts\":{},\"dur\":{},\"args\":{{\"frame\":{},\"span\":{},\"cause\":{},"
-                   "\"critical\":{}}}}}",
-                   name(span.phase), name(span.part), lane(span),
-                   microseconds(span.start - session_.begin), microseconds(span.end - span.start),
-                   frame.number, i, span.cause, critical);
+    const auto id = static_cast<vp::SpanId>(i);
+    const bool critical = next != critical_path.end() && *next == id;
+    append_slice(frame, i, critical);
+    if (!critical) continue;
+    const bool first = next == critical_path.begin();
+    ++next;
+    const bool last = next == critical_path.end();
+    if (first && last) continue;
+    append_flow(frame, first ? 's' : last ? 'f' : 't', frame.spans[i].start);
   }
-  stream_.write({text.data(), text.size()});
+  if (written_ + static_cast<std::int64_t>(text_.size()) + kRoomForEnd > settings_.bytes) {
+    cut(frame);
+    return;
+  }
+  write({text_.data(), text_.size()});
+}
+
+void Trace::cut(const vp::Frame& frame) {
+  cut_at_ = frame.number;
+  text_.clear();
+  fmt::format_to(
+      std::back_inserter(text_),
+      ",\n{{\"name\":\"the trace ends here: output.trace_size is {} bytes\",\"ph\":\"i\","
+      "\"s\":\"g\",\"pid\":1,\"tid\":{},\"ts\":",
+      settings_.bytes, first_lane(Row::host));
+  append_time(frame.born - session_.begin);
+  text_.push_back('}');
+  write({text_.data(), text_.size()});
 }
 
 void Trace::finish() {
-  stream_.write("\n]}\n");
+  write(kEnd);
   stream_.finish();
 }
 

@@ -148,7 +148,9 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   results::FramesCsv frames(directory / "frames.csv", platform.session(),
                             platform.verdict().budget(),
                             s.timing_only() ? results::Columns::times : results::Columns::all);
-  results::Trace trace(directory / "trace.json", platform.session(), s.output.trace_frames);
+  results::Trace trace(
+      directory / "trace.json", platform.session(),
+      {s.output.trace_frames, std::llround(s.output.trace_bytes), platform.verdict().budget()});
   vp::LatencyStatistics latency;
   platform.add_sink(latency);
   platform.add_sink(frames);
@@ -172,6 +174,7 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   if (waveform) waveform->finish();
   results::Outcome outcome = outcome_of(
       platform, scene, latency, accuracy ? std::optional(accuracy->accuracy()) : std::nullopt);
+  outcome.trace_cut_at = trace.cut_at();
   if (accuracy) outcome.flags.merge(accuracy->flags());
   results::write_through_part_file(directory / "summary.json",
                                    results::summary_json(scene, outcome));

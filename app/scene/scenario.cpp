@@ -46,7 +46,11 @@ void Output::declare(config::Visitor& v) {
   v.integer("deformation_every_frames", deformation_every_frames, {0, 1'000'000},
             {"a .vtu step every so many frames; 0: none", "20 pictures a second at 500 Hz"});
   v.integer("trace_frames", trace_frames, {0, 1'000'000},
-            {"how many frames trace.json shows, from the first", "about 5 kB a frame"});
+            {"how many frames trace.json shows, from the first", "about 5 kB a frame: 5 MB"});
+  v.quantity("trace_size", trace_bytes, Dimension::data_size, config::between(10e3, 100e9),
+             {"how large trace.json becomes at most; a frame that would exceed it ends the trace, "
+              "and the report says so",
+              "twelve times what the default frames take"});
   v.boolean("pictures", pictures,
             {"draw deformation.png and latency.png at the end", "a run that is looked at"});
   v.effect("waveform", waveform,

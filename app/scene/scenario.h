@@ -81,6 +81,7 @@ struct Waveform {
 struct Output {
   int deformation_every_frames = 25;
   int trace_frames = 1000;
+  double trace_bytes = 64e6;
   bool pictures = true;
   std::optional<Waveform> waveform;
 

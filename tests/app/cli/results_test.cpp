@@ -1,11 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
-#include <tuple>
 
 #include <gmock/gmock.h>
 
@@ -226,83 +224,6 @@ TEST_F(Results, FramesSayWhichWereLate) {
   EXPECT_EQ(summary().at("deadline").at("misses"),
             late + summary().at("deadline").at("skipped_ticks").get<std::int64_t>());
   EXPECT_GT(late, 0);
-}
-
-// The exact slices of every lane: on one lane each begins after the last or lies within it.
-void expect_nested(const json& trace) {
-  struct Slice {
-    std::int64_t start, end;
-  };
-  std::map<std::int64_t, std::vector<Slice>> lanes;
-  for (const json& event : trace.at("traceEvents")) {
-    if (event.at("ph") != "X") continue;
-    const std::int64_t start = picoseconds(event.at("ts"));
-    const std::int64_t length = picoseconds(event.at("dur"));
-    EXPECT_GE(length, 0);
-    EXPECT_EQ(event.at("pid"), 1);
-    lanes[event.at("tid")].push_back({start, start + length});
-  }
-  for (auto& [lane, slices] : lanes) {
-    std::sort(slices.begin(), slices.end(), [](const Slice& a, const Slice& b) {
-      return std::tuple(a.start, -a.end) < std::tuple(b.start, -b.end);
-    });
-    std::vector<Slice> around;
-    for (const Slice& slice : slices) {
-      while (!around.empty() && around.back().end <= slice.start) around.pop_back();
-      if (!around.empty()) {
-        EXPECT_LE(slice.end, around.back().end) << "lane " << lane;
-      }
-      around.push_back(slice);
-    }
-  }
-}
-
-TEST_F(Results, TraceLoads) {
-  run();
-  const json trace = json::parse(file("trace.json"));
-  std::set<std::int64_t> named, used;
-  for (const json& event : trace.at("traceEvents")) {
-    if (event.at("ph") == "M") {
-      if (event.at("name") == "thread_name") named.insert(event.at("tid").get<std::int64_t>());
-      continue;
-    }
-    ASSERT_EQ(event.at("ph"), "X");
-    EXPECT_TRUE(event.at("name").is_string());
-    used.insert(event.at("tid").get<std::int64_t>());
-  }
-  EXPECT_TRUE(std::includes(named.begin(), named.end(), used.begin(), used.end()));
-  expect_nested(trace);
-}
-
-TEST_F(Results, TraceOfLateFramesStillNests) {
-  // Frames of 0.09 ms at a period of 0.05: the release of every other one is delayed.
-  run({"--set", "budget.period=50 us"}, 1);
-  expect_nested(json::parse(file("trace.json")));
-}
-
-TEST_F(Results, CriticalSlicesOfAFrameSumToItsLatency) {
-  run();
-  std::map<std::int64_t, std::int64_t> sum;
-  const json trace = json::parse(file("trace.json"));
-  for (const json& event : trace.at("traceEvents")) {
-    if (event.at("ph") != "X" || !event.at("args").at("critical").get<bool>()) continue;
-    sum[event.at("args").at("frame")] += picoseconds(event.at("dur"));
-  }
-  const std::vector<std::string> latency = column("latency_us");
-  ASSERT_EQ(sum.size(), latency.size());
-  for (const auto& [frame, time] : sum) {
-    EXPECT_EQ(time, picoseconds(std::stod(latency[static_cast<std::size_t>(frame)])));
-  }
-}
-
-TEST_F(Results, TraceHasAsManyFramesAsWereAskedFor) {
-  run({"--set", "output.trace_frames=3"});
-  std::set<std::int64_t> frames;
-  const json trace = json::parse(file("trace.json"));
-  for (const json& event : trace.at("traceEvents")) {
-    if (event.at("ph") == "X") frames.insert(event.at("args").at("frame").get<std::int64_t>());
-  }
-  EXPECT_EQ(frames, (std::set<std::int64_t>{0, 1, 2}));
 }
 
 TEST_F(Results, RegisterLogHasEveryAccess) {
