@@ -19,7 +19,7 @@ Picoseconds time_in(const Frame& frame, const std::vector<SpanId>& path, Phase p
 void Verdict::take(const Frame& frame, const std::vector<SpanId>& path) {
   ++frames_;
   const Picoseconds latency = frame.latency();
-  ++latencies_[latency];
+  count(latency);
   // A force that was held from an earlier frame is not this frame's, however early it is there.
   if (!frame.solved) {
     ++unsolved_;
@@ -49,7 +49,17 @@ void Verdict::take(const Frame& frame, const std::vector<SpanId>& path) {
   }
 }
 
+void Verdict::count(Picoseconds latency) {
+  all_latencies_.add(latency);
+  if (!exact_) return;
+  ++latencies_[latency];
+  if (latencies_.size() <= kMostLatencies) return;
+  exact_ = false;
+  latencies_.clear();
+}
+
 Picoseconds Verdict::percentile(double share) const {
+  if (!exact_) return all_latencies_.percentile(share);
   const auto wanted = static_cast<std::int64_t>(std::ceil(share * static_cast<double>(frames_)));
   std::int64_t seen = 0;
   for (const auto& [latency, count] : latencies_) {

@@ -42,8 +42,12 @@ class Verdict : public FrameSink {
   Picoseconds worst_latency() const { return worst_; }
   std::int64_t worst_frame() const { return worst_frame_; }
   Picoseconds worst_load() const { return worst_load_; }
-  // The smallest latency that at least this share of the frames does not exceed.
+  // The smallest latency that at least this share of the frames does not exceed. Exact while no
+  // more than kMostLatencies different ones have occurred; after that right within one part in 64,
+  // so that memory does not grow with the run.
   Picoseconds percentile(double share) const;
+  bool exact() const { return exact_; }
+  static constexpr std::size_t kMostLatencies = std::size_t{1} << 16;
   // By how much late forces were late.
   const Histogram& lateness() const { return lateness_; }
   // Of each frame's critical path, what the operating system took: from the tick until the release,
@@ -54,6 +58,8 @@ class Verdict : public FrameSink {
   const std::vector<Attribution>& attribution() const { return attribution_; }
 
  private:
+  void count(Picoseconds latency);
+
   Picoseconds period_;
   Picoseconds budget_;
   std::int64_t frames_ = 0;
@@ -64,7 +70,9 @@ class Verdict : public FrameSink {
   Picoseconds worst_ = -1;
   std::int64_t worst_frame_ = -1;
   Picoseconds worst_load_ = 0;
-  std::map<Picoseconds, std::int64_t> latencies_;  // how many frames had it
+  bool exact_ = true;
+  std::map<Picoseconds, std::int64_t> latencies_;  // how many frames had it; while exact
+  Histogram all_latencies_;
   Histogram lateness_;
   Histogram release_;
   Histogram wake_up_;

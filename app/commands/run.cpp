@@ -1,5 +1,6 @@
 #include "app/run/run.h"
 
+#include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
 
@@ -62,6 +63,9 @@ int run_command(const RunArguments& arguments) {
   nlohmann::ordered_json performance;
   performance["build_scene_s"] = seconds(start, built);
   performance["simulate_s"] = seconds(built, simulated);
+  const double frames_per_s =
+      static_cast<double>(outcome.frames) / std::max(seconds(built, simulated), 1e-9);
+  performance["frames_per_s"] = frames_per_s;
   performance["draw_s"] = seconds(simulated, drawn);
   performance["simulated_s"] = static_cast<double>(outcome.simulated) * 1e-12;
   performance["peak_memory_mb"] = peak_memory_mb();
@@ -69,8 +73,9 @@ int run_command(const RunArguments& arguments) {
 
   fmt::print("{}", results::report(scene, outcome));
   if (arguments.details) fmt::print("{}", results::details_text(outcome.latency));
-  fmt::print("\nResults in {} ({:.3g} s simulated in {:.2f} s", out.string(),
-             static_cast<double>(outcome.simulated) * 1e-12, seconds(built, simulated));
+  fmt::print("\nResults in {} ({:.3g} s simulated in {:.2f} s, {:.0f} frames a second",
+             out.string(), static_cast<double>(outcome.simulated) * 1e-12,
+             seconds(built, simulated), frames_per_s);
   if (!pictures.files.empty()) fmt::print(", drawn in {:.1f} s", seconds(simulated, drawn));
   fmt::print(")\n");
   if (outcome.trace_cut_at) {

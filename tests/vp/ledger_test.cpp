@@ -207,5 +207,28 @@ TEST(Verdict, AttributionOfTheWorstFrameSumsToItsLatency) {
   EXPECT_EQ(sum, v.worst_latency());
 }
 
+// A jittery run's latencies all differ: their number is bounded, and the percentiles stay near.
+TEST(Verdict, ForgetsTheExactLatenciesOfALongRunThatNeverRepeatsOne) {
+  constexpr auto kMost = static_cast<std::int64_t>(Verdict::kMostLatencies);
+  constexpr Picoseconds kStep = 10'000;
+  Verdict v(2'000'000'000, 2'000'000'000);
+  Frame frame;
+  frame.spans.push_back({Part::host, Phase::release, 0, 0, kBirth});
+  frame.force_at_motor = 0;
+  const std::vector<SpanId> path = {0};
+  const auto take = [&](std::int64_t i) {
+    frame.spans[0].end = i * kStep;
+    v.take(frame, path);
+  };
+  for (std::int64_t i = 1; i <= kMost; ++i) take(i);
+  EXPECT_TRUE(v.exact());
+  EXPECT_EQ(v.percentile(0.5), kMost / 2 * kStep);
+  take(kMost + 1);
+  EXPECT_FALSE(v.exact());
+  EXPECT_NEAR(static_cast<double>(v.percentile(0.5)), kMost / 2.0 * kStep,
+              kMost / 2.0 * kStep / 64);
+  EXPECT_EQ(v.percentile(1), v.worst_latency());
+}
+
 }  // namespace
 }  // namespace hvp::vp

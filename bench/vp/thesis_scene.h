@@ -1,0 +1,77 @@
+#pragma once
+
+#include <array>
+#include <cstdlib>
+#include <ctime>
+#include <vector>
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "models/collision/contact_search.h"
+#include "models/fem/body.h"
+#include "models/host/frame_computation.h"
+#include "models/mesh/generate.h"
+#include "models/mesh/region.h"
+#include "vp/platform.h"
+
+// What the benchmarks of the whole platform share: the scene, and a process a measurement, because
+// SystemC elaborates once in a process.
+namespace hvp::bench {
+
+inline mesh::TetMesh sphere() {
+  mesh::MeshSettings settings;
+  settings.nodes = 500;
+  return mesh::generate(settings);
+}
+
+// The sphere of scenarios/thesis.toml, dynamic, 60 iterations, the probe in contact.
+struct Scene {
+  explicit Scene(host::Effort effort_asked = host::Effort::computed) : effort(effort_asked) {
+    settings.servo.solver = computation.board_settings();
+    settings.probe.start = {0, 0, 48e-3};
+    plant::Segment press;
+    press.phase = plant::Phase::press;
+    press.to = {0, 0, 45e-3};
+    press.duration = 0.5;
+    settings.probe.motion = {press};
+  }
+  host::Effort effort;
+  mesh::TetMesh mesh = sphere();
+  std::vector<int> anchored = mesh::select_nodes(mesh::Region{}, mesh);
+  fem::Body body{mesh, fem::Material{}, anchored, fem::AnchorTreatment::removed};
+  host::FrameComputation computation{
+      body,         fem::ContactDiagonal::average, fem::Dynamics{}, fixed::Settings{}, 2e-3,
+      std::nullopt, host::Solver::board,           effort};
+  collision::ContactSearch contacts{mesh, anchored, {}};
+  vp::PlatformSettings settings;
+};
+
+inline double processor_time() {
+  std::timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+// What `measure` returns in a child process; `Result` is copied byte by byte.
+template <class Result, class Measure>
+Result in_a_child(const Measure& measure) {
+  std::array<int, 2> ends{};
+  if (pipe(ends.data()) != 0) std::abort();
+  const pid_t child = fork();
+  if (child == 0) {
+    const Result result = measure();
+    const bool written = write(ends[1], &result, sizeof(result)) == sizeof(result);
+    _exit(written ? 0 : 1);
+  }
+  close(ends[1]);
+  Result result;
+  const bool whole = read(ends[0], &result, sizeof(result)) == sizeof(result);
+  close(ends[0]);
+  int status = 1;
+  waitpid(child, &status, 0);
+  if (!whole || status != 0) std::abort();
+  return result;
+}
+
+}  // namespace hvp::bench
