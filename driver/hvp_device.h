@@ -38,4 +38,26 @@ static inline bool hvp_between(uint32_t value, uint32_t least, uint32_t most) {
 // last_status, takes the interrupt down and returns what the board reported.
 hvp_status hvp_await_end(struct hvp_device* device, uint64_t timeout_ns);
 
+// How one look for an end begins: sleeps until the interrupt, or lets time pass after a look in
+// vain. `late` says whether the time is up.
+hvp_status hvp_sleep(const struct hvp_device* device, uint64_t begin, uint64_t timeout_ns,
+                     bool looked, bool* late);
+
+// What STATUS, or a completion record, says has ended: keeps it, takes the interrupt down and
+// returns what the board reported.
+hvp_status hvp_take_end(struct hvp_device* device, uint32_t status);
+
+// Takes down what a list has left up, before a command whose end STATUS.done announces.
+void hvp_clear_done(struct hvp_device* device);
+
+// With DMA: the list for the loaded matrix, and the registers that point to it.
+hvp_status hvp_prepare_list(struct hvp_device* device);
+// b into its segments; it has 3·nodes elements.
+void hvp_fill_segments(struct hvp_device* device, const int32_t* b);
+// U out of its segments.
+void hvp_empty_segments(const struct hvp_device* device, int32_t* u);
+// The doorbell, and until its completion record is there.
+void hvp_run_list(struct hvp_device* device);
+hvp_status hvp_await_record(struct hvp_device* device, uint64_t timeout_ns);
+
 #endif

@@ -18,6 +18,10 @@ static hvp_status status_of_board(uint32_t error_code) {
       return HVP_ERROR_BAD_NODE;
     case HVP_ERROR_CODE_BAD_ROW:
       return HVP_ERROR_BAD_ROW;
+    case HVP_ERROR_CODE_BAD_DESCRIPTOR:
+      return HVP_ERROR_BAD_DESCRIPTOR;
+    case HVP_ERROR_CODE_DMA_FAILED:
+      return HVP_ERROR_DMA;
     case HVP_ERROR_CODE_ILLEGAL_ACCESS:
       return HVP_ERROR_ILLEGAL_ACCESS;
     default:
@@ -32,32 +36,51 @@ static void note_error(struct hvp_device* device) {
   device->job = hvp_read_register(device, HVP_OFFSET(JOB));
 }
 
-hvp_status hvp_await_end(struct hvp_device* device, uint64_t timeout_ns) {
+hvp_status hvp_sleep(const struct hvp_device* device, uint64_t begin, uint64_t timeout_ns,
+                     bool looked, bool* late) {
   const struct hvp_bus* bus = &device->bus;
-  const uint64_t begin = bus->now_ns(bus->context);
-  uint32_t status;
-  for (;;) {
-    const uint64_t elapsed = bus->now_ns(bus->context) - begin;
-    bool late = elapsed >= timeout_ns;
-    if (bus->wait_interrupt != NULL && !late) {
-      const int outcome = bus->wait_interrupt(bus->context, timeout_ns - elapsed);
-      if (outcome < 0) return HVP_ERROR_BUS;
-      late = outcome == HVP_INTERRUPT_TIMED_OUT;
-    }
-    // The line may be shared or its interrupt lost: STATUS alone decides.
-    status = hvp_read_register(device, HVP_OFFSET(STATUS));
-    if (status == HVP_ALL_ONES) return HVP_ERROR_BUS;
-    if ((status & (HVP__STATUS__DONE_bm | HVP__STATUS__ERROR_bm)) != 0U) break;
-    if (late) return HVP_ERROR_TIMEOUT;
+  if (bus->wait_interrupt == NULL && bus->pause != NULL && looked) bus->pause(bus->context);
+  const uint64_t elapsed = bus->now_ns(bus->context) - begin;
+  *late = elapsed >= timeout_ns;
+  if (bus->wait_interrupt != NULL && !*late) {
+    const int outcome = bus->wait_interrupt(bus->context, timeout_ns - elapsed);
+    if (outcome < 0) return HVP_ERROR_BUS;
+    *late = outcome == HVP_INTERRUPT_TIMED_OUT;
   }
+  return HVP_OK;
+}
 
+hvp_status hvp_take_end(struct hvp_device* device, uint32_t status) {
   device->last_status = status;
   const bool failed = (status & HVP__STATUS__ERROR_bm) != 0U;
   if (failed) note_error(device);
   const uint32_t seen = PLACE(FIELD(status, HVP__STATUS__DONE), HVP__INTERRUPT_STATUS__DONE) |
                         PLACE(FIELD(status, HVP__STATUS__ERROR), HVP__INTERRUPT_STATUS__ERROR);
   hvp_write_register(device, HVP_OFFSET(INTERRUPT_STATUS), seen);
+  device->done_pending = false;
   return failed ? status_of_board(FIELD(status, HVP__STATUS__ERROR_CODE)) : HVP_OK;
+}
+
+void hvp_clear_done(struct hvp_device* device) {
+  if (!device->done_pending) return;
+  hvp_write_register(device, HVP_OFFSET(INTERRUPT_STATUS), HVP__INTERRUPT_STATUS__DONE_bm);
+  device->done_pending = false;
+}
+
+hvp_status hvp_await_end(struct hvp_device* device, uint64_t timeout_ns) {
+  const uint64_t begin = device->bus.now_ns(device->bus.context);
+  for (bool looked = false;; looked = true) {
+    bool late;
+    const hvp_status slept = hvp_sleep(device, begin, timeout_ns, looked, &late);
+    if (slept != HVP_OK) return slept;
+    // The line may be shared or its interrupt lost: STATUS alone decides.
+    const uint32_t status = hvp_read_register(device, HVP_OFFSET(STATUS));
+    if (status == HVP_ALL_ONES) return HVP_ERROR_BUS;
+    if ((status & (HVP__STATUS__DONE_bm | HVP__STATUS__ERROR_bm)) != 0U) {
+      return hvp_take_end(device, status);
+    }
+    if (late) return HVP_ERROR_TIMEOUT;
+  }
 }
 
 static void read_capability(struct hvp_device* device) {
@@ -109,6 +132,7 @@ hvp_status hvp_open(struct hvp_device* device, const struct hvp_bus* bus, uint32
   }
   const uint32_t version = hvp_read_register(device, HVP_OFFSET(VERSION));
   if (FIELD(version, HVP__VERSION__MAJOR) != KNOWN_MAJOR_VERSION) return HVP_ERROR_VERSION;
+  device->minor_version = FIELD(version, HVP__VERSION__MINOR);
   read_capability(device);
   if (!capability_is_sane(&device->capability)) return HVP_ERROR_CAPABILITY;
 
@@ -129,6 +153,8 @@ hvp_status hvp_reset(struct hvp_device* device) {
   device->job = 0U;
   device->last_status = 0U;
   device->error_detail = 0U;
+  device->one_a_word = false;
+  device->done_pending = false;
   const uint32_t status = hvp_read_register(device, HVP_OFFSET(STATUS));
   if (status == HVP_ALL_ONES) return HVP_ERROR_BUS;
   if (status != 0U) return HVP_ERROR_BOARD;

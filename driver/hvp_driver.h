@@ -30,13 +30,16 @@ typedef enum hvp_status {
   HVP_ERROR_VERSION,       // a register map this driver does not know
   HVP_ERROR_BUS,           // the bus reported a failure, or the board stopped answering
   HVP_ERROR_TIMEOUT,       // the board is still busy: wait again, or hvp_reset()
-  HVP_ERROR_STALE_RESULT,  // the results on the board belong to another job
+  HVP_ERROR_STALE_RESULT,  // the results on the board, or the completion record, are another job's
+  HVP_ERROR_SHORT_TRANSFER,  // the engine moved another number of bytes than it was asked to
   HVP_ERROR_BAD_SIZE,
   HVP_ERROR_BAD_MATRIX,
   HVP_ERROR_BAD_SETTING,
   HVP_ERROR_NOT_LOADED,
   HVP_ERROR_BAD_NODE,
   HVP_ERROR_BAD_ROW,
+  HVP_ERROR_BAD_DESCRIPTOR,
+  HVP_ERROR_DMA,             // the host's memory did not answer the board
   HVP_ERROR_ILLEGAL_ACCESS,  // someone made an access that the register map does not allow
   HVP_ERROR_BOARD,           // a fault of the board's own, or a code this driver does not know
   HVP_STATUS_COUNT
@@ -64,6 +67,42 @@ struct hvp_bus {
   int (*wait_interrupt)(void* context, uint64_t timeout_ns);
   // A clock that never runs backwards and moves on while registers are read.
   uint64_t (*now_ns)(void* context);
+  // Optional, without wait_interrupt: lets time pass between two polls. Null: a poll follows the
+  // other, and with DMA it is STATUS that is polled, whose reads take time, not the record.
+  void (*pause)(void* context);
+  // The board's interrupts follow its writes to memory, as messages do. False: they may overtake
+  // them, as a wire does; the driver then reads STATUS, which pushes the writes ahead of itself.
+  bool interrupts_after_writes;
+};
+
+// A run of the host's memory that the board reaches at one address. Both are multiples of four
+// bytes; words are little-endian in memory.
+struct hvp_segment {
+  uint32_t* memory;
+  uint64_t bus_address;
+  uint32_t bytes;
+};
+
+// Words of a descriptor and of the completion record (DMA_LIST_LOW, DMA_RECORD_LOW in
+// docs/registers.md).
+#define HVP_DESCRIPTOR_WORDS 8U
+#define HVP_RECORD_WORDS 8U
+
+// Memory for the board's DMA engine, in use until hvp_use_dma() is called again or hvp_close(). The
+// segments of a direction together hold b, or U, of the largest matrix that will be loaded.
+struct hvp_dma {
+  const struct hvp_segment* to_board;
+  size_t to_board_count;
+  const struct hvp_segment* to_host;
+  size_t to_host_count;
+  uint32_t* list;  // HVP_DESCRIPTOR_WORDS for each segment
+  uint64_t list_address;
+  uint32_t* record;  // HVP_RECORD_WORDS
+  uint64_t record_address;
+  // Optional, where memory is not coherent or loads are reordered: to_device is true before the
+  // board reads what the processor wrote, false before the processor reads what the board wrote.
+  void* context;
+  void (*sync)(void* context, bool to_device);
 };
 
 // The smallest scratch area: one burst of settings.
@@ -99,6 +138,13 @@ struct hvp_device {
   uint32_t job;
   uint32_t last_status;
   uint32_t error_detail;
+  uint32_t minor_version;
+  bool one_a_word;    // elements of at most 16 bits are not packed
+  bool done_pending;  // INTERRUPT_STATUS.done of a list was left up: the next list clears it
+  bool uses_dma;
+  struct hvp_dma dma;
+  uint32_t bytes_to_board;  // of a list for the loaded matrix
+  uint32_t bytes_to_host;
 };
 
 // What the members of struct hvp_solver_config choose between; docs/fixed-point.md defines them.
@@ -150,6 +196,7 @@ struct hvp_solver_config {
   uint32_t beta_fraction;      // bits of β behind it, 0 to 63
   hvp_round division_rounding;
   hvp_round shift_rounding;
+  bool one_a_word;     // elements of at most 16 bits do not share a word on their way
   bool wrap_overflow;  // keep the low bits of what leaves its word, instead of its limit
 };
 
@@ -207,6 +254,14 @@ hvp_status hvp_constrain_node(struct hvp_device* device, uint32_t node, int32_t 
 // node that is still constrained have to be zero: the board writes what it is told.
 hvp_status hvp_restore_node(struct hvp_device* device, uint32_t node, const int32_t* values,
                             uint32_t blocks);
+
+// From now on b and U are moved by the board's DMA engine: hvp_write_rhs() packs b into memory,
+// hvp_start() rings the doorbell, hvp_wait() reads the completion record, hvp_read_solution()
+// unpacks U; all other transfers stay as they are. Keeps a copy of *dma, not of the segments. Null:
+// back to blocks. Between jobs only. HVP_ERROR_CAPABILITY: no engine, or not for so many segments.
+// HVP_ERROR_ARGUMENT: an address, or segments too small for the loaded matrix; a matrix that is
+// loaded later and does not fit is refused then.
+hvp_status hvp_use_dma(struct hvp_device* device, const struct hvp_dma* dma);
 
 // The right-hand side; n = 3·nodes.
 hvp_status hvp_write_rhs(struct hvp_device* device, const int32_t* b, size_t n);

@@ -15,7 +15,11 @@ hvp_status hvp_write_rhs(struct hvp_device* device, const int32_t* b, size_t n) 
   const hvp_status status = check_vector(device, b, n);
   if (status != HVP_OK) return status;
   if (!hvp_elements_fit(b, n, rhs_bits(device))) return HVP_ERROR_RANGE;
-  hvp_write_elements(device, HVP_OFFSET(B), b, n, rhs_bits(device));
+  if (device->uses_dma) {
+    hvp_fill_segments(device, b);
+  } else {
+    hvp_write_elements(device, HVP_OFFSET(B), b, n, rhs_bits(device));
+  }
   return HVP_OK;
 }
 
@@ -30,8 +34,13 @@ hvp_status hvp_write_initial_guess(struct hvp_device* device, const int32_t* u, 
 hvp_status hvp_start(struct hvp_device* device) {
   if (device == NULL) return HVP_ERROR_ARGUMENT;
   if (device->state != STATE_LOADED) return HVP_ERROR_STATE;
-  hvp_write_register(device, HVP_OFFSET(CONTROL), HVP__CONTROL__START_bm);
   ++device->job;
+  if (device->uses_dma) {
+    hvp_run_list(device);
+  } else {
+    hvp_clear_done(device);
+    hvp_write_register(device, HVP_OFFSET(CONTROL), HVP__CONTROL__START_bm);
+  }
   device->state = STATE_RUNNING;
   return HVP_OK;
 }
@@ -39,7 +48,8 @@ hvp_status hvp_start(struct hvp_device* device) {
 hvp_status hvp_wait(struct hvp_device* device, uint64_t timeout_ns) {
   if (device == NULL) return HVP_ERROR_ARGUMENT;
   if (device->state != STATE_RUNNING) return HVP_ERROR_STATE;
-  const hvp_status status = hvp_await_end(device, timeout_ns);
+  const hvp_status status =
+      device->uses_dma ? hvp_await_record(device, timeout_ns) : hvp_await_end(device, timeout_ns);
   // After a time-out, and after an error that came in between, the job runs on.
   if (status == HVP_ERROR_TIMEOUT || status == HVP_ERROR_BUS) return status;
   if ((device->last_status & HVP__STATUS__BUSY_bm) == 0U) device->state = STATE_LOADED;
@@ -49,7 +59,11 @@ hvp_status hvp_wait(struct hvp_device* device, uint64_t timeout_ns) {
 hvp_status hvp_read_solution(struct hvp_device* device, int32_t* u, size_t n) {
   const hvp_status status = check_vector(device, u, n);
   if (status != HVP_OK) return status;
-  hvp_read_elements(device, HVP_OFFSET(U), u, n, vector_bits(device));
+  if (device->uses_dma) {
+    hvp_empty_segments(device, u);
+  } else {
+    hvp_read_elements(device, HVP_OFFSET(U), u, n, vector_bits(device));
+  }
   return HVP_OK;
 }
 

@@ -53,12 +53,17 @@ hvp_status hvp_load_matrix(struct hvp_device* device, const struct hvp_matrix* m
   hvp_write_elements(device, HVP_OFFSET(COLUMN), matrix->column, matrix->blocks, 32U);
   hvp_write_elements(device, HVP_OFFSET(VALUE), matrix->value, (size_t)9 * matrix->blocks,
                      matrix_bits(device));
+  hvp_clear_done(device);
   hvp_write_register(device, HVP_OFFSET(CONTROL), HVP__CONTROL__LOAD_DONE_bm);
   status = hvp_await_end(device, HVP_LOAD_TIMEOUT_NS);
   if (status == HVP_ERROR_TIMEOUT || status == HVP_ERROR_BUS) device->state = STATE_LOST;
   if (status != HVP_OK) return status;
   if ((device->last_status & HVP__STATUS__MATRIX_LOADED_bm) == 0U) return HVP_ERROR_BOARD;
   device->nodes = matrix->nodes;
+  if (device->uses_dma) {
+    status = hvp_prepare_list(device);
+    if (status != HVP_OK) return status;
+  }
   device->state = STATE_LOADED;
   return HVP_OK;
 }

@@ -3,6 +3,7 @@
 enum { SETTINGS_WORDS = 11 };
 static_assert(offsetof(hvp_t, START_MODE) - offsetof(hvp_t, METHOD) == 4 * (SETTINGS_WORDS - 1),
               "one burst writes METHOD to START_MODE");
+enum { MINOR_VERSION_OF_PACKING = 1 };
 static_assert(SETTINGS_WORDS <= HVP_MIN_SCRATCH_WORDS, "the burst fits every scratch area");
 
 // The caller's enumerations are the registers' codes.
@@ -105,6 +106,9 @@ hvp_status hvp_configure(struct hvp_device* device, const struct hvp_solver_conf
   fill_in(&full);
   if (!possible(&full)) return HVP_ERROR_ARGUMENT;
   if (!within(&device->capability, &full)) return HVP_ERROR_CAPABILITY;
+  if (full.one_a_word && device->minor_version < MINOR_VERSION_OF_PACKING) {
+    return HVP_ERROR_CAPABILITY;
+  }
 
   const uint32_t method = (uint32_t)full.method;
   const uint32_t format = format_of(&full);
@@ -122,7 +126,16 @@ hvp_status hvp_configure(struct hvp_device* device, const struct hvp_solver_conf
   words[10] = (uint32_t)full.start;
   device->bus.write_block(device->bus.context, HVP_OFFSET(METHOD), words, SETTINGS_WORDS);
 
-  if (device->state == STATE_OPEN || format != device->format || method != device->method) {
+  // A register of its own, that a board without it is not asked for.
+  const bool repacked = full.one_a_word != device->one_a_word;
+  if (repacked) {
+    hvp_write_register(device, HVP_OFFSET(PACKING),
+                       full.one_a_word ? HVP_PACKING_MODE_ONE_A_WORD : HVP_PACKING_MODE_TWO_A_WORD);
+    device->one_a_word = full.one_a_word;
+  }
+
+  if (device->state == STATE_OPEN || repacked || format != device->format ||
+      method != device->method) {
     device->state = STATE_CONFIGURED;
   }
   device->format = format;

@@ -21,7 +21,9 @@ const char* hvp_status_text(hvp_status status) {
     case HVP_ERROR_TIMEOUT:
       return "the board is still busy: wait again or reset it";
     case HVP_ERROR_STALE_RESULT:
-      return "the results on the board belong to another job";
+      return "the results on the board, or its completion record, belong to another job";
+    case HVP_ERROR_SHORT_TRANSFER:
+      return "the board's DMA engine moved another number of bytes than it was asked to";
     case HVP_ERROR_BAD_SIZE:
       return "the matrix is empty or larger than the board";
     case HVP_ERROR_BAD_MATRIX:
@@ -34,6 +36,10 @@ const char* hvp_status_text(hvp_status status) {
       return "the matrix has no such node";
     case HVP_ERROR_BAD_ROW:
       return "the row given back has another number of blocks than the board's";
+    case HVP_ERROR_BAD_DESCRIPTOR:
+      return "the board's DMA engine refused a descriptor";
+    case HVP_ERROR_DMA:
+      return "the host's memory did not answer the board's DMA engine";
     case HVP_ERROR_ILLEGAL_ACCESS:
       return "an access that the register map does not allow was refused";
     case HVP_ERROR_BOARD:

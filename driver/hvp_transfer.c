@@ -1,10 +1,7 @@
 #include "driver/hvp_transfer.h"
 
-// Elements of at most 16 bits travel two in a word (FORMAT in docs/registers.md).
-static size_t elements_per_word(uint32_t bits) { return bits <= 16U ? 2U : 1U; }
-
-static uint32_t word_of(const int32_t* elements, size_t n, size_t i, uint32_t bits) {
-  if (bits > 16U) return (uint32_t)elements[i];
+uint32_t hvp_pack_word(const int32_t* elements, size_t n, size_t i, size_t per_word) {
+  if (per_word == 1U) return (uint32_t)elements[i];
   const uint32_t low = (uint32_t)elements[i] & 0xffffU;
   const uint32_t high = i + 1U < n ? (uint32_t)elements[i + 1U] & 0xffffU : 0U;
   return low | high << 16U;
@@ -14,6 +11,16 @@ static uint32_t word_of(const int32_t* elements, size_t n, size_t i, uint32_t bi
 static int32_t signed_element(uint32_t pattern, uint32_t sign) {
   const int64_t value = (int64_t)(pattern ^ sign) - (int64_t)sign;
   return (int32_t)value;
+}
+
+size_t hvp_unpack_word(uint32_t word, int32_t* elements, size_t n, size_t i, size_t per_word) {
+  if (per_word == 1U) {
+    elements[i] = signed_element(word, 0x80000000U);
+    return i + 1U;
+  }
+  elements[i] = signed_element(word & 0xffffU, 0x8000U);
+  if (i + 1U < n) elements[i + 1U] = signed_element(word >> 16U, 0x8000U);
+  return i + 2U;
 }
 
 uint32_t hvp_read_register(const struct hvp_device* device, uint32_t offset) {
@@ -34,12 +41,12 @@ bool hvp_elements_fit(const int32_t* elements, size_t n, uint32_t bits) {
 
 void hvp_write_elements(struct hvp_device* device, uint32_t offset, const int32_t* elements,
                         size_t n, uint32_t bits) {
-  const size_t per_word = elements_per_word(bits);
+  const size_t per_word = hvp_elements_per_word(device, bits);
   size_t done = 0;
   while (done < n) {
     size_t words = 0;
     for (; words < device->scratch_words && done < n; ++words, done += per_word) {
-      device->scratch[words] = word_of(elements, n, done, bits);
+      device->scratch[words] = hvp_pack_word(elements, n, done, per_word);
     }
     device->bus.write_block(device->bus.context, offset, device->scratch, words);
     offset += (uint32_t)(words * sizeof(uint32_t));
@@ -48,20 +55,14 @@ void hvp_write_elements(struct hvp_device* device, uint32_t offset, const int32_
 
 void hvp_read_elements(struct hvp_device* device, uint32_t offset, int32_t* elements, size_t n,
                        uint32_t bits) {
-  const size_t per_word = elements_per_word(bits);
+  const size_t per_word = hvp_elements_per_word(device, bits);
   size_t done = 0;
   while (done < n) {
-    size_t words = (n - done + per_word - 1U) / per_word;
+    size_t words = hvp_words_of(n - done, per_word);
     if (words > device->scratch_words) words = device->scratch_words;
     device->bus.read_block(device->bus.context, offset, device->scratch, words);
     for (size_t i = 0; i < words; ++i) {
-      const uint32_t word = device->scratch[i];
-      if (per_word == 1U) {
-        elements[done++] = signed_element(word, 0x80000000U);
-      } else {
-        elements[done++] = signed_element(word & 0xffffU, 0x8000U);
-        if (done < n) elements[done++] = signed_element(word >> 16U, 0x8000U);
-      }
+      done = hvp_unpack_word(device->scratch[i], elements, n, done, per_word);
     }
     offset += (uint32_t)(words * sizeof(uint32_t));
   }

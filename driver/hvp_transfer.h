@@ -17,6 +17,20 @@ void hvp_write_register(const struct hvp_device* device, uint32_t offset, uint32
 // Whether all of them are signed words of `bits` bits, 2 to 32.
 bool hvp_elements_fit(const int32_t* elements, size_t n, uint32_t bits);
 
+// Elements of at most 16 bits travel two in a word unless the board was told otherwise (FORMAT and
+// PACKING in docs/registers.md).
+static inline size_t hvp_elements_per_word(const struct hvp_device* device, uint32_t bits) {
+  return bits <= 16U && !device->one_a_word ? 2U : 1U;
+}
+// Words that n elements take.
+static inline size_t hvp_words_of(size_t n, size_t per_word) {
+  return per_word == 2U ? (n + 1U) >> 1U : n;
+}
+// The word that begins with element i of n.
+uint32_t hvp_pack_word(const int32_t* elements, size_t n, size_t i, size_t per_word);
+// The elements of a word that begins with element i of n; returns the next i.
+size_t hvp_unpack_word(uint32_t word, int32_t* elements, size_t n, size_t i, size_t per_word);
+
 // Packs and writes; in as few bursts as the scratch area allows. `elements` must fit.
 void hvp_write_elements(struct hvp_device* device, uint32_t offset, const int32_t* elements,
                         size_t n, uint32_t bits);

@@ -21,7 +21,7 @@ extern "C" {
 #define HVP__VERSION__MINOR_bm 0xffff
 #define HVP__VERSION__MINOR_bp 0
 #define HVP__VERSION__MINOR_bw 16
-#define HVP__VERSION__MINOR_reset 0x0
+#define HVP__VERSION__MINOR_reset 0x1
 #define HVP__VERSION__MAJOR_bm 0xffff0000
 #define HVP__VERSION__MAJOR_bp 16
 #define HVP__VERSION__MAJOR_bw 16
@@ -81,6 +81,12 @@ extern "C" {
 #define HVP__CAPABILITY_SOLVER__MAX_SCALAR_BITS_bw 8
 #define HVP__CAPABILITY_SOLVER__MAX_SCALAR_BITS_reset 0x80
 
+// reg - hvp.CAPABILITY_DMA
+#define HVP__CAPABILITY_DMA__MAX_DESCRIPTORS_bm 0xffff
+#define HVP__CAPABILITY_DMA__MAX_DESCRIPTORS_bp 0
+#define HVP__CAPABILITY_DMA__MAX_DESCRIPTORS_bw 16
+#define HVP__CAPABILITY_DMA__MAX_DESCRIPTORS_reset 0x0
+
 // reg - hvp.CONTROL
 #define HVP__CONTROL__START_bm 0x1
 #define HVP__CONTROL__START_bp 0
@@ -94,6 +100,10 @@ extern "C" {
 #define HVP__CONTROL__LOAD_DONE_bp 2
 #define HVP__CONTROL__LOAD_DONE_bw 1
 #define HVP__CONTROL__LOAD_DONE_reset 0x0
+#define HVP__CONTROL__RUN_LIST_bm 0x8
+#define HVP__CONTROL__RUN_LIST_bp 3
+#define HVP__CONTROL__RUN_LIST_bw 1
+#define HVP__CONTROL__RUN_LIST_reset 0x0
 #define HVP__CONTROL__RESET_bm 0x80000000
 #define HVP__CONTROL__RESET_bp 31
 #define HVP__CONTROL__RESET_bw 1
@@ -289,6 +299,12 @@ extern "C" {
 #define HVP__BLOCKS__COUNT_bw 32
 #define HVP__BLOCKS__COUNT_reset 0x0
 
+// reg - hvp.PACKING
+#define HVP__PACKING__MODE_bm 0x1
+#define HVP__PACKING__MODE_bp 0
+#define HVP__PACKING__MODE_bw 1
+#define HVP__PACKING__MODE_reset 0x0
+
 // reg - hvp.UPDATE_NODE
 #define HVP__UPDATE_NODE__NODE_bm 0xffff
 #define HVP__UPDATE_NODE__NODE_bp 0
@@ -373,6 +389,40 @@ extern "C" {
 #define HVP__RESULT_CYCLES_HIGH__HIGH_bw 32
 #define HVP__RESULT_CYCLES_HIGH__HIGH_reset 0x0
 
+// reg - hvp.DMA_LIST_LOW
+#define HVP__DMA_LIST_LOW__LOW_bm 0xffffffff
+#define HVP__DMA_LIST_LOW__LOW_bp 0
+#define HVP__DMA_LIST_LOW__LOW_bw 32
+#define HVP__DMA_LIST_LOW__LOW_reset 0x0
+
+// reg - hvp.DMA_LIST_HIGH
+#define HVP__DMA_LIST_HIGH__HIGH_bm 0xffffffff
+#define HVP__DMA_LIST_HIGH__HIGH_bp 0
+#define HVP__DMA_LIST_HIGH__HIGH_bw 32
+#define HVP__DMA_LIST_HIGH__HIGH_reset 0x0
+
+// reg - hvp.DMA_COUNT
+#define HVP__DMA_COUNT__TO_BOARD_bm 0xffff
+#define HVP__DMA_COUNT__TO_BOARD_bp 0
+#define HVP__DMA_COUNT__TO_BOARD_bw 16
+#define HVP__DMA_COUNT__TO_BOARD_reset 0x0
+#define HVP__DMA_COUNT__TO_HOST_bm 0xffff0000
+#define HVP__DMA_COUNT__TO_HOST_bp 16
+#define HVP__DMA_COUNT__TO_HOST_bw 16
+#define HVP__DMA_COUNT__TO_HOST_reset 0x0
+
+// reg - hvp.DMA_RECORD_LOW
+#define HVP__DMA_RECORD_LOW__LOW_bm 0xffffffff
+#define HVP__DMA_RECORD_LOW__LOW_bp 0
+#define HVP__DMA_RECORD_LOW__LOW_bw 32
+#define HVP__DMA_RECORD_LOW__LOW_reset 0x0
+
+// reg - hvp.DMA_RECORD_HIGH
+#define HVP__DMA_RECORD_HIGH__HIGH_bm 0xffffffff
+#define HVP__DMA_RECORD_HIGH__HIGH_bp 0
+#define HVP__DMA_RECORD_HIGH__HIGH_bw 32
+#define HVP__DMA_RECORD_HIGH__HIGH_reset 0x0
+
 // mem - hvp.ROW
 typedef struct __attribute__ ((__packed__)) {
     uint32_t mem[576];
@@ -412,7 +462,7 @@ typedef struct __attribute__ ((__packed__)) {
     uint32_t CAPABILITY_FORMAT;
     uint32_t CAPABILITY_CLOCK;
     uint32_t CAPABILITY_SOLVER;
-    uint8_t RESERVED_1c_1f[0x4];
+    uint32_t CAPABILITY_DMA;
     uint32_t CONTROL;
     uint32_t STATUS;
     uint32_t INTERRUPT_STATUS;
@@ -434,7 +484,8 @@ typedef struct __attribute__ ((__packed__)) {
     uint32_t START_MODE;
     uint32_t NODES;
     uint32_t BLOCKS;
-    uint8_t RESERVED_74_7f[0xc];
+    uint32_t PACKING;
+    uint8_t RESERVED_78_7f[0x8];
     uint32_t UPDATE_NODE;
     uint32_t UPDATE_KIND;
     uint32_t UPDATE_DIAGONAL;
@@ -450,7 +501,13 @@ typedef struct __attribute__ ((__packed__)) {
     uint32_t RESULT_FLAGS;
     uint32_t RESULT_CYCLES_LOW;
     uint32_t RESULT_CYCLES_HIGH;
-    uint8_t RESERVED_c8_fff[0xf38];
+    uint8_t RESERVED_c8_cf[0x8];
+    uint32_t DMA_LIST_LOW;
+    uint32_t DMA_LIST_HIGH;
+    uint32_t DMA_COUNT;
+    uint32_t DMA_RECORD_LOW;
+    uint32_t DMA_RECORD_HIGH;
+    uint8_t RESERVED_e4_fff[0xf1c];
     hvp__ROW_t ROW;
     uint8_t RESERVED_1900_1ffff[0x1e700];
     hvp__B_t B;
@@ -472,12 +529,14 @@ enum hvp_error_code {
     HVP_ERROR_CODE_NONE = 0, // No error is pending.
     HVP_ERROR_CODE_BAD_SIZE = 1, // load_done: NODES or BLOCKS is zero or beyond the board's capability. Detail: the value.
     HVP_ERROR_CODE_BAD_MATRIX = 2, // load_done: ROW_BEGIN does not run from 0 to BLOCKS without decreasing, a row has more blocks than CAPABILITY_NODES.max_row_blocks, columns do not ascend, or a diagonal block is missing. Detail: the block row.
-    HVP_ERROR_CODE_BAD_SETTING = 3, // start or load_done: a setting is out of the board's range. Detail: the register's offset.
-    HVP_ERROR_CODE_NOT_LOADED = 4, // start or update_node without a loaded matrix.
+    HVP_ERROR_CODE_BAD_SETTING = 3, // start, run_list or load_done: a setting is out of the board's range. Detail: the register's offset.
+    HVP_ERROR_CODE_NOT_LOADED = 4, // start, run_list or update_node without a loaded matrix.
     HVP_ERROR_CODE_BAD_NODE = 5, // update_node: UPDATE_NODE is not below NODES. Detail: the node.
     HVP_ERROR_CODE_BAD_ROW = 6, // update_node: UPDATE_BLOCKS differs from the number of blocks in the row. Detail: the row's own number.
     HVP_ERROR_CODE_ILLEGAL_ACCESS = 7, // An access that the map does not allow was refused. Detail: its offset.
     HVP_ERROR_CODE_INTERNAL_FAULT = 8, // The solver stopped on a fault of its own.
+    HVP_ERROR_CODE_BAD_DESCRIPTOR = 9, // run_list: a descriptor is not what DMA_LIST_LOW describes. Detail: its place in the list, from 0.
+    HVP_ERROR_CODE_DMA_FAILED = 10, // run_list: the host's memory did not answer the engine. Detail: the descriptor's place in the list; 0xfffffffe: the list itself; 0xffffffff: the completion record, which is not written then.
 };
 
 // enumeration - solver_method
@@ -513,6 +572,12 @@ enum hvp_start_mode {
     HVP_START_MODE_ZERO = 0, // Start from U = 0.
     HVP_START_MODE_WARM = 1, // Start from what the U memory holds: the last solution, or what the host wrote.
     HVP_START_MODE_EXTRAPOLATED = 2, // Start from 2·U - (the U of the job before), saturating. From U alone where the job before had another mode, where the host has written to U since, and after load_done.
+};
+
+// enumeration - packing_mode
+enum hvp_packing_mode {
+    HVP_PACKING_MODE_TWO_A_WORD = 0, // Elements of at most 16 bits two in a word.
+    HVP_PACKING_MODE_ONE_A_WORD = 1, // Every element in a word of its own.
 };
 
 // enumeration - update_kind

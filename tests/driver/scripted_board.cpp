@@ -1,6 +1,7 @@
 #include "tests/driver/scripted_board.h"
 
 #include <algorithm>
+#include <array>
 #include <span>
 
 #include <fmt/format.h>
@@ -16,6 +17,7 @@ using vp::Register;
 namespace field = vp::field;
 
 ScriptedBoard::ScriptedBoard(const vp::Capacity& capacity) : bank_(capacity) {
+  bank_.strap(Register::capability_dma, 16);
   bank_.on_write(Register::control,
                  [this](std::uint32_t written, std::uint32_t) { control(written); });
   bank_.on_write(Register::interrupt_status, [this](std::uint32_t, std::uint32_t) {
@@ -27,7 +29,7 @@ ScriptedBoard::ScriptedBoard(const vp::Capacity& capacity) : bank_(capacity) {
   });
   const auto forget_matrix = [this] { bank_.set(field::kStatusMatrixLoaded, 0); };
   for (const Register reg :
-       {Register::nodes, Register::blocks, Register::format, Register::method}) {
+       {Register::nodes, Register::blocks, Register::format, Register::packing, Register::method}) {
     bank_.on_write(reg, [this, reg, forget_matrix](std::uint32_t, std::uint32_t before) {
       if (bank_.get(reg) != before) forget_matrix();
     });
@@ -55,6 +57,7 @@ void ScriptedBoard::raise(ErrorCode code, std::uint32_t detail) {
 void ScriptedBoard::control(std::uint32_t written) {
   if ((written & field::kControlReset.mask()) != 0) {
     running_ = Running::nothing;
+    list_ = false;
     bank_.reset();
     return;
   }
@@ -62,8 +65,13 @@ void ScriptedBoard::control(std::uint32_t written) {
   const bool loaded = bank_.get(field::kStatusMatrixLoaded) != 0;
   if ((written & field::kControlLoadDone.mask()) != 0) {
     begin(Running::load, load_ns);
-  } else if ((written & field::kControlStart.mask()) != 0) {
+  } else if ((written & (field::kControlStart.mask() | field::kControlRunList.mask())) != 0) {
     if (!loaded) return raise(ErrorCode::not_loaded, 0);
+    list_ = (written & field::kControlStart.mask()) == 0;
+    if (list_) {
+      bank_.set(field::kInterruptStatusDone, 0);
+      mirror_interrupts();
+    }
     bank_.set(Register::job, bank_.get(Register::job) + 1);
     begin(Running::job, job_ns);
   } else if ((written & field::kControlUpdateNode.mask()) != 0) {
@@ -82,7 +90,13 @@ void ScriptedBoard::end() {
   const Running what = running_;
   running_ = Running::nothing;
   bank_.set(field::kStatusBusy, 0);
-  if (end_with != ErrorCode::none) return raise(end_with, 0x1234);
+  if (list_) bring_b();
+  if (end_with != ErrorCode::none) {
+    raise(end_with, 0x1234);
+    if (list_) take_out_u();
+    list_ = false;
+    return;
+  }
   if (what == Running::load) {
     check_matrix();
   } else {
@@ -94,6 +108,88 @@ void ScriptedBoard::end() {
     bank_.set(field::kInterruptStatusDone, 1);
   }
   mirror_interrupts();
+  if (list_) take_out_u();
+  list_ = false;
+}
+
+namespace {
+// Word of the scripted memory that an address in two registers or words means.
+std::size_t memory_word(std::uint32_t low, std::uint32_t high) {
+  const std::uint64_t address = std::uint64_t{high} << 32 | low;
+  return static_cast<std::size_t>((address - ScriptedBoard::kMemoryAddress) / 4);
+}
+}  // namespace
+
+// Whether a list, or its record, lies where there is no memory: fuzzed registers.
+bool ScriptedBoard::unreachable() const {
+  const std::size_t words =
+      8 * std::size_t{bank_.get(field::kDmaCountToBoard) + bank_.get(field::kDmaCountToHost)};
+  const std::size_t list =
+      memory_word(bank_.get(Register::dma_list_low), bank_.get(Register::dma_list_high));
+  const std::size_t record =
+      memory_word(bank_.get(Register::dma_record_low), bank_.get(Register::dma_record_high));
+  return list >= memory_.size() || words > memory_.size() - list || record >= memory_.size() ||
+         memory_.size() - record < 8;
+}
+
+void ScriptedBoard::bring_b() {
+  if (unreachable()) {
+    raise(ErrorCode::dma_failed, 0xfffffffe);
+    return;
+  }
+  const std::size_t list =
+      memory_word(bank_.get(Register::dma_list_low), bank_.get(Register::dma_list_high));
+  to_board_ = 0;
+  for (std::uint32_t i = 0; i < bank_.get(field::kDmaCountToBoard); ++i) {
+    const std::uint32_t* d = &memory_.at(list + 8 * std::size_t{i});
+    const std::size_t from = memory_word(d[2], d[3]);
+    const std::size_t to =
+        (d[4] - vp::kApertures[static_cast<std::size_t>(Aperture::b)].offset) / 4;
+    for (std::size_t k = 0; k < d[1] / 4; ++k) {
+      bank_.memory(Aperture::b)[to + k] = memory_.at(from + k);
+    }
+    to_board_ += d[1];
+  }
+}
+
+void ScriptedBoard::take_out_u() {
+  if (unreachable()) return;
+  const std::size_t list =
+      memory_word(bank_.get(Register::dma_list_low), bank_.get(Register::dma_list_high)) +
+      8 * std::size_t{bank_.get(field::kDmaCountToBoard)};
+  to_host_ = 0;
+  const bool failed = bank_.get(field::kInterruptStatusError) != 0;
+  for (std::uint32_t i = 0; !failed && i < bank_.get(field::kDmaCountToHost); ++i) {
+    const std::uint32_t* d = &memory_.at(list + 8 * std::size_t{i});
+    const std::size_t to = memory_word(d[2], d[3]);
+    const std::size_t from =
+        (d[4] - vp::kApertures[static_cast<std::size_t>(Aperture::u)].offset) / 4;
+    const std::uint32_t bytes = d[1] - std::min(d[1], short_by);
+    for (std::size_t k = 0; k < bytes / 4; ++k) {
+      posted_.push_back({to + k, bank_.memory(Aperture::u)[from + k]});
+    }
+    to_host_ += bytes;
+  }
+  const std::size_t record =
+      memory_word(bank_.get(Register::dma_record_low), bank_.get(Register::dma_record_high));
+  const std::array<std::uint32_t, 8> words = {bank_.get(Register::status),
+                                              to_board_,
+                                              to_host_,
+                                              bank_.get(Register::result_iterations),
+                                              bank_.get(Register::result_flags),
+                                              bank_.get(Register::result_cycles_low),
+                                              bank_.get(Register::result_cycles_high),
+                                              bank_.get(Register::job) + job_offset};
+  for (std::size_t k = 0; !loses_record && k < words.size(); ++k) {
+    posted_.push_back({record + k, words[k]});
+  }
+  deliver_at_ = now_ + posted_ns;
+  if (posted_ns == 0) deliver();
+}
+
+void ScriptedBoard::deliver() {
+  for (const Posted& write : posted_) memory_.at(write.word) = write.value;
+  posted_.clear();
 }
 
 void ScriptedBoard::check_matrix() {
@@ -152,6 +248,7 @@ void ScriptedBoard::update_node() {
 void ScriptedBoard::advance(std::uint64_t ns) {
   now_ += ns;
   if (running_ != Running::nothing && !hangs && now_ >= end_) end();
+  if (!posted_.empty() && now_ >= deliver_at_) deliver();
 }
 
 bool ScriptedBoard::line_is_up() const {
@@ -177,6 +274,8 @@ int ScriptedBoard::wait_interrupt(std::uint64_t timeout_ns) {
 void ScriptedBoard::transfer(Command command, std::uint32_t offset, std::uint32_t* words,
                              std::size_t count) {
   advance(kAccessNs);
+  // The answer to a read pushes what the board has written before.
+  if (command == Command::read) deliver();
   const std::string name = bank_.name_at(offset);
   if (count != 1) {
     log_.push_back(
@@ -221,6 +320,11 @@ hvp_bus ScriptedBoard::bus() {
   };
   bus.wait_interrupt = [](void* context, std::uint64_t timeout_ns) {
     return static_cast<ScriptedBoard*>(context)->wait_interrupt(timeout_ns);
+  };
+  bus.pause = [](void* context) {
+    auto& board = *static_cast<ScriptedBoard*>(context);
+    board.log_.emplace_back("pause");
+    board.advance(10 * kAccessNs);
   };
   bus.now_ns = [](void* context) { return static_cast<ScriptedBoard*>(context)->now_; };
   return bus;

@@ -31,6 +31,11 @@ class ScriptedBoard {
   const std::vector<std::string>& refused() const { return refused_; }
   std::uint64_t now_ns() const { return now_; }
 
+  // The host's memory as the DMA engine reaches it.
+  static constexpr std::uint64_t kMemoryAddress = 0x1'0000'0000;
+  std::uint32_t* memory(std::size_t word) { return &memory_[word]; }
+  static std::uint64_t address(std::size_t word) { return kMemoryAddress + 4 * word; }
+
   // The script.
   std::uint64_t job_ns = 500'000;
   std::uint64_t load_ns = 20'000;
@@ -41,6 +46,11 @@ class ScriptedBoard {
   int spurious_interrupts = 0;  // the line of a shared interrupt, so often
   bool bus_fails = false;       // wait_interrupt reports a failure
   bool dead = false;            // nobody answers: reads give ones
+  // Of lists.
+  bool loses_record = false;
+  std::uint32_t job_offset = 0;  // the record is another job's
+  std::uint32_t short_by = 0;    // bytes of U that stay on the board
+  std::uint64_t posted_ns = 0;   // writes to memory arrive so late; a read of the board is behind
 
  private:
   enum class Running { nothing, job, load };
@@ -51,6 +61,10 @@ class ScriptedBoard {
   void raise(vp::ErrorCode code, std::uint32_t detail);
   void mirror_interrupts();
   void check_matrix();
+  bool unreachable() const;
+  void bring_b();
+  void take_out_u();
+  void deliver();
   void update_node();
   void transfer(vp::Command command, std::uint32_t offset, std::uint32_t* words, std::size_t count);
   void advance(std::uint64_t ns);
@@ -62,6 +76,16 @@ class ScriptedBoard {
   std::vector<std::string> refused_;
   std::uint64_t now_ = 0;
   std::uint64_t end_ = 0;
+  std::vector<std::uint32_t> memory_ = std::vector<std::uint32_t>(4096);
+  struct Posted {
+    std::size_t word;
+    std::uint32_t value;
+  };
+  std::vector<Posted> posted_;
+  std::uint64_t deliver_at_ = 0;
+  bool list_ = false;
+  std::uint32_t to_board_ = 0;
+  std::uint32_t to_host_ = 0;
   Running running_ = Running::nothing;
 };
 

@@ -137,6 +137,7 @@ TEST_F(DriverOnBoard, VectorsOfAWrongSizeOrRangeAreNotSent) {
 TEST_F(DriverOnBoard, PollsWhereThereIsNoInterrupt) {
   hvp_bus bus = board.bus();
   bus.wait_interrupt = nullptr;
+  bus.pause = nullptr;
   ASSERT_EQ(hvp_open(&device, &bus, scratch.data(), scratch.size()), HVP_OK);
   EXPECT_EQ(board.bank().get(Register::interrupt_enable), 0U);
   const hvp_solver_config config = thesis_config();

@@ -17,6 +17,7 @@ enum class Register : std::uint8_t {
   capability_format,  // Capability: word lengths
   capability_clock,  // Capability: clock
   capability_solver,  // Capability: solver
+  capability_dma,  // Capability: DMA
   control,  // Control
   status,  // Status
   interrupt_status,  // Interrupt status
@@ -37,6 +38,7 @@ enum class Register : std::uint8_t {
   start_mode,  // Start mode
   nodes,  // Nodes
   blocks,  // Blocks
+  packing,  // Packing of elements
   update_node,  // Update: node
   update_kind,  // Update: kind
   update_diagonal,  // Update: diagonal
@@ -51,6 +53,11 @@ enum class Register : std::uint8_t {
   result_flags,  // Result: flags
   result_cycles_low,  // Result: cycles, low half
   result_cycles_high,  // Result: cycles, high half
+  dma_list_low,  // DMA: list, low half
+  dma_list_high,  // DMA: list, high half
+  dma_count,  // DMA: descriptors
+  dma_record_low,  // DMA: completion record, low half
+  dma_record_high,  // DMA: completion record, high half
 };
 
 enum class Aperture : std::uint8_t {
@@ -98,18 +105,19 @@ struct Field {
 
 inline constexpr std::uint32_t kBarBytes = 0x02000000;
 // Registers lie below this offset, memories above.
-inline constexpr std::uint32_t kRegisterBytes = 0x000000c8;
+inline constexpr std::uint32_t kRegisterBytes = 0x000000e4;
 
 // In the order of Register; offsets ascend.
-inline constexpr std::array<RegisterInfo, 41> kRegisters = {{
+inline constexpr std::array<RegisterInfo, 48> kRegisters = {{
     {"ID", 0x00000000, 0x48565031, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
-    {"VERSION", 0x00000004, 0x00020000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"VERSION", 0x00000004, 0x00020001, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_NODES", 0x00000008, 0x00402000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_BLOCKS", 0x0000000c, 0x00050000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_FORMAT", 0x00000010, 0x20202020, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_CLOCK", 0x00000014, 0x000186a0, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_SOLVER", 0x00000018, 0x8000071f, 0xff000fff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
-    {"CONTROL", 0x00000020, 0x00000000, 0x00000000, 0x80000007, 0x00000000, 0x80000007, 0x00000007},
+    {"CAPABILITY_DMA", 0x0000001c, 0x00000000, 0x0000ffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"CONTROL", 0x00000020, 0x00000000, 0x00000000, 0x8000000f, 0x00000000, 0x8000000f, 0x0000000f},
     {"STATUS", 0x00000024, 0x00000000, 0xffffff0f, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"INTERRUPT_STATUS", 0x00000028, 0x00000000, 0x00000003, 0x00000003, 0x00000003, 0x00000000, 0x00000000},
     {"INTERRUPT_ENABLE", 0x0000002c, 0x00000000, 0x00000003, 0x00000003, 0x00000000, 0x00000000, 0x00000000},
@@ -129,6 +137,7 @@ inline constexpr std::array<RegisterInfo, 41> kRegisters = {{
     {"START_MODE", 0x00000068, 0x00000001, 0x00000003, 0x00000003, 0x00000000, 0x00000000, 0x00000003},
     {"NODES", 0x0000006c, 0x00000000, 0x0000ffff, 0x0000ffff, 0x00000000, 0x00000000, 0x0000ffff},
     {"BLOCKS", 0x00000070, 0x00000000, 0xffffffff, 0xffffffff, 0x00000000, 0x00000000, 0xffffffff},
+    {"PACKING", 0x00000074, 0x00000000, 0x00000001, 0x00000001, 0x00000000, 0x00000000, 0x00000001},
     {"UPDATE_NODE", 0x00000080, 0x00000000, 0x0000ffff, 0x0000ffff, 0x00000000, 0x00000000, 0x0000ffff},
     {"UPDATE_KIND", 0x00000084, 0x00000000, 0x00000001, 0x00000001, 0x00000000, 0x00000000, 0x00000001},
     {"UPDATE_DIAGONAL", 0x00000088, 0x00000001, 0xffffffff, 0xffffffff, 0x00000000, 0x00000000, 0xffffffff},
@@ -143,6 +152,11 @@ inline constexpr std::array<RegisterInfo, 41> kRegisters = {{
     {"RESULT_FLAGS", 0x000000bc, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"RESULT_CYCLES_LOW", 0x000000c0, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"RESULT_CYCLES_HIGH", 0x000000c4, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"DMA_LIST_LOW", 0x000000d0, 0x00000000, 0xffffffff, 0xffffffff, 0x00000000, 0x00000000, 0xffffffff},
+    {"DMA_LIST_HIGH", 0x000000d4, 0x00000000, 0xffffffff, 0xffffffff, 0x00000000, 0x00000000, 0xffffffff},
+    {"DMA_COUNT", 0x000000d8, 0x00000000, 0xffffffff, 0xffffffff, 0x00000000, 0x00000000, 0xffffffff},
+    {"DMA_RECORD_LOW", 0x000000dc, 0x00000000, 0xffffffff, 0xffffffff, 0x00000000, 0x00000000, 0xffffffff},
+    {"DMA_RECORD_HIGH", 0x000000e0, 0x00000000, 0xffffffff, 0xffffffff, 0x00000000, 0x00000000, 0xffffffff},
 }};
 
 // In the order of Aperture; offsets ascend.
@@ -159,12 +173,14 @@ enum class ErrorCode : std::uint32_t {
   none = 0,  // No error is pending.
   bad_size = 1,  // load_done: NODES or BLOCKS is zero or beyond the board's capability. Detail: the value.
   bad_matrix = 2,  // load_done: ROW_BEGIN does not run from 0 to BLOCKS without decreasing, a row has more blocks than CAPABILITY_NODES.max_row_blocks, columns do not ascend, or a diagonal block is missing. Detail: the block row.
-  bad_setting = 3,  // start or load_done: a setting is out of the board's range. Detail: the register's offset.
-  not_loaded = 4,  // start or update_node without a loaded matrix.
+  bad_setting = 3,  // start, run_list or load_done: a setting is out of the board's range. Detail: the register's offset.
+  not_loaded = 4,  // start, run_list or update_node without a loaded matrix.
   bad_node = 5,  // update_node: UPDATE_NODE is not below NODES. Detail: the node.
   bad_row = 6,  // update_node: UPDATE_BLOCKS differs from the number of blocks in the row. Detail: the row's own number.
   illegal_access = 7,  // An access that the map does not allow was refused. Detail: its offset.
   internal_fault = 8,  // The solver stopped on a fault of its own.
+  bad_descriptor = 9,  // run_list: a descriptor is not what DMA_LIST_LOW describes. Detail: its place in the list, from 0.
+  dma_failed = 10,  // run_list: the host's memory did not answer the engine. Detail: the descriptor's place in the list; 0xfffffffe: the list itself; 0xffffffff: the completion record, which is not written then.
 };
 
 enum class SolverMethod : std::uint32_t {
@@ -197,6 +213,11 @@ enum class StartMode : std::uint32_t {
   extrapolated = 2,  // Start from 2·U - (the U of the job before), saturating. From U alone where the job before had another mode, where the host has written to U since, and after load_done.
 };
 
+enum class PackingMode : std::uint32_t {
+  two_a_word = 0,  // Elements of at most 16 bits two in a word.
+  one_a_word = 1,  // Every element in a word of its own.
+};
+
 enum class UpdateKind : std::uint32_t {
   constrain = 0,  // Zero the node's block row and column and set the three diagonal entries to UPDATE_DIAGONAL (thesis §3.7, Fig. 3.5).
   row = 1,  // Write the block row from the ROW memory and the block column as its transpose. Gives a released node its row back.
@@ -218,9 +239,11 @@ inline constexpr Field kCapabilityClockKilohertz{Register::capability_clock, 0, 
 inline constexpr Field kCapabilitySolverMethods{Register::capability_solver, 0, 8};
 inline constexpr Field kCapabilitySolverStartModes{Register::capability_solver, 8, 4};
 inline constexpr Field kCapabilitySolverMaxScalarBits{Register::capability_solver, 24, 8};
+inline constexpr Field kCapabilityDmaMaxDescriptors{Register::capability_dma, 0, 16};
 inline constexpr Field kControlStart{Register::control, 0, 1};
 inline constexpr Field kControlUpdateNode{Register::control, 1, 1};
 inline constexpr Field kControlLoadDone{Register::control, 2, 1};
+inline constexpr Field kControlRunList{Register::control, 3, 1};
 inline constexpr Field kControlReset{Register::control, 31, 1};
 inline constexpr Field kStatusBusy{Register::status, 0, 1};
 inline constexpr Field kStatusDone{Register::status, 1, 1};
@@ -260,6 +283,7 @@ inline constexpr Field kArithmeticScalarBits{Register::arithmetic, 24, 8};
 inline constexpr Field kStartModeMode{Register::start_mode, 0, 2};
 inline constexpr Field kNodesCount{Register::nodes, 0, 16};
 inline constexpr Field kBlocksCount{Register::blocks, 0, 32};
+inline constexpr Field kPackingMode{Register::packing, 0, 1};
 inline constexpr Field kUpdateNodeNode{Register::update_node, 0, 16};
 inline constexpr Field kUpdateKindKind{Register::update_kind, 0, 1};
 inline constexpr Field kUpdateDiagonalValue{Register::update_diagonal, 0, 32};
@@ -274,6 +298,12 @@ inline constexpr Field kResultBreakdownsCount{Register::result_breakdowns, 0, 32
 inline constexpr Field kResultFlagsBits{Register::result_flags, 0, 32};
 inline constexpr Field kResultCyclesLowLow{Register::result_cycles_low, 0, 32};
 inline constexpr Field kResultCyclesHighHigh{Register::result_cycles_high, 0, 32};
+inline constexpr Field kDmaListLowLow{Register::dma_list_low, 0, 32};
+inline constexpr Field kDmaListHighHigh{Register::dma_list_high, 0, 32};
+inline constexpr Field kDmaCountToBoard{Register::dma_count, 0, 16};
+inline constexpr Field kDmaCountToHost{Register::dma_count, 16, 16};
+inline constexpr Field kDmaRecordLowLow{Register::dma_record_low, 0, 32};
+inline constexpr Field kDmaRecordHighHigh{Register::dma_record_high, 0, 32};
 
 }  // namespace field
 

@@ -1,0 +1,226 @@
+#include "driver/hvp_device.h"
+
+enum { LIST_REGISTERS = 5, MINOR_VERSION_OF_DMA = 1, LIST_ALIGNMENT = 32 };
+static_assert(offsetof(hvp_t, DMA_RECORD_HIGH) - offsetof(hvp_t, DMA_LIST_LOW) ==
+                  4 * (LIST_REGISTERS - 1),
+              "one burst writes DMA_LIST_LOW to DMA_RECORD_HIGH");
+
+enum { DESCRIPTOR_TO_HOST = 1 };
+
+// The words of a completion record.
+enum {
+  RECORD_STATUS,
+  RECORD_BYTES_TO_BOARD,
+  RECORD_BYTES_TO_HOST,
+  RECORD_ITERATIONS,
+  RECORD_FLAGS,
+  RECORD_CYCLES_LOW,
+  RECORD_CYCLES_HIGH,
+  RECORD_JOB
+};
+static_assert(RECORD_JOB == (int)HVP_RECORD_WORDS - 1, "the job comes last");
+
+static uint32_t bytes_of(const struct hvp_device* device, uint32_t bits) {
+  const size_t per_word = hvp_elements_per_word(device, bits);
+  const size_t words = hvp_words_of((size_t)3 * device->nodes, per_word);
+  return (uint32_t)(words * sizeof(uint32_t));
+}
+
+// How many of the segments `bytes` take; 0 if all of them are too small.
+static size_t segments_for(const struct hvp_segment* segments, size_t count, uint32_t bytes) {
+  uint64_t room = 0U;
+  for (size_t i = 0; i < count; ++i) {
+    room += segments[i].bytes;
+    if (room >= bytes) return i + 1U;
+  }
+  return 0U;
+}
+
+static bool segments_are_sane(const struct hvp_segment* segments, size_t count) {
+  if (segments == NULL || count == 0U) return false;
+  for (size_t i = 0; i < count; ++i) {
+    const struct hvp_segment* segment = &segments[i];
+    if (segment->memory == NULL || segment->bytes == 0U || (segment->bytes & 3U) != 0U ||
+        (segment->bus_address & 3U) != 0U || segment->bus_address + segment->bytes == 0U ||
+        segment->bus_address + segment->bytes < segment->bus_address) {
+      return false;
+    }
+  }
+  return true;
+}
+
+static bool dma_is_sane(const struct hvp_dma* dma) {
+  return dma->list != NULL && dma->record != NULL &&
+         (dma->list_address & (LIST_ALIGNMENT - 1U)) == 0U &&
+         (dma->record_address & (LIST_ALIGNMENT - 1U)) == 0U &&
+         segments_are_sane(dma->to_board, dma->to_board_count) &&
+         segments_are_sane(dma->to_host, dma->to_host_count);
+}
+
+static void sync_memory(const struct hvp_device* device, bool to_device) {
+  if (device->dma.sync != NULL) device->dma.sync(device->dma.context, to_device);
+}
+
+// Descriptors for `bytes` behind `words`; returns where the next ones go.
+static uint32_t* describe(uint32_t* words, const struct hvp_segment* segments, uint32_t bytes,
+                          uint32_t control, uint32_t offset) {
+  uint32_t left = bytes;
+  for (size_t i = 0; left > 0U; ++i) {
+    const uint32_t part = segments[i].bytes < left ? segments[i].bytes : left;
+    words[0] = control;
+    words[1] = part;
+    words[2] = (uint32_t)segments[i].bus_address;
+    words[3] = (uint32_t)(segments[i].bus_address >> 32U);
+    words[4] = offset;
+    for (size_t k = 5; k < HVP_DESCRIPTOR_WORDS; ++k) words[k] = 0U;
+    words += HVP_DESCRIPTOR_WORDS;
+    offset += part;
+    left -= part;
+  }
+  return words;
+}
+
+hvp_status hvp_prepare_list(struct hvp_device* device) {
+  const struct hvp_dma* dma = &device->dma;
+  const uint32_t to_board = bytes_of(device, rhs_bits(device));
+  const uint32_t to_host = bytes_of(device, vector_bits(device));
+  const size_t first = segments_for(dma->to_board, dma->to_board_count, to_board);
+  const size_t second = segments_for(dma->to_host, dma->to_host_count, to_host);
+  if (first == 0U || second == 0U) return HVP_ERROR_ARGUMENT;
+
+  uint32_t* behind = describe(dma->list, dma->to_board, to_board, 0U, HVP_OFFSET(B));
+  (void)describe(behind, dma->to_host, to_host, DESCRIPTOR_TO_HOST, HVP_OFFSET(U));
+  device->bytes_to_board = to_board;
+  device->bytes_to_host = to_host;
+
+  uint32_t* words = device->scratch;
+  words[0] = (uint32_t)dma->list_address;
+  words[1] = (uint32_t)(dma->list_address >> 32U);
+  words[2] = PLACE(first, HVP__DMA_COUNT__TO_BOARD) | PLACE(second, HVP__DMA_COUNT__TO_HOST);
+  words[3] = (uint32_t)dma->record_address;
+  words[4] = (uint32_t)(dma->record_address >> 32U);
+  device->bus.write_block(device->bus.context, HVP_OFFSET(DMA_LIST_LOW), words, LIST_REGISTERS);
+  return HVP_OK;
+}
+
+hvp_status hvp_use_dma(struct hvp_device* device, const struct hvp_dma* dma) {
+  if (device == NULL) return HVP_ERROR_ARGUMENT;
+  if (device->state != STATE_OPEN && device->state != STATE_CONFIGURED &&
+      device->state != STATE_LOADED) {
+    return HVP_ERROR_STATE;
+  }
+  if (dma == NULL) {
+    device->uses_dma = false;
+    return HVP_OK;
+  }
+  if (!dma_is_sane(dma)) return HVP_ERROR_ARGUMENT;
+  if (device->minor_version < MINOR_VERSION_OF_DMA) return HVP_ERROR_CAPABILITY;
+  const uint32_t most = FIELD(hvp_read_register(device, HVP_OFFSET(CAPABILITY_DMA)),
+                              HVP__CAPABILITY_DMA__MAX_DESCRIPTORS);
+  if (dma->to_board_count > most || dma->to_host_count > most - dma->to_board_count) {
+    return HVP_ERROR_CAPABILITY;
+  }
+  const bool used = device->uses_dma;
+  const struct hvp_dma before = device->dma;
+  device->dma = *dma;
+  device->uses_dma = true;
+  if (device->state != STATE_LOADED) return HVP_OK;
+  const hvp_status status = hvp_prepare_list(device);
+  if (status != HVP_OK) {
+    device->dma = before;
+    device->uses_dma = used;
+  }
+  return status;
+}
+
+void hvp_fill_segments(struct hvp_device* device, const int32_t* b) {
+  const size_t n = (size_t)3 * device->nodes;
+  const size_t per_word = hvp_elements_per_word(device, rhs_bits(device));
+  const struct hvp_segment* segment = device->dma.to_board;
+  size_t word = 0;
+  for (size_t i = 0; i < n; i += per_word) {
+    if (word == segment->bytes >> 2U) {
+      ++segment;
+      word = 0;
+    }
+    segment->memory[word] = hvp_pack_word(b, n, i, per_word);
+    ++word;
+  }
+}
+
+void hvp_empty_segments(const struct hvp_device* device, int32_t* u) {
+  const size_t n = (size_t)3 * device->nodes;
+  const size_t per_word = hvp_elements_per_word(device, vector_bits(device));
+  const struct hvp_segment* segment = device->dma.to_host;
+  size_t word = 0;
+  for (size_t i = 0; i < n;) {
+    if (word == segment->bytes >> 2U) {
+      ++segment;
+      word = 0;
+    }
+    i = hvp_unpack_word(segment->memory[word], u, n, i, per_word);
+    ++word;
+  }
+}
+
+void hvp_run_list(struct hvp_device* device) {
+  // Job numbers begin anew after a reset: an old record must not pass for the new one.
+  for (size_t k = 0; k < HVP_RECORD_WORDS; ++k) device->dma.record[k] = 0U;
+  sync_memory(device, true);
+  hvp_write_register(device, HVP_OFFSET(CONTROL), HVP__CONTROL__RUN_LIST_bm);
+  device->done_pending = false;
+}
+
+// The record is the board's to write at any time.
+static uint32_t record_word(const struct hvp_device* device, size_t k) {
+  return ((const volatile uint32_t*)device->dma.record)[k];
+}
+
+static bool record_is_there(const struct hvp_device* device) {
+  sync_memory(device, false);
+  return record_word(device, RECORD_JOB) == device->job;
+}
+
+static hvp_status take_record(struct hvp_device* device, bool line_is_up) {
+  sync_memory(device, false);
+  const uint32_t status = record_word(device, RECORD_STATUS);
+  if ((status & HVP__STATUS__ERROR_bm) != 0U) return hvp_take_end(device, status);
+  if ((status & HVP__STATUS__DONE_bm) == 0U) return HVP_ERROR_STALE_RESULT;
+  if (line_is_up) {
+    (void)hvp_take_end(device, status);
+  } else {
+    device->last_status = status;
+    device->done_pending = true;
+  }
+  if (record_word(device, RECORD_BYTES_TO_BOARD) != device->bytes_to_board ||
+      record_word(device, RECORD_BYTES_TO_HOST) != device->bytes_to_host) {
+    return HVP_ERROR_SHORT_TRANSFER;
+  }
+  return HVP_OK;
+}
+
+// Normally the interrupt, or a look at the memory, and the record: no register is read unless the
+// interrupt may have overtaken the record, or the record is not there.
+hvp_status hvp_await_record(struct hvp_device* device, uint64_t timeout_ns) {
+  const struct hvp_bus* bus = &device->bus;
+  const bool line = bus->wait_interrupt != NULL && !bus->interrupts_after_writes;
+  const bool polls_memory = bus->wait_interrupt == NULL && bus->pause != NULL;
+  const uint64_t begin = bus->now_ns(bus->context);
+  for (bool looked = false;; looked = true) {
+    bool late;
+    const hvp_status slept = hvp_sleep(device, begin, timeout_ns, looked, &late);
+    if (slept != HVP_OK) return slept;
+    if (!line && record_is_there(device)) return take_record(device, false);
+    if (polls_memory && !late) continue;
+    // This read is answered behind everything that the board has written before.
+    const uint32_t status = hvp_read_register(device, HVP_OFFSET(STATUS));
+    if (status == HVP_ALL_ONES) return HVP_ERROR_BUS;
+    if (record_is_there(device)) return take_record(device, line);
+    if ((status & HVP__STATUS__ERROR_bm) != 0U) return hvp_take_end(device, status);
+    if ((status & HVP__STATUS__DONE_bm) != 0U) {
+      (void)hvp_take_end(device, status);
+      return HVP_ERROR_STALE_RESULT;
+    }
+    if (late) return HVP_ERROR_TIMEOUT;
+  }
+}
