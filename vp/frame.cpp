@@ -68,6 +68,8 @@ std::string_view name(Phase phase) {
       return "pipeline";
     case Phase::wait:
       return "wait";
+    case Phase::polling:
+      return "polling";
     case Phase::driver:
       return "driver";
     case Phase::force:

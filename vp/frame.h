@@ -36,7 +36,8 @@ enum class Phase : std::uint8_t {
   solve,           // fpga
   interrupt,       // host: from the board's request until the process runs again
   pipeline,        // host: another frame is worked on, or none until the next tick
-  wait,            // host: blocked until the board is done
+  wait,            // host: blocked until the board is done, or looking whether it is
+  polling,         // host: the board is done and the host has not looked yet
   driver,          // host: instructions of the driver around its bus accesses
   force,           // host: the contact force out of U
   convert,         // daq: the output's conversion and settling

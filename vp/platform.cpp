@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "models/config/input_error.h"
+#include "vp/host/board_solver.h"
 #include "vp/host/local_time.h"
 
 namespace hvp::vp {
@@ -20,6 +21,16 @@ SceneState at_rest(const fem::Body& body, const host::FrameComputation& computat
 
 Numbers numbers_of(const host::FrameComputation& computation) {
   return computation.timing_only() ? Numbers::none : Numbers::fixed;
+}
+
+std::size_t memory_bytes(const PlatformSettings& settings, std::size_t unknowns) {
+  const Transfer& transfer = settings.transfer;
+  if (transfer.method != Transfer::Method::dma) return 0;
+  const fixed::Settings& solver = settings.servo.solver;
+  return DmaMemory::needed(
+      transfer.engine(),
+      static_cast<std::size_t>(BoardSolver::rhs_bytes(solver, transfer, unknowns)),
+      static_cast<std::size_t>(BoardSolver::solution_bytes(solver, transfer, unknowns)));
 }
 
 template <class Visit>
@@ -47,27 +58,43 @@ Platform::Platform(const PlatformSettings& settings, const fem::Body& body,
                        ? nullptr
                        : std::make_unique<Accelerator>("accelerator", settings_.accelerator,
                                                        settings_.fidelity.accelerator, ledger_,
-                                                       register_trace, numbers_of(computation))),
+                                                       register_trace, numbers_of(computation),
+                                                       settings_.transfer.master())),
+      memory_(accelerator_ != nullptr && accelerator_->dma() != nullptr
+                  ? std::make_unique<HostMemory>(
+                        "memory", memory_bytes(settings_, computation.displacement().size()))
+                  : nullptr),
       daq_("daq", settings_.daq, settings_.probe, session_, ledger_),
       dispatcher_(settings_.servo.costs, settings_.seed, ledger_),
       access_("access",
               settings_.servo.untimed
                   ? 0
                   : std::llround(settings_.servo.costs.interrupt_latency_s * 1e12),
-              ledger_, &dispatcher_),
+              ledger_, &dispatcher_, settings_.transfer),
       servo_("servo", settings_.servo, body, computation, contacts, access_, dispatcher_, exchange_,
-             ledger_, verdict_, session_),
+             ledger_, verdict_, session_, memory_.get()),
       collision_("collision", settings_.servo.costs, settings_.servo.untimed, contacts, exchange_,
                  session_, servo_.begun(), dispatcher_) {
   ledger_.add_sink(verdict_);
   access_.to_bus.bind(bus_.from_host);
-  if (accelerator_ != nullptr) {
-    Accelerator::require_supported(settings_.fidelity.accelerator, settings_.servo.solver);
-    bus_.attach(accelerator_->from_bus, kSolverBase, kBarBytes);
-    accelerator_->interrupt.bind(access_);
-  }
+  if (accelerator_ != nullptr) connect_board();
   bus_.attach(daq_.from_bus, kDaqBase, DaqBoard::kSize);
   if (settings_.waveform) trace(*settings_.waveform);
+}
+
+void Platform::connect_board() {
+  Accelerator::require_supported(settings_.fidelity.accelerator, settings_.servo.solver);
+  bus_.attach(accelerator_->from_bus, kSolverBase, kBarBytes);
+  access_.watch(accelerator_->job_end());
+  if (memory_ != nullptr) {
+    accelerator_->dma()->to_memory.bind(bus_.from_board);
+    bus_.attach_memory(memory_->from_bus);
+  }
+  if (settings_.transfer.notification == link::Notification::msi) {
+    memory_->interrupt.bind(access_);
+  } else {
+    accelerator_->interrupt.bind(access_);
+  }
 }
 
 void Platform::trace(const Waveform& waveform) {

@@ -18,7 +18,9 @@
 #include "vp/fpga/engine/engine_trace.h"
 #include "vp/host/collision_process.h"
 #include "vp/host/dispatcher.h"
+#include "vp/host/host_memory.h"
 #include "vp/host/servo_process.h"
+#include "vp/host/transfer.h"
 #include "vp/ledger.h"
 #include "vp/pci/bus_settings.h"
 #include "vp/pci/pci_bus.h"
@@ -41,6 +43,7 @@ struct PlatformSettings {
   Picoseconds budget = 2'000'000'000;
   accel::Architecture accelerator;
   BusSettings bus;
+  Transfer transfer;
   plant::Daq daq;
   plant::Trajectory probe;
   Fidelity fidelity;
@@ -76,6 +79,8 @@ class Platform {
   const PciBus& bus() const { return bus_; }
   // Null without the effect.
   const TrafficMaster* traffic() const { return traffic_.get(); }
+  // Null where nobody but the processor reaches it.
+  const HostMemory* memory() const { return memory_.get(); }
   // Null where the host solves.
   const Accelerator* board() const { return accelerator_.get(); }
   const Accelerator& accelerator() const { return *accelerator_; }
@@ -87,6 +92,7 @@ class Platform {
   static std::size_t processes();
 
  private:
+  void connect_board();
   void trace(const Waveform& waveform);
 
   PlatformSettings settings_;
@@ -97,6 +103,7 @@ class Platform {
   PciBus bus_;
   std::unique_ptr<TrafficMaster> traffic_;  // the effect [bus.traffic]
   std::unique_ptr<Accelerator> accelerator_;
+  std::unique_ptr<HostMemory> memory_;  // where the board is a master
   DaqBoard daq_;
   Dispatcher dispatcher_;
   BoardAccess access_;

@@ -58,6 +58,12 @@ int explain_command(const ScenarioArguments& arguments) {
   fidelity_line("bus", vp::name(s.fidelity.bus),
                 fmt::format("{} bytes a data phase, {:g} ns a clock", s.bus.pci.width_bytes(),
                             static_cast<double>(s.bus.pci.clock_period_ps()) * 1e-3));
+  if (scene.has_board()) {
+    fidelity_line("transfer", vp::name(s.transfer.method),
+                  fmt::format("b and U, {}; the end by {}",
+                              s.transfer.packed ? "packed" : "one element a word",
+                              link::name(s.transfer.notification)));
+  }
   fidelity_line(
       "host", vp::name(s.fidelity.host),
       fmt::format("servo at {:g} Hz, collision and graphics at {:g} Hz, {}", 1 / s.budget.period_s,
@@ -94,6 +100,8 @@ int explain_command(const ScenarioArguments& arguments) {
               "latency timer, wait states and delayed reads between the bus' masters");
   effect_line("bus.traffic", s.bus.traffic.has_value(),
               "a process that takes the bus for a block a period");
+  effect_line("transfer.dma", s.transfer.master().dma.has_value(),
+              "a process of the board that is master of the bus; simulated time of its requests");
   effect_line("reference", s.reference.has_value(),
               "no simulated time; two double-precision solves beside the board's");
   effect_line("spectrum", s.spectrum.has_value(),

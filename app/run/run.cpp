@@ -37,6 +37,7 @@ vp::PlatformSettings platform_settings(const Scene& scene) {
   p.budget = (1 + s.host.pipeline_depth) * p.servo.period;
   p.accelerator = s.accelerator;
   p.bus = s.bus;
+  p.transfer = s.transfer;
   p.daq = s.device.daq;
   p.probe = s.probe;
   p.fidelity = s.fidelity;

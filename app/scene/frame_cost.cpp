@@ -12,6 +12,34 @@ double host_solve_operations(const Scene& scene) {
   const host::FrameComputation& c = scene.computation();
   return c.on_host()->most_operations();
 }
+struct MovedVectors {
+  std::int64_t send_ps;
+  std::int64_t receive_ps;
+};
+
+// Alone on the bus, without doorbells and interrupts.
+MovedVectors moved_vectors(const Scenario& s, int nodes) {
+  using Method = vp::Transfer::Method;
+  const std::int64_t unknowns = std::int64_t{3} * nodes;
+  const auto bytes = [&](int bits) {
+    return link::Payload{0, 0, bits, s.transfer.packed}.bytes(unknowns);
+  };
+  const std::int64_t b = bytes(s.solver.residual_bits());
+  const std::int64_t u = bytes(s.solver.vector_bits);
+  const link::Pci& pci = s.bus.pci;
+  switch (s.transfer.method) {
+    case Method::bursts:
+      return {pci.write_ps(b), pci.read_ps(u)};
+    case Method::programmed_io:
+      return {b / 4 * pci.write_ps(4), u / 4 * pci.read_ps(4)};
+    case Method::write_combined_io:
+      return {pci.write_ps(b), u / 4 * pci.read_ps(4)};
+    case Method::dma:
+      return {pci.read_wire_ps(b), pci.write_wire_ps(u)};
+  }
+  return {};
+}
+
 }  // namespace
 
 std::vector<FrameStep> frame_steps(const Scene& scene) {
@@ -31,7 +59,6 @@ std::vector<FrameStep> frame_steps(const Scene& scene, int nodes, std::int64_t s
   const auto compute = [&](const char* what, double operations, int times = 1) {
     steps.push_back({what, host_takes_time ? s.host.compute_ps(operations * grown) : 0, times});
   };
-  const auto bytes = [nodes](int bits) { return std::int64_t{3} * nodes * (bits <= 16 ? 2 : 4); };
   if (c.on_host() != nullptr) {
     steps.push_back({fmt::format("solve on the host ({})", host::name(s.host.solver)),
                      host_takes_time ? s.host.compute_ps(host_solve_operations(scene) /
@@ -51,11 +78,10 @@ std::vector<FrameStep> frame_steps(const Scene& scene, int nodes, std::int64_t s
     compute("each further pass' residual",
             refined->accept_operations() + refined->residual_operations(true), passes - 1);
   }
-  steps.push_back(
-      {"send b", bus_takes_time ? s.bus.pci.write_ps(bytes(s.solver.residual_bits())) : 0, passes});
+  const MovedVectors moved = moved_vectors(s, nodes);
+  steps.push_back({"send b", bus_takes_time ? moved.send_ps : 0, passes});
   steps.push_back({"solve", solve_ps, passes});
-  steps.push_back(
-      {"receive U", bus_takes_time ? s.bus.pci.read_ps(bytes(s.solver.vector_bits)) : 0, passes});
+  steps.push_back({"receive U", bus_takes_time ? moved.receive_ps : 0, passes});
   compute("force (without contact)", c.force_operations());
   if (refined != nullptr) compute("residual after the force", refined->finish_operations());
   compute("update after the force", c.update_operations());

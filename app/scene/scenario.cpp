@@ -82,6 +82,7 @@ void Scenario::declare(config::Visitor& v) {
             "increment, in several passes a frame"});
   v.table("accelerator", accelerator, {"the FPGA's micro-architecture"});
   v.table("bus", bus, {"the PCI bus"});
+  v.table("transfer", transfer, {"how the driver moves a frame's data and hears of the end"});
   v.table("host", host, {"the host PC"});
   v.table("device", device, {"the haptic device"});
   v.table("probe", probe, {"the probe's prescribed motion"});
@@ -142,6 +143,22 @@ void require_no_board(const Scenario& s) {
   }
   if (s.output.waveform) throw InputError("output.waveform", found);
   if (s.accelerator.several) throw InputError("accelerator.several", found);
+  if (!s.transfer.plain()) {
+    const bool moves = s.transfer.method != vp::Transfer::Method::bursts;
+    const bool tells = s.transfer.notification != link::Notification::intx;
+    throw InputError(moves   ? "transfer.method"
+                     : tells ? "transfer.notification"
+                             : "transfer.packed",
+                     found);
+  }
+}
+
+// The list has one board's B and U in it.
+void require_one_device(const Scenario& s) {
+  if (!s.accelerator.several || s.transfer.method != vp::Transfer::Method::dma) return;
+  throw InputError("transfer.method",
+                   "\"dma\" reaches one device's memories: expected another with "
+                   "[accelerator.several]");
 }
 
 // What a timing-only run cannot have: what looks at numbers, and times that depend on them.
@@ -176,6 +193,7 @@ void Scenario::check() const {
   if (!board) require_no_board(*this);
   if (timing_only()) require_no_numbers(*this);
   if (board && vp::has_engine(level)) require_engine(*this);
+  require_one_device(*this);
   if (refinement && host.pipeline_depth > 0) {
     throw InputError("host.pipeline_depth",
                      "expected 0 with [refinement]: each of its passes needs the one before");

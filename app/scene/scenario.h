@@ -23,6 +23,7 @@
 #include "models/plant/trajectory.h"
 #include "models/sparse/spectrum.h"
 #include "vp/fidelity.h"
+#include "vp/host/transfer.h"
 #include "vp/pci/bus_settings.h"
 
 // A scenario as it is read: the tables of the parts, put together. docs/scenario-reference.md is
@@ -101,6 +102,7 @@ struct Scenario {
   std::optional<host::Refinement> refinement;
   accel::Architecture accelerator;
   vp::BusSettings bus;
+  vp::Transfer transfer;
   host::Host host;
   Device device;
   plant::Trajectory probe;

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+
+#include "models/config/input_error.h"
 
 namespace hvp::link {
 
@@ -15,22 +18,20 @@ Cost sum(const std::vector<TransferStep>& steps) {
   return total;
 }
 
-// The engine works on one segment after the other. With prefetching it has fetched all descriptors
-// in one read before the first.
+// The engine works on one segment after the other. With prefetching it has fetched all descriptors,
+// those of both ways, in one read before the first.
 void dma_block(std::vector<TransferStep>& steps, const Interconnect& bus, const DmaEngine& engine,
                std::int64_t bytes, Direction direction) {
   const std::int64_t segments = engine.segments(bytes);
-  Cost descriptors =
-      bus.dma_read(engine.descriptor_bytes * (engine.prefetches_descriptors ? segments : 1));
+  Cost descriptors;
   Cost data;
   for (std::int64_t k = 0; k < segments; ++k) {
     const std::int64_t segment =
         std::min<std::int64_t>(bytes - k * engine.segment_bytes, engine.segment_bytes);
     data += direction == Direction::read ? bus.dma_read(segment) : bus.dma_write(segment);
-    if (k > 0 && !engine.prefetches_descriptors)
-      descriptors += bus.dma_read(engine.descriptor_bytes);
+    if (!engine.prefetches_descriptors) descriptors += bus.dma_read(DmaEngine::kDescriptorBytes);
   }
-  steps.push_back({"descriptors", descriptors});
+  if (!engine.prefetches_descriptors) steps.push_back({"descriptors", descriptors});
   steps.push_back({direction == Direction::read ? "DMA read" : "DMA write", data});
 }
 
@@ -54,13 +55,13 @@ void notify(FrameTransfer& transfer, const Interconnect& bus, const TransferMeth
     case Notification::intx:
       transfer.to_host.push_back({"INTx", bus.interrupt(Interrupt::intx)});
       transfer.to_host.push_back({"status read", bus.processor_read(kWordBytes)});
+      transfer.to_host.push_back({"acknowledge", bus.processor_write(kWordBytes, false)});
       return;
     case Notification::polling:
       if (method.movement != Movement::dma) {
         poll_board(transfer, bus, method.poll_interval_ps);
         return;
       }
-      transfer.to_host.push_back({"status write", bus.dma_write(kWordBytes)});
       transfer.to_host.push_back({"polling", {method.poll_interval_ps / 2, 0, 0, 0, 0}});
       transfer.poll_worst_extra_ps = method.poll_interval_ps - method.poll_interval_ps / 2;
   }
@@ -74,18 +75,24 @@ std::int64_t Payload::bytes(std::int64_t words) const {
 }
 
 void DmaEngine::declare(config::Visitor& v) {
-  v.integer("descriptor_bytes", descriptor_bytes, {8, 256},
-            {"what the engine reads to know a segment: address, length, control",
-             "32 bytes in engines for FPGA boards (Xilinx XDMA, PG195)"});
-  v.integer("segment_bytes", segment_bytes, {64, 1 << 24},
-            {"longest run of bytes that lie together in the host's memory", "a page of x86"});
+  v.integer(
+      "segment_bytes", segment_bytes, {64, 1 << 24},
+      {"longest run of bytes that lie together in the host's memory, a multiple of 4; each has "
+       "a descriptor of 32 bytes",
+       "a page of x86"});
   v.boolean(
       "prefetches_descriptors", prefetches_descriptors,
-      {"all descriptors of a block are fetched in one read; otherwise each before its segment",
+      {"all descriptors of a frame are fetched in one read; otherwise each before its segment",
        "descriptors that lie together can be (PG195)"});
   v.quantity("engine_latency", engine_latency_s, config::Dimension::time, config::between(0, 1e-3),
              {"from the doorbell's arrival to the first request of the engine",
               "unverified: 20 clocks at 100 MHz"});
+}
+
+void DmaEngine::check() const {
+  if (segment_bytes % kWordBytes == 0) return;
+  throw InputError("segment_bytes",
+                   "expected a multiple of 4, found " + std::to_string(segment_bytes));
 }
 
 std::int64_t DmaEngine::segments(std::int64_t bytes) const {
@@ -128,9 +135,15 @@ FrameTransfer frame_transfer(const Interconnect& bus, const DmaEngine& engine,
     const std::int64_t latency = std::llround(engine.engine_latency_s * 1e12);
     transfer.to_board.push_back({"doorbell", bus.processor_write(kWordBytes, false)});
     transfer.to_board.push_back({"engine", {latency, 0, 0, 0, 0}});
+    if (engine.prefetches_descriptors) {
+      const std::int64_t count = engine.segments(to_board) + engine.segments(to_host);
+      transfer.to_board.push_back(
+          {"descriptors", bus.dma_read(DmaEngine::kDescriptorBytes * count)});
+    }
     dma_block(transfer.to_board, bus, engine, to_board, Direction::read);
     transfer.to_host.push_back({"engine", {latency, 0, 0, 0, 0}});
     dma_block(transfer.to_host, bus, engine, to_host, Direction::write);
+    transfer.to_host.push_back({"record", bus.dma_write(DmaEngine::kRecordBytes)});
     notify(transfer, bus, method);
     return transfer;
   }

@@ -21,15 +21,20 @@ struct Payload {
   std::int64_t bytes(std::int64_t words) const;
 };
 
-// The board's DMA engine: it is told by a doorbell, fetches descriptors from the host's memory and
-// moves a segment a descriptor.
+// The board's DMA engine: it is told by a doorbell, fetches descriptors from the host's memory,
+// moves a segment a descriptor and writes a completion record (DMA_LIST_LOW and DMA_RECORD_LOW in
+// docs/registers.md).
 struct DmaEngine {
-  int descriptor_bytes = 32;
+  // 32 bytes in engines for FPGA boards too (Xilinx XDMA, PG195).
+  static constexpr int kDescriptorBytes = 32;
+  static constexpr int kRecordBytes = 32;
+
   int segment_bytes = 4096;
   bool prefetches_descriptors = true;
   double engine_latency_s = 200e-9;
 
   void declare(config::Visitor& v);
+  void check() const;
   std::int64_t segments(std::int64_t bytes) const;
 };
 

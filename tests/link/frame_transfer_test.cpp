@@ -106,7 +106,7 @@ TEST(FrameTransfer, DmaLeavesTheProcessorItsTime) {
   const FrameTransfer read =
       frame_transfer(bus, {}, kThesis, method(Movement::dma, Notification::intx));
   EXPECT_EQ(read.total().processor_ps - frame.total().processor_ps,
-            bus.processor_read(4).processor_ps);
+            bus.processor_read(4).processor_ps + bus.processor_write(4, false).processor_ps);
 }
 
 TEST(FrameTransfer, MsiComesAfterTheDataThatItAnnounces) {
@@ -114,7 +114,8 @@ TEST(FrameTransfer, MsiComesAfterTheDataThatItAnnounces) {
   const FrameTransfer frame =
       frame_transfer(bus, {}, kThesis, method(Movement::dma, Notification::msi));
   ASSERT_EQ(frame.to_host.size(), 4U);
-  EXPECT_EQ(frame.to_host[2].what, "DMA write");
+  EXPECT_EQ(frame.to_host[1].what, "DMA write");
+  EXPECT_EQ(frame.to_host[2].what, "record");
   EXPECT_EQ(frame.to_host[3].what, "MSI");
 }
 
@@ -128,7 +129,7 @@ TEST(FrameTransfer, ScatteredSegmentsCostTheirDescriptors) {
   const FrameTransfer prefetched = frame_transfer(bus, engine, kThesis, dma);
   together = find(prefetched.to_board, "descriptors");
   ASSERT_NE(together, nullptr);
-  EXPECT_EQ(together->latency_ps, bus.dma_read(96).latency_ps);
+  EXPECT_EQ(together->latency_ps, bus.dma_read(6 * 32).latency_ps);
   engine.prefetches_descriptors = false;
   const FrameTransfer chained = frame_transfer(bus, engine, kThesis, dma);
   EXPECT_EQ(find(chained.to_board, "descriptors")->latency_ps, 3 * bus.dma_read(32).latency_ps);
@@ -190,7 +191,7 @@ TEST(FrameTransfer, EnginesTakeThePlansTime) {
   const Pci conventional = pci(PciKind::pci_32_33);
   PciArbiter arbiter(conventional, {}, 2);
   std::int64_t now = drive(arbiter, 0, Direction::write, 4, 0) + 100'000;  // write_latency
-  now = drive(arbiter, 1, Direction::read, 32, now + 200'000);             // engine_latency
+  now = drive(arbiter, 1, Direction::read, 64, now + 200'000);             // engine_latency
   now = drive(arbiter, 1, Direction::read, 3'000, now);
   const FrameTransfer plan =
       frame_transfer(PciInterconnect(conventional, {}), engine, kThesis, dma);
@@ -200,7 +201,7 @@ TEST(FrameTransfer, EnginesTakeThePlansTime) {
   constexpr std::array<PcieSide, 2> kSides = {PcieSide::root, PcieSide::device};
   PcieLink link(serial, kSides);
   now = drive(link, 0, Direction::write, 4, 150'000);  // half of processor_latency
-  now = drive(link, 1, Direction::read, 32, now + 200'000);
+  now = drive(link, 1, Direction::read, 64, now + 200'000);
   now = drive(link, 1, Direction::read, 3'000, now);
   const FrameTransfer serial_plan = frame_transfer(PcieInterconnect(serial), engine, kThesis, dma);
   EXPECT_NEAR(us(now) / us(serial_plan.to_board_total().latency_ps), 1, 0.01);

@@ -42,7 +42,7 @@ std::uint32_t saturated(std::int64_t value) {
 
 Accelerator::Accelerator(const sc_core::sc_module_name& name,
                          const accel::Architecture& architecture, Timing level, Ledger& ledger,
-                         AccessObserver* observer, Numbers numbers)
+                         AccessObserver* observer, Numbers numbers, const MasterSettings& master)
     : sc_module(name),
       from_bus("from_bus"),
       interrupt("interrupt"),
@@ -68,7 +68,7 @@ Accelerator::Accelerator(const sc_core::sc_module_name& name,
     });
   }
   for (const Register reg :
-       {Register::method, Register::format, Register::nodes, Register::blocks}) {
+       {Register::method, Register::format, Register::nodes, Register::blocks, Register::packing}) {
     bank_.on_write(reg, [this, reg](std::uint32_t /*written*/, std::uint32_t before) {
       if (bank_.get(reg) != before) bank_.set(field::kStatusMatrixLoaded, 0);
     });
@@ -80,6 +80,11 @@ Accelerator::Accelerator(const sc_core::sc_module_name& name,
     has_previous_u_ = false;
     give_engine_x();
   });
+  if (master.present()) {
+    dma_ = std::make_unique<DmaEngine>("dma", master, level == Timing::untimed, bank_,
+                                       static_cast<ListOwner&>(*this), ledger);
+    if (dma_->has_lists()) bank_.strap(Register::capability_dma, DmaEngine::kMaxDescriptors);
+  }
   SC_HAS_PROCESS(Accelerator);
   SC_METHOD(finish);
   sensitive << done_;
@@ -140,6 +145,8 @@ void Accelerator::control(std::uint32_t commands) {
   frame_ = commanding_tag_->frame;
   if (given(field::kControlStart)) {
     start();
+  } else if (given(field::kControlRunList)) {
+    run_list();
   } else if (given(field::kControlLoadDone)) {
     load_done();
   } else if (given(field::kControlUpdateNode)) {
@@ -147,33 +154,33 @@ void Accelerator::control(std::uint32_t commands) {
   }
 }
 
-void Accelerator::begin(Running what) {
+void Accelerator::begin(Running what, const Tag& tag) {
   running_ = what;
   started_ = now_ps();
-  job_tag_ = *commanding_tag_;
+  job_tag_ = tag;
   bank_.set(field::kStatusBusy, 1);
 }
 
-void Accelerator::run_for(Running what, std::int64_t clocks) {
-  begin(what);
+void Accelerator::run_for(Running what, const Tag& tag, std::int64_t clocks) {
+  begin(what, tag);
   clocks_ = clocks;
   const bool untimed = level_ == Timing::untimed;
   done_.notify(to_sc_time(untimed ? 0 : clocks * architecture_.clock_period_ps()));
 }
 
 // The job is computed; who says how long it takes depends on the level.
-void Accelerator::begin_solve() {
+void Accelerator::begin_solve(const Tag& tag) {
   if (fault_) {
-    run_for(Running::solve, 1);  // there is nothing to wait for
+    run_for(Running::solve, tag, 1);  // there is nothing to wait for
   } else if (cycles_ != nullptr) {
-    begin(Running::solve);
+    begin(Running::solve, tag);
     cycles_->start_solve(settings_);
   } else if (phases_ != nullptr) {
-    begin(Running::solve);
+    begin(Running::solve, tag);
     phases_->start_solve(settings_, result_);
   } else {
     const accel::SolveWork work = accel::solve_made(settings_, result_);
-    run_for(Running::solve, loosely_timed_->solve(work).total());
+    run_for(Running::solve, tag, loosely_timed_->solve(work).total());
   }
 }
 
@@ -199,19 +206,98 @@ void Accelerator::note_engine_clocks(const engine::StateClocks& state) {
   longest_solve_ = {accel::solve_made(settings_, result_), clocks_, state};
 }
 
-void Accelerator::start() {
+// Reads the settings of the job; a refused start does not count as one.
+bool Accelerator::may_start() {
   if (bank_.get(field::kStatusMatrixLoaded) == 0) {
     raise({ErrorCode::not_loaded, 0});
-    return;
+    return false;
   }
   if (const BoardError error = read_settings(bank_, settings_); error.code != ErrorCode::none) {
     raise(error);
-    return;
+    return false;
   }
-  if (!supported(settings_)) return;
+  return supported(settings_);
+}
+
+void Accelerator::start() {
+  if (!may_start()) return;
   bank_.set(field::kJobJob, bank_.get(field::kJobJob) + 1);
   compute();
-  begin_solve();
+  begin_solve(*commanding_tag_);
+}
+
+BoardError Accelerator::check_list() const {
+  const auto bad = [](Register reg) { return BoardError{ErrorCode::bad_setting, offset_of(reg)}; };
+  const auto misaligned = [this](Register low) {
+    return bank_.get(low) % (4 * kDescriptorWords) != 0;
+  };
+  const std::uint32_t most = bank_.get(field::kCapabilityDmaMaxDescriptors);
+  if (most == 0) return bad(Register::capability_dma);
+  if (bank_.get(field::kDmaCountToBoard) + bank_.get(field::kDmaCountToHost) > most) {
+    return bad(Register::dma_count);
+  }
+  if (misaligned(Register::dma_list_low)) return bad(Register::dma_list_low);
+  if (misaligned(Register::dma_record_low)) return bad(Register::dma_record_low);
+  return {};
+}
+
+void Accelerator::run_list() {
+  bank_.set(field::kInterruptStatusDone, 0);
+  mirror_status();
+  drive_interrupt_line(*commanding_tag_);
+  if (const BoardError error = check_list(); error.code != ErrorCode::none) {
+    raise(error);
+    return;
+  }
+  if (!may_start()) return;
+  bank_.set(field::kJobJob, bank_.get(field::kJobJob) + 1);
+  bank_.set(field::kStatusBusy, 1);
+  listed_ = true;
+  job_tag_ = *commanding_tag_;
+  dma_->ring(job_tag_);
+}
+
+void Accelerator::solve_listed(const Tag& tag) {
+  compute();
+  begin_solve(tag);
+}
+
+// STATUS as it will read when the list has ended.
+CompletionRecord Accelerator::completion(const BoardError& error, const ListBytes& moved) const {
+  std::uint32_t status = bank_.get(Register::status) & ~field::kStatusBusy.mask();
+  if (error.code == ErrorCode::none) {
+    status |= field::kStatusDone.mask();
+  } else if (bank_.get(field::kStatusError) == 0) {
+    status |= field::kStatusError.mask() | static_cast<std::uint32_t>(error.code)
+                                               << field::kStatusErrorCode.low;
+  }
+  return {status,
+          moved.to_board,
+          moved.to_host,
+          bank_.get(field::kResultIterationsCount),
+          bank_.get(field::kResultFlagsBits),
+          bank_.get(field::kResultCyclesLowLow),
+          bank_.get(field::kResultCyclesHighHigh),
+          bank_.get(field::kJobJob)};
+}
+
+void Accelerator::list_ended(const BoardError& error, const Tag& tag) {
+  listed_ = false;
+  job_tag_ = tag;
+  end_job(error);
+}
+
+// What software sees of the end of a job or of a load.
+void Accelerator::end_job(const BoardError& error) {
+  bank_.set(field::kStatusBusy, 0);
+  job_end_ = {job_tag_, now_ps()};
+  if (error.code != ErrorCode::none) {
+    raise(error);
+    return;
+  }
+  bank_.set(field::kInterruptStatusDone, 1);
+  mirror_status();
+  drive_interrupt_line(job_tag_);
 }
 
 void Accelerator::load_done() {
@@ -230,10 +316,10 @@ void Accelerator::load_done() {
   u_.assign(static_cast<std::size_t>(matrix_.rows()), 0);
   give_engine_x();
   if (cycles_ != nullptr) {
-    begin(Running::load);
+    begin(Running::load, *commanding_tag_);
     cycles_->start_inversion();
   } else {
-    run_for(Running::load, loosely_timed_->load(settings.method));
+    run_for(Running::load, *commanding_tag_, loosely_timed_->load(settings.method));
   }
 }
 
@@ -282,7 +368,7 @@ void Accelerator::update_node() {
     row_.resize(present.size());
     const std::span<const std::uint32_t> staged = bank_.memory(Aperture::row);
     for (std::size_t i = 0; i < row_.size(); ++i) {
-      row_[i] = packed_element(staged, i, static_cast<unsigned>(matrix_.bits));
+      row_[i] = packed_element(staged, i, static_cast<unsigned>(matrix_.bits), one_a_word());
     }
     matrix_.restore_row(row, row_);
   }
@@ -310,7 +396,7 @@ void Accelerator::give_engine_x() {
   const unsigned vector_bits = bank_.get(field::kFormatVectorBits);
   const std::span<const std::uint32_t> words = bank_.memory(Aperture::u);
   for (std::size_t i = 0; i < engine_u_.size(); ++i) {
-    engine_u_[i] = packed_element(words, i, vector_bits);
+    engine_u_[i] = packed_element(words, i, vector_bits, one_a_word());
   }
   cycles_->write_x(engine_u_);
 }
@@ -336,6 +422,8 @@ void Accelerator::reset() {
   if (phases_ != nullptr) phases_->abort();
   if (cycles_ != nullptr) cycles_->abort();
   running_ = Running::nothing;
+  listed_ = false;
+  if (dma_ != nullptr) dma_->abort();
   solver_.reset();
   has_previous_u_ = false;
   bank_.reset();
@@ -344,22 +432,21 @@ void Accelerator::reset() {
 
 void Accelerator::finish() {
   if (running_ == Running::nothing) return;  // given up at this instant
-  bank_.set(field::kStatusBusy, 0);
   const Running ended = std::exchange(running_, Running::nothing);
   if (ended == Running::load) {
     bank_.set(field::kStatusMatrixLoaded, 1);
-  } else {
-    ledger_.extend(job_tag_, Part::fpga, Phase::solve, started_, now_ps());
-    take_engine_words();
-    if (fault_) {
-      raise({ErrorCode::internal_fault, 0});
-      return;
-    }
-    publish();
+    end_job({});
+    return;
   }
-  bank_.set(field::kInterruptStatusDone, 1);
-  mirror_status();
-  drive_interrupt_line(job_tag_);
+  ledger_.extend(job_tag_, Part::fpga, Phase::solve, started_, now_ps());
+  take_engine_words();
+  if (!fault_) publish();
+  const BoardError error{fault_ ? ErrorCode::internal_fault : ErrorCode::none, 0};
+  if (listed_) {
+    dma_->solved(job_tag_, error);
+  } else {
+    end_job(error);
+  }
 }
 
 // U as the job starts from it, in u_.
@@ -367,7 +454,7 @@ void Accelerator::form_guess(fixed::Start start) {
   const unsigned vector_bits = bank_.get(field::kFormatVectorBits);
   const std::span<const std::uint32_t> words = bank_.memory(Aperture::u);
   for (std::size_t i = 0; i < u_.size(); ++i) {
-    u_[i] = start == fixed::Start::zero ? 0 : packed_element(words, i, vector_bits);
+    u_[i] = start == fixed::Start::zero ? 0 : packed_element(words, i, vector_bits, one_a_word());
   }
   result_ = {};
   if (start != fixed::Start::extrapolated) {
@@ -402,7 +489,8 @@ void Accelerator::compute() {
   }
   const unsigned rhs_bits = bank_.get(field::kFormatRhsBits);
   const std::span<const std::uint32_t> words = bank_.memory(Aperture::b);
-  for (std::size_t i = 0; i < b_.size(); ++i) b_[i] = packed_element(words, i, rhs_bits);
+  for (std::size_t i = 0; i < b_.size(); ++i)
+    b_[i] = packed_element(words, i, rhs_bits, one_a_word());
   form_guess(settings_.start);
   const std::int64_t clamped = result_.saturations;
   if (cycles_ != nullptr) cycles_->write_b(b_);
@@ -431,7 +519,9 @@ void Accelerator::publish() {
   if (numbers_ == Numbers::fixed) {
     const unsigned vector_bits = bank_.get(field::kFormatVectorBits);
     const std::span<std::uint32_t> words = bank_.memory(Aperture::u);
-    for (std::size_t i = 0; i < u_.size(); ++i) set_packed_element(words, i, vector_bits, u_[i]);
+    for (std::size_t i = 0; i < u_.size(); ++i) {
+      set_packed_element(words, i, vector_bits, u_[i], one_a_word());
+    }
   }
   bank_.set(field::kResultJobJob, bank_.get(field::kJobJob));
   bank_.set(field::kResultIterationsCount, static_cast<std::uint32_t>(report_.iterations));
@@ -473,6 +563,10 @@ void Accelerator::drive_interrupt_line(const Tag& tag) {
       (bank_.get(Register::interrupt_status) & bank_.get(Register::interrupt_enable)) != 0;
   if (up == line_up_) return;
   line_up_ = up;
+  if (dma_ != nullptr && dma_->sends_messages()) {
+    if (up) dma_->send_message(tag);
+    return;
+  }
   if (interrupt.size() == 0) return;
   if (up) {
     interrupt->interrupt(tag);

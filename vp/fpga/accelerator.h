@@ -13,6 +13,7 @@
 #include "models/fixed/solver.h"
 #include "vp/fidelity.h"
 #include "vp/fpga/board_matrix.h"
+#include "vp/fpga/dma_engine.h"
 #include "vp/fpga/engine/cycle_engine.h"
 #include "vp/fpga/engine/phase_engine.h"
 #include "vp/fpga/register_bank.h"
@@ -29,6 +30,12 @@ class AccessObserver {
   virtual void access(Picoseconds time, Command command, const RegisterBank& bank,
                       const Outcome& outcome, std::uint64_t offset,
                       std::span<const std::uint8_t> data) = 0;
+};
+
+// When a job had ended, as far as the host can see, and the tag that ends there.
+struct JobEnd {
+  Tag tag;
+  Picoseconds time = -1;
 };
 
 // A solve as an engine took it.
@@ -49,16 +56,22 @@ struct EngineSolve {
 //
 // Timing only, a job makes all its iterations and no words: U stays as it was. Throws InputError
 // with the key "numbers" where the engine makes the words, cycle-accurate.
-class Accelerator : public sc_core::sc_module {
+class Accelerator : public sc_core::sc_module, private ListOwner {
  public:
+  // `master`: whether the board is one, and what for.
   Accelerator(const sc_core::sc_module_name& name, const accel::Architecture& architecture,
               Timing level, Ledger& ledger, AccessObserver* observer = nullptr,
-              Numbers numbers = Numbers::fixed);
+              Numbers numbers = Numbers::fixed, const MasterSettings& master = {});
   // Throws InputError with the key "method" where a level does not have it.
   static void require_supported(Timing level, const fixed::Settings& settings);
 
   tlm_utils::simple_target_socket<Accelerator> from_bus;
   sc_core::sc_port<InterruptIf, 1, sc_core::SC_ZERO_OR_MORE_BOUND> interrupt;
+
+  // Null where the board is no master; its socket to_memory is the board's.
+  DmaEngine* dma() { return dma_.get(); }
+  // Of the last job that ended, for a host that finds out by looking.
+  const JobEnd& job_end() const { return job_end_; }
 
   const RegisterBank& bank() const { return bank_; }
   std::int64_t illegal_accesses() const { return illegal_accesses_; }
@@ -80,17 +93,26 @@ class Accelerator : public sc_core::sc_module {
 
   void b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
   void control(std::uint32_t commands);
+  bool may_start();
   void start();
+  void run_list();
+  BoardError check_list() const;
+  // ListOwner
+  void solve_listed(const Tag& tag) override;
+  CompletionRecord completion(const BoardError& error, const ListBytes& moved) const override;
+  void list_ended(const BoardError& error, const Tag& tag) override;
   void load_done();
   void update_node();
   void reset();
   void finish();
 
-  void begin(Running what);
-  void run_for(Running what, std::int64_t clocks);
-  void begin_solve();
+  void begin(Running what, const Tag& tag);
+  void run_for(Running what, const Tag& tag, std::int64_t clocks);
+  void begin_solve(const Tag& tag);
+  void end_job(const BoardError& error);
   void take_engine_words();
   void note_engine_clocks(const engine::StateClocks& state);
+  bool one_a_word() const { return bank_.get(field::kPackingMode) != 0; }
   bool load_engine(const fixed::Settings& settings);
   void give_engine_x();
   void edit_engine(int node);
@@ -138,6 +160,10 @@ class Accelerator : public sc_core::sc_module {
   std::unique_ptr<engine::CycleEngine> cycles_;  // cycle-accurate
   std::vector<std::int32_t> engine_u_;
   std::optional<EngineSolve> longest_solve_;
+
+  std::unique_ptr<DmaEngine> dma_;
+  bool listed_ = false;  // the job is a list's
+  JobEnd job_end_;
 
   Running running_ = Running::nothing;
   sc_core::sc_event done_;

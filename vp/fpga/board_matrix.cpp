@@ -16,6 +16,7 @@ BoardError read_matrix(const RegisterBank& bank, fixed::QuantisedMatrix& matrix)
     return {ErrorCode::bad_size, blocks};
   }
   const unsigned bits = bank.get(field::kFormatMatrixBits);
+  const bool one_a_word = bank.get(field::kPackingMode) != 0;
   const std::span<const std::uint32_t> row_begin = bank.memory(Aperture::row_begin);
   const std::span<const std::uint32_t> column = bank.memory(Aperture::column);
   const std::span<const std::uint32_t> value = bank.memory(Aperture::value);
@@ -50,7 +51,7 @@ BoardError read_matrix(const RegisterBank& bank, fixed::QuantisedMatrix& matrix)
   for (std::uint32_t row = 0; row < nodes; ++row) {
     for (std::size_t i = 9 * std::size_t{row_begin[row]}; i < 9 * std::size_t{row_begin[row + 1]};
          ++i) {
-      const std::int32_t element = packed_element(value, i, bits);
+      const std::int32_t element = packed_element(value, i, bits, one_a_word);
       // The multipliers have no room for the one negative number without a positive twin.
       if (element > limit || element < -limit) return {ErrorCode::bad_matrix, row};
       matrix.value.push_back(element);
@@ -68,9 +69,10 @@ BoardError read_matrix(const RegisterBank& bank, fixed::QuantisedMatrix& matrix)
 void write_back_node(const fixed::QuantisedMatrix& matrix, int node, RegisterBank& bank) {
   const std::span<std::uint32_t> words = bank.memory(Aperture::value);
   const auto bits = static_cast<unsigned>(matrix.bits);
+  const bool one_a_word = bank.get(field::kPackingMode) != 0;
   const auto copy_block = [&](std::size_t block) {
     for (std::size_t i = 9 * block; i < 9 * block + 9; ++i) {
-      set_packed_element(words, i, bits, matrix.value[i]);
+      set_packed_element(words, i, bits, matrix.value[i], one_a_word);
     }
   };
   const auto row = static_cast<std::size_t>(node);

@@ -1,6 +1,10 @@
 #include "vp/host/board_access.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "vp/fpga/register_table.h"
+#include "vp/host/word_spans.h"
 
 namespace hvp::vp {
 
@@ -12,9 +16,10 @@ BoardAccess& self(void* context) { return *static_cast<BoardAccess*>(context); }
 }  // namespace
 
 BoardAccess::BoardAccess(const sc_core::sc_module_name& name, Picoseconds interrupt_latency,
-                         Ledger& ledger, Dispatcher* dispatcher)
+                         Ledger& ledger, Dispatcher* dispatcher, const Transfer& transfer)
     : sc_module(name),
       to_bus("to_bus"),
+      transfer_(transfer),
       interrupt_latency_(interrupt_latency),
       ledger_(ledger),
       dispatcher_(dispatcher),
@@ -24,24 +29,29 @@ BoardAccess::BoardAccess(const sc_core::sc_module_name& name, Picoseconds interr
   payload_.set_byte_enable_ptr(nullptr);
   solver_bus_.context = this;
   solver_bus_.read32 = [](void* context, std::uint32_t offset) noexcept {
-    std::uint32_t value = 0;
-    self(context).read(kSolverBase + offset, &value, sizeof(value));
-    return value;
+    return self(context).read_register(offset);
   };
   solver_bus_.write32 = [](void* context, std::uint32_t offset, std::uint32_t value) noexcept {
     self(context).write(kSolverBase + offset, &value, sizeof(value));
   };
   solver_bus_.read_block = [](void* context, std::uint32_t offset, std::uint32_t* words,
                               std::size_t count) noexcept {
-    self(context).read(kSolverBase + offset, words, 4 * count);
+    self(context).transport_block(tlm::TLM_READ_COMMAND, offset, words, count);
   };
   solver_bus_.write_block = [](void* context, std::uint32_t offset, const std::uint32_t* words,
                                std::size_t count) noexcept {
-    self(context).write(kSolverBase + offset, words, 4 * count);
+    // A write only reads them.
+    self(context).transport_block(tlm::TLM_WRITE_COMMAND, offset, const_cast<std::uint32_t*>(words),
+                                  count);
   };
-  solver_bus_.wait_interrupt = [](void* context, std::uint64_t timeout_ns) noexcept {
-    return self(context).wait_interrupt(timeout_ns);
-  };
+  if (transfer_.notification == link::Notification::polling) {
+    solver_bus_.pause = [](void* context) noexcept { self(context).pause(); };
+  } else {
+    solver_bus_.wait_interrupt = [](void* context, std::uint64_t timeout_ns) noexcept {
+      return self(context).wait_interrupt(timeout_ns);
+    };
+  }
+  solver_bus_.interrupts_after_writes = transfer_.notification == link::Notification::msi;
   solver_bus_.now_ns = [](void* context) noexcept {
     return static_cast<std::uint64_t>(self(context).time_.now() / 1000);
   };
@@ -75,8 +85,92 @@ bool BoardAccess::transport(tlm::tlm_command command, std::uint64_t address, uns
   return payload_.is_response_ok();
 }
 
+bool BoardAccess::by_words(tlm::tlm_command command) const {
+  switch (transfer_.method) {
+    case Transfer::Method::bursts:
+    case Transfer::Method::dma:
+      return false;
+    case Transfer::Method::programmed_io:
+      return true;
+    case Transfer::Method::write_combined_io:
+      return command == tlm::TLM_READ_COMMAND;
+  }
+  return false;
+}
+
+void BoardAccess::transport_block(tlm::tlm_command command, std::uint32_t offset,
+                                  std::uint32_t* words, std::size_t count) {
+  const std::uint64_t address = kSolverBase + offset;
+  auto* const bytes = reinterpret_cast<unsigned char*>(words);
+  if (!by_words(command)) {
+    transport(command, address, bytes, 4 * count);
+    return;
+  }
+  WordSpans spans(ledger_, tag_);
+  for (std::size_t i = 0; i < count; ++i) {
+    transport(command, address + 4 * i, bytes + 4 * i, 4);
+    spans.fold();
+  }
+}
+
+std::uint32_t BoardAccess::read_register(std::uint32_t offset) {
+  std::uint32_t value = 0;
+  const bool looks = transfer_.notification == link::Notification::polling && tag_.frame >= 0 &&
+                     offset == kRegisters[static_cast<std::size_t>(Register::status)].offset;
+  if (looks) {
+    poll_status(value);
+  } else {
+    read(kSolverBase + offset, &value, sizeof(value));
+  }
+  return value;
+}
+
+// Looks in vain are one span, whatever they were.
+void BoardAccess::poll_status(std::uint32_t& status) {
+  time_.synchronise();
+  const Picoseconds since = now_ps();
+  Tag nothing;
+  extension_.tag = &nothing;
+  read(kSolverBase + kRegisters[static_cast<std::size_t>(Register::status)].offset, &status,
+       sizeof(status));
+  extension_.tag = &tag_;
+  note_looking(since, (status & (field::kStatusDone.mask() | field::kStatusError.mask())) != 0);
+}
+
+void BoardAccess::pause() {
+  time_.synchronise();
+  const Picoseconds since = now_ps();
+  wait(to_sc_time(std::llround(transfer_.poll_interval_s * 1e12)));
+  // With DMA the record is in memory when the job has ended.
+  note_looking(since, transfer_.method == Transfer::Method::dma);
+}
+
+// The processor has been looking from `since` until now. Once the board has answered, the frame
+// follows the board, and what the look came later than the end is a span of its own.
+void BoardAccess::note_looking(Picoseconds since, bool may_have_ended) {
+  if (tag_.frame < 0) return;
+  std::vector<Span>& spans = ledger_.frame(tag_.frame).spans;
+  Span* const last = tag_.cause == kBirth ? nullptr : &spans[static_cast<std::size_t>(tag_.cause)];
+  const bool goes_on = last != nullptr && last->part == Part::host && last->end == since &&
+                       (last->phase == Phase::wait || last->phase == Phase::polling);
+  if (goes_on) {
+    last->end = now_ps();
+    if (last->phase == Phase::polling) return;
+  } else {
+    looking_since_ = since;
+    ledger_.extend(tag_, Part::host, Phase::wait, since, now_ps());
+  }
+  if (!may_have_ended || job_end_ == nullptr || job_end_->tag.frame != tag_.frame ||
+      job_end_->time <= looking_since_) {
+    return;
+  }
+  tag_.cause = job_end_->tag.cause;
+  ledger_.extend(tag_, Part::host, Phase::polling, job_end_->time, now_ps());
+}
+
+// A message is taken by the wait that it ends; a line stays up until the board lowers it.
 void BoardAccess::interrupt(const Tag& tag) {
-  if (!line_up_) interrupt_tag_ = tag;
+  if (!line_up_ || messages()) interrupt_tag_ = tag;
   line_up_ = true;
   raised_.notify(sc_core::SC_ZERO_TIME);
 }
@@ -113,6 +207,7 @@ int BoardAccess::wait_interrupt(std::uint64_t timeout_ns) {
       tag_.cause = waited;
     }
   }
+  if (messages()) line_up_ = false;
   const Picoseconds requested = now_ps();
   wait(to_sc_time(interrupt_latency_));
   ledger_.extend(tag_, Part::host, Phase::interrupt, requested, now_ps());

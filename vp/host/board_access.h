@@ -7,9 +7,12 @@
 #include <tlm_utils/simple_initiator_socket.h>
 
 #include "driver/hvp_driver.h"
+#include "vp/fpga/accelerator.h"
 #include "vp/frame_tag.h"
 #include "vp/host/dispatcher.h"
+#include "vp/host/host_memory.h"
 #include "vp/host/local_time.h"
+#include "vp/host/transfer.h"
 #include "vp/ledger.h"
 
 namespace hvp::vp {
@@ -25,14 +28,21 @@ inline constexpr std::uint64_t kDaqBase = 0x2000'0000;
 class BoardAccess : public sc_core::sc_module, public InterruptIf {
  public:
   // `dispatcher`: what wakes the process that waits for an interrupt; null: it runs at once.
+  // `transfer`: what the driver's blocks become on the bus, and what it waits for.
   BoardAccess(const sc_core::sc_module_name& name, Picoseconds interrupt_latency, Ledger& ledger,
-              Dispatcher* dispatcher = nullptr);
+              Dispatcher* dispatcher = nullptr, const Transfer& transfer = {});
   ~BoardAccess() override;
 
   tlm_utils::simple_initiator_socket<BoardAccess> to_bus;
 
   // The driver's view of the solver board; valid as long as this object.
   const hvp_bus& solver_bus() const { return solver_bus_; }
+
+  const Transfer& transfer() const { return transfer_; }
+
+  // For a host that polls: when the board's last job had ended, so that a frame's critical path
+  // goes through the board and not through the looks in vain.
+  void watch(const JobEnd& job_end) { job_end_ = &job_end; }
 
   // The frame that accesses are for and its newest span.
   Tag& tag() { return tag_; }
@@ -55,7 +65,18 @@ class BoardAccess : public sc_core::sc_module, public InterruptIf {
   bool transport(tlm::tlm_command command, std::uint64_t address, unsigned char* data,
                  std::size_t bytes);
   int wait_interrupt(std::uint64_t timeout_ns);
+  bool messages() const { return transfer_.notification == link::Notification::msi; }
+  bool by_words(tlm::tlm_command command) const;
+  void transport_block(tlm::tlm_command command, std::uint32_t offset, std::uint32_t* words,
+                       std::size_t count);
+  std::uint32_t read_register(std::uint32_t offset);
+  void poll_status(std::uint32_t& status);
+  void pause();
+  void note_looking(Picoseconds since, bool may_have_ended);
 
+  Transfer transfer_;
+  const JobEnd* job_end_ = nullptr;
+  Picoseconds looking_since_ = 0;
   Picoseconds interrupt_latency_;
   Ledger& ledger_;
   Dispatcher* dispatcher_;

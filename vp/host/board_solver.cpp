@@ -18,19 +18,37 @@ bool contains(std::span<const int> ascending, int node) {
 }
 }  // namespace
 
+std::int64_t BoardSolver::rhs_bytes(const fixed::Settings& settings, const Transfer& transfer,
+                                    std::size_t unknowns) {
+  const link::Payload words{0, 0, settings.residual_bits(), transfer.packed};
+  return words.bytes(static_cast<std::int64_t>(unknowns));
+}
+
+std::int64_t BoardSolver::solution_bytes(const fixed::Settings& settings, const Transfer& transfer,
+                                         std::size_t unknowns) {
+  const link::Payload words{0, 0, settings.vector_bits, transfer.packed};
+  return words.bytes(static_cast<std::int64_t>(unknowns));
+}
+
 BoardSolver::BoardSolver(const fixed::Settings& settings, host::FrameComputation& computation,
-                         const hvp_bus& bus, const Work& work)
+                         const BoardAccess& access, const Work& work, HostMemory* memory)
     : settings_(settings),
       computation_(computation),
-      bus_(bus),
+      access_(access),
       work_(work),
       b_(computation.displacement().size()),
       u_(computation.displacement().size()) {
   scratch_.resize(std::max<std::size_t>(HVP_MIN_SCRATCH_WORDS, b_.size()));
+  const Transfer& transfer = access.transfer();
+  if (memory == nullptr || transfer.method != Transfer::Method::dma) return;
+  dma_.emplace(*memory, transfer.engine(),
+               static_cast<std::size_t>(rhs_bytes(settings, transfer, b_.size())),
+               static_cast<std::size_t>(solution_bytes(settings, transfer, u_.size())));
 }
 
 hvp_status BoardSolver::set_up() {
-  const hvp_solver_config config = driver_config(settings_);
+  hvp_solver_config config = driver_config(settings_);
+  config.one_a_word = !access_.transfer().packed;
   const fixed::QuantisedMatrix& k = computation_.quantised();
   const hvp_matrix matrix{static_cast<std::uint32_t>(k.block_rows()),
                           static_cast<std::uint32_t>(k.column.size()), k.row_begin.data(),
@@ -38,7 +56,8 @@ hvp_status BoardSolver::set_up() {
   // Whatever the board had been told of a contact went with its matrix.
   computation_.set_contact({});
 
-  hvp_status status = hvp_open(&device_, &bus_, scratch_.data(), scratch_.size());
+  hvp_status status = hvp_open(&device_, &access_.solver_bus(), scratch_.data(), scratch_.size());
+  if (status == HVP_OK && dma_) status = hvp_use_dma(&device_, &dma_->dma());
   if (status == HVP_OK) status = hvp_configure(&device_, &config);
   if (status == HVP_OK) status = hvp_load_matrix(&device_, &matrix);
   if (status == HVP_OK && config.start != HVP_START_FROM_ZERO) {

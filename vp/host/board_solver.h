@@ -1,11 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "models/fixed/settings.h"
 #include "models/host/frame_computation.h"
+#include "vp/host/board_access.h"
+#include "vp/host/dma_memory.h"
 #include "vp/host/frame_solver.h"
 
 namespace hvp::vp {
@@ -14,9 +17,17 @@ namespace hvp::vp {
 // refined. Reaches the board through the driver alone.
 class BoardSolver : public FrameSolver {
  public:
-  // Keeps references. `settings` are those of the board; `bus` is the driver's way to it.
+  // Keeps references. `settings` are those of the board; `access` is the driver's way to it.
+  // `memory`: where a DMA engine finds b and leaves U; null where none does. Throws InputError with
+  // the key "transfer.dma.segment_bytes" where that is too much for it.
   BoardSolver(const fixed::Settings& settings, host::FrameComputation& computation,
-              const hvp_bus& bus, const Work& work);
+              const BoardAccess& access, const Work& work, HostMemory* memory = nullptr);
+
+  // Bytes of b and of U on their way.
+  static std::int64_t rhs_bytes(const fixed::Settings& settings, const Transfer& transfer,
+                                std::size_t unknowns);
+  static std::int64_t solution_bytes(const fixed::Settings& settings, const Transfer& transfer,
+                                     std::size_t unknowns);
 
   hvp_status set_up() override;
   hvp_status move_contact(std::span<const int> nodes) override;
@@ -34,9 +45,10 @@ class BoardSolver : public FrameSolver {
 
   fixed::Settings settings_;
   host::FrameComputation& computation_;
-  const hvp_bus& bus_;
+  const BoardAccess& access_;
   const Work& work_;
 
+  std::optional<DmaMemory> dma_;
   hvp_device device_{};
   std::vector<std::uint32_t> scratch_;
   std::vector<std::int32_t> b_;

@@ -21,9 +21,10 @@ constexpr std::size_t kStackBytes = 1 << 20;  // the C driver runs on it
 
 std::unique_ptr<FrameSolver> make_solver(const fixed::Settings& settings,
                                          host::FrameComputation& computation,
-                                         const BoardAccess& access, const Work& work) {
+                                         const BoardAccess& access, const Work& work,
+                                         HostMemory* memory) {
   if (computation.on_host() != nullptr) return std::make_unique<HostSolver>(computation, work);
-  return std::make_unique<BoardSolver>(settings, computation, access.solver_bus(), work);
+  return std::make_unique<BoardSolver>(settings, computation, access, work, memory);
 }
 }  // namespace
 
@@ -31,7 +32,7 @@ ServoProcess::ServoProcess(const sc_core::sc_module_name& name, const ServoSetti
                            const fem::Body& body, host::FrameComputation& computation,
                            const collision::ContactSearch& contacts, BoardAccess& access,
                            Dispatcher& dispatcher, Exchange& exchange, Ledger& ledger,
-                           Verdict& verdict, Session& session)
+                           Verdict& verdict, Session& session, HostMemory* memory)
     : sc_module(name),
       settings_(settings),
       body_(body),
@@ -45,7 +46,7 @@ ServoProcess::ServoProcess(const sc_core::sc_module_name& name, const ServoSetti
       session_(session),
       begun_("begun"),
       work_(settings_.costs, settings_.untimed, access.tag(), access.time(), ledger),
-      solver_(make_solver(settings_.solver, computation, access, work_)) {
+      solver_(make_solver(settings_.solver, computation, access, work_, memory)) {
   SC_HAS_PROCESS(ServoProcess);
   SC_THREAD(run);
   set_stack_size(kStackBytes);

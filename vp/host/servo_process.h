@@ -71,11 +71,12 @@ struct ServoCounts {
 // the modified force vector is formed, its force is written while the board solves this one.
 class ServoProcess : public sc_core::sc_module {
  public:
+  // `memory`: what the board's DMA engine reaches; null where there is none.
   ServoProcess(const sc_core::sc_module_name& name, const ServoSettings& settings,
                const fem::Body& body, host::FrameComputation& computation,
                const collision::ContactSearch& contacts, BoardAccess& access,
                Dispatcher& dispatcher, Exchange& exchange, Ledger& ledger, Verdict& verdict,
-               Session& session);
+               Session& session, HostMemory* memory = nullptr);
   ~ServoProcess() override;
 
   void add_observer(FrameObserver& observer) { observers_.push_back(&observer); }

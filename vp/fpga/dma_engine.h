@@ -1,0 +1,135 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <systemc>
+#include <vector>
+
+#include <tlm_utils/simple_initiator_socket.h>
+
+#include "models/link/frame_transfer.h"
+#include "vp/fpga/board_matrix.h"
+#include "vp/fpga/register_bank.h"
+#include "vp/frame_tag.h"
+#include "vp/ledger.h"
+
+namespace hvp::vp {
+
+// What the board does as master of its bus; nothing by default.
+struct MasterSettings {
+  std::optional<link::DmaEngine> dma;
+  // Its interrupts are writes to kMessageAddress, behind its data, instead of a line.
+  bool messages = false;
+
+  bool present() const { return dma.has_value() || messages; }
+};
+
+// Bytes that a list has moved.
+struct ListBytes {
+  std::uint32_t to_board = 0;
+  std::uint32_t to_host = 0;
+};
+
+inline constexpr std::size_t kDescriptorWords = 8;
+inline constexpr std::size_t kRecordWords = 8;
+using CompletionRecord = std::array<std::uint32_t, kRecordWords>;
+
+// Details of dma_failed that are no descriptor's place.
+inline constexpr std::uint32_t kListFailed = 0xffff'fffe;
+inline constexpr std::uint32_t kRecordFailed = 0xffff'ffff;
+
+// What the engine needs of the board around it.
+class ListOwner {
+ public:
+  virtual ~ListOwner() = default;
+  // B is there: the solve starts, for the tag, and DmaEngine::solved() tells of its end.
+  virtual void solve_listed(const Tag& tag) = 0;
+  virtual CompletionRecord completion(const BoardError& error, const ListBytes& moved) const = 0;
+  // The record is written, or could not be.
+  virtual void list_ended(const BoardError& error, const Tag& tag) = 0;
+};
+
+// The board as master: works through a list of descriptors (CONTROL.run_list in docs/registers.md)
+// and sends interrupts as messages. One process, one transaction at a time; every request goes out
+// through to_memory with the job's tag, so that a frame's critical path runs through it. It exists
+// only where a scenario asks for one of the two.
+class DmaEngine : public sc_core::sc_module {
+ public:
+  // The most descriptors of a list: 32 bytes each, 8 KiB of the board's memory.
+  static constexpr std::uint32_t kMaxDescriptors = 256;
+
+  // `untimed`: the engine's own latency is left out. Keeps references.
+  DmaEngine(const sc_core::sc_module_name& name, const MasterSettings& settings, bool untimed,
+            RegisterBank& bank, ListOwner& owner, Ledger& ledger);
+  ~DmaEngine() override;
+
+  // Unbound, every transfer fails and messages are lost.
+  tlm_utils::simple_initiator_socket_optional<DmaEngine> to_memory;
+
+  bool has_lists() const { return settings_.dma.has_value(); }
+  bool sends_messages() const { return settings_.messages; }
+
+  // The doorbell: DMA_* are right. The frame is held until the list has ended.
+  void ring(const Tag& tag);
+  // The solve has ended; `tag` ends in its span.
+  void solved(const Tag& tag, const BoardError& error);
+  // An interrupt: goes out when the transaction that is under way has ended.
+  void send_message(const Tag& tag);
+  // Gives everything up. A transaction that is under way ends on the bus, without effect here.
+  void abort();
+
+  std::int64_t lists() const { return lists_; }
+
+ private:
+  struct Descriptor {
+    std::uint32_t bytes;
+    std::uint64_t address;
+    std::uint32_t offset;
+  };
+  enum class Way { to_board, to_host };
+
+  void run();
+  void run_list();
+  void post_message();
+  void let_latency_pass(Picoseconds since);
+  BoardError fetch(std::uint32_t first, std::uint32_t count);
+  BoardError move(Way way, std::uint32_t first, std::uint32_t count);
+  bool move_segment(Way way, const Descriptor& descriptor);
+  std::optional<Descriptor> parse(Way way, std::uint32_t place) const;
+  bool write_record(const BoardError& error);
+  void hold(Tag& held, const Tag& tag);
+  void let_go(Tag& held);
+  bool transport(tlm::tlm_command command, std::uint64_t address, std::span<std::uint8_t> data,
+                 Tag& tag, std::optional<Phase> phase);
+
+  MasterSettings settings_;
+  Picoseconds latency_;
+  RegisterBank& bank_;
+  ListOwner& owner_;
+  Ledger& ledger_;
+
+  sc_core::sc_event work_;
+  bool rung_ = false;
+  bool solved_ = false;
+  bool message_ = false;
+  std::uint64_t generation_ = 0;  // counts what was given up
+  Picoseconds rung_at_ = 0;
+  Picoseconds solved_at_ = 0;
+  Picoseconds message_at_ = 0;
+  BoardError solve_error_;
+  Tag rung_tag_;     // of the list that waits
+  Tag tag_;          // of the list that runs
+  Tag message_tag_;  // of the message that waits
+  Tag posted_tag_;   // of the message that is under way
+  ListBytes moved_;
+  std::int64_t lists_ = 0;
+
+  tlm::tlm_generic_payload payload_;
+  FrameTag extension_;
+  std::vector<std::uint32_t> descriptors_;  // of the list that runs, by their place
+  std::vector<std::uint8_t> segment_;       // as long as the longest that B or U can hold
+};
+
+}  // namespace hvp::vp

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "driver/hvp_driver.h"
+#include "models/link/frame_transfer.h"
+#include "vp/host/host_memory.h"
+
+namespace hvp::vp {
+
+// Where b, U, the descriptors and the completion record lie in the host's memory. As an operating
+// system gives them: in segments that do not lie together, those of b and of U in turn.
+class DmaMemory {
+ public:
+  // Bytes that it takes from the memory's beginning. `b_bytes` and `u_bytes` are multiples of 4.
+  static std::size_t needed(const link::DmaEngine& engine, std::size_t b_bytes,
+                            std::size_t u_bytes);
+
+  // Throws InputError with the key "transfer.dma.segment_bytes" where the board's engine has no
+  // room for so many descriptors. The memory has to outlive it.
+  DmaMemory(HostMemory& memory, const link::DmaEngine& engine, std::size_t b_bytes,
+            std::size_t u_bytes);
+
+  // What hvp_use_dma() is given; valid as long as this object.
+  const hvp_dma& dma() const { return dma_; }
+
+ private:
+  std::vector<hvp_segment> to_board_;
+  std::vector<hvp_segment> to_host_;
+  hvp_dma dma_{};
+};
+
+}  // namespace hvp::vp

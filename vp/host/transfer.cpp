@@ -1,0 +1,84 @@
+#include "vp/host/transfer.h"
+
+#include <string>
+
+#include "models/config/input_error.h"
+
+namespace hvp::vp {
+
+void Transfer::declare(config::Visitor& v) {
+  using config::Dimension;
+  v.choice(
+      "method", method,
+      {{"bursts", Method::bursts},
+       {"programmed-io", Method::programmed_io},
+       {"write-combined-io", Method::write_combined_io},
+       {"dma", Method::dma}},
+      {"bursts: the processor moves blocks, in the bridge's bursts both ways; programmed-io: a "
+       "store or a load a word; write-combined-io: stores in bursts, a load a word; dma: the "
+       "board moves b and U, all else goes in bursts",
+       "the link of thesis section 6.2.1 at its best"});
+  v.choice(
+      "notification", notification,
+      {{"intx", link::Notification::intx},
+       {"msi", link::Notification::msi},
+       {"polling", link::Notification::polling}},
+      {"how the host hears of a job's end: a line, with a read of STATUS; a message, which is a "
+       "write behind the board's data; or by looking, at STATUS or, with dma, at memory",
+       "what every PCI board has"});
+  v.quantity("poll_interval", poll_interval_s, Dimension::time, config::between(10e-9, 10e-3),
+             {"between two looks; notification = \"polling\" only", "about a read over the bus"});
+  v.boolean("packed", packed,
+            {"elements of at most 16 bits travel two in a word of 32; false: one a word",
+             "thesis section 6.2.1: the link is what limits"});
+  v.effect("dma", dma, {"the board's DMA engine, for method = \"dma\""});
+}
+
+void Transfer::check() const {
+  if (dma && method != Method::dma) {
+    throw InputError("dma", std::string("needs method = \"dma\", found \"") + name(method) + "\"");
+  }
+  if (poll_interval_s != kPollInterval && notification != link::Notification::polling) {
+    throw InputError("poll_interval", std::string("needs notification = \"polling\", found \"") +
+                                          key_of(notification) + "\"");
+  }
+}
+
+MasterSettings Transfer::master() const {
+  MasterSettings master;
+  if (method == Method::dma) master.dma = engine();
+  master.messages = notification == link::Notification::msi;
+  return master;
+}
+
+bool Transfer::plain() const {
+  return method == Method::bursts && notification == link::Notification::intx && packed;
+}
+
+const char* name(Transfer::Method method) {
+  switch (method) {
+    case Transfer::Method::bursts:
+      return "bursts";
+    case Transfer::Method::programmed_io:
+      return "programmed-io";
+    case Transfer::Method::write_combined_io:
+      return "write-combined-io";
+    case Transfer::Method::dma:
+      return "dma";
+  }
+  return "";
+}
+
+const char* key_of(link::Notification notification) {
+  switch (notification) {
+    case link::Notification::polling:
+      return "polling";
+    case link::Notification::intx:
+      return "intx";
+    case link::Notification::msi:
+      return "msi";
+  }
+  return "";
+}
+
+}  // namespace hvp::vp

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <optional>
+
+#include "models/config/declaration.h"
+#include "models/link/frame_transfer.h"
+#include "vp/fpga/dma_engine.h"
+
+namespace hvp::vp {
+
+// The scenario's table [transfer]: how the driver moves b and U, and how it hears of the end.
+struct Transfer {
+  enum class Method { bursts, programmed_io, write_combined_io, dma };
+
+  Method method = Method::bursts;
+  link::Notification notification = link::Notification::intx;
+  double poll_interval_s = kPollInterval;
+  bool packed = true;
+  std::optional<link::DmaEngine> dma;  // the effect [transfer.dma]
+
+  void declare(config::Visitor& v);
+  // Throws InputError for a key whose counterpart is missing.
+  void check() const;
+
+  // What it makes of the board.
+  MasterSettings master() const;
+  link::DmaEngine engine() const { return dma.value_or(link::DmaEngine{}); }
+  // Where it is what a board without a DMA engine and with a line does.
+  bool plain() const;
+
+ private:
+  static constexpr double kPollInterval = 1e-6;
+};
+
+const char* name(Transfer::Method method);
+// As a scenario writes it.
+const char* key_of(link::Notification notification);
+
+}  // namespace hvp::vp
