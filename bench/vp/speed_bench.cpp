@@ -32,10 +32,10 @@ constexpr std::int64_t kFrames = 20'000;
 constexpr std::int64_t kTracedFrames = 1'000;
 
 struct Case {
-  const char* name;
-  vp::Timing bus;
-  bool frames_file;
-  std::int64_t traced_frames;
+  const char* name = "";
+  vp::Timing bus = vp::Timing::loosely_timed;
+  bool frames_file = false;
+  std::int64_t traced_frames = 0;
   double frame_s = std::numeric_limits<double>::infinity();
 };
 
