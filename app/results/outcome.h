@@ -8,6 +8,7 @@
 #include "app/results/engine_clocks.h"
 #include "app/results/latency_figures.h"
 #include "models/stability/flag.h"
+#include "vp/bus_use.h"
 #include "vp/verdict.h"
 
 namespace hvp::results {
@@ -21,6 +22,18 @@ struct Accuracy {
   std::optional<double> displacement_worst;  // the worst frame, against the true model
   std::optional<double> force_worst;
   std::int64_t frames = 0;  // compared, the body at rest not counted
+};
+
+// How much of the servo loop's time the bus was taken.
+struct BusLoad {
+  double share = 0;
+  double worst_share = 0;  // from one frame's solution to the next one's
+  vp::Picoseconds time = 0;
+  vp::BusUses uses;  // of every initiator
+
+  double share_of(const vp::BusUse& use) const {
+    return time > 0 ? static_cast<double>(use.busy) / static_cast<double>(time) : 0;
+  }
 };
 
 // What a run came to: everything that the terminal and summary.json show.
@@ -50,6 +63,7 @@ struct Outcome {
   std::int64_t bus_transactions = 0;
   std::int64_t bus_bytes = 0;
   vp::Picoseconds bus_busy = 0;
+  BusLoad bus_load;
   vp::Picoseconds simulated = 0;  // from the first tick to the end of the last frame
   std::int64_t illegal_accesses = 0;
   std::optional<EngineClocks> engine;  // where the fidelity has one and it solved something

@@ -136,6 +136,18 @@ void verdict_lines(Out out, const Outcome& o, bool timing_only) {
   spread_line(out, "wake-up after", o.wake_up);
 }
 
+void bus_line(Out out, const BusLoad& load) {
+  fmt::format_to(out, "  bus taken      {} of the time, {} around the busiest frame",
+                 percent(load.share), percent(load.worst_share));
+  const char* separator = "; ";
+  for (const vp::BusUse& use : load.uses) {
+    if (use.transactions == 0) continue;
+    fmt::format_to(out, "{}{} {}", separator, use.name, percent(load.share_of(use)));
+    separator = ", ";
+  }
+  fmt::format_to(out, "\n");
+}
+
 void attribution_lines(Out out, const Outcome& o) {
   fmt::format_to(out, "\nWorst frame  number {}: {} from its tick to the force at the motor\n",
                  o.worst_frame, readable_time(o.worst));
@@ -274,6 +286,7 @@ std::string report(const app::Scene& scene, const Outcome& o) {
   verdict_lines(out, o, scene.scenario().timing_only());
   reservations(out, scene, o);
   text += parts_text(o.latency);
+  bus_line(out, o.bus_load);
   attribution_lines(out, o);
   engine_lines(out, scene, o);
   accuracy_lines(out, scene, o);

@@ -63,6 +63,20 @@ ordered_json attribution(const std::vector<vp::Attribution>& lines) {
   return list;
 }
 
+ordered_json utilisation(const BusLoad& load) {
+  ordered_json j = {{"share", load.share}, {"worst_frame_share", load.worst_share}};
+  j["by_initiator"] = ordered_json::array();
+  for (const vp::BusUse& use : load.uses) {
+    if (use.transactions == 0) continue;
+    j["by_initiator"].push_back({{"initiator", use.name},
+                                 {"share", load.share_of(use)},
+                                 {"busy_us", us(use.busy)},
+                                 {"bytes", use.bytes},
+                                 {"transactions", use.transactions}});
+  }
+  return j;
+}
+
 // The clocks of the longest solve: the engine's where there is one, beside the closed form of the
 // same work; elsewhere the closed form of a solve that makes all its iterations.
 ordered_json accelerator(const app::Scene& scene, const Outcome& o) {
@@ -146,6 +160,7 @@ std::string summary_json(const app::Scene& scene, const Outcome& o) {
   j["solver"] = host::name(s.host.solver);
   j["bus"] = {
       {"transactions", o.bus_transactions}, {"bytes", o.bus_bytes}, {"busy_us", us(o.bus_busy)}};
+  j["bus"]["utilisation"] = utilisation(o.bus_load);
   const mesh::Quality& q = scene.quality();
   j["mesh"] = {{"nodes", q.nodes},
                {"active_nodes", scene.body().active_nodes()},

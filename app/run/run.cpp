@@ -17,6 +17,7 @@
 #include "app/run/accuracy.h"
 #include "app/run/deformation_recorder.h"
 #include "driver/hvp_driver.h"
+#include "vp/bus_meter.h"
 #include "vp/latency_statistics.h"
 #include "vp/platform.h"
 
@@ -158,10 +159,14 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   platform.add_sink(trace);
   if (accuracy) platform.add_observer(*accuracy);
   if (deformation) platform.add_observer(*deformation);
+  vp::BusMeter bus({[&platform] { return platform.bus().busy(); },
+                    [&platform] { return platform.bus().uses(); }});
+  platform.add_observer(bus);
   ProgressTicker ticker(options.progress, s.frames);
   if (options.progress) platform.add_observer(ticker);
 
   platform.run();
+  bus.ended();
   if (platform.verdict().frames() == 0) {
     throw std::runtime_error(fmt::format("the board could not be set up: {}",
                                          hvp_status_text(platform.servo().counts().last_error)));
@@ -175,6 +180,7 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   if (waveform) waveform->finish();
   results::Outcome outcome = outcome_of(
       platform, scene, latency, accuracy ? std::optional(accuracy->accuracy()) : std::nullopt);
+  outcome.bus_load = {bus.share(), bus.worst_share(), bus.time(), bus.uses()};
   outcome.trace_cut_at = trace.cut_at();
   if (accuracy) outcome.flags.merge(accuracy->flags());
   results::write_through_part_file(directory / "summary.json",

@@ -75,6 +75,7 @@ void ServoProcess::serve() {
   set_up_time_ = now_ps() - began;
   session_.begin = now_ps();
   begun_.notify(sc_core::SC_ZERO_TIME);
+  for (FrameObserver* observer : observers_) observer->begun();
   std::int64_t number = 0;
   while (number < settings_.frames) {
     if (settings_.costs.pipeline_depth == 0) {

@@ -41,6 +41,8 @@ struct SolvedFrame {
 class FrameObserver {
  public:
   virtual ~FrameObserver() = default;
+  // Set-up is over, the servo loop begins.
+  virtual void begun() {}
   virtual void solved(const SolvedFrame& frame) = 0;
 };
 

@@ -214,7 +214,9 @@ BusUses PciBus::uses() const {
 
 Picoseconds PciBus::busy() const {
   Picoseconds sum = 0;
-  for (const BusUse& use : uses()) sum += use.busy;
+  for (const BusUse& use : uses_) sum += use.busy;
+  if (!arbiter_) return sum;
+  for (int master = 0; master < kMasters; ++master) sum += arbiter_->statistics(master).owned_ps;
   return sum;
 }
 

@@ -203,6 +203,23 @@ TEST_F(Results, LatencyFiguresAgreeWithTheFrames) {
   EXPECT_THAT(ended.out, HasSubstr("\n  bus block read "));
 }
 
+TEST_F(Results, UtilisationOfTheBusIsWithoutTheSetUp) {
+  const Ended ended = run();
+  const json bus = summary().at("bus");
+  const json& used = bus.at("utilisation");
+  ASSERT_EQ(used.at("by_initiator").size(), 1U);
+  const json& processor = used.at("by_initiator")[0];
+  EXPECT_EQ(processor.at("initiator"), "processor");
+  EXPECT_EQ(processor.at("share"), used.at("share"));
+  EXPECT_GT(used.at("share"), 0);
+  EXPECT_LE(used.at("share"), used.at("worst_frame_share"));
+  EXPECT_LT(used.at("worst_frame_share"), 1);
+  // K is loaded before.
+  EXPECT_LT(processor.at("bytes"), bus.at("bytes"));
+  EXPECT_LT(processor.at("busy_us"), bus.at("busy_us"));
+  EXPECT_THAT(ended.out, HasSubstr("; processor "));
+}
+
 TEST_F(Results, FramesSayWhichWereLate) {
   // A period between the shortest and the longest frame of a run that was in time.
   run();

@@ -1,0 +1,88 @@
+#include "vp/bus_meter.h"
+
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include "tests/vp/small_scene.h"
+#include "vp/platform.h"
+
+namespace hvp::vp {
+namespace {
+
+// What the frames' transactions took, from the ledger.
+class BusSpans : public FrameSink {
+ public:
+  void take(const Frame& frame, const std::vector<SpanId>& /*path*/) override {
+    Picoseconds time = 0;
+    for (const Span& span : frame.spans) {
+      if (span.part == Part::bus && span.phase != Phase::arbitration) time += span.end - span.start;
+    }
+    last = time;
+    all += time;
+  }
+  Picoseconds last = 0;
+  Picoseconds all = 0;
+};
+
+BusMeter::Bus meter_of(const Platform& platform) {
+  return {[&platform] { return platform.bus().busy(); },
+          [&platform] { return platform.bus().uses(); }};
+}
+
+TEST(BusMeter, CountsTheFramesTransactionsAndNotTheSetUp) {
+  test::SmallScene scene;
+  scene.touch();
+  scene.settings.servo.frames = 20;
+  Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
+  BusSpans spans;
+  BusMeter meter(meter_of(platform));
+  platform.add_sink(spans);
+  platform.add_observer(meter);
+  platform.run();
+  meter.ended();
+
+  const Picoseconds period = scene.settings.servo.period;
+  Picoseconds counted = 0;
+  for (const BusUse& use : meter.uses()) {
+    counted += use.busy;
+    if (use.name != "processor") {
+      EXPECT_EQ(use.transactions, 0) << use.name;
+    }
+  }
+  EXPECT_DOUBLE_EQ(meter.share(), static_cast<double>(counted) / static_cast<double>(meter.time()));
+  // Besides the frames' own there is what the driver writes to close the board: less than a frame.
+  EXPECT_GE(counted, spans.all);
+  EXPECT_LT(counted, spans.all + spans.last);
+  EXPECT_LT(counted, platform.bus().busy());
+  // A frame in the hold, and at most one that moves the contact as well.
+  const auto held = static_cast<double>(spans.last) / static_cast<double>(period);
+  EXPECT_GE(meter.worst_share(), held);
+  EXPECT_LT(meter.worst_share(), 1.5 * held);
+}
+
+TEST(BusMeter, KnowsWhoTookTheBus) {
+  test::SmallScene scene;
+  scene.touch();
+  scene.settings.servo.frames = 20;
+  scene.settings.fidelity.bus = Timing::approximately_timed;
+  scene.settings.bus.traffic = BusTraffic{};
+  Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
+  BusMeter meter(meter_of(platform));
+  platform.add_observer(meter);
+  platform.run();
+  meter.ended();
+  double shares = 0;
+  for (const BusUse& use : meter.uses()) {
+    const bool works = use.name == "processor" || use.name == "traffic";
+    EXPECT_EQ(use.transactions > 0, works) << use.name;
+    EXPECT_EQ(use.busy > 0, works) << use.name;
+    shares += static_cast<double>(use.busy) / static_cast<double>(meter.time());
+  }
+  EXPECT_NEAR(shares, meter.share(), 1e-12);
+  EXPECT_LT(meter.share(), 1);
+  EXPECT_GE(meter.worst_share(), meter.share());
+}
+
+}  // namespace
+}  // namespace hvp::vp
