@@ -36,6 +36,7 @@ struct Case {
   vp::Timing bus = vp::Timing::loosely_timed;
   bool frames_file = false;
   std::int64_t traced_frames = 0;
+  vp::Transfer::Method method = vp::Transfer::Method::bursts;
   double frame_s = std::numeric_limits<double>::infinity();
 };
 
@@ -52,6 +53,7 @@ struct Folder {
 double frame_seconds(Scene& scene, const Case& c) {
   const Folder folder;
   scene.settings.fidelity.bus = c.bus;
+  scene.settings.transfer.method = c.method;
   scene.settings.servo.frames = kFrames;
   vp::Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
   results::FramesCsv frames(folder.path / "frames.csv", platform.session(), scene.settings.budget,
@@ -70,12 +72,13 @@ double frame_seconds(Scene& scene, const Case& c) {
 
 void measure(int repetitions) {
   using vp::Timing;
-  std::array<Case, 5> cases = {
+  std::array<Case, 6> cases = {
       {{"loosely-timed bus", Timing::loosely_timed, false, 0},
        {"  with frames.csv", Timing::loosely_timed, true, 0},
        {"  and a trace of 1000 frames", Timing::loosely_timed, true, kTracedFrames},
        {"  and a trace of all frames", Timing::loosely_timed, true, kFrames},
-       {"approximately-timed bus", Timing::approximately_timed, false, 0}}};
+       {"approximately-timed bus", Timing::approximately_timed, false, 0},
+       {"  with DMA", Timing::approximately_timed, false, 0, vp::Transfer::Method::dma}}};
   Scene scene(host::Effort::counted);
   for (int i = 0; i < repetitions; ++i) {
     for (Case& c : cases) {

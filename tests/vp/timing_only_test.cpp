@@ -42,6 +42,7 @@ struct Case {
   fixed::Settings solver = {};
   Fidelity fidelity = {};
   int pipeline_depth = 0;
+  Transfer::Method method = Transfer::Method::bursts;
 
   friend void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 };
@@ -64,6 +65,7 @@ std::string times(const Case& c, host::Effort effort) {
     scene.settings.servo.frames = 100;
     scene.settings.servo.costs.pipeline_depth = c.pipeline_depth;
     scene.settings.fidelity = c.fidelity;
+    scene.settings.transfer.method = c.method;
     scene.settings.servo.untimed = c.fidelity.host == Timing::untimed;
     Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
     Times sink(text);
@@ -95,6 +97,10 @@ INSTANTIATE_TEST_SUITE_P(
                          .solver = extrapolated(),
                          .fidelity = {.accelerator = kApproximate}},
                     Case{.name = "BusInBursts", .dynamic = true, .fidelity = {.bus = kApproximate}},
+                    Case{.name = "ByDma",
+                         .dynamic = true,
+                         .fidelity = {.bus = kApproximate},
+                         .method = Transfer::Method::dma},
                     Case{.name = "Untimed",
                          .fidelity = {Timing::untimed, Timing::untimed, Timing::untimed,
                                       Numbers::fixed}},
