@@ -79,6 +79,7 @@ Platform::Platform(const PlatformSettings& settings, const fem::Body& body,
   access_.to_bus.bind(bus_.from_host);
   if (accelerator_ != nullptr) connect_board();
   bus_.attach(daq_.from_bus, kDaqBase, DaqBoard::kSize);
+  servo_.drain_with([this] { bus_.drain(); });
   if (settings_.waveform) trace(*settings_.waveform);
 }
 

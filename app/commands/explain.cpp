@@ -100,6 +100,8 @@ int explain_command(const ScenarioArguments& arguments) {
               "latency timer, wait states and delayed reads between the bus' masters");
   effect_line("bus.traffic", s.bus.traffic.has_value(),
               "a process that takes the bus for a block a period");
+  effect_line("bus.posted_writes", s.bus.posted_writes.has_value(),
+              "the processor goes on while the bridge writes: two processes of the bus");
   effect_line("transfer.dma", s.transfer.master().dma.has_value(),
               "a process of the board that is master of the bus; simulated time of its requests");
   effect_line("reference", s.reference.has_value(),

@@ -111,6 +111,7 @@ std::vector<std::string> effects(const app::Scenario& s) {
   if (s.loads.gravity) names.emplace_back("loads.gravity");
   if (s.bus.protocol) names.emplace_back("bus.protocol");
   if (s.bus.traffic) names.emplace_back("bus.traffic");
+  if (s.bus.posted_writes) names.emplace_back("bus.posted_writes");
   if (s.reference) names.emplace_back("reference");
   if (s.spectrum) names.emplace_back("spectrum");
   if (s.accelerator.several) names.emplace_back("accelerator.several");

@@ -206,6 +206,11 @@ void Scenario::check() const {
   needs_time("host.wake_up", host.wake_up.has_value());
   needs_time("host.cores", host.cores == 1);
   if (output.waveform) require_shown(*output.waveform, frames, level);
+  if (bus.posted_writes && fidelity.bus == vp::Timing::untimed) {
+    throw InputError("bus.posted_writes",
+                     "a bus that takes no time posts nothing: expected "
+                     "fidelity.bus = loosely-timed or approximately-timed");
+  }
   const char* effect = bus.traffic ? "bus.traffic" : bus.protocol ? "bus.protocol" : nullptr;
   if (effect != nullptr && fidelity.bus != vp::Timing::approximately_timed) {
     throw InputError(effect, std::string("needs fidelity.bus = \"approximately-timed\", found \"") +

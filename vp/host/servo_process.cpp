@@ -97,6 +97,7 @@ void ServoProcess::serve() {
   // What went wrong before says more than that a lost board cannot be closed.
   const hvp_status closed = solver_->close();
   if (counts_.last_error == HVP_OK) note(closed);
+  drain_();
   ledger_.finish();
   sc_core::sc_stop();
 }

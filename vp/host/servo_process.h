@@ -3,10 +3,12 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <exception>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 #include <systemc>
+#include <utility>
 #include <vector>
 
 #include "driver/hvp_driver.h"
@@ -82,6 +84,8 @@ class ServoProcess : public sc_core::sc_module {
   ~ServoProcess() override;
 
   void add_observer(FrameObserver& observer) { observers_.push_back(&observer); }
+  // Called in the servo process after the last frame: waits until the buses are empty.
+  void drain_with(std::function<void()> drain) { drain_ = std::move(drain); }
   // When the loop begins: other processes of the host start with it.
   sc_core::sc_event& begun() { return begun_; }
   const ServoCounts& counts() const { return counts_; }
@@ -160,6 +164,7 @@ class ServoProcess : public sc_core::sc_module {
   std::int64_t force_frames_ = 0;
   Picoseconds last_report_ = -1;
   ServoCounts counts_;
+  std::function<void()> drain_ = [] {};
   std::exception_ptr failure_;
   Picoseconds set_up_time_ = 0;
 };

@@ -24,11 +24,27 @@ struct BusTraffic {
   Picoseconds start() const;
 };
 
+// The scenario's effect [bus.posted_writes]: the bridge between processor and bus takes a write and
+// the processor goes on, and the bridge takes a board's write to memory likewise. They keep their
+// order, and a read waits for those before it (PCI Local Bus Specification 3.0, §3.2.5).
+struct PostedWriteSettings {
+  int buffer_bytes = 64;
+  double to_memory_s = 200e-9;
+
+  void declare(config::Visitor& v);
+  void check() const;
+
+  // How many writes of a word fit into the buffer, one that is on the bus apart.
+  std::size_t places() const { return static_cast<std::size_t>(buffer_bytes) / 4 + 1; }
+  Picoseconds to_memory() const;
+};
+
 // The scenario's table [bus]. What stands beside link::Pci is for the approximately-timed bus.
 struct BusSettings {
   link::Pci pci;
   std::optional<link::PciProtocol> protocol;
   std::optional<BusTraffic> traffic;
+  std::optional<PostedWriteSettings> posted_writes;  // of the loosely-timed one too
 
   void declare(config::Visitor& v);
   void check() const { pci.check(); }

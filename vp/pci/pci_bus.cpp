@@ -12,6 +12,7 @@ namespace {
 using link::Direction;
 
 constexpr std::int64_t kWordBytes = 4;
+constexpr std::size_t kPlacesToMemory = 64;
 
 std::int64_t bytes_of(const tlm::tlm_generic_payload& transaction) {
   return static_cast<std::int64_t>(transaction.get_data_length());
@@ -63,6 +64,12 @@ PciBus::PciBus(const sc_core::sc_module_name& name, const link::Pci& model, bool
 PciBus::PciBus(const sc_core::sc_module_name& name, const BusSettings& settings, Timing level,
                Ledger& ledger)
     : PciBus(name, settings.pci, level == Timing::untimed, ledger) {
+  if (settings.posted_writes) {
+    posting_ = std::make_unique<Posting>(*settings.posted_writes, kPlacesToMemory);
+    SC_HAS_PROCESS(PciBus);
+    SC_THREAD(drain_to_targets);
+    SC_THREAD(drain_to_memory);
+  }
   if (level != Timing::approximately_timed) return;
   arbiter_ = std::make_unique<link::PciArbiter>(
       settings.pci, settings.protocol.value_or(link::PciProtocol{}), kMasters);
@@ -88,13 +95,25 @@ PciBus::Window* PciBus::claim(std::uint64_t address) {
 void PciBus::from_host_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay) {
   wait(delay);
   delay = sc_core::SC_ZERO_TIME;
+  if (posting_ && transaction.is_write()) {
+    post(transaction);
+    return;
+  }
   Tag none;
+  Tag& tag = tag_of(transaction, none);
   const Direction direction = direction_of(transaction);
   const std::int64_t bytes = bytes_of(transaction);
-  const Picoseconds latency = direction == Direction::read ? model_.read_ps(0) : model_.write_ps(0);
-  serve(tag_of(transaction, none),
-        {kProcessor, direction, bytes, latency, processors_phase(direction, bytes)});
+  const Service service{kProcessor, direction, bytes, way_to_bus(direction)};
+  const Picoseconds began = now_ps();
+  if (posting_) wait_for_posted(&Posting::down);
+  occupy(service);
+  account(tag, processors_phase(direction, bytes), began, alone(service));
   reach_target(transaction);
+  if (!posting_) return;
+  // The answer pushes what the board has written before it ahead of itself.
+  const Picoseconds answered = now_ps();
+  wait_for_posted(&Posting::up);
+  if (now_ps() > answered) ledger_.extend(tag, Part::bus, Phase::to_memory, answered, now_ps());
 }
 
 void PciBus::reach_target(tlm::tlm_generic_payload& transaction) {
@@ -115,9 +134,17 @@ void PciBus::from_board_transport(tlm::tlm_generic_payload& transaction, sc_core
   wait(delay);
   delay = sc_core::SC_ZERO_TIME;
   Tag none;
-  serve(tag_of(transaction, none),
-        {kBoard, direction_of(transaction), bytes_of(transaction), 0, boards_phase(transaction)});
-  reach_memory(transaction);
+  Tag& tag = tag_of(transaction, none);
+  const Service service{kBoard, direction_of(transaction), bytes_of(transaction), 0};
+  const Picoseconds began = now_ps();
+  if (posting_ && transaction.is_read()) wait_for_posted(&Posting::up);
+  occupy(service);
+  account(tag, boards_phase(transaction), began, alone(service));
+  if (posting_ && transaction.is_write()) {
+    post_to_memory(transaction, tag);
+  } else {
+    reach_memory(transaction);
+  }
 }
 
 void PciBus::reach_memory(tlm::tlm_generic_payload& transaction) {
@@ -130,62 +157,84 @@ void PciBus::reach_memory(tlm::tlm_generic_payload& transaction) {
   keep_bus(kBoard, static_cast<Picoseconds>(held.value()));
 }
 
-void PciBus::serve(Tag& tag, const Service& service) {
-  if (arbiter_) {
-    serve_in_bursts(tag, service);
-  } else {
-    serve_whole(tag, service);
-    use(service.master).bytes += service.bytes;
-    ++use(service.master).transactions;
-  }
+Picoseconds PciBus::way_to_bus(Direction direction) const {
+  return direction == Direction::read ? model_.read_ps(0) : model_.write_ps(0);
 }
 
-void PciBus::serve_whole(Tag& tag, const Service& service) {
-  while (free_at_ > now_ps()) {
-    const Picoseconds asked = now_ps();
-    wait(to_sc_time(free_at_ - asked));
-    ledger_.extend(tag, Part::bus, Phase::arbitration, asked, now_ps());
+Picoseconds PciBus::alone(const Service& service) const {
+  if (untimed_) return 0;
+  if (arbiter_) {
+    return service.latency + arbiter_->clocks().alone_ps(service.direction, service.bytes);
   }
   const bool read = service.direction == Direction::read;
-  const Picoseconds wire =
-      read ? model_.read_wire_ps(service.bytes) : model_.write_wire_ps(service.bytes);
-  const Picoseconds time = untimed_ ? 0 : service.latency + wire;
-  const Picoseconds start = now_ps();
-  free_at_ = start + time;
-  wait(to_sc_time(time));
-  ledger_.extend(tag, Part::bus, service.phase, start, now_ps());
-  use(service.master).busy += time;
+  return service.latency +
+         (read ? model_.read_wire_ps(service.bytes) : model_.write_wire_ps(service.bytes));
 }
 
-// Waiting for the clock's edge and for others is spread over the bursts; the ledger has all of it
-// in one span, before that of the transaction.
-void PciBus::serve_in_bursts(Tag& tag, const Service& service) {
-  const Picoseconds start = now_ps();
+// Returns when the bus is released. Where `first` is not zero, first_has_left() is called when so
+// many bytes are.
+void PciBus::occupy(const Service& service, std::int64_t first) {
+  if (arbiter_) {
+    occupy_in_bursts(service, first);
+  } else {
+    occupy_whole(service, first);
+  }
+  use(service.master).bytes += service.bytes;
+  ++use(service.master).transactions;
+}
+
+void PciBus::occupy_whole(const Service& service, std::int64_t first) {
+  while (free_at_ > now_ps()) wait(to_sc_time(free_at_ - now_ps()));
+  const Picoseconds time = alone(service);
+  free_at_ = now_ps() + time;
+  use(service.master).busy += time;
+  Picoseconds before = 0;
+  if (first > 0) {
+    before = untimed_ ? 0 : service.latency + model_.write_wire_ps(first);
+    wait(to_sc_time(before));
+    first_has_left();
+  }
+  wait(to_sc_time(time - before));
+}
+
+void PciBus::occupy_in_bursts(const Service& service, std::int64_t first) {
   bool& served = served_[static_cast<std::size_t>(service.master)];
   while (served) wait(changed_);
   served = true;
-  const Picoseconds alone =
-      service.latency + arbiter_->clocks().alone_ps(service.direction, service.bytes);
   wait(to_sc_time(service.latency));
-  move(service.master, service.direction, service.bytes);
+  if (first > 0) {
+    request_and_wait(service.master, service.direction, first);
+    first_has_left();
+  }
+  if (first < service.bytes) {
+    request_and_wait(service.master, service.direction, service.bytes - first);
+  }
   served = false;
   changed_.notify();
-  // A retried read can end sooner than it would alone: what another master moves in the meantime
-  // shifts its attempts to where the target is just ready.
-  const Picoseconds waited = std::max<Picoseconds>(0, now_ps() - start - alone);
-  if (waited > 0) ledger_.extend(tag, Part::bus, Phase::arbitration, start, start + waited);
-  ledger_.extend(tag, Part::bus, service.phase, start + waited, now_ps());
 }
 
-void PciBus::move(Master master, Direction direction, std::int64_t bytes) {
+void PciBus::request_and_wait(Master master, Direction direction, std::int64_t bytes) {
   arbiter_->request(master, direction, bytes, now_ps());
   changed_.notify();
   while (!arbiter_->done(master)) {
     wait(to_sc_time(arbiter_->forecast(master) - now_ps()), changed_);
     arbiter_->advance(now_ps());
   }
+}
+
+void PciBus::move(Master master, Direction direction, std::int64_t bytes) {
+  request_and_wait(master, direction, bytes);
   use(master).bytes += bytes;
   ++use(master).transactions;
+}
+
+// Waiting for the clock's edge and for others is spread over the bursts; the ledger has all of it
+// in one span, before that of the transaction. A retried read can end sooner than it would alone:
+// what another master moves in the meantime shifts its attempts to where the target is just ready.
+void PciBus::account(Tag& tag, Phase phase, Picoseconds began, Picoseconds alone) {
+  const Picoseconds waited = std::max<Picoseconds>(0, now_ps() - began - alone);
+  if (waited > 0) ledger_.extend(tag, Part::bus, Phase::arbitration, began, began + waited);
+  ledger_.extend(tag, Part::bus, phase, began + waited, now_ps());
 }
 
 // Wait states that a target adds, with the bus.

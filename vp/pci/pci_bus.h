@@ -17,6 +17,7 @@
 #include "vp/frame_tag.h"
 #include "vp/ledger.h"
 #include "vp/pci/bus_settings.h"
+#include "vp/posted_writes.h"
 
 namespace hvp::vp {
 
@@ -27,6 +28,10 @@ namespace hvp::vp {
 // whole. Approximately timed, it takes the processor's way to the bus and then what
 // link::PciArbiter says: bursts, clock edges, other masters. `untimed` takes no time at all. A
 // board's own transactions have no processor in front of them: they take the wire's time alone.
+//
+// With [bus.posted_writes] the processor goes on when the bridge has taken its write, and the
+// board's writes are in memory later than on the bus; a read stays behind the writes before it. An
+// interrupt line does not.
 //
 // A transaction that no target claims ends in a master abort: TLM_ADDRESS_ERROR_RESPONSE and, for
 // a read, all ones (PCI 3.0 §3.3.3.1).
@@ -54,6 +59,9 @@ class PciBus : public sc_core::sc_module {
   // is released. One at a time a master.
   void move(Master master, link::Direction direction, std::int64_t bytes);
 
+  // Waits until nothing that was posted is under way; in the caller's process.
+  void drain();
+
   // Of the processor's transactions.
   std::int64_t bytes_moved() const { return uses_.front().bytes; }
   std::int64_t transactions() const { return uses_.front().transactions; }
@@ -67,22 +75,42 @@ class PciBus : public sc_core::sc_module {
     std::uint64_t size;
     int target;  // in the order of binding
   };
-  // A transaction's time on the bus: before it, and on it.
+  // A transaction's time: on the way to the bus, and on it.
   struct Service {
     Master master;
     link::Direction direction;
     std::int64_t bytes;
     Picoseconds latency;
-    Phase phase;
+  };
+  struct Posting {
+    Posting(const PostedWriteSettings& settings, std::size_t places)
+        : settings(settings), down(settings.places()), up(places) {}
+    PostedWriteSettings settings;
+    PostedWrites down;  // from the processor
+    PostedWrites up;    // from the board, to memory
+    PostedTransaction to_target;
+    PostedTransaction to_memory;
+    sc_core::sc_event changed;
   };
 
   void from_host_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
   void from_board_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
   void reach_target(tlm::tlm_generic_payload& transaction);
   void reach_memory(tlm::tlm_generic_payload& transaction);
-  void serve(Tag& tag, const Service& service);
-  void serve_whole(Tag& tag, const Service& service);
-  void serve_in_bursts(Tag& tag, const Service& service);
+  Picoseconds way_to_bus(link::Direction direction) const;
+  Picoseconds alone(const Service& service) const;
+  void occupy(const Service& service, std::int64_t first = 0);
+  void occupy_whole(const Service& service, std::int64_t first);
+  void occupy_in_bursts(const Service& service, std::int64_t first);
+  void request_and_wait(Master master, link::Direction direction, std::int64_t bytes);
+  void account(Tag& tag, Phase phase, Picoseconds began, Picoseconds alone);
+
+  void post(tlm::tlm_generic_payload& transaction);
+  void first_has_left();
+  void drain_to_targets();
+  void drain_to_memory();
+  void post_to_memory(tlm::tlm_generic_payload& transaction, const Tag& tag);
+  void wait_for_posted(PostedWrites Posting::*writes);
   void keep_bus(Master master, Picoseconds time);
   BusUse& use(Master master) { return uses_[static_cast<std::size_t>(master)]; }
   Window* claim(std::uint64_t address);
@@ -100,6 +128,7 @@ class PciBus : public sc_core::sc_module {
   std::unique_ptr<link::PciArbiter> arbiter_;  // approximately timed
   sc_core::sc_event changed_;                  // what forecasts rest on
   std::array<bool, kMasters> served_{};        // approximately timed
+  std::unique_ptr<Posting> posting_;           // the effect [bus.posted_writes]
 };
 
 }  // namespace hvp::vp
