@@ -54,6 +54,18 @@ Platform::Platform(const PlatformSettings& settings, const fem::Body& body,
       traffic_(settings_.bus.traffic
                    ? std::make_unique<TrafficMaster>("traffic", *settings_.bus.traffic, bus_)
                    : nullptr),
+      graphics_(settings_.bus.graphics_traffic
+                    ? std::make_unique<GraphicsMaster>(
+                          "graphics",
+                          settings_.bus.graphics_traffic->picture_bytes(
+                              static_cast<std::int64_t>(contacts.surface().surface_nodes().size())),
+                          bus_)
+                    : nullptr),
+      bridge_(settings_.bus.pcie ? std::make_unique<HostBridge>("bridge", kSolverBase, kBarBytes)
+                                 : nullptr),
+      pcie_(settings_.bus.pcie ? std::make_unique<PcieBus>("pcie", *settings_.bus.pcie,
+                                                           settings_.fidelity.bus, ledger_)
+                               : nullptr),
       accelerator_(computation.on_host() != nullptr
                        ? nullptr
                        : std::make_unique<Accelerator>("accelerator", settings_.accelerator,
@@ -76,26 +88,53 @@ Platform::Platform(const PlatformSettings& settings, const fem::Body& body,
       collision_("collision", settings_.servo.costs, settings_.servo.untimed, contacts, exchange_,
                  session_, servo_.begun(), dispatcher_) {
   ledger_.add_sink(verdict_);
-  access_.to_bus.bind(bus_.from_host);
+  connect_host();
   if (accelerator_ != nullptr) connect_board();
   bus_.attach(daq_.from_bus, kDaqBase, DaqBoard::kSize);
-  servo_.drain_with([this] { bus_.drain(); });
+  if (graphics_) collision_.tell_drawing(graphics_->drawing());
+  servo_.drain_with([this] { drain(); });
   if (settings_.waveform) trace(*settings_.waveform);
+}
+
+void Platform::connect_host() {
+  if (pcie_ == nullptr) {
+    access_.to_bus.bind(bus_.from_host);
+    return;
+  }
+  access_.to_bus.bind(bridge_->from_host);
+  bridge_->to_link.bind(pcie_->from_host);
+  bridge_->to_bus.bind(bus_.from_host);
+}
+
+void Platform::drain() {
+  bus_.drain();
+  if (pcie_ != nullptr) pcie_->drain();
 }
 
 void Platform::connect_board() {
   Accelerator::require_supported(settings_.fidelity.accelerator, settings_.servo.solver);
-  bus_.attach(accelerator_->from_bus, kSolverBase, kBarBytes);
   access_.watch(accelerator_->job_end());
-  if (memory_ != nullptr) {
-    accelerator_->dma()->to_memory.bind(bus_.from_board);
-    bus_.attach_memory(memory_->from_bus);
+  if (pcie_ != nullptr) {
+    connect_board(*pcie_);
+    pcie_->interrupt_line.bind(access_);
+  } else {
+    connect_board(bus_);
   }
   if (settings_.transfer.notification == link::Notification::msi) {
     memory_->interrupt.bind(access_);
+  } else if (pcie_ != nullptr) {
+    accelerator_->interrupt.bind(*pcie_);
   } else {
     accelerator_->interrupt.bind(access_);
   }
+}
+
+template <class Bus>
+void Platform::connect_board(Bus& bus) {
+  bus.attach(accelerator_->from_bus, kSolverBase, kBarBytes);
+  if (memory_ == nullptr) return;
+  accelerator_->dma()->to_memory.bind(bus.from_board);
+  bus.attach_memory(memory_->from_bus);
 }
 
 void Platform::trace(const Waveform& waveform) {

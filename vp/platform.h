@@ -23,8 +23,11 @@
 #include "vp/host/transfer.h"
 #include "vp/ledger.h"
 #include "vp/pci/bus_settings.h"
+#include "vp/pci/graphics_master.h"
 #include "vp/pci/pci_bus.h"
 #include "vp/pci/traffic_master.h"
+#include "vp/pcie/host_bridge.h"
+#include "vp/pcie/pcie_bus.h"
 #include "vp/verdict.h"
 
 namespace hvp::vp {
@@ -56,6 +59,8 @@ struct PlatformSettings {
 //   servo ── driver ── access ──┐                 ┌── accelerator (FPGA)
 //     ⇅ exchange                ├── bus (PCI) ────┤
 //   collision                   ┘                 └── daq ── probe
+//
+// With [bus.pcie] a bridge stands behind access: the accelerator is on a link of its own.
 class Platform {
  public:
   // Keeps references to the body, the computation and the search.
@@ -77,7 +82,9 @@ class Platform {
   const ServoProcess& servo() const { return servo_; }
   const CollisionProcess& collision() const { return collision_; }
   const PciBus& bus() const { return bus_; }
-  // Null without the effect.
+  // Null without their effects.
+  const PcieBus* pcie() const { return pcie_.get(); }
+  const GraphicsMaster* graphics() const { return graphics_.get(); }
   const TrafficMaster* traffic() const { return traffic_.get(); }
   // Null where nobody but the processor reaches it.
   const HostMemory* memory() const { return memory_.get(); }
@@ -92,8 +99,12 @@ class Platform {
   static std::size_t processes();
 
  private:
-  void connect_board();
   void trace(const Waveform& waveform);
+  void connect_host();
+  void connect_board();
+  template <class Bus>
+  void connect_board(Bus& bus);
+  void drain();
 
   PlatformSettings settings_;
   Ledger ledger_;
@@ -101,7 +112,10 @@ class Platform {
   Session session_;
   Exchange exchange_;
   PciBus bus_;
-  std::unique_ptr<TrafficMaster> traffic_;  // the effect [bus.traffic]
+  std::unique_ptr<TrafficMaster> traffic_;    // the effect [bus.traffic]
+  std::unique_ptr<GraphicsMaster> graphics_;  // the effect [bus.graphics_traffic]
+  std::unique_ptr<HostBridge> bridge_;        // the effect [bus.pcie]
+  std::unique_ptr<PcieBus> pcie_;             // likewise
   std::unique_ptr<Accelerator> accelerator_;
   std::unique_ptr<HostMemory> memory_;  // where the board is a master
   DaqBoard daq_;

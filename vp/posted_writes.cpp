@@ -1,5 +1,7 @@
 #include "vp/posted_writes.h"
 
+#include <utility>
+
 namespace hvp::vp {
 
 PostedWrite& PostedWrites::push(std::uint64_t address, const std::uint8_t* data,
@@ -7,12 +9,16 @@ PostedWrite& PostedWrites::push(std::uint64_t address, const std::uint8_t* data,
   ++count_;
   PostedWrite& write = back();
   write.address = address;
+  write.data = std::move(spare_.back());
+  spare_.pop_back();
   write.data.assign(data, data + bytes);
+  write.sender = nullptr;
   write.inside = static_cast<std::int64_t>(bytes);
   return write;
 }
 
 void PostedWrites::pop() {
+  spare_.push_back(std::move(front().data));
   first_ = (first_ + 1) % places_.size();
   --count_;
 }

@@ -58,6 +58,15 @@ int explain_command(const ScenarioArguments& arguments) {
   fidelity_line("bus", vp::name(s.fidelity.bus),
                 fmt::format("{} bytes a data phase, {:g} ns a clock", s.bus.pci.width_bytes(),
                             static_cast<double>(s.bus.pci.clock_period_ps()) * 1e-3));
+  if (s.bus.pcie) {
+    const link::Pcie& link = *s.bus.pcie;
+    fidelity_line(
+        "link", vp::name(s.fidelity.bus),
+        fmt::format("PCIe Gen{} x{}, {:.3g} GB/s raw, {:.3g} GB/s for packets; the solver "
+                    "board's alone",
+                    static_cast<int>(link.generation) + 1, link.lanes, link.raw_rate() * 1e-9,
+                    link.tlp_rate() * 1e-9));
+  }
   if (scene.has_board()) {
     fidelity_line("transfer", vp::name(s.transfer.method),
                   fmt::format("b and U, {}; the end by {}",
@@ -100,6 +109,10 @@ int explain_command(const ScenarioArguments& arguments) {
               "latency timer, wait states and delayed reads between the bus' masters");
   effect_line("bus.traffic", s.bus.traffic.has_value(),
               "a process that takes the bus for a block a period");
+  effect_line("bus.graphics_traffic", s.bus.graphics_traffic.has_value(),
+              "a process that takes the bus for a picture's data a drawing pass");
+  effect_line("bus.pcie", s.bus.pcie.has_value(),
+              "the solver board on a link of its own: four processes of the link");
   effect_line("bus.posted_writes", s.bus.posted_writes.has_value(),
               "the processor goes on while the bridge writes: two processes of the bus");
   effect_line("transfer.dma", s.transfer.master().dma.has_value(),

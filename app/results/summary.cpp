@@ -111,6 +111,8 @@ std::vector<std::string> effects(const app::Scenario& s) {
   if (s.loads.gravity) names.emplace_back("loads.gravity");
   if (s.bus.protocol) names.emplace_back("bus.protocol");
   if (s.bus.traffic) names.emplace_back("bus.traffic");
+  if (s.bus.graphics_traffic) names.emplace_back("bus.graphics_traffic");
+  if (s.bus.pcie) names.emplace_back("bus.pcie");
   if (s.bus.posted_writes) names.emplace_back("bus.posted_writes");
   if (s.reference) names.emplace_back("reference");
   if (s.spectrum) names.emplace_back("spectrum");

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "models/host/costs.h"
+#include "models/link/interconnect.h"
 
 namespace hvp::app {
 
@@ -17,6 +18,14 @@ struct MovedVectors {
   std::int64_t receive_ps;
 };
 
+MovedVectors moved_over(const link::PcieInterconnect& link, vp::Transfer::Method method,
+                        std::int64_t b, std::int64_t u) {
+  using Method = vp::Transfer::Method;
+  if (method == Method::dma) return {link.dma_read(b).latency_ps, link.dma_write(u).latency_ps};
+  return {link.processor_write(b, method != Method::programmed_io).latency_ps,
+          link.processor_read(u).latency_ps};
+}
+
 // Alone on the bus, without doorbells and interrupts.
 MovedVectors moved_vectors(const Scenario& s, int nodes) {
   using Method = vp::Transfer::Method;
@@ -26,6 +35,7 @@ MovedVectors moved_vectors(const Scenario& s, int nodes) {
   };
   const std::int64_t b = bytes(s.solver.residual_bits());
   const std::int64_t u = bytes(s.solver.vector_bits);
+  if (s.bus.pcie) return moved_over(link::PcieInterconnect(*s.bus.pcie), s.transfer.method, b, u);
   const link::Pci& pci = s.bus.pci;
   switch (s.transfer.method) {
     case Method::bursts:

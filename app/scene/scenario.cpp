@@ -143,6 +143,7 @@ void require_no_board(const Scenario& s) {
   }
   if (s.output.waveform) throw InputError("output.waveform", found);
   if (s.accelerator.several) throw InputError("accelerator.several", found);
+  if (s.bus.pcie) throw InputError("bus.pcie", found + ", nothing that could sit on the link");
   if (!s.transfer.plain()) {
     const bool moves = s.transfer.method != vp::Transfer::Method::bursts;
     const bool tells = s.transfer.notification != link::Notification::intx;
@@ -211,7 +212,10 @@ void Scenario::check() const {
                      "a bus that takes no time posts nothing: expected "
                      "fidelity.bus = loosely-timed or approximately-timed");
   }
-  const char* effect = bus.traffic ? "bus.traffic" : bus.protocol ? "bus.protocol" : nullptr;
+  const char* effect = bus.graphics_traffic ? "bus.graphics_traffic"
+                       : bus.traffic        ? "bus.traffic"
+                       : bus.protocol       ? "bus.protocol"
+                                            : nullptr;
   if (effect != nullptr && fidelity.bus != vp::Timing::approximately_timed) {
     throw InputError(effect, std::string("needs fidelity.bus = \"approximately-timed\", found \"") +
                                  vp::name(fidelity.bus) + "\"");

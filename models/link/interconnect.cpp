@@ -8,8 +8,6 @@ namespace hvp::link {
 namespace {
 
 constexpr int kWordBytes = 4;
-constexpr int kMessageHeaderBytes = 16;
-constexpr int kFramingBytes = 8;
 
 std::int64_t whole_ps(double seconds) { return std::llround(seconds * 1e12); }
 
@@ -118,7 +116,7 @@ Cost PcieInterconnect::dma_write(std::int64_t bytes) const {
 
 Cost PcieInterconnect::interrupt(Interrupt kind) const {
   if (kind == Interrupt::msi) return dma_write(kWordBytes);
-  const std::int64_t wire = kMessageHeaderBytes + (link_.flits() ? 0 : kFramingBytes);
+  const std::int64_t wire = link_.message_wire_bytes();
   return {link_.transfer_ps(wire) + link_.link_ps(), 0, link_.tlp_ps(wire), wire, 1};
 }
 

@@ -85,6 +85,7 @@ std::int64_t Pcie::transfer_ps(std::int64_t wire_bytes) const {
 int Pcie::write_header_bytes() const { return (flits() ? 0 : 8) + (address_bits == 64 ? 16 : 12); }
 int Pcie::read_header_bytes() const { return write_header_bytes(); }
 int Pcie::completion_header_bytes() const { return (flits() ? 0 : 8) + 12; }
+int Pcie::message_wire_bytes() const { return (flits() ? 0 : 8) + 16; }
 
 std::int64_t Pcie::packets(std::int64_t bytes) const {
   return quotient_up(bytes, max_payload_bytes);

@@ -67,6 +67,8 @@ struct Pcie {
   int write_header_bytes() const;  // of a memory write TLP, framing included
   int read_header_bytes() const;
   int completion_header_bytes() const;
+  // A message TLP is a header of four double words alone (PCIe 5.0 §2.2.8): INTx.
+  int message_wire_bytes() const;
   std::int64_t packets(std::int64_t bytes) const;      // memory writes
   std::int64_t requests(std::int64_t bytes) const;     // memory reads
   std::int64_t completions(std::int64_t bytes) const;  // of an aligned block

@@ -57,11 +57,17 @@ void PcieLink::request(int initiator, Direction direction, std::int64_t bytes,
   advance(time_ps);
   Initiator& i = of(state_, initiator);
   i.direction = direction;
+  i.message = false;
   i.requested = time_ps;
   i.to_send = bytes;
   i.answers = 0;
   i.sent = kNever;
   i.completed = kNever;
+}
+
+void PcieLink::message(int initiator, std::int64_t time_ps) {
+  request(initiator, Direction::write, 1, time_ps);
+  of(state_, initiator).message = true;
 }
 
 // A packet that could start at this very instant does not: another may still be requested.
@@ -117,7 +123,7 @@ std::int64_t PcieLink::ready(const State& s, std::size_t wire, int slot) const {
   if (index(i.side) != wire || i.to_send == 0) return kNever;
   if (i.direction == Direction::write) {
     const std::int64_t payload = std::min<std::int64_t>(i.to_send, link_.max_payload_bytes);
-    const std::int64_t units = (payload + kCreditBytes - 1) / kCreditBytes;
+    const std::int64_t units = i.message ? 0 : (payload + kCreditBytes - 1) / kCreditBytes;
     return std::max(i.requested, credit(w.posted, units, link_.posted_data_credits));
   }
   return std::max({i.requested, tag(s, slot, i.issued),
@@ -189,9 +195,12 @@ PcieLink::Sent PcieLink::send(Wire& wire, std::int64_t start, std::int64_t bytes
 void PcieLink::send_write(State& s, std::size_t wire, int initiator, std::int64_t start) const {
   Initiator& i = of(s, initiator);
   const std::int64_t payload = std::min<std::int64_t>(i.to_send, link_.max_payload_bytes);
-  const Sent sent = send(s.wires[wire], start, payload + link_.write_header_bytes());
+  const Sent sent =
+      send(s.wires[wire], start,
+           i.message ? link_.message_wire_bytes() : payload + link_.write_header_bytes());
   const std::int64_t back = sent.end + 2 * link_.link_ps() + link_.credit_return_ps();
-  take(s.wires[wire].posted, start, {back, (payload + kCreditBytes - 1) / kCreditBytes});
+  const std::int64_t units = i.message ? 0 : (payload + kCreditBytes - 1) / kCreditBytes;
+  take(s.wires[wire].posted, start, {back, units});
   i.to_send -= payload;
   if (i.to_send == 0) {
     i.sent = sent.end;

@@ -40,8 +40,11 @@ class PcieLink {
   // Throws InputError for none or more than kMaxInitiators, and what Pcie::check() throws.
   PcieLink(const Pcie& link, std::span<const PcieSide> initiators);
 
-  // The initiator has nothing under way, bytes > 0, and `time_ps` is not before the last advance().
+  // The initiator has nothing under way but writes that have been sent, bytes > 0, and `time_ps` is
+  // not before the last advance().
   void request(int initiator, Direction direction, std::int64_t bytes, std::int64_t time_ps);
+  // As a write's request: a message, a posted packet without data.
+  void message(int initiator, std::int64_t time_ps);
   // Everything up to this time has happened.
   void advance(std::int64_t time_ps);
   bool busy(int initiator) const { return !done(initiator); }
@@ -63,6 +66,7 @@ class PcieLink {
   struct Initiator {
     PcieSide side = PcieSide::root;
     Direction direction = Direction::write;
+    bool message = false;
     std::int64_t requested = 0;
     std::int64_t to_send = 0;  // bytes not yet in a packet
     std::int64_t answers = 0;  // requests without their last completion

@@ -50,6 +50,23 @@ TEST(Allocation, NoneInAHoldWithTimingOnly) {
   expect_none(scene, 1);
 }
 
+TEST(Allocation, NoneWithPostedWrites) {
+  test::SmallScene scene;
+  scene.touch();
+  scene.settings.fidelity.bus = Timing::approximately_timed;
+  scene.settings.bus.posted_writes.emplace();
+  scene.settings.bus.graphics_traffic.emplace();
+  expect_none(scene, 1);
+}
+
+TEST(Allocation, NoneOnAPcieLink) {
+  test::SmallScene scene;
+  scene.touch();
+  scene.settings.fidelity.bus = Timing::approximately_timed;
+  scene.settings.bus.pcie.emplace();
+  expect_none(scene, 1);
+}
+
 TEST(Allocation, NoneInJobsThatEndEarlyFromAnExtrapolatedStart) {
   test::SmallScene::Options options;
   options.solver.method = fixed::Method::chronopoulos_gear;

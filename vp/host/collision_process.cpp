@@ -54,6 +54,9 @@ void CollisionProcess::pass() {
     const Picoseconds time =
         untimed_ ? 0
                  : costs_.compute_ps(result.flops) + std::llround(costs_.graphics.drawing_s * 1e12);
+    if (drawing_ != nullptr) {
+      drawing_->notify(to_sc_time(untimed_ ? 0 : costs_.compute_ps(result.flops)));
+    }
     if (!shares) wait(to_sc_time(time));
     worked = !shares || dispatcher_.work(time);
   }

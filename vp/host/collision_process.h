@@ -22,6 +22,10 @@ class CollisionProcess : public sc_core::sc_module {
                    collision::ContactSearch& search, Exchange& exchange, const Session& session,
                    sc_core::sc_event& begun, Dispatcher& dispatcher);
 
+  // Notified when a pass has found its contact and begins to draw. On a core that both processes
+  // share that is when it would have, had nobody preempted it.
+  void tell_drawing(sc_core::sc_event& drawing) { drawing_ = &drawing; }
+
   std::int64_t passes() const { return passes_; }
   std::int64_t skipped_passes() const { return skipped_; }
   // The longest pass so far, from its first instruction to its last.
@@ -38,6 +42,7 @@ class CollisionProcess : public sc_core::sc_module {
   const Session& session_;
   sc_core::sc_event& begun_;
   Dispatcher& dispatcher_;
+  sc_core::sc_event* drawing_ = nullptr;
   std::int64_t passes_ = 0;
   std::int64_t skipped_ = 0;
   Picoseconds longest_ = 0;

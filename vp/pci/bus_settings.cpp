@@ -45,12 +45,29 @@ void PostedWriteSettings::check() const {
 
 Picoseconds PostedWriteSettings::to_memory() const { return std::llround(to_memory_s * 1e12); }
 
+void GraphicsTraffic::declare(config::Visitor& v) {
+  v.integer(
+      "bytes_per_vertex", bytes_per_vertex, {4, 1024},
+      {"what the card reads of each vertex of the body's surface",
+       "assumed: position and normal as three 32-bit floats each; triangles stay on the card"});
+  v.integer("bytes", bytes, {0, 1 << 24},
+            {"size of a picture's data; 0: that of the surface's vertices", "the surface's"});
+}
+
+std::int64_t GraphicsTraffic::picture_bytes(std::int64_t vertices) const {
+  return bytes > 0 ? bytes : vertices * bytes_per_vertex;
+}
+
 void BusSettings::declare(config::Visitor& v) {
   pci.declare(v);
   v.effect("protocol", protocol,
            {"several masters, slow targets and delayed reads, of the approximately-timed bus"});
   v.effect("traffic", traffic,
            {"another master that moves blocks, on the approximately-timed bus"});
+  v.effect("graphics_traffic", graphics_traffic,
+           {"a graphics card that reads each picture's data, on the approximately-timed bus"});
+  v.effect("pcie", pcie,
+           {"the solver board sits on a PCI Express link of its own; the DAQ board stays on PCI"});
   v.effect("posted_writes", posted_writes,
            {"the processor goes on while the bridge writes; without it it waits for each write"});
 }

@@ -6,6 +6,7 @@
 #include "models/config/declaration.h"
 #include "models/link/pci.h"
 #include "models/link/pci_protocol.h"
+#include "models/link/pcie.h"
 #include "vp/frame.h"
 
 namespace hvp::vp {
@@ -39,12 +40,26 @@ struct PostedWriteSettings {
   Picoseconds to_memory() const;
 };
 
-// The scenario's table [bus]. What stands beside link::Pci is for the approximately-timed bus.
+// The scenario's effect [bus.graphics_traffic]: a graphics card on the same bus, which as its
+// master fetches a picture's data each time the collision and graphics process begins to draw.
+struct GraphicsTraffic {
+  int bytes_per_vertex = 24;
+  int bytes = 0;
+
+  void declare(config::Visitor& v);
+  // Of a picture of a surface with so many vertices.
+  std::int64_t picture_bytes(std::int64_t vertices) const;
+};
+
+// The scenario's table [bus]. What stands beside link::Pci is for the approximately-timed bus where
+// it does not say otherwise.
 struct BusSettings {
   link::Pci pci;
   std::optional<link::PciProtocol> protocol;
   std::optional<BusTraffic> traffic;
+  std::optional<GraphicsTraffic> graphics_traffic;
   std::optional<PostedWriteSettings> posted_writes;  // of the loosely-timed one too
+  std::optional<link::Pcie> pcie;                    // the solver board's own link, at every level
 
   void declare(config::Visitor& v);
   void check() const { pci.check(); }

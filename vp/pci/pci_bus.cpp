@@ -1,9 +1,8 @@
 #include "vp/pci/pci_bus.h"
 
 #include <algorithm>
-#include <cstring>
 
-#include "vp/host/host_memory.h"
+#include "vp/bus_transaction.h"
 
 namespace hvp::vp {
 
@@ -11,7 +10,6 @@ namespace {
 
 using link::Direction;
 
-constexpr std::int64_t kWordBytes = 4;
 constexpr std::size_t kPlacesToMemory = 64;
 
 std::int64_t bytes_of(const tlm::tlm_generic_payload& transaction) {
@@ -20,25 +18,6 @@ std::int64_t bytes_of(const tlm::tlm_generic_payload& transaction) {
 
 Direction direction_of(const tlm::tlm_generic_payload& transaction) {
   return transaction.is_read() ? Direction::read : Direction::write;
-}
-
-Phase processors_phase(Direction direction, std::int64_t bytes) {
-  const bool block = bytes > kWordBytes;
-  if (direction == Direction::read) return block ? Phase::block_read : Phase::bus_read;
-  return block ? Phase::block_write : Phase::bus_write;
-}
-
-Phase boards_phase(tlm::tlm_generic_payload& transaction) {
-  if (const std::optional<Phase> named = phase_of(transaction)) return *named;
-  if (transaction.is_read()) return Phase::dma_read;
-  return transaction.get_address() == kMessageAddress ? Phase::message : Phase::dma_write;
-}
-
-// A master abort, as the master sees it.
-void abort(tlm::tlm_generic_payload& transaction) {
-  transaction.set_response_status(tlm::TLM_ADDRESS_ERROR_RESPONSE);
-  if (!transaction.is_read()) return;
-  std::memset(transaction.get_data_ptr(), 0xff, transaction.get_data_length());
 }
 
 }  // namespace
@@ -68,7 +47,9 @@ PciBus::PciBus(const sc_core::sc_module_name& name, const BusSettings& settings,
     posting_ = std::make_unique<Posting>(*settings.posted_writes, kPlacesToMemory);
     SC_HAS_PROCESS(PciBus);
     SC_THREAD(drain_to_targets);
+    set_stack_size(kTargetsStackBytes);
     SC_THREAD(drain_to_memory);
+    set_stack_size(kTargetsStackBytes);
   }
   if (level != Timing::approximately_timed) return;
   arbiter_ = std::make_unique<link::PciArbiter>(
@@ -107,7 +88,7 @@ void PciBus::from_host_transport(tlm::tlm_generic_payload& transaction, sc_core:
   const Picoseconds began = now_ps();
   if (posting_) wait_for_posted(&Posting::down);
   occupy(service);
-  account(tag, processors_phase(direction, bytes), began, alone(service));
+  account(tag, processors_phase(transaction), began, alone(service));
   reach_target(transaction);
   if (!posting_) return;
   // The answer pushes what the board has written before it ahead of itself.
@@ -120,7 +101,7 @@ void PciBus::reach_target(tlm::tlm_generic_payload& transaction) {
   const std::uint64_t address = transaction.get_address();
   const Window* window = claim(address);
   if (window == nullptr) {
-    abort(transaction);
+    master_abort(transaction);
     return;
   }
   sc_core::sc_time held;
@@ -149,7 +130,7 @@ void PciBus::from_board_transport(tlm::tlm_generic_payload& transaction, sc_core
 
 void PciBus::reach_memory(tlm::tlm_generic_payload& transaction) {
   if (!has_memory_) {
-    abort(transaction);
+    master_abort(transaction);
     return;
   }
   sc_core::sc_time held;

@@ -83,8 +83,8 @@ class PciBus : public sc_core::sc_module {
     Picoseconds latency;
   };
   struct Posting {
-    Posting(const PostedWriteSettings& settings, std::size_t places)
-        : settings(settings), down(settings.places()), up(places) {}
+    Posting(const PostedWriteSettings& with, std::size_t places)
+        : settings(with), down(with.places()), up(places) {}
     PostedWriteSettings settings;
     PostedWrites down;  // from the processor
     PostedWrites up;    // from the board, to memory

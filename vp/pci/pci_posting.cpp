@@ -1,6 +1,7 @@
 // What [bus.posted_writes] adds to PciBus.
 #include <algorithm>
 
+#include "vp/bus_transaction.h"
 #include "vp/pci/pci_bus.h"
 
 namespace hvp::vp {
@@ -26,7 +27,7 @@ void PciBus::post(tlm::tlm_generic_payload& transaction) {
   PostedWrite& write =
       posting_->down.push(transaction.get_address(), transaction.get_data_ptr(), bytes);
   write.tag = tag;
-  write.phase = bytes > 4 ? Phase::block_write : Phase::bus_write;
+  write.phase = processors_phase(transaction);
   write.began = began;
   ledger_.hold(tag);
   posting_->changed.notify();

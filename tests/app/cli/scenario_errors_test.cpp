@@ -208,25 +208,29 @@ TEST_P(WrongOverride, IsNamedInPlaceOfALine) {
 
 INSTANTIATE_TEST_SUITE_P(
     Set, WrongOverride,
-    ::testing::Values(Override{"object.mesh.node=60", "did you mean \"nodes\"?"},
-                      Override{"nonsense=1", "unknown key"},
-                      Override{"budget.period=2", "missing unit"},
-                      Override{"budget.period=0 s", "out of range"},
-                      Override{"dynamics.newmark_beta=0.25", "unstable"},
-                      Override{"object.anchor=[]", "the body has no anchor"},
-                      Override{"frames", "expected KEY=VALUE"},
-                      Override{"=3", "expected KEY=VALUE"},
-                      Override{"frames=", "expected a whole number"},
-                      Override{"object.mesh=3", "expected a table"},
-                      Override{"fidelity.bus=cycle-accurate", "\"loosely-timed\""},
-                      Override{"bus.traffic.bytes=64",
-                               "bus.traffic: needs fidelity.bus = \"approximately-timed\""},
-                      Override{"fidelity.numbers=double", "\"fixed\""},
-                      Override{"accelerator.matrix_memory=M9K", "the EP2S60 has auto, M512, M4K"},
-                      Override{"accelerator.multiplier_mode=sums", "the EP2S60 has auto, 18x18"},
-                      Override{"accelerator.several.devices=9", "out of range"},
-                      Override{"accelerator.several={vectors='unsplit', exchange='halo'}",
-                               "\"halo\" contradicts vectors = \"unsplit\""}));
+    ::testing::Values(
+        Override{"object.mesh.node=60", "did you mean \"nodes\"?"},
+        Override{"nonsense=1", "unknown key"}, Override{"budget.period=2", "missing unit"},
+        Override{"budget.period=0 s", "out of range"},
+        Override{"dynamics.newmark_beta=0.25", "unstable"},
+        Override{"object.anchor=[]", "the body has no anchor"},
+        Override{"frames", "expected KEY=VALUE"}, Override{"=3", "expected KEY=VALUE"},
+        Override{"frames=", "expected a whole number"},
+        Override{"object.mesh=3", "expected a table"},
+        Override{"fidelity.bus=cycle-accurate", "\"loosely-timed\""},
+        Override{"bus.traffic.bytes=64",
+                 "bus.traffic: needs fidelity.bus = \"approximately-timed\""},
+        Override{"bus.graphics_traffic.bytes=64",
+                 "bus.graphics_traffic: needs fidelity.bus = \"approximately-timed\""},
+        Override{"bus.posted_writes.buffer_bytes=6",
+                 "bus.posted_writes.buffer_bytes: 6 bytes: expected a whole number"},
+        Override{"bus.pcie.lanes=3", "bus.pcie.lanes: 3 lanes; expected 1, 2, 4"},
+        Override{"fidelity.numbers=double", "\"fixed\""},
+        Override{"accelerator.matrix_memory=M9K", "the EP2S60 has auto, M512, M4K"},
+        Override{"accelerator.multiplier_mode=sums", "the EP2S60 has auto, 18x18"},
+        Override{"accelerator.several.devices=9", "out of range"},
+        Override{"accelerator.several={vectors='unsplit', exchange='halo'}",
+                 "\"halo\" contradicts vectors = \"unsplit\""}));
 
 TEST(ScenarioErrors, AnUnreachableNodeCountSaysWhatIsNear) {
   const ScratchDirectory place;

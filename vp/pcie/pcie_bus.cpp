@@ -1,0 +1,244 @@
+#include "vp/pcie/pcie_bus.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "vp/bus_transaction.h"
+
+namespace hvp::vp {
+
+namespace {
+
+constexpr std::int64_t kWordBytes = 4;
+// A message's meaning, in place of an address.
+constexpr std::uint64_t kAssert = 1;
+constexpr std::uint64_t kDeassert = 0;
+
+Picoseconds whole_ps(double seconds) { return std::llround(seconds * 1e12); }
+
+std::int64_t bytes_of(const tlm::tlm_generic_payload& transaction) {
+  return static_cast<std::int64_t>(transaction.get_data_length());
+}
+
+}  // namespace
+
+PcieBus::PcieBus(const sc_core::sc_module_name& name, const link::Pcie& link, Timing level,
+                 Ledger& ledger)
+    : sc_module(name),
+      from_host("from_host"),
+      from_board("from_board"),
+      interrupt_line("interrupt_line"),
+      link_(link),
+      formulas_(link),
+      untimed_(level == Timing::untimed),
+      to_port_(untimed_ ? 0 : whole_ps(link.processor_latency_s / 2)),
+      from_port_(untimed_ ? 0 : whole_ps(link.processor_latency_s) - to_port_),
+      ledger_(ledger),
+      timing_(link, level),
+      down_(
+          "down", timing_, PcieTiming::kProcessorWrites, link.write_combining_bytes,
+          untimed_ ? 0 : whole_ps(link.write_gap_s), ledger, [](PostedWrite&) {},
+          [this](PostedWrite& write) { arrived_at_board(write); }),
+      up_(
+          "up", timing_, PcieTiming::kBoardWrites, 0, 0, ledger,
+          [this](PostedWrite& write) { has_left(write); },
+          [this](PostedWrite& write) { arrived_at_host(write); }),
+      to_targets_("to_targets"),
+      to_memory_("to_memory") {
+  from_host.register_b_transport(this, &PcieBus::from_host_transport);
+  from_board.register_b_transport(this, &PcieBus::from_board_transport);
+  uses_[kProcessor].name = "processor";
+  uses_[kBoard].name = "board";
+}
+
+void PcieBus::attach(tlm::tlm_target_socket<>& target, std::uint64_t base, std::uint64_t size) {
+  to_targets_.bind(target);
+  windows_.push_back({base, size, static_cast<int>(windows_.size())});
+}
+
+void PcieBus::attach_memory(tlm::tlm_target_socket<>& memory) {
+  to_memory_.bind(memory);
+  has_memory_ = true;
+}
+
+void PcieBus::from_host_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay) {
+  wait(delay);
+  delay = sc_core::SC_ZERO_TIME;
+  if (transaction.is_write()) {
+    processor_write(transaction);
+  } else {
+    processor_read(transaction);
+  }
+}
+
+void PcieBus::from_board_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay) {
+  wait(delay);
+  delay = sc_core::SC_ZERO_TIME;
+  if (transaction.is_write()) {
+    board_write(transaction);
+  } else {
+    board_read(transaction);
+  }
+}
+
+void PcieBus::processor_write(tlm::tlm_generic_payload& transaction) {
+  Tag none;
+  Tag& tag = tag_of(transaction, none);
+  const std::int64_t bytes = bytes_of(transaction);
+  const link::Cost cost = formulas_.processor_write(bytes, true);
+  const Picoseconds began = now_ps();
+  PostedWrite& write = down_.post(transaction, tag);
+  write.phase = processors_phase(transaction);
+  write.began = began;
+  write.due = now_ps() + to_port_;
+  count(kProcessor, cost, bytes);
+  wait(to_sc_time(untimed_ ? 0 : cost.processor_ps));
+  ledger_.extend(tag, Part::bus, Phase::posting, began, now_ps());
+  transaction.set_response_status(tlm::TLM_OK_RESPONSE);
+}
+
+void PcieBus::arrived_at_board(PostedWrite& write) {
+  const auto bytes = static_cast<std::int64_t>(write.data.size());
+  account(write.tag, write.phase, write.began, formulas_.processor_write(bytes, true).latency_ps);
+  reach_target(to_target_.of(write));
+}
+
+// A word after the other; the target is read once, when the last word's request is there.
+void PcieBus::processor_read(tlm::tlm_generic_payload& transaction) {
+  Tag none;
+  Tag& tag = tag_of(transaction, none);
+  const Picoseconds began = now_ps();
+  while (processor_reads_) wait(read_over_);
+  processor_reads_ = true;
+  const std::int64_t bytes = bytes_of(transaction);
+  std::int64_t behind = 0;
+  for (std::int64_t word = 0; word < bytes; word += kWordBytes) {
+    wait(to_sc_time(to_port_));
+    const std::int64_t ahead = down_.posted();
+    down_.wait_until_left(ahead);
+    timing_.ask(PcieTiming::kProcessorReads, kWordBytes);
+    if (word + kWordBytes >= bytes) {
+      down_.wait_until_delivered(ahead);
+      reach_target(transaction);
+      behind = up_.posted();
+    }
+    timing_.await_answer(PcieTiming::kProcessorReads);
+    if (word + kWordBytes < bytes) wait(to_sc_time(from_port_));
+  }
+  processor_reads_ = false;
+  read_over_.notify();
+  up_.wait_until_delivered(behind);
+  wait(to_sc_time(from_port_));
+  const link::Cost cost = formulas_.processor_read(bytes);
+  count(kProcessor, cost, bytes);
+  account(tag, processors_phase(transaction), began, cost.latency_ps);
+}
+
+void PcieBus::board_write(tlm::tlm_generic_payload& transaction) {
+  Tag none;
+  Tag& tag = tag_of(transaction, none);
+  const Picoseconds began = now_ps();
+  PostedWrite& write = up_.post(transaction, tag);
+  write.phase = boards_phase(transaction);
+  write.began = began;
+  write.sender = &tag;
+  count(kBoard, formulas_.dma_write(bytes_of(transaction)), bytes_of(transaction));
+  up_.wait_until_left(up_.posted());
+  transaction.set_response_status(tlm::TLM_OK_RESPONSE);
+}
+
+// What the sending took is the board's; the way through the link and to memory is the data's.
+void PcieBus::has_left(PostedWrite& write) {
+  if (write.sender == nullptr) return;
+  const auto bytes = static_cast<std::int64_t>(write.data.size());
+  account(write.tag, write.phase, write.began,
+          formulas_.dma_write(bytes).latency_ps - link_.link_ps());
+  *write.sender = write.tag;
+  write.began = now_ps();
+}
+
+void PcieBus::arrived_at_host(PostedWrite& write) {
+  if (!write.data.empty()) {
+    ledger_.extend(write.tag, Part::bus, Phase::to_memory, write.began, now_ps());
+    reach_memory(to_host_.of(write));
+    return;
+  }
+  account(write.tag, Phase::message, write.began,
+          formulas_.interrupt(link::Interrupt::intx).latency_ps);
+  if (interrupt_line.size() == 0) return;
+  if (write.address == kAssert) {
+    interrupt_line->interrupt(write.tag);
+  } else {
+    interrupt_line->lowered();
+  }
+}
+
+void PcieBus::board_read(tlm::tlm_generic_payload& transaction) {
+  Tag none;
+  Tag& tag = tag_of(transaction, none);
+  const Picoseconds began = now_ps();
+  while (board_reads_) wait(read_over_);
+  board_reads_ = true;
+  const std::int64_t bytes = bytes_of(transaction);
+  const std::int64_t ahead = up_.posted();
+  up_.wait_until_left(ahead);
+  timing_.ask(PcieTiming::kBoardReads, bytes);
+  up_.wait_until_delivered(ahead);
+  reach_memory(transaction);
+  timing_.await_answer(PcieTiming::kBoardReads);
+  board_reads_ = false;
+  read_over_.notify();
+  const link::Cost cost = formulas_.dma_read(bytes);
+  count(kBoard, cost, bytes);
+  account(tag, boards_phase(transaction), began, cost.latency_ps);
+}
+
+void PcieBus::interrupt(const Tag& tag) { up_.post_message(kAssert, tag); }
+void PcieBus::lowered() { up_.post_message(kDeassert, Tag{}); }
+
+void PcieBus::reach_target(tlm::tlm_generic_payload& transaction) {
+  const std::uint64_t address = transaction.get_address();
+  const auto hit = std::find_if(windows_.begin(), windows_.end(), [address](const Window& w) {
+    return address >= w.base && address - w.base < w.size;
+  });
+  if (hit == windows_.end()) {
+    master_abort(transaction);
+    return;
+  }
+  sc_core::sc_time held;
+  transaction.set_address(address - hit->base);
+  to_targets_[hit->target]->b_transport(transaction, held);
+  transaction.set_address(address);
+  if (held != sc_core::SC_ZERO_TIME) wait(held);
+}
+
+void PcieBus::reach_memory(tlm::tlm_generic_payload& transaction) {
+  if (!has_memory_) {
+    master_abort(transaction);
+    return;
+  }
+  sc_core::sc_time held;
+  to_memory_->b_transport(transaction, held);
+  if (held != sc_core::SC_ZERO_TIME) wait(held);
+}
+
+// What it took beyond a link of its own is waiting: for others, and for the link layer's packets.
+void PcieBus::account(Tag& tag, Phase phase, Picoseconds began, Picoseconds alone) {
+  const Picoseconds waited = untimed_ ? 0 : std::max<Picoseconds>(0, now_ps() - began - alone);
+  if (waited > 0) ledger_.extend(tag, Part::bus, Phase::arbitration, began, began + waited);
+  ledger_.extend(tag, Part::bus, phase, began + waited, now_ps());
+}
+
+void PcieBus::count(User user, const link::Cost& cost, std::int64_t bytes) {
+  BusUse& use = uses_[user];
+  if (!untimed_) use.busy += cost.bus_ps;
+  use.bytes += bytes;
+  ++use.transactions;
+}
+
+void PcieBus::drain() {
+  down_.wait_until_delivered(down_.posted());
+  up_.wait_until_delivered(up_.posted());
+}
+
+}  // namespace hvp::vp

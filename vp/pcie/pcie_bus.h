@@ -1,0 +1,100 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <systemc>
+#include <vector>
+
+#include <tlm_utils/multi_passthrough_initiator_socket.h>
+#include <tlm_utils/simple_initiator_socket.h>
+#include <tlm_utils/simple_target_socket.h>
+
+#include "models/link/interconnect.h"
+#include "vp/bus_use.h"
+#include "vp/fidelity.h"
+#include "vp/frame_tag.h"
+#include "vp/ledger.h"
+#include "vp/pcie/pcie_timing.h"
+#include "vp/pcie/posted_path.h"
+
+namespace hvp::vp {
+
+// A PCI Express link between the host's root port and one board. Every transaction synchronises.
+//
+// Writes are posted, both ways: the processor goes on when it can store the next packet
+// (write_gap), the board when its last packet has left; a write reaches its target when it arrives
+// there. The processor's blocks leave in packets of write_combining_bytes. Its reads are of a word
+// each: a block is as many round trips. A read is behind the writes of its side, is answered with
+// what its target holds when the request arrives, and its answer is behind what the other side has
+// written before that (PCIe 5.0 §2.4.1). INTx is a message behind the board's writes, and so is
+// MSI, a write to kMessageAddress.
+//
+// `loosely-timed` and `approximately-timed` differ in PcieTiming. An address that nobody claims is
+// an unsupported request: an address error and all ones for a read, silence for a write.
+class PcieBus : public sc_core::sc_module, public InterruptIf {
+ public:
+  PcieBus(const sc_core::sc_module_name& name, const link::Pcie& link, Timing level,
+          Ledger& ledger);
+
+  tlm_utils::simple_target_socket<PcieBus> from_host;
+  // The board's own transactions; unbound where it has none. One read at a time: others wait.
+  tlm_utils::simple_target_socket_optional<PcieBus> from_board;
+  // Where INTx messages end.
+  sc_core::sc_port<InterruptIf, 1, sc_core::SC_ZERO_OR_MORE_BOUND> interrupt_line;
+
+  // As PciBus.
+  void attach(tlm::tlm_target_socket<>& target, std::uint64_t base, std::uint64_t size);
+  void attach_memory(tlm::tlm_target_socket<>& memory);
+  void drain();
+
+  // InterruptIf: the board's line, which becomes messages.
+  void interrupt(const Tag& tag) override;
+  void lowered() override;
+
+  // Busy: the direction of the data.
+  BusUses uses() const { return {uses_.begin(), uses_.end()}; }
+
+ private:
+  struct Window {
+    std::uint64_t base;
+    std::uint64_t size;
+    int target;
+  };
+  enum User { kProcessor, kBoard, kUsers };
+
+  void from_host_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
+  void from_board_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
+  void processor_write(tlm::tlm_generic_payload& transaction);
+  void processor_read(tlm::tlm_generic_payload& transaction);
+  void board_write(tlm::tlm_generic_payload& transaction);
+  void board_read(tlm::tlm_generic_payload& transaction);
+  void reach_target(tlm::tlm_generic_payload& transaction);
+  void reach_memory(tlm::tlm_generic_payload& transaction);
+  void has_left(PostedWrite& write);
+  void arrived_at_board(PostedWrite& write);
+  void arrived_at_host(PostedWrite& write);
+  void account(Tag& tag, Phase phase, Picoseconds began, Picoseconds alone);
+  void count(User user, const link::Cost& cost, std::int64_t bytes);
+
+  link::Pcie link_;
+  link::PcieInterconnect formulas_;
+  bool untimed_;
+  Picoseconds to_port_;    // from the processor to the root port
+  Picoseconds from_port_;  // and back
+  Ledger& ledger_;
+  PcieTiming timing_;
+  PostedPath down_;
+  PostedPath up_;
+  PostedTransaction to_target_;
+  PostedTransaction to_host_;
+  tlm_utils::multi_passthrough_initiator_socket<PcieBus> to_targets_;
+  tlm_utils::simple_initiator_socket_optional<PcieBus> to_memory_;
+  bool has_memory_ = false;
+  std::vector<Window> windows_;
+  bool processor_reads_ = false;
+  bool board_reads_ = false;
+  sc_core::sc_event read_over_;
+  std::array<BusUse, kUsers> uses_;
+};
+
+}  // namespace hvp::vp

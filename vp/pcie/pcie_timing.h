@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <systemc>
+
+#include "models/link/pcie.h"
+#include "models/link/pcie_link.h"
+#include "vp/fidelity.h"
+#include "vp/frame.h"
+
+namespace hvp::vp {
+
+// The time that packets take on a PCI Express link, in the process of whoever sends them.
+//
+// Loosely timed it is link::Pcie's formulas, each direction of the link taken until the last packet
+// of what uses it has left. Approximately timed it is link::PcieLink: packet by packet, with
+// credits, tags and link layer. `untimed` takes none. What each sender sends goes one after the
+// other; that is the caller's to see to.
+class PcieTiming {
+ public:
+  enum Sender : int { kProcessorWrites, kProcessorReads, kBoardWrites, kBoardReads, kSenders };
+
+  PcieTiming(const link::Pcie& link, Timing level);
+
+  // A write of so many bytes, or, without, a message. Returns when its last packet has left, with
+  // the time of its arrival at the other side.
+  Picoseconds send(Sender sender, std::int64_t bytes);
+  // A read, as large as a request may be or larger. Returns when its last request is at the other
+  // side.
+  void ask(Sender sender, std::int64_t bytes);
+  // Behind ask(): returns when its last completion is back.
+  void await_answer(Sender sender);
+
+ private:
+  static link::PcieSide side(Sender sender) {
+    return sender == kProcessorWrites || sender == kProcessorReads ? link::PcieSide::root
+                                                                   : link::PcieSide::device;
+  }
+  Picoseconds& free_at(link::PcieSide side) {
+    return free_at_[side == link::PcieSide::root ? 0 : 1];
+  }
+  Picoseconds send_by_formula(Sender sender, std::int64_t bytes);
+  void ask_by_formula(Sender sender, std::int64_t bytes);
+  void until_sent(Sender sender);
+
+  link::Pcie link_;
+  bool untimed_;
+  std::array<Picoseconds, 2> free_at_{};          // loosely timed; by the sending side
+  std::array<Picoseconds, kSenders> answered_{};  // loosely timed
+  std::optional<link::PcieLink> packets_;         // approximately timed
+  sc_core::sc_event changed_;                     // what forecasts rest on
+};
+
+}  // namespace hvp::vp
