@@ -468,6 +468,64 @@ TEST_F(DmaEngineTest, ResetGivesTheListUpWhereverItIs) {
   });
 }
 
+// Whatever software does to registers, lists and memory, with doorbells and resets at any time:
+// each list ends, and after a reset the board solves.
+TEST_F(DmaEngineTest, ComesBackAfterThousandsOfRandomLists) {
+  constexpr std::array<Register, 9> kSome = {
+      Register::dma_list_low,     Register::dma_list_high,   Register::dma_count,
+      Register::dma_record_low,   Register::dma_record_high, Register::interrupt_status,
+      Register::interrupt_enable, Register::packing,         Register::static_shift};
+  std::uint32_t state = 1;
+  const auto random = [&state](std::uint32_t below) {
+    state = state * 1664525U + 1013904223U;  // Knuth's congruential generator
+    return (state >> 8) % below;
+  };
+  run(
+      [&](Stimulus& s, BoardMaster& board) {
+        std::int64_t frame = 0;
+        for (int round = 0; round < 3'000; ++round) {
+          if (round % 6 == 0) {
+            board.command(field::kControlReset);
+            set_up(board, {}, {});
+            board.poke(Register::iterations, 1);
+          }
+          std::vector<Descriptor> there, back;
+          for (std::uint32_t i = random(3); i > 0; --i) {
+            there.push_back(to_board(kB + 4 * random(16), 4 * random(80), 4 * random(64)));
+          }
+          for (std::uint32_t i = random(3); i > 0; --i) {
+            back.push_back(to_host(kU + 4 * random(16), 4 * random(80), 4 * random(64)));
+          }
+          if (random(4) == 0 && !there.empty()) there[0][random(8)] = random(1U << 24) << random(9);
+          set_list(board, there, back);
+          if (random(8) == 0)
+            board.poke(kSome[random(kSome.size())], random(1U << 24) << random(9));
+          ledger_.open(++frame, now_ps());
+          Tag tag{frame, kBirth};
+          board.poke(Register::control, field::kControlRunList.mask(), &tag);
+          s.sleep(random(4) == 0 ? random(30'000) * kNs : 1'000 * kUs);
+          if (random(8) == 0) board.command(field::kControlReset);
+          for (int waits = 0; board.peek(field::kStatusBusy) != 0; ++waits) {
+            ASSERT_LT(waits, 100) << "round " << round;
+            s.sleep(100 * kUs);
+          }
+          board.clear_interrupts();
+          s.sleep(10 * kUs);
+          Frame& open = ledger_.frame(frame);
+          open.spans.push_back({Part::host, Phase::release, open.born, now_ps(), kBirth});
+          open.force_at_motor = static_cast<SpanId>(open.spans.size()) - 1;
+          ledger_.close(frame);
+          ASSERT_NO_THROW(ledger_.finish()) << "round " << round;
+        }
+        EXPECT_GT(accelerator_->dma()->lists(), 1'000);
+        board.command(field::kControlReset);
+        set_up(board, {to_board(kB, kVectorBytes)}, {to_host(kU, kVectorBytes)});
+        EXPECT_EQ(outcome(s, board).first, ErrorCode::none);
+        EXPECT_EQ(u_in_memory(), expected());
+      },
+      {link::DmaEngine{}, true});
+}
+
 TEST_F(DmaEngineTest, WithoutAMemoryEveryTransferFails) {
   accelerator_ = std::make_unique<Accelerator>(
       "accelerator", accel::Architecture{}, Timing::loosely_timed, ledger_, nullptr, Numbers::fixed,

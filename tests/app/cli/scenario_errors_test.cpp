@@ -51,6 +51,12 @@ INSTANTIATE_TEST_SUITE_P(
     Scenario, WrongScenario,
     ::testing::Values(
         // Read: what stands in the file.
+        InFile{"[budget]", "[transfer.dma]\nsegment_bytes = 4096\n[budget]",
+               "s.toml:4: transfer.dma: ", "needs method = \"dma\", found \"bursts\""},
+        InFile{"[budget]", "[transfer]\npoll_interval = \"2 us\"\n[budget]",
+               "s.toml:5: transfer.poll_interval: ", "needs notification = \"polling\""},
+        InFile{"[budget]", "[transfer]\nmethod = \"dma\"\ndma.segment_bytes = 66\n[budget]",
+               "s.toml:6: transfer.dma.segment_bytes: ", "expected a multiple of 4, found 66"},
         InFile{"nodes = 60", "node = 60",
                "s.toml:10: object.mesh.node: ", "unknown key; did you mean \"nodes\"?"},
         InFile{"[budget]", "[budgets]", "s.toml:4: budgets: ", "did you mean \"budget\"?"},
