@@ -444,5 +444,31 @@ TEST_P(OnPcie, FramesGoOverBothBusesAndNothingIsLost) {
   EXPECT_EQ(std::ranges::count(modules, "bridge"), 1);
 }
 
+TEST_P(OnPcie, AFrameByDmaAndAMessageHasAPathWithoutAGap) {
+  SmallScene scene;
+  scene.touch();
+  scene.settings.bus.pcie.emplace();
+  scene.settings.fidelity.bus = GetParam();
+  scene.settings.transfer.method = Transfer::Method::dma;
+  scene.settings.transfer.notification = link::Notification::msi;
+  const test::Simulated run(scene);
+  ASSERT_EQ(run.log.frames.size(), 10U);
+  EXPECT_EQ(run.platform.servo().counts().driver_errors, 0);
+  const Frame& frame = run.log.frames.back();
+  std::vector<Phase> phases;
+  for (const SpanId id : run.log.paths.back()) {
+    phases.push_back(frame.spans[static_cast<std::size_t>(id)].phase);
+  }
+  // To the board, the solve, and back; the ledger has refused a path with a gap.
+  auto at = phases.begin();
+  for (const Phase phase : {Phase::descriptor, Phase::dma_read, Phase::solve, Phase::dma_write,
+                            Phase::message, Phase::to_memory, Phase::interrupt}) {
+    at = std::find(at, phases.end(), phase);
+    EXPECT_NE(at, phases.end()) << name(phase);
+  }
+  // Descriptors and b; U, the record and the message.
+  EXPECT_GE(run.platform.pcie()->uses()[1].transactions, 10 * 5);
+}
+
 }  // namespace
 }  // namespace hvp::vp
