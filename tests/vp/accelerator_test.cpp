@@ -127,6 +127,24 @@ TEST_F(AcceleratorTest, SolveEndsWithItsLastClockAndHasTheReferenceSolversWords)
   EXPECT_EQ(accelerator_->illegal_accesses(), 0);
 }
 
+// Declared priority: the board's own clock edge comes before an access of the same instant. An
+// event of the board's and the master's wait are timed for one instant, in either order.
+TEST_F(AcceleratorTest, JobThatEndsAtTheInstantOfAnAccessHasEnded) {
+  run([&](Stimulus& s, BoardMaster& board) {
+    board.load_and_wait(k());
+    for (const bool asks_late : {false, true}) {
+      const Picoseconds started = now_ps();
+      board.command(field::kControlStart);
+      // The master's wait begins with the job, or behind it.
+      if (asks_late) s.sleep(3 * kUs);
+      s.sleep_until(started + solve_time());
+      EXPECT_EQ(board.peek(Register::status) & 7U, 2U) << asks_late;
+      board.clear_interrupts();
+      s.sleep(kUs);
+    }
+  });
+}
+
 TEST_F(AcceleratorTest, SolveTimeIsSetByIterationsAndClock) {
   accel::Architecture architecture;
   architecture.clock_hz = 300e6;  // a period of 3333 ps

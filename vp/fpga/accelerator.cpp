@@ -115,6 +115,8 @@ bool Accelerator::supported(const fixed::Settings& settings) {
 }
 
 void Accelerator::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay) {
+  // A job that ends at the instant of an access has ended, whatever the kernel runs first.
+  if (running_ != Running::nothing) wait(sc_core::SC_ZERO_TIME);
   Tag none;
   commanding_tag_ = &tag_of(transaction, none);
   wait_states_ = 0;
