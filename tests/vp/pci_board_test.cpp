@@ -139,6 +139,33 @@ TEST(PciBoard, TheProcessorWaitsForTheBoardsTransactionUnderWay) {
   EXPECT_EQ(bench.spans()[0].end, kWrite3000 * kClock);
 }
 
+// The kernel runs the board first: it was built first.
+TEST(PciBoard, OfTwoWhoAskAtOneInstantTheProcessorIsServedFirst) {
+  std::vector<Picoseconds> ended;
+  Bench bench([&](Stimulus& m) {
+    std::array<std::uint8_t, 64> words{};
+    m.sleep_until(1 * kUs);
+    m.write(kBuffer, words.data(), words.size());
+    ended.push_back(now_ps());
+    m.write(kBuffer, words.data(), words.size());
+    ended.push_back(now_ps());
+  });
+  test::Program processor("processor", [&](test::Program& p) {
+    const std::uint32_t word = 0;
+    p.sleep(1 * kUs);
+    bench.host.write(0x4000'0000, &word, 4);
+    EXPECT_EQ(now_ps(), 1 * kUs + 250 * kNs);
+    // It waits with the board's next one, for the bus to be free.
+    p.sleep(1 * kNs);
+    bench.host.write(0x4000'0000, &word, 4);
+    EXPECT_EQ(now_ps(), 1 * kUs + 250 * kNs + 20 * kClock + 250 * kNs);
+  });
+  sc_core::sc_start();
+  const std::vector<Picoseconds> expected = {1 * kUs + 250 * kNs + 20 * kClock,
+                                             1 * kUs + 500 * kNs + 40 * kClock};
+  EXPECT_EQ(ended, expected);
+}
+
 TEST(PciBoard, ApproximatelyTimedItIsMasterNumberTwo) {
   Tag tag{0, kBirth};
   Bench bench(

@@ -1,5 +1,6 @@
 // Temporal decoupling never moves an observable: every span of every frame is the same whatever the
 // quantum, and so are the numbers.
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <string>
@@ -11,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "models/random/distribution.h"
-#include "tests/vp/child_run.h"
+#include "tests/vp/child_output.h"
 #include "tests/vp/small_scene.h"
 #include "tests/vp/stimulus.h"
 #include "vp/host/local_time.h"
@@ -31,7 +32,19 @@ random::TimeDistribution uniform(double longest_s) {
   return d;
 }
 
-enum class Case { plain, pipelined, one_core, shared_bus, overloaded, no_board };
+enum class Case {
+  plain,
+  pipelined,
+  one_core,
+  shared_bus,
+  overloaded,
+  no_board,
+  posted,
+  polling,
+  dma,
+  pipelined_dma,
+  pcie,
+};
 
 SmallScene make(Case which) {
   SmallScene::Options options;
@@ -68,6 +81,29 @@ void prepare(SmallScene& scene, Case which) {
       s.bus.traffic = traffic;
       break;
     }
+    case Case::posted:
+      s.bus.posted_writes.emplace();
+      break;
+    case Case::polling:
+      s.transfer.notification = link::Notification::polling;
+      s.transfer.poll_interval_s = 1e-6;
+      break;
+    case Case::pipelined_dma:
+      s.servo.costs.pipeline_depth = 1;
+      s.budget = 2 * s.servo.period;
+      [[fallthrough]];
+    case Case::dma:
+      s.fidelity.bus = Timing::approximately_timed;
+      s.bus.posted_writes.emplace();
+      s.transfer.method = Transfer::Method::dma;
+      s.transfer.notification = link::Notification::msi;
+      break;
+    case Case::pcie:
+      s.fidelity.bus = Timing::approximately_timed;
+      s.bus.pcie.emplace();
+      s.transfer.method = Transfer::Method::dma;
+      s.transfer.notification = link::Notification::msi;
+      break;
     case Case::overloaded:
       s.servo.costs.sustained_rate_flops = 20e6;
       break;
@@ -102,15 +138,22 @@ Result simulate(Case which, Picoseconds quantum) {
   return result;
 }
 
+std::vector<std::int64_t> numbers(const std::string& bytes) {
+  std::vector<std::int64_t> result(bytes.size() / sizeof(std::int64_t));
+  std::copy(bytes.begin(), bytes.end(), reinterpret_cast<char*>(result.data()));
+  return result;
+}
+
 class Quantum : public testing::TestWithParam<std::tuple<Case, Picoseconds>> {};
 
 TEST_P(Quantum, MovesNoSpanAndNoNumber) {
   const auto [which, quantum] = GetParam();
-  const std::vector<std::int64_t> without = test::in_child_process([which] {
+  const std::vector<std::int64_t> without = numbers(test::output_of_child([which](std::string& to) {
     Result r = simulate(which, 0);
     r.frames.push_back(r.deltas);
-    return r.frames;
-  });
+    to.assign(reinterpret_cast<const char*>(r.frames.data()),
+              r.frames.size() * sizeof(r.frames[0]));
+  }));
   ASSERT_GT(without.size(), 60U * 5U);
   Result with = simulate(which, quantum);
   // It does something: the kernel has less to do.
@@ -122,8 +165,9 @@ TEST_P(Quantum, MovesNoSpanAndNoNumber) {
 }
 
 std::string case_name(const testing::TestParamInfo<Quantum::ParamType>& info) {
-  static constexpr const char* kNames[] = {"plain",      "pipelined",  "one_core",
-                                           "shared_bus", "overloaded", "no_board"};
+  static constexpr const char* kNames[] = {"plain",      "pipelined",     "one_core", "shared_bus",
+                                           "overloaded", "no_board",      "posted",   "polling",
+                                           "dma",        "pipelined_dma", "pcie"};
   return std::string(kNames[static_cast<int>(std::get<0>(info.param))]) + "_" +
          std::to_string(std::get<1>(info.param) / kNs) + "ns";
 }
@@ -131,7 +175,8 @@ std::string case_name(const testing::TestParamInfo<Quantum::ParamType>& info) {
 INSTANTIATE_TEST_SUITE_P(
     Sweep, Quantum,
     testing::Combine(testing::Values(Case::plain, Case::pipelined, Case::one_core, Case::shared_bus,
-                                     Case::overloaded, Case::no_board),
+                                     Case::overloaded, Case::no_board, Case::posted, Case::polling,
+                                     Case::dma, Case::pipelined_dma, Case::pcie),
                      testing::Values(1 * kNs, 1 * kUs, 17 * kUs, 100 * kUs, 1 * kMs, 2 * kMs)),
     case_name);
 

@@ -164,8 +164,22 @@ void PciBus::occupy(const Service& service, std::int64_t first) {
   ++use(service.master).transactions;
 }
 
+// Of masters that ask, or wait, at one instant the one of the lowest number is served first,
+// whatever the kernel runs first: all have asked when a delta cycle is over.
+void PciBus::take_turn(Master master) {
+  int& asking = asking_[static_cast<std::size_t>(master)];
+  const auto lower = asking_.begin() + static_cast<int>(master);
+  ++asking;
+  do {
+    while (free_at_ > now_ps()) wait(to_sc_time(free_at_ - now_ps()));
+    if (has_memory_) wait(sc_core::SC_ZERO_TIME);
+  } while (free_at_ > now_ps() ||
+           std::any_of(asking_.begin(), lower, [](int others) { return others > 0; }));
+  --asking;
+}
+
 void PciBus::occupy_whole(const Service& service, std::int64_t first) {
-  while (free_at_ > now_ps()) wait(to_sc_time(free_at_ - now_ps()));
+  take_turn(service.master);
   const Picoseconds time = alone(service);
   free_at_ = now_ps() + time;
   use(service.master).busy += time;

@@ -100,6 +100,7 @@ class PciBus : public sc_core::sc_module {
   Picoseconds way_to_bus(link::Direction direction) const;
   Picoseconds alone(const Service& service) const;
   void occupy(const Service& service, std::int64_t first = 0);
+  void take_turn(Master master);
   void occupy_whole(const Service& service, std::int64_t first);
   void occupy_in_bursts(const Service& service, std::int64_t first);
   void request_and_wait(Master master, link::Direction direction, std::int64_t bytes);
@@ -123,6 +124,7 @@ class PciBus : public sc_core::sc_module {
   std::vector<Window> windows_;
   bool has_memory_ = false;
   Picoseconds free_at_ = 0;
+  std::array<int, kMasters> asking_{};  // loosely timed
   std::array<BusUse, kMasters> uses_;
 
   std::unique_ptr<link::PciArbiter> arbiter_;  // approximately timed
