@@ -4,13 +4,15 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "models/config/input_error.h"
-#include "tests/vp/child_run.h"
+#include "tests/vp/child_output.h"
 #include "tests/vp/expected_frame.h"
 #include "tests/vp/small_scene.h"
 #include "vp/host/dma_memory.h"
@@ -174,9 +176,20 @@ TEST(TransferFrame, IsThePlansTime) {
             acknowledged() + kWords * pci_read(4));
 }
 
+// Numbers of a run in a process of its own; none where it did not come to its end.
+std::vector<std::int64_t> in_child_process(const std::function<std::vector<std::int64_t>()>& work) {
+  const std::string bytes = test::output_of_child([&work](std::string& to) {
+    const std::vector<std::int64_t> numbers = work();
+    to.assign(reinterpret_cast<const char*>(numbers.data()), 8 * numbers.size());
+  });
+  std::vector<std::int64_t> numbers(bytes.size() / 8);
+  std::memcpy(numbers.data(), bytes.data(), 8 * numbers.size());
+  return numbers;
+}
+
 // Forces of all frames, bit by bit, of a run in a process of its own.
 std::vector<std::int64_t> forces(const Transfer& t, const SmallScene::Options& options, int depth) {
-  return test::in_child_process([&] {
+  return in_child_process([&] {
     SmallScene scene(options);
     scene.touch();
     scene.settings.transfer = t;
@@ -198,7 +211,7 @@ std::vector<std::int64_t> forces(const Transfer& t, const SmallScene::Options& o
 TEST(TransferWords, AreTheSameWhereALineOvertakesThem) {
   const std::vector<std::int64_t> expected = forces({}, {}, 0);
   const auto posted = [](Notification notification) {
-    return test::in_child_process([notification] {
+    return in_child_process([notification] {
       SmallScene scene;
       scene.touch();
       scene.settings.transfer = transfer(Method::dma, notification);
@@ -270,7 +283,7 @@ TEST(TransferTimeOut, OfLooks) { expect_held_forces(Notification::polling); }
 // While the record is on the bus and while the message is: the frame waits for neither in vain.
 TEST(TransferTimeOut, WhileTheEndIsOnItsWay) {
   for (Picoseconds before = 0; before < 3 * kUs; before += 100 * kNs) {
-    EXPECT_EQ(test::in_child_process([before] {
+    EXPECT_EQ(in_child_process([before] {
                 SmallScene scene;
                 scene.settings.transfer = transfer(Method::dma, Notification::msi);
                 scene.settings.servo.costs.timeout_s =
