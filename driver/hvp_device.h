@@ -40,8 +40,13 @@ hvp_status hvp_await_end(struct hvp_device* device, uint64_t timeout_ns);
 
 // How one look for an end begins: sleeps until the interrupt, or lets time pass after a look in
 // vain. `late` says whether the time is up.
-hvp_status hvp_sleep(const struct hvp_device* device, uint64_t begin, uint64_t timeout_ns,
-                     bool looked, bool* late);
+hvp_status hvp_sleep(struct hvp_device* device, uint64_t begin, uint64_t timeout_ns, bool looked,
+                     bool* late);
+
+// The board has ended: an interrupt that was waited for in vain was lost.
+static inline void hvp_count_lost_interrupt(struct hvp_device* device) {
+  if (device->timed_out) ++device->statistics.lost_interrupts;
+}
 
 // What STATUS, or a completion record, says has ended: keeps it, takes the interrupt down and
 // returns what the board reported.
@@ -59,5 +64,8 @@ void hvp_empty_segments(const struct hvp_device* device, int32_t* u);
 // The doorbell, and until its completion record is there.
 void hvp_run_list(struct hvp_device* device);
 hvp_status hvp_await_record(struct hvp_device* device, uint64_t timeout_ns);
+
+// What the bus has recorded since the last time, as a status; HVP_OK where it records nothing.
+hvp_status hvp_bus_errors(const struct hvp_device* device);
 
 #endif

@@ -182,6 +182,7 @@ static bool record_is_there(const struct hvp_device* device) {
 }
 
 static hvp_status take_record(struct hvp_device* device, bool line_is_up) {
+  hvp_count_lost_interrupt(device);
   sync_memory(device, false);
   const uint32_t status = record_word(device, RECORD_STATUS);
   if ((status & HVP__STATUS__ERROR_bm) != 0U) return hvp_take_end(device, status);
@@ -206,6 +207,7 @@ hvp_status hvp_await_record(struct hvp_device* device, uint64_t timeout_ns) {
   const bool line = bus->wait_interrupt != NULL && !bus->interrupts_after_writes;
   const bool polls_memory = bus->wait_interrupt == NULL && bus->pause != NULL;
   const uint64_t begin = bus->now_ns(bus->context);
+  device->timed_out = false;
   for (bool looked = false;; looked = true) {
     bool late;
     const hvp_status slept = hvp_sleep(device, begin, timeout_ns, looked, &late);

@@ -36,8 +36,15 @@ static void note_error(struct hvp_device* device) {
   device->job = hvp_read_register(device, HVP_OFFSET(JOB));
 }
 
-hvp_status hvp_sleep(const struct hvp_device* device, uint64_t begin, uint64_t timeout_ns,
-                     bool looked, bool* late) {
+hvp_status hvp_bus_errors(const struct hvp_device* device) {
+  if (device->bus.take_errors == NULL) return HVP_OK;
+  const uint32_t errors = device->bus.take_errors(device->bus.context);
+  if ((errors & HVP_BUS_MASTER_ABORT) != 0U) return HVP_ERROR_BUS;
+  return errors == 0U ? HVP_OK : HVP_ERROR_DATA;
+}
+
+hvp_status hvp_sleep(struct hvp_device* device, uint64_t begin, uint64_t timeout_ns, bool looked,
+                     bool* late) {
   const struct hvp_bus* bus = &device->bus;
   if (bus->wait_interrupt == NULL && bus->pause != NULL && looked) bus->pause(bus->context);
   const uint64_t elapsed = bus->now_ns(bus->context) - begin;
@@ -46,6 +53,7 @@ hvp_status hvp_sleep(const struct hvp_device* device, uint64_t begin, uint64_t t
     const int outcome = bus->wait_interrupt(bus->context, timeout_ns - elapsed);
     if (outcome < 0) return HVP_ERROR_BUS;
     *late = outcome == HVP_INTERRUPT_TIMED_OUT;
+    device->timed_out = *late;
   }
   return HVP_OK;
 }
@@ -69,6 +77,7 @@ void hvp_clear_done(struct hvp_device* device) {
 
 hvp_status hvp_await_end(struct hvp_device* device, uint64_t timeout_ns) {
   const uint64_t begin = device->bus.now_ns(device->bus.context);
+  device->timed_out = false;
   for (bool looked = false;; looked = true) {
     bool late;
     const hvp_status slept = hvp_sleep(device, begin, timeout_ns, looked, &late);
@@ -76,7 +85,13 @@ hvp_status hvp_await_end(struct hvp_device* device, uint64_t timeout_ns) {
     // The line may be shared or its interrupt lost: STATUS alone decides.
     const uint32_t status = hvp_read_register(device, HVP_OFFSET(STATUS));
     if (status == HVP_ALL_ONES) return HVP_ERROR_BUS;
-    if ((status & (HVP__STATUS__DONE_bm | HVP__STATUS__ERROR_bm)) != 0U) {
+    const uint32_t ended = status & (HVP__STATUS__DONE_bm | HVP__STATUS__ERROR_bm);
+    if (ended == HVP__STATUS__DONE_bm && (status & HVP__STATUS__BUSY_bm) != 0U) {
+      // Of an earlier command, whose acknowledgement did not arrive.
+      hvp_write_register(device, HVP_OFFSET(INTERRUPT_STATUS), HVP__INTERRUPT_STATUS__DONE_bm);
+      ++device->statistics.lost_acknowledgements;
+    } else if (ended != 0U) {
+      hvp_count_lost_interrupt(device);
       return hvp_take_end(device, status);
     }
     if (late) return HVP_ERROR_TIMEOUT;
@@ -155,6 +170,9 @@ hvp_status hvp_reset(struct hvp_device* device) {
   device->error_detail = 0U;
   device->one_a_word = false;
   device->done_pending = false;
+  device->reject_saturated = false;
+  // What went wrong before is over.
+  (void)hvp_bus_errors(device);
   const uint32_t status = hvp_read_register(device, HVP_OFFSET(STATUS));
   if (status == HVP_ALL_ONES) return HVP_ERROR_BUS;
   if (status != 0U) return HVP_ERROR_BOARD;
@@ -162,7 +180,7 @@ hvp_status hvp_reset(struct hvp_device* device) {
     hvp_write_register(device, HVP_OFFSET(INTERRUPT_ENABLE),
                        HVP__INTERRUPT_ENABLE__DONE_bm | HVP__INTERRUPT_ENABLE__ERROR_bm);
   }
-  return HVP_OK;
+  return hvp_bus_errors(device);
 }
 
 hvp_status hvp_close(struct hvp_device* device) {

@@ -30,8 +30,10 @@ typedef enum hvp_status {
   HVP_ERROR_VERSION,       // a register map this driver does not know
   HVP_ERROR_BUS,           // the bus reported a failure, or the board stopped answering
   HVP_ERROR_TIMEOUT,       // the board is still busy: wait again, or hvp_reset()
+  HVP_ERROR_DATA,          // a word was damaged on the bus: what was sent or read is not to be used
   HVP_ERROR_STALE_RESULT,  // the results on the board, or the completion record, are another job's
   HVP_ERROR_SHORT_TRANSFER,  // the engine moved another number of bytes than it was asked to
+  HVP_ERROR_SATURATED,       // the solve reached the limits of its words, and was not to
   HVP_ERROR_BAD_SIZE,
   HVP_ERROR_BAD_MATRIX,
   HVP_ERROR_BAD_SETTING,
@@ -46,9 +48,17 @@ typedef enum hvp_status {
 } hvp_status;
 
 const char* hvp_status_text(hvp_status status);
+// As it is written in the code: "HVP_ERROR_TIMEOUT".
+const char* hvp_status_name(hvp_status status);
 
 // How wait_interrupt ended; a negative number is a failure of the bus.
 enum { HVP_INTERRUPT = 0, HVP_INTERRUPT_TIMED_OUT = 1 };
+
+// What a bus has recorded: bits of take_errors.
+enum {
+  HVP_BUS_MASTER_ABORT = 1,  // nobody answered an access: a write was lost, a read was all ones
+  HVP_BUS_PARITY = 2,        // a word was damaged on its way, to the board or from it
+};
 
 // The way to one board. Offsets are bytes from the start of its BAR, multiples of four; words are
 // in the host's byte order and little-endian on the bus. Writes may be posted but must arrive in
@@ -73,6 +83,10 @@ struct hvp_bus {
   // The board's interrupts follow its writes to memory, as messages do. False: they may overtake
   // them, as a wire does; the driver then reads STATUS, which pushes the writes ahead of itself.
   bool interrupts_after_writes;
+  // What went wrong on the bus since the last call, and forgets it: for PCI the error bits of the
+  // bridge's status register. Optional. Without it a lost write, a block of ones and a damaged word
+  // look like any other.
+  uint32_t (*take_errors)(void* context);
 };
 
 // A run of the host's memory that the board reaches at one address. Both are multiples of four
@@ -125,6 +139,12 @@ struct hvp_capability {
   uint32_t max_scalar_bits;
 };
 
+// What went wrong and was put right at the cost of time, since hvp_open().
+struct hvp_statistics {
+  uint32_t lost_interrupts;        // did not come, though the board had ended
+  uint32_t lost_acknowledgements;  // did not arrive, and were repeated
+};
+
 // A board. The caller provides the room; the members are the driver's own.
 struct hvp_device {
   struct hvp_bus bus;
@@ -138,6 +158,9 @@ struct hvp_device {
   uint32_t job;
   uint32_t last_status;
   uint32_t error_detail;
+  struct hvp_statistics statistics;
+  bool timed_out;  // the wait that has ended last
+  bool reject_saturated;
   uint32_t minor_version;
   bool one_a_word;    // elements of at most 16 bits are not packed
   bool done_pending;  // INTERRUPT_STATUS.done of a list was left up: the next list clears it
@@ -196,8 +219,9 @@ struct hvp_solver_config {
   uint32_t beta_fraction;      // bits of β behind it, 0 to 63
   hvp_round division_rounding;
   hvp_round shift_rounding;
-  bool one_a_word;     // elements of at most 16 bits do not share a word on their way
-  bool wrap_overflow;  // keep the low bits of what leaves its word, instead of its limit
+  bool one_a_word;        // elements of at most 16 bits do not share a word on their way
+  bool wrap_overflow;     // keep the low bits of what leaves its word, instead of its limit
+  bool reject_saturated;  // a job in which a word reached its limit ends in HVP_ERROR_SATURATED
 };
 
 // Symmetric, of 3 × 3 blocks, both triangles stored, columns ascending within a block row, every
@@ -208,6 +232,13 @@ struct hvp_matrix {
   const int32_t* row_begin;  // [nodes + 1], first block of each row; the last is `blocks`
   const int32_t* column;     // [blocks]
   const int32_t* value;      // [9·blocks], a block row by row
+};
+
+// A matrix on its way to the board; the members are the driver's own.
+struct hvp_load {
+  const struct hvp_matrix* matrix;
+  uint32_t array;  // which of the matrix' arrays is next
+  size_t sent;     // elements of it
 };
 
 struct hvp_result {
@@ -245,6 +276,14 @@ hvp_status hvp_configure(struct hvp_device* device, const struct hvp_solver_conf
 // Sends the whole matrix and has the board check it.
 hvp_status hvp_load_matrix(struct hvp_device* device, const struct hvp_matrix* matrix);
 
+// The same in pieces, for a process that has other things to do in between: begin; then continue,
+// a burst each, until *complete; then end, which has the board check the matrix. The matrix has to
+// stay where it is. Nothing but these, hvp_reset() and hvp_close() may be called meanwhile.
+hvp_status hvp_begin_load(struct hvp_device* device, struct hvp_load* load,
+                          const struct hvp_matrix* matrix);
+hvp_status hvp_continue_load(struct hvp_device* device, struct hvp_load* load, bool* complete);
+hvp_status hvp_end_load(struct hvp_device* device, const struct hvp_load* load);
+
 // Zeroes the node's block row and column but for the diagonal entries, which become `diagonal` > 0
 // (thesis §3.7).
 hvp_status hvp_constrain_node(struct hvp_device* device, uint32_t node, int32_t diagonal);
@@ -270,13 +309,16 @@ hvp_status hvp_write_rhs(struct hvp_device* device, const int32_t* b, size_t n);
 hvp_status hvp_write_initial_guess(struct hvp_device* device, const int32_t* u, size_t n);
 
 // Starts a job and returns at once. Nothing but hvp_wait(), hvp_reset() and hvp_close() is
-// allowed until it has ended.
+// allowed until it has ended. HVP_ERROR_BUS or HVP_ERROR_DATA where the bus says that b or the
+// start did not arrive: the board may be at work, but not on this job.
 hvp_status hvp_start(struct hvp_device* device);
 
 // Until the job has ended, or timeout_ns have passed. The status register is read before a
 // time-out is reported, so that a lost interrupt costs time only.
 hvp_status hvp_wait(struct hvp_device* device, uint64_t timeout_ns);
 
+// HVP_ERROR_BUS or HVP_ERROR_DATA where the bus says that it went wrong: the board still has U, and
+// it may be read again.
 hvp_status hvp_read_solution(struct hvp_device* device, int32_t* u, size_t n);
 
 // Of the last job that has ended; one burst.
@@ -288,6 +330,9 @@ hvp_status hvp_solve(struct hvp_device* device, const int32_t* b, int32_t* u, si
 
 // The low 16 numerical flags of the job that hvp_wait() saw end. No access to the board.
 uint32_t hvp_last_flags(const struct hvp_device* device);
+
+// No access to the board.
+struct hvp_statistics hvp_statistics_of(const struct hvp_device* device);
 
 // The number that goes with the last error which the board reported: see ERROR in
 // docs/registers.md. No access to the board.

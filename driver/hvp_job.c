@@ -1,6 +1,8 @@
 #include "driver/hvp_device.h"
 
 enum { RESULT_WORDS = 10 };
+// The first of the numerical flags (RESULT_FLAGS in docs/registers.md).
+#define SATURATION 1U
 static_assert(offsetof(hvp_t, RESULT_CYCLES_HIGH) - offsetof(hvp_t, RESULT_JOB) ==
                   4 * (RESULT_WORDS - 1),
               "one burst reads RESULT_JOB to RESULT_CYCLES_HIGH");
@@ -28,7 +30,7 @@ hvp_status hvp_write_initial_guess(struct hvp_device* device, const int32_t* u, 
   if (status != HVP_OK) return status;
   if (!hvp_elements_fit(u, n, vector_bits(device))) return HVP_ERROR_RANGE;
   hvp_write_elements(device, HVP_OFFSET(U), u, n, vector_bits(device));
-  return HVP_OK;
+  return hvp_bus_errors(device);
 }
 
 hvp_status hvp_start(struct hvp_device* device) {
@@ -42,7 +44,7 @@ hvp_status hvp_start(struct hvp_device* device) {
     hvp_write_register(device, HVP_OFFSET(CONTROL), HVP__CONTROL__START_bm);
   }
   device->state = STATE_RUNNING;
-  return HVP_OK;
+  return hvp_bus_errors(device);
 }
 
 hvp_status hvp_wait(struct hvp_device* device, uint64_t timeout_ns) {
@@ -53,6 +55,9 @@ hvp_status hvp_wait(struct hvp_device* device, uint64_t timeout_ns) {
   // After a time-out, and after an error that came in between, the job runs on.
   if (status == HVP_ERROR_TIMEOUT || status == HVP_ERROR_BUS) return status;
   if ((device->last_status & HVP__STATUS__BUSY_bm) == 0U) device->state = STATE_LOADED;
+  if (status == HVP_OK && device->reject_saturated && (hvp_last_flags(device) & SATURATION) != 0U) {
+    return HVP_ERROR_SATURATED;
+  }
   return status;
 }
 
@@ -61,10 +66,10 @@ hvp_status hvp_read_solution(struct hvp_device* device, int32_t* u, size_t n) {
   if (status != HVP_OK) return status;
   if (device->uses_dma) {
     hvp_empty_segments(device, u);
-  } else {
-    hvp_read_elements(device, HVP_OFFSET(U), u, n, vector_bits(device));
+    return HVP_OK;
   }
-  return HVP_OK;
+  hvp_read_elements(device, HVP_OFFSET(U), u, n, vector_bits(device));
+  return hvp_bus_errors(device);
 }
 
 hvp_status hvp_read_result(struct hvp_device* device, struct hvp_result* result) {
@@ -98,6 +103,11 @@ hvp_status hvp_solve(struct hvp_device* device, const int32_t* b, int32_t* u, si
 
 uint32_t hvp_last_flags(const struct hvp_device* device) {
   return device == NULL ? 0U : FIELD(device->last_status, HVP__STATUS__FLAGS);
+}
+
+struct hvp_statistics hvp_statistics_of(const struct hvp_device* device) {
+  const struct hvp_statistics none = {0U, 0U};
+  return device == NULL ? none : device->statistics;
 }
 
 uint32_t hvp_error_detail(const struct hvp_device* device) {

@@ -37,29 +37,68 @@ static hvp_status check_matrix(const struct hvp_device* device, const struct hvp
   return HVP_OK;
 }
 
-hvp_status hvp_load_matrix(struct hvp_device* device, const struct hvp_matrix* matrix) {
-  if (device == NULL || matrix == NULL || matrix->row_begin == NULL || matrix->column == NULL ||
-      matrix->value == NULL) {
+hvp_status hvp_begin_load(struct hvp_device* device, struct hvp_load* load,
+                          const struct hvp_matrix* matrix) {
+  if (device == NULL || load == NULL || matrix == NULL || matrix->row_begin == NULL ||
+      matrix->column == NULL || matrix->value == NULL) {
     return HVP_ERROR_ARGUMENT;
   }
   if (device->state != STATE_CONFIGURED && device->state != STATE_LOADED) return HVP_ERROR_STATE;
-  hvp_status status = check_matrix(device, matrix);
+  const hvp_status status = check_matrix(device, matrix);
   if (status != HVP_OK) return status;
 
   device->state = STATE_CONFIGURED;
+  *load = (struct hvp_load){.matrix = matrix};
   const int32_t size[2] = {(int32_t)matrix->nodes, (int32_t)matrix->blocks};
   hvp_write_elements(device, HVP_OFFSET(NODES), size, 2U, 32U);
-  hvp_write_elements(device, HVP_OFFSET(ROW_BEGIN), matrix->row_begin, matrix->nodes + 1U, 32U);
-  hvp_write_elements(device, HVP_OFFSET(COLUMN), matrix->column, matrix->blocks, 32U);
-  hvp_write_elements(device, HVP_OFFSET(VALUE), matrix->value, (size_t)9 * matrix->blocks,
-                     matrix_bits(device));
+  return HVP_OK;
+}
+
+hvp_status hvp_continue_load(struct hvp_device* device, struct hvp_load* load, bool* complete) {
+  if (device == NULL || load == NULL || load->matrix == NULL || complete == NULL) {
+    return HVP_ERROR_ARGUMENT;
+  }
+  if (device->state != STATE_CONFIGURED) return HVP_ERROR_STATE;
+  const struct hvp_matrix* matrix = load->matrix;
+  const struct {
+    uint32_t offset;
+    const int32_t* elements;
+    size_t n;
+    uint32_t bits;
+  } arrays[] = {
+      {HVP_OFFSET(ROW_BEGIN), matrix->row_begin, (size_t)matrix->nodes + 1U, 32U},
+      {HVP_OFFSET(COLUMN), matrix->column, matrix->blocks, 32U},
+      {HVP_OFFSET(VALUE), matrix->value, (size_t)9 * matrix->blocks, matrix_bits(device)},
+  };
+  const uint32_t count = (uint32_t)(sizeof(arrays) / sizeof(arrays[0]));
+  if (load->array < count) {
+    load->sent = hvp_write_burst(device, arrays[load->array].offset, arrays[load->array].elements,
+                                 arrays[load->array].n, load->sent, arrays[load->array].bits);
+    if (load->sent == arrays[load->array].n) {
+      ++load->array;
+      load->sent = 0U;
+    }
+  }
+  *complete = load->array == count;
+  const hvp_status status = hvp_bus_errors(device);
+  if (status != HVP_OK) device->state = STATE_LOST;
+  return status;
+}
+
+hvp_status hvp_end_load(struct hvp_device* device, const struct hvp_load* load) {
+  if (device == NULL || load == NULL || load->matrix == NULL) return HVP_ERROR_ARGUMENT;
+  if (device->state != STATE_CONFIGURED) return HVP_ERROR_STATE;
   hvp_clear_done(device);
   hvp_write_register(device, HVP_OFFSET(CONTROL), HVP__CONTROL__LOAD_DONE_bm);
-  status = hvp_await_end(device, HVP_LOAD_TIMEOUT_NS);
-  if (status == HVP_ERROR_TIMEOUT || status == HVP_ERROR_BUS) device->state = STATE_LOST;
+  // A board that has not heard of it would be waited for in vain.
+  hvp_status status = hvp_bus_errors(device);
+  if (status == HVP_OK) status = hvp_await_end(device, HVP_LOAD_TIMEOUT_NS);
+  if (status == HVP_ERROR_TIMEOUT || status == HVP_ERROR_BUS || status == HVP_ERROR_DATA) {
+    device->state = STATE_LOST;
+  }
   if (status != HVP_OK) return status;
   if ((device->last_status & HVP__STATUS__MATRIX_LOADED_bm) == 0U) return HVP_ERROR_BOARD;
-  device->nodes = matrix->nodes;
+  device->nodes = load->matrix->nodes;
   if (device->uses_dma) {
     status = hvp_prepare_list(device);
     if (status != HVP_OK) return status;
@@ -68,8 +107,16 @@ hvp_status hvp_load_matrix(struct hvp_device* device, const struct hvp_matrix* m
   return HVP_OK;
 }
 
-static void update_node(struct hvp_device* device, uint32_t node, uint32_t kind, int32_t diagonal,
-                        uint32_t blocks) {
+hvp_status hvp_load_matrix(struct hvp_device* device, const struct hvp_matrix* matrix) {
+  struct hvp_load load;
+  hvp_status status = hvp_begin_load(device, &load, matrix);
+  bool complete = false;
+  while (status == HVP_OK && !complete) status = hvp_continue_load(device, &load, &complete);
+  return status == HVP_OK ? hvp_end_load(device, &load) : status;
+}
+
+static hvp_status update_node(struct hvp_device* device, uint32_t node, uint32_t kind,
+                              int32_t diagonal, uint32_t blocks) {
   uint32_t* words = device->scratch;
   words[0] = node;
   words[1] = kind;
@@ -77,6 +124,10 @@ static void update_node(struct hvp_device* device, uint32_t node, uint32_t kind,
   words[3] = blocks;
   device->bus.write_block(device->bus.context, HVP_OFFSET(UPDATE_NODE), words, UPDATE_WORDS);
   hvp_write_register(device, HVP_OFFSET(CONTROL), HVP__CONTROL__UPDATE_NODE_bm);
+  const hvp_status status = hvp_bus_errors(device);
+  // Nobody knows what the board's matrix is now.
+  if (status != HVP_OK) device->state = STATE_LOST;
+  return status;
 }
 
 hvp_status hvp_constrain_node(struct hvp_device* device, uint32_t node, int32_t diagonal) {
@@ -84,8 +135,7 @@ hvp_status hvp_constrain_node(struct hvp_device* device, uint32_t node, int32_t 
   if (device->state != STATE_LOADED) return HVP_ERROR_STATE;
   if (node >= device->nodes) return HVP_ERROR_BAD_NODE;
   if (!hvp_elements_fit(&diagonal, 1U, matrix_bits(device))) return HVP_ERROR_RANGE;
-  update_node(device, node, HVP_UPDATE_KIND_CONSTRAIN, diagonal, 0U);
-  return HVP_OK;
+  return update_node(device, node, HVP_UPDATE_KIND_CONSTRAIN, diagonal, 0U);
 }
 
 hvp_status hvp_restore_node(struct hvp_device* device, uint32_t node, const int32_t* values,
@@ -97,6 +147,5 @@ hvp_status hvp_restore_node(struct hvp_device* device, uint32_t node, const int3
   const size_t n = (size_t)9 * blocks;
   if (!hvp_elements_fit(values, n, matrix_bits(device))) return HVP_ERROR_RANGE;
   hvp_write_elements(device, HVP_OFFSET(ROW), values, n, matrix_bits(device));
-  update_node(device, node, HVP_UPDATE_KIND_ROW, 1, blocks);
-  return HVP_OK;
+  return update_node(device, node, HVP_UPDATE_KIND_ROW, 1, blocks);
 }

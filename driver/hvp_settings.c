@@ -140,5 +140,6 @@ hvp_status hvp_configure(struct hvp_device* device, const struct hvp_solver_conf
   }
   device->format = format;
   device->method = method;
-  return HVP_OK;
+  device->reject_saturated = full.reject_saturated;
+  return hvp_bus_errors(device);
 }

@@ -20,10 +20,14 @@ const char* hvp_status_text(hvp_status status) {
       return "the bus failed or the board stopped answering";
     case HVP_ERROR_TIMEOUT:
       return "the board is still busy: wait again or reset it";
+    case HVP_ERROR_DATA:
+      return "a word was damaged on the bus";
     case HVP_ERROR_STALE_RESULT:
       return "the results on the board, or its completion record, belong to another job";
     case HVP_ERROR_SHORT_TRANSFER:
       return "the board's DMA engine moved another number of bytes than it was asked to";
+    case HVP_ERROR_SATURATED:
+      return "the solve reached the limits of its words";
     case HVP_ERROR_BAD_SIZE:
       return "the matrix is empty or larger than the board";
     case HVP_ERROR_BAD_MATRIX:
@@ -48,4 +52,33 @@ const char* hvp_status_text(hvp_status status) {
       break;
   }
   return "not a status of this driver";
+}
+
+const char* hvp_status_name(hvp_status status) {
+  static const char* const names[HVP_STATUS_COUNT] = {
+      "HVP_OK",
+      "HVP_ERROR_ARGUMENT",
+      "HVP_ERROR_STATE",
+      "HVP_ERROR_RANGE",
+      "HVP_ERROR_CAPABILITY",
+      "HVP_ERROR_NO_DEVICE",
+      "HVP_ERROR_VERSION",
+      "HVP_ERROR_BUS",
+      "HVP_ERROR_TIMEOUT",
+      "HVP_ERROR_DATA",
+      "HVP_ERROR_STALE_RESULT",
+      "HVP_ERROR_SHORT_TRANSFER",
+      "HVP_ERROR_SATURATED",
+      "HVP_ERROR_BAD_SIZE",
+      "HVP_ERROR_BAD_MATRIX",
+      "HVP_ERROR_BAD_SETTING",
+      "HVP_ERROR_NOT_LOADED",
+      "HVP_ERROR_BAD_NODE",
+      "HVP_ERROR_BAD_ROW",
+      "HVP_ERROR_BAD_DESCRIPTOR",
+      "HVP_ERROR_DMA",
+      "HVP_ERROR_ILLEGAL_ACCESS",
+      "HVP_ERROR_BOARD",
+  };
+  return (unsigned)status < HVP_STATUS_COUNT ? names[status] : "HVP_STATUS_UNKNOWN";
 }

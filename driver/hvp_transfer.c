@@ -39,18 +39,25 @@ bool hvp_elements_fit(const int32_t* elements, size_t n, uint32_t bits) {
   return true;
 }
 
+size_t hvp_write_burst(struct hvp_device* device, uint32_t offset, const int32_t* elements,
+                       size_t n, size_t first, uint32_t bits) {
+  const size_t per_word = hvp_elements_per_word(device, bits);
+  size_t done = first;
+  size_t words = 0;
+  for (; words < device->scratch_words && done < n; ++words, done += per_word) {
+    device->scratch[words] = hvp_pack_word(elements, n, done, per_word);
+  }
+  // `first` is the end of a burst, and so of a word; two elements at most are in one.
+  const size_t word = per_word == 2U ? first / 2U : first;
+  device->bus.write_block(device->bus.context, offset + (uint32_t)(word * sizeof(uint32_t)),
+                          device->scratch, words);
+  return done < n ? done : n;
+}
+
 void hvp_write_elements(struct hvp_device* device, uint32_t offset, const int32_t* elements,
                         size_t n, uint32_t bits) {
-  const size_t per_word = hvp_elements_per_word(device, bits);
   size_t done = 0;
-  while (done < n) {
-    size_t words = 0;
-    for (; words < device->scratch_words && done < n; ++words, done += per_word) {
-      device->scratch[words] = hvp_pack_word(elements, n, done, per_word);
-    }
-    device->bus.write_block(device->bus.context, offset, device->scratch, words);
-    offset += (uint32_t)(words * sizeof(uint32_t));
-  }
+  while (done < n) done = hvp_write_burst(device, offset, elements, n, done, bits);
 }
 
 void hvp_read_elements(struct hvp_device* device, uint32_t offset, int32_t* elements, size_t n,

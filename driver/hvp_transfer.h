@@ -35,6 +35,11 @@ size_t hvp_unpack_word(uint32_t word, int32_t* elements, size_t n, size_t i, siz
 void hvp_write_elements(struct hvp_device* device, uint32_t offset, const int32_t* elements,
                         size_t n, uint32_t bits);
 
+// One burst of it, from element `first` on, with which a burst of the same array may begin. Returns
+// the element that comes next.
+size_t hvp_write_burst(struct hvp_device* device, uint32_t offset, const int32_t* elements,
+                       size_t n, size_t first, uint32_t bits);
+
 // Reads and unpacks.
 void hvp_read_elements(struct hvp_device* device, uint32_t offset, int32_t* elements, size_t n,
                        uint32_t bits);

@@ -80,6 +80,8 @@ std::string_view name(Phase phase) {
       return "motor";
     case Phase::update:
       return "update";
+    case Phase::recovery:
+      return "recovery";
     case Phase::refinement:
       return "refinement";
   }

@@ -44,6 +44,7 @@ enum class Phase : std::uint8_t {
   motor,           // device: the force is there
   update,          // host: Newmark's update, after the force is written
   refinement,      // host: the residual in double precision
+  recovery,        // host: a board that failed is brought back, bus accesses included
 };
 
 std::string_view name(Part part);
@@ -77,6 +78,7 @@ struct Frame {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  // on the probe, N
   bool solved = true;                               // false: the force of an earlier frame was held
+  int status = 0;                                   // hvp_status: why it was
   std::int64_t saturations = 0;
   std::uint32_t flags = 0;
 

@@ -71,6 +71,11 @@ Ledger::Entry& Ledger::entry(std::int64_t number) {
   return *hit;
 }
 
+bool Ledger::has(std::int64_t number) const {
+  return std::any_of(open_.begin(), open_.end(),
+                     [number](const Entry& e) { return e.frame.number == number; });
+}
+
 Frame& Ledger::frame(std::int64_t number) { return entry(number).frame; }
 
 SpanId Ledger::add(const Tag& tag, Part part, Phase phase, Picoseconds start, Picoseconds end) {

@@ -32,6 +32,8 @@ class Ledger {
   // A frame is born at its release time. Numbers ascend.
   Frame& open(std::int64_t number, Picoseconds born);
   Frame& frame(std::int64_t number);
+  // Whether it still is there to have spans.
+  bool has(std::int64_t number) const;
 
   // Adds a span and returns its number. A tag without a frame (set-up) leaves no span.
   SpanId add(const Tag& tag, Part part, Phase phase, Picoseconds start, Picoseconds end);

@@ -10,6 +10,13 @@ namespace hvp::vp {
 
 namespace {
 
+ServoSettings servo_settings(const PlatformSettings& settings) {
+  ServoSettings servo = settings.servo;
+  servo.hold_saturated =
+      host::guards(servo.costs.recovery.hold_saturated, !settings.faults.empty());
+  return servo;
+}
+
 SceneState at_rest(const fem::Body& body, const host::FrameComputation& computation,
                    const plant::Trajectory& probe) {
   SceneState scene;
@@ -83,8 +90,8 @@ Platform::Platform(const PlatformSettings& settings, const fem::Body& body,
                   ? 0
                   : std::llround(settings_.servo.costs.interrupt_latency_s * 1e12),
               ledger_, &dispatcher_, settings_.transfer),
-      servo_("servo", settings_.servo, body, computation, contacts, access_, dispatcher_, exchange_,
-             ledger_, verdict_, session_, memory_.get()),
+      servo_("servo", servo_settings(settings_), body, computation, contacts, access_, dispatcher_,
+             exchange_, ledger_, verdict_, session_, memory_.get()),
       collision_("collision", settings_.servo.costs, settings_.servo.untimed, contacts, exchange_,
                  session_, servo_.begun(), dispatcher_) {
   ledger_.add_sink(verdict_);
@@ -111,27 +118,48 @@ void Platform::drain() {
   if (pcie_ != nullptr) pcie_->drain();
 }
 
+// Faults sit between the board and what it is attached to.
 void Platform::connect_board() {
   Accelerator::require_supported(settings_.fidelity.accelerator, settings_.servo.solver);
+  const bool faulty = !settings_.faults.empty();
+  if (host::guards(settings_.servo.costs.recovery.bus_errors, faulty)) {
+    const bool untimed = settings_.fidelity.bus == Timing::untimed;
+    access_.report_errors(bus_errors_, untimed ? 0 : settings_.bus.pci.read_ps(0),
+                          untimed ? 0 : settings_.bus.pci.write_ps(0));
+  }
+  InterruptIf* host = &access_;
+  if (faulty) {
+    faults_ = std::make_unique<Faults>(
+        settings_.faults, settings_.seed, settings_.servo.period, bus_errors_,
+        settings_.bus.pcie ? &*settings_.bus.pcie : nullptr, access_);
+    accelerator_->inject(faults_->plan);
+    servo_.report_to(faults_->plan);
+    host = &faults_->line;
+    faults_->wire.to_board.bind(accelerator_->from_bus);
+  }
   access_.watch(accelerator_->job_end());
   if (pcie_ != nullptr) {
     connect_board(*pcie_);
-    pcie_->interrupt_line.bind(access_);
+    pcie_->interrupt_line.bind(*host);
   } else {
     connect_board(bus_);
   }
   if (settings_.transfer.notification == link::Notification::msi) {
-    memory_->interrupt.bind(access_);
+    memory_->interrupt.bind(*host);
   } else if (pcie_ != nullptr) {
     accelerator_->interrupt.bind(*pcie_);
   } else {
-    accelerator_->interrupt.bind(access_);
+    accelerator_->interrupt.bind(*host);
   }
 }
 
 template <class Bus>
 void Platform::connect_board(Bus& bus) {
-  bus.attach(accelerator_->from_bus, kSolverBase, kBarBytes);
+  if (faults_ != nullptr) {
+    bus.attach(faults_->wire.from_bus, kSolverBase, kBarBytes);
+  } else {
+    bus.attach(accelerator_->from_bus, kSolverBase, kBarBytes);
+  }
   if (memory_ == nullptr) return;
   accelerator_->dma()->to_memory.bind(bus.from_board);
   bus.attach_memory(memory_->from_bus);

@@ -13,6 +13,7 @@
 #include "models/plant/daq.h"
 #include "models/plant/trajectory.h"
 #include "vp/device/daq_board.h"
+#include "vp/fault/faults.h"
 #include "vp/fidelity.h"
 #include "vp/fpga/accelerator.h"
 #include "vp/fpga/engine/engine_trace.h"
@@ -51,6 +52,7 @@ struct PlatformSettings {
   plant::Trajectory probe;
   Fidelity fidelity;
   std::optional<Waveform> waveform;
+  std::vector<Fault> faults;
 };
 
 // The whole system, built and wired. SystemC elaborates once in a process, so there is one
@@ -88,6 +90,8 @@ class Platform {
   const TrafficMaster* traffic() const { return traffic_.get(); }
   // Null where nobody but the processor reaches it.
   const HostMemory* memory() const { return memory_.get(); }
+  // Null without faults.
+  const FaultPlan* faults() const { return faults_ == nullptr ? nullptr : &faults_->plan; }
   // Null where the host solves.
   const Accelerator* board() const { return accelerator_.get(); }
   const Accelerator& accelerator() const { return *accelerator_; }
@@ -123,6 +127,8 @@ class Platform {
   BoardAccess access_;
   ServoProcess servo_;
   CollisionProcess collision_;
+  BusErrors bus_errors_;
+  std::unique_ptr<Faults> faults_;  // the list [[fault]]
   std::unique_ptr<engine::EngineTrace> waveform_;
 };
 

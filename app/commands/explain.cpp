@@ -19,6 +19,16 @@ void fidelity_line(const char* part, const char* level, const std::string& what)
   fmt::print("  {:<12} {:<14} {}\n", part, level, what);
 }
 
+std::string fault_cost(const std::vector<vp::Fault>& faults) {
+  std::string kinds;
+  for (const vp::Fault& fault : faults) {
+    kinds += kinds.empty() ? "" : ", ";
+    kinds += vp::name(fault.kind);
+  }
+  return "two modules between bus, board and host: " +
+         (kinds.empty() ? std::string("what goes wrong") : kinds);
+}
+
 void effect_line(const char* table, bool present, const char* cost) {
   fmt::print("  {:<20} {:<8} {}\n", table, present ? "built" : "absent", cost);
 }
@@ -123,6 +133,7 @@ int explain_command(const ScenarioArguments& arguments) {
               "no simulated time; about six factorisations before the run");
   effect_line("accelerator.several", s.accelerator.several.has_value(),
               "simulated time of the links; the words are those of one device");
+  effect_line("fault", !s.faults.empty(), fault_cost(s.faults).c_str());
   effect_line("output.waveform", s.output.waveform.has_value(),
               "no simulated time; a value change file of every clock of some frames");
   if (scene.spectrum()) {

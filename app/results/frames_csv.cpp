@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "app/results/number_text.h"
+#include "driver/hvp_driver.h"
 
 namespace hvp::results {
 
@@ -32,7 +33,7 @@ FramesCsv::FramesCsv(const std::filesystem::path& path, const vp::Session& sessi
   stream_.write(
       "frame,born_us,latency_us,load_us,deadline_us,in_time,contact_node,contact_age_us,"
       "x_m,y_m,z_m,force_N,fx_N,fy_N,fz_N,saturations,flags,"
-      "host_us,bus_us,fpga_us,daq_us,device_us\n");
+      "host_us,bus_us,fpga_us,daq_us,device_us,status\n");
 }
 
 void FramesCsv::take(const vp::Frame& f, const std::vector<vp::SpanId>& critical_path) {
@@ -52,7 +53,7 @@ void FramesCsv::take(const vp::Frame& f, const std::vector<vp::SpanId>& critical
   }
   fmt::format_to(out, "{}", f.flags);
   for (const vp::Picoseconds time : path) fmt::format_to(out, ",{}", microseconds(time));
-  line.push_back('\n');
+  fmt::format_to(out, ",{}\n", hvp_status_name(static_cast<hvp_status>(f.status)));
   stream_.write({line.data(), line.size()});
 }
 

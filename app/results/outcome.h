@@ -9,6 +9,8 @@
 #include "app/results/latency_figures.h"
 #include "models/stability/flag.h"
 #include "vp/bus_use.h"
+#include "vp/fault/fault_plan.h"
+#include "vp/host/servo_process.h"
 #include "vp/verdict.h"
 
 namespace hvp::results {
@@ -69,6 +71,8 @@ struct Outcome {
   std::optional<EngineClocks> engine;  // where the fidelity has one and it solved something
   std::int64_t driver_errors = 0;
   std::string last_driver_error;
+  vp::ServoCounts troubles;             // what the driver returned, and what the loop did then
+  std::vector<vp::FaultRecord> faults;  // [[fault]], one for each item
   std::int64_t contact_changes = 0;
   std::int64_t collision_passes = 0;
   vp::Picoseconds longest_pass = 0;

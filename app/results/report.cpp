@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "app/results/fault_text.h"
 #include "app/results/number_text.h"
 #include "app/results/spectrum_text.h"
 
@@ -117,16 +118,19 @@ void spread_line(Out out, std::string_view what, const std::optional<Spread>& s)
 }
 
 void verdict_lines(Out out, const Outcome& o, bool timing_only) {
-  const char* qualified = !o.flags.empty() ? "held, with flags"
-                          : timing_only    ? "PASS, timing only"
-                                           : "PASS";
+  const char* qualified = !o.flags.empty()     ? "held, with flags"
+                          : faults_happened(o) ? "held, with faults"
+                          : timing_only        ? "PASS, timing only"
+                                               : "PASS";
   fmt::format_to(out, "\nTime         {} at {:g} Hz\n", counted(o.frames + o.skipped_ticks, "tick"),
                  1e12 / static_cast<double>(o.period));
   fmt::format_to(out, "  force in time  {}: worst {} of {}, median {}, 99 % {}",
                  o.force_in_time ? qualified : "MISSED", readable_time(o.worst),
                  readable_time(o.budget), readable_time(o.p50), readable_time(o.p99));
   fmt::format_to(out, "; {} late, {} skipped", o.late, o.skipped_ticks);
-  if (o.driver_errors > 0) fmt::format_to(out, ", {} without a solution", o.driver_errors);
+  if (const std::int64_t held = o.troubles.held_frames; held > 0) {
+    fmt::format_to(out, ", {} without a solution", held);
+  }
   fmt::format_to(out, "\n  load           {}: worst {} of {}", o.load_held ? qualified : "EXCEEDED",
                  readable_time(o.worst_load), readable_time(o.period));
   fmt::format_to(out, "; {} over, {} skipped\n", o.overloads - o.skipped_ticks, o.skipped_ticks);
@@ -239,11 +243,11 @@ void stability_lines(Out out, const app::Scene& scene, const Outcome& o) {
                    counted(o.breakdowns, "breakdown"), counted(o.clamped_words, "clamped word"));
   }
   if (o.wraps > 0) fmt::format_to(out, "  {}\n", counted(o.wraps, "wrapped word"));
-  if (o.driver_errors > 0) {
+  if (o.troubles.held_frames > 0) {
     fmt::format_to(out,
                    "  {} without a solution: the force of the last solved frame was held\n"
                    "    the driver: {}\n",
-                   counted(o.driver_errors, "frame"), o.last_driver_error);
+                   counted(o.troubles.held_frames, "frame"), o.last_driver_error);
   }
   for (unsigned i = 0; i < static_cast<unsigned>(stability::Flag::count); ++i) {
     const auto flag = static_cast<stability::Flag>(i);
@@ -291,6 +295,7 @@ std::string report(const app::Scene& scene, const Outcome& o) {
   engine_lines(out, scene, o);
   accuracy_lines(out, scene, o);
   stability_lines(out, scene, o);
+  text += fault_text(o);
   spectrum_lines(out, scene);
   return text;
 }

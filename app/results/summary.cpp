@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "app/results/fault_json.h"
 #include "app/results/flag_json.h"
 #include "app/results/latency_json.h"
 #include "app/results/number_text.h"
@@ -118,6 +119,7 @@ std::vector<std::string> effects(const app::Scenario& s) {
   if (s.spectrum) names.emplace_back("spectrum");
   if (s.accelerator.several) names.emplace_back("accelerator.several");
   if (s.output.waveform) names.emplace_back("output.waveform");
+  if (!s.faults.empty()) names.emplace_back("fault");
   return names;
 }
 
@@ -144,6 +146,8 @@ std::string summary_json(const app::Scene& scene, const Outcome& o) {
                        {"worst_residual_rel", refined->worst_residual()},
                        {"widened", refined->widened()}};
   }
+  j["driver"] = driver_json(o);
+  j["faults"] = faults_json(o);
   j["condition"] = condition_json(scene.spectrum());
   ordered_json resources = ordered_json::array();
   for (const accel::Resource& r : scene.usage().resources) {

@@ -42,6 +42,7 @@ vp::PlatformSettings platform_settings(const Scene& scene) {
   p.daq = s.device.daq;
   p.probe = s.probe;
   p.fidelity = s.fidelity;
+  p.faults = s.faults;
   return p;
 }
 
@@ -97,6 +98,8 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
   o.simulated = vp::now_ps() - platform.session().begin;
   const vp::ServoCounts& counts = platform.servo().counts();
   o.driver_errors = counts.driver_errors;
+  o.troubles = counts;
+  if (const vp::FaultPlan* faults = platform.faults()) o.faults = faults->records();
   o.last_driver_error = hvp_status_text(counts.last_error);
   o.contact_changes = counts.contact_changes;
   o.collision_passes = platform.collision().passes();

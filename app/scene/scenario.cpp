@@ -91,6 +91,7 @@ void Scenario::declare(config::Visitor& v) {
   v.effect("spectrum", spectrum,
            {"bounds the extreme eigenvalues and the condition number before the run"});
   v.table("fidelity", fidelity, {"how finely each part is modelled"});
+  v.list("fault", faults, {"what goes wrong, and in which frame or how often"});
   v.table("output", output, {"which results are written besides the summary"});
 }
 
@@ -144,6 +145,7 @@ void require_no_board(const Scenario& s) {
   if (s.output.waveform) throw InputError("output.waveform", found);
   if (s.accelerator.several) throw InputError("accelerator.several", found);
   if (s.bus.pcie) throw InputError("bus.pcie", found + ", nothing that could sit on the link");
+  if (!s.faults.empty()) throw InputError("fault", found);
   if (!s.transfer.plain()) {
     const bool moves = s.transfer.method != vp::Transfer::Method::bursts;
     const bool tells = s.transfer.notification != link::Notification::intx;
@@ -160,6 +162,35 @@ void require_one_device(const Scenario& s) {
   throw InputError("transfer.method",
                    "\"dma\" reaches one device's memories: expected another with "
                    "[accelerator.several]");
+}
+
+// Where the scenario has nothing that could fail so.
+void require_possible(const Scenario& s, const vp::Fault& fault) {
+  using Kind = vp::FaultKind;
+  const bool dma = s.transfer.method == vp::Transfer::Method::dma;
+  const auto refuse = [&fault](const std::string& needs) {
+    throw InputError("fault", std::string(vp::name(fault.kind)) + " needs " + needs);
+  };
+  if (fault.frame >= s.frames) {
+    throw InputError("fault", "the run ends before frame " + std::to_string(fault.frame) +
+                                  ": expected less than frames, which is " +
+                                  std::to_string(s.frames));
+  }
+  if (fault.kind == Kind::saturated_solve && s.fidelity.numbers == vp::Numbers::none) {
+    refuse("words that saturate: expected fidelity.numbers = \"fixed\"");
+  }
+  if ((fault.kind == Kind::late_dma || fault.kind == Kind::truncated_dma) && !dma) {
+    refuse("a DMA engine: expected transfer.method = \"dma\"");
+  }
+  if (fault.kind == Kind::lost_interrupt &&
+      s.transfer.notification == link::Notification::polling) {
+    refuse("interrupts: expected another transfer.notification than \"polling\"");
+  }
+  const bool blocks = fault.kind == Kind::corrupted_word || fault.access == vp::FaultAccess::rhs ||
+                      fault.access == vp::FaultAccess::solution;
+  if (blocks && dma) {
+    refuse("b and U as the processor's blocks: expected another transfer.method than \"dma\"");
+  }
 }
 
 // What a timing-only run cannot have: what looks at numbers, and times that depend on them.
@@ -206,6 +237,7 @@ void Scenario::check() const {
   needs_time("host.jitter", host.jitter.has_value());
   needs_time("host.wake_up", host.wake_up.has_value());
   needs_time("host.cores", host.cores == 1);
+  for (const vp::Fault& fault : faults) require_possible(*this, fault);
   if (output.waveform) require_shown(*output.waveform, frames, level);
   if (bus.posted_writes && fidelity.bus == vp::Timing::untimed) {
     throw InputError("bus.posted_writes",

@@ -22,6 +22,7 @@
 #include "models/plant/daq.h"
 #include "models/plant/trajectory.h"
 #include "models/sparse/spectrum.h"
+#include "vp/fault/fault.h"
 #include "vp/fidelity.h"
 #include "vp/host/transfer.h"
 #include "vp/pci/bus_settings.h"
@@ -109,6 +110,7 @@ struct Scenario {
   std::optional<host::Reference> reference;
   std::optional<sparse::SpectrumSettings> spectrum;
   vp::Fidelity fidelity;
+  std::vector<vp::Fault> faults;
   Output output;
 
   void declare(config::Visitor& v);

@@ -79,6 +79,7 @@ void Host::declare(config::Visitor& v) {
            {"the servo process runs some time after its tick or interrupt has made it ready, drawn "
             "each time"});
   v.table("graphics", graphics, {"the 33 Hz collision and graphics process"});
+  v.table("recovery", recovery, {"what the servo process does about a board that fails"});
 }
 
 void Host::check() const {

@@ -6,6 +6,7 @@
 
 #include "models/config/declaration.h"
 #include "models/host/host_solve.h"
+#include "models/host/recovery.h"
 #include "models/host/shared_core.h"
 #include "models/random/distribution.h"
 
@@ -46,6 +47,7 @@ struct Host {
   std::optional<random::TimeDistribution> jitter;
   std::optional<random::TimeDistribution> wake_up;
   Graphics graphics;
+  Recovery recovery;
 
   void declare(config::Visitor& v);
   void check() const;

@@ -1,7 +1,6 @@
 #include "models/random/distribution.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -10,7 +9,6 @@
 
 #include "models/config/input_error.h"
 #include "models/random/elementary.h"
-#include "models/random/philox.h"
 
 namespace hvp::random {
 
@@ -22,13 +20,6 @@ using Kind = TimeDistribution::Kind;
 constexpr double kLongest = 1.0;  // s
 // At least a third of the draws are taken, so that so many in vain do not happen.
 constexpr std::uint32_t kAttempts = 1000;
-
-// FNV-1a: an effect is told from another by its name, not by its place in a list.
-std::uint32_t hash(std::string_view text) {
-  std::uint32_t h = 2166136261U;
-  for (const char c : text) h = (h ^ static_cast<unsigned char>(c)) * 16777619U;
-  return h;
-}
 
 std::string microseconds(double seconds) { return fmt::format("{:g} us", seconds * 1e6); }
 
@@ -149,31 +140,15 @@ void TimeDistribution::check() const {
 }
 
 Source::Source(TimeDistribution distribution, std::int64_t seed, std::string_view effect)
-    : distribution_(std::move(distribution)),
-      seed_(static_cast<std::uint64_t>(seed)),
-      effect_(hash(effect)) {
+    : distribution_(std::move(distribution)), draws_(seed, effect) {
   if (distribution_.kind == Kind::lognormal) log_spread_ = natural_log(distribution_.spread);
   if (distribution_.kind == Kind::measured && distribution_.samples_s.empty()) {
     throw std::logic_error("a measured distribution without its samples");
   }
 }
 
-Source::Pair Source::uniform(std::int64_t frame, std::uint32_t draw, std::uint32_t attempt) const {
-  const auto number = static_cast<std::uint64_t>(frame);
-  const auto low = [](std::uint64_t v) { return static_cast<std::uint32_t>(v); };
-  const auto high = [](std::uint64_t v) { return static_cast<std::uint32_t>(v >> 32U); };
-  const std::array<std::uint32_t, 4> word = philox(
-      {low(number), high(number), effect_, draw << 16U | attempt}, {low(seed_), high(seed_)});
-  // The middle of one of 2^53 equal parts, so that neither 0 nor 1 comes up.
-  const auto fraction = [](std::uint32_t upper, std::uint32_t lower) {
-    const std::uint64_t bits = (std::uint64_t{upper} << 32U | lower) >> 11U;
-    return (static_cast<double>(bits) + 0.5) * 0x1p-53;
-  };
-  return {fraction(word[0], word[1]), fraction(word[2], word[3])};
-}
-
 // False where the draw is to be made again.
-bool Source::attempt(const Pair& u, double& value) const {
+bool Source::attempt(const Draws::Pair& u, double& value) const {
   const TimeDistribution& d = distribution_;
   switch (d.kind) {
     case Kind::constant:
@@ -210,7 +185,7 @@ bool Source::attempt(const Pair& u, double& value) const {
 double Source::time_s(std::int64_t frame, std::uint32_t draw) const {
   double value = 0;
   for (std::uint32_t n = 0; n < kAttempts; ++n) {
-    if (attempt(uniform(frame, draw, n), value)) return value;
+    if (attempt(draws_.uniform(frame, draw, n), value)) return value;
   }
   throw std::logic_error("a distribution of which nothing lies within its bounds");
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "models/config/declaration.h"
+#include "models/random/draws.h"
 
 namespace hvp::random {
 
@@ -34,9 +35,7 @@ struct TimeDistribution {
 
 const char* name(TimeDistribution::Kind kind);
 
-// Draws for one effect. A draw depends on the seed, the effect's name, the frame and which draw of
-// the frame it is; on nothing that was drawn before. An effect that is taken away, or a frame that
-// is skipped, leaves all other draws as they are.
+// Times for one effect: each a function of what Draws names.
 class Source {
  public:
   Source(TimeDistribution distribution, std::int64_t seed, std::string_view effect);
@@ -45,17 +44,10 @@ class Source {
   double time_s(std::int64_t frame, std::uint32_t draw = 0) const;
 
  private:
-  // Two numbers in (0, 1) with 53 bits each.
-  struct Pair {
-    double first;
-    double second;
-  };
-  Pair uniform(std::int64_t frame, std::uint32_t draw, std::uint32_t attempt) const;
-  bool attempt(const Pair& u, double& value) const;
+  bool attempt(const Draws::Pair& u, double& value) const;
 
   TimeDistribution distribution_;
-  std::uint64_t seed_;
-  std::uint32_t effect_;
+  Draws draws_;
   double log_spread_ = 0;
 };
 

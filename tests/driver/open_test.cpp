@@ -218,6 +218,12 @@ TEST(StatusText, EveryStatusHasItsOwn) {
     texts.insert(hvp_status_text(static_cast<hvp_status>(i)));
   }
   EXPECT_EQ(texts.size(), static_cast<std::size_t>(HVP_STATUS_COUNT) + 1);
+  std::set<std::string> names;
+  for (int i = 0; i <= HVP_STATUS_COUNT; ++i) {
+    names.insert(hvp_status_name(static_cast<hvp_status>(i)));
+  }
+  EXPECT_EQ(names.size(), static_cast<std::size_t>(HVP_STATUS_COUNT) + 1);
+  EXPECT_STREQ(hvp_status_name(HVP_ERROR_BOARD), "HVP_ERROR_BOARD");
 }
 
 }  // namespace

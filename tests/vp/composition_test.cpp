@@ -56,6 +56,17 @@ TEST(Composition, JitterIsNoModuleAndNoProcess) {
   expect_the_six(scene);
 }
 
+// Between the board and what it is attached to; neither does anything by itself.
+TEST(Composition, FaultsAreTwoModulesAndNoProcess) {
+  SmallScene scene;
+  scene.settings.faults.resize(3);
+  const Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
+  EXPECT_EQ(Platform::modules(),
+            (std::vector<std::string>{"bus", "accelerator", "daq", "access", "servo", "collision",
+                                      "faulty_wire", "lossy_line"}));
+  EXPECT_EQ(Platform::processes(), 3U);
+}
+
 // The engine is the accelerator's; who looks at its clocks is there when asked for.
 TEST(Composition, AnEngineAndAWaveformAreThereWhereTheyAreAskedFor) {
   SmallScene scene;

@@ -128,15 +128,16 @@ TEST(Pipeline, ContactIsFoundAndItsForceIsThatOfTheFrame) {
   expect_sums(run.log);
 }
 
-// A board that does not answer in time: its frame holds the force, the board is reset, and the
-// frame that had begun goes on with it.
+// A board that does not answer in time: its frame holds the force, and the board is brought back in
+// what is left of the periods; the frames in between have none.
 TEST(Pipeline, AFailedFrameIsHandedOutBeforeTheBoardIsBroughtBack) {
   SmallScene scene;
   const Picoseconds solve = test::solve_time(scene.computation.quantised().row_begin, 60);
   scene.settings.servo.costs.timeout_s = 10e-6;
   const Simulated run(pipelined(scene, solve / 2));
   EXPECT_GT(run.platform.verdict().unsolved(), 0);
-  EXPECT_EQ(run.platform.servo().counts().driver_errors, run.platform.verdict().unsolved());
+  EXPECT_GT(run.platform.servo().counts().driver_errors, 0);
+  EXPECT_EQ(run.platform.servo().counts().held_frames, run.platform.verdict().unsolved());
   EXPECT_EQ(run.platform.servo().counts().last_error, HVP_ERROR_TIMEOUT);
   EXPECT_EQ(run.platform.accelerator().illegal_accesses(), 0);
   expect_sums(run.log);

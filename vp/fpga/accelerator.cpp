@@ -9,6 +9,7 @@
 #include "models/config/input_error.h"
 #include "models/fixed/kernel.h"
 #include "models/fixed/start_guess.h"
+#include "models/fixed/word.h"
 #include "vp/fpga/board_settings.h"
 #include "vp/fpga/packed_words.h"
 
@@ -98,6 +99,11 @@ Accelerator::Accelerator(const sc_core::sc_module_name& name,
   }
 }
 
+void Accelerator::inject(FaultPlan& plan) {
+  faults_ = &plan;
+  if (dma_ != nullptr) dma_->inject(plan);
+}
+
 void Accelerator::require_supported(Timing level, const fixed::Settings& settings) {
   if (has_engine(level)) engine::require_supported(settings);
 }
@@ -172,7 +178,10 @@ void Accelerator::run_for(Running what, const Tag& tag, std::int64_t clocks) {
 
 // The job is computed; who says how long it takes depends on the level.
 void Accelerator::begin_solve(const Tag& tag) {
-  if (fault_) {
+  if (strikes(FaultKind::stuck_busy)) {
+    begin(Running::solve, tag);  // and no end; nor does the engine do anything more
+    if (listed_) dma_->abort();
+  } else if (fault_) {
     run_for(Running::solve, tag, 1);  // there is nothing to wait for
   } else if (cycles_ != nullptr) {
     begin(Running::solve, tag);
@@ -434,6 +443,8 @@ void Accelerator::reset() {
 
 void Accelerator::finish() {
   if (running_ == Running::nothing) return;  // given up at this instant
+  // A job that nobody waited for any more belongs to no frame.
+  if (!ledger_.has(job_tag_.frame)) job_tag_ = {};
   const Running ended = std::exchange(running_, Running::nothing);
   if (ended == Running::load) {
     bank_.set(field::kStatusMatrixLoaded, 1);
@@ -491,8 +502,12 @@ void Accelerator::compute() {
   }
   const unsigned rhs_bits = bank_.get(field::kFormatRhsBits);
   const std::span<const std::uint32_t> words = bank_.memory(Aperture::b);
-  for (std::size_t i = 0; i < b_.size(); ++i)
+  for (std::size_t i = 0; i < b_.size(); ++i) {
     b_[i] = packed_element(words, i, rhs_bits, one_a_word());
+  }
+  if (strikes(FaultKind::saturated_solve)) {
+    std::ranges::fill(b_, static_cast<std::int32_t>(fixed::word_limit(static_cast<int>(rhs_bits))));
+  }
   form_guess(settings_.start);
   const std::int64_t clamped = result_.saturations;
   if (cycles_ != nullptr) cycles_->write_b(b_);

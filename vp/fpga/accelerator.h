@@ -11,6 +11,7 @@
 #include "models/accel/architecture.h"
 #include "models/accel/board_clocks.h"
 #include "models/fixed/solver.h"
+#include "vp/fault/fault_plan.h"
 #include "vp/fidelity.h"
 #include "vp/fpga/board_matrix.h"
 #include "vp/fpga/dma_engine.h"
@@ -72,6 +73,8 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   DmaEngine* dma() { return dma_.get(); }
   // Of the last job that ended, for a host that finds out by looking.
   const JobEnd& job_end() const { return job_end_; }
+  // Faults of the board's own happen as the plan says, from now on.
+  void inject(FaultPlan& plan);
 
   const RegisterBank& bank() const { return bank_; }
   std::int64_t illegal_accesses() const { return illegal_accesses_; }
@@ -117,6 +120,9 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   void give_engine_x();
   void edit_engine(int node);
   void hold_access(std::int64_t clocks);
+  bool strikes(FaultKind kind) {
+    return faults_ != nullptr && faults_->strike(kind, frame_) != nullptr;
+  }
   bool supported(const fixed::Settings& settings);
   void form_guess(fixed::Start start);
   void require_solver(const fixed::Settings& settings);
@@ -132,6 +138,7 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   Numbers numbers_;
   Ledger& ledger_;
   AccessObserver* observer_;
+  FaultPlan* faults_ = nullptr;
 
   RegisterBank bank_;
   fixed::QuantisedMatrix matrix_;

@@ -143,6 +143,7 @@ void DmaEngine::run_list() {
     solved_ = false;
     error = solve_error_;
     let_latency_pass(solved_at_);
+    if (!given_up()) be_late();
     if (!given_up() && error.code == ErrorCode::none) {
       error = move(Way::to_host, to_board, to_host);
     }
@@ -162,6 +163,26 @@ void DmaEngine::let_latency_pass(Picoseconds since) {
   if (generation == generation_ && now_ps() > since) {
     ledger_.extend(tag_, Part::fpga, Phase::dma_engine, since, now_ps());
   }
+}
+
+// U waits before it leaves the board.
+void DmaEngine::be_late() {
+  const Fault* fault =
+      faults_ == nullptr ? nullptr : faults_->strike(FaultKind::late_dma, tag_.frame);
+  if (fault == nullptr) return;
+  const std::uint64_t generation = generation_;
+  const Picoseconds since = now_ps();
+  const Picoseconds end = since + fault->delay_ps();
+  while (now_ps() < end && generation == generation_) wait(to_sc_time(end - now_ps()), work_);
+  if (generation != generation_) return;
+  ledger_.extend(tag_, Part::fpga, Phase::dma_engine, since, now_ps());
+}
+
+// Of a segment of U that is cut short: so many of its last bytes.
+std::uint32_t DmaEngine::missing(std::uint32_t bytes) {
+  const Fault* fault =
+      faults_ == nullptr ? nullptr : faults_->strike(FaultKind::truncated_dma, tag_.frame);
+  return fault == nullptr ? 0 : std::min(bytes, static_cast<std::uint32_t>(fault->bytes));
 }
 
 BoardError DmaEngine::fetch(std::uint32_t first, std::uint32_t count) {
@@ -207,8 +228,12 @@ bool DmaEngine::move_segment(Way way, const Descriptor& d) {
     moved_.to_board += d.bytes;
   } else {
     std::memcpy(data.data(), on_board, data.size());
-    if (!transport(tlm::TLM_WRITE_COMMAND, d.address, data, tag_, std::nullopt)) return false;
-    moved_.to_host += d.bytes;
+    const std::uint32_t sent = d.bytes - missing(d.bytes);
+    if (sent > 0 &&
+        !transport(tlm::TLM_WRITE_COMMAND, d.address, data.first(sent), tag_, std::nullopt)) {
+      return false;
+    }
+    moved_.to_host += sent;
   }
   return true;
 }

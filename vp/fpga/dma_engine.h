@@ -10,6 +10,7 @@
 #include <tlm_utils/simple_initiator_socket.h>
 
 #include "models/link/frame_transfer.h"
+#include "vp/fault/fault_plan.h"
 #include "vp/fpga/board_matrix.h"
 #include "vp/fpga/register_bank.h"
 #include "vp/frame_tag.h"
@@ -68,6 +69,9 @@ class DmaEngine : public sc_core::sc_module {
   // Unbound, every transfer fails and messages are lost.
   tlm_utils::simple_initiator_socket_optional<DmaEngine> to_memory;
 
+  // Its faults happen as the plan says, from now on.
+  void inject(FaultPlan& plan) { faults_ = &plan; }
+
   bool has_lists() const { return settings_.dma.has_value(); }
   bool sends_messages() const { return settings_.messages; }
 
@@ -93,6 +97,8 @@ class DmaEngine : public sc_core::sc_module {
   void run();
   void run_list();
   void post_message();
+  void be_late();
+  std::uint32_t missing(std::uint32_t bytes);
   void let_latency_pass(Picoseconds since);
   BoardError fetch(std::uint32_t first, std::uint32_t count);
   BoardError move(Way way, std::uint32_t first, std::uint32_t count);
@@ -109,6 +115,7 @@ class DmaEngine : public sc_core::sc_module {
   RegisterBank& bank_;
   ListOwner& owner_;
   Ledger& ledger_;
+  FaultPlan* faults_ = nullptr;
 
   sc_core::sc_event work_;
   bool rung_ = false;

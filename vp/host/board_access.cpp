@@ -85,6 +85,29 @@ bool BoardAccess::transport(tlm::tlm_command command, std::uint64_t address, uns
   return payload_.is_response_ok();
 }
 
+void BoardAccess::report_errors(BusErrors& errors, Picoseconds read_time, Picoseconds clear_time) {
+  errors_ = &errors;
+  error_read_time_ = read_time;
+  error_clear_time_ = clear_time;
+  solver_bus_.take_errors = [](void* context) noexcept { return self(context).take_errors(); };
+}
+
+std::uint32_t BoardAccess::take_errors() {
+  time_.synchronise();
+  const Picoseconds start = now_ps();
+  wait(to_sc_time(error_read_time_));
+  ledger_.extend(tag_, Part::bus, Phase::bus_read, start, now_ps());
+  std::uint32_t errors = 0;
+  if (errors_->master_abort) errors |= HVP_BUS_MASTER_ABORT;
+  if (errors_->parity) errors |= HVP_BUS_PARITY;
+  if (errors == 0) return 0;
+  const Picoseconds read = now_ps();
+  wait(to_sc_time(error_clear_time_));
+  ledger_.extend(tag_, Part::bus, Phase::bus_write, read, now_ps());
+  *errors_ = {};
+  return errors;
+}
+
 bool BoardAccess::by_words(tlm::tlm_command command) const {
   switch (transfer_.method) {
     case Transfer::Method::bursts:

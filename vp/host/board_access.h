@@ -7,6 +7,7 @@
 #include <tlm_utils/simple_initiator_socket.h>
 
 #include "driver/hvp_driver.h"
+#include "vp/fault/bus_errors.h"
 #include "vp/fpga/accelerator.h"
 #include "vp/frame_tag.h"
 #include "vp/host/dispatcher.h"
@@ -44,6 +45,10 @@ class BoardAccess : public sc_core::sc_module, public InterruptIf {
   // goes through the board and not through the looks in vain.
   void watch(const JobEnd& job_end) { job_end_ = &job_end; }
 
+  // From now on the driver can ask for what the bridge has recorded, at the cost of an access to
+  // its configuration space, which does not go over the bus. Before the simulation starts.
+  void report_errors(BusErrors& errors, Picoseconds read_time, Picoseconds clear_time);
+
   // The frame that accesses are for and its newest span.
   Tag& tag() { return tag_; }
 
@@ -64,6 +69,7 @@ class BoardAccess : public sc_core::sc_module, public InterruptIf {
  private:
   bool transport(tlm::tlm_command command, std::uint64_t address, unsigned char* data,
                  std::size_t bytes);
+  std::uint32_t take_errors();
   int wait_interrupt(std::uint64_t timeout_ns);
   bool messages() const { return transfer_.notification == link::Notification::msi; }
   bool by_words(tlm::tlm_command command) const;
@@ -85,6 +91,9 @@ class BoardAccess : public sc_core::sc_module, public InterruptIf {
   LocalTime time_;
   tlm::tlm_generic_payload payload_;
   FrameTag extension_;
+  BusErrors* errors_ = nullptr;
+  Picoseconds error_read_time_ = 0;
+  Picoseconds error_clear_time_ = 0;
   bool line_up_ = false;
   Tag interrupt_tag_;
   sc_core::sc_event raised_;

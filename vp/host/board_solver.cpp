@@ -1,6 +1,7 @@
 #include "vp/host/board_solver.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "models/stability/flag.h"
 #include "vp/host/driver_config.h"
@@ -31,11 +32,13 @@ std::int64_t BoardSolver::solution_bytes(const fixed::Settings& settings, const 
 }
 
 BoardSolver::BoardSolver(const fixed::Settings& settings, host::FrameComputation& computation,
-                         const BoardAccess& access, const Work& work, HostMemory* memory)
+                         const BoardAccess& access, const Work& work, bool reject_saturated,
+                         HostMemory* memory)
     : settings_(settings),
       computation_(computation),
       access_(access),
       work_(work),
+      reject_saturated_(reject_saturated),
       b_(computation.displacement().size()),
       u_(computation.displacement().size()) {
   scratch_.resize(std::max<std::size_t>(HVP_MIN_SCRATCH_WORDS, b_.size()));
@@ -46,25 +49,60 @@ BoardSolver::BoardSolver(const fixed::Settings& settings, host::FrameComputation
                static_cast<std::size_t>(solution_bytes(settings, transfer, u_.size())));
 }
 
-hvp_status BoardSolver::set_up() {
-  hvp_solver_config config = driver_config(settings_);
-  config.one_a_word = !access_.transfer().packed;
-  const fixed::QuantisedMatrix& k = computation_.quantised();
-  const hvp_matrix matrix{static_cast<std::uint32_t>(k.block_rows()),
-                          static_cast<std::uint32_t>(k.column.size()), k.row_begin.data(),
-                          k.column.data(), k.value.data()};
-  // Whatever the board had been told of a contact went with its matrix.
-  computation_.set_contact({});
-
-  hvp_status status = hvp_open(&device_, &access_.solver_bus(), scratch_.data(), scratch_.size());
-  if (status == HVP_OK && dma_) status = hvp_use_dma(&device_, &dma_->dma());
-  if (status == HVP_OK) status = hvp_configure(&device_, &config);
-  if (status == HVP_OK) status = hvp_load_matrix(&device_, &matrix);
-  if (status == HVP_OK && config.start != HVP_START_FROM_ZERO) {
-    computation_.scaling().displacement_words(computation_.displacement(), u_);
-    status = hvp_write_initial_guess(&device_, u_.data(), u_.size());
+hvp_status BoardSolver::set_up_piece(bool& done) {
+  bool complete = true;
+  const hvp_status status = make(next_, complete);
+  done = status == HVP_OK && next_ == Piece::guess;
+  if (status != HVP_OK || done) {
+    next_ = Piece::open;
+  } else if (complete) {
+    next_ = static_cast<Piece>(static_cast<int>(next_) + 1);
   }
   return status;
+}
+
+hvp_status BoardSolver::make(Piece piece, bool& complete) {
+  switch (piece) {
+    case Piece::open:
+      seen_ = {};
+      return open();
+    case Piece::configure: {
+      hvp_solver_config config = driver_config(settings_);
+      config.reject_saturated = reject_saturated_;
+      config.one_a_word = !access_.transfer().packed;
+      return hvp_configure(&device_, &config);
+    }
+    case Piece::begin_load: {
+      const fixed::QuantisedMatrix& k = computation_.quantised();
+      matrix_ = {static_cast<std::uint32_t>(k.block_rows()),
+                 static_cast<std::uint32_t>(k.column.size()), k.row_begin.data(), k.column.data(),
+                 k.value.data()};
+      return hvp_begin_load(&device_, &load_, &matrix_);
+    }
+    case Piece::load:
+      return hvp_continue_load(&device_, &load_, &complete);
+    case Piece::end_load:
+      return hvp_end_load(&device_, &load_);
+    case Piece::guess:
+      // Whatever the board had been told of a contact went with its matrix.
+      computation_.set_contact({});
+      return write_guess();
+  }
+  return HVP_ERROR_STATE;
+}
+
+hvp_status BoardSolver::open() {
+  const hvp_status status =
+      hvp_open(&device_, &access_.solver_bus(), scratch_.data(), scratch_.size());
+  return status == HVP_OK && dma_ ? hvp_use_dma(&device_, &dma_->dma()) : status;
+}
+
+// The board's next job starts from the last solution that was used.
+hvp_status BoardSolver::write_guess() {
+  guess_is_stale_ = false;
+  if (settings_.start == fixed::Start::zero) return HVP_OK;
+  computation_.scaling().displacement_words(computation_.displacement(), u_);
+  return hvp_write_initial_guess(&device_, u_.data(), u_.size());
 }
 
 // Nodes that were let go get their rows back before others are taken, so that the board's matrix
@@ -158,16 +196,55 @@ void BoardSolver::finish(std::uint32_t& flags) {
 
 hvp_status BoardSolver::start() {
   work_.spend(Phase::driver, work_.costs().driver_s(b_.size()));
+  if (guess_is_stale_) {
+    const hvp_status status = write_guess();
+    if (status != HVP_OK) return status;
+  }
   const hvp_status status = hvp_write_rhs(&device_, b_.data(), b_.size());
   return status == HVP_OK ? hvp_start(&device_) : status;
 }
 
 hvp_status BoardSolver::receive() {
-  const hvp_status status =
-      hvp_wait(&device_, static_cast<std::uint64_t>(work_.costs().timeout_s * 1e9));
+  const hvp_status status = wait();
+  // The job left a U that is not to be used, nor to be started from.
+  if (status == HVP_ERROR_SATURATED) guess_is_stale_ = true;
   if (status != HVP_OK) return status;
   work_.spend(Phase::driver, work_.costs().driver_s(u_.size()));
-  return hvp_read_solution(&device_, u_.data(), u_.size());
+  return read();
+}
+
+// STATUS that nobody answered is read again.
+hvp_status BoardSolver::wait() {
+  const Picoseconds end = work_.now() + std::llround(work_.costs().timeout_s * 1e12);
+  hvp_status status = HVP_OK;
+  int tries = 0;
+  do {
+    const Picoseconds left = std::max<Picoseconds>(0, end - work_.now());
+    status = hvp_wait(&device_, static_cast<std::uint64_t>(left / 1000));
+  } while (status == HVP_ERROR_BUS && try_again(status, tries, 0));
+  const hvp_statistics now = hvp_statistics_of(&device_);
+  mended_.lost_interrupts += static_cast<int>(now.lost_interrupts - seen_.lost_interrupts);
+  mended_.lost_acknowledgements +=
+      static_cast<int>(now.lost_acknowledgements - seen_.lost_acknowledgements);
+  seen_ = now;
+  return status;
+}
+
+// The board still has U when it did not arrive whole.
+hvp_status BoardSolver::read() {
+  for (int tries = 0;;) {
+    const Picoseconds began = work_.now();
+    const hvp_status status = hvp_read_solution(&device_, u_.data(), u_.size());
+    if (status != HVP_ERROR_BUS && status != HVP_ERROR_DATA) return status;
+    if (!try_again(status, tries, work_.now() - began)) return status;
+  }
+}
+
+bool BoardSolver::try_again(hvp_status status, int& tries, Picoseconds took) {
+  if (tries == work_.costs().recovery.retries || work_.now() + took > deadline_) return false;
+  ++tries;
+  ++(status == HVP_ERROR_DATA ? mended_.damaged : mended_.aborted);
+  return true;
 }
 
 }  // namespace hvp::vp

@@ -18,10 +18,12 @@ namespace hvp::vp {
 class BoardSolver : public FrameSolver {
  public:
   // Keeps references. `settings` are those of the board; `access` is the driver's way to it.
+  // `reject_saturated`: a solve that saturated counts as one that failed.
   // `memory`: where a DMA engine finds b and leaves U; null where none does. Throws InputError with
   // the key "transfer.dma.segment_bytes" where that is too much for it.
   BoardSolver(const fixed::Settings& settings, host::FrameComputation& computation,
-              const BoardAccess& access, const Work& work, HostMemory* memory = nullptr);
+              const BoardAccess& access, const Work& work, bool reject_saturated = false,
+              HostMemory* memory = nullptr);
 
   // Bytes of b and of U on their way.
   static std::int64_t rhs_bytes(const fixed::Settings& settings, const Transfer& transfer,
@@ -29,27 +31,46 @@ class BoardSolver : public FrameSolver {
   static std::int64_t solution_bytes(const fixed::Settings& settings, const Transfer& transfer,
                                      std::size_t unknowns);
 
-  hvp_status set_up() override;
+  hvp_status set_up_piece(bool& done) override;
+  bool survives(hvp_status status) const override { return status == HVP_ERROR_SATURATED; }
+  void set_deadline(Picoseconds time) override { deadline_ = time; }
   hvp_status move_contact(std::span<const int> nodes) override;
   hvp_status begin(const Eigen::Vector3d& u_c, std::uint32_t& flags) override;
   hvp_status end(const Eigen::Vector3d& u_c, std::uint32_t& flags) override;
   void finish(std::uint32_t& flags) override;
   hvp_status close() override { return hvp_close(&device_); }
+  Mended take_mended() override { return std::exchange(mended_, {}); }
   std::int64_t take_clamped_words() override { return std::exchange(clamped_words_, 0); }
 
  private:
+  enum class Piece { open, configure, begin_load, load, end_load, guess };
+
+  hvp_status open();
+  hvp_status make(Piece piece, bool& complete);
   hvp_status restore_node(int node, std::span<const int> nodes);
   hvp_status refine(const Eigen::Vector3d& u_c, host::RefinedSolve& refined);
   hvp_status start();
   hvp_status receive();
+  hvp_status wait();
+  hvp_status read();
+  bool try_again(hvp_status status, int& tries, Picoseconds took);
+  hvp_status write_guess();
 
   fixed::Settings settings_;
   host::FrameComputation& computation_;
   const BoardAccess& access_;
   const Work& work_;
+  bool reject_saturated_;
 
   std::optional<DmaMemory> dma_;
   hvp_device device_{};
+  hvp_load load_{};
+  hvp_matrix matrix_{};
+  Piece next_ = Piece::open;
+  bool guess_is_stale_ = false;
+  Picoseconds deadline_ = 0;
+  hvp_statistics seen_{};
+  Mended mended_;
   std::vector<std::uint32_t> scratch_;
   std::vector<std::int32_t> b_;
   std::vector<std::int32_t> u_;

@@ -27,6 +27,7 @@ class Work {
     if (ledger_.holds()) time_.synchronise();
     ledger_.extend(tag_, Part::host, phase, start, time_.now());
   }
+  Picoseconds now() const { return time_.now(); }
   const host::Host& costs() const { return costs_; }
   Tag& tag() const { return tag_; }
 
@@ -38,6 +39,14 @@ class Work {
   Ledger& ledger_;
 };
 
+// What cost time only.
+struct Mended {
+  int lost_interrupts = 0;
+  int lost_acknowledgements = 0;
+  int aborted = 0;  // accesses that were repeated
+  int damaged = 0;
+};
+
 // Who finds a frame's displacements: the board, behind its driver, or the host itself. All calls
 // are made in the servo thread and take simulated time.
 class FrameSolver {
@@ -45,8 +54,12 @@ class FrameSolver {
   virtual ~FrameSolver() = default;
 
   // Before the first frame, and again after a frame that failed: the solver has the matrix without
-  // contact.
-  virtual hvp_status set_up() = 0;
+  // contact. A piece at a time, until `done`; after an error the next piece is the first one again.
+  virtual hvp_status set_up_piece(bool& done) = 0;
+  // The frame failed with this. False where the solver has to be set up again.
+  virtual bool survives(hvp_status /*status*/) const { return true; }
+  // Until when the frame's force is due: what failed is not tried again later than that.
+  virtual void set_deadline(Picoseconds /*time*/) {}
   // The nodes (active, ascending) that follow the probe from now on.
   virtual hvp_status move_contact(std::span<const int> nodes) = 0;
   // Everything up to the point where the solver works and the host need not wait for it.
@@ -56,6 +69,9 @@ class FrameSolver {
   // What is left to do once the force is out.
   virtual void finish(std::uint32_t& flags) = 0;
   virtual hvp_status close() = 0;
+
+  // What went wrong since the last call and was put right.
+  virtual Mended take_mended() { return {}; }
 
   // Words of right-hand sides that did not fit, since the last call.
   virtual std::int64_t take_clamped_words() { return 0; }

@@ -14,8 +14,9 @@ class HostSolver : public FrameSolver {
   HostSolver(host::FrameComputation& computation, const Work& work)
       : computation_(computation), work_(work) {}
 
-  hvp_status set_up() override {
+  hvp_status set_up_piece(bool& done) override {
     computation_.set_contact({});
+    done = true;
     return HVP_OK;
   }
   hvp_status move_contact(std::span<const int> nodes) override {

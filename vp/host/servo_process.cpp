@@ -1,5 +1,6 @@
 #include "vp/host/servo_process.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <exception>
@@ -17,14 +18,23 @@
 namespace hvp::vp {
 
 namespace {
+std::uint32_t bit(stability::Flag flag) { return std::uint32_t{1} << static_cast<unsigned>(flag); }
+
 constexpr std::size_t kStackBytes = 1 << 20;  // the C driver runs on it
 
-std::unique_ptr<FrameSolver> make_solver(const fixed::Settings& settings,
+std::unique_ptr<FrameSolver> make_solver(const ServoSettings& settings,
                                          host::FrameComputation& computation,
                                          const BoardAccess& access, const Work& work,
                                          HostMemory* memory) {
   if (computation.on_host() != nullptr) return std::make_unique<HostSolver>(computation, work);
-  return std::make_unique<BoardSolver>(settings, computation, access, work, memory);
+  return std::make_unique<BoardSolver>(settings.solver, computation, access, work,
+                                       settings.hold_saturated, memory);
+}
+
+// What a board that is there can answer: it may do better at the next attempt.
+bool may_pass(hvp_status status) {
+  return status == HVP_ERROR_NO_DEVICE || status == HVP_ERROR_BUS || status == HVP_ERROR_DATA ||
+         status == HVP_ERROR_TIMEOUT || status == HVP_ERROR_BOARD;
 }
 }  // namespace
 
@@ -46,7 +56,8 @@ ServoProcess::ServoProcess(const sc_core::sc_module_name& name, const ServoSetti
       session_(session),
       begun_("begun"),
       work_(settings_.costs, settings_.untimed, access.tag(), access.time(), ledger),
-      solver_(make_solver(settings_.solver, computation, access, work_, memory)) {
+      solver_(make_solver(settings_, computation, access, work_, memory)),
+      recovery_(settings_.costs.recovery, *solver_) {
   SC_HAS_PROCESS(ServoProcess);
   SC_THREAD(run);
   set_stack_size(kStackBytes);
@@ -66,14 +77,11 @@ void ServoProcess::run() {
 
 void ServoProcess::serve() {
   const Picoseconds began = now_ps();
-  if (!set_up()) {
-    // Without a frame no miss would be counted, and the run would look like one that held.
-    throw std::runtime_error(std::string("the board could not be set up: ") +
-                             hvp_status_text(counts_.last_error));
-  }
+  set_up();
   access_.time().synchronise();
   set_up_time_ = now_ps() - began;
   session_.begin = now_ps();
+  if (faults_ != nullptr) faults_->begin(session_.begin);
   begun_.notify(sc_core::SC_ZERO_TIME);
   for (FrameObserver* observer : observers_) observer->begun();
   std::int64_t number = 0;
@@ -96,18 +104,31 @@ void ServoProcess::serve() {
   access_.time().synchronise();
   // What went wrong before says more than that a lost board cannot be closed.
   const hvp_status closed = solver_->close();
-  if (counts_.last_error == HVP_OK) note(closed);
+  if (counts_.last_error == HVP_OK) note(closed, number);
   drain_();
   ledger_.finish();
   sc_core::sc_stop();
 }
 
-bool ServoProcess::set_up() {
+// Before the first frame there is time: a board that does not answer is asked again.
+void ServoProcess::set_up() {
   access_.tag() = Tag{};
-  contact_ = {};
-  const hvp_status status = solver_->set_up();
-  note(status);
-  return status == HVP_OK;
+  const host::Recovery& policy = settings_.costs.recovery;
+  for (int failed = 0;;) {
+    bool done = false;
+    hvp_status status = HVP_OK;
+    while (status == HVP_OK && !done) status = solver_->set_up_piece(done);
+    if (done) return;
+    note(status, -1);
+    if (faults_ != nullptr) faults_->notice_failure(0);
+    if (++failed == policy.attempts || !may_pass(status)) {
+      // Without a frame no miss would be counted, and the run would look like one that held.
+      throw std::runtime_error(std::string("the board could not be set up: ") +
+                               hvp_status_text(status));
+    }
+    ++counts_.failed_set_ups;
+    wait(to_sc_time(policy.back_off(failed) * settings_.period));
+  }
 }
 
 void ServoProcess::sleep_until(Picoseconds time) {
@@ -141,8 +162,8 @@ void ServoProcess::frame(std::int64_t number) {
   publish(step);
   record(step);
   observe(step);
-  // The last safe force is out; now the board is brought back, for as long as that takes.
-  if (step.status != HVP_OK) recover();
+  // The last safe force is out; now the board is brought back, as far as the period allows.
+  recover(number);
   ledger_.frame(number).work_done = access_.time().now();
   ledger_.close(number);
 }
@@ -156,7 +177,7 @@ void ServoProcess::pipelined_frame(std::int64_t number) {
     take_pending();
     if (pending_->status != HVP_OK) {
       hand_out_pending();
-      recover();
+      recover(number);
     }
     resume(step);
   }
@@ -212,17 +233,12 @@ void ServoProcess::sense(Step& step) {
 }
 
 void ServoProcess::begin(Step& step) {
-  if (!(step.report.contact == contact_)) {
-    next_contact_.clear();
-    if (step.report.contact.present()) {
-      for (const int node : contacts_.patch(step.report.contact.node)) {
-        next_contact_.push_back(body_.active_index(node));
-      }
-    }
-    step.status = solver_->move_contact(next_contact_);
-    contact_ = step.report.contact;
-    ++counts_.contact_changes;
-    if (contact_.present()) take_over(step.born, step.tip);
+  if (recovery_.ready()) {
+    solver_->set_deadline(step.born + (1 + settings_.costs.pipeline_depth) * settings_.period);
+    if (board_lost_contact_ || !(step.report.contact == contact_)) move_contact(step);
+  } else {
+    step.status = recovery_.status();
+    step.without_board = true;
   }
   step.contact = contact_;
   if (contact_.present()) {
@@ -231,16 +247,79 @@ void ServoProcess::begin(Step& step) {
   if (step.status == HVP_OK) step.status = solver_->begin(step.u_c, step.flags);
 }
 
+// A board that was set up again is told of the same contact; for the host it goes on.
+void ServoProcess::move_contact(Step& step) {
+  next_contact_.clear();
+  if (step.report.contact.present()) {
+    for (const int node : contacts_.patch(step.report.contact.node)) {
+      next_contact_.push_back(body_.active_index(node));
+    }
+  }
+  step.status = solver_->move_contact(next_contact_);
+  board_lost_contact_ = false;
+  if (step.report.contact == contact_) return;
+  contact_ = step.report.contact;
+  ++counts_.contact_changes;
+  if (contact_.present()) take_over(step.born, step.tip);
+}
+
 void ServoProcess::collect(Step& step) {
   if (step.status == HVP_OK) step.status = solver_->end(step.u_c, step.flags);
+  mend(step);
+  count_ticks_without_force(step);
   if (step.status == HVP_OK) {
+    // What was only late is in the frame's latency.
+    if (faults_ != nullptr) faults_->notice(FaultKind::late_dma, step.number);
     step.force = computation_.force();
-    return;
+  } else {
+    hold(step);
   }
+}
+
+// No new force: the last one stays.
+void ServoProcess::hold(Step& step) {
   step.force = held_force_;
-  step.flags |= std::uint32_t{1} << static_cast<unsigned>(stability::Flag::solver_timeout);
-  note(step.status);
+  step.flags |= step.status == HVP_ERROR_SATURATED ? bit(stability::Flag::saturation)
+                                                   : bit(stability::Flag::solver_timeout);
+  ++counts_.held_frames;
+  if (!step.without_board) fail(step);
+}
+
+void ServoProcess::fail(const Step& step) {
+  note(step.status, step.number);
   ++counts_.driver_errors;
+  if (faults_ != nullptr) faults_->notice_failure(step.number);
+  if (solver_->survives(step.status)) return;
+  board_lost_contact_ = true;
+  recovery_.begin(step.number, step.status);
+}
+
+// What the driver has put right in the meantime.
+void ServoProcess::mend(const Step& step) {
+  const Mended mended = solver_->take_mended();
+  counts_.mended.lost_interrupts += mended.lost_interrupts;
+  counts_.mended.lost_acknowledgements += mended.lost_acknowledgements;
+  counts_.mended.aborted += mended.aborted;
+  counts_.mended.damaged += mended.damaged;
+  count(HVP_ERROR_BUS, step.number, mended.aborted);
+  count(HVP_ERROR_DATA, step.number, mended.damaged);
+  if (faults_ == nullptr) return;
+  if (mended.lost_interrupts > 0) faults_->notice(FaultKind::lost_interrupt, step.number);
+  if (mended.lost_acknowledgements > 0) faults_->notice(FaultKind::master_abort, step.number - 1);
+  if (mended.aborted > 0) faults_->notice(FaultKind::master_abort, step.number);
+  if (mended.damaged > 0) faults_->notice(FaultKind::corrupted_word, step.number);
+  if ((step.flags & bit(stability::Flag::saturation)) != 0) {
+    faults_->notice(FaultKind::saturated_solve, step.number);
+  }
+}
+
+void ServoProcess::count_ticks_without_force(const Step& step) {
+  const std::int64_t end = step.status == HVP_OK ? step.number : step.number + 1;
+  // The ticks that had none since the last solved frame.
+  if (end - last_solved_ > 1) {
+    counts_.longest_hold = std::max(counts_.longest_hold, end - last_solved_ - 1);
+  }
+  if (step.status == HVP_OK) last_solved_ = step.number;
 }
 
 void ServoProcess::deliver(const Step& step) {
@@ -281,6 +360,7 @@ void ServoProcess::record(const Step& step) {
   frame.position = step.tip;
   frame.force = Eigen::Vector3d::Zero() - step.force;  // no negative zeros
   frame.solved = step.status == HVP_OK;
+  frame.status = static_cast<int>(step.status);
   frame.flags = step.flags;
   counts_.flags |= step.flags;
   counts_.clamped_words += solver_->take_clamped_words();
@@ -298,9 +378,32 @@ void ServoProcess::observe(const Step& step) {
   for (FrameObserver* observer : observers_) observer->solved(view);
 }
 
-void ServoProcess::recover() {
-  if (set_up()) return;
-  spdlog::error("the board did not come back: {}", hvp_status_text(counts_.last_error));
+// Until the next tick, a piece after the other; one span for all of it.
+void ServoProcess::recover(std::int64_t number) {
+  if (recovery_.ready() || recovery_.given_up()) return;
+  const Tag tag = access_.tag();
+  access_.tag() = Tag{};
+  access_.time().synchronise();
+  const Picoseconds began = now_ps();
+  const Picoseconds ticks = (began - session_.begin) / settings_.period;
+  const Picoseconds until = session_.begin + (ticks + 1) * settings_.period;
+  while (recovery_.work(number, until)) {
+  }
+  if (const hvp_status failed = recovery_.last_failure(); failed != HVP_OK) {
+    note(failed, number);
+    if (faults_ != nullptr) faults_->notice_failure(number);
+  }
+  counts_.recoveries = recovery_.recoveries();
+  counts_.failed_set_ups = recovery_.failed_attempts();
+  counts_.given_up_at = recovery_.given_up_at();
+  if (recovery_.given_up()) {
+    spdlog::error("the board was given up in frame {}: {}", number,
+                  hvp_status_text(counts_.last_error));
+  }
+  access_.tag() = tag;
+  if (now_ps() > began) {
+    ledger_.add({number, kBirth}, Part::host, Phase::recovery, began, now_ps());
+  }
 }
 
 // Goes on with a frame that was put aside. What kept it waiting since its last span, another
@@ -345,8 +448,16 @@ void ServoProcess::write_force(const Eigen::Vector3d& force) {
   access_.write(kDaqBase + DaqBoard::kForce, counts.data(), sizeof(counts));
 }
 
-void ServoProcess::note(hvp_status status) {
-  if (status != HVP_OK) counts_.last_error = status;
+void ServoProcess::note(hvp_status status, std::int64_t frame) {
+  if (status == HVP_OK) return;
+  counts_.last_error = status;
+  count(status, frame, 1);
+}
+
+void ServoProcess::count(hvp_status status, std::int64_t frame, std::int64_t times) {
+  ErrorCount& error = counts_.errors[static_cast<std::size_t>(status)];
+  if (times > 0 && error.count == 0) error.first_frame = frame;
+  error.count += times;
 }
 
 }  // namespace hvp::vp

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <exception>
 #include <functional>
@@ -18,7 +19,9 @@
 #include "models/fixed/settings.h"
 #include "models/host/costs.h"
 #include "models/host/frame_computation.h"
+#include "vp/fault/fault_plan.h"
 #include "vp/host/board_access.h"
+#include "vp/host/board_recovery.h"
 #include "vp/host/dispatcher.h"
 #include "vp/host/exchange.h"
 #include "vp/host/frame_solver.h"
@@ -54,6 +57,12 @@ struct ServoSettings {
   host::Host costs;
   bool untimed = false;
   fixed::Settings solver;
+  bool hold_saturated = false;  // the force of a solve that saturated is not used
+};
+
+struct ErrorCount {
+  std::int64_t count = 0;
+  std::int64_t first_frame = -1;  // −1: before the first frame
 };
 
 // What went wrong in the servo loop that is not in the ledger.
@@ -62,6 +71,14 @@ struct ServoCounts {
   std::int64_t breakdowns = 0;
   std::int64_t clamped_words = 0;  // right-hand sides and forces that did not fit
   std::int64_t driver_errors = 0;  // frames whose solve failed; the last force was held
+  std::int64_t held_frames = 0;    // those, and frames without a board meanwhile
+  std::int64_t longest_hold = 0;   // ticks in a row without a new force, skipped ones included
+  // What the driver returned, by status: frames, accesses that were repeated, failed set-ups.
+  std::array<ErrorCount, HVP_STATUS_COUNT> errors{};
+  Mended mended;                // what cost time only
+  std::int64_t recoveries = 0;  // the board was set up again
+  std::int64_t failed_set_ups = 0;
+  std::int64_t given_up_at = -1;  // the frame in which the board was; −1: was not
   std::int64_t contact_changes = 0;
   std::uint32_t flags = 0;  // stability::Flags of all solves
   hvp_status last_error = HVP_OK;
@@ -82,6 +99,9 @@ class ServoProcess : public sc_core::sc_module {
                Dispatcher& dispatcher, Exchange& exchange, Ledger& ledger, Verdict& verdict,
                Session& session, HostMemory* memory = nullptr);
   ~ServoProcess() override;
+
+  // Tells the plan what the driver has noticed.
+  void report_to(FaultPlan& faults) { faults_ = &faults; }
 
   void add_observer(FrameObserver& observer) { observers_.push_back(&observer); }
   // Called in the servo process after the last frame: waits until the buses are empty.
@@ -108,11 +128,12 @@ class ServoProcess : public sc_core::sc_module {
     Eigen::Vector3d force = Eigen::Vector3d::Zero();
     std::uint32_t flags = 0;
     hvp_status status = HVP_OK;
+    bool without_board = false;  // it is being brought back, or was given up
   };
 
   void run();
   void serve();
-  bool set_up();
+  void set_up();
   void sleep_until(Picoseconds time);
   Step release(std::int64_t number);
   void frame(std::int64_t number);
@@ -130,14 +151,20 @@ class ServoProcess : public sc_core::sc_module {
   void publish(const Step& step);
   void record(const Step& step);
   void observe(const Step& step);
-  void recover();
+  void move_contact(Step& step);
+  void hold(Step& step);
+  void mend(const Step& step);
+  void fail(const Step& step);
+  void recover(std::int64_t number);
+  void count_ticks_without_force(const Step& step);
 
   void put_aside(Step& step) { step.tag = access_.tag(); }
   void resume(const Step& step);
   Eigen::Vector3d read_position();
   void take_over(Picoseconds now, const Eigen::Vector3d& tip);
   void write_force(const Eigen::Vector3d& force);
-  void note(hvp_status status);
+  void note(hvp_status status, std::int64_t frame);
+  void count(hvp_status status, std::int64_t frame, std::int64_t times);
 
   ServoSettings settings_;
   const fem::Body& body_;
@@ -153,11 +180,15 @@ class ServoProcess : public sc_core::sc_module {
   sc_core::sc_event begun_;
   Work work_;
   std::unique_ptr<FrameSolver> solver_;
+  BoardRecovery recovery_;
+  FaultPlan* faults_ = nullptr;
 
   std::optional<Step> pending_;  // the frame whose solution is still to come
   std::vector<int> next_contact_;
   collision::Contact contact_;
+  bool board_lost_contact_ = false;
   collision::HandOver hand_over_;
+  std::int64_t last_solved_ = -1;  // frame
   Eigen::Vector3d held_force_ = Eigen::Vector3d::Zero();
   // For the mean force since the last report of the collision process.
   Eigen::Vector3d force_sum_ = Eigen::Vector3d::Zero();

@@ -1,0 +1,123 @@
+#include "app/results/fault_text.h"
+
+#include <algorithm>
+#include <iterator>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "app/results/number_text.h"
+
+namespace hvp::results {
+
+namespace {
+
+using Out = std::back_insert_iterator<std::string>;
+
+std::string times(std::int64_t count) {
+  return count == 1 ? std::string("once") : fmt::format("{} times", count);
+}
+
+// What somebody with a real board would do.
+std::string_view remedy(hvp_status status) {
+  switch (status) {
+    case HVP_ERROR_TIMEOUT:
+      return "a host.timeout above the solve's time; where STATUS stays busy, the board's design";
+    case HVP_ERROR_BUS:
+    case HVP_ERROR_NO_DEVICE:
+      return "the board's slot, power and address; host.recovery.attempts and back_off give it "
+             "more time to come back";
+    case HVP_ERROR_DATA:
+      return "the bus' signals: clock, loads and connectors; host.recovery.retries repeats a read";
+    case HVP_ERROR_SATURATED:
+      return "what the FLAG saturation says; host.recovery.hold_saturated = \"never\" uses such a "
+             "force";
+    default:
+      return "docs/driver.md, table of errors";
+  }
+}
+
+void fault_lines(Out out, const Outcome& o) {
+  if (o.faults.empty()) return;
+  for (const vp::FaultRecord& r : o.faults) {
+    if (r.injected == 0) {
+      fmt::format_to(out, "  {:<16} did not happen\n", vp::name(r.fault.kind));
+      continue;
+    }
+    fmt::format_to(out, "  {:<16} {}, first in frame {}", vp::name(r.fault.kind), times(r.injected),
+                   r.first_frame);
+    if (r.corrected > 0) fmt::format_to(out, "; the bus corrected {}", r.corrected);
+    if (r.noticed > 0) fmt::format_to(out, "; the driver noticed {}", r.noticed);
+    if (r.unnoticed() > 0) fmt::format_to(out, "; UNNOTICED {}", r.unnoticed());
+    fmt::format_to(out, "\n");
+  }
+}
+
+void error_lines(Out out, const vp::ServoCounts& c) {
+  for (std::size_t i = 0; i < c.errors.size(); ++i) {
+    const vp::ErrorCount& error = c.errors[i];
+    const auto status = static_cast<hvp_status>(i);
+    if (error.count == 0) continue;
+    fmt::format_to(out, "  ERROR {} {}, first {}: {}\n    remedy: {}\n", hvp_status_name(status),
+                   times(error.count),
+                   error.first_frame < 0 ? std::string("in set-up")
+                                         : fmt::format("in frame {}", error.first_frame),
+                   hvp_status_text(status), remedy(status));
+  }
+}
+
+void consequence_lines(Out out, const Outcome& o) {
+  const vp::ServoCounts& c = o.troubles;
+  if (c.held_frames > 0) {
+    fmt::format_to(out,
+                   "  held           the last force in {} of {} frames, {} ticks in a row at "
+                   "most = {}\n",
+                   c.held_frames, o.frames, c.longest_hold,
+                   readable_time(c.longest_hold * o.period));
+  }
+  if (c.recoveries + c.failed_set_ups > 0) {
+    fmt::format_to(out, "  board          set up again {}, in vain {}\n", times(c.recoveries),
+                   times(c.failed_set_ups));
+  }
+  const int repeated = c.mended.aborted + c.mended.damaged;
+  if (repeated > 0) fmt::format_to(out, "  accesses       repeated {}\n", times(repeated));
+  if (c.mended.lost_interrupts > 0) {
+    fmt::format_to(out, "  interrupts     lost {}: seen in STATUS at the time-out\n",
+                   times(c.mended.lost_interrupts));
+  }
+  if (c.mended.lost_acknowledgements > 0) {
+    fmt::format_to(out, "  acknowledgements lost {}, repeated\n",
+                   times(c.mended.lost_acknowledgements));
+  }
+  if (c.given_up_at >= 0) {
+    fmt::format_to(out, "  ERROR the board was given up in frame {} after {} set-ups in vain\n",
+                   c.given_up_at, c.failed_set_ups);
+  }
+}
+
+}  // namespace
+
+bool faults_happened(const Outcome& o) {
+  const vp::ServoCounts& c = o.troubles;
+  return std::ranges::any_of(o.faults, [](const auto& r) { return r.injected > 0; }) ||
+         std::ranges::any_of(c.errors, [](const auto& e) { return e.count > 0; }) ||
+         c.mended.lost_interrupts + c.mended.lost_acknowledgements > 0;
+}
+
+std::string fault_text(const Outcome& o) {
+  if (o.faults.empty() && !faults_happened(o)) return {};
+  std::int64_t injected = 0;
+  std::int64_t unnoticed = 0;
+  for (const vp::FaultRecord& r : o.faults) {
+    injected += r.injected;
+    unnoticed += r.unnoticed();
+  }
+  std::string text = fmt::format("\nFaults       {} injected, {} unnoticed\n", injected, unnoticed);
+  const Out out = std::back_inserter(text);
+  fault_lines(out, o);
+  error_lines(out, o.troubles);
+  consequence_lines(out, o);
+  return text;
+}
+
+}  // namespace hvp::results

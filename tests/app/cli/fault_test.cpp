@@ -1,0 +1,77 @@
+// What a user sees of a board that fails: exit status, the report's block, the result files.
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/app/cli/program.h"
+#include "tests/app/scratch_directory.h"
+
+namespace hvp::cli {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+// The small scene with a time-out that a frame has room for, and `faults`.
+struct Faulty {
+  explicit Faulty(const std::string& faults) {
+    write(place.path() / "s.toml", std::string(kSmallScene) + faults);
+    ended = hvp(place.path(), {"run", "s.toml", "--out", "a", "--set", "output.pictures=false",
+                               "--set", "host.timeout=1 ms"});
+  }
+  json summary() const { return json::parse(read(place.path() / "a/summary.json")); }
+
+  ScratchDirectory place;
+  Ended ended;
+};
+
+TEST(Faults, AreInTheReportTheSummaryAndTheFrames) {
+  const Faulty run("\n[[fault]]\nkind = \"stuck-busy\"\nframe = 5\n");
+  EXPECT_EQ(run.ended.status, 1) << run.ended.err;
+  EXPECT_THAT(run.ended.out, HasSubstr("1 injected, 0 unnoticed"));
+  EXPECT_THAT(run.ended.out, HasSubstr("ERROR HVP_ERROR_TIMEOUT once, first in frame 5"));
+  EXPECT_THAT(run.ended.out, Not(HasSubstr("PASS")));
+  const json s = run.summary();
+  EXPECT_EQ(s.at("driver").at("errors").at("HVP_ERROR_TIMEOUT").at("count"), 1);
+  EXPECT_EQ(s.at("driver").at("held_frames"), 1);
+  EXPECT_EQ(s.at("driver").at("recoveries"), 1);
+  EXPECT_EQ(s.at("faults").at(0).at("noticed"), 1);
+  const std::vector<std::string> frames = lines(read(run.place.path() / "a/frames.csv"));
+  EXPECT_THAT(frames.at(0), HasSubstr(",status"));
+  EXPECT_THAT(frames.at(6), HasSubstr(",HVP_ERROR_TIMEOUT"));
+  EXPECT_THAT(frames.at(7), HasSubstr(",HVP_OK"));
+  EXPECT_THAT(read(run.place.path() / "a/trace.json"), HasSubstr("recovery"));
+}
+
+// Every force is in time and of its frame, as far as anybody could tell.
+TEST(Faults, OneThatNobodyNoticedIsListedAndIsNoPass) {
+  const Faulty run(
+      "\n[[fault]]\nkind = \"corrupted-word\"\nframe = 5\naccess = \"solution\"\nbits = 2\n");
+  EXPECT_THAT(run.ended.out, HasSubstr("UNNOTICED 1"));
+  EXPECT_THAT(run.ended.out, Not(HasSubstr("PASS")));
+  EXPECT_EQ(run.summary().at("faults").at(0).at("unnoticed"), 1);
+}
+
+TEST(Faults, ABoardThatIsGoneForGoodEndsWithAnErrorAndTheRunsResults) {
+  const Faulty run(
+      "\n[[fault]]\nkind = \"device-gone\"\nframe = 5\n\n[host.recovery]\nattempts = 2\n");
+  EXPECT_EQ(run.ended.status, 1) << run.ended.err;
+  EXPECT_THAT(run.ended.out, HasSubstr("ERROR the board was given up in frame 6"));
+  EXPECT_EQ(run.summary().at("driver").at("given_up_frame"), 6);
+}
+
+TEST(Faults, WhatCannotHappenIsRefused) {
+  const Faulty no_dma("\n[[fault]]\nkind = \"late-dma\"\ndelay = \"1 ms\"\nframe = 5\n");
+  EXPECT_EQ(no_dma.ended.status, 2);
+  EXPECT_THAT(no_dma.ended.err, HasSubstr("transfer.method"));
+  const Faulty both("\n[[fault]]\nkind = \"stuck-busy\"\nframe = 5\nrate = 0.5\n");
+  EXPECT_EQ(both.ended.status, 2);
+  EXPECT_THAT(both.ended.err, HasSubstr("either frame or rate"));
+}
+
+}  // namespace
+}  // namespace hvp::cli

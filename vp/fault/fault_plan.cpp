@@ -1,0 +1,169 @@
+#include "vp/fault/fault_plan.h"
+
+#include <algorithm>
+#include <string>
+
+namespace hvp::vp {
+
+namespace {
+
+// A draw's later attempts stand for other questions about the same fault.
+constexpr std::uint32_t kWhichWord = 1;
+constexpr std::uint32_t kWhichBit = 2;
+
+random::Draws draws_of(int kind, std::int64_t seed) {
+  return {seed, std::string("fault.") + name(static_cast<FaultKind>(kind))};
+}
+
+template <std::size_t... kind>
+std::array<random::Draws, kFaultKinds> all_draws(std::int64_t seed,
+                                                 std::index_sequence<kind...> /*kinds*/) {
+  return {draws_of(static_cast<int>(kind), seed)...};
+}
+
+std::uint32_t one_of(double uniform, std::uint32_t count) {
+  return std::min(static_cast<std::uint32_t>(uniform * count), count - 1);
+}
+
+}  // namespace
+
+FaultPlan::FaultPlan(const std::vector<Fault>& faults, std::int64_t seed, Picoseconds period)
+    : period_(period), draws_(all_draws(seed, std::make_index_sequence<kFaultKinds>())) {
+  std::array<std::uint32_t, kFaultKinds> of_kind{};
+  for (const Fault& fault : faults) {
+    records_.push_back({fault});
+    items_.push_back({of_kind[static_cast<std::size_t>(fault.kind)]++, -1, {-1, -1}});
+  }
+}
+
+bool FaultPlan::due(std::size_t item, std::int64_t frame) const {
+  const Fault& fault = records_[item].fault;
+  if (frame < 0) return false;
+  if (fault.frame >= 0) return fault.frame == frame;
+  return draws_[static_cast<std::size_t>(fault.kind)].uniform(frame, items_[item].number).first <
+         fault.rate;
+}
+
+void FaultPlan::inject(std::size_t item, std::int64_t frame) {
+  FaultRecord& record = records_[item];
+  ++record.injected;
+  if (record.first_frame < 0) record.first_frame = frame;
+  Item& i = items_[item];
+  i.struck = frame;
+  i.open[1] = i.open[0];
+  i.open[0] = frame;
+}
+
+const Fault* FaultPlan::strike(FaultKind kind, std::int64_t frame, FaultAccess access) {
+  for (std::size_t item = 0; item < items_.size(); ++item) {
+    const Fault& fault = records_[item].fault;
+    if (fault.kind != kind || items_[item].struck == frame) continue;
+    if (fault.access != FaultAccess::first && fault.access != access) continue;
+    if (!due(item, frame)) continue;
+    inject(item, frame);
+    return &fault;
+  }
+  return nullptr;
+}
+
+std::uint32_t FaultPlan::word(const Fault& fault, std::int64_t frame, std::uint32_t words) const {
+  const random::Draws& draws = draws_[static_cast<std::size_t>(fault.kind)];
+  return one_of(draws.uniform(frame, items_[item_of(fault)].number, kWhichWord).first, words);
+}
+
+// So many different bits: the first ones of a shuffled word.
+std::uint32_t FaultPlan::mask(const Fault& fault, std::int64_t frame) const {
+  const random::Draws& draws = draws_[static_cast<std::size_t>(fault.kind)];
+  std::array<std::uint32_t, 32> order{};
+  for (std::uint32_t i = 0; i < 32; ++i) order[i] = i;
+  std::uint32_t mask = 0;
+  for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(fault.flipped_bits()); ++i) {
+    const double u = draws.uniform(frame, items_[item_of(fault)].number, kWhichBit + i).first;
+    std::swap(order[i], order[i + one_of(u, 32 - i)]);
+    mask |= 1U << order[i];
+  }
+  return mask;
+}
+
+// By address: the faults that are handed out are those of the records.
+std::size_t FaultPlan::item_of(const Fault& fault) const {
+  const auto hit = std::find_if(records_.begin(), records_.end(),
+                                [&fault](const FaultRecord& r) { return &r.fault == &fault; });
+  return static_cast<std::size_t>(hit - records_.begin());
+}
+
+bool FaultPlan::leaves(std::size_t item, Picoseconds now, std::int64_t frame) const {
+  const Fault& fault = records_[item].fault;
+  if (fault.kind != FaultKind::device_gone) return false;
+  if (fault.frame < 0) return items_[item].struck != frame && due(item, frame);
+  if (items_[item].struck >= 0) return false;
+  return fault.frame == 0 || (begin_ >= 0 && now >= begin_ + fault.frame * period_);
+}
+
+void FaultPlan::leave(std::size_t item, std::int64_t frame) {
+  const Fault& fault = records_[item].fault;
+  const std::int64_t from = fault.frame >= 0 ? fault.frame : frame;
+  inject(item, from);
+  const Picoseconds back = fault.frames == 0
+                               ? kNever
+                               : std::max<Picoseconds>(begin_, 0) + (from + fault.frames) * period_;
+  back_at_ = gone_ ? std::max(back_at_, back) : back;
+  gone_ = true;
+}
+
+bool FaultPlan::gone(Picoseconds now, std::int64_t frame) {
+  for (std::size_t item = 0; item < items_.size(); ++item) {
+    if (leaves(item, now, frame)) leave(item, frame);
+  }
+  if (gone_ && now >= back_at_) {
+    gone_ = false;
+    returned_ = true;
+  }
+  return gone_;
+}
+
+void FaultPlan::notice_item(std::size_t item, std::int64_t frame) {
+  for (std::int64_t& open : items_[item].open) {
+    if (open != frame) continue;
+    open = -1;
+    ++records_[item].noticed;
+  }
+}
+
+void FaultPlan::notice_failure(std::int64_t frame) {
+  for (std::size_t item = 0; item < items_.size(); ++item) {
+    notice_item(item, frame);
+    if (records_[item].fault.kind != FaultKind::device_gone) continue;
+    // Whoever asks for a board that is gone finds out, whenever he asks.
+    const std::array<std::int64_t, 2> open = items_[item].open;
+    for (const std::int64_t since : open) {
+      if (since >= 0 && since <= frame) notice_item(item, since);
+    }
+  }
+}
+
+void FaultPlan::notice(FaultKind kind, std::int64_t frame) {
+  for (std::size_t item = 0; item < items_.size(); ++item) {
+    if (records_[item].fault.kind == kind) notice_item(item, frame);
+  }
+}
+
+void FaultPlan::correct(const Fault& fault) {
+  const std::size_t item = item_of(fault);
+  items_[item].open[0] = -1;
+  ++records_[item].corrected;
+}
+
+std::int64_t FaultPlan::injected() const {
+  std::int64_t count = 0;
+  for (const FaultRecord& record : records_) count += record.injected;
+  return count;
+}
+
+std::int64_t FaultPlan::unnoticed() const {
+  std::int64_t count = 0;
+  for (const FaultRecord& record : records_) count += record.unnoticed();
+  return count;
+}
+
+}  // namespace hvp::vp

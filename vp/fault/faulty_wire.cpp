@@ -1,0 +1,135 @@
+#include "vp/fault/faulty_wire.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "vp/fpga/register_bank.h"
+
+namespace hvp::vp {
+
+namespace {
+
+std::uint64_t offset_of(Register reg) { return kRegisters[static_cast<std::size_t>(reg)].offset; }
+
+bool within(std::uint64_t offset, Aperture aperture) {
+  const ApertureInfo& row = kApertures[static_cast<std::size_t>(aperture)];
+  return offset >= row.offset && offset - row.offset < row.size;
+}
+
+std::uint32_t word_of(const tlm::tlm_generic_payload& transaction) {
+  std::uint32_t word = 0;
+  std::memcpy(&word, transaction.get_data_ptr(),
+              std::min<std::size_t>(sizeof(word), transaction.get_data_length()));
+  return word;
+}
+
+// What the driver does with an access, by where it goes.
+FaultAccess access_of(const tlm::tlm_generic_payload& transaction) {
+  const std::uint64_t offset = transaction.get_address();
+  const bool read = transaction.is_read();
+  if (!read && within(offset, Aperture::b)) return FaultAccess::rhs;
+  if (read && within(offset, Aperture::u)) return FaultAccess::solution;
+  if (!read && offset == offset_of(Register::control) &&
+      (word_of(transaction) & field::kControlStart.mask()) != 0) {
+    return FaultAccess::start;
+  }
+  if (read && offset == offset_of(Register::status)) return FaultAccess::status;
+  if (!read && offset == offset_of(Register::interrupt_status)) return FaultAccess::acknowledge;
+  return FaultAccess::first;
+}
+
+}  // namespace
+
+FaultyWire::FaultyWire(const sc_core::sc_module_name& name, FaultPlan& plan, BusErrors& errors,
+                       const link::Pcie* link)
+    : sc_module(name),
+      from_bus("from_bus"),
+      to_board("to_board"),
+      plan_(plan),
+      errors_(errors),
+      link_(link) {
+  from_bus.register_b_transport(this, &FaultyWire::b_transport);
+}
+
+void FaultyWire::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay) {
+  Tag none;
+  const std::int64_t frame = tag_of(transaction, none).frame;
+  const bool gone = plan_.gone(now_ps(), frame);
+  if (plan_.take_return()) reset_board();
+  const FaultAccess access = access_of(transaction);
+  if (gone || plan_.strike(FaultKind::master_abort, frame, access) != nullptr) {
+    abort(transaction);
+    return;
+  }
+  // The words of b and U go one by one with programmed I/O.
+  const bool block = transaction.get_data_length() > 4 || access == FaultAccess::rhs ||
+                     access == FaultAccess::solution;
+  const Fault* corrupted = block ? plan_.strike(FaultKind::corrupted_word, frame, access) : nullptr;
+  if (corrupted == nullptr) {
+    to_board->b_transport(transaction, delay);
+  } else if (link_ != nullptr) {
+    replay(transaction, *corrupted, delay);
+  } else {
+    corrupt(transaction, *corrupted, frame, delay);
+  }
+}
+
+// The receiver's Nak takes the packet's way back, and the packet comes again (PCIe 5.0 §3.6.2).
+void FaultyWire::replay(tlm::tlm_generic_payload& transaction, const Fault& fault,
+                        sc_core::sc_time& delay) {
+  to_board->b_transport(transaction, delay);
+  const std::int64_t bytes =
+      std::min<std::int64_t>(transaction.get_data_length(), link_->max_payload_bytes);
+  delay += to_sc_time(2 * link_->link_ps() + link_->transfer_ps(link_->write_wire_bytes(bytes)));
+  plan_.correct(fault);
+}
+
+// PCI 3.0 §3.3.3.1: the master ends the access that nobody has claimed; its bridge remembers.
+void FaultyWire::abort(tlm::tlm_generic_payload& transaction) {
+  if (link_ == nullptr || transaction.is_read()) errors_.master_abort = true;
+  if (transaction.is_read()) {
+    std::memset(transaction.get_data_ptr(), 0xff, transaction.get_data_length());
+  }
+  transaction.set_response_status(tlm::TLM_ADDRESS_ERROR_RESPONSE);
+}
+
+void FaultyWire::corrupt(tlm::tlm_generic_payload& transaction, const Fault& fault,
+                         std::int64_t frame, sc_core::sc_time& delay) {
+  const std::uint32_t mask = plan_.mask(fault, frame);
+  unsigned char* damaged = transaction.get_data_ptr() +
+                           4ULL * plan_.word(fault, frame, transaction.get_data_length() / 4);
+  const auto flip = [damaged, mask] {
+    std::uint32_t word = 0;
+    std::memcpy(&word, damaged, sizeof(word));
+    word ^= mask;
+    std::memcpy(damaged, &word, sizeof(word));
+  };
+  // The memory of whoever writes stays as it is.
+  const bool write = transaction.is_write();
+  if (write) flip();
+  to_board->b_transport(transaction, delay);
+  flip();
+  if (fault.flipped_bits() % 2 != 0) errors_.parity = true;
+}
+
+// As after power-on: what the board was told is gone.
+void FaultyWire::reset_board() {
+  Tag none;
+  FrameTag extension;
+  extension.tag = &none;
+  std::uint32_t command = field::kControlReset.mask();
+  tlm::tlm_generic_payload payload;
+  payload.set_extension(&extension);
+  payload.set_write();
+  payload.set_address(offset_of(Register::control));
+  payload.set_data_ptr(reinterpret_cast<unsigned char*>(&command));
+  payload.set_data_length(sizeof(command));
+  payload.set_streaming_width(sizeof(command));
+  payload.set_byte_enable_ptr(nullptr);
+  payload.set_response_status(tlm::TLM_INCOMPLETE_RESPONSE);
+  sc_core::sc_time none_taken = sc_core::SC_ZERO_TIME;
+  to_board->b_transport(payload, none_taken);
+  payload.clear_extension(&extension);
+}
+
+}  // namespace hvp::vp
