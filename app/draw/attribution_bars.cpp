@@ -25,7 +25,7 @@ std::string name_of(const Contribution& row) { return row.part + " · " + row.ph
 void draw_attribution(Canvas& canvas, const Deadline& deadline) {
   constexpr double kTop = 322.0;
   constexpr double kRow = 34.0;
-  constexpr double kRight = 1180.0;
+  constexpr double kRight = 610.0;
   canvas.text({40.0, 356.0}, "Where the worst frame's time went", {.size = 24, .bold = true});
   const auto rows = largest_contributions(deadline.attribution, 0.01, 9);
   if (rows.empty()) {
@@ -41,7 +41,7 @@ void draw_attribution(Canvas& canvas, const Deadline& deadline) {
     longest = std::max(longest, row.us);
     names = std::max(names, canvas.text_width(name_of(row)));
   }
-  const double left = 52.0 + std::clamp(names, 240.0, 520.0);
+  const double left = 52.0 + std::clamp(names, 160.0, 330.0);
   std::vector<std::string> parts;  // in the order of their first row: a colour each
   double y = kTop;
   for (const Contribution& row : rows) {

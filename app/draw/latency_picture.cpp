@@ -10,8 +10,10 @@
 #include <vtkRenderer.h>
 
 #include "app/draw/attribution_bars.h"
+#include "app/draw/axes.h"
 #include "app/draw/axis_ticks.h"
 #include "app/draw/canvas.h"
+#include "app/draw/latency_histogram.h"
 #include "app/draw/picture_window.h"
 
 namespace hvp::draw {
@@ -21,19 +23,6 @@ using Point = Canvas::Point;
 
 constexpr Colour kFrame = {38, 102, 150};
 constexpr Colour kContact = {224, 236, 243};
-
-// Data coordinates in a rectangle of the picture.
-struct Axes {
-  Point low;
-  Point high;
-  Point data_low;
-  Point data_high;
-
-  Point at(double x, double y) const {
-    const Point share = (Point(x, y) - data_low).cwiseQuotient(data_high - data_low);
-    return low + share.cwiseProduct(high - low);
-  }
-};
 
 struct Statistics {
   double best_us = 0.0;
@@ -143,13 +132,19 @@ void draw_budget(Canvas& canvas, const Axes& axes, double budget_us, const Frame
     const Point p = axes.at(static_cast<double>(worst->frame), worst->latency_us);
     at_right = std::abs(p.y() - left.y()) > 60.0 || p.x() < axes.high.x() - 640.0;
   }
-  canvas.text({at_right ? axes.high.x() - 6.0 : axes.low.x() + 8.0, left.y() + 6.0},
-              "budget " + microseconds(budget_us),
-              {.size = 18,
-               .colour = style::kLate,
-               .bold = true,
-               .horizontal = at_right ? Align::high : Align::low,
-               .vertical = Align::low});
+  const std::string label = "budget " + microseconds(budget_us);
+  const TextStyle text = {.size = 18,
+                          .colour = style::kLate,
+                          .bold = true,
+                          .horizontal = at_right ? Align::high : Align::low,
+                          .vertical = Align::low};
+  const Point at(at_right ? axes.high.x() - 6.0 : axes.low.x() + 8.0, left.y() + 6.0);
+  // Late frames stand behind it.
+  const double begin = at_right ? at.x() - canvas.text_width(label, text) : at.x();
+  canvas.rectangle({begin - 3.0, at.y() - 2.0},
+                   {begin + canvas.text_width(label, text) + 3.0, at.y() + 18.0},
+                   faded(style::kPaper, 0.8));
+  canvas.text(at, label, text);
 }
 
 // From the right: what the marks mean, only those that are there.
@@ -252,6 +247,7 @@ void paint(Canvas& canvas, const std::vector<FrameRow>& frames, const Deadline& 
               {.size = 19, .horizontal = Align::centre, .angle_deg = 90.0});
   draw_legend(canvas, statistics, any_contact);
   draw_attribution(canvas, deadline);
+  draw_histogram(canvas, frames, deadline);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "app/draw/axis_ticks.h"
 #include "app/draw/colour_map.h"
 #include "app/draw/deformation_step.h"
+#include "app/draw/latency_bins.h"
 #include "app/draw/run_files.h"
 #include "app/draw/surface.h"
 #include "app/draw/view.h"
@@ -238,6 +239,74 @@ TEST(Step, IsTheLastOneWhereNothingIsTouched) {
   const DeformationStep step = read_deepest_step(scratch.path());
   EXPECT_EQ(step.frame, 2);
   EXPECT_EQ(step.contact_node, -1);
+}
+
+std::size_t frames_in(const LatencyBins& bins) {
+  std::size_t frames = 0;
+  for (const LatencyBins::Bin& bin : bins.bins) frames += bin.frames;
+  return frames;
+}
+
+// Every latency lies in one bin, in order and apart, and no bin is on both sides of the budget.
+void expect_sound(const LatencyBins& bins, const std::vector<double>& latencies, double budget_us) {
+  EXPECT_EQ(frames_in(bins), latencies.size());
+  double before = -1e300;
+  for (const LatencyBins::Bin& bin : bins.bins) {
+    EXPECT_GE(bin.from, before - 1e-9);
+    EXPECT_NEAR(bin.to - bin.from, bins.width, 1e-9 * bin.to);
+    EXPECT_TRUE(bin.late ? bin.from >= budget_us : bin.to <= budget_us) << bin.from;
+    EXPECT_EQ(bin.frames, static_cast<std::size_t>(std::count_if(
+                              latencies.begin(), latencies.end(),
+                              [&](double us) { return us > bin.from && us <= bin.to; })));
+    EXPECT_LE(bin.frames, bins.fullest);
+    before = bin.to;
+  }
+}
+
+TEST(LatencyBins, HoldEveryLatencyOnItsSideOfTheBudget) {
+  std::vector<double> latencies;
+  for (int i = 0; i < 1000; ++i) latencies.push_back(1500.0 + 1.0 * i);  // 500 late by 0 to 499
+  for (const double budget : {10.0, 1234.5, 1999.0, 2000.0, 2000.5, 9000.0}) {
+    SCOPED_TRACE(budget);
+    for (const int wanted : {5, 50}) {
+      const LatencyBins bins = latency_bins(latencies, budget, wanted);
+      expect_sound(bins, latencies, budget);
+      EXPECT_LE(bins.bins.size(), static_cast<std::size_t>(2 * wanted));
+    }
+  }
+}
+
+TEST(LatencyBins, AForceThatIsDueNowIsInTime) {
+  const LatencyBins bins = latency_bins({1999.0, 2000.0, 2000.001}, 2000.0, 50);
+  std::size_t late = 0;
+  for (const LatencyBins::Bin& bin : bins.bins) late += bin.late ? bin.frames : 0;
+  EXPECT_EQ(late, 1U);
+}
+
+// Percentiles by nearest rank.
+TEST(LatencyBins, SoManyPerCentDoNotExceedThePercentiles) {
+  std::vector<double> latencies;
+  for (int i = 200; i > 0; --i) latencies.push_back(i);
+  const LatencyBins bins = latency_bins(latencies, 500.0, 50);
+  EXPECT_EQ(bins.p50, 100.0);
+  EXPECT_EQ(bins.p99, 198.0);
+}
+
+TEST(LatencyBins, OneLatencyIsOneBin) {
+  for (const double us : {842.0, 2000.0, 2300.0}) {
+    SCOPED_TRACE(us);
+    const std::vector<double> latencies(40, us);
+    const LatencyBins bins = latency_bins(latencies, 2000.0, 50);
+    ASSERT_EQ(bins.bins.size(), 1U);
+    EXPECT_EQ(bins.fullest, 40U);
+    EXPECT_EQ(bins.p50, us);
+    EXPECT_EQ(bins.p99, us);
+    expect_sound(bins, latencies, 2000.0);
+  }
+}
+
+TEST(LatencyBins, WithoutAFrameThereAreNone) {
+  EXPECT_TRUE(latency_bins({}, 2000.0, 50).bins.empty());
 }
 
 std::vector<Contribution> many() {

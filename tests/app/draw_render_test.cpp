@@ -124,6 +124,16 @@ TEST_F(DrawRenderTest, LateFramesAreRed) {
   EXPECT_LT(late.count(is_blue), in_time.count(is_blue) - 1000);
 }
 
+// In the lower right, bars of the frames in time and none of another colour.
+TEST_F(DrawRenderTest, ShowsHowOftenWhichLatency) {
+  ASSERT_TRUE(draw({}).drawn);
+  const Picture picture(file("latency.png"));
+  int blue = 0;
+  for (int y = 75; y < 268; ++y)
+    for (int x = 890; x < 1365; ++x) blue += is_blue(picture.at(x, y)) ? 1 : 0;
+  EXPECT_GT(blue, 300);
+}
+
 TEST_F(DrawRenderTest, ARunWithoutDeformationGetsItsLatencyAlone) {
   sample::write_run(scratch_.path(), {});
   std::filesystem::remove(file("deformation.pvd"));

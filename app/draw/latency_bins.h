@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace hvp::draw {
+
+// How often latencies occurred, in bins of one width. Microseconds.
+struct LatencyBins {
+  // (from, to] holds `frames` of them.
+  struct Bin {
+    double from = 0.0;
+    double to = 0.0;
+    std::size_t frames = 0;
+    bool late = false;  // beyond the budget
+  };
+
+  double width = 0.0;     // 1, 2 or 5 times a power of ten
+  std::vector<Bin> bins;  // ascending; only those that hold something
+  double p50 = 0.0;       // the least latency that so many per cent of the frames do not exceed
+  double p99 = 0.0;
+  std::size_t fullest = 0;  // frames of the bin that holds most
+};
+
+// The budget is an edge between two bins, so that none is partly late. About `wanted` bins from
+// the least latency or the budget to the largest one or the budget, never more than twice as many.
+// `latencies`: finite, in any order. Without one there are no bins and the figures are 0.
+LatencyBins latency_bins(std::vector<double> latencies, double budget_us, int wanted);
+
+}  // namespace hvp::draw
