@@ -16,6 +16,9 @@ void Graphics::declare(config::Visitor& v) {
   v.quantity("drawing_time", drawing_s, Dimension::time, config::between(0, 1),
              {"time of a pass that is not collision detection: one picture",
               "assumed: a third of the period"});
+  v.quantity("triangle_time", triangle_s, Dimension::time, config::between(0, 1e-3),
+             {"what each triangle of the surface adds to drawing_time",
+              "none: drawing_time holds for every mesh"});
   v.quantity("non_preemptible", non_preemptible_s, Dimension::time, config::between(0, 0.1),
              {"on one core: how long a section is that holds the servo process up",
               "none: every instruction can be preempted"});
@@ -33,6 +36,10 @@ void Graphics::check() const {
 }
 
 std::int64_t Graphics::period_ps() const { return std::llround(1e12 / rate_hz); }
+
+std::int64_t Graphics::drawing_ps(std::size_t triangles) const {
+  return std::llround(1e12 * (drawing_s + static_cast<double>(triangles) * triangle_s));
+}
 
 void Host::declare(config::Visitor& v) {
   v.quantity("sustained_rate", sustained_rate_flops, Dimension::throughput,

@@ -16,6 +16,7 @@ namespace hvp::host {
 struct Graphics {
   double rate_hz = 33;
   double drawing_s = 10e-3;
+  double triangle_s = 0;  // more of it for each triangle of the surface
   // On one core: the first so much of every so much of its processor time cannot be preempted.
   double non_preemptible_s = 0;
   double non_preemptible_every_s = 1e-3;
@@ -24,6 +25,8 @@ struct Graphics {
   void check() const;
 
   std::int64_t period_ps() const;
+  // Of a picture of a surface of so many triangles.
+  std::int64_t drawing_ps(std::size_t triangles) const;
 };
 
 // The host PC as arithmetic: what each step of Fig. 6.2 costs. The scenario's table [host].

@@ -218,6 +218,15 @@ TEST(Host, ComputingTakesOperationsOverRateInWholePicoseconds) {
   EXPECT_EQ(conversion_operations(1500), 6000);
 }
 
+TEST(Host, DrawingGrowsWithTheSurfaceWhereATriangleHasATime) {
+  Graphics g;
+  EXPECT_EQ(g.drawing_ps(1000), g.drawing_ps(0)) << "without a time for them";
+  g.drawing_s = 2e-3;
+  g.triangle_s = 1e-6;
+  EXPECT_EQ(g.drawing_ps(0), 2'000'000'000);
+  EXPECT_EQ(g.drawing_ps(998), 2'998'000'000);
+}
+
 // The same operations as where they are done, and nothing of what they would make.
 TEST(FrameComputation, CountedCostsTheSameAndComputesNothing) {
   const Cube cube;

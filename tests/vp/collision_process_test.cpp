@@ -70,6 +70,18 @@ TEST(CollisionProcess, PublishesWhenThePassIsOver) {
   EXPECT_EQ(it.process.skipped_passes(), 0);
 }
 
+TEST(CollisionProcess, DrawsEveryTriangleOfTheSurface) {
+  host::Host costs;
+  costs.graphics.drawing_s = 4e-3;
+  costs.graphics.triangle_s = 20e-6;
+  Bench it(costs, false, [](test::Program& p) { p.sleep(kPeriod - kUs); });
+  sc_core::sc_start();
+  // A closed surface without a hole has two triangles less than twice its corners (Euler).
+  const auto corners = static_cast<Picoseconds>(it.scene.contacts.surface().surface_nodes().size());
+  EXPECT_EQ(it.process.longest_pass(),
+            test::compute(it.scene.contacts.pass_flops()) + 4 * kMs + (2 * corners - 4) * 20 * kUs);
+}
+
 TEST(CollisionProcess, UntimedPassEndsWhenItBegins) {
   Bench* bench = nullptr;
   Bench it({}, true, [&](test::Program& p) {

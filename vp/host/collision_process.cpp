@@ -1,7 +1,6 @@
 #include "vp/host/collision_process.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "vp/frame_tag.h"
 
@@ -53,7 +52,8 @@ void CollisionProcess::pass() {
                  : search_.pass_without_force(scene.tip, scene.displacement, scene.contact);
     const Picoseconds time =
         untimed_ ? 0
-                 : costs_.compute_ps(result.flops) + std::llround(costs_.graphics.drawing_s * 1e12);
+                 : costs_.compute_ps(result.flops) +
+                       costs_.graphics.drawing_ps(search_.surface().triangles().size());
     if (drawing_ != nullptr) {
       drawing_->notify(to_sc_time(untimed_ ? 0 : costs_.compute_ps(result.flops)));
     }
