@@ -11,7 +11,8 @@ namespace hvp::vp {
 // it. Looks once a frame and allocates nothing in the loop.
 class BusMeter : public FrameObserver {
  public:
-  // Both since the simulation began; `busy` is the sum over the initiators.
+  // Both since the simulation began. `busy` is the sum over the initiators, of a link that of one
+  // direction.
   struct Bus {
     std::function<Picoseconds()> busy;
     std::function<BusUses()> uses;

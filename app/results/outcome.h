@@ -66,6 +66,12 @@ struct Outcome {
   std::int64_t bus_bytes = 0;
   vp::Picoseconds bus_busy = 0;
   BusLoad bus_load;
+  // With [bus.pcie]; the initiators are in both, with the direction of their data.
+  struct LinkLoad {
+    BusLoad to_board;
+    BusLoad to_host;
+  };
+  std::optional<LinkLoad> link_load;
   vp::Picoseconds simulated = 0;  // from the first tick to the end of the last frame
   std::int64_t illegal_accesses = 0;
   std::optional<EngineClocks> engine;  // where the fidelity has one and it solved something

@@ -140,9 +140,7 @@ void verdict_lines(Out out, const Outcome& o, bool timing_only) {
   spread_line(out, "wake-up after", o.wake_up);
 }
 
-void bus_line(Out out, const BusLoad& load) {
-  fmt::format_to(out, "  bus taken      {} of the time, {} around the busiest frame",
-                 percent(load.share), percent(load.worst_share));
+void initiators(Out out, const BusLoad& load) {
   const char* separator = "; ";
   for (const vp::BusUse& use : load.uses) {
     if (use.transactions == 0) continue;
@@ -150,6 +148,19 @@ void bus_line(Out out, const BusLoad& load) {
     separator = ", ";
   }
   fmt::format_to(out, "\n");
+}
+
+void bus_lines(Out out, const Outcome& o) {
+  const auto taken = [](const BusLoad& load) {
+    return fmt::format("{} of the time, {} around the busiest frame", percent(load.share),
+                       percent(load.worst_share));
+  };
+  fmt::format_to(out, "  bus taken      {}", taken(o.bus_load));
+  initiators(out, o.bus_load);
+  if (!o.link_load) return;
+  fmt::format_to(out, "  link taken     to the board {}\n", taken(o.link_load->to_board));
+  fmt::format_to(out, "                 to the host {}", taken(o.link_load->to_host));
+  initiators(out, o.link_load->to_board);
 }
 
 void attribution_lines(Out out, const Outcome& o) {
@@ -290,7 +301,7 @@ std::string report(const app::Scene& scene, const Outcome& o) {
   verdict_lines(out, o, scene.scenario().timing_only());
   reservations(out, scene, o);
   text += parts_text(o.latency);
-  bus_line(out, o.bus_load);
+  bus_lines(out, o);
   attribution_lines(out, o);
   engine_lines(out, scene, o);
   accuracy_lines(out, scene, o);

@@ -64,18 +64,33 @@ ordered_json attribution(const std::vector<vp::Attribution>& lines) {
   return list;
 }
 
-ordered_json utilisation(const BusLoad& load) {
-  ordered_json j = {{"share", load.share}, {"worst_frame_share", load.worst_share}};
-  j["by_initiator"] = ordered_json::array();
+ordered_json shares(const BusLoad& load) {
+  return {{"share", load.share}, {"worst_frame_share", load.worst_share}};
+}
+
+ordered_json by_initiator(const BusLoad& load) {
+  ordered_json j = ordered_json::array();
   for (const vp::BusUse& use : load.uses) {
     if (use.transactions == 0) continue;
-    j["by_initiator"].push_back({{"initiator", use.name},
-                                 {"share", load.share_of(use)},
-                                 {"busy_us", us(use.busy)},
-                                 {"bytes", use.bytes},
-                                 {"transactions", use.transactions}});
+    j.push_back({{"initiator", use.name},
+                 {"share", load.share_of(use)},
+                 {"busy_us", us(use.busy)},
+                 {"bytes", use.bytes},
+                 {"transactions", use.transactions}});
   }
   return j;
+}
+
+ordered_json utilisation(const BusLoad& load) {
+  ordered_json j = shares(load);
+  j["by_initiator"] = by_initiator(load);
+  return j;
+}
+
+ordered_json utilisation(const Outcome::LinkLoad& load) {
+  return {{"to_board", shares(load.to_board)},
+          {"to_host", shares(load.to_host)},
+          {"by_initiator", by_initiator(load.to_board)}};
 }
 
 // The clocks of the longest solve: the engine's where there is one, beside the closed form of the
@@ -168,6 +183,7 @@ std::string summary_json(const app::Scene& scene, const Outcome& o) {
   j["bus"] = {
       {"transactions", o.bus_transactions}, {"bytes", o.bus_bytes}, {"busy_us", us(o.bus_busy)}};
   j["bus"]["utilisation"] = utilisation(o.bus_load);
+  if (o.link_load) j["bus"]["pcie"]["utilisation"] = utilisation(*o.link_load);
   const mesh::Quality& q = scene.quality();
   j["mesh"] = {{"nodes", q.nodes},
                {"active_nodes", scene.body().active_nodes()},

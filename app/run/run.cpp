@@ -65,6 +65,45 @@ class ProgressTicker : public vp::FrameObserver {
   std::int64_t last_ = -1;
 };
 
+// Of the PCI bus and, where there is one, of each direction of the link.
+class BusMeters {
+ public:
+  explicit BusMeters(vp::Platform& platform)
+      : bus_({[&platform] { return platform.bus().busy(); },
+              [&platform] { return platform.bus().uses(); }}) {
+    platform.add_observer(bus_);
+    if (platform.pcie() == nullptr) return;
+    const auto direction = [&platform](link::PcieSide sender) {
+      return vp::BusMeter::Bus{[&platform, sender] { return platform.pcie()->busy(sender); },
+                               [&platform] { return platform.pcie()->uses(); }};
+    };
+    to_board_.emplace(direction(link::PcieSide::root));
+    to_host_.emplace(direction(link::PcieSide::device));
+    platform.add_observer(*to_board_);
+    platform.add_observer(*to_host_);
+  }
+
+  void ended() {
+    bus_.ended();
+    if (to_board_) to_board_->ended();
+    if (to_host_) to_host_->ended();
+  }
+
+  void report(results::Outcome& outcome) const {
+    outcome.bus_load = load(bus_);
+    if (to_board_) outcome.link_load = {load(*to_board_), load(*to_host_)};
+  }
+
+ private:
+  static results::BusLoad load(const vp::BusMeter& meter) {
+    return {meter.share(), meter.worst_share(), meter.time(), meter.uses()};
+  }
+
+  vp::BusMeter bus_;
+  std::optional<vp::BusMeter> to_board_;
+  std::optional<vp::BusMeter> to_host_;
+};
+
 results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
                             const vp::LatencyStatistics& latency,
                             const std::optional<results::Accuracy>& accuracy) {
@@ -162,14 +201,12 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   platform.add_sink(trace);
   if (accuracy) platform.add_observer(*accuracy);
   if (deformation) platform.add_observer(*deformation);
-  vp::BusMeter bus({[&platform] { return platform.bus().busy(); },
-                    [&platform] { return platform.bus().uses(); }});
-  platform.add_observer(bus);
+  BusMeters buses(platform);
   ProgressTicker ticker(options.progress, s.frames);
   if (options.progress) platform.add_observer(ticker);
 
   platform.run();
-  bus.ended();
+  buses.ended();
   if (platform.verdict().frames() == 0) {
     throw std::runtime_error(fmt::format("the board could not be set up: {}",
                                          hvp_status_text(platform.servo().counts().last_error)));
@@ -183,7 +220,7 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   if (waveform) waveform->finish();
   results::Outcome outcome = outcome_of(
       platform, scene, latency, accuracy ? std::optional(accuracy->accuracy()) : std::nullopt);
-  outcome.bus_load = {bus.share(), bus.worst_share(), bus.time(), bus.uses()};
+  buses.report(outcome);
   outcome.trace_cut_at = trace.cut_at();
   if (accuracy) outcome.flags.merge(accuracy->flags());
   results::write_through_part_file(directory / "summary.json",

@@ -3,6 +3,8 @@
 
 #include "tests/allocation_count.h"
 #include "tests/vp/small_scene.h"
+#include "vp/bus_meter.h"
+#include "vp/latency_statistics.h"
 #include "vp/platform.h"
 
 namespace hvp::vp {
@@ -22,7 +24,12 @@ class Count : public FrameSink {
 void expect_none(test::SmallScene& scene, int contact_changes) {
   scene.settings.servo.frames = 202;
   Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
+  LatencyStatistics latency;
+  BusMeter bus({[&platform] { return platform.bus().busy(); },
+                [&platform] { return platform.bus().uses(); }});
   Count count;
+  platform.add_sink(latency);
+  platform.add_observer(bus);
   platform.add_sink(count);
   platform.run();
   ASSERT_GT(count.first, 0U);

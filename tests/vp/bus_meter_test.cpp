@@ -84,5 +84,42 @@ TEST(BusMeter, KnowsWhoTookTheBus) {
   EXPECT_GE(meter.worst_share(), meter.share());
 }
 
+// Every word of a frame's data over a link of the board's own: what is taken of each direction can
+// be counted from the packets.
+TEST(BusMeter, KnowsEachDirectionOfALink) {
+  test::SmallScene scene;
+  scene.touch();
+  scene.settings.servo.frames = 20;
+  scene.settings.bus.pcie.emplace();
+  scene.settings.transfer.method = Transfer::Method::dma;
+  Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
+  const auto meter_of = [&platform](link::PcieSide side) {
+    return BusMeter::Bus{[&platform, side] { return platform.pcie()->busy(side); },
+                         [&platform] { return platform.pcie()->uses(); }};
+  };
+  BusMeter to_board(meter_of(link::PcieSide::root));
+  BusMeter to_host(meter_of(link::PcieSide::device));
+  platform.add_observer(to_board);
+  platform.add_observer(to_host);
+  platform.run();
+  to_board.ended();
+  to_host.ended();
+
+  // The processor's writes and what the board reads go to the board, the rest to the host; each
+  // request for a read goes the other way.
+  double data = 0;
+  for (const BusUse& use : to_board.uses()) {
+    EXPECT_GT(use.transactions, 0) << use.name;
+    data += static_cast<double>(use.busy);
+  }
+  const auto time = static_cast<double>(to_board.time());
+  EXPECT_GT((to_board.share() + to_host.share()) * time, data);
+  for (const BusMeter* meter : {&to_board, &to_host}) {
+    EXPECT_GT(meter->share(), 0);
+    EXPECT_GE(meter->worst_share(), meter->share());
+    EXPECT_LT(meter->worst_share(), 1);
+  }
+}
+
 }  // namespace
 }  // namespace hvp::vp

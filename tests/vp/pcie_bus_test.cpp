@@ -413,6 +413,22 @@ TEST_P(PcieBusAt, EachInitiatorsUseIsCounted) {
   EXPECT_EQ(uses[1].name, "board");
   EXPECT_EQ(uses[1].transactions, 1);
   EXPECT_EQ(uses[1].busy, pcie.tlp_ps(pcie.completion_wire_bytes(512)));
+  // To the board: both writes and the completions. To the host: the requests. By the formulas every
+  // packet carries its share of Ack, UpdateFC and SKIP; packet by packet they come when they are
+  // due.
+  const auto expect_taken = [&](link::PcieSide side, std::int64_t wire_bytes) {
+    const Picoseconds taken = bench.link.busy(side);
+    if (GetParam() == Timing::loosely_timed) {
+      EXPECT_NEAR(static_cast<double>(taken), static_cast<double>(pcie.tlp_ps(wire_bytes)), 3);
+    } else {
+      const double alone = 1e12 * static_cast<double>(wire_bytes) / pcie.raw_rate();
+      EXPECT_GE(static_cast<double>(taken), alone - 3);
+      EXPECT_LE(static_cast<double>(taken), 1.5 * alone);
+    }
+  };
+  expect_taken(link::PcieSide::root,
+               2 * pcie.write_wire_bytes(64) + pcie.completion_wire_bytes(512));
+  expect_taken(link::PcieSide::device, pcie.request_wire_bytes(512));
 }
 
 // The whole platform with the board on a link.

@@ -53,6 +53,9 @@ class PcieBus : public sc_core::sc_module, public InterruptIf {
 
   // Busy: the direction of the data.
   BusUses uses() const { return {uses_.begin(), uses_.end()}; }
+  // The direction from this side, whoever's packets they are: a read has requests in one and
+  // completions in the other.
+  Picoseconds busy(link::PcieSide sender) const { return timing_.busy(sender); }
 
  private:
   struct Window {

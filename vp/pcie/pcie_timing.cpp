@@ -68,6 +68,10 @@ void PcieTiming::await_answer(Sender sender) {
   }
 }
 
+Picoseconds PcieTiming::busy(PcieSide sender) const {
+  return packets_ ? packets_->traffic(sender).busy_ps : busy_[index(sender)];
+}
+
 void PcieTiming::until_sent(Sender sender) {
   while (packets_->sent_ps(sender) > now_ps()) {
     sc_core::wait(to_sc_time(packets_->forecast_sent(sender) - now_ps()), changed_);
@@ -82,6 +86,8 @@ Picoseconds PcieTiming::send_by_formula(Sender sender, std::int64_t bytes) {
                                ? link_.transfer_ps(link_.message_wire_bytes()) + link_.link_ps()
                                : link_.posted_write_ps(bytes);
   free = start + time - link_.link_ps();
+  busy_[index(side(sender))] +=
+      link_.tlp_ps(bytes == 0 ? link_.message_wire_bytes() : link_.write_wire_bytes(bytes));
   wait_until(free);
   return start + time;
 }
@@ -97,7 +103,10 @@ void PcieTiming::ask_by_formula(Sender sender, std::int64_t bytes) {
   const Picoseconds ready = arrival + link_.completer_ps(here);
   const Picoseconds delay = std::max<Picoseconds>(0, completions_free - ready);
   const Picoseconds end = start + link_.read_ps(here, bytes) + delay;
-  requests_free = start + link_.tlp_ps(link_.request_wire_bytes(bytes));
+  const Picoseconds requests = link_.tlp_ps(link_.request_wire_bytes(bytes));
+  busy_[index(here)] += requests;
+  busy_[index(other(here))] += link_.tlp_ps(link_.completion_wire_bytes(bytes));
+  requests_free = start + requests;
   completions_free = end - link_.link_ps();
   answered_[static_cast<std::size_t>(sender)] = end;
   wait_until(arrival);

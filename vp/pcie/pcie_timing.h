@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <systemc>
@@ -33,14 +34,18 @@ class PcieTiming {
   // Behind ask(): returns when its last completion is back.
   void await_answer(Sender sender);
 
+  // How long the direction from this side has been taken so far. Loosely timed by each
+  // transaction's packets, when it begins, with their share of the link layer's; approximately
+  // timed by every packet that has left.
+  Picoseconds busy(link::PcieSide sender) const;
+
  private:
   static link::PcieSide side(Sender sender) {
     return sender == kProcessorWrites || sender == kProcessorReads ? link::PcieSide::root
                                                                    : link::PcieSide::device;
   }
-  Picoseconds& free_at(link::PcieSide side) {
-    return free_at_[side == link::PcieSide::root ? 0 : 1];
-  }
+  static std::size_t index(link::PcieSide side) { return side == link::PcieSide::root ? 0 : 1; }
+  Picoseconds& free_at(link::PcieSide side) { return free_at_[index(side)]; }
   Picoseconds send_by_formula(Sender sender, std::int64_t bytes);
   void ask_by_formula(Sender sender, std::int64_t bytes);
   void until_sent(Sender sender);
@@ -48,6 +53,7 @@ class PcieTiming {
   link::Pcie link_;
   bool untimed_;
   std::array<Picoseconds, 2> free_at_{};          // loosely timed; by the sending side
+  std::array<Picoseconds, 2> busy_{};             // likewise
   std::array<Picoseconds, kSenders> answered_{};  // loosely timed
   std::optional<link::PcieLink> packets_;         // approximately timed
   sc_core::sc_event changed_;                     // what forecasts rest on

@@ -220,6 +220,25 @@ TEST_F(Results, UtilisationOfTheBusIsWithoutTheSetUp) {
   EXPECT_THAT(ended.out, HasSubstr("; processor "));
 }
 
+TEST_F(Results, ALinkIsUsedInBothDirectionsAndByItsBoard) {
+  const Ended bus_only = run();
+  EXPECT_FALSE(summary().at("bus").contains("pcie"));
+  EXPECT_THAT(bus_only.out, Not(HasSubstr("link taken")));
+  const Ended ended = run({"--set", "bus.pcie.lanes=4", "--set", "transfer.method=dma"});
+  const json used = summary().at("bus").at("pcie").at("utilisation");
+  for (const char* direction : {"to_board", "to_host"}) {
+    EXPECT_GT(used.at(direction).at("share"), 0) << direction;
+    EXPECT_GE(used.at(direction).at("worst_frame_share"), used.at(direction).at("share"));
+    EXPECT_LT(used.at(direction).at("worst_frame_share"), 1);
+  }
+  ASSERT_EQ(used.at("by_initiator").size(), 2U);
+  EXPECT_EQ(used.at("by_initiator")[0].at("initiator"), "processor");
+  EXPECT_EQ(used.at("by_initiator")[1].at("initiator"), "board");
+  // b down and u up is more than the doorbells.
+  EXPECT_GT(used.at("by_initiator")[1].at("bytes"), used.at("by_initiator")[0].at("bytes"));
+  EXPECT_THAT(ended.out, HasSubstr("link taken     to the board "));
+}
+
 TEST_F(Results, FramesSayWhichWereLate) {
   // A period between the shortest and the longest frame of a run that was in time.
   run();

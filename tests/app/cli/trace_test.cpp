@@ -241,6 +241,44 @@ TEST_F(Trace, OfASharedBusHasItsWaitsBesideIt) {
   EXPECT_EQ(lanes_with(all, "bus waits"), 1);
 }
 
+TEST_F(Trace, OfFramesByDmaIsSound) {
+  for (const std::string notification : {"intx", "msi", "polling"}) {
+    SCOPED_TRACE(notification);
+    run_small({"--set", "transfer.method=dma", "--set", "transfer.notification=" + notification});
+    expect_sound();
+  }
+}
+
+TEST_F(Trace, OfPostedWritesIsSound) {
+  for (const std::string method : {"bursts", "programmed-io", "dma"}) {
+    SCOPED_TRACE(method);
+    run_small({"--set", "bus.posted_writes.buffer_bytes=64", "--set", "transfer.method=" + method});
+    expect_sound();
+  }
+}
+
+TEST_F(Trace, OfALinkOfTheBoardsOwnIsSound) {
+  for (const std::string method : {"bursts", "write-combined-io", "dma"}) {
+    for (const std::string level : {"loosely-timed", "approximately-timed"}) {
+      SCOPED_TRACE(method + ", " + level);
+      run_small({"--set", "bus.pcie.lanes=4", "--set", "transfer.method=" + method, "--set",
+                 "fidelity.bus=" + level});
+      expect_sound();
+    }
+  }
+}
+
+// Two frames under way, each with posted work of its own: a part has more to show at once than one
+// lane takes.
+TEST_F(Trace, OfOverlappingFramesByDmaOverALinkIsSound) {
+  for (const std::string period : {"2 ms", "60 us"}) {
+    SCOPED_TRACE(period);
+    run_small({"--set", "bus.pcie.lanes=4", "--set", "transfer.method=dma", "--set",
+               "host.pipeline_depth=1", "--set", "budget.period=" + period});
+    expect_sound();
+  }
+}
+
 TEST_F(Trace, HasAsManyFramesAsWereAskedFor) {
   run_small({"--set", "output.trace_frames=3"});
   EXPECT_EQ(frames_in(events()), (std::set<std::int64_t>{0, 1, 2}));
