@@ -140,10 +140,8 @@ int explain_command(const ScenarioArguments& arguments) {
     fmt::print("\nSpectrum of the system without contact\n{}",
                results::spectrum_text(*scene.spectrum()));
   }
-  fmt::print("\nWhat a frame's large steps cost{}\n",
-             s.fidelity.bus == vp::Timing::approximately_timed
-                 ? " (the bus without its protocol's waits)"
-                 : "");
+  fmt::print("\nWhat a frame's large steps cost (the bus without waits{})\n",
+             s.bus.posted_writes ? ", and as if nothing were posted" : "");
   frame_cost(scene);
   if (!scene.has_board()) return kHeld;
   fmt::print("{}{}{}", results::clocks_text(scene), results::several_text(scene),

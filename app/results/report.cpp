@@ -143,7 +143,7 @@ void verdict_lines(Out out, const Outcome& o, bool timing_only) {
 void initiators(Out out, const BusLoad& load) {
   const char* separator = "; ";
   for (const vp::BusUse& use : load.uses) {
-    if (use.transactions == 0) continue;
+    if (use.transactions == 0 && use.busy == 0) continue;
     fmt::format_to(out, "{}{} {}", separator, use.name, percent(load.share_of(use)));
     separator = ", ";
   }

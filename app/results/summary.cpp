@@ -71,7 +71,7 @@ ordered_json shares(const BusLoad& load) {
 ordered_json by_initiator(const BusLoad& load) {
   ordered_json j = ordered_json::array();
   for (const vp::BusUse& use : load.uses) {
-    if (use.transactions == 0) continue;
+    if (use.transactions == 0 && use.busy == 0) continue;
     j.push_back({{"initiator", use.name},
                  {"share", load.share_of(use)},
                  {"busy_us", us(use.busy)},

@@ -12,6 +12,7 @@
 #include "models/accel/critical_path.h"
 #include "models/config/input_error.h"
 #include "models/mesh/generate.h"
+#include "vp/fpga/register_bank.h"
 
 namespace hvp::app {
 
@@ -93,6 +94,7 @@ Scene::Scene(const Scenario& openable, const Scenario& written, accel::Device de
       accel::require_clock({device_, s.accelerator, words, pattern().nodes()});
       require_fit();
     });
+    if (limits == Limits::refused) require_room_in_registers();
   }
 
   // A node that is held, by an anchor or by a prescribed displacement, cannot follow the probe.
@@ -116,6 +118,24 @@ void Scene::require_fit() const {
   // The device counts the nodes of the system; a scenario states those of the mesh.
   accel::require_board_fit(device_, scenario_.accelerator, words, *board_, devices::all_built_in(),
                            static_cast<int>(quality_.nodes));
+}
+
+// The driver could not tell the board of a larger system.
+void Scene::require_room_in_registers() const {
+  const vp::Capacity room;
+  const sparse::BlockMatrix& matrix = computation_->matrix();
+  const auto rows = static_cast<std::int64_t>(matrix.row_begin.size()) - 1;
+  std::int64_t longest = 0;
+  for (std::size_t row = 0; row + 1 < matrix.row_begin.size(); ++row) {
+    longest = std::max<std::int64_t>(longest, matrix.row_begin[row + 1] - matrix.row_begin[row]);
+  }
+  const auto blocks = static_cast<std::int64_t>(matrix.blocks());
+  if (rows <= room.nodes && longest <= room.row_blocks && blocks <= room.blocks) return;
+  throw InputError(
+      "object.mesh.nodes",
+      fmt::format("the board's registers have room for {} nodes, {} blocks in a row and {} blocks "
+                  "(docs/registers.md), the system has {}, {} and {}: expected a coarser mesh",
+                  room.nodes, room.row_blocks, room.blocks, rows, longest, blocks));
 }
 
 std::string Scene::board_name() const {

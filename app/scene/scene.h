@@ -56,6 +56,7 @@ class Scene {
 
  private:
   void require_fit() const;
+  void require_room_in_registers() const;
 
   Scenario scenario_;
   accel::Device device_;

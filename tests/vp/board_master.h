@@ -7,16 +7,11 @@
 #include "models/fixed/quantised_matrix.h"
 #include "tests/vp/stimulus.h"
 #include "vp/fpga/packed_words.h"
-#include "vp/fpga/register_table.h"
+#include "vp/fpga/register_bank.h"
 
 namespace hvp::test {
 
-inline std::uint64_t offset_of(vp::Register reg) {
-  return vp::kRegisters[static_cast<std::size_t>(reg)].offset;
-}
-inline std::uint64_t offset_of(vp::Aperture aperture) {
-  return vp::kApertures[static_cast<std::size_t>(aperture)].offset;
-}
+using vp::offset_of;
 
 inline std::vector<std::uint32_t> packed(std::span<const std::int32_t> elements, unsigned bits) {
   std::vector<std::uint32_t> words(vp::packed_words(elements.size(), bits));

@@ -147,7 +147,8 @@ std::vector<std::int64_t> numbers(const std::string& bytes) {
 class Quantum : public testing::TestWithParam<std::tuple<Case, Picoseconds>> {};
 
 TEST_P(Quantum, MovesNoSpanAndNoNumber) {
-  const auto [which, quantum] = GetParam();
+  const Case which = std::get<0>(GetParam());
+  const Picoseconds quantum = std::get<1>(GetParam());
   const std::vector<std::int64_t> without = numbers(test::output_of_child([which](std::string& to) {
     Result r = simulate(which, 0);
     r.frames.push_back(r.deltas);

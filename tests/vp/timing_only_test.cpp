@@ -84,7 +84,6 @@ TEST_P(TimingOnly, EverySpanIsWhereItIsWithNumbers) {
   EXPECT_TRUE(computed == counted);
 }
 
-constexpr Timing kLoose = Timing::loosely_timed;
 constexpr Timing kApproximate = Timing::approximately_timed;
 
 INSTANTIATE_TEST_SUITE_P(

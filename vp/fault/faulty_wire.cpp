@@ -9,8 +9,6 @@ namespace hvp::vp {
 
 namespace {
 
-std::uint64_t offset_of(Register reg) { return kRegisters[static_cast<std::size_t>(reg)].offset; }
-
 bool within(std::uint64_t offset, Aperture aperture) {
   const ApertureInfo& row = kApertures[static_cast<std::size_t>(aperture)];
   return offset >= row.offset && offset - row.offset < row.size;

@@ -15,9 +15,7 @@ constexpr std::uint32_t kMatrixBits = 24;
 constexpr std::uint32_t kVectorBits = 32;
 constexpr std::uint32_t kCoefficientBits = 24;
 
-BoardError bad(Register reg) {
-  return {ErrorCode::bad_setting, kRegisters[static_cast<std::size_t>(reg)].offset};
-}
+BoardError bad(Register reg) { return {ErrorCode::bad_setting, offset_of(reg)}; }
 
 bool between(std::uint32_t value, std::uint32_t least, std::uint32_t most) {
   return value >= least && value <= most;

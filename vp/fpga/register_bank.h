@@ -17,6 +17,14 @@
 // board's model sits behind it with call-backs; a bus in front of it adds the time.
 namespace hvp::vp {
 
+// Bytes from the beginning of the board's BAR.
+constexpr std::uint32_t offset_of(Register reg) {
+  return kRegisters[static_cast<std::size_t>(reg)].offset;
+}
+constexpr std::uint32_t offset_of(Aperture aperture) {
+  return kApertures[static_cast<std::size_t>(aperture)].offset;
+}
+
 enum class Access : std::uint8_t {
   ok,
   unmapped,    // nothing there, or beyond what this board implements
