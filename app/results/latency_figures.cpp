@@ -28,7 +28,7 @@ LatencyFigures latency_figures(const vp::Verdict& verdict,
        {vp::Part::host, vp::Part::bus, vp::Part::fpga, vp::Part::daq, vp::Part::device}) {
     const vp::Histogram& times = statistics.part(part);
     if (times.largest() == 0) continue;
-    f.by_part.push_back({name(part), {}, 0, spread_of(times), times.mean() / whole});
+    f.by_part.push_back({name(part), {}, 0, spread_of(times), times.mean() / whole, times.parts()});
     for (const vp::LatencyStatistics::PathTime& p : statistics.on_path()) {
       if (p.part != part || p.frames == 0) continue;
       f.by_phase.push_back(

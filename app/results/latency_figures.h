@@ -26,7 +26,8 @@ struct PathShare {
   std::string_view phase;   // empty: all of the part
   std::int64_t frames = 0;  // in which it took time
   Spread time;
-  double share = 0;  // of the mean latency
+  double share = 0;                                 // of the mean latency
+  std::vector<vp::Histogram::Part> histogram = {};  // of a part
 };
 
 // Transactions of one kind on the bus.

@@ -12,6 +12,15 @@ void append(ordered_json& to, const ordered_json& from) {
   for (const auto& [key, value] : from.items()) to[key] = value;
 }
 
+ordered_json histogram_json(const std::vector<vp::Histogram::Part>& parts) {
+  ordered_json list = ordered_json::array();
+  for (const vp::Histogram::Part& part : parts) {
+    list.push_back(
+        {{"from_us", us(part.from)}, {"below_us", us(part.below)}, {"frames", part.count}});
+  }
+  return list;
+}
+
 ordered_json path_json(const std::vector<PathShare>& lines) {
   ordered_json list = ordered_json::array();
   for (const PathShare& s : lines) {
@@ -22,6 +31,7 @@ ordered_json path_json(const std::vector<PathShare>& lines) {
     }
     append(j, spread_json(s.time));
     j["share"] = s.share;
+    if (!s.histogram.empty()) j["histogram"] = histogram_json(s.histogram);
     list.push_back(std::move(j));
   }
   return list;
@@ -53,11 +63,7 @@ ordered_json latency_json(const LatencyFigures& f) {
                       {"p99_us", us(f.p99)},
                       {"p99_9_us", us(f.p99_9)},
                       {"worst_us", us(f.worst)}};
-  j["histogram"] = ordered_json::array();
-  for (const vp::Histogram::Part& part : f.histogram) {
-    j["histogram"].push_back(
-        {{"from_us", us(part.from)}, {"below_us", us(part.below)}, {"frames", part.count}});
-  }
+  j["histogram"] = histogram_json(f.histogram);
   j["by_part"] = path_json(f.by_part);
   j["by_phase"] = path_json(f.by_phase);
   j["by_transaction"] = ordered_json::array();

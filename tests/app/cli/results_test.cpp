@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -186,6 +187,9 @@ TEST_F(Results, LatencyFiguresAgreeWithTheFrames) {
     share += part.at("share").get<double>();
     mean += part.at("mean_us").get<double>();
     EXPECT_THAT(ended.out, HasSubstr("\n  " + part.at("part").get<std::string>() + "  "));
+    std::int64_t counted = 0;
+    for (const json& bin : part.at("histogram")) counted += bin.at("frames").get<std::int64_t>();
+    EXPECT_EQ(counted, summary().at("deadline").at("frames"));
   }
   EXPECT_NEAR(share, 1, 1e-12);
   EXPECT_NEAR(mean, latency.at("mean_us").get<double>(), 1e-9);
