@@ -189,6 +189,11 @@ static hvp_status take_record(struct hvp_device* device, bool line_is_up) {
   if ((status & HVP__STATUS__DONE_bm) == 0U) return HVP_ERROR_STALE_RESULT;
   if (line_is_up) {
     (void)hvp_take_end(device, status);
+    // Nothing follows that would tell of an acknowledgement that was lost.
+    if (hvp_bus_errors(device) != HVP_OK) {
+      (void)hvp_take_end(device, status);
+      ++device->statistics.lost_acknowledgements;
+    }
   } else {
     device->last_status = status;
     device->done_pending = true;

@@ -20,14 +20,14 @@ class LatencyStatistics : public FrameSink {
   // where it added nothing, so that the means of all parts sum to the mean latency, and those of a
   // part's phases to the part's.
   struct PathTime {
-    Part part;
-    Phase phase;
+    Part part = Part::host;
+    Phase phase = Phase::release;
     std::int64_t frames = 0;  // in which it took time
     Histogram times;
   };
   // Spans of one kind on the bus, each by itself, whether the frame waited for it or not.
   struct Transactions {
-    Phase phase;
+    Phase phase = Phase::bus_read;
     Histogram times;
   };
 

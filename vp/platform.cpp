@@ -10,10 +10,11 @@ namespace hvp::vp {
 
 namespace {
 
-ServoSettings servo_settings(const PlatformSettings& settings) {
+// A pass of a refined solve that saturates is mended by the next one.
+ServoSettings servo_settings(const PlatformSettings& settings, bool refined) {
   ServoSettings servo = settings.servo;
   servo.hold_saturated =
-      host::guards(servo.costs.recovery.hold_saturated, !settings.faults.empty());
+      !refined && host::guards(servo.costs.recovery.hold_saturated, !settings.faults.empty());
   return servo;
 }
 
@@ -90,8 +91,9 @@ Platform::Platform(const PlatformSettings& settings, const fem::Body& body,
                   ? 0
                   : std::llround(settings_.servo.costs.interrupt_latency_s * 1e12),
               ledger_, &dispatcher_, settings_.transfer),
-      servo_("servo", servo_settings(settings_), body, computation, contacts, access_, dispatcher_,
-             exchange_, ledger_, verdict_, session_, memory_.get()),
+      servo_("servo", servo_settings(settings_, computation.refined() != nullptr), body,
+             computation, contacts, access_, dispatcher_, exchange_, ledger_, verdict_, session_,
+             memory_.get()),
       collision_("collision", settings_.servo.costs, settings_.servo.untimed, contacts, exchange_,
                  session_, servo_.begun(), dispatcher_) {
   ledger_.add_sink(verdict_);

@@ -20,12 +20,12 @@ void Verdict::take(const Frame& frame, const std::vector<SpanId>& path) {
   ++frames_;
   const Picoseconds latency = frame.latency();
   count(latency);
+  if (latency > budget_) lateness_.add(latency - budget_);
   // A force that was held from an earlier frame is not this frame's, however early it is there.
   if (!frame.solved) {
     ++unsolved_;
   } else if (latency > budget_) {
     ++late_;
-    lateness_.add(latency - budget_);
   }
   release_.add(time_in(frame, path, Phase::release));
   wake_up_.add(time_in(frame, path, Phase::wake_up));

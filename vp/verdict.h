@@ -48,7 +48,7 @@ class Verdict : public FrameSink {
   Picoseconds percentile(double share) const;
   bool exact() const { return exact_; }
   static constexpr std::size_t kMostLatencies = std::size_t{1} << 16;
-  // By how much late forces were late.
+  // By how much late forces were late, held ones too.
   const Histogram& lateness() const { return lateness_; }
   // Of each frame's critical path, what the operating system took: from the tick until the release,
   // and from being ready until the process ran.

@@ -165,7 +165,7 @@ void draw_legend(Canvas& canvas, const Statistics& statistics, bool any_contact)
   }
   if (statistics.skipped > 0) draw_cross(canvas, entry("skipped"));
   if (statistics.late > 0) {
-    canvas.disc(entry("late"), 4.5, style::kLate);
+    canvas.disc(entry("missed"), 4.5, style::kLate);
     canvas.disc(entry("in time"), 4.5, kFrame);
   }
 }
@@ -199,7 +199,7 @@ void draw_title(Canvas& canvas, const Statistics& statistics, std::size_t frames
       fmt::format("{} {} · median {} · worst {} · ", frames, frames == 1 ? "frame" : "frames",
                   microseconds(statistics.median_us), microseconds(worst_us));
   if (statistics.late == 0 && statistics.skipped == 0) line += "all in time";
-  if (statistics.late > 0) line += fmt::format("{} late", statistics.late);
+  if (statistics.late > 0) line += fmt::format("{} missed", statistics.late);
   if (statistics.late > 0 && statistics.skipped > 0) line += " · ";
   if (statistics.skipped > 0) line += fmt::format("{} skipped", statistics.skipped);
   canvas.text({40.0, 926.0}, line, {.size = 19, .colour = style::kSoftInk});

@@ -70,9 +70,9 @@ void consequence_lines(Out out, const Outcome& o) {
   const vp::ServoCounts& c = o.troubles;
   if (c.held_frames > 0) {
     fmt::format_to(out,
-                   "  held           the last force in {} of {} frames, {} ticks in a row at "
+                   "  held           the last force in {} of {} frames, {} in a row at "
                    "most = {}\n",
-                   c.held_frames, o.frames, c.longest_hold,
+                   c.held_frames, o.frames, counted(c.longest_hold, "tick"),
                    readable_time(c.longest_hold * o.period));
   }
   if (c.recoveries + c.failed_set_ups > 0) {

@@ -40,11 +40,11 @@ void FramesCsv::take(const vp::Frame& f, const std::vector<vp::SpanId>& critical
   const std::array<vp::Picoseconds, kParts> path = by_part(f, critical_path);
   fmt::memory_buffer line;
   const auto out = std::back_inserter(line);
-  fmt::format_to(out, "{},{},{},{},{},{},{},{},{},{},{},", f.number,
-                 microseconds(f.born - session_.begin), microseconds(f.latency()),
-                 microseconds(f.work_done - f.born), microseconds(budget_),
-                 f.latency() <= budget_ ? 1 : 0, f.contact_node, microseconds(f.contact_age),
-                 shortest(f.position.x()), shortest(f.position.y()), shortest(f.position.z()));
+  fmt::format_to(
+      out, "{},{},{},{},{},{},{},{},{},{},{},", f.number, microseconds(f.born - session_.begin),
+      microseconds(f.latency()), microseconds(f.work_done - f.born), microseconds(budget_),
+      f.solved && f.latency() <= budget_ ? 1 : 0, f.contact_node, microseconds(f.contact_age),
+      shortest(f.position.x()), shortest(f.position.y()), shortest(f.position.z()));
   if (columns_ == Columns::all) {
     fmt::format_to(out, "{},{},{},{},{},", shortest(f.force.norm()), shortest(f.force.x()),
                    shortest(f.force.y()), shortest(f.force.z()), f.saturations);

@@ -21,6 +21,10 @@ std::string readable_time(vp::Picoseconds time) {
   return fmt::format("{:.0f} ns", us * 1e3);
 }
 
+std::string counted(std::int64_t count, std::string_view what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
 std::string percent(double ratio) {
   const double p = 100 * ratio;
   if (p >= 10) return fmt::format("{:.0f} %", p);

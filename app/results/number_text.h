@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "vp/frame.h"
 
@@ -16,6 +18,9 @@ std::string shortest(double value);
 
 // For people: a time with three significant digits and its unit, "1.25 ms", "650 us".
 std::string readable_time(vp::Picoseconds time);
+
+// For people: "1 frame", "2 frames".
+std::string counted(std::int64_t count, std::string_view what);
 
 // For people: "4.2 %", "0.038 %".
 std::string percent(double ratio);

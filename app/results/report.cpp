@@ -20,11 +20,6 @@ using Out = std::back_insert_iterator<std::string>;
 constexpr int kBarWidth = 30;
 constexpr double kLeastShare = 0.005;  // of the worst frame, for a line of its own
 
-// "1 frame", "2 frames".
-std::string counted(std::int64_t count, std::string_view what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
-}
-
 std::string counted_passes(int passes) {
   return fmt::format("{} pass{}", passes, passes == 1 ? "" : "es");
 }

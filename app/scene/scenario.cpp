@@ -191,6 +191,19 @@ void require_possible(const Scenario& s, const vp::Fault& fault) {
   if (blocks && dma) {
     refuse("b and U as the processor's blocks: expected another transfer.method than \"dma\"");
   }
+  if (fault.access == vp::FaultAccess::status &&
+      s.transfer.notification == link::Notification::polling) {
+    refuse(
+        "one access to STATUS that a frame hangs on: expected another transfer.notification than "
+        "\"polling\"");
+  }
+  const bool looks =
+      fault.access == vp::FaultAccess::status || fault.access == vp::FaultAccess::acknowledge;
+  if (looks && dma && s.transfer.notification != link::Notification::intx) {
+    refuse(
+        "this access: with a record in memory the driver makes it only for "
+        "transfer.notification = \"intx\"");
+  }
 }
 
 // What a timing-only run cannot have: what looks at numbers, and times that depend on them.

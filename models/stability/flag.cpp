@@ -51,9 +51,10 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
     {"poor-elements", "the mesh has slivers: dihedral angles under 5 or over 175 degrees",
      "no setting of the board helps: a surface without needle-shaped triangles, or another node "
      "count"},
-    {"solver-timeout", "the board did not finish in the driver's time-out",
-     "no setting of the solver's words helps: raise host.timeout, fewer solver.iterations, or find "
-     "out why the board is late in trace.json"},
+    {"solver-timeout", "the driver got no solution from the board in time",
+     "no setting of the solver's words helps: what the driver's ERROR lines say; where it timed "
+     "out, "
+     "a longer host.timeout, fewer solver.iterations, or why the board is late in trace.json"},
     {"wrapped", "a word of the solver did not fit and lost its high bits",
      "solver.overflow = \"saturate\", and then what that run's flags say"},
 }};

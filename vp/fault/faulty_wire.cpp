@@ -28,7 +28,7 @@ FaultAccess access_of(const tlm::tlm_generic_payload& transaction) {
   if (!read && within(offset, Aperture::b)) return FaultAccess::rhs;
   if (read && within(offset, Aperture::u)) return FaultAccess::solution;
   if (!read && offset == offset_of(Register::control) &&
-      (word_of(transaction) & field::kControlStart.mask()) != 0) {
+      (word_of(transaction) & (field::kControlStart.mask() | field::kControlRunList.mask())) != 0) {
     return FaultAccess::start;
   }
   if (read && offset == offset_of(Register::status)) return FaultAccess::status;
@@ -51,10 +51,10 @@ FaultyWire::FaultyWire(const sc_core::sc_module_name& name, FaultPlan& plan, Bus
 
 void FaultyWire::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay) {
   Tag none;
+  const FaultAccess access = access_of(transaction);
   const std::int64_t frame = tag_of(transaction, none).frame;
   const bool gone = plan_.gone(now_ps(), frame);
   if (plan_.take_return()) reset_board();
-  const FaultAccess access = access_of(transaction);
   if (gone || plan_.strike(FaultKind::master_abort, frame, access) != nullptr) {
     abort(transaction);
     return;
