@@ -201,8 +201,8 @@ void require_possible(const Scenario& s, const vp::Fault& fault) {
       fault.access == vp::FaultAccess::status || fault.access == vp::FaultAccess::acknowledge;
   if (looks && dma && s.transfer.notification != link::Notification::intx) {
     refuse(
-        "this access: with a record in memory the driver makes it only for "
-        "transfer.notification = \"intx\"");
+        "an access that the driver makes: with a record in memory it looks at STATUS and "
+        "acknowledges only for transfer.notification = \"intx\"");
   }
 }
 

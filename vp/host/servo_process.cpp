@@ -305,7 +305,11 @@ void ServoProcess::mend(const Step& step) {
   count(HVP_ERROR_DATA, step.number, mended.damaged);
   if (faults_ == nullptr) return;
   if (mended.lost_interrupts > 0) faults_->notice(FaultKind::lost_interrupt, step.number);
-  if (mended.lost_acknowledgements > 0) faults_->notice(FaultKind::master_abort, step.number - 1);
+  if (mended.lost_acknowledgements > 0) {
+    // Of the frame before, where the next one's STATUS told; of this one, where the bridge did.
+    faults_->notice(FaultKind::master_abort, step.number - 1);
+    faults_->notice(FaultKind::master_abort, step.number);
+  }
   if (mended.aborted > 0) faults_->notice(FaultKind::master_abort, step.number);
   if (mended.damaged > 0) faults_->notice(FaultKind::corrupted_word, step.number);
   if ((step.flags & bit(stability::Flag::saturation)) != 0) {

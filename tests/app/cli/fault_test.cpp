@@ -1,7 +1,9 @@
 // What a user sees of a board that fails: exit status, the report's block, the result files.
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -71,6 +73,46 @@ TEST(Faults, WhatCannotHappenIsRefused) {
   const Faulty both("\n[[fault]]\nkind = \"stuck-busy\"\nframe = 5\nrate = 0.5\n");
   EXPECT_EQ(both.ended.status, 2);
   EXPECT_THAT(both.ended.err, HasSubstr("either frame or rate"));
+}
+
+TEST(Faults, AnAccessThatTheDriverDoesNotMakeIsRefused) {
+  const std::string by_dma = "\n[transfer]\nmethod = \"dma\"\nnotification = \"msi\"\n";
+  for (const char* access : {"status", "acknowledge"}) {
+    const Faulty run(by_dma + "\n[[fault]]\nkind = \"master-abort\"\nframe = 5\naccess = \"" +
+                     access + "\"\n");
+    EXPECT_EQ(run.ended.status, 2);
+    EXPECT_THAT(run.ended.err, HasSubstr("only for transfer.notification = \"intx\""));
+  }
+  // The doorbell is what starts a job.
+  const Faulty doorbell(by_dma +
+                        "\n[[fault]]\nkind = \"master-abort\"\nframe = 5\naccess = \"start\"\n");
+  EXPECT_EQ(doorbell.ended.status, 1) << doorbell.ended.err;
+  EXPECT_EQ(doorbell.summary().at("faults").at(0).at("noticed"), 1);
+}
+
+TEST(Faults, ALostAcknowledgementOfADmaFrameIsRepeated) {
+  const Faulty run(
+      "\n[transfer]\nmethod = \"dma\"\nnotification = \"intx\"\n"
+      "\n[[fault]]\nkind = \"master-abort\"\nframe = 5\naccess = \"acknowledge\"\n");
+  EXPECT_EQ(run.ended.status, 0) << run.ended.err;
+  const json s = run.summary();
+  EXPECT_EQ(s.at("driver").at("lost_acknowledgements"), 1);
+  EXPECT_EQ(s.at("driver").at("held_frames"), 0);
+  EXPECT_EQ(s.at("faults").at(0).at("noticed"), 1);
+}
+
+// The force of a frame that failed is not its own, however early it is there.
+TEST(Faults, AHeldForceIsNotInTime) {
+  const Faulty run("\n[[fault]]\nkind = \"master-abort\"\nframe = 5\naccess = \"start\"\n");
+  const std::vector<std::string> frames = lines(read(run.place.path() / "a/frames.csv"));
+  const auto in_time = [&](std::size_t line) {
+    std::stringstream cells(frames.at(line));
+    std::string cell;
+    for (int column = 0; column < 6; ++column) std::getline(cells, cell, ',');
+    return cell;
+  };
+  EXPECT_EQ(in_time(5), "1");
+  EXPECT_EQ(in_time(6), "0");
 }
 
 }  // namespace
