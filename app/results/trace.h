@@ -37,7 +37,7 @@ class Trace : public vp::FrameSink {
  private:
   void write(std::string_view text);
   void name_lane(int lane);
-  void append_slice(const vp::Frame& frame, std::size_t span, bool critical);
+  void append_slice(const vp::Frame& frame, std::size_t index, bool critical);
   void append_flow(const vp::Frame& frame, char phase, vp::Picoseconds at);
   void append_marks(const vp::Frame& frame);
   void append_time(vp::Picoseconds time);

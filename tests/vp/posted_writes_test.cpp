@@ -92,6 +92,34 @@ TEST(PostedWrites, TheProcessorGoesOnAndAReadStaysBehindItsWrites) {
   EXPECT_THROW(bench.ledger.unhold(Tag{0, kBirth}), std::logic_error) << "nothing is under way";
 }
 
+// Not even where the bus is free between two of them.
+TEST(PostedWrites, AReadOvertakesNoneOfManyWrites) {
+  Bench bench([&](Stimulus& m) {
+    std::uint32_t word = 0;
+    for (std::uint32_t i = 1; i <= 10; ++i) m.write(kSolverBase + 4, &i, 4);
+    m.read(kSolverBase + 4, &word, 4);
+    EXPECT_EQ(word, 10U);
+    // 100 ns to the bus, 150 ns each on it.
+    EXPECT_EQ(now_ps(), (100 + 10 * 150 + 1'090) * kNs);
+  });
+  sc_core::sc_start();
+  EXPECT_TRUE(bench.target.accesses.back().read);
+}
+
+TEST(PostedWrites, ApproximatelyTimedAReadOvertakesNoneOfManyWritesEither) {
+  Bench bench(
+      [&](Stimulus& m) {
+        std::uint32_t word = 0;
+        for (std::uint32_t i = 1; i <= 10; ++i) m.write(kSolverBase + 4, &i, 4);
+        m.read(kSolverBase + 4, &word, 4);
+        EXPECT_EQ(word, 10U);
+      },
+      posted(), Timing::approximately_timed);
+  sc_core::sc_start();
+  EXPECT_EQ(bench.target.accesses.size(), 11U);
+  EXPECT_TRUE(bench.target.accesses.back().read);
+}
+
 TEST(PostedWrites, OfABlockTheLastBufferfulIsPosted) {
   Bench bench([&](Stimulus& m) {
     std::array<std::uint8_t, 3'000> block{};
