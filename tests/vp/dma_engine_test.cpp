@@ -120,6 +120,7 @@ class DmaEngineTest : public testing::Test {
     board.poke(Register::dma_record_low, kRecord);
   }
   void put(std::uint64_t address, const std::vector<std::uint32_t>& words) {
+    if (words.empty()) return;
     std::memcpy(memory_->bytes().data() + address, words.data(), 4 * words.size());
   }
   CompletionRecord record() const {
