@@ -56,6 +56,8 @@ std::string_view name(Phase phase) {
       return "to memory";
     case Phase::contact_lookup:
       return "contact lookup";
+    case Phase::hold:
+      return "hold";
     case Phase::node_update:
       return "node update";
     case Phase::form_rhs:

@@ -31,6 +31,7 @@ enum class Phase : std::uint8_t {
   to_memory,       // bus: a board's posted write, from its last data phase until memory has it
   dma_engine,      // fpga: the board's DMA engine between its requests
   contact_lookup,  // host: fetch the contact node that the collision process published
+  hold,            // host: where the contact's nodes are held, and what that does to f̂
   node_update,     // fpga: clear or restore the rows of the contact node
   form_rhs,        // host: the modified force vector, in the board's words
   solve,           // fpga

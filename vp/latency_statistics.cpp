@@ -17,7 +17,7 @@ std::size_t LatencyStatistics::entry_of(const Span& span) {
   return index - std::size_t{1};
 }
 
-Histogram& LatencyStatistics::transactions_of(Phase phase) {
+statistics::Histogram& LatencyStatistics::transactions_of(Phase phase) {
   std::uint16_t& index = transaction_index_.at(static_cast<std::size_t>(phase));
   if (index == 0) {
     transactions_.push_back({phase, {}});

@@ -5,7 +5,7 @@
 #include <deque>
 #include <vector>
 
-#include "vp/histogram.h"
+#include "models/statistics/histogram.h"
 #include "vp/ledger.h"
 
 namespace hvp::vp {
@@ -23,22 +23,24 @@ class LatencyStatistics : public FrameSink {
     Part part = Part::host;
     Phase phase = Phase::release;
     std::int64_t frames = 0;  // in which it took time
-    Histogram times;
+    statistics::Histogram times;
   };
   // Spans of one kind on the bus, each by itself, whether the frame waited for it or not.
   struct Transactions {
     Phase phase = Phase::bus_read;
-    Histogram times;
+    statistics::Histogram times;
   };
 
   void take(const Frame& frame, const std::vector<SpanId>& path) override;
 
   std::int64_t frames() const { return latency_.count(); }
   Picoseconds best() const { return best_; }
-  const Histogram& latency() const { return latency_; }
+  const statistics::Histogram& latency() const { return latency_; }
   // By how much a frame's latency differs from that of the frame before it, whichever is longer.
-  const Histogram& change() const { return change_; }
-  const Histogram& part(Part part) const { return parts_[static_cast<std::size_t>(part)]; }
+  const statistics::Histogram& change() const { return change_; }
+  const statistics::Histogram& part(Part part) const {
+    return parts_[static_cast<std::size_t>(part)];
+  }
   // In the order in which they first occurred.
   const std::deque<PathTime>& on_path() const { return on_path_; }
   const std::deque<Transactions>& transactions() const { return transactions_; }
@@ -51,13 +53,13 @@ class LatencyStatistics : public FrameSink {
   using Index = std::array<std::uint16_t, kMostPhases>;
 
   std::size_t entry_of(const Span& span);
-  Histogram& transactions_of(Phase phase);
+  statistics::Histogram& transactions_of(Phase phase);
 
   Picoseconds best_ = 0;
   Picoseconds last_ = 0;
-  Histogram latency_;
-  Histogram change_;
-  std::array<Histogram, kParts> parts_;
+  statistics::Histogram latency_;
+  statistics::Histogram change_;
+  std::array<statistics::Histogram, kParts> parts_;
   std::array<Index, kParts> path_index_{};
   std::deque<PathTime> on_path_;
   std::array<Picoseconds, kParts * kMostPhases> in_frame_{};  // of the entries, zero between frames

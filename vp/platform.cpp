@@ -84,7 +84,7 @@ Platform::Platform(const PlatformSettings& settings, const fem::Body& body,
                   ? std::make_unique<HostMemory>(
                         "memory", memory_bytes(settings_, computation.displacement().size()))
                   : nullptr),
-      daq_("daq", settings_.daq, settings_.probe, session_, ledger_),
+      daq_("daq", settings_.daq, settings_.encoder, settings_.probe, session_, ledger_),
       dispatcher_(settings_.servo.costs, settings_.seed, ledger_),
       access_("access",
               settings_.servo.untimed

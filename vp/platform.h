@@ -11,6 +11,7 @@
 #include "models/fem/body.h"
 #include "models/host/frame_computation.h"
 #include "models/plant/daq.h"
+#include "models/plant/encoder.h"
 #include "models/plant/trajectory.h"
 #include "vp/device/daq_board.h"
 #include "vp/fault/faults.h"
@@ -49,6 +50,7 @@ struct PlatformSettings {
   BusSettings bus;
   Transfer transfer;
   plant::Daq daq;
+  std::optional<plant::Encoder> encoder;
   plant::Trajectory probe;
   Fidelity fidelity;
   std::optional<Waveform> waveform;

@@ -4,7 +4,7 @@
 #include <map>
 #include <vector>
 
-#include "vp/histogram.h"
+#include "models/statistics/histogram.h"
 #include "vp/ledger.h"
 
 namespace hvp::vp {
@@ -49,11 +49,11 @@ class Verdict : public FrameSink {
   bool exact() const { return exact_; }
   static constexpr std::size_t kMostLatencies = std::size_t{1} << 16;
   // By how much late forces were late, held ones too.
-  const Histogram& lateness() const { return lateness_; }
+  const statistics::Histogram& lateness() const { return lateness_; }
   // Of each frame's critical path, what the operating system took: from the tick until the release,
   // and from being ready until the process ran.
-  const Histogram& release() const { return release_; }
-  const Histogram& wake_up() const { return wake_up_; }
+  const statistics::Histogram& release() const { return release_; }
+  const statistics::Histogram& wake_up() const { return wake_up_; }
   // Of the worst frame, in the order of time; sums to worst_latency() exactly.
   const std::vector<Attribution>& attribution() const { return attribution_; }
 
@@ -72,10 +72,10 @@ class Verdict : public FrameSink {
   Picoseconds worst_load_ = 0;
   bool exact_ = true;
   std::map<Picoseconds, std::int64_t> latencies_;  // how many frames had it; while exact
-  Histogram all_latencies_;
-  Histogram lateness_;
-  Histogram release_;
-  Histogram wake_up_;
+  statistics::Histogram all_latencies_;
+  statistics::Histogram lateness_;
+  statistics::Histogram release_;
+  statistics::Histogram wake_up_;
   std::vector<Attribution> attribution_;
 };
 

@@ -114,6 +114,8 @@ int explain_command(const ScenarioArguments& arguments) {
   effect_line(
       "host.wake_up", s.host.wake_up.has_value(),
       delay_cost(s.host.wake_up, "after each tick and interrupt: until the process runs").c_str());
+  effect_line("device.encoder", s.device.encoder.has_value(),
+              "no cost: the position is rounded where it is latched");
   effect_line("loads.gravity", s.loads.gravity.has_value(), "no cost: part of f");
   effect_line("bus.protocol", s.bus.protocol.has_value(),
               "latency timer, wait states and delayed reads between the bus' masters");

@@ -83,7 +83,7 @@ int run_command(const RunArguments& arguments) {
                *outcome.trace_cut_at, loaded.scenario.output.trace_bytes * 1e-6);
   }
   if (loaded.scenario.output.pictures && !pictures.drawn) fmt::print("{}\n", pictures.reason);
-  return outcome.force_in_time && outcome.load_held ? kHeld : kNotHeld;
+  return outcome.held() ? kHeld : kNotHeld;
 }
 
 }  // namespace hvp::app

@@ -5,7 +5,7 @@
 
 namespace hvp::results {
 
-Spread spread_of(const vp::Histogram& times) {
+Spread spread_of(const statistics::Histogram& times) {
   return {times.percentile(0.50), times.percentile(0.99), times.largest(), times.mean()};
 }
 
@@ -26,7 +26,7 @@ LatencyFigures latency_figures(const vp::Verdict& verdict,
   const double whole = std::max(f.mean, 1.0);
   for (const vp::Part part :
        {vp::Part::host, vp::Part::bus, vp::Part::fpga, vp::Part::daq, vp::Part::device}) {
-    const vp::Histogram& times = statistics.part(part);
+    const statistics::Histogram& times = statistics.part(part);
     if (times.largest() == 0) continue;
     f.by_part.push_back({name(part), {}, 0, spread_of(times), times.mean() / whole, times.parts()});
     for (const vp::LatencyStatistics::PathTime& p : statistics.on_path()) {

@@ -18,7 +18,7 @@ struct Spread {
   double mean = 0;  // ps
 };
 
-Spread spread_of(const vp::Histogram& times);
+Spread spread_of(const statistics::Histogram& times);
 
 // A part's or a phase's time on the critical path, over all frames of the run.
 struct PathShare {
@@ -26,8 +26,8 @@ struct PathShare {
   std::string_view phase;   // empty: all of the part
   std::int64_t frames = 0;  // in which it took time
   Spread time;
-  double share = 0;                                 // of the mean latency
-  std::vector<vp::Histogram::Part> histogram = {};  // of a part
+  double share = 0;                                         // of the mean latency
+  std::vector<statistics::Histogram::Part> histogram = {};  // of a part
 };
 
 // Transactions of one kind on the bus.
@@ -35,7 +35,7 @@ struct TransactionTimes {
   std::string_view phase;
   std::int64_t count = 0;
   Spread time;
-  std::vector<vp::Histogram::Octave> octaves;
+  std::vector<statistics::Histogram::Octave> octaves;
 };
 
 // The run's latency as the terminal and summary.json show it.
@@ -47,7 +47,7 @@ struct LatencyFigures {
   vp::Picoseconds p99_9 = 0;
   vp::Picoseconds worst = 0;
   double mean = 0;  // ps
-  std::vector<vp::Histogram::Part> histogram;
+  std::vector<statistics::Histogram::Part> histogram;
   Spread change;                    // from frame to frame
   std::vector<PathShare> by_part;   // those that took time
   std::vector<PathShare> by_phase;  // likewise, largest mean first

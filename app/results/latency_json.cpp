@@ -12,9 +12,9 @@ void append(ordered_json& to, const ordered_json& from) {
   for (const auto& [key, value] : from.items()) to[key] = value;
 }
 
-ordered_json histogram_json(const std::vector<vp::Histogram::Part>& parts) {
+ordered_json histogram_json(const std::vector<statistics::Histogram::Part>& parts) {
   ordered_json list = ordered_json::array();
-  for (const vp::Histogram::Part& part : parts) {
+  for (const statistics::Histogram::Part& part : parts) {
     list.push_back(
         {{"from_us", us(part.from)}, {"below_us", us(part.below)}, {"frames", part.count}});
   }
@@ -46,9 +46,10 @@ ordered_json spread_json(const Spread& s) {
           {"mean_us", s.mean / 1e6}};
 }
 
-ordered_json octaves_json(const std::vector<vp::Histogram::Octave>& octaves, const char* counted) {
+ordered_json octaves_json(const std::vector<statistics::Histogram::Octave>& octaves,
+                          const char* counted) {
   ordered_json list = ordered_json::array();
-  for (const vp::Histogram::Octave& octave : octaves) {
+  for (const statistics::Histogram::Octave& octave : octaves) {
     list.push_back({{"from_us", us(octave.from)}, {counted, octave.count}});
   }
   return list;

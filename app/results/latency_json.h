@@ -13,7 +13,7 @@ nlohmann::ordered_json latency_json(const LatencyFigures& figures);
 nlohmann::ordered_json spread_json(const Spread& spread);
 
 // How many times were at least `from_us` and less than twice that; `counted` names the number.
-nlohmann::ordered_json octaves_json(const std::vector<vp::Histogram::Octave>& octaves,
+nlohmann::ordered_json octaves_json(const std::vector<statistics::Histogram::Octave>& octaves,
                                     const char* counted);
 
 // The double next to the exact value, which prints without a tail: 651.34.

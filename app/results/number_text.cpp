@@ -25,6 +25,22 @@ std::string counted(std::int64_t count, std::string_view what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
+namespace {
+
+// Three significant digits, in the unit or a thousandth of it, or a thousandth of that.
+std::string scaled(double value, std::string_view unit) {
+  const double magnitude = std::abs(value);
+  if (magnitude >= 0.9995 || magnitude == 0) return fmt::format("{:.3g} {}", value, unit);
+  if (magnitude >= 0.9995e-3) return fmt::format("{:.3g} m{}", 1e3 * value, unit);
+  return fmt::format("{:.3g} u{}", 1e6 * value, unit);
+}
+
+}  // namespace
+
+std::string newtons(double force) { return scaled(force, "N"); }
+
+std::string readable_length(double metres) { return scaled(metres, "m"); }
+
 std::string percent(double ratio) {
   const double p = 100 * ratio;
   if (p >= 10) return fmt::format("{:.0f} %", p);

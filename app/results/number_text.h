@@ -25,4 +25,8 @@ std::string counted(std::int64_t count, std::string_view what);
 // For people: "4.2 %", "0.038 %".
 std::string percent(double ratio);
 
+// For people: three significant digits and the unit, "1.42 N", "98.1 mN", "52.0 mm".
+std::string newtons(double force);
+std::string readable_length(double metres);
+
 }  // namespace hvp::results

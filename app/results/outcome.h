@@ -3,11 +3,16 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "app/results/engine_clocks.h"
 #include "app/results/latency_figures.h"
+#include "models/fem/linearity.h"
+#include "models/host/deviation.h"
+#include "models/host/rounding_estimate.h"
 #include "models/stability/flag.h"
+#include "models/stability/force_quality.h"
 #include "vp/bus_use.h"
 #include "vp/fault/fault_plan.h"
 #include "vp/host/servo_process.h"
@@ -15,14 +20,21 @@
 
 namespace hvp::results {
 
-// How far the run was from double precision; absent where nothing was compared.
+// How far the run was from double precision; absent where nothing was compared. "Rounded" is the
+// matrix as the board's words have it, everything else the true model.
 struct Accuracy {
-  std::optional<double> displacement;  // against the true model
-  std::optional<double> force;
-  std::optional<double> displacement_quantised;  // against the matrix as the board's words have it
-  std::optional<double> force_quantised;
-  std::optional<double> displacement_worst;  // the worst frame, against the true model
-  std::optional<double> force_worst;
+  struct Quantity {
+    // Of the run's largest: the mean over all frames, and the worst one.
+    std::optional<double> mean;
+    std::optional<double> worst;
+    std::int64_t worst_frame = -1;
+    std::optional<double> mean_rounded;
+    // Of the frame's own size, in contact.
+    std::optional<host::Deviation::OfFrame> of_frame;
+    std::optional<host::Deviation::OfFrame> of_frame_rounded;
+  };
+  Quantity displacement;
+  Quantity force;
   std::int64_t frames = 0;  // compared, the body at rest not counted
 };
 
@@ -40,6 +52,9 @@ struct BusLoad {
 
 // What a run came to: everything that the terminal and summary.json show.
 struct Outcome {
+  // Whether every budget held that the scenario states.
+  bool held() const;
+
   vp::Picoseconds period = 0;
   vp::Picoseconds budget = 0;
   vp::Picoseconds set_up = 0;
@@ -58,7 +73,7 @@ struct Outcome {
   std::vector<vp::Attribution> attribution;
   LatencyFigures latency;
   std::optional<Spread> lateness;  // of late forces, where there are some
-  std::vector<vp::Histogram::Octave> late_octaves;
+  std::vector<statistics::Histogram::Octave> late_octaves;
   std::optional<Spread> release;  // with [host.jitter]
   std::optional<Spread> wake_up;  // with [host.wake_up]
 
@@ -87,6 +102,33 @@ struct Outcome {
   std::optional<std::int64_t> trace_cut_at;
 
   std::optional<Accuracy> accuracy;
+  // A budget of accuracy that the scenario states.
+  struct ErrorBudget {
+    std::string_view of;  // "displacement", "force"
+    double limit = 0;
+    double p95 = 0;    // of the frames in contact, of their own size
+    double worst = 0;  // of all frames, of the run's largest
+    bool measured = false;
+
+    bool held() const { return measured && p95 <= limit && worst <= limit; }
+  };
+  std::vector<ErrorBudget> error_budgets;
+  // Of the matrix' words, at set-up.
+  std::optional<host::RoundingEstimate> rounding;
+  // Where numbers were computed.
+  std::optional<stability::ForceQuality> force;
+  struct Strain {
+    fem::Strains worst;
+    std::int64_t frame = -1;
+  };
+  std::optional<Strain> strain;
+  // Where the probe has not touched the body.
+  struct Approach {
+    double distance = 0;  // m, of the tip from the surface
+    std::int64_t frame = 0;
+    Eigen::Vector3d tip = Eigen::Vector3d::Zero();
+  };
+  std::optional<Approach> approach;
   stability::Flags flags;
   std::int64_t saturations = 0;
   std::int64_t wraps = 0;

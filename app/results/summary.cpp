@@ -1,12 +1,12 @@
 #include "app/results/summary.h"
 
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "app/results/fault_json.h"
 #include "app/results/flag_json.h"
 #include "app/results/latency_json.h"
 #include "app/results/number_text.h"
+#include "app/results/quality_json.h"
 #include "app/results/spectrum_json.h"
 
 namespace hvp::results {
@@ -14,29 +14,6 @@ namespace hvp::results {
 namespace {
 
 using nlohmann::ordered_json;
-
-ordered_json nullable(const std::optional<double>& value) {
-  return value ? ordered_json(*value) : ordered_json(nullptr);
-}
-
-ordered_json accuracy(const std::optional<Accuracy>& a) {
-  if (!a) {
-    return {{"displacement_rel", nullptr},
-            {"force_rel", nullptr},
-            {"displacement_rel_quantised", nullptr},
-            {"force_rel_quantised", nullptr},
-            {"displacement_worst_rel", nullptr},
-            {"force_worst_rel", nullptr},
-            {"frames", 0}};
-  }
-  return {{"displacement_rel", nullable(a->displacement)},
-          {"force_rel", nullable(a->force)},
-          {"displacement_rel_quantised", nullable(a->displacement_quantised)},
-          {"force_rel_quantised", nullable(a->force_quantised)},
-          {"displacement_worst_rel", nullable(a->displacement_worst)},
-          {"force_worst_rel", nullable(a->force_worst)},
-          {"frames", a->frames}};
-}
 
 // Null where nobody computed the words that are counted.
 ordered_json stability(const Outcome& o, bool timing_only) {
@@ -124,6 +101,7 @@ std::vector<std::string> effects(const app::Scenario& s) {
   if (s.refinement) names.emplace_back("refinement");
   if (s.host.jitter) names.emplace_back("host.jitter");
   if (s.host.wake_up) names.emplace_back("host.wake_up");
+  if (s.device.encoder) names.emplace_back("device.encoder");
   if (s.loads.gravity) names.emplace_back("loads.gravity");
   if (s.bus.protocol) names.emplace_back("bus.protocol");
   if (s.bus.traffic) names.emplace_back("bus.traffic");
@@ -152,9 +130,18 @@ std::string summary_json(const app::Scene& scene, const Outcome& o) {
   j["jitter"]["frame_to_frame"] = spread_json(o.latency.change);
   if (o.release) j["jitter"]["release"] = spread_json(*o.release);
   if (o.wake_up) j["jitter"]["wake_up"] = spread_json(*o.wake_up);
+  for (const Outcome::ErrorBudget& b : o.error_budgets) {
+    j["error_budget"][std::string(b.of)] = {
+        {"limit_rel", b.limit},
+        {"p95_rel", b.measured ? ordered_json(b.p95) : nullptr},
+        {"worst_rel", b.measured ? ordered_json(b.worst) : nullptr},
+        {"held", b.held()}};
+  }
   j["load"] = {{"worst_us", us(o.worst_load)}, {"misses", o.overloads}, {"held", o.load_held}};
   j["attribution"] = attribution(o.attribution);
-  j["accuracy"] = accuracy(o.accuracy);
+  j["accuracy"] = accuracy_json(o);
+  j["force"] = force_json(o);
+  j["strain"] = strain_json(o);
   j["stability"] = stability(o, s.timing_only());
   if (const host::RefinedSolve* refined = scene.computation().refined()) {
     j["refinement"] = {{"passes", refined->passes()},

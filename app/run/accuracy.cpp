@@ -1,11 +1,27 @@
 #include "app/run/accuracy.h"
 
+#include <algorithm>
 #include <span>
 
 namespace hvp::app {
 
 namespace {
+
 std::span<const double> components(const Eigen::Vector3d& v) { return {v.data(), 3}; }
+
+results::Accuracy::Quantity quantity(const host::Deviation& of_true,
+                                     const host::Deviation& of_rounded) {
+  return {of_true.relative(),    of_true.worst_relative(), of_true.worst_frame(),
+          of_rounded.relative(), of_true.of_frame(),       of_rounded.of_frame()};
+}
+
+// The larger of what is known: each of the two scales flatters in its own way.
+std::optional<double> typical(const std::optional<double>& mean,
+                              const std::optional<host::Deviation::OfFrame>& of_frame) {
+  if (!of_frame) return mean;
+  return std::max(mean.value_or(0), of_frame->median);
+}
+
 }  // namespace
 
 AccuracyTracker::AccuracyTracker(const Scene& scene, const host::Reference& settings)
@@ -17,41 +33,68 @@ AccuracyTracker::AccuracyTracker(const Scene& scene, const host::Reference& sett
       true_run_(scene.body(), scene.scenario().dynamics, scene.scenario().budget.period_s,
                 scene.computation().matrix(), scene.computation().matrix()),
       rounded_run_(scene.body(), scene.scenario().dynamics, scene.scenario().budget.period_s,
-                   scene.computation().matrix(), rounded_) {}
+                   scene.computation().matrix(), rounded_),
+      period_s_(scene.scenario().budget.period_s) {}
+
+void AccuracyTracker::step(const fem::Hold& hold) {
+  true_run_.step(hold);
+  if (has_rounded()) rounded_run_.step(hold);
+}
+
+// The forces of a frame are wanted again when its nodes are let go.
+void AccuracyTracker::skip(const fem::Hold& hold) {
+  if (!skipped_) skipped_.emplace();
+  skipped_->nodes.assign(hold.nodes.begin(), hold.nodes.end());
+  skipped_->displacement.assign(hold.displacement.begin(), hold.displacement.end());
+  skipped_->let_go.assign(hold.let_go.begin(), hold.let_go.end());
+  skipped_->elapsed_s = hold.elapsed_s;
+}
 
 void AccuracyTracker::solved(const vp::SolvedFrame& frame) {
+  fem::Hold hold = frame.hold;
+  // The reference has had a solution in every frame.
+  if (hold.elapsed_s > 0) {
+    hold.elapsed_s = last_time_ ? 1e-12 * static_cast<double>(frame.time - *last_time_) : period_s_;
+  }
+  last_time_ = frame.time;
+  if (skipped_ && !std::ranges::equal(skipped_->nodes, hold.nodes)) {
+    step(skipped_->hold());
+    skipped_.reset();
+  }
   const bool compared = frame.number % settings_.every_frames == 0;
   // A static frame stands alone; a dynamic reference has a state that has to follow.
-  if (!compared && !dynamic_) return;
-  true_run_.step(frame.contact, frame.contact_displacement);
-  if (has_board_ && !rounded_run_.singular())
-    rounded_run_.step(frame.contact, frame.contact_displacement);
+  if (!compared && !dynamic_) {
+    skip(hold);
+    return;
+  }
+  step(hold);
+  skipped_.reset();
   if (!compared) return;
-  displacement_.add(frame.displacement, true_run_.displacement());
-  force_.add(components(frame.force), components(true_run_.force()));
-  if (rounded_run_.singular()) return;
-  if (!has_board_) return;
-  displacement_rounded_.add(frame.displacement, rounded_run_.displacement());
-  force_rounded_.add(components(frame.force), components(rounded_run_.force()));
+  const bool in_contact = frame.contact_node >= 0;
+  displacement_.add(frame.displacement, true_run_.displacement(), frame.number, in_contact);
+  force_.add(components(frame.force), components(true_run_.force()), frame.number, in_contact);
+  if (!has_rounded()) return;
+  displacement_rounded_.add(frame.displacement, rounded_run_.displacement(), frame.number,
+                            in_contact);
+  force_rounded_.add(components(frame.force), components(rounded_run_.force()), frame.number,
+                     in_contact);
 }
 
 results::Accuracy AccuracyTracker::accuracy() const {
-  return {displacement_.relative(),
-          force_.relative(),
-          displacement_rounded_.relative(),
-          force_rounded_.relative(),
-          displacement_.worst_relative(),
-          force_.worst_relative(),
+  return {quantity(displacement_, displacement_rounded_), quantity(force_, force_rounded_),
           displacement_.frames()};
 }
 
 stability::Flags AccuracyTracker::flags() const {
   const results::Accuracy a = accuracy();
+  const std::optional<double> of_true = typical(a.displacement.mean, a.displacement.of_frame);
   // Refinement and a solve in double precision lead to the true model, so that the way to it is the
   // solver's own error.
-  stability::Flags flags =
-      host::accuracy_flags(settings_, a.displacement,
-                           refined_ || !has_board_ ? a.displacement : a.displacement_quantised);
+  stability::Flags flags = host::accuracy_flags(
+      settings_, of_true,
+      refined_ || !has_board_
+          ? of_true
+          : typical(a.displacement.mean_rounded, a.displacement.of_frame_rounded));
   if (has_board_ && !rounded_run_.positive_definite())
     flags.raise(stability::Flag::negative_curvature);
   return flags;

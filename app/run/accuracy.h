@@ -1,9 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <vector>
 
 #include "app/results/outcome.h"
 #include "app/scene/scene.h"
+#include "models/host/deviation.h"
 #include "models/host/reference_run.h"
 #include "models/sparse/block_matrix.h"
 #include "models/stability/flag.h"
@@ -24,6 +27,20 @@ class AccuracyTracker : public vp::FrameObserver {
   stability::Flags flags() const;
 
  private:
+  // A frame of a static body that was not compared.
+  struct Skipped {
+    std::vector<int> nodes;
+    std::vector<Eigen::Vector3d> displacement;
+    std::vector<fem::LetGo> let_go;
+    double elapsed_s = 0;
+
+    fem::Hold hold() const { return {nodes, displacement, let_go, elapsed_s}; }
+  };
+
+  bool has_rounded() const { return has_board_ && !rounded_run_.singular(); }
+  void step(const fem::Hold& hold);
+  void skip(const fem::Hold& hold);
+
   host::Reference settings_;
   bool dynamic_;
   bool has_board_;
@@ -33,6 +50,9 @@ class AccuracyTracker : public vp::FrameObserver {
   host::ReferenceRun rounded_run_;
   host::Deviation displacement_, force_;
   host::Deviation displacement_rounded_, force_rounded_;
+  std::optional<Skipped> skipped_;
+  std::optional<vp::Picoseconds> last_time_;
+  double period_s_;
 };
 
 }  // namespace hvp::app

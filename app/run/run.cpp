@@ -15,7 +15,11 @@
 #include "app/results/trace.h"
 #include "app/results/waveform.h"
 #include "app/run/accuracy.h"
+#include "app/run/approach_watch.h"
 #include "app/run/deformation_recorder.h"
+#include "app/run/force_watch.h"
+#include "app/run/strain_watch.h"
+#include "app/scene/unit_contacts.h"
 #include "driver/hvp_driver.h"
 #include "vp/bus_meter.h"
 #include "vp/latency_statistics.h"
@@ -40,6 +44,7 @@ vp::PlatformSettings platform_settings(const Scene& scene) {
   p.bus = s.bus;
   p.transfer = s.transfer;
   p.daq = s.device.daq;
+  p.encoder = s.device.encoder;
   p.probe = s.probe;
   p.fidelity = s.fidelity;
   p.faults = s.faults;
@@ -104,6 +109,48 @@ class BusMeters {
   std::optional<vp::BusMeter> to_host_;
 };
 
+// What is looked at in every run that computes numbers.
+class BodyWatches {
+ public:
+  BodyWatches(vp::Platform& platform, Scene& scene)
+      : force_(scene.contacts()), strain_(scene.body()) {
+    platform.add_observer(force_);
+    platform.add_observer(strain_);
+  }
+
+  void report(results::Outcome& outcome) const {
+    outcome.force = force_.quality();
+    outcome.strain = {strain_.worst(), strain_.worst_frame()};
+    outcome.flags.merge(force_.quality().flags());
+    outcome.flags.merge(strain_.flags());
+  }
+
+ private:
+  ForceWatch force_;
+  StrainWatch strain_;
+};
+
+// What the scenario states, beside what was measured.
+std::vector<results::Outcome::ErrorBudget> error_budgets(
+    const Budget& budget, const std::optional<results::Accuracy>& accuracy) {
+  std::vector<results::Outcome::ErrorBudget> budgets;
+  const auto state = [&](std::string_view of, double limit,
+                         const results::Accuracy::Quantity& measured) {
+    if (limit == 0) return;
+    results::Outcome::ErrorBudget b{of, limit};
+    if (measured.of_frame && measured.worst) {
+      b.p95 = measured.of_frame->p95;
+      b.worst = *measured.worst;
+      b.measured = true;
+    }
+    budgets.push_back(b);
+  };
+  const results::Accuracy a = accuracy.value_or(results::Accuracy{});
+  state("displacement", budget.displacement_error, a.displacement);
+  state("force", budget.force_error, a.force);
+  return budgets;
+}
+
 results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
                             const vp::LatencyStatistics& latency,
                             const std::optional<results::Accuracy>& accuracy) {
@@ -144,6 +191,7 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
   o.collision_passes = platform.collision().passes();
   o.longest_pass = platform.collision().longest_pass();
   o.accuracy = accuracy;
+  o.error_budgets = error_budgets(scene.scenario().budget, accuracy);
   o.flags = stability::Flags(counts.flags);
   if (const vp::Accelerator* board = platform.board()) {
     o.illegal_accesses = board->illegal_accesses();
@@ -166,6 +214,18 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
   return o;
 }
 
+// A rounded matrix that is known to be bad, and, where no reference will measure what becomes of
+// it, one that moves a contact along the probe's way too far. Refinement makes rounding good.
+stability::Flags rounding_flags(const Scene& scene, const host::RoundingEstimate& rounding) {
+  stability::Flags flags;
+  if (!rounding.positive_definite) flags.raise(stability::Flag::negative_curvature);
+  if (scene.scenario().reference || scene.scenario().refinement) return flags;
+  const bool too_far =
+      !rounding.error || rounding.error->displacement > host::Reference{}.tolerance;
+  if (too_far) flags.raise(stability::Flag::matrix_rounding);
+  return flags;
+}
+
 results::Outcome simulate(Scene& scene, const RunOptions& options) {
   const Scenario& s = scene.scenario();
   const std::filesystem::path& directory = options.directory;
@@ -179,6 +239,9 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   if (s.output.deformation_every_frames > 0 && !s.timing_only()) {
     deformation.emplace(directory, scene);
   }
+
+  if (options.progress) options.progress("looking at the rounded matrix");
+  const std::optional<host::RoundingEstimate> rounding = estimate_rounding(scene);
 
   vp::PlatformSettings settings = platform_settings(scene);
   std::optional<results::Waveform> waveform;
@@ -201,6 +264,10 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   platform.add_sink(trace);
   if (accuracy) platform.add_observer(*accuracy);
   if (deformation) platform.add_observer(*deformation);
+  ApproachWatch approach(scene.contacts());
+  platform.add_observer(approach);
+  std::optional<BodyWatches> body;
+  if (!s.timing_only()) body.emplace(platform, scene);
   BusMeters buses(platform);
   ProgressTicker ticker(options.progress, s.frames);
   if (options.progress) platform.add_observer(ticker);
@@ -221,6 +288,12 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   results::Outcome outcome = outcome_of(
       platform, scene, latency, accuracy ? std::optional(accuracy->accuracy()) : std::nullopt);
   buses.report(outcome);
+  if (body) body->report(outcome);
+  if (const auto& nearest = approach.nearest()) {
+    outcome.approach = {nearest->distance, nearest->frame, nearest->tip};
+  }
+  outcome.rounding = rounding;
+  if (rounding) outcome.flags.merge(rounding_flags(scene, *rounding));
   outcome.trace_cut_at = trace.cut_at();
   if (accuracy) outcome.flags.merge(accuracy->flags());
   results::write_through_part_file(directory / "summary.json",

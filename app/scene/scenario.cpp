@@ -12,6 +12,13 @@ void Budget::declare(config::Visitor& v) {
   v.quantity("period", period_s, Dimension::time, config::between(1e-6, 1),
              {"time between two servo ticks; force and load have to fit into it",
               "thesis section 6.2.2: 500 Hz"});
+  const config::Note error = {
+      "largest error against the true model: 95 % of the frames in contact are within it of their "
+      "own size, and every frame of the run's largest; needs [reference]; 0: not judged",
+      "absent: what is accurate enough is the user's to say"};
+  v.quantity("displacement_error", displacement_error, Dimension::dimensionless,
+             config::between(0, 10), error);
+  v.quantity("force_error", force_error, Dimension::dimensionless, config::between(0, 10), error);
 }
 
 void Anchor::declare(config::Visitor& v) { region.declare(v); }
@@ -40,7 +47,10 @@ void Contact::declare(config::Visitor& v) {
             "thesis section 3.7, footnote: the average conditions better"});
 }
 
-void Device::declare(config::Visitor& v) { v.table("daq", daq, {"the data acquisition board"}); }
+void Device::declare(config::Visitor& v) {
+  v.table("daq", daq, {"the data acquisition board"});
+  v.effect("encoder", encoder, {"the position is read in steps"});
+}
 
 void Output::declare(config::Visitor& v) {
   v.integer("deformation_every_frames", deformation_every_frames, {0, 1'000'000},
@@ -234,6 +244,11 @@ void require_no_numbers(const Scenario& s) {
 
 void Scenario::check() const {
   const vp::Timing level = fidelity.accelerator;
+  if (budget.states_errors() && !reference) {
+    throw InputError(
+        budget.displacement_error > 0 ? "budget.displacement_error" : "budget.force_error",
+        "nothing is compared without [reference]: expected that table too");
+  }
   const bool board = host.solver == host::Solver::board;
   if (!board) require_no_board(*this);
   if (timing_only()) require_no_numbers(*this);

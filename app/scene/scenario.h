@@ -20,6 +20,7 @@
 #include "models/mesh/mesh_settings.h"
 #include "models/mesh/region.h"
 #include "models/plant/daq.h"
+#include "models/plant/encoder.h"
 #include "models/plant/trajectory.h"
 #include "models/sparse/spectrum.h"
 #include "vp/fault/fault.h"
@@ -34,6 +35,11 @@ namespace hvp::app {
 // [budget]: what has to hold.
 struct Budget {
   double period_s = 2e-3;
+  // Of |v − v_ref| / |v_ref|; 0: not stated.
+  double displacement_error = 0;
+  double force_error = 0;
+
+  bool states_errors() const { return displacement_error > 0 || force_error > 0; }
 
   void declare(config::Visitor& v);
 };
@@ -67,6 +73,7 @@ struct Contact {
 // [device]: what the user holds.
 struct Device {
   plant::Daq daq;
+  std::optional<plant::Encoder> encoder;
 
   void declare(config::Visitor& v);
 };

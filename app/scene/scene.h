@@ -38,6 +38,7 @@ class Scene {
   host::FrameComputation& computation() { return *computation_; }
   const host::FrameComputation& computation() const { return *computation_; }
   collision::ContactSearch& contacts() { return *contacts_; }
+  const collision::ContactSearch& contacts() const { return *contacts_; }
   const mesh::Quality& quality() const { return quality_; }
   // False where the host solves: board() and pattern() then throw InputError, usage() is empty.
   bool has_board() const { return board_.has_value(); }

@@ -185,7 +185,7 @@ void solve_refined(const host::Refinement& refinement, const LinearSystem& given
   host::RefinedSolve refined(refinement, given.matrix, system, zero);
   std::vector<std::int32_t> b_words(given.b.size());
   std::vector<std::int32_t> x_words(given.b.size());
-  refined.begin(given.b, {}, Eigen::Vector3d::Zero());
+  refined.begin(given.b, {});
   while (refined.next(b_words)) {
     const fixed::Report report = board.solve({b_words, x_words});
     refined.accept(x_words, report.flags);

@@ -193,6 +193,14 @@ Pass ContactSearch::pass_without_force(const Eigen::Vector3d& tip,
   return pass(tip, displacement, present, pulls);
 }
 
+Pass ContactSearch::keep(std::span<const double> displacement, const Contact& present) {
+  surface_.update(displacement);
+  pass_flops_ = surface_.update_flops();
+  return {.contact = present,
+          .event = present.present() ? ContactEvent::held : ContactEvent::none,
+          .flops = pass_flops_};
+}
+
 // Released in a pass of its own: this U still holds the surface at the tip, so whether the tip
 // touches the body that let go can only be told from the next one.
 Pass ContactSearch::pass(const Eigen::Vector3d& tip, std::span<const double> displacement,

@@ -60,6 +60,9 @@ class ContactSearch {
   Pass pass_without_force(const Eigen::Vector3d& tip, std::span<const double> displacement,
                           const Contact& present);
 
+  // A contact that is not to be judged by this U: it stays, the surface follows for the picture.
+  Pass keep(std::span<const double> displacement, const Contact& present);
+
   // The displacement that §3.7 prescribes at the contact node, and at every node of its patch.
   Eigen::Vector3d prescribed_displacement(const Contact& contact, const Eigen::Vector3d& tip) const;
 

@@ -57,21 +57,39 @@ void ContactConstraint::modified_rhs(std::span<const double> f, int node,
 
 void ContactConstraint::modified_rhs(std::span<const double> f, std::span<const int> patch,
                                      const Eigen::Vector3d& u_c, std::span<double> b) const {
+  move_columns(
+      f, patch, [&](std::size_t) -> const Eigen::Vector3d& { return u_c; }, b);
+}
+
+void ContactConstraint::modified_rhs(std::span<const double> f, std::span<const int> patch,
+                                     std::span<const Eigen::Vector3d> u,
+                                     std::span<double> b) const {
+  assert(u.size() == patch.size());
+  move_columns(
+      f, patch, [&](std::size_t i) -> const Eigen::Vector3d& { return u[i]; }, b);
+}
+
+template <class Displacement>
+void ContactConstraint::move_columns(std::span<const double> f, std::span<const int> patch,
+                                     const Displacement& displacement, std::span<double> b) const {
   check(patch);
   assert(f.size() == index(a_.rows()) && b.size() == f.size());
   std::copy(f.begin(), f.end(), b.begin());
-  for (const int node : patch) {
-    for (int k = a_.row_begin[index(node)]; k < a_.row_begin[index(node) + 1]; ++k) {
+  for (std::size_t i = 0; i < patch.size(); ++i) {
+    const Eigen::Vector3d& u = displacement(i);
+    const std::size_t node = index(patch[i]);
+    for (int k = a_.row_begin[node]; k < a_.row_begin[node + 1]; ++k) {
       // A is symmetric: block (j, c) is block (c, j) transposed, so one row is all it takes.
       const double* block = a_.block(index(k));
       double* target = &b[3 * index(a_.column[index(k)])];
       for (std::size_t r = 0; r < 3; ++r) {
-        target[r] -= block[r] * u_c[0] + block[3 + r] * u_c[1] + block[6 + r] * u_c[2];
+        target[r] -= block[r] * u[0] + block[3 + r] * u[1] + block[6 + r] * u[2];
       }
     }
   }
-  for (const int node : patch) {
-    for (int r = 0; r < 3; ++r) b[3 * index(node) + index(r)] = diagonal_ * u_c[r];
+  for (std::size_t i = 0; i < patch.size(); ++i) {
+    const Eigen::Vector3d& u = displacement(i);
+    for (int r = 0; r < 3; ++r) b[3 * index(patch[i]) + index(r)] = diagonal_ * u[r];
   }
 }
 
@@ -95,6 +113,21 @@ sparse::BlockMatrix ContactConstraint::modified_matrix(std::span<const int> patc
   return result;
 }
 
+Eigen::Vector3d ContactConstraint::reaction_of(std::span<const double> u, std::span<const double> f,
+                                               int node) const {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  for (int k = a_.row_begin[index(node)]; k < a_.row_begin[index(node) + 1]; ++k) {
+    const double* block = a_.block(index(k));
+    const double* v = &u[3 * index(a_.column[index(k)])];
+    for (int r = 0; r < 3; ++r) {
+      const double* row = block + 3 * r;
+      force[r] += row[0] * v[0] + row[1] * v[1] + row[2] * v[2];
+    }
+  }
+  for (int r = 0; r < 3; ++r) force[r] -= f[3 * index(node) + index(r)];
+  return force;
+}
+
 Eigen::Vector3d ContactConstraint::reaction(std::span<const double> u, std::span<const double> f,
                                             int node) const {
   return reaction(u, f, std::span<const int>(&node, 1));
@@ -104,18 +137,20 @@ Eigen::Vector3d ContactConstraint::reaction(std::span<const double> u, std::span
                                             std::span<const int> patch) const {
   check(patch);
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
-  for (const int node : patch) {
-    for (int k = a_.row_begin[index(node)]; k < a_.row_begin[index(node) + 1]; ++k) {
-      const double* block = a_.block(index(k));
-      const double* v = &u[3 * index(a_.column[index(k)])];
-      for (int r = 0; r < 3; ++r) {
-        const double* row = block + 3 * r;
-        force[r] += row[0] * v[0] + row[1] * v[1] + row[2] * v[2];
-      }
-    }
-    for (int r = 0; r < 3; ++r) force[r] -= f[3 * index(node) + index(r)];
-  }
+  for (const int node : patch) force += reaction_of(u, f, node);
   return force;
+}
+
+Eigen::Vector3d ContactConstraint::reaction(std::span<const double> u, std::span<const double> f,
+                                            std::span<const int> patch, HeldForces& forces) const {
+  check(patch);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const int node : patch) {
+    const Eigen::Vector3d force = reaction_of(u, f, node);
+    forces.set(node, force);
+    sum += force;
+  }
+  return sum;
 }
 
 double ContactConstraint::blocks_of(std::span<const int> patch) const {

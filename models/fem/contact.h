@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "models/fem/hold.h"
 #include "models/mesh/tet_mesh.h"
 #include "models/sparse/block_matrix.h"
 
@@ -17,8 +18,9 @@ enum class ContactDiagonal { one, average };
 const std::vector<std::pair<std::string_view, ContactDiagonal>>& contact_diagonal_names();
 
 // Contact as a prescribed displacement (thesis §3.7, Fig. 3.5): of one node, or of a patch of
-// nodes that all move by the same u_c. One node's stiffness goes to zero with the element size;
-// that of a patch of fixed radius converges. A is K of a static body or Â of a dynamic one.
+// nodes that move by the same u_c, or each by its own. One node's stiffness goes to zero with the
+// element size; that of a patch of fixed radius converges. A is K of a static body or Â of a
+// dynamic one.
 //
 // No call allocates except modified_matrix. Nodes are active block rows of A; a node out of
 // range throws InputError. A patch ascends and names each node once.
@@ -35,6 +37,9 @@ class ContactConstraint {
                     std::span<double> b) const;
   void modified_rhs(std::span<const double> f, std::span<const int> patch,
                     const Eigen::Vector3d& u_c, std::span<double> b) const;
+  // Each node of the patch with a displacement of its own.
+  void modified_rhs(std::span<const double> f, std::span<const int> patch,
+                    std::span<const Eigen::Vector3d> u, std::span<double> b) const;
 
   // A with the contact's rows and columns cleared and diagonal·I in its diagonal blocks. The
   // pattern stays A's, cleared blocks are stored as zeros: the board's memory layout does not
@@ -47,6 +52,9 @@ class ContactConstraint {
   Eigen::Vector3d reaction(std::span<const double> u, std::span<const double> f, int node) const;
   Eigen::Vector3d reaction(std::span<const double> u, std::span<const double> f,
                            std::span<const int> patch) const;
+  // The same; each node's own part goes into `forces`.
+  Eigen::Vector3d reaction(std::span<const double> u, std::span<const double> f,
+                           std::span<const int> patch, HeldForces& forces) const;
 
   // Additions and multiplications of one call; the copy of f is not counted.
   double modified_rhs_flops(int node) const;
@@ -56,6 +64,10 @@ class ContactConstraint {
 
  private:
   void check(std::span<const int> patch) const;
+  Eigen::Vector3d reaction_of(std::span<const double> u, std::span<const double> f, int node) const;
+  template <class Displacement>
+  void move_columns(std::span<const double> f, std::span<const int> patch,
+                    const Displacement& displacement, std::span<double> b) const;
   double blocks_of(std::span<const int> patch) const;
 
   const sparse::BlockMatrix& a_;

@@ -137,6 +137,41 @@ void Newmark::rhs(std::span<const double> f, std::span<double> f_hat) const {
   }
 }
 
+// f̂ −= matrix[:, node]·x; block (j, i) of a symmetric matrix is block (i, j) transposed.
+void Newmark::subtract_column(const sparse::BlockMatrix& matrix, int node, const Eigen::Vector3d& x,
+                              std::span<double> f_hat) const {
+  for (int k = matrix.row_begin[index(node)]; k < matrix.row_begin[index(node) + 1]; ++k) {
+    const double* block = matrix.block(index(k));
+    double* target = &f_hat[3 * index(matrix.column[index(k)])];
+    for (std::size_t r = 0; r < 3; ++r) {
+      target[r] -= block[r] * x[0] + block[3 + r] * x[1] + block[6 + r] * x[2];
+    }
+  }
+}
+
+void Newmark::hold(const Hold& hold, std::span<double> f_hat) {
+  if (hold.elapsed_s == 0) return;
+  const double a_of_u = 2 / (dynamics_.newmark_beta * time_step_ * time_step_);
+  const double v_of_u = 2 * dynamics_.newmark_gamma / (dynamics_.newmark_beta * time_step_);
+  for (std::size_t i = 0; i < hold.nodes.size(); ++i) {
+    const int node = hold.nodes[i];
+    const Eigen::Vector3d& u = hold.displacement[i];
+    Eigen::Vector3d elastic;   // what K multiplies
+    Eigen::Vector3d inertial;  // what M multiplies
+    for (int r = 0; r < 3; ++r) {
+      const std::size_t at = 3 * index(node) + index(r);
+      const double q = (u[r] - u_[at]) / hold.elapsed_s - (v_tilde_[at] + v_of_u * u[r]);
+      const double p = -(a_tilde_[at] + a_of_u * u[r]);
+      v_tilde_[at] += q;
+      a_tilde_[at] += p;
+      elastic[r] = dynamics_.rayleigh_stiffness * q;
+      inertial[r] = dynamics_.rayleigh_mass * q + p;
+    }
+    if (dynamics_.rayleigh_stiffness != 0) subtract_column(stiffness_, node, elastic, f_hat);
+    subtract_column(mass_, node, inertial, f_hat);
+  }
+}
+
 void Newmark::update(std::span<const double> u_next) {
   assert(u_next.size() == u_.size());
   const double a_of_u = 2 / (dynamics_.newmark_beta * time_step_ * time_step_);
@@ -173,6 +208,22 @@ double Newmark::rhs_flops() const {
 }
 
 double Newmark::update_flops() const { return 4.0 * static_cast<double>(u_.size()); }
+
+double Newmark::hold_flops(const Hold& hold) const {
+  if (hold.elapsed_s == 0) return 0;
+  double flops = 0;
+  for (const int node : hold.nodes) {
+    const auto row = index(node);
+    if (dynamics_.rayleigh_stiffness != 0) {
+      flops += 18.0 * (stiffness_.row_begin[row + 1] - stiffness_.row_begin[row]);
+    }
+    // A lumped mass has nothing but the diagonal of the diagonal block.
+    flops += lumped_.empty() ? 18.0 * (mass_.row_begin[row + 1] - mass_.row_begin[row]) : 6.0;
+    // p, q, what K and M multiply, ã and ṽ: for each of the three components.
+    flops += 3.0 * 12;
+  }
+  return flops;
+}
 
 std::vector<double> consistent_acceleration(const sparse::BlockMatrix& stiffness,
                                             const sparse::BlockMatrix& mass,

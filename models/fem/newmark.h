@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "models/fem/dynamics.h"
+#include "models/fem/hold.h"
 #include "models/sparse/block_matrix.h"
 
 namespace hvp::fem {
@@ -12,6 +13,7 @@ namespace hvp::fem {
 //
 //   predict();                      // ã, ṽ from the present state, (3.26)
 //   rhs(f, f_hat);                  // f̂ = f − C·ṽ − M·ã
+//   hold(hold, f_hat);              // where nodes are held
 //   … solve Â·u = f̂ …               // (3.27), by whoever solves
 //   update(u);                      // (3.25)
 //
@@ -30,6 +32,16 @@ class Newmark {
 
   void predict();
   void rhs(std::span<const double> f, std::span<double> f_hat) const;
+  // A node that is held has no equation of motion: its displacement u' is given, and Newmark's
+  // recursion of its velocity and acceleration neither converges nor, for γ = ½, decays, so that
+  // each jump of its way rings in the force. Its velocity becomes that of its way, (u' −
+  // u)/elapsed, and its acceleration zero:
+  //   q = (u' − u)/elapsed − (ṽ + 2γ/(βΔt)·u'),   p = −(ã + 2/(βΔt²)·u'),
+  //   ṽ += q,   ã += p,   f̂ −= C·q + M·p,
+  // so that (3.25) and (3.27) stay what they are, and the force A·u' − f̂ at the node is without
+  // inertia of its own. Changes nothing where hold.elapsed_s is zero. Calling it again before
+  // update() is safe: q and p are relative to what is there.
+  void hold(const Hold& hold, std::span<double> f_hat);
   void update(std::span<const double> u_next);
 
   std::span<const double> displacement() const { return u_; }  // m
@@ -47,8 +59,12 @@ class Newmark {
   double predict_flops() const;
   double rhs_flops() const;
   double update_flops() const;
+  double hold_flops(const Hold& hold) const;
 
  private:
+  void subtract_column(const sparse::BlockMatrix& matrix, int node, const Eigen::Vector3d& x,
+                       std::span<double> f_hat) const;
+
   sparse::BlockMatrix stiffness_;
   sparse::BlockMatrix mass_;
   std::vector<double> lumped_;  // M's diagonal where M is diagonal, empty otherwise

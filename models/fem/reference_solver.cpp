@@ -147,22 +147,36 @@ void ReferenceSolver::solve_with_contact(std::span<const double> f, int node,
 
 void ReferenceSolver::solve_with_contact(std::span<const double> f, std::span<const int> patch,
                                          const Eigen::Vector3d& u_c, std::span<double> x) {
+  solve_held(
+      f, patch, [&](std::size_t) -> const Eigen::Vector3d& { return u_c; }, x);
+}
+
+void ReferenceSolver::solve_with_contact(std::span<const double> f, std::span<const int> patch,
+                                         std::span<const Eigen::Vector3d> u, std::span<double> x) {
+  assert(u.size() == patch.size());
+  solve_held(
+      f, patch, [&](std::size_t i) -> const Eigen::Vector3d& { return u[i]; }, x);
+}
+
+template <class Displacement>
+void ReferenceSolver::solve_held(std::span<const double> f, std::span<const int> patch,
+                                 const Displacement& displacement, std::span<double> x) {
   prepare_contact(patch);
   solve(f, x);
   const std::size_t n = index(rows_);
   const std::size_t m = contact_force_.size();
+  const auto held = [&](std::size_t c) {
+    return displacement(c / 3)[static_cast<Eigen::Index>(c % 3)];
+  };
   for (std::size_t c = 0; c < m; ++c) {
-    contact_force_[c] =
-        u_c[static_cast<Eigen::Index>(c % 3)] - x[3 * index(contact_[c / 3]) + c % 3];
+    contact_force_[c] = held(c) - x[3 * index(contact_[c / 3]) + c % 3];
   }
   solve_dense(contact_schur_, contact_pivot_, contact_force_);
   for (std::size_t c = 0; c < m; ++c) {
     const double* column = &contact_columns_[c * n];
     for (std::size_t i = 0; i < n; ++i) x[i] += contact_force_[c] * column[i];
   }
-  for (std::size_t c = 0; c < m; ++c) {
-    x[3 * index(contact_[c / 3]) + c % 3] = u_c[static_cast<Eigen::Index>(c % 3)];
-  }
+  for (std::size_t c = 0; c < m; ++c) x[3 * index(contact_[c / 3]) + c % 3] = held(c);
 }
 
 }  // namespace hvp::fem

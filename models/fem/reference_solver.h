@@ -36,12 +36,18 @@ class ReferenceSolver {
                           std::span<double> x);
   void solve_with_contact(std::span<const double> f, std::span<const int> patch,
                           const Eigen::Vector3d& u_c, std::span<double> x);
+  // Each node of the patch with a displacement of its own.
+  void solve_with_contact(std::span<const double> f, std::span<const int> patch,
+                          std::span<const Eigen::Vector3d> u, std::span<double> x);
 
   // Non-zeros of L below the diagonal.
   std::size_t factor_nonzeros() const;
 
  private:
   void prepare_contact(std::span<const int> patch);
+  template <class Displacement>
+  void solve_held(std::span<const double> f, std::span<const int> patch,
+                  const Displacement& displacement, std::span<double> x);
 
   using Factorisation =
       Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::AMDOrdering<int>>;

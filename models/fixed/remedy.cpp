@@ -156,9 +156,15 @@ std::vector<Change> changes_for(Flag flag) {
               more_passes<kManyPasses>,
               more_iterations<kManyIterations>,
               wider_vectors};
+    case Flag::limit_cycle:
+      return {jacobi, narrower_range, more_passes<kFewPasses>, wider_vectors};
     case Flag::locking:
     case Flag::poor_elements:
     case Flag::solver_timeout:
+    case Flag::force_step:
+    case Flag::force_ringing:
+    case Flag::force_clamped:
+    case Flag::beyond_linearity:
     case Flag::count:
       return {};
   }
@@ -172,11 +178,11 @@ bool of_a_refined_solve(Flag flag, const Plan& plan) {
 }
 
 // A cause before what follows from it.
-constexpr std::array<Flag, 10> kCauses = {
+constexpr std::array<Flag, 11> kCauses = {
     Flag::wrapped,       Flag::range_exceeded,     Flag::scalar_overflow,
     Flag::zero_diagonal, Flag::negative_curvature, Flag::saturation,
     Flag::divergence,    Flag::matrix_rounding,    Flag::stagnation,
-    Flag::not_converged};
+    Flag::not_converged, Flag::limit_cycle};
 
 // Every parameter of the settings as "name = value", in the order of declaration.
 class Listing : public config::Visitor {

@@ -1,6 +1,7 @@
 #include "models/host/frame_computation.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "models/config/input_error.h"
@@ -63,7 +64,9 @@ FrameComputation::FrameComputation(const fem::Body& body, fem::ContactDiagonal d
       board_settings_(settings_of_board(system_, refinement.has_value())),
       scaling_(system_),
       diagonal_word_(word_of(constraint_.diagonal(), system_)),
+      forces_(matrix_.block_rows()),
       f_(body.load()),
+      loaded_(f_.size()),
       b_(f_.size()),
       u_(body.initial_displacement()),
       on_host_(make_host_solve(solver, matrix_, settings)) {
@@ -87,21 +90,46 @@ void FrameComputation::predict() {
 
 void FrameComputation::set_contact(std::span<const int> patch) {
   contact_.assign(patch.begin(), patch.end());
+  held_displacement_.assign(patch.size(), Eigen::Vector3d::Zero());
+  let_go_.clear();
+  elapsed_s_ = 0;
 }
 
-int FrameComputation::form_rhs(const Eigen::Vector3d& u_c, std::span<std::int32_t> words) {
+void FrameComputation::hold(const fem::Hold& hold) {
+  assert(std::ranges::equal(hold.nodes, contact_));
+  std::ranges::copy(hold.displacement, held_displacement_.begin());
+  let_go_.assign(hold.let_go.begin(), hold.let_go.end());
+  elapsed_s_ = hold.elapsed_s;
+  hold_operations_ = 6.0 * static_cast<double>(let_go_.size());
+  if (newmark_) {
+    hold_operations_ += newmark_->hold_flops(hold);
+    // The frame before had no solution: its nodes may be held no longer.
+    if (predictors_hold_) {
+      hold_operations_ += newmark_->predict_flops() + newmark_->rhs_flops();
+      if (!timing_only()) predict();
+    }
+    predictors_hold_ = hold.present() && hold.elapsed_s > 0;
+  }
+  if (timing_only()) return;
+  if (newmark_) newmark_->hold(hold, f_);
+  if (let_go_.empty()) return;
+  std::ranges::copy(f_, loaded_.begin());
+  forces_.add_to(let_go_, loaded_);
+}
+
+int FrameComputation::form_rhs(std::span<std::int32_t> words) {
   if (timing_only()) return 0;
   if (contact_.empty()) {
-    std::copy(f_.begin(), f_.end(), b_.begin());
+    std::ranges::copy(load(), b_.begin());
   } else {
-    constraint_.modified_rhs(f_, contact_, u_c, b_);
+    constraint_.modified_rhs(load(), contact_, held_displacement_, b_);
     // The board has the diagonal as a word; the right-hand side has to belong to that word for
-    // the solution to be u_c: word · scale · u_c = s·b with u_c/s for u_c in a scaled system.
+    // the solution to be u: word · scale · u = s·b with u/s for u in a scaled system.
     const double diagonal = diagonal_word_ * system_.matrix.scale;
-    for (const int node : contact_) {
+    for (std::size_t n = 0; n < contact_.size(); ++n) {
       for (int i = 0; i < 3; ++i) {
-        const auto row = static_cast<std::size_t>(3 * node + i);
-        b_[row] = diagonal / (system_.scale[row] * system_.scale[row]) * u_c[i];
+        const auto row = static_cast<std::size_t>(3 * contact_[n] + i);
+        b_[row] = diagonal / (system_.scale[row] * system_.scale[row]) * held_displacement_[n][i];
       }
     }
   }
@@ -109,17 +137,27 @@ int FrameComputation::form_rhs(const Eigen::Vector3d& u_c, std::span<std::int32_
 }
 
 void FrameComputation::accept(std::span<const std::int32_t> words) {
-  if (!timing_only()) scaling_.displacements(words, u_);
+  if (timing_only()) return;
+  scaling_.displacements(words, u_);
+  if (elapsed_s_ == 0) return;
+  for (std::size_t n = 0; n < contact_.size(); ++n) {
+    for (int i = 0; i < 3; ++i) {
+      u_[static_cast<std::size_t>(3 * contact_[n] + i)] = held_displacement_[n][i];
+    }
+  }
 }
 
-Eigen::Vector3d FrameComputation::force() const {
-  if (contact_.empty() || timing_only()) return Eigen::Vector3d::Zero();
-  return constraint_.reaction(displacement(), f_, contact_);
+Eigen::Vector3d FrameComputation::force() {
+  if (timing_only()) return Eigen::Vector3d::Zero();
+  const Eigen::Vector3d fading = forces_.sum(let_go_);
+  if (contact_.empty()) return fading;
+  return constraint_.reaction(displacement(), f_, contact_, forces_) + fading;
 }
 
 void FrameComputation::update() {
   if (!newmark_ || timing_only()) return;
   newmark_->update(displacement());
+  predictors_hold_ = false;
   predict();
 }
 
@@ -135,7 +173,8 @@ double FrameComputation::form_rhs_operations() const {
 
 double FrameComputation::force_operations() const {
   const double words = refined_ || on_host_ ? 0 : conversion();
-  return contact_.empty() ? words : words + constraint_.reaction_flops(contact_);
+  const double fading = words + 6.0 * static_cast<double>(let_go_.size());
+  return contact_.empty() ? fading : fading + constraint_.reaction_flops(contact_);
 }
 
 double FrameComputation::update_operations() const {

@@ -10,6 +10,7 @@
 #include "models/fem/body.h"
 #include "models/fem/contact.h"
 #include "models/fem/dynamics.h"
+#include "models/fem/hold.h"
 #include "models/fem/newmark.h"
 #include "models/fixed/scaling.h"
 #include "models/fixed/settings.h"
@@ -27,11 +28,12 @@ enum class Effort { computed, counted };
 // a static body or Â of a dynamic one; indices and vectors are over the body's active nodes.
 //
 //   set_contact(patch);          // when the contact has moved
-//   form_rhs(u_c, b);  …the board solves…  accept(u);  force();  update();
+//   hold(hold);                  // where its nodes are in this frame
+//   form_rhs(b);  …the board solves…  accept(u);  force();  update();
 //
 // With refinement the passes of refined() stand in the place of form_rhs() and accept():
 //
-//   begin_passes(u_c);  refined()->next(b), …accept(u)…;  force();  refined()->finish();  update();
+//   begin_passes();  refined()->next(b), …accept(u)…;  force();  refined()->finish();  update();
 //
 // Timing only, the same calls cost the same operations and compute nothing: right-hand sides and
 // words stay as they are, the body stays where it was at the beginning, the force is zero.
@@ -62,29 +64,34 @@ class FrameComputation {
   bool timing_only() const { return effort_ == Effort::counted; }
   bool dynamic() const { return newmark_.has_value(); }
 
-  // The nodes that follow the probe, ascending; empty without contact.
+  // The nodes that follow the probe, ascending; empty without contact. Nothing holds them yet.
   void set_contact(std::span<const int> patch);
   const std::vector<int>& contact() const { return contact_; }
 
-  // Puts b into words; `u_c` is the displacement of the contact, m. Returns how many words had
-  // to be clamped.
-  int form_rhs(const Eigen::Vector3d& u_c, std::span<std::int32_t> words);
-  // Takes the board's solution.
+  // What contact prescribes in this frame; its nodes are those of set_contact(). Copied. Newmark's
+  // predictors and f̂ follow, and the load gets what is left of the forces of nodes let go.
+  void hold(const fem::Hold& hold);
+  fem::Hold held() const { return {contact_, held_displacement_, let_go_, elapsed_s_}; }
+
+  // Puts b into words. Returns how many words had to be clamped.
+  int form_rhs(std::span<std::int32_t> words);
+  // Takes the board's solution. Where the held nodes are is known better.
   void accept(std::span<const std::int32_t> words);
 
   // Null without refinement.
   RefinedSolve* refined() { return refined_ ? &*refined_ : nullptr; }
   const RefinedSolve* refined() const { return refined_ ? &*refined_ : nullptr; }
-  void begin_passes(const Eigen::Vector3d& u_c) { refined_->begin(f_, contact_, u_c); }
+  void begin_passes() { refined_->begin(load(), held()); }
 
   // Null where the board solves. Otherwise solve_on_host stands in the place of form_rhs() and
   // accept(), and words are not used.
   HostSolve* on_host() { return on_host_.get(); }
   const HostSolve* on_host() const { return on_host_.get(); }
-  void solve_on_host(const Eigen::Vector3d& u_c) { on_host_->solve(f_, u_c, u_); }
+  void solve_on_host() { on_host_->solve(load(), held_displacement_, u_); }
 
-  // On the body at the contact, N; zero without contact.
-  Eigen::Vector3d force() const;
+  // What the probe applies to the body, N: the forces that hold the contact's nodes, and what is
+  // left of those of nodes let go.
+  Eigen::Vector3d force();
   // Newmark's update with the accepted solution and the next frame's f̂; nothing when static.
   void update();
 
@@ -92,16 +99,23 @@ class FrameComputation {
   std::span<const double> displacement() const {
     return refined_ ? refined_->displacement() : std::span<const double>(u_);
   }
+  // m/s, of the last update(); empty for a static body.
+  std::span<const double> velocity() const {
+    return newmark_ ? newmark_->velocity() : std::span<const double>();
+  }
   std::span<const double> external_force() const { return f_; }  // f or f̂ of this frame, N
 
   // Operations of each step, conversions to and from words included; those of the passes are
   // refined()'s.
+  double hold_operations() const { return hold_operations_; }  // of the last hold()
   double form_rhs_operations() const;
   double force_operations() const;
   double update_operations() const;
 
  private:
   void predict();
+  // f or f̂ and the forces that fade.
+  std::span<const double> load() const { return let_go_.empty() ? f_ : loaded_; }
   double conversion() const;
 
   const fem::Body& body_;
@@ -114,7 +128,14 @@ class FrameComputation {
   fixed::Scaling scaling_;
   std::int32_t diagonal_word_;
   std::vector<int> contact_;
+  std::vector<Eigen::Vector3d> held_displacement_;  // one a node of the contact
+  std::vector<fem::LetGo> let_go_;
+  double elapsed_s_ = 0;
+  fem::HeldForces forces_;
+  bool predictors_hold_ = false;  // they were changed by hold() and not used up by update()
+  double hold_operations_ = 0;
   std::vector<double> f_;
+  std::vector<double> loaded_;
   std::vector<double> b_;
   std::vector<double> u_;
   std::optional<RefinedSolve> refined_;

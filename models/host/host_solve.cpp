@@ -59,12 +59,17 @@ double ConjugateGradients::most_operations() const {
   return begin + most_iterations_ * (product + 10 * n + 2);
 }
 
-void ConjugateGradients::solve(std::span<const double> f, const Eigen::Vector3d& u_c,
+void ConjugateGradients::place_contact(std::span<const Eigen::Vector3d> held,
+                                       std::span<double> u) const {
+  for (std::size_t n = 0; n < contact_.size(); ++n) {
+    for (int i = 0; i < 3; ++i) u[static_cast<std::size_t>(3 * contact_[n] + i)] = held[n][i];
+  }
+}
+
+void ConjugateGradients::solve(std::span<const double> f, std::span<const Eigen::Vector3d> held,
                                std::span<double> u) {
   if (!warm_start_) std::fill(u.begin(), u.end(), 0.0);
-  for (const int node : contact_) {
-    for (int i = 0; i < 3; ++i) u[static_cast<std::size_t>(3 * node + i)] = u_c[i];
-  }
+  place_contact(held, u);
   const auto n = static_cast<double>(r_.size());
   a_.multiply(u, q_);
   for (std::size_t i = 0; i < r_.size(); ++i) r_[i] = f[i] - q_[i];
@@ -75,9 +80,7 @@ void ConjugateGradients::solve(std::span<const double> f, const Eigen::Vector3d&
   if (stop_residual_ > 0) {
     // b: what is left of f where nothing but the contact is displaced.
     std::fill(d_.begin(), d_.end(), 0.0);
-    for (const int node : contact_) {
-      for (int i = 0; i < 3; ++i) d_[static_cast<std::size_t>(3 * node + i)] = u_c[i];
-    }
+    place_contact(held, d_);
     a_.multiply(d_, q_);
     for (std::size_t i = 0; i < q_.size(); ++i) q_[i] = f[i] - q_[i];
     clear_contact(q_);
@@ -125,14 +128,14 @@ void Prefactored::move_contact(std::span<const int> nodes) {
   contact_operations_ = m * triangular_operations() + 2.0 / 3.0 * m * m * m;
 }
 
-void Prefactored::solve(std::span<const double> f, const Eigen::Vector3d& u_c,
+void Prefactored::solve(std::span<const double> f, std::span<const Eigen::Vector3d> held,
                         std::span<double> u) {
   std::copy(f.begin(), f.end(), right_hand_side_.begin());
   const auto m = 3.0 * static_cast<double>(contact_.size());
   if (contact_.empty()) {
     solver_.solve(right_hand_side_, u);
   } else {
-    solver_.solve_with_contact(right_hand_side_, contact_, u_c, u);
+    solver_.solve_with_contact(right_hand_side_, contact_, held, u);
   }
   // The small system, and its force's share of every unknown.
   operations_ = triangular_operations() + 2 * m * m + 2 * m * solver_.rows();

@@ -19,15 +19,16 @@ enum class Solver {
 
 const char* name(Solver solver);
 
-// A frame's system A·u = f with the contact's nodes at u_c, solved by the host in double precision,
-// and the operations that takes. Vectors are over A's rows, in m and N.
+// A frame's system A·u = f with the contact's nodes where they are held, solved by the host in
+// double precision, and the operations that takes. Vectors are over A's rows, in m and N.
 class HostSolve {
  public:
   virtual ~HostSolve() = default;
   // The nodes (ascending) that are prescribed from now on.
   virtual void move_contact(std::span<const int> nodes) = 0;
-  // `u` holds the last solution, from which an iteration starts.
-  virtual void solve(std::span<const double> f, const Eigen::Vector3d& u_c,
+  // `held`: the displacements of the contact's nodes. `u` holds the last solution, from which an
+  // iteration starts.
+  virtual void solve(std::span<const double> f, std::span<const Eigen::Vector3d> held,
                      std::span<double> u) = 0;
   // Additions, multiplications and divisions of the last call of each.
   double contact_operations() const { return contact_operations_; }
@@ -41,7 +42,7 @@ class HostSolve {
 };
 
 // Hestenes & Stiefel's conjugate gradients on the nodes that are not prescribed: the others keep
-// u_c, so that their rows of residual and direction stay zero.
+// their displacement, so that their rows of residual and direction stay zero.
 class ConjugateGradients : public HostSolve {
  public:
   // Keeps a reference to the matrix. Ends after `iterations`, or once ‖r‖ <= stop_residual·‖b‖
@@ -50,12 +51,14 @@ class ConjugateGradients : public HostSolve {
                      bool warm_start);
 
   void move_contact(std::span<const int> nodes) override;
-  void solve(std::span<const double> f, const Eigen::Vector3d& u_c, std::span<double> u) override;
+  void solve(std::span<const double> f, std::span<const Eigen::Vector3d> held,
+             std::span<double> u) override;
   double most_operations() const override;
   int iterations() const { return made_; }
 
  private:
   void clear_contact(std::span<double> v) const;
+  void place_contact(std::span<const Eigen::Vector3d> held, std::span<double> u) const;
 
   const sparse::BlockMatrix& a_;
   int most_iterations_;
@@ -75,7 +78,8 @@ class Prefactored : public HostSolve {
   explicit Prefactored(const sparse::BlockMatrix& a);
 
   void move_contact(std::span<const int> nodes) override;
-  void solve(std::span<const double> f, const Eigen::Vector3d& u_c, std::span<double> u) override;
+  void solve(std::span<const double> f, std::span<const Eigen::Vector3d> held,
+             std::span<double> u) override;
   double most_operations() const override { return triangular_operations(); }
   std::size_t factor_nonzeros() const { return solver_.factor_nonzeros(); }
 

@@ -39,6 +39,7 @@ ReferenceRun::ReferenceRun(const fem::Body& body, const std::optional<fem::Dynam
     : body_(body),
       constraint_(true_matrix, fem::ContactDiagonal::average),
       solver_(solved_matrix),
+      forces_(true_matrix.block_rows()),
       f_(body.load()),
       adjusted_(f_.size()),
       u_(body.initial_displacement()) {
@@ -55,62 +56,41 @@ ReferenceRun::ReferenceRun(const fem::Body& body, const std::optional<fem::Dynam
   }
 }
 
-void ReferenceRun::step(std::span<const int> contact, const Eigen::Vector3d& u_c) {
+// The host moves the true matrix' columns to the right-hand side. The solver moves those of the
+// matrix that it has, so that the difference is put back first.
+void ReferenceRun::put_back_difference(const fem::Hold& hold) {
+  if (difference_.block_rows() == 0) return;
+  for (std::size_t n = 0; n < hold.nodes.size(); ++n) {
+    const auto row = static_cast<std::size_t>(hold.nodes[n]);
+    const Eigen::Vector3d& u = hold.displacement[n];
+    for (int k = difference_.row_begin[row]; k < difference_.row_begin[row + 1]; ++k) {
+      const auto block = static_cast<std::size_t>(k);
+      const auto other = static_cast<std::size_t>(difference_.column[block]);
+      const double* d = difference_.block(block);
+      for (std::size_t c = 0; c < 3; ++c) {
+        adjusted_[3 * other + c] += d[c] * u[0] + d[3 + c] * u[1] + d[6 + c] * u[2];
+      }
+    }
+  }
+}
+
+void ReferenceRun::step(const fem::Hold& hold) {
   if (newmark_) {
     newmark_->predict();
     newmark_->rhs(body_.load(), f_);
+    newmark_->hold(hold, f_);
   }
-  if (contact.empty()) {
-    solver_.solve(f_, u_);
-    force_.setZero();
+  force_ = forces_.sum(hold.let_go);
+  std::copy(f_.begin(), f_.end(), adjusted_.begin());
+  forces_.add_to(hold.let_go, adjusted_);
+  if (hold.present()) {
+    put_back_difference(hold);
+    solver_.solve_with_contact(adjusted_, hold.nodes, hold.displacement, u_);
+    force_ += constraint_.reaction(u_, f_, hold.nodes, forces_);
   } else {
-    // The host moves the true matrix' columns to the right-hand side. The solver below moves
-    // those of the matrix that it has, so that the difference is put back first.
-    std::copy(f_.begin(), f_.end(), adjusted_.begin());
-    if (difference_.block_rows() > 0) {
-      for (const int node : contact) {
-        const auto row = static_cast<std::size_t>(node);
-        for (int k = difference_.row_begin[row]; k < difference_.row_begin[row + 1]; ++k) {
-          const auto block = static_cast<std::size_t>(k);
-          const auto other = static_cast<std::size_t>(difference_.column[block]);
-          const double* d = difference_.block(block);
-          for (std::size_t c = 0; c < 3; ++c) {
-            adjusted_[3 * other + c] += d[c] * u_c[0] + d[3 + c] * u_c[1] + d[6 + c] * u_c[2];
-          }
-        }
-      }
-    }
-    solver_.solve_with_contact(adjusted_, contact, u_c, u_);
-    force_ = constraint_.reaction(u_, f_, contact);
+    solver_.solve(adjusted_, u_);
   }
   if (newmark_) newmark_->update(u_);
-}
-
-void Deviation::add(std::span<const double> value, std::span<const double> reference) {
-  double difference = 0;
-  double norm = 0;
-  double own = 0;
-  for (std::size_t i = 0; i < value.size(); ++i) {
-    const double d = value[i] - reference[i];
-    difference += d * d;
-    norm += reference[i] * reference[i];
-    own += value[i] * value[i];
-  }
-  if (norm == 0 && own == 0) return;
-  ++frames_;
-  sum_ += std::sqrt(difference);
-  worst_ = std::max(worst_, std::sqrt(difference));
-  largest_reference_ = std::max(largest_reference_, std::sqrt(norm));
-}
-
-std::optional<double> Deviation::relative() const {
-  if (frames_ == 0 || !(largest_reference_ > 0)) return std::nullopt;
-  return sum_ / static_cast<double>(frames_) / largest_reference_;
-}
-
-std::optional<double> Deviation::worst_relative() const {
-  if (frames_ == 0 || !(largest_reference_ > 0)) return std::nullopt;
-  return worst_ / largest_reference_;
 }
 
 }  // namespace hvp::host

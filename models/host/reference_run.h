@@ -9,6 +9,7 @@
 #include "models/fem/body.h"
 #include "models/fem/contact.h"
 #include "models/fem/dynamics.h"
+#include "models/fem/hold.h"
 #include "models/fem/newmark.h"
 #include "models/fem/reference_solver.h"
 #include "models/stability/flag.h"
@@ -42,44 +43,30 @@ class ReferenceRun {
   ReferenceRun(const fem::Body& body, const std::optional<fem::Dynamics>& dynamics, double period_s,
                const sparse::BlockMatrix& true_matrix, const sparse::BlockMatrix& solved_matrix);
 
-  // One frame with the contact's nodes (active, ascending) at displacement u_c.
-  void step(std::span<const int> contact, const Eigen::Vector3d& u_c);
+  // One frame with the nodes held that the run holds, where the run holds them. What fades at
+  // nodes let go are the reference's own forces.
+  void step(const fem::Hold& hold);
 
   std::span<const double> displacement() const { return u_; }  // m, active nodes
   const Eigen::Vector3d& force() const { return force_; }      // N, on the body
   // Of the matrix without contact.
   bool positive_definite() const { return solver_.positive_definite(); }
   bool singular() const { return solver_.singular(); }
+  int negative_eigenvalues() const { return solver_.negative_eigenvalues(); }
 
  private:
+  void put_back_difference(const fem::Hold& hold);
+
   const fem::Body& body_;
   std::optional<fem::Newmark> newmark_;
   fem::ContactConstraint constraint_;  // of the true matrix
   fem::ReferenceSolver solver_;        // of the solved matrix
   sparse::BlockMatrix difference_;     // solved − true; empty where they are the same
+  fem::HeldForces forces_;
   std::vector<double> f_;
   std::vector<double> adjusted_;
   std::vector<double> u_;
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
-};
-
-// The deviation from a reference over a run: the mean of ‖v − v_ref‖ over the frames compared,
-// normalised by the largest ‖v_ref‖. Frames in which both are zero do not count: a body that
-// nobody touches is no evidence.
-class Deviation {
- public:
-  void add(std::span<const double> value, std::span<const double> reference);
-  std::int64_t frames() const { return frames_; }
-  // Zero frames, or a reference that is zero throughout, have no deviation.
-  std::optional<double> relative() const;
-  // The worst frame's ‖v − v_ref‖, normalised likewise.
-  std::optional<double> worst_relative() const;
-
- private:
-  std::int64_t frames_ = 0;
-  double sum_ = 0;
-  double worst_ = 0;
-  double largest_reference_ = 0;
 };
 
 }  // namespace hvp::host

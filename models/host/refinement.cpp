@@ -116,14 +116,13 @@ void RefinedSolve::subtract_columns(const Eigen::Vector3d& u, int node,
   }
 }
 
-void RefinedSolve::begin(std::span<const double> f, std::span<const int> contact,
-                         const Eigen::Vector3d& u_c) {
+void RefinedSolve::begin(std::span<const double> f, const fem::Hold& hold) {
   for (std::size_t i = 0; i < f.size(); ++i) {
     if (std::isfinite(f[i])) continue;
     throw InputError("right-hand side entry " + std::to_string(i) + " is not a finite number");
   }
   std::copy(f.begin(), f.end(), f_.begin());
-  contact_.assign(contact.begin(), contact.end());
+  contact_.assign(hold.nodes.begin(), hold.nodes.end());
   u_ = guess_;
   product_ = guess_product_;
   current_ = true;
@@ -132,11 +131,13 @@ void RefinedSolve::begin(std::span<const double> f, std::span<const int> contact
   clamped_ = 0;
   way_ = 0;
   b_ = f_;
-  move_contact_to(u_c);
+  move_contact_to(hold.displacement);
 }
 
-void RefinedSolve::move_contact_to(const Eigen::Vector3d& u_c) {
-  for (const int node : contact_) {
+void RefinedSolve::move_contact_to(std::span<const Eigen::Vector3d> displacement) {
+  for (std::size_t n = 0; n < contact_.size(); ++n) {
+    const int node = contact_[n];
+    const Eigen::Vector3d& u_c = displacement[n];
     double* u = &u_[3 * at(node)];
     const Eigen::Vector3d back(u[0] - u_c[0], u[1] - u_c[1], u[2] - u_c[2]);
     subtract_columns(back, node, product_);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "models/config/declaration.h"
+#include "models/fem/hold.h"
 #include "models/fixed/scaling.h"
 #include "models/fixed/system.h"
 #include "models/sparse/block_matrix.h"
@@ -26,11 +27,11 @@ struct Refinement {
 // its words, and u += Δ. Ã's rounding then costs passes instead of accuracy, as long as
 // ‖I − A·Ã⁻¹‖ < 1. docs/fixed-point.md, section Refinement.
 //
-//   begin(f, contact, u_c);
+//   begin(f, hold);
 //   while (next(b)) { …the board solves for x, from zero… accept(x, flags); }
 //   finish();
 //
-// Contact (thesis §3.7) is a displacement that is known: u has it before the first residual is
+// Contact (thesis §3.7) is displacements that are known: u has them before the first residual is
 // formed, so that the contact's rows of r and Δ are zero, whatever stands on their diagonal. That
 // is the residual of the modified system.
 //
@@ -47,9 +48,9 @@ class RefinedSolve {
 
   int passes() const { return static_cast<int>(gain_.size()); }
 
-  // The right-hand side f, and the nodes (ascending) that are at u_c. Throws InputError where an
-  // entry of f is not finite.
-  void begin(std::span<const double> f, std::span<const int> contact, const Eigen::Vector3d& u_c);
+  // The right-hand side f, and the nodes that are held. Throws InputError where an entry of f is
+  // not finite.
+  void begin(std::span<const double> f, const fem::Hold& hold);
   // Puts the next pass' residual into the board's words. False where nothing is left to solve:
   // all passes are through, or the residual is zero.
   bool next(std::span<std::int32_t> b);
@@ -86,7 +87,7 @@ class RefinedSolve {
   double finish_operations() const;
 
  private:
-  void move_contact_to(const Eigen::Vector3d& u_c);
+  void move_contact_to(std::span<const Eigen::Vector3d> displacement);
   void subtract_columns(const Eigen::Vector3d& u, int node, std::span<double> from) const;
   void form_residual();
   int exponent_for(double largest) const;

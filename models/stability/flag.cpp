@@ -57,6 +57,26 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "a longer host.timeout, fewer solver.iterations, or why the board is late in trace.json"},
     {"wrapped", "a word of the solver did not fit and lost its high bits",
      "solver.overflow = \"saturate\", and then what that run's flags say"},
+    {"force-step",
+     "from one frame to the next the force changes by more than a tenth of its largest value",
+     "a longer contact.hand_over, a slower probe, or a shorter budget.period"},
+    {"force-ringing", "the force turns back and forth from frame to frame",
+     "a contact.hand_over of at least 20 ms, dynamics.newmark_gamma above 0.5, a finer "
+     "device.encoder.resolution, a smaller contact.patch_radius"},
+    {"limit-cycle",
+     "the force moves on while the tip rests: rounding of the solver's words, or a body that "
+     "hardly "
+     "damps its swing",
+     "method = \"jacobi-pcg\", a solver.displacement_range twice the displacements, refinement, "
+     "more "
+     "vector_bits"},
+    {"beyond-linearity",
+     "the body is deformed further than linear elasticity holds, or turned inside out",
+     "no setting of the board helps: a shallower motion of the probe, a contact.patch_radius, "
+     "which "
+     "spreads it"},
+    {"force-clamped", "a force did not fit the device's register and was clamped",
+     "no setting of the board helps: a softer body or a shallower motion of the probe"},
 }};
 }  // namespace
 

@@ -22,6 +22,11 @@ enum class Flag : std::uint8_t {
   poor_elements,       // slivers in the mesh
   solver_timeout,      // the board did not answer in time
   wrapped,             // a word lost its high bits: overflow = "wrap"
+  force_step,          // the force jumps from one frame to the next
+  force_ringing,       // the force turns back and forth from frame to frame
+  limit_cycle,         // the force moves on while the tip rests
+  beyond_linearity,    // strains for which linear elasticity does not hold
+  force_clamped,       // a force does not fit the device's register
   count
 };
 

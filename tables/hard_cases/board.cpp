@@ -95,7 +95,8 @@ Flags Board::run() {
 }
 
 Flags Board::solve_refined(std::span<const double> f, const Eigen::Vector3d& u_c) {
-  refined_->begin(f, contact_, u_c);
+  const std::vector<Eigen::Vector3d> held(contact_.size(), u_c);
+  refined_->begin(f, {contact_, held, {}, 0});
   while (refined_->next(b_words_)) {
     const Flags flags = run();
     refined_->accept(x_, flags);

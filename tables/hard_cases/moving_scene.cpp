@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "models/fem/newmark.h"
+#include "models/host/deviation.h"
 #include "models/host/reference_run.h"
 #include "tables/hard_cases/accuracy.h"
 #include "tables/hard_cases/board.h"
@@ -49,7 +50,9 @@ std::vector<Vector> MovingScene::trajectory(const sparse::BlockMatrix& solved) c
   std::vector<Vector> result;
   if (run.singular()) return result;
   for (int frame = 1; frame <= motion_.frames; ++frame) {
-    run.step(contact(frame), displacement(frame));
+    const std::vector<int> nodes = contact(frame);
+    const std::vector<Eigen::Vector3d> held(nodes.size(), displacement(frame));
+    run.step({nodes, held, {}, 0});
     result.emplace_back(run.displacement().begin(), run.displacement().end());
   }
   return result;

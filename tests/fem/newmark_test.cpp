@@ -10,6 +10,7 @@
 
 #include "models/config/input_error.h"
 #include "models/fem/body.h"
+#include "models/fem/contact.h"
 #include "models/fem/reference_solver.h"
 #include "tests/allocation_count.h"
 #include "tests/fem/box_meshes.h"
@@ -111,6 +112,96 @@ TEST(Newmark, StepFulfilsTheEquationOfMotion) {
       EXPECT_NEAR(v[i], v0[i] + dt * ((1 - gamma) * a0[i] + gamma * a[i]), 1e-10);
     }
   }
+}
+
+// Held nodes have the velocity of their way and no acceleration; all others follow the equation of
+// motion with that; the force that holds them is elastic and viscous.
+TEST(Newmark, HeldNodesMoveAsTheyAreTold) {
+  const Body body = tissue_cube(2);
+  const sparse::BlockMatrix& k = body.stiffness();
+  const auto size = static_cast<std::size_t>(k.rows());
+  const std::vector<int> nodes = {4, 7, 11};
+  const std::vector<Eigen::Vector3d> places = {{1e-3, 0, -2e-3}, {0, 2e-3, 0}, {-1e-3, 1e-3, 4e-3}};
+  for (const MassKind kind : {MassKind::lumped, MassKind::consistent}) {
+    const Dynamics dynamics{.newmark_beta = 0.7,
+                            .newmark_gamma = 0.6,
+                            .mass = kind,
+                            .rayleigh_mass = 3,
+                            .rayleigh_stiffness = 1e-3};
+    const sparse::BlockMatrix m = body.mass(kind);
+    Simulation simulation(body, dynamics, 2e-3);
+    const std::vector<double> f = noise_vector(size, 3);
+    const std::vector<double> u0 = noise_vector(size, 4);
+    simulation.newmark.set_state(u0, noise_vector(size, 5), noise_vector(size, 6));
+    const Hold hold{nodes, places, {}, 3e-3};
+    simulation.newmark.predict();
+    simulation.newmark.rhs(f, simulation.f_hat);
+    // A frame without a solution is repeated.
+    simulation.newmark.hold({nodes, std::vector<Eigen::Vector3d>(3, {1, 1, 1}), {}, 1e-3},
+                            simulation.f_hat);
+    simulation.newmark.hold(hold, simulation.f_hat);
+    simulation.solver.solve_with_contact(simulation.f_hat, nodes, places, simulation.u);
+    const ContactConstraint constraint(simulation.newmark.effective_matrix(),
+                                       ContactDiagonal::average);
+    const Eigen::Vector3d force = constraint.reaction(simulation.u, simulation.f_hat, nodes);
+    simulation.newmark.update(simulation.u);
+
+    const auto v = simulation.newmark.velocity();
+    const auto a = simulation.newmark.acceleration();
+    std::vector<double> ku(size), kv(size), mv(size), ma(size);
+    k.multiply(simulation.u, ku);
+    k.multiply(v, kv);
+    m.multiply(v, mv);
+    m.multiply(a, ma);
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    double largest = 0;
+    for (const double entry : ma) largest = std::max(largest, std::abs(entry));
+    for (int i = 0; i < static_cast<int>(size); ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const double missing = ma[at] + 3 * mv[at] + 1e-3 * kv[at] + ku[at] - f[at];
+      const auto held = std::find(nodes.begin(), nodes.end(), i / 3);
+      if (held == nodes.end()) {
+        EXPECT_NEAR(missing, 0, 1e-10 * largest) << i;
+        continue;
+      }
+      const double place = places[static_cast<std::size_t>(held - nodes.begin())][i % 3];
+      EXPECT_NEAR(v[at], (place - u0[at]) / 3e-3, 1e-9);
+      EXPECT_NEAR(a[at], 0, 1e-6);  // of terms of 1e6
+      sum[i % 3] += missing;
+    }
+    EXPECT_LT((force - sum).norm(), 1e-10 * largest);
+  }
+}
+
+// The recursion of a held node's own velocity and acceleration has the eigenvalues −1 and −1 for
+// γ = β = ½: one small jump rings in the force for ever.
+TEST(Newmark, AHeldNodeDoesNotRing) {
+  const Body body = tissue_cube(2);
+  const std::vector<int> node = {4};
+  const std::vector<Eigen::Vector3d> place = {{0, 0, -1e-5}};
+  const auto alternations = [&](double elapsed) {
+    Simulation simulation(body, undamped(0.5, 0.5), 2e-3);
+    const ContactConstraint constraint(simulation.newmark.effective_matrix(),
+                                       ContactDiagonal::average);
+    const std::vector<double> f(simulation.u.size(), 0.0);
+    double before = 0, change = 0;
+    int count = 0;
+    for (int n = 0; n < 200; ++n) {
+      simulation.newmark.predict();
+      simulation.newmark.rhs(f, simulation.f_hat);
+      simulation.newmark.hold({node, place, {}, elapsed}, simulation.f_hat);
+      simulation.solver.solve_with_contact(simulation.f_hat, node, place, simulation.u);
+      const double force = constraint.reaction(simulation.u, simulation.f_hat, node).z();
+      simulation.newmark.update(simulation.u);
+      if (n >= 100 && (force - before) * change < 0) ++count;
+      change = force - before;
+      before = force;
+    }
+    return count;
+  };
+  EXPECT_GT(alternations(0), 90);
+  // What is left is the body's own swinging.
+  EXPECT_LT(alternations(2e-3), 60);
 }
 
 // The error after a damped period of the lowest mode against its closed form.

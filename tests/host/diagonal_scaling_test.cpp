@@ -1,6 +1,7 @@
 // What diagonal scaling before rounding is worth on meshes of our own: how far a perfect solver
 // ends from the true model, pressed at the highest node. docs/fixed-point.md has the table.
 #include <algorithm>
+#include <array>
 #include <optional>
 
 #include <gtest/gtest.h>
@@ -40,9 +41,9 @@ double rounding_error(const fem::Body& body, fixed::MatrixScaling scaling) {
   const auto top = std::max_element(nodes.begin(), nodes.end(),
                                     [](const auto& a, const auto& b) { return a.z() < b.z(); });
   const std::vector<int> contact = {body.active_index(static_cast<int>(top - nodes.begin()))};
-  const Eigen::Vector3d u_c(0, 0, -5e-3);
-  truth.step(contact, u_c);
-  words.step(contact, u_c);
+  const std::array<Eigen::Vector3d, 1> held = {Eigen::Vector3d(0, 0, -5e-3)};
+  truth.step({contact, held, {}, 0});
+  words.step({contact, held, {}, 0});
   Deviation deviation;
   deviation.add(words.displacement(), truth.displacement());
   return *deviation.relative();

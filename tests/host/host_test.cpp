@@ -1,5 +1,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Dense>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "models/host/costs.h"
 #include "models/host/frame_computation.h"
 #include "models/host/reference_run.h"
+#include "tests/host/hold.h"
 
 namespace hvp::host {
 namespace {
@@ -75,7 +77,8 @@ TEST(FrameComputation, ExactSolutionOfItsWordsPutsTheContactWhereItIsPrescribed)
     const fixed::Settings& settings = c.board_settings();
     c.set_contact(cube.touched());
     std::vector<std::int32_t> b(c.displacement().size());
-    EXPECT_EQ(c.form_rhs(kPress, b), 0);
+    test::hold(c, kPress);
+    EXPECT_EQ(c.form_rhs(b), 0);
     c.accept(exact_answer(c, b, settings));
     const auto first = static_cast<std::size_t>(3 * cube.touched()[0]);
     // b of the contact rows is one word of 2^m units over the diagonal: that is its resolution.
@@ -95,7 +98,8 @@ TEST(FrameComputation, ForceOfAStaticFrameIsTheTrueStiffnessTimesTheSolution) {
   EXPECT_EQ(c.force(), Eigen::Vector3d::Zero());
   c.set_contact(cube.touched());
   std::vector<std::int32_t> b(c.displacement().size());
-  c.form_rhs(kPress, b);
+  test::hold(c, kPress);
+  c.form_rhs(b);
   c.accept(exact_answer(c, b, settings));
   const Eigen::VectorXd f =
       Eigen::MatrixXd(cube.body.stiffness().to_eigen()) * vector(c.displacement());
@@ -113,7 +117,8 @@ TEST(FrameComputation, WordsBeyondTheRangeAreClampedAndCounted) {
   FrameComputation c(cube.body, fem::ContactDiagonal::average, std::nullopt, settings, kPeriod);
   c.set_contact(cube.touched());
   std::vector<std::int32_t> b(c.displacement().size());
-  EXPECT_GT(c.form_rhs(kPress, b), 0);
+  test::hold(c, kPress);
+  EXPECT_GT(c.form_rhs(b), 0);
   for (const std::int32_t word : b) EXPECT_LE(std::abs(word), 32767);
 }
 
@@ -125,7 +130,8 @@ TEST(FrameComputation, DynamicMatrixIsNewmarksAndTheUpdateMovesItsState) {
   EXPECT_GT(c.matrix().value[0], cube.body.stiffness().value[0]);
   c.set_contact(cube.touched());
   std::vector<std::int32_t> b(c.displacement().size());
-  c.form_rhs(kPress, b);
+  test::hold(c, kPress);
+  c.form_rhs(b);
   c.accept(exact_answer(c, b, settings));
   const std::vector<double> before(c.external_force().begin(), c.external_force().end());
   c.update();
@@ -137,7 +143,7 @@ TEST(FrameComputation, DynamicMatrixIsNewmarksAndTheUpdateMovesItsState) {
 TEST(ReferenceRun, StaticContactIsTheConstrainedMinimumOfTheEnergy) {
   const Cube cube;
   ReferenceRun run(cube.body, std::nullopt, kPeriod, cube.body.stiffness(), cube.body.stiffness());
-  run.step(cube.touched(), kPress);
+  run.step({cube.touched(), std::array{kPress}, {}, 0});
   const Eigen::MatrixXd k(cube.body.stiffness().to_eigen());
   const Eigen::VectorXd residual = k * vector(run.displacement());
   const Eigen::Index at = 3 * cube.touched()[0];
@@ -156,7 +162,7 @@ TEST(ReferenceRun, OfTheRoundedMatrixIsWhatAnExactSolverMakesOfTheHostsRightHand
                            kPeriod);
   const sparse::BlockMatrix rounded = fixed::dequantise(c.quantised());
   ReferenceRun run(cube.body, std::nullopt, kPeriod, cube.body.stiffness(), rounded);
-  run.step(cube.touched(), kPress);
+  run.step({cube.touched(), std::array{kPress}, {}, 0});
 
   // The host moves the true columns to the right; the board's matrix is the rounded one.
   const Eigen::MatrixXd k(cube.body.stiffness().to_eigen());
@@ -186,10 +192,11 @@ TEST(ReferenceRun, DynamicRunFollowsTheSameStepsAsTheHost) {
     const bool touching = n < 30;
     c.set_contact(touching ? cube.touched() : std::vector<int>{});
     const Eigen::Vector3d u_c = kPress * std::min(1.0, n / 20.0);
-    ASSERT_EQ(c.form_rhs(u_c, b), 0) << "frame " << n;
+    test::hold(c, u_c);
+    ASSERT_EQ(c.form_rhs(b), 0) << "frame " << n;
     c.accept(exact_answer(c, b, settings));
     c.update();
-    run.step(c.contact(), u_c);
+    run.step(c.held());
     deviation.add(c.displacement(), run.displacement());
   }
   EXPECT_LT(*deviation.relative(), 1e-4);
@@ -247,7 +254,10 @@ TEST(FrameComputation, CountedCostsTheSameAndComputesNothing) {
     EXPECT_EQ(counted.form_rhs_operations(), done.form_rhs_operations());
     EXPECT_EQ(counted.force_operations(), done.force_operations());
     EXPECT_EQ(counted.update_operations(), done.update_operations());
-    EXPECT_EQ(counted.form_rhs(kPress, b), 0);
+    for (FrameComputation* c : {&done, &counted}) test::hold(*c, kPress, 2e-3);
+    EXPECT_EQ(counted.hold_operations(), done.hold_operations());
+    EXPECT_EQ(counted.hold_operations() > 0, touched);
+    EXPECT_EQ(counted.form_rhs(b), 0);
     EXPECT_EQ(b, untouched);
     counted.accept(b);
     EXPECT_EQ(vector(counted.displacement()).norm(), 0);

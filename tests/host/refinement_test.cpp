@@ -19,6 +19,7 @@
 #include "models/host/reference_run.h"
 #include "models/mesh/generate.h"
 #include "models/mesh/region.h"
+#include "tests/host/hold.h"
 
 namespace hvp::host {
 namespace {
@@ -80,15 +81,16 @@ class Board {
 
   // One frame, refined or not. Returns how many solves it took.
   int solve(FrameComputation& computation, const Eigen::Vector3d& u_c) {
+    test::hold(computation, u_c);
     RefinedSolve* refined = computation.refined();
     if (refined == nullptr) {
-      computation.form_rhs(u_c, b_);
+      computation.form_rhs(b_);
       run();
       computation.accept(x_);
       return 1;
     }
     int solves = 0;
-    computation.begin_passes(u_c);
+    computation.begin_passes();
     for (; refined->next(b_); ++solves) {
       const Flags flags = run();
       refined->accept(x_, flags);
@@ -132,7 +134,7 @@ Trajectory press(const fem::Body& body, const fixed::Settings& settings, int pas
     c.set_contact(touching ? contact : std::vector<int>());
     const Eigen::Vector3d u_c(0, 0, touching ? -5e-3 * std::min(1.0, (n + 1) / 100.0) : 0);
     board.solve(c, u_c);
-    reference.step(c.contact(), u_c);
+    reference.step(c.held());
     (touching ? pressed : released).add(c.displacement(), reference.displacement());
     if (touching) {
       const Eigen::Vector3d f = c.force();
@@ -251,7 +253,8 @@ class Bench {
   void begin(double share = 1) {
     std::vector<double> f = load_.f;
     for (double& value : f) value *= share;
-    refined.begin(f, load_.contact, share * load_.u_c);
+    const std::vector<Eigen::Vector3d> u(load_.contact.size(), share * load_.u_c);
+    refined.begin(f, {load_.contact, u, {}, 0});
   }
   Flags solve() { return solver_->solve({.b = b, .x = x}, nullptr).flags; }
   void run(double share = 1) {

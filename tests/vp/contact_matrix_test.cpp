@@ -43,13 +43,13 @@ class MatrixWatch : public FrameObserver {
   void solved(const SolvedFrame& frame) override {
     const fixed::QuantisedMatrix& k = scene_.computation.quantised();
     const std::vector<std::int32_t> expected =
-        cleared(k, frame.contact, scene_.computation.diagonal_word());
+        cleared(k, frame.hold.nodes, scene_.computation.diagonal_word());
     const auto words = platform_.accelerator().bank().memory(Aperture::value);
     for (std::size_t i = 0; i < expected.size(); ++i) {
       ASSERT_EQ(packed_element(words, i, 12), expected[i])
           << "frame " << frame.number << ", element " << i;
     }
-    contacts.insert(std::vector<int>(frame.contact.begin(), frame.contact.end()));
+    contacts.insert(std::vector<int>(frame.hold.nodes.begin(), frame.hold.nodes.end()));
   }
   std::set<std::vector<int>> contacts;
 

@@ -26,11 +26,14 @@ plant::Trajectory steady() {
 }
 
 struct Bench {
-  explicit Bench(Stimulus::Script script)
-      : daq("daq", plant::Daq{}, trajectory, session, ledger), master("master", std::move(script)) {
+  explicit Bench(Stimulus::Script script, std::optional<plant::Encoder> steps = std::nullopt)
+      : encoder(steps),
+        daq("daq", plant::Daq{}, encoder, trajectory, session, ledger),
+        master("master", std::move(script)) {
     master.to_target.bind(daq.from_bus);
   }
   plant::Trajectory trajectory = steady();
+  std::optional<plant::Encoder> encoder;
   Session session{5 * kUs};
   Ledger ledger;
   DaqBoard daq;
@@ -50,6 +53,25 @@ TEST(DaqBoard, PositionIsThatOfTheLatch) {
     // 20 us after the session began, in nanometres.
     EXPECT_EQ(position, (std::array<std::int32_t, 3>{20'000, 0, 0}));
   });
+  sc_core::sc_start();
+}
+
+TEST(DaqBoard, AnEncoderReadsTheNearestStep) {
+  Bench bench(
+      [&](Stimulus& m) {
+        const std::uint32_t latch = 1;
+        std::array<std::int32_t, 3> position{};
+        for (const auto& [after, read] :
+             {std::pair{27 * kUs, 0}, std::pair{28 * kUs, 55'000}, std::pair{82 * kUs, 55'000},
+              std::pair{83 * kUs, 110'000}}) {
+          // The session began after 5 us; a micrometre a microsecond, steps of 55 um.
+          m.sleep(5 * kUs + after - now_ps());
+          m.write(DaqBoard::kLatch, &latch, 4);
+          m.read(DaqBoard::kPosition, position.data(), 12);
+          EXPECT_EQ(position, (std::array<std::int32_t, 3>{read, 0, 0})) << after;
+        }
+      },
+      plant::Encoder{});
   sc_core::sc_start();
 }
 

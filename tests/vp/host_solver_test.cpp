@@ -83,12 +83,15 @@ class AgainstReference : public FrameObserver {
   explicit AgainstReference(const SmallScene& scene)
       : solver_(scene.computation.matrix()),
         constraint_(scene.computation.matrix(), fem::ContactDiagonal::average),
+        forces_(scene.body.active_nodes()),
         load_(scene.body.load()),
         u_(load_.size()) {}
   void solved(const SolvedFrame& frame) override {
-    if (frame.contact.empty()) return;
-    solver_.solve_with_contact(load_, frame.contact, frame.contact_displacement, u_);
-    const Eigen::Vector3d force = constraint_.reaction(u_, load_, frame.contact);
+    if (!frame.hold.present()) return;
+    forces_.add_to(frame.hold.let_go, loaded_ = load_);
+    solver_.solve_with_contact(loaded_, frame.hold.nodes, frame.hold.displacement, u_);
+    const Eigen::Vector3d force =
+        constraint_.reaction(u_, load_, frame.hold.nodes, forces_) + forces_.sum(frame.hold.let_go);
     EXPECT_LE((frame.force - force).norm(), 1e-9 * force.norm()) << frame.number;
     ++compared;
   }
@@ -97,7 +100,9 @@ class AgainstReference : public FrameObserver {
  private:
   fem::ReferenceSolver solver_;
   fem::ContactConstraint constraint_;
+  fem::HeldForces forces_;
   std::vector<double> load_;
+  std::vector<double> loaded_;
   std::vector<double> u_;
 };
 

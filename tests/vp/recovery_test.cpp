@@ -22,7 +22,7 @@ constexpr std::uint32_t kTimeoutFlag = std::uint32_t{1}
 struct Forces : FrameObserver {
   void solved(const SolvedFrame& frame) override {
     contact_nodes.push_back(frame.contact_node);
-    contact_sizes.push_back(frame.contact.size());
+    contact_sizes.push_back(frame.hold.nodes.size());
   }
   std::vector<int> contact_nodes;
   std::vector<std::size_t> contact_sizes;

@@ -6,9 +6,11 @@
 namespace hvp::vp {
 
 DaqBoard::DaqBoard(const sc_core::sc_module_name& name, const plant::Daq& model,
+                   const std::optional<plant::Encoder>& encoder,
                    const plant::Trajectory& trajectory, const Session& session, Ledger& ledger)
     : sc_module(name),
       from_bus("from_bus"),
+      encoder_(encoder),
       trajectory_(trajectory),
       session_(session),
       ledger_(ledger),
@@ -25,7 +27,8 @@ void DaqBoard::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_ti
   transaction.set_response_status(tlm::TLM_OK_RESPONSE);
 
   if (transaction.is_write() && address == kLatch && bytes == 4) {
-    const Eigen::Vector3d position = trajectory_.state_ps(now_ps() - session_.begin).position;
+    Eigen::Vector3d position = trajectory_.state_ps(now_ps() - session_.begin).position;
+    if (encoder_) position = encoder_->read(position);
     for (int i = 0; i < 3; ++i) {
       latched_[static_cast<std::size_t>(i)] = plant::kPosition.to_counts(position[i]).value;
     }

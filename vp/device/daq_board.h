@@ -2,11 +2,13 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <systemc>
 
 #include <tlm_utils/simple_target_socket.h>
 
 #include "models/plant/daq.h"
+#include "models/plant/encoder.h"
 #include "models/plant/trajectory.h"
 #include "vp/frame_tag.h"
 #include "vp/ledger.h"
@@ -26,13 +28,15 @@ class DaqBoard : public sc_core::sc_module {
   static constexpr std::uint64_t kSize = 0x40;
 
   DaqBoard(const sc_core::sc_module_name& name, const plant::Daq& model,
-           const plant::Trajectory& trajectory, const Session& session, Ledger& ledger);
+           const std::optional<plant::Encoder>& encoder, const plant::Trajectory& trajectory,
+           const Session& session, Ledger& ledger);
 
   tlm_utils::simple_target_socket<DaqBoard> from_bus;
 
  private:
   void b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
 
+  std::optional<plant::Encoder> encoder_;
   const plant::Trajectory& trajectory_;
   const Session& session_;
   Ledger& ledger_;

@@ -17,6 +17,11 @@ std::uint32_t bit(stability::Flag flag) { return std::uint32_t{1} << static_cast
 bool contains(std::span<const int> ascending, int node) {
   return std::binary_search(ascending.begin(), ascending.end(), node);
 }
+
+bool is_displaced(const fem::Hold& hold) {
+  return std::ranges::any_of(hold.displacement,
+                             [](const Eigen::Vector3d& u) { return u.squaredNorm() > 0; });
+}
 }  // namespace
 
 std::int64_t BoardSolver::rhs_bytes(const fixed::Settings& settings, const Transfer& transfer,
@@ -141,22 +146,22 @@ hvp_status BoardSolver::restore_node(int node, std::span<const int> nodes) {
 }
 
 // With refinement each pass needs the one before: nothing is begun that could be left alone.
-hvp_status BoardSolver::begin(const Eigen::Vector3d& u_c, std::uint32_t& flags) {
+hvp_status BoardSolver::begin(std::uint32_t& flags) {
   if (computation_.refined() != nullptr) return HVP_OK;
-  const int clamped = computation_.form_rhs(u_c, b_);
+  const int clamped = computation_.form_rhs(b_);
   work_.spend(Phase::form_rhs, 0, computation_.form_rhs_operations());
   clamped_words_ += clamped;
   if (clamped > 0) flags |= bit(stability::Flag::range_exceeded);
   return start();
 }
 
-hvp_status BoardSolver::end(const Eigen::Vector3d& u_c, std::uint32_t& flags) {
-  if (computation_.refined() != nullptr) return refine(u_c, *computation_.refined());
+hvp_status BoardSolver::end(std::uint32_t& flags) {
+  if (computation_.refined() != nullptr) return refine(*computation_.refined());
   const hvp_status status = receive();
   if (status != HVP_OK) return status;
   flags |= hvp_last_flags(&device_);
   // Words that are too coarse leave nothing of the load: the board solves A·x = 0 without a flag.
-  const bool vanished = !computation_.timing_only() && u_c.squaredNorm() > 0 &&
+  const bool vanished = !computation_.timing_only() && is_displaced(computation_.held()) &&
                         std::ranges::all_of(b_, [](int w) { return w == 0; });
   frames_without_words_ = vanished ? frames_without_words_ + 1 : 0;
   if (frames_without_words_ >= kFramesWithoutWords) flags |= bit(stability::Flag::stagnation);
@@ -166,8 +171,8 @@ hvp_status BoardSolver::end(const Eigen::Vector3d& u_c, std::uint32_t& flags) {
 
 // Each pass' residual follows the increment of the pass before in one span; the last increment has
 // one of its own.
-hvp_status BoardSolver::refine(const Eigen::Vector3d& u_c, host::RefinedSolve& refined) {
-  computation_.begin_passes(u_c);
+hvp_status BoardSolver::refine(host::RefinedSolve& refined) {
+  computation_.begin_passes();
   double operations = refined.begin_operations();
   while (refined.next(b_)) {
     work_.spend(Phase::refinement, 0, operations + refined.next_operations());

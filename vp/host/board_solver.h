@@ -35,8 +35,8 @@ class BoardSolver : public FrameSolver {
   bool survives(hvp_status status) const override { return status == HVP_ERROR_SATURATED; }
   void set_deadline(Picoseconds time) override { deadline_ = time; }
   hvp_status move_contact(std::span<const int> nodes) override;
-  hvp_status begin(const Eigen::Vector3d& u_c, std::uint32_t& flags) override;
-  hvp_status end(const Eigen::Vector3d& u_c, std::uint32_t& flags) override;
+  hvp_status begin(std::uint32_t& flags) override;
+  hvp_status end(std::uint32_t& flags) override;
   void finish(std::uint32_t& flags) override;
   hvp_status close() override { return hvp_close(&device_); }
   Mended take_mended() override { return std::exchange(mended_, {}); }
@@ -48,7 +48,7 @@ class BoardSolver : public FrameSolver {
   hvp_status open();
   hvp_status make(Piece piece, bool& complete);
   hvp_status restore_node(int node, std::span<const int> nodes);
-  hvp_status refine(const Eigen::Vector3d& u_c, host::RefinedSolve& refined);
+  hvp_status refine(host::RefinedSolve& refined);
   hvp_status start();
   hvp_status receive();
   hvp_status wait();

@@ -37,6 +37,14 @@ void CollisionProcess::run() {
   }
 }
 
+// What was reported last counts once a frame has used it. Until then U says nothing of it, and to
+// find it again would aim the contact anew: as often as passes are faster than frames.
+collision::Pass CollisionProcess::search(const SceneState& scene) {
+  if (!(scene.contact == reported_)) return search_.keep(scene.displacement, reported_);
+  return scene.has_force ? search_.pass(scene.tip, scene.displacement, scene.contact, scene.force)
+                         : search_.pass_without_force(scene.tip, scene.displacement, scene.contact);
+}
+
 // On a shared core a pass begins with its first instruction: one that lost the core before has not
 // looked at the scene yet.
 void CollisionProcess::pass() {
@@ -46,10 +54,7 @@ void CollisionProcess::pass() {
   for (bool worked = false; !worked;) {
     if (shares) dispatcher_.acquire_core();
     began = now_ps();
-    const SceneState& scene = exchange_.scene.read(began);
-    result = scene.has_force
-                 ? search_.pass(scene.tip, scene.displacement, scene.contact, scene.force)
-                 : search_.pass_without_force(scene.tip, scene.displacement, scene.contact);
+    result = search(exchange_.scene.read(began));
     const Picoseconds time =
         untimed_ ? 0
                  : costs_.compute_ps(result.flops) +
@@ -61,8 +66,9 @@ void CollisionProcess::pass() {
     worked = !shares || dispatcher_.work(time);
   }
   longest_ = std::max(longest_, now_ps() - began);
+  reported_ = result.contact;
   ContactReport& report = exchange_.contact.prepare(now_ps());
-  report.contact = result.contact;
+  report.contact = reported_;
   report.pass_began = began;
   exchange_.contact.publish(now_ps());
   ++passes_;

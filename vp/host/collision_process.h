@@ -34,6 +34,7 @@ class CollisionProcess : public sc_core::sc_module {
  private:
   void run();
   void pass();
+  collision::Pass search(const SceneState& scene);
 
   host::Host costs_;
   bool untimed_;
@@ -43,6 +44,7 @@ class CollisionProcess : public sc_core::sc_module {
   sc_core::sc_event& begun_;
   Dispatcher& dispatcher_;
   sc_core::sc_event* drawing_ = nullptr;
+  collision::Contact reported_;
   std::int64_t passes_ = 0;
   std::int64_t skipped_ = 0;
   Picoseconds longest_ = 0;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cmath>
 #include <cstdint>
 #include <span>
@@ -63,9 +62,9 @@ class FrameSolver {
   // The nodes (active, ascending) that follow the probe from now on.
   virtual hvp_status move_contact(std::span<const int> nodes) = 0;
   // Everything up to the point where the solver works and the host need not wait for it.
-  virtual hvp_status begin(const Eigen::Vector3d& u_c, std::uint32_t& flags) = 0;
+  virtual hvp_status begin(std::uint32_t& flags) = 0;
   // Waits for what begin() began and takes the solution.
-  virtual hvp_status end(const Eigen::Vector3d& u_c, std::uint32_t& flags) = 0;
+  virtual hvp_status end(std::uint32_t& flags) = 0;
   // What is left to do once the force is out.
   virtual void finish(std::uint32_t& flags) = 0;
   virtual hvp_status close() = 0;

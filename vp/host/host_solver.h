@@ -25,11 +25,9 @@ class HostSolver : public FrameSolver {
     work_.spend(Phase::node_update, 0, scaled(computation_.on_host()->contact_operations()));
     return HVP_OK;
   }
-  hvp_status begin(const Eigen::Vector3d& /*u_c*/, std::uint32_t& /*flags*/) override {
-    return HVP_OK;
-  }
-  hvp_status end(const Eigen::Vector3d& u_c, std::uint32_t& /*flags*/) override {
-    computation_.solve_on_host(u_c);
+  hvp_status begin(std::uint32_t& /*flags*/) override { return HVP_OK; }
+  hvp_status end(std::uint32_t& /*flags*/) override {
+    computation_.solve_on_host();
     work_.spend(Phase::solve, 0, scaled(computation_.on_host()->operations()));
     return HVP_OK;
   }

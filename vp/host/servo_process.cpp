@@ -57,7 +57,8 @@ ServoProcess::ServoProcess(const sc_core::sc_module_name& name, const ServoSetti
       begun_("begun"),
       work_(settings_.costs, settings_.untimed, access.tag(), access.time(), ledger),
       solver_(make_solver(settings_, computation, access, work_, memory)),
-      recovery_(settings_.costs.recovery, *solver_) {
+      recovery_(settings_.costs.recovery, *solver_),
+      hand_over_(std::llround(contacts.settings().hand_over_s * 1e12)) {
   SC_HAS_PROCESS(ServoProcess);
   SC_THREAD(run);
   set_stack_size(kStackBytes);
@@ -241,10 +242,29 @@ void ServoProcess::begin(Step& step) {
     step.without_board = true;
   }
   step.contact = contact_;
-  if (contact_.present()) {
-    step.u_c = contacts_.prescribed_displacement(contact_, step.tip) + hand_over_.gap(step.born);
+  if (step.status == HVP_OK) {
+    hold_contact(step);
+    step.status = solver_->begin(step.flags);
   }
-  if (step.status == HVP_OK) step.status = solver_->begin(step.u_c, step.flags);
+  sights_[1] = sights_[0];
+  sights_[0] = {step.born, step.tip};
+}
+
+// Where the present contact wanted its nodes, or would have.
+collision::Aim ServoProcess::aim_at(const Sight& sight) const {
+  collision::Aim aim{sight.born, Eigen::Vector3d::Zero()};
+  if (contact_.present()) {
+    aim.displacement = contacts_.prescribed_displacement(contact_, sight.tip);
+  }
+  return aim;
+}
+
+void ServoProcess::hold_contact(const Step& step) {
+  const Picoseconds since = updated_.value_or(step.born - settings_.period);
+  computation_.hold(hand_over_.hold(aim_at({step.born, step.tip}),
+                                    1e-12 * static_cast<double>(step.born - since)));
+  const double operations = hand_over_.operations() + computation_.hold_operations();
+  if (operations > 0) work_.spend(Phase::hold, 0, operations);
 }
 
 // A board that was set up again is told of the same contact; for the host it goes on.
@@ -260,11 +280,14 @@ void ServoProcess::move_contact(Step& step) {
   if (step.report.contact == contact_) return;
   contact_ = step.report.contact;
   ++counts_.contact_changes;
-  if (contact_.present()) take_over(step.born, step.tip);
+  const Sight now{step.born, step.tip};
+  const Sight last = sights_[0].value_or(now);
+  hand_over_.change(next_contact_, aim_at(sights_[1].value_or(last)), aim_at(last),
+                    computation_.displacement(), computation_.velocity());
 }
 
 void ServoProcess::collect(Step& step) {
-  if (step.status == HVP_OK) step.status = solver_->end(step.u_c, step.flags);
+  if (step.status == HVP_OK) step.status = solver_->end(step.flags);
   mend(step);
   count_ticks_without_force(step);
   if (step.status == HVP_OK) {
@@ -337,6 +360,7 @@ void ServoProcess::advance(Step& step) {
   if (step.status != HVP_OK) return;
   solver_->finish(step.flags);
   computation_.update();
+  updated_ = step.born;
   work_.spend(Phase::update, 0, computation_.update_operations());
 }
 
@@ -371,13 +395,8 @@ void ServoProcess::record(const Step& step) {
 }
 
 void ServoProcess::observe(const Step& step) {
-  const SolvedFrame view{step.number,
-                         step.born - session_.begin,
-                         step.tip,
-                         step.contact.node,
-                         computation_.contact(),
-                         step.u_c,
-                         computation_.displacement(),
+  const SolvedFrame view{step.number,       step.born - session_.begin, step.tip,
+                         step.contact.node, computation_.held(),        computation_.displacement(),
                          step.force};
   for (FrameObserver* observer : observers_) observer->solved(view);
 }
@@ -432,14 +451,6 @@ Eigen::Vector3d ServoProcess::read_position() {
   access_.read(kDaqBase + DaqBoard::kPosition, counts.data(), sizeof(counts));
   return {plant::kPosition.to_value(counts[0]), plant::kPosition.to_value(counts[1]),
           plant::kPosition.to_value(counts[2])};
-}
-
-// The new contact node is where the last solution left it, and on its way to the tip from now on.
-void ServoProcess::take_over(Picoseconds now, const Eigen::Vector3d& tip) {
-  const auto first = static_cast<std::size_t>(3 * body_.active_index(contact_.node));
-  const Eigen::Vector3d displacement(&computation_.displacement()[first]);
-  hand_over_.begin(now, std::llround(contacts_.settings().hand_over_s * 1e12),
-                   displacement - contacts_.prescribed_displacement(contact_, tip));
 }
 
 void ServoProcess::write_force(const Eigen::Vector3d& force) {

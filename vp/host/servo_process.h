@@ -37,8 +37,7 @@ struct SolvedFrame {
   Picoseconds time;                      // since the servo loop began, of the frame's birth
   Eigen::Vector3d tip;                   // as read, m
   int contact_node;                      // mesh node, or −1
-  std::span<const int> contact;          // active nodes that follow the tip
-  Eigen::Vector3d contact_displacement;  // m
+  fem::Hold hold;                        // what contact prescribed
   std::span<const double> displacement;  // active nodes, m
   Eigen::Vector3d force;                 // on the body, N
 };
@@ -124,11 +123,16 @@ class ServoProcess : public sc_core::sc_module {
     Picoseconds looked_up = 0;
     Eigen::Vector3d tip = Eigen::Vector3d::Zero();
     collision::Contact contact;
-    Eigen::Vector3d u_c = Eigen::Vector3d::Zero();
     Eigen::Vector3d force = Eigen::Vector3d::Zero();
     std::uint32_t flags = 0;
     hvp_status status = HVP_OK;
     bool without_board = false;  // it is being brought back, or was given up
+  };
+
+  // Where the tip was read to be.
+  struct Sight {
+    Picoseconds born = 0;  // of the frame
+    Eigen::Vector3d tip = Eigen::Vector3d::Zero();
   };
 
   void run();
@@ -161,7 +165,8 @@ class ServoProcess : public sc_core::sc_module {
   void put_aside(Step& step) { step.tag = access_.tag(); }
   void resume(const Step& step);
   Eigen::Vector3d read_position();
-  void take_over(Picoseconds now, const Eigen::Vector3d& tip);
+  collision::Aim aim_at(const Sight& sight) const;
+  void hold_contact(const Step& step);
   void write_force(const Eigen::Vector3d& force);
   void note(hvp_status status, std::int64_t frame);
   void count(hvp_status status, std::int64_t frame, std::int64_t times);
@@ -188,7 +193,9 @@ class ServoProcess : public sc_core::sc_module {
   collision::Contact contact_;
   bool board_lost_contact_ = false;
   collision::HandOver hand_over_;
-  std::int64_t last_solved_ = -1;  // frame
+  std::array<std::optional<Sight>, 2> sights_;  // of the two frames before, the last one first
+  std::optional<Picoseconds> updated_;          // birth of the last frame that had a solution
+  std::int64_t last_solved_ = -1;               // frame
   Eigen::Vector3d held_force_ = Eigen::Vector3d::Zero();
   // For the mean force since the last report of the collision process.
   Eigen::Vector3d force_sum_ = Eigen::Vector3d::Zero();

@@ -1,40 +1,40 @@
-#include "vp/histogram.h"
+#include "models/statistics/histogram.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 
-namespace hvp::vp {
+namespace hvp::statistics {
 
 namespace {
 constexpr int kPartBits = 6;
 }
 
 // The octave's number above the six bits below the leading one.
-std::size_t Histogram::part(Picoseconds time) {
-  const auto bits = static_cast<std::uint64_t>(std::max<Picoseconds>(time, 0));
+std::size_t Histogram::part(std::int64_t value) {
+  const auto bits = static_cast<std::uint64_t>(std::max<std::int64_t>(value, 0));
   if (bits < kParts) return static_cast<std::size_t>(bits);
   const int shift = static_cast<int>(std::bit_width(bits)) - 1 - kPartBits;
   return static_cast<std::size_t>((bits >> static_cast<unsigned>(shift)) - kParts) +
          static_cast<std::size_t>(kParts) * static_cast<std::size_t>(shift + 1);
 }
 
-Picoseconds Histogram::upper_end(std::size_t part) {
-  if (part < kParts) return static_cast<Picoseconds>(part);
+std::int64_t Histogram::upper_end(std::size_t part) {
+  if (part < kParts) return static_cast<std::int64_t>(part);
   const auto shift = static_cast<unsigned>(part / kParts - 1);
   const auto next = static_cast<std::uint64_t>(part % kParts + kParts + 1);
-  return static_cast<Picoseconds>((next << shift) - 1);
+  return static_cast<std::int64_t>((next << shift) - 1);
 }
 
-void Histogram::add(Picoseconds time, std::int64_t times) {
+void Histogram::add(std::int64_t value, std::int64_t times) {
   if (times == 0) return;
-  counts_[part(time)] += times;
+  counts_[part(value)] += times;
   count_ += times;
-  largest_ = std::max(largest_, time);
-  sum_ += static_cast<double>(time) * static_cast<double>(times);
+  largest_ = std::max(largest_, value);
+  sum_ += static_cast<double>(value) * static_cast<double>(times);
 }
 
-Picoseconds Histogram::percentile(double share) const {
+std::int64_t Histogram::percentile(double share) const {
   const auto wanted = static_cast<std::int64_t>(std::ceil(share * static_cast<double>(count_)));
   std::int64_t seen = 0;
   for (std::size_t i = 0; i < counts_.size(); ++i) {
@@ -55,22 +55,22 @@ std::vector<Histogram::Part> Histogram::parts() const {
 
 std::vector<Histogram::Octave> Histogram::octaves() const {
   std::vector<Octave> octaves;
-  const auto add = [&octaves](Picoseconds from, std::int64_t count) {
+  const auto add = [&octaves](std::int64_t from, std::int64_t count) {
     if (count > 0) octaves.push_back({from, count});
   };
-  // Below 64 ps an octave is a run of parts.
+  // Below 64 an octave is a run of parts.
   add(0, counts_[0]);
   for (std::size_t from = 1; from < kParts; from *= 2) {
     std::int64_t count = 0;
     for (std::size_t i = from; i < 2 * from; ++i) count += counts_[i];
-    add(static_cast<Picoseconds>(from), count);
+    add(static_cast<std::int64_t>(from), count);
   }
   for (std::size_t i = kParts; i < counts_.size(); i += kParts) {
     std::int64_t count = 0;
     for (std::size_t j = i; j < i + kParts; ++j) count += counts_[j];
-    add(static_cast<Picoseconds>(std::uint64_t{kParts} << (i / kParts - 1)), count);
+    add(static_cast<std::int64_t>(std::uint64_t{kParts} << (i / kParts - 1)), count);
   }
   return octaves;
 }
 
-}  // namespace hvp::vp
+}  // namespace hvp::statistics

@@ -1,0 +1,92 @@
+#include "app/scene/unit_contacts.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "models/fixed/system.h"
+
+namespace hvp::app {
+
+namespace {
+
+constexpr int kPlaces = 64;           // along the probe's way
+constexpr std::size_t kContacts = 8;  // of them
+constexpr double kTouch = 1e-3;       // m
+// Three factorisations of so many nodes take about a second.
+constexpr int kMostNodes = 4000;
+
+struct Place {
+  int node = -1;  // of the mesh
+  double depth = 0;
+};
+
+// The free node of the surface that the tip is nearest to, and how deep the tip is below it.
+Place place_of(const collision::ContactSearch& contacts, const Eigen::Vector3d& tip) {
+  Place place;
+  double nearest = std::numeric_limits<double>::infinity();
+  const collision::DeformedSurface& surface = contacts.surface();
+  for (const int node : surface.surface_nodes()) {
+    if (!contacts.touchable(node)) continue;
+    const double distance = (surface.rest_position(node) - tip).norm();
+    if (distance < nearest) {
+      nearest = distance;
+      place = {node, (surface.rest_position(node) - tip).dot(surface.rest_normal(node))};
+    }
+  }
+  return place;
+}
+
+// The deepest touch of each node, in the order of the way; where it touches none, the nearest.
+std::vector<Place> touched(const Scene& scene) {
+  const plant::Trajectory& probe = scene.scenario().probe;
+  const std::int64_t end = probe.duration_ps();
+  std::vector<Place> places;
+  Place nearest;
+  for (int i = 0; i <= kPlaces; ++i) {
+    const Place place = place_of(scene.contacts(), probe.state_ps(end / kPlaces * i).position);
+    if (nearest.node < 0 || place.depth > nearest.depth) nearest = place;
+    if (place.depth <= 0) continue;
+    const auto known =
+        std::ranges::find_if(places, [&](const Place& p) { return p.node == place.node; });
+    if (known == places.end()) {
+      places.push_back(place);
+    } else {
+      known->depth = std::max(known->depth, place.depth);
+    }
+  }
+  if (places.empty()) places.push_back({nearest.node, kTouch});
+  if (places.size() <= kContacts) return places;
+  std::vector<Place> few;
+  for (std::size_t i = 0; i < kContacts; ++i) {
+    few.push_back(places[i * (places.size() - 1) / (kContacts - 1)]);
+  }
+  return few;
+}
+
+}  // namespace
+
+std::vector<host::UnitContact> unit_contacts(const Scene& scene) {
+  std::vector<host::UnitContact> contacts;
+  if (std::ranges::any_of(scene.body().load(), [](double f) { return f != 0; })) {
+    contacts.emplace_back();
+  }
+  for (const Place& place : touched(scene)) {
+    host::UnitContact contact;
+    for (const int node : scene.contacts().patch(place.node)) {
+      contact.nodes.push_back(scene.body().active_index(node));
+    }
+    contact.displacement = -place.depth * scene.contacts().surface().rest_normal(place.node);
+    contacts.push_back(std::move(contact));
+  }
+  return contacts;
+}
+
+std::optional<host::RoundingEstimate> estimate_rounding(const Scene& scene) {
+  const host::FrameComputation& computation = scene.computation();
+  if (!scene.has_board() || computation.timing_only()) return std::nullopt;
+  if (computation.matrix().block_rows() > kMostNodes) return std::nullopt;
+  return host::estimate_rounding(scene.body(), computation.matrix(),
+                                 fixed::dequantise(computation.system()), unit_contacts(scene));
+}
+
+}  // namespace hvp::app

@@ -1,0 +1,64 @@
+#include "models/host/deviation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvp::host {
+
+namespace {
+
+constexpr double kParts = 1e12;
+// Beyond this an error is as good as infinite; it fits the histogram.
+constexpr double kLargestShare = 1e6;
+
+}  // namespace
+
+void Deviation::add(std::span<const double> value, std::span<const double> reference,
+                    std::int64_t frame, bool in_contact) {
+  double difference = 0;
+  double norm = 0;
+  double own = 0;
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    const double d = value[i] - reference[i];
+    difference += d * d;
+    norm += reference[i] * reference[i];
+    own += value[i] * value[i];
+  }
+  if (norm == 0 && own == 0) return;
+  const double error = std::sqrt(difference);
+  const double size = std::sqrt(norm);
+  ++frames_;
+  sum_ += error;
+  if (worst_frame_ < 0 || error > worst_) {
+    worst_ = error;
+    worst_frame_ = frame;
+  }
+  largest_reference_ = std::max(largest_reference_, size);
+  if (!in_contact || size == 0) return;
+  const double share = error / size;
+  shares_.add(std::llround(std::min(share, kLargestShare) * kParts));
+  if (share > worst_share_) {
+    worst_share_ = share;
+    worst_share_frame_ = frame;
+  }
+}
+
+std::optional<double> Deviation::relative() const {
+  if (frames_ == 0 || !(largest_reference_ > 0)) return std::nullopt;
+  return sum_ / static_cast<double>(frames_) / largest_reference_;
+}
+
+std::optional<double> Deviation::worst_relative() const {
+  if (frames_ == 0 || !(largest_reference_ > 0)) return std::nullopt;
+  return worst_ / largest_reference_;
+}
+
+std::optional<Deviation::OfFrame> Deviation::of_frame() const {
+  if (shares_.count() == 0) return std::nullopt;
+  const auto share = [&](double of_frames) {
+    return static_cast<double>(shares_.percentile(of_frames)) / kParts;
+  };
+  return OfFrame{shares_.count(), share(0.5), share(0.95), worst_share_, worst_share_frame_};
+}
+
+}  // namespace hvp::host

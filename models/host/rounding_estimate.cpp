@@ -1,0 +1,66 @@
+#include "models/host/rounding_estimate.h"
+
+#include <algorithm>
+
+#include "models/fem/reference_solver.h"
+#include "models/host/deviation.h"
+#include "models/host/reference_run.h"
+
+namespace hvp::host {
+
+namespace {
+
+// K + Ã − A, in the pattern that all three share.
+sparse::BlockMatrix stationary_stiffness(const sparse::BlockMatrix& k, const sparse::BlockMatrix& a,
+                                         const sparse::BlockMatrix& rounded) {
+  sparse::BlockMatrix result = k;
+  for (std::size_t i = 0; i < result.value.size(); ++i) {
+    result.value[i] += rounded.value[i] - a.value[i];
+  }
+  return result;
+}
+
+std::span<const double> components(const Eigen::Vector3d& v) { return {v.data(), 3}; }
+
+// Of one contact; none where the true model does not move.
+std::optional<double> error(std::span<const double> value, std::span<const double> reference) {
+  Deviation deviation;
+  deviation.add(value, reference);
+  return deviation.worst_relative();
+}
+
+}  // namespace
+
+RoundingEstimate estimate_rounding(const fem::Body& body, const sparse::BlockMatrix& a,
+                                   const sparse::BlockMatrix& rounded,
+                                   std::span<const UnitContact> contacts) {
+  const sparse::BlockMatrix& k = body.stiffness();
+  const sparse::BlockMatrix resting = stationary_stiffness(k, a, rounded);
+  ReferenceRun truth(body, std::nullopt, 0, k, k);
+  ReferenceRun words(body, std::nullopt, 0, k, resting);
+  const fem::ReferenceSolver board(rounded);
+
+  RoundingEstimate estimate;
+  estimate.positive_definite = board.positive_definite() && words.positive_definite();
+  estimate.negative_eigenvalues =
+      std::max(board.negative_eigenvalues(), words.negative_eigenvalues());
+  if (words.singular() || truth.singular()) return estimate;
+  std::vector<Eigen::Vector3d> held;
+  for (const UnitContact& contact : contacts) {
+    held.assign(contact.nodes.size(), contact.displacement);
+    const fem::Hold hold{contact.nodes, held, {}, 0};
+    truth.step(hold);
+    words.step(hold);
+    const std::optional<double> displacement = error(words.displacement(), truth.displacement());
+    if (!displacement) continue;
+    ++estimate.contacts;
+    if (!estimate.error) estimate.error.emplace();
+    estimate.error->displacement = std::max(estimate.error->displacement, *displacement);
+    if (contact.nodes.empty()) continue;
+    const std::optional<double> force = error(components(words.force()), components(truth.force()));
+    estimate.error->force = std::max(estimate.error->force, force.value_or(0));
+  }
+  return estimate;
+}
+
+}  // namespace hvp::host

@@ -1,0 +1,126 @@
+#include "models/stability/force_quality.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hvp::stability {
+
+namespace {
+
+constexpr double kSmallestChange = 1e-9;  // N, of the first bin
+
+void keep_worst(WorstFrame& worst, double value, std::int64_t frame) {
+  if (worst.frame >= 0 && !(value > worst.value)) return;
+  worst = {value, frame};
+}
+
+}  // namespace
+
+void ForceQuality::add(const FeltForce& felt) {
+  if (felt.force.norm() > 0) keep_worst(peak_, felt.force.norm(), felt.frame);
+  if (felt.pull > 0) keep_worst(pull_, felt.pull, felt.frame);
+  if (any_) {
+    const Eigen::Vector3d change = felt.force - last_.force;
+    if (change.norm() > 0) keep_worst(step_, change.norm(), felt.frame);
+    count_alternation(felt, change);
+    last_change_ = change;
+  } else {
+    alternations_began_s_ = felt.time_s;
+  }
+  watch_rest(felt);
+  last_ = felt;
+  any_ = true;
+}
+
+double ForceQuality::step_share() const { return peak_.value > 0 ? step_.value / peak_.value : 0; }
+
+// frexp and a table of roots, so that the bin is the same everywhere.
+int ForceQuality::bin(double change) {
+  constexpr std::array<double, kBinsAnOctave> kRoots = {0.5, 0.5946035575013605, 0.7071067811865476,
+                                                        0.8408964152537145};
+  if (!(change > kSmallestChange)) return 0;
+  int exponent = 0;
+  const double mantissa = std::frexp(change / kSmallestChange, &exponent);
+  const auto within = std::upper_bound(kRoots.begin(), kRoots.end(), mantissa) - kRoots.begin() - 1;
+  return std::min(kBinsAnOctave * (exponent - 1) + static_cast<int>(within), kBins - 1);
+}
+
+void ForceQuality::count_alternation(const FeltForce& felt, const Eigen::Vector3d& change) {
+  const bool over =
+      alternations_frames_ >= kWindowFrames && felt.time_s >= alternations_began_s_ + kWindow_s;
+  if (over) {
+    close_alternations();
+    alternations_began_s_ = felt.time_s;
+  }
+  ++alternations_frames_;
+  const double turned =
+      change.dot(last_change_) < 0 ? std::min(change.norm(), last_change_.norm()) : 0;
+  const double alternated = std::min(turned, last_turned_);
+  last_turned_ = turned;
+  if (alternated > 0) ++alternations_[static_cast<std::size_t>(bin(alternated))];
+}
+
+void ForceQuality::close_alternations() {
+  std::int32_t with_at_least = 0;
+  for (std::size_t at = kBins; at-- > 0;) {
+    with_at_least += alternations_[at];
+    most_alternations_[at] = std::max(most_alternations_[at], with_at_least);
+  }
+  alternations_ = {};
+  alternations_frames_ = 0;
+}
+
+std::int64_t ForceQuality::alternations() const {
+  ForceQuality closed = *this;
+  closed.close_alternations();
+  // The bin that the bound falls into counts as below it.
+  const int above = bin(std::max(kRingingShare * peak_.value, kNoForce)) + 1;
+  return above < kBins ? closed.most_alternations_[static_cast<std::size_t>(above)] : 0;
+}
+
+void ForceQuality::watch_rest(const FeltForce& felt) {
+  const bool rests =
+      any_ && felt.contact >= 0 && felt.contact == last_.contact && felt.tip == last_.tip;
+  if (!rests) {
+    rest_ = {};
+    ripple_before_.reset();
+    return;
+  }
+  const bool full = rest_.frames >= kWindowFrames && felt.time_s >= rest_.began_s + kRest_s;
+  if (full) close_rest_window();
+  if (rest_.frames == 0) rest_ = {felt.time_s, 0, felt.force, felt.force, Eigen::Vector3d::Zero()};
+  ++rest_.frames;
+  rest_.least = rest_.least.cwiseMin(felt.force);
+  rest_.most = rest_.most.cwiseMax(felt.force);
+  rest_.sum += felt.force;
+}
+
+void ForceQuality::close_rest_window() {
+  const double mean = rest_.sum.norm() / static_cast<double>(rest_.frames);
+  const double moves = (rest_.most - rest_.least).maxCoeff();
+  const double ripple = mean > kNoForce ? moves / mean : 0;
+  if (ripple_before_) {
+    rested_ = true;
+    if (ripple > kSettles * *ripple_before_) keep_worst(ripple_, ripple, last_.frame);
+  }
+  ripple_before_ = ripple;
+  rest_ = {};
+}
+
+std::optional<double> ForceQuality::ripple() const {
+  ForceQuality closed = *this;
+  const bool full = rest_.frames >= kWindowFrames && last_.time_s >= rest_.began_s + kRest_s;
+  if (full) closed.close_rest_window();
+  if (!closed.rested_) return std::nullopt;
+  return closed.ripple_.value;
+}
+
+Flags ForceQuality::flags() const {
+  Flags flags;
+  if (step_.value > kNoForce && step_share() > kLargestStep) flags.raise(Flag::force_step);
+  if (alternations() > kMostAlternations) flags.raise(Flag::force_ringing);
+  if (ripple().value_or(0) > kRipple) flags.raise(Flag::limit_cycle);
+  return flags;
+}
+
+}  // namespace hvp::stability
