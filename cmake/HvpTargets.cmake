@@ -11,11 +11,13 @@ function(hvp_library name)
 endfunction()
 
 # A test program a room. Every test case runs as a process of its own under ctest, because
-# SystemC elaborates once in a process.
+# SystemC elaborates once in a process. PREFIX tells the cases of two programs apart that share
+# sources.
 function(hvp_test name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "" "PREFIX" "SOURCES;DEPENDS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${ARG_DEPENDS} hvp_warnings GTest::gtest GTest::gtest_main)
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 120 PROPERTIES TIMEOUT 300)
+  gtest_discover_tests(${name} TEST_PREFIX "${ARG_PREFIX}" DISCOVERY_TIMEOUT 120
+    PROPERTIES TIMEOUT 300)
 endfunction()

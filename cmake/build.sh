@@ -5,7 +5,6 @@
 
 build=${HVP_BUILD_DIR:-$top/build}
 [[ $build == /* ]] || build=$PWD/$build
-newline=$'\n'
 
 say() { printf 'hvp: %s\n' "$*" >&2; }
 fail() {
@@ -26,24 +25,33 @@ set_jobs() {
   done </proc/meminfo
 }
 
-# The packages of the given sections of packages.txt that dpkg does not list as installed.
-missing_packages() {
-  local section='' name rest status
-  local -a wanted=()
-  local -A installed=()
+# The packages of the given sections of packages.txt, or of all of them.
+packages() { # sections…
+  local section='' name rest
   while read -r name rest; do
     case $name in
       '' | \#*) ;;
       \[*\]) section=${name:1:-1} ;;
-      *) [[ " $* " != *" $section "* ]] || wanted+=("$name") ;;
+      *) [[ $# != 0 && " $* " != *" $section "* ]] || printf '%s\n' "$name" ;;
     esac
   done <"$top/packages.txt"
-  while read -r status name; do
-    [[ $status != installed ]] || installed[$name]=yes
-  done < <(dpkg-query -W -f='${db:Status-Status} ${Package}\n' "${wanted[@]}" 2>/dev/null)
-  for name in "${wanted[@]}"; do
+}
+
+# Name and version of those that are installed, in order; nothing where there is no dpkg.
+installed_packages() { # sections…
+  local -a wanted
+  mapfile -t wanted < <(packages "$@")
+  { dpkg-query -W -f='${db:Status-Status} ${Package} ${Version}\n' "${wanted[@]}" 2>/dev/null || true; } |
+    sed -n 's/^installed //p' | LC_ALL=C sort
+}
+
+missing_packages() { # sections…
+  local name rest
+  local -A installed=()
+  while read -r name rest; do installed[$name]=yes; done < <(installed_packages "$@")
+  while read -r name; do
     [[ -n ${installed[$name]:-} ]] || printf '%s ' "$name"
-  done
+  done < <(packages "$@")
 }
 
 # Turns apt-get's hundreds of lines into one that counts (on a terminal) or into ten.
@@ -123,9 +131,13 @@ locked() { # directory command…
   ) 9>"$1/.hvp-lock"
 }
 
-# Where a build directory belongs: a checkout that was moved or copied must not build from the
-# old place, which CMake's cache remembers.
-configured_for() { printf '%s%s%s' "$top" "$newline" "$build/$1"; }
+# What configuring found: where the build directory belongs, as a checkout that was moved or copied
+# must not build from the old place, which CMake's cache remembers; and the packages, as what was
+# not there then is left out.
+configured_for() { # preset
+  printf '%s\n' "$top" "$build/$1"
+  installed_packages
+}
 
 is_configured() { # preset
   local dir=$build/$1
@@ -141,7 +153,7 @@ is_up_to_date() { # preset target…
 }
 
 configure() { # preset
-  local dir=$build/$1
+  local dir=$build/$1 line
   ! is_configured "$1" || return 0
   say "configuring $dir"
   rm -f "$dir/.hvp-configured"
@@ -152,6 +164,14 @@ configure() { # preset
     return 1
   }
   configured_for "$1" >"$dir/.hvp-configured"
+  while IFS= read -r line; do say "$line"; done < <(left_out "$1")
+}
+
+# What the configuration leaves out, and why: a line each (cmake/LeftOut.cmake).
+left_out() { # preset
+  local line
+  [[ -f $build/$1/left-out.txt ]] || return 0
+  while IFS= read -r line; do printf 'left out: %s\n' "$line"; done <"$build/$1/left-out.txt"
 }
 
 configure_and_build() { # preset target…

@@ -1,4 +1,5 @@
 #include "driver/hvp_device.h"
+#include "driver/hvp_memory.h"
 
 enum { LIST_REGISTERS = 5, MINOR_VERSION_OF_DMA = 1, LIST_ALIGNMENT = 32 };
 static_assert(offsetof(hvp_t, DMA_RECORD_HIGH) - offsetof(hvp_t, DMA_LIST_LOW) ==
@@ -67,12 +68,10 @@ static uint32_t* describe(uint32_t* words, const struct hvp_segment* segments, u
   uint32_t left = bytes;
   for (size_t i = 0; left > 0U; ++i) {
     const uint32_t part = segments[i].bytes < left ? segments[i].bytes : left;
-    words[0] = control;
-    words[1] = part;
-    words[2] = (uint32_t)segments[i].bus_address;
-    words[3] = (uint32_t)(segments[i].bus_address >> 32U);
-    words[4] = offset;
-    for (size_t k = 5; k < HVP_DESCRIPTOR_WORDS; ++k) words[k] = 0U;
+    const uint32_t descriptor[HVP_DESCRIPTOR_WORDS] = {
+        control, part, (uint32_t)segments[i].bus_address,
+        (uint32_t)(segments[i].bus_address >> 32U), offset};
+    for (size_t k = 0; k < HVP_DESCRIPTOR_WORDS; ++k) hvp_store_word(&words[k], descriptor[k]);
     words += HVP_DESCRIPTOR_WORDS;
     offset += part;
     left -= part;
@@ -143,7 +142,7 @@ void hvp_fill_segments(struct hvp_device* device, const int32_t* b) {
       ++segment;
       word = 0;
     }
-    segment->memory[word] = hvp_pack_word(b, n, i, per_word);
+    hvp_store_word(&segment->memory[word], hvp_pack_word(b, n, i, per_word));
     ++word;
   }
 }
@@ -158,22 +157,21 @@ void hvp_empty_segments(const struct hvp_device* device, int32_t* u) {
       ++segment;
       word = 0;
     }
-    i = hvp_unpack_word(segment->memory[word], u, n, i, per_word);
+    i = hvp_unpack_word(hvp_load_word(&segment->memory[word]), u, n, i, per_word);
     ++word;
   }
 }
 
 void hvp_run_list(struct hvp_device* device) {
   // Job numbers begin anew after a reset: an old record must not pass for the new one.
-  for (size_t k = 0; k < HVP_RECORD_WORDS; ++k) device->dma.record[k] = 0U;
+  for (size_t k = 0; k < HVP_RECORD_WORDS; ++k) hvp_store_word(&device->dma.record[k], 0U);
   sync_memory(device, true);
   hvp_write_register(device, HVP_OFFSET(CONTROL), HVP__CONTROL__RUN_LIST_bm);
   device->done_pending = false;
 }
 
-// The record is the board's to write at any time.
 static uint32_t record_word(const struct hvp_device* device, size_t k) {
-  return ((const volatile uint32_t*)device->dma.record)[k];
+  return hvp_load_word(&device->dma.record[k]);
 }
 
 static bool record_is_there(const struct hvp_device* device) {

@@ -60,10 +60,11 @@ enum {
   HVP_BUS_PARITY = 2,        // a word was damaged on its way, to the board or from it
 };
 
-// The way to one board. Offsets are bytes from the start of its BAR, multiples of four; words are
-// in the host's byte order and little-endian on the bus. Writes may be posted but must arrive in
-// order and before a later read is answered. No call-back may unwind (throw, longjmp) through the
-// driver.
+// The way to one board. Offsets are bytes from the start of its BAR, multiples of four. The driver
+// gives and takes values; a call-back knows the bus, which is little-endian, and its host: on one
+// of the other byte order it turns each word, in a block too. Writes may be posted but must arrive
+// in order and before a later read is answered. No call-back may unwind (throw, longjmp) through
+// the driver.
 struct hvp_bus {
   void* context;
   uint32_t (*read32)(void* context, uint32_t offset);
@@ -90,7 +91,8 @@ struct hvp_bus {
 };
 
 // A run of the host's memory that the board reaches at one address. Both are multiples of four
-// bytes; words are little-endian in memory.
+// bytes. Words are little-endian in memory on every host: the driver sees to it, and nothing on the
+// way may turn them.
 struct hvp_segment {
   uint32_t* memory;
   uint64_t bus_address;

@@ -92,6 +92,27 @@ TEST_F(DriverByDma, FrameWithMessagesReadsNoRegister) {
   EXPECT_EQ(u, b);
 }
 
+// Little-endian words, whatever the host's order: what the board reads, b's elements 0 and 1 in the
+// lower and the upper half of a word.
+TEST_F(DriverByDma, BoardReadsWhatTheDriverWroteToMemory) {
+  load_on(msi());
+  const auto words = [this](std::size_t first, std::size_t count) {
+    std::vector<std::uint32_t> found;
+    for (std::size_t k = 0; k < count; ++k) found.push_back(board.fetched(first + k));
+    return found;
+  };
+  using Words = std::vector<std::uint32_t>;
+  const std::uint32_t b_offset = vp::kApertures[static_cast<std::size_t>(vp::Aperture::b)].offset;
+  const std::uint32_t u_offset = vp::kApertures[static_cast<std::size_t>(vp::Aperture::u)].offset;
+  EXPECT_EQ(words(kList, 8), (Words{0, 12, 800, 1, b_offset, 0, 0, 0}));
+  EXPECT_EQ(words(kList + 8, 8), (Words{0, 20, 400, 1, b_offset + 12, 0, 0, 0}));
+  EXPECT_EQ(words(kList + 32, 8), (Words{1, 20, 1600, 1, u_offset + 12, 0, 0, 0}));
+  for (std::size_t i = 0; i < b.size(); ++i) b[i] = static_cast<std::int32_t>(0x0102 * i);
+  ASSERT_EQ(hvp_write_rhs(&device, b.data(), b.size()), HVP_OK);
+  EXPECT_EQ(words(200, 3), (Words{0x01020000, 0x03060204, 0x050a0408}));
+  EXPECT_EQ(words(100, 1), (Words{0x070e060c}));
+}
+
 TEST_F(DriverByDma, FrameWithALineReadsStatusFirst) {
   load_on(intx());
   EXPECT_EQ(solve(), HVP_OK);
@@ -124,7 +145,7 @@ TEST_F(DriverByDma, WordsNeedNotBePacked) {
   load_on(msi());
   EXPECT_EQ(solve(), HVP_OK);
   EXPECT_EQ(u, b);
-  EXPECT_EQ(*board.memory(kRecord + 1), 4 * kUnknowns);
+  EXPECT_EQ(board.fetched(kRecord + 1), 4 * kUnknowns);
 }
 
 TEST_F(DriverByDma, MatrixThatIsLoadedAfterAListHasItsOwnEnd) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <span>
 
 #include <fmt/format.h>
@@ -118,7 +119,25 @@ std::size_t memory_word(std::uint32_t low, std::uint32_t high) {
   const std::uint64_t address = std::uint64_t{high} << 32 | low;
   return static_cast<std::size_t>((address - ScriptedBoard::kMemoryAddress) / 4);
 }
+
+// A word that the processor sees so has its bytes in this order for the board, which takes the
+// first for the least significant one; and the reverse. A processor of the other byte order than
+// this machine's is played by turning what the board fetches and places.
+std::uint32_t turned(std::uint32_t word) {
+#ifdef HVP_PLAY_THE_OTHER_BYTE_ORDER
+  constexpr bool kTurned = std::endian::native == std::endian::little;
+#else
+  constexpr bool kTurned = std::endian::native == std::endian::big;
+#endif
+  return kTurned ? __builtin_bswap32(word) : word;
+}
 }  // namespace
+
+std::uint32_t ScriptedBoard::fetched(std::size_t word) const { return turned(memory_.at(word)); }
+
+void ScriptedBoard::place(std::size_t word, std::uint32_t value) {
+  memory_.at(word) = turned(value);
+}
 
 // Whether a list, or its record, lies where there is no memory: fuzzed registers.
 bool ScriptedBoard::unreachable() const {
@@ -132,6 +151,13 @@ bool ScriptedBoard::unreachable() const {
          memory_.size() - record < 8;
 }
 
+ScriptedBoard::Descriptor ScriptedBoard::descriptor(std::size_t list, std::uint32_t i) const {
+  const std::size_t first = list + 8 * std::size_t{i};
+  return {.bytes = fetched(first + 1),
+          .word = memory_word(fetched(first + 2), fetched(first + 3)),
+          .offset = fetched(first + 4)};
+}
+
 void ScriptedBoard::bring_b() {
   if (unreachable()) {
     raise(ErrorCode::dma_failed, 0xfffffffe);
@@ -141,14 +167,13 @@ void ScriptedBoard::bring_b() {
       memory_word(bank_.get(Register::dma_list_low), bank_.get(Register::dma_list_high));
   to_board_ = 0;
   for (std::uint32_t i = 0; i < bank_.get(field::kDmaCountToBoard); ++i) {
-    const std::uint32_t* d = &memory_.at(list + 8 * std::size_t{i});
-    const std::size_t from = memory_word(d[2], d[3]);
+    const Descriptor d = descriptor(list, i);
     const std::size_t to =
-        (d[4] - vp::kApertures[static_cast<std::size_t>(Aperture::b)].offset) / 4;
-    for (std::size_t k = 0; k < d[1] / 4; ++k) {
-      bank_.memory(Aperture::b)[to + k] = memory_.at(from + k);
+        (d.offset - vp::kApertures[static_cast<std::size_t>(Aperture::b)].offset) / 4;
+    for (std::size_t k = 0; k < d.bytes / 4; ++k) {
+      bank_.memory(Aperture::b)[to + k] = fetched(d.word + k);
     }
-    to_board_ += d[1];
+    to_board_ += d.bytes;
   }
 }
 
@@ -160,13 +185,12 @@ void ScriptedBoard::take_out_u() {
   to_host_ = 0;
   const bool failed = bank_.get(field::kInterruptStatusError) != 0;
   for (std::uint32_t i = 0; !failed && i < bank_.get(field::kDmaCountToHost); ++i) {
-    const std::uint32_t* d = &memory_.at(list + 8 * std::size_t{i});
-    const std::size_t to = memory_word(d[2], d[3]);
+    const Descriptor d = descriptor(list, i);
     const std::size_t from =
-        (d[4] - vp::kApertures[static_cast<std::size_t>(Aperture::u)].offset) / 4;
-    const std::uint32_t bytes = d[1] - std::min(d[1], short_by);
+        (d.offset - vp::kApertures[static_cast<std::size_t>(Aperture::u)].offset) / 4;
+    const std::uint32_t bytes = d.bytes - std::min(d.bytes, short_by);
     for (std::size_t k = 0; k < bytes / 4; ++k) {
-      posted_.push_back({to + k, bank_.memory(Aperture::u)[from + k]});
+      posted_.push_back({d.word + k, bank_.memory(Aperture::u)[from + k]});
     }
     to_host_ += bytes;
   }
@@ -188,7 +212,7 @@ void ScriptedBoard::take_out_u() {
 }
 
 void ScriptedBoard::deliver() {
-  for (const Posted& write : posted_) memory_.at(write.word) = write.value;
+  for (const Posted& write : posted_) place(write.word, write.value);
   posted_.clear();
 }
 

@@ -31,10 +31,12 @@ class ScriptedBoard {
   const std::vector<std::string>& refused() const { return refused_; }
   std::uint64_t now_ns() const { return now_; }
 
-  // The host's memory as the DMA engine reaches it.
+  // The host's memory as the DMA engine reaches it: where the processor sees a word, at which
+  // address the board does, and what the board reads there.
   static constexpr std::uint64_t kMemoryAddress = 0x1'0000'0000;
   std::uint32_t* memory(std::size_t word) { return &memory_[word]; }
   static std::uint64_t address(std::size_t word) { return kMemoryAddress + 4 * word; }
+  std::uint32_t fetched(std::size_t word) const;
 
   // The script.
   std::uint64_t job_ns = 500'000;
@@ -55,6 +57,12 @@ class ScriptedBoard {
  private:
   enum class Running { nothing, job, load };
 
+  struct Descriptor {
+    std::uint32_t bytes;
+    std::size_t word;  // of memory
+    std::uint32_t offset;
+  };
+
   void control(std::uint32_t written);
   void begin(Running what, std::uint64_t duration);
   void end();
@@ -62,9 +70,11 @@ class ScriptedBoard {
   void mirror_interrupts();
   void check_matrix();
   bool unreachable() const;
+  Descriptor descriptor(std::size_t list, std::uint32_t i) const;
   void bring_b();
   void take_out_u();
   void deliver();
+  void place(std::size_t word, std::uint32_t value);
   void update_node();
   void transfer(vp::Command command, std::uint32_t offset, std::uint32_t* words, std::size_t count);
   void advance(std::uint64_t ns);

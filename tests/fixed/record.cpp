@@ -1,14 +1,11 @@
 #include "tests/fixed/record.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 
 namespace hvp::fixed::test {
 
 namespace {
-
-constexpr std::array<const char*, 8> kVectors = {"x", "r", "z", "d", "q", "w", "n", "v"};
 
 std::string vector_difference(const std::vector<std::int32_t>& one,
                               const std::vector<std::int32_t>& other) {
@@ -23,9 +20,9 @@ std::string iteration_difference(const IterationRecord& one, const IterationReco
   if (one.iteration != other.iteration) return "its number";
   if (!(one.alpha == other.alpha)) return "alpha";
   if (one.d_q != other.d_q) return "d_q";
-  for (std::size_t v = 0; v < kVectors.size(); ++v) {
+  for (std::size_t v = 0; v < kVectorNames.size(); ++v) {
     const std::string found = vector_difference(one.vectors[v], other.vectors[v]);
-    if (!found.empty()) return kVectors[v] + (" " + found);
+    if (!found.empty()) return kVectorNames[v] + (" " + found);
   }
   if (one.z_r != other.z_r) return "z_r";
   if (!(one.beta == other.beta)) return "beta";

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -8,11 +9,12 @@
 
 namespace hvp::fixed::test {
 
+inline constexpr std::array<const char*, 8> kVectorNames = {"x", "r", "z", "d", "q", "w", "n", "v"};
+
 // Every word and scalar that an observer can see of one iteration.
 struct IterationRecord {
   int iteration = 0;
-  // x, r, z, d, q, w, n, v
-  std::vector<std::vector<std::int32_t>> vectors;
+  std::vector<std::vector<std::int32_t>> vectors;  // in the order of their names
   Int128 d_q = 0, z_r = 0;
   Coefficient alpha, beta;
   int residual_exponent = 0, direction_exponent = 0;
