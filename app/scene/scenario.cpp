@@ -127,12 +127,6 @@ void require_engine(const Scenario& s) {
       s.solver.method == fixed::Method::pipelined_cg) {
     lacks("chronopoulos-gear and pipelined-cg", "this solver.method");
   }
-  if (s.accelerator.vector_clocks() < 1) {
-    throw InputError("accelerator.pipeline_clocks",
-                     "expected more than memory_read_clocks, multiplier_clocks and "
-                     "adder_tree_clocks together, which leave the vector unit nothing of " +
-                         std::to_string(s.accelerator.pipeline_clocks));
-  }
 }
 
 // What a scenario without a board cannot have.
