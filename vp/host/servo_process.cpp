@@ -79,6 +79,8 @@ void ServoProcess::serve() {
   const Picoseconds began = now_ps();
   set_up();
   access_.time().synchronise();
+  // What was posted is not the first frame's to wait for.
+  drain_();
   set_up_time_ = now_ps() - began;
   session_.begin = now_ps();
   if (faults_ != nullptr) faults_->begin(session_.begin);
