@@ -1,5 +1,7 @@
 #include "vp/frame.h"
 
+#include "vp/tenure.h"
+
 namespace hvp::vp {
 
 std::string_view name(Part part) {
@@ -14,6 +16,22 @@ std::string_view name(Part part) {
       return "daq";
     case Part::device:
       return "device";
+  }
+  return "";
+}
+
+std::string_view name(Resource resource) {
+  switch (resource) {
+    case Resource::core_0:
+      return "core 0";
+    case Resource::core_1:
+      return "core 1";
+    case Resource::bus:
+      return "bus";
+    case Resource::link_to_board:
+      return "link to board";
+    case Resource::link_to_host:
+      return "link to host";
   }
   return "";
 }
@@ -84,6 +102,8 @@ std::string_view name(Phase phase) {
       return "update";
     case Phase::recovery:
       return "recovery";
+    case Phase::bridge_status:
+      return "bridge status";
     case Phase::refinement:
       return "refinement";
   }

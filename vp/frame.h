@@ -46,6 +46,7 @@ enum class Phase : std::uint8_t {
   update,          // host: Newmark's update, after the force is written
   refinement,      // host: the residual in double precision
   recovery,        // host: a board that failed is brought back, bus accesses included
+  bridge_status,   // host: what the bridge has recorded of errors; not over the bus
 };
 
 std::string_view name(Part part);

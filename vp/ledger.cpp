@@ -45,6 +45,11 @@ std::vector<SpanId> critical_path(const Frame& frame) {
   return path;
 }
 
+void Ledger::take(const Tenure& tenure) const {
+  if (tenure.end == tenure.start) return;
+  for (TenureSink* sink : tenure_sinks_) sink->take(tenure);
+}
+
 Frame& Ledger::open(std::int64_t number, Picoseconds born) {
   if (spare_.empty()) {
     spare_.emplace_back();

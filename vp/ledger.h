@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "vp/frame.h"
+#include "vp/tenure.h"
 
 namespace hvp::vp {
 
@@ -28,6 +29,12 @@ class FrameSink {
 class Ledger {
  public:
   void add_sink(FrameSink& sink) { sinks_.push_back(&sink); }
+  void add_tenure_sink(TenureSink& sink) { tenure_sinks_.push_back(&sink); }
+
+  // Who had a resource: handed on at once, nothing is kept. One of no length is none.
+  void take(const Tenure& tenure) const;
+  // Whether anybody wants to know.
+  bool takes_tenures() const { return !tenure_sinks_.empty(); }
 
   // A frame is born at its release time. Numbers ascend.
   Frame& open(std::int64_t number, Picoseconds born);
@@ -70,6 +77,7 @@ class Ledger {
   std::vector<Frame> spare_;
   std::vector<SpanId> path_;
   std::vector<FrameSink*> sinks_;
+  std::vector<TenureSink*> tenure_sinks_;
 };
 
 }  // namespace hvp::vp

@@ -74,6 +74,7 @@ class Platform {
   ~Platform();
 
   void add_sink(FrameSink& sink) { ledger_.add_sink(sink); }
+  void add_tenure_sink(TenureSink& sink) { ledger_.add_tenure_sink(sink); }
   void add_observer(FrameObserver& observer) { servo_.add_observer(observer); }
 
   // Runs all frames. Throws what a sink or an observer threw, and std::runtime_error where the

@@ -8,6 +8,7 @@ namespace hvp::vp {
 // result count time from here.
 struct Session {
   Picoseconds begin = 0;
+  bool begun = false;
 };
 
 }  // namespace hvp::vp

@@ -21,6 +21,8 @@ Trace::Trace(const std::filesystem::path& path, const vp::Session& session,
     : stream_(path), session_(session), settings_(settings) {
   write("{\"traceEvents\":[\n");
   write(R"({"name":"process_name","ph":"M","pid":1,"args":{"name":"hvp"}})");
+  write(",\n");
+  write(R"({"name":"process_name","ph":"M","pid":2,"args":{"name":"cores and buses"}})");
   for (int row = 0; row < static_cast<int>(Row::count); ++row) {
     name_lane(first_lane(static_cast<Row>(row)));
   }
@@ -33,12 +35,17 @@ void Trace::write(std::string_view text) {
 }
 
 void Trace::name_lane(int lane) {
+  const int process = lane < lane_of(vp::Resource{}) ? 1 : 2;
   fmt::format_to(std::back_inserter(text_),
-                 ",\n{{\"name\":\"thread_name\",\"ph\":\"M\",\"pid\":1,\"tid\":{0},"
+                 ",\n{{\"name\":\"thread_name\",\"ph\":\"M\",\"pid\":{2},\"tid\":{0},"
                  "\"args\":{{\"name\":\"{1}\"}}}}"
-                 ",\n{{\"name\":\"thread_sort_index\",\"ph\":\"M\",\"pid\":1,\"tid\":{0},"
+                 ",\n{{\"name\":\"thread_sort_index\",\"ph\":\"M\",\"pid\":{2},\"tid\":{0},"
                  "\"args\":{{\"sort_index\":{0}}}}}",
-                 lane, lane_name(lane));
+                 lane, lane_name(lane), process);
+}
+
+bool Trace::fits() const {
+  return written_ + static_cast<std::int64_t>(text_.size()) + kRoomForEnd <= settings_.bytes;
 }
 
 // Microseconds, exact to the picosecond. Perfetto takes a time as trunc(double · 1000) in
@@ -62,7 +69,7 @@ void Trace::append_slice(const vp::Frame& frame, std::size_t index, bool critica
                  FMT_COMPILE(",\n{{\"name\":\"{}\",\"cat\":\"{}\",\"ph\":\"X\",\"pid\":1,"
                              "\"tid\":{},\"ts\":"),
                  name(span.phase), name(span.part), lane.id);
-  append_time(span.start - session_.begin);
+  append_time(span.start);
   constexpr vp::Picoseconds kPerUs = 1'000'000;
   const vp::Picoseconds length = span.end - span.start;
   fmt::format_to(out,
@@ -78,7 +85,7 @@ void Trace::append_flow(const vp::Frame& frame, char phase, vp::Picoseconds at) 
                  FMT_COMPILE(",\n{{\"name\":\"frame\",\"cat\":\"path\",\"ph\":\"{}\",\"id\":{},"
                              "\"pid\":1,\"tid\":{},\"ts\":"),
                  phase, frame.number, lane_);
-  append_time(at - session_.begin);
+  append_time(at);
   fmt::format_to(out, FMT_COMPILE("{}}}"), phase == 'f' ? ",\"bp\":\"e\"" : "");
 }
 
@@ -89,13 +96,13 @@ void Trace::append_marks(const vp::Frame& frame) {
     fmt::format_to(
         out, ",\n{{\"name\":\"{}\",\"ph\":\"i\",\"s\":\"p\",\"pid\":1,\"tid\":{},\"ts\":", what,
         first_lane(Row::device));
-    append_time(at - session_.begin);
+    append_time(at);
     fmt::format_to(out, ",\"args\":{{\"frame\":{}}}}}", frame.number);
   };
   constexpr vp::Picoseconds kPerUs = 1'000'000;
   const vp::Picoseconds latency = frame.latency();
   fmt::format_to(out, FMT_COMPILE(",\n{{\"name\":\"latency\",\"ph\":\"C\",\"pid\":1,\"ts\":"));
-  append_time(frame.born - session_.begin);
+  append_time(frame.born);
   fmt::format_to(out, FMT_COMPILE(",\"args\":{{\"us\":{}.{:06d}}}}}"), latency / kPerUs,
                  latency % kPerUs);
   if (!frame.solved) mark("no solution: force held", frame.born + latency);
@@ -121,27 +128,84 @@ void Trace::take(const vp::Frame& frame, const std::vector<vp::SpanId>& critical
     if (first && last) continue;
     append_flow(frame, first ? 's' : last ? 'f' : 't', frame.spans[i].start);
   }
-  if (written_ + static_cast<std::int64_t>(text_.size()) + kRoomForEnd > settings_.bytes) {
-    cut(frame);
+  if (!fits()) {
+    cut(frame.number, frame.born);
     return;
+  }
+  write({text_.data(), text_.size()});
+  next_frame_ = frame.number + 1;
+}
+
+void Trace::take(const vp::Tenure& tenure) {
+  if (cut_at_) return;
+  if (session_.begun && settings_.end && tenure.start >= session_.begin + *settings_.end) return;
+  std::optional<vp::Tenure>& last = last_[static_cast<std::size_t>(tenure.resource)];
+  const bool goes_on = last && last->end == tenure.start && last->user == tenure.user &&
+                       last->what == tenure.what && last->frame == tenure.frame;
+  if (goes_on) {
+    last->end = tenure.end;
+    return;
+  }
+  flush(last);
+  last = tenure;
+}
+
+void Trace::flush(std::optional<vp::Tenure>& tenure) {
+  if (!tenure || cut_at_) return;
+  text_.clear();
+  append_tenure(*tenure);
+  const auto size = static_cast<std::int64_t>(text_.size());
+  const bool set_up = !session_.begun || tenure->end <= session_.begin;
+  if (set_up && written_ + size > settings_.bytes / 4) {
+    text_.clear();
+    if (!set_up_cut_) append_mark("set-up is not drawn further", tenure->start);
+    set_up_cut_ = true;
+  } else if (!fits()) {
+    cut(next_frame_, tenure->start);
+    return;
+  } else {
+    named_[static_cast<std::size_t>(tenure->resource)] = true;
   }
   write({text_.data(), text_.size()});
 }
 
-void Trace::cut(const vp::Frame& frame) {
-  cut_at_ = frame.number;
-  text_.clear();
+void Trace::append_tenure(const vp::Tenure& tenure) {
+  const int lane = lane_of(tenure.resource);
+  if (!named_[static_cast<std::size_t>(tenure.resource)]) name_lane(lane);
+  const std::string_view resource = name(tenure.resource);
+  const auto out = std::back_inserter(text_);
   fmt::format_to(
-      std::back_inserter(text_),
-      ",\n{{\"name\":\"the trace ends here: output.trace_size is {} bytes\",\"ph\":\"i\","
-      "\"s\":\"g\",\"pid\":1,\"tid\":{},\"ts\":",
-      settings_.bytes, first_lane(Row::host));
-  append_time(frame.born - session_.begin);
+      out,
+      FMT_COMPILE(",\n{{\"name\":\"{}\",\"cat\":\"{}\",\"ph\":\"X\",\"pid\":2,\"tid\":{},\"ts\":"),
+      tenure.what, resource.substr(0, resource.find(' ')), lane);
+  append_time(tenure.start);
+  constexpr vp::Picoseconds kPerUs = 1'000'000;
+  const vp::Picoseconds length = tenure.end - tenure.start;
+  fmt::format_to(out, FMT_COMPILE(",\"dur\":{}.{:06d},\"args\":{{\"by\":\"{}\""), length / kPerUs,
+                 length % kPerUs, tenure.user);
+  if (tenure.frame >= 0) fmt::format_to(out, FMT_COMPILE(",\"frame\":{}"), tenure.frame);
+  fmt::format_to(out, "}}}}");
+}
+
+// Across all lanes.
+void Trace::append_mark(std::string_view what, vp::Picoseconds at) {
+  fmt::format_to(std::back_inserter(text_),
+                 ",\n{{\"name\":\"{}\",\"ph\":\"i\",\"s\":\"g\",\"pid\":1,\"tid\":{},\"ts\":", what,
+                 first_lane(Row::host));
+  append_time(at);
   text_.push_back('}');
+}
+
+void Trace::cut(std::int64_t frame, vp::Picoseconds at) {
+  cut_at_ = frame;
+  text_.clear();
+  append_mark(fmt::format("the trace ends here: output.trace_size is {} bytes", settings_.bytes),
+              at);
   write({text_.data(), text_.size()});
 }
 
 void Trace::finish() {
+  for (std::optional<vp::Tenure>& tenure : last_) flush(tenure);
   write(kEnd);
   stream_.finish();
 }

@@ -66,10 +66,21 @@ void TraceLanes::forget_before(vp::Picoseconds time) {
   }
 }
 
+int lane_of(vp::Resource resource) {
+  return kLanesOfARow * (static_cast<int>(Row::count) + 1 + static_cast<int>(resource));
+}
+
 int first_lane(Row row) { return kLanesOfARow * (static_cast<int>(row) + 1); }
 
 std::string lane_name(int lane) {
-  const std::string_view row = kNames[static_cast<std::size_t>(lane / kLanesOfARow - 1)];
+  const int place = lane / kLanesOfARow - 1;
+  if (place >= static_cast<int>(Row::count)) {
+    const auto resource = static_cast<vp::Resource>(place - static_cast<int>(Row::count));
+    // Beside the lane of what frames have to do with it.
+    if (resource == vp::Resource::bus) return "bus taken";
+    return std::string(vp::name(resource));
+  }
+  const std::string_view row = kNames[static_cast<std::size_t>(place)];
   const int number = lane % kLanesOfARow;
   return number == 0 ? std::string(row) : fmt::format("{} {}", row, number + 1);
 }

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "vp/frame.h"
+#include "vp/tenure.h"
 
 namespace hvp::results {
 
@@ -15,6 +17,10 @@ namespace hvp::results {
 enum class Row : std::uint8_t { host, host_waits, bus, bus_waits, fpga, daq, device, count };
 
 Row row_of(const vp::Span& span);
+
+// Lanes of the second process: one a resource.
+inline constexpr std::size_t kResources = static_cast<std::size_t>(vp::Resource::link_to_host) + 1;
+int lane_of(vp::Resource resource);
 
 class TraceLanes {
  public:
@@ -37,7 +43,7 @@ class TraceLanes {
   std::array<std::vector<Slices>, static_cast<std::size_t>(Row::count)> rows_;
 };
 
-// "host", "host waits", "bus 2".
+// "host", "host waits", "bus 2"; "core 0", "bus taken".
 std::string lane_name(int lane);
 // The lane of a row that is there before anything was placed.
 int first_lane(Row row);

@@ -255,13 +255,17 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   results::FramesCsv frames(directory / "frames.csv", platform.session(),
                             platform.verdict().budget(),
                             s.timing_only() ? results::Columns::times : results::Columns::all);
-  results::Trace trace(
-      directory / "trace.json", platform.session(),
-      {s.output.trace_frames, std::llround(s.output.trace_bytes), platform.verdict().budget()});
+  results::TraceSettings traced{s.output.trace_frames, std::llround(s.output.trace_bytes),
+                                platform.verdict().budget()};
+  if (s.output.trace_frames < s.frames) {
+    traced.end = s.output.trace_frames * platform.verdict().period();
+  }
+  results::Trace trace(directory / "trace.json", platform.session(), traced);
   vp::LatencyStatistics latency;
   platform.add_sink(latency);
   platform.add_sink(frames);
   platform.add_sink(trace);
+  if (s.output.trace_frames > 0) platform.add_tenure_sink(trace);
   if (accuracy) platform.add_observer(*accuracy);
   if (deformation) platform.add_observer(*deformation);
   ApproachWatch approach(scene.contacts());

@@ -7,7 +7,6 @@
 
 #include <benchmark/benchmark.h>
 
-#include "models/accel/bank_conflicts.h"
 #include "models/accel/cycles.h"
 #include "models/fixed/reference_solver.h"
 #include "tests/vp/engine/engine_systems.h"
@@ -57,8 +56,8 @@ struct Bench {
   std::vector<std::int32_t> b = test::random_words(matrix.rows(), 2000, 3);
   std::vector<std::int32_t> x = std::vector<std::int32_t>(b.size(), 0);
   fixed::ReferenceSolver solver{settings};
-  std::int64_t issue_clocks = accel::issue_clocks_of_fullest_partition(
-      architecture, accel::pattern_of(matrix.row_begin, matrix.column));
+  accel::UnitClocks units =
+      accel::unit_clocks(architecture, accel::pattern_of(matrix.row_begin, matrix.column));
   ClosedForm closed_form{"closed_form"};
   PhaseEngine phases{"phases", architecture};
   CycleEngine cycles{"cycles", architecture};
@@ -73,9 +72,9 @@ void loosely_timed(benchmark::State& state) {
   Bench& b = bench();
   for (auto _ : state) {
     const fixed::Report report = b.solve();
-    b.closed_form.start(accel::solve_cycles(b.architecture, b.matrix.block_rows(), b.issue_clocks,
-                                            accel::solve_made(b.settings, report))
-                            .total());
+    const accel::SolveWork work = accel::solve_made(b.settings, report);
+    b.closed_form.start(
+        accel::solve_cycles(accel::passes_of(b.architecture, b.units, work), work).total());
     sc_core::sc_start();
   }
 }

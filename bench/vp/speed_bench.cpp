@@ -60,9 +60,13 @@ double frame_seconds(Scene& scene, const Case& c) {
                             results::Columns::times);
   results::Trace trace(
       folder.path / "trace.json", platform.session(),
-      {c.traced_frames, std::numeric_limits<std::int64_t>::max(), scene.settings.budget});
+      {c.traced_frames, std::numeric_limits<std::int64_t>::max(), scene.settings.budget,
+       c.traced_frames * scene.settings.servo.period});
   if (c.frames_file) platform.add_sink(frames);
-  if (c.traced_frames > 0) platform.add_sink(trace);
+  if (c.traced_frames > 0) {
+    platform.add_sink(trace);
+    platform.add_tenure_sink(trace);
+  }
   const double begin = processor_time();
   platform.run();
   frames.finish();

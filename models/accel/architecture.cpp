@@ -86,6 +86,12 @@ void Architecture::declare(config::Visitor& v) {
 }
 
 void Architecture::check() const {
+  if (vector_clocks() < 1) {
+    throw InputError("pipeline_clocks",
+                     "expected more than memory_read_clocks, multiplier_clocks and "
+                     "adder_tree_clocks together, which leave the vector unit nothing of " +
+                         std::to_string(pipeline_clocks));
+  }
   if (several && matrix_storage == MatrixStorage::symmetric) {
     throw InputError("matrix_storage",
                      "\"symmetric\" has no model of several devices: expected full with "

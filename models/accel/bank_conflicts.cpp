@@ -111,16 +111,24 @@ double package_clocks(const Architecture& a, int phase, int columns) {
   return sum / static_cast<double>(placements);
 }
 
+std::vector<double> clocks_of_rows(const Architecture& a, const Pattern& stored) {
+  RowClocks rows(a, stored);
+  std::vector<double> clocks;
+  clocks.reserve(stored.blocks_in_row.size());
+  for (std::size_t row = 0; row < stored.blocks_in_row.size(); ++row) {
+    clocks.push_back(rows.of(row));
+  }
+  return clocks;
+}
+
 std::int64_t issue_clocks_of_fullest_partition(const Architecture& a, const Pattern& whole) {
   Pattern scratch;
   const Pattern& p = stored_pattern(a, whole, scratch);
   const std::vector<int> partition = deal_rows(a, p, a.partitions);
-  std::vector<double> clocks(at(a.partitions), 0.0);
-  RowClocks rows(a, p);
-  for (std::size_t row = 0; row < partition.size(); ++row) {
-    clocks[at(partition[row])] += rows.of(row);
-  }
-  return std::llround(*std::ranges::max_element(clocks));
+  const std::vector<double> clocks = clocks_of_rows(a, p);
+  std::vector<double> sum(at(a.partitions), 0.0);
+  for (std::size_t row = 0; row < partition.size(); ++row) sum[at(partition[row])] += clocks[row];
+  return std::llround(*std::ranges::max_element(sum));
 }
 
 }  // namespace hvp::accel

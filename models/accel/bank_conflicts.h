@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "models/accel/architecture.h"
 #include "models/accel/cycles.h"
@@ -13,9 +14,12 @@ namespace hvp::accel {
 // fall into them.
 double package_clocks(const Architecture& a, int phase, int columns);
 
+// Clocks that the multipliers hold the packages of each row that is stored. Packages of several
+// banks are counted as they are where the pattern has its columns.
+std::vector<double> clocks_of_rows(const Architecture& a, const Pattern& stored);
+
 // Clocks in which the fullest partition issues its packages; their number where no bank is asked
-// for more than it gives. Packages of several banks are counted as they are where the pattern has
-// its columns. Rows are dealt as packages_in_fullest_partition() says.
+// for more than it gives. Rows are dealt as packages_in_fullest_partition() says.
 std::int64_t issue_clocks_of_fullest_partition(const Architecture& a, const Pattern& whole);
 
 }  // namespace hvp::accel

@@ -2,20 +2,16 @@
 
 #include <utility>
 
-#include "models/accel/bank_conflicts.h"
-
 namespace hvp::accel {
 
 BoardClocks::BoardClocks(const Architecture& a, Pattern p)
-    : architecture_(a),
-      pattern_(std::move(p)),
-      issue_clocks_(issue_clocks_of_fullest_partition(a, pattern_)) {
+    : architecture_(a), pattern_(std::move(p)), units_(unit_clocks(a, pattern_)) {
   if (a.several) several_.emplace(a, pattern_);
 }
 
 SolveCycles BoardClocks::solve(const SolveWork& work) const {
   if (several_) return several_->solve(work).solve;
-  return solve_cycles(architecture_, pattern_.nodes(), issue_clocks_, work);
+  return solve_cycles(passes_of(architecture_, units_, work), work);
 }
 
 std::int64_t BoardClocks::node_update(int node, std::span<const int> neighbours,

@@ -28,7 +28,7 @@ class BoardClocks {
  private:
   Architecture architecture_;
   Pattern pattern_;
-  std::int64_t issue_clocks_;
+  UnitClocks units_;
   std::optional<SeveralDevices> several_;
 };
 

@@ -5,6 +5,7 @@
 
 #include "models/accel/bank_conflicts.h"
 #include "models/accel/partition.h"
+#include "models/accel/row_schedule.h"
 #include "models/accel/symmetric.h"
 #include "models/config/input_error.h"
 
@@ -46,58 +47,32 @@ int divisions_a_node(Method method) {
 }
 
 // A shift-and-subtract divider takes a clock a bit; division_clocks are those of 64-bit scalars.
+// Command and quotient stand in registers, which makes two clocks of the shortest.
 std::int64_t division_clocks(const Architecture& a, int scalar_bits) {
-  return std::int64_t{a.division_clocks} * scalar_bits / 64;
+  return std::max<std::int64_t>(2, std::int64_t{a.division_clocks} * scalar_bits / 64);
 }
 
 // β²·dᵀA·d of the methods that carry it: two products of a mantissa and a scalar, in one
 // multiplier of 18 × 18 that takes 17 bits of the scalar's magnitude a clock.
 std::int64_t curvature_clocks(int scalar_bits) { return 2 * ((scalar_bits - 1 + 16) / 17); }
 
-// Clocks between two groups of L nodes in the vector unit: what the ports of d allow. A group that
-// is read and one that is written share a clock where the ports suffice for both.
-struct GroupClocks {
-  std::int64_t reading, writing, moving;
-};
-GroupClocks group_clocks(const Architecture& a) {
-  const int nodes_a_bank = (a.nodes_per_clock + a.direction_banks - 1) / a.direction_banks;
-  const int ports = a.direction_accesses();
-  const int write = nodes_a_bank * a.direction_write_accesses();
-  const auto clocks = [ports](int accesses) { return (accesses + ports - 1) / ports; };
-  const int both = nodes_a_bank + write;
-  return {clocks(nodes_a_bank), clocks(write),
-          both <= ports ? 1 : clocks(nodes_a_bank) + clocks(write)};
-}
-
-// A pass that reads and writes d. Where the ports do not serve both at once, groups are read while
-// the first is on its way; then their writes keep further groups out, and so on in turn.
-std::int64_t moving_clocks(const Architecture& a, std::int64_t groups) {
-  const auto [reading, writing, moving] = group_clocks(a);
-  if (moving == 1) return groups + a.phase_clocks();
-  const std::int64_t way = std::max(1, a.phase_clocks() - a.adder_tree_clocks - 1);
-  const std::int64_t on_the_way = std::min(groups, way / reading);
-  const std::int64_t tail = a.adder_tree_clocks + 1;
-  if (reading == 1) {
-    const std::int64_t rest = groups % way;
-    return groups / way * way * moving + (rest > 0 ? way + rest * writing : 0) + tail;
-  }
-  return way + (groups - on_the_way) * moving + on_the_way * (moving - 1) + tail;
-}
-
-// The vector unit takes L finished rows a clock, one a partition, once the first are there.
-std::int64_t collection_clocks(const Architecture& a, int nodes, std::int64_t issue_clocks) {
-  if (nodes == 0) return 0;
-  const int rows_a_clock = std::min(a.nodes_per_clock, a.partitions);
-  const std::int64_t first = std::min(issue_clocks, issue_clocks * a.partitions / nodes);
-  return first + (nodes + rows_a_clock - 1) / rows_a_clock;
+// Rows that end together wait for the lanes, ⌈PL3 / L⌉ − 1 clocks where nothing else holds them up.
+// Up to a 128th of P that is left out: P + p is then what a product takes, as an independent count
+// has it (docs/accelerator.md).
+std::int64_t product_clocks(const Architecture& a, const Pattern& p) {
+  const RowSchedule rows = row_schedule(a, p);
+  const bool nothing_competes = rows.taken <= rows.issued + rows.issued / 128;
+  return (nothing_competes ? rows.issued : rows.taken) + a.phase_clocks();
 }
 
 // One after the other: α needs dᵀA·d, β needs the new residual, d needs β.
+// For a residual formed anew x and d change places: in group b, which then moves d, and back again
+// with the residual.
 void conjugate_gradients(const Passes& pass, SolveCycles& c) {
-  c.direction = pass.moving;
+  c.direction = pass.vectors.moving;
   c.divisions = 2 * (pass.reduction + pass.division);
-  c.setup = pass.product + pass.vectors + pass.writing;
-  c.replacement = pass.product + pass.vectors;
+  c.setup = pass.product + pass.vectors.alone + pass.vectors.writing;
+  c.replacement = pass.product + 2 * pass.vectors.moving - pass.vectors.reading;
 }
 
 // β needs the residual alone: it is there before the product A·r, and its division and β²·dᵀA·d
@@ -109,14 +84,14 @@ void chronopoulos_gear(const Passes& pass, const SolveWork& work, SolveCycles& c
   const std::int64_t alpha = pass.reduction + pass.division;
   c.divisions = std::max(pass.product, beta) - pass.product;
   if (work.dynamic_scaling) {
-    c.direction = pass.moving;
-    c.divisions += std::max(pass.moving, alpha) - pass.moving;
+    c.direction = pass.vectors.moving;
+    c.divisions += std::max(pass.vectors.moving, alpha) - pass.vectors.moving;
   } else {
     c.divisions += alpha;
   }
   // r and d as everywhere, then A·r, A·d and the first α.
-  c.setup = 3 * pass.product + 2 * pass.vectors + alpha;
-  c.replacement = pass.product + pass.vectors;
+  c.setup = 3 * pass.product + 2 * pass.vectors.alone + alpha;
+  c.replacement = pass.product + pass.vectors.alone;
 }
 
 // Both inner products are formed with group b, so that both divisions hide behind the product
@@ -124,12 +99,12 @@ void chronopoulos_gear(const Passes& pass, const SolveWork& work, SolveCycles& c
 void pipelined(const Passes& pass, const SolveWork& work, SolveCycles& c) {
   const std::int64_t both = pass.reduction + 2 * pass.division + curvature_clocks(work.scalar_bits);
   c.divisions = std::max(pass.product, both) - pass.product;
-  if (work.dynamic_scaling) c.direction = pass.moving;
+  if (work.dynamic_scaling) c.direction = pass.vectors.moving;
   // r and d, then A·r and A·d brought to vector words, A·(A·r) and A·(A·d); the first α beside.
   const std::int64_t recurrences = 4 * pass.product + 2 * pass.scaled;
-  c.setup = pass.product + 2 * pass.vectors + recurrences;
+  c.setup = pass.product + 2 * pass.vectors.alone + recurrences;
   // The iteration has A·(A·r) anyway.
-  c.replacement = pass.vectors + recurrences;
+  c.replacement = pass.vectors.alone + recurrences;
 }
 
 }  // namespace
@@ -156,39 +131,35 @@ SolveWork solve_made(const fixed::Settings& s, const fixed::Report& report) {
 }
 
 SolveCycles solve_cycles(const Architecture& a, const Pattern& p, const SolveWork& work) {
-  return solve_cycles(a, p.nodes(), issue_clocks_of_fullest_partition(a, p), work);
+  return solve_cycles(passes_of(a, unit_clocks(a, p), work), work);
 }
 
-Passes passes_of(const Architecture& a, int rows, std::int64_t issue_clocks, int vector_nodes,
-                 const SolveWork& work) {
-  Passes pass;
+UnitClocks unit_clocks(const Architecture& a, const Pattern& p, int vector_nodes) {
+  UnitClocks units;
   if (a.matrix_storage == MatrixStorage::symmetric) {
     // No row is done before the last package.
-    pass.product = issue_clocks + a.phase_clocks() + gathering_clocks(a, rows);
+    units.product =
+        issue_clocks_of_fullest_partition(a, p) + a.phase_clocks() + gathering_clocks(a, p.nodes());
   } else {
-    pass.product =
-        std::max(issue_clocks, collection_clocks(a, rows, issue_clocks)) + a.phase_clocks();
+    units.product = product_clocks(a, p);
   }
-  const GroupClocks group = group_clocks(a);
-  const std::int64_t groups = (vector_nodes + a.nodes_per_clock - 1) / a.nodes_per_clock;
-  pass.vectors = groups + a.phase_clocks();
-  pass.reading = groups * group.reading + a.phase_clocks();
-  pass.writing = groups * group.writing + a.phase_clocks();
-  pass.moving = moving_clocks(a, groups);
-  pass.division = division_clocks(a, work.scalar_bits);
-  pass.scaled = work.dynamic_scaling ? pass.vectors : 0;
-  return pass;
+  units.vectors = vector_passes(a, vector_nodes > 0 ? vector_nodes : p.nodes());
+  return units;
 }
 
-SolveCycles solve_cycles(const Architecture& a, int nodes, std::int64_t issue_clocks,
-                         const SolveWork& work) {
-  return solve_cycles(passes_of(a, nodes, issue_clocks, nodes, work), work);
+Passes passes_of(const Architecture& a, const UnitClocks& units, const SolveWork& work) {
+  Passes pass;
+  pass.product = units.product;
+  pass.vectors = units.vectors;
+  pass.division = division_clocks(a, work.scalar_bits);
+  pass.scaled = work.dynamic_scaling ? units.vectors.alone : 0;
+  return pass;
 }
 
 SolveCycles solve_cycles(const Passes& pass, const SolveWork& work) {
   SolveCycles c;
   c.sparse_product = pass.product;
-  c.update = pass.reading;
+  c.update = pass.vectors.reading;
   switch (work.method) {
     case Method::chronopoulos_gear:
       chronopoulos_gear(pass, work, c);
@@ -201,7 +172,7 @@ SolveCycles solve_cycles(const Passes& pass, const SolveWork& work) {
       // Here dᵀA·d is known only after the product; the others know it before an iteration.
       if (work.broken_down) c.breakdown = pass.product;
   }
-  if (work.extrapolated) c.setup += pass.vectors;
+  if (work.extrapolated) c.setup += pass.vectors.writing;
   c.iterations = work.iterations;
   c.replacements = work.replacements;
   return c;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "models/accel/architecture.h"
+#include "models/accel/vector_passes.h"
 #include "models/fixed/settings.h"
 #include "models/fixed/solver.h"
 
@@ -77,24 +78,27 @@ struct SolveCycles {
 };
 SolveCycles solve_cycles(const Architecture& a, const Pattern& p, const SolveWork& work);
 
-// Clocks of one pass through each unit, until its pipeline is empty.
+// Clocks of one pass through each unit, until its pipeline is empty: what a matrix and an
+// architecture decide alone.
+struct UnitClocks {
+  std::int64_t product = 0;  // A times a vector, inner product included
+  VectorPasses vectors;      // the vector unit over all nodes
+};
+// `vector_nodes`: on how many nodes the vector unit works, where it is not those of the pattern.
+// Throws InputError as packages_of() does.
+UnitClocks unit_clocks(const Architecture& a, const Pattern& p, int vector_nodes = 0);
+
+// The same, with what a solve's settings decide.
 struct Passes {
-  std::int64_t product = 0;    // A times a vector, inner product included
-  std::int64_t vectors = 0;    // the vector unit over all nodes
-  std::int64_t reading = 0;    // the same where d is read,
-  std::int64_t writing = 0;    // written,
-  std::int64_t moving = 0;     // or both: group c
+  std::int64_t product = 0;
+  VectorPasses vectors;
   std::int64_t division = 0;   // α or β
   std::int64_t scaled = 0;     // a vector brought to its size: a pass where that is looked for
   std::int64_t reduction = 0;  // sums of several devices put together; 0 with one
 };
-// Of a device with so many rows, whose vector unit works on `vector_nodes` nodes.
-Passes passes_of(const Architecture& a, int rows, std::int64_t issue_clocks, int vector_nodes,
-                 const SolveWork& work);
+Passes passes_of(const Architecture& a, const UnitClocks& units, const SolveWork& work);
+// Does not allocate.
 SolveCycles solve_cycles(const Passes& pass, const SolveWork& work);
-// The same where issue_clocks_of_fullest_partition() are known already. Does not allocate.
-SolveCycles solve_cycles(const Architecture& a, int nodes, std::int64_t issue_clocks,
-                         const SolveWork& work);
 
 // Clocks to clear or restore the row and the column of a node (§6.2.1). The node's own packages
 // are written and those of every neighbour are searched for the column; with a preconditioner the

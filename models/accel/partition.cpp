@@ -52,9 +52,11 @@ Graph graph_of(const Pattern& p) {
 std::vector<int> deal_rows(const Architecture& a, const Pattern& p, int parts) {
   std::vector<int> order(p.blocks_in_row.size());
   std::iota(order.begin(), order.end(), 0);
-  std::ranges::stable_sort(order, [&p](int one, int other) {
-    return p.blocks_in_row[at(one)] > p.blocks_in_row[at(other)];
-  });
+  std::vector<int> packages;
+  packages.reserve(order.size());
+  for (const int blocks : p.blocks_in_row) packages.push_back(packages_of(a, blocks));
+  std::ranges::stable_sort(
+      order, [&packages](int one, int other) { return packages[at(one)] > packages[at(other)]; });
   using Filled = std::pair<std::int64_t, int>;  // packages, part
   std::priority_queue<Filled, std::vector<Filled>, std::greater<>> emptiest;
   for (int part = 0; part < parts; ++part) emptiest.emplace(0, part);
@@ -62,7 +64,7 @@ std::vector<int> deal_rows(const Architecture& a, const Pattern& p, int parts) {
   for (const int row : order) {
     const auto [filled, part] = emptiest.top();
     emptiest.pop();
-    emptiest.emplace(filled + packages_of(a, p.blocks_in_row[at(row)]), part);
+    emptiest.emplace(filled + packages[at(row)], part);
     part_of[at(row)] = part;
   }
   return part_of;

@@ -7,7 +7,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "models/accel/bank_conflicts.h"
 #include "models/accel/partition.h"
 #include "models/config/input_error.h"
 #include "models/fixed/settings.h"
@@ -99,27 +98,19 @@ SeveralDevices::SeveralDevices(const Architecture& a, const Pattern& p)
       ++shares_[static_cast<std::size_t>(std::countr_zero(left))].halo;
     }
   }
+  int most_nodes = 0;
   for (DeviceShare& share : shares_) {
-    share.issue_clocks = issue_clocks_of_fullest_partition(a, share.pattern);
     share.pattern.vector_nodes = split() ? share.pattern.nodes() : nodes_;
     share.pattern.direction_nodes = share.pattern.nodes() + share.halo;
+    most_nodes = std::max(most_nodes, share.pattern.nodes_in_vectors());
   }
+  for (DeviceShare& share : shares_) share.units = unit_clocks(a, share.pattern, most_nodes);
 }
 
 Passes SeveralDevices::passes(const SolveWork& work) const {
-  int most_nodes = 0;
-  for (const DeviceShare& s : shares_) {
-    most_nodes = std::max(most_nodes, s.pattern.nodes_in_vectors());
-  }
-  Passes slowest;
-  for (const DeviceShare& s : shares_) {
-    const Passes own =
-        passes_of(architecture_, s.pattern.nodes(), s.issue_clocks, most_nodes, work);
-    const std::int64_t product = std::max(slowest.product, own.product);
-    slowest = own;
-    slowest.product = product;
-  }
-  return slowest;
+  UnitClocks slowest = shares_.front().units;
+  for (const DeviceShare& s : shares_) slowest.product = std::max(slowest.product, s.units.product);
+  return passes_of(architecture_, slowest, work);
 }
 
 // Clocks beyond the pass that makes a vector, until every device has what it needs of it. Words
@@ -131,8 +122,8 @@ std::int64_t SeveralDevices::direction_exchange(const Passes& pass, const SolveW
   const WritePorts ports = write_ports(architecture_);
   int halo = 0;
   for (const DeviceShare& s : shares_) halo = std::max(halo, s.halo);
-  const auto producing = static_cast<double>(pass.moving - architecture_.phase_clocks());
-  const bool beside = pass.moving > 0 && ports.beside_a_pass > 0;
+  const auto producing = static_cast<double>(pass.vectors.moving - architecture_.phase_clocks());
+  const bool beside = pass.vectors.moving > 0 && ports.beside_a_pass > 0;
   const double written_beside = beside ? ports.beside_a_pass * producing : 0;
   const double writing = std::max(0.0, halo - written_beside) / ports.idle;
   const double sending = beside ? std::max(transfer - producing, links_.tail(devices())) : transfer;
@@ -177,7 +168,7 @@ SeveralCycles SeveralDevices::solve(const SolveWork& work) const {
   cycles.solve = solve_cycles(linked, work);
   // The guess is exchanged before its product, with no pass beside.
   Passes idle = alone;
-  idle.moving = 0;
+  idle.vectors.moving = 0;
   cycles.solve.setup += direction_exchange(idle, work) - exchange;
   return cycles;
 }
@@ -239,8 +230,8 @@ double speed_up_limit(const Architecture& a, const Pattern& p, const SolveWork& 
   Architecture one = a;
   one.several.reset();
   const Pattern longest{{*std::ranges::max_element(p.blocks_in_row)}};
-  const std::int64_t issue = issue_clocks_of_fullest_partition(one, longest);
-  const Passes pass = passes_of(one, 1, issue, vectors == VectorWork::split ? 1 : p.nodes(), work);
+  const UnitClocks units = unit_clocks(one, longest, vectors == VectorWork::split ? 1 : p.nodes());
+  const Passes pass = passes_of(one, units, work);
   return static_cast<double>(solve_cycles(one, p, work).total()) /
          static_cast<double>(solve_cycles(pass, work).total());
 }

@@ -12,9 +12,9 @@ namespace hvp::accel {
 
 // What one of several devices has.
 struct DeviceShare {
-  Pattern pattern;  // its rows, and how long its vectors are
-  std::int64_t issue_clocks = 0;
-  int halo = 0;  // nodes of other devices whose words of d it gets
+  Pattern pattern;   // its rows, and how long its vectors are
+  UnitClocks units;  // with the longest vectors that any device has
+  int halo = 0;      // nodes of other devices whose words of d it gets
 };
 
 // Clocks of a solve with the links and without them.

@@ -34,10 +34,11 @@ void PciArbiter::request(int master, Direction direction, std::int64_t bytes,
   m.requested = clock_of(time_ps);
 }
 
-void PciArbiter::hold(std::int64_t until_ps) {
+void PciArbiter::hold(int master, std::int64_t until_ps) {
   const std::int64_t until = clock_of(until_ps);
   if (until <= free_) return;
   held_ += until - free_;
+  report(master, free_, until);
   free_ = until;
 }
 
@@ -135,6 +136,7 @@ void PciArbiter::end_tenure(std::int64_t phases) {
   Master& m = at(owner_);
   free_ = tenure_end(phases) + clocks_.turnaround();
   m.statistics.owned_ps += (free_ - address_) * clocks_.period_ps();
+  report(owner_, address_, free_);
   m.moved += phases;
   m.left -= phases;
   m.requested = free_;
@@ -155,6 +157,11 @@ void PciArbiter::end_tenure(std::int64_t phases) {
   owner_ = -1;
 }
 
+void PciArbiter::report(int master, std::int64_t start, std::int64_t end) const {
+  if (observer_ == nullptr) return;
+  observer_->owned(master, start * clocks_.period_ps(), end * clocks_.period_ps());
+}
+
 void PciArbiter::release(std::int64_t clock) {
   for (int i = 0; i < count_; ++i) {
     Master& m = at(i);
@@ -168,6 +175,7 @@ void PciArbiter::release(std::int64_t clock) {
 std::int64_t PciArbiter::forecast(int master) const {
   if (!busy(master)) return kNever;
   PciArbiter ahead = *this;
+  ahead.observer_ = nullptr;
   while (!ahead.at(master).releasing) {
     if (ahead.owner_ < 0) ahead.begin_tenure(ahead.next_grant());
     ahead.end_tenure(ahead.tenure_phases());

@@ -36,16 +36,26 @@ class PciArbiter {
     std::int64_t waiting_ps = 0;  // REQ# to address phase
   };
 
+  // Told when a master has had the bus, from its address phase to its turnaround: in the order of
+  // time, and not by forecasts.
+  class Observer {
+   public:
+    virtual ~Observer() = default;
+    virtual void owned(int master, std::int64_t start_ps, std::int64_t end_ps) = 0;
+  };
+
   // Throws InputError for less than one or more than kMaxMasters masters.
   PciArbiter(const Pci& bus, const PciProtocol& protocol, int masters);
+
+  void report_to(Observer& observer) { observer_ = &observer; }
 
   // The master has nothing under way, bytes > 0, and `time_ps` is not before the last advance().
   void request(int master, Direction direction, std::int64_t bytes, std::int64_t time_ps);
   // Everything up to this time has happened.
   void advance(std::int64_t time_ps);
   // A target keeps the bus until then, although its transaction has just released it. At the time
-  // of the last advance(), before which the bus was released.
-  void hold(std::int64_t until_ps);
+  // of the last advance(), before which the bus was released. `master`: for whom it does.
+  void hold(int master, std::int64_t until_ps);
   std::int64_t held_ps() const { return held_ * clocks_.period_ps(); }
   bool busy(int master) const { return at(master).busy; }
   // The master's last request has released the bus by the time of the last advance().
@@ -90,6 +100,7 @@ class PciArbiter {
   std::int64_t tenure_end(std::int64_t phases) const;
   void end_tenure(std::int64_t phases);
   void release(std::int64_t clock);
+  void report(int master, std::int64_t start, std::int64_t end) const;
 
   PciClocks clocks_;
   int count_;
@@ -101,6 +112,7 @@ class PciArbiter {
   std::int64_t planned_ = 0;  // its data phases if nothing cuts it
   std::int64_t free_ = 0;     // clock from which the bus is idle
   std::int64_t held_ = 0;     // clocks
+  Observer* observer_ = nullptr;
 };
 
 }  // namespace hvp::link

@@ -148,13 +148,19 @@ bool PcieLink::step(State& s, std::int64_t before) const {
   const std::size_t wire = up.time < down.time ? 1 : 0;
   const Start& start = wire == 1 ? up : down;
   if (start.time >= before) return false;
-  s.wires[wire].last_slot = start.slot;
-  if (start.slot == completion_slot()) {
+  Wire& w = s.wires[wire];
+  w.last_slot = start.slot;
+  const bool completes = start.slot == completion_slot();
+  const int initiator = completes ? w.completions[w.first].initiator : start.slot;
+  if (completes) {
     send_completion(s, wire, start.time);
   } else if (of(s, start.slot).direction == Direction::write) {
     send_write(s, wire, start.slot, start.time);
   } else {
     send_request(s, wire, start.slot, start.time);
+  }
+  if (observer_ != nullptr && &s == &state_) {
+    observer_->sent(wire == 0 ? PcieSide::root : PcieSide::device, initiator, start.time, w.free);
   }
   return true;
 }

@@ -36,9 +36,20 @@ class PcieLink {
     std::int64_t busy_ps = 0;
   };
 
+  // Told of every packet that has left, with the link layer's ahead of it; a completion is its
+  // reader's. In the order of time of each direction, and not by forecasts.
+  class Observer {
+   public:
+    virtual ~Observer() = default;
+    virtual void sent(PcieSide sender, int initiator, std::int64_t start_ps,
+                      std::int64_t end_ps) = 0;
+  };
+
   // One initiator an entry: the processor is at the root, a device's DMA channels at the device.
   // Throws InputError for none or more than kMaxInitiators, and what Pcie::check() throws.
   PcieLink(const Pcie& link, std::span<const PcieSide> initiators);
+
+  void report_to(Observer& observer) { observer_ = &observer; }
 
   // The initiator has nothing under way but writes that have been sent, bytes > 0, and `time_ps` is
   // not before the last advance().
@@ -148,6 +159,7 @@ class PcieLink {
   std::int64_t now_ = 0;
   State state_;
   mutable State ahead_;
+  Observer* observer_ = nullptr;
 };
 
 }  // namespace hvp::link

@@ -205,13 +205,14 @@ TEST(Scaling, HasAnOptimumAndALimit) {
   EXPECT_NEAR(us(steps.front().clocks), 1338, 0.5);  // facts: 1000 nodes on one device
   const double limit = speed_up_limit(a, p, {});
   for (const Scaling& s : steps) EXPECT_LT(s.speed_up, limit) << s.devices;
-  // A row a device and free links: five packages and a clock that takes their row, a clock a pass,
-  // three pipelines, two divisions; the set-up has no divisions. 2196 · 60 + 2060 on one device.
-  const double pipelines = 6 + 1 + 1 + 3 * 20;
+  // A row a device and free links: five packages, a clock a pass, three pipelines, in the first of
+  // which the row is taken, two divisions; the set-up has no divisions. 2196 · 60 + 2060 on one
+  // device.
+  const double pipelines = 5 + 1 + 1 + 3 * 20;
   EXPECT_DOUBLE_EQ(limit, 133'820 / (60 * (pipelines + 136) + pipelines));
 
   // Unsplit, the vector unit remains: twice 1000/2 clocks of an iteration.
-  const double unsplit = 6 + 500 + 500 + 3 * 20;
+  const double unsplit = 5 + 500 + 500 + 3 * 20;
   EXPECT_DOUBLE_EQ(speed_up_limit(on(2, VectorWork::unsplit), p, {}),
                    133'820 / (60 * (unsplit + 136) + unsplit));
 }

@@ -370,6 +370,33 @@ TEST(PostedWrites, AFramesForceIsBehindTheProcessorAndItsPathStillSums) {
   expect_forces_behind_the_processor(scene);
 }
 
+// Frames at rest are all alike: the first one does not find the end of set-up on the bus.
+void expect_set_up_has_left(SmallScene& scene) {
+  scene.settings.servo.frames = 3;
+  const test::Simulated run(scene);
+  EXPECT_EQ(run.platform.session().begin, run.platform.servo().set_up_time());
+  ASSERT_EQ(run.log.frames.size(), 3U);
+  for (const Frame& frame : run.log.frames) {
+    SCOPED_TRACE(frame.number);
+    EXPECT_EQ(frame.latency(), run.log.frames.back().latency());
+    EXPECT_EQ(only(frame, Phase::bus_write).start, frame.born) << "nobody is on the bus";
+  }
+}
+
+TEST(PostedWrites, OfSetUpHaveLeftBeforeTheFirstFrame) {
+  SmallScene scene;
+  scene.settings.bus.posted_writes.emplace();
+  expect_set_up_has_left(scene);
+}
+
+TEST(PostedWrites, OfSetUpByWordsHaveLeftToo) {
+  SmallScene scene;
+  scene.settings.bus.posted_writes.emplace();
+  scene.settings.bus.posted_writes->buffer_bytes = 4'096;
+  scene.settings.transfer.method = Transfer::Method::programmed_io;
+  expect_set_up_has_left(scene);
+}
+
 TEST(PostedWrites, InAPipelineToo) {
   SmallScene scene;
   scene.touch();

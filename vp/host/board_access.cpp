@@ -96,14 +96,14 @@ std::uint32_t BoardAccess::take_errors() {
   time_.synchronise();
   const Picoseconds start = now_ps();
   wait(to_sc_time(error_read_time_));
-  ledger_.extend(tag_, Part::bus, Phase::bus_read, start, now_ps());
+  ledger_.extend(tag_, Part::host, Phase::bridge_status, start, now_ps());
   std::uint32_t errors = 0;
   if (errors_->master_abort) errors |= HVP_BUS_MASTER_ABORT;
   if (errors_->parity) errors |= HVP_BUS_PARITY;
   if (errors == 0) return 0;
   const Picoseconds read = now_ps();
   wait(to_sc_time(error_clear_time_));
-  ledger_.extend(tag_, Part::bus, Phase::bus_write, read, now_ps());
+  ledger_.extend(tag_, Part::host, Phase::bridge_status, read, now_ps());
   *errors_ = {};
   return errors;
 }

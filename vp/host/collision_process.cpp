@@ -48,11 +48,10 @@ collision::Pass CollisionProcess::search(const SceneState& scene) {
 // On a shared core a pass begins with its first instruction: one that lost the core before has not
 // looked at the scene yet.
 void CollisionProcess::pass() {
-  const bool shares = dispatcher_.shares_core();
   Picoseconds began = 0;
   collision::Pass result;
   for (bool worked = false; !worked;) {
-    if (shares) dispatcher_.acquire_core();
+    dispatcher_.acquire_core();
     began = now_ps();
     result = search(exchange_.scene.read(began));
     const Picoseconds time =
@@ -62,8 +61,7 @@ void CollisionProcess::pass() {
     if (drawing_ != nullptr) {
       drawing_->notify(to_sc_time(untimed_ ? 0 : costs_.compute_ps(result.flops)));
     }
-    if (!shares) wait(to_sc_time(time));
-    worked = !shares || dispatcher_.work(time);
+    worked = dispatcher_.work(time);
   }
   longest_ = std::max(longest_, now_ps() - began);
   reported_ = result.contact;

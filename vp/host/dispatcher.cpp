@@ -30,6 +30,8 @@ Picoseconds Dispatcher::release_delay(std::int64_t number) const {
 void Dispatcher::wake(Tag& tag) {
   if (wake_up_ && tag.frame >= 0) delay(tag);
   if (shared_) take_core(tag);
+  runs_since_ = now_ps();
+  runs_for_ = tag.frame;
 }
 
 void Dispatcher::delay(Tag& tag) {
@@ -49,6 +51,8 @@ void Dispatcher::take_core(Tag& tag) {
     if (time == start) return;
     sc_core::wait(to_sc_time(time - start));
     ledger_.extend(tag, Part::host, phase, start, time);
+    if (phase != Phase::context_switch) return;
+    ledger_.take({Resource::core_0, "servo process", name(phase), tag.frame, start, time});
   };
   const host::SharedCore::Dispatch dispatch = shared_->core.servo_ready(now_ps());
   if (dispatch.preempts) shared_->preempted.notify(to_sc_time(dispatch.unblocked - now_ps()));
@@ -56,27 +60,58 @@ void Dispatcher::take_core(Tag& tag) {
   until(dispatch.runs, Phase::context_switch);
 }
 
+// From its waking, or a tick that found it at work, to its sleep or the next such tick.
+void Dispatcher::servo_ran() const {
+  const std::string_view what = runs_for_ < 0 ? "set-up" : "servo process";
+  ledger_.take({Resource::core_0, "servo process", what, runs_for_, runs_since_, now_ps()});
+}
+
+void Dispatcher::other_ran(std::string_view what, Picoseconds since) const {
+  ledger_.take({shared_ ? Resource::core_0 : Resource::core_1, "collision process", what, -1, since,
+                now_ps()});
+}
+
+void Dispatcher::work_for(std::int64_t frame) {
+  servo_ran();
+  runs_since_ = now_ps();
+  runs_for_ = frame;
+}
+
 void Dispatcher::sleep() {
+  servo_ran();
   if (!shared_) return;
   shared_->core.servo_sleeps(now_ps());
   shared_->freed.notify(sc_core::SC_ZERO_TIME);
 }
 
 void Dispatcher::acquire_core() {
+  if (!shared_) return;
   host::SharedCore& core = shared_->core;
   do {
     while (core.servo_has_it()) sc_core::wait(shared_->freed);
-    const Picoseconds runs = core.other_takes(now_ps());
-    if (runs > now_ps()) sc_core::wait(to_sc_time(runs - now_ps()), shared_->preempted);
+    const Picoseconds since = now_ps();
+    const Picoseconds runs = core.other_takes(since);
+    if (runs == since) continue;
+    sc_core::wait(to_sc_time(runs - since), shared_->preempted);
+    other_ran(name(Phase::context_switch), since);
   } while (!core.other_has_it());
 }
 
 bool Dispatcher::work(Picoseconds time) {
+  constexpr std::string_view kPass = "collision pass";
+  Picoseconds since = now_ps();
+  if (!shared_) {
+    sc_core::wait(to_sc_time(time));
+    other_ran(kPass, since);
+    return true;
+  }
   host::SharedCore& core = shared_->core;
   for (core.other_begins(now_ps(), time); !core.other_done(now_ps());
        core.other_resumes(now_ps())) {
+    since = now_ps();
     if (core.other_has_it()) {
       sc_core::wait(to_sc_time(core.other_ends() - now_ps()), shared_->preempted);
+      other_ran(kPass, since);
     }
     if (core.other_done(now_ps())) break;
     if (core.other_progress() == 0) return false;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <systemc>
 
 #include "models/host/costs.h"
@@ -23,12 +24,13 @@ class Dispatcher {
 
   // The servo process gives its core up, to sleep.
   void sleep();
+  // From now on it works for this frame; −1: for none.
+  void work_for(std::int64_t frame);
   // It has slept and was made ready now, for the tag's frame. Waits until it runs; the spans follow
   // the tag. Called in the servo thread. A tag without a frame (set-up) draws nothing.
   void wake(Tag& tag);
 
-  // The other process on a core that both share; each called in its thread.
-  bool shares_core() const { return shared_.has_value(); }
+  // The other process, on a core of its own or one that both share; each called in its thread.
   // Waits until it has the core and is to run its first instruction.
   void acquire_core();
   // Works for so long of its own time, however often it is preempted. False where the core was lost
@@ -44,6 +46,8 @@ class Dispatcher {
   };
   void delay(Tag& tag);
   void take_core(Tag& tag);
+  void servo_ran() const;
+  void other_ran(std::string_view what, Picoseconds since) const;
 
   std::optional<random::Source> jitter_;
   std::optional<random::Source> wake_up_;
@@ -51,6 +55,8 @@ class Dispatcher {
   Ledger& ledger_;
   std::int64_t frame_ = -1;     // that woke last
   std::uint32_t awakened_ = 0;  // how often that frame was woken
+  Picoseconds runs_since_ = 0;  // the servo process has its core, from power-up on
+  std::int64_t runs_for_ = -1;  // the frame for which it was woken
 };
 
 }  // namespace hvp::vp

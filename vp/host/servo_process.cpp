@@ -80,8 +80,11 @@ void ServoProcess::serve() {
   const Picoseconds began = now_ps();
   set_up();
   access_.time().synchronise();
+  // What was posted is not the first frame's to wait for.
+  drain_();
   set_up_time_ = now_ps() - began;
   session_.begin = now_ps();
+  session_.begun = true;
   if (faults_ != nullptr) faults_->begin(session_.begin);
   begun_.notify(sc_core::SC_ZERO_TIME);
   for (FrameObserver* observer : observers_) observer->begun();
@@ -106,6 +109,8 @@ void ServoProcess::serve() {
   // What went wrong before says more than that a lost board cannot be closed.
   const hvp_status closed = solver_->close();
   if (counts_.last_error == HVP_OK) note(closed, number);
+  access_.time().synchronise();
+  dispatcher_.work_for(-1);
   drain_();
   ledger_.finish();
   sc_core::sc_stop();
@@ -145,7 +150,11 @@ ServoProcess::Step ServoProcess::release(std::int64_t number) {
   step.born = session_.begin + number * settings_.period;
   const Picoseconds released = step.born + dispatcher_.release_delay(number);
   const bool sleeps = now_ps() < released;
-  if (sleeps) sleep_until(released);
+  if (sleeps) {
+    sleep_until(released);
+  } else {
+    dispatcher_.work_for(number);
+  }
   ledger_.open(number, step.born);
   access_.tag() = Tag{number, kBirth};
   ledger_.extend(access_.tag(), Part::host, Phase::release, step.born, now_ps());

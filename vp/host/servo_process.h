@@ -103,7 +103,8 @@ class ServoProcess : public sc_core::sc_module {
   void report_to(FaultPlan& faults) { faults_ = &faults; }
 
   void add_observer(FrameObserver& observer) { observers_.push_back(&observer); }
-  // Called in the servo process after the last frame: waits until the buses are empty.
+  // Called in the servo process after set-up and after the last frame: waits until the buses are
+  // empty.
   void drain_with(std::function<void()> drain) { drain_ = std::move(drain); }
   // When the loop begins: other processes of the host start with it.
   sc_core::sc_event& begun() { return begun_; }

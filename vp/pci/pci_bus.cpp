@@ -54,6 +54,7 @@ PciBus::PciBus(const sc_core::sc_module_name& name, const BusSettings& settings,
   if (level != Timing::approximately_timed) return;
   arbiter_ = std::make_unique<link::PciArbiter>(
       settings.pci, settings.protocol.value_or(link::PciProtocol{}), kMasters);
+  arbiter_->report_to(*this);
 }
 
 void PciBus::attach(tlm::tlm_target_socket<>& target, std::uint64_t base, std::uint64_t size) {
@@ -84,11 +85,13 @@ void PciBus::from_host_transport(tlm::tlm_generic_payload& transaction, sc_core:
   Tag& tag = tag_of(transaction, none);
   const Direction direction = direction_of(transaction);
   const std::int64_t bytes = bytes_of(transaction);
-  const Service service{kProcessor, direction, bytes, way_to_bus(direction)};
+  const Service service{
+      kProcessor, direction, bytes, way_to_bus(direction), processors_phase(transaction),
+      tag.frame};
   const Picoseconds began = now_ps();
   if (posting_) wait_for_posted(&Posting::down);
   occupy(service);
-  account(tag, processors_phase(transaction), began, alone(service));
+  account(tag, service.phase, began, alone(service));
   reach_target(transaction);
   if (!posting_) return;
   // The answer pushes what the board has written before it ahead of itself.
@@ -116,11 +119,12 @@ void PciBus::from_board_transport(tlm::tlm_generic_payload& transaction, sc_core
   delay = sc_core::SC_ZERO_TIME;
   Tag none;
   Tag& tag = tag_of(transaction, none);
-  const Service service{kBoard, direction_of(transaction), bytes_of(transaction), 0};
+  const Service service{kBoard, direction_of(transaction), bytes_of(transaction),
+                        0,      boards_phase(transaction), tag.frame};
   const Picoseconds began = now_ps();
   if (posting_ && transaction.is_read()) wait_for_posted(&Posting::up);
   occupy(service);
-  account(tag, boards_phase(transaction), began, alone(service));
+  account(tag, service.phase, began, alone(service));
   if (posting_ && transaction.is_write()) {
     post_to_memory(transaction, tag);
   } else {
@@ -183,6 +187,8 @@ void PciBus::occupy_whole(const Service& service, std::int64_t first) {
   const Picoseconds time = alone(service);
   free_at_ = now_ps() + time;
   use(service.master).busy += time;
+  errands_[static_cast<std::size_t>(service.master)] = {service.phase, service.frame};
+  owned(service.master, now_ps(), free_at_);
   Picoseconds before = 0;
   if (first > 0) {
     before = untimed_ ? 0 : service.latency + model_.write_wire_ps(first);
@@ -196,6 +202,7 @@ void PciBus::occupy_in_bursts(const Service& service, std::int64_t first) {
   bool& served = served_[static_cast<std::size_t>(service.master)];
   while (served) wait(changed_);
   served = true;
+  errands_[static_cast<std::size_t>(service.master)] = {service.phase, service.frame};
   wait(to_sc_time(service.latency));
   if (first > 0) {
     request_and_wait(service.master, service.direction, first);
@@ -217,7 +224,10 @@ void PciBus::request_and_wait(Master master, Direction direction, std::int64_t b
   }
 }
 
+// To or from the host's memory.
 void PciBus::move(Master master, Direction direction, std::int64_t bytes) {
+  errands_[static_cast<std::size_t>(master)].phase =
+      direction == Direction::read ? Phase::dma_read : Phase::dma_write;
   request_and_wait(master, direction, bytes);
   use(master).bytes += bytes;
   ++use(master).transactions;
@@ -237,14 +247,22 @@ void PciBus::keep_bus(Master master, Picoseconds time) {
   if (time == 0) return;
   if (arbiter_) {
     const Picoseconds before = arbiter_->held_ps();
-    arbiter_->hold(now_ps() + time);
+    arbiter_->hold(master, now_ps() + time);
     use(master).busy += arbiter_->held_ps() - before;
     changed_.notify();
   } else {
     free_at_ = now_ps() + time;
     use(master).busy += time;
+    owned(master, now_ps(), free_at_);
   }
   wait(to_sc_time(time));
+}
+
+void PciBus::owned(int master, Picoseconds start, Picoseconds end) {
+  if (!ledger_.takes_tenures()) return;
+  const auto who = static_cast<std::size_t>(master);
+  ledger_.take({Resource::bus, uses_[who].name, vp::name(errands_[who].phase), errands_[who].frame,
+                start, end});
 }
 
 BusUses PciBus::uses() const {

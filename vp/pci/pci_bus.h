@@ -35,7 +35,7 @@ namespace hvp::vp {
 //
 // A transaction that no target claims ends in a master abort: TLM_ADDRESS_ERROR_RESPONSE and, for
 // a read, all ones (PCI 3.0 §3.3.3.1).
-class PciBus : public sc_core::sc_module {
+class PciBus : public sc_core::sc_module, private link::PciArbiter::Observer {
  public:
   // Masters of the bus: the processor's bridge, [bus.traffic], the board, [bus.graphics_traffic].
   enum Master : int { kProcessor, kTraffic, kBoard, kGraphics, kMasters };
@@ -81,6 +81,13 @@ class PciBus : public sc_core::sc_module {
     link::Direction direction;
     std::int64_t bytes;
     Picoseconds latency;
+    Phase phase;
+    std::int64_t frame;
+  };
+  // What a master has the bus for.
+  struct Errand {
+    Phase phase = Phase::dma_write;
+    std::int64_t frame = -1;
   };
   struct Posting {
     Posting(const PostedWriteSettings& with, std::size_t places)
@@ -113,6 +120,7 @@ class PciBus : public sc_core::sc_module {
   void post_to_memory(tlm::tlm_generic_payload& transaction, const Tag& tag);
   void wait_for_posted(PostedWrites Posting::*writes);
   void keep_bus(Master master, Picoseconds time);
+  void owned(int master, Picoseconds start, Picoseconds end) override;
   BusUse& use(Master master) { return uses_[static_cast<std::size_t>(master)]; }
   Window* claim(std::uint64_t address);
 
@@ -126,6 +134,7 @@ class PciBus : public sc_core::sc_module {
   Picoseconds free_at_ = 0;
   std::array<int, kMasters> asking_{};  // loosely timed
   std::array<BusUse, kMasters> uses_;
+  std::array<Errand, kMasters> errands_;
 
   std::unique_ptr<link::PciArbiter> arbiter_;  // approximately timed
   sc_core::sc_event changed_;                  // what forecasts rest on

@@ -42,7 +42,8 @@ void PciBus::drain_to_targets() {
     while (posting_->down.empty()) wait(posting_->changed);
     PostedWrite& write = posting_->down.front();
     const auto bytes = static_cast<std::int64_t>(write.data.size());
-    const Service service{kProcessor, link::Direction::write, bytes, 0};
+    const Service service{kProcessor,  link::Direction::write, bytes, 0,
+                          write.phase, write.tag.frame};
     occupy(service, beyond_buffer(bytes, posting_->settings.buffer_bytes, model_.burst_bytes));
     account(write.tag, write.phase, write.began,
             alone(service) + (untimed_ ? 0 : way_to_bus(link::Direction::write)));

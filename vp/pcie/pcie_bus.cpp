@@ -34,7 +34,7 @@ PcieBus::PcieBus(const sc_core::sc_module_name& name, const link::Pcie& link, Ti
       to_port_(untimed_ ? 0 : whole_ps(link.processor_latency_s / 2)),
       from_port_(untimed_ ? 0 : whole_ps(link.processor_latency_s) - to_port_),
       ledger_(ledger),
-      timing_(link, level),
+      timing_(link, level, ledger),
       down_(
           "down", timing_, PcieTiming::kProcessorWrites, link.write_combining_bytes,
           untimed_ ? 0 : whole_ps(link.write_gap_s), ledger, [](PostedWrite&) {},
@@ -116,7 +116,8 @@ void PcieBus::processor_read(tlm::tlm_generic_payload& transaction) {
     wait(to_sc_time(to_port_));
     const std::int64_t ahead = down_.posted();
     down_.wait_until_left(ahead);
-    timing_.ask(PcieTiming::kProcessorReads, kWordBytes);
+    timing_.ask(PcieTiming::kProcessorReads, kWordBytes,
+                {processors_phase(transaction), tag.frame});
     if (word + kWordBytes >= bytes) {
       down_.wait_until_delivered(ahead);
       reach_target(transaction);
@@ -182,7 +183,7 @@ void PcieBus::board_read(tlm::tlm_generic_payload& transaction) {
   const std::int64_t bytes = bytes_of(transaction);
   const std::int64_t ahead = up_.posted();
   up_.wait_until_left(ahead);
-  timing_.ask(PcieTiming::kBoardReads, bytes);
+  timing_.ask(PcieTiming::kBoardReads, bytes, {boards_phase(transaction), tag.frame});
   up_.wait_until_delivered(ahead);
   reach_memory(transaction);
   timing_.await_answer(PcieTiming::kBoardReads);

@@ -19,8 +19,8 @@ PcieSide other(PcieSide side) { return side == PcieSide::root ? PcieSide::device
 
 }  // namespace
 
-PcieTiming::PcieTiming(const link::Pcie& link, Timing level)
-    : link_(link), untimed_(level == Timing::untimed) {
+PcieTiming::PcieTiming(const link::Pcie& link, Timing level, const Ledger& ledger)
+    : link_(link), untimed_(level == Timing::untimed), ledger_(ledger) {
   link_.check();
   if (level != Timing::approximately_timed) return;
   std::array<PcieSide, kSenders> sides{};
@@ -28,10 +28,12 @@ PcieTiming::PcieTiming(const link::Pcie& link, Timing level)
     sides[static_cast<std::size_t>(i)] = side(static_cast<Sender>(i));
   }
   packets_.emplace(link_, sides);
+  packets_->report_to(*this);
 }
 
-Picoseconds PcieTiming::send(Sender sender, std::int64_t bytes) {
+Picoseconds PcieTiming::send(Sender sender, std::int64_t bytes, Errand errand) {
   if (untimed_) return now_ps();
+  errands_[static_cast<std::size_t>(sender)] = errand;
   if (!packets_) return send_by_formula(sender, bytes);
   if (bytes == 0) {
     packets_->message(sender, now_ps());
@@ -43,8 +45,9 @@ Picoseconds PcieTiming::send(Sender sender, std::int64_t bytes) {
   return packets_->completed_ps(sender);
 }
 
-void PcieTiming::ask(Sender sender, std::int64_t bytes) {
+void PcieTiming::ask(Sender sender, std::int64_t bytes, Errand errand) {
   if (untimed_) return;
+  errands_[static_cast<std::size_t>(sender)] = errand;
   if (!packets_) {
     ask_by_formula(sender, bytes);
     return;
@@ -68,6 +71,14 @@ void PcieTiming::await_answer(Sender sender) {
   }
 }
 
+void PcieTiming::sent(PcieSide sender, int initiator, Picoseconds start, Picoseconds end) {
+  if (!ledger_.takes_tenures()) return;
+  const bool processors = initiator == kProcessorWrites || initiator == kProcessorReads;
+  const Errand& errand = errands_[static_cast<std::size_t>(initiator)];
+  ledger_.take({sender == PcieSide::root ? Resource::link_to_board : Resource::link_to_host,
+                processors ? "processor" : "board", name(errand.phase), errand.frame, start, end});
+}
+
 Picoseconds PcieTiming::busy(PcieSide sender) const {
   return packets_ ? packets_->traffic(sender).busy_ps : busy_[index(sender)];
 }
@@ -86,8 +97,10 @@ Picoseconds PcieTiming::send_by_formula(Sender sender, std::int64_t bytes) {
                                ? link_.transfer_ps(link_.message_wire_bytes()) + link_.link_ps()
                                : link_.posted_write_ps(bytes);
   free = start + time - link_.link_ps();
-  busy_[index(side(sender))] +=
+  const Picoseconds packets =
       link_.tlp_ps(bytes == 0 ? link_.message_wire_bytes() : link_.write_wire_bytes(bytes));
+  busy_[index(side(sender))] += packets;
+  sent(side(sender), sender, start, start + packets);
   wait_until(free);
   return start + time;
 }
@@ -104,10 +117,13 @@ void PcieTiming::ask_by_formula(Sender sender, std::int64_t bytes) {
   const Picoseconds delay = std::max<Picoseconds>(0, completions_free - ready);
   const Picoseconds end = start + link_.read_ps(here, bytes) + delay;
   const Picoseconds requests = link_.tlp_ps(link_.request_wire_bytes(bytes));
+  const Picoseconds completions = link_.tlp_ps(link_.completion_wire_bytes(bytes));
   busy_[index(here)] += requests;
-  busy_[index(other(here))] += link_.tlp_ps(link_.completion_wire_bytes(bytes));
+  busy_[index(other(here))] += completions;
   requests_free = start + requests;
   completions_free = end - link_.link_ps();
+  sent(here, sender, start, requests_free);
+  sent(other(here), sender, completions_free - completions, completions_free);
   answered_[static_cast<std::size_t>(sender)] = end;
   wait_until(arrival);
 }

@@ -9,7 +9,7 @@
 #include "models/link/pcie.h"
 #include "models/link/pcie_link.h"
 #include "vp/fidelity.h"
-#include "vp/frame.h"
+#include "vp/ledger.h"
 
 namespace hvp::vp {
 
@@ -19,18 +19,26 @@ namespace hvp::vp {
 // of what uses it has left. Approximately timed it is link::PcieLink: packet by packet, with
 // credits, tags and link layer. `untimed` takes none. What each sender sends goes one after the
 // other; that is the caller's to see to.
-class PcieTiming {
+class PcieTiming : private link::PcieLink::Observer {
  public:
   enum Sender : int { kProcessorWrites, kProcessorReads, kBoardWrites, kBoardReads, kSenders };
 
-  PcieTiming(const link::Pcie& link, Timing level);
+  // What a sender has packets on the link for.
+  struct Errand {
+    Phase phase = Phase::message;
+    std::int64_t frame = -1;
+  };
+
+  PcieTiming(const link::Pcie& link, Timing level, const Ledger& ledger);
+  PcieTiming(const PcieTiming&) = delete;
+  PcieTiming& operator=(const PcieTiming&) = delete;
 
   // A write of so many bytes, or, without, a message. Returns when its last packet has left, with
   // the time of its arrival at the other side.
-  Picoseconds send(Sender sender, std::int64_t bytes);
+  Picoseconds send(Sender sender, std::int64_t bytes, Errand errand);
   // A read, as large as a request may be or larger. Returns when its last request is at the other
   // side.
-  void ask(Sender sender, std::int64_t bytes);
+  void ask(Sender sender, std::int64_t bytes, Errand errand);
   // Behind ask(): returns when its last completion is back.
   void await_answer(Sender sender);
 
@@ -49,9 +57,12 @@ class PcieTiming {
   Picoseconds send_by_formula(Sender sender, std::int64_t bytes);
   void ask_by_formula(Sender sender, std::int64_t bytes);
   void until_sent(Sender sender);
+  void sent(link::PcieSide sender, int initiator, Picoseconds start, Picoseconds end) override;
 
   link::Pcie link_;
   bool untimed_;
+  const Ledger& ledger_;
+  std::array<Errand, kSenders> errands_;
   std::array<Picoseconds, 2> free_at_{};          // loosely timed; by the sending side
   std::array<Picoseconds, 2> busy_{};             // likewise
   std::array<Picoseconds, kSenders> answered_{};  // loosely timed

@@ -55,7 +55,9 @@ PostedWrite& PostedPath::post(const tlm::tlm_generic_payload& transaction, const
 
 PostedWrite& PostedPath::post_message(std::uint64_t code, const Tag& tag) {
   if (writes_.full()) throw std::logic_error("messages pile up on the PCIe link");
-  return push(code, nullptr, 0, tag);
+  PostedWrite& message = push(code, nullptr, 0, tag);
+  message.phase = Phase::message;
+  return message;
 }
 
 void PostedPath::send() {
@@ -69,7 +71,7 @@ void PostedPath::send() {
     do {
       wait_until(first + (unit > 0 ? gone / unit : 0) * pace_);
       const std::int64_t now = std::min(unit, bytes - gone);
-      write.due = timing_.send(sender_, now);
+      write.due = timing_.send(sender_, now, {write.phase, write.tag.frame});
       gone += now;
     } while (gone < bytes);
     left_(write);

@@ -14,7 +14,8 @@
 #include "tests/app/scratch_directory.h"
 
 // trace.json, checked as a viewer reads it: lanes have names, slices nest, each frame's flow leads
-// along its critical path, and the file keeps to its bound.
+// along its critical path, cores and buses have one user at a time and add up to what summary.json
+// says of them, and the file keeps to its bound.
 namespace hvp::cli {
 namespace {
 
@@ -29,6 +30,7 @@ struct Slice {
   std::int64_t tid = 0;
   std::string part;
   bool critical = false;
+  std::string phase = {};
 };
 
 // Exact: the file has picoseconds in its decimals, and at most a tenth of one more.
@@ -78,7 +80,7 @@ void expect_named(const json& events) {
   for (const json& event : events) {
     if (event.at("ph") != "X") continue;
     ASSERT_TRUE(names.contains(event.at("tid"))) << event;
-    // "bus", "bus waits", "bus 2" are lanes of the bus.
+    // "bus", "bus waits", "bus 2", "bus taken" are lanes of the bus.
     EXPECT_EQ(names[event.at("tid")].rfind(event.at("cat").get<std::string>(), 0), 0U) << event;
   }
   std::set<std::string> different;
@@ -101,17 +103,17 @@ using Sliced = std::map<std::int64_t, std::vector<Slice>>;  // by frame, in the 
 Sliced slices_of(const json& events) {
   Sliced found;
   for (const json& event : events) {
-    if (event.at("ph") != "X") continue;
+    if (event.at("ph") != "X" || event.at("pid") != 1) continue;
     const std::int64_t start = picoseconds(event.at("ts"));
-    found[event.at("args").at("frame")].push_back({start, start + picoseconds(event.at("dur")),
-                                                   event.at("tid"), event.at("cat"),
-                                                   event.at("args").at("critical")});
+    found[event.at("args").at("frame")].push_back(
+        {start, start + picoseconds(event.at("dur")), event.at("tid"), event.at("cat"),
+         event.at("args").at("critical"), event.at("name")});
   }
   return found;
 }
 
 // From the birth to the motor without a gap, an arrow at every slice of the critical path.
-void expect_flow_along_the_path(const json& events, std::int64_t period) {
+void expect_flow_along_the_path(const json& events, std::int64_t begin, std::int64_t period) {
   std::map<std::int64_t, std::vector<const json*>> flows;
   std::map<std::int64_t, std::int64_t> latency;
   const json* before = nullptr;
@@ -128,7 +130,7 @@ void expect_flow_along_the_path(const json& events, std::int64_t period) {
       EXPECT_EQ(before->at("args").at("critical"), true);
     }
     if (ph == "C") {
-      const std::int64_t frame = picoseconds(event.at("ts")) / period;
+      const std::int64_t frame = (picoseconds(event.at("ts")) - begin) / period;
       latency[frame] = picoseconds(event.at("args").at("us"));
     }
     before = &event;
@@ -145,7 +147,7 @@ void expect_flow_along_the_path(const json& events, std::int64_t period) {
     ASSERT_EQ(flow.size(), path.size());
     ASSERT_GE(path.size(), 2U);
     std::int64_t sum = 0;
-    std::int64_t at = frame * period;
+    std::int64_t at = begin + frame * period;
     for (std::size_t i = 0; i < path.size(); ++i) {
       EXPECT_EQ(flow[i]->at("ph"), i == 0 ? "s" : i + 1 == path.size() ? "f" : "t");
       EXPECT_EQ(picoseconds(flow[i]->at("ts")), path[i].start);
@@ -181,7 +183,8 @@ class Trace : public ::testing::Test {
     expect_nested(all, picoseconds, picoseconds);
     expect_nested(all, perfetto_ns, perfetto_ns);
     expect_named(all);
-    expect_flow_along_the_path(all, picoseconds(summary().at("deadline").at("period_us")));
+    expect_flow_along_the_path(all, picoseconds(summary().at("set_up_us")),
+                               picoseconds(summary().at("deadline").at("period_us")));
   }
 
  private:
@@ -198,6 +201,210 @@ std::set<std::int64_t> frames_in(const json& events) {
   std::set<std::int64_t> frames;
   for (const auto& [frame, slices] : slices_of(events)) frames.insert(frame);
   return frames;
+}
+
+// What process 2 shows of cores and buses.
+struct Taken {
+  std::int64_t start = 0;
+  std::int64_t end = 0;
+  std::string what;
+  std::string by;
+  std::int64_t frame = -1;
+};
+using Resources = std::map<std::string, std::vector<Taken>>;  // by lane, in the order of time
+
+Resources resources_of(const json& events) {
+  std::map<std::int64_t, std::string> lanes;
+  for (const json& event : events) {
+    if (event.at("name") == "thread_name") lanes[event.at("tid")] = event.at("args").at("name");
+  }
+  Resources found;
+  for (const json& event : events) {
+    if (event.at("ph") != "X" || event.at("pid") != 2) continue;
+    const std::int64_t start = picoseconds(event.at("ts"));
+    const json& arguments = event.at("args");
+    found[lanes.at(event.at("tid"))].push_back({start, start + picoseconds(event.at("dur")),
+                                                event.at("name"), arguments.at("by"),
+                                                arguments.value("frame", std::int64_t{-1})});
+  }
+  for (auto& [lane, taken] : found) std::ranges::sort(taken, {}, &Taken::start);
+  return found;
+}
+
+struct Audit {
+  explicit Audit(const json& events, const json& with)
+      : resources(resources_of(events)), summary(with), begin(picoseconds(with.at("set_up_us"))) {}
+
+  // From `since` on, of one user or of all.
+  std::int64_t busy(const std::string& lane, std::int64_t since = 0,
+                    const std::string& by = "") const {
+    std::int64_t sum = 0;
+    if (!resources.contains(lane)) return 0;
+    for (const Taken& t : resources.at(lane)) {
+      if (t.start >= since && (by.empty() || t.by == by)) sum += t.end - t.start;
+    }
+    return sum;
+  }
+  void expect_one_user_at_a_time() const {
+    for (const auto& [lane, taken] : resources) {
+      for (std::size_t i = 1; i < taken.size(); ++i) {
+        ASSERT_LE(taken[i - 1].end, taken[i].start) << lane << ": " << taken[i].what;
+      }
+    }
+  }
+  void expect_use_of_the_bus() const {
+    const json& bus = summary.at("bus");
+    EXPECT_EQ(busy("bus taken"), picoseconds(bus.at("busy_us")));
+    for (const json& use : bus.at("utilisation").at("by_initiator")) {
+      EXPECT_EQ(busy("bus taken", begin, use.at("initiator")), picoseconds(use.at("busy_us")))
+          << use;
+    }
+  }
+  // Shares are of the loop's time, which a share of the bus tells: by_initiator has both.
+  void expect_use_of_the_link() const {
+    const json& utilisation = summary.at("bus").at("pcie").at("utilisation");
+    const json& first = utilisation.at("by_initiator").front();
+    const double time = first.at("busy_us").get<double>() * 1e6 / first.at("share").get<double>();
+    for (const std::string side : {"board", "host"}) {
+      const double share = utilisation.at("to_" + side).at("share");
+      EXPECT_NEAR(static_cast<double>(busy("link to " + side, begin)), share * time, 1) << side;
+    }
+  }
+  // In the loosely-timed run of a processor that waits, what frames did on the bus is what they had
+  // of it, and what the board's node updates hold it for.
+  void expect_frames_on_the_bus(const Sliced& frames) const {
+    std::map<std::int64_t, std::int64_t> taken;
+    for (const Taken& t : resources.at("bus taken")) taken[t.frame] += t.end - t.start;
+    for (const auto& [frame, slices] : frames) {
+      std::int64_t sum = 0;
+      for (const Slice& s : slices) {
+        if (s.part == "bus" || s.phase == "node update") sum += s.end - s.start;
+      }
+      EXPECT_EQ(sum, taken[frame]) << "frame " << frame;
+    }
+  }
+  void expect_passes() const {
+    std::int64_t passes = 0;
+    std::int64_t longest = 0;
+    for (const Taken& t : resources.at("core 1")) {
+      EXPECT_EQ(t.what, "collision pass");
+      ++passes;
+      longest = std::max(longest, t.end - t.start);
+    }
+    EXPECT_EQ(passes, summary.at("contact").at("collision_passes"));
+    EXPECT_EQ(longest, picoseconds(summary.at("contact").at("longest_pass_us")));
+  }
+  // Set-up is there from power-up until the loop begins.
+  void expect_set_up() const {
+    const std::vector<Taken>& core = resources.at("core 0");
+    EXPECT_EQ(core.front().what, "set-up");
+    EXPECT_EQ(core.front().start, 0);
+    const auto first_frame = std::ranges::find(core, 0, &Taken::frame);
+    ASSERT_NE(first_frame, core.end());
+    EXPECT_EQ(first_frame->start, begin);
+    ASSERT_NE(first_frame, core.begin());
+    EXPECT_EQ(std::prev(first_frame)->end, begin);
+  }
+
+  Resources resources;
+  json summary;
+  std::int64_t begin;
+};
+
+class TraceAudit : public Trace {
+ protected:
+  Audit audit() const {
+    Audit audit(events(), summary());
+    audit.expect_one_user_at_a_time();
+    audit.expect_use_of_the_bus();
+    audit.expect_set_up();
+    return audit;
+  }
+};
+
+TEST_F(TraceAudit, OfFramesOnPci) {
+  run_small();
+  const Audit a = audit();
+  a.expect_passes();
+  a.expect_frames_on_the_bus(slices_of(events()));
+}
+
+TEST_F(TraceAudit, OfTheWaysToMoveData) {
+  for (const std::string posted : {"", "bus.posted_writes.buffer_bytes=64"}) {
+    for (const std::string method : {"bursts", "programmed-io", "write-combined-io", "dma"}) {
+      SCOPED_TRACE(method + " " + posted);
+      std::vector<std::string> keys = {"--set", "transfer.method=" + method};
+      if (!posted.empty()) keys.insert(keys.end(), {"--set", posted});
+      run_small(keys);
+      audit().expect_passes();
+      expect_sound();
+    }
+  }
+}
+
+TEST_F(TraceAudit, OfALinkOfTheBoardsOwn) {
+  for (const std::string level : {"loosely-timed", "approximately-timed"}) {
+    SCOPED_TRACE(level);
+    run_small({"--set", "bus.pcie.lanes=4", "--set", "transfer.method=dma", "--set",
+               "fidelity.bus=" + level});
+    audit().expect_use_of_the_link();
+  }
+}
+
+TEST_F(TraceAudit, OfOneCore) {
+  run_small({"--set", "host.cores=1", "--set", "host.graphics.non_preemptible=100 us"});
+  const Audit a = audit();
+  EXPECT_FALSE(a.resources.contains("core 1"));
+  EXPECT_GT(a.busy("core 0", 0, "collision process"), 0);
+}
+
+TEST_F(TraceAudit, OfABusThatIsShared) {
+  run(scenario("shared-bus.toml").string(),
+      {"--set", "frames=40", "--set", "bus.graphics_traffic.bytes=100000"});
+  const Audit a = audit();
+  EXPECT_GT(a.busy("bus taken", 0, "traffic"), 0);
+  EXPECT_GT(a.busy("bus taken", 0, "graphics"), 0);
+}
+
+TEST_F(TraceAudit, OfAFaultyBoard) {
+  // Boards that are set up again, and a bridge that is asked for what it has recorded.
+  run(scenario("faulty-board.toml").string());
+  audit();
+  const json all = events();
+  const auto lane = [&all](const std::string& phase) {
+    std::set<std::string> parts;
+    for (const json& e : all) {
+      if (e.at("ph") == "X" && e.at("name") == phase) parts.insert(e.at("cat"));
+    }
+    return parts;
+  };
+  EXPECT_EQ(lane("bridge status"), (std::set<std::string>{"host"}));
+}
+
+// The frames that are drawn and no more: the run goes on for ten times as many.
+TEST_F(TraceAudit, EndsWithTheFramesThatAreDrawn) {
+  run_small({"--set", "output.trace_frames=4"});
+  const Audit a(events(), summary());
+  a.expect_one_user_at_a_time();
+  const std::int64_t period = picoseconds(summary().at("deadline").at("period_us"));
+  for (const auto& [lane, taken] : a.resources) {
+    EXPECT_LT(taken.back().start, a.begin + 4 * period) << lane;
+    if (lane == "core 1") continue;
+    EXPECT_GT(taken.back().start, a.begin + 3 * period) << lane;
+  }
+}
+
+// A word at a time, set-up has thousands of packets.
+TEST_F(TraceAudit, OfSetUpThatIsLargerThanItsShareSaysSo) {
+  run_small({"--set", "bus.pcie.lanes=1", "--set", "transfer.method=programmed-io", "--set",
+             "output.trace_size=200 kB", "--set", "output.trace_frames=2"});
+  expect_sound();
+  const json all = events();
+  const auto cut = std::ranges::find_if(
+      all, [](const json& e) { return e.at("name") == "set-up is not drawn further"; });
+  ASSERT_NE(cut, all.end());
+  EXPECT_EQ(cut->at("ph"), "i");
+  EXPECT_EQ(frames_in(all).size(), 2U) << "the frames have the other three quarters";
 }
 
 TEST_F(Trace, IsSound) {
@@ -258,7 +465,7 @@ TEST_F(Trace, OfPostedWritesIsSound) {
 }
 
 TEST_F(Trace, OfALinkOfTheBoardsOwnIsSound) {
-  for (const std::string method : {"bursts", "write-combined-io", "dma"}) {
+  for (const std::string method : {"programmed-io", "write-combined-io", "dma"}) {
     for (const std::string level : {"loosely-timed", "approximately-timed"}) {
       SCOPED_TRACE(method + ", " + level);
       run_small({"--set", "bus.pcie.lanes=4", "--set", "transfer.method=" + method, "--set",
@@ -288,6 +495,7 @@ TEST_F(Trace, HasAsManyFramesAsWereAskedFor) {
 TEST_F(Trace, WithoutFramesIsAnEmptyOne) {
   run_small({"--set", "output.trace_frames=0"});
   EXPECT_TRUE(frames_in(events()).empty());
+  EXPECT_TRUE(resources_of(events()).empty());
   expect_named(events());
 }
 

@@ -11,6 +11,7 @@
 
 #include "models/accel/cycles.h"
 #include "tests/vp/engine/engine_systems.h"
+#include "tests/vp/engine/levels.h"
 #include "vp/fpga/engine/cycle_engine.h"
 #include "vp/fpga/engine/phase_engine.h"
 
@@ -64,34 +65,8 @@ std::vector<Variant> variants() {
   };
 }
 
-struct Levels {
-  std::int64_t cycle_accurate = 0;
-  std::int64_t approximately_timed = 0;
-  std::int64_t loosely_timed = 0;
-
-  static double percent(std::int64_t clocks, std::int64_t measure) {
-    return 100.0 * static_cast<double>(clocks - measure) / static_cast<double>(measure);
-  }
-  double approximate_error() const { return percent(approximately_timed, cycle_accurate); }
-  double loose_error() const { return percent(loosely_timed, cycle_accurate); }
-};
-
-Levels compare(CycleEngine& cycles, PhaseEngine& phases, const fixed::QuantisedMatrix& matrix,
-               const Settings& settings, std::int32_t rhs = 2000) {
-  cycles.load(matrix, settings);
-  cycles.write_b(test::random_words(matrix.rows(), rhs, 3));
-  cycles.start_solve(settings);
-  sc_core::sc_start();
-  phases.load(matrix, settings);
-  phases.start_solve(settings, cycles.report());
-  sc_core::sc_start();
-  EXPECT_TRUE(cycles.idle() && phases.idle());
-  return {
-      cycles.clocks(), phases.clocks(),
-      accel::solve_cycles(cycles.architecture(), accel::pattern_of(matrix.row_begin, matrix.column),
-                          accel::solve_made(settings, cycles.report()))
-          .total()};
-}
+using test::compare;
+using test::Levels;
 
 TEST(Agreement, OverMeshesAndArchitectures) {
   const std::vector<test::NamedMatrix> meshes = test::mesh_set();
@@ -119,8 +94,8 @@ TEST(Agreement, OverMeshesAndArchitectures) {
     for (const test::NamedMatrix& mesh : meshes) {
       SCOPED_TRACE(pair.name + ", " + mesh.name);
       const Levels levels = compare(*pair.cycles, *pair.phases, mesh.matrix, settings);
-      EXPECT_LE(std::abs(levels.approximate_error()), 0.5);
-      EXPECT_LE(std::abs(levels.loose_error()), 3.0);
+      EXPECT_EQ(levels.approximately_timed, levels.cycle_accurate);
+      EXPECT_LE(std::abs(levels.loose_error()), 1.0);
       const auto keep = [](double& worst, double error) {
         if (std::abs(error) > std::abs(worst)) worst = error;
       };
@@ -150,8 +125,8 @@ TEST(Agreement, OfShortSolves) {
         const Levels levels = compare(cycles, phases, mesh.matrix, settings);
         ASSERT_TRUE(cycles.report().reached);
         shortest = std::min(shortest, cycles.report().iterations);
-        EXPECT_LE(std::abs(levels.approximate_error()), 0.5);
-        EXPECT_LE(std::abs(levels.loose_error()), 3.0);
+        EXPECT_EQ(levels.approximately_timed, levels.cycle_accurate);
+        EXPECT_LE(std::abs(levels.loose_error()), 1.0);
       }
       EXPECT_LE(shortest, 5);
     }
@@ -197,7 +172,7 @@ TEST(Agreement, OverMethodsAndEndings) {
     const Levels levels = compare(cycles, phases, matrix, settings, job.rhs);
     EXPECT_EQ(cycles.report().reached, settings.stop_residual > 0);
     EXPECT_EQ(levels.approximately_timed, levels.cycle_accurate);
-    EXPECT_LE(std::abs(levels.loose_error()), 3.0) << levels.loose_error();
+    EXPECT_LE(std::abs(levels.loose_error()), 1.0) << levels.loose_error();
   }
   Settings settings;
   const Levels broken = compare(cycles, phases, indefinite, settings, 2000);

@@ -31,15 +31,14 @@ class RowStream {
 
   bool has(std::int64_t clock) const { return !waiting_.empty() && waiting_.front().at <= clock; }
   int node() const { return waiting_.front().node; }
-  // Its place is free a clock later.
+  // Its place is free at the next clock.
   void take() {
     waiting_.pop_front();
     ++taken_;
   }
   // Lets the last package of a row go when the banks have served it and there is room for the row.
   void move(std::int64_t clock) {
-    const bool room = next_ - free_ < room_;
-    free_ = taken_;
+    const bool room = next_ - taken_ < room_;
     if (next_ == served_.size() || clock < ready_ || !room) return;
     waiting_.push_back({clock + depth_, partition_.row[next_]});
     if (++next_ < served_.size()) ready_ = clock + served_[next_];
@@ -60,15 +59,15 @@ class RowStream {
   std::int64_t ready_ = 0;  // when the next row's last package has been served
   std::size_t next_ = 0;
   std::size_t taken_ = 0;
-  std::size_t free_ = 0;
 };
 
-std::int64_t product_clocks(const accel::Architecture& architecture, const Layout& layout) {
+// `first`: the partition that is first in turn, before and after.
+std::int64_t product_clocks(const accel::Architecture& architecture, const Layout& layout,
+                            std::size_t& first) {
   std::vector<RowStream> stream;
   for (const Partition& p : layout.partitions()) stream.emplace_back(architecture, p);
   std::vector<std::uint8_t> bank(at(architecture.nodes_per_clock));
   int left = layout.nodes();
-  std::size_t first = 0;
   std::int64_t clock = 0;
   while (left > 0) {
     ++clock;
@@ -89,6 +88,18 @@ std::int64_t product_clocks(const accel::Architecture& architecture, const Layou
     }
   }
   return clock + architecture.vector_clocks();
+}
+
+ProductClocks products_of(const accel::Architecture& architecture, const Layout& layout) {
+  ProductClocks products;
+  std::vector<int> number_of_turn(layout.partitions().size(), -1);
+  std::size_t first = 0;
+  while (number_of_turn[first] < 0) {
+    number_of_turn[first] = static_cast<int>(products.clocks.size());
+    products.clocks.push_back(product_clocks(architecture, layout, first));
+  }
+  products.repeats_from = at(number_of_turn[first]);
+  return products;
 }
 
 // Groups of L nodes through the lanes, which stand still while a write takes more than a clock.
@@ -144,7 +155,7 @@ std::int64_t pass_clocks(const accel::Architecture& architecture, int nodes, boo
 
 PhaseClocks phase_clocks(const accel::Architecture& architecture, const Layout& layout) {
   PhaseClocks clocks;
-  clocks.product = product_clocks(architecture, layout);
+  clocks.products = products_of(architecture, layout);
   clocks.vectors = pass_clocks(architecture, layout.nodes(), false, false);
   clocks.writing_direction = pass_clocks(architecture, layout.nodes(), false, true);
   clocks.reading_direction = pass_clocks(architecture, layout.nodes(), true, false);

@@ -1,11 +1,24 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "models/accel/architecture.h"
 #include "vp/fpga/engine/layout.h"
 
 namespace hvp::vp::engine {
+
+// Clocks of the products from a reset on. Whose rows are first in turn is left from the product
+// before, so that one can take longer than the next; after the last of these they repeat.
+struct ProductClocks {
+  std::vector<std::int64_t> clocks;
+  std::size_t repeats_from = 0;
+
+  std::size_t after(std::size_t product) const {
+    return product + 1 < clocks.size() ? product + 1 : repeats_from;
+  }
+};
 
 // Clocks that a pass holds its memories and units, its pipelines included. They follow from
 // reservations: a package holds the banks of d as long as its own columns make them compete, a
@@ -13,7 +26,7 @@ namespace hvp::vp::engine {
 // d when it is read and when it is written. No word is looked at, so that they are found once for a
 // matrix and serve all its solves.
 struct PhaseClocks {
-  std::int64_t product = 0;
+  ProductClocks products;
   std::int64_t vectors = 0;            // a pass without d
   std::int64_t writing_direction = 0;  // d is written
   std::int64_t reading_direction = 0;  // d is read: group b

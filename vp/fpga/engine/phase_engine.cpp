@@ -41,6 +41,7 @@ void PhaseEngine::load(const fixed::QuantisedMatrix& matrix, const fixed::Settin
   layout_.emplace(architecture_, matrix.row_begin, matrix.column);
   phases_ = phase_clocks(architecture_, *layout_);
   copied_ = sc_core::SC_ZERO_TIME;
+  product_ = 0;
 }
 
 void PhaseEngine::copy_x() {
@@ -67,6 +68,7 @@ void PhaseEngine::abort() {
   over_.cancel();
   state_ = State::idle;
   copied_ = sc_core::SC_ZERO_TIME;
+  product_ = 0;
 }
 
 // The residual is formed anew in this iteration. Once nothing is left to do it never is.
@@ -123,8 +125,9 @@ void PhaseEngine::advance() {
 
 void PhaseEngine::hold(State state, const sc_core::sc_time& after) {
   const auto phase = [&]() -> Phase {
-    const std::int64_t division =
-        std::int64_t{architecture_.division_clocks} * settings_.scalar_bits / 64;
+    // Command and quotient stand in registers.
+    const std::int64_t division = std::max<std::int64_t>(
+        2, std::int64_t{architecture_.division_clocks} * settings_.scalar_bits / 64);
     switch (state) {
       case State::guess:
       case State::first_direction:
@@ -134,7 +137,7 @@ void PhaseEngine::hold(State state, const sc_core::sc_time& after) {
       case State::product:
       case State::start_product:
       case State::anew_product:
-        return {phases_.product, kProduct};
+        return {phases_.products.clocks[product_], kProduct};
       case State::alpha:
       case State::beta:
         return {division, kDivider};
@@ -151,6 +154,7 @@ void PhaseEngine::hold(State state, const sc_core::sc_time& after) {
     return {};
   }();
   state_ = state;
+  if (phase.units == kProduct) product_ = phases_.products.after(product_);
   std::int64_t begin = clock_;  // what it needs is there
   for (std::size_t u = 0; u < free_at_.size(); ++u) {
     if ((phase.units >> u & 1U) != 0) begin = std::max(begin, free_at_[u]);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -65,7 +66,8 @@ class PhaseEngine : public sc_core::sc_module {
   sc_core::sc_event done_;
 
   State state_ = State::idle;
-  int loop_ = 0;  // iterations begun
+  int loop_ = 0;             // iterations begun
+  std::size_t product_ = 0;  // the next one's number in PhaseClocks
   std::int64_t clock_ = 0;
   std::array<std::int64_t, static_cast<std::size_t>(Unit::count)> free_at_{};
   std::array<std::int64_t, static_cast<std::size_t>(Unit::count)> held_{};

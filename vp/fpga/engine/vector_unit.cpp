@@ -59,6 +59,7 @@ void VectorUnit::load(int nodes) {
 void VectorUnit::reset() {
   running_ = false;
   writes_left_ = 0;
+  first_block_ = 0;
   for (Group& group : group_) group.count = 0;
   for (int& count : back_count_) count = 0;
   for (std::size_t i = 0; i < taken.size(); ++i) {

@@ -1,0 +1,280 @@
+// The levels' clocks over the whole range of every key of [accelerator], and over architectures
+// that nobody would build: the cycle-accurate engine is the measure.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "models/accel/architecture.h"
+#include "models/config/input_error.h"
+#include "tests/fixed/elastic_box.h"
+#include "tests/vp/engine/engine_systems.h"
+#include "tests/vp/engine/levels.h"
+
+namespace hvp::vp::engine {
+namespace {
+
+using accel::Architecture;
+using fixed::Settings;
+using fixed::test::Random;
+using test::Levels;
+
+// What the loosely-timed level promises, in %. The approximately-timed one is exact.
+constexpr double kLooseBound = 1.0;
+
+// Depths that do not leave the vector unit a clock are refused: a change of one takes the others'
+// sum along.
+void deepen(Architecture& a) {
+  a.pipeline_clocks = std::max(
+      a.pipeline_clocks, a.memory_read_clocks + a.multiplier_clocks + a.adder_tree_clocks + 1);
+}
+
+// Goes through the declaration of an architecture and gives one key one of its values.
+class OneKey : public config::Visitor {
+ public:
+  using config::Visitor::integer;
+  // Of the key's values the `number`th of those that values() spreads over its range.
+  OneKey(std::string key, std::size_t number) : key_(std::move(key)), number_(number) {}
+
+  void quantity(std::string_view, double&, config::Dimension, config::Range,
+                config::Note) override {}
+  void vector(std::string_view, Eigen::Vector3d&, config::Dimension, config::Range,
+              config::Note) override {}
+  void text(std::string_view, std::string&, config::Note) override {}
+  void file(std::string_view, std::string&, config::Note) override {}
+  void integer(std::string_view name, std::int64_t& value, config::IntegerRange range,
+               config::Note) override {
+    if (const std::vector<std::int64_t> all = values(range); is(name) && number_ < all.size()) {
+      set(std::to_string(value = all[number_]));
+    }
+  }
+  void boolean(std::string_view name, bool& value, config::Note) override {
+    if (is(name) && number_ < 2) set((value = number_ != 0) ? "true" : "false");
+  }
+  void choice_index(std::string_view name, std::size_t& index,
+                    const std::vector<std::string_view>& names, config::Note) override {
+    if (is(name) && number_ < names.size()) set(std::string(names[index = number_]));
+  }
+
+  // Every key that has whole numbers or names for values.
+  const std::set<std::string>& keys() const { return keys_; }
+  // Empty where the key has fewer values.
+  const std::string& value() const { return value_; }
+
+  // Its ends, every number up to 17, and odd and even ones between, closer together where they are
+  // small.
+  static std::vector<std::int64_t> values(const config::IntegerRange& range) {
+    std::set<std::int64_t> all = {range.min, range.max, range.max - 1};
+    for (std::int64_t v = range.min; v <= std::min<std::int64_t>(17, range.max); ++v) all.insert(v);
+    for (std::int64_t v = 20; v < range.max; v += v / 3) all.insert(v);
+    return {all.begin(), all.end()};
+  }
+
+ protected:
+  void begin_table(std::string_view, config::Note) override {}
+  void end_table() override {}
+  bool begin_effect(std::string_view, bool&, config::Note) override { return false; }
+  void end_effect() override {}
+  bool begin_list(std::string_view, std::size_t&, config::Note) override { return false; }
+  void begin_item(std::size_t) override {}
+  void end_item() override {}
+  void end_list() override {}
+
+ private:
+  bool is(std::string_view name) {
+    keys_.emplace(name);
+    return name == key_;
+  }
+  void set(std::string value) { value_ = std::move(value); }
+
+  std::string key_;
+  std::size_t number_;
+  std::set<std::string> keys_;
+  std::string value_;
+};
+
+struct Named {
+  std::string name;
+  Architecture architecture;
+};
+
+// Each key over its range, all others at their defaults.
+std::vector<Named> one_key_changed() {
+  OneKey keys("", 0);
+  Architecture thesis;
+  thesis.declare(keys);
+  std::vector<Named> all;
+  for (const std::string& key : keys.keys()) {
+    for (std::size_t number = 0;; ++number) {
+      Architecture a;
+      OneKey one(key, number);
+      a.declare(one);
+      if (one.value().empty()) break;
+      if (a.matrix_storage == accel::MatrixStorage::symmetric) continue;  // has no engine
+      if (key != "pipeline_clocks") deepen(a);
+      all.push_back({key + " = " + one.value(), a});
+    }
+  }
+  return all;
+}
+
+// From 1 to `most`, small numbers as likely as large ones.
+int spread(Random& random, int most) {
+  int bits = 0;
+  while (most >> bits > 1) ++bits;
+  const int scale = 1 << random.below(bits + 1);
+  return std::min(most, scale + random.below(scale));
+}
+
+Architecture random_architecture(Random& random) {
+  // Now and then all keys at once, mostly a few.
+  const int share = random.below(3) == 0 ? 1 : 3;
+  const auto drawn = [&](int& value, int most) {
+    if (random.below(share) == 0) value = spread(random, most);
+  };
+  Architecture a;
+  drawn(a.rows_in_parallel, 3);
+  drawn(a.package, 64);
+  drawn(a.partitions, 256);
+  drawn(a.nodes_per_clock, 64);
+  drawn(a.memory_read_clocks, 100);
+  drawn(a.multiplier_clocks, 100);
+  drawn(a.adder_tree_clocks, 100);
+  drawn(a.division_clocks, 1000);
+  drawn(a.result_queue, 1024);
+  drawn(a.direction_banks, 64);
+  a.direction_memory = static_cast<accel::DirectionMemory>(random.below(3));
+  a.absolute_value_register = random.below(2) == 1;
+  a.pipeline_clocks =
+      a.memory_read_clocks + a.multiplier_clocks + a.adder_tree_clocks + spread(random, 300);
+  return a;
+}
+
+std::string describe(const Architecture& a) {
+  const auto number = [](const char* name, int value) {
+    return std::string(name) + " " + std::to_string(value) + ", ";
+  };
+  return number("PL1", a.rows_in_parallel) + number("PL2", a.package) +
+         number("PL3", a.partitions) + number("L", a.nodes_per_clock) +
+         number("read", a.memory_read_clocks) + number("multiplier", a.multiplier_clocks) +
+         number("adders", a.adder_tree_clocks) + number("pipeline", a.phase_clocks()) +
+         number("division", a.division_clocks) + number("queue", a.result_queue) +
+         number("d", static_cast<int>(a.direction_memory)) + number("banks", a.direction_banks) +
+         number("s", a.packages_per_row);
+}
+
+struct Engines {
+  std::string name;
+  std::unique_ptr<CycleEngine> cycles;
+  std::unique_ptr<PhaseEngine> phases;
+};
+
+// SystemC elaborates once: all of them are there before the first one runs.
+std::vector<Engines> build(const std::vector<Named>& architectures) {
+  std::vector<Engines> engines;
+  for (const Named& one : architectures) {
+    const std::string number = std::to_string(engines.size());
+    engines.push_back(
+        {one.name, std::make_unique<CycleEngine>(("cycles_" + number).c_str(), one.architecture),
+         std::make_unique<PhaseEngine>(("phases_" + number).c_str(), one.architecture)});
+  }
+  return engines;
+}
+
+void expect_agreement(const Levels& levels) {
+  EXPECT_EQ(levels.approximately_timed, levels.cycle_accurate);
+  EXPECT_LE(std::abs(levels.loose_error()), kLooseBound)
+      << levels.loosely_timed << " clocks for " << levels.cycle_accurate;
+}
+
+// What an architecture says of its own keys.
+bool admitted(const Architecture& a) {
+  try {
+    a.check();
+  } catch (const InputError&) {
+    return false;
+  }
+  return true;
+}
+
+TEST(AgreementOverArchitectures, OfEveryKeyOverItsRange) {
+  const std::vector<test::NamedMatrix> meshes = test::mesh_set();
+  const auto sphere = std::ranges::find(meshes, "sphere of 200", &test::NamedMatrix::name);
+  ASSERT_NE(sphere, meshes.end());
+  std::vector<Named> architectures = one_key_changed();
+  ASSERT_GT(architectures.size(), 200U);
+  const auto refused = std::ranges::remove_if(
+      architectures, [](const Named& one) { return !admitted(one.architecture); });
+  // pipeline_clocks from 0 to 9, which leave nothing beside the other depths.
+  EXPECT_EQ(refused.size(), 10U);
+  architectures.erase(refused.begin(), refused.end());
+  std::vector<Engines> engines = build(architectures);
+  Settings settings;
+  settings.iterations = 5;
+  int too_short = 0;
+  for (Engines& one : engines) {
+    SCOPED_TRACE(one.name);
+    try {
+      expect_agreement(test::compare(*one.cycles, *one.phases, sphere->matrix, settings));
+    } catch (const InputError& error) {
+      // A row needs more packages than packages_per_row has.
+      EXPECT_EQ(error.key(), "packages_per_row");
+      ++too_short;
+    }
+  }
+  EXPECT_LE(too_short, 9);
+}
+
+TEST(AgreementOverArchitectures, OfRandomOnes) {
+  constexpr int kArchitectures = 150;
+  const std::vector<test::NamedMatrix> meshes = test::mesh_set();
+  Random random(20);
+  std::vector<Named> architectures;
+  for (int i = 0; i < kArchitectures; ++i) {
+    const Architecture a = random_architecture(random);
+    architectures.push_back({describe(a), a});
+  }
+  std::vector<Engines> engines = build(architectures);
+  for (Engines& one : engines) {
+    const test::NamedMatrix& mesh =
+        meshes[static_cast<std::size_t>(random.below(static_cast<int>(meshes.size())))];
+    SCOPED_TRACE(mesh.name + ": " + one.name);
+    Settings settings;
+    settings.iterations = 1 + random.below(10);
+    settings.method = random.below(2) == 0 ? fixed::Method::cg : fixed::Method::block_jacobi_pcg;
+    if (random.below(3) == 0) settings.replace_residual_every = 1 + random.below(4);
+    if (random.below(3) == 0) settings.start = fixed::Start::extrapolated;
+    expect_agreement(test::compare(*one.cycles, *one.phases, mesh.matrix, settings));
+  }
+}
+
+// Systems of a few nodes, where a pipeline's depth and who is first in turn weigh most.
+TEST(AgreementOverArchitectures, OfRandomOnesOverSmallSystems) {
+  constexpr int kArchitectures = 150;
+  std::vector<fixed::QuantisedMatrix> matrices;
+  for (const int cells : {1, 2, 3}) {
+    matrices.push_back(fixed::quantise(test::box_stiffness(cells, cells, 1), 12));
+  }
+  Random random(21);
+  std::vector<Named> architectures;
+  for (int i = 0; i < kArchitectures; ++i) {
+    const Architecture a = random_architecture(random);
+    architectures.push_back({describe(a), a});
+  }
+  std::vector<Engines> engines = build(architectures);
+  for (Engines& one : engines) {
+    const auto which = static_cast<std::size_t>(random.below(3));
+    SCOPED_TRACE(std::to_string(matrices[which].block_rows()) + " nodes: " + one.name);
+    Settings settings;
+    settings.iterations = 1 + random.below(20);
+    expect_agreement(test::compare(*one.cycles, *one.phases, matrices[which], settings));
+  }
+}
+
+}  // namespace
+}  // namespace hvp::vp::engine
