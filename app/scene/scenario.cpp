@@ -14,7 +14,7 @@ void Budget::declare(config::Visitor& v) {
               "thesis section 6.2.2: 500 Hz"});
 }
 
-void Anchor::declare(config::Visitor& v) { region.declare(v); }
+void Anchor::declare(config::Visitor& v) { v.include(region); }
 
 void Object::declare(config::Visitor& v) {
   v.table("mesh", mesh, {"the body's shape and how finely it is meshed"});
@@ -34,7 +34,7 @@ void Object::check() const {
 }
 
 void Contact::declare(config::Visitor& v) {
-  search.declare(v);
+  v.include(search);
   v.choice("diagonal", diagonal, fem::contact_diagonal_names(),
            {"what stands on the diagonal of the contact node's rows",
             "thesis section 3.7, footnote: the average conditions better"});
@@ -165,16 +165,20 @@ void require_one_device(const Scenario& s) {
 }
 
 // Where the scenario has nothing that could fail so.
-void require_possible(const Scenario& s, const vp::Fault& fault) {
+void require_possible(const Scenario& s, std::size_t index) {
+  const vp::Fault& fault = s.faults[index];
+  const auto key = [index](const char* name) {
+    return "fault[" + std::to_string(index) + "]." + name;
+  };
   using Kind = vp::FaultKind;
   const bool dma = s.transfer.method == vp::Transfer::Method::dma;
-  const auto refuse = [&fault](const std::string& needs) {
-    throw InputError("fault", std::string(vp::name(fault.kind)) + " needs " + needs);
+  const auto refuse = [&](const std::string& needs, const char* name = "kind") {
+    throw InputError(key(name), std::string(vp::name(fault.kind)) + " needs " + needs);
   };
   if (fault.frame >= s.frames) {
-    throw InputError("fault", "the run ends before frame " + std::to_string(fault.frame) +
-                                  ": expected less than frames, which is " +
-                                  std::to_string(s.frames));
+    throw InputError(key("frame"), "the run ends before frame " + std::to_string(fault.frame) +
+                                       ": expected less than frames, which is " +
+                                       std::to_string(s.frames));
   }
   if (fault.kind == Kind::saturated_solve && s.fidelity.numbers == vp::Numbers::none) {
     refuse("words that saturate: expected fidelity.numbers = \"fixed\"");
@@ -189,20 +193,23 @@ void require_possible(const Scenario& s, const vp::Fault& fault) {
   const bool blocks = fault.kind == Kind::corrupted_word || fault.access == vp::FaultAccess::rhs ||
                       fault.access == vp::FaultAccess::solution;
   if (blocks && dma) {
-    refuse("b and U as the processor's blocks: expected another transfer.method than \"dma\"");
+    refuse("b and U as the processor's blocks: expected another transfer.method than \"dma\"",
+           fault.kind == Kind::corrupted_word ? "kind" : "access");
   }
   if (fault.access == vp::FaultAccess::status &&
       s.transfer.notification == link::Notification::polling) {
     refuse(
         "one access to STATUS that a frame hangs on: expected another transfer.notification than "
-        "\"polling\"");
+        "\"polling\"",
+        "access");
   }
   const bool looks =
       fault.access == vp::FaultAccess::status || fault.access == vp::FaultAccess::acknowledge;
   if (looks && dma && s.transfer.notification != link::Notification::intx) {
     refuse(
         "an access that the driver makes: with a record in memory it looks at STATUS and "
-        "acknowledges only for transfer.notification = \"intx\"");
+        "acknowledges only for transfer.notification = \"intx\"",
+        "access");
   }
 }
 
@@ -250,7 +257,7 @@ void Scenario::check() const {
   needs_time("host.jitter", host.jitter.has_value());
   needs_time("host.wake_up", host.wake_up.has_value());
   needs_time("host.cores", host.cores == 1);
-  for (const vp::Fault& fault : faults) require_possible(*this, fault);
+  for (std::size_t i = 0; i < faults.size(); ++i) require_possible(*this, i);
   if (output.waveform) require_shown(*output.waveform, frames, level);
   if (bus.posted_writes && fidelity.bus == vp::Timing::untimed) {
     throw InputError("bus.posted_writes",

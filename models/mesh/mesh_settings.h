@@ -19,7 +19,7 @@ struct MeshSettings {
   int nodes = 500;
 
   void declare(config::Visitor& v);
-  // Throws InputError: no file for shape `surface`, or a parameter of another shape.
+  // Throws InputError: no file for shape `surface`.
   void check() const;
 };
 
