@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
-#include <fstream>
 #include <sstream>
 #include <string_view>
 #include <system_error>
@@ -20,6 +20,7 @@
 #include "app/solve/system_solve.h"
 #include "models/accel/critical_path.h"
 #include "models/config/input_error.h"
+#include "models/files/regular_file.h"
 #include "models/host/reference_run.h"
 #include "models/sparse/matrix_market.h"
 
@@ -29,26 +30,25 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Forty bytes an entry leave room for a few hundred thousand nodes.
+constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 30U;
+
 std::string option(const char* name, const fs::path& file) {
   return fmt::format("{} {}: ", name, scenario::one_line(file.string()));
 }
 
-std::ifstream open(const char* name, const fs::path& file) {
-  std::error_code error;
-  const fs::file_status status = fs::status(file, error);
-  if (!fs::exists(status)) throw InputError(option(name, file) + "no such file");
-  if (fs::is_directory(status)) {
-    throw InputError(option(name, file) + "is a folder: expected a Matrix Market file");
+std::istringstream open(const char* name, const fs::path& file) {
+  try {
+    return std::istringstream(files::read_regular_file(file, kLargestFile, "a Matrix Market file"));
+  } catch (const InputError& e) {
+    throw InputError(option(name, file) + e.what());
   }
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw InputError(option(name, file) + "cannot be read");
-  return stream;
 }
 
 // What a reader throws names the file and the line.
 template <class Read>
 auto read(const char* name, const fs::path& file, const Read& read_from) {
-  std::ifstream stream = open(name, file);
+  std::istringstream stream = open(name, file);
   try {
     return read_from(stream, file.string());
   } catch (const InputError& e) {

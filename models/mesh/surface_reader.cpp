@@ -1,14 +1,11 @@
 #include "models/mesh/surface_reader.h"
 
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
+#include "models/files/regular_file.h"
 #include "models/mesh/byte_stream.h"
 #include "models/mesh/child_process.h"
 #include "models/mesh/file_precheck.h"
@@ -25,25 +22,11 @@ ChildLimits limits_for(std::size_t file_size) {
 }
 
 std::string contents_of(const std::string& path) {
-  std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) {
-    throw InputError("surface", fmt::format("there is no file {}", path));
+  try {
+    return files::read_regular_file(path, kLargestFile, "a surface file");
+  } catch (const InputError& error) {
+    throw InputError("surface", fmt::format("{}: {}", path, error.what()));
   }
-  if (!std::filesystem::is_regular_file(status)) {
-    throw InputError("surface", fmt::format("{} is not a regular file", path));
-  }
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (!error && size > kLargestFile) {
-    throw InputError("surface", fmt::format("{}: the file has {} bytes; at most {} are read", path,
-                                            size, kLargestFile));
-  }
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  if (!file.good() && !file.eof()) {
-    throw InputError("surface", fmt::format("{} cannot be read: {}", path, std::strerror(errno)));
-  }
-  return bytes;
 }
 
 }  // namespace

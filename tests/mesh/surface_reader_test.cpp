@@ -123,9 +123,9 @@ TEST(ReadSurface, ABinaryStlMayStartWithSolid) {
 
 TEST(ReadSurface, SaysWhatIsWrongWithTheFile) {
   EXPECT_THAT(refusal("surface", [] { read_surface("/nowhere/a.stl", 1.0); }),
-              HasSubstr("there is no file /nowhere/a.stl"));
+              HasSubstr("/nowhere/a.stl: no such file: expected a surface file"));
   EXPECT_THAT(refusal("surface", [] { read_surface(std::filesystem::temp_directory_path(), 1.0); }),
-              HasSubstr("not a regular file"));
+              HasSubstr("is a folder: expected a surface file"));
   EXPECT_THAT(reason(".stl", ""), HasSubstr("the file is empty"));
   EXPECT_THAT(reason(".step", "ISO-10303-21;"), HasSubstr("expected .stl, .ply, .obj, .vtp"));
   EXPECT_THAT(reason(".stl", "solid a\nendsolid a\n"), HasSubstr("holds no triangles"));

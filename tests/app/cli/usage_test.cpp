@@ -89,7 +89,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{{"mesh", "sphere", "--unit", "1 mm"}, "--unit belongs to a surface file only"},
         Wrong{{"mesh", "a.stl", "--size", "1 mm"}, "--size belongs to sphere and box only"},
         Wrong{{"mesh", "a.stl", "--unit", "0 mm"}, "expected a length above zero"},
-        Wrong{{"mesh", "sphre"}, "there is no file sphre"},
+        Wrong{{"mesh", "sphre"}, "sphre: no such file: expected a surface file"},
         Wrong{{"mesh", "sphere", "--out", "mesh.stl"}, "expected a file that ends in .vtu"}));
 
 TEST(Usage, AControlCharacterDoesNotBreakTheLine) {
