@@ -3,19 +3,20 @@
 #include <cstdlib>
 #include <exception>
 #include <stdexcept>
+#include <string>
 #include <systemc>
 
-#include <fmt/format.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include "app/commands/commands.h"
+#include "app/commands/terminal.h"
 #include "app/commands/usage_error.h"
-#include "app/scenario/message.h"
 #include "models/config/input_error.h"
 
 namespace {
 
+using hvp::app::complain;
 using hvp::app::describe_usage_error;
 using hvp::app::device_command;
 using hvp::app::DeviceArguments;
@@ -45,6 +46,20 @@ void scenario_arguments(CLI::App& command, ScenarioArguments& arguments) {
       ->allow_extra_args(false)
       ->type_name("KEY=VALUE");
   command.add_flag("--quiet", arguments.quiet, "no progress on the terminal");
+}
+
+// An empty file name, folder or value means nothing.
+void refuse_empty_values(CLI::App& app) {
+  const CLI::Validator given(
+      [](const std::string& text) {
+        return text.empty() ? std::string("expected a value, found \"\"") : std::string();
+      },
+      "");
+  for (CLI::App* command : app.get_subcommands({})) {
+    for (CLI::Option* option : command->get_options()) {
+      if (option->get_items_expected_max() > 0) option->check(given);
+    }
+  }
 }
 
 // Warnings of the run go to stderr, a line each, without a date that would differ between runs.
@@ -159,13 +174,14 @@ int parse_and_run(int argc, char** argv) {
                                "print every key of a scenario: unit, range, default, source");
   command->callback([&] { status = reference_command(); });
 
+  refuse_empty_values(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {
     app.exit(e);  // --help, --version
     return kHeld;
   } catch (const CLI::ParseError& e) {
-    fmt::print(stderr, "hvp: {}\n", describe_usage_error(app, e));
+    complain("hvp: " + describe_usage_error(app, e));
     return kWrongInput;
   }
   return status;
@@ -199,16 +215,16 @@ int main(int argc, char** argv) {
     return status;
   } catch (const hvp::InputError& e) {
     end_progress(false);
-    fmt::print(stderr, "{}\n", e.what());
+    complain(e.what());
     return kWrongInput;
   } catch (const sc_core::sc_report& e) {
     // What a process threw, in the kernel's wrapping of several lines.
     end_progress(false);
-    fmt::print(stderr, "hvp: {}\n", hvp::scenario::one_line(e.get_msg()));
+    complain(std::string("hvp: ") + e.get_msg());
     return kFailed;
   } catch (const std::exception& e) {
     end_progress(false);
-    fmt::print(stderr, "hvp: {}\n", hvp::scenario::one_line(e.what()));
+    complain(std::string("hvp: ") + e.what());
     return kFailed;
   }
 }

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "app/commands/commands.h"
+#include "app/commands/terminal.h"
 #include "app/results/mesh_file.h"
 #include "app/results/results_folder.h"
 #include "app/scenario/message.h"
@@ -82,22 +83,21 @@ int mesh_command(const MeshArguments& arguments) {
   }
   end_progress(arguments.quiet);
   const mesh::Quality q = mesh::measure(mesh);
-  fmt::print("nodes              {} ({} wanted)\n", q.nodes, arguments.nodes);
-  fmt::print("tetrahedra         {}\n", q.tetrahedra);
-  fmt::print("boundary triangles {}\n", q.boundary_triangles);
-  fmt::print("volume             {:.6g} cm3\n", q.volume * 1e6);
-  fmt::print("dihedral angles    {:.1f} to {:.1f} degrees, {} slivers\n", q.min_dihedral,
-             q.max_dihedral, q.slivers);
-  fmt::print("aspect ratio       at most {:.2f} (longest over shortest edge)\n",
-             q.max_aspect_ratio);
-  fmt::print("smallest det J     {:.4g} mm3\n", q.min_det_jacobian * 1e9);
-  fmt::print("non-zeros a row    {:.1f} on average, {} at most\n\n", q.mean_row_nonzeros,
-             q.max_row_nonzeros);
-  fmt::print("{}", mesh::draw_dihedral_histogram(q));
+  print("nodes              {} ({} wanted)\n", q.nodes, arguments.nodes);
+  print("tetrahedra         {}\n", q.tetrahedra);
+  print("boundary triangles {}\n", q.boundary_triangles);
+  print("volume             {:.6g} cm3\n", q.volume * 1e6);
+  print("dihedral angles    {:.1f} to {:.1f} degrees, {} slivers\n", q.min_dihedral, q.max_dihedral,
+        q.slivers);
+  print("aspect ratio       at most {:.2f} (longest over shortest edge)\n", q.max_aspect_ratio);
+  print("smallest det J     {:.4g} mm3\n", q.min_det_jacobian * 1e9);
+  print("non-zeros a row    {:.1f} on average, {} at most\n\n", q.mean_row_nonzeros,
+        q.max_row_nonzeros);
+  print("{}", mesh::draw_dihedral_histogram(q));
   if (!arguments.out.empty()) {
     const mesh::ElementShapes shapes = mesh::element_shapes(mesh);
     results::write_mesh(arguments.out, mesh, {shapes.min_dihedral, shapes.aspect_ratio});
-    fmt::print("\n{}\n", arguments.out.string());
+    print("\n{}\n", arguments.out.string());
   }
   return kHeld;
 }

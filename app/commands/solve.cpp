@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "app/commands/commands.h"
+#include "app/commands/terminal.h"
 #include "app/devices/devices.h"
 #include "app/results/part_file.h"
 #include "app/results/results_folder.h"
@@ -144,7 +145,7 @@ int solve_command(const SolveArguments& arguments) {
   std::ostringstream text;
   sparse::write_matrix_market(text, solution.x);
   results::write_through_part_file(arguments.solution, text.str());
-  fmt::print("{}", results::solve_json(system, task, solution));
+  print("{}", results::solve_json(system, task, solution));
   return arguments.tolerance && !(solution.error <= *arguments.tolerance) ? kNotHeld : kHeld;
 }
 

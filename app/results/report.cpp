@@ -10,6 +10,7 @@
 #include "app/results/fault_text.h"
 #include "app/results/number_text.h"
 #include "app/results/spectrum_text.h"
+#include "app/scenario/message.h"
 
 namespace hvp::results {
 
@@ -52,7 +53,7 @@ void engine_lines(Out out, const app::Scene& scene, const Outcome& o) {
 
 void scene_lines(Out out, const app::Scene& scene, const Outcome& o) {
   const app::Scenario& s = scene.scenario();
-  if (!s.title.empty()) fmt::format_to(out, "{}\n", s.title);
+  if (!s.title.empty()) fmt::format_to(out, "{}\n", scenario::one_line(s.title, 1000));
   fmt::format_to(out, "  body        {} nodes, {} tetrahedra; {} nodes in the system, {}\n",
                  scene.quality().nodes, scene.quality().tetrahedra, scene.body().active_nodes(),
                  s.dynamics ? "dynamic" : "static");

@@ -84,10 +84,10 @@ void Trajectory::check() const {
     // The same place may be written in two units that differ in the last bit.
     if (segment.phase == Phase::hold && !(moved <= 1.0 / kPosition.counts_per_unit)) {
       throw InputError(
-          "motion",
-          fmt::format("stroke {} is a hold and moves by {:.6g} mm; expected to = [\"{:.6g} mm\", "
-                      "\"{:.6g} mm\", \"{:.6g} mm\"], or phase \"slide\"",
-                      i + 1, 1e3 * moved, 1e3 * from.x(), 1e3 * from.y(), 1e3 * from.z()));
+          fmt::format("motion[{}].to", i),
+          fmt::format("a hold does not move, and this one does by {:.6g} mm; expected "
+                      "[\"{:.6g} mm\", \"{:.6g} mm\", \"{:.6g} mm\"], or phase \"slide\"",
+                      1e3 * moved, 1e3 * from.x(), 1e3 * from.y(), 1e3 * from.z()));
     }
     from = segment.to;
   }

@@ -172,7 +172,8 @@ TEST(Trajectory, RefusesWhatIsNoMotion) {
 
   t = touch();
   t.motion[2].to.x() = 0.001;
-  EXPECT_NE(complaint(t).find("stroke 3 is a hold and moves by 1 mm"), std::string::npos)
+  EXPECT_NE(complaint(t).find("motion[2].to: a hold does not move, and this one does by 1 mm"),
+            std::string::npos)
       << complaint(t);
   t.motion[2].to.x() = 1e-18;  // "4.5 cm" and "45 mm" may differ by this
   EXPECT_EQ(complaint(t), "none");
