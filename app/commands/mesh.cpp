@@ -6,6 +6,7 @@
 #include "app/results/results_folder.h"
 #include "app/scenario/message.h"
 #include "app/scenario/quantity.h"
+#include "app/scenario/toml_text.h"
 #include "models/config/input_error.h"
 #include "models/mesh/generate.h"
 #include "models/mesh/quality.h"
@@ -16,15 +17,15 @@ namespace {
 
 constexpr int kMostNodes = 1'000'000;  // as object.mesh.nodes
 
-double length(const char* option, const std::string& text) {
+double length(const char* option, const std::string& text, const config::Range& range) {
   try {
     const double value = scenario::parse_quantity(text, config::Dimension::length);
-    if (value > 0) return value;
+    if (scenario::contains(range, value)) return value;
   } catch (const InputError& e) {
     throw InputError(fmt::format("{} {}: {}", option, scenario::one_line(text), e.what()));
   }
-  throw InputError(fmt::format("{} {}: out of range: expected a length above zero", option,
-                               scenario::one_line(text)));
+  throw InputError(fmt::format("{} {}: out of range: expected {}", option, scenario::one_line(text),
+                               scenario::range_text(range, config::Dimension::length)));
 }
 
 mesh::MeshSettings settings_of(const MeshArguments& a) {
@@ -38,13 +39,13 @@ mesh::MeshSettings settings_of(const MeshArguments& a) {
     const bool sphere = a.surface == "sphere";
     s.shape = sphere ? mesh::MeshSettings::Shape::sphere : mesh::MeshSettings::Shape::box;
     if (!a.unit.empty()) throw InputError("--unit belongs to a surface file only");
-    if (!a.size.empty() && sphere) s.radius = length("--size", a.size);
-    if (!a.size.empty() && !sphere) s.size.setConstant(length("--size", a.size));
+    if (!a.size.empty() && sphere) s.radius = length("--size", a.size, mesh::kBodyLength);
+    if (!a.size.empty() && !sphere) s.size.setConstant(length("--size", a.size, mesh::kBodyLength));
   } else {
     s.shape = mesh::MeshSettings::Shape::surface;
     s.surface = a.surface;
     if (!a.size.empty()) throw InputError("--size belongs to sphere and box only");
-    if (!a.unit.empty()) s.surface_unit = length("--unit", a.unit);
+    if (!a.unit.empty()) s.surface_unit = length("--unit", a.unit, mesh::kUnitLength);
   }
   return s;
 }

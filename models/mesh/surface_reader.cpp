@@ -9,6 +9,7 @@
 #include "models/mesh/byte_stream.h"
 #include "models/mesh/child_process.h"
 #include "models/mesh/file_precheck.h"
+#include "models/mesh/mesh_settings.h"
 #include "models/mesh/vtk_reading.h"
 
 namespace hvp::mesh {
@@ -27,6 +28,35 @@ std::string contents_of(const std::string& path) {
   } catch (const InputError& error) {
     throw InputError("surface", fmt::format("{}: {}", path, error.what()));
   }
+}
+
+// Coordinates of many files are single precision: of a surface that lies farther from the origin
+// than so many times its size, fewer than three digits are left.
+constexpr double kFarthest = 1e4;
+
+// Of a surface in metres.
+void check_place(const Surface& surface, double unit_m) {
+  if (surface.points.empty()) return;
+  Eigen::Vector3d low = surface.points.front();
+  Eigen::Vector3d high = low;
+  for (const Eigen::Vector3d& x : surface.points) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  const double width = (high - low).maxCoeff();
+  const double distance = low.cwiseAbs().cwiseMax(high.cwiseAbs()).maxCoeff();
+  if (distance > kFarthest * width) {
+    throw InputError("surface",
+                     fmt::format("the surface lies {:.3g} m from the origin and is {:.3g} m "
+                                 "wide, which leaves its coordinates too few digits: "
+                                 "expected it within {:g} times its width",
+                                 distance, width, kFarthest));
+  }
+  if (width >= kBodyLength.min && width <= kBodyLength.max) return;
+  throw InputError("surface",
+                   fmt::format("the surface is {:.3g} m wide where one unit of the file is "
+                               "{:g} m: expected from {:g} m to {:g} m",
+                               width, unit_m, kBodyLength.min, kBodyLength.max));
 }
 
 }  // namespace
@@ -49,6 +79,7 @@ Surface read_surface(const std::string& path, double unit_m) {
     Surface surface;
     surface.points = reader.points();
     surface.triangles = reader.tuples<3>();
+    check_place(surface, unit_m);
     return surface;
   } catch (const InputError& error) {
     const std::string message = error.what();
