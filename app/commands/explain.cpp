@@ -39,6 +39,20 @@ std::string delay_cost(const std::optional<random::TimeDistribution>& delay, con
   return delay ? fmt::format("{}, {}", where, random::name(delay->kind)) : where;
 }
 
+// A force acts at a node: how far that is from where the scenario wants it.
+void point_loads(const Scene& scene) {
+  const mesh::TetMesh& mesh = scene.body().mesh();
+  const std::vector<fem::PointLoad>& points = scene.scenario().loads.points;
+  if (!points.empty()) print("\nPoint loads\n");
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3d& node =
+        mesh.nodes[static_cast<std::size_t>(fem::nearest_node(mesh, points[i].position))];
+    print("  loads.point[{}] at ({:.4g}, {:.4g}, {:.4g}) mm, a node {:.3g} mm from its position\n",
+          i, 1e3 * node.x(), 1e3 * node.y(), 1e3 * node.z(),
+          1e3 * (node - points[i].position).norm());
+  }
+}
+
 void frame_cost(const Scene& scene) {
   for (const FrameStep& step : frame_steps(scene)) {
     print("  {:<34} {:>10}\n", step.what, results::readable_time(step.ps));
@@ -138,6 +152,7 @@ int explain_command(const ScenarioArguments& arguments) {
   effect_line("fault", !s.faults.empty(), fault_cost(s.faults).c_str());
   effect_line("output.waveform", s.output.waveform.has_value(),
               "no simulated time; a value change file of every clock of some frames");
+  point_loads(scene);
   if (scene.spectrum()) {
     print("\nSpectrum of the system without contact\n{}",
           results::spectrum_text(*scene.spectrum()));

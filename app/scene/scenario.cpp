@@ -1,5 +1,6 @@
 #include "app/scene/scenario.h"
 
+#include <cmath>
 #include <limits>
 
 #include "models/config/input_error.h"
@@ -237,10 +238,23 @@ void require_no_numbers(const Scenario& s) {
   if (s.refinement) lacks("refinement");
 }
 
+// Times count picoseconds in 64 bits: 106 days, some of which are kept for set-up and for what is
+// still under way at the end.
+void require_countable(const Scenario& s) {
+  constexpr double kLongest = 9e6;  // s
+  const double whole = s.frames * s.budget.period_s;
+  if (whole <= kLongest) return;
+  throw InputError("frames", std::to_string(s.frames) + " frames take " +
+                                 std::to_string(std::llround(whole)) +
+                                 " s, and times are counted up to 9000000 s: expected at most " +
+                                 std::to_string(std::llround(kLongest / s.budget.period_s)));
+}
+
 }  // namespace
 
 void Scenario::check() const {
   const vp::Timing level = fidelity.accelerator;
+  require_countable(*this);
   const bool board = host.solver == host::Solver::board;
   if (!board) require_no_board(*this);
   if (timing_only()) require_no_numbers(*this);

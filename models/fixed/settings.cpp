@@ -105,7 +105,7 @@ void Settings::declare(config::Visitor& v) {
                     "line through the last two solutions",
             .source = "thesis §4.2: the previous solution is a good guess at haptic rates"});
   v.quantity("displacement_range", displacement_range, config::Dimension::length,
-             config::above(0.0),
+             config::between(1e-9, 1e3),
              {.help = "the displacement that fills the vector word; larger ones are clamped",
               .source = "0.4 R of the thesis' scene (R = 5 cm), twice a press of 0.2 R"});
 }

@@ -11,6 +11,9 @@ namespace hvp::mesh {
 
 namespace {
 
+// No part of any body is farther away, and no square leaves double precision.
+constexpr config::Range kPosition = config::between(-1e9, 1e9);
+
 using config::Dimension;
 using Eigen::Vector3d;
 
@@ -95,22 +98,22 @@ void Region::declare(config::Visitor& v) {
              {.help = "which way is up; any length but zero", .source = "z points up"});
   });
   of_kind.only({Kind::half_space}, [&] {
-    v.vector("point", point, Dimension::length, {},
+    v.vector("point", point, Dimension::length, kPosition,
              {.help = "a point of its plane", .source = "the body's origin"});
     v.vector("normal", normal, Dimension::dimensionless, {},
              {.help = "its plane's normal, which points out of the region; any length but zero",
               .source = "z points up: the region is what lies below"});
   });
   of_kind.only({Kind::box}, [&] {
-    v.vector("low_corner", low_corner, Dimension::length, {},
+    v.vector("low_corner", low_corner, Dimension::length, kPosition,
              {.help = "the corner with the smallest coordinates", .source = "the body's origin"});
-    v.vector("high_corner", high_corner, Dimension::length, {},
+    v.vector("high_corner", high_corner, Dimension::length, kPosition,
              {.help = "the corner with the largest coordinates", .source = "the body's origin"});
   });
   of_kind.only({Kind::sphere}, [&] {
-    v.vector("centre", centre, Dimension::length, {},
+    v.vector("centre", centre, Dimension::length, kPosition,
              {.help = "its centre", .source = "the body's origin"});
-    v.quantity("radius", radius, Dimension::length, config::above(0.0),
+    v.quantity("radius", radius, Dimension::length, {0.0, 1e9, true},
                {.help = "its radius", .required = true});
   });
 }

@@ -68,6 +68,9 @@ INSTANTIATE_TEST_SUITE_P(
         InFile{"\"2 ms\"", "\"0 ms\"",
                "s.toml:5: budget.period: ", "out of range: expected from 1 us to 1 s, found 0 ms"},
         InFile{"\"2 ms\"", "\"-2 ms\"", "s.toml:5: budget.period: ", "out of range"},
+        InFile{"frames = 40\n\n[budget]\nperiod = \"2 ms\"",
+               "frames = 9000001\n\n[budget]\nperiod = \"1 s\"",
+               "s.toml:2: frames: ", "times are counted up to 9000000 s: expected at most 9000000"},
         InFile{"frames = 40", "frames = 0", "s.toml:2: frames: ", "out of range: expected from 1"},
         InFile{"frames = 40", "frames = 1.5", "s.toml:2: frames: ", "expected a whole number"},
         InFile{"nodes = 60", "nodes = 3", "s.toml:10: object.mesh.nodes: ", "out of range"},
@@ -127,6 +130,20 @@ INSTANTIATE_TEST_SUITE_P(
                "s.toml:34: refinement: ", "nothing to refine"},
         InFile{"frames = 40", "seed = -1", "s.toml:2: seed: ", "out of range"},
         // Computed: the line has to be found long after the file was read.
+        InFile{"[solver]",
+               "[[loads.point]]\nposition = [\"0 m\", \"0 m\", \"1 m\"]\n"
+               "force = [\"0 N\", \"0 N\", \"1 N\"]\n[solver]",
+               "s.toml:21: loads.point[0].position: ", "lies off the body: the nearest node is 9"},
+        InFile{"fraction = 0.2",
+               "fraction = 0.5\n[[loads.point]]\nposition = [\"0 m\", \"0 m\", \"-10 mm\"]\n"
+               "force = [\"0 N\", \"0 N\", \"1 N\"]",
+               "s.toml:20: loads.point[0].position: ", "is held, where a force moves nothing"},
+        InFile{"fraction = 0.2",
+               "fraction = 0.5\n[[loads.pressure]]\npressure = \"1 Pa\"\n[loads.pressure.region]\n"
+               "kind = \"half-space\"\npoint = [\"0 m\", \"0 m\", \"-9.9 mm\"]",
+               "s.toml:21: loads.pressure[0].region: ", "boundary triangles are held"},
+        InFile{"young_modulus = \"10 kPa\"", "young_modulus = \"1e300 Pa\"",
+               "s.toml:13: object.material.young_modulus: ", "from 1 Pa to 10000 GPa"},
         InFile{"kind = \"lowest-fraction\"\nfraction = 0.2",
                "kind = \"sphere\"\ncentre = [\"1 m\", \"0 m\", \"0 m\"]\nradius = \"1 mm\"",
                "s.toml:16: object.anchor[0]: ", "no node of the mesh lies in this region"},
