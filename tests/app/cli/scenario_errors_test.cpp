@@ -195,6 +195,52 @@ TEST(ScenarioErrors, ADeviceThatIsTooSmallSaysWhatWouldFitAndThatFits) {
   }
 }
 
+// By far too many nodes are refused before they are meshed, which takes minutes: the case would run
+// into ctest's time limit. What is named fits.
+TEST(ScenarioErrors, AMeshThatIsTooLargeByFarIsRefusedBeforeItIsMade) {
+  const ScratchDirectory place;
+  write(place.path() / "s.toml", kSmallScene);
+  for (const std::string key :
+       {"frames=1", "object.anchored_nodes=kept", "accelerator.several.devices=2",
+        "object.anchor=[{kind='half-space', point=['0 m', '0 m', '-5 mm']}]"}) {
+    const Ended ended = hvp(place.path(), {"run", "s.toml", "--out", "out", "--set", key, "--set",
+                                           "object.mesh.nodes=1000000"});
+    expect_refused(place, ended);
+    EXPECT_THAT(ended.err, HasSubstr("the EP2S60 cannot hold a system of some "));
+    std::smatch found;
+    ASSERT_TRUE(
+        std::regex_search(ended.err, found, std::regex("object\\.mesh\\.nodes = ([0-9]+)\\)\n")))
+        << ended.err;
+    // Another mesh has other rows: a tenth less is safe.
+    const int nodes = std::stoi(found[1]) * 9 / 10;
+    const Ended fits = hvp(place.path(), {"explain", "s.toml", "--set", key, "--set",
+                                          "object.mesh.nodes=" + std::to_string(nodes)});
+    EXPECT_EQ(fits.status, 0) << fits.err;
+  }
+}
+
+// Nearly everything is held: the system is small although the mesh is not.
+TEST(ScenarioErrors, ALargeMeshOfASmallSystemIsTaken) {
+  const ScratchDirectory place;
+  write(place.path() / "s.toml", kSmallScene);
+  const Ended ended =
+      hvp(place.path(), {"explain", "s.toml", "--set", "object.mesh.nodes=6000", "--set",
+                         "object.anchor[0].fraction=0.97", "--set", "frames=1"});
+  EXPECT_EQ(ended.status, 0) << ended.err;
+}
+
+TEST(ScenarioErrors, FactorsThatNoMemoryHoldsAreRefusedBeforeTheyAreMade) {
+  const ScratchDirectory place;
+  write(place.path() / "s.toml", kSmallScene);
+  for (const char* solver : {"cholesky", "cg"}) {
+    const Ended ended = hvp(
+        place.path(), {"run", "s.toml", "--out", "out", "--set",
+                       std::string("host.solver=") + solver, "--set", "object.mesh.nodes=1000000"});
+    expect_refused(place, ended);
+    EXPECT_THAT(ended.err, HasSubstr("Cholesky factors of 1000000 nodes take about 235 GB each"));
+  }
+}
+
 TEST(ScenarioErrors, ShareOfOneOfSeveralDevicesIsNamed) {
   const ScratchDirectory place;
   const Ended ended =
