@@ -12,6 +12,7 @@
 #include "app/commands/commands.h"
 #include "app/commands/terminal.h"
 #include "app/commands/usage_error.h"
+#include "app/results/interruption.h"
 #include "models/config/input_error.h"
 
 namespace {
@@ -82,7 +83,8 @@ int parse_and_run(int argc, char** argv) {
   app.set_version_flag("--version", "hvp " HVP_VERSION, "the program's version");
   app.footer(
       "Exit status: 0 it ran and every budget held; 1 it ran and a budget did not hold;\n"
-      "2 the input is wrong; 3 anything else.");
+      "2 the input is wrong; 3 anything else. Ctrl-C ends a run after the frame at hand, with\n"
+      "the results of those before, and the program as the signal would have.");
   int status = kHeld;
 
   RunArguments run;
@@ -203,6 +205,7 @@ int main(int argc, char** argv) {
   // for the ranges of a few thousand values, which takes 8 ms.
   setenv("VTK_SMP_BACKEND_IN_USE", "Sequential", 0);
   set_up_log();
+  hvp::results::end_cleanly_when_interrupted();
   // "Simulation stopped by user" is how every run ends.
   sc_core::sc_report_handler::set_actions("/OSCI/SystemC", sc_core::SC_INFO,
                                           sc_core::SC_DO_NOTHING);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include <fmt/format.h>
@@ -9,6 +10,7 @@
 
 #include "app/commands/commands.h"
 #include "app/commands/terminal.h"
+#include "app/results/interruption.h"
 #include "app/results/part_file.h"
 #include "app/results/pictures.h"
 #include "app/results/report.h"
@@ -44,12 +46,17 @@ int run_command(const RunArguments& arguments) {
   const Clock::time_point built = Clock::now();
   results::create_folder(out, "--out");
   const results::FolderLock lock(out);
+  const results::DeferredInterruption deferred;
   results::Outcome outcome;
   try {
     outcome = run(scene, {out, loaded.openable.object.mesh.surface, loaded.device_file,
                           arguments.trace_registers, progress});
   } catch (const InputError& e) {
     throw loaded.document.complete(e);
+  } catch (const Interrupted& e) {
+    end_progress(arguments.quiet);
+    complain(fmt::format("hvp: {}", e.what()));
+    results::end_as_interrupted();
   }
   const Clock::time_point simulated = Clock::now();
 
@@ -83,6 +90,15 @@ int run_command(const RunArguments& arguments) {
           loaded.scenario.output.trace_bytes * 1e-6);
   }
   if (loaded.scenario.output.pictures && !pictures.drawn) print("{}\n", pictures.reason);
+  if (results::interrupted() != 0) {
+    std::fflush(stdout);
+    complain(
+        outcome.partial()
+            ? fmt::format("hvp: interrupted at frame {} of {}: the results are of those before",
+                          outcome.ticks, outcome.frames_asked)
+            : "hvp: interrupted after the last frame: the results are complete");
+    results::end_as_interrupted();
+  }
   return outcome.force_in_time && outcome.load_held ? kHeld : kNotHeld;
 }
 

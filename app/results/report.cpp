@@ -114,12 +114,17 @@ void spread_line(Out out, std::string_view what, const std::optional<Spread>& s)
 }
 
 void verdict_lines(Out out, const Outcome& o, bool timing_only) {
-  const char* qualified = !o.flags.empty()     ? "held, with flags"
+  const char* qualified = o.partial()          ? "held so far"
+                          : !o.flags.empty()   ? "held, with flags"
                           : faults_happened(o) ? "held, with faults"
                           : timing_only        ? "PASS, timing only"
                                                : "PASS";
   fmt::format_to(out, "\nTime         {} at {:g} Hz\n", counted(o.frames + o.skipped_ticks, "tick"),
                  1e12 / static_cast<double>(o.period));
+  if (o.partial()) {
+    fmt::format_to(out, "  interrupted    at frame {} of {}: what follows is of those before\n",
+                   o.ticks, o.frames_asked);
+  }
   fmt::format_to(out, "  force in time  {}: worst {} of {}, median {}, 99 % {}",
                  o.force_in_time ? qualified : "MISSED", readable_time(o.worst),
                  readable_time(o.budget), readable_time(o.p50), readable_time(o.p99));
