@@ -95,6 +95,9 @@ SolveTask task_of(const SolveArguments& a, const scenario::Document& document) {
   SolveTask task;
   scenario::read(document, task.settings);
   task.device = devices::find(document, task.settings.accelerator);
+  if (!names(document, "accelerator", "preconditioner_memory")) {
+    task.settings.choose_preconditioner_memory(task.device);
+  }
   task.range_given = names(document, "solver", "displacement_range");
   task.tolerance = a.tolerance.value_or(host::Reference().tolerance);
   if (!(task.tolerance > 0) || !std::isfinite(task.tolerance)) {
