@@ -3,19 +3,21 @@
 #include <cstdlib>
 #include <exception>
 #include <stdexcept>
+#include <string>
 #include <systemc>
 
-#include <fmt/format.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include "app/commands/commands.h"
+#include "app/commands/terminal.h"
 #include "app/commands/usage_error.h"
-#include "app/scenario/message.h"
+#include "app/results/interruption.h"
 #include "models/config/input_error.h"
 
 namespace {
 
+using hvp::app::complain;
 using hvp::app::describe_usage_error;
 using hvp::app::device_command;
 using hvp::app::DeviceArguments;
@@ -47,6 +49,20 @@ void scenario_arguments(CLI::App& command, ScenarioArguments& arguments) {
   command.add_flag("--quiet", arguments.quiet, "no progress on the terminal");
 }
 
+// An empty file name, folder or value means nothing.
+void refuse_empty_values(CLI::App& app) {
+  const CLI::Validator given(
+      [](const std::string& text) {
+        return text.empty() ? std::string("expected a value, found \"\"") : std::string();
+      },
+      "");
+  for (CLI::App* command : app.get_subcommands({})) {
+    for (CLI::Option* option : command->get_options()) {
+      if (option->get_items_expected_max() > 0) option->check(given);
+    }
+  }
+}
+
 // Warnings of the run go to stderr, a line each, without a date that would differ between runs.
 void set_up_log() {
   auto log =
@@ -67,7 +83,8 @@ int parse_and_run(int argc, char** argv) {
   app.set_version_flag("--version", "hvp " HVP_VERSION, "the program's version");
   app.footer(
       "Exit status: 0 it ran and every budget held; 1 it ran and a budget did not hold;\n"
-      "2 the input is wrong; 3 anything else.");
+      "2 the input is wrong; 3 anything else. Ctrl-C ends a run after the frame at hand, with\n"
+      "the results of those before, and the program as the signal would have.");
   int status = kHeld;
 
   RunArguments run;
@@ -159,13 +176,14 @@ int parse_and_run(int argc, char** argv) {
                                "print every key of a scenario: unit, range, default, source");
   command->callback([&] { status = reference_command(); });
 
+  refuse_empty_values(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {
     app.exit(e);  // --help, --version
     return kHeld;
   } catch (const CLI::ParseError& e) {
-    fmt::print(stderr, "hvp: {}\n", describe_usage_error(app, e));
+    complain("hvp: " + describe_usage_error(app, e));
     return kWrongInput;
   }
   return status;
@@ -187,6 +205,7 @@ int main(int argc, char** argv) {
   // for the ranges of a few thousand values, which takes 8 ms.
   setenv("VTK_SMP_BACKEND_IN_USE", "Sequential", 0);
   set_up_log();
+  hvp::results::end_cleanly_when_interrupted();
   // "Simulation stopped by user" is how every run ends.
   sc_core::sc_report_handler::set_actions("/OSCI/SystemC", sc_core::SC_INFO,
                                           sc_core::SC_DO_NOTHING);
@@ -199,16 +218,16 @@ int main(int argc, char** argv) {
     return status;
   } catch (const hvp::InputError& e) {
     end_progress(false);
-    fmt::print(stderr, "{}\n", e.what());
+    complain(e.what());
     return kWrongInput;
   } catch (const sc_core::sc_report& e) {
     // What a process threw, in the kernel's wrapping of several lines.
     end_progress(false);
-    fmt::print(stderr, "hvp: {}\n", hvp::scenario::one_line(e.get_msg()));
+    complain(std::string("hvp: ") + e.get_msg());
     return kFailed;
   } catch (const std::exception& e) {
     end_progress(false);
-    fmt::print(stderr, "hvp: {}\n", hvp::scenario::one_line(e.what()));
+    complain(std::string("hvp: ") + e.what());
     return kFailed;
   }
 }

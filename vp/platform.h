@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "models/accel/architecture.h"
@@ -76,6 +78,9 @@ class Platform {
   void add_sink(FrameSink& sink) { ledger_.add_sink(sink); }
   void add_tenure_sink(TenureSink& sink) { ledger_.add_tenure_sink(sink); }
   void add_observer(FrameObserver& observer) { servo_.add_observer(observer); }
+
+  // Asked before every frame: where it says true, the run ends there.
+  void stop_when(std::function<bool()> asked) { servo_.stop_when(std::move(asked)); }
 
   // Runs all frames. Throws what a sink or an observer threw, and std::runtime_error where the
   // board could not be set up.

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "app/commands/commands.h"
+#include "app/commands/terminal.h"
 #include "app/design/design_figures.h"
 #include "app/results/design_json.h"
 #include "app/results/design_text.h"
@@ -12,8 +13,8 @@ int device_command(const DeviceArguments& arguments) {
   const Scene scene = build_scene(loaded, make_progress(arguments.quiet), Scene::Limits::reported);
   end_progress(arguments.quiet);
   const DesignFigures figures = design_figures(scene);
-  fmt::print("{}", arguments.json ? results::design_json(scene, figures)
-                                  : results::design_text(scene, figures));
+  print("{}", arguments.json ? results::design_json(scene, figures)
+                             : results::design_text(scene, figures));
   const bool held = figures.usage.fits() && figures.clock_is_reached(scene.scenario().accelerator);
   return held ? kHeld : kNotHeld;
 }

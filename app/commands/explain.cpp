@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 
 #include "app/commands/commands.h"
+#include "app/commands/terminal.h"
 #include "app/results/engine_text.h"
 #include "app/results/number_text.h"
 #include "app/results/several_text.h"
 #include "app/results/spectrum_text.h"
 #include "app/results/summary.h"
+#include "app/scenario/message.h"
 #include "app/scene/frame_cost.h"
 
 namespace hvp::app {
@@ -16,7 +18,7 @@ namespace hvp::app {
 namespace {
 
 void fidelity_line(const char* part, const char* level, const std::string& what) {
-  fmt::print("  {:<12} {:<14} {}\n", part, level, what);
+  print("  {:<12} {:<14} {}\n", part, level, what);
 }
 
 std::string fault_cost(const std::vector<vp::Fault>& faults) {
@@ -30,16 +32,30 @@ std::string fault_cost(const std::vector<vp::Fault>& faults) {
 }
 
 void effect_line(const char* table, bool present, const char* cost) {
-  fmt::print("  {:<20} {:<8} {}\n", table, present ? "built" : "absent", cost);
+  print("  {:<20} {:<8} {}\n", table, present ? "built" : "absent", cost);
 }
 
 std::string delay_cost(const std::optional<random::TimeDistribution>& delay, const char* where) {
   return delay ? fmt::format("{}, {}", where, random::name(delay->kind)) : where;
 }
 
+// A force acts at a node: how far that is from where the scenario wants it.
+void point_loads(const Scene& scene) {
+  const mesh::TetMesh& mesh = scene.body().mesh();
+  const std::vector<fem::PointLoad>& points = scene.scenario().loads.points;
+  if (!points.empty()) print("\nPoint loads\n");
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3d& node =
+        mesh.nodes[static_cast<std::size_t>(fem::nearest_node(mesh, points[i].position))];
+    print("  loads.point[{}] at ({:.4g}, {:.4g}, {:.4g}) mm, a node {:.3g} mm from its position\n",
+          i, 1e3 * node.x(), 1e3 * node.y(), 1e3 * node.z(),
+          1e3 * (node - points[i].position).norm());
+  }
+}
+
 void frame_cost(const Scene& scene) {
   for (const FrameStep& step : frame_steps(scene)) {
-    fmt::print("  {:<34} {:>10}\n", step.what, results::readable_time(step.ps));
+    print("  {:<34} {:>10}\n", step.what, results::readable_time(step.ps));
   }
 }
 
@@ -51,8 +67,8 @@ int explain_command(const ScenarioArguments& arguments) {
   const Scene scene = build_scene(loaded, progress);
   end_progress(arguments.quiet);
   const Scenario& s = scene.scenario();
-  if (!s.title.empty()) fmt::print("{}\n", s.title);
-  fmt::print("\nParts and their fidelity\n");
+  if (!s.title.empty()) print("{}\n", scenario::one_line(s.title, 1000));
+  print("\nParts and their fidelity\n");
   if (scene.has_board()) {
     fidelity_line("accelerator", vp::name(s.fidelity.accelerator),
                   fmt::format("{}, {}{} clocks a solve{}", scene.board_name(),
@@ -99,7 +115,7 @@ int explain_command(const ScenarioArguments& arguments) {
   } else {
     fidelity_line("numbers", "double", "of the host");
   }
-  fmt::print("\nEffects\n");
+  print("\nEffects\n");
   effect_line("dynamics", s.dynamics.has_value(),
               "inertia and damping: Newmark's update on the host after the force");
   const std::string passes =
@@ -138,16 +154,17 @@ int explain_command(const ScenarioArguments& arguments) {
   effect_line("fault", !s.faults.empty(), fault_cost(s.faults).c_str());
   effect_line("output.waveform", s.output.waveform.has_value(),
               "no simulated time; a value change file of every clock of some frames");
+  point_loads(scene);
   if (scene.spectrum()) {
-    fmt::print("\nSpectrum of the system without contact\n{}",
-               results::spectrum_text(*scene.spectrum()));
+    print("\nSpectrum of the system without contact\n{}",
+          results::spectrum_text(*scene.spectrum()));
   }
-  fmt::print("\nWhat a frame's large steps cost (the bus without waits{})\n",
-             s.bus.posted_writes ? ", and as if nothing were posted" : "");
+  print("\nWhat a frame's large steps cost (the bus without waits{})\n",
+        s.bus.posted_writes ? ", and as if nothing were posted" : "");
   frame_cost(scene);
   if (!scene.has_board()) return kHeld;
-  fmt::print("{}{}{}", results::clocks_text(scene), results::several_text(scene),
-             results::resources_text(scene));
+  print("{}{}{}", results::clocks_text(scene), results::several_text(scene),
+        results::resources_text(scene));
   return kHeld;
 }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "app/commands/commands.h"
+#include "app/commands/terminal.h"
 #include "app/results/mesh_file.h"
 #include "app/results/part_file.h"
 #include "app/results/results_folder.h"
@@ -59,8 +60,8 @@ int export_command(const ExportArguments& arguments) {
   results::write_through_part_file(out / "b.mtx", b.str());
   const mesh::ElementShapes shapes = mesh::element_shapes(body->mesh());
   results::write_mesh(out / "mesh.vtu", body->mesh(), {shapes.min_dihedral, shapes.aspect_ratio});
-  fmt::print("K.mtx, M.mtx, {}b.mtx and mesh.vtu in {}: {} nodes, {} in the system\n",
-             step ? "A.mtx, " : "", out.string(), body->mesh().nodes.size(), body->active_nodes());
+  print("K.mtx, M.mtx, {}b.mtx and mesh.vtu in {}: {} nodes, {} in the system\n",
+        step ? "A.mtx, " : "", out.string(), body->mesh().nodes.size(), body->active_nodes());
   return kHeld;
 }
 

@@ -44,7 +44,7 @@ void check_kernel(const std::string& chosen_by) {
 Progress make_progress(bool quiet) {
   if (quiet || isatty(STDERR_FILENO) == 0) return {};
   return [](std::string_view what) {
-    fmt::print(stderr, "\r\033[K{} …", what);
+    fmt::print(stderr, "\r\033[K{} …", scenario::one_line(what));
     std::fflush(stderr);
   };
 }

@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
 #include "app/commands/commands.h"
+#include "app/commands/terminal.h"
 #include "app/results/mesh_file.h"
 #include "app/results/results_folder.h"
 #include "app/scenario/message.h"
 #include "app/scenario/quantity.h"
+#include "app/scenario/toml_text.h"
 #include "models/config/input_error.h"
 #include "models/mesh/generate.h"
 #include "models/mesh/quality.h"
@@ -15,15 +17,15 @@ namespace {
 
 constexpr int kMostNodes = 1'000'000;  // as object.mesh.nodes
 
-double length(const char* option, const std::string& text) {
+double length(const char* option, const std::string& text, const config::Range& range) {
   try {
     const double value = scenario::parse_quantity(text, config::Dimension::length);
-    if (value > 0) return value;
+    if (scenario::contains(range, value)) return value;
   } catch (const InputError& e) {
     throw InputError(fmt::format("{} {}: {}", option, scenario::one_line(text), e.what()));
   }
-  throw InputError(fmt::format("{} {}: out of range: expected a length above zero", option,
-                               scenario::one_line(text)));
+  throw InputError(fmt::format("{} {}: out of range: expected {}", option, scenario::one_line(text),
+                               scenario::range_text(range, config::Dimension::length)));
 }
 
 mesh::MeshSettings settings_of(const MeshArguments& a) {
@@ -37,13 +39,13 @@ mesh::MeshSettings settings_of(const MeshArguments& a) {
     const bool sphere = a.surface == "sphere";
     s.shape = sphere ? mesh::MeshSettings::Shape::sphere : mesh::MeshSettings::Shape::box;
     if (!a.unit.empty()) throw InputError("--unit belongs to a surface file only");
-    if (!a.size.empty() && sphere) s.radius = length("--size", a.size);
-    if (!a.size.empty() && !sphere) s.size.setConstant(length("--size", a.size));
+    if (!a.size.empty() && sphere) s.radius = length("--size", a.size, mesh::kBodyLength);
+    if (!a.size.empty() && !sphere) s.size.setConstant(length("--size", a.size, mesh::kBodyLength));
   } else {
     s.shape = mesh::MeshSettings::Shape::surface;
     s.surface = a.surface;
     if (!a.size.empty()) throw InputError("--size belongs to sphere and box only");
-    if (!a.unit.empty()) s.surface_unit = length("--unit", a.unit);
+    if (!a.unit.empty()) s.surface_unit = length("--unit", a.unit, mesh::kUnitLength);
   }
   return s;
 }
@@ -82,22 +84,21 @@ int mesh_command(const MeshArguments& arguments) {
   }
   end_progress(arguments.quiet);
   const mesh::Quality q = mesh::measure(mesh);
-  fmt::print("nodes              {} ({} wanted)\n", q.nodes, arguments.nodes);
-  fmt::print("tetrahedra         {}\n", q.tetrahedra);
-  fmt::print("boundary triangles {}\n", q.boundary_triangles);
-  fmt::print("volume             {:.6g} cm3\n", q.volume * 1e6);
-  fmt::print("dihedral angles    {:.1f} to {:.1f} degrees, {} slivers\n", q.min_dihedral,
-             q.max_dihedral, q.slivers);
-  fmt::print("aspect ratio       at most {:.2f} (longest over shortest edge)\n",
-             q.max_aspect_ratio);
-  fmt::print("smallest det J     {:.4g} mm3\n", q.min_det_jacobian * 1e9);
-  fmt::print("non-zeros a row    {:.1f} on average, {} at most\n\n", q.mean_row_nonzeros,
-             q.max_row_nonzeros);
-  fmt::print("{}", mesh::draw_dihedral_histogram(q));
+  print("nodes              {} ({} wanted)\n", q.nodes, arguments.nodes);
+  print("tetrahedra         {}\n", q.tetrahedra);
+  print("boundary triangles {}\n", q.boundary_triangles);
+  print("volume             {:.6g} cm3\n", q.volume * 1e6);
+  print("dihedral angles    {:.1f} to {:.1f} degrees, {} slivers\n", q.min_dihedral, q.max_dihedral,
+        q.slivers);
+  print("aspect ratio       at most {:.2f} (longest over shortest edge)\n", q.max_aspect_ratio);
+  print("smallest det J     {:.4g} mm3\n", q.min_det_jacobian * 1e9);
+  print("non-zeros a row    {:.1f} on average, {} at most\n\n", q.mean_row_nonzeros,
+        q.max_row_nonzeros);
+  print("{}", mesh::draw_dihedral_histogram(q));
   if (!arguments.out.empty()) {
     const mesh::ElementShapes shapes = mesh::element_shapes(mesh);
     results::write_mesh(arguments.out, mesh, {shapes.min_dihedral, shapes.aspect_ratio});
-    fmt::print("\n{}\n", arguments.out.string());
+    print("\n{}\n", arguments.out.string());
   }
   return kHeld;
 }

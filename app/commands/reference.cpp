@@ -3,11 +3,12 @@
 #include <fmt/format.h>
 
 #include "app/commands/commands.h"
+#include "app/commands/terminal.h"
 
 namespace hvp::app {
 
 int reference_command() {
-  fmt::print("{}", scenario::reference_page(Scenario{}));
+  print("{}", scenario::reference_page(Scenario{}));
   return kHeld;
 }
 

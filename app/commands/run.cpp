@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include <fmt/format.h>
 #include <sys/resource.h>
 
 #include "app/commands/commands.h"
+#include "app/commands/terminal.h"
+#include "app/results/interruption.h"
 #include "app/results/part_file.h"
 #include "app/results/pictures.h"
 #include "app/results/report.h"
@@ -43,12 +46,17 @@ int run_command(const RunArguments& arguments) {
   const Clock::time_point built = Clock::now();
   results::create_folder(out, "--out");
   const results::FolderLock lock(out);
+  const results::DeferredInterruption deferred;
   results::Outcome outcome;
   try {
     outcome = run(scene, {out, loaded.openable.object.mesh.surface, loaded.device_file,
                           arguments.trace_registers, progress});
   } catch (const InputError& e) {
     throw loaded.document.complete(e);
+  } catch (const Interrupted& e) {
+    end_progress(arguments.quiet);
+    complain(fmt::format("hvp: {}", e.what()));
+    results::end_as_interrupted();
   }
   const Clock::time_point simulated = Clock::now();
 
@@ -71,19 +79,27 @@ int run_command(const RunArguments& arguments) {
   performance["peak_memory_mb"] = peak_memory_mb();
   results::write_through_part_file(out / "performance.json", performance.dump(2) + "\n");
 
-  fmt::print("{}", results::report(scene, outcome));
-  if (arguments.details) fmt::print("{}", results::details_text(outcome.latency));
-  fmt::print("\nResults in {} ({:.3g} s simulated in {:.2f} s, {:.0f} frames a second",
-             out.string(), static_cast<double>(outcome.simulated) * 1e-12,
-             seconds(built, simulated), frames_per_s);
-  if (!pictures.files.empty()) fmt::print(", drawn in {:.1f} s", seconds(simulated, drawn));
-  fmt::print(")\n");
+  print("{}", results::report(scene, outcome));
+  if (arguments.details) print("{}", results::details_text(outcome.latency));
+  print("\nResults in {} ({:.3g} s simulated in {:.2f} s, {:.0f} frames a second", out.string(),
+        static_cast<double>(outcome.simulated) * 1e-12, seconds(built, simulated), frames_per_s);
+  if (!pictures.files.empty()) print(", drawn in {:.1f} s", seconds(simulated, drawn));
+  print(")\n");
   if (outcome.trace_cut_at) {
-    fmt::print("trace.json ends before frame {}: output.trace_size is {:g} MB\n",
-               *outcome.trace_cut_at, loaded.scenario.output.trace_bytes * 1e-6);
+    print("trace.json ends before frame {}: output.trace_size is {:g} MB\n", *outcome.trace_cut_at,
+          loaded.scenario.output.trace_bytes * 1e-6);
   }
-  if (loaded.scenario.output.pictures && !pictures.drawn) fmt::print("{}\n", pictures.reason);
-  return outcome.held() ? kHeld : kNotHeld;
+  if (loaded.scenario.output.pictures && !pictures.drawn) print("{}\n", pictures.reason);
+  if (results::interrupted() != 0) {
+    std::fflush(stdout);
+    complain(
+        outcome.partial()
+            ? fmt::format("hvp: interrupted at frame {} of {}: the results are of those before",
+                          outcome.ticks, outcome.frames_asked)
+            : "hvp: interrupted after the last frame: the results are complete");
+    results::end_as_interrupted();
+  }
+  return outcome.force_in_time && outcome.load_held ? kHeld : kNotHeld;
 }
 
 }  // namespace hvp::app

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
-#include <fstream>
 #include <sstream>
 #include <string_view>
 #include <system_error>
@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "app/commands/commands.h"
+#include "app/commands/terminal.h"
 #include "app/devices/devices.h"
 #include "app/results/part_file.h"
 #include "app/results/results_folder.h"
@@ -20,6 +21,7 @@
 #include "app/solve/system_solve.h"
 #include "models/accel/critical_path.h"
 #include "models/config/input_error.h"
+#include "models/files/regular_file.h"
 #include "models/host/reference_run.h"
 #include "models/sparse/matrix_market.h"
 
@@ -29,26 +31,25 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Forty bytes an entry leave room for a few hundred thousand nodes.
+constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 30U;
+
 std::string option(const char* name, const fs::path& file) {
   return fmt::format("{} {}: ", name, scenario::one_line(file.string()));
 }
 
-std::ifstream open(const char* name, const fs::path& file) {
-  std::error_code error;
-  const fs::file_status status = fs::status(file, error);
-  if (!fs::exists(status)) throw InputError(option(name, file) + "no such file");
-  if (fs::is_directory(status)) {
-    throw InputError(option(name, file) + "is a folder: expected a Matrix Market file");
+std::istringstream open(const char* name, const fs::path& file) {
+  try {
+    return std::istringstream(files::read_regular_file(file, kLargestFile, "a Matrix Market file"));
+  } catch (const InputError& e) {
+    throw InputError(option(name, file) + e.what());
   }
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw InputError(option(name, file) + "cannot be read");
-  return stream;
 }
 
 // What a reader throws names the file and the line.
 template <class Read>
 auto read(const char* name, const fs::path& file, const Read& read_from) {
-  std::ifstream stream = open(name, file);
+  std::istringstream stream = open(name, file);
   try {
     return read_from(stream, file.string());
   } catch (const InputError& e) {
@@ -94,6 +95,9 @@ SolveTask task_of(const SolveArguments& a, const scenario::Document& document) {
   SolveTask task;
   scenario::read(document, task.settings);
   task.device = devices::find(document, task.settings.accelerator);
+  if (!names(document, "accelerator", "preconditioner_memory")) {
+    task.settings.choose_preconditioner_memory(task.device);
+  }
   task.range_given = names(document, "solver", "displacement_range");
   task.tolerance = a.tolerance.value_or(host::Reference().tolerance);
   if (!(task.tolerance > 0) || !std::isfinite(task.tolerance)) {
@@ -144,7 +148,7 @@ int solve_command(const SolveArguments& arguments) {
   std::ostringstream text;
   sparse::write_matrix_market(text, solution.x);
   results::write_through_part_file(arguments.solution, text.str());
-  fmt::print("{}", results::solve_json(system, task, solution));
+  print("{}", results::solve_json(system, task, solution));
   return arguments.tolerance && !(solution.error <= *arguments.tolerance) ? kNotHeld : kHeld;
 }
 

@@ -1,6 +1,7 @@
 #include "app/commands/usage_error.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <string_view>
 #include <vector>
 
@@ -35,6 +36,16 @@ std::vector<std::string> option_names(const CLI::App& app) {
   return names;
 }
 
+bool has_option(const CLI::App& app, const std::string& name) {
+  const std::vector<std::string> names = option_names(app);
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+// An option in front of the command that it belongs to.
+std::string misplaced(const std::string& name, const CLI::App& command) {
+  return fmt::format("{} belongs behind the command: hvp {} … {}", name, command.get_name(), name);
+}
+
 }  // namespace
 
 std::string describe_usage_error(const CLI::App& app, const CLI::ParseError& error) {
@@ -45,13 +56,18 @@ std::string describe_usage_error(const CLI::App& app, const CLI::ParseError& err
       return fmt::format("expected a command: {} (hvp --help describes them)",
                          fmt::join(command_names(app), ", "));
     }
-    return rest[0].starts_with("-") ? unknown("unknown option", rest[0], option_names(app))
-                                    : unknown("unknown command", rest[0], command_names(app));
+    if (!rest[0].starts_with("-")) return unknown("unknown command", rest[0], command_names(app));
+    const std::string name = rest[0].substr(0, rest[0].find('='));
+    for (const CLI::App* command : app.get_subcommands({})) {
+      if (has_option(*command, name)) return misplaced(name, *command);
+    }
+    return unknown("unknown option", name, option_names(app));
   }
   const CLI::App& command = *given[0];
   if (!rest.empty()) {
     const std::string name = rest[0].substr(0, rest[0].find('='));
     const std::string what = command.get_name() + ": unknown option";
+    if (has_option(command, name)) return misplaced(name, command);
     if (name.starts_with("-")) return unknown(what, name, option_names(command));
     return fmt::format("{}: one argument too many: {}", command.get_name(),
                        scenario::one_line(rest[0]));

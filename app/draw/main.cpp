@@ -20,6 +20,7 @@
 #include "app/draw/picture_window.h"
 #include "app/draw/run_files.h"
 #include "app/draw/vtk_errors.h"
+#include "app/results/interruption.h"
 #include "app/results/part_file.h"
 #include "models/config/input_error.h"
 
@@ -64,6 +65,7 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "usage: hvp-draw RUN_DIRECTORY\n");
     return 2;
   }
+  hvp::results::end_cleanly_when_interrupted();
   hvp::draw::VtkErrors::capture();
   try {
     hvp::draw::draw_pictures(argv[1]);

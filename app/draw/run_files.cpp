@@ -59,9 +59,10 @@ class Row {
 };
 
 std::ifstream open(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file || !std::filesystem::is_regular_file(path))
-    throw InputError(path.filename().string() + ": no such file");
+  // A pipe in its place would be waited for.
+  std::ifstream file;
+  if (std::filesystem::is_regular_file(path)) file.open(path, std::ios::binary);
+  if (!file.is_open()) throw InputError(path.filename().string() + ": no such file");
   return file;
 }
 

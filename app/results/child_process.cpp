@@ -16,6 +16,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "app/results/interruption.h"
+
 extern char** environ;
 
 namespace hvp::results {
@@ -45,10 +47,16 @@ struct Pipe {
   int take_read_end() { return std::exchange(read_end, -1); }
 };
 
+// In pieces, between which an interruption is noticed.
+constexpr std::int64_t kLongestWait = 200;  // ms
+
 int milliseconds_until(Clock::time_point deadline) {
   const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()).count();
-  return static_cast<int>(std::clamp<std::int64_t>(left, 0, 60000));
+  return static_cast<int>(std::clamp<std::int64_t>(left, 0, kLongestWait));
 }
+
+// How long a program that is to end may take to clean up after itself.
+constexpr auto kTimeToEnd = std::chrono::seconds(3);
 
 // The parent's environment with some variables set anew.
 std::vector<std::string> environment_with(
@@ -132,10 +140,9 @@ ChildProcess::ChildProcess(const std::filesystem::path& program,
 
 ChildProcess::~ChildProcess() {
   if (pid_ > 0) {
-    // A server that may clean up after itself gets the time to.
     kill(pid_, SIGTERM);
     Result ignored;
-    reap_or_kill(Clock::now() + std::chrono::seconds(3), ignored);
+    reap_or_kill(Clock::now() + kTimeToEnd, ignored);
   }
   close(output_);
   close(errors_);
@@ -172,6 +179,12 @@ ChildProcess::Result ChildProcess::wait(std::chrono::milliseconds limit) {
   bool output_open = true;
   bool errors_open = true;
   while ((output_open || errors_open) && Clock::now() < deadline) {
+    if (interrupted() != 0) {
+      result.interrupted = true;
+      kill(pid_, SIGTERM);
+      reap_or_kill(Clock::now() + kTimeToEnd, result);
+      return result;
+    }
     pollfd streams[2] = {{output_open ? output_ : -1, POLLIN, 0},
                          {errors_open ? errors_ : -1, POLLIN, 0}};
     if (poll(streams, 2, milliseconds_until(deadline)) <= 0) continue;
@@ -185,7 +198,7 @@ ChildProcess::Result ChildProcess::wait(std::chrono::milliseconds limit) {
 std::optional<std::string> ChildProcess::report_line(std::chrono::milliseconds limit) {
   const Clock::time_point deadline = Clock::now() + limit;
   std::string text;
-  while (Clock::now() < deadline) {
+  while (Clock::now() < deadline && interrupted() == 0) {
     pollfd stream = {report_, POLLIN, 0};
     if (poll(&stream, 1, milliseconds_until(deadline)) <= 0) continue;
     if (!drain(report_, text)) return std::nullopt;

@@ -33,8 +33,9 @@ class ChildProcess {
     int exit_status = -1;  // -1: ended by a signal or by the time limit
     int signal = 0;
     bool timed_out = false;
-    std::string output;  // the first 64 KiB of standard output
-    std::string errors;  // the first 64 KiB of standard error
+    bool interrupted = false;  // ended, because this program is to end
+    std::string output;        // the first 64 KiB of standard output
+    std::string errors;        // the first 64 KiB of standard error
   };
   // Waits until the program ends and kills it when it does not within the limit.
   Result wait(std::chrono::milliseconds limit);

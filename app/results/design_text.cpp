@@ -10,6 +10,7 @@
 #include "app/results/number_text.h"
 #include "app/results/report.h"
 #include "app/results/several_text.h"
+#include "app/scenario/message.h"
 
 namespace hvp::results {
 
@@ -25,7 +26,7 @@ std::string megahertz(double hz) {
 void head(Out out, const app::Scene& scene, const app::DesignFigures& f) {
   const app::Scenario& s = scene.scenario();
   const accel::Architecture& a = s.accelerator;
-  if (!s.title.empty()) fmt::format_to(out, "{}\n", s.title);
+  if (!s.title.empty()) fmt::format_to(out, "{}\n", scenario::one_line(s.title, 1000));
   fmt::format_to(out, "  device      {}{} ({})\n",
                  a.several ? fmt::format("{} x ", a.several->devices) : "", scene.device().name,
                  scene.device().family);

@@ -64,6 +64,8 @@ struct Outcome {
   vp::Picoseconds worst_load = 0;
   std::int64_t worst_frame = 0;
   std::int64_t frames = 0;
+  std::int64_t frames_asked = 0;
+  std::int64_t ticks = 0;  // frames and skipped ones; fewer than were asked for: interrupted
   std::int64_t skipped_ticks = 0;
   std::int64_t late = 0;
   std::int64_t misses = 0;  // late, skipped, or without a solution
@@ -134,6 +136,8 @@ struct Outcome {
   std::int64_t wraps = 0;
   std::int64_t breakdowns = 0;
   std::int64_t clamped_words = 0;
+
+  bool partial() const { return ticks < frames_asked; }
 };
 
 }  // namespace hvp::results

@@ -8,11 +8,22 @@
 
 #include <fmt/format.h>
 
+#include "app/results/unfinished_file.h"
+
 namespace hvp::results {
 
-void write_through_part_file(const std::filesystem::path& path, std::string_view bytes) {
+std::filesystem::path part_of(const std::filesystem::path& path) {
   std::filesystem::path part = path;
   part += ".part";
+  // Whatever has that name already, a pipe or a link to elsewhere, is not written into.
+  std::error_code ignored;
+  std::filesystem::remove(part, ignored);
+  return part;
+}
+
+void write_through_part_file(const std::filesystem::path& path, std::string_view bytes) {
+  const UnfinishedFile unfinished(part_of(path));
+  const std::filesystem::path& part = unfinished.path();
   errno = 0;
   std::ofstream file(part, std::ios::binary | std::ios::trunc);
   file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));

@@ -5,6 +5,9 @@
 
 namespace hvp::results {
 
+// "<path>.part", which is not there now: what a file is called until it is whole.
+std::filesystem::path part_of(const std::filesystem::path& path);
+
 // Writes `bytes` to "<path>.part" and renames that to `path`, so that a run that is killed or a
 // disk that is full leaves no half file under the final name. Throws std::runtime_error naming
 // the file and the cause, after removing the part file.

@@ -4,19 +4,20 @@
 #include <system_error>
 #include <utility>
 
+#include "app/results/part_file.h"
+
 namespace hvp::results {
 
-PartStream::PartStream(std::filesystem::path path)
-    : path_(std::move(path)), part_(path_.string() + ".part") {
-  stream_.open(part_, std::ios::binary | std::ios::trunc);
-  if (!stream_) throw std::runtime_error("cannot write " + part_.string());
+PartStream::PartStream(std::filesystem::path path) : path_(std::move(path)), part_(part_of(path_)) {
+  stream_.open(part_.path(), std::ios::binary | std::ios::trunc);
+  if (!stream_) throw std::runtime_error("cannot write " + part_.path().string());
 }
 
 PartStream::~PartStream() {
   if (finished_) return;
   stream_.close();
   std::error_code ignored;
-  std::filesystem::remove(part_, ignored);
+  std::filesystem::remove(part_.path(), ignored);
 }
 
 void PartStream::write(std::string_view text) {
@@ -25,8 +26,9 @@ void PartStream::write(std::string_view text) {
 
 void PartStream::finish() {
   stream_.close();
-  if (!stream_) throw std::runtime_error("cannot write " + part_.string() + ": is the disk full?");
-  std::filesystem::rename(part_, path_);
+  if (!stream_)
+    throw std::runtime_error("cannot write " + part_.path().string() + ": is the disk full?");
+  std::filesystem::rename(part_.path(), path_);
   finished_ = true;
 }
 

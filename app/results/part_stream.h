@@ -4,6 +4,8 @@
 #include <fstream>
 #include <string_view>
 
+#include "app/results/unfinished_file.h"
+
 namespace hvp::results {
 
 // A result file that grows during the run: written as "<path>.part" and renamed by finish(). One
@@ -22,7 +24,7 @@ class PartStream {
 
  private:
   std::filesystem::path path_;
-  std::filesystem::path part_;
+  UnfinishedFile part_;
   std::ofstream stream_;
   bool finished_ = false;
 };

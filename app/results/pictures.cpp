@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "app/results/child_process.h"
+#include "app/results/interruption.h"
 #include "app/results/x_display.h"
 
 namespace hvp::results {
@@ -51,6 +52,8 @@ PictureOutcome not_drawn(const std::string& cause) {
   return {false, {}, fmt::format("{}: {}", cause, kNotDrawn)};
 }
 
+PictureOutcome interrupted_pictures() { return not_drawn("interrupted"); }
+
 struct Attempt {
   PictureOutcome outcome;
   bool worth_another_display = false;
@@ -66,6 +69,7 @@ Attempt draw_on(const std::string& display, const std::filesystem::path& run_dir
   const ChildProcess::Result result = child.wait(tools.time_limit);
   if (result.exit_status == 0) return {{true, lines_of(result.output), {}}, false};
 
+  if (result.interrupted) return {interrupted_pictures(), false};
   std::string cause;
   if (result.timed_out)
     cause = fmt::format("hvp-draw took longer than {} s",
@@ -90,6 +94,7 @@ PictureOutcome draw_under_xvfb(const std::filesystem::path& run_directory,
                        "0", "640x480x24", "-nolisten", "tcp"},
                       options);
   const auto number = server.report_line(std::chrono::seconds(20));
+  if (interrupted() != 0) return interrupted_pictures();
   if (!number) {
     // The server's own words, when it has ended; a live one is ended here.
     const std::string words = first_line(server.wait(std::chrono::milliseconds(500)).errors);
@@ -123,6 +128,7 @@ PictureOutcome draw_pictures(const std::filesystem::path& run_directory,
   }
   if (access(tools.draw_program.c_str(), X_OK) != 0)
     return not_drawn(fmt::format("{} is not there", tools.draw_program.filename().string()));
+  if (interrupted() != 0) return interrupted_pictures();
   try {
     std::optional<PictureOutcome> failed;
     if (local_display_answers(tools.display)) {

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "app/results/part_file.h"
+#include "app/results/unfinished_file.h"
 #include "app/scenario/writer.h"
 
 namespace hvp::results {
@@ -22,8 +23,8 @@ void copy_through_part_file(const fs::path& from, const fs::path& to) {
   std::error_code error;
   // A resolved scenario that is run into its own folder.
   if (fs::equivalent(from, to, error)) return;
-  fs::path part = to;
-  part += ".part";
+  const UnfinishedFile unfinished(part_of(to));
+  const fs::path& part = unfinished.path();
   error.clear();
   fs::copy_file(from, part, fs::copy_options::overwrite_existing, error);
   if (!error) fs::rename(part, to, error);

@@ -49,7 +49,7 @@ template <class Part>
 nlohmann::ordered_json settings_json(const Part& part) {
   Part copy = part;  // declare() takes what it may also fill
   SettingsJson visitor;
-  copy.declare(visitor);
+  visitor.visit(copy);
   return visitor.root();
 }
 

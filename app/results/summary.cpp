@@ -120,6 +120,8 @@ std::string summary_json(const app::Scene& scene, const Outcome& o) {
   const app::Scenario& s = scene.scenario();
   ordered_json j;
   j["title"] = s.title;
+  j["partial"] = o.partial();
+  j["frames_asked"] = o.frames_asked;
   j["deadline"] = {{"period_us", us(o.period)},    {"budget_us", us(o.budget)},
                    {"worst_us", us(o.worst)},      {"p50_us", us(o.p50)},
                    {"p99_us", us(o.p99)},          {"misses", o.misses},

@@ -37,22 +37,22 @@ Waveform::Waveform(const std::filesystem::path& folder)
 Waveform::~Waveform() {
   if (finished_) return;
   std::error_code ignored;
-  std::filesystem::remove(part_, ignored);
+  std::filesystem::remove(part_.path(), ignored);
 }
 
 std::string Waveform::tracer_file() const {
-  std::filesystem::path file = part_;
+  std::filesystem::path file = part_.path();
   return file.replace_extension().string();
 }
 
 void Waveform::finish() {
   {
-    std::fstream file(part_, std::ios::binary | std::ios::in | std::ios::out);
+    std::fstream file(part_.path(), std::ios::binary | std::ios::in | std::ios::out);
     if (file && ends_with_a_line(file)) blank_date(file);
     file.close();
     if (!file) throw std::runtime_error(fmt::format("cannot write {}", path_.string()));
   }
-  std::filesystem::rename(part_, path_);
+  std::filesystem::rename(part_.path(), path_);
   finished_ = true;
 }
 

@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <string>
 
+#include "app/results/unfinished_file.h"
+
 namespace hvp::results {
 
 // engine.vcd, written beside under another name by SystemC's tracer, which opens and closes it.
@@ -21,7 +23,7 @@ class Waveform {
   void finish();
 
  private:
-  std::filesystem::path part_;
+  UnfinishedFile part_;
   std::filesystem::path path_;
   bool finished_ = false;
 };

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "app/results/frames_csv.h"
+#include "app/results/interruption.h"
 #include "app/results/part_file.h"
 #include "app/results/register_log.h"
 #include "app/results/resolved_scenario.h"
@@ -165,6 +166,8 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
   o.worst_load = v.worst_load();
   o.worst_frame = v.worst_frame();
   o.frames = v.frames();
+  o.frames_asked = scene.scenario().frames;
+  o.ticks = platform.servo().ticks();
   o.skipped_ticks = v.skipped_ticks();
   o.late = v.late_forces();
   o.misses = v.misses();
@@ -276,8 +279,11 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   ProgressTicker ticker(options.progress, s.frames);
   if (options.progress) platform.add_observer(ticker);
 
+  platform.stop_when([] { return results::interrupted() != 0; });
+
   platform.run();
   buses.ended();
+  if (platform.servo().ticks() == 0 && results::interrupted() != 0) throw Interrupted();
   if (platform.verdict().frames() == 0) {
     throw std::runtime_error(fmt::format("the board could not be set up: {}",
                                          hvp_status_text(platform.servo().counts().last_error)));

@@ -1,11 +1,18 @@
 #pragma once
 
 #include <filesystem>
+#include <stdexcept>
 
 #include "app/results/outcome.h"
 #include "app/scene/scene.h"
 
 namespace hvp::app {
+
+// There is nothing to show for.
+class Interrupted : public std::runtime_error {
+ public:
+  Interrupted() : std::runtime_error("interrupted before the first frame") {}
+};
 
 struct RunOptions {
   std::filesystem::path directory;  // is there and may be written into
@@ -16,7 +23,9 @@ struct RunOptions {
 };
 
 // Simulates the scene and writes every result file but the pictures, in place of those of an
-// earlier run; a run that fails leaves none. Once in a process: SystemC elaborates once.
+// earlier run; a run that fails leaves none. One that is interrupted (interruption.h) ends after
+// the frame at hand and writes what was done; before the first frame it throws Interrupted. Once in
+// a process: SystemC elaborates once.
 results::Outcome run(Scene& scene, const RunOptions& options);
 
 }  // namespace hvp::app

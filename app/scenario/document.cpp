@@ -1,18 +1,13 @@
 #include "app/scenario/document.h"
 
-#include <array>
-#include <cerrno>
-#include <cstring>
 #include <utility>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "app/scenario/message.h"
 #include "app/scenario/override.h"
 #include "app/scenario/syntax.h"
+#include "models/files/regular_file.h"
 
 namespace hvp::scenario {
 namespace {
@@ -24,47 +19,11 @@ std::string name_of(const std::filesystem::path& file) {
   return one_line(file.string(), kLongestName);
 }
 
-// Owns a file descriptor.
-class File {
- public:
-  explicit File(const char* name) : descriptor_(::open(name, O_RDONLY | O_CLOEXEC)) {}
-  ~File() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-  }
-  File(const File&) = delete;
-  File& operator=(const File&) = delete;
-  int descriptor() const { return descriptor_; }
-
- private:
-  int descriptor_;
-};
-
-[[noreturn]] void fail_to_read(const std::filesystem::path& file, int error) {
-  if (error == ENOENT || error == ENOTDIR) {
-    throw SourceError(fmt::format("{}: no such file: expected a scenario", name_of(file)));
-  }
-  throw SourceError(fmt::format("{}: cannot be read: {}", name_of(file), std::strerror(error)));
-}
-
-// Reads in pieces up to the limit, since a pipe or a device has no size to ask for.
 std::string read_text(const std::filesystem::path& file) {
-  const File source(file.c_str());
-  if (source.descriptor() < 0) fail_to_read(file, errno);
-  struct stat status {};
-  if (::fstat(source.descriptor(), &status) == 0 && S_ISDIR(status.st_mode)) {
-    throw SourceError(fmt::format("{}: is a directory: expected a scenario", name_of(file)));
-  }
-  std::string text;
-  std::array<char, 65536> piece{};
-  while (true) {
-    const ssize_t count = ::read(source.descriptor(), piece.data(), piece.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) fail_to_read(file, errno);
-    if (count == 0) return text;
-    text.append(piece.data(), static_cast<std::size_t>(count));
-    if (text.size() > kLargestFile) {
-      throw SourceError(fmt::format("{}: is too large: expected at most 1 MiB", name_of(file)));
-    }
+  try {
+    return files::read_regular_file(file, kLargestFile, "a scenario");
+  } catch (const InputError& error) {
+    throw SourceError(fmt::format("{}: {}", name_of(file), error.what()));
   }
 }
 

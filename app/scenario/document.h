@@ -19,8 +19,8 @@ namespace hvp::scenario {
 // `effect=false` takes an effect out and `effect=true` puts it in with its defaults.
 class Document {
  public:
-  // Reads a file of at most 1 MiB. Throws SourceError: no such file, a directory, unreadable,
-  // empty, too large, not UTF-8 or not TOML, an override that is none.
+  // Reads a regular file of at most 1 MiB. Throws SourceError: no such file, a folder or a device,
+  // unreadable, empty, too large, not UTF-8 or not TOML, an override that is none.
   static Document load(const std::filesystem::path& file,
                        const std::vector<std::string>& overrides = {});
   // The same for a text; `file_name` is what errors call it, and its folder is where relative

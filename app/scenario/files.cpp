@@ -1,26 +1,20 @@
 #include "app/scenario/files.h"
 
-#include <filesystem>
-#include <system_error>
-
 #include <fmt/format.h>
 
 #include "app/scenario/message.h"
+#include "models/files/regular_file.h"
 
 namespace hvp::scenario {
 
 std::filesystem::path openable_file(const Document& document, std::string_view key,
                                     const std::string& path_in_scenario) {
   std::filesystem::path resolved = document.resolve(path_in_scenario);
-  std::error_code error;
-  const auto status = std::filesystem::status(resolved, error);
-  const std::string shown = one_line(resolved.string());
-  const std::string place = document.locate(key);
-  if (!std::filesystem::exists(status)) {
-    throw SourceError(fmt::format("{}no such file: {}", place, shown));
-  }
-  if (std::filesystem::is_directory(status)) {
-    throw SourceError(fmt::format("{}expected a file, found the directory {}", place, shown));
+  try {
+    files::require_regular_file(resolved, "a file");
+  } catch (const InputError& error) {
+    throw SourceError(std::string(key), fmt::format("{}{}: {}", document.locate(key),
+                                                    one_line(resolved.string()), error.what()));
   }
   return resolved;
 }

@@ -11,13 +11,13 @@
 namespace hvp::scenario {
 
 // A file as the scenario writes it -> one that can be opened. Throws SourceError, of the line of
-// `key`, where it is missing or is a directory.
+// `key`, where it is missing or no regular file.
 std::filesystem::path openable_file(const Document& document, std::string_view key,
                                     const std::string& path_in_scenario);
 
 // Turns every file parameter from the scenario's words into a path that can be opened. Call it
 // after the resolved scenario is written, which keeps the words. Throws SourceError where a
-// file is missing or is a directory.
+// file is missing or no regular one.
 class FileResolver : public config::Visitor {
  public:
   explicit FileResolver(const Document& document) : document_(document) {}
@@ -54,7 +54,7 @@ class FileResolver : public config::Visitor {
 template <class Root>
 void resolve_files(const Document& document, Root& root) {
   FileResolver resolver(document);
-  root.declare(resolver);
+  resolver.visit(root);
 }
 
 }  // namespace hvp::scenario

@@ -22,22 +22,32 @@ std::string bare_name(Dimension dimension) {
 
 }  // namespace
 
-Describer::Describer() : outline_(1), stack_{0} {}
+Describer::Describer() : outline_(1), stack_(1) {}
 
 void Describer::add(std::string_view name, std::string type, std::string range,
                     std::string fallback, const Note& note) {
   OutlineRow row{std::string(name),      std::move(type),
                  std::move(range),       note.required ? "" : std::move(fallback),
                  std::string(note.help), std::string(note.source),
-                 note.required};
-  outline_[stack_.back()].rows.push_back(std::move(row));
+                 note.required,          condition()};
+  table().rows.push_back(std::move(row));
 }
 
 void Describer::open(OutlineTable::Kind kind, std::string_view name, const Note& note) {
-  const std::string path = joined(outline_[stack_.back()].path, name);
-  stack_.push_back(outline_.size());
-  outline_.push_back(
-      {path, kind, std::string(note.help), std::string(note.source), note.required, {}});
+  OutlineTable opened{joined(table().path, name), kind,          std::string(note.help),
+                      std::string(note.source),   note.required, condition()};
+  stack_.push_back({outline_.size()});
+  outline_.push_back(std::move(opened));
+}
+
+std::string Describer::condition() const {
+  return fmt::format("{}", fmt::join(stack_.back().conditions, ", "));
+}
+
+bool Describer::begin_condition(const config::Condition& condition) {
+  stack_.back().conditions.push_back(
+      fmt::format("`{}` = {}", condition.key, alternatives(condition.values)));
+  return true;
 }
 
 void Describer::close() { stack_.pop_back(); }

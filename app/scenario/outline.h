@@ -18,6 +18,7 @@ struct OutlineRow {
   std::string help;
   std::string source;
   bool required = false;
+  std::string condition = {};  // "`shape` = "sphere"", where it belongs to that only
 };
 
 struct OutlineTable {
@@ -27,7 +28,8 @@ struct OutlineTable {
   std::string help;
   std::string source;
   bool required = false;
-  std::vector<OutlineRow> rows;
+  std::string condition = {};
+  std::vector<OutlineRow> rows = {};
 };
 
 // In the order of declaration, a table before the tables in it.
@@ -60,6 +62,8 @@ class Describer : public config::Visitor {
   void begin_item(std::size_t /*index*/) override {}
   void end_item() override {}
   void end_list() override;
+  bool begin_condition(const config::Condition& condition) override;
+  void end_condition() override { stack_.back().conditions.pop_back(); }
   bool describes_only() const override { return true; }
 
  private:
@@ -69,14 +73,21 @@ class Describer : public config::Visitor {
   void close();
 
   Outline outline_;
-  std::vector<std::size_t> stack_;  // indices into outline_
+  struct Open {
+    std::size_t index = 0;                     // into outline_
+    std::vector<std::string> conditions = {};  // of the keys that are being declared
+  };
+  OutlineTable& table() { return outline_[stack_.back().index]; }
+  std::string condition() const;
+
+  std::vector<Open> stack_;
 };
 
 template <class Part>
 Outline describe(const Part& part) {
   Part copy = part;
   Describer describer;
-  copy.declare(describer);
+  describer.visit(copy);
   return describer.take();
 }
 

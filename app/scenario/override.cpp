@@ -25,6 +25,10 @@ Node empty_node(Node::Kind kind, const Origin& origin) {
 
 Node& step_to_name(Node& table, const std::string& name, const std::string& path,
                    const Origin& origin, Node::Kind kind) {
+  if (table.is_array()) {
+    throw InputError(fmt::format("{} is {}: expected an item of it, which is written {}[0]", path,
+                                 found_text(table), path));
+  }
   if (!table.is_table()) {
     throw InputError(fmt::format("{} is {}, not a table", path, found_text(table)));
   }
@@ -74,7 +78,7 @@ Node override_value(std::string_view text, int override_index) {
 void put(Node& root, const std::string& key, Node value) {
   const std::vector<KeyStep> steps = split_key(key);
   if (steps.empty()) {
-    throw InputError("expected KEY=VALUE with a key such as object.mesh.nodes or contacts[0].node");
+    throw InputError("expected KEY=VALUE with a key such as object.mesh.nodes or fault[0].frame");
   }
   const Origin origin = value.origin;
   Node* place = &root;

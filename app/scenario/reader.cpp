@@ -56,7 +56,7 @@ std::string suggestion(const std::string& unknown, const std::string& in_table,
 }  // namespace
 
 Reader::Reader(const Document& document) : document_(document) {
-  levels_.push_back({&document.root(), "", "", document.root().origin, {}, false, false});
+  levels_.push_back({&document.root(), "", "", document.root().origin});
 }
 
 std::string Reader::key_of(std::string_view name) const {
@@ -73,11 +73,36 @@ void Reader::wrong(const Node& node, std::string key, std::string message) {
   first_ = Error{Stage::wrong, node.origin, std::move(key), std::move(message)};
 }
 
+const Node* Reader::find(std::string_view name) const {
+  const Node* table = levels_.back().node;
+  return table == nullptr ? nullptr : table->find(name);
+}
+
+bool Reader::begin_condition(const config::Condition& condition) {
+  levels_.back().conditions.push_back(condition);
+  return true;
+}
+
+const config::Condition* Reader::unmet_condition() const {
+  const auto& conditions = levels_.back().conditions;
+  const auto unmet = std::find_if(conditions.begin(), conditions.end(),
+                                  [](const auto& condition) { return !condition.holds(); });
+  return unmet == conditions.end() ? nullptr : &*unmet;
+}
+
 // The value that the scenario gives a name, or nullptr.
 const Node* Reader::take(std::string_view name, const Note& note) {
   Level& level = levels_.back();
   level.declared.emplace_back(name);
-  const Node* node = level.node == nullptr ? nullptr : level.node->find(name);
+  const Node* node = find(name);
+  if (const config::Condition* unmet = unmet_condition()) {
+    if (node != nullptr && !level.uncertain) {
+      wrong(*node, key_of(name),
+            fmt::format("belongs to {} = {} only, found {}", unmet->key,
+                        alternatives(unmet->values), unmet->found));
+    }
+    return nullptr;
+  }
   const bool missing = node == nullptr && note.required && !level.given;
   if (missing && precedes_first(Stage::missing, level.origin)) {
     first_ = Error{Stage::missing, level.origin, key_of(name),
@@ -253,25 +278,24 @@ void Reader::begin_table(std::string_view name, Note note) {
                       found_text(*node)));
     node = nullptr;
   }
-  enter({node,
-         key_of(name),
-         joined(parent.generic, name),
-         node == nullptr ? parent.origin : node->origin,
-         {},
-         parent.uncertain,
-         parent.given});
+  enter({node, key_of(name), joined(parent.generic, name),
+         node == nullptr ? parent.origin : node->origin, parent.uncertain,
+         parent.given || unmet_condition() != nullptr});
 }
 
 bool Reader::begin_effect(std::string_view name, bool& present, Note note) {
-  const Node* node = take(name, note);
-  const Level& parent = levels_.back();
-  present = node != nullptr;
-  if (node == nullptr) return false;
-  const bool switched = node->kind == Node::Kind::boolean && !node->origin.in_file();
+  const Node* node = find(name);
+  const bool switched =
+      node != nullptr && node->kind == Node::Kind::boolean && !node->origin.in_file();
   if (switched && !node->boolean) {
+    levels_.back().declared.emplace_back(name);
     present = false;
     return false;
   }
+  node = take(name, note);
+  const Level& parent = levels_.back();
+  present = node != nullptr;
+  if (node == nullptr) return false;
   if (!switched && !node->is_table()) {
     wrong(*node, key_of(name),
           fmt::format("expected a table [{}], found {}", joined(parent.generic, name),
@@ -279,22 +303,20 @@ bool Reader::begin_effect(std::string_view name, bool& present, Note note) {
     present = false;
     return false;
   }
-  enter({switched ? nullptr : node,
-         key_of(name),
-         joined(parent.generic, name),
-         node->origin,
-         {},
-         parent.uncertain,
-         parent.given});
+  enter({switched ? nullptr : node, key_of(name), joined(parent.generic, name), node->origin,
+         parent.uncertain, parent.given});
   return true;
 }
 
 bool Reader::begin_list(std::string_view name, std::size_t& count, Note note) {
   const Node* node = take(name, note);
   if (node != nullptr && !node->is_array()) {
-    wrong(*node, key_of(name),
-          fmt::format("expected a list of tables [[{}]], found {}",
-                      joined(levels_.back().generic, name), found_text(*node)));
+    std::string message = fmt::format("expected a list of tables [[{}]], found {}",
+                                      joined(levels_.back().generic, name), found_text(*node));
+    if (!node->origin.in_file()) {
+      message += fmt::format("; --set writes an item of it as {}[0]", key_of(name));
+    }
+    wrong(*node, key_of(name), message);
     node = nullptr;
   }
   lists_.push_back({node, key_of(name), joined(levels_.back().generic, name)});
@@ -312,12 +334,7 @@ void Reader::begin_item(std::size_t index) {
     wrong(*node, path, fmt::format("expected a table, found {}", found_text(*node)));
     node = nullptr;
   }
-  enter({node,
-         path,
-         list.generic,
-         node == nullptr ? parent.origin : node->origin,
-         {},
-         parent.uncertain,
+  enter({node, path, list.generic, node == nullptr ? parent.origin : node->origin, parent.uncertain,
          parent.given || list.node == nullptr});
 }
 

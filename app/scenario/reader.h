@@ -49,6 +49,8 @@ class Reader : public config::Visitor {
   void begin_item(std::size_t index) override;
   void end_item() override { leave(); }
   void end_list() override { lists_.pop_back(); }
+  bool begin_condition(const config::Condition& condition) override;
+  void end_condition() override { levels_.back().conditions.pop_back(); }
 
  private:
   // A table that is being read. Without a node it stands at its defaults.
@@ -57,11 +59,13 @@ class Reader : public config::Visitor {
     std::string path;     // with indices: "contacts[0].shape"
     std::string generic;  // without: "contacts.shape", as in the outline
     Origin origin;        // of the nearest table that the scenario has
-    std::vector<std::string> declared;
     // A name or switch that decides what else belongs here was wrong.
     bool uncertain = false;
-    // An item of a default list: it holds what it needs without being read.
+    // An item of a default list, or a table that does not belong: it holds what it needs without
+    // being read.
     bool given = false;
+    std::vector<std::string> declared = {};
+    std::vector<config::Condition> conditions = {};  // of the keys that are being declared
   };
   struct List {
     const Node* node = nullptr;
@@ -83,7 +87,10 @@ class Reader : public config::Visitor {
     std::optional<Unknown> unknown = {};
   };
 
+  const Node* find(std::string_view name) const;
   const Node* take(std::string_view name, const config::Note& note);
+  // Of the keys that are being declared, one that does not hold; nullptr where all do.
+  const config::Condition* unmet_condition() const;
   std::string key_of(std::string_view name) const;
   void wrong(const Node& node, std::string key, std::string message);
   bool precedes_first(Stage stage, const Origin& origin) const;
@@ -105,10 +112,7 @@ class Reader : public config::Visitor {
 template <class Root>
 void read(const Document& document, Root& root) {
   Reader reader(document);
-  root.declare(reader);
-  if constexpr (requires { root.check(); }) {
-    reader.check([&root] { root.check(); });
-  }
+  reader.visit(root);
   reader.finish([&root] { return describe(root); });
 }
 

@@ -24,6 +24,11 @@ std::string code(std::string_view text) {
   return text.empty() ? "" : fmt::format("`{}`", cell(text));
 }
 
+// "only with `shape` = "sphere": "
+std::string only_with(const std::string& condition) {
+  return condition.empty() ? "" : fmt::format("only with {}: ", cell(condition));
+}
+
 std::string sentence(const OutlineTable& table) {
   std::string text;
   if (table.kind == OutlineTable::Kind::effect) {
@@ -32,6 +37,7 @@ std::string sentence(const OutlineTable& table) {
     text = "**List**: one table an item. ";
   }
   if (table.required) text += "Required. ";
+  text += only_with(table.condition);
   text += cell(table.help);
   if (!table.source.empty()) text += fmt::format(" ({})", cell(table.source));
   return text;
@@ -51,7 +57,8 @@ std::string section(const OutlineTable& table) {
   for (const OutlineRow& row : table.rows) {
     const std::string fallback = row.required ? "required" : code(row.fallback);
     text += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", row.name, cell(row.type),
-                        cell(row.range), fallback, cell(row.help), cell(row.source));
+                        cell(row.range), fallback, only_with(row.condition) + cell(row.help),
+                        cell(row.source));
   }
   return text;
 }

@@ -38,6 +38,7 @@ class Writer : public config::Visitor {
   void begin_item(std::size_t index) override;
   void end_item() override;
   void end_list() override;
+  bool begin_condition(const config::Condition& condition) override { return condition.holds(); }
 
  private:
   struct Table {
@@ -56,14 +57,15 @@ class Writer : public config::Visitor {
   std::vector<std::string> lists_;  // paths of the lists at hand
 };
 
-// The text of scenario.resolved.toml: every parameter with its value and unit, absent effects as
-// comments. Reading it gives an equal struct; the same struct gives the same bytes. Paths stand
-// as the scenario wrote them. Every double is finite (std::invalid_argument otherwise).
+// The text of scenario.resolved.toml: every parameter that belongs to the kinds at hand with its
+// value and unit, absent effects as comments. Reading it gives an equal struct; the same struct
+// gives the same bytes. Paths stand as the scenario wrote them. Every double is finite
+// (std::invalid_argument otherwise).
 template <class Root>
 std::string resolved(const Root& root) {
   Root copy = root;  // declare() takes what it may also fill
   Writer writer;
-  copy.declare(writer);
+  writer.visit(copy);
   return writer.text();
 }
 

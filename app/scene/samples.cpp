@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
+#include <cstdint>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -13,13 +14,15 @@
 #include "app/scenario/decimal.h"
 #include "app/scenario/message.h"
 #include "models/config/input_error.h"
+#include "models/files/regular_file.h"
 
 namespace hvp::app {
 
 namespace {
 
 constexpr std::size_t kMostSamples = 1'000'000;
-constexpr double kLongest = 1.0;  // s
+constexpr std::uintmax_t kLargestFile = std::uintmax_t{256} << 20U;  // some columns beside them
+constexpr double kLongest = 1.0;                                     // s
 constexpr std::array<std::pair<std::string_view, int>, 4> kUnits = {
     {{"_ms", -3}, {"_us", -6}, {"_ns", -9}, {"_s", 0}}};
 
@@ -59,6 +62,14 @@ std::optional<Column> find_column(std::string_view header) {
                    scenario::one_line(fmt::format("{}: {}", file.filename().string(), what)));
 }
 
+std::string contents_of(const std::filesystem::path& file) {
+  try {
+    return files::read_regular_file(file, kLargestFile, "a CSV file");
+  } catch (const InputError& error) {
+    refuse(file, error.what());
+  }
+}
+
 std::optional<double> seconds(std::string_view text, int exponent) {
   std::size_t length = 0;
   std::optional<scenario::Decimal> number = scenario::read_decimal(text, length);
@@ -70,8 +81,7 @@ std::optional<double> seconds(std::string_view text, int exponent) {
 }  // namespace
 
 std::vector<double> read_samples(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  if (!in) refuse(file, "cannot be read");
+  std::istringstream in(contents_of(file));
   std::string line;
   std::getline(in, line);
   const std::optional<Column> column = find_column(line);

@@ -9,6 +9,7 @@
 
 #include "app/devices/devices.h"
 #include "app/scene/samples.h"
+#include "app/scene/size_check.h"
 #include "models/accel/critical_path.h"
 #include "models/config/input_error.h"
 #include "models/mesh/generate.h"
@@ -74,7 +75,9 @@ std::unique_ptr<fem::Body> make_body(const Scenario& s, const Progress& progress
 
 Scene::Scene(const Scenario& openable, const Scenario& written, accel::Device device,
              const Progress& progress, Limits limits)
-    : scenario_(written), device_(std::move(device)), body_(make_body(openable, progress)) {
+    : scenario_(written), device_(std::move(device)) {
+  if (limits == Limits::refused) require_plausible_size(openable, device_, progress);
+  body_ = make_body(openable, progress);
   load_samples(scenario_.host.jitter, openable.host.jitter, "host.jitter");
   load_samples(scenario_.host.wake_up, openable.host.wake_up, "host.wake_up");
   const Scenario& s = scenario_;
@@ -91,8 +94,8 @@ Scene::Scene(const Scenario& openable, const Scenario& written, accel::Device de
       const accel::WordLengths words = accel::word_lengths(computation_->board_settings());
       usage_ = accel::board_usage(device_, s.accelerator, words, *board_);
       if (limits == Limits::reported) return;
-      accel::require_clock({device_, s.accelerator, words, pattern().nodes()});
       require_fit();
+      accel::require_clock({device_, s.accelerator, words, pattern().nodes()});
     });
     if (limits == Limits::refused) require_room_in_registers();
   }

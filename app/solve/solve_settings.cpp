@@ -1,5 +1,7 @@
 #include "app/solve/solve_settings.h"
 
+#include <string>
+
 #include "models/config/input_error.h"
 
 namespace hvp::app {
@@ -7,6 +9,12 @@ namespace hvp::app {
 SolveSettings::SolveSettings() {
   solver.method = fixed::Method::jacobi_pcg;
   solver.start = fixed::Start::zero;
+  accelerator.partitions = 4;
+}
+
+void SolveSettings::choose_preconditioner_memory(const accel::Device& device) {
+  const std::string small = "M512";
+  if (device.memory(small) != nullptr) accelerator.preconditioner_memory = small;
 }
 
 void SolveSettings::declare(config::Visitor& v) {

@@ -12,11 +12,11 @@ void ContactSettings::declare(config::Visitor& v) {
              {.help = "fraction by which another node must be nearer to the tip for contact to "
                       "slide there",
               .source = "chosen; keeps contact from chattering between two nodes"});
-  v.quantity("release_force", release_force, config::Dimension::force, config::at_least(0.0),
+  v.quantity("release_force", release_force, config::Dimension::force, config::between(0.0, 1e9),
              {.help = "pull of the tip on the body, along the outward normal, above which contact "
                       "ends",
               .source = "zero: a tip cannot pull"});
-  v.quantity("patch_radius", patch_radius, config::Dimension::length, config::at_least(0.0),
+  v.quantity("patch_radius", patch_radius, config::Dimension::length, config::between(0.0, 1e3),
              {.help = "nodes within this distance along the surface move with the contact node; "
                       "0 mm is one node, whose stiffness falls with the element size",
               .source = "zero: single-point contact, thesis 3.7"});

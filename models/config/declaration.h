@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <limits>
 #include <optional>
 #include <string>
@@ -65,9 +66,53 @@ struct Note {
   bool required = false;
 };
 
+// Keys that belong to some values of another key only, such as the radius to a sphere. What a
+// scenario writes although it does not belong is refused, whatever its value.
+struct Condition {
+  std::string_view key;             // "shape"
+  std::vector<std::string> values;  // as a scenario writes them: "\"sphere\"", "1"
+  std::string found;                // the value at hand, likewise
+  bool holds() const { return std::find(values.begin(), values.end(), found) != values.end(); }
+};
+
+class Visitor;
+
+// A choice that decides which other keys belong to the table.
+template <class Enum>
+class Variant {
+ public:
+  using Options = std::vector<std::pair<std::string_view, Enum>>;
+
+  Variant(Visitor& visitor, std::string_view key, Options options, Enum found)
+      : visitor_(visitor), key_(key), options_(std::move(options)), found_(found) {}
+
+  // Declares the keys that belong to these values only.
+  template <class Declare>
+  void only(std::initializer_list<Enum> values, const Declare& declare) const;
+
+ private:
+  std::string text(Enum value) const {
+    for (const auto& [name, option] : options_) {
+      if (option == value) return '"' + std::string(name) + '"';
+    }
+    return {};
+  }
+
+  Visitor& visitor_;
+  std::string_view key_;
+  Options options_;
+  Enum found_;
+};
+
 class Visitor {
  public:
   virtual ~Visitor() = default;
+
+  // A whole declaration: where a visit starts.
+  template <class Root>
+  void visit(Root& root) {
+    declare_and_check(root);
+  }
 
   virtual void quantity(std::string_view name, double& value, Dimension, Range, Note) = 0;
   // Three components of one dimension: ["0 mm", "0 mm", "50 mm"].
@@ -103,11 +148,37 @@ class Visitor {
     value = options[index].second;
   }
 
-  // A part that is always there; its table may be left out and then has its defaults.
+  // The same for one that decides which keys follow.
+  template <class Enum>
+  Variant<Enum> variant(std::string_view name, Enum& value,
+                        const std::vector<std::pair<std::string_view, Enum>>& options, Note note) {
+    choice(name, value, options, note);
+    return {*this, name, options, value};
+  }
+
+  // Declares keys that belong only where the condition holds.
+  template <class Declare>
+  void when(const Condition& condition, const Declare& declare) {
+    if (!begin_condition(condition)) return;
+    declare();
+    end_condition();
+  }
+
+  // A part whose keys stand in the table at hand, among those of the part that includes it.
   template <class Part>
-  void table(std::string_view name, Part& part, Note note) {
+  void include(Part& part) {
+    part.declare(*this);
+    if constexpr (requires { part.check(); }) {
+      included_.push_back([&part] { part.check(); });
+    }
+  }
+
+  // A part that is always there; its table may be left out and then has its defaults. `context` is
+  // what decides elsewhere which of its keys belong.
+  template <class Part, class... Context>
+  void table(std::string_view name, Part& part, Note note, const Context&... context) {
     begin_table(name, note);
-    declare_and_check(part);
+    declare_and_check(part, context...);
     end_table();
   }
 
@@ -163,6 +234,10 @@ class Visitor {
   virtual void begin_item(std::size_t index) = 0;
   virtual void end_item() = 0;
   virtual void end_list() = 0;
+  // Returns whether to go on to the keys: a reader does always, to know them, and a writer where
+  // they belong.
+  virtual bool begin_condition(const Condition& /*condition*/) { return true; }
+  virtual void end_condition() {}
   // A reader runs the check and completes the key of what it throws; other visitors do nothing.
   virtual void check(const std::function<void()>& /*rule*/) {}
   // True for a visitor that is after the declaration and not the values: it is shown every
@@ -170,13 +245,32 @@ class Visitor {
   virtual bool describes_only() const { return false; }
 
  private:
-  template <class Part>
-  void declare_and_check(Part& part) {
-    part.declare(*this);
+  using Rules = std::vector<std::function<void()>>;
+
+  // The rules run once the whole table is declared: those of included parts first.
+  template <class Part, class... Context>
+  void declare_and_check(Part& part, const Context&... context) {
+    Rules outer = std::exchange(included_, {});
+    part.declare(*this, context...);
+    Rules rules = std::exchange(included_, std::move(outer));
     if constexpr (requires { part.check(); }) {
-      check([&part] { part.check(); });
+      rules.push_back([&part] { part.check(); });
     }
+    if (rules.empty()) return;
+    check([&rules] {
+      for (const auto& rule : rules) rule();
+    });
   }
+
+  Rules included_;  // of the table at hand
 };
+
+template <class Enum>
+template <class Declare>
+void Variant<Enum>::only(std::initializer_list<Enum> values, const Declare& declare) const {
+  Condition condition{key_, {}, text(found_)};
+  for (const Enum value : values) condition.values.push_back(text(value));
+  visitor_.when(condition, declare);
+}
 
 }  // namespace hvp::config

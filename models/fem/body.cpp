@@ -99,6 +99,7 @@ Body::Body(mesh::TetMesh mesh, const Material& material, std::span<const int> an
   full_stiffness_ = assemble_stiffness(mesh_, material_);
   full_load_ = assemble_loads(mesh_, material_, loads);
   hold(anchored, loads);
+  expect_loads_on_free_nodes(mesh_, loads, held_);
   expect_no_rigid_body_modes(mesh_, held_);
   if (std::find(held_.begin(), held_.end(), 0) == held_.end()) {
     throw InputError("anchor", fmt::format("all {} nodes are held; expected some that can move",

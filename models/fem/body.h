@@ -29,7 +29,8 @@ class Body {
  public:
   // `anchored` ascends. Throws InputError: an inverted element, a node without elements, too few
   // held nodes (some part of the mesh keeps rigid-body modes; the message counts them), all nodes
-  // held, a node both anchored and prescribed, or prescribed twice and differently.
+  // held, a node both anchored and prescribed, or prescribed twice and differently, a load on
+  // held nodes alone.
   // The key is empty for the mesh, "anchor" for what holds the body, that of the load otherwise.
   Body(mesh::TetMesh mesh, const Material& material, std::span<const int> anchored,
        AnchorTreatment treatment, const Loads& loads = {});

@@ -8,25 +8,34 @@
 #include "models/config/input_error.h"
 
 namespace hvp::fem {
+namespace {
+
+// Unconditionally stable from 1/2 on; what damps high frequencies best is 3/2 (rho_infinity is 0).
+constexpr config::Range kNewmark{0, 10, true};
+// A body whose motion dies within a microsecond, and one that creeps for a quarter of an hour.
+constexpr config::Range kRayleighMass = config::between(0, 1e6);
+constexpr config::Range kRayleighStiffness = config::between(0, 1e3);
+
+}  // namespace
 
 void Dynamics::declare(config::Visitor& v) {
   v.quantity(
-      "newmark_beta", newmark_beta, config::Dimension::dimensionless, config::above(0),
+      "newmark_beta", newmark_beta, config::Dimension::dimensionless, kNewmark,
       {.help = "Newmark's β in Zienkiewicz's convention: twice the β of most textbooks; "
                "stable for β ≥ γ ≥ 1/2",
        .source = "thesis (3.24); average acceleration, which keeps energy and is of order 2"});
-  v.quantity("newmark_gamma", newmark_gamma, config::Dimension::dimensionless, config::above(0),
+  v.quantity("newmark_gamma", newmark_gamma, config::Dimension::dimensionless, kNewmark,
              {.help = "Newmark's γ; above 1/2 high frequencies decay and the order falls to 1",
               .source = "thesis (3.24); average acceleration"});
   v.choice("mass", mass, mass_kind_names(),
            {.help = "mass at the nodes (lumped) or by the interpolation functions (consistent)",
             .source = "thesis §3.6: lumping is the usual simplification"});
   v.quantity(
-      "rayleigh_mass", rayleigh_mass, config::Dimension::rate, config::at_least(0),
+      "rayleigh_mass", rayleigh_mass, config::Dimension::rate, kRayleighMass,
       {.help = "α of Rayleigh's damping C = α·M + β·K: damps slow motion",
        .source =
            "thesis (3.22) gives no value; light damping of soft tissue, docs/finite-elements.md"});
-  v.quantity("rayleigh_stiffness", rayleigh_stiffness, config::Dimension::time, config::at_least(0),
+  v.quantity("rayleigh_stiffness", rayleigh_stiffness, config::Dimension::time, kRayleighStiffness,
              {.help = "β of Rayleigh's damping C = α·M + β·K: damps fast vibration",
               .source = "thesis (3.22) gives no value; 3 % of critical at 9 Hz, "
                         "docs/finite-elements.md"});

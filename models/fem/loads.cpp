@@ -1,6 +1,7 @@
 #include "models/fem/loads.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <string>
@@ -20,30 +21,59 @@ void expect_finite(const Eigen::Vector3d& value, const std::string& key) {
   throw InputError(key, fmt::format("({}, {}, {}) is not finite", value.x(), value.y(), value.z()));
 }
 
+// What bodies and their surroundings can be subject to, so that no product leaves double precision.
+// An ultracentrifuge reaches 1e6 g; a giganewton lifts a ship; beyond a thousand million metres
+// there is no part of any body.
+constexpr config::Range kAcceleration = config::between(-1e7, 1e7);
+constexpr config::Range kForce = config::between(-1e9, 1e9);
+constexpr config::Range kPressure = config::between(-1e13, 1e13);
+constexpr config::Range kPosition = config::between(-1e9, 1e9);
+constexpr config::Range kDisplacement = config::between(-1e3, 1e3);
+
+// Of the elements that have the node.
+double longest_edge_at(const mesh::TetMesh& mesh, int node) {
+  double longest = 0;
+  for (const auto& t : mesh.tetrahedra) {
+    if (std::find(t.begin(), t.end(), node) == t.end()) continue;
+    for (std::size_t a = 0; a < 4; ++a) {
+      for (std::size_t b = 0; b < a; ++b) {
+        longest = std::max(longest, (mesh.nodes[index(t[a])] - mesh.nodes[index(t[b])]).norm());
+      }
+    }
+  }
+  return longest;
+}
+
+std::string millimetres(const Eigen::Vector3d& x) {
+  return fmt::format("({:.4g}, {:.4g}, {:.4g}) mm", 1e3 * x.x(), 1e3 * x.y(), 1e3 * x.z());
+}
+
 }  // namespace
 
 void Gravity::declare(config::Visitor& v) {
   v.vector(
-      "acceleration", acceleration, config::Dimension::acceleration, {},
+      "acceleration", acceleration, config::Dimension::acceleration, kAcceleration,
       {.help = "acceleration of every part of the body", .source = "standard gravity, CGPM 1901"});
 }
 
 void PointLoad::declare(config::Visitor& v) {
-  v.vector("position", position, config::Dimension::length, {},
-           {.help = "the mesh node nearest to this takes the force", .required = true});
-  v.vector("force", force, config::Dimension::force, {},
+  v.vector("position", position, config::Dimension::length, kPosition,
+           {.help = "the mesh node nearest to this takes the force; no farther from it than its "
+                    "elements are long, and not where the body is held",
+            .required = true});
+  v.vector("force", force, config::Dimension::force, kForce,
            {.help = "the force on that node", .required = true});
 }
 
 void SurfacePressure::declare(config::Visitor& v) {
   v.table("region", region, {.help = "boundary triangles with all three nodes in here are loaded"});
-  v.quantity("pressure", pressure, config::Dimension::pressure, {},
+  v.quantity("pressure", pressure, config::Dimension::pressure, kPressure,
              {.help = "positive pushes inwards, against the surface normal", .required = true});
 }
 
 void PrescribedDisplacement::declare(config::Visitor& v) {
   v.table("region", region, {.help = "the nodes that are moved"});
-  v.vector("displacement", displacement, config::Dimension::length, {},
+  v.vector("displacement", displacement, config::Dimension::length, kDisplacement,
            {.help = "their displacement", .required = true});
 }
 
@@ -65,6 +95,32 @@ int nearest_node(const mesh::TetMesh& mesh, const Eigen::Vector3d& position) {
     }
   }
   return nearest;
+}
+
+void expect_loads_on_free_nodes(const mesh::TetMesh& mesh, const Loads& loads,
+                                const std::vector<char>& held) {
+  for (std::size_t i = 0; i < loads.points.size(); ++i) {
+    const int node = nearest_node(mesh, loads.points[i].position);
+    if (!held[index(node)]) continue;
+    throw InputError(fmt::format("point[{}].position", i),
+                     fmt::format("the node that is nearest to it, at {}, is held, where a force "
+                                 "moves nothing; expected a place where the body is free",
+                                 millimetres(mesh.nodes[index(node)])));
+  }
+  for (std::size_t i = 0; i < loads.pressures.size(); ++i) {
+    const std::vector<int> triangles = mesh::select_boundary(loads.pressures[i].region, mesh);
+    const bool free = std::any_of(triangles.begin(), triangles.end(), [&](int triangle) {
+      const auto& corners = mesh.boundary[index(triangle)];
+      return std::any_of(corners.begin(), corners.end(),
+                         [&](int node) { return !held[index(node)]; });
+    });
+    if (free) continue;
+    throw InputError(
+        fmt::format("pressure[{}].region", i),
+        fmt::format("all nodes of its {} boundary triangles are held, where a pressure "
+                    "moves nothing; expected a region where the body is free",
+                    triangles.size()));
+  }
 }
 
 void add_pressure(const mesh::TetMesh& mesh, std::span<const int> triangles, double pressure_pa,
@@ -100,6 +156,15 @@ std::vector<double> assemble_loads(const mesh::TetMesh& mesh, const Material& ma
     expect_finite(point.position, fmt::format("point[{}].position", i));
     expect_finite(point.force, fmt::format("point[{}].force", i));
     const int node = nearest_node(mesh, point.position);
+    const double distance = (mesh.nodes[index(node)] - point.position).norm();
+    const double longest = longest_edge_at(mesh, node);
+    if (!(distance <= longest)) {
+      throw InputError(
+          fmt::format("point[{}].position", i),
+          fmt::format("lies off the body: the nearest node is {:.4g} mm away, at {}, and the "
+                      "elements there are {:.4g} mm long; expected no more",
+                      1e3 * distance, millimetres(mesh.nodes[index(node)]), 1e3 * longest));
+    }
     for (int r = 0; r < 3; ++r) f[3 * index(node) + index(r)] += point.force[r];
   }
   for (std::size_t i = 0; i < loads.pressures.size(); ++i) {

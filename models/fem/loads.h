@@ -20,7 +20,8 @@ struct Gravity {
   void declare(config::Visitor& v);
 };
 
-// A force at the mesh node nearest to a position; at equal distance the lower node.
+// A force at the mesh node nearest to a position; at equal distance the lower node. The position
+// must not be farther from it than the longest edge there is long: nearer is what a mesh can mean.
 struct PointLoad {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m
   Eigen::Vector3d force = Eigen::Vector3d::Zero();     // N
@@ -56,7 +57,7 @@ struct Loads {
 
 // f of thesis (3.15) over all mesh nodes, three components a node, in newtons: ∫ Hᵀf_b dV of
 // gravity, ∫ H_Sᵀf_S dS of pressures, and the point loads. Throws InputError where a pressure's
-// region holds no boundary triangle or a number is not finite.
+// region holds no boundary triangle, a point load lies off the body, or a number is not finite.
 std::vector<double> assemble_loads(const mesh::TetMesh& mesh, const Material& material,
                                    const Loads& loads);
 
@@ -66,5 +67,10 @@ void add_pressure(const mesh::TetMesh& mesh, std::span<const int> triangles, dou
                   std::span<double> f);
 
 int nearest_node(const mesh::TetMesh& mesh, const Eigen::Vector3d& position);
+
+// Throws InputError with the load's key where a point load's node is held, or all nodes of a
+// pressure's triangles are: the support would take the force, and the body nothing of it.
+void expect_loads_on_free_nodes(const mesh::TetMesh& mesh, const Loads& loads,
+                                const std::vector<char>& held);
 
 }  // namespace hvp::fem

@@ -12,10 +12,15 @@ namespace {
 // λ grows beyond all bounds as ν reaches one half; at 0.4999 it is 3333 times E already.
 constexpr double kLargestPoissonRatio = 0.4999;
 
+// From the softest gels to ten times diamond (1.05 TPa), and from an aerogel (0.16 kg/m³) to four
+// times osmium (22590 kg/m³): beyond, a number is a slip of the pen and its products overflow.
+constexpr config::Range kYoungModulus = config::between(1, 1e13);
+constexpr config::Range kDensity = config::between(0.1, 1e5);
+
 }  // namespace
 
 void Material::declare(config::Visitor& v) {
-  v.quantity("young_modulus", young_modulus_pa, config::Dimension::pressure, config::above(0),
+  v.quantity("young_modulus", young_modulus_pa, config::Dimension::pressure, kYoungModulus,
              {.help = "Young's modulus E of the solid",
               .source = "soft tissue: 2 to 20 kPa; middle of the range on a log scale, rounded"});
   v.quantity(
@@ -24,7 +29,7 @@ void Material::declare(config::Visitor& v) {
       {.help = "Poisson's ratio; above 0.45 linear tetrahedra lock and the run says by "
                "how much",
        .source = "soft tissue: 0.45 to 0.49; the end at which linear tetrahedra still work"});
-  v.quantity("density", density_kg_m3, config::Dimension::density, config::above(0),
+  v.quantity("density", density_kg_m3, config::Dimension::density, kDensity,
              {.help = "mass density ρ", .source = "water; soft tissue is near 1050 kg/m³"});
 }
 

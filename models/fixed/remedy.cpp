@@ -231,7 +231,7 @@ class Listing : public config::Visitor {
 
 std::vector<std::string> listing(Plan plan) {
   Listing list;
-  plan.settings.declare(list);
+  list.visit(plan.settings);
   list.lines.push_back("refinement.passes = " + std::to_string(plan.passes));
   return list.lines;
 }

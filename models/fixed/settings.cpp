@@ -48,16 +48,20 @@ void Settings::declare(config::Visitor& v) {
   v.integer("coefficient_bits", coefficient_bits, {.min = 8, .max = 24},
             {.help = "mantissa of alpha and beta, sign included",
              .source = "thesis §4.2: 16-bit signed"});
-  v.choice("coefficient_format", coefficient_format,
-           {{"own-shift", CoefficientFormat::own_shift}, {"fixed", CoefficientFormat::fixed}},
-           {.help = "alpha and beta with a shift of their own every iteration, or a fixed point",
-            .source = "the thesis leaves it open; docs/fixed-point.md has the measurement"});
-  v.integer("alpha_fraction_bits", alpha_fraction_bits, {.min = 0, .max = 40},
-            {.help = "fixed coefficients: bits of alpha behind the point",
-             .source = "alpha lies between 1/λ_max and 1/λ_min of a 12-bit matrix: 2^-13 to 2^-1"});
-  v.integer("beta_fraction_bits", beta_fraction_bits, {.min = 0, .max = 40},
-            {.help = "fixed coefficients: bits of beta behind the point",
-             .source = "beta reaches 1.8: two bits before the point, docs/fixed-point.md"});
+  const auto of_format = v.variant(
+      "coefficient_format", coefficient_format,
+      {{"own-shift", CoefficientFormat::own_shift}, {"fixed", CoefficientFormat::fixed}},
+      {.help = "alpha and beta with a shift of their own every iteration, or a fixed point",
+       .source = "the thesis leaves it open; docs/fixed-point.md has the measurement"});
+  of_format.only({CoefficientFormat::fixed}, [&] {
+    v.integer(
+        "alpha_fraction_bits", alpha_fraction_bits, {.min = 0, .max = 40},
+        {.help = "bits of alpha behind the point",
+         .source = "alpha lies between 1/λ_max and 1/λ_min of a 12-bit matrix: 2^-13 to 2^-1"});
+    v.integer("beta_fraction_bits", beta_fraction_bits, {.min = 0, .max = 40},
+              {.help = "bits of beta behind the point",
+               .source = "beta reaches 1.8: two bits before the point, docs/fixed-point.md"});
+  });
   rounding(v, "division_rounding", division_rounding,
            {.help = "what a division does with what is left (on the magnitude)",
             .source = "thesis §4.2: to nearest"});
@@ -101,7 +105,7 @@ void Settings::declare(config::Visitor& v) {
                     "line through the last two solutions",
             .source = "thesis §4.2: the previous solution is a good guess at haptic rates"});
   v.quantity("displacement_range", displacement_range, config::Dimension::length,
-             config::above(0.0),
+             config::between(1e-9, 1e3),
              {.help = "the displacement that fills the vector word; larger ones are clamped",
               .source = "0.4 R of the thesis' scene (R = 5 cm), twice a press of 0.2 R"});
 }

@@ -1,6 +1,7 @@
 #include "models/host/costs.h"
 
 #include <cmath>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -10,8 +11,8 @@ namespace hvp::host {
 
 using config::Dimension;
 
-void Graphics::declare(config::Visitor& v) {
-  v.quantity("rate", rate_hz, Dimension::frequency, config::between(1, 2000),
+void Graphics::declare(config::Visitor& v, int cores) {
+  v.quantity("rate", rate_hz, Dimension::frequency, config::between(1, 1000),
              {"rate of the collision and graphics process", "thesis section 6.2.3"});
   v.quantity("drawing_time", drawing_s, Dimension::time, config::between(0, 1),
              {"time of a pass that is not collision detection: one picture",
@@ -19,13 +20,15 @@ void Graphics::declare(config::Visitor& v) {
   v.quantity("triangle_time", triangle_s, Dimension::time, config::between(0, 1e-3),
              {"what each triangle of the surface adds to drawing_time",
               "none: drawing_time holds for every mesh"});
-  v.quantity("non_preemptible", non_preemptible_s, Dimension::time, config::between(0, 0.1),
-             {"on one core: how long a section is that holds the servo process up",
-              "none: every instruction can be preempted"});
-  v.quantity("non_preemptible_every", non_preemptible_every_s, Dimension::time,
-             config::between(1e-6, 1),
-             {"on one core: processor time from one such section's beginning to the next one's",
-              "assumed: a call of the graphics driver every millisecond"});
+  v.when({"host.cores", {"1"}, std::to_string(cores)}, [&] {
+    v.quantity("non_preemptible", non_preemptible_s, Dimension::time, config::between(0, 0.1),
+               {"how long a section is that holds the servo process up",
+                "none: every instruction can be preempted"});
+    v.quantity("non_preemptible_every", non_preemptible_every_s, Dimension::time,
+               config::between(1e-6, 1),
+               {"processor time from one such section's beginning to the next one's",
+                "assumed: a call of the graphics driver every millisecond"});
+  });
 }
 
 void Graphics::check() const {
@@ -59,13 +62,16 @@ void Host::declare(config::Visitor& v) {
               "assumed; real-time extensions lie between 2 and 20 us"});
   v.quantity("timeout", timeout_s, Dimension::time, config::between(1e-6, 10),
              {"how long the driver waits for the board", "five periods at 500 Hz"});
-  v.choice("solver", solver,
-           {{"board", Solver::board}, {"cg", Solver::cg}, {"cholesky", Solver::cholesky}},
-           {"board: the FPGA; cg, cholesky: no board, the host solves in double precision",
-            "thesis section 6.2.1"});
-  v.quantity("solver_rate", solver_rate_flops, Dimension::throughput, config::between(0, 1e13),
-             {"operations a second of the host's own solve; 0: sustained_rate",
-              "absent: Table 6.3's rate is that of sparse products"});
+  const auto of_solver =
+      v.variant("solver", solver,
+                {{"board", Solver::board}, {"cg", Solver::cg}, {"cholesky", Solver::cholesky}},
+                {"board: the FPGA; cg, cholesky: no board, the host solves in double precision",
+                 "thesis section 6.2.1"});
+  of_solver.only({Solver::cg, Solver::cholesky}, [&] {
+    v.quantity("solver_rate", solver_rate_flops, Dimension::throughput, config::between(0, 1e13),
+               {"operations a second of the host's own solve; 0: sustained_rate",
+                "absent: Table 6.3's rate is that of sparse products"});
+  });
   v.integer("pipeline_depth", pipeline_depth, {0, 1},
             {"1: the force comes a period later, and the board solves meanwhile",
              "thesis Fig. 6.2: one frame after the other"});
@@ -76,33 +82,26 @@ void Host::declare(config::Visitor& v) {
   v.integer("cores", cores, {1, 2},
             {"2: a core for each process; 1: the servo process preempts the other one",
              "thesis section 6.2: a Pentium D, which has two"});
-  v.quantity("context_switch", context_switch_s, Dimension::time, config::between(0, 1e-3),
-             {"on one core: from one process to the other",
-              "Li, Ding & Shen, ExpCS 2007: 3.8 us without cold caches, dual 2 GHz Xeon; from "
-              "memory, unverified"});
+  v.when({"cores", {"1"}, std::to_string(cores)}, [&] {
+    v.quantity("context_switch", context_switch_s, Dimension::time, config::between(0, 1e-3),
+               {"from one process to the other",
+                "Li, Ding & Shen, ExpCS 2007: 3.8 us without cold caches, dual 2 GHz Xeon; from "
+                "memory, unverified"});
+  });
   v.effect("jitter", jitter,
            {"the timer releases the servo process late, by a time drawn for each tick"});
   v.effect("wake_up", wake_up,
            {"the servo process runs some time after its tick or interrupt has made it ready, drawn "
             "each time"});
-  v.table("graphics", graphics, {"the 33 Hz collision and graphics process"});
+  v.table("graphics", graphics, {"the 33 Hz collision and graphics process"}, cores);
   v.table("recovery", recovery, {"what the servo process does about a board that fails"});
 }
 
 void Host::check() const {
-  const Host defaults;
-  const auto one_core_only = [this](const char* key, bool given) {
-    if (given && cores != 1) throw InputError(key, "belongs to cores = 1 only");
-  };
-  if (solver_rate_flops != 0 && solver == Solver::board) {
-    throw InputError("solver_rate", "belongs to solver = \"cg\" or \"cholesky\" only");
-  }
   if (pipeline_depth > 0 && solver != Solver::board) {
     throw InputError("pipeline_depth",
                      "expected 0: without a board nothing solves while the host does other work");
   }
-  one_core_only("context_switch", context_switch_s != defaults.context_switch_s);
-  one_core_only("graphics.non_preemptible", graphics.non_preemptible_s != 0);
 }
 
 SharedCore::Settings Host::shared_core() const {

@@ -21,7 +21,8 @@ struct Graphics {
   double non_preemptible_s = 0;
   double non_preemptible_every_s = 1e-3;
 
-  void declare(config::Visitor& v);
+  // `cores` of the host that draws.
+  void declare(config::Visitor& v, int cores);
   void check() const;
 
   std::int64_t period_ps() const;

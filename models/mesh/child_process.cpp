@@ -73,9 +73,10 @@ void limit(int resource, rlim_t soft, rlim_t hard) {
   ::setrlimit(static_cast<__rlimit_resource>(resource), &value);
 }
 
-[[noreturn]] void run_child(int fd, const ChildLimits& limits,
+[[noreturn]] void run_child(int fd, pid_t parent, const ChildLimits& limits,
                             const std::function<std::string(const Progress&)>& work) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (::getppid() != parent) ::_exit(2);  // it ended before that
   for (const int sig : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGXCPU}) {
     std::signal(sig, SIG_DFL);
   }
@@ -176,6 +177,7 @@ std::string run_in_child(std::string_view task, const std::string& key, const Ch
   if (::pipe2(pipe.data(), O_CLOEXEC) != 0) {
     throw std::runtime_error(fmt::format("no pipe for {}: {}", task, std::strerror(errno)));
   }
+  const pid_t parent = ::getpid();
   const pid_t pid = ::fork();
   if (pid < 0) {
     const int reason = errno;
@@ -185,7 +187,7 @@ std::string run_in_child(std::string_view task, const std::string& key, const Ch
   }
   if (pid == 0) {
     ::close(pipe[0]);
-    run_child(pipe[1], limits, work);
+    run_child(pipe[1], parent, limits, work);
   }
   ::close(pipe[1]);
   Child child(pid, pipe[0]);

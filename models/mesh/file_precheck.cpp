@@ -4,6 +4,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <optional>
@@ -52,6 +53,15 @@ void check_triangle_count(std::uint64_t count, std::string_view what) {
   }
 }
 
+// Where a word in small letters stands, however it is written there: SOLID is as good as solid.
+std::size_t find_word(std::string_view bytes, std::string_view word, std::size_t from = 0) {
+  const auto same = [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; };
+  const auto begin = bytes.begin() + static_cast<std::ptrdiff_t>(std::min(from, bytes.size()));
+  const auto found = std::search(begin, bytes.end(), word.begin(), word.end(), same);
+  return found == bytes.end() ? std::string_view::npos
+                              : static_cast<std::size_t>(found - bytes.begin());
+}
+
 // Binary STL: 80 bytes of comment, a count, 50 bytes a triangle.
 SurfaceFormat check_stl(std::string_view bytes) {
   constexpr std::size_t kHeader = 84;
@@ -67,13 +77,13 @@ SurfaceFormat check_stl(std::string_view bytes) {
       return SurfaceFormat::stl_binary;
     }
   }
-  if (bytes.substr(0, 5) == "solid" && bytes.find('\0') == std::string_view::npos) {
-    if (bytes.find("endsolid") == std::string_view::npos) {
+  if (find_word(bytes.substr(0, 5), "solid") == 0 && bytes.find('\0') == std::string_view::npos) {
+    if (find_word(bytes, "endsolid") == std::string_view::npos) {
       refuse("the text STL file ends without \"endsolid\"; it is cut off");
     }
     std::size_t vertices = 0;
-    for (std::size_t at = bytes.find("vertex"); at != std::string_view::npos;
-         at = bytes.find("vertex", at + 6)) {
+    for (std::size_t at = find_word(bytes, "vertex"); at != std::string_view::npos;
+         at = find_word(bytes, "vertex", at + 6)) {
       ++vertices;
     }
     if (vertices == 0) refuse("the text STL file holds no triangles");

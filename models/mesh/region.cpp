@@ -11,6 +11,9 @@ namespace hvp::mesh {
 
 namespace {
 
+// No part of any body is farther away, and no square leaves double precision.
+constexpr config::Range kPosition = config::between(-1e9, 1e9);
+
 using config::Dimension;
 using Eigen::Vector3d;
 
@@ -33,10 +36,19 @@ double dot(const Vector3d& a, const Vector3d& b) {
   return a.x() * b.x() + a.y() * b.y() + a.z() * b.z();
 }
 
+// The same direction with components of about one, by a power of two: exact, and no product with a
+// coordinate leaves double precision.
+Vector3d moderate(const Vector3d& direction) {
+  int exponent = 0;
+  std::frexp(direction.cwiseAbs().maxCoeff(), &exponent);
+  return direction.unaryExpr([exponent](double x) { return std::ldexp(x, -exponent); });
+}
+
 std::vector<int> lowest_nodes(const Region& region, const TetMesh& mesh) {
   const std::size_t n = mesh.nodes.size();
   std::vector<double> height(n);
-  for (std::size_t i = 0; i < n; ++i) height[i] = dot(mesh.nodes[i], region.direction);
+  const Vector3d up = moderate(region.direction);
+  for (std::size_t i = 0; i < n; ++i) height[i] = dot(mesh.nodes[i], up);
   std::vector<int> order(n);
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
@@ -51,8 +63,10 @@ std::vector<int> lowest_nodes(const Region& region, const TetMesh& mesh) {
 
 bool contains(const Region& region, const Vector3d& x, double tolerance) {
   switch (region.kind) {
-    case Region::Kind::half_space:
-      return dot(x - region.point, region.normal) <= tolerance * region.normal.norm();
+    case Region::Kind::half_space: {
+      const Vector3d normal = moderate(region.normal);
+      return dot(x - region.point, normal) <= tolerance * normal.norm();
+    }
     case Region::Kind::box:
       return (x.array() >= region.low_corner.array() - tolerance).all() &&
              (x.array() <= region.high_corner.array() + tolerance).all();
@@ -68,50 +82,43 @@ bool contains(const Region& region, const Vector3d& x, double tolerance) {
 }  // namespace
 
 void Region::declare(config::Visitor& v) {
-  const std::string_view absent = "absent: needed by its kind only";
-  v.choice("kind", kind,
-           {{"lowest-fraction", Kind::lowest_fraction},
-            {"half-space", Kind::half_space},
-            {"box", Kind::box},
-            {"sphere", Kind::sphere},
-            {"all", Kind::all}},
-           {.help = "how the nodes are chosen", .source = "the scene of the default fraction"});
-  v.quantity("fraction", fraction, Dimension::dimensionless, config::between(0.0, 1.0),
-             {.help = "lowest-fraction: the part of all nodes, those lowest along direction",
-              .source = "lowest 15 %: the scene the thesis' figures are checked with"});
-  v.vector("direction", direction, Dimension::dimensionless, {},
-           {.help = "lowest-fraction: which way is up", .source = "z points up"});
-  v.vector("point", point, Dimension::length, {},
-           {.help = "half-space: a point of its plane", .source = absent});
-  v.vector("normal", normal, Dimension::dimensionless, {},
-           {.help = "half-space: its plane's normal, which points out of the region",
-            .source = "z points up: the region is what lies below"});
-  v.vector("low_corner", low_corner, Dimension::length, {},
-           {.help = "box: the corner with the smallest coordinates", .source = absent});
-  v.vector("high_corner", high_corner, Dimension::length, {},
-           {.help = "box: the corner with the largest coordinates", .source = absent});
-  v.vector("centre", centre, Dimension::length, {},
-           {.help = "sphere: its centre", .source = absent});
-  v.quantity("radius", radius, Dimension::length, config::at_least(0.0),
-             {.help = "sphere: its radius", .source = absent});
+  const auto of_kind = v.variant(
+      "kind", kind,
+      {{"lowest-fraction", Kind::lowest_fraction},
+       {"half-space", Kind::half_space},
+       {"box", Kind::box},
+       {"sphere", Kind::sphere},
+       {"all", Kind::all}},
+      {.help = "how the nodes are chosen", .source = "the scene of the default fraction"});
+  of_kind.only({Kind::lowest_fraction}, [&] {
+    v.quantity("fraction", fraction, Dimension::dimensionless, config::between(0.0, 1.0),
+               {.help = "the part of all nodes, those lowest along direction",
+                .source = "lowest 15 %: the scene the thesis' figures are checked with"});
+    v.vector("direction", direction, Dimension::dimensionless, {},
+             {.help = "which way is up; any length but zero", .source = "z points up"});
+  });
+  of_kind.only({Kind::half_space}, [&] {
+    v.vector("point", point, Dimension::length, kPosition,
+             {.help = "a point of its plane", .source = "the body's origin"});
+    v.vector("normal", normal, Dimension::dimensionless, {},
+             {.help = "its plane's normal, which points out of the region; any length but zero",
+              .source = "z points up: the region is what lies below"});
+  });
+  of_kind.only({Kind::box}, [&] {
+    v.vector("low_corner", low_corner, Dimension::length, kPosition,
+             {.help = "the corner with the smallest coordinates", .source = "the body's origin"});
+    v.vector("high_corner", high_corner, Dimension::length, kPosition,
+             {.help = "the corner with the largest coordinates", .source = "the body's origin"});
+  });
+  of_kind.only({Kind::sphere}, [&] {
+    v.vector("centre", centre, Dimension::length, kPosition,
+             {.help = "its centre", .source = "the body's origin"});
+    v.quantity("radius", radius, Dimension::length, {0.0, 1e9, true},
+               {.help = "its radius", .required = true});
+  });
 }
 
 void Region::check() const {
-  const Region defaults;
-  const auto only_for = [this](Kind owner, bool changed, const char* key, const char* name) {
-    if (kind != owner && changed) {
-      throw InputError(key, std::string("belongs to kind = \"") + name + "\" only");
-    }
-  };
-  only_for(Kind::lowest_fraction, fraction != defaults.fraction, "fraction", "lowest-fraction");
-  only_for(Kind::lowest_fraction, direction != defaults.direction, "direction", "lowest-fraction");
-  only_for(Kind::half_space, point != defaults.point, "point", "half-space");
-  only_for(Kind::half_space, normal != defaults.normal, "normal", "half-space");
-  only_for(Kind::box, low_corner != defaults.low_corner, "low_corner", "box");
-  only_for(Kind::box, high_corner != defaults.high_corner, "high_corner", "box");
-  only_for(Kind::sphere, centre != defaults.centre, "centre", "sphere");
-  only_for(Kind::sphere, radius != defaults.radius, "radius", "sphere");
-
   if (kind == Kind::lowest_fraction && direction.isZero(0.0)) {
     throw InputError("direction", "has length zero; expected a direction such as [0, 0, 1]");
   }

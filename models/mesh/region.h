@@ -29,8 +29,7 @@ struct Region {
   double radius = 0.0;
 
   void declare(config::Visitor& v);
-  // Throws InputError: a direction or normal of length zero, an empty box or sphere, or a
-  // parameter that belongs to another kind.
+  // Throws InputError: a direction or normal of length zero, an empty box or sphere.
   void check() const;
 };
 

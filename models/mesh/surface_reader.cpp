@@ -1,17 +1,15 @@
 #include "models/mesh/surface_reader.h"
 
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
+#include "models/files/regular_file.h"
 #include "models/mesh/byte_stream.h"
 #include "models/mesh/child_process.h"
 #include "models/mesh/file_precheck.h"
+#include "models/mesh/mesh_settings.h"
 #include "models/mesh/vtk_reading.h"
 
 namespace hvp::mesh {
@@ -25,25 +23,40 @@ ChildLimits limits_for(std::size_t file_size) {
 }
 
 std::string contents_of(const std::string& path) {
-  std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) {
-    throw InputError("surface", fmt::format("there is no file {}", path));
+  try {
+    return files::read_regular_file(path, kLargestFile, "a surface file");
+  } catch (const InputError& error) {
+    throw InputError("surface", fmt::format("{}: {}", path, error.what()));
   }
-  if (!std::filesystem::is_regular_file(status)) {
-    throw InputError("surface", fmt::format("{} is not a regular file", path));
+}
+
+// Coordinates of many files are single precision: of a surface that lies farther from the origin
+// than so many times its size, fewer than three digits are left.
+constexpr double kFarthest = 1e4;
+
+// Of a surface in metres.
+void check_place(const Surface& surface, double unit_m) {
+  if (surface.points.empty()) return;
+  Eigen::Vector3d low = surface.points.front();
+  Eigen::Vector3d high = low;
+  for (const Eigen::Vector3d& x : surface.points) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
   }
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (!error && size > kLargestFile) {
-    throw InputError("surface", fmt::format("{}: the file has {} bytes; at most {} are read", path,
-                                            size, kLargestFile));
+  const double width = (high - low).maxCoeff();
+  const double distance = low.cwiseAbs().cwiseMax(high.cwiseAbs()).maxCoeff();
+  if (distance > kFarthest * width) {
+    throw InputError("surface",
+                     fmt::format("the surface lies {:.3g} m from the origin and is {:.3g} m "
+                                 "wide, which leaves its coordinates too few digits: "
+                                 "expected it within {:g} times its width",
+                                 distance, width, kFarthest));
   }
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  if (!file.good() && !file.eof()) {
-    throw InputError("surface", fmt::format("{} cannot be read: {}", path, std::strerror(errno)));
-  }
-  return bytes;
+  if (width >= kBodyLength.min && width <= kBodyLength.max) return;
+  throw InputError("surface",
+                   fmt::format("the surface is {:.3g} m wide where one unit of the file is "
+                               "{:g} m: expected from {:g} m to {:g} m",
+                               width, unit_m, kBodyLength.min, kBodyLength.max));
 }
 
 }  // namespace
@@ -66,6 +79,7 @@ Surface read_surface(const std::string& path, double unit_m) {
     Surface surface;
     surface.points = reader.points();
     surface.triangles = reader.tuples<3>();
+    check_place(surface, unit_m);
     return surface;
   } catch (const InputError& error) {
     const std::string message = error.what();

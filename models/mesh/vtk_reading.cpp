@@ -239,8 +239,10 @@ Surface read_with_vtk(const std::string& path, SurfaceFormat format, double unit
     if (!surface.points.back().allFinite()) ++broken;
   }
   if (broken > 0) {
-    refuse(fmt::format("{} of {} points have a coordinate that is not a finite number", broken,
-                       point_count));
+    refuse(
+        fmt::format("{} of {} points have a coordinate that is not a finite number, or above the "
+                    "3.4e38 of single precision",
+                    broken, point_count));
   }
   vtkNew<vtkIdList> ids;
   for (vtkIdType i = 0; i < triangles->GetNumberOfCells(); ++i) {

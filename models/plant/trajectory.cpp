@@ -13,6 +13,7 @@ namespace hvp::plant {
 namespace {
 
 constexpr double kPicosecondsPerSecond = 1e12;
+constexpr double kLongest = 9e6;  // s, within 64-bit picoseconds
 
 // Registers carry 32-bit nanometres (daq.h), so the probe stays inside what they can say.
 constexpr config::Range kReach = config::between(-2.0, 2.0);
@@ -77,6 +78,7 @@ void Trajectory::check() const {
     throw InputError("motion", "no stroke; expected at least one [[probe.motion]]");
   }
   Eigen::Vector3d from = start;
+  double whole = 0;
   for (std::size_t i = 0; i < motion.size(); ++i) {
     const Segment& segment = motion[i];
     segment.check();
@@ -84,12 +86,19 @@ void Trajectory::check() const {
     // The same place may be written in two units that differ in the last bit.
     if (segment.phase == Phase::hold && !(moved <= 1.0 / kPosition.counts_per_unit)) {
       throw InputError(
-          "motion",
-          fmt::format("stroke {} is a hold and moves by {:.6g} mm; expected to = [\"{:.6g} mm\", "
-                      "\"{:.6g} mm\", \"{:.6g} mm\"], or phase \"slide\"",
-                      i + 1, 1e3 * moved, 1e3 * from.x(), 1e3 * from.y(), 1e3 * from.z()));
+          fmt::format("motion[{}].to", i),
+          fmt::format("a hold does not move, and this one does by {:.6g} mm; expected "
+                      "[\"{:.6g} mm\", \"{:.6g} mm\", \"{:.6g} mm\"], or phase \"slide\"",
+                      1e3 * moved, 1e3 * from.x(), 1e3 * from.y(), 1e3 * from.z()));
     }
     from = segment.to;
+    whole += segment.duration;
+  }
+  if (whole > kLongest) {
+    throw InputError("motion",
+                     fmt::format("its strokes take {:g} s together; expected at most {:g} s, "
+                                 "up to which times are counted",
+                                 whole, kLongest));
   }
 }
 

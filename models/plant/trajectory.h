@@ -51,7 +51,8 @@ struct Trajectory {
   std::vector<Segment> motion;
 
   void declare(config::Visitor& v);
-  // Throws InputError: no segment, a segment that is bad by itself, a hold that moves.
+  // Throws InputError: no segment, a segment that is bad by itself, a hold that moves,
+  // strokes that take more than 9e6 s together.
   void check() const;
 
   // Sum of the segments' durations.

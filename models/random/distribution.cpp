@@ -44,59 +44,50 @@ const char* name(Kind kind) {
 }
 
 void TimeDistribution::declare(config::Visitor& v) {
-  const std::string_view absent = "absent: needed by its distribution only";
-  v.choice("distribution", kind,
-           {{"constant", Kind::constant},
-            {"uniform", Kind::uniform},
-            {"normal", Kind::normal},
-            {"exponential", Kind::exponential},
-            {"lognormal", Kind::lognormal},
-            {"measured", Kind::measured}},
-           {"how the time is distributed; measured: drawn from the user's own samples",
-            "assumed: no figure published for QuaRC; many short delays, few long ones"});
-  v.quantity("mean", mean_s, Dimension::time, config::between(0, kLongest),
-             {"constant: the time; normal: its mean; exponential: its mean above minimum",
-              "assumed; real-time extensions lie between 2 and 20 us"});
-  v.quantity("deviation", deviation_s, Dimension::time, config::between(0, kLongest),
-             {"normal: standard deviation before it is cut off", absent});
-  v.quantity("median", median_s, Dimension::time, config::between(0, kLongest),
-             {"lognormal: median", absent});
-  v.quantity("spread", spread, Dimension::dimensionless, config::between(0, 1000),
-             {"lognormal: geometric standard deviation; two thirds lie between median/spread and "
-              "median*spread",
-              absent});
-  v.quantity("minimum", minimum_s, Dimension::time, config::between(0, kLongest),
-             {"no time is shorter: what is drawn below is drawn again", "nothing ends before now"});
-  v.quantity("maximum", maximum_s, Dimension::time, config::between(0, kLongest),
-             {"no time is longer: what is drawn above is drawn again",
-              "assumed: half a period at 500 Hz"});
-  v.file(
-      "samples", samples_file,
-      {"measured: a CSV file whose first column with a name in _s, _ms, _us or _ns has the times",
-       absent});
+  const auto of_kind =
+      v.variant("distribution", kind,
+                {{"constant", Kind::constant},
+                 {"uniform", Kind::uniform},
+                 {"normal", Kind::normal},
+                 {"exponential", Kind::exponential},
+                 {"lognormal", Kind::lognormal},
+                 {"measured", Kind::measured}},
+                {"how the time is distributed; measured: drawn from the user's own samples",
+                 "assumed: no figure published for QuaRC; many short delays, few long ones"});
+  of_kind.only({Kind::constant, Kind::normal, Kind::exponential}, [&] {
+    v.quantity("mean", mean_s, Dimension::time, config::between(0, kLongest),
+               {"constant: the time; normal: its mean; exponential: its mean above minimum",
+                "assumed; real-time extensions lie between 2 and 20 us"});
+  });
+  of_kind.only({Kind::normal}, [&] {
+    v.quantity("deviation", deviation_s, Dimension::time, {0, kLongest, true},
+               {.help = "standard deviation before it is cut off", .required = true});
+  });
+  of_kind.only({Kind::lognormal}, [&] {
+    v.quantity("median", median_s, Dimension::time, {0, kLongest, true},
+               {.help = "the median", .required = true});
+    v.quantity("spread", spread, Dimension::dimensionless, config::between(1, 1000),
+               {.help = "geometric standard deviation; two thirds lie between median/spread and "
+                        "median*spread",
+                .required = true});
+  });
+  of_kind.only({Kind::uniform, Kind::normal, Kind::exponential, Kind::lognormal}, [&] {
+    v.quantity(
+        "minimum", minimum_s, Dimension::time, config::between(0, kLongest),
+        {"no time is shorter: what is drawn below is drawn again", "nothing ends before now"});
+    v.quantity("maximum", maximum_s, Dimension::time, config::between(0, kLongest),
+               {"no time is longer: what is drawn above is drawn again",
+                "assumed: half a period at 500 Hz"});
+  });
+  of_kind.only({Kind::measured}, [&] {
+    v.file("samples", samples_file,
+           {.help = "a CSV file whose first column with a name in _s, _ms, _us or _ns has the "
+                    "times",
+            .required = true});
+  });
 }
 
 void TimeDistribution::check() const {
-  const TimeDistribution defaults;
-  const auto belongs = [&](const char* key, bool given, std::initializer_list<Kind> kinds) {
-    if (!given) return;
-    std::string names;
-    for (const Kind k : kinds) {
-      if (k == kind) return;
-      names += fmt::format("{}\"{}\"", names.empty() ? "" : " or ", name(k));
-    }
-    throw InputError(key, fmt::format("belongs to distribution = {} only", names));
-  };
-  belongs("mean", mean_s != defaults.mean_s, {Kind::constant, Kind::normal, Kind::exponential});
-  belongs("deviation", deviation_s != 0, {Kind::normal});
-  belongs("median", median_s != 0, {Kind::lognormal});
-  belongs("spread", spread != 0, {Kind::lognormal});
-  const std::initializer_list<Kind> cut = {Kind::uniform, Kind::normal, Kind::exponential,
-                                           Kind::lognormal};
-  belongs("minimum", minimum_s != defaults.minimum_s, cut);
-  belongs("maximum", maximum_s != defaults.maximum_s, cut);
-  belongs("samples", !samples_file.empty(), {Kind::measured});
-
   if (maximum_s < minimum_s) {
     throw InputError("maximum", fmt::format("expected at least minimum = {}, found {}",
                                             microseconds(minimum_s), microseconds(maximum_s)));

@@ -28,8 +28,8 @@ struct TimeDistribution {
   std::vector<double> samples_s;
 
   void declare(config::Visitor& v);
-  // Throws InputError where a parameter is missing, belongs to another distribution, or leaves so
-  // little between minimum and maximum that less than a third of the draws would lie there.
+  // Throws InputError where a parameter is missing, or leaves so little between minimum and maximum
+  // that less than a third of the draws would lie there.
   void check() const;
 };
 

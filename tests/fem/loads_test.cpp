@@ -116,6 +116,68 @@ TEST(Loads, PointLoadsGoToTheNearestNode) {
   EXPECT_EQ(nearest_node(mesh, {0.25, 0.25, 0.25}), 0);
 }
 
+std::string key_refused(const mesh::TetMesh& mesh, const Loads& loads) {
+  try {
+    assemble_loads(mesh, kTissue, loads);
+  } catch (const InputError& error) {
+    return error.key();
+  }
+  return "none";
+}
+
+// Cells of 0.5: the longest edge, at every node, is a face's or the cell's diagonal.
+TEST(Loads, APointLoadOffTheBodyIsRefused) {
+  const mesh::TetMesh mesh = structured_box({1, 1, 1}, {2, 2, 2});
+  double longest = 0;
+  for (const auto& t : mesh.tetrahedra) {
+    for (const int a : t) {
+      for (const int b : t) {
+        longest = std::max(longest, (mesh.nodes[static_cast<std::size_t>(a)] -
+                                     mesh.nodes[static_cast<std::size_t>(b)])
+                                        .norm());
+      }
+    }
+  }
+  Loads loads;
+  loads.points.push_back({.position = {0.5, 0.5, 1}, .force = {1, 0, 0}});
+  loads.points.push_back({.position = {0.5, 0.5, 1 + 0.999 * longest}, .force = {1, 0, 0}});
+  EXPECT_EQ(key_refused(mesh, loads), "none");
+  loads.points[1].position.z() = 1 + 1.001 * longest;
+  EXPECT_EQ(key_refused(mesh, loads), "point[1].position");
+  loads.points[1].position.z() = 1e300;
+  EXPECT_EQ(key_refused(mesh, loads), "point[1].position");
+}
+
+// The support would take them: the body would not notice.
+TEST(Loads, LoadsOnHeldNodesAloneAreRefused) {
+  const mesh::TetMesh mesh = structured_box({1, 1, 1}, {2, 2, 2});
+  const std::vector<int> bottom = mesh::select_nodes(half_space({0, 0, 0.1}, {0, 0, 1}), mesh);
+  const auto refused = [&](const Loads& loads, AnchorTreatment treatment) -> std::string {
+    try {
+      const Body body(mesh, kTissue, bottom, treatment, loads);
+    } catch (const InputError& error) {
+      return error.key();
+    }
+    return "none";
+  };
+  for (const AnchorTreatment treatment : {AnchorTreatment::removed, AnchorTreatment::kept}) {
+    Loads loads;
+    loads.points.push_back({.position = {0.5, 0.5, 1}, .force = {1, 0, 0}});
+    loads.pressures.push_back({.region = everywhere(), .pressure = 1});
+    EXPECT_EQ(refused(loads, treatment), "none");
+    loads.points.push_back({.position = {0.5, 0.5, 0.1}, .force = {1, 0, 0}});
+    EXPECT_EQ(refused(loads, treatment), "point[1].position");
+    loads.points.pop_back();
+    loads.pressures.push_back({.region = half_space({0, 0, 0}, {0, 0, 1}), .pressure = 1});
+    EXPECT_EQ(refused(loads, treatment), "pressure[1].region");
+    loads.pressures.pop_back();
+    // What is moved on purpose is held as well.
+    loads.prescribed.push_back(
+        {.region = half_space({0, 0, 0.9}, {0, 0, -1}), .displacement = {0, 0, -0.1}});
+    EXPECT_EQ(refused(loads, treatment), "point[0].position");
+  }
+}
+
 TEST(Loads, RefusesRegionsThatHoldNothing) {
   const mesh::TetMesh mesh = structured_box({1, 1, 1}, {2, 2, 2});
   Loads loads;

@@ -28,12 +28,5 @@ TEST(MeshSettings, ASurfaceNeedsAFile) {
   EXPECT_THAT(reason("surface", {.shape = Shape::surface}), HasSubstr("needs a file"));
 }
 
-TEST(MeshSettings, ParametersOfAnotherShapeAreRefused) {
-  EXPECT_THAT(reason("surface", {.surface = "a.stl"}), HasSubstr("shape is not \"surface\""));
-  EXPECT_THAT(reason("radius", {.shape = Shape::box, .radius = 0.04}), HasSubstr("sphere"));
-  EXPECT_THAT(reason("size", {.size = Eigen::Vector3d::Constant(1.0)}), HasSubstr("box"));
-  EXPECT_THAT(reason("surface_unit", {.surface_unit = 1.0}), HasSubstr("surface"));
-}
-
 }  // namespace
 }  // namespace hvp::mesh

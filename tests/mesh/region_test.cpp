@@ -113,16 +113,29 @@ TEST(Region, RefusesWhatMeansNothing) {
   EXPECT_NO_THROW(Region{}.check());
 }
 
-TEST(Region, RefusesParametersOfAnotherKind) {
-  const auto reason = [](const std::string& key, const Region& region) {
-    return refusal(key, [&] { region.check(); });
-  };
-  EXPECT_THAT(reason("fraction", {.kind = Kind::all, .fraction = 0.2}),
-              HasSubstr("\"lowest-fraction\" only"));
-  EXPECT_THAT(reason("point", {.point = {1, 0, 0}}), HasSubstr("\"half-space\" only"));
-  EXPECT_THAT(reason("low_corner", {.low_corner = {1, 0, 0}}), HasSubstr("\"box\" only"));
-  EXPECT_THAT(reason("centre", {.centre = {1, 0, 0}}), HasSubstr("\"sphere\" only"));
-  EXPECT_THAT(reason("radius", {.radius = 1.0}), HasSubstr("\"sphere\" only"));
+// What a direction chooses is a matter of where it points: its length may be anything that double
+// precision has.
+TEST(Region, ADirectionMayHaveAnyLength) {
+  const TetMesh mesh = generate({.nodes = 200});
+  const Eigen::Vector3d direction(1.0, -2.0, 3.0);
+  const Region cap{.fraction = 0.2, .direction = direction};
+  const Region half{.kind = Kind::half_space, .point = {0, 0, 0.01}, .normal = direction};
+  const std::vector<int> in_cap = select_nodes(cap, mesh);
+  const std::vector<int> in_half = select_nodes(half, mesh);
+  ASSERT_EQ(in_cap.size(),
+            static_cast<std::size_t>(std::llround(0.2 * static_cast<double>(mesh.nodes.size()))));
+  ASSERT_LT(in_half.size(), mesh.nodes.size());
+  for (const int exponent : {-1060, -1000, -600, 600, 1000, 1022}) {
+    const Eigen::Vector3d scaled =
+        direction.unaryExpr([exponent](double x) { return std::ldexp(x, exponent); });
+    ASSERT_TRUE(scaled.allFinite());
+    Region other = cap;
+    other.direction = scaled;
+    EXPECT_EQ(select_nodes(other, mesh), in_cap) << exponent;
+    other = half;
+    other.normal = scaled;
+    EXPECT_EQ(select_nodes(other, mesh), in_half) << exponent;
+  }
 }
 
 }  // namespace

@@ -35,10 +35,10 @@ Surface read(std::string_view extension, std::string_view bytes, double unit_m =
   return read_surface(file.path(), unit_m);
 }
 
-std::string reason(std::string_view extension, std::string_view bytes) {
+std::string reason(std::string_view extension, std::string_view bytes, double unit_m = 1.0) {
   const TemporaryFile file(extension, bytes);
   const std::string message =
-      refusal("surface", [&] { check_surface(read_surface(file.path(), 1.0)); });
+      refusal("surface", [&] { check_surface(read_surface(file.path(), unit_m)); });
   return message;
 }
 
@@ -121,11 +121,47 @@ TEST(ReadSurface, ABinaryStlMayStartWithSolid) {
   EXPECT_EQ(read(".stl", bytes).triangles.size(), 12U);
 }
 
+// Some CAD programs write SOLID, FACET NORMAL and VERTEX.
+TEST(ReadSurface, TextStlMayBeInCapitals) {
+  std::string capitals = testing::as_text_stl(unit_cube());
+  for (char& c : capitals) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  ASSERT_THAT(capitals, HasSubstr("ENDSOLID"));
+  const Surface surface = check_surface(read(".stl", capitals));
+  EXPECT_EQ(surface.triangles.size(), 12U);
+  EXPECT_DOUBLE_EQ(enclosed_volume(surface), 1.0);
+  EXPECT_THAT(reason(".stl", capitals.substr(0, capitals.find("ENDSOLID"))), HasSubstr("cut off"));
+}
+
+// Far away, the points of an STL file, which are single precision, move on a grid of their own: at
+// 1e9 widths from the origin they coincide, and the surface would be blamed.
+TEST(ReadSurface, ASurfaceFarFromTheOriginIsRefused) {
+  const auto at = [](double distance) {
+    Surface surface = unit_cube();
+    for (Eigen::Vector3d& x : surface.points) x.y() += distance;
+    return testing::as_text_stl(surface);
+  };
+  EXPECT_EQ(read(".stl", at(-9000)).triangles.size(), 12U);
+  for (const double distance : {1.1e4, -1.1e4, 1e6, 1e9, 1e12}) {
+    EXPECT_THAT(reason(".stl", at(distance)), HasSubstr("m from the origin")) << distance;
+  }
+}
+
+TEST(ReadSurface, ASurfaceOfNoImaginableSizeIsRefused) {
+  const std::string cube = testing::as_text_stl(unit_cube());
+  for (const double unit : {1e-6, 1.0, 1e3}) EXPECT_EQ(read(".stl", cube, unit).points.size(), 8U);
+  EXPECT_THAT(reason(".stl", cube, 0.9e-6),
+              HasSubstr("the surface is 9e-07 m wide where one unit"));
+  EXPECT_THAT(reason(".stl", cube, 1.1e3), HasSubstr("expected from 1e-06 m to 1000 m"));
+  Surface huge = unit_cube();
+  for (Eigen::Vector3d& x : huge.points) x *= 1e200;
+  EXPECT_THAT(reason(".stl", testing::as_text_stl(huge)), HasSubstr("3.4e38 of single precision"));
+}
+
 TEST(ReadSurface, SaysWhatIsWrongWithTheFile) {
   EXPECT_THAT(refusal("surface", [] { read_surface("/nowhere/a.stl", 1.0); }),
-              HasSubstr("there is no file /nowhere/a.stl"));
+              HasSubstr("/nowhere/a.stl: no such file: expected a surface file"));
   EXPECT_THAT(refusal("surface", [] { read_surface(std::filesystem::temp_directory_path(), 1.0); }),
-              HasSubstr("not a regular file"));
+              HasSubstr("is a folder: expected a surface file"));
   EXPECT_THAT(reason(".stl", ""), HasSubstr("the file is empty"));
   EXPECT_THAT(reason(".step", "ISO-10303-21;"), HasSubstr("expected .stl, .ply, .obj, .vtp"));
   EXPECT_THAT(reason(".stl", "solid a\nendsolid a\n"), HasSubstr("holds no triangles"));

@@ -172,10 +172,18 @@ TEST(Trajectory, RefusesWhatIsNoMotion) {
 
   t = touch();
   t.motion[2].to.x() = 0.001;
-  EXPECT_NE(complaint(t).find("stroke 3 is a hold and moves by 1 mm"), std::string::npos)
+  EXPECT_NE(complaint(t).find("motion[2].to: a hold does not move, and this one does by 1 mm"),
+            std::string::npos)
       << complaint(t);
   t.motion[2].to.x() = 1e-18;  // "4.5 cm" and "45 mm" may differ by this
   EXPECT_EQ(complaint(t), "none");
+
+  // 10000 s each, within what each may take.
+  t = touch();
+  for (int i = 0; i < 899; ++i) t.motion.push_back({Phase::slide, {1e-3, 0.0, 0.0}, 1e4});
+  EXPECT_EQ(complaint(t), "none");
+  for (int i = 0; i < 2; ++i) t.motion.push_back({Phase::slide, {1e-3, 0.0, 0.0}, 1e4});
+  EXPECT_NE(complaint(t).find("motion: its strokes take"), std::string::npos) << complaint(t);
 
   t = touch();
   t.motion[0].to.y() = std::numeric_limits<double>::infinity();

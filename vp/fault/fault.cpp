@@ -72,8 +72,9 @@ const char* name(FaultAccess access) {
 }
 
 void Fault::declare(config::Visitor& v) {
-  v.choice("kind", kind, kind_names(),
-           {.help = "what goes wrong; docs/faults.md says what comes of it", .required = true});
+  const auto of_kind = v.variant(
+      "kind", kind, kind_names(),
+      {.help = "what goes wrong; docs/faults.md says what comes of it", .required = true});
   v.integer("frame", frame, {-1, 100'000'000},
             {"the frame in which it happens; device-gone at 0: before the board is set up; -1: "
              "not at a frame, rate instead",
@@ -82,21 +83,32 @@ void Fault::declare(config::Visitor& v) {
              {"the probability that it happens in a frame, drawn for each; 0: not at a rate, frame "
               "instead",
               "absent"});
-  v.choice("access", access, access_names(),
-           {"master-abort, corrupted-word: which access of the frame to the board is hit; first: "
-            "whichever comes first, for corrupted-word of the blocks",
-            "any will do"});
-  v.integer("bits", bits, {0, 32},
-            {"corrupted-word: how many bits of one word of 32 are flipped; 0: one",
-             "the simplest: an odd number, which parity finds"});
-  v.integer("frames", frames, {0, 100'000'000},
-            {"device-gone: after how many periods the board is back, reset; 0: never",
-             "a board that was pulled out"});
-  v.quantity("delay", delay_s, config::Dimension::time, config::between(0, 10),
-             {"late-dma: how long U waits before it leaves the board", "absent"});
-  v.integer("bytes", bytes, {0, 1 << 20},
-            {"truncated-dma: how many bytes of U's first segment stay on the board, from its end",
-             "absent"});
+  of_kind.only({FaultKind::master_abort, FaultKind::corrupted_word}, [&] {
+    v.choice("access", access, access_names(),
+             {"which access of the frame to the board is hit; first: whichever comes first, for "
+              "corrupted-word of the blocks",
+              "any will do"});
+  });
+  of_kind.only({FaultKind::corrupted_word}, [&] {
+    v.integer("bits", bits, {0, 32},
+              {"how many bits of one word of 32 are flipped; 0: one",
+               "the simplest: an odd number, which parity finds"});
+  });
+  of_kind.only({FaultKind::device_gone}, [&] {
+    v.integer("frames", frames, {0, 100'000'000},
+              {"after how many periods the board is back, reset; 0: never",
+               "a board that was pulled out"});
+  });
+  of_kind.only({FaultKind::late_dma}, [&] {
+    v.quantity("delay", delay_s, config::Dimension::time, {0, 10, true},
+               {.help = "how long U waits before it leaves the board", .required = true});
+  });
+  of_kind.only({FaultKind::truncated_dma}, [&] {
+    v.integer("bytes", bytes, {4, 1 << 20},
+              {.help = "how many bytes of U's first segment stay on the board, from its end; a "
+                       "multiple of 4",
+               .required = true});
+  });
 }
 
 void Fault::check() const {
@@ -106,18 +118,7 @@ void Fault::check() const {
   if (frame < 0 && !(rate > 0)) {
     throw InputError("frame", "expected the frame in which it happens, or a rate above 0");
   }
-  const auto belongs = [this](const char* key, bool given, bool mine, const char* kinds) {
-    if (!given || mine) return;
-    throw InputError(key,
-                     fmt::format("belongs to kind = {} only, found \"{}\"", kinds, name(kind)));
-  };
   const bool corrupted = kind == FaultKind::corrupted_word;
-  belongs("access", access != FaultAccess::first, corrupted || kind == FaultKind::master_abort,
-          "\"master-abort\" or \"corrupted-word\"");
-  belongs("bits", bits != 0, corrupted, "\"corrupted-word\"");
-  belongs("frames", frames != 0, kind == FaultKind::device_gone, "\"device-gone\"");
-  belongs("delay", delay_s != 0, kind == FaultKind::late_dma, "\"late-dma\"");
-  belongs("bytes", bytes != 0, kind == FaultKind::truncated_dma, "\"truncated-dma\"");
   if (kind == FaultKind::late_dma && !(delay_s > 0)) {
     throw InputError("delay", "late-dma needs it above 0 s");
   }

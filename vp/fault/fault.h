@@ -37,8 +37,7 @@ struct Fault {
   int bytes = 0;
 
   void declare(config::Visitor& v);
-  // Throws InputError where frame and rate are both there or both missing, or a key belongs to
-  // another kind.
+  // Throws InputError where frame and rate are both there or both missing.
   void check() const;
 
   std::int64_t delay_ps() const;

@@ -89,7 +89,7 @@ void ServoProcess::serve() {
   begun_.notify(sc_core::SC_ZERO_TIME);
   for (FrameObserver* observer : observers_) observer->begun();
   std::int64_t number = 0;
-  while (number < settings_.frames) {
+  while (number < settings_.frames && !stop_asked_()) {
     if (settings_.costs.pipeline_depth == 0) {
       frame(number);
     } else {
@@ -103,6 +103,7 @@ void ServoProcess::serve() {
       ++number;
     }
   }
+  ticks_ = number;
   if (pending_) drain(number);
   access_.tag() = Tag{};
   access_.time().synchronise();

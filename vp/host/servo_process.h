@@ -106,6 +106,10 @@ class ServoProcess : public sc_core::sc_module {
   // Called in the servo process after set-up and after the last frame: waits until the buses are
   // empty.
   void drain_with(std::function<void()> drain) { drain_ = std::move(drain); }
+  // Asked before every frame: where it says true, the loop ends there as after its last frame.
+  void stop_when(std::function<bool()> asked) { stop_asked_ = std::move(asked); }
+  // Ticks that have had a frame or were skipped.
+  std::int64_t ticks() const { return ticks_; }
   // When the loop begins: other processes of the host start with it.
   sc_core::sc_event& begun() { return begun_; }
   const ServoCounts& counts() const { return counts_; }
@@ -204,6 +208,8 @@ class ServoProcess : public sc_core::sc_module {
   Picoseconds last_report_ = -1;
   ServoCounts counts_;
   std::function<void()> drain_ = [] {};
+  std::function<bool()> stop_asked_ = [] { return false; };
+  std::int64_t ticks_ = 0;
   std::exception_ptr failure_;
   Picoseconds set_up_time_ = 0;
 };

@@ -1,25 +1,20 @@
 #include "vp/host/transfer.h"
 
-#include <string>
-
-#include "models/config/input_error.h"
-
 namespace hvp::vp {
 
 void Transfer::declare(config::Visitor& v) {
   using config::Dimension;
-  v.choice(
+  const auto of_method = v.variant(
       "method", method,
       {{"bursts", Method::bursts},
        {"programmed-io", Method::programmed_io},
        {"write-combined-io", Method::write_combined_io},
        {"dma", Method::dma}},
-      {"bursts: the processor moves blocks, in the bridge's bursts both ways, on PCI only; "
-       "programmed-io: a store or a load a word; write-combined-io: stores in bursts, a load a "
-       "word; dma: the board moves b and U, all else goes in bursts",
-       "the link of thesis section 6.2.1 at its best: processors read uncached words one by one "
-       "(docs/transfers.md)"});
-  v.choice(
+      {"bursts: the processor moves blocks, in the bridge's bursts both ways; programmed-io: a "
+       "store or a load a word; write-combined-io: stores in bursts, a load a word; dma: the "
+       "board moves b and U, all else goes in bursts",
+       "the link of thesis section 6.2.1 at its best"});
+  const auto of_notification = v.variant(
       "notification", notification,
       {{"intx", link::Notification::intx},
        {"msi", link::Notification::msi},
@@ -27,22 +22,14 @@ void Transfer::declare(config::Visitor& v) {
       {"how the host hears of a job's end: a line, with a read of STATUS; a message, which is a "
        "write behind the board's data; or by looking, at STATUS or, with dma, at memory",
        "what every PCI board has"});
-  v.quantity("poll_interval", poll_interval_s, Dimension::time, config::between(10e-9, 10e-3),
-             {"between two looks; notification = \"polling\" only", "about a read over the bus"});
+  of_notification.only({link::Notification::polling}, [&] {
+    v.quantity("poll_interval", poll_interval_s, Dimension::time, config::between(10e-9, 10e-3),
+               {"between two looks", "about a read over the bus"});
+  });
   v.boolean("packed", packed,
             {"elements of at most 16 bits travel two in a word of 32; false: one a word",
              "thesis section 6.2.1: the link is what limits"});
-  v.effect("dma", dma, {"the board's DMA engine, for method = \"dma\""});
-}
-
-void Transfer::check() const {
-  if (dma && method != Method::dma) {
-    throw InputError("dma", std::string("needs method = \"dma\", found \"") + name(method) + "\"");
-  }
-  if (poll_interval_s != kPollInterval && notification != link::Notification::polling) {
-    throw InputError("poll_interval", std::string("needs notification = \"polling\", found \"") +
-                                          key_of(notification) + "\"");
-  }
+  of_method.only({Method::dma}, [&] { v.effect("dma", dma, {"the board's DMA engine"}); });
 }
 
 MasterSettings Transfer::master() const {

@@ -14,22 +14,17 @@ struct Transfer {
 
   Method method = Method::bursts;
   link::Notification notification = link::Notification::intx;
-  double poll_interval_s = kPollInterval;
+  double poll_interval_s = 1e-6;
   bool packed = true;
   std::optional<link::DmaEngine> dma;  // the effect [transfer.dma]
 
   void declare(config::Visitor& v);
-  // Throws InputError for a key whose counterpart is missing.
-  void check() const;
 
   // What it makes of the board.
   MasterSettings master() const;
   link::DmaEngine engine() const { return dma.value_or(link::DmaEngine{}); }
   // Where it is what a board without a DMA engine and with a line does.
   bool plain() const;
-
- private:
-  static constexpr double kPollInterval = 1e-6;
 };
 
 const char* name(Transfer::Method method);

@@ -59,7 +59,7 @@ std::int64_t GraphicsTraffic::picture_bytes(std::int64_t vertices) const {
 }
 
 void BusSettings::declare(config::Visitor& v) {
-  pci.declare(v);
+  v.include(pci);
   v.effect("protocol", protocol,
            {"several masters, slow targets and delayed reads, of the approximately-timed bus"});
   v.effect("traffic", traffic,

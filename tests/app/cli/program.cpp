@@ -54,6 +54,16 @@ void Program::kill() {
   if (!reaped_) ::kill(pid_, SIGKILL);
 }
 
+void Program::signal(int number) {
+  if (!reaped_) ::kill(pid_, number);
+}
+
+std::vector<pid_t> Program::children() const {
+  std::ifstream file("/proc/" + std::to_string(pid_) + "/task/" + std::to_string(pid_) +
+                     "/children");
+  return {std::istream_iterator<pid_t>(file), std::istream_iterator<pid_t>()};
+}
+
 void Program::reap(int options) {
   if (!reaped_) reaped_ = ::waitpid(pid_, &wait_status_, options) == pid_;
 }

@@ -25,6 +25,9 @@ class Program {
   Program& operator=(const Program&) = delete;
 
   void kill();  // as SIGKILL does: nothing is cleaned up
+  void signal(int number);
+  // The programs that it has started and that still run.
+  std::vector<pid_t> children() const;
   bool ended();
   Ended wait();
 

@@ -134,6 +134,32 @@ TEST(Solve, TimeIsClocksOfTheDevice) {
   EXPECT_LT(half.at("cycles"), at_100_mhz.at("cycles"));
 }
 
+// The defaults of the command on its default device: any system that a board with Jacobi-PCG can
+// hold. The thesis' sphere, 500 nodes, is one.
+TEST(Solve, TheDefaultsFitTheDefaultDevice) {
+  EXPECT_EQ(chain_folder().result().at("fits"), true);
+  const ScratchDirectory place;
+  const Ended exported = hvp(place.path(), {"export", scenario("thesis-static.toml").string(),
+                                            "--out", "system", "--set", "loads.gravity=true"});
+  ASSERT_EQ(exported.status, 0) << exported.err;
+  const Ended ended =
+      hvp(place.path(), {"solve", "--matrix", "system/K.mtx", "--rhs", "system/b.mtx"});
+  ASSERT_EQ(ended.status, 0) << ended.err;
+  const json result = json::parse(ended.out);
+  EXPECT_EQ(result.at("device"), "EP2S60");
+  EXPECT_EQ(result.at("settings").at("solver").at("method"), "jacobi-pcg");
+  EXPECT_EQ(result.at("settings").at("solver").at("iterations"), 60);
+  EXPECT_EQ(result.at("fits"), true) << result.at("resources");
+}
+
+// Another device has other memory types: the default is then the rule.
+TEST(Solve, AnotherDeviceHasADefaultToo) {
+  const json result = chain_folder().result({"accelerator.device=5SGXA7"});
+  EXPECT_EQ(result.at("settings").at("accelerator").at("preconditioner_memory"), "auto");
+  const json chosen = chain_folder().result({"accelerator.preconditioner_memory=M4K"});
+  EXPECT_EQ(chosen.at("settings").at("accelerator").at("preconditioner_memory"), "M4K");
+}
+
 TEST(Solve, SaysWhetherTheDeviceHoldsIt) {
   const json small = chain_folder().result({"solver.method=cg"});
   EXPECT_EQ(small.at("fits"), true);

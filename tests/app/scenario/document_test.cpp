@@ -55,14 +55,15 @@ TEST_F(Files, ThatCannotBeReadAreReportedInOneLine) {
   const auto name = [&](const char* file) { return (folder_ / file).string(); };
   EXPECT_EQ(load_error(name("none.toml")),
             name("none.toml") + ": no such file: expected a scenario");
-  EXPECT_EQ(load_error(folder_), folder_.string() + ": is a directory: expected a scenario");
+  EXPECT_EQ(load_error(folder_), folder_.string() + ": is a folder: expected a scenario");
   EXPECT_EQ(load_error(write("empty.toml", "")),
             name("empty.toml") + ": is empty: expected TOML tables");
   EXPECT_EQ(load_error(write("blank.toml", "\n# only a comment\n")),
             name("blank.toml") + ": is empty: expected TOML tables");
   EXPECT_EQ(load_error(write("large.toml", std::string((1U << 20U) + 1, '\n'))),
             name("large.toml") + ": is too large: expected at most 1 MiB");
-  EXPECT_EQ(load_error("/dev/zero"), "/dev/zero: is too large: expected at most 1 MiB");
+  EXPECT_EQ(load_error("/dev/zero"),
+            "/dev/zero: is a device: expected a scenario in a regular file");
   EXPECT_EQ(load_error(write("file", "x") / "a.toml"),
             name("file/a.toml") + ": no such file: expected a scenario");
   std::filesystem::create_symlink("loop.toml", folder_ / "loop.toml");

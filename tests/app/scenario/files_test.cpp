@@ -48,9 +48,8 @@ TEST(FileParameters, ThatAreMissingAreReported) {
     return "no error";
   };
   EXPECT_EQ(error("body.stl"),
-            "/nowhere/x.toml:3: object.surface: no such file: /nowhere/body.stl");
-  EXPECT_EQ(error("/"),
-            "/nowhere/x.toml:3: object.surface: expected a file, found the directory /");
+            "/nowhere/x.toml:3: object.surface: /nowhere/body.stl: no such file: expected a file");
+  EXPECT_EQ(error("/"), "/nowhere/x.toml:3: object.surface: /: is a folder: expected a file");
   EXPECT_EQ(error(""), "no error");
 }
 

@@ -88,10 +88,10 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"=3", "--set =3: expected KEY=VALUE, such as object.mesh.nodes=300"},
         Case{"a..b=3",
              "--set a..b=3: expected KEY=VALUE with a key such as object.mesh.nodes or "
-             "contacts[0].node"},
+             "fault[0].frame"},
         Case{"a[x]=3",
              "--set a[x]=3: expected KEY=VALUE with a key such as object.mesh.nodes or "
-             "contacts[0].node"},
+             "fault[0].frame"},
         Case{"solver.iterations=", "--set solver.iterations=: expected a whole number, found \"\""},
         Case{"solver.method=pgc",
              "--set solver.method=pgc: expected \"cg\" or \"pcg\", found \"pgc\"; did you mean "

@@ -1,0 +1,313 @@
+"""Runs a small scene with every number of the scenario reference at both ends of its range.
+
+The keys, their ranges and what they belong to are read from `hvp reference`, so that a new key is
+tried as soon as it is declared. A run has to end by itself with exit status 0 or 1, or be refused
+with status 2 and one line that says what the value contradicts; no result may hold an infinity or
+something that is not a number, and no file may be left unfinished. A range that is open to one side
+is tried with 1e300.
+"""
+
+import argparse
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+TOP = Path(__file__).resolve().parents[2]
+LONGEST_RUN_S = 60
+HUGE = "1e300"
+REFUSED = 2
+
+# Pressed from the first tick, and looked at once a millisecond: half of the frames have contact.
+SCENE = """\
+frames = 20
+[host.graphics]
+rate = "1 kHz"
+drawing_time = "100 us"
+[object.mesh]
+shape = "box"
+nodes = 60
+[[object.anchor]]
+fraction = 0.2
+[dynamics]
+[solver]
+iterations = 20
+[probe]
+start = ["10 mm", "10 mm", "50 mm"]
+[[probe.motion]]
+phase = "press"
+to = ["10 mm", "10 mm", "40 mm"]
+duration = "60 ms"
+[reference]
+[output]
+deformation_every_frames = 10
+pictures = false
+"""
+
+# Frames at the end of the range would simulate for hours, which is no fault.
+WITHOUT = {"frames": ("100000000",)}
+
+# What a table or a value of its needs elsewhere, and what an item of a list needs beside its key.
+NEEDS = {
+    "bus.protocol": ["fidelity.bus=approximately-timed"],
+    "bus.traffic": ["fidelity.bus=approximately-timed"],
+    "bus.graphics_traffic": ["fidelity.bus=approximately-timed"],
+    "output.waveform": ["fidelity.accelerator=cycle-accurate"],
+    '"surface"': [f"object.mesh.surface={TOP / 'scenarios' / 'surfaces' / 'bean.stl'}"],
+    '"normal"': ["{table}.deviation=2 us"],
+    '"lognormal"': ["{table}.median=5 us", "{table}.spread=2"],
+    '"late-dma"': ["transfer.method=dma"],
+    '"truncated-dma"': ["transfer.method=dma"],
+}
+ITEMS = {
+    "loads.point": {
+        "position": '["0 mm", "0 mm", "50 mm"]',
+        "force": '["0 N", "0 N", "-0.01 N"]',
+    },
+    "loads.pressure": {"pressure": '"10 Pa"', "region.kind": '"all"'},
+    "loads.prescribed": {
+        "displacement": '["0 m", "0 m", "-0.1 mm"]',
+        "region.kind": '"half-space"',
+        "region.point": '["0 m", "0 m", "49 mm"]',
+        "region.normal": "[0, 0, -1]",
+    },
+    "probe.motion": {
+        "phase": '"press"',
+        "to": '["10 mm", "10 mm", "40 mm"]',
+        "duration": '"60 ms"',
+    },
+    "fault": {"kind": '"stuck-busy"', "frame": "5"},
+}
+REGIONS = {
+    '"box"': {
+        "low_corner": '["-60 mm", "-60 mm", "-60 mm"]',
+        "high_corner": '["60 mm", "60 mm", "-20 mm"]',
+    },
+    '"sphere"': {"centre": '["0 mm", "0 mm", "-50 mm"]', "radius": '"45 mm"'},
+}
+FAULTS = {'"late-dma"': {"delay": '"1 us"'}, '"truncated-dma"': {"bytes": "4"}}
+
+UNITS = {
+    "time": "s",
+    "frequency": "Hz",
+    "rate": "1/s",
+    "length": "m",
+    "mass": "kg",
+    "velocity": "m/s",
+    "acceleration": "m/s2",
+    "force": "N",
+    "pressure": "Pa",
+    "density": "kg/m3",
+    "angle": "rad",
+    "throughput": "flop/s",
+    "data size": "B",
+}
+NOT_NUMBERS = ("text", "file", "true or false", "one of")
+
+ROW = re.compile(r"\| `(\w+)` \| ([^|]*) \| ([^|]*) \| ((?:[^|]|\\\|)*) \| (.*)")
+CONDITION = re.compile(r"only with `([\w.]+)` = (\"[^\"]*\"|\d+)")
+NUMBER = r"(-?[\d.]+(?:e[+-]?\d+)?(?: (?!to\b|and\b)\S+)?)"
+# What is said about an override that is put together wrongly here, or about a value outside its
+# range: neither tries what was to be tried.
+NOT_TRIED = re.compile(
+    "TOML syntax|expected a (whole )?number|missing|belongs to|unknown|out of range|unit:"
+)
+NOT_FINITE = re.compile(r"(?<![A-Za-z_])-?(?:inf|nan)(?![A-Za-z_])", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Key:
+    table: str
+    name: str
+    type: str
+    range: str
+    conditions: tuple[tuple[str, str], ...]  # of the table and of the key: key, value
+
+    @property
+    def full(self) -> str:
+        return f"{self.table}.{self.name}" if self.table else self.name
+
+
+@dataclass(frozen=True)
+class Case:
+    key: str
+    value: str
+    overrides: tuple[str, ...]
+
+
+def condition(text: str, table: str) -> list[tuple[str, str]]:
+    found = CONDITION.search(text)
+    if found is None:
+        return []
+    key, value = found.groups()
+    return [(key if "." in key or not table else f"{table}.{key}", value)]
+
+
+def numeric_keys(reference: str) -> Iterator[Key]:
+    table = ""
+    of_table: list[tuple[str, str]] = []
+    for line in reference.partition("\n## Units")[0].splitlines():
+        if line.startswith("## "):
+            table, of_table = line.strip("# `[]"), []
+        row = ROW.match(line)
+        if row is None:
+            if not line.startswith("|"):
+                of_table = of_table or condition(line, table.rpartition(".")[0])
+            continue
+        name, kind, limits, _, help_text = row.groups()
+        if kind not in NOT_NUMBERS:
+            conditions = (*of_table, *condition(help_text, table))
+            yield Key(table, name, kind, limits, conditions)
+
+
+def ends(key: Key) -> list[str]:
+    """The smallest and the largest value that the reference names, as one component."""
+    dimension = key.type.rpartition("each a ")[2]
+    whole = key.type == "whole number"
+    unit = f" {UNITS[dimension]}" if dimension in UNITS else ""
+    low = re.search(rf"(from|at least|more than) {NUMBER}", key.range)
+    high = re.search(rf"(to|at most|less than) {NUMBER}", key.range)
+
+    def end(found: re.Match[str] | None, beyond: str) -> str:
+        if found is None:
+            return beyond + ("" if whole else unit)
+        word, value = found.groups()
+        if word == "more than":
+            return f"1e-300{unit}"
+        if word == "less than":
+            return f"0.9999999999999999{unit}"
+        return value
+
+    least = end(low, "-9223372036854775808" if whole else f"-{HUGE}")
+    most = end(high, "9223372036854775807" if whole else HUGE)
+    plain = dimension in ("number", "whole number")
+    return [value if plain else f'"{value}"' for value in (least, most)]
+
+
+def values(key: Key) -> Iterator[str]:
+    one_by_one = key.type.startswith("three components")
+    dimension = key.type.rpartition("each a ")[2]
+    zero = f'"0 {UNITS[dimension]}"' if dimension in UNITS else "0"
+    for end in ends(key):
+        if not one_by_one:
+            yield end
+            continue
+        yield f"[{end}, {end}, {end}]"
+        if not key.range.startswith(("more than", "from 1 um")):  # zero is in the range
+            yield f"[{zero}, {zero}, {end}]"
+
+
+def item_case(key: Key, value: str, listed: str) -> Case:
+    """One item of a list in place of what the scene has: every key of it in one override."""
+    fields = dict(ITEMS.get(listed, {}))
+    inner = key.full.removeprefix(f"{listed}.")
+    prefix = inner.rpartition(".")[0]
+    prefix += "." if prefix else ""
+    overrides = []
+    if prefix:  # a region
+        fields = {name: text for name, text in fields.items() if not name.startswith(prefix)}
+    for name, chosen in key.conditions:
+        fields[name.removeprefix(f"{listed}.")] = chosen
+        extra = {**REGIONS, **FAULTS}.get(chosen, {})
+        fields.update({prefix + field: text for field, text in extra.items()})
+        overrides += NEEDS.get(chosen, [])
+    if key.full == "fault.rate":
+        del fields["frame"]
+    fields[inner] = value
+    item = ", ".join(f"{name} = {text}" for name, text in fields.items())
+    overrides.append(f"{listed}=[{{{item}}}]")
+    return Case(key.full, value, tuple(overrides))
+
+
+def cases(keys: list[Key], lists: set[str]) -> Iterator[Case]:
+    for key in keys:
+        listed = next((name for name in lists if f"{key.full}.".startswith(f"{name}.")), None)
+        for value in values(key):
+            if value in WITHOUT.get(key.full, ()):
+                continue
+            if listed is not None:
+                yield item_case(key, value, listed)
+                continue
+            overrides = list(NEEDS.get(key.table, []))
+            if key.table == "object.mesh":
+                overrides.append('object.mesh={shape = "box", nodes = 60}')
+            for name, chosen in key.conditions:
+                overrides.append(f"{name}={chosen}")
+                overrides += [need.format(table=key.table) for need in NEEDS.get(chosen, [])]
+            yield Case(key.full, value, (*overrides, f"{key.full}={value}"))
+
+
+def fault_of(out: Path, printed: str) -> str:
+    """What is wrong with the results of a run that has ended, empty where nothing is."""
+    texts = {"the terminal": printed}
+    for path in sorted(out.rglob("*")):
+        if ".part" in path.name:
+            return f"left {path.name}"
+        if path.suffix in (".csv", ".json", ".toml", ".pvd", ".log"):
+            texts[path.name] = path.read_text(errors="replace")
+    for name, text in texts.items():
+        found = NOT_FINITE.search(text)
+        if found is not None:
+            around = text[max(0, found.start() - 60) : found.end() + 10]
+            return f"has {found.group()} in {name}: …{around!r}"
+    return ""
+
+
+def complaint(hvp: Path, scene: Path, case: Case) -> str:
+    """What is wrong with the run, empty where nothing is."""
+    with tempfile.TemporaryDirectory(prefix="hvp-extremes-") as folder:
+        out = Path(folder) / "out"
+        command = [str(hvp), "run", str(scene), "--out", str(out)]
+        for override in case.overrides:
+            command += ["--set", override]
+        try:
+            run = subprocess.run(
+                command, capture_output=True, timeout=LONGEST_RUN_S, check=False, cwd=folder
+            )
+        except subprocess.TimeoutExpired:
+            return f"took more than {LONGEST_RUN_S} s"
+        said = run.stderr.decode(errors="replace")
+        if run.returncode == REFUSED:
+            refused_well = said.count("\n") == 1 and not NOT_TRIED.search(said)
+            return "" if refused_well else f"was refused: {said}"
+        if run.returncode not in (0, 1):
+            return f"ended with status {run.returncode}: {said}"
+        return fault_of(out, run.stdout.decode(errors="replace"))
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("hvp", type=Path, help="the program")
+    parser.add_argument("--only", default="", help="keys that start so")
+    arguments = parser.parse_args()
+    hvp: Path = arguments.hvp.resolve()
+    reference = subprocess.run(
+        [str(hvp), "reference"], capture_output=True, text=True, check=True
+    ).stdout
+    keys = [key for key in numeric_keys(reference) if key.full.startswith(arguments.only)]
+    lists = set(re.findall(r"^## `\[\[(.+)\]\]`", reference, re.MULTILINE))
+    tried = list(cases(keys, lists))
+    if not tried:
+        print("the reference has no such number", file=sys.stderr)
+        return 1
+    wrong = 0
+    with tempfile.TemporaryDirectory(prefix="hvp-extremes-") as folder:
+        scene = Path(folder) / "scene.toml"
+        scene.write_text(SCENE)
+        with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+            results = pool.map(lambda case: complaint(hvp, scene, case), tried)
+            for case, text in zip(tried, results, strict=True):
+                if text:
+                    wrong += 1
+                    print(f"{case.key} = {case.value} {text}\n  {case.overrides}")
+    print(f"{len(keys)} keys, {len(tried)} runs, {wrong} of them wrong")
+    return 0 if wrong == 0 else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
