@@ -104,9 +104,9 @@ TEST(AgreementTest, OnElasticBoxes) {
   }
 }
 
-// More rows than 16 bits can number.
+// More nodes than 16 bits can number.
 TEST(AgreementTest, OnALongChain) {
-  constexpr int kNodes = 22000;
+  constexpr int kNodes = 66000;
   QuantisedMatrix m;
   m.bits = 12;
   m.scale = 1;

@@ -42,8 +42,7 @@ void FastSolver::load(const QuantisedMatrix& matrix) {
     vector->word.assign(packed_.padded_rows(), 0);
     vector->largest = 0;
   }
-  // A step reads four words where a node has three.
-  short_.assign(packed_.padded_rows() + kLine / sizeof(std::int16_t), 0);
+  short_.assign(packed_.padded_rows() / 3 * kRowWords, 0);
   sums_.assign(packed_.padded_rows(), 0);
   shown_.assign(kShownVectors * at(matrix.rows()), 0);
   preconditioner_.load(matrix, packed_);

@@ -112,7 +112,7 @@ class FastSolver final : public Solver {
   int residual_available_;
 
   Vector x_, b_, r_, z_, d_, q_, w_, n_, v_, product_;
-  Aligned<std::int16_t> short_;      // the vector that meets the paired matrix
+  Aligned<std::int16_t> short_;      // the vector that meets the paired matrix, four words a node
   Aligned<std::int64_t> sums_;       // values that are not words yet; zero behind the last row
   std::vector<std::int32_t> shown_;  // for the observer, in the order of the matrix
 

@@ -2,10 +2,26 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "models/fixed/fast/passes.h"
 
 namespace hvp::fixed::fast {
+
+// The nodes in four columns of the paired layout. Short numbers are read at once: loads are what a
+// product is short of.
+template <typename Lanes>
+struct FourNodes {
+  explicit FourNodes(const std::uint16_t* column) {
+    std::uint64_t all = 0;
+    std::memcpy(&all, column, sizeof(all));
+    for (std::size_t i = 0; i < 4; ++i) place[i] = all >> 16 * i & 0xFFFF;
+  }
+  explicit FourNodes(const std::uint32_t* column) {
+    for (std::size_t i = 0; i < 4; ++i) place[i] = column[i];
+  }
+  std::size_t place[4];
+};
 
 // The passes over vectors, written once for every set of vector instructions: `Lanes` (lanes_*.h)
 // has the words and the operations. Every name here depends on Lanes, so that nothing compiled
@@ -46,12 +62,6 @@ struct LanePasses {
       largest = Lanes::larger_size(largest, Lanes::size(second));
     }
     return {.largest = Lanes::largest(largest), .overflows = 0, .dot = dot.sum()};
-  }
-
-  static void to_short(const std::int32_t* in, std::int16_t* out, std::size_t size) {
-    for (std::size_t i = 0; i < size; i += Lanes::kWords) {
-      Lanes::store_short(out + i, Lanes::load(in + i));
-    }
   }
 
  private:

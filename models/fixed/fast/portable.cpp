@@ -39,7 +39,6 @@ struct OneWord {
 
   static Word load(const std::int32_t* p) { return *p; }
   static void store(std::int32_t* p, Word w) { *p = w; }
-  static void store_short(std::int16_t* p, Word w) { *p = static_cast<std::int16_t>(w); }
   static Word all(std::int32_t w) { return w; }
   static Word size(Word w) { return with_sign(w, w); }
   static Word with_sign(Word size, Word sign) {
@@ -98,6 +97,14 @@ struct OneWord {
   };
 };
 
+void to_short(const std::int32_t* in, std::int16_t* out, std::size_t size) {
+  for (std::size_t node = 0; node < size / 3; ++node) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      out[kRowWords * node + c] = static_cast<std::int16_t>(in[3 * node + c]);
+    }
+  }
+}
+
 // Adds a block whose word of row r and column c is value[kRowStep · r + place[c]].
 void add_block(const std::int16_t* value, const std::size_t (&place)[3], const std::int16_t* vector,
                std::int32_t* sum) {
@@ -108,7 +115,7 @@ void add_block(const std::int16_t* value, const std::size_t (&place)[3], const s
 }
 
 template <typename Index>
-void multiply_pairs(const PairedSlices& a, const Index* first, const std::int16_t* vector,
+void multiply_pairs(const PairedSlices& a, const Index* column, const std::int16_t* vector,
                     std::int32_t* out) {
   constexpr std::size_t kAlone[3] = {0, 1, 2};
   const std::int16_t* value = a.value;
@@ -116,7 +123,7 @@ void multiply_pairs(const PairedSlices& a, const Index* first, const std::int16_
     std::int32_t sum[3 * kSliceNodes] = {};
     const auto add_step = [&](const std::size_t(&place)[3]) {
       for (std::size_t node = 0; node < kSliceNodes; ++node) {
-        add_block(value + kRowWords * node, place, vector + *first++, sum + 3 * node);
+        add_block(value + kRowWords * node, place, vector + kRowWords * *column++, sum + 3 * node);
       }
     };
     auto steps = static_cast<std::size_t>(a.slice_begin[slice + 1] - a.slice_begin[slice]);
@@ -133,10 +140,10 @@ void multiply_pairs(const PairedSlices& a, const Index* first, const std::int16_
 }
 
 void multiply_paired(const PairedSlices& a, const std::int16_t* vector, std::int32_t* out) {
-  if (a.short_first != nullptr) {
-    multiply_pairs(a, a.short_first, vector, out);
+  if (a.short_node != nullptr) {
+    multiply_pairs(a, a.short_node, vector, out);
   } else {
-    multiply_pairs(a, a.long_first, vector, out);
+    multiply_pairs(a, a.long_node, vector, out);
   }
 }
 
@@ -166,7 +173,7 @@ const Passes& portable_passes() {
                                      .combine = P::combine,
                                      .multiply_entries = P::multiply_entries,
                                      .inner_product = P::inner_product,
-                                     .to_short = P::to_short,
+                                     .to_short = to_short,
                                      .multiply_paired = multiply_paired,
                                      .multiply_wide = multiply_wide};
   return kPasses;
