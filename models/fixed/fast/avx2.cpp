@@ -107,6 +107,15 @@ struct Avx2 {
     return result;
   }
 
+  // Of 64 bits each.
+  static Int128 sum_of_lanes(Word w) {
+    alignas(32) long long part[kWords / 2];
+    _mm256_store_si256(reinterpret_cast<Word*>(part), w);
+    Int128 total = 0;
+    for (const long long one : part) total += one;
+    return total;
+  }
+
   struct Counter {
     void add_different(Word a, Word b) {
       same = _mm256_sub_epi32(same, _mm256_cmpeq_epi32(a, b));
@@ -128,14 +137,7 @@ struct Avx2 {
       odd = _mm256_add_epi64(odd,
                              _mm256_mul_epi32(_mm256_srli_epi64(a, 32), _mm256_srli_epi64(b, 32)));
     }
-    Int128 sum() const {
-      alignas(32) long long part[kWords];
-      _mm256_store_si256(reinterpret_cast<Word*>(part), even);
-      _mm256_store_si256(reinterpret_cast<Word*>(part + kWords / 2), odd);
-      Int128 total = 0;
-      for (const long long one : part) total += one;
-      return total;
-    }
+    Int128 sum() const { return sum_of_lanes(even) + sum_of_lanes(odd); }
     Word even = _mm256_setzero_si256();
     Word odd = _mm256_setzero_si256();
   };
@@ -172,18 +174,40 @@ struct Rows {
   static __m256i load(const std::int16_t* p) {
     return _mm256_load_si256(reinterpret_cast<const __m256i*>(p));
   }
-  // The rows of a node together.
-  void store(std::int32_t* out) const {
-    alignas(32) std::int32_t part[3][2 * kHalf];
-    store(row0, part[0]);
-    store(row1, part[1]);
-    store(row2, part[2]);
-    for (std::size_t i = 0; i < 3 * kHalf; ++i) out[i] = part[i % 3][i / 3 * 2];
-  }
-  static void store(__m256i row, std::int32_t* out) {
-    _mm256_store_si256(reinterpret_cast<__m256i*>(out),
-                       _mm256_add_epi32(row, _mm256_srli_epi64(row, 32)));
-  }
+};
+
+// Every two sums of a row to one, in the even words.
+__m256i row_sums(__m256i row) { return _mm256_add_epi32(row, _mm256_srli_epi64(row, 32)); }
+
+// The three rows of four nodes next to each other. Returns what is larger, words of `largest` or
+// magnitudes of these.
+__m256i store_rows(__m256i row0, __m256i row1, __m256i row2, std::int32_t* out, __m256i largest) {
+  const __m256i two = _mm256_blend_epi32(row0, _mm256_slli_epi64(row1, 32), 0xAA);
+  const __m256i first = _mm256_blend_epi32(
+      _mm256_permutevar8x32_epi32(two, _mm256_set_epi32(5, 4, 0, 3, 2, 0, 1, 0)),
+      _mm256_permutevar8x32_epi32(row2, _mm256_set_epi32(0, 0, 2, 0, 0, 0, 0, 0)), 0x24);
+  const __m256i last = _mm256_blend_epi32(
+      _mm256_permutevar8x32_epi32(two, _mm256_set_epi32(0, 0, 0, 0, 0, 7, 6, 0)),
+      _mm256_permutevar8x32_epi32(row2, _mm256_set_epi32(4, 4, 4, 4, 6, 0, 0, 4)), 0xF9);
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), first);
+  _mm_storeu_si128(reinterpret_cast<__m128i*>(out + 8), _mm256_castsi256_si128(last));
+  largest = _mm256_max_epu32(largest, _mm256_abs_epi32(first));
+  return _mm256_max_epu32(largest, _mm256_abs_epi32(last));
+}
+
+// (x, y, z) of four nodes times what stands in their even words.
+__m256i inner_products(__m256i nodes, __m256i row0, __m256i row1, __m256i row2) {
+  const __m256i x_z = _mm256_srai_epi32(_mm256_slli_epi32(nodes, 16), 16);
+  const __m256i y = _mm256_srai_epi32(nodes, 16);
+  const __m256i z = _mm256_srli_epi64(x_z, 32);
+  return _mm256_add_epi64(_mm256_add_epi64(_mm256_mul_epi32(x_z, row0), _mm256_mul_epi32(y, row1)),
+                          _mm256_mul_epi32(z, row2));
+}
+
+// What a product has found so far.
+struct Seen {
+  __m256i largest = _mm256_setzero_si256();
+  __m256i dot = _mm256_setzero_si256();
 };
 
 __m128i two_nodes(const std::int16_t* first, const std::int16_t* second) {
@@ -212,9 +236,11 @@ __m256i with_next_z(__m256i one, __m256i next) {
 // the first cache then.
 template <typename Index>
 void multiply_half(std::size_t steps, const std::int16_t* value, const Index* column,
-                   const std::int16_t* own, const std::int16_t* vector, std::int32_t* out) {
+                   const std::int16_t* own, const std::int16_t* vector, std::int32_t* out,
+                   Seen& seen) {
   Rows rows;
-  __m256i v0 = Rows::load(own);
+  const __m256i nodes = Rows::load(own);
+  __m256i v0 = nodes;
   while (steps >= kQuadSteps) {
     const __m256i v1 = gather(vector, column + kSliceNodes);
     const __m256i v2 = gather(vector, column + 2 * kSliceNodes);
@@ -234,31 +260,35 @@ void multiply_half(std::size_t steps, const std::int16_t* value, const Index* co
     --steps;
     if (steps > 0) v0 = gather(vector, column);
   }
-  rows.store(out);
+  const __m256i row0 = row_sums(rows.row0);
+  const __m256i row1 = row_sums(rows.row1);
+  const __m256i row2 = row_sums(rows.row2);
+  seen.dot = _mm256_add_epi64(seen.dot, inner_products(nodes, row0, row1, row2));
+  seen.largest = store_rows(row0, row1, row2, out, seen.largest);
 }
 
 template <typename Index>
-void multiply_pairs(const PairedSlices& a, const Index* column, const std::int16_t* vector,
-                    std::int32_t* out) {
+Found multiply_pairs(const PairedSlices& a, const Index* column, const std::int16_t* vector,
+                     std::int32_t* out) {
   const std::int16_t* value = a.value;
+  Seen seen;
   for (std::size_t slice = 0; slice < a.slices; ++slice) {
     const auto steps = static_cast<std::size_t>(a.slice_begin[slice + 1] - a.slice_begin[slice]);
     const std::int16_t* const own = vector + kRowStep * slice;
-    multiply_half(steps, value, column, own, vector, out);
+    multiply_half(steps, value, column, own, vector, out, seen);
     multiply_half(steps, value + kHalf * kRowWords, column + kHalf, own + kHalf * kRowWords, vector,
-                  out + 3 * kHalf);
+                  out + 3 * kHalf, seen);
     column += kSliceNodes * steps;
     value += kQuadWords * (steps / kQuadSteps) + kPairedStep * (steps % kQuadSteps);
     out += 3 * kSliceNodes;
   }
+  return {
+      .largest = Avx2::largest(seen.largest), .overflows = 0, .dot = Avx2::sum_of_lanes(seen.dot)};
 }
 
-void multiply_paired(const PairedSlices& a, const std::int16_t* vector, std::int32_t* out) {
-  if (a.short_node != nullptr) {
-    multiply_pairs(a, a.short_node, vector, out);
-  } else {
-    multiply_pairs(a, a.long_node, vector, out);
-  }
+Found multiply_paired(const PairedSlices& a, const std::int16_t* vector, std::int32_t* out) {
+  if (a.short_node != nullptr) return multiply_pairs(a, a.short_node, vector, out);
+  return multiply_pairs(a, a.long_node, vector, out);
 }
 
 void multiply_wide(const WideSlices& a, const std::int32_t* vector, std::int64_t* out) {
@@ -295,8 +325,9 @@ void multiply_wide(const WideSlices& a, const std::int32_t* vector, std::int64_t
 
 const Passes& avx2_passes() {
   using P = LanePasses<Avx2>;
-  static constexpr Passes kPasses = {.lanes = Avx2::kWords,
+  static constexpr Passes kPasses = {.lanes = kHalf,
                                      .combine = P::combine,
+                                     .combine_both = P::combine_both,
                                      .multiply_entries = P::multiply_entries,
                                      .inner_product = P::inner_product,
                                      .to_short = to_short,

@@ -37,6 +37,11 @@ struct LanePasses {
     return t.nearest_even ? combine<Cut::clamp, true>(t) : combine<Cut::clamp, false>(t);
   }
 
+  static FoundBoth combine_both(const Terms& first, const Terms& second) {
+    if (second.nearest_even) return combine_both<true>(first, second);
+    return combine_both<false>(first, second);
+  }
+
   static Found multiply_entries(const Products& p) {
     const typename Lanes::LongShift shift(p.shift);
     typename Lanes::Accumulator dot;
@@ -69,6 +74,41 @@ struct LanePasses {
   enum class Move { none, left, right };
   // How factor · b is formed: in 32 bits, in 32 after the upper half of b, or in 64.
   enum class Width { narrow, split, wide };
+
+  template <bool kEven>
+  static FoundBoth combine_both(const Terms& first, const Terms& second) {
+    if (second.a_right.right != 0) return combine_both<kEven, Move::right>(first, second);
+    if (second.a_left != 0) return combine_both<kEven, Move::left>(first, second);
+    return combine_both<kEven, Move::none>(first, second);
+  }
+
+  template <bool kEven, Move kMove>
+  static FoundBoth combine_both(const Terms& first, const Terms& second) {
+    const typename Lanes::Left left(second.a_left);
+    const typename Lanes::SignedShift a_shift(second.a_right);
+    const typename Lanes::SignedShift first_shift(first.b_right);
+    const typename Lanes::SignedShift second_shift(second.b_right);
+    const Word first_factor = Lanes::all(first.factor);
+    const Word second_factor = Lanes::all(second.factor);
+    Word first_largest = Lanes::all(0);
+    Word second_largest = Lanes::all(0);
+    for (std::size_t i = 0; i < first.size; i += Lanes::kWords) {
+      const Word b = Lanes::load(first.b + i);
+      const Word one = Lanes::sum(Lanes::load(first.a + i), Lanes::template narrow_product<kEven>(
+                                                                b, first_factor, first_shift));
+      Word a = Lanes::load(second.a + i);
+      if constexpr (kMove == Move::left) a = Lanes::shifted(a, left);
+      if constexpr (kMove == Move::right) a = Lanes::template shifted<kEven>(a, a_shift);
+      const Word other =
+          Lanes::sum(a, Lanes::template narrow_product<kEven>(b, second_factor, second_shift));
+      Lanes::store(first.out + i, one);
+      Lanes::store(second.out + i, other);
+      first_largest = Lanes::larger_size(first_largest, Lanes::size(one));
+      second_largest = Lanes::larger_size(second_largest, Lanes::size(other));
+    }
+    return {.first = {.largest = Lanes::largest(first_largest)},
+            .second = {.largest = Lanes::largest(second_largest)}};
+  }
 
   template <Cut kCut, bool kEven>
   static Found combine(const Terms& t) {

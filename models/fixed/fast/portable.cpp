@@ -115,10 +115,11 @@ void add_block(const std::int16_t* value, const std::size_t (&place)[3], const s
 }
 
 template <typename Index>
-void multiply_pairs(const PairedSlices& a, const Index* column, const std::int16_t* vector,
-                    std::int32_t* out) {
+Found multiply_pairs(const PairedSlices& a, const Index* column, const std::int16_t* vector,
+                     std::int32_t* out) {
   constexpr std::size_t kAlone[3] = {0, 1, 2};
   const std::int16_t* value = a.value;
+  Found found;
   for (std::size_t slice = 0; slice < a.slices; ++slice) {
     std::int32_t sum[3 * kSliceNodes] = {};
     const auto add_step = [&](const std::size_t(&place)[3]) {
@@ -135,16 +136,22 @@ void multiply_pairs(const PairedSlices& a, const Index* column, const std::int16
       add_step(kAlone);
       value += kPairedStep;
     }
-    for (const std::int32_t one : sum) *out++ = one;
+    const std::int16_t* const own = vector + kRowStep * slice;
+    std::int64_t dot = 0;
+    for (std::size_t i = 0; i < 3 * kSliceNodes; ++i) {
+      const auto size = static_cast<std::uint32_t>(OneWord::size(sum[i]));
+      found.largest = size > found.largest ? size : found.largest;
+      dot += std::int64_t{own[i + i / 3]} * sum[i];
+      *out++ = sum[i];
+    }
+    found.dot += dot;
   }
+  return found;
 }
 
-void multiply_paired(const PairedSlices& a, const std::int16_t* vector, std::int32_t* out) {
-  if (a.short_node != nullptr) {
-    multiply_pairs(a, a.short_node, vector, out);
-  } else {
-    multiply_pairs(a, a.long_node, vector, out);
-  }
+Found multiply_paired(const PairedSlices& a, const std::int16_t* vector, std::int32_t* out) {
+  if (a.short_node != nullptr) return multiply_pairs(a, a.short_node, vector, out);
+  return multiply_pairs(a, a.long_node, vector, out);
 }
 
 void multiply_wide(const WideSlices& a, const std::int32_t* vector, std::int64_t* out) {
@@ -171,6 +178,7 @@ const Passes& portable_passes() {
   using P = LanePasses<OneWord>;
   static constexpr Passes kPasses = {.lanes = OneWord::kWords,
                                      .combine = P::combine,
+                                     .combine_both = P::combine_both,
                                      .multiply_entries = P::multiply_entries,
                                      .inner_product = P::inner_product,
                                      .to_short = to_short,
