@@ -29,6 +29,7 @@ class Newmark {
   const sparse::BlockMatrix& effective_matrix() const { return effective_; }
 
   void predict();
+  // f and f_hat do not overlap.
   void rhs(std::span<const double> f, std::span<double> f_hat) const;
   void update(std::span<const double> u_next);
 
