@@ -17,15 +17,21 @@ AccuracyTracker::AccuracyTracker(const Scene& scene, const host::Reference& sett
       true_run_(scene.body(), scene.scenario().dynamics, scene.scenario().budget.period_s,
                 scene.computation().matrix(), scene.computation().matrix()),
       rounded_run_(scene.body(), scene.scenario().dynamics, scene.scenario().budget.period_s,
-                   scene.computation().matrix(), rounded_) {}
+                   scene.computation().matrix(), rounded_) {
+  if (has_board_ && !true_run_.singular() && !rounded_run_.singular()) {
+    both_.emplace(true_run_, rounded_run_);
+  }
+}
 
 void AccuracyTracker::solved(const vp::SolvedFrame& frame) {
   const bool compared = frame.number % settings_.every_frames == 0;
   // A static frame stands alone; a dynamic reference has a state that has to follow.
   if (!compared && !dynamic_) return;
-  true_run_.step(frame.contact, frame.contact_displacement);
-  if (has_board_ && !rounded_run_.singular())
-    rounded_run_.step(frame.contact, frame.contact_displacement);
+  if (both_) {
+    both_->step(frame.contact, frame.contact_displacement);
+  } else {
+    true_run_.step(frame.contact, frame.contact_displacement);
+  }
   if (!compared) return;
   displacement_.add(frame.displacement, true_run_.displacement());
   force_.add(components(frame.force), components(true_run_.force()));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "app/results/outcome.h"
 #include "app/scene/scene.h"
@@ -31,6 +32,7 @@ class AccuracyTracker : public vp::FrameObserver {
   sparse::BlockMatrix rounded_;
   host::ReferenceRun true_run_;
   host::ReferenceRun rounded_run_;
+  std::optional<host::PairedRuns> both_;  // where there is a rounded model and it can be solved
   host::Deviation displacement_, force_;
   host::Deviation displacement_rounded_, force_rounded_;
 };

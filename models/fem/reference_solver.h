@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "models/fem/substitution.h"
 #include "models/sparse/block_matrix.h"
 
 namespace hvp::fem {
@@ -41,7 +42,13 @@ class ReferenceSolver {
   std::size_t factor_nonzeros() const;
 
  private:
+  friend class ReferencePair;
+
+  void require_regular() const;
+  TriangularFactor factor() const;
+  const int* permutation() const { return factorisation_.permutationP().indices().data(); }
   void prepare_contact(std::span<const int> patch);
+  void impose_contact(const Eigen::Vector3d& u_c, std::span<double> x);
 
   using Factorisation =
       Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::AMDOrdering<int>>;
@@ -49,7 +56,8 @@ class ReferenceSolver {
   int rows_;
   bool singular_ = false;
   int negative_pivots_ = 0;
-  std::vector<double> pivot_;               // D
+  std::vector<double> pivot_;  // D
+  Substitution substitution_;
   mutable std::vector<double> scratch_;     // in the permuted order
   std::vector<int> contact_;                // nodes that the three members below belong to
   std::vector<double> contact_columns_;     // W, column by column

@@ -56,31 +56,55 @@ ReferenceRun::ReferenceRun(const fem::Body& body, const std::optional<fem::Dynam
 }
 
 void ReferenceRun::step(std::span<const int> contact, const Eigen::Vector3d& u_c) {
+  form_rhs(contact, u_c);
+  const auto [f, u] = system(contact);
+  if (contact.empty()) {
+    solver_.solve(f, u);
+  } else {
+    solver_.solve_with_contact(f, contact, u_c, u);
+  }
+  finish(contact);
+}
+
+void PairedRuns::step(std::span<const int> contact, const Eigen::Vector3d& u_c) {
+  one_.form_rhs(contact, u_c);
+  other_.form_rhs(contact, u_c);
+  if (contact.empty()) {
+    pair_.solve(one_.system(contact), other_.system(contact));
+  } else {
+    pair_.solve_with_contact(one_.system(contact), other_.system(contact), contact, u_c);
+  }
+  one_.finish(contact);
+  other_.finish(contact);
+}
+
+void ReferenceRun::form_rhs(std::span<const int> contact, const Eigen::Vector3d& u_c) {
   if (newmark_) {
     newmark_->predict();
     newmark_->rhs(body_.load(), f_);
   }
-  if (contact.empty()) {
-    solver_.solve(f_, u_);
-    force_.setZero();
-  } else {
-    // The host moves the true matrix' columns to the right-hand side. The solver below moves
-    // those of the matrix that it has, so that the difference is put back first.
-    std::copy(f_.begin(), f_.end(), adjusted_.begin());
-    if (difference_.block_rows() > 0) {
-      for (const int node : contact) {
-        const auto row = static_cast<std::size_t>(node);
-        for (int k = difference_.row_begin[row]; k < difference_.row_begin[row + 1]; ++k) {
-          const auto block = static_cast<std::size_t>(k);
-          const auto other = static_cast<std::size_t>(difference_.column[block]);
-          const double* d = difference_.block(block);
-          for (std::size_t c = 0; c < 3; ++c) {
-            adjusted_[3 * other + c] += d[c] * u_c[0] + d[3 + c] * u_c[1] + d[6 + c] * u_c[2];
-          }
-        }
+  if (contact.empty()) return;
+  // The host moves the true matrix' columns to the right-hand side. The solver moves those of the
+  // matrix that it has, so that the difference is put back first.
+  std::copy(f_.begin(), f_.end(), adjusted_.begin());
+  if (difference_.block_rows() == 0) return;
+  for (const int node : contact) {
+    const auto row = static_cast<std::size_t>(node);
+    for (int k = difference_.row_begin[row]; k < difference_.row_begin[row + 1]; ++k) {
+      const auto block = static_cast<std::size_t>(k);
+      const auto other = static_cast<std::size_t>(difference_.column[block]);
+      const double* d = difference_.block(block);
+      for (std::size_t c = 0; c < 3; ++c) {
+        adjusted_[3 * other + c] += d[c] * u_c[0] + d[3 + c] * u_c[1] + d[6 + c] * u_c[2];
       }
     }
-    solver_.solve_with_contact(adjusted_, contact, u_c, u_);
+  }
+}
+
+void ReferenceRun::finish(std::span<const int> contact) {
+  if (contact.empty()) {
+    force_.setZero();
+  } else {
     force_ = constraint_.reaction(u_, f_, contact);
   }
   if (newmark_) newmark_->update(u_);

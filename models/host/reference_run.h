@@ -10,6 +10,7 @@
 #include "models/fem/contact.h"
 #include "models/fem/dynamics.h"
 #include "models/fem/newmark.h"
+#include "models/fem/reference_pair.h"
 #include "models/fem/reference_solver.h"
 #include "models/stability/flag.h"
 
@@ -52,6 +53,15 @@ class ReferenceRun {
   bool singular() const { return solver_.singular(); }
 
  private:
+  friend class PairedRuns;
+
+  // A frame around its solve: what the solver is given, and what follows from u.
+  void form_rhs(std::span<const int> contact, const Eigen::Vector3d& u_c);
+  fem::ReferencePair::System system(std::span<const int> contact) {
+    return {contact.empty() ? f_ : adjusted_, u_};
+  }
+  void finish(std::span<const int> contact);
+
   const fem::Body& body_;
   std::optional<fem::Newmark> newmark_;
   fem::ContactConstraint constraint_;  // of the true matrix
@@ -61,6 +71,23 @@ class ReferenceRun {
   std::vector<double> adjusted_;
   std::vector<double> u_;
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
+};
+
+// Two runs whose solved matrices have one pattern, frame by frame beside each other: the same bits
+// as one after the other, faster (fem/reference_pair.h).
+class PairedRuns {
+ public:
+  // Keeps references to both. Throws InputError where a solved matrix is singular.
+  PairedRuns(ReferenceRun& one, ReferenceRun& other)
+      : one_(one), other_(other), pair_(one.solver_, other.solver_) {}
+
+  // ReferenceRun::step() of both.
+  void step(std::span<const int> contact, const Eigen::Vector3d& u_c);
+
+ private:
+  ReferenceRun& one_;
+  ReferenceRun& other_;
+  fem::ReferencePair pair_;
 };
 
 // The deviation from a reference over a run: the mean of ‖v − v_ref‖ over the frames compared,
