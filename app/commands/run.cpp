@@ -99,7 +99,7 @@ int run_command(const RunArguments& arguments) {
             : "hvp: interrupted after the last frame: the results are complete");
     results::end_as_interrupted();
   }
-  return outcome.force_in_time && outcome.load_held ? kHeld : kNotHeld;
+  return outcome.held() ? kHeld : kNotHeld;
 }
 
 }  // namespace hvp::app

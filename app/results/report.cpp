@@ -7,9 +7,12 @@
 
 #include <fmt/format.h>
 
+#include "app/results/accuracy_text.h"
 #include "app/results/fault_text.h"
+#include "app/results/force_text.h"
 #include "app/results/number_text.h"
 #include "app/results/spectrum_text.h"
+#include "app/results/verdict_text.h"
 #include "app/scenario/message.h"
 
 namespace hvp::results {
@@ -102,9 +105,7 @@ void reservations(Out out, const app::Scene& scene, const Outcome& o) {
         scene.scenario().solver.stop_residual > 0 ? "stop_residual ends none, " : "",
         scene.scenario().solver.iterations);
   }
-  if (o.contact_changes == 0) {
-    fmt::format_to(out, "  no contact     the probe did not touch the body in these frames\n");
-  }
+  if (o.contact_changes == 0) fmt::format_to(out, "{}", no_contact_text(scene, o));
 }
 
 void spread_line(Out out, std::string_view what, const std::optional<Spread>& s) {
@@ -114,11 +115,7 @@ void spread_line(Out out, std::string_view what, const std::optional<Spread>& s)
 }
 
 void verdict_lines(Out out, const Outcome& o, bool timing_only) {
-  const char* qualified = o.partial()          ? "held so far"
-                          : !o.flags.empty()   ? "held, with flags"
-                          : faults_happened(o) ? "held, with faults"
-                          : timing_only        ? "PASS, timing only"
-                                               : "PASS";
+  const std::string_view qualified = verdict_word(o, timing_only);
   fmt::format_to(out, "\nTime         {} at {:g} Hz\n", counted(o.frames + o.skipped_ticks, "tick"),
                  1e12 / static_cast<double>(o.period));
   if (o.partial()) {
@@ -135,6 +132,17 @@ void verdict_lines(Out out, const Outcome& o, bool timing_only) {
   fmt::format_to(out, "\n  load           {}: worst {} of {}", o.load_held ? qualified : "EXCEEDED",
                  readable_time(o.worst_load), readable_time(o.period));
   fmt::format_to(out, "; {} over, {} skipped\n", o.overloads - o.skipped_ticks, o.skipped_ticks);
+  for (const Outcome::ErrorBudget& b : o.error_budgets) {
+    if (!b.measured) {
+      fmt::format_to(out, "  {:<14} NOT MEASURED: no frame that was compared had a contact\n",
+                     fmt::format("{} error", b.of));
+      continue;
+    }
+    fmt::format_to(out,
+                   "  {:<14} {}: 95 % of the frames within {} of {}, worst {} of the largest\n",
+                   fmt::format("{} error", b.of), b.held() ? qualified : "EXCEEDED", percent(b.p95),
+                   percent(b.limit), percent(b.worst));
+  }
   spread_line(out, "late forces by", o.lateness);
   if (o.latency.change.worst > 0) spread_line(out, "frame to frame", o.latency.change);
   spread_line(out, "release after", o.release);
@@ -192,59 +200,6 @@ void attribution_lines(Out out, const Outcome& o) {
     }
   }
   if (rests > 0) line(fmt::format("other, {} phases", rests), rest);
-}
-
-std::string ratio(const std::optional<double>& value) {
-  return value ? percent(*value) : std::string("not measurable");
-}
-
-void accuracy_lines(Out out, const app::Scene& scene, const Outcome& o) {
-  const bool refined = scene.scenario().refinement.has_value();
-  if (scene.scenario().timing_only()) {
-    fmt::format_to(out, "\nAccuracy     timing only: there are no numbers to compare\n");
-    return;
-  }
-  if (!o.accuracy) {
-    fmt::format_to(out, "\nAccuracy     not asked for: add [reference] to the scenario\n");
-    return;
-  }
-  const Accuracy& a = *o.accuracy;
-  if (!a.displacement) {
-    fmt::format_to(
-        out,
-        "\nAccuracy     nothing to compare: no frame that was compared had the body displaced\n");
-    return;
-  }
-  fmt::format_to(
-      out,
-      "\nAccuracy     mean error over {} in which the body is displaced, relative to the "
-      "largest displacement and force\n",
-      counted(a.frames, "frame"));
-  if (!a.displacement_quantised) {
-    fmt::format_to(out,
-                   "  displacement   {} from the true model (worst frame {})\n"
-                   "  contact force  {} from the true model (worst frame {})\n",
-                   ratio(a.displacement), ratio(a.displacement_worst), ratio(a.force),
-                   ratio(a.force_worst));
-    return;
-  }
-  fmt::format_to(
-      out, "  displacement   {} from the true model (worst frame {}), {} from the rounded one\n",
-      ratio(a.displacement), ratio(a.displacement_worst), ratio(a.displacement_quantised));
-  fmt::format_to(
-      out, "  contact force  {} from the true model (worst frame {}), {} from the rounded one\n",
-      ratio(a.force), ratio(a.force_worst), ratio(a.force_quantised));
-  if (refined) {
-    fmt::format_to(
-        out,
-        "  Both models are solved in double precision. The rounded one is where the board "
-        "would end\n  without refinement; the passes lead to the true one.\n");
-    return;
-  }
-  fmt::format_to(out,
-                 "  Both models are solved in double precision. The rounded one has the matrix as "
-                 "the board's\n  words hold it: the second figure is the solver's own error, the "
-                 "rest is the rounding.\n");
 }
 
 void stability_lines(Out out, const app::Scene& scene, const Outcome& o) {
@@ -305,7 +260,8 @@ std::string report(const app::Scene& scene, const Outcome& o) {
   bus_lines(out, o);
   attribution_lines(out, o);
   engine_lines(out, scene, o);
-  accuracy_lines(out, scene, o);
+  text += accuracy_text(scene, o);
+  text += force_text(o);
   stability_lines(out, scene, o);
   text += fault_text(o);
   spectrum_lines(out, scene);

@@ -34,6 +34,7 @@ std::string point_text(const Eigen::Vector3d& p) {
 }  // namespace
 
 std::string_view verdict_word(const Outcome& o, bool timing_only) {
+  if (o.partial()) return "held so far";
   if (!o.flags.empty()) return "held, with flags";
   if (faults_happened(o)) return "held, with faults";
   if (timing_only) return "PASS, timing only";

@@ -34,11 +34,18 @@ AccuracyTracker::AccuracyTracker(const Scene& scene, const host::Reference& sett
                 scene.computation().matrix(), scene.computation().matrix()),
       rounded_run_(scene.body(), scene.scenario().dynamics, scene.scenario().budget.period_s,
                    scene.computation().matrix(), rounded_),
-      period_s_(scene.scenario().budget.period_s) {}
+      period_s_(scene.scenario().budget.period_s) {
+  if (has_board_ && !true_run_.singular() && !rounded_run_.singular()) {
+    both_.emplace(true_run_, rounded_run_);
+  }
+}
 
 void AccuracyTracker::step(const fem::Hold& hold) {
+  if (both_) {
+    both_->step(hold);
+    return;
+  }
   true_run_.step(hold);
-  if (has_rounded()) rounded_run_.step(hold);
 }
 
 // The forces of a frame are wanted again when its nodes are let go.

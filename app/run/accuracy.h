@@ -48,6 +48,7 @@ class AccuracyTracker : public vp::FrameObserver {
   sparse::BlockMatrix rounded_;
   host::ReferenceRun true_run_;
   host::ReferenceRun rounded_run_;
+  std::optional<host::PairedRuns> both_;  // where there is a rounded model and it can be solved
   host::Deviation displacement_, force_;
   host::Deviation displacement_rounded_, force_rounded_;
   std::optional<Skipped> skipped_;

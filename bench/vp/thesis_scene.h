@@ -25,6 +25,19 @@ inline mesh::TetMesh sphere() {
   return mesh::generate(settings);
 }
 
+// [dynamics] and [solver] of scenarios/thesis.toml, where they are not the defaults.
+inline fem::Dynamics dynamics() {
+  fem::Dynamics d;
+  d.newmark_gamma = 0.6;
+  d.newmark_beta = 0.605;
+  return d;
+}
+inline fixed::Settings solver() {
+  fixed::Settings s;
+  s.displacement_range = 40e-3;
+  return s;
+}
+
 // The sphere of scenarios/thesis.toml, dynamic, 60 iterations, the probe in contact.
 struct Scene {
   explicit Scene(host::Effort effort_asked = host::Effort::computed) : effort(effort_asked) {
@@ -41,7 +54,7 @@ struct Scene {
   std::vector<int> anchored = mesh::select_nodes(mesh::Region{}, mesh);
   fem::Body body{mesh, fem::Material{}, anchored, fem::AnchorTreatment::removed};
   host::FrameComputation computation{
-      body,         fem::ContactDiagonal::average, fem::Dynamics{}, fixed::Settings{}, 2e-3,
+      body,         fem::ContactDiagonal::average, dynamics(), solver(), 2e-3,
       std::nullopt, host::Solver::board,           effort};
   collision::ContactSearch contacts{mesh, anchored, {}};
   vp::PlatformSettings settings;

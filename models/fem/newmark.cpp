@@ -122,18 +122,23 @@ void Newmark::predict() {
 void Newmark::rhs(std::span<const double> f, std::span<double> f_hat) const {
   assert(f.size() == u_.size() && f_hat.size() == u_.size());
   const double damping = dynamics_.rayleigh_stiffness;
-  for (std::size_t i = 0; i < index(stiffness_.block_rows()); ++i) {
-    double elastic[3] = {0, 0, 0};
-    double inertial[3];
-    if (damping != 0) multiply_row(stiffness_, v_tilde_, i, elastic);
-    if (lumped_.empty()) {
+  if (damping != 0) {
+    stiffness_.multiply(v_tilde_, f_hat);  // f̂ has C·ṽ / damping first
+  } else {
+    std::fill(f_hat.begin(), f_hat.end(), 0.0);
+  }
+  if (lumped_.empty()) {
+    for (std::size_t i = 0; i < index(mass_.block_rows()); ++i) {
+      double inertial[3];
       multiply_row(mass_, inertia_, i, inertial);
-    } else {
-      for (std::size_t r = 0; r < 3; ++r) inertial[r] = lumped_[3 * i + r] * inertia_[3 * i + r];
+      for (std::size_t r = 0; r < 3; ++r) {
+        f_hat[3 * i + r] = f[3 * i + r] - damping * f_hat[3 * i + r] - inertial[r];
+      }
     }
-    for (std::size_t r = 0; r < 3; ++r) {
-      f_hat[3 * i + r] = f[3 * i + r] - damping * elastic[r] - inertial[r];
-    }
+    return;
+  }
+  for (std::size_t i = 0; i < f_hat.size(); ++i) {
+    f_hat[i] = f[i] - damping * f_hat[i] - lumped_[i] * inertia_[i];
   }
 }
 

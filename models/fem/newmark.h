@@ -31,6 +31,7 @@ class Newmark {
   const sparse::BlockMatrix& effective_matrix() const { return effective_; }
 
   void predict();
+  // f and f_hat do not overlap.
   void rhs(std::span<const double> f, std::span<double> f_hat) const;
   // A node that is held has no equation of motion: its displacement u' is given, and Newmark's
   // recursion of its velocity and acceleration neither converges nor, for γ = ½, decays, so that

@@ -70,6 +70,7 @@ ReferenceSolver::ReferenceSolver(const sparse::BlockMatrix& a) : rows_(a.rows())
   if (factorisation_.info() == Eigen::Success) {
     const Eigen::VectorXd d = factorisation_.vectorD();
     pivot_.assign(d.data(), d.data() + d.size());
+    substitution_ = Substitution(factor(), rows_);
     for (const double pivot : pivot_) largest = std::max(largest, std::abs(pivot));
   } else {
     singular_ = true;
@@ -85,32 +86,29 @@ std::size_t ReferenceSolver::factor_nonzeros() const {
   return index(factorisation_.matrixL().nestedExpression().nonZeros());
 }
 
+TriangularFactor ReferenceSolver::factor() const {
+  const auto& l = factorisation_.matrixL().nestedExpression();
+  return {l.outerIndexPtr(), l.innerIndexPtr(), l.valuePtr()};
+}
+
+void ReferenceSolver::require_regular() const {
+  if (!singular_) return;
+  throw InputError(fmt::format(
+      "the system of {} unknowns is singular to double precision; expected a body that is held "
+      "and a matrix without empty rows",
+      rows_));
+}
+
 void ReferenceSolver::solve(std::span<const double> b, std::span<double> x) const {
   assert(b.size() == index(rows_) && x.size() == b.size());
-  if (singular_) {
-    throw InputError(fmt::format(
-        "the system of {} unknowns is singular to double precision; expected a body that is held "
-        "and a matrix without empty rows",
-        rows_));
-  }
+  require_regular();
   if (rows_ == 0) return;
-  const auto& l = factorisation_.matrixL().nestedExpression();
-  const int* begin = l.outerIndexPtr();
-  const int* row = l.innerIndexPtr();
-  const double* value = l.valuePtr();
-  const auto& permutation = factorisation_.permutationP().indices();
-  for (int i = 0; i < rows_; ++i) scratch_[index(permutation[i])] = b[index(i)];
-  for (int j = 0; j < rows_; ++j) {
-    const double known = scratch_[index(j)];
-    for (int k = begin[j]; k < begin[j + 1]; ++k) scratch_[index(row[k])] -= value[k] * known;
-  }
+  const int* place = permutation();
+  for (int i = 0; i < rows_; ++i) scratch_[index(place[i])] = b[index(i)];
+  substitution_.forward(factor(), scratch_.data());
   for (std::size_t i = 0; i < scratch_.size(); ++i) scratch_[i] /= pivot_[i];
-  for (int j = rows_; j-- > 0;) {
-    double sum = scratch_[index(j)];
-    for (int k = begin[j]; k < begin[j + 1]; ++k) sum -= value[k] * scratch_[index(row[k])];
-    scratch_[index(j)] = sum;
-  }
-  for (int i = 0; i < rows_; ++i) x[index(i)] = scratch_[index(permutation[i])];
+  substitution_.backward(factor(), scratch_.data());
+  for (int i = 0; i < rows_; ++i) x[index(i)] = scratch_[index(place[i])];
 }
 
 void ReferenceSolver::prepare_contact(std::span<const int> patch) {
@@ -147,26 +145,23 @@ void ReferenceSolver::solve_with_contact(std::span<const double> f, int node,
 
 void ReferenceSolver::solve_with_contact(std::span<const double> f, std::span<const int> patch,
                                          const Eigen::Vector3d& u_c, std::span<double> x) {
-  solve_held(
-      f, patch, [&](std::size_t) -> const Eigen::Vector3d& { return u_c; }, x);
+  solve_with_contact(f, patch, std::span<const Eigen::Vector3d>(&u_c, 1), x);
 }
 
 void ReferenceSolver::solve_with_contact(std::span<const double> f, std::span<const int> patch,
                                          std::span<const Eigen::Vector3d> u, std::span<double> x) {
-  assert(u.size() == patch.size());
-  solve_held(
-      f, patch, [&](std::size_t i) -> const Eigen::Vector3d& { return u[i]; }, x);
-}
-
-template <class Displacement>
-void ReferenceSolver::solve_held(std::span<const double> f, std::span<const int> patch,
-                                 const Displacement& displacement, std::span<double> x) {
   prepare_contact(patch);
   solve(f, x);
+  impose_contact(u, x);
+}
+
+// Adds to x = A⁻¹f what the contact's forces do.
+void ReferenceSolver::impose_contact(std::span<const Eigen::Vector3d> u, std::span<double> x) {
+  assert(u.size() == 1 || u.size() == contact_.size());
   const std::size_t n = index(rows_);
   const std::size_t m = contact_force_.size();
   const auto held = [&](std::size_t c) {
-    return displacement(c / 3)[static_cast<Eigen::Index>(c % 3)];
+    return u[u.size() == 1 ? 0 : c / 3][static_cast<Eigen::Index>(c % 3)];
   };
   for (std::size_t c = 0; c < m; ++c) {
     contact_force_[c] = held(c) - x[3 * index(contact_[c / 3]) + c % 3];

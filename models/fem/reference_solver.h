@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "models/fem/substitution.h"
 #include "models/sparse/block_matrix.h"
 
 namespace hvp::fem {
@@ -36,7 +37,7 @@ class ReferenceSolver {
                           std::span<double> x);
   void solve_with_contact(std::span<const double> f, std::span<const int> patch,
                           const Eigen::Vector3d& u_c, std::span<double> x);
-  // Each node of the patch with a displacement of its own.
+  // Each node of the patch with a displacement of its own, or one for all.
   void solve_with_contact(std::span<const double> f, std::span<const int> patch,
                           std::span<const Eigen::Vector3d> u, std::span<double> x);
 
@@ -44,10 +45,13 @@ class ReferenceSolver {
   std::size_t factor_nonzeros() const;
 
  private:
+  friend class ReferencePair;
+
+  void require_regular() const;
+  TriangularFactor factor() const;
+  const int* permutation() const { return factorisation_.permutationP().indices().data(); }
   void prepare_contact(std::span<const int> patch);
-  template <class Displacement>
-  void solve_held(std::span<const double> f, std::span<const int> patch,
-                  const Displacement& displacement, std::span<double> x);
+  void impose_contact(std::span<const Eigen::Vector3d> u, std::span<double> x);
 
   using Factorisation =
       Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::AMDOrdering<int>>;
@@ -55,7 +59,8 @@ class ReferenceSolver {
   int rows_;
   bool singular_ = false;
   int negative_pivots_ = 0;
-  std::vector<double> pivot_;               // D
+  std::vector<double> pivot_;  // D
+  Substitution substitution_;
   mutable std::vector<double> scratch_;     // in the permuted order
   std::vector<int> contact_;                // nodes that the three members below belong to
   std::vector<double> contact_columns_;     // W, column by column

@@ -19,24 +19,33 @@ void require_same_size(std::size_t from, std::size_t to) {
                    std::to_string(to));
 }
 
+// To nearest, ties away from zero, of a magnitude below 2^31: std::round, which would be a call for
+// every entry.
+std::int32_t rounded(double value) {
+  const auto whole = static_cast<std::int64_t>(value);
+  const double rest = value - static_cast<double>(whole);  // exact
+  return static_cast<std::int32_t>(whole + (rest >= 0.5 ? 1 : 0) - (rest <= -0.5 ? 1 : 0));
+}
+
 // The word of entry i is values[i] · factor(i) / unit.
 template <class Factor>
 int to_words(std::span<const double> values, const Factor& factor, double unit, std::int64_t limit,
              const char* what, std::span<std::int32_t> words) {
   require_same_size(values.size(), words.size());
+  const double beyond = static_cast<double>(limit) + 0.5;
   int clamped = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (!std::isfinite(values[i])) {
       throw InputError(std::string(what) + " " + std::to_string(i) + " is not a finite number");
     }
     // Clamped before the conversion: a double beyond 64 bits has no integer.
-    double scaled = std::round(values[i] * factor(i) / unit);
-    const auto bound = static_cast<double>(limit);
-    if (std::abs(scaled) > bound) {
-      scaled = std::copysign(bound, scaled);
+    const double scaled = values[i] * factor(i) / unit;
+    if (std::abs(scaled) < beyond) {
+      words[i] = rounded(scaled);
+    } else {
+      words[i] = static_cast<std::int32_t>(scaled < 0 ? -limit : limit);
       ++clamped;
     }
-    words[i] = static_cast<std::int32_t>(scaled);
   }
   return clamped;
 }

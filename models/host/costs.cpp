@@ -12,7 +12,7 @@ namespace hvp::host {
 using config::Dimension;
 
 void Graphics::declare(config::Visitor& v, int cores) {
-  v.quantity("rate", rate_hz, Dimension::frequency, config::between(1, 1000),
+  v.quantity("rate", rate_hz, Dimension::frequency, config::between(1, 2000),
              {"rate of the collision and graphics process", "thesis section 6.2.3"});
   v.quantity("drawing_time", drawing_s, Dimension::time, config::between(0, 1),
              {"time of a pass that is not collision detection: one picture",

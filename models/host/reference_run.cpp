@@ -56,6 +56,40 @@ ReferenceRun::ReferenceRun(const fem::Body& body, const std::optional<fem::Dynam
   }
 }
 
+void ReferenceRun::step(const fem::Hold& hold) {
+  form_rhs(hold);
+  if (hold.present()) {
+    solver_.solve_with_contact(adjusted_, hold.nodes, hold.displacement, u_);
+  } else {
+    solver_.solve(adjusted_, u_);
+  }
+  finish(hold);
+}
+
+void PairedRuns::step(const fem::Hold& hold) {
+  one_.form_rhs(hold);
+  other_.form_rhs(hold);
+  if (hold.present()) {
+    pair_.solve_with_contact(one_.system(), other_.system(), hold.nodes, hold.displacement);
+  } else {
+    pair_.solve(one_.system(), other_.system());
+  }
+  one_.finish(hold);
+  other_.finish(hold);
+}
+
+void ReferenceRun::form_rhs(const fem::Hold& hold) {
+  if (newmark_) {
+    newmark_->predict();
+    newmark_->rhs(body_.load(), f_);
+    newmark_->hold(hold, f_);
+  }
+  force_ = forces_.sum(hold.let_go);
+  std::copy(f_.begin(), f_.end(), adjusted_.begin());
+  forces_.add_to(hold.let_go, adjusted_);
+  if (hold.present()) put_back_difference(hold);
+}
+
 // The host moves the true matrix' columns to the right-hand side. The solver moves those of the
 // matrix that it has, so that the difference is put back first.
 void ReferenceRun::put_back_difference(const fem::Hold& hold) {
@@ -74,22 +108,8 @@ void ReferenceRun::put_back_difference(const fem::Hold& hold) {
   }
 }
 
-void ReferenceRun::step(const fem::Hold& hold) {
-  if (newmark_) {
-    newmark_->predict();
-    newmark_->rhs(body_.load(), f_);
-    newmark_->hold(hold, f_);
-  }
-  force_ = forces_.sum(hold.let_go);
-  std::copy(f_.begin(), f_.end(), adjusted_.begin());
-  forces_.add_to(hold.let_go, adjusted_);
-  if (hold.present()) {
-    put_back_difference(hold);
-    solver_.solve_with_contact(adjusted_, hold.nodes, hold.displacement, u_);
-    force_ += constraint_.reaction(u_, f_, hold.nodes, forces_);
-  } else {
-    solver_.solve(adjusted_, u_);
-  }
+void ReferenceRun::finish(const fem::Hold& hold) {
+  if (hold.present()) force_ += constraint_.reaction(u_, f_, hold.nodes, forces_);
   if (newmark_) newmark_->update(u_);
 }
 

@@ -11,6 +11,7 @@
 #include "models/fem/dynamics.h"
 #include "models/fem/hold.h"
 #include "models/fem/newmark.h"
+#include "models/fem/reference_pair.h"
 #include "models/fem/reference_solver.h"
 #include "models/stability/flag.h"
 
@@ -55,6 +56,12 @@ class ReferenceRun {
   int negative_eigenvalues() const { return solver_.negative_eigenvalues(); }
 
  private:
+  friend class PairedRuns;
+
+  // A frame around its solve: what the solver is given, and what follows from u.
+  void form_rhs(const fem::Hold& hold);
+  fem::ReferencePair::System system() { return {adjusted_, u_}; }
+  void finish(const fem::Hold& hold);
   void put_back_difference(const fem::Hold& hold);
 
   const fem::Body& body_;
@@ -67,6 +74,23 @@ class ReferenceRun {
   std::vector<double> adjusted_;
   std::vector<double> u_;
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
+};
+
+// Two runs whose solved matrices have one pattern, frame by frame beside each other: the same bits
+// as one after the other, faster (fem/reference_pair.h).
+class PairedRuns {
+ public:
+  // Keeps references to both. Throws InputError where a solved matrix is singular.
+  PairedRuns(ReferenceRun& one, ReferenceRun& other)
+      : one_(one), other_(other), pair_(one.solver_, other.solver_) {}
+
+  // ReferenceRun::step() of both.
+  void step(const fem::Hold& hold);
+
+ private:
+  ReferenceRun& one_;
+  ReferenceRun& other_;
+  fem::ReferencePair pair_;
 };
 
 }  // namespace hvp::host

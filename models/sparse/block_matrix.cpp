@@ -14,17 +14,19 @@ std::ptrdiff_t BlockMatrix::find(int row, int col) const {
 
 void BlockMatrix::multiply(std::span<const double> x, std::span<double> y) const {
   assert(x.size() == static_cast<std::size_t>(rows()) && y.size() == x.size());
-  for (int i = 0; i < block_rows(); ++i) {
+  const double* a = value.data();
+  const int* other = column.data();
+  double* out = y.data();
+  for (std::size_t row = 0; row + 1 < row_begin.size(); ++row) {
     double sum[3] = {0, 0, 0};
-    const auto row = static_cast<std::size_t>(i);
     for (int k = row_begin[row]; k < row_begin[row + 1]; ++k) {
-      const double* a = block(static_cast<std::size_t>(k));
-      const double* v = &x[3 * static_cast<std::size_t>(column[static_cast<std::size_t>(k)])];
-      for (int r = 0; r < 3; ++r) {
-        sum[r] += a[3 * r] * v[0] + a[3 * r + 1] * v[1] + a[3 * r + 2] * v[2];
-      }
+      const double* const v = x.data() + 3 * static_cast<std::size_t>(*other++);
+      sum[0] += a[0] * v[0] + a[1] * v[1] + a[2] * v[2];
+      sum[1] += a[3] * v[0] + a[4] * v[1] + a[5] * v[2];
+      sum[2] += a[6] * v[0] + a[7] * v[1] + a[8] * v[2];
+      a += 9;
     }
-    std::copy_n(sum, 3, &y[3 * row]);
+    for (const double one : sum) *out++ = one;
   }
 }
 

@@ -1,6 +1,8 @@
 // Every kernel gives the reference's words, to the last bit of everything that can be seen.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -104,9 +106,37 @@ TEST(AgreementTest, OnElasticBoxes) {
   }
 }
 
-// More rows than 16 bits can number.
+// The words at the ends of 32 bits, which every width clamps or wraps.
+TEST(AgreementTest, OnTheEndsOfTheRange) {
+  constexpr auto kLowest = std::numeric_limits<std::int32_t>::min();
+  constexpr auto kHighest = std::numeric_limits<std::int32_t>::max();
+  const test::Body body = test::make_body({.cells_x = 2, .cells_y = 2, .cells_z = 2});
+  for (const Method method : kMethods) {
+    for (const Overflow overflow : {Overflow::saturate, Overflow::wrap}) {
+      for (const int vector_bits : {12, 16, 32}) {
+        Settings s;
+        s.method = method;
+        s.overflow = overflow;
+        s.vector_bits = vector_bits;
+        s.scalar_bits = 128;
+        s.iterations = 3;
+        SCOPED_TRACE(test::describe(s));
+        Contest contest(s, quantise(body.stiffness, s.matrix_bits));
+        Vector b(static_cast<std::size_t>(contest.matrix().rows()), 3);
+        Vector x = b;
+        b[1] = kLowest;
+        b[2] = kHighest;
+        x[4] = kLowest;
+        x[5] = kLowest + 1;
+        contest.compare(b, x);
+      }
+    }
+  }
+}
+
+// More nodes than 16 bits can number.
 TEST(AgreementTest, OnALongChain) {
-  constexpr int kNodes = 22000;
+  constexpr int kNodes = 66000;
   QuantisedMatrix m;
   m.bits = 12;
   m.scale = 1;

@@ -26,9 +26,10 @@ struct System {
   Vector b, guess;
 };
 
-System elastic_system(Method method) {
+System elastic_system(Method method, int vector_bits = 16) {
   System system;
   system.settings.method = method;
+  system.settings.vector_bits = vector_bits;
   system.settings.iterations = 12;
   system.matrix =
       quantise(test::make_body({.cells_x = 3, .cells_y = 3, .cells_z = 3}).stiffness, 12);
@@ -157,6 +158,13 @@ fast::Found erring_combine(const fast::Terms& terms) {
   return with_largest(found, terms.out);
 }
 
+fast::FoundBoth erring_combine_both(const fast::Terms& first, const fast::Terms& second) {
+  const fast::FoundBoth found = fast::portable_passes().combine_both(first, second);
+  err(fault.word % 2 == 0 ? first.out : second.out, fault.rows);
+  return {.first = with_largest(found.first, first.out),
+          .second = with_largest(found.second, second.out)};
+}
+
 fast::Found erring_multiply_entries(const fast::Products& products) {
   const fast::Found found = fast::portable_passes().multiply_entries(products);
   err(products.out, fault.rows);
@@ -171,35 +179,51 @@ fast::Found erring_inner_product(const std::int32_t* a, const std::int32_t* b, s
 
 void erring_to_short(const std::int32_t* in, std::int16_t* out, std::size_t size) {
   fast::portable_passes().to_short(in, out, size);
-  err(out, fault.rows);
+  // A node has three words there and one that nothing is asked of.
+  err(out + fault.word % fault.rows / 3, fault.rows);
 }
 
-void erring_multiply_paired(const fast::PairedSlices& a, const std::int16_t* vector,
-                            std::int32_t* out) {
-  fast::portable_passes().multiply_paired(a, vector, out);
+fast::Found erring_multiply_paired(const fast::PairedSlices& a, const std::int16_t* vector,
+                                   std::int32_t* out) {
+  const fast::Found found = fast::portable_passes().multiply_paired(a, vector, out);
   err(out, fault.rows);
+  return with_largest(found, out);
+}
+
+fast::Found erring_in_the_product(const fast::PairedSlices& a, const std::int16_t* vector,
+                                  std::int32_t* out) {
+  fast::Found found = fast::portable_passes().multiply_paired(a, vector, out);
+  err(&found.dot, 1);
+  return found;
 }
 
 // Any bit of what a pass writes, within a solve.
 TEST(FlippedBit, OfWhatAPassWritesIsNoticed) {
-  const System system = elastic_system(Method::jacobi_pcg);
-  const Record right = reference_record(system);
-  std::array<fast::Passes, 5> passes{};
+  constexpr std::size_t kInnerProduct = 2;
+  constexpr std::size_t kToShort = 3;
+  constexpr std::size_t kProductsSum = 6;
+  std::array<fast::Passes, 7> passes{};
   passes.fill(fast::portable_passes());
   passes[0].combine = erring_combine;
   passes[1].multiply_entries = erring_multiply_entries;
-  passes[2].inner_product = erring_inner_product;
-  passes[3].to_short = erring_to_short;
+  passes[kInnerProduct].inner_product = erring_inner_product;
+  passes[kToShort].to_short = erring_to_short;
   passes[4].multiply_paired = erring_multiply_paired;
+  passes[5].combine_both = erring_combine_both;
+  passes[kProductsSum].multiply_paired = erring_in_the_product;
   Random random(8);
   for (std::size_t which = 0; which < passes.size(); ++which) {
+    // Words of 16 bits have their inner products from the matrix-vector product.
+    const System system = elastic_system(Method::jacobi_pcg, which == kInnerProduct ? 24 : 16);
+    const Record right = reference_record(system);
     fast::FastSolver solver(system.settings, passes[which]);
     solver.load(system.matrix);
-    const int bits = which == 3 ? 16 : which == 2 ? 60 : 31;
+    const bool sum = which == kInnerProduct || which == kProductsSum;
+    const int bits = which == kToShort ? 16 : sum ? 60 : 31;
     int noticed = 0;
     for (int trial = 0; trial < 100; ++trial) {
-      // The first two calls of a product belong to the first residual and to no iteration.
-      fault = {.calls = 2 + random.below(9),
+      // The first three calls belong to the job and the first residual, and to no iteration.
+      fault = {.calls = 3 + random.below(8),
                .word = static_cast<std::size_t>(random.below(10000)),
                .rows = system.b.size(),
                .bit = random.below(bits)};

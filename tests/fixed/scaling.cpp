@@ -42,6 +42,30 @@ TEST(Scaling, RoundsToNearestClampsAndCounts) {
   EXPECT_EQ(back[3], 2.0);
 }
 
+// std::round, but for a magnitude beyond the word: around every tie, and at the end of the widest.
+TEST(Scaling, RoundsAsTheLibraryDoes) {
+  Settings s;
+  s.vector_bits = 32;
+  s.displacement_range = 2147483647;  // one metre a unit
+  const Scaling scaling(s, 1);
+  ASSERT_EQ(scaling.displacement_unit(), 1.0);
+  std::vector<double> in;
+  for (const double whole : {0.0, 1.0, 2.0, 3.0, 32767.0, 1e9, 2147483645.0, 2147483646.0}) {
+    for (const double part : {0.0, 0.25, 0.5, 0.75}) {
+      for (const double sign : {1.0, -1.0}) {
+        const double value = sign * (whole + part);
+        in.push_back(value);
+        in.push_back(std::nextafter(value, 1e300));
+        in.push_back(std::nextafter(value, -1e300));
+      }
+    }
+  }
+  in.push_back(5e-324);
+  std::vector<std::int32_t> words(in.size());
+  EXPECT_EQ(scaling.displacement_words(in, words), 0);
+  for (std::size_t i = 0; i < in.size(); ++i) EXPECT_EQ(words[i], std::round(in[i])) << in[i];
+}
+
 TEST(Scaling, RefusesWhatIsNotANumberOrDoesNotFit) {
   const Scaling scaling(Settings{}, 1.0);
   std::vector<std::int32_t> words(1);

@@ -2,6 +2,7 @@
 #include <Eigen/Dense>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -201,6 +202,34 @@ TEST(ReferenceRun, DynamicRunFollowsTheSameStepsAsTheHost) {
   }
   EXPECT_LT(*deviation.relative(), 1e-4);
   EXPECT_GT(*deviation.relative(), 0);
+}
+
+// Every bit, over frames in which a contact comes and goes.
+TEST(PairedRuns, AreTheTwoRunsAlone) {
+  const Cube cube;
+  for (const auto& dynamics : {std::optional<fem::Dynamics>(), std::optional(damped())}) {
+    const FrameComputation c(cube.body, fem::ContactDiagonal::average, dynamics, fixed::Settings{},
+                             kPeriod);
+    const sparse::BlockMatrix rounded = fixed::dequantise(c.quantised());
+    ReferenceRun one(cube.body, dynamics, kPeriod, c.matrix(), c.matrix());
+    ReferenceRun other(cube.body, dynamics, kPeriod, c.matrix(), rounded);
+    ReferenceRun one_alone(cube.body, dynamics, kPeriod, c.matrix(), c.matrix());
+    ReferenceRun other_alone(cube.body, dynamics, kPeriod, c.matrix(), rounded);
+    PairedRuns both(one, other);
+    for (int n = 0; n < 12; ++n) {
+      const std::vector<int> contact = n < 3 || n > 8 ? std::vector<int>{} : cube.touched();
+      const std::vector<Eigen::Vector3d> places(contact.size(), kPress * n);
+      const fem::Hold hold{contact, places, {}, n > 3 ? kPeriod : 0};
+      both.step(hold);
+      one_alone.step(hold);
+      other_alone.step(hold);
+      EXPECT_EQ(vector(one.displacement()), vector(one_alone.displacement())) << "frame " << n;
+      EXPECT_EQ(vector(other.displacement()), vector(other_alone.displacement())) << "frame " << n;
+      EXPECT_EQ(one.force(), one_alone.force());
+      EXPECT_EQ(other.force(), other_alone.force());
+      EXPECT_EQ(one.force().norm() > 0, !contact.empty());
+    }
+  }
 }
 
 TEST(Deviation, IsTheMeanOverFramesOverTheLargestReference) {

@@ -10,10 +10,11 @@ void Transfer::declare(config::Visitor& v) {
        {"programmed-io", Method::programmed_io},
        {"write-combined-io", Method::write_combined_io},
        {"dma", Method::dma}},
-      {"bursts: the processor moves blocks, in the bridge's bursts both ways; programmed-io: a "
-       "store or a load a word; write-combined-io: stores in bursts, a load a word; dma: the "
-       "board moves b and U, all else goes in bursts",
-       "the link of thesis section 6.2.1 at its best"});
+      {"bursts: the processor moves blocks, in the bridge's bursts both ways, on PCI only; "
+       "programmed-io: a store or a load a word; write-combined-io: stores in bursts, a load a "
+       "word; dma: the board moves b and U, all else goes in bursts",
+       "the link of thesis section 6.2.1 at its best: processors read uncached words one by one "
+       "(docs/transfers.md)"});
   const auto of_notification = v.variant(
       "notification", notification,
       {{"intx", link::Notification::intx},

@@ -38,12 +38,12 @@ void FastSolver::load(const QuantisedMatrix& matrix) {
   require_fitting(matrix);
   matrix_ = &matrix;
   packed_.load(matrix, settings_.vector_bits);
+  lane_products_bits_ = width(std::uint64_t{packed_.padded_rows() / passes_.lanes});
   for (Vector* vector : {&x_, &b_, &r_, &z_, &d_, &q_, &w_, &n_, &v_, &product_}) {
     vector->word.assign(packed_.padded_rows(), 0);
     vector->largest = 0;
   }
-  // A step reads four words where a node has three.
-  short_.assign(packed_.padded_rows() + kLine / sizeof(std::int16_t), 0);
+  short_.assign(packed_.padded_rows() / 3 * kRowWords, 0);
   sums_.assign(packed_.padded_rows(), 0);
   shown_.assign(kShownVectors * at(matrix.rows()), 0);
   preconditioner_.load(matrix, packed_);
@@ -118,15 +118,26 @@ void FastSolver::start(const Job& job) {
   d_q_ = scalar(dot(r_, w_), w_.exponent + r_.exponent);
 }
 
-// r = b - A·x and, without a preconditioner, rᵀr. Sums of doubles run over the rows in the
-// matrix' order: the reference's norms are the same to the bit.
+// r = b - A·x and, without a preconditioner, rᵀr.
 void FastSolver::form_residual() {
   const int rhs_shift = settings_.rhs_shift();
   const int product_shift = settings_.product_shift();
+  const auto exponent_of = [&](std::uint64_t largest) {
+    if (!settings_.dynamic_scaling || largest == 0) return -rhs_shift;
+    return residual_target_ - width(largest);
+  };
   multiply(x_, 0, product_);
+  if (product_shift == 0) {
+    if (const auto squares = subtract_from_rhs(product_)) {
+      residual_squares_ = square_sum(product_, *squares);
+      r_.exponent = exponent_of(product_.largest);
+      write(r_, {.vector = product_, .exponent = r_.exponent}, {.vector = product_, .factor = 0},
+            settings_.residual_bits(), Wants::squares);
+      return;
+    }
+  }
   std::uint64_t bits = 0;  // as many as the widest has
   residual_squares_ = 0;
-  Int128 rhs = 0;
   for (int node = 0; node < packed_.nodes(); ++node) {
     const std::size_t first = packed_.first_row(node);
     for (std::size_t i = first; i < first + 3; ++i) {
@@ -135,12 +146,9 @@ void FastSolver::form_residual() {
       sums_[i] = entry;
       bits |= size_of(entry);
       residual_squares_ += square(static_cast<double>(entry));
-      rhs += std::int64_t{b_.word[i]} * b_.word[i];
     }
   }
-  rhs_square_ = std::ldexp(static_cast<double>(rhs), 2 * rhs_shift);
-  r_.exponent = -rhs_shift;
-  if (settings_.dynamic_scaling && bits != 0) r_.exponent = residual_target_ - width(bits);
+  r_.exponent = exponent_of(bits);
   write_sums(r_, r_.exponent, settings_.residual_bits(), Wants::squares);
 }
 
@@ -172,7 +180,9 @@ void FastSolver::fill(const Vector& from, Vector& to) {
 bool FastSolver::reached() {
   if (settings_.stop_residual == 0) return false;
   const double residual_square = std::ldexp(static_cast<double>(dot(r_, r_)), -2 * r_.exponent);
-  return residual_square <= square(settings_.stop_residual) * rhs_square_;
+  const double rhs_square =
+      std::ldexp(static_cast<double>(rhs_squares_), 2 * settings_.rhs_shift());
+  return residual_square <= square(settings_.stop_residual) * rhs_square;
 }
 
 bool FastSolver::negative_curvature() {
@@ -196,11 +206,10 @@ FastSolver::Step FastSolver::step() {
   d_q_ = scalar(curvature, d_.exponent + q_.exponent);
   if (negative_curvature()) return Step::stopped;
   form_alpha();
-  write(x_, {.vector = x_},
-        {.vector = d_, .exponent = alpha_.exponent - d_.exponent, .factor = alpha_.mantissa},
-        settings_.vector_bits);
   ++report_.iterations;
-  if (replaces()) {
+  const bool replaced = replaces();
+  if (replaced) {
+    advance_solution();
     form_residual();
   } else {
     advance(r_, q_, settings_.residual_bits(), residual_target_, residual_available_,
@@ -210,7 +219,11 @@ FastSolver::Step FastSolver::step() {
   const Scalar z_r_old = z_r_;
   z_r_ = scalar(z_r_sum_, z().exponent + r_.exponent);
   form_beta(z_r_old);
-  follow(d_, z());
+  if (replaced) {
+    follow(d_, z());
+  } else {
+    advance_solution_and_follow();
+  }
   return Step::made;
 }
 
@@ -218,9 +231,7 @@ FastSolver::Step FastSolver::step_by_recurrence() {
   stopped_ = z_r_.word <= 0 || d_.largest == 0;
   if (stopped_ || negative_curvature()) return Step::stopped;
   form_alpha();
-  write(x_, {.vector = x_},
-        {.vector = d_, .exponent = alpha_.exponent - d_.exponent, .factor = alpha_.mantissa},
-        settings_.vector_bits);
+  advance_solution();
   ++report_.iterations;
   const bool replaced = replaces();
   if (replaced) {
@@ -264,18 +275,38 @@ void FastSolver::advance(Vector& r, const Vector& q, int bits, int target, int a
   r.exponent += up;
 }
 
-// d = z + β·d, re-scaled by the bound |z| + β·|d|.
-void FastSolver::follow(Vector& d, const Vector& z) {
-  int up = 0;
-  if (z_r_.word > 0) {
-    up = rescaling(z.largest, d.exponent - z.exponent, size_of(beta_.mantissa) * d.largest,
+// α·d in units of x.
+FastSolver::Term FastSolver::along(const Vector& d) const {
+  return {.vector = d, .exponent = alpha_.exponent - d.exponent, .factor = alpha_.mantissa};
+}
+
+void FastSolver::advance_solution() { write(x_, {.vector = x_}, along(d_), settings_.vector_bits); }
+
+// By the bound |z| + β·|d|.
+int FastSolver::rescaling_of_direction(const Vector& d, const Vector& z) const {
+  if (z_r_.word <= 0) return 0;
+  return rescaling(z.largest, d.exponent - z.exponent, size_of(beta_.mantissa) * d.largest,
                    beta_.exponent, settings_.vector_bits, direction_target_,
                    settings_.vector_bits - 1);
-  }
+}
+
+// d = z + β·d, re-scaled.
+void FastSolver::follow(Vector& d, const Vector& z) {
+  const int up = rescaling_of_direction(d, z);
   d.exponent += up;
   write(d, {.vector = z, .exponent = d.exponent - z.exponent},
         {.vector = d, .exponent = beta_.exponent + up, .factor = beta_.mantissa},
         settings_.vector_bits);
+}
+
+// x += α·d, and d = z + β·d.
+void FastSolver::advance_solution_and_follow() {
+  const Term step = along(d_);
+  const int up = rescaling_of_direction(d_, z());
+  d_.exponent += up;
+  write_both(x_, step, d_, {.vector = z(), .exponent = d_.exponent - z().exponent},
+             {.vector = d_, .exponent = beta_.exponent + up, .factor = beta_.mantissa},
+             settings_.vector_bits);
 }
 
 // q = w + β·q, where q's exponent is that of A·(the vector it belongs to).
@@ -320,37 +351,41 @@ void FastSolver::observe(Observer* observer) {
   observer->iteration(state);
 }
 
-// Hands the solution over, and finds the true residual and what follows from it.
-void FastSolver::judge(const Job& job) {
-  const int rhs_shift = settings_.rhs_shift();
+// ‖b - A·x‖ of the solution.
+double FastSolver::true_residual() {
   sum_rows(x_, product_);
-  double rhs = 0;
-  double residual = 0;
-  double recurrence = 0;
-  std::uint64_t left = 0;
+  if (packed_.paired()) {
+    if (const auto squares = subtract_from_rhs(product_)) {
+      return std::sqrt(square_sum(product_, *squares));
+    }
+  }
+  const int rhs_shift = settings_.rhs_shift();
+  double sum = 0;
   for (int node = 0; node < packed_.nodes(); ++node) {
     const std::size_t first = packed_.first_row(node);
-    for (std::size_t c = 0; c < 3; ++c) {
-      const std::size_t i = first + c;
+    for (std::size_t i = first; i < first + 3; ++i) {
       const std::int64_t b = std::int64_t{b_.word[i]} << rhs_shift;
       // Both fit 63 bits, but perhaps not their difference.
       const double difference = packed_.paired() ? static_cast<double>(b - product_.word[i])
                                                  : static_cast<double>(Int128{b} - sums_[i]);
-      rhs += square(static_cast<double>(b));
-      residual += square(difference);
-      recurrence += square(static_cast<double>(r_.word[i]));
-      left |= size_of(r_.word[i]);
-      job.x[3 * at(node) + c] = x_.word[i];
+      sum += square(difference);
     }
   }
-  report_.rhs_norm = std::sqrt(rhs);
-  report_.true_residual_norm = std::sqrt(residual);
+  return std::sqrt(sum);
+}
+
+// Hands the solution over, and finds the true residual and what follows from it.
+void FastSolver::judge(const Job& job) {
+  hand_over(job.x);
+  report_.rhs_norm = std::ldexp(std::sqrt(square_sum(b_, rhs_squares_)), settings_.rhs_shift());
+  report_.true_residual_norm = true_residual();
   report_.rounding_floor = packed_.rounding_floor();
-  report_.residual_norm = std::ldexp(std::sqrt(recurrence), -r_.exponent);
+  const Int128 squares = preconditioned() ? dot(r_, r_) : z_r_sum_;
+  report_.residual_norm = std::ldexp(std::sqrt(square_sum(r_, squares)), -r_.exponent);
 
   if (report_.saturations > 0) report_.flags.raise(Flag::saturation);
   if (report_.wraps > 0) report_.flags.raise(Flag::wrapped);
-  if (stopped_ && left != 0) report_.flags.raise(Flag::stagnation);
+  if (stopped_ && r_.largest != 0) report_.flags.raise(Flag::stagnation);
   // docs/fixed-point.md, "Flags, and what helps": four rounding floors are negligible.
   const double negligible = 4 * report_.rounding_floor;
   const double size = report_.true_residual_norm;

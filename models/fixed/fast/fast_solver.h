@@ -2,6 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "models/fixed/fast/aligned.h"
@@ -63,7 +65,6 @@ class FastSolver final : public Solver {
 
   // fast_solver.cpp: the algorithm.
   void start(const Job& job);
-  void take(const Job& job);
   void form_residual();
   void form_recurrences();
   Step step();
@@ -75,21 +76,34 @@ class FastSolver final : public Solver {
   void form_beta(const Scalar& z_r_old);
   void follow_curvature(const Scalar& delta);
   void advance(Vector& r, const Vector& q, int bits, int target, int available, Wants wants);
+  void advance_solution();
+  Term along(const Vector& d) const;
+  int rescaling_of_direction(const Vector& d, const Vector& z) const;
   void follow(Vector& d, const Vector& z);
+  void advance_solution_and_follow();
   void follow_product(Vector& q, const Vector& w, int vector_exponent);
   void fill(const Vector& from, Vector& to);
   void precondition();
   void observe(Observer* observer);
+  double true_residual();
   void judge(const Job& job);
 
   // fast_vectors.cpp: the passes, and which one is taken.
+  void take(const Job& job);
+  void take(std::span<const std::int32_t> words, int bits, Vector& to);
+  void hand_over(std::span<std::int32_t> solution) const;
+  Terms terms_of(Vector& out, const Term& a, const Term& b, int bits, Wants wants) const;
   void write(Vector& out, const Term& a, const Term& b, int bits, Wants wants = Wants::nothing);
+  void write_both(Vector& first, const Term& first_b, Vector& second, const Term& second_a,
+                  const Term& second_b, int bits);
   bool prove(Terms& terms, const Term& a, const Term& b) const;
   Found write_exactly(Vector& out, const Term& a, const Term& b, int bits) const;
+  std::optional<Int128> subtract_from_rhs(Vector& product);
+  double square_sum(const Vector& vector, Int128 exact) const;
   bool dot_fits(std::uint64_t a, std::uint64_t b) const;
   Int128 dot(const Vector& a, Vector& b);
   Int128 multiply(const Vector& vector, int exponent, Vector& product);
-  void sum_rows(const Vector& vector, Vector& paired);
+  Int128 sum_rows(const Vector& vector, Vector& paired);
   void write_sums(Vector& out, int exponent, int bits, Wants wants = Wants::nothing);
   void count(std::int64_t overflows);
 
@@ -110,9 +124,10 @@ class FastSolver final : public Solver {
   int direction_target_;
   int residual_target_;
   int residual_available_;
+  int lane_products_bits_ = 0;  // width of the number of products in an accumulator's lane
 
   Vector x_, b_, r_, z_, d_, q_, w_, n_, v_, product_;
-  Aligned<std::int16_t> short_;      // the vector that meets the paired matrix
+  Aligned<std::int16_t> short_;      // the vector that meets the paired matrix, four words a node
   Aligned<std::int64_t> sums_;       // values that are not words yet; zero behind the last row
   std::vector<std::int32_t> shown_;  // for the observer, in the order of the matrix
 
@@ -120,7 +135,7 @@ class FastSolver final : public Solver {
   Scalar z_r_, d_q_;
   Int128 z_r_sum_ = 0;  // zᵀr, not yet a scalar
   bool stopped_ = false;
-  double rhs_square_ = 0;
+  Int128 rhs_squares_ = 0;  // of the words
   double residual_squares_ = 0;
   double smallest_ = 0;
   int last_progress_ = 0;

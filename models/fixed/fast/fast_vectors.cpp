@@ -47,20 +47,41 @@ void FastSolver::count(std::int64_t overflows) {
 
 // Entries of two vectors in one accumulator of a lane.
 bool FastSolver::dot_fits(std::uint64_t a, std::uint64_t b) const {
-  const std::uint64_t products = x_.word.size() / passes_.lanes;
-  return width(a) + width(b) + width(products) <= 63;
+  return width(a) + width(b) + lane_products_bits_ <= 63;
+}
+
+Terms FastSolver::terms_of(Vector& out, const Term& a, const Term& b, int bits, Wants wants) const {
+  return {.out = out.word.data(),
+          .a = a.vector.word.data(),
+          .b = b.vector.word.data(),
+          .size = out.word.size(),
+          .bits = bits,
+          .wraps = settings_.overflow == Overflow::wrap,
+          .nearest_even = settings_.shift_rounding == Rounding::nearest_even,
+          .square = wants == Wants::squares};
+}
+
+// first = word(first + first_b) and second = word(second_a + second_b), in one pass over the
+// vector that the two b share where that is simple. It may be `second`.
+void FastSolver::write_both(Vector& first, const Term& first_b, Vector& second,
+                            const Term& second_a, const Term& second_b, int bits) {
+  const Term first_a{.vector = first};
+  Terms one = terms_of(first, first_a, first_b, bits, Wants::nothing);
+  Terms other = terms_of(second, second_a, second_b, bits, Wants::nothing);
+  if (prove(one, first_a, first_b) && one.short_product && one.fits &&
+      prove(other, second_a, second_b) && other.short_product && other.fits) {
+    const FoundBoth found = passes_.combine_both(one, other);
+    first.largest = found.first.largest;
+    second.largest = found.second.largest;
+    return;
+  }
+  write(first, first_a, first_b, bits);
+  write(second, second_a, second_b, bits);
 }
 
 // out = word(a + b), term by term rounded.
 void FastSolver::write(Vector& out, const Term& a, const Term& b, int bits, Wants wants) {
-  Terms terms{.out = out.word.data(),
-              .a = a.vector.word.data(),
-              .b = b.vector.word.data(),
-              .size = out.word.size(),
-              .bits = bits,
-              .wraps = settings_.overflow == Overflow::wrap,
-              .nearest_even = settings_.shift_rounding == Rounding::nearest_even,
-              .square = wants == Wants::squares};
+  Terms terms = terms_of(out, a, b, bits, wants);
   const Found found = prove(terms, a, b) ? passes_.combine(terms) : write_exactly(out, a, b, bits);
   out.largest = found.largest;
   count(found.overflows);
@@ -100,8 +121,9 @@ bool FastSolver::prove(Terms& terms, const Term& a, const Term& b) const {
     terms.b_right = right_shift(-b.exponent, rounding);
     b_bound = shifted_bound(product, -b.exponent);
   }
-  terms.short_product = size_of(terms.factor) < (1U << 15) && b.vector.largest < (1U << 15) &&
-                        product < (1U << 30) && b_bound < (1U << 30);
+  terms.short_product =
+      terms.factor == 0 || (size_of(terms.factor) < (1U << 15) && b.vector.largest < (1U << 15) &&
+                            product < (1U << 30) && b_bound < (1U << 30));
   if (terms.short_product && terms.b_right.right > 31) {
     terms.factor = 0;
     terms.b_right = {};
@@ -130,6 +152,34 @@ Found FastSolver::write_exactly(Vector& out, const Term& a, const Term& b, int b
   return found;
 }
 
+// product becomes b · 2^rhs_shift - product, where 32 bits hold every word of it; else nothing
+// happens. Returns the sum of their squares.
+std::optional<Int128> FastSolver::subtract_from_rhs(Vector& product) {
+  const Term b{.vector = b_, .exponent = settings_.rhs_shift()};
+  const Term subtracted{.vector = product, .factor = -1};
+  Terms terms = terms_of(product, b, subtracted, Settings::kProductBits, Wants::squares);
+  if (!prove(terms, b, subtracted)) return std::nullopt;
+  const Found found = passes_.combine(terms);
+  product.largest = found.largest;
+  return found.dot;
+}
+
+// The sum of a vector's squares in doubles, given the exact one. Below 2^53 no partial sum is
+// rounded, whatever the order; beyond, the sum runs over the rows in the matrix' order: the
+// reference's norms are the same to the bit.
+double FastSolver::square_sum(const Vector& vector, Int128 exact) const {
+  if (exact < Int128{1} << 53) return static_cast<double>(exact);
+  double sum = 0;
+  for (int node = 0; node < packed_.nodes(); ++node) {
+    const std::size_t first = packed_.first_row(node);
+    for (std::size_t i = first; i < first + 3; ++i) {
+      const auto word = static_cast<double>(vector.word[i]);
+      sum += word * word;
+    }
+  }
+  return sum;
+}
+
 // aᵀb; finds the largest of b besides.
 Int128 FastSolver::dot(const Vector& a, Vector& b) {
   if (dot_fits(a.largest, b.largest)) {
@@ -146,34 +196,35 @@ Int128 FastSolver::dot(const Vector& a, Vector& b) {
   return sum;
 }
 
-// The exact sums of A·vector: in `paired` where the matrix is paired, else in sums_.
-void FastSolver::sum_rows(const Vector& vector, Vector& paired) {
+// The exact sums of A·vector: in sums_, but in `paired` where the matrix is paired. Returns their
+// inner product with the vector then, if dot_fits() says that it fits.
+Int128 FastSolver::sum_rows(const Vector& vector, Vector& paired) {
   if (!packed_.paired()) {
     passes_.multiply_wide(packed_.wide_slices(), vector.word.data(), sums_.data());
-    return;
+    return 0;
   }
   passes_.to_short(vector.word.data(), short_.data(), vector.word.size());
-  passes_.multiply_paired(packed_.paired_slices(), short_.data(), paired.word.data());
+  const Found found =
+      passes_.multiply_paired(packed_.paired_slices(), short_.data(), paired.word.data());
+  paired.largest = found.largest;
+  return found.dot;
 }
 
 // product = A·vector, rounded and cut to its word. Returns their inner product.
 Int128 FastSolver::multiply(const Vector& vector, int exponent, Vector& product) {
   const int dropped = settings_.product_shift();
   product.exponent = exponent - dropped;
-  const std::uint64_t bound = std::min(packed_.largest_row() * vector.largest, kLargestSum + 1);
-  if (packed_.paired()) {
-    sum_rows(vector, dropped > 0 ? product_ : product);
-    if (dropped > 0) {
-      product_.largest = bound;
-      write(product, {.vector = product_, .exponent = -dropped}, {.vector = product_, .factor = 0},
-            Settings::kProductBits);
-    } else {
-      product.largest = bound;
-    }
-    return dot(vector, product);
+  if (packed_.paired() && dropped == 0) {
+    const Int128 sum = sum_rows(vector, product);
+    return dot_fits(vector.largest, product.largest) ? sum : dot(vector, product);
   }
-  sum_rows(vector, product);
-  write_sums(product, -dropped, Settings::kProductBits);
+  sum_rows(vector, product_);
+  if (packed_.paired()) {
+    write(product, {.vector = product_, .exponent = -dropped}, {.vector = product_, .factor = 0},
+          Settings::kProductBits);
+  } else {
+    write_sums(product, -dropped, Settings::kProductBits);
+  }
   return dot(vector, product);
 }
 
@@ -231,23 +282,39 @@ void FastSolver::precondition() {
 }
 
 void FastSolver::take(const Job& job) {
-  std::int64_t overflows = 0;
-  const auto take_vector = [&](Vector& to, auto word_of, int bits) {
-    to.largest = 0;
-    for (int node = 0; node < packed_.nodes(); ++node) {
-      std::int32_t* words = &to.word[packed_.first_row(node)];
-      for (std::size_t c = 0; c < 3; ++c) {
-        words[c] = to_word(word_of(3 * at(node) + c), bits, settings_.overflow, overflows);
-        to.largest = std::max(to.largest, size_of(words[c]));
-      }
-    }
-  };
-  const bool zero = settings_.start == Start::zero;
-  take_vector(
-      x_, [&](std::size_t i) { return zero ? 0 : job.x[i]; }, settings_.vector_bits);
-  take_vector(
-      b_, [&](std::size_t i) { return job.b[i]; }, settings_.residual_bits());
-  count(overflows);
+  if (settings_.start == Start::zero) {
+    std::ranges::fill(x_.word, 0);
+    x_.largest = 0;
+  } else {
+    take(job.x, settings_.vector_bits, x_);
+  }
+  take(job.b, settings_.residual_bits(), b_);
+  rhs_squares_ = dot(b_, b_);
+}
+
+// A vector in the matrix' order, cut to so many bits.
+void FastSolver::take(std::span<const std::int32_t> words, int bits, Vector& to) {
+  for (int node = 0; node < packed_.nodes(); ++node) {
+    const std::size_t first = packed_.first_row(node);
+    for (std::size_t c = 0; c < 3; ++c) to.word[first + c] = words[3 * at(node) + c];
+  }
+  const Found found = passes_.combine({.out = to.word.data(),
+                                       .a = to.word.data(),
+                                       .b = to.word.data(),
+                                       .size = to.word.size(),
+                                       .bits = bits,
+                                       .wraps = settings_.overflow == Overflow::wrap,
+                                       .short_product = true});
+  to.largest = found.largest;
+  count(found.overflows);
+}
+
+// The solution, in the matrix' order.
+void FastSolver::hand_over(std::span<std::int32_t> solution) const {
+  for (int node = 0; node < packed_.nodes(); ++node) {
+    const std::size_t first = packed_.first_row(node);
+    for (std::size_t c = 0; c < 3; ++c) solution[3 * at(node) + c] = x_.word[first + c];
+  }
 }
 
 }  // namespace hvp::fixed::fast

@@ -2,10 +2,26 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "models/fixed/fast/passes.h"
 
 namespace hvp::fixed::fast {
+
+// The nodes in four columns of the paired layout. Short numbers are read at once: loads are what a
+// product is short of.
+template <typename Lanes>
+struct FourNodes {
+  explicit FourNodes(const std::uint16_t* column) {
+    std::uint64_t all = 0;
+    std::memcpy(&all, column, sizeof(all));
+    for (std::size_t i = 0; i < 4; ++i) place[i] = all >> 16 * i & 0xFFFF;
+  }
+  explicit FourNodes(const std::uint32_t* column) {
+    for (std::size_t i = 0; i < 4; ++i) place[i] = column[i];
+  }
+  std::size_t place[4];
+};
 
 // The passes over vectors, written once for every set of vector instructions: `Lanes` (lanes_*.h)
 // has the words and the operations. Every name here depends on Lanes, so that nothing compiled
@@ -19,6 +35,11 @@ struct LanePasses {
       return t.nearest_even ? combine<Cut::never, true>(t) : combine<Cut::never, false>(t);
     if (t.wraps) return t.nearest_even ? combine<Cut::wrap, true>(t) : combine<Cut::wrap, false>(t);
     return t.nearest_even ? combine<Cut::clamp, true>(t) : combine<Cut::clamp, false>(t);
+  }
+
+  static FoundBoth combine_both(const Terms& first, const Terms& second) {
+    if (second.nearest_even) return combine_both<true>(first, second);
+    return combine_both<false>(first, second);
   }
 
   static Found multiply_entries(const Products& p) {
@@ -48,17 +69,46 @@ struct LanePasses {
     return {.largest = Lanes::largest(largest), .overflows = 0, .dot = dot.sum()};
   }
 
-  static void to_short(const std::int32_t* in, std::int16_t* out, std::size_t size) {
-    for (std::size_t i = 0; i < size; i += Lanes::kWords) {
-      Lanes::store_short(out + i, Lanes::load(in + i));
-    }
-  }
-
  private:
   enum class Cut { never, clamp, wrap };
   enum class Move { none, left, right };
   // How factor · b is formed: in 32 bits, in 32 after the upper half of b, or in 64.
   enum class Width { narrow, split, wide };
+
+  template <bool kEven>
+  static FoundBoth combine_both(const Terms& first, const Terms& second) {
+    if (second.a_right.right != 0) return combine_both<kEven, Move::right>(first, second);
+    if (second.a_left != 0) return combine_both<kEven, Move::left>(first, second);
+    return combine_both<kEven, Move::none>(first, second);
+  }
+
+  template <bool kEven, Move kMove>
+  static FoundBoth combine_both(const Terms& first, const Terms& second) {
+    const typename Lanes::Left left(second.a_left);
+    const typename Lanes::SignedShift a_shift(second.a_right);
+    const typename Lanes::SignedShift first_shift(first.b_right);
+    const typename Lanes::SignedShift second_shift(second.b_right);
+    const Word first_factor = Lanes::all(first.factor);
+    const Word second_factor = Lanes::all(second.factor);
+    Word first_largest = Lanes::all(0);
+    Word second_largest = Lanes::all(0);
+    for (std::size_t i = 0; i < first.size; i += Lanes::kWords) {
+      const Word b = Lanes::load(first.b + i);
+      const Word one = Lanes::sum(Lanes::load(first.a + i), Lanes::template narrow_product<kEven>(
+                                                                b, first_factor, first_shift));
+      Word a = Lanes::load(second.a + i);
+      if constexpr (kMove == Move::left) a = Lanes::shifted(a, left);
+      if constexpr (kMove == Move::right) a = Lanes::template shifted<kEven>(a, a_shift);
+      const Word other =
+          Lanes::sum(a, Lanes::template narrow_product<kEven>(b, second_factor, second_shift));
+      Lanes::store(first.out + i, one);
+      Lanes::store(second.out + i, other);
+      first_largest = Lanes::larger_size(first_largest, Lanes::size(one));
+      second_largest = Lanes::larger_size(second_largest, Lanes::size(other));
+    }
+    return {.first = {.largest = Lanes::largest(first_largest)},
+            .second = {.largest = Lanes::largest(second_largest)}};
+  }
 
   template <Cut kCut, bool kEven>
   static Found combine(const Terms& t) {

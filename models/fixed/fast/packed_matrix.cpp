@@ -25,6 +25,13 @@ std::size_t paired_words(std::size_t steps) {
 
 std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
+// In which step of its row a block is read: the diagonal one first, the others in their order.
+std::size_t step_of(const QuantisedMatrix& matrix, int row, int block) {
+  const int column = matrix.column[at(block)];
+  if (column == row) return 0;
+  return at(block - matrix.row_begin[at(row)]) + (column < row ? 1 : 0);
+}
+
 bool is_short(std::int32_t word) {
   return word >= std::numeric_limits<std::int16_t>::min() &&
          word <= std::numeric_limits<std::int16_t>::max();
@@ -74,22 +81,24 @@ void PackedMatrix::place_nodes(const QuantisedMatrix& matrix) {
 
 // Where which block of a vector is read: of the pattern alone.
 void PackedMatrix::lay_out(const QuantisedMatrix& matrix) {
-  short_index_ = paired_ && padded_rows_ <= std::numeric_limits<std::uint16_t>::max();
+  short_index_ = paired_ && place_.size() <= std::size_t{1} << 16;
   const std::size_t entries = kSliceNodes * at(slice_begin_.back());
-  short_first_.assign(short_index_ ? entries : 0, 0);
-  long_first_.reserve(entries);  // update() may change the layout
-  long_first_.assign(short_index_ ? 0 : entries, 0);
+  short_column_.assign(short_index_ ? entries : 0, 0);
+  long_column_.reserve(entries);  // update() may change the layout
+  long_column_.assign(short_index_ ? 0 : entries, 0);
   for (int row = 0; row < matrix.block_rows(); ++row) {
     const std::size_t slice = place_[at(row)] / kSliceNodes;
-    std::size_t entry = kSliceNodes * at(slice_begin_[slice]) + place_[at(row)] % kSliceNodes;
+    const std::size_t lane = place_[at(row)] % kSliceNodes;
     for (int k = matrix.row_begin[at(row)]; k < matrix.row_begin[at(row) + 1]; ++k) {
-      const std::size_t first = first_row(matrix.column[at(k)]);
+      const std::size_t step = at(slice_begin_[slice]) + step_of(matrix, row, k);
+      const std::size_t entry = kSliceNodes * step + lane;
+      const int column = matrix.column[at(k)];
+      const std::size_t read = paired_ ? place_[at(column)] : first_row(column);
       if (short_index_) {
-        short_first_[entry] = static_cast<std::uint16_t>(first);
+        short_column_[entry] = static_cast<std::uint16_t>(read);
       } else {
-        long_first_[entry] = static_cast<std::uint32_t>(first);
+        long_column_[entry] = static_cast<std::uint32_t>(read);
       }
-      entry += kSliceNodes;
     }
   }
 }
@@ -109,7 +118,7 @@ void PackedMatrix::pack(const QuantisedMatrix& matrix) {
 void PackedMatrix::pack_block(const QuantisedMatrix& matrix, int row, int block) {
   const std::size_t slice = place_[at(row)] / kSliceNodes;
   const std::size_t lane = place_[at(row)] % kSliceNodes;
-  const std::size_t step = at(block - matrix.row_begin[at(row)]);
+  const std::size_t step = step_of(matrix, row, block);
   const std::size_t steps = at(slice_begin_[slice + 1] - slice_begin_[slice]);
   const bool in_quad = step < steps / kQuadSteps * kQuadSteps;
   std::int16_t* const words16 =
@@ -190,23 +199,23 @@ void PackedMatrix::measure() {
 PairedSlices PackedMatrix::paired_slices() const {
   return {.value = words16_.data(),
           .slice_begin = slice_begin_.data(),
-          .short_first = short_index_ ? short_first_.data() : nullptr,
-          .long_first = short_index_ ? nullptr : long_first_.data(),
+          .short_node = short_index_ ? short_column_.data() : nullptr,
+          .long_node = short_index_ ? nullptr : long_column_.data(),
           .slices = slice_begin_.size() - 1};
 }
 
 WideSlices PackedMatrix::wide_slices() const {
   return {.value = words32_.data(),
           .slice_begin = slice_begin_.data(),
-          .first = long_first_.data(),
+          .first = long_column_.data(),
           .slices = slice_begin_.size() - 1};
 }
 
 std::size_t PackedMatrix::bytes() const {
   const std::size_t words =
       words16_.size() * sizeof(std::int16_t) + words32_.size() * sizeof(std::int32_t);
-  return words + short_first_.size() * sizeof(std::uint16_t) +
-         long_first_.size() * sizeof(std::uint32_t) + slice_begin_.size() * sizeof(int);
+  return words + short_column_.size() * sizeof(std::uint16_t) +
+         long_column_.size() * sizeof(std::uint32_t) + slice_begin_.size() * sizeof(int);
 }
 
 }  // namespace hvp::fixed::fast

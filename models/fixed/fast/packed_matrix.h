@@ -10,9 +10,9 @@
 
 namespace hvp::fixed::fast {
 
-// A quantised matrix as the passes read it (passes.h, Slices): eight nodes side by side. Nodes
-// are put in order of their rows' length, so that eight neighbours waste few places, but within
-// windows, so that what they read of a vector stays close.
+// A quantised matrix as the passes read it (passes.h, PairedSlices): eight nodes side by side.
+// Nodes are put in order of their rows' length, so that eight neighbours waste few places, but
+// within windows, so that what they read of a vector stays close.
 class PackedMatrix {
  public:
   // Chooses the sums: paired where every sum of a row with words of `vector_bits` stays within
@@ -53,8 +53,8 @@ class PackedMatrix {
   std::vector<std::size_t> place_;        // of every node
   std::vector<int> slice_begin_;          // in steps of eight blocks
   std::vector<std::size_t> value_begin_;  // of the paired words of a slice
-  Aligned<std::uint16_t> short_first_;
-  Aligned<std::uint32_t> long_first_;
+  Aligned<std::uint16_t> short_column_;   // of every block the node's place (paired),
+  Aligned<std::uint32_t> long_column_;    // or the same, or the row of its first word (wide)
   Aligned<std::int16_t> words16_;
   Aligned<std::int32_t> words32_;
   std::vector<std::uint64_t> row_size_;  // Σ|a| of every row, in the matrix' order

@@ -13,7 +13,7 @@
 namespace hvp::fixed::fast {
 
 // Nodes of a slice, and the words that one row of theirs has in a step of the paired layout: a row
-// of a block is (x, y, z, 0), so that it meets three words of a vector and whatever follows.
+// of a block is (x, y, z, 0), and a node of the vector that meets it has (x, y, z) and any word.
 inline constexpr std::size_t kSliceNodes = 8;
 inline constexpr std::size_t kRowWords = 4;
 inline constexpr std::size_t kRowStep = kSliceNodes * kRowWords;
@@ -31,17 +31,19 @@ inline constexpr std::size_t kQuadWord[kQuadSteps][3] = {
     {kPairedStep, kPairedStep + 1, kPairedStep + 2},
     {2 * kPairedStep + 2, 2 * kPairedStep + 3, kPairedStep + 3}};
 
-// The matrix in slices of eight nodes. A step has one block of each: `first` is the row of the
-// vector that the block's first column meets. Where a node has no block left, its words are zero.
-// Of the paired layout a slice has as many fours of steps as it can; the rest stand alone.
+// The matrix in slices of eight nodes. A step has one block of each, the first step the diagonal
+// ones: what those meet of a vector stands side by side. Where a node has no block left, its words
+// are zero. Of the paired layout a slice has as many fours of steps as it can; the rest stand
+// alone. A block meets four words of the vector, of the node in its column.
 struct PairedSlices {
   const std::int16_t* value = nullptr;
-  const int* slice_begin = nullptr;            // steps; size slices + 1
-  const std::uint16_t* short_first = nullptr;  // either this
-  const std::uint32_t* long_first = nullptr;   // or that
+  const int* slice_begin = nullptr;           // steps; size slices + 1
+  const std::uint16_t* short_node = nullptr;  // either this
+  const std::uint32_t* long_node = nullptr;   // or that
   std::size_t slices = 0;
 };
 
+// `first` is the row of the vector that a block's first column meets.
 struct WideSlices {
   const std::int32_t* value = nullptr;
   const int* slice_begin = nullptr;
@@ -63,7 +65,8 @@ struct RightShift {
 // has made sure that every term and their sum stay within ±(2^31 - 1), and that
 //   a_right <= 31, a_left = 0 or a_right = 0;
 //   b_right <= 60;
-//   short_product: factor and b fit 16 bits, their product 30, b_right <= 31;
+//   short_product: factor and b fit 16 bits, their product 30, b_right <= 31; or factor = 0, in
+//     which case a word of a that is not shifted may also be -2^31;
 //   split_product: factor fits 16 bits, b 31 + sign, 17 <= b_right <= 47, no `odd` is set;
 //   fits: the sum fits the word;
 //   square: the sums of out² in one lane's accumulator fit 63 bits (Passes::lanes).
@@ -102,16 +105,26 @@ struct Products {
   RightShift shift = {};  // right <= 60
 };
 
+struct FoundBoth {
+  Found first, second;
+};
+
 struct Passes {
-  std::size_t lanes = 1;  // words at once: every accumulator sums every lanes-th product
+  // An inner product has so many accumulators at least, each of which sums every lanes-th product.
+  std::size_t lanes = 1;
   Found (*combine)(const Terms& terms) = nullptr;
+  // Two at once that share b, which may be second.out. Both have short_product and fits, but not
+  // square; first.a is not shifted.
+  FoundBoth (*combine_both)(const Terms& first, const Terms& second) = nullptr;
   Found (*multiply_entries)(const Products& products) = nullptr;
   // Σ a · b, and the largest magnitude of b. The sums in one lane's accumulator fit 63 bits.
   Found (*inner_product)(const std::int32_t* a, const std::int32_t* b, std::size_t size) = nullptr;
+  // Every node's (x, y, z), which fit 16 bits, in four words; so many words of `in`.
   void (*to_short)(const std::int32_t* in, std::int16_t* out, std::size_t size) = nullptr;
-  // out: 24 words a slice, the three rows of a node together. No sum exceeds 32 bits.
-  void (*multiply_paired)(const PairedSlices& a, const std::int16_t* vector,
-                          std::int32_t* out) = nullptr;
+  // out: 24 words a slice, the three rows of a node together. No sum exceeds 32 bits. Finds the
+  // largest of out and, where the sums in one lane's accumulator fit 63 bits, Σ vector · out.
+  Found (*multiply_paired)(const PairedSlices& a, const std::int16_t* vector,
+                           std::int32_t* out) = nullptr;
   void (*multiply_wide)(const WideSlices& a, const std::int32_t* vector,
                         std::int64_t* out) = nullptr;
 };

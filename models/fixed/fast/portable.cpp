@@ -39,7 +39,6 @@ struct OneWord {
 
   static Word load(const std::int32_t* p) { return *p; }
   static void store(std::int32_t* p, Word w) { *p = w; }
-  static void store_short(std::int16_t* p, Word w) { *p = static_cast<std::int16_t>(w); }
   static Word all(std::int32_t w) { return w; }
   static Word size(Word w) { return with_sign(w, w); }
   static Word with_sign(Word size, Word sign) {
@@ -98,6 +97,14 @@ struct OneWord {
   };
 };
 
+void to_short(const std::int32_t* in, std::int16_t* out, std::size_t size) {
+  for (std::size_t node = 0; node < size / 3; ++node) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      out[kRowWords * node + c] = static_cast<std::int16_t>(in[3 * node + c]);
+    }
+  }
+}
+
 // Adds a block whose word of row r and column c is value[kRowStep · r + place[c]].
 void add_block(const std::int16_t* value, const std::size_t (&place)[3], const std::int16_t* vector,
                std::int32_t* sum) {
@@ -108,15 +115,16 @@ void add_block(const std::int16_t* value, const std::size_t (&place)[3], const s
 }
 
 template <typename Index>
-void multiply_pairs(const PairedSlices& a, const Index* first, const std::int16_t* vector,
-                    std::int32_t* out) {
+Found multiply_pairs(const PairedSlices& a, const Index* column, const std::int16_t* vector,
+                     std::int32_t* out) {
   constexpr std::size_t kAlone[3] = {0, 1, 2};
   const std::int16_t* value = a.value;
+  Found found;
   for (std::size_t slice = 0; slice < a.slices; ++slice) {
     std::int32_t sum[3 * kSliceNodes] = {};
     const auto add_step = [&](const std::size_t(&place)[3]) {
       for (std::size_t node = 0; node < kSliceNodes; ++node) {
-        add_block(value + kRowWords * node, place, vector + *first++, sum + 3 * node);
+        add_block(value + kRowWords * node, place, vector + kRowWords * *column++, sum + 3 * node);
       }
     };
     auto steps = static_cast<std::size_t>(a.slice_begin[slice + 1] - a.slice_begin[slice]);
@@ -128,16 +136,22 @@ void multiply_pairs(const PairedSlices& a, const Index* first, const std::int16_
       add_step(kAlone);
       value += kPairedStep;
     }
-    for (const std::int32_t one : sum) *out++ = one;
+    const std::int16_t* const own = vector + kRowStep * slice;
+    std::int64_t dot = 0;
+    for (std::size_t i = 0; i < 3 * kSliceNodes; ++i) {
+      const auto size = static_cast<std::uint32_t>(OneWord::size(sum[i]));
+      found.largest = size > found.largest ? size : found.largest;
+      dot += std::int64_t{own[i + i / 3]} * sum[i];
+      *out++ = sum[i];
+    }
+    found.dot += dot;
   }
+  return found;
 }
 
-void multiply_paired(const PairedSlices& a, const std::int16_t* vector, std::int32_t* out) {
-  if (a.short_first != nullptr) {
-    multiply_pairs(a, a.short_first, vector, out);
-  } else {
-    multiply_pairs(a, a.long_first, vector, out);
-  }
+Found multiply_paired(const PairedSlices& a, const std::int16_t* vector, std::int32_t* out) {
+  if (a.short_node != nullptr) return multiply_pairs(a, a.short_node, vector, out);
+  return multiply_pairs(a, a.long_node, vector, out);
 }
 
 void multiply_wide(const WideSlices& a, const std::int32_t* vector, std::int64_t* out) {
@@ -164,9 +178,10 @@ const Passes& portable_passes() {
   using P = LanePasses<OneWord>;
   static constexpr Passes kPasses = {.lanes = OneWord::kWords,
                                      .combine = P::combine,
+                                     .combine_both = P::combine_both,
                                      .multiply_entries = P::multiply_entries,
                                      .inner_product = P::inner_product,
-                                     .to_short = P::to_short,
+                                     .to_short = to_short,
                                      .multiply_paired = multiply_paired,
                                      .multiply_wide = multiply_wide};
   return kPasses;
