@@ -49,8 +49,13 @@ int run_command(const RunArguments& arguments) {
   const results::DeferredInterruption deferred;
   results::Outcome outcome;
   try {
+    const Rebuild rebuild = [&arguments](const std::vector<std::string>& overrides) {
+      RunArguments changed = arguments;
+      changed.overrides.insert(changed.overrides.end(), overrides.begin(), overrides.end());
+      return std::make_unique<Scene>(build_scene(load(changed), {}, Scene::Limits::reported));
+    };
     outcome = run(scene, {out, loaded.openable.object.mesh.surface, loaded.device_file,
-                          arguments.trace_registers, progress});
+                          arguments.trace_registers, progress, rebuild});
   } catch (const InputError& e) {
     throw loaded.document.complete(e);
   } catch (const Interrupted& e) {

@@ -8,6 +8,7 @@
 
 #include "app/results/engine_clocks.h"
 #include "app/results/latency_figures.h"
+#include "app/results/tried_remedy.h"
 #include "models/fem/linearity.h"
 #include "models/host/deviation.h"
 #include "models/host/rounding_estimate.h"
@@ -132,10 +133,13 @@ struct Outcome {
   };
   std::optional<Approach> approach;
   stability::Flags flags;
+  // What would take the flags away, where that was looked for.
+  std::optional<TriedRemedy> remedy;
   std::int64_t saturations = 0;
   std::int64_t wraps = 0;
   std::int64_t breakdowns = 0;
-  std::int64_t clamped_words = 0;
+  std::int64_t clamped_words = 0;   // of right-hand sides
+  std::int64_t clamped_forces = 0;  // frames whose force did not fit the device's register
 
   bool partial() const { return ticks < frames_asked; }
 };

@@ -12,6 +12,7 @@
 #include "app/results/force_text.h"
 #include "app/results/number_text.h"
 #include "app/results/spectrum_text.h"
+#include "app/results/tried_remedy.h"
 #include "app/results/verdict_text.h"
 #include "app/scenario/message.h"
 
@@ -210,6 +211,9 @@ void stability_lines(Out out, const app::Scene& scene, const Outcome& o) {
                    counted(o.breakdowns, "breakdown"), counted(o.clamped_words, "clamped word"));
   }
   if (o.wraps > 0) fmt::format_to(out, "  {}\n", counted(o.wraps, "wrapped word"));
+  if (o.clamped_forces > 0) {
+    fmt::format_to(out, "  {} with a force that the device's register clamped\n", counted(o.clamped_forces, "frame"));
+  }
   if (o.troubles.held_frames > 0) {
     fmt::format_to(out,
                    "  {} without a solution: the force of the last solved frame was held\n"
@@ -220,8 +224,11 @@ void stability_lines(Out out, const app::Scene& scene, const Outcome& o) {
     const auto flag = static_cast<stability::Flag>(i);
     if (!o.flags.has(flag)) continue;
     const stability::Description& d = stability::describe(flag);
-    fmt::format_to(out, "  FLAG {}: {}\n    remedy: {}\n", d.name, d.meaning, d.remedy);
+    fmt::format_to(out, "  FLAG {}: {}\n", d.name, d.meaning);
+    if (o.remedy && o.remedy->left.empty() && o.remedy->of.has(flag)) continue;
+    fmt::format_to(out, "    remedy: {}\n", d.remedy);
   }
+  if (o.remedy) fmt::format_to(out, "{}", remedy_text(*o.remedy, o.budget));
   if (scene.locking()) fmt::format_to(out, "    {}\n", scene.locking()->sentence);
   if (o.flags.empty()) fmt::format_to(out, "  no flags\n");
 }

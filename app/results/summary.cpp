@@ -8,6 +8,7 @@
 #include "app/results/number_text.h"
 #include "app/results/quality_json.h"
 #include "app/results/spectrum_json.h"
+#include "app/results/tried_remedy.h"
 
 namespace hvp::results {
 
@@ -22,6 +23,7 @@ ordered_json stability(const Outcome& o, bool timing_only) {
   };
   return {{"saturations", count(o.saturations)}, {"wraps", count(o.wraps)},
           {"breakdowns", count(o.breakdowns)},   {"clamped_words", count(o.clamped_words)},
+          {"clamped_forces", count(o.clamped_forces)},
           {"driver_errors", o.driver_errors},    {"flags", flag_names(o.flags)}};
 }
 
@@ -145,6 +147,7 @@ std::string summary_json(const app::Scene& scene, const Outcome& o) {
   j["force"] = force_json(o);
   j["strain"] = strain_json(o);
   j["stability"] = stability(o, s.timing_only());
+  j["remedy"] = o.remedy ? remedy_json(*o.remedy) : ordered_json(nullptr);
   if (const host::RefinedSolve* refined = scene.computation().refined()) {
     j["refinement"] = {{"passes", refined->passes()},
                        {"worst_residual_rel", refined->worst_residual()},

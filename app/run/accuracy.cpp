@@ -77,7 +77,7 @@ void AccuracyTracker::solved(const vp::SolvedFrame& frame) {
   step(hold);
   skipped_.reset();
   if (!compared) return;
-  const bool in_contact = frame.contact_node >= 0;
+  const bool in_contact = frame.contact.node >= 0;
   displacement_.add(frame.displacement, true_run_.displacement(), frame.number, in_contact);
   force_.add(components(frame.force), components(true_run_.force()), frame.number, in_contact);
   if (!has_rounded()) return;

@@ -4,7 +4,7 @@ namespace hvp::app {
 
 void ApproachWatch::solved(const vp::SolvedFrame& frame) {
   if (touched_) return;
-  if (frame.contact_node >= 0) {
+  if (frame.contact.node >= 0) {
     touched_ = true;
     nearest_.reset();
     return;

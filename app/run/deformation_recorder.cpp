@@ -38,7 +38,7 @@ void DeformationRecorder::solved(const vp::SolvedFrame& frame) {
   results::StepInfo info;
   info.probe_position_m = frame.tip;
   info.probe_radius_m = scene_.scenario().probe.radius;
-  info.contact_node = frame.contact_node;
+  info.contact_node = frame.contact.node;
   info.contact_force_N = -frame.force;
   info.strain = strain_;
   info.stress_Pa = stress_;

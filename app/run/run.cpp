@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "app/remedy/recorder.h"
 #include "app/results/frames_csv.h"
 #include "app/results/interruption.h"
 #include "app/results/part_file.h"
@@ -114,7 +115,8 @@ class BusMeters {
 class BodyWatches {
  public:
   BodyWatches(vp::Platform& platform, Scene& scene)
-      : force_(scene.contacts()), strain_(scene.body()) {
+      : force_(scene.contacts()), strain_(scene.body()), recorder_(scene.scenario().frames) {
+    platform.add_observer(recorder_);
     platform.add_observer(force_);
     platform.add_observer(strain_);
   }
@@ -126,9 +128,12 @@ class BodyWatches {
     outcome.flags.merge(strain_.flags());
   }
 
+  const Recorder& recorder() const { return recorder_; }
+
  private:
   ForceWatch force_;
   StrainWatch strain_;
+  Recorder recorder_;
 };
 
 // What the scenario states, beside what was measured.
@@ -209,6 +214,8 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
   }
   o.clamped_words = counts.clamped_words;
   if (counts.clamped_words > 0) o.flags.raise(stability::Flag::range_exceeded);
+  o.clamped_forces = counts.clamped_forces;
+  if (counts.clamped_forces > 0) o.flags.raise(stability::Flag::force_clamped);
   if (scene.has_board() && scene.spectrum() && !scene.spectrum()->rounded.positive_definite()) {
     o.flags.raise(stability::Flag::negative_curvature);
   }
@@ -306,6 +313,10 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   if (rounding) outcome.flags.merge(rounding_flags(scene, *rounding));
   outcome.trace_cut_at = trace.cut_at();
   if (accuracy) outcome.flags.merge(accuracy->flags());
+  if (body && options.rebuild && !outcome.partial()) {
+    outcome.remedy = try_remedies(scene, outcome.flags, body->recorder().sightings(),
+                                  options.rebuild, options.progress);
+  }
   results::write_through_part_file(directory / "summary.json",
                                    results::summary_json(scene, outcome));
   return outcome;

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "app/remedy/remedy.h"
 #include "app/results/outcome.h"
 #include "app/scene/scene.h"
 
@@ -20,6 +21,7 @@ struct RunOptions {
   std::filesystem::path device;     // the device's file; empty for a built-in one
   bool trace_registers = false;
   Progress progress;
+  Rebuild rebuild;  // for the remedies of flags; without it none is tried
 };
 
 // Simulates the scene and writes every result file but the pictures, in place of those of an

@@ -27,6 +27,13 @@ std::string read_text(const std::filesystem::path& file) {
   }
 }
 
+// A line of a scenario can be pasted: key = "value".
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
 std::string override_prefix(std::string_view text) { return "--set " + one_line(text) + ": "; }
 
 }  // namespace
@@ -67,12 +74,13 @@ void Document::apply(const std::string& text) {
   const int index = static_cast<int>(overrides_.size());
   const auto equals = text.find('=');
   try {
-    if (equals == std::string::npos || equals == 0) {
+    if (text.size() > kLargestFile) throw InputError("is too large");
+    const std::string key(trimmed(std::string_view(text).substr(0, equals)));
+    if (equals == std::string::npos || key.empty()) {
       throw InputError("expected KEY=VALUE, such as object.mesh.nodes=300");
     }
-    if (text.size() > kLargestFile) throw InputError("is too large");
-    overrides_.push_back({text.substr(0, equals), text});
-    put(root_, text.substr(0, equals), override_value(text.substr(equals + 1), index));
+    overrides_.push_back({key, text});
+    put(root_, key, override_value(trimmed(std::string_view(text).substr(equals + 1)), index));
   } catch (const InputError& error) {
     throw SourceError(override_prefix(text) + error.what());
   }

@@ -82,8 +82,13 @@ std::vector<host::UnitContact> unit_contacts(const Scene& scene) {
 }
 
 std::optional<host::RoundingEstimate> estimate_rounding(const Scene& scene) {
-  const host::FrameComputation& computation = scene.computation();
-  if (!scene.has_board() || computation.timing_only()) return std::nullopt;
+  if (!scene.has_board()) return std::nullopt;
+  return estimate_rounding(scene, scene.computation());
+}
+
+std::optional<host::RoundingEstimate> estimate_rounding(const Scene& scene,
+                                                        const host::FrameComputation& computation) {
+  if (computation.timing_only()) return std::nullopt;
   if (computation.matrix().block_rows() > kMostNodes) return std::nullopt;
   return host::estimate_rounding(scene.body(), computation.matrix(),
                                  fixed::dequantise(computation.system()), unit_contacts(scene));

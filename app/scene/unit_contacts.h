@@ -16,5 +16,8 @@ std::vector<host::UnitContact> unit_contacts(const Scene& scene);
 // What the matrix' words do to those contacts. None where no words are computed, or a system is so
 // large that its factors take longer than a run's set-up should.
 std::optional<host::RoundingEstimate> estimate_rounding(const Scene& scene);
+// The same of other words for the scene's body.
+std::optional<host::RoundingEstimate> estimate_rounding(const Scene& scene,
+                                                        const host::FrameComputation& computation);
 
 }  // namespace hvp::app

@@ -79,9 +79,9 @@ void ScFixedCg::solve(std::span<const std::int32_t> b, std::span<std::int32_t> x
   // b is worth b · 2^m, r is worth r · 2^-r_exponent.
   std::uint64_t widest = 0;
   for (const std::int32_t word : b) widest = std::max(widest, fast::size_of(word));
-  int r_exponent = widest == 0 ? -s.static_shift : free - fast::width(widest) - s.static_shift;
+  int r_exponent = widest == 0 ? -s.shift() : free - fast::width(widest) - s.shift();
   for (std::size_t i = 0; i < rows; ++i) {
-    r[i] = shifted(Word(b[i]), r_exponent + s.static_shift);
+    r[i] = shifted(Word(b[i]), r_exponent + s.shift());
   }
   int d_exponent = r_exponent + free - fast::width(largest(r));
   for (std::size_t i = 0; i < rows; ++i) d[i] = shifted(r[i], d_exponent - r_exponent);

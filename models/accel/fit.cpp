@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "models/accel/critical_path.h"
@@ -15,7 +16,7 @@ namespace {
 
 // An architecture that differs in one key.
 struct Change {
-  std::string text;  // "accelerator.parity_bits = true"
+  Proposal proposal;
   Architecture architecture;
 };
 
@@ -33,10 +34,12 @@ bool works(const Device& device, const Architecture& a, const WordLengths& words
 std::string quoted(const std::string& text) { return "\"" + text + "\""; }
 
 // The architecture of a change that is added; the key is still to be changed in it.
-Architecture& add(std::vector<Change>& changes, std::string text, const Architecture& a) {
-  changes.push_back({std::move(text), a});
+Architecture& add(std::vector<Change>& changes, std::string setting, const Architecture& a) {
+  changes.push_back({{{std::move(setting)}, {}}, a});
   return changes.back().architecture;
 }
+
+std::string_view key_of_setting(std::string_view text) { return text.substr(0, text.find(' ')); }
 
 // The other memory types for a structure.
 void retype(const Device& device, const Architecture& a, Role role,
@@ -64,8 +67,9 @@ std::vector<Change> changes_of(const Device& device, const Architecture& a,
     add(changes, setting("multiplier_mode", quoted(mode.name)), a).multiplier_mode = mode.name;
   }
   if (!a.several && a.matrix_storage == MatrixStorage::full) {
-    add(changes, setting("matrix_storage", quoted("symmetric")) + " (loosely-timed)", a)
-        .matrix_storage = MatrixStorage::symmetric;
+    add(changes, setting("matrix_storage", quoted("symmetric")), a).matrix_storage =
+        MatrixStorage::symmetric;
+    changes.back().proposal.remark = "(loosely-timed)";
   }
   return changes;
 }
@@ -82,22 +86,51 @@ std::optional<int> fewer_partitions(const Device& device, Architecture a, const 
 
 std::string partitions(int count) { return setting("partitions", std::to_string(count)); }
 
+// Two changes at once, with as few fewer partitions as it takes.
+std::vector<Proposal> pairs_that_fit(const Device& device, const WordLengths& words,
+                                     const Pattern& p, const std::vector<Change>& changes) {
+  std::vector<Proposal> fitting;
+  for (const Change& first : changes) {
+    for (const Change& second : changes_of(device, first.architecture, words)) {
+      const std::string& added = second.proposal.settings.front();
+      // Each pair once, and a key once.
+      if (!(first.proposal.settings.front() < added)) continue;
+      if (key_of_setting(added) == key_of_setting(first.proposal.settings.front())) continue;
+      std::optional<int> fewer = second.architecture.partitions;
+      if (!works(device, second.architecture, words, p)) {
+        fewer = fewer_partitions(device, second.architecture, words, p);
+      }
+      if (!fewer) continue;
+      fitting.push_back(first.proposal);
+      fitting.back().settings.push_back(added);
+      if (*fewer != second.architecture.partitions) {
+        fitting.back().settings.push_back(partitions(*fewer));
+      }
+      if (fitting.back().remark.empty()) fitting.back().remark = second.proposal.remark;
+    }
+  }
+  return fitting;
+}
+
 // On this device.
-std::vector<std::string> changes_that_fit(const Device& device, const Architecture& a,
+std::vector<Proposal> changes_that_fit(const Device& device, const Architecture& a,
                                           const WordLengths& words, const Pattern& p) {
-  std::vector<std::string> fitting;
+  std::vector<Proposal> fitting;
   if (const auto fewer = fewer_partitions(device, a, words, p)) {
-    fitting.push_back(partitions(*fewer));
+    fitting.push_back({{partitions(*fewer)}, {}});
   }
   const std::vector<Change> changes = changes_of(device, a, words);
   for (const Change& change : changes) {
-    if (works(device, change.architecture, words, p)) fitting.push_back(change.text);
+    if (works(device, change.architecture, words, p)) fitting.push_back(change.proposal);
   }
   if (!fitting.empty()) return fitting;
   for (const Change& change : changes) {
     const auto fewer = fewer_partitions(device, change.architecture, words, p);
-    if (fewer) fitting.push_back(change.text + " with " + partitions(*fewer));
+    if (!fewer) continue;
+    fitting.push_back(change.proposal);
+    fitting.back().settings.push_back(partitions(*fewer));
   }
+  if (fitting.empty()) fitting = pairs_that_fit(device, words, p, changes);
   return fitting;
 }
 
@@ -114,16 +147,17 @@ Architecture without_choices(Architecture a) {
   return a;
 }
 
-// What to set for another device; empty where it does not do.
-std::string with_device(const Device& other, const Architecture& a, const WordLengths& words,
+// What to set for another device; none where it does not do.
+std::optional<Proposal> with_device(const Device& other, const Architecture& a, const WordLengths& words,
                         const Pattern& p) {
-  std::string text = setting("device", quoted(other.name));
+  Proposal proposal{{setting("device", quoted(other.name))}, {}};
   try {
-    if (works(other, a, words, p)) return text;
+    if (works(other, a, words, p)) return proposal;
   } catch (const InputError&) {  // it has not the types and modes that are chosen
   }
-  if (!works(other, without_choices(a), words, p)) return {};
-  return text + " with every memory key and multiplier_mode left out";
+  if (!works(other, without_choices(a), words, p)) return std::nullopt;
+  proposal.remark = "with every memory key and multiplier_mode left out";
+  return proposal;
 }
 
 // "480 M4K of 255, 154 multipliers of 144"
@@ -146,18 +180,34 @@ constexpr double kMeshReserve = 0.97;
 
 }  // namespace
 
-std::vector<std::string> what_would_fit(const Device& device, const Architecture& a,
-                                        const WordLengths& words, const Pattern& p,
-                                        std::span<const Device* const> others) {
-  std::vector<std::string> fitting = changes_that_fit(device, a, words, p);
+std::string Proposal::text() const {
+  std::string result;
+  for (const std::string& s : settings) result += (result.empty() ? "" : " with ") + s;
+  return remark.empty() ? result : result + " " + remark;
+}
+
+std::vector<Proposal> proposals_that_fit(const Device& device, const Architecture& a,
+                                         const WordLengths& words, const Pattern& p,
+                                         std::span<const Device* const> others) {
+  std::vector<Proposal> fitting = changes_that_fit(device, a, words, p);
   for (const Device* other : others) {
     if (other->name == device.name) continue;
-    std::string change = with_device(*other, a, words, p);
-    if (change.empty()) continue;
-    fitting.push_back(std::move(change));
+    std::optional<Proposal> proposal = with_device(*other, a, words, p);
+    if (!proposal) continue;
+    fitting.push_back(std::move(*proposal));
     break;
   }
   return fitting;
+}
+
+std::vector<std::string> what_would_fit(const Device& device, const Architecture& a,
+                                        const WordLengths& words, const Pattern& p,
+                                        std::span<const Device* const> others) {
+  std::vector<std::string> texts;
+  for (const Proposal& proposal : proposals_that_fit(device, a, words, p, others)) {
+    texts.push_back(proposal.text());
+  }
+  return texts;
 }
 
 void require_fit(const Device& device, const Architecture& a, const WordLengths& words,

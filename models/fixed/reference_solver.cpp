@@ -182,10 +182,10 @@ void ReferenceSolver::form_recurrences() {
     return;
   }
   multiply(r_.word, r_.exponent, product_);
-  w_.exponent = r_.exponent - settings_.static_shift;
+  w_.exponent = r_.exponent - settings_.shift();
   fill(product_, w_);
   multiply(d_.word, d_.exponent, product_);
-  q_.exponent = d_.exponent - settings_.static_shift;
+  q_.exponent = d_.exponent - settings_.shift();
   fill(product_, q_);
   multiply(w_.word, w_.exponent, n_);
   multiply(q_.word, q_.exponent, v_);

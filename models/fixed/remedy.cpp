@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <utility>
 
@@ -57,8 +58,16 @@ bool jacobi(Plan& plan, const Extent& /*extent*/) {
 // Twice what was seen: a solution on its way may be larger than where it ends.
 constexpr double kReserve = 2;
 
-bool wider_range(Plan& plan, const Extent& extent) {
+// Two digits, so that what is printed is what was tried.
+double wanted_range(const Extent& extent) {
   const double wanted = kReserve * extent.largest_displacement;
+  if (!(wanted > 0)) return 0;
+  const double digit = std::pow(10.0, std::floor(std::log10(wanted)) - 1);
+  return std::ceil(wanted / digit) * digit;
+}
+
+bool wider_range(Plan& plan, const Extent& extent) {
+  const double wanted = wanted_range(extent);
   if (!(wanted > plan.settings.displacement_range)) return false;
   plan.settings.displacement_range = wanted;
   return true;
@@ -67,7 +76,7 @@ bool wider_range(Plan& plan, const Extent& extent) {
 bool narrower_range(Plan& plan, const Extent& extent) {
   // Less than four bits of the word gained are not worth a change.
   constexpr double kWorthIt = 16;
-  const double wanted = kReserve * extent.largest_displacement;
+  const double wanted = wanted_range(extent);
   if (!(wanted > 0) || plan.settings.displacement_range < kWorthIt * wanted) return false;
   plan.settings.displacement_range = wanted;
   return true;
@@ -98,8 +107,8 @@ bool wider_vectors(Plan& plan, const Extent& /*extent*/) {
 // Passes and iterations are tried in two stages, with wider words between them: a matrix that is
 // rounded too far cannot be made good by time.
 template <int kMost>
-bool more_passes(Plan& plan, const Extent& /*extent*/) {
-  if (plan.passes >= kMost) return false;
+bool more_passes(Plan& plan, const Extent& extent) {
+  if (plan.passes >= std::min(kMost, extent.most_passes)) return false;
   ++plan.passes;
   return true;
 }
@@ -146,7 +155,7 @@ std::vector<Change> changes_for(Flag flag) {
       return {dynamic_scaling, coefficients_with_their_own_shift, jacobi, more_passes<kManyPasses>,
               wider_vectors};
     case Flag::matrix_rounding:
-      return {more_passes<kFewPasses>, diagonal_scaling, wider_matrix, more_passes<kManyPasses>};
+      return {diagonal_scaling, more_passes<kFewPasses>, wider_matrix, more_passes<kManyPasses>};
     case Flag::not_converged:
       return {narrower_range,
               jacobi,
@@ -193,9 +202,10 @@ class Listing : public config::Visitor {
   void quantity(std::string_view name, double& value, config::Dimension dimension, config::Range,
                 config::Note) override {
     std::array<char, 32> digits{};
-    std::snprintf(digits.data(), digits.size(), "%.2g", value);
     const bool length = dimension == config::Dimension::length;
-    add(name, length ? "\"" + std::string(digits.data()) + " m\"" : digits.data());
+    std::snprintf(digits.data(), digits.size(), length ? "%.3g" : "%.2g",
+                  length ? 1e3 * value : value);
+    add(name, length ? "\"" + std::string(digits.data()) + " mm\"" : digits.data());
   }
   void vector(std::string_view, Eigen::Vector3d&, config::Dimension, config::Range,
               config::Note) override {}
@@ -253,15 +263,89 @@ std::optional<Remedy> next_remedy(stability::Flags flags, const Plan& plan, cons
   return std::nullopt;
 }
 
-std::string difference(const Plan& from, const Plan& to) {
+std::vector<std::string> changes(const Plan& from, const Plan& to) {
   const std::vector<std::string> before = listing(from);
   const std::vector<std::string> after = listing(to);
-  std::string text;
-  for (std::size_t i = 0; i < after.size(); ++i) {
-    if (before[i] == after[i]) continue;
-    text += (text.empty() ? "" : ", ") + after[i];
+  std::vector<std::string> lines;
+  for (const std::string& line : after) {
+    if (std::ranges::find(before, line) == before.end()) lines.push_back(line);
   }
+  return lines;
+}
+
+std::string difference(const Plan& from, const Plan& to) {
+  std::string text;
+  for (const std::string& line : changes(from, to)) text += (text.empty() ? "" : ", ") + line;
   return text;
+}
+
+Search follow_remedies(const Plan& plan, const Trial& first, const Extent& extent,
+                       const Attempt& attempt, int most) {
+  Search search{.plan = plan, .last = first, .remedies = {}, .attempts = 0};
+  while (!search.last.cured() && !search.last.refused && search.attempts < most) {
+    std::optional<Remedy> remedy = next_remedy(search.last.flags, search.plan, extent);
+    if (!remedy) break;
+    search.plan = remedy->plan;
+    search.remedies.push_back(std::move(*remedy));
+    search.last = attempt(search.plan);
+    ++search.attempts;
+  }
+  return search;
+}
+
+void take_back(const Plan& original, const Attempt& attempt, Search& search) {
+  using TakeBack = void (*)(Plan&, const Plan&);
+  constexpr std::array<TakeBack, 11> kOneByOne = {
+      [](Plan& p, const Plan& o) { p.settings.matrix_bits = o.settings.matrix_bits; },
+      [](Plan& p, const Plan& o) { p.settings.vector_bits = o.settings.vector_bits; },
+      [](Plan& p, const Plan& o) { p.settings.scalar_bits = o.settings.scalar_bits; },
+      [](Plan& p, const Plan& o) { p.passes = o.passes; },
+      [](Plan& p, const Plan& o) { p.settings.iterations = o.settings.iterations; },
+      [](Plan& p, const Plan& o) { p.settings.method = o.settings.method; },
+      [](Plan& p, const Plan& o) { p.settings.static_scale = o.settings.static_scale; },
+      [](Plan& p, const Plan& o) {
+        p.settings.dynamic_scaling = o.settings.dynamic_scaling;
+        p.settings.scaling_down = o.settings.scaling_down;
+      },
+      [](Plan& p, const Plan& o) { p.settings.coefficient_format = o.settings.coefficient_format; },
+      [](Plan& p, const Plan& o) { p.settings.matrix_scaling = o.settings.matrix_scaling; },
+      [](Plan& p, const Plan& o) { p.settings.displacement_range = o.settings.displacement_range; },
+  };
+  if (!search.last.cured()) return;
+  for (const TakeBack change : kOneByOne) {
+    Plan simpler = search.plan;
+    change(simpler, original);
+    if (simpler == search.plan || simpler == original) continue;
+    const Trial trial = attempt(simpler);
+    ++search.attempts;
+    if (!trial.cured()) continue;
+    search.plan = simpler;
+    search.last = trial;
+  }
+}
+
+void save_time(int least_iterations, const Attempt& attempt, Search& search) {
+  if (!search.last.cured()) return;
+  const Plan& plan = search.plan;
+  std::vector<Plan> plans;
+  for (int passes = 1; passes <= plan.passes; ++passes) {
+    for (int n = least_iterations; n <= plan.settings.iterations; n *= 2) {
+      if (passes * n >= plan.passes * plan.settings.iterations) break;
+      plans.push_back(plan);
+      plans.back().passes = passes;
+      plans.back().settings.iterations = n;
+    }
+  }
+  std::ranges::stable_sort(plans, {},
+                           [](const Plan& p) { return p.passes * p.settings.iterations; });
+  for (const Plan& faster : plans) {
+    const Trial trial = attempt(faster);
+    ++search.attempts;
+    if (!trial.cured()) continue;
+    search.plan = faster;
+    search.last = trial;
+    return;
+  }
 }
 
 }  // namespace hvp::fixed

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,9 +21,11 @@ struct Plan {
   friend bool operator==(const Plan&, const Plan&) = default;
 };
 
-// What the host knows of the size of the displacements, for the range that they are given.
+// What the host knows of the size of the displacements, for the range that they are given, and what
+// there is time for.
 struct Extent {
   double largest_displacement = 0;  // m; 0: unknown
+  int most_passes = 6;
 };
 
 // One change of a plan.
@@ -40,7 +43,37 @@ struct Remedy {
 std::optional<Remedy> next_remedy(stability::Flags flags, const Plan& plan,
                                   const Extent& extent = {});
 
-// What a plan has changed of another: "solver.iterations = 160, host.refinement.passes = 2".
+// What a plan has changed of another, as a scenario has it: "solver.iterations = 160".
+std::vector<std::string> changes(const Plan& from, const Plan& to);
+// In one line: "solver.iterations = 160, refinement.passes = 2".
 std::string difference(const Plan& from, const Plan& to);
+
+// What an attempt with a plan came to.
+struct Trial {
+  bool refused = false;  // there is no such system, or it cannot be solved
+  stability::Flags flags;
+  bool cured() const { return !refused && flags.empty(); }
+};
+using Attempt = std::function<Trial(const Plan&)>;
+
+// Remedies followed until no flag is left.
+struct Search {
+  Plan plan;  // the last one tried
+  Trial last;
+  std::vector<Remedy> remedies;
+  int attempts = 0;
+};
+
+// Does what next_remedy() says of `first`, what `plan` has come to, and of what that comes to, in
+// `most` attempts at most.
+Search follow_remedies(const Plan& plan, const Trial& first, const Extent& extent,
+                       const Attempt& attempt, int most);
+// Takes back, one after the other, the changes without which a cured search is cured too: a remedy
+// once taken may not be needed any more after the next one. Changes of the words, which cost the
+// device, are tried first, then what costs time.
+void take_back(const Plan& original, const Attempt& attempt, Search& search);
+// Of plans with fewer passes, or fewer iterations a pass, down to `least_iterations`, the fastest
+// that is cured too.
+void save_time(int least_iterations, const Attempt& attempt, Search& search);
 
 }  // namespace hvp::fixed

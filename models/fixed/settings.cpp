@@ -81,9 +81,11 @@ void Settings::declare(config::Visitor& v) {
            {.help = "the static scale m: static_shift, or the least that the matrix' row sums "
                     "cannot overflow",
             .source = "thesis §4.2 gives a range for m"});
-  v.integer("static_shift", static_shift, {.min = 0, .max = 31},
-            {.help = "m: b, r and d are scaled down by 2^m; methods without a preconditioner",
-             .source = "thesis §4.2: 9 to 12; 8 and 9 saturate, docs/fixed-point.md"});
+  v.integer("static_shift", static_shift, {.min = kShiftOfWords, .max = 31},
+            {.help = "m: b, r and d are scaled down by 2^m; -1: matrix_bits - 1; methods without a "
+                     "preconditioner",
+             .source = "thesis §4.2: 9 to 12 with 12-bit words; 8 and 9 saturate, 11 does not, "
+                       "docs/fixed-point.md"});
   v.boolean("dynamic_scaling", dynamic_scaling,
             {.help = "re-scale r and d by powers of two as they shrink and grow",
              .source = "thesis §4.2; the rule is ours, docs/fixed-point.md"});

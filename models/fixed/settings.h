@@ -70,7 +70,7 @@ struct Settings {
 
   MatrixScaling matrix_scaling = MatrixScaling::none;
   StaticScale static_scale = StaticScale::given;
-  int static_shift = 11;  // m of thesis §4.2; methods without a preconditioner only
+  int static_shift = kShiftOfWords;  // m of thesis §4.2; methods without a preconditioner only
   bool dynamic_scaling = true;
   bool scaling_down = true;   // dynamic scaling also makes room where a vector grows
   int scaling_threshold = 1;  // bits that must be free beyond headroom_bits before it scales up
@@ -94,11 +94,15 @@ struct Settings {
   }
   // Bits that the right-hand side drops: m of the static scaling, or with a preconditioner
   // those of the product, none with the thesis' words (§4.3: no static scaling).
-  int rhs_shift() const { return preconditioned() ? product_shift() : static_shift; }
+  int rhs_shift() const { return preconditioned() ? product_shift() : shift(); }
+  // m where prepare() does not find it in the matrix. The largest word of the matrix then counts as
+  // one, as the thesis' 11 does with its 12-bit words.
+  int shift() const { return static_shift == kShiftOfWords ? matrix_bits - 1 : static_shift; }
   // Width of b and r: with static scaling that of the vectors, without it a wider word (§4.3
   // asks for one without a number; 32 is what was tried, facts in docs/fixed-point.md).
   int residual_bits() const { return preconditioned() ? kProductBits : vector_bits; }
 
+  static constexpr int kShiftOfWords = -1;
   static constexpr int kProductBits = 32;
   static constexpr int kGrowthBits = 4;
 

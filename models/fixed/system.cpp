@@ -70,9 +70,9 @@ System prepare(const sparse::BlockMatrix& matrix, const Settings& settings) {
     system.scale.assign(at(matrix.rows()), 1.0);
     system.matrix = quantise(matrix, settings.matrix_bits);
   }
-  if (settings.static_scale == StaticScale::matrix_norm) {
-    system.settings.static_shift = static_shift_for(system.matrix);
-  }
+  system.settings.static_shift = settings.static_scale == StaticScale::matrix_norm
+                                     ? static_shift_for(system.matrix)
+                                     : settings.shift();
   return system;
 }
 

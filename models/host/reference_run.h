@@ -49,6 +49,10 @@ class ReferenceRun {
   void step(const fem::Hold& hold);
 
   std::span<const double> displacement() const { return u_; }  // m, active nodes
+  // m/s; empty for a static body.
+  std::span<const double> velocity() const {
+    return newmark_ ? newmark_->velocity() : std::span<const double>();
+  }
   const Eigen::Vector3d& force() const { return force_; }      // N, on the body
   // Of the matrix without contact.
   bool positive_definite() const { return solver_.positive_definite(); }

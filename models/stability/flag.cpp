@@ -35,7 +35,7 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
     {"matrix-rounding",
      "rounding the matrix to its words moves the solution further from the true model than "
      "reference.tolerance",
-     "more refinement.passes, solver.matrix_scaling = \"diagonal\", more matrix_bits and "
+     "solver.matrix_scaling = \"diagonal\", more refinement.passes, more matrix_bits and "
      "vector_bits; each bit about halves it"},
     {"not-converged",
      "the solver's own error is larger than reference.solver_tolerance, or the residual that "

@@ -6,37 +6,6 @@
 
 namespace hvp::tables {
 
-namespace {
-
-// Plans that take less time than this one and differ in nothing else, the fastest first.
-std::vector<fixed::Plan> faster(const fixed::Plan& plan, int least_iterations) {
-  std::vector<fixed::Plan> plans;
-  for (int passes = 1; passes <= plan.passes; ++passes) {
-    for (int n = least_iterations; n <= plan.settings.iterations; n *= 2) {
-      if (passes * n >= plan.passes * plan.settings.iterations) break;
-      plans.push_back(plan);
-      plans.back().passes = passes;
-      plans.back().settings.iterations = n;
-    }
-  }
-  std::ranges::stable_sort(plans, {},
-                           [](const fixed::Plan& p) { return p.passes * p.settings.iterations; });
-  return plans;
-}
-
-void save_time(Scene& scene, int least_iterations, Trail& trail) {
-  for (const fixed::Plan& plan : faster(trail.plan, least_iterations)) {
-    const Outcome outcome = scene.attempt(plan);
-    ++trail.attempts;
-    if (!outcome.converged()) continue;
-    trail.plan = plan;
-    trail.last = outcome;
-    return;
-  }
-}
-
-}  // namespace
-
 Trail follow(const Case& hard_case) {
   constexpr int kMostSteps = 40;
   Trail trail;
@@ -53,21 +22,27 @@ Trail follow(const Case& hard_case) {
   trail.last = trail.first;
   trail.refusal = trail.first.refusal;
   ++trail.attempts;
-  while (trail.last.refusal.empty() && !trail.last.converged() && trail.attempts < kMostSteps) {
-    const fixed::Extent extent{.largest_displacement = trail.last.largest_displacement};
-    std::optional<fixed::Remedy> remedy =
-        fixed::next_remedy(trail.last.flags(), trail.plan, extent);
-    if (!remedy) break;
-    trail.plan = remedy->plan;
-    trail.remedies.push_back(std::move(*remedy));
-    trail.last = scene.attempt(trail.plan);
-    ++trail.attempts;
-  }
-  trail.converged = trail.last.converged();
-  if (trail.converged && !trail.remedies.empty()) {
+  const auto trial = [](const Outcome& outcome) {
+    return fixed::Trial{.refused = !outcome.refusal.empty(), .flags = outcome.flags()};
+  };
+  // The displacements are those of the double-precision solution: no plan changes them.
+  const fixed::Extent extent{.largest_displacement = trail.first.largest_displacement};
+  const fixed::Attempt attempt = [&](const fixed::Plan& plan) {
+    const Outcome outcome = scene.attempt(plan);
+    // Of plans that are only faster, those that fail are left aside.
+    if (!trail.last.converged() || outcome.converged()) trail.last = outcome;
+    return trial(outcome);
+  };
+  fixed::Search search =
+      fixed::follow_remedies(trail.plan, trial(trail.first), extent, attempt, kMostSteps - 1);
+  if (!search.remedies.empty()) {
     // An increment needs fewer iterations than the whole.
-    save_time(scene, hard_case.plan.settings.iterations / 4, trail);
+    fixed::save_time(hard_case.plan.settings.iterations / 4, attempt, search);
   }
+  trail.converged = search.last.cured();
+  trail.plan = search.plan;
+  trail.remedies = std::move(search.remedies);
+  trail.attempts += search.attempts;
   return trail;
 }
 

@@ -86,7 +86,7 @@ std::vector<Words> oracle(const Settings& s, const Matrix& a, const Vector& b, V
   const bool cg = s.method == Method::cg;
   const std::size_t n = b.size();
   const int drop = std::max(0, s.matrix_bits + s.vector_bits - 28);
-  const int m = cg ? s.static_shift : drop;
+  const int m = cg ? s.shift() : drop;
   const int r_bits = cg ? s.vector_bits : 32;
   const int d_target = s.vector_bits - 1 - s.headroom_bits;
   const int r_target = cg ? d_target : 25;

@@ -21,7 +21,7 @@ constexpr std::uint32_t kTimeoutFlag = std::uint32_t{1}
 
 struct Forces : FrameObserver {
   void solved(const SolvedFrame& frame) override {
-    contact_nodes.push_back(frame.contact_node);
+    contact_nodes.push_back(frame.contact.node);
     contact_sizes.push_back(frame.hold.nodes.size());
   }
   std::vector<int> contact_nodes;

@@ -57,7 +57,7 @@ hvp_solver_config driver_config(const fixed::Settings& s) {
   // -0.0 is a zero too, with other bits.
   if (s.stop_residual > 0) c.stop_residual = std::bit_cast<std::uint64_t>(s.stop_residual);
   c.replace_every = static_cast<std::uint32_t>(s.replace_residual_every);
-  c.static_shift = static_cast<std::uint32_t>(s.static_shift);
+  c.static_shift = static_cast<std::uint32_t>(s.shift());
   c.dynamic_scaling = s.dynamic_scaling;
   c.scaling_up_only = !s.scaling_down;
   c.headroom_bits = static_cast<std::uint32_t>(s.headroom_bits);

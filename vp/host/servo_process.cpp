@@ -405,8 +405,8 @@ void ServoProcess::record(const Step& step) {
 }
 
 void ServoProcess::observe(const Step& step) {
-  const SolvedFrame view{step.number,       step.born - session_.begin, step.tip,
-                         step.contact.node, computation_.held(),        computation_.displacement(),
+  const SolvedFrame view{step.number,  step.born - session_.begin, step.tip,
+                         step.contact, computation_.held(),        computation_.displacement(),
                          step.force};
   for (FrameObserver* observer : observers_) observer->solved(view);
 }
@@ -465,11 +465,13 @@ Eigen::Vector3d ServoProcess::read_position() {
 
 void ServoProcess::write_force(const Eigen::Vector3d& force) {
   std::array<std::int32_t, 3> counts{};
+  bool clamped = false;
   for (int i = 0; i < 3; ++i) {
     const plant::Counts c = plant::kForce.to_counts(force[i]);
     counts[static_cast<std::size_t>(i)] = c.value;
-    if (c.saturated) ++counts_.clamped_words;
+    clamped = clamped || c.saturated;
   }
+  if (clamped) ++counts_.clamped_forces;
   access_.write(kDaqBase + DaqBoard::kForce, counts.data(), sizeof(counts));
 }
 

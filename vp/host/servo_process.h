@@ -36,7 +36,7 @@ struct SolvedFrame {
   std::int64_t number;
   Picoseconds time;                      // since the servo loop began, of the frame's birth
   Eigen::Vector3d tip;                   // as read, m
-  int contact_node;                      // mesh node, or −1
+  collision::Contact contact;            // of the mesh' nodes
   fem::Hold hold;                        // what contact prescribed
   std::span<const double> displacement;  // active nodes, m
   Eigen::Vector3d force;                 // on the body, N
@@ -68,7 +68,8 @@ struct ErrorCount {
 struct ServoCounts {
   std::int64_t saturations = 0;  // in the board's solves
   std::int64_t breakdowns = 0;
-  std::int64_t clamped_words = 0;  // right-hand sides and forces that did not fit
+  std::int64_t clamped_words = 0;   // of right-hand sides that did not fit
+  std::int64_t clamped_forces = 0;  // frames whose force did not fit the device's register
   std::int64_t driver_errors = 0;  // frames whose solve failed; the last force was held
   std::int64_t held_frames = 0;    // those, and frames without a board meanwhile
   std::int64_t longest_hold = 0;   // ticks in a row without a new force, skipped ones included

@@ -160,10 +160,10 @@ void FastSolver::form_recurrences() {
     return;
   }
   multiply(r_, r_.exponent, product_);
-  w_.exponent = r_.exponent - settings_.static_shift;
+  w_.exponent = r_.exponent - settings_.shift();
   fill(product_, w_);
   multiply(d_, d_.exponent, product_);
-  q_.exponent = d_.exponent - settings_.static_shift;
+  q_.exponent = d_.exponent - settings_.shift();
   fill(product_, q_);
   multiply(w_, w_.exponent, n_);
   multiply(q_, q_.exponent, v_);

@@ -1,0 +1,241 @@
+#include "app/remedy/remedy.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "app/devices/devices.h"
+#include "app/remedy/replay.h"
+#include "app/scene/frame_cost.h"
+#include "models/accel/critical_path.h"
+#include "models/accel/fit.h"
+#include "models/config/input_error.h"
+#include "models/fixed/remedy.h"
+
+namespace hvp::app {
+
+namespace {
+
+using stability::Flag;
+using stability::Flags;
+
+constexpr int kMostAttempts = 40;
+// A touch and a good part of a press.
+constexpr std::size_t kFewFrames = 256;
+
+template <std::size_t n>
+Flags among(Flags flags, const std::array<Flag, n>& set) {
+  Flags result;
+  for (const Flag flag : set) {
+    if (flags.has(flag)) result.raise(flag);
+  }
+  return result;
+}
+
+Flags of_solver(Flags flags) {
+  return among(flags, std::array{Flag::saturation, Flag::negative_curvature, Flag::zero_diagonal,
+                                 Flag::stagnation, Flag::scalar_overflow, Flag::divergence,
+                                 Flag::matrix_rounding, Flag::not_converged, Flag::range_exceeded,
+                                 Flag::wrapped, Flag::limit_cycle});
+}
+
+Flags of_hand_over(Flags flags) {
+  return among(flags, std::array{Flag::force_step, Flag::force_ringing});
+}
+
+// Of the exact solution: the first hand-over, from the scenario's on, whose force neither steps nor
+// rings.
+std::optional<double> calm_hand_over(const Scene& scene, std::span<const Sighting> recording) {
+  for (const double milliseconds : {20.0, 30.0, 50.0, 80.0}) {
+    const double hand_over_s = 1e-3 * milliseconds;
+    if (hand_over_s <= scene.scenario().contact.search.hand_over_s) continue;
+    const Replay replay(scene, recording, recording.size(), hand_over_s);
+    if (of_hand_over(replay.exact_force().flags()).empty()) return hand_over_s;
+  }
+  return std::nullopt;
+}
+
+std::string shortage(const Scene& scene) {
+  std::string text;
+  for (const accel::Resource& r : scene.usage().resources) {
+    if (r.used <= r.available) continue;
+    text += fmt::format("{}{} {} of {}", text.empty() ? "" : ", ", r.used, r.type, r.available);
+  }
+  for (const accel::Obstacle& o : scene.usage().obstacles) {
+    text += (text.empty() ? "" : ", ") + o.reason;
+  }
+  return text;
+}
+
+class Candidate {
+ public:
+  Candidate(const Rebuild& rebuild, std::vector<std::string> settings)
+      : settings_(std::move(settings)) {
+    std::vector<std::string> overrides;
+    for (const std::string& s : settings_) overrides.push_back(results::override_text(s));
+    try {
+      scene_ = rebuild(overrides);
+    } catch (const InputError& e) {
+      refusal_ = e.what();
+    }
+  }
+
+  bool works() const { return scene_ && scene_->usage().fits() && clock_is_reached(); }
+  const Scene* scene() const { return scene_.get(); }
+  const std::vector<std::string>& settings() const { return settings_; }
+  std::string reason() const {
+    if (!scene_) return refusal_;
+    const std::string text = shortage(*scene_);
+    return text.empty() ? "the device does not reach the clock" : scene_->device().name + ": " + text;
+  }
+
+ private:
+  accel::WordLengths words() const {
+    return accel::word_lengths(scene_->computation().board_settings());
+  }
+  bool clock_is_reached() const {
+    try {
+      accel::require_clock({scene_->device(), scene_->scenario().accelerator, words(),
+                            scene_->pattern().nodes()});
+      return true;
+    } catch (const InputError&) {
+      return false;
+    }
+  }
+
+  std::vector<std::string> settings_;
+  std::unique_ptr<Scene> scene_;
+  std::string refusal_;
+};
+
+// With what the device needs for the words; the candidate as it is where nothing makes it fit.
+Candidate fitting(Candidate candidate, const Rebuild& rebuild) {
+  if (candidate.works() || candidate.scene() == nullptr) return candidate;
+  const Scene& scene = *candidate.scene();
+  if (scene.scenario().accelerator.several) return candidate;
+  const accel::WordLengths words = accel::word_lengths(scene.computation().board_settings());
+  for (const accel::Proposal& proposal :
+       accel::proposals_that_fit(scene.device(), scene.scenario().accelerator, words,
+                                 scene.pattern(), devices::all_built_in())) {
+    if (!proposal.remark.empty()) continue;
+    std::vector<std::string> settings = candidate.settings();
+    settings.insert(settings.end(), proposal.settings.begin(), proposal.settings.end());
+    Candidate other(rebuild, std::move(settings));
+    if (other.works()) return other;
+  }
+  return candidate;
+}
+
+fixed::Plan plan_of(const Scenario& s) {
+  return {s.solver, s.refinement ? s.refinement->passes : 1};
+}
+
+std::int64_t budget_ps(const Scene& scene) {
+  return std::llround(scene.scenario().budget.period_s * 1e12);
+}
+
+// What the settings need of the device, and what a frame takes with them.
+void complete(const Scene& scene, const Rebuild& rebuild, results::TriedRemedy& remedy) {
+  const Candidate candidate = fitting(Candidate(rebuild, remedy.settings), rebuild);
+  remedy.settings = candidate.settings();
+  remedy.fits = candidate.scene() != nullptr && (!scene.has_board() || candidate.works());
+  if (!remedy.fits) remedy.shortage = candidate.reason();
+  if (candidate.scene() == nullptr) return;
+  remedy.frame_ps_before = frame_ps(frame_steps(scene));
+  remedy.frame_ps = frame_ps(frame_steps(*candidate.scene()));
+}
+
+class SolverSearch {
+ public:
+  SolverSearch(const Scene& scene, Flags flags, const Replay& replay, const Rebuild& rebuild)
+      : scene_(scene), flags_(flags), replay_(replay), rebuild_(rebuild) {}
+
+  // On top of what `remedy` has already.
+  results::TriedRemedy find(results::TriedRemedy remedy, int most_passes) {
+    const fixed::Plan original = plan_of(scene_.scenario());
+    const fixed::Attempt attempt = [this](const fixed::Plan& plan) {
+      const Replay::Result result = replay_.attempt(plan);
+      return fixed::Trial{.refused = result.refused, .flags = result.flags};
+    };
+    const fixed::Extent extent{.largest_displacement = replay_.largest_displacement(),
+                               .most_passes = most_passes};
+    fixed::Search search = fixed::follow_remedies(original, {.refused = false, .flags = flags_},
+                                                  extent, attempt, kMostAttempts);
+    fixed::take_back(original, attempt, search);
+    if (takes_longer(search.plan, original)) {
+      fixed::save_time(std::max(1, original.settings.iterations / 4), attempt, search);
+    }
+    remedy.attempts = search.attempts;
+    if (!search.last.cured()) {
+      remedy.left = search.last.flags.empty() ? flags_ : search.last.flags;
+      return remedy;
+    }
+    const Replay::Result result = replay_.attempt(search.plan);
+    remedy.median = result.median;
+    remedy.p95 = result.p95;
+    for (std::string& s : fixed::changes(original, search.plan)) {
+      remedy.settings.push_back(std::move(s));
+    }
+    complete(scene_, rebuild_, remedy);
+    return remedy;
+  }
+
+ private:
+  static bool takes_longer(const fixed::Plan& plan, const fixed::Plan& original) {
+    return plan.passes * plan.settings.iterations > original.passes * original.settings.iterations;
+  }
+
+  const Scene& scene_;
+  Flags flags_;
+  const Replay& replay_;
+  const Rebuild& rebuild_;
+};
+
+}  // namespace
+
+std::optional<results::TriedRemedy> try_remedies(const Scene& scene, Flags flags,
+                                                 std::span<const Sighting> recording,
+                                                 const Rebuild& rebuild,
+                                                 const Progress& progress) {
+  const Flags solver = scene.has_board() ? of_solver(flags) : Flags();
+  const Flags hand_over = of_hand_over(flags);
+  if (scene.scenario().timing_only() || recording.empty()) return std::nullopt;
+  if (solver.empty() && hand_over.empty()) return std::nullopt;
+  if (progress) progress("looking for a remedy");
+
+  results::TriedRemedy remedy;
+  remedy.of = solver;
+  remedy.of.merge(hand_over);
+  double hand_over_s = scene.scenario().contact.search.hand_over_s;
+  if (!hand_over.empty()) {
+    const std::optional<double> calm = calm_hand_over(scene, recording);
+    if (calm) {
+      hand_over_s = *calm;
+      remedy.settings.push_back(fmt::format("contact.hand_over = \"{:g} ms\"", 1e3 * hand_over_s));
+    } else {
+      remedy.left = hand_over;
+    }
+  }
+  // What ripples does so for long.
+  const bool whole = solver.has(Flag::limit_cycle);
+  const Replay replay(scene, recording, whole ? recording.size() : kFewFrames, hand_over_s);
+  remedy.frames = hand_over.empty() ? replay.frames() : recording.size();
+  if (!remedy.left.empty()) return remedy;
+  if (solver.empty()) {
+    complete(scene, rebuild, remedy);
+    return remedy;
+  }
+  SolverSearch search(scene, solver, replay, rebuild);
+  results::TriedRemedy found = search.find(remedy, fixed::Extent{}.most_passes);
+  if (!found.left.empty() || (found.fits && found.frame_ps <= budget_ps(scene))) return found;
+  // Without the time for further passes wider words may do.
+  const int passes = plan_of(scene.scenario()).passes;
+  results::TriedRemedy other = search.find(remedy, passes);
+  const bool better = other.left.empty() && other.fits && other.frame_ps <= budget_ps(scene);
+  return better ? other : found;
+}
+
+}  // namespace hvp::app

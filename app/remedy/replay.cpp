@@ -1,0 +1,196 @@
+#include "app/remedy/replay.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "app/scene/unit_contacts.h"
+#include "models/collision/hand_over.h"
+#include "models/config/input_error.h"
+#include "models/host/deviation.h"
+#include "models/host/rounding_estimate.h"
+#include "models/host/word_board.h"
+
+namespace hvp::app {
+
+namespace {
+
+// A displacement and a force of every recorded frame are kept.
+constexpr std::size_t kMostNumbers = 25'000'000;
+
+double seconds(std::int64_t picoseconds) { return 1e-12 * static_cast<double>(picoseconds); }
+
+// One frame of the board, all its passes.
+stability::Flags solve(host::FrameComputation& computation, host::WordBoard& board,
+                       std::vector<std::int32_t>& b) {
+  stability::Flags flags;
+  host::RefinedSolve* const refined = computation.refined();
+  if (refined == nullptr) {
+    if (computation.form_rhs(b) > 0) flags.raise(stability::Flag::range_exceeded);
+    flags.merge(board.solve(b).flags);
+    computation.accept(board.solution());
+    return flags;
+  }
+  computation.begin_passes();
+  while (refined->next(b)) {
+    const fixed::Report report = board.solve(b);
+    refined->accept(board.solution(), report.flags);
+  }
+  return flags;
+}
+
+}  // namespace
+
+Replay::Replay(const Scene& scene, std::span<const Sighting> recording, std::size_t frames,
+               double hand_over_s)
+    : scene_(scene) {
+  const std::size_t unknowns = std::max<std::size_t>(1, scene.body().load().size());
+  solve_exactly(
+      recording.first(std::min({frames, recording.size(), kMostNumbers / unknowns})), hand_over_s);
+}
+
+std::vector<int> Replay::patch(const collision::Contact& contact) const {
+  std::vector<int> nodes;
+  if (!contact.present()) return nodes;
+  for (const int node : scene_.contacts().patch(contact.node)) {
+    nodes.push_back(scene_.body().active_index(node));
+  }
+  return nodes;
+}
+
+// The servo process' own order (vp/host/servo_process.cpp): contact changes, its nodes are held,
+// the frame is solved.
+void Replay::solve_exactly(std::span<const Sighting> recording, double hand_over_s) {
+  const Scenario& s = scene_.scenario();
+  const sparse::BlockMatrix& matrix = scene_.computation().matrix();
+  host::ReferenceRun run(scene_.body(), s.dynamics, s.budget.period_s, matrix, matrix);
+  collision::HandOver hand_over(std::llround(hand_over_s * 1e12));
+  const auto period = static_cast<std::int64_t>(std::llround(s.budget.period_s * 1e12));
+  const auto aim = [this](const Sighting& sight, const collision::Contact& contact) {
+    collision::Aim result{sight.time, Eigen::Vector3d::Zero()};
+    if (contact.present()) {
+      result.displacement = scene_.contacts().prescribed_displacement(contact, sight.tip);
+    }
+    return result;
+  };
+  collision::Contact present;
+  for (std::size_t i = 0; i < recording.size(); ++i) {
+    const Sighting& now = recording[i];
+    const Sighting& last = i > 0 ? recording[i - 1] : now;
+    const Sighting& before = i > 1 ? recording[i - 2] : last;
+    if (!(now.contact == present)) {
+      present = now.contact;
+      hand_over.change(patch(present), aim(before, present), aim(last, present),
+                       run.displacement(), run.velocity());
+    }
+    const std::int64_t since = i > 0 ? last.time : now.time - period;
+    const fem::Hold hold = hand_over.hold(aim(now, present), seconds(now.time - since));
+    run.step(hold);
+    Held& held = frames_.emplace_back();
+    held.sighting = now;
+    held.nodes.assign(hold.nodes.begin(), hold.nodes.end());
+    held.displacement.assign(hold.displacement.begin(), hold.displacement.end());
+    held.let_go.assign(hold.let_go.begin(), hold.let_go.end());
+    held.elapsed_s = hold.elapsed_s;
+    held.exact.assign(run.displacement().begin(), run.displacement().end());
+    held.exact_force = run.force();
+    for (const double u : held.exact) largest_ = std::max(largest_, std::abs(u));
+    add_force(held, held.exact_force, exact_force_);
+  }
+}
+
+void Replay::add_force(const Held& frame, const Eigen::Vector3d& force,
+                       stability::ForceQuality& quality) const {
+  const Sighting& at = frame.sighting;
+  stability::FeltForce felt{static_cast<std::int64_t>(&frame - frames_.data()),
+                            seconds(at.time),
+                            at.tip,
+                            force,
+                            at.contact.node,
+                            0};
+  if (at.contact.present()) {
+    felt.pull = force.dot(scene_.contacts().surface().rest_normal(at.contact.node));
+  }
+  quality.add(felt);
+}
+
+// As a run has them at set-up.
+stability::Flags Replay::rounding_flags(const host::FrameComputation& computation,
+                                        const fixed::Plan& plan) const {
+  stability::Flags flags;
+  const std::optional<host::RoundingEstimate> estimate = estimate_rounding(scene_, computation);
+  if (!estimate) return flags;
+  if (!estimate->positive_definite) flags.raise(stability::Flag::negative_curvature);
+  if (plan.passes > 1 || scene_.scenario().reference) return flags;
+  if (!estimate->error || estimate->error->displacement > host::Reference{}.tolerance) {
+    flags.raise(stability::Flag::matrix_rounding);
+  }
+  return flags;
+}
+
+Replay::Result Replay::attempt(const fixed::Plan& plan) const {
+  const Scenario& s = scene_.scenario();
+  Result result;
+  std::optional<host::Refinement> refinement;
+  if (plan.passes > 1) {
+    refinement = s.refinement.value_or(host::Refinement{});
+    refinement->passes = plan.passes;
+  }
+  try {
+    plan.settings.check();
+    host::FrameComputation computation(scene_.body(), s.contact.diagonal, s.dynamics,
+                                       plan.settings, s.budget.period_s, refinement);
+    result.flags = rounding_flags(computation, plan);
+    host::WordBoard board(computation.quantised(), computation.board_settings());
+    const sparse::BlockMatrix rounded = fixed::dequantise(computation.system());
+    host::ReferenceRun rounded_run(scene_.body(), s.dynamics, s.budget.period_s,
+                                   computation.matrix(), rounded);
+    std::vector<std::int32_t> b(computation.displacement().size());
+    host::Deviation of_true;
+    host::Deviation of_rounded;
+    stability::ForceQuality quality;
+    std::span<const int> present;
+    for (const Held& frame : frames_) {
+      if (!std::ranges::equal(present, frame.nodes)) {
+        computation.set_contact(frame.nodes);
+        board.set_contact(frame.nodes, computation.diagonal_word());
+        present = frame.nodes;
+      }
+      computation.hold(frame.hold());
+      result.flags.merge(solve(computation, board, b));
+      const Eigen::Vector3d force = computation.force();
+      if (host::RefinedSolve* const refined = computation.refined()) {
+        refined->finish();
+        result.flags.merge(refined->flags());
+        if (refined->clamped() > 0) result.flags.raise(stability::Flag::range_exceeded);
+      }
+      computation.update();
+      add_force(frame, force, quality);
+      const bool in_contact = !frame.nodes.empty();
+      of_true.add(computation.displacement(), frame.exact, 0, in_contact);
+      if (plan.passes > 1 || rounded_run.singular()) continue;
+      rounded_run.step(frame.hold());
+      of_rounded.add(computation.displacement(), rounded_run.displacement(), 0, in_contact);
+    }
+    const auto typical = [](const host::Deviation& d) -> std::optional<double> {
+      const auto of_frame = d.of_frame();
+      if (!of_frame) return d.relative();
+      return std::max(d.relative().value_or(0), of_frame->median);
+    };
+    const std::optional<double> error = typical(of_true);
+    result.flags.merge(host::accuracy_flags(s.reference.value_or(host::Reference{}), error,
+                                            plan.passes > 1 ? error : typical(of_rounded)));
+    if (quality.flags().has(stability::Flag::limit_cycle)) {
+      result.flags.raise(stability::Flag::limit_cycle);
+    }
+    if (const auto of_frame = of_true.of_frame()) {
+      result.median = of_frame->median;
+      result.p95 = of_frame->p95;
+    }
+  } catch (const InputError&) {
+    result.refused = true;
+  }
+  return result;
+}
+
+}  // namespace hvp::app
