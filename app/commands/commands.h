@@ -71,6 +71,9 @@ struct LoadedScenario {
   std::filesystem::path device_file;  // that can be opened; empty for a built-in device
 };
 LoadedScenario load(const ScenarioArguments& arguments);
+// Where `hvp run` writes without --out: runs/thesis, and for a what-if a folder of its own,
+// runs/thesis+frames=300.
+std::filesystem::path results_folder(const ScenarioArguments& arguments);
 
 // The scenario's system; what it throws names the line of the scenario.
 Scene build_scene(const LoadedScenario& loaded, const Progress& progress,

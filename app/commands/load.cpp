@@ -1,4 +1,9 @@
+#include <cctype>
+#include <cstdint>
 #include <cstdio>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -13,10 +18,62 @@
 
 namespace hvp::app {
 
+namespace {
+
+std::string_view key_of(std::string_view override_text) {
+  const std::string_view key = override_text.substr(0, override_text.find('='));
+  const auto first = key.find_first_not_of(' ');
+  if (first == std::string_view::npos) return {};
+  return key.substr(first, key.find_last_not_of(' ') - first + 1);
+}
+
+// A what-if does not look like the scenario that it starts from.
+std::string title_of(const std::string& title, const std::vector<std::string>& overrides) {
+  std::string changes;
+  for (const std::string& o : overrides) {
+    if (key_of(o) == "title") return title;
+    changes += (changes.empty() ? "" : ", ") + o;
+  }
+  return changes.empty() ? title : fmt::format("{} [{}]", title, scenario::one_line(changes, 200));
+}
+
+}  // namespace
+
+std::filesystem::path results_folder(const ScenarioArguments& arguments) {
+  constexpr std::size_t kLongest = 120;
+  std::string name = arguments.scenario.stem().string();
+  std::uint64_t hash = 14695981039346656037U;  // FNV-1a
+  std::string changes;
+  bool lossy = false;
+  for (const std::string& o : arguments.overrides) {
+    for (const char c : o) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211U;
+    hash = (hash ^ 0x1FU) * 1099511628211U;
+    changes += '+';
+    for (const char c : o) {
+      const bool plain = (std::isalnum(static_cast<unsigned char>(c)) != 0 &&
+                          static_cast<unsigned char>(c) < 0x80U) ||
+                         c == '.' || c == '=' || c == '-' || c == '_';
+      if (plain) {
+        changes += c;
+      } else if (c == '/' || c == '[' || c == ']') {
+        changes += '-';
+      } else if (c != ' ' && c != '"' && c != '\'') {
+        lossy = true;
+      }
+    }
+  }
+  // What does not show in the name, or is cut off, still tells two what-ifs apart.
+  if (lossy || changes.size() > kLongest) {
+    changes = changes.substr(0, kLongest - 9) + fmt::format("-{:08x}", hash & 0xFFFFFFFFU);
+  }
+  return std::filesystem::path("runs") / (name + changes);
+}
+
 LoadedScenario load(const ScenarioArguments& arguments) {
   LoadedScenario loaded{
       scenario::Document::load(arguments.scenario, arguments.overrides), {}, {}, {}, {}};
   scenario::read(loaded.document, loaded.scenario);
+  loaded.scenario.title = title_of(loaded.scenario.title, arguments.overrides);
   loaded.openable = loaded.scenario;
   scenario::resolve_files(loaded.document, loaded.openable);
   const accel::Architecture& accelerator = loaded.scenario.accelerator;

@@ -39,7 +39,7 @@ int run_command(const RunArguments& arguments) {
   check_kernel("HVP_KERNEL");
   const LoadedScenario loaded = load(arguments);
   std::filesystem::path out = arguments.out;
-  if (out.empty()) out = std::filesystem::path("runs") / arguments.scenario.stem();
+  if (out.empty()) out = results_folder(arguments);
   const Progress progress = make_progress(arguments.quiet);
 
   Scene scene = build_scene(loaded, progress);

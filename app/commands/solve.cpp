@@ -18,6 +18,7 @@
 #include "app/scenario/document.h"
 #include "app/scenario/message.h"
 #include "app/scenario/reader.h"
+#include "app/solve/solve_remedy.h"
 #include "app/solve/system_solve.h"
 #include "models/accel/critical_path.h"
 #include "models/config/input_error.h"
@@ -119,7 +120,8 @@ void require_clock(const SolveTask& task, const LinearSystem& system,
   try {
     accel::require_clock({task.device, architecture, words, nodes});
   } catch (const InputError& e) {
-    throw document.complete(InputError("accelerator." + e.key(), e.what()));
+    throw document.complete(
+        InputError(e.key().empty() ? "accelerator" : "accelerator." + e.key(), e.what()));
   }
 }
 
@@ -140,9 +142,10 @@ int solve_command(const SolveArguments& arguments) {
   SystemSolution solution;
   try {
     solution = solve_system(system, task);
+    solution.remedy = try_remedies(system, task, solution);
   } catch (const InputError& e) {
     if (e.key().empty()) throw InputError(option("--matrix", arguments.matrix) + e.what());
-    const bool complete = e.key().starts_with("accelerator.");
+    const bool complete = e.key().starts_with("accelerator");
     throw document.complete(InputError(complete ? e.key() : "solver." + e.key(), e.what()));
   }
   std::ostringstream text;

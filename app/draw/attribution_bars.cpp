@@ -4,6 +4,8 @@
 #include <array>
 #include <cstddef>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -13,10 +15,21 @@
 namespace hvp::draw {
 namespace {
 
-// Colours of the parts, after Okabe and Ito's palette for the colour-blind.
-constexpr std::array<Colour, 6> kPartColours = {
-    {{0, 114, 178}, {230, 159, 0}, {0, 158, 115}, {204, 121, 167}, {86, 180, 233}, {213, 94, 0}}};
 constexpr Colour kOther = {160, 160, 155};
+
+// After Okabe and Ito's palette for the colour-blind; one part, one colour, in every picture.
+Colour colour_of(std::string_view part) {
+  constexpr std::array<std::pair<std::string_view, Colour>, 5> kParts = {
+      {{"fpga", {0, 114, 178}},
+       {"bus", {230, 159, 0}},
+       {"host", {0, 158, 115}},
+       {"daq", {204, 121, 167}},
+       {"device", {86, 180, 233}}}};
+  for (const auto& [name, colour] : kParts) {
+    if (name == part) return colour;
+  }
+  return kOther;
+}
 
 std::string name_of(const Contribution& row) { return row.part + " · " + row.phase; }
 
@@ -42,19 +55,13 @@ void draw_attribution(Canvas& canvas, const Deadline& deadline) {
     names = std::max(names, canvas.text_width(name_of(row)));
   }
   const double left = 52.0 + std::clamp(names, 160.0, 330.0);
-  std::vector<std::string> parts;  // in the order of their first row: a colour each
   double y = kTop;
   for (const Contribution& row : rows) {
-    auto part = std::find(parts.begin(), parts.end(), row.part);
-    if (part == parts.end()) part = parts.insert(parts.end(), row.part);
-    const Colour colour =
-        &row == &rows.back() && row.part == "other"
-            ? kOther
-            : kPartColours[static_cast<std::size_t>(part - parts.begin()) % kPartColours.size()];
     const double length = longest > 0.0 ? (kRight - left) * row.us / longest : 0.0;
     const double middle = y - 0.5 * kRow;
     canvas.text({left - 12.0, middle}, name_of(row), {.horizontal = Align::high});
-    canvas.rectangle({left, middle - 12.0}, {left + std::max(length, 1.5), middle + 12.0}, colour);
+    canvas.rectangle({left, middle - 12.0}, {left + std::max(length, 1.5), middle + 12.0},
+                     colour_of(row.part));
     canvas.text({left + length + 10.0, middle},
                 fmt::format("{:.1f} µs   {:.1f} %", row.us, sum > 0 ? 100 * row.us / sum : 0),
                 {.colour = style::kInk});

@@ -13,6 +13,7 @@
 
 #include "app/draw/axis_ticks.h"
 #include "app/draw/canvas.h"
+#include "app/draw/caption.h"
 #include "app/draw/deformation_scene.h"
 #include "app/draw/picture_window.h"
 
@@ -170,18 +171,13 @@ void label_arrow(Canvas& canvas, const DeformationStep& step, const SceneSizes& 
 }
 
 void paint(Canvas& canvas, const DeformationStep& step, const SceneSizes& sizes,
-           const Projection& projection) {
+           const Projection& projection, const Caption& caption) {
   const double force = step.force_N.norm();
-  canvas.text(
-      {40.0, 963.0},
-      fmt::format("Deformation in frame {}, t = {} s", step.frame, four_digits(step.time_s)),
-      {.size = 28, .bold = true});
-  canvas.text(
-      {40.0, 926.0},
+  draw_caption(
+      canvas, caption, fmt::format("Frame {}, t = {} s", step.frame, four_digits(step.time_s)),
       fmt::format("largest displacement {} mm · {}", four_digits(1e3 * sizes.max_displacement),
                   force > 0.0 ? fmt::format("contact force {} N", four_digits(force))
-                              : std::string("no contact")),
-      {.size = 19, .colour = style::kSoftInk});
+                              : std::string("no contact")));
   if (force > 0.0) label_arrow(canvas, step, sizes, projection);
   draw_colour_scale(canvas, sizes);
   draw_length_scale(canvas, projection);
@@ -190,7 +186,7 @@ void paint(Canvas& canvas, const DeformationStep& step, const SceneSizes& sizes,
 
 }  // namespace
 
-void draw_deformation(PictureWindow& window, const DeformationStep& step) {
+void draw_deformation(PictureWindow& window, const DeformationStep& step, const Caption& caption) {
   const SceneSizes sizes = sizes_of(step);
   const Projection projection = fit(step, sizes);
 
@@ -214,8 +210,8 @@ void draw_deformation(PictureWindow& window, const DeformationStep& step) {
   }
 
   vtkNew<vtkRenderer> labels;
-  add_canvas(*labels, [&step, sizes, projection](Canvas& canvas) {
-    paint(canvas, step, sizes, projection);
+  add_canvas(*labels, [&step, &caption, sizes, projection](Canvas& canvas) {
+    paint(canvas, step, sizes, projection, caption);
   });
   window.add(*labels, layer);
 }

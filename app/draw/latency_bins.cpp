@@ -16,7 +16,8 @@ double percentile(const std::vector<double>& ascending, double share) {
 
 }  // namespace
 
-LatencyBins latency_bins(std::vector<double> latencies, double budget_us, int wanted) {
+LatencyBins latency_bins(std::vector<double> latencies, double budget_us, int wanted,
+                         const std::vector<double>& missed) {
   LatencyBins out;
   if (latencies.empty()) return out;
   std::sort(latencies.begin(), latencies.end());
@@ -31,10 +32,16 @@ LatencyBins latency_bins(std::vector<double> latencies, double budget_us, int wa
     const double number = std::ceil((us - budget_us) / out.width);
     const double to = budget_us + number * out.width;
     if (out.bins.empty() || out.bins.back().to != to) {
-      out.bins.push_back({to - out.width, to, 0, us > budget_us});
+      out.bins.push_back({to - out.width, to, 0, 0, us > budget_us});
     }
     ++out.bins.back().frames;
+    if (us > budget_us) ++out.bins.back().missed;
     out.fullest = std::max(out.fullest, out.bins.back().frames);
+  }
+  for (const double us : missed) {
+    for (LatencyBins::Bin& bin : out.bins) {
+      if (!bin.late && bin.from < us && us <= bin.to) ++bin.missed;
+    }
   }
   return out;
 }

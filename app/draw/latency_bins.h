@@ -12,7 +12,8 @@ struct LatencyBins {
     double from = 0.0;
     double to = 0.0;
     std::size_t frames = 0;
-    bool late = false;  // beyond the budget
+    std::size_t missed = 0;  // of them: late, or without a solution
+    bool late = false;       // beyond the budget
   };
 
   double width = 0.0;     // 1, 2 or 5 times a power of ten
@@ -24,7 +25,9 @@ struct LatencyBins {
 
 // The budget is an edge between two bins, so that none is partly late. About `wanted` bins from
 // the least latency or the budget to the largest one or the budget, never more than twice as many.
-// `latencies`: finite, in any order. Without one there are no bins and the figures are 0.
-LatencyBins latency_bins(std::vector<double> latencies, double budget_us, int wanted);
+// `latencies`: finite, in any order; `missed`: those of them that count as missed though they are
+// not late. Without one there are no bins and the figures are 0.
+LatencyBins latency_bins(std::vector<double> latencies, double budget_us, int wanted,
+                         const std::vector<double>& missed = {});
 
 }  // namespace hvp::draw

@@ -22,9 +22,11 @@ constexpr double kTitle = 356.0;
 constexpr double kLeftEdge = 815.0;  // of what belongs to the histogram
 constexpr double kLeast = 0.5;       // frames at the foot of the axis: a single one has a height
 
-std::vector<double> latencies_of(const std::vector<FrameRow>& frames) {
+// Of every frame, or of those missed alone.
+std::vector<double> latencies_of(const std::vector<FrameRow>& frames, bool missed) {
   std::vector<double> latencies;
   for (const FrameRow& row : frames) {
+    if (missed && row.in_time) continue;
     if (!std::isnan(row.latency_us)) latencies.push_back(row.latency_us);
   }
   return latencies;
@@ -58,7 +60,9 @@ void draw_bars(Canvas& canvas, const Axes& axes, const LatencyBins& bins, Colour
     const Point low = axes.at(bin.from, axes.data_low.y());
     Point high = axes.at(bin.to, height(bin.frames));
     high.x() = std::max(high.x() - 1.0, low.x() + kNarrowest);
-    canvas.rectangle(low, high, bin.late ? style::kLate : in_time);
+    canvas.rectangle(low, high, bin.missed == bin.frames ? style::kLate : in_time);
+    if (bin.missed == 0 || bin.missed == bin.frames) continue;
+    canvas.rectangle(low, {high.x(), axes.at(bin.from, height(bin.missed)).y()}, style::kLate);
   }
 }
 
@@ -136,7 +140,8 @@ void draw_histogram(Canvas& canvas, const std::vector<FrameRow>& frames, const D
   constexpr Colour kInTime = {38, 102, 150};
   constexpr int kBins = 50;
   canvas.text({kLeftEdge, kTitle}, "How often which latency", {.size = 24, .bold = true});
-  const LatencyBins bins = latency_bins(latencies_of(frames), deadline.budget_us, kBins);
+  const LatencyBins bins = latency_bins(latencies_of(frames, false), deadline.budget_us, kBins,
+                                        latencies_of(frames, true));
   if (bins.bins.empty()) {
     canvas.text({kLeftEdge, 312.0}, "no frame has a latency", {.colour = style::kSoftInk});
     return;

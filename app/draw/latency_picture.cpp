@@ -13,6 +13,7 @@
 #include "app/draw/axes.h"
 #include "app/draw/axis_ticks.h"
 #include "app/draw/canvas.h"
+#include "app/draw/caption.h"
 #include "app/draw/latency_histogram.h"
 #include "app/draw/picture_window.h"
 
@@ -149,12 +150,13 @@ void draw_budget(Canvas& canvas, const Axes& axes, double budget_us, const Frame
 
 // From the right: what the marks mean, only those that are there.
 void draw_legend(Canvas& canvas, const Statistics& statistics, bool any_contact) {
+  constexpr double kLegend = 886.0;
   double x = 1365.0;
   const auto entry = [&](const char* words) {
     const TextStyle text = {.size = 18, .horizontal = Align::high};
-    canvas.text({x, 926.0}, words, text);
+    canvas.text({x, kLegend}, words, text);
     x -= canvas.text_width(words, text) + 18.0;
-    Point sign(x, 926.0);
+    Point sign(x, kLegend);
     x -= 30.0;
     return sign;
   };
@@ -193,8 +195,7 @@ bool needs_enlarging(const Statistics& statistics, double plotted_us, Axes& stri
   return true;
 }
 
-void draw_title(Canvas& canvas, const Statistics& statistics, std::size_t frames, double worst_us) {
-  canvas.text({40.0, 963.0}, "Latency of every frame", {.size = 28, .bold = true});
+std::string figures(const Statistics& statistics, std::size_t frames, double worst_us) {
   std::string line =
       fmt::format("{} {} · median {} · worst {} · ", frames, frames == 1 ? "frame" : "frames",
                   microseconds(statistics.median_us), microseconds(worst_us));
@@ -202,19 +203,21 @@ void draw_title(Canvas& canvas, const Statistics& statistics, std::size_t frames
   if (statistics.late > 0) line += fmt::format("{} missed", statistics.late);
   if (statistics.late > 0 && statistics.skipped > 0) line += " · ";
   if (statistics.skipped > 0) line += fmt::format("{} skipped", statistics.skipped);
-  canvas.text({40.0, 926.0}, line, {.size = 19, .colour = style::kSoftInk});
+  return line;
 }
 
-void paint(Canvas& canvas, const std::vector<FrameRow>& frames, const Deadline& deadline) {
+void paint(Canvas& canvas, const std::vector<FrameRow>& frames, const Deadline& deadline,
+           const Caption& caption) {
   const Statistics statistics = statistics_of(frames);
   const double worst_us = statistics.worst != nullptr ? statistics.worst->latency_us : 0.0;
-  draw_title(canvas, statistics, frames.size(), worst_us);
+  draw_caption(canvas, caption, "Latency of every frame",
+               figures(statistics, frames.size(), worst_us));
 
   const auto first = static_cast<double>(frames.front().frame);
   const auto last = static_cast<double>(frames.back().frame);
   const double margin = std::max(0.5, 0.01 * (last - first));
   Axes whole{{110.0, 470.0},
-             {1365.0, 890.0},
+             {1365.0, 872.0},
              {first - margin, 0.0},
              {last + margin, 1.12 * std::max({deadline.budget_us, worst_us, 1e-3})}};
   Axes strip = whole;
@@ -253,11 +256,11 @@ void paint(Canvas& canvas, const std::vector<FrameRow>& frames, const Deadline& 
 }  // namespace
 
 void draw_latency(PictureWindow& window, const std::vector<FrameRow>& frames,
-                  const Deadline& deadline) {
+                  const Deadline& deadline, const Caption& caption) {
   vtkNew<vtkRenderer> renderer;
   renderer->SetBackground(style::kPaper.red / 255.0, style::kPaper.green / 255.0,
                           style::kPaper.blue / 255.0);
-  add_canvas(*renderer, [&](Canvas& canvas) { paint(canvas, frames, deadline); });
+  add_canvas(*renderer, [&](Canvas& canvas) { paint(canvas, frames, deadline, caption); });
   window.add(*renderer, 0);
 }
 

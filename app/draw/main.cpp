@@ -32,6 +32,7 @@ void draw_pictures(const std::filesystem::path& run) {
   // anything is written.
   const std::vector<FrameRow> frames = read_frames(run / "frames.csv");
   const Deadline deadline = read_deadline(run / "summary.json");
+  const Caption caption = read_caption(run / "summary.json");
   std::optional<DeformationStep> step;
   // A run with timing only has no deformation.
   if (std::filesystem::exists(run / "deformation.pvd")) step = read_deepest_step(run);
@@ -39,10 +40,10 @@ void draw_pictures(const std::filesystem::path& run) {
   PictureWindow window;
   std::vector<std::pair<std::string, std::string>> pictures;
   if (step) {
-    draw_deformation(window, *step);
+    draw_deformation(window, *step, caption);
     pictures.emplace_back("deformation.png", window.take_png());
   }
-  draw_latency(window, frames, deadline);
+  draw_latency(window, frames, deadline, caption);
   pictures.emplace_back("latency.png", window.take_png());
 
   for (const auto& [name, bytes] : pictures) {

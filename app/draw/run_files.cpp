@@ -66,6 +66,13 @@ std::ifstream open(const std::filesystem::path& path) {
   return file;
 }
 
+nlohmann::json read_json(const std::filesystem::path& path) {
+  std::ifstream file = open(path);
+  nlohmann::json json = nlohmann::json::parse(file, nullptr, false);
+  if (json.is_discarded()) throw InputError(path.filename().string() + ": not well-formed JSON");
+  return json;
+}
+
 const nlohmann::json& member(const nlohmann::json& object, const char* key,
                              const std::string& where) {
   if (!object.is_object() || !object.contains(key))
@@ -132,11 +139,32 @@ std::vector<FrameRow> read_frames(const std::filesystem::path& path) {
   return rows;
 }
 
+Caption read_caption(const std::filesystem::path& path) {
+  const nlohmann::json summary = read_json(path);
+  Caption out;
+  if (!summary.is_object()) return out;
+  const auto text = [](const nlohmann::json& object, const char* key) {
+    const auto found = object.find(key);
+    return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+  };
+  out.title = text(summary, "title");
+  out.verdict = text(summary, "verdict");
+  if (const auto held = summary.find("held"); held != summary.end() && held->is_boolean()) {
+    out.held = held->get<bool>();
+  }
+  const auto stability = summary.find("stability");
+  if (stability == summary.end() || !stability->is_object()) return out;
+  const auto flags = stability->find("flags");
+  if (flags == stability->end() || !flags->is_array()) return out;
+  for (const nlohmann::json& flag : *flags) {
+    if (flag.is_string()) out.flags.push_back(flag.get<std::string>());
+  }
+  return out;
+}
+
 Deadline read_deadline(const std::filesystem::path& path) {
-  std::ifstream file = open(path);
   const std::string name = path.filename().string();
-  const nlohmann::json summary = nlohmann::json::parse(file, nullptr, false);
-  if (summary.is_discarded()) throw InputError(name + ": not well-formed JSON");
+  const nlohmann::json summary = read_json(path);
 
   Deadline out;
   const nlohmann::json& deadline = member(summary, "deadline", name);

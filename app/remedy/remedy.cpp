@@ -47,11 +47,11 @@ Flags of_hand_over(Flags flags) {
 }
 
 // Of the exact solution: the first hand-over, from the scenario's on, whose force neither steps nor
-// rings.
+// rings. Where the scenario's own does not, the solver has made the force do so.
 std::optional<double> calm_hand_over(const Scene& scene, std::span<const Sighting> recording) {
-  for (const double milliseconds : {20.0, 30.0, 50.0, 80.0}) {
-    const double hand_over_s = 1e-3 * milliseconds;
-    if (hand_over_s <= scene.scenario().contact.search.hand_over_s) continue;
+  const double present_s = scene.scenario().contact.search.hand_over_s;
+  for (const double hand_over_s : {present_s, 20e-3, 30e-3, 50e-3, 80e-3}) {
+    if (hand_over_s < present_s) continue;
     const Replay replay(scene, recording, recording.size(), hand_over_s);
     if (of_hand_over(replay.exact_force().flags()).empty()) return hand_over_s;
   }
@@ -89,7 +89,8 @@ class Candidate {
   std::string reason() const {
     if (!scene_) return refusal_;
     const std::string text = shortage(*scene_);
-    return text.empty() ? "the device does not reach the clock" : scene_->device().name + ": " + text;
+    return text.empty() ? "the device does not reach the clock"
+                        : scene_->device().name + ": " + text;
   }
 
  private:
@@ -98,8 +99,8 @@ class Candidate {
   }
   bool clock_is_reached() const {
     try {
-      accel::require_clock({scene_->device(), scene_->scenario().accelerator, words(),
-                            scene_->pattern().nodes()});
+      accel::require_clock(
+          {scene_->device(), scene_->scenario().accelerator, words(), scene_->pattern().nodes()});
       return true;
     } catch (const InputError&) {
       return false;
@@ -198,8 +199,7 @@ class SolverSearch {
 
 std::optional<results::TriedRemedy> try_remedies(const Scene& scene, Flags flags,
                                                  std::span<const Sighting> recording,
-                                                 const Rebuild& rebuild,
-                                                 const Progress& progress) {
+                                                 const Rebuild& rebuild, const Progress& progress) {
   const Flags solver = scene.has_board() ? of_solver(flags) : Flags();
   const Flags hand_over = of_hand_over(flags);
   if (scene.scenario().timing_only() || recording.empty()) return std::nullopt;
@@ -212,11 +212,11 @@ std::optional<results::TriedRemedy> try_remedies(const Scene& scene, Flags flags
   double hand_over_s = scene.scenario().contact.search.hand_over_s;
   if (!hand_over.empty()) {
     const std::optional<double> calm = calm_hand_over(scene, recording);
-    if (calm) {
+    if (!calm) {
+      remedy.left = hand_over;
+    } else if (*calm > hand_over_s) {
       hand_over_s = *calm;
       remedy.settings.push_back(fmt::format("contact.hand_over = \"{:g} ms\"", 1e3 * hand_over_s));
-    } else {
-      remedy.left = hand_over;
     }
   }
   // What ripples does so for long.

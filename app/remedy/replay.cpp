@@ -45,8 +45,8 @@ Replay::Replay(const Scene& scene, std::span<const Sighting> recording, std::siz
                double hand_over_s)
     : scene_(scene) {
   const std::size_t unknowns = std::max<std::size_t>(1, scene.body().load().size());
-  solve_exactly(
-      recording.first(std::min({frames, recording.size(), kMostNumbers / unknowns})), hand_over_s);
+  solve_exactly(recording.first(std::min({frames, recording.size(), kMostNumbers / unknowns})),
+                hand_over_s);
 }
 
 std::vector<int> Replay::patch(const collision::Contact& contact) const {
@@ -80,8 +80,8 @@ void Replay::solve_exactly(std::span<const Sighting> recording, double hand_over
     const Sighting& before = i > 1 ? recording[i - 2] : last;
     if (!(now.contact == present)) {
       present = now.contact;
-      hand_over.change(patch(present), aim(before, present), aim(last, present),
-                       run.displacement(), run.velocity());
+      hand_over.change(patch(present), aim(before, present), aim(last, present), run.displacement(),
+                       run.velocity());
     }
     const std::int64_t since = i > 0 ? last.time : now.time - period;
     const fem::Hold hold = hand_over.hold(aim(now, present), seconds(now.time - since));
@@ -138,8 +138,8 @@ Replay::Result Replay::attempt(const fixed::Plan& plan) const {
   }
   try {
     plan.settings.check();
-    host::FrameComputation computation(scene_.body(), s.contact.diagonal, s.dynamics,
-                                       plan.settings, s.budget.period_s, refinement);
+    host::FrameComputation computation(scene_.body(), s.contact.diagonal, s.dynamics, plan.settings,
+                                       s.budget.period_s, refinement);
     result.flags = rounding_flags(computation, plan);
     host::WordBoard board(computation.quantised(), computation.board_settings());
     const sparse::BlockMatrix rounded = fixed::dequantise(computation.system());

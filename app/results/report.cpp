@@ -212,7 +212,8 @@ void stability_lines(Out out, const app::Scene& scene, const Outcome& o) {
   }
   if (o.wraps > 0) fmt::format_to(out, "  {}\n", counted(o.wraps, "wrapped word"));
   if (o.clamped_forces > 0) {
-    fmt::format_to(out, "  {} with a force that the device's register clamped\n", counted(o.clamped_forces, "frame"));
+    fmt::format_to(out, "  {} with a force that the device's register clamped\n",
+                   counted(o.clamped_forces, "frame"));
   }
   if (o.troubles.held_frames > 0) {
     fmt::format_to(out,

@@ -5,6 +5,7 @@
 #include "app/results/flag_json.h"
 #include "app/results/settings_json.h"
 #include "app/results/spectrum_json.h"
+#include "app/results/tried_remedy.h"
 #include "models/accel/memory.h"
 
 namespace hvp::results {
@@ -41,6 +42,7 @@ std::string solve_json(const app::LinearSystem& system, const app::SolveTask& ta
   j["clamped_words"] = s.clamped;
   j["flags"] = flag_names(s.flags);
   j["remedies"] = remedies_json(s.flags);
+  j["remedy"] = s.remedy ? solve_remedy_json(*s.remedy) : ordered_json(nullptr);
   j["tolerance"] = task.tolerance;
   j["cycles"] = s.board.cycles;
   j["time_us"] = static_cast<double>(s.board.time_ps) / 1e6;

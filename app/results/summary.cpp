@@ -9,6 +9,7 @@
 #include "app/results/quality_json.h"
 #include "app/results/spectrum_json.h"
 #include "app/results/tried_remedy.h"
+#include "app/results/verdict_text.h"
 
 namespace hvp::results {
 
@@ -21,10 +22,13 @@ ordered_json stability(const Outcome& o, bool timing_only) {
   const auto count = [timing_only](std::int64_t words) {
     return timing_only ? ordered_json(nullptr) : ordered_json(words);
   };
-  return {{"saturations", count(o.saturations)}, {"wraps", count(o.wraps)},
-          {"breakdowns", count(o.breakdowns)},   {"clamped_words", count(o.clamped_words)},
+  return {{"saturations", count(o.saturations)},
+          {"wraps", count(o.wraps)},
+          {"breakdowns", count(o.breakdowns)},
+          {"clamped_words", count(o.clamped_words)},
           {"clamped_forces", count(o.clamped_forces)},
-          {"driver_errors", o.driver_errors},    {"flags", flag_names(o.flags)}};
+          {"driver_errors", o.driver_errors},
+          {"flags", flag_names(o.flags)}};
 }
 
 // By how much forces were late; null where none was.
@@ -124,6 +128,8 @@ std::string summary_json(const app::Scene& scene, const Outcome& o) {
   j["title"] = s.title;
   j["partial"] = o.partial();
   j["frames_asked"] = o.frames_asked;
+  j["held"] = o.held();
+  j["verdict"] = o.held() ? verdict_word(o, s.timing_only()) : "not held";
   j["deadline"] = {{"period_us", us(o.period)},    {"budget_us", us(o.budget)},
                    {"worst_us", us(o.worst)},      {"p50_us", us(o.p50)},
                    {"p99_us", us(o.p99)},          {"misses", o.misses},

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <iterator>
+#include <nlohmann/json.hpp>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "app/results/flag_json.h"
 #include "app/results/number_text.h"
@@ -41,17 +41,27 @@ std::string remedy_text(const TriedRemedy& r, std::int64_t budget_ps) {
   fmt::format_to(out, "    tried on      {} of this run: no flags",
                  counted(static_cast<std::int64_t>(r.frames), "frame"));
   if (r.p95 > 0) {
-    fmt::format_to(out, ", displacement {} from the true model (median; 95 % of the frames within {})",
+    fmt::format_to(out,
+                   ", displacement {} from the true model (median; 95 % of the frames within {})",
                    percent(r.median), percent(r.p95));
   }
   fmt::format_to(out, "\n");
   if (r.frame_ps_before > 0) {
-    fmt::format_to(out, "    costs         a frame's large steps take {} instead of {}, {} a budget of {}\n",
-                   readable_time(r.frame_ps), readable_time(r.frame_ps_before),
-                   r.frame_ps <= budget_ps ? "within" : "beyond", readable_time(budget_ps));
+    fmt::format_to(
+        out, "    costs         a frame's large steps take {} instead of {}, {} a budget of {}\n",
+        readable_time(r.frame_ps), readable_time(r.frame_ps_before),
+        r.frame_ps <= budget_ps ? "within" : "beyond", readable_time(budget_ps));
   }
   if (!r.fits) fmt::format_to(out, "    does not fit  {}\n", r.shortage);
   return text;
+}
+
+nlohmann::ordered_json solve_remedy_json(const TriedRemedy& r) {
+  nlohmann::ordered_json j = remedy_json(r);
+  for (const char* of_a_run : {"frames", "displacement_p95_rel", "frame_us"}) j.erase(of_a_run);
+  j["error_rel"] = r.median;
+  j.erase("displacement_median_rel");
+  return j;
 }
 
 nlohmann::ordered_json remedy_json(const TriedRemedy& r) {
@@ -63,6 +73,7 @@ nlohmann::ordered_json remedy_json(const TriedRemedy& r) {
   j["leaves"] = flag_names(r.left);
   j["attempts"] = r.attempts;
   j["frames"] = r.frames;
+  j["line"] = r.left.empty() ? override_line(r.settings) : "";
   j["displacement_median_rel"] = r.median;
   j["displacement_p95_rel"] = r.p95;
   j["fits"] = r.fits;

@@ -2,11 +2,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include <nlohmann/json_fwd.hpp>
 
 #include "models/stability/flag.h"
 
@@ -23,7 +22,7 @@ struct TriedRemedy {
   double p95 = 0;
   // What the words need of the device.
   bool fits = true;
-  std::string shortage;      // where it does not
+  std::string shortage;       // where it does not
   std::int64_t frame_ps = 0;  // the frame's large steps by annotated costs, and before
   std::int64_t frame_ps_before = 0;
 };
@@ -36,5 +35,7 @@ std::string override_line(const std::vector<std::string>& settings);
 // For the terminal, below the flags.
 std::string remedy_text(const TriedRemedy& remedy, std::int64_t budget_ps);
 nlohmann::ordered_json remedy_json(const TriedRemedy& remedy);
+// Of a single system: error_rel in place of what only a run has.
+nlohmann::ordered_json solve_remedy_json(const TriedRemedy& remedy);
 
 }  // namespace hvp::results

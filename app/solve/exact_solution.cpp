@@ -56,7 +56,8 @@ double relative_distance(std::span<const double> v, std::span<const double> refe
   return size > 0 ? distance / size : std::numeric_limits<double>::infinity();
 }
 
-std::vector<double> exact_solution(const sparse::BlockMatrix& a, std::span<const double> b) {
+std::vector<double> exact_solution(const sparse::BlockMatrix& a, std::span<const double> b,
+                                   int equations) {
   const std::vector<int> exponent = scaling_exponents(a);
   sparse::BlockMatrix scaled = a;
   for (int row = 0; row < a.block_rows(); ++row) {
@@ -73,7 +74,7 @@ std::vector<double> exact_solution(const sparse::BlockMatrix& a, std::span<const
     throw InputError(
         fmt::format("the matrix is not positive definite: {} of its {} eigenvalues "
                     "are negative",
-                    solver.negative_eigenvalues(), a.rows()));
+                    solver.negative_eigenvalues(), equations));
   }
   if (solver.singular()) {
     throw InputError(

@@ -10,8 +10,10 @@ namespace hvp::app {
 // A⁻¹·b in double precision, by Cholesky's method. The unknowns are scaled by powers of two
 // first, which costs no digit, so that only what cancellation destroys counts as singular and not
 // units that differ. Throws InputError, with the reason, where A is not positive definite as far
-// as double precision can tell.
-std::vector<double> exact_solution(const sparse::BlockMatrix& a, std::span<const double> b);
+// as double precision can tell. `equations`: those that the user stated; the others fill the last
+// block.
+std::vector<double> exact_solution(const sparse::BlockMatrix& a, std::span<const double> b,
+                                   int equations);
 
 // ‖v‖ without overflow or underflow of the squares.
 double norm(std::span<const double> v);

@@ -164,7 +164,7 @@ Board make_board(const fixed::System& system, const SolveTask& task) {
   try {
     return {system, task};
   } catch (const InputError& e) {
-    throw InputError("accelerator." + e.key(), e.what());
+    throw InputError(e.key().empty() ? "accelerator" : "accelerator." + e.key(), e.what());
   }
 }
 
@@ -200,7 +200,7 @@ void solve_refined(const host::Refinement& refinement, const LinearSystem& given
 
 SystemSolution solve_system(const LinearSystem& given, const SolveTask& task) {
   SystemSolution s;
-  const Vector exact = exact_solution(given.matrix, given.b);
+  const Vector exact = exact_solution(given.matrix, given.b, given.rows);
   fixed::System system = fixed::prepare(given.matrix, task.settings.solver);
   const RoundedSystem rounded(system, given.b);
   const std::optional<Vector> exact_rounded = rounded.solution();

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "app/results/tried_remedy.h"
 #include "app/solve/solve_settings.h"
 #include "models/accel/memory.h"
 #include "models/fixed/settings.h"
@@ -51,6 +52,7 @@ struct SystemSolution {
   BoardCounts board;
   std::int64_t clamped = 0;  // words of b that did not fit
   stability::Flags flags;
+  std::optional<results::TriedRemedy> remedy;  // where one was looked for
 
   std::size_t nonzeros = 0;
   int rounded_nonpositive = 0;  // eigenvalues of the rounded matrix; -1: it is singular

@@ -114,7 +114,7 @@ std::vector<Proposal> pairs_that_fit(const Device& device, const WordLengths& wo
 
 // On this device.
 std::vector<Proposal> changes_that_fit(const Device& device, const Architecture& a,
-                                          const WordLengths& words, const Pattern& p) {
+                                       const WordLengths& words, const Pattern& p) {
   std::vector<Proposal> fitting;
   if (const auto fewer = fewer_partitions(device, a, words, p)) {
     fitting.push_back({{partitions(*fewer)}, {}});
@@ -148,8 +148,8 @@ Architecture without_choices(Architecture a) {
 }
 
 // What to set for another device; none where it does not do.
-std::optional<Proposal> with_device(const Device& other, const Architecture& a, const WordLengths& words,
-                        const Pattern& p) {
+std::optional<Proposal> with_device(const Device& other, const Architecture& a,
+                                    const WordLengths& words, const Pattern& p) {
   Proposal proposal{{setting("device", quoted(other.name))}, {}};
   try {
     if (works(other, a, words, p)) return proposal;

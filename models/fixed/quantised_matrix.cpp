@@ -5,6 +5,8 @@
 #include <limits>
 #include <string>
 
+#include <fmt/format.h>
+
 #include "models/config/input_error.h"
 #include "models/fixed/word.h"
 
@@ -119,7 +121,7 @@ QuantisedMatrix quantise(const sparse::BlockMatrix& matrix, int bits) {
   const double largest = largest_magnitude(matrix);
   const double scale = largest / static_cast<double>(word_limit(bits));
   if (scale < std::numeric_limits<double>::min()) {
-    throw InputError("the largest entry of the matrix is " + std::to_string(largest) +
+    throw InputError("the largest entry of the matrix is " + fmt::to_string(largest) +
                      "; a matrix with entries other than zero was expected");
   }
   QuantisedMatrix result;

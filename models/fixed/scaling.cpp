@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "models/config/input_error.h"
 #include "models/fixed/word.h"
 
@@ -65,7 +67,7 @@ bool is_scaled(const System& system) {
 
 void require_unit(double unit, const char* what) {
   if (std::isnormal(unit) && unit > 0) return;
-  throw InputError(std::string("the unit of ") + what + " comes out as " + std::to_string(unit) +
+  throw InputError(std::string("the unit of ") + what + " comes out as " + fmt::to_string(unit) +
                    "; a finite number above zero was expected");
 }
 

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <string>
 
+#include <fmt/format.h>
+
 #include "models/config/input_error.h"
 #include "models/fixed/word.h"
 
@@ -24,7 +26,7 @@ std::vector<double> diagonal_scale(const sparse::BlockMatrix& matrix) {
     scale[at(i)] = 1.0 / std::sqrt(entry);
     if (std::isnormal(scale[at(i)])) continue;
     throw InputError("matrix_scaling", "diagonal entry " + std::to_string(i) + " is " +
-                                           std::to_string(entry) +
+                                           fmt::to_string(entry) +
                                            "; a number above zero was expected");
   }
   return scale;

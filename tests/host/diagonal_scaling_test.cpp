@@ -9,6 +9,7 @@
 #include "models/fem/body.h"
 #include "models/fem/newmark.h"
 #include "models/fixed/system.h"
+#include "models/host/deviation.h"
 #include "models/host/reference_run.h"
 #include "models/mesh/generate.h"
 #include "models/mesh/region.h"

@@ -11,6 +11,7 @@
 #include "models/fem/structured_box.h"
 #include "models/fixed/reference_solver.h"
 #include "models/host/costs.h"
+#include "models/host/deviation.h"
 #include "models/host/frame_computation.h"
 #include "models/host/reference_run.h"
 #include "tests/host/hold.h"
@@ -243,6 +244,28 @@ TEST(Deviation, IsTheMeanOverFramesOverTheLargestReference) {
   d.add(one, one);
   EXPECT_DOUBLE_EQ(*d.relative(), 0.5 / 2 / 5);
   EXPECT_DOUBLE_EQ(*d.worst_relative(), 0.5 / 5);
+}
+
+// The mean of the run's largest flatters: a frame that is all wrong, but small, hardly moves it.
+TEST(Deviation, OfAFramesOwnSizeCountsFramesInContactOnly) {
+  Deviation d;
+  EXPECT_FALSE(d.of_frame());
+  const std::vector<double> large = {30, 40}, small = {0.3, 0.4}, zero = {0, 0};
+  d.add(large, large, 0, true);
+  EXPECT_EQ(d.of_frame()->worst, 0);
+  d.add(zero, small, 1, true);   // misses all of it
+  d.add(zero, large, 2, false);  // out of contact
+  d.add(large, zero, 3, true);   // nothing to relate it to
+  const auto of_frame = d.of_frame();
+  ASSERT_TRUE(of_frame);
+  EXPECT_EQ(of_frame->frames, 2);
+  EXPECT_DOUBLE_EQ(of_frame->worst, 1);
+  EXPECT_EQ(of_frame->worst_frame, 1);
+  EXPECT_NEAR(of_frame->p95, 1, 1.0 / 64);
+  EXPECT_EQ(of_frame->median, 0);
+  // The other scale has them all.
+  EXPECT_EQ(d.frames(), 4);
+  EXPECT_DOUBLE_EQ(*d.worst_relative(), 1);
 }
 
 TEST(Host, ComputingTakesOperationsOverRateInWholePicoseconds) {

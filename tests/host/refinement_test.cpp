@@ -15,6 +15,7 @@
 #include "models/fem/newmark.h"
 #include "models/fem/structured_box.h"
 #include "models/fixed/reference_solver.h"
+#include "models/host/deviation.h"
 #include "models/host/frame_computation.h"
 #include "models/host/reference_run.h"
 #include "models/mesh/generate.h"

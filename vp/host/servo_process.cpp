@@ -405,9 +405,8 @@ void ServoProcess::record(const Step& step) {
 }
 
 void ServoProcess::observe(const Step& step) {
-  const SolvedFrame view{step.number,  step.born - session_.begin, step.tip,
-                         step.contact, computation_.held(),        computation_.displacement(),
-                         step.force};
+  const SolvedFrame view{step.number,         step.born - session_.begin,  step.tip,  step.contact,
+                         computation_.held(), computation_.displacement(), step.force};
   for (FrameObserver* observer : observers_) observer->solved(view);
 }
 

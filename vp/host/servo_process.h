@@ -70,9 +70,9 @@ struct ServoCounts {
   std::int64_t breakdowns = 0;
   std::int64_t clamped_words = 0;   // of right-hand sides that did not fit
   std::int64_t clamped_forces = 0;  // frames whose force did not fit the device's register
-  std::int64_t driver_errors = 0;  // frames whose solve failed; the last force was held
-  std::int64_t held_frames = 0;    // those, and frames without a board meanwhile
-  std::int64_t longest_hold = 0;   // ticks in a row without a new force, skipped ones included
+  std::int64_t driver_errors = 0;   // frames whose solve failed; the last force was held
+  std::int64_t held_frames = 0;     // those, and frames without a board meanwhile
+  std::int64_t longest_hold = 0;    // ticks in a row without a new force, skipped ones included
   // What the driver returned, by status: frames, accesses that were repeated, failed set-ups.
   std::array<ErrorCount, HVP_STATUS_COUNT> errors{};
   Mended mended;                // what cost time only

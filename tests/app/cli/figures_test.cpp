@@ -96,8 +96,12 @@ TEST(Figures, Static) {
   expect_the_budget_holds(e);
   EXPECT_LE(e.summary.at("accuracy").at("displacement_rel"), 0.06);
   EXPECT_LE(e.summary.at("accuracy").at("displacement_rel_quantised"), 0.02);
-  EXPECT_EQ(e.summary.at("stability").at("flags"), json::array());
-  EXPECT_THAT(e.ended.out, HasSubstr("PASS"));
+  // The mean of the run's largest flatters: of a frame's own size it is more.
+  const json& displacement = e.summary.at("accuracy").at("displacement_of_frame");
+  EXPECT_GE(displacement.at("median"), 0.06);
+  EXPECT_LE(displacement.at("median"), 0.09);
+  EXPECT_EQ(e.summary.at("stability").at("flags"), json({"matrix-rounding"}));
+  EXPECT_THAT(e.ended.out, Not(HasSubstr("PASS")));
 }
 
 TEST(Figures, Preconditioned) {

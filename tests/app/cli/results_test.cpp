@@ -93,7 +93,7 @@ TEST_F(Results, AccuracyIsNullWithoutAReference) {
     EXPECT_TRUE(s.at("accuracy").at(key).is_null()) << key;
   }
   EXPECT_EQ(s.at("effects"), json::array());
-  EXPECT_THAT(ended.out, HasSubstr("not asked for: add [reference]"));
+  EXPECT_THAT(ended.out, HasSubstr("not measured: add [reference]"));
 }
 
 TEST_F(Results, EffectsAreThoseOfTheScenario) {
@@ -314,10 +314,21 @@ TEST_F(Results, TerminalAndSummaryAgree) {
   EXPECT_EQ(summary().at("stability").at("flags"), json::array());
 }
 
-TEST_F(Results, ClampedWordsAreAFlagAndNoPass) {
-  // A force of 10^8 N is no motor's.
+// A force of 10^8 N is no motor's. No word of the solver is to blame, and none would help.
+TEST_F(Results, AClampedForceIsAFlagOfItsOwn) {
   const Ended ended = run({"--set", "object.material.young_modulus=1000 GPa"});
+  const json stability = summary().at("stability");
+  EXPECT_EQ(stability.at("clamped_words"), 0);
+  EXPECT_GT(stability.at("clamped_forces"), 0);
+  EXPECT_EQ(stability.at("flags"), json({"force-clamped"}));
+  EXPECT_TRUE(summary().at("remedy").is_null());
+  EXPECT_THAT(ended.out, Not(HasSubstr("PASS")));
+}
+
+TEST_F(Results, ClampedWordsAreAFlagAndNoPass) {
+  const Ended ended = run({"--set", "solver.displacement_range=0.1 mm"});
   EXPECT_GT(summary().at("stability").at("clamped_words"), 0);
+  EXPECT_EQ(summary().at("stability").at("clamped_forces"), 0);
   EXPECT_THAT(summary().at("stability").at("flags").dump(), HasSubstr("range-exceeded"));
   EXPECT_THAT(ended.out, Not(HasSubstr("PASS")));
 }

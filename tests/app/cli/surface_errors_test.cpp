@@ -129,7 +129,7 @@ TEST(Surface, AMissingFileIsNamedWithItsLine) {
   write(place.path() / "s.toml", scene_with("no.stl"));
   const Ended ended = hvp(place.path(), {"run", "s.toml", "--out", "out"});
   EXPECT_EQ(ended.status, 2);
-  EXPECT_EQ(ended.err, "s.toml:9: object.mesh.surface: no such file: no.stl\n");
+  EXPECT_EQ(ended.err, "s.toml:9: object.mesh.surface: no.stl: no such file: expected a file\n");
 }
 
 TEST(Surface, EitherWindingIsAccepted) {

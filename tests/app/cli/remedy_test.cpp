@@ -1,0 +1,179 @@
+#include <nlohmann/json.hpp>
+
+#include <gmock/gmock.h>
+
+#include "tests/app/cli/program.h"
+#include "tests/app/scratch_directory.h"
+
+// A remedy that is printed is run, as printed: the scenario with it raises none of the flags that
+// it was found for, and fits its device.
+namespace hvp::cli {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+struct Trouble {
+  std::string name;
+  std::string scenario;  // of the project's; empty: kSmallScene
+  std::vector<std::string> changes;
+  std::vector<std::string> raises;      // at least
+  std::vector<std::string> remedy;      // begins with; empty: whatever works
+  std::vector<std::string> keeps = {};  // flags that no setting helps against
+};
+
+std::ostream& operator<<(std::ostream& out, const Trouble& t) { return out << t.name; }
+
+class Remedy : public ::testing::TestWithParam<Trouble> {
+ protected:
+  json run(const std::vector<std::string>& changes) {
+    std::vector<std::string> arguments = {"run", file().string(), "--out",
+                                          "out", "--set",         "output.pictures=false"};
+    for (const std::string& change : changes) {
+      arguments.emplace_back("--set");
+      arguments.push_back(change);
+    }
+    const Ended ended = hvp(place_.path(), arguments);
+    EXPECT_LT(ended.status, 2) << ended.err;
+    out_ = ended.out;
+    return json::parse(read(place_.path() / "out/summary.json"));
+  }
+  std::filesystem::path file() {
+    if (!GetParam().scenario.empty()) return scenario(GetParam().scenario);
+    write(place_.path() / "s.toml", kSmallScene);
+    return "s.toml";
+  }
+
+  ScratchDirectory place_;
+  std::string out_;
+};
+
+TEST_P(Remedy, WorksAsPrinted) {
+  const Trouble& trouble = GetParam();
+  const json before = run(trouble.changes);
+  const json flags = before.at("stability").at("flags");
+  for (const std::string& flag : trouble.raises) EXPECT_THAT(flags, testing::Contains(flag));
+  EXPECT_NE(before.at("verdict"), "PASS");
+  const json remedy = before.at("remedy");
+  ASSERT_FALSE(remedy.is_null()) << flags;
+  ASSERT_TRUE(remedy.at("works")) << remedy;
+  std::vector<std::string> changes = trouble.changes;
+  std::string line;
+  for (const json& setting : remedy.at("set")) {
+    changes.push_back(setting.get<std::string>());
+    line += (line.empty() ? "--set " : " --set ") + changes.back();
+  }
+  EXPECT_THAT(out_, HasSubstr("what would help " + line + "\n"));
+  for (std::size_t i = 0; i < trouble.remedy.size(); ++i) {
+    ASSERT_LT(i, remedy.at("set").size()) << remedy;
+    EXPECT_EQ(remedy.at("set").at(i), trouble.remedy[i]);
+  }
+
+  const json after = run(changes);
+  EXPECT_EQ(after.at("stability").at("flags"), json(trouble.keeps)) << line;
+  for (const json& resource : after.at("resources")) {
+    EXPECT_LE(resource.at("used"), resource.at("available")) << resource.at("type");
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Scenarios, Remedy,
+    ::testing::Values(
+        Trouble{"thesis", "thesis.toml", {}, {"matrix-rounding", "not-converged"}, {}},
+        Trouble{"without-a-reference",
+                "thesis.toml",
+                {"reference=false", "loads.gravity=true", "frames=400"},
+                {"matrix-rounding"},
+                {}},
+        Trouble{"consistent-mass",
+                "thesis.toml",
+                {"dynamics.mass=consistent", "frames=700"},
+                {"matrix-rounding"},
+                {}},
+        // What costs nothing in a frame, before bits and passes.
+        Trouble{"static",
+                "thesis-static.toml",
+                {},
+                {"matrix-rounding"},
+                {"solver.matrix_scaling=diagonal"}},
+        Trouble{"range",
+                "thesis-static.toml",
+                {"solver.displacement_range=1mm", "reference=false", "frames=500",
+                 "solver.matrix_scaling=diagonal"},
+                {"range-exceeded"},
+                {}},
+        Trouble{"static-shift",
+                "thesis-static.toml",
+                {"solver.static_shift=7", "reference=false", "frames=500"},
+                {"saturation"},
+                {}},
+        Trouble{"wrap",
+                "thesis-static.toml",
+                {"solver.overflow=wrap", "solver.static_shift=8", "frames=500"},
+                {"wrapped"},
+                {}},
+        Trouble{"narrow-matrix",
+                "",
+                {"solver.matrix_bits=8", "reference.tolerance=0.01"},
+                {"matrix-rounding"},
+                {"solver.matrix_scaling=diagonal"}},
+        Trouble{"few-iterations", "", {"solver.iterations=2"}, {"not-converged"}, {}},
+        // To the letter of thesis §3.7 a patch jumps, and rings.
+        Trouble{"jump",
+                "thesis-refined.toml",
+                {"contact.hand_over=0s", "contact.patch_radius=12mm", "frames=900"},
+                {"force-step", "force-ringing"},
+                {"contact.hand_over=20ms"}}),
+    [](const auto& test) {
+      std::string name = slug(test.param.name);
+      std::erase(name, '-');
+      return name;
+    });
+
+// Whatever a scenario's line looks like, the shell's quotes around it are enough.
+TEST(Override, TakesALineAsAScenarioHasIt) {
+  const ScratchDirectory place;
+  write(place.path() / "s.toml", kSmallScene);
+  const Ended ended =
+      hvp(place.path(), {"run", "s.toml", "--out", "out", "--set", "solver.method = \"jacobi-pcg\"",
+                         "--set", " frames = 5 ", "--set", "budget.period = \"4 ms\""});
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  const json summary = json::parse(read(place.path() / "out/summary.json"));
+  EXPECT_EQ(summary.at("deadline").at("frames"), 5);
+  EXPECT_EQ(summary.at("deadline").at("period_us"), 4000);
+  EXPECT_THAT(ended.out, HasSubstr("Jacobi-PCG"));
+}
+
+TEST(Override, OfBlanksIsNone) {
+  const ScratchDirectory place;
+  write(place.path() / "s.toml", kSmallScene);
+  const Ended ended = hvp(place.path(), {"run", "s.toml", "--set", "  = 3"});
+  EXPECT_EQ(ended.status, 2);
+  EXPECT_THAT(ended.err, HasSubstr("expected KEY=VALUE"));
+}
+
+// A what-if does not overwrite the run that it is compared with, nor look like it.
+TEST(WhatIf, HasAFolderAndATitleOfItsOwn) {
+  const ScratchDirectory place;
+  write(place.path() / "s.toml", kSmallScene);
+  const auto run_with = [&](const std::vector<std::string>& changes) {
+    std::vector<std::string> arguments = {"run", "s.toml"};
+    for (const std::string& change : changes) {
+      arguments.emplace_back("--set");
+      arguments.push_back(change);
+    }
+    EXPECT_EQ(hvp(place.path(), arguments).status, 0);
+  };
+  run_with({});
+  run_with({"frames=7"});
+  run_with({"bus.kind=pci-64/66", "frames=7"});
+  EXPECT_THAT(names(place.path() / "runs"),
+              testing::ElementsAre("s", "s+bus.kind=pci-64-66+frames=7", "s+frames=7"));
+  const auto title = [&](const std::string& folder) {
+    return json::parse(read(place.path() / "runs" / folder / "summary.json")).at("title");
+  };
+  EXPECT_EQ(title("s+frames=7"), title("s").get<std::string>() + " [frames=7]");
+}
+
+}  // namespace
+}  // namespace hvp::cli
