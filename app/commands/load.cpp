@@ -32,6 +32,7 @@ std::string title_of(const std::string& title, const std::vector<std::string>& o
   std::string changes;
   for (const std::string& o : overrides) {
     if (key_of(o) == "title") return title;
+    if (key_of(o).starts_with("output.")) continue;  // of the same simulation
     changes += (changes.empty() ? "" : ", ") + o;
   }
   return changes.empty() ? title : fmt::format("{} [{}]", title, scenario::one_line(changes, 200));

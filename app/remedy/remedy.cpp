@@ -22,9 +22,15 @@ namespace {
 using stability::Flag;
 using stability::Flags;
 
-constexpr int kMostAttempts = 40;
-// A touch and a good part of a press.
-constexpr std::size_t kFewFrames = 256;
+constexpr int kMostAttempts = 30;
+
+// A touch and a good part of a press; fewer of a large body, which takes longer.
+std::size_t few_frames(const Scene& scene) {
+  constexpr std::size_t kFrames = 256;
+  constexpr std::size_t kUnknowns = 1500;
+  const std::size_t unknowns = std::max(kUnknowns, scene.body().load().size());
+  return std::max<std::size_t>(32, kFrames * kUnknowns / unknowns);
+}
 
 template <std::size_t n>
 Flags among(Flags flags, const std::array<Flag, n>& set) {
@@ -159,6 +165,7 @@ class SolverSearch {
     const fixed::Plan original = plan_of(scene_.scenario());
     const fixed::Attempt attempt = [this](const fixed::Plan& plan) {
       const Replay::Result result = replay_.attempt(plan);
+      if (!result.refused && result.flags.empty()) cured_ = result;
       return fixed::Trial{.refused = result.refused, .flags = result.flags};
     };
     const fixed::Extent extent{.largest_displacement = replay_.largest_displacement(),
@@ -174,9 +181,8 @@ class SolverSearch {
       remedy.left = search.last.flags.empty() ? flags_ : search.last.flags;
       return remedy;
     }
-    const Replay::Result result = replay_.attempt(search.plan);
-    remedy.median = result.median;
-    remedy.p95 = result.p95;
+    remedy.median = cured_.median;
+    remedy.p95 = cured_.p95;
     for (std::string& s : fixed::changes(original, search.plan)) {
       remedy.settings.push_back(std::move(s));
     }
@@ -193,15 +199,29 @@ class SolverSearch {
   Flags flags_;
   const Replay& replay_;
   const Rebuild& rebuild_;
+  Replay::Result cured_;  // of the last plan that was
 };
+
+// Of a run with faults: those that the words raise without them.
+Flags caused_by_words(const Scene& scene, std::span<const Sighting> recording, Flags flags) {
+  const Replay replay(scene, recording, few_frames(scene),
+                      scene.scenario().contact.search.hand_over_s);
+  const Flags of_words = replay.attempt(plan_of(scene.scenario())).flags;
+  return Flags(flags.bits() & of_words.bits());
+}
 
 }  // namespace
 
 std::optional<results::TriedRemedy> try_remedies(const Scene& scene, Flags flags,
                                                  std::span<const Sighting> recording,
                                                  const Rebuild& rebuild, const Progress& progress) {
-  const Flags solver = scene.has_board() ? of_solver(flags) : Flags();
-  const Flags hand_over = of_hand_over(flags);
+  Flags solver = scene.has_board() ? of_solver(flags) : Flags();
+  Flags hand_over = of_hand_over(flags);
+  if (!scene.scenario().faults.empty()) {
+    // What faults have done to the force no setting takes back.
+    hand_over = Flags();
+    if (!solver.empty()) solver = caused_by_words(scene, recording, solver);
+  }
   if (scene.scenario().timing_only() || recording.empty()) return std::nullopt;
   if (solver.empty() && hand_over.empty()) return std::nullopt;
   if (progress) progress("looking for a remedy");
@@ -212,7 +232,9 @@ std::optional<results::TriedRemedy> try_remedies(const Scene& scene, Flags flags
   double hand_over_s = scene.scenario().contact.search.hand_over_s;
   if (!hand_over.empty()) {
     const std::optional<double> calm = calm_hand_over(scene, recording);
-    if (!calm) {
+    if (!calm && !solver.empty()) {
+      remedy.of = solver;
+    } else if (!calm) {
       remedy.left = hand_over;
     } else if (*calm > hand_over_s) {
       hand_over_s = *calm;
@@ -221,10 +243,11 @@ std::optional<results::TriedRemedy> try_remedies(const Scene& scene, Flags flags
   }
   // What ripples does so for long.
   const bool whole = solver.has(Flag::limit_cycle);
-  const Replay replay(scene, recording, whole ? recording.size() : kFewFrames, hand_over_s);
+  const Replay replay(scene, recording, whole ? recording.size() : few_frames(scene), hand_over_s);
   remedy.frames = hand_over.empty() ? replay.frames() : recording.size();
   if (!remedy.left.empty()) return remedy;
   if (solver.empty()) {
+    if (remedy.settings.empty()) return std::nullopt;
     complete(scene, rebuild, remedy);
     return remedy;
   }

@@ -44,9 +44,12 @@ stability::Flags solve(host::FrameComputation& computation, host::WordBoard& boa
 Replay::Replay(const Scene& scene, std::span<const Sighting> recording, std::size_t frames,
                double hand_over_s)
     : scene_(scene) {
+  if (recording.empty()) return;
   const std::size_t unknowns = std::max<std::size_t>(1, scene.body().load().size());
-  solve_exactly(recording.first(std::min({frames, recording.size(), kMostNumbers / unknowns})),
-                hand_over_s);
+  frames = std::min({frames, recording.size(), kMostNumbers / unknowns});
+  const bool stateless = !scene.scenario().dynamics;
+  const std::size_t stride = stateless ? (recording.size() + frames - 1) / frames : 1;
+  solve_exactly(stateless ? recording : recording.first(frames), stride, hand_over_s);
 }
 
 std::vector<int> Replay::patch(const collision::Contact& contact) const {
@@ -60,7 +63,8 @@ std::vector<int> Replay::patch(const collision::Contact& contact) const {
 
 // The servo process' own order (vp/host/servo_process.cpp): contact changes, its nodes are held,
 // the frame is solved.
-void Replay::solve_exactly(std::span<const Sighting> recording, double hand_over_s) {
+void Replay::solve_exactly(std::span<const Sighting> recording, std::size_t stride,
+                           double hand_over_s) {
   const Scenario& s = scene_.scenario();
   const sparse::BlockMatrix& matrix = scene_.computation().matrix();
   host::ReferenceRun run(scene_.body(), s.dynamics, s.budget.period_s, matrix, matrix);
@@ -86,6 +90,9 @@ void Replay::solve_exactly(std::span<const Sighting> recording, double hand_over
     const std::int64_t since = i > 0 ? last.time : now.time - period;
     const fem::Hold hold = hand_over.hold(aim(now, present), seconds(now.time - since));
     run.step(hold);
+    add_force(now, static_cast<std::int64_t>(i), run.force(), exact_force_);
+    for (const double u : run.displacement()) largest_ = std::max(largest_, std::abs(u));
+    if (i % stride != 0) continue;
     Held& held = frames_.emplace_back();
     held.sighting = now;
     held.nodes.assign(hold.nodes.begin(), hold.nodes.end());
@@ -93,35 +100,27 @@ void Replay::solve_exactly(std::span<const Sighting> recording, double hand_over
     held.let_go.assign(hold.let_go.begin(), hold.let_go.end());
     held.elapsed_s = hold.elapsed_s;
     held.exact.assign(run.displacement().begin(), run.displacement().end());
-    held.exact_force = run.force();
-    for (const double u : held.exact) largest_ = std::max(largest_, std::abs(u));
-    add_force(held, held.exact_force, exact_force_);
   }
 }
 
-void Replay::add_force(const Held& frame, const Eigen::Vector3d& force,
+void Replay::add_force(const Sighting& at, std::int64_t frame, const Eigen::Vector3d& force,
                        stability::ForceQuality& quality) const {
-  const Sighting& at = frame.sighting;
-  stability::FeltForce felt{static_cast<std::int64_t>(&frame - frames_.data()),
-                            seconds(at.time),
-                            at.tip,
-                            force,
-                            at.contact.node,
-                            0};
+  stability::FeltForce felt{frame, seconds(at.time), at.tip, force, at.contact.node, 0};
   if (at.contact.present()) {
     felt.pull = force.dot(scene_.contacts().surface().rest_normal(at.contact.node));
   }
   quality.add(felt);
 }
 
-// As a run has them at set-up.
+// As a run without a reference has them at set-up.
 stability::Flags Replay::rounding_flags(const host::FrameComputation& computation,
-                                        const fixed::Plan& plan) const {
+                                        int passes) const {
   stability::Flags flags;
+  if (scene_.scenario().reference) return flags;
   const std::optional<host::RoundingEstimate> estimate = estimate_rounding(scene_, computation);
   if (!estimate) return flags;
   if (!estimate->positive_definite) flags.raise(stability::Flag::negative_curvature);
-  if (plan.passes > 1 || scene_.scenario().reference) return flags;
+  if (passes > 1) return flags;
   if (!estimate->error || estimate->error->displacement > host::Reference{}.tolerance) {
     flags.raise(stability::Flag::matrix_rounding);
   }
@@ -140,17 +139,20 @@ Replay::Result Replay::attempt(const fixed::Plan& plan) const {
     plan.settings.check();
     host::FrameComputation computation(scene_.body(), s.contact.diagonal, s.dynamics, plan.settings,
                                        s.budget.period_s, refinement);
-    result.flags = rounding_flags(computation, plan);
+    result.flags = rounding_flags(computation, plan.passes);
     host::WordBoard board(computation.quantised(), computation.board_settings());
     const sparse::BlockMatrix rounded = fixed::dequantise(computation.system());
     host::ReferenceRun rounded_run(scene_.body(), s.dynamics, s.budget.period_s,
                                    computation.matrix(), rounded);
+    if (!rounded_run.positive_definite()) result.flags.raise(stability::Flag::negative_curvature);
     std::vector<std::int32_t> b(computation.displacement().size());
     host::Deviation of_true;
     host::Deviation of_rounded;
     stability::ForceQuality quality;
     std::span<const int> present;
+    std::int64_t number = 0;
     for (const Held& frame : frames_) {
+      if (!result.flags.empty()) return result;
       if (!std::ranges::equal(present, frame.nodes)) {
         computation.set_contact(frame.nodes);
         board.set_contact(frame.nodes, computation.diagonal_word());
@@ -165,7 +167,7 @@ Replay::Result Replay::attempt(const fixed::Plan& plan) const {
         if (refined->clamped() > 0) result.flags.raise(stability::Flag::range_exceeded);
       }
       computation.update();
-      add_force(frame, force, quality);
+      add_force(frame.sighting, number++, force, quality);
       const bool in_contact = !frame.nodes.empty();
       of_true.add(computation.displacement(), frame.exact, 0, in_contact);
       if (plan.passes > 1 || rounded_run.singular()) continue;

@@ -21,8 +21,10 @@ namespace hvp::app {
 // stays so.
 class Replay {
  public:
-  // At most `frames` of the recording. `hand_over_s` in place of the scenario's: the frames are
-  // solved in double precision once, which tells what contact prescribes and what is true.
+  // The recording's frames are solved in double precision once, with `hand_over_s` in place of the
+  // scenario's, which tells what contact prescribes and what is true. `frames` of them at most are
+  // solved again by attempt(): of a static body, which has no state, so many over all of the
+  // recording, of a dynamic one the first.
   Replay(const Scene& scene, std::span<const Sighting> recording, std::size_t frames,
          double hand_over_s);
 
@@ -32,6 +34,7 @@ class Replay {
   double largest_displacement() const { return largest_; }
   std::size_t frames() const { return frames_.size(); }
 
+  // An attempt ends with the first frame whose words are flagged: it has failed.
   struct Result {
     bool refused = false;  // there is no such system
     stability::Flags flags;
@@ -50,17 +53,15 @@ class Replay {
     std::vector<fem::LetGo> let_go;
     double elapsed_s = 0;
     std::vector<double> exact;
-    Eigen::Vector3d exact_force = Eigen::Vector3d::Zero();
 
     fem::Hold hold() const { return {nodes, displacement, let_go, elapsed_s}; }
   };
 
   std::vector<int> patch(const collision::Contact& contact) const;
-  void solve_exactly(std::span<const Sighting> recording, double hand_over_s);
-  void add_force(const Held& frame, const Eigen::Vector3d& force,
+  void solve_exactly(std::span<const Sighting> recording, std::size_t stride, double hand_over_s);
+  void add_force(const Sighting& at, std::int64_t frame, const Eigen::Vector3d& force,
                  stability::ForceQuality& quality) const;
-  stability::Flags rounding_flags(const host::FrameComputation& computation,
-                                  const fixed::Plan& plan) const;
+  stability::Flags rounding_flags(const host::FrameComputation& computation, int passes) const;
 
   const Scene& scene_;
   std::vector<Held> frames_;

@@ -135,6 +135,7 @@ struct Outcome {
   stability::Flags flags;
   // What would take the flags away, where that was looked for.
   std::optional<TriedRemedy> remedy;
+  double remedy_search_s = 0;  // of wall-clock time; in no result file but performance.json
   std::int64_t saturations = 0;
   std::int64_t wraps = 0;
   std::int64_t breakdowns = 0;

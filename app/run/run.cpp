@@ -1,5 +1,6 @@
 #include "app/run/run.h"
 
+#include <chrono>
 #include <cmath>
 #include <memory>
 #include <stdexcept>
@@ -313,9 +314,12 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   if (rounding) outcome.flags.merge(rounding_flags(scene, *rounding));
   outcome.trace_cut_at = trace.cut_at();
   if (accuracy) outcome.flags.merge(accuracy->flags());
-  if (body && options.rebuild && !outcome.partial()) {
+  if (body && s.output.remedies && options.rebuild && !outcome.partial()) {
+    const auto began = std::chrono::steady_clock::now();
     outcome.remedy = try_remedies(scene, outcome.flags, body->recorder().sightings(),
                                   options.rebuild, options.progress);
+    outcome.remedy_search_s =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   }
   results::write_through_part_file(directory / "summary.json",
                                    results::summary_json(scene, outcome));

@@ -64,6 +64,9 @@ void Output::declare(config::Visitor& v) {
               "ten times what the default frames take"});
   v.boolean("pictures", pictures,
             {"draw deformation.png and latency.png at the end", "a run that is looked at"});
+  v.boolean("remedies", remedies,
+            {"of a run with flags, try what would take them away: some seconds of processor time",
+             "a run that is looked at"});
   v.effect("waveform", waveform,
            {"engine.vcd, for GTKWave: what the engine does at every clock of some frames; "
             "fidelity.accelerator = \"cycle-accurate\" only"});
@@ -221,9 +224,10 @@ void require_possible(const Scenario& s, std::size_t index) {
 // On PCI the thesis' bridge may be one that bursts; behind a root port nobody has seen one.
 void require_link_reads(const Scenario& s) {
   if (!s.bus.pcie || s.transfer.method != vp::Transfer::Method::bursts) return;
-  throw InputError("transfer.method",
-                   "with \"bursts\" the processor reads U in blocks, which it does over no PCI "
-                   "Express link: expected dma, write-combined-io or programmed-io with [bus.pcie]");
+  throw InputError(
+      "transfer.method",
+      "with \"bursts\" the processor reads U in blocks, which it does over no PCI "
+      "Express link: expected dma, write-combined-io or programmed-io with [bus.pcie]");
 }
 
 // What a timing-only run cannot have: what looks at numbers, and times that depend on them.

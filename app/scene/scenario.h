@@ -92,6 +92,7 @@ struct Output {
   int trace_frames = 1000;
   double trace_bytes = 64e6;
   bool pictures = true;
+  bool remedies = true;
   std::optional<Waveform> waveform;
 
   void declare(config::Visitor& v);

@@ -47,6 +47,7 @@ duration = "60 ms"
 [output]
 deformation_every_frames = 10
 pictures = false
+remedies = false
 """
 
 # Frames at the end of the range would simulate for hours, which is no fault.
