@@ -63,7 +63,8 @@ double wanted_range(const Extent& extent) {
   const double wanted = kReserve * extent.largest_displacement;
   if (!(wanted > 0)) return 0;
   const double digit = std::pow(10.0, std::floor(std::log10(wanted)) - 1);
-  return std::ceil(wanted / digit) * digit;
+  // What is two digits but for its last bit is that.
+  return std::ceil(wanted / digit - 1e-9) * digit;
 }
 
 bool wider_range(Plan& plan, const Extent& extent) {
