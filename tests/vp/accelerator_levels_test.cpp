@@ -72,22 +72,20 @@ class AcceleratorLevels : public testing::TestWithParam<Timing> {
     board.clear_interrupts();
   }
 
-  // What a solve of the scene's matrix takes, counted out: 48 nodes, two a clock. Beyond the closed
-  // form there is a clock a product: the partitions finish their last rows together, and two of
-  // them are taken at a time.
+  // What a solve of the scene's matrix takes, counted out: 48 nodes, two a clock.
   std::int64_t expected_clocks(int iterations) const {
-    const std::int64_t products = iterations + 1;
-    return test::solve_time(k().row_begin, iterations) / kBoardClock + products;
+    return test::solve_time(k().row_begin, iterations) / kBoardClock;
   }
   static constexpr std::int64_t kPass = 24 + 20;  // of the vector unit
   static constexpr Picoseconds kCopy = kPass * kBoardClock;
-  // Counted out: each group's pass, the product's with its one clock more, two divisions.
+  // Counted out: each group's pass, two divisions.
   void expect_phases_of_the_longest(int iterations) const {
     using engine::State;
     ASSERT_TRUE(accelerator_->longest_solve());
     const EngineSolve& longest = *accelerator_->longest_solve();
     const auto spent = [&](State s) { return longest.state[static_cast<std::size_t>(s)]; };
-    const std::int64_t product = test::fullest_of_five(test::blocks_in_rows(k().row_begin)) + 21;
+    const std::int64_t product =
+        test::fullest_of_five(test::blocks_in_rows(k().row_begin)) + 20 + test::kRowsTogether;
     EXPECT_EQ(longest.clocks, expected_clocks(iterations));
     EXPECT_EQ(spent(State::start_product), product);
     EXPECT_EQ(spent(State::start_residual), kPass);

@@ -63,6 +63,10 @@ struct Made {
   bool broken_down = false;
 };
 
+// Clocks that a product's last rows wait for each other: of the small scene's 48 rows the
+// partitions finish the last ones together, and two are taken at a time.
+inline constexpr std::int64_t kRowsTogether = 1;
+
 // Pipelines of 20 clocks, two nodes a clock and divisions of 68 clocks, step by step: a step begins
 // when all that it needs has ended (docs/accelerator.md).
 class SolveClocks {
@@ -70,7 +74,7 @@ class SolveClocks {
   explicit SolveClocks(const std::vector<int>& row_begin) {
     const std::vector<int> blocks = blocks_in_rows(row_begin);
     const auto nodes = static_cast<std::int64_t>(blocks.size());
-    product_ = fullest_of_five(blocks) + 20;
+    product_ = fullest_of_five(blocks) + 20 + kRowsTogether;
     vectors_ = nodes / 2 + nodes % 2 + 20;
   }
 
