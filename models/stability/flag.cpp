@@ -53,8 +53,7 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "count"},
     {"solver-timeout", "the driver got no solution from the board in time",
      "no setting of the solver's words helps: what the driver's ERROR lines say; where it timed "
-     "out, "
-     "a longer host.timeout, fewer solver.iterations, or why the board is late in trace.json"},
+     "out, a longer host.timeout, fewer solver.iterations, or why the board is late in trace.json"},
     {"wrapped", "a word of the solver did not fit and lost its high bits",
      "solver.overflow = \"saturate\", and then what that run's flags say"},
     {"force-step",
@@ -65,16 +64,13 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "device.encoder.resolution, a smaller contact.patch_radius"},
     {"limit-cycle",
      "the force moves on while the tip rests: rounding of the solver's words, or a body that "
-     "hardly "
-     "damps its swing",
-     "method = \"jacobi-pcg\", a solver.displacement_range twice the displacements, refinement, "
-     "more "
-     "vector_bits"},
+     "hardly damps its swing",
+     "method = \"jacobi-pcg\", a solver.displacement_range twice the displacements, more "
+     "refinement.passes, more vector_bits"},
     {"beyond-linearity",
      "the body is deformed further than linear elasticity holds, or turned inside out",
      "no setting of the board helps: a shallower motion of the probe, a contact.patch_radius, "
-     "which "
-     "spreads it"},
+     "which spreads it"},
     {"force-clamped", "a force did not fit the device's register and was clamped",
      "no setting of the board helps: a softer body or a shallower motion of the probe"},
 }};

@@ -22,6 +22,7 @@ struct SmallScene {
     fixed::Settings solver;
     std::optional<host::Refinement> refinement = std::nullopt;
     double patch_radius = 0;
+    double hand_over_s = collision::ContactSettings{}.hand_over_s;
     double period_s = 2e-3;
     host::Solver solved_by = host::Solver::board;
     host::Effort effort = host::Effort::computed;
@@ -87,6 +88,7 @@ struct SmallScene {
   static collision::ContactSettings contact_settings(const Options& options) {
     collision::ContactSettings c;
     c.patch_radius = options.patch_radius;
+    c.hand_over_s = options.hand_over_s;
     return c;
   }
 };
