@@ -122,7 +122,7 @@ QuantisedMatrix quantise(const sparse::BlockMatrix& matrix, int bits) {
   const double scale = largest / static_cast<double>(word_limit(bits));
   if (scale < std::numeric_limits<double>::min()) {
     throw InputError("the largest entry of the matrix is " + fmt::to_string(largest) +
-                     "; a matrix with entries other than zero was expected");
+                     "; an entry was expected whose share of a word is a normal number");
   }
   QuantisedMatrix result;
   result.bits = bits;

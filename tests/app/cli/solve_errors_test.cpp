@@ -114,5 +114,17 @@ TEST(SolveErrors, NotOfUnitsThatDiffer) {
   EXPECT_EQ(ended.status, 0) << ended.err;
 }
 
+// Rows that fill the last block of three are not the user's.
+TEST(SolveErrors, CountTheEquationsThatWereGiven) {
+  const SystemFolder folder(2, {{1, 1, 1}, {2, 1, 2}, {2, 2, 1}}, {1, 1});
+  expect_refused(folder.solve(), "1 of its 2 eigenvalues are negative");
+}
+
+// A number that is not zero is not shown as zero.
+TEST(SolveErrors, ShowSmallNumbers) {
+  const SystemFolder folder(2, {{1, 1, 1e-305}, {2, 2, 1e-305}}, {1, 1});
+  expect_refused(folder.solve(), "the largest entry of the matrix is 1e-305");
+}
+
 }  // namespace
 }  // namespace hvp::cli

@@ -13,6 +13,7 @@ using nlohmann::json;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 constexpr int kLinks = 20;
 
@@ -58,6 +59,33 @@ TEST(Solve, PrintsOneObjectWithTheseKeys) {
                           "time_us", "device", "fits", "resources", "x_unit", "x_range_from",
                           "nonpositive_eigenvalues_quantised", "condition", "settings"));
   EXPECT_THAT(names(folder.path()), ElementsAre("A.mtx", "b.mtx", "solution.mtx"));
+}
+
+// What is printed as a remedy is given as printed: no flag is left, and the device holds it.
+// Scaling, which costs nothing, before passes and bits.
+TEST(Solve, ARemedyWorksAsPrinted) {
+  for (const char* name : {"bcsstk01", "bcsstk03"}) {
+    const SystemFolder folder{std::string(name)};
+    const json before = folder.result();
+    EXPECT_THAT(before.at("flags"), Not(IsEmpty())) << name;
+    EXPECT_GT(before.at("error_rel"), 1) << name;
+    const json& remedy = before.at("remedy");
+    ASSERT_TRUE(remedy.at("works")) << remedy;
+    std::vector<std::string> sets;
+    std::string line;
+    for (const json& set : remedy.at("set")) {
+      sets.push_back(set.get<std::string>());
+      line += (line.empty() ? "--set " : " --set ") + sets.back();
+    }
+    EXPECT_EQ(remedy.at("line"), line);
+    EXPECT_THAT(sets, testing::Contains("solver.matrix_scaling=diagonal")) << name;
+    const json after = folder.result(sets);
+    EXPECT_THAT(after.at("flags"), IsEmpty()) << name;
+    EXPECT_TRUE(after.at("fits")) << name;
+    EXPECT_EQ(after.at("error_rel"), remedy.at("error_rel")) << name;
+    EXPECT_LT(after.at("error_rel"), 0.01) << name;
+  }
+  EXPECT_EQ(SystemFolder(std::string("nos4")).result().at("remedy"), nullptr);
 }
 
 TEST(Solve, HasTheDesignsDefaults) {
