@@ -14,17 +14,21 @@ struct FrameTag : tlm::tlm_extension<FrameTag> {
   // What the bus is to call a board's own transaction, where its kind does not say it: that a read
   // fetches a descriptor.
   std::optional<Phase> phase;
+  // Whose work it is where the tag is of no frame, so that it leaves no span: a look in vain.
+  std::optional<std::int64_t> unseen_frame;
 
   tlm::tlm_extension_base* clone() const override {
     auto* copy = new FrameTag;
     copy->tag = tag;
     copy->phase = phase;
+    copy->unseen_frame = unseen_frame;
     return copy;
   }
   void copy_from(const tlm::tlm_extension_base& other) override {
     const auto& from = static_cast<const FrameTag&>(other);
     tag = from.tag;
     phase = from.phase;
+    unseen_frame = from.unseen_frame;
   }
 };
 
@@ -33,6 +37,15 @@ inline Tag& tag_of(tlm::tlm_generic_payload& transaction, Tag& none) {
   FrameTag* extension = nullptr;
   transaction.get_extension(extension);
   return extension != nullptr && extension->tag != nullptr ? *extension->tag : none;
+}
+
+// The frame whose work a transaction is, with spans or without; −1: none.
+inline std::int64_t frame_of(tlm::tlm_generic_payload& transaction) {
+  FrameTag* extension = nullptr;
+  transaction.get_extension(extension);
+  if (extension == nullptr) return -1;
+  if (extension->unseen_frame) return *extension->unseen_frame;
+  return extension->tag != nullptr ? extension->tag->frame : -1;
 }
 
 // The phase of a board's own transaction, where it is named.

@@ -58,7 +58,7 @@ Platform::Platform(const PlatformSettings& settings, const fem::Body& body,
       verdict_(settings.servo.period, settings.budget),
       exchange_{Mailbox<SceneState>(at_rest(body, computation, settings_.probe)),
                 Mailbox<ContactReport>(ContactReport{})},
-      bus_("bus", settings_.bus, settings_.fidelity.bus, ledger_),
+      bus_("bus", settings_.bus, settings_.fidelity.bus, ledger_, settings_.seed),
       traffic_(settings_.bus.traffic
                    ? std::make_unique<TrafficMaster>("traffic", *settings_.bus.traffic, bus_)
                    : nullptr),
@@ -71,9 +71,10 @@ Platform::Platform(const PlatformSettings& settings, const fem::Body& body,
                     : nullptr),
       bridge_(settings_.bus.pcie ? std::make_unique<HostBridge>("bridge", kSolverBase, kBarBytes)
                                  : nullptr),
-      pcie_(settings_.bus.pcie ? std::make_unique<PcieBus>("pcie", *settings_.bus.pcie,
-                                                           settings_.fidelity.bus, ledger_)
-                               : nullptr),
+      pcie_(settings_.bus.pcie
+                ? std::make_unique<PcieBus>("pcie", *settings_.bus.pcie, settings_.fidelity.bus,
+                                            ledger_, settings_.seed)
+                : nullptr),
       accelerator_(computation.on_host() != nullptr
                        ? nullptr
                        : std::make_unique<Accelerator>("accelerator", settings_.accelerator,

@@ -32,11 +32,17 @@ std::string fault_cost(const std::vector<vp::Fault>& faults) {
 }
 
 void effect_line(const char* table, bool present, const char* cost) {
-  print("  {:<20} {:<8} {}\n", table, present ? "built" : "absent", cost);
+  print("  {:<31} {:<8} {}\n", table, present ? "built" : "absent", cost);
 }
 
-std::string delay_cost(const std::optional<random::TimeDistribution>& delay, const char* where) {
+template <class Distribution>
+std::string delay_cost(const std::optional<Distribution>& delay, const char* where) {
   return delay ? fmt::format("{}, {}", where, random::name(delay->kind)) : where;
+}
+
+// What is listed below with the constants that these stand for.
+bool draws_bus_times(const Scenario& s) {
+  return s.bus.read_latencies || (s.bus.pcie && s.bus.pcie->root_complex_latencies);
 }
 
 // A force acts at a node: how far that is from where the scenario wants it.
@@ -130,6 +136,10 @@ int explain_command(const ScenarioArguments& arguments) {
   effect_line(
       "host.wake_up", s.host.wake_up.has_value(),
       delay_cost(s.host.wake_up, "after each tick and interrupt: until the process runs").c_str());
+  effect_line("host.interrupt_latencies", s.host.interrupt_latencies.has_value(),
+              delay_cost(s.host.interrupt_latencies,
+                         "in the place of host.interrupt_latency, at each interrupt")
+                  .c_str());
   effect_line("device.encoder", s.device.encoder.has_value(),
               "no cost: the position is rounded where it is latched");
   effect_line("loads.gravity", s.loads.gravity.has_value(), "no cost: part of f");
@@ -141,6 +151,16 @@ int explain_command(const ScenarioArguments& arguments) {
               "a process that takes the bus for a picture's data a drawing pass");
   effect_line("bus.pcie", s.bus.pcie.has_value(),
               "the solver board on a link of its own: four processes of the link");
+  const std::optional<link::RootComplexLatencies> root_complex =
+      s.bus.pcie ? s.bus.pcie->root_complex_latencies : std::nullopt;
+  effect_line("bus.pcie.root_complex_latencies", root_complex.has_value(),
+              delay_cost(root_complex,
+                         "in the place of root_complex_latency, at each read request of the board")
+                  .c_str());
+  effect_line("bus.read_latencies", s.bus.read_latencies.has_value(),
+              delay_cost(s.bus.read_latencies,
+                         "in the place of bus.read_latency, at each read by the processor")
+                  .c_str());
   effect_line("bus.posted_writes", s.bus.posted_writes.has_value(),
               "the processor goes on while the bridge writes: two processes of the bus");
   effect_line("transfer.dma", s.transfer.master().dma.has_value(),
@@ -159,8 +179,9 @@ int explain_command(const ScenarioArguments& arguments) {
     print("\nSpectrum of the system without contact\n{}",
           results::spectrum_text(*scene.spectrum()));
   }
-  print("\nWhat a frame's large steps cost (the bus without waits{})\n",
-        s.bus.posted_writes ? ", and as if nothing were posted" : "");
+  print("\nWhat a frame's large steps cost (the bus without waits{}{})\n",
+        s.bus.posted_writes ? ", and as if nothing were posted" : "",
+        draws_bus_times(s) ? ", latencies that are drawn at their constants" : "");
   frame_cost(scene);
   if (!scene.has_board()) return kHeld;
   print("{}{}{}", results::clocks_text(scene), results::several_text(scene),

@@ -143,6 +143,39 @@ void require_engine(const Scenario& s) {
   }
 }
 
+// What draws for something that does not happen.
+void require_drawn(const Scenario& s) {
+  const bool untimed = s.fidelity.bus == vp::Timing::untimed;
+  if (s.bus.read_latencies && untimed) {
+    throw InputError("bus.read_latencies",
+                     "a bus that takes no time has no latencies: expected "
+                     "fidelity.bus = loosely-timed or approximately-timed");
+  }
+  if (s.bus.pcie && s.bus.pcie->root_complex_latencies) {
+    const std::string key = "bus.pcie.root_complex_latencies";
+    if (untimed) {
+      throw InputError(key,
+                       "a link that takes no time has no latencies: expected "
+                       "fidelity.bus = loosely-timed or approximately-timed");
+    }
+    if (s.transfer.method != vp::Transfer::Method::dma) {
+      throw InputError(key,
+                       "the board reads memory with transfer.method = \"dma\" only: expected that");
+    }
+  }
+  if (!s.host.interrupt_latencies) return;
+  if (s.host.solver != host::Solver::board) {
+    throw InputError("host.interrupt_latencies",
+                     std::string("no board interrupts where host.solver is \"") +
+                         host::name(s.host.solver) + "\"");
+  }
+  if (s.transfer.notification == link::Notification::polling) {
+    throw InputError("host.interrupt_latencies",
+                     "nothing interrupts with transfer.notification = \"polling\": expected "
+                     "\"intx\" or \"msi\"");
+  }
+}
+
 // What a scenario without a board cannot have.
 void require_no_board(const Scenario& s) {
   const std::string found =
@@ -292,7 +325,9 @@ void Scenario::check() const {
   };
   needs_time("host.jitter", host.jitter.has_value());
   needs_time("host.wake_up", host.wake_up.has_value());
+  needs_time("host.interrupt_latencies", host.interrupt_latencies.has_value());
   needs_time("host.cores", host.cores == 1);
+  require_drawn(*this);
   for (std::size_t i = 0; i < faults.size(); ++i) require_possible(*this, i);
   if (output.waveform) require_shown(*output.waveform, frames, level);
   if (bus.posted_writes && fidelity.bus == vp::Timing::untimed) {

@@ -50,10 +50,11 @@ std::vector<int> anchored_nodes(const Scenario& s, const mesh::TetMesh& mesh) {
 }
 
 // What effects draw from the user's own files.
-void load_samples(std::optional<random::TimeDistribution>& effect,
-                  const std::optional<random::TimeDistribution>& openable, const char* table) {
+template <class Distribution>
+void load_samples(std::optional<Distribution>& effect, const std::optional<Distribution>& openable,
+                  const char* table) {
   if (!effect || effect->kind != random::TimeDistribution::Kind::measured) return;
-  effect->samples_s = within(table, [&] { return read_samples(openable->samples_file); });
+  within(table, [&] { effect->take(read_samples(openable->samples_file)); });
 }
 
 }  // namespace
@@ -80,6 +81,13 @@ Scene::Scene(const Scenario& openable, const Scenario& written, accel::Device de
   body_ = make_body(openable, progress);
   load_samples(scenario_.host.jitter, openable.host.jitter, "host.jitter");
   load_samples(scenario_.host.wake_up, openable.host.wake_up, "host.wake_up");
+  load_samples(scenario_.host.interrupt_latencies, openable.host.interrupt_latencies,
+               "host.interrupt_latencies");
+  load_samples(scenario_.bus.read_latencies, openable.bus.read_latencies, "bus.read_latencies");
+  if (scenario_.bus.pcie) {
+    load_samples(scenario_.bus.pcie->root_complex_latencies,
+                 openable.bus.pcie->root_complex_latencies, "bus.pcie.root_complex_latencies");
+  }
   const Scenario& s = scenario_;
   quality_ = mesh::measure(body_->mesh());
   computation_ = within("solver", [&] {

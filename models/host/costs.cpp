@@ -44,6 +44,18 @@ std::int64_t Graphics::drawing_ps(std::size_t triangles) const {
   return std::llround(1e12 * (drawing_s + static_cast<double>(triangles) * triangle_s));
 }
 
+InterruptLatencies::InterruptLatencies() {
+  mean_s = 3e-6;
+  minimum_s = 2e-6;
+}
+
+void InterruptLatencies::declare(config::Visitor& v) {
+  TimeDistribution::declare(
+      v, {.kind = "assumed: no figure published for QuaRC; many short delays, few long ones",
+          .mean = "assumed: with minimum it makes the mean that of interrupt_latency's default",
+          .minimum = "assumed; real-time extensions lie between 2 and 20 us"});
+}
+
 void Host::declare(config::Visitor& v) {
   v.quantity("sustained_rate", sustained_rate_flops, Dimension::throughput,
              config::between(1e6, 1e12),
@@ -93,6 +105,8 @@ void Host::declare(config::Visitor& v) {
   v.effect("wake_up", wake_up,
            {"the servo process runs some time after its tick or interrupt has made it ready, drawn "
             "each time"});
+  v.effect("interrupt_latencies", interrupt_latencies,
+           {"interrupt_latency drawn for each interrupt of a frame; set-up has the constant"});
   v.table("graphics", graphics, {"the 33 Hz collision and graphics process"}, cores);
   v.table("recovery", recovery, {"what the servo process does about a board that fails"});
 }

@@ -30,6 +30,13 @@ struct Graphics {
   std::int64_t drawing_ps(std::size_t triangles) const;
 };
 
+// The scenario's effect [host.interrupt_latencies]: Host::interrupt_latency_s drawn for each
+// interrupt.
+struct InterruptLatencies : random::TimeDistribution {
+  InterruptLatencies();
+  void declare(config::Visitor& v);
+};
+
 // The host PC as arithmetic: what each step of Fig. 6.2 costs. The scenario's table [host].
 //
 // A step's cost is its floating-point operations over the rate at which the processor sustains
@@ -50,6 +57,7 @@ struct Host {
   double context_switch_s = 3.8e-6;
   std::optional<random::TimeDistribution> jitter;
   std::optional<random::TimeDistribution> wake_up;
+  std::optional<InterruptLatencies> interrupt_latencies;
   Graphics graphics;
   Recovery recovery;
 

@@ -18,6 +18,15 @@ enum class DllpAccounting {
 // device reads and writes the host's memory.
 enum class PcieSide { root, device };
 
+// What the side that is read needs for each request of a read, where that differs from one to the
+// next: from the request's arrival until its first completion, in ps. A function of the request's
+// number within the read, from 0, so that it may be asked for again.
+class CompleterTimes {
+ public:
+  virtual ~CompleterTimes() = default;
+  virtual std::int64_t ps(std::int64_t request) const = 0;
+};
+
 // A PCI Express link between a root port and one device, as arithmetic. All times are whole
 // picoseconds, rounded up. Sizes are bytes of payload; `bytes on the wire` are those of TLPs with
 // their framing, sequence number and LCRC, before the link layer's share.
@@ -90,6 +99,8 @@ struct Pcie {
   // a posted write, back at the requester for a read.
   std::int64_t posted_write_ps(std::int64_t bytes) const;
   std::int64_t read_ps(PcieSide requester, std::int64_t bytes) const;
+  // As above with a time of its own for each request; completions keep the order of the requests.
+  std::int64_t read_ps(PcieSide requester, std::int64_t bytes, const CompleterTimes& times) const;
   // What the side that is read needs between a request's arrival and its first completion.
   std::int64_t completer_ps(PcieSide requester) const;
   std::int64_t link_ps() const;
@@ -97,6 +108,7 @@ struct Pcie {
 
  private:
   std::int64_t round_trip_ps(PcieSide requester, std::int64_t bytes) const;
+  std::int64_t request_by_request_ps(std::int64_t bytes, const CompleterTimes& times) const;
   std::int64_t request_loop_ps() const;
   std::int64_t posted_window() const;
 };

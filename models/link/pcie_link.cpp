@@ -52,8 +52,8 @@ std::int64_t PcieLink::tag(const State& s, int initiator, std::int64_t number) c
                                          number % link_.outstanding_reads)];
 }
 
-void PcieLink::request(int initiator, Direction direction, std::int64_t bytes,
-                       std::int64_t time_ps) {
+void PcieLink::request(int initiator, Direction direction, std::int64_t bytes, std::int64_t time_ps,
+                       const CompleterTimes* times) {
   advance(time_ps);
   Initiator& i = of(state_, initiator);
   i.direction = direction;
@@ -61,6 +61,8 @@ void PcieLink::request(int initiator, Direction direction, std::int64_t bytes,
   i.requested = time_ps;
   i.to_send = bytes;
   i.answers = 0;
+  i.first = i.issued;
+  i.times = times;
   i.sent = kNever;
   i.completed = kNever;
 }
@@ -221,13 +223,15 @@ void PcieLink::send_request(State& s, std::size_t wire, int initiator, std::int6
   const std::int64_t back = sent.end + 2 * link_.link_ps() + link_.credit_return_ps();
   take(s.wires[wire].nonposted, start, {back, 1});
   tag(s, initiator, i.issued) = kNever;
+  const std::int64_t completer =
+      i.times == nullptr ? link_.completer_ps(i.side) : i.times->ps(i.issued - i.first);
   ++i.issued;
   ++i.answers;
   i.to_send -= bytes;
   if (i.to_send == 0) i.sent = sent.end;
   Wire& other = s.wires[1 - wire];
   other.completions[(other.first + other.count) % other.completions.size()] = {
-      initiator, bytes, sent.arrival + link_.completer_ps(i.side)};
+      initiator, bytes, sent.arrival + completer};
   ++other.count;
 }
 

@@ -52,8 +52,10 @@ class PcieLink {
   void report_to(Observer& observer) { observer_ = &observer; }
 
   // The initiator has nothing under way but writes that have been sent, bytes > 0, and `time_ps` is
-  // not before the last advance().
-  void request(int initiator, Direction direction, std::int64_t bytes, std::int64_t time_ps);
+  // not before the last advance(). `times`, of a read, is asked until its last completion is back;
+  // without it every request takes what Pcie says.
+  void request(int initiator, Direction direction, std::int64_t bytes, std::int64_t time_ps,
+               const CompleterTimes* times = nullptr);
   // As a write's request: a message, a posted packet without data.
   void message(int initiator, std::int64_t time_ps);
   // Everything up to this time has happened.
@@ -82,6 +84,8 @@ class PcieLink {
     std::int64_t to_send = 0;  // bytes not yet in a packet
     std::int64_t answers = 0;  // requests without their last completion
     std::int64_t issued = 0;   // reads so far
+    std::int64_t first = 0;    // of them, the present read's first request
+    const CompleterTimes* times = nullptr;
     std::int64_t answered = 0;
     std::int64_t sent = 0;
     std::int64_t completed = 0;

@@ -39,25 +39,30 @@ const char* name(Kind kind) {
       return "lognormal";
     case Kind::measured:
       return "measured";
+    case Kind::published:
+      return "published";
   }
   return "";
 }
 
-void TimeDistribution::declare(config::Visitor& v) {
-  const auto of_kind =
-      v.variant("distribution", kind,
-                {{"constant", Kind::constant},
-                 {"uniform", Kind::uniform},
-                 {"normal", Kind::normal},
-                 {"exponential", Kind::exponential},
-                 {"lognormal", Kind::lognormal},
-                 {"measured", Kind::measured}},
-                {"how the time is distributed; measured: drawn from the user's own samples",
-                 "assumed: no figure published for QuaRC; many short delays, few long ones"});
+void TimeDistribution::declare(config::Visitor& v, const Sources& sources) {
+  std::vector<std::pair<std::string_view, Kind>> kinds;
+  for (const Kind k : {Kind::constant, Kind::uniform, Kind::normal, Kind::exponential,
+                       Kind::lognormal, Kind::measured}) {
+    kinds.emplace_back(name(k), k);
+  }
+  const bool has_hosts = !sources.hosts.empty();
+  if (has_hosts) kinds.emplace_back(name(Kind::published), Kind::published);
+  const auto of_kind = v.variant(
+      "distribution", kind, kinds,
+      {has_hosts ? "how the time is distributed; measured: drawn from the user's own samples; "
+                   "published: as measured on a host by others"
+                 : "how the time is distributed; measured: drawn from the user's own samples",
+       sources.kind});
   of_kind.only({Kind::constant, Kind::normal, Kind::exponential}, [&] {
     v.quantity("mean", mean_s, Dimension::time, config::between(0, kLongest),
                {"constant: the time; normal: its mean; exponential: its mean above minimum",
-                "assumed; real-time extensions lie between 2 and 20 us"});
+                sources.mean});
   });
   of_kind.only({Kind::normal}, [&] {
     v.quantity("deviation", deviation_s, Dimension::time, {0, kLongest, true},
@@ -72,18 +77,24 @@ void TimeDistribution::declare(config::Visitor& v) {
                 .required = true});
   });
   of_kind.only({Kind::uniform, Kind::normal, Kind::exponential, Kind::lognormal}, [&] {
-    v.quantity(
-        "minimum", minimum_s, Dimension::time, config::between(0, kLongest),
-        {"no time is shorter: what is drawn below is drawn again", "nothing ends before now"});
+    v.quantity("minimum", minimum_s, Dimension::time, config::between(0, kLongest),
+               {"no time is shorter: what is drawn below is drawn again", sources.minimum});
     v.quantity("maximum", maximum_s, Dimension::time, config::between(0, kLongest),
-               {"no time is longer: what is drawn above is drawn again",
-                "assumed: half a period at 500 Hz"});
+               {"no time is longer: what is drawn above is drawn again", sources.maximum});
   });
   of_kind.only({Kind::measured}, [&] {
     v.file("samples", samples_file,
            {.help = "a CSV file whose first column with a name in _s, _ms, _us or _ns has the "
                     "times",
             .required = true});
+    if (sources.counted.empty()) return;
+    v.quantity("counted", counted_s, Dimension::time, config::between(0, kLongest),
+               {"what of each measured time the model counts by itself, and is subtracted",
+                sources.counted});
+  });
+  if (!has_hosts) return;
+  of_kind.only({Kind::published}, [&] {
+    v.choice_index("host", host, sources.hosts, {"whose times are drawn", sources.host});
   });
 }
 
@@ -130,12 +141,40 @@ void TimeDistribution::check() const {
   }
 }
 
+void TimeDistribution::take(std::vector<double> samples) {
+  const auto shortest = std::min_element(samples.begin(), samples.end());
+  if (shortest != samples.end() && *shortest < counted_s) {
+    throw InputError("counted", fmt::format("expected at most the shortest sample, {}, found {}",
+                                            microseconds(*shortest), microseconds(counted_s)));
+  }
+  samples_s = std::move(samples);
+}
+
 Source::Source(TimeDistribution distribution, std::int64_t seed, std::string_view effect)
     : distribution_(std::move(distribution)), draws_(seed, effect) {
   if (distribution_.kind == Kind::lognormal) log_spread_ = natural_log(distribution_.spread);
   if (distribution_.kind == Kind::measured && distribution_.samples_s.empty()) {
     throw std::logic_error("a measured distribution without its samples");
   }
+  if (distribution_.kind != Kind::published) return;
+  const std::vector<Exceedance>& points = distribution_.points;
+  if (points.size() < 2 || points.front().share != 1) {
+    throw std::logic_error("a published distribution without its points");
+  }
+  for (const Exceedance& point : points) {
+    log_share_.push_back(natural_log(point.share));
+    log_time_.push_back(natural_log(point.time_s));
+  }
+}
+
+// Of the time that this share of all exceeds, in s.
+double Source::published(double share) const {
+  const double log_share = natural_log(share);
+  std::size_t next = 1;
+  while (next + 1 < log_share_.size() && log_share_[next] > log_share) ++next;
+  const double part =
+      std::min(1.0, (log_share_[next - 1] - log_share) / (log_share_[next - 1] - log_share_[next]));
+  return exponential(log_time_[next - 1] + part * (log_time_[next] - log_time_[next - 1]));
 }
 
 // False where the draw is to be made again.
@@ -151,9 +190,12 @@ bool Source::attempt(const Draws::Pair& u, double& value) const {
     case Kind::measured: {
       const auto count = static_cast<double>(d.samples_s.size());
       const auto index = static_cast<std::size_t>(u.first * count);
-      value = d.samples_s[std::min(index, d.samples_s.size() - 1)];
+      value = d.samples_s[std::min(index, d.samples_s.size() - 1)] - d.counted_s;
       return true;
     }
+    case Kind::published:
+      value = published(u.first) - d.counted_s;
+      return true;
     case Kind::exponential:
       value = d.minimum_s - d.mean_s * natural_log(u.first);
       break;

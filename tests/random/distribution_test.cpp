@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -43,6 +44,10 @@ TimeDistribution of(Kind kind) {
     case Kind::measured:
       d.samples_file = "some.csv";
       d.samples_s = {1e-6, 2e-6, 2e-6, 7e-6};
+      break;
+    case Kind::published:
+      d.points = {{1, 2e-6}, {0.5, 4e-6}, {0.01, 100e-6}};
+      d.counted_s = 1e-6;
       break;
     case Kind::constant:
       break;
@@ -126,6 +131,45 @@ TEST(TimeDistribution, MeasuredDrawsEachSampleEquallyOften) {
   EXPECT_NEAR(count(2e-6), kDraws / 2.0, 283);
   EXPECT_NEAR(count(7e-6), kDraws / 4.0, 245);
   EXPECT_EQ(count(1e-6) + count(2e-6) + count(7e-6), kDraws);
+}
+
+// Between two points a power law, beyond the last one its time.
+TEST(TimeDistribution, PublishedGoesThroughItsPoints) {
+  const TimeDistribution d = of(Kind::published);
+  const auto exceeded = [](double t, double from, double to, double share, double rest) {
+    return share * std::pow(t / from, std::log(rest / share) / std::log(to / from));
+  };
+  expect_distribution(d, [&](double x) {
+    const double t = x + 1e-6;
+    if (t <= 2e-6) return 0.0;
+    if (t < 4e-6) return 1 - exceeded(t, 2e-6, 4e-6, 1, 0.5);
+    return 1 - exceeded(std::min(t, 100e-6), 4e-6, 100e-6, 0.5, 0.01);
+  });
+  const std::vector<double> values = draws(d);
+  EXPECT_NEAR(values.back(), 99e-6, 1e-15);
+  EXPECT_GE(values.front(), 1e-6);
+  // 200 ± 56 draws are beyond the last point.
+  EXPECT_NEAR(static_cast<double>(std::count_if(values.begin(), values.end(),
+                                                [](double v) { return v > 98.999999e-6; })),
+              0.01 * kDraws, 57);
+}
+
+TEST(TimeDistribution, WhatIsCountedElsewhereIsSubtractedFromSamples) {
+  TimeDistribution d = of(Kind::measured);
+  d.counted_s = 1e-6;
+  d.take({1e-6, 2e-6, 2e-6, 7e-6});
+  const std::vector<double> values = draws(d);
+  EXPECT_EQ(values.front(), 0);
+  EXPECT_EQ(values.back(), 7e-6 - 1e-6);
+  d.counted_s = 1.5e-6;
+  try {
+    d.take({2e-6, 1e-6});
+    ADD_FAILURE() << "taken";
+  } catch (const InputError& e) {
+    EXPECT_EQ(e.key(), "counted");
+    EXPECT_NE(std::string(e.what()).find("shortest sample, 1 us, found 1.5 us"), std::string::npos)
+        << e.what();
+  }
 }
 
 TEST(Source, ADrawDependsOnSeedEffectFrameAndDrawAlone) {

@@ -56,6 +56,31 @@ TEST(Composition, JitterIsNoModuleAndNoProcess) {
   expect_the_six(scene);
 }
 
+TEST(Composition, DrawnLatenciesAreNoModuleAndNoProcess) {
+  SmallScene scene;
+  scene.settings.servo.costs.interrupt_latencies.emplace();
+  scene.settings.bus.read_latencies.emplace();
+  expect_the_six(scene);
+}
+
+std::string parts_of_a_link(bool drawn) {
+  return test::output_of_child([drawn](std::string& text) {
+    SmallScene scene;
+    scene.settings.bus.pcie.emplace();
+    scene.settings.transfer.method = Transfer::Method::dma;
+    if (drawn) scene.settings.bus.pcie->root_complex_latencies.emplace();
+    const Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
+    for (const std::string& module : Platform::modules()) text += module + ' ';
+    text += std::to_string(Platform::processes());
+  });
+}
+
+TEST(Composition, ALinkWhoseReadsAreDrawnIsTheSameLink) {
+  const std::string constant = parts_of_a_link(false);
+  EXPECT_NE(constant.find("pcie"), std::string::npos);
+  EXPECT_EQ(parts_of_a_link(true), constant);
+}
+
 // Between the board and what it is attached to; neither does anything by itself.
 TEST(Composition, FaultsAreTwoModulesAndNoProcess) {
   SmallScene scene;

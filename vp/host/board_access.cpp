@@ -154,9 +154,11 @@ void BoardAccess::poll_status(std::uint32_t& status) {
   const Picoseconds since = now_ps();
   Tag nothing;
   extension_.tag = &nothing;
+  extension_.unseen_frame = tag_.frame;
   read(kSolverBase + kRegisters[static_cast<std::size_t>(Register::status)].offset, &status,
        sizeof(status));
   extension_.tag = &tag_;
+  extension_.unseen_frame.reset();
   note_looking(since, (status & (field::kStatusDone.mask() | field::kStatusError.mask())) != 0);
 }
 
@@ -232,7 +234,9 @@ int BoardAccess::wait_interrupt(std::uint64_t timeout_ns) {
   }
   if (messages()) line_up_ = false;
   const Picoseconds requested = now_ps();
-  wait(to_sc_time(interrupt_latency_));
+  wait(to_sc_time(dispatcher_ == nullptr
+                      ? interrupt_latency_
+                      : dispatcher_->interrupt_latency(tag_.frame, interrupt_latency_)));
   ledger_.extend(tag_, Part::host, Phase::interrupt, requested, now_ps());
   if (sleeps && dispatcher_ != nullptr) dispatcher_->wake(tag_);
   return HVP_INTERRUPT;

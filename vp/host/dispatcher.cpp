@@ -20,11 +20,18 @@ Dispatcher::Dispatcher(const host::Host& costs, std::int64_t seed, Ledger& ledge
     : jitter_(source(costs.jitter, seed, "host.jitter")),
       wake_up_(source(costs.wake_up, seed, "host.wake_up")),
       ledger_(ledger) {
+  if (costs.interrupt_latencies) {
+    interrupts_.emplace(*costs.interrupt_latencies, seed, "host.interrupt_latencies");
+  }
   if (costs.cores == 1) shared_.emplace(costs.shared_core());
 }
 
 Picoseconds Dispatcher::release_delay(std::int64_t number) const {
   return jitter_ ? to_ps(jitter_->time_s(number)) : 0;
+}
+
+Picoseconds Dispatcher::interrupt_latency(std::int64_t frame, Picoseconds otherwise) {
+  return interrupts_ && frame >= 0 ? interrupts_->next(frame) : otherwise;
 }
 
 void Dispatcher::wake(Tag& tag) {

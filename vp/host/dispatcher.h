@@ -8,6 +8,7 @@
 #include "models/host/costs.h"
 #include "models/host/shared_core.h"
 #include "models/random/distribution.h"
+#include "vp/latency_draws.h"
 #include "vp/ledger.h"
 
 namespace hvp::vp {
@@ -21,6 +22,10 @@ class Dispatcher {
 
   // How long after n·T the timer releases frame n.
   Picoseconds release_delay(std::int64_t number) const;
+
+  // From an interrupt that this frame waits for until its process is ready; `otherwise` where
+  // nothing is drawn.
+  Picoseconds interrupt_latency(std::int64_t frame, Picoseconds otherwise);
 
   // The servo process gives its core up, to sleep.
   void sleep();
@@ -51,6 +56,7 @@ class Dispatcher {
 
   std::optional<random::Source> jitter_;
   std::optional<random::Source> wake_up_;
+  std::optional<LatencyDraws> interrupts_;
   std::optional<Shared> shared_;
   Ledger& ledger_;
   std::int64_t frame_ = -1;     // that woke last

@@ -58,6 +58,13 @@ std::int64_t GraphicsTraffic::picture_bytes(std::int64_t vertices) const {
   return bytes > 0 ? bytes : vertices * bytes_per_vertex;
 }
 
+void PcieSettings::declare(config::Visitor& v) {
+  Pcie::declare(v);
+  v.effect("root_complex_latencies", root_complex_latencies,
+           {"root_complex_latency drawn for each read request of the board that a frame waits for; "
+            "set-up has the constant"});
+}
+
 void BusSettings::declare(config::Visitor& v) {
   v.include(pci);
   v.effect("protocol", protocol,
@@ -68,6 +75,10 @@ void BusSettings::declare(config::Visitor& v) {
            {"a graphics card that reads each picture's data, on the approximately-timed bus"});
   v.effect("pcie", pcie,
            {"the solver board sits on a PCI Express link of its own; the DAQ board stays on PCI"});
+  v.effect(
+      "read_latencies", read_latencies,
+      {"read_latency drawn for each of the processor's reads that a frame waits for; set-up has "
+       "the constant"});
   v.effect("posted_writes", posted_writes,
            {"the processor goes on while the bridge writes; without it it waits for each write"});
 }

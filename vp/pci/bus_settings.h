@@ -7,6 +7,7 @@
 #include "models/link/pci.h"
 #include "models/link/pci_protocol.h"
 #include "models/link/pcie.h"
+#include "models/link/read_latencies.h"
 #include "vp/frame.h"
 
 namespace hvp::vp {
@@ -51,6 +52,13 @@ struct GraphicsTraffic {
   std::int64_t picture_bytes(std::int64_t vertices) const;
 };
 
+// The scenario's effect [bus.pcie].
+struct PcieSettings : link::Pcie {
+  std::optional<link::RootComplexLatencies> root_complex_latencies;
+
+  void declare(config::Visitor& v);
+};
+
 // The scenario's table [bus]. What stands beside link::Pci is for the approximately-timed bus where
 // it does not say otherwise.
 struct BusSettings {
@@ -58,8 +66,9 @@ struct BusSettings {
   std::optional<link::PciProtocol> protocol;
   std::optional<BusTraffic> traffic;
   std::optional<GraphicsTraffic> graphics_traffic;
-  std::optional<PostedWriteSettings> posted_writes;  // of the loosely-timed one too
-  std::optional<link::Pcie> pcie;                    // the solver board's own link, at every level
+  std::optional<PostedWriteSettings> posted_writes;      // of the loosely-timed one too
+  std::optional<link::PciReadLatencies> read_latencies;  // likewise
+  std::optional<PcieSettings> pcie;  // the solver board's own link, at every level
 
   void declare(config::Visitor& v);
   void check() const { pci.check(); }

@@ -41,8 +41,11 @@ PciBus::PciBus(const sc_core::sc_module_name& name, const link::Pci& model, bool
 }
 
 PciBus::PciBus(const sc_core::sc_module_name& name, const BusSettings& settings, Timing level,
-               Ledger& ledger)
+               Ledger& ledger, std::int64_t seed)
     : PciBus(name, settings.pci, level == Timing::untimed, ledger) {
+  if (settings.read_latencies) {
+    reads_.emplace(*settings.read_latencies, seed, "bus.read_latencies");
+  }
   if (settings.posted_writes) {
     posting_ = std::make_unique<Posting>(*settings.posted_writes, kPlacesToMemory);
     SC_HAS_PROCESS(PciBus);
@@ -86,7 +89,7 @@ void PciBus::from_host_transport(tlm::tlm_generic_payload& transaction, sc_core:
   const Direction direction = direction_of(transaction);
   const std::int64_t bytes = bytes_of(transaction);
   const Service service{
-      kProcessor, direction, bytes, way_to_bus(direction), processors_phase(transaction),
+      kProcessor, direction, bytes, way_to_bus(transaction), processors_phase(transaction),
       tag.frame};
   const Picoseconds began = now_ps();
   if (posting_) wait_for_posted(&Posting::down);
@@ -144,6 +147,12 @@ void PciBus::reach_memory(tlm::tlm_generic_payload& transaction) {
 
 Picoseconds PciBus::way_to_bus(Direction direction) const {
   return direction == Direction::read ? model_.read_ps(0) : model_.write_ps(0);
+}
+
+Picoseconds PciBus::way_to_bus(tlm::tlm_generic_payload& transaction) {
+  const std::int64_t frame = frame_of(transaction);
+  if (reads_ && transaction.is_read() && frame >= 0) return reads_->next(frame);
+  return way_to_bus(direction_of(transaction));
 }
 
 Picoseconds PciBus::alone(const Service& service) const {

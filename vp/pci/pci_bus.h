@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <systemc>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "vp/bus_use.h"
 #include "vp/fidelity.h"
 #include "vp/frame_tag.h"
+#include "vp/latency_draws.h"
 #include "vp/ledger.h"
 #include "vp/pci/bus_settings.h"
 #include "vp/posted_writes.h"
@@ -41,8 +43,9 @@ class PciBus : public sc_core::sc_module, private link::PciArbiter::Observer {
   enum Master : int { kProcessor, kTraffic, kBoard, kGraphics, kMasters };
 
   PciBus(const sc_core::sc_module_name& name, const link::Pci& model, bool untimed, Ledger& ledger);
+  // `seed`: of what [bus.read_latencies] draws.
   PciBus(const sc_core::sc_module_name& name, const BusSettings& settings, Timing level,
-         Ledger& ledger);
+         Ledger& ledger, std::int64_t seed = 1);
 
   tlm_utils::simple_target_socket<PciBus> from_host;
   // The board as master of the bus; unbound where no board is one. One transaction at a time:
@@ -105,6 +108,7 @@ class PciBus : public sc_core::sc_module, private link::PciArbiter::Observer {
   void reach_target(tlm::tlm_generic_payload& transaction);
   void reach_memory(tlm::tlm_generic_payload& transaction);
   Picoseconds way_to_bus(link::Direction direction) const;
+  Picoseconds way_to_bus(tlm::tlm_generic_payload& transaction);
   Picoseconds alone(const Service& service) const;
   void occupy(const Service& service, std::int64_t first = 0);
   void take_turn(Master master);
@@ -140,6 +144,7 @@ class PciBus : public sc_core::sc_module, private link::PciArbiter::Observer {
   sc_core::sc_event changed_;                  // what forecasts rest on
   std::array<bool, kMasters> served_{};        // approximately timed
   std::unique_ptr<Posting> posting_;           // the effect [bus.posted_writes]
+  std::optional<LatencyDraws> reads_;          // the effect [bus.read_latencies]
 };
 
 }  // namespace hvp::vp

@@ -51,6 +51,14 @@ PcieBus::PcieBus(const sc_core::sc_module_name& name, const link::Pcie& link, Ti
   uses_[kBoard].name = "board";
 }
 
+PcieBus::PcieBus(const sc_core::sc_module_name& name, const PcieSettings& settings, Timing level,
+                 Ledger& ledger, std::int64_t seed)
+    : PcieBus(name, settings, level, ledger) {
+  if (settings.root_complex_latencies) {
+    root_complex_.emplace(*settings.root_complex_latencies, seed);
+  }
+}
+
 void PcieBus::attach(tlm::tlm_target_socket<>& target, std::uint64_t base, std::uint64_t size) {
   to_targets_.bind(target);
   windows_.push_back({base, size, static_cast<int>(windows_.size())});
@@ -183,15 +191,24 @@ void PcieBus::board_read(tlm::tlm_generic_payload& transaction) {
   const std::int64_t bytes = bytes_of(transaction);
   const std::int64_t ahead = up_.posted();
   up_.wait_until_left(ahead);
-  timing_.ask(PcieTiming::kBoardReads, bytes, {boards_phase(transaction), tag.frame});
+  const link::CompleterTimes* const times = root_complex_times(tag.frame, bytes);
+  timing_.ask(PcieTiming::kBoardReads, bytes, {boards_phase(transaction), tag.frame}, times);
   up_.wait_until_delivered(ahead);
   reach_memory(transaction);
   timing_.await_answer(PcieTiming::kBoardReads);
+  const Picoseconds alone = times == nullptr ? link_.read_ps(link::PcieSide::device, bytes)
+                                             : link_.read_ps(link::PcieSide::device, bytes, *times);
   board_reads_ = false;
   read_over_.notify();
-  const link::Cost cost = formulas_.dma_read(bytes);
-  count(kBoard, cost, bytes);
-  account(tag, boards_phase(transaction), began, cost.latency_ps);
+  count(kBoard, formulas_.dma_read(bytes), bytes);
+  account(tag, boards_phase(transaction), began, alone);
+}
+
+const link::CompleterTimes* PcieBus::root_complex_times(std::int64_t frame, std::int64_t bytes) {
+  if (!root_complex_ || frame < 0) return nullptr;
+  root_complex_->frame = frame;
+  root_complex_->first = root_complex_->draws.take(frame, link_.requests(bytes));
+  return &*root_complex_;
 }
 
 void PcieBus::interrupt(const Tag& tag) { up_.post_message(kAssert, tag); }

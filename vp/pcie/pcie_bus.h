@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <systemc>
 #include <vector>
 
@@ -13,7 +14,9 @@
 #include "vp/bus_use.h"
 #include "vp/fidelity.h"
 #include "vp/frame_tag.h"
+#include "vp/latency_draws.h"
 #include "vp/ledger.h"
+#include "vp/pci/bus_settings.h"
 #include "vp/pcie/pcie_timing.h"
 #include "vp/pcie/posted_path.h"
 
@@ -35,6 +38,9 @@ class PcieBus : public sc_core::sc_module, public InterruptIf {
  public:
   PcieBus(const sc_core::sc_module_name& name, const link::Pcie& link, Timing level,
           Ledger& ledger);
+  // `seed`: of what [bus.pcie.root_complex_latencies] draws.
+  PcieBus(const sc_core::sc_module_name& name, const PcieSettings& settings, Timing level,
+          Ledger& ledger, std::int64_t seed);
 
   tlm_utils::simple_target_socket<PcieBus> from_host;
   // The board's own transactions; unbound where it has none. One read at a time: others wait.
@@ -64,6 +70,17 @@ class PcieBus : public sc_core::sc_module, public InterruptIf {
     int target;
   };
   enum User { kProcessor, kBoard, kUsers };
+  // The effect [bus.pcie.root_complex_latencies]: of the board's read that is under way.
+  struct RootComplex : link::CompleterTimes {
+    RootComplex(const link::RootComplexLatencies& latencies, std::int64_t seed)
+        : draws(latencies.drawn(), seed, "bus.pcie.root_complex_latencies") {}
+    Picoseconds ps(std::int64_t request) const override {
+      return draws.ps(frame, first + static_cast<std::uint32_t>(request));
+    }
+    LatencyDraws draws;
+    std::int64_t frame = -1;
+    std::uint32_t first = 0;
+  };
 
   void from_host_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
   void from_board_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
@@ -71,6 +88,7 @@ class PcieBus : public sc_core::sc_module, public InterruptIf {
   void processor_read(tlm::tlm_generic_payload& transaction);
   void board_write(tlm::tlm_generic_payload& transaction);
   void board_read(tlm::tlm_generic_payload& transaction);
+  const link::CompleterTimes* root_complex_times(std::int64_t frame, std::int64_t bytes);
   void reach_target(tlm::tlm_generic_payload& transaction);
   void reach_memory(tlm::tlm_generic_payload& transaction);
   void has_left(PostedWrite& write);
@@ -98,6 +116,7 @@ class PcieBus : public sc_core::sc_module, public InterruptIf {
   bool board_reads_ = false;
   sc_core::sc_event read_over_;
   std::array<BusUse, kUsers> uses_;
+  std::optional<RootComplex> root_complex_;
 };
 
 }  // namespace hvp::vp

@@ -45,14 +45,15 @@ Picoseconds PcieTiming::send(Sender sender, std::int64_t bytes, Errand errand) {
   return packets_->completed_ps(sender);
 }
 
-void PcieTiming::ask(Sender sender, std::int64_t bytes, Errand errand) {
+void PcieTiming::ask(Sender sender, std::int64_t bytes, Errand errand,
+                     const link::CompleterTimes* times) {
   if (untimed_) return;
   errands_[static_cast<std::size_t>(sender)] = errand;
   if (!packets_) {
-    ask_by_formula(sender, bytes);
+    ask_by_formula(sender, bytes, times);
     return;
   }
-  packets_->request(sender, Direction::read, bytes, now_ps());
+  packets_->request(sender, Direction::read, bytes, now_ps(), times);
   changed_.notify();
   until_sent(sender);
   wait_until(packets_->sent_ps(sender) + link_.link_ps());
@@ -106,16 +107,19 @@ Picoseconds PcieTiming::send_by_formula(Sender sender, std::int64_t bytes) {
 }
 
 // The completions begin when the side that is read has the data and its direction is free.
-void PcieTiming::ask_by_formula(Sender sender, std::int64_t bytes) {
+void PcieTiming::ask_by_formula(Sender sender, std::int64_t bytes,
+                                const link::CompleterTimes* times) {
   const PcieSide here = side(sender);
   Picoseconds& requests_free = free_at(here);
   Picoseconds& completions_free = free_at(other(here));
   const Picoseconds start = std::max(now_ps(), requests_free);
   const Picoseconds arrival =
       start + link_.transfer_ps(link_.read_header_bytes()) + link_.link_ps();
-  const Picoseconds ready = arrival + link_.completer_ps(here);
+  const Picoseconds ready = arrival + (times == nullptr ? link_.completer_ps(here) : times->ps(0));
   const Picoseconds delay = std::max<Picoseconds>(0, completions_free - ready);
-  const Picoseconds end = start + link_.read_ps(here, bytes) + delay;
+  const Picoseconds alone =
+      times == nullptr ? link_.read_ps(here, bytes) : link_.read_ps(here, bytes, *times);
+  const Picoseconds end = start + alone + delay;
   const Picoseconds requests = link_.tlp_ps(link_.request_wire_bytes(bytes));
   const Picoseconds completions = link_.tlp_ps(link_.completion_wire_bytes(bytes));
   busy_[index(here)] += requests;

@@ -37,8 +37,9 @@ class PcieTiming : private link::PcieLink::Observer {
   // the time of its arrival at the other side.
   Picoseconds send(Sender sender, std::int64_t bytes, Errand errand);
   // A read, as large as a request may be or larger. Returns when its last request is at the other
-  // side.
-  void ask(Sender sender, std::int64_t bytes, Errand errand);
+  // side. `times`: of what is read, until the answer is there; null: the link's constant.
+  void ask(Sender sender, std::int64_t bytes, Errand errand,
+           const link::CompleterTimes* times = nullptr);
   // Behind ask(): returns when its last completion is back.
   void await_answer(Sender sender);
 
@@ -55,7 +56,7 @@ class PcieTiming : private link::PcieLink::Observer {
   static std::size_t index(link::PcieSide side) { return side == link::PcieSide::root ? 0 : 1; }
   Picoseconds& free_at(link::PcieSide side) { return free_at_[index(side)]; }
   Picoseconds send_by_formula(Sender sender, std::int64_t bytes);
-  void ask_by_formula(Sender sender, std::int64_t bytes);
+  void ask_by_formula(Sender sender, std::int64_t bytes, const link::CompleterTimes* times);
   void until_sent(Sender sender);
   void sent(link::PcieSide sender, int initiator, Picoseconds start, Picoseconds end) override;
 

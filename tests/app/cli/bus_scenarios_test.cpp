@@ -1,4 +1,5 @@
 // What the scenarios of bus and host say is to be seen in them, is.
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -98,6 +99,45 @@ TEST(BusScenarios, PcieShrinksTheBusButNotASingleRead) {
   const json wide = summary_of(name, {"bus.pcie.lanes=16"}, 0);
   EXPECT_NEAR(worst_us(wide), worst_us(link), 2);
   EXPECT_GT(bus_us(summary_of(name, {"transfer.method=programmed-io"}, 1)), 500);
+}
+
+TEST(BusScenarios, ARootComplexWithATailShowsInTheTail) {
+  const std::string name = "pcie-msi.toml";
+  const std::string key = "bus.pcie.root_complex_latencies.host=";
+  const json constant = summary_of(name, {}, 0);
+  const json narrow = summary_of(name, {key + "xeon-e5"}, 0);
+  const json wide = summary_of(name, {key + "xeon-e3"}, 0);
+  const auto of = [](const json& s, const char* percentile) {
+    return s.at("latency").at("percentiles").at(percentile).get<double>();
+  };
+  EXPECT_NE(narrow, constant);
+  EXPECT_NEAR(of(narrow, "p99_us"), of(constant, "p99_us"), 0.2);
+  // b is two requests, and a list has descriptors: medians of 1213 instead of 547 ns each.
+  EXPECT_GT(of(wide, "p50_us"), of(constant, "p50_us") + 1);
+  EXPECT_LT(of(wide, "p50_us"), of(constant, "p50_us") + 6);
+  EXPECT_GT(of(wide, "p99_us"), of(wide, "p50_us") + 4);
+  const json::array_t effects = wide.at("effects");
+  EXPECT_EQ(std::ranges::count(effects, "bus.pcie.root_complex_latencies"), 1);
+}
+
+// Samples less what the model counts anyway.
+TEST(BusScenarios, MeasuredReadsAreTheUsersLessWhatIsCounted) {
+  const ScratchDirectory place;
+  write(place.path() / "reads.csv", "when,read_us\n1,1.5\n2,1.5\n");
+  const std::string file = (place.path() / "reads.csv").string();
+  const auto reads = [&](const std::string& table) {
+    return summary_of("thesis-static.toml", {"bus.read_latencies={" + table + "}"}, 0);
+  };
+  const std::string measured = "distribution='measured', samples='" + file + "', counted='";
+  EXPECT_EQ(reads(measured + "500 ns'"), reads("distribution='constant', mean='1 us'"));
+  EXPECT_NE(reads(measured + "0 s'"), reads("distribution='constant', mean='1 us'"));
+  write(place.path() / "s.toml", kSmallScene);
+  const Ended refused =
+      hvp(place.path(), {"run", "s.toml", "--set", "bus.read_latencies={" + measured + "2 us'}"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.err.find("bus.read_latencies.counted"), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("at most the shortest sample, 1.5 us, found 2 us"), std::string::npos)
+      << refused.err;
 }
 
 TEST(BusScenarios, MissesGoFromNoneToManyWithTheSpreadOfTheWakeUps) {
