@@ -91,7 +91,9 @@ int parse_and_run(int argc, char** argv) {
   CLI::App* command =
       app.add_subcommand("run", "simulate a scenario and say whether its budgets held");
   scenario_arguments(*command, run);
-  command->add_option("--out", run.out, "folder for the results in place of runs/<scenario>, with what --set changes")
+  command
+      ->add_option("--out", run.out,
+                   "folder for the results in place of runs/<scenario>, with what --set changes")
       ->type_name("FOLDER");
   command->add_flag("--trace-registers", run.trace_registers,
                     "also log every access to the board, in registers.log");

@@ -13,8 +13,8 @@ namespace hvp::fem {
 // Green's strain is ε and a quadratic term that linear elasticity drops, ½·∇uᵀ∇u: at a principal
 // strain of a tenth it is a twentieth of ε.
 inline constexpr double kLinearStrain = 0.1;
-// A small part of a body may be strained further: beneath a node that is pressed alone the strain of
-// linear elasticity grows without bound as the mesh gets finer. Chosen.
+// A small part of a body may be strained further: beneath a node that is pressed alone the strain
+// of linear elasticity grows without bound as the mesh gets finer. Chosen.
 inline constexpr double kLinearShare = 0.25;  // of the volume
 // At a principal strain of −1 an element has no thickness left.
 inline constexpr double kCollapse = 1.0;

@@ -53,7 +53,7 @@ class ReferenceRun {
   std::span<const double> velocity() const {
     return newmark_ ? newmark_->velocity() : std::span<const double>();
   }
-  const Eigen::Vector3d& force() const { return force_; }      // N, on the body
+  const Eigen::Vector3d& force() const { return force_; }  // N, on the body
   // Of the matrix without contact.
   bool positive_definite() const { return solver_.positive_definite(); }
   bool singular() const { return solver_.singular(); }
