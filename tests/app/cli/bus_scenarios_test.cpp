@@ -112,7 +112,7 @@ TEST(BusScenarios, ARootComplexWithATailShowsInTheTail) {
   };
   EXPECT_NE(narrow, constant);
   EXPECT_NEAR(of(narrow, "p99_us"), of(constant, "p99_us"), 0.2);
-  // b is two requests, and a list has descriptors: medians of 1213 instead of 547 ns each.
+  // b is six requests and a descriptor one more: medians of 1213 instead of 547 ns each.
   EXPECT_GT(of(wide, "p50_us"), of(constant, "p50_us") + 1);
   EXPECT_LT(of(wide, "p50_us"), of(constant, "p50_us") + 6);
   EXPECT_GT(of(wide, "p99_us"), of(wide, "p50_us") + 4);
