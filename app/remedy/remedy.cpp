@@ -23,6 +23,7 @@ using stability::Flag;
 using stability::Flags;
 
 constexpr int kMostAttempts = 30;
+constexpr int kMostWithAll = 8;
 
 // A touch and a good part of a press; fewer of a large body, which takes longer.
 std::size_t few_frames(const Scene& scene) {
@@ -41,27 +42,41 @@ Flags among(Flags flags, const std::array<Flag, n>& set) {
   return result;
 }
 
-Flags of_solver(Flags flags) {
-  return among(flags, std::array{Flag::saturation, Flag::negative_curvature, Flag::zero_diagonal,
-                                 Flag::stagnation, Flag::scalar_overflow, Flag::divergence,
-                                 Flag::matrix_rounding, Flag::not_converged, Flag::range_exceeded,
-                                 Flag::wrapped, Flag::limit_cycle});
-}
+constexpr std::array kOfWords = {
+    Flag::saturation,      Flag::negative_curvature, Flag::zero_diagonal,
+    Flag::stagnation,      Flag::scalar_overflow,    Flag::divergence,
+    Flag::matrix_rounding, Flag::not_converged,      Flag::range_exceeded,
+    Flag::wrapped,         Flag::limit_cycle};
+
+// What makes the force wrong, and so which nodes are touched.
+constexpr std::array kSevere = {
+    Flag::saturation,      Flag::negative_curvature, Flag::zero_diagonal,  Flag::stagnation,
+    Flag::scalar_overflow, Flag::divergence,         Flag::range_exceeded, Flag::wrapped};
 
 Flags of_hand_over(Flags flags) {
   return among(flags, std::array{Flag::force_step, Flag::force_ringing});
 }
 
+struct HandOverTrial {
+  std::optional<double> calm_s;
+  int attempts = 0;
+};
+
 // Of the exact solution: the first hand-over, from the scenario's on, whose force neither steps nor
 // rings. Where the scenario's own does not, the solver has made the force do so.
-std::optional<double> calm_hand_over(const Scene& scene, std::span<const Sighting> recording) {
+HandOverTrial calm_hand_over(const Scene& scene, std::span<const Sighting> recording) {
   const double present_s = scene.scenario().contact.search.hand_over_s;
+  HandOverTrial trial;
   for (const double hand_over_s : {present_s, 20e-3, 30e-3, 50e-3, 80e-3}) {
     if (hand_over_s < present_s) continue;
-    const Replay replay(scene, recording, recording.size(), hand_over_s);
-    if (of_hand_over(replay.exact_force().flags()).empty()) return hand_over_s;
+    ++trial.attempts;
+    // Nothing of it is solved again.
+    const Replay replay(scene, recording, 1, hand_over_s, Replay::Span::whole);
+    if (!of_hand_over(replay.exact_force().flags()).empty()) continue;
+    trial.calm_s = hand_over_s;
+    break;
   }
-  return std::nullopt;
+  return trial;
 }
 
 std::string shortage(const Scene& scene) {
@@ -120,7 +135,8 @@ class Candidate {
 
 // With what the device needs for the words; the candidate as it is where nothing makes it fit.
 Candidate fitting(Candidate candidate, const Rebuild& rebuild) {
-  if (candidate.works() || candidate.scene() == nullptr) return candidate;
+  if (candidate.scene() == nullptr || !candidate.scene()->has_board()) return candidate;
+  if (candidate.works()) return candidate;
   const Scene& scene = *candidate.scene();
   if (scene.scenario().accelerator.several) return candidate;
   const accel::WordLengths words = accel::word_lengths(scene.computation().board_settings());
@@ -140,35 +156,43 @@ fixed::Plan plan_of(const Scenario& s) {
   return {s.solver, s.refinement ? s.refinement->passes : 1};
 }
 
-std::int64_t budget_ps(const Scene& scene) {
-  return std::llround(scene.scenario().budget.period_s * 1e12);
-}
-
-// What the settings need of the device, and what a frame takes with them.
-void complete(const Scene& scene, const Rebuild& rebuild, results::TriedRemedy& remedy) {
+// What the settings need of the device, and what the worst frame takes with them.
+void complete(const Scene& scene, const Measured& measured, const Rebuild& rebuild,
+              results::TriedRemedy& remedy) {
+  constexpr double kReserve = 0.99;
   const Candidate candidate = fitting(Candidate(rebuild, remedy.settings), rebuild);
   remedy.settings = candidate.settings();
   remedy.fits = candidate.scene() != nullptr && (!scene.has_board() || candidate.works());
   if (!remedy.fits) remedy.shortage = candidate.reason();
   if (candidate.scene() == nullptr) return;
-  remedy.frame_ps_before = frame_ps(frame_steps(scene));
-  remedy.frame_ps = frame_ps(frame_steps(*candidate.scene()));
+  const std::int64_t more =
+      frame_ps(frame_steps(*candidate.scene())) - frame_ps(frame_steps(scene));
+  remedy.before = {measured.latency_ps, measured.load_ps};
+  remedy.after = {measured.latency_ps + more, measured.load_ps + more};
+  const auto within = [](std::int64_t time, std::int64_t limit) {
+    return static_cast<double>(time) <= kReserve * static_cast<double>(limit);
+  };
+  remedy.in_time = within(remedy.after.latency_ps, measured.budget_ps) &&
+                   within(remedy.after.load_ps, measured.period_ps);
 }
 
 class SolverSearch {
  public:
-  SolverSearch(const Scene& scene, Flags flags, const Replay& replay, const Rebuild& rebuild)
-      : scene_(scene), flags_(flags), replay_(replay), rebuild_(rebuild) {}
+  // `few` frames are searched with, `all` decide.
+  SolverSearch(const Scene& scene, Flags flags, const Replay& few, const Replay& all,
+               const Measured& measured, const Rebuild& rebuild)
+      : scene_(scene),
+        flags_(flags),
+        few_(few),
+        all_(all),
+        measured_(measured),
+        rebuild_(rebuild) {}
 
   // On top of what `remedy` has already.
   results::TriedRemedy find(results::TriedRemedy remedy, int most_passes) {
     const fixed::Plan original = plan_of(scene_.scenario());
-    const fixed::Attempt attempt = [this](const fixed::Plan& plan) {
-      const Replay::Result result = replay_.attempt(plan);
-      if (!result.refused && result.flags.empty()) cured_ = result;
-      return fixed::Trial{.refused = result.refused, .flags = result.flags};
-    };
-    const fixed::Extent extent{.largest_displacement = replay_.largest_displacement(),
+    const fixed::Attempt attempt = [this](const fixed::Plan& plan) { return trial(few_, plan); };
+    const fixed::Extent extent{.largest_displacement = all_.largest_displacement(),
                                .most_passes = most_passes};
     fixed::Search search = fixed::follow_remedies(original, {.refused = false, .flags = flags_},
                                                   extent, attempt, kMostAttempts);
@@ -176,36 +200,60 @@ class SolverSearch {
     if (takes_longer(search.plan, original)) {
       fixed::save_time(std::max(1, original.settings.iterations / 4), attempt, search);
     }
-    remedy.attempts = search.attempts;
-    if (!search.last.cured()) {
-      remedy.left = search.last.flags.empty() ? flags_ : search.last.flags;
+    remedy.attempts += search.attempts;
+    if (search.last.cured()) go_on_with_all(search, extent, remedy);
+    if (search.plan == original) {
+      remedy.left.merge(search.last.flags.empty() ? flags_ : search.last.flags);
       return remedy;
     }
-    remedy.median = cured_.median;
-    remedy.p95 = cured_.p95;
+    remedy.left.merge(search.last.flags);
+    // Where it does not do better than before it is none.
+    if (search.last.refused || !among(search.last.flags, kOfWords).empty()) {
+      if (remedy.left.empty()) remedy.left = flags_;
+      return remedy;
+    }
+    remedy.median = last_.median;
+    remedy.p95 = last_.p95;
     for (std::string& s : fixed::changes(original, search.plan)) {
       remedy.settings.push_back(std::move(s));
     }
-    complete(scene_, rebuild_, remedy);
+    complete(scene_, measured_, rebuild_, remedy);
     return remedy;
   }
 
  private:
+  fixed::Trial trial(const Replay& replay, const fixed::Plan& plan) {
+    last_ = replay.attempt(plan);
+    return {.refused = last_.refused, .flags = last_.flags};
+  }
+
+  // What holds for a few frames need not hold for all.
+  void go_on_with_all(fixed::Search& search, const fixed::Extent& extent,
+                      results::TriedRemedy& remedy) {
+    const fixed::Attempt attempt = [this](const fixed::Plan& plan) { return trial(all_, plan); };
+    const fixed::Trial first = attempt(search.plan);
+    search = fixed::follow_remedies(search.plan, first, extent, attempt, kMostWithAll);
+    remedy.attempts += 1 + search.attempts;
+    remedy.frames = all_.frames();
+  }
+
   static bool takes_longer(const fixed::Plan& plan, const fixed::Plan& original) {
     return plan.passes * plan.settings.iterations > original.passes * original.settings.iterations;
   }
 
   const Scene& scene_;
   Flags flags_;
-  const Replay& replay_;
+  const Replay& few_;
+  const Replay& all_;
+  const Measured& measured_;
   const Rebuild& rebuild_;
-  Replay::Result cured_;  // of the last plan that was
+  Replay::Result last_;  // of the last attempt
 };
 
 // Of a run with faults: those that the words raise without them.
 Flags caused_by_words(const Scene& scene, std::span<const Sighting> recording, Flags flags) {
   const Replay replay(scene, recording, few_frames(scene),
-                      scene.scenario().contact.search.hand_over_s);
+                      scene.scenario().contact.search.hand_over_s, Replay::Span::first);
   const Flags of_words = replay.attempt(plan_of(scene.scenario())).flags;
   return Flags(flags.bits() & of_words.bits());
 }
@@ -214,14 +262,16 @@ Flags caused_by_words(const Scene& scene, std::span<const Sighting> recording, F
 
 std::optional<results::TriedRemedy> try_remedies(const Scene& scene, Flags flags,
                                                  std::span<const Sighting> recording,
-                                                 const Rebuild& rebuild, const Progress& progress) {
-  Flags solver = scene.has_board() ? of_solver(flags) : Flags();
+                                                 const Measured& measured, const Rebuild& rebuild,
+                                                 const Progress& progress) {
+  Flags solver = scene.has_board() ? among(flags, kOfWords) : Flags();
   Flags hand_over = of_hand_over(flags);
   if (!scene.scenario().faults.empty()) {
     // What faults have done to the force no setting takes back.
     hand_over = Flags();
     if (!solver.empty()) solver = caused_by_words(scene, recording, solver);
   }
+  if (!among(solver, kSevere).empty()) hand_over = Flags();
   if (scene.scenario().timing_only() || recording.empty()) return std::nullopt;
   if (solver.empty() && hand_over.empty()) return std::nullopt;
   if (progress) progress("looking for a remedy");
@@ -229,35 +279,35 @@ std::optional<results::TriedRemedy> try_remedies(const Scene& scene, Flags flags
   results::TriedRemedy remedy;
   remedy.of = solver;
   remedy.of.merge(hand_over);
+  remedy.frames = recording.size();
   double hand_over_s = scene.scenario().contact.search.hand_over_s;
   if (!hand_over.empty()) {
-    const std::optional<double> calm = calm_hand_over(scene, recording);
-    if (!calm && !solver.empty()) {
-      remedy.of = solver;
-    } else if (!calm) {
+    const HandOverTrial trial = calm_hand_over(scene, recording);
+    remedy.attempts = trial.attempts;
+    if (!trial.calm_s) {
       remedy.left = hand_over;
-    } else if (*calm > hand_over_s) {
-      hand_over_s = *calm;
+    } else if (*trial.calm_s > hand_over_s) {
+      hand_over_s = *trial.calm_s;
       remedy.settings.push_back(fmt::format("contact.hand_over = \"{:g} ms\"", 1e3 * hand_over_s));
     }
   }
-  // What ripples does so for long.
-  const bool whole = solver.has(Flag::limit_cycle);
-  const Replay replay(scene, recording, whole ? recording.size() : few_frames(scene), hand_over_s);
-  remedy.frames = hand_over.empty() ? replay.frames() : recording.size();
-  if (!remedy.left.empty()) return remedy;
   if (solver.empty()) {
-    if (remedy.settings.empty()) return std::nullopt;
-    complete(scene, rebuild, remedy);
+    if (remedy.settings.empty() && remedy.left.empty()) return std::nullopt;
+    if (!remedy.settings.empty()) complete(scene, measured, rebuild, remedy);
     return remedy;
   }
-  SolverSearch search(scene, solver, replay, rebuild);
+  const Replay all(scene, recording, recording.size(), hand_over_s, Replay::Span::whole);
+  // What ripples does so for long.
+  const std::size_t few = solver.has(Flag::limit_cycle) ? recording.size() : few_frames(scene);
+  const Replay first(scene, recording, few, hand_over_s, Replay::Span::first);
+  SolverSearch search(scene, solver, first, all, measured, rebuild);
   results::TriedRemedy found = search.find(remedy, fixed::Extent{}.most_passes);
-  if (!found.left.empty() || (found.fits && found.frame_ps <= budget_ps(scene))) return found;
+  if (found.settings.empty() || (found.fits && found.in_time)) return found;
   // Without the time for further passes wider words may do.
   const int passes = plan_of(scene.scenario()).passes;
   results::TriedRemedy other = search.find(remedy, passes);
-  const bool better = other.left.empty() && other.fits && other.frame_ps <= budget_ps(scene);
+  const bool better = !other.settings.empty() && other.fits && other.in_time &&
+                      (other.left.empty() || !found.left.empty());
   return better ? other : found;
 }
 

@@ -15,8 +15,8 @@ namespace hvp::app {
 
 namespace {
 
-// A displacement and a force of every recorded frame are kept.
-constexpr std::size_t kMostNumbers = 25'000'000;
+// The displacements of every frame that is solved again are kept: 64 MB.
+constexpr std::size_t kMostNumbers = 8'000'000;
 
 double seconds(std::int64_t picoseconds) { return 1e-12 * static_cast<double>(picoseconds); }
 
@@ -42,14 +42,15 @@ stability::Flags solve(host::FrameComputation& computation, host::WordBoard& boa
 }  // namespace
 
 Replay::Replay(const Scene& scene, std::span<const Sighting> recording, std::size_t frames,
-               double hand_over_s)
+               double hand_over_s, Span span)
     : scene_(scene) {
   if (recording.empty()) return;
   const std::size_t unknowns = std::max<std::size_t>(1, scene.body().load().size());
   frames = std::min({frames, recording.size(), kMostNumbers / unknowns});
   const bool stateless = !scene.scenario().dynamics;
   const std::size_t stride = stateless ? (recording.size() + frames - 1) / frames : 1;
-  solve_exactly(stateless ? recording : recording.first(frames), stride, hand_over_s);
+  const bool whole = stateless || span == Span::whole;
+  solve_exactly(whole ? recording : recording.first(frames), stride, frames, hand_over_s);
 }
 
 std::vector<int> Replay::patch(const collision::Contact& contact) const {
@@ -64,7 +65,7 @@ std::vector<int> Replay::patch(const collision::Contact& contact) const {
 // The servo process' own order (vp/host/servo_process.cpp): contact changes, its nodes are held,
 // the frame is solved.
 void Replay::solve_exactly(std::span<const Sighting> recording, std::size_t stride,
-                           double hand_over_s) {
+                           std::size_t frames, double hand_over_s) {
   const Scenario& s = scene_.scenario();
   const sparse::BlockMatrix& matrix = scene_.computation().matrix();
   host::ReferenceRun run(scene_.body(), s.dynamics, s.budget.period_s, matrix, matrix);
@@ -90,9 +91,9 @@ void Replay::solve_exactly(std::span<const Sighting> recording, std::size_t stri
     const std::int64_t since = i > 0 ? last.time : now.time - period;
     const fem::Hold hold = hand_over.hold(aim(now, present), seconds(now.time - since));
     run.step(hold);
-    add_force(now, static_cast<std::int64_t>(i), run.force(), exact_force_);
+    add_force(now, !hold.let_go.empty(), static_cast<std::int64_t>(i), run.force(), exact_force_);
     for (const double u : run.displacement()) largest_ = std::max(largest_, std::abs(u));
-    if (i % stride != 0) continue;
+    if (i % stride != 0 || frames_.size() == frames) continue;
     Held& held = frames_.emplace_back();
     held.sighting = now;
     held.nodes.assign(hold.nodes.begin(), hold.nodes.end());
@@ -103,24 +104,23 @@ void Replay::solve_exactly(std::span<const Sighting> recording, std::size_t stri
   }
 }
 
-void Replay::add_force(const Sighting& at, std::int64_t frame, const Eigen::Vector3d& force,
-                       stability::ForceQuality& quality) const {
-  stability::FeltForce felt{frame, seconds(at.time), at.tip, force, at.contact.node, 0};
+void Replay::add_force(const Sighting& at, bool fades, std::int64_t frame,
+                       const Eigen::Vector3d& force, stability::ForceQuality& quality) const {
+  stability::FeltForce felt{frame, seconds(at.time), at.tip, force, at.contact.node, fades, 0};
   if (at.contact.present()) {
     felt.pull = force.dot(scene_.contacts().surface().rest_normal(at.contact.node));
   }
   quality.add(felt);
 }
 
-// As a run without a reference has them at set-up.
+// As a run has them at set-up.
 stability::Flags Replay::rounding_flags(const host::FrameComputation& computation,
                                         int passes) const {
   stability::Flags flags;
-  if (scene_.scenario().reference) return flags;
   const std::optional<host::RoundingEstimate> estimate = estimate_rounding(scene_, computation);
   if (!estimate) return flags;
-  if (!estimate->positive_definite) flags.raise(stability::Flag::negative_curvature);
-  if (passes > 1) return flags;
+  if (!estimate->definite(passes > 1)) flags.raise(stability::Flag::negative_curvature);
+  if (passes > 1 || scene_.scenario().reference) return flags;
   if (!estimate->error || estimate->error->displacement > host::Reference{}.tolerance) {
     flags.raise(stability::Flag::matrix_rounding);
   }
@@ -144,7 +144,6 @@ Replay::Result Replay::attempt(const fixed::Plan& plan) const {
     const sparse::BlockMatrix rounded = fixed::dequantise(computation.system());
     host::ReferenceRun rounded_run(scene_.body(), s.dynamics, s.budget.period_s,
                                    computation.matrix(), rounded);
-    if (!rounded_run.positive_definite()) result.flags.raise(stability::Flag::negative_curvature);
     std::vector<std::int32_t> b(computation.displacement().size());
     host::Deviation of_true;
     host::Deviation of_rounded;
@@ -167,23 +166,20 @@ Replay::Result Replay::attempt(const fixed::Plan& plan) const {
         if (refined->clamped() > 0) result.flags.raise(stability::Flag::range_exceeded);
       }
       computation.update();
-      add_force(frame.sighting, number++, force, quality);
+      add_force(frame.sighting, !frame.let_go.empty(), number++, force, quality);
       const bool in_contact = !frame.nodes.empty();
       of_true.add(computation.displacement(), frame.exact, 0, in_contact);
       if (plan.passes > 1 || rounded_run.singular()) continue;
       rounded_run.step(frame.hold());
       of_rounded.add(computation.displacement(), rounded_run.displacement(), 0, in_contact);
     }
-    const auto typical = [](const host::Deviation& d) -> std::optional<double> {
-      const auto of_frame = d.of_frame();
-      if (!of_frame) return d.relative();
-      return std::max(d.relative().value_or(0), of_frame->median);
-    };
-    const std::optional<double> error = typical(of_true);
+    const std::optional<double> error = of_true.judged();
     result.flags.merge(host::accuracy_flags(s.reference.value_or(host::Reference{}), error,
-                                            plan.passes > 1 ? error : typical(of_rounded)));
-    if (quality.flags().has(stability::Flag::limit_cycle)) {
-      result.flags.raise(stability::Flag::limit_cycle);
+                                            plan.passes > 1 ? error : of_rounded.judged()));
+    // What the exact force does too is not the solver's doing.
+    for (const stability::Flag flag : {stability::Flag::limit_cycle, stability::Flag::force_step,
+                                       stability::Flag::force_ringing}) {
+      if (quality.flags().has(flag) && !exact_force_.flags().has(flag)) result.flags.raise(flag);
     }
     if (const auto of_frame = of_true.of_frame()) {
       result.median = of_frame->median;

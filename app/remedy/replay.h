@@ -21,12 +21,13 @@ namespace hvp::app {
 // stays so.
 class Replay {
  public:
+  enum class Span { first, whole };
   // The recording's frames are solved in double precision once, with `hand_over_s` in place of the
-  // scenario's, which tells what contact prescribes and what is true. `frames` of them at most are
-  // solved again by attempt(): of a static body, which has no state, so many over all of the
-  // recording, of a dynamic one the first.
+  // scenario's, which tells what contact prescribes and what is true; of `first` no more than are
+  // needed. `frames` of them at most are solved again by attempt(): of a static body, which has no
+  // state, so many over all of the recording, of a dynamic one the first.
   Replay(const Scene& scene, std::span<const Sighting> recording, std::size_t frames,
-         double hand_over_s);
+         double hand_over_s, Span span);
 
   // What the exact solution's force is like: rounding has no part in it.
   const stability::ForceQuality& exact_force() const { return exact_force_; }
@@ -58,8 +59,9 @@ class Replay {
   };
 
   std::vector<int> patch(const collision::Contact& contact) const;
-  void solve_exactly(std::span<const Sighting> recording, std::size_t stride, double hand_over_s);
-  void add_force(const Sighting& at, std::int64_t frame, const Eigen::Vector3d& force,
+  void solve_exactly(std::span<const Sighting> recording, std::size_t stride, std::size_t frames,
+                     double hand_over_s);
+  void add_force(const Sighting& at, bool fades, std::int64_t frame, const Eigen::Vector3d& force,
                  stability::ForceQuality& quality) const;
   stability::Flags rounding_flags(const host::FrameComputation& computation, int passes) const;
 

@@ -63,7 +63,11 @@ std::string accuracy_text(const app::Scene& scene, const Outcome& o) {
   }
   const Accuracy& a = *o.accuracy;
   if (!a.displacement.mean) {
-    return "\nAccuracy     nothing to compare: no frame that was compared had the body displaced\n";
+    fmt::format_to(out,
+                   "\nAccuracy     nothing to compare: no frame that was compared had the body "
+                   "displaced\n");
+    rounding_lines(out, o);
+    return text;
   }
   if (a.displacement.of_frame && a.force.of_frame) {
     fmt::format_to(out,
@@ -82,6 +86,11 @@ std::string accuracy_text(const app::Scene& scene, const Outcome& o) {
   }
   mean_line(out, "displacement", a.displacement);
   mean_line(out, "contact force", a.force);
+  if (!o.accuracy_measured()) {
+    fmt::format_to(out, "  That is too few of {} in contact to call it measured.\n",
+                   counted(a.in_contact, "frame"));
+    rounding_lines(out, o);
+  }
   if (!a.displacement.mean_rounded) return text;
   if (scene.scenario().refinement) {
     fmt::format_to(out,

@@ -43,6 +43,11 @@ void strain_line(Out out, const fem::Strains& strain) {
 std::string force_text(const Outcome& o) {
   std::string text;
   const Out out = std::back_inserter(text);
+  if (o.missed_contact) {
+    fmt::format_to(
+        out, "\nContact      none in frame {}, though the tip was {} inside the body: no force\n",
+        o.missed_contact->frame, readable_length(-o.missed_contact->distance));
+  }
   if (!o.force || o.force->peak().frame < 0) return text;
   force_lines(out, *o.force);
   if (o.strain) strain_line(out, o.strain->worst);

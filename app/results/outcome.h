@@ -36,7 +36,8 @@ struct Accuracy {
   };
   Quantity displacement;
   Quantity force;
-  std::int64_t frames = 0;  // compared, the body at rest not counted
+  std::int64_t frames = 0;      // compared, the body at rest not counted
+  std::int64_t in_contact = 0;  // frames in contact, compared or not
 };
 
 // How much of the servo loop's time the bus was taken.
@@ -132,6 +133,8 @@ struct Outcome {
     Eigen::Vector3d tip = Eigen::Vector3d::Zero();
   };
   std::optional<Approach> approach;
+  // The deepest place in the body without contact, where that is a flag.
+  std::optional<Approach> missed_contact;
   stability::Flags flags;
   // What would take the flags away, where that was looked for.
   std::optional<TriedRemedy> remedy;
@@ -143,6 +146,8 @@ struct Outcome {
   std::int64_t clamped_forces = 0;  // frames whose force did not fit the device's register
 
   bool partial() const { return ticks < frames_asked; }
+  // Whether frames in contact were compared, and enough of them to say something.
+  bool accuracy_measured() const;
 };
 
 }  // namespace hvp::results

@@ -53,6 +53,7 @@ ordered_json accuracy_json(const Outcome& o) {
   j["rounding"] = nullptr;
   if (o.rounding) {
     j["rounding"] = {{"positive_definite", o.rounding->positive_definite},
+                     {"resting_positive_definite", o.rounding->resting_positive_definite},
                      {"negative_eigenvalues", o.rounding->negative_eigenvalues},
                      {"contacts", o.rounding->contacts}};
     const std::optional<host::RoundingEstimate::Error>& error = o.rounding->error;

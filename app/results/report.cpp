@@ -61,6 +61,7 @@ void scene_lines(Out out, const app::Scene& scene, const Outcome& o) {
   fmt::format_to(out, "  body        {} nodes, {} tetrahedra; {} nodes in the system, {}\n",
                  scene.quality().nodes, scene.quality().tetrahedra, scene.body().active_nodes(),
                  s.dynamics ? "dynamic" : "static");
+  fmt::format_to(out, "{}", unit_text(scene));
   if (!scene.has_board()) {
     fmt::format_to(
         out, "  solver      {}, in double precision on the host; no board\n",
@@ -229,7 +230,7 @@ void stability_lines(Out out, const app::Scene& scene, const Outcome& o) {
     if (o.remedy && o.remedy->left.empty() && o.remedy->of.has(flag)) continue;
     fmt::format_to(out, "    remedy: {}\n", d.remedy);
   }
-  if (o.remedy) fmt::format_to(out, "{}", remedy_text(*o.remedy, o.budget));
+  if (o.remedy) fmt::format_to(out, "{}", remedy_text(*o.remedy));
   if (scene.locking()) fmt::format_to(out, "    {}\n", scene.locking()->sentence);
   if (o.flags.empty()) fmt::format_to(out, "  no flags\n");
 }

@@ -157,6 +157,10 @@ std::string summary_json(const app::Scene& scene, const Outcome& o) {
   j["accuracy"] = accuracy_json(o);
   j["force"] = force_json(o);
   j["strain"] = strain_json(o);
+  j["missed_contact"] = nullptr;
+  if (o.missed_contact) {
+    j["missed_contact"] = {{"m", o.missed_contact->distance}, {"frame", o.missed_contact->frame}};
+  }
   j["stability"] = stability(o, s.timing_only());
   j["remedy"] = o.remedy ? remedy_json(*o.remedy) : ordered_json(nullptr);
   if (const host::RefinedSolve* refined = scene.computation().refined()) {

@@ -27,30 +27,35 @@ std::string override_line(const std::vector<std::string>& settings) {
   return line;
 }
 
-std::string remedy_text(const TriedRemedy& r, std::int64_t budget_ps) {
+std::string remedy_text(const TriedRemedy& r) {
   std::string text;
   const auto out = std::back_inserter(text);
-  if (!r.left.empty()) {
-    fmt::format_to(out, "  no remedy       {} tried on {}: each leaves a flag ({})\n",
-                   counted(r.attempts, "setting"),
-                   counted(static_cast<std::int64_t>(r.frames), "frame"),
-                   fmt::join(flag_names(r.left), ", "));
+  const std::string frames = counted(static_cast<std::int64_t>(r.frames), "frame");
+  if (r.settings.empty()) {
+    fmt::format_to(out, "  no remedy       {} tried on {} of this run, each leaves a flag: {}\n",
+                   counted(r.attempts, "setting"), frames, fmt::join(flag_names(r.left), ", "));
     return text;
   }
   fmt::format_to(out, "  what would help {}\n", override_line(r.settings));
-  fmt::format_to(out, "    tried on      {} of this run: no flags",
-                 counted(static_cast<std::int64_t>(r.frames), "frame"));
+  if (r.left.empty()) {
+    fmt::format_to(out, "    tried on      {} of this run: no flags", frames);
+  } else {
+    fmt::format_to(out, "    tried on      {} of this run: leaves {}", frames,
+                   fmt::join(flag_names(r.left), ", "));
+  }
   if (r.p95 > 0) {
     fmt::format_to(out,
                    ", displacement {} from the true model (median; 95 % of the frames within {})",
                    percent(r.median), percent(r.p95));
   }
   fmt::format_to(out, "\n");
-  if (r.frame_ps_before > 0) {
+  if (r.after.latency_ps > 0) {
     fmt::format_to(
-        out, "    costs         a frame's large steps take {} instead of {}, {} a budget of {}\n",
-        readable_time(r.frame_ps), readable_time(r.frame_ps_before),
-        r.frame_ps <= budget_ps ? "within" : "beyond", readable_time(budget_ps));
+        out,
+        "    costs         worst force after about {} instead of {}, load {} instead of {}: {}\n",
+        readable_time(r.after.latency_ps), readable_time(r.before.latency_ps),
+        readable_time(r.after.load_ps), readable_time(r.before.load_ps),
+        r.in_time ? "in time" : "beyond the budget");
   }
   if (!r.fits) fmt::format_to(out, "    does not fit  {}\n", r.shortage);
   return text;
@@ -58,8 +63,12 @@ std::string remedy_text(const TriedRemedy& r, std::int64_t budget_ps) {
 
 nlohmann::ordered_json solve_remedy_json(const TriedRemedy& r) {
   nlohmann::ordered_json j = remedy_json(r);
-  for (const char* of_a_run : {"frames", "displacement_p95_rel", "frame_us"}) j.erase(of_a_run);
-  j["error_rel"] = r.median;
+  for (const char* of_a_run :
+       {"frames", "displacement_p95_rel", "latency_us", "load_us", "in_time"}) {
+    j.erase(of_a_run);
+  }
+  j["error_rel"] = r.left.empty() ? nlohmann::ordered_json(r.median) : nullptr;
+  if (!r.left.empty()) j["fits"] = nullptr;
   j.erase("displacement_median_rel");
   return j;
 }
@@ -73,11 +82,17 @@ nlohmann::ordered_json remedy_json(const TriedRemedy& r) {
   j["leaves"] = flag_names(r.left);
   j["attempts"] = r.attempts;
   j["frames"] = r.frames;
-  j["line"] = r.left.empty() ? override_line(r.settings) : "";
+  j["line"] = override_line(r.settings);
   j["displacement_median_rel"] = r.median;
   j["displacement_p95_rel"] = r.p95;
   j["fits"] = r.fits;
-  j["frame_us"] = static_cast<double>(r.frame_ps) * 1e-6;
+  const auto us = [&r](std::int64_t ps) {
+    return r.after.latency_ps > 0 ? nlohmann::ordered_json(static_cast<double>(ps) * 1e-6)
+                                  : nullptr;
+  };
+  j["latency_us"] = us(r.after.latency_ps);
+  j["load_us"] = us(r.after.load_ps);
+  j["in_time"] = r.in_time;
   return j;
 }
 

@@ -22,9 +22,16 @@ struct TriedRemedy {
   double p95 = 0;
   // What the words need of the device.
   bool fits = true;
-  std::string shortage;       // where it does not
-  std::int64_t frame_ps = 0;  // the frame's large steps by annotated costs, and before
-  std::int64_t frame_ps_before = 0;
+  std::string shortage;  // where it does not
+  // The run's worst latency and load, and what they come to with the frame's large steps as they
+  // are with the settings, by annotated costs.
+  struct Cost {
+    std::int64_t latency_ps = 0;
+    std::int64_t load_ps = 0;
+  };
+  Cost before;
+  Cost after;
+  bool in_time = true;  // within the budget and the period, with a hundredth of each to spare
 };
 
 // As an argument of --set: "solver.method=jacobi-pcg".
@@ -33,7 +40,7 @@ std::string override_text(std::string_view setting);
 std::string override_line(const std::vector<std::string>& settings);
 
 // For the terminal, below the flags.
-std::string remedy_text(const TriedRemedy& remedy, std::int64_t budget_ps);
+std::string remedy_text(const TriedRemedy& remedy);
 nlohmann::ordered_json remedy_json(const TriedRemedy& remedy);
 // Of a single system: error_rel in place of what only a run has.
 nlohmann::ordered_json solve_remedy_json(const TriedRemedy& remedy);

@@ -39,19 +39,50 @@ std::string_view verdict_word(const Outcome& o, bool timing_only) {
   if (faults_happened(o)) return "held, with faults";
   if (timing_only) return "PASS, timing only";
   if (o.contact_changes == 0) return "held; no contact";
-  if (!o.accuracy) return "held; accuracy not measured";
+  if (!o.accuracy_measured()) return "held; accuracy not measured";
   return "PASS";
+}
+
+namespace {
+
+struct Sizes {
+  Eigen::AlignedBox3d body;
+  Eigen::AlignedBox3d path;  // of the probe
+};
+
+Sizes sizes_of(const app::Scene& scene) {
+  Sizes sizes;
+  for (const Eigen::Vector3d& node : scene.body().mesh().nodes) sizes.body.extend(node);
+  const plant::Trajectory& probe = scene.scenario().probe;
+  sizes.path.extend(probe.start);
+  for (const plant::Segment& segment : probe.motion) sizes.path.extend(segment.to);
+  return sizes;
+}
+
+}  // namespace
+
+std::string unit_text(const app::Scene& scene) {
+  const auto [body, path] = sizes_of(scene);
+  const double size = body.diagonal().norm();
+  const double way = std::max(path.diagonal().norm(), (path.center() - body.center()).norm());
+  const bool unlikely = size < kSmallestBody || size > kLargestBody ||
+                        way > kUnlikelyRatio * size || size > kUnlikelyRatio * way;
+  if (!unlikely) return {};
+  const bool from_file = !scene.scenario().object.mesh.surface.empty();
+  return fmt::format(
+      "  units       a body of {} and a probe that goes {}: these sizes do not fit one hand, check "
+      "the units{}\n",
+      readable_length(size), readable_length(way),
+      from_file ? ", object.mesh.surface_unit first" : "");
 }
 
 std::string no_contact_text(const app::Scene& scene, const Outcome& o) {
   std::string text;
   const auto out = std::back_inserter(text);
-  fmt::format_to(out, "  no contact     the probe did not touch the body in these frames\n");
-  Eigen::AlignedBox3d body;
-  for (const Eigen::Vector3d& node : scene.body().mesh().nodes) body.extend(node);
-  const plant::Trajectory& probe = scene.scenario().probe;
-  Eigen::AlignedBox3d path(probe.start);
-  for (const plant::Segment& segment : probe.motion) path.extend(segment.to);
+  fmt::format_to(out, "  no contact     {}\n",
+                 o.missed_contact ? "nothing was held in these frames"
+                                  : "the probe did not touch the body in these frames");
+  const auto [body, path] = sizes_of(scene);
   if (o.approach) {
     fmt::format_to(out, "    nearest      {} from the surface, in frame {} at {}\n",
                    readable_length(o.approach->distance), o.approach->frame,
@@ -59,15 +90,6 @@ std::string no_contact_text(const app::Scene& scene, const Outcome& o) {
   }
   fmt::format_to(out, "    the body     {}\n    the probe    {}\n", extent_text(body),
                  extent_text(path));
-  const double size = body.diagonal().norm();
-  const double way = std::max(path.diagonal().norm(), (path.center() - body.center()).norm());
-  const bool unlikely = size < kSmallestBody || size > kLargestBody ||
-                        way > kUnlikelyRatio * size || size > kUnlikelyRatio * way;
-  if (unlikely) {
-    const bool from_file = !scene.scenario().object.mesh.surface.empty();
-    fmt::format_to(out, "    units        these sizes do not fit one hand: check the units{}\n",
-                   from_file ? ", object.mesh.surface_unit first" : "");
-  }
   return text;
 }
 

@@ -17,4 +17,7 @@ std::string_view verdict_word(const Outcome& outcome, bool timing_only);
 // both are, and whether that looks like a mistake in a unit.
 std::string no_contact_text(const app::Scene& scene, const Outcome& outcome);
 
+// A line that says so where body and probe are of sizes that look like another unit; else empty.
+std::string unit_text(const app::Scene& scene);
+
 }  // namespace hvp::results

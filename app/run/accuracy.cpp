@@ -15,13 +15,6 @@ results::Accuracy::Quantity quantity(const host::Deviation& of_true,
           of_rounded.relative(), of_true.of_frame(),       of_rounded.of_frame()};
 }
 
-// The larger of what is known: each of the two scales flatters in its own way.
-std::optional<double> typical(const std::optional<double>& mean,
-                              const std::optional<host::Deviation::OfFrame>& of_frame) {
-  if (!of_frame) return mean;
-  return std::max(mean.value_or(0), of_frame->median);
-}
-
 }  // namespace
 
 AccuracyTracker::AccuracyTracker(const Scene& scene, const host::Reference& settings)
@@ -58,6 +51,7 @@ void AccuracyTracker::skip(const fem::Hold& hold) {
 }
 
 void AccuracyTracker::solved(const vp::SolvedFrame& frame) {
+  if (frame.contact.present()) ++in_contact_;
   fem::Hold hold = frame.hold;
   // The reference has had a solution in every frame.
   if (hold.elapsed_s > 0) {
@@ -89,19 +83,15 @@ void AccuracyTracker::solved(const vp::SolvedFrame& frame) {
 
 results::Accuracy AccuracyTracker::accuracy() const {
   return {quantity(displacement_, displacement_rounded_), quantity(force_, force_rounded_),
-          displacement_.frames()};
+          displacement_.frames(), in_contact_};
 }
 
 stability::Flags AccuracyTracker::flags() const {
-  const results::Accuracy a = accuracy();
-  const std::optional<double> of_true = typical(a.displacement.mean, a.displacement.of_frame);
+  const std::optional<double> of_true = displacement_.judged();
   // Refinement and a solve in double precision lead to the true model, so that the way to it is the
   // solver's own error.
   stability::Flags flags = host::accuracy_flags(
-      settings_, of_true,
-      refined_ || !has_board_
-          ? of_true
-          : typical(a.displacement.mean_rounded, a.displacement.of_frame_rounded));
+      settings_, of_true, refined_ || !has_board_ ? of_true : displacement_rounded_.judged());
   if (has_board_ && !rounded_run_.positive_definite())
     flags.raise(stability::Flag::negative_curvature);
   return flags;

@@ -54,6 +54,7 @@ class AccuracyTracker : public vp::FrameObserver {
   std::optional<Skipped> skipped_;
   std::optional<vp::Picoseconds> last_time_;
   double period_s_;
+  std::int64_t in_contact_ = 0;
 };
 
 }  // namespace hvp::app

@@ -227,10 +227,12 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
 
 // A rounded matrix that is known to be bad, and, where no reference will measure what becomes of
 // it, one that moves a contact along the probe's way too far. Refinement makes rounding good.
-stability::Flags rounding_flags(const Scene& scene, const host::RoundingEstimate& rounding) {
+stability::Flags rounding_flags(const Scene& scene, const host::RoundingEstimate& rounding,
+                                bool measured) {
   stability::Flags flags;
-  if (!rounding.positive_definite) flags.raise(stability::Flag::negative_curvature);
-  if (scene.scenario().reference || scene.scenario().refinement) return flags;
+  const bool refined = scene.scenario().refinement.has_value();
+  if (!rounding.definite(refined)) flags.raise(stability::Flag::negative_curvature);
+  if (measured || refined) return flags;
   const bool too_far =
       !rounding.error || rounding.error->displacement > host::Reference{}.tolerance;
   if (too_far) flags.raise(stability::Flag::matrix_rounding);
@@ -310,14 +312,20 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   if (const auto& nearest = approach.nearest()) {
     outcome.approach = {nearest->distance, nearest->frame, nearest->tip};
   }
+  if (const auto missed = approach.missed()) {
+    outcome.missed_contact = {missed->distance, missed->frame, missed->tip};
+  }
+  outcome.flags.merge(approach.flags());
   outcome.rounding = rounding;
-  if (rounding) outcome.flags.merge(rounding_flags(scene, *rounding));
+  if (rounding) outcome.flags.merge(rounding_flags(scene, *rounding, outcome.accuracy_measured()));
   outcome.trace_cut_at = trace.cut_at();
   if (accuracy) outcome.flags.merge(accuracy->flags());
   if (body && s.output.remedies && options.rebuild && !outcome.partial()) {
     const auto began = std::chrono::steady_clock::now();
-    outcome.remedy = try_remedies(scene, outcome.flags, body->recorder().sightings(),
-                                  options.rebuild, options.progress);
+    outcome.remedy =
+        try_remedies(scene, outcome.flags, body->recorder().sightings(),
+                     {outcome.worst, outcome.worst_load, outcome.budget, outcome.period},
+                     options.rebuild, options.progress);
     outcome.remedy_search_s =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   }

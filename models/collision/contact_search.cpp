@@ -127,11 +127,8 @@ Pass ContactSearch::start(const Eigen::Vector3d& tip, SearchCost& cost) const {
       node = corner;
     }
   }
-  if (node < 0) {
-    const NearestNode elsewhere = surface_.nearest_surface_node(tip, anchored_);
-    cost += elsewhere.cost;
-    node = elsewhere.node;
-  }
+  // A held part does not follow the tip; a free node elsewhere would be dragged to it.
+  if (node < 0) return {};
   return {
       .contact = {.node = node, .offset = grip_offset(surface_.position(node), tip, touch.normal)},
       .event = ContactEvent::started};

@@ -174,6 +174,7 @@ std::vector<Change> changes_for(Flag flag) {
     case Flag::force_step:
     case Flag::force_ringing:
     case Flag::force_clamped:
+    case Flag::contact_missed:
     case Flag::beyond_linearity:
     case Flag::count:
       return {};

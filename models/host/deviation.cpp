@@ -24,7 +24,8 @@ void Deviation::add(std::span<const double> value, std::span<const double> refer
     norm += reference[i] * reference[i];
     own += value[i] * value[i];
   }
-  if (norm == 0 && own == 0) return;
+  if (!std::isfinite(norm) || !std::isfinite(difference)) undefined_ = true;
+  if (undefined_ || (norm == 0 && own == 0)) return;
   const double error = std::sqrt(difference);
   const double size = std::sqrt(norm);
   ++frames_;
@@ -44,21 +45,30 @@ void Deviation::add(std::span<const double> value, std::span<const double> refer
 }
 
 std::optional<double> Deviation::relative() const {
-  if (frames_ == 0 || !(largest_reference_ > 0)) return std::nullopt;
+  if (undefined_ || frames_ == 0 || !(largest_reference_ > 0)) return std::nullopt;
   return sum_ / static_cast<double>(frames_) / largest_reference_;
 }
 
 std::optional<double> Deviation::worst_relative() const {
-  if (frames_ == 0 || !(largest_reference_ > 0)) return std::nullopt;
+  if (undefined_ || frames_ == 0 || !(largest_reference_ > 0)) return std::nullopt;
   return worst_ / largest_reference_;
 }
 
 std::optional<Deviation::OfFrame> Deviation::of_frame() const {
-  if (shares_.count() == 0) return std::nullopt;
+  if (undefined_ || shares_.count() == 0) return std::nullopt;
   const auto share = [&](double of_frames) {
     return static_cast<double>(shares_.percentile(of_frames)) / kParts;
   };
   return OfFrame{shares_.count(), share(0.5), share(0.95), worst_share_, worst_share_frame_};
+}
+
+std::optional<double> Deviation::judged() const {
+  // One frame in twenty may be three times as far off.
+  constexpr double kOfTheWorst = 1.0 / 3;
+  const std::optional<double> mean = relative();
+  const std::optional<OfFrame> own = of_frame();
+  if (!own) return mean;
+  return std::max({mean.value_or(0), own->median, kOfTheWorst * own->p95});
 }
 
 }  // namespace hvp::host

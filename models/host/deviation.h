@@ -25,7 +25,8 @@ class Deviation {
     std::int64_t worst_frame = -1;
   };
 
-  // Frames in which both are zero do not count: a body that nobody touches is no evidence.
+  // Frames in which both are zero do not count: a body that nobody touches is no evidence. A
+  // reference that is not finite leaves no figure at all.
   void add(std::span<const double> value, std::span<const double> reference, std::int64_t frame = 0,
            bool in_contact = true);
 
@@ -38,6 +39,9 @@ class Deviation {
   std::int64_t worst_frame() const { return worst_frame_; }
 
   std::optional<OfFrame> of_frame() const;
+  // What a tolerance is held against: the largest of relative(), the median of a frame's own size,
+  // and a third of what 95 % of the frames are within. None where there is neither.
+  std::optional<double> judged() const;
 
  private:
   std::int64_t frames_ = 0;
@@ -46,6 +50,7 @@ class Deviation {
   std::int64_t worst_frame_ = -1;
   double largest_reference_ = 0;
   statistics::Histogram shares_;  // parts in 10¹²
+  bool undefined_ = false;        // a reference was not finite
   double worst_share_ = -1;
   std::int64_t worst_share_frame_ = -1;
 };

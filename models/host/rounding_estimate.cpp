@@ -41,7 +41,8 @@ RoundingEstimate estimate_rounding(const fem::Body& body, const sparse::BlockMat
   const fem::ReferenceSolver board(rounded);
 
   RoundingEstimate estimate;
-  estimate.positive_definite = board.positive_definite() && words.positive_definite();
+  estimate.positive_definite = board.positive_definite();
+  estimate.resting_positive_definite = words.positive_definite();
   estimate.negative_eigenvalues =
       std::max(board.negative_eigenvalues(), words.negative_eigenvalues());
   if (words.singular() || truth.singular()) return estimate;

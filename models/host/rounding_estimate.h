@@ -18,8 +18,13 @@ struct UnitContact {
 
 // What the rounding of the matrix to its words does to a body, before a frame is run.
 struct RoundingEstimate {
-  // Of the matrix that the board has, and of the stiffness that a resting body has with it.
+  // Of the matrix that the board has, and of the stiffness that a resting body has with it, to
+  // which an unrefined solve leads.
   bool positive_definite = false;
+  bool resting_positive_definite = false;
+  bool definite(bool refined) const {
+    return positive_definite && (refined || resting_positive_definite);
+  }
   int negative_eigenvalues = 0;
   int contacts = 0;  // compared
   // The largest of them, ‖u − u_true‖/‖u_true‖ and the same of the force; none where the rounded

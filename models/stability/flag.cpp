@@ -73,6 +73,11 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "which spreads it"},
     {"force-clamped", "a force did not fit the device's register and was clamped",
      "no setting of the board helps: a softer body or a shallower motion of the probe"},
+    {"contact-missed",
+     "the tip was inside the body and nothing was held: on a part that is anchored, or between two "
+     "passes of the collision process",
+     "no setting of the board helps: a probe that touches what is free, a higher "
+     "host.graphics.rate, a slower probe"},
 }};
 }  // namespace
 

@@ -27,6 +27,7 @@ enum class Flag : std::uint8_t {
   limit_cycle,         // the force moves on while the tip rests
   beyond_linearity,    // strains for which linear elasticity does not hold
   force_clamped,       // a force does not fit the device's register
+  contact_missed,      // the tip was in the body and nothing was held
   count
 };
 
@@ -45,6 +46,7 @@ class Flags {
   constexpr explicit Flags(std::uint32_t bits) : bits_(bits) {}
   constexpr void raise(Flag flag) { bits_ |= bit(flag); }
   constexpr void merge(Flags other) { bits_ |= other.bits_; }
+  constexpr Flags without(Flag flag) const { return Flags(bits_ & ~bit(flag)); }
   constexpr bool has(Flag flag) const { return (bits_ & bit(flag)) != 0; }
   constexpr bool empty() const { return bits_ == 0; }
   constexpr std::uint32_t bits() const { return bits_; }

@@ -79,8 +79,8 @@ std::int64_t ForceQuality::alternations() const {
 }
 
 void ForceQuality::watch_rest(const FeltForce& felt) {
-  const bool rests =
-      any_ && felt.contact >= 0 && felt.contact == last_.contact && felt.tip == last_.tip;
+  const bool rests = any_ && !felt.fades && felt.contact >= 0 && felt.contact == last_.contact &&
+                     felt.tip == last_.tip;
   if (!rests) {
     rest_ = {};
     ripple_before_.reset();

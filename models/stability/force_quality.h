@@ -16,6 +16,7 @@ struct FeltForce {
   Eigen::Vector3d tip = Eigen::Vector3d::Zero();    // as read, m
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  // on the body, N
   int contact = -1;                                 // node, −1: none
+  bool fades = false;                               // forces of nodes let go still act
   // Component of the force along the surface's outward normal at rest, N: positive where the tip
   // pulls at the body, which no tip can.
   double pull = 0;
