@@ -1,0 +1,247 @@
+"""Draws scenarios and holds what they give against the laws that every run obeys.
+
+Each scenario is run and its files are audited; then each law changes the scenario and compares. A
+scenario that the program refuses is drawn on without what the refusal names; the refusal has to be
+one line that names a key. A failure is written to a file, and the line that repeats it is printed.
+
+    tests/net/net.py build/release/app/hvp --count 500 --seed 7
+    tests/net/net.py build/release/app/hvp --seed 7 --only 12     one of them, with every law
+"""
+
+import argparse
+import os
+import random
+import re
+import subprocess
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+
+import ledger_audit
+import trace_audit
+from drawing import Scenario, draw, without
+from laws import LAWS, Law
+from run_files import Run
+from scenario_reference import Table, tables_of
+
+LONGEST_RUN_S = 60
+REFUSED = 2
+DRAWS = 40  # of one scenario, each without what was refused in the last
+LAWS_EACH = 3  # of a scenario, in turn
+SAMPLES = "delay_us\n1\n2\n3.5\n20\n"
+REFUSAL = re.compile(r"[^:\n]+:(?:\d+:)? ([\w.\[\]]+): [^\n]+\n")
+NOT_FINITE = re.compile(r"(?<![A-Za-z_\"])-?(?:inf|nan)(?![A-Za-z_])", re.IGNORECASE)
+
+
+class WrongEndError(Exception):
+    """A run that neither gave a result nor was refused as it should be."""
+
+
+@dataclass
+class Findings:
+    refusals: int = 0
+    runs: int = 0
+    complaints: list[str] = field(default_factory=list)
+    asked: Counter[str] = field(default_factory=Counter)  # by law
+
+
+@dataclass(frozen=True)
+class Place:
+    program: Path
+    folder: Path
+    tables: list[Table]
+    findings: Findings
+
+    def run(self, scenario: Scenario, name: str) -> Run:
+        file = self.folder / f"{name}.toml"
+        file.write_text(scenario.text(), encoding="utf-8")
+        return self.run_file(file, name)
+
+    def run_file(self, file: Path, name: str) -> Run:
+        out = self.folder / name
+        command = [str(self.program), "run", str(file), "--quiet", "--out", str(out)]
+        try:
+            ended = subprocess.run(
+                command, capture_output=True, timeout=LONGEST_RUN_S, check=False, text=True
+            )
+        except subprocess.TimeoutExpired:
+            raise WrongEndError(f"took more than {LONGEST_RUN_S} s") from None
+        self.findings.runs += 1
+        run = Run(out, ended.returncode, ended.stdout, ended.stderr)
+        if run.status not in (0, 1, REFUSED):
+            raise WrongEndError(f"ended with status {run.status}: {run.errors.strip()[-400:]}")
+        return run
+
+    def refused_key(self, run: Run) -> str:
+        """What a refusal is about, in full and without an index."""
+        said = REFUSAL.fullmatch(run.errors)
+        if said is None:
+            raise WrongEndError(f"was refused with: {run.errors.strip()[:400]}")
+        key = re.sub(r"\[\d+\]", "", said[1])
+        known = {table.path for table in self.tables}
+        known |= {f"{t.path}.{k.name}".lstrip(".") for t in self.tables for k in t.keys}
+        if key not in known:
+            raise WrongEndError(f"was refused for {key}, which is no key: {run.errors.strip()}")
+        return key
+
+    def settled(self, scenario: Scenario, name: str) -> tuple[Scenario, Run] | None:
+        """Without what is refused; None where nothing is left to take out."""
+        for _ in range(DRAWS):
+            run = self.run(scenario, name)
+            if run.status != REFUSED:
+                return scenario, run
+            self.findings.refusals += 1
+            left = without(scenario, run.errors, self.refused_key(run))
+            if left is None:
+                return None
+            scenario = left
+        return None
+
+
+def not_finite(run: Run) -> Iterator[str]:
+    for path in sorted(run.folder.rglob("*")):
+        if ".part" in path.name:
+            yield f"left {path.name}"
+        elif path.suffix in (".csv", ".json", ".toml", ".pvd", ".log"):
+            found = NOT_FINITE.search(path.read_text(encoding="utf-8"))
+            if found is not None:
+                yield f"{path.name} has {found.group()}"
+
+
+def audit(run: Run) -> Iterator[str]:
+    yield from not_finite(run)
+    yield from ledger_audit.complaints(run)
+
+
+def judge(place: Place, law: Law, rng: random.Random, before: tuple[Scenario, Run]) -> list[str]:
+    scenario, run = before
+    changed = law.change(rng, scenario, run)
+    if changed is None:
+        return []
+    after = place.run(changed, law.name)
+    if after.status == REFUSED:
+        place.refused_key(after)
+        return [] if law.may_be_refused else [f"was refused: {after.errors.strip()}"]
+    place.findings.asked[law.name] += 1
+    return [*audit(after), *law.compare(run, after)]
+
+
+def repeated(place: Place, run: Run) -> list[str]:
+    """The scenario with every default written out gives the same bytes."""
+    again = place.run_file(run.folder / "scenario.resolved.toml", "again")
+    place.findings.asked["resolved"] += 1
+    skipped = ("performance.json",)
+    names = {p.name for p in (*run.folder.iterdir(), *again.folder.iterdir())} - {*skipped}
+    different = []
+    for name in sorted(names):
+        one, other = run.folder / name, again.folder / name
+        if not one.is_file() or not other.is_file() or one.read_bytes() != other.read_bytes():
+            different.append(f"{name} differs when scenario.resolved.toml is run")
+    return different
+
+
+MOST_TOLD = 3
+
+
+@dataclass(frozen=True)
+class Plan:
+    program: Path
+    tables: list[Table]
+    seed: int
+    laws: list[str]
+    laws_each: int
+
+    def laws_of(self, index: int) -> list[Law]:
+        """Some of them, in turn."""
+        first = index * self.laws_each
+        chosen = {self.laws[(first + i) % len(self.laws)] for i in range(self.laws_each)}
+        return [law for law in LAWS if law.name in chosen]
+
+
+def look_at(plan: Plan, index: int) -> Findings:
+    findings = Findings()
+    with tempfile.TemporaryDirectory(prefix="hvp-net-") as folder:
+        place = Place(plan.program, Path(folder), plan.tables, findings)
+        (place.folder / "samples.csv").write_text(SAMPLES, encoding="ascii")
+        rng = random.Random(f"{plan.seed}/{index}")
+        asking = ""
+
+        def tell(what: list[str]) -> None:
+            for text in what[:MOST_TOLD]:
+                findings.complaints.append(f"{asking}{text}")
+            if what:
+                scenario = place.folder / f"{asking.rstrip(': ') or 'drawn'}.toml"
+                text = scenario.read_text(encoding="utf-8") if scenario.is_file() else ""
+                findings.complaints.append(f"--- {scenario.name}\n{text}")
+
+        try:
+            before = None
+            while before is None:
+                before = place.settled(draw(rng, plan.tables), "drawn")
+            tell([*audit(before[1]), *trace_audit.complaints(before[1])])
+            for law in plan.laws_of(index):
+                asking = f"{law.name}: "
+                law_rng = random.Random(f"{plan.seed}/{index}/{law.name}")
+                if law.name == "resolved":
+                    tell(repeated(place, before[1]))
+                else:
+                    tell(judge(place, law, law_rng, before))
+        except WrongEndError as error:
+            tell([str(error)])
+    return findings
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("hvp", type=Path, help="the program")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--count", type=int, default=60, help="of scenarios")
+    parser.add_argument("--only", type=int, help="the scenario of this number, with every law")
+    parser.add_argument("--law", help="this law alone")
+    parser.add_argument("--keep", type=Path, default=Path("build/net"), help="for what fails")
+    arguments = parser.parse_args()
+    program: Path = arguments.hvp.resolve()
+    page = subprocess.run([program, "reference"], capture_output=True, text=True, check=True)
+    laws = [law.name for law in LAWS if arguments.law in (None, law.name)]
+    each = len(laws) if arguments.only is not None else min(LAWS_EACH, len(laws))
+    numbers = [arguments.only] if arguments.only is not None else range(arguments.count)
+    plan = Plan(program, tables_of(page.stdout), arguments.seed, laws, each)
+    total = Findings()
+    failed = 0
+    with ProcessPoolExecutor(int(os.environ.get("HVP_JOBS", os.cpu_count() or 1))) as pool:
+        for index, found in zip(numbers, pool.map(partial(look_at, plan), numbers), strict=True):
+            total.refusals += found.refusals
+            total.runs += found.runs
+            total.asked += found.asked
+            if found.complaints:
+                failed += 1
+                arguments.keep.mkdir(parents=True, exist_ok=True)
+                kept = arguments.keep / f"{arguments.seed}-{index}.txt"
+                kept.write_text("\n".join(found.complaints), encoding="utf-8")
+                for text in found.complaints:
+                    if not text.startswith("---"):
+                        print(f"{index}: {text}")
+                print(
+                    f"  {kept}; again: {Path(sys.argv[0])} {arguments.hvp} "
+                    f"--seed {arguments.seed} --only {index}"
+                )
+    print(
+        f"{len(numbers)} scenarios, {total.runs} runs, of which {total.refusals} were refused "
+        f"({100 * total.refusals / max(total.runs, 1):.0f} %); {failed} scenarios failed"
+    )
+    print("  " + ", ".join(f"{law} {total.asked[law]}" for law in laws))
+    unasked = [law for law in laws if not total.asked[law]] if arguments.only is None else []
+    if unasked:
+        print(f"no scenario could be asked about: {', '.join(unasked)}")
+    return 1 if failed or unasked else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
