@@ -69,7 +69,7 @@ BOUNDS = {
     "output.trace_size": (1e5, 6.4e7),
     "output.waveform.first_frame": (0, 40),
     "output.waveform.frames": (1, 2),
-    "fault.frame": (0, 60),
+    "fault.frame": (1, 60),
     "fault.rate": (1e-3, 0.2),
     "fault.frames": (0, 20),
     "fault.delay": (1e-6, 1e-3),
@@ -135,7 +135,7 @@ class Scenario:
         }
         self.effects = {e for e in self.effects if e != name and not e.startswith(f"{name}.")}
         for listed in [*self.lists]:
-            if listed == name or name.startswith(f"{listed}."):
+            if f"{name}.".startswith(f"{listed}.") or listed.startswith(f"{name}."):
                 del self.lists[listed]
 
 

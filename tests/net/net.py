@@ -25,10 +25,13 @@ from pathlib import Path
 import ledger_audit
 import trace_audit
 from drawing import Scenario, draw, without
-from laws import LAWS, Law
+from laws import LAWS as IDENTITIES
+from laws import Law
+from physics import PHYSICS
 from run_files import Run
 from scenario_reference import Table, tables_of
 
+LAWS = (*IDENTITIES, *PHYSICS)
 LONGEST_RUN_S = 60
 REFUSED = 2
 DRAWS = 40  # of one scenario, each without what was refused in the last
@@ -119,6 +122,15 @@ def audit(run: Run) -> Iterator[str]:
 
 
 def judge(place: Place, law: Law, rng: random.Random, before: tuple[Scenario, Run]) -> list[str]:
+    if law.prepare is not None:
+        prepared = law.prepare(rng, before[0])
+        settled = place.settled(prepared, f"{law.name}-before")
+        if settled is None:
+            return []
+        before = settled
+        for key in law.keeps:
+            if before[0].values.get(key) != prepared.values[key]:
+                return [f"{key} was refused"]
     scenario, run = before
     changed = law.change(rng, scenario, run)
     if changed is None:
