@@ -86,6 +86,7 @@ NEEDS = {
 }
 MEETS_NEEDS = 0.9
 TEXTS = {"accelerator.device": DEVICES, "title": ["drawn", 'a "quoted" title', "Nähe, 力"]}
+SAMPLES = "delay_us\n1\n2\n3.5\n20\n"
 MEMORIES = ["auto", "M4K", "M512", "M-RAM", "M20K", "MLAB", "BRAM"]
 STEPS = {"transfer.dma.segment_bytes": 4, "fault.bytes": 4}
 
@@ -103,10 +104,11 @@ class Scenario:
     values: Item = field(default_factory=dict)
     lists: dict[str, list[Item]] = field(default_factory=dict)
     effects: set[str] = field(default_factory=set)  # of those that are there without a key too
+    files: dict[str, str] = field(default_factory=dict)  # beside the scenario, by name
 
     def copy(self) -> "Scenario":
         lists = {name: [dict(item) for item in items] for name, items in self.lists.items()}
-        return Scenario(dict(self.values), lists, set(self.effects))
+        return Scenario(dict(self.values), lists, set(self.effects), dict(self.files))
 
     def text(self) -> str:
         lines = [f"{key} = {value}" for key, value in self.values.items()]
@@ -339,7 +341,7 @@ def draw_loads(rng: random.Random, scenario: Scenario, body: Body) -> None:
 
 
 def draw(rng: random.Random, tables: list[Table]) -> Scenario:
-    scenario = Scenario()
+    scenario = Scenario(files={"samples.csv": SAMPLES})
     frames = rng.randint(50, 200)
     period = rng.choice((1e-3, 2e-3, 2e-3, round(rng.uniform(2e-4, 4e-3), 6)))
     scenario.values |= {"frames": str(frames), "budget.period": quantity(period, "time")}

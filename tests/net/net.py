@@ -27,16 +27,17 @@ import trace_audit
 from drawing import Scenario, draw, without
 from laws import LAWS as IDENTITIES
 from laws import Law
+from mirror import MIRROR
 from physics import PHYSICS
 from run_files import Run
 from scenario_reference import Table, tables_of
 
-LAWS = (*IDENTITIES, *PHYSICS)
+LAWS = (*IDENTITIES, *PHYSICS, MIRROR)
 LONGEST_RUN_S = 60
 REFUSED = 2
 DRAWS = 40  # of one scenario, each without what was refused in the last
+PREPARED = 6  # of a law's own scenario, where it cannot be had without what it needs
 LAWS_EACH = 3  # of a scenario, in turn
-SAMPLES = "delay_us\n1\n2\n3.5\n20\n"
 REFUSAL = re.compile(r"[^:\n]+:(?:\d+:)? ([\w.\[\]]+): [^\n]+\n")
 NOT_FINITE = re.compile(r"(?<![A-Za-z_\"])-?(?:inf|nan)(?![A-Za-z_])", re.IGNORECASE)
 
@@ -47,7 +48,8 @@ class WrongEndError(Exception):
 
 @dataclass
 class Findings:
-    refusals: int = 0
+    drawn: int = 0  # scenarios that were tried until one was not refused
+    refused: int = 0  # of them
     runs: int = 0
     complaints: list[str] = field(default_factory=list)
     asked: Counter[str] = field(default_factory=Counter)  # by law
@@ -63,6 +65,8 @@ class Place:
     def run(self, scenario: Scenario, name: str) -> Run:
         file = self.folder / f"{name}.toml"
         file.write_text(scenario.text(), encoding="utf-8")
+        for beside, text in scenario.files.items():
+            (self.folder / beside).write_text(text, encoding="utf-8")
         return self.run_file(file, name)
 
     def run_file(self, file: Path, name: str) -> Run:
@@ -96,9 +100,10 @@ class Place:
         """Without what is refused; None where nothing is left to take out."""
         for _ in range(DRAWS):
             run = self.run(scenario, name)
+            self.findings.drawn += 1
             if run.status != REFUSED:
                 return scenario, run
-            self.findings.refusals += 1
+            self.findings.refused += 1
             left = without(scenario, run.errors, self.refused_key(run))
             if left is None:
                 return None
@@ -123,8 +128,12 @@ def audit(run: Run) -> Iterator[str]:
 
 def judge(place: Place, law: Law, rng: random.Random, before: tuple[Scenario, Run]) -> list[str]:
     if law.prepare is not None:
-        prepared = law.prepare(rng, before[0])
-        settled = place.settled(prepared, f"{law.name}-before")
+        settled = None
+        for _ in range(PREPARED):
+            prepared = law.prepare(rng, before[0])
+            settled = place.settled(prepared, f"{law.name}-before")
+            if settled is not None:
+                break
         if settled is None:
             return []
         before = settled
@@ -179,7 +188,6 @@ def look_at(plan: Plan, index: int) -> Findings:
     findings = Findings()
     with tempfile.TemporaryDirectory(prefix="hvp-net-") as folder:
         place = Place(plan.program, Path(folder), plan.tables, findings)
-        (place.folder / "samples.csv").write_text(SAMPLES, encoding="ascii")
         rng = random.Random(f"{plan.seed}/{index}")
         asking = ""
 
@@ -229,7 +237,8 @@ def main() -> int:
     failed = 0
     with ProcessPoolExecutor(int(os.environ.get("HVP_JOBS", os.cpu_count() or 1))) as pool:
         for index, found in zip(numbers, pool.map(partial(look_at, plan), numbers), strict=True):
-            total.refusals += found.refusals
+            total.drawn += found.drawn
+            total.refused += found.refused
             total.runs += found.runs
             total.asked += found.asked
             if found.complaints:
@@ -245,8 +254,8 @@ def main() -> int:
                     f"--seed {arguments.seed} --only {index}"
                 )
     print(
-        f"{len(numbers)} scenarios, {total.runs} runs, of which {total.refusals} were refused "
-        f"({100 * total.refusals / max(total.runs, 1):.0f} %); {failed} scenarios failed"
+        f"{len(numbers)} scenarios, {total.runs} runs; {total.refused} of {total.drawn} drawn were "
+        f"refused ({100 * total.refused / max(total.drawn, 1):.0f} %); {failed} scenarios failed"
     )
     print("  " + ", ".join(f"{law} {total.asked[law]}" for law in laws))
     unasked = [law for law in laws if not total.asked[law]] if arguments.only is None else []
