@@ -18,6 +18,9 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+sys.path.append(str(Path(__file__).resolve().parents[1] / "net"))
+from scenario_reference import UNITS, Key, Table, tables_of
+
 TOP = Path(__file__).resolve().parents[2]
 LONGEST_RUN_S = 60
 HUGE = "1e300"
@@ -93,26 +96,6 @@ REGIONS = {
 }
 FAULTS = {'"late-dma"': {"delay": '"1 us"'}, '"truncated-dma"': {"bytes": "4"}}
 
-UNITS = {
-    "time": "s",
-    "frequency": "Hz",
-    "rate": "1/s",
-    "length": "m",
-    "mass": "kg",
-    "velocity": "m/s",
-    "acceleration": "m/s2",
-    "force": "N",
-    "pressure": "Pa",
-    "density": "kg/m3",
-    "angle": "rad",
-    "throughput": "flop/s",
-    "data size": "B",
-}
-NOT_NUMBERS = ("text", "file", "true or false", "one of")
-
-ROW = re.compile(r"\| `(\w+)` \| ([^|]*) \| ([^|]*) \| ((?:[^|]|\\\|)*) \| (.*)")
-CONDITION = re.compile(r"only with `([\w.]+)` = (\"[^\"]*\"|\d+)")
-NUMBER = r"(-?[\d.]+(?:e[+-]?\d+)?(?: (?!to\b|and\b)\S+)?)"
 # What is said about an override that is put together wrongly here, or about a value outside its
 # range: neither tries what was to be tried.
 NOT_TRIED = re.compile(
@@ -122,16 +105,16 @@ NOT_FINITE = re.compile(r"(?<![A-Za-z_])-?(?:inf|nan)(?![A-Za-z_])", re.IGNORECA
 
 
 @dataclass(frozen=True)
-class Key:
+class Number:
+    """A key that has one, or three of them."""
+
     table: str
-    name: str
-    type: str
-    range: str
+    key: Key
     conditions: tuple[tuple[str, str], ...]  # of the table and of the key: key, value
 
     @property
     def full(self) -> str:
-        return f"{self.table}.{self.name}" if self.table else self.name
+        return f"{self.table}.{self.key.name}" if self.table else self.key.name
 
 
 @dataclass(frozen=True)
@@ -141,69 +124,50 @@ class Case:
     overrides: tuple[str, ...]
 
 
-def condition(text: str, table: str) -> list[tuple[str, str]]:
-    found = CONDITION.search(text)
-    if found is None:
-        return []
-    key, value = found.groups()
-    return [(key if "." in key or not table else f"{table}.{key}", value)]
+def numbers(tables: list[Table]) -> Iterator[Number]:
+    for table in tables:
+        for key in table.keys:
+            if key.kind in ("number", "whole", "vector"):
+                found = [condition for condition in (table.condition, key.condition) if condition]
+                conditions = tuple((condition.key, condition.values[0]) for condition in found)
+                yield Number(table.path, key, conditions)
 
 
-def numeric_keys(reference: str) -> Iterator[Key]:
-    table = ""
-    of_table: list[tuple[str, str]] = []
-    for line in reference.partition("\n## Units")[0].splitlines():
-        if line.startswith("## "):
-            table, of_table = line.strip("# `[]"), []
-        row = ROW.match(line)
-        if row is None:
-            if not line.startswith("|"):
-                of_table = of_table or condition(line, table.rpartition(".")[0])
-            continue
-        name, kind, limits, _, help_text = row.groups()
-        if kind not in NOT_NUMBERS:
-            conditions = (*of_table, *condition(help_text, table))
-            yield Key(table, name, kind, limits, conditions)
+def written(value: str, key: Key) -> str:
+    unit = "" if key.kind == "whole" else UNITS[key.dimension]
+    return f'"{value} {unit}"' if unit else value
 
 
 def ends(key: Key) -> list[str]:
     """The smallest and the largest value that the reference names, as one component."""
-    dimension = key.type.rpartition("each a ")[2]
-    whole = key.type == "whole number"
-    unit = f" {UNITS[dimension]}" if dimension in UNITS else ""
-    low = re.search(rf"(from|at least|more than) {NUMBER}", key.range)
-    high = re.search(rf"(to|at most|less than) {NUMBER}", key.range)
+    whole = key.kind == "whole"
 
-    def end(found: re.Match[str] | None, beyond: str) -> str:
-        if found is None:
-            return beyond + ("" if whole else unit)
-        word, value = found.groups()
-        if word == "more than":
-            return f"1e-300{unit}"
-        if word == "less than":
-            return f"0.9999999999999999{unit}"
-        return value
+    def end(bound: float | None, without: str) -> str:
+        if bound is None:
+            return without
+        return str(int(bound)) if whole else repr(bound)
 
-    least = end(low, "-9223372036854775808" if whole else f"-{HUGE}")
-    most = end(high, "9223372036854775807" if whole else HUGE)
-    plain = dimension in ("number", "whole number")
-    return [value if plain else f'"{value}"' for value in (least, most)]
+    least = end(key.low, "-9223372036854775808" if whole else f"-{HUGE}")
+    most = end(key.high, "9223372036854775807" if whole else HUGE)
+    if key.low_open:
+        least = "1e-300"
+    if key.high_open:
+        most = "0.9999999999999999"
+    return [written(least, key), written(most, key)]
 
 
 def values(key: Key) -> Iterator[str]:
-    one_by_one = key.type.startswith("three components")
-    dimension = key.type.rpartition("each a ")[2]
-    zero = f'"0 {UNITS[dimension]}"' if dimension in UNITS else "0"
+    zero = written("0", key)
     for end in ends(key):
-        if not one_by_one:
+        if key.kind != "vector":
             yield end
             continue
         yield f"[{end}, {end}, {end}]"
-        if not key.range.startswith(("more than", "from 1 um")):  # zero is in the range
+        if key.low is None or key.low < 0 or (key.low == 0 and not key.low_open):
             yield f"[{zero}, {zero}, {end}]"
 
 
-def item_case(key: Key, value: str, listed: str) -> Case:
+def item_case(key: Number, value: str, listed: str) -> Case:
     """One item of a list in place of what the scene has: every key of it in one override."""
     fields = dict(ITEMS.get(listed, {}))
     inner = key.full.removeprefix(f"{listed}.")
@@ -225,10 +189,10 @@ def item_case(key: Key, value: str, listed: str) -> Case:
     return Case(key.full, value, tuple(overrides))
 
 
-def cases(keys: list[Key], lists: set[str]) -> Iterator[Case]:
+def cases(keys: list[Number], lists: set[str]) -> Iterator[Case]:
     for key in keys:
         listed = next((name for name in lists if f"{key.full}.".startswith(f"{name}.")), None)
-        for value in values(key):
+        for value in values(key.key):
             if value in WITHOUT.get(key.full, ()):
                 continue
             if listed is not None:
@@ -287,11 +251,10 @@ def main() -> int:
     parser.add_argument("--only", default="", help="keys that start so")
     arguments = parser.parse_args()
     hvp: Path = arguments.hvp.resolve()
-    reference = subprocess.run(
-        [str(hvp), "reference"], capture_output=True, text=True, check=True
-    ).stdout
-    keys = [key for key in numeric_keys(reference) if key.full.startswith(arguments.only)]
-    lists = set(re.findall(r"^## `\[\[(.+)\]\]`", reference, re.MULTILINE))
+    page = subprocess.run([hvp, "reference"], capture_output=True, text=True, check=True)
+    tables = tables_of(page.stdout)
+    keys = [key for key in numbers(tables) if key.full.startswith(arguments.only)]
+    lists = {table.path for table in tables if table.kind == "list"}
     tried = list(cases(keys, lists))
     if not tried:
         print("the reference has no such number", file=sys.stderr)

@@ -174,6 +174,31 @@ def accuracy(run: Run) -> Iterator[str]:
         yield f"accuracy.frames is {said['frames']} of {len(run.frames)}"
 
 
+def forces(run: Run) -> Iterator[str]:
+    for frame, row in zip(run.frames, run.rows, strict=True):
+        if frame.force is not None and not close(float(row["force_N"]), math.hypot(*frame.force)):
+            yield f"frame {frame.number}: force_N is {row['force_N']}, the force {frame.force}"
+
+
+def contact(run: Run) -> Iterator[str]:
+    nodes = [-1, *(frame.contact_node for frame in run.frames)]
+    changes = sum(old != new for old, new in pairwise(nodes))
+    yield from differ("contact.changes", run.summary["contact"]["changes"], changes)
+
+
+def errors_are_flagged(run: Run) -> Iterator[str]:
+    """No run is beyond what its scenario tolerates without a word."""
+    said, flags = run.summary["accuracy"], run.summary["stability"]["flags"]
+    if "reference" not in run.settings or flags:
+        return
+    tolerated = run.settings["reference"]
+    for name, key in (("", "tolerance"), ("_quantised", "solver_tolerance")):
+        for what in ("displacement", "force"):
+            error = said[f"{what}_rel{name}"]
+            if error is not None and error > tolerated[key]:
+                yield f"accuracy.{what}_rel{name} is {error}, reference.{key} {tolerated[key]}"
+
+
 def utilisation(run: Run) -> Iterator[str]:
     said = run.summary["bus"]["utilisation"]
     users = said["by_initiator"]
@@ -204,6 +229,9 @@ CHECKS = (
     attribution,
     driver,
     accuracy,
+    forces,
+    contact,
+    errors_are_flagged,
     utilisation,
     status,
 )

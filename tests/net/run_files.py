@@ -76,9 +76,13 @@ class Run:
         return events
 
     @cached_property
+    def rows(self) -> list[dict[str, str]]:
+        """Of frames.csv."""
+        return list(csv.DictReader(self.text("frames.csv").splitlines()))
+
+    @cached_property
     def frames(self) -> list[Frame]:
-        with (self.folder / "frames.csv").open(encoding="utf-8", newline="") as file:
-            return [frame_of(row) for row in csv.DictReader(file)]
+        return [frame_of(row) for row in self.rows]
 
     @cached_property
     def settings(self) -> dict[str, Any]:

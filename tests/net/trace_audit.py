@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from ledger_audit import differ
+from ledger_audit import differ, spread
 from run_files import PARTS, Run, ps
 
 FRAMES, RESOURCES = 1, 2  # the two processes
@@ -130,6 +130,38 @@ def bus_time_agrees(run: Run, tenures: list[Slice]) -> Iterator[str]:
     yield from differ("bus.utilisation.by_initiator", said, dict(by))
 
 
+def statistics_agree(run: Run, spans: list[Slice]) -> Iterator[str]:
+    """What the summary counts of every span, where all frames are drawn."""
+    if run.settings["output"]["trace_frames"] < run.summary["frames_asked"]:
+        return
+    on_bus: dict[str, list[int]] = defaultdict(list)
+    by_phase: dict[tuple[str, str], dict[int, int]] = defaultdict(lambda: defaultdict(int))
+    for span in spans:
+        time = span.end - span.start
+        if span.part == "bus":
+            on_bus[span.name].append(time)
+        if span.arguments["critical"]:
+            by_phase[span.part, span.name][span.arguments["frame"]] += time
+    said = run.summary["latency"]
+    counts = {line["transaction"]: line["count"] for line in said["by_transaction"]}
+    found = {name: len(times) for name, times in on_bus.items()}
+    yield from differ("latency.by_transaction", counts, found)
+    for line in said["by_transaction"]:
+        what = f"latency.by_transaction {line['transaction']}"
+        yield from spread(what, line, on_bus[line["transaction"]])
+    for line in said["by_phase"]:
+        what = f"latency.by_phase {line['part']} {line['phase']}"
+        of_frames = by_phase[line["part"], line["phase"]]
+        times = [of_frames.get(frame.number, 0) for frame in run.frames]
+        yield from spread(what, line, times)
+        yield from differ(f"{what}.frames", line["frames"], sum(time > 0 for time in times))
+    for name, phase in (("release", "release"), ("wake_up", "wake-up")):
+        if name in run.summary["jitter"]:
+            of_frames = by_phase["host", phase]
+            times = [of_frames.get(frame.number, 0) for frame in run.frames]
+            yield from spread(f"jitter.{name}", run.summary["jitter"][name], times)
+
+
 def complaints(run: Run) -> Iterator[str]:
     spans, tenures = slices_of(run.trace, FRAMES), slices_of(run.trace, RESOURCES)
     yield from lanes_do_not_overlap(spans, tenures)
@@ -137,3 +169,4 @@ def complaints(run: Run) -> Iterator[str]:
     if not is_cut(run):
         yield from every_frame_is_drawn(run, spans)
         yield from bus_time_agrees(run, tenures)
+        yield from statistics_agree(run, spans)
