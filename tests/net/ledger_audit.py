@@ -168,7 +168,7 @@ def accuracy(run: Run) -> Iterator[str]:
     said = run.summary["accuracy"]
     for name in ("displacement", "force"):
         mean, worst = said[f"{name}_rel"], said[f"{name}_worst_rel"]
-        if mean is not None and worst < mean * (1 - ROUNDING_REL):
+        if mean is not None and (worst is None or worst < mean * (1 - ROUNDING_REL)):
             yield f"accuracy.{name}_worst_rel is {worst}, less than the mean {mean}"
     if said["frames"] is not None and said["frames"] > len(run.frames):
         yield f"accuracy.frames is {said['frames']} of {len(run.frames)}"

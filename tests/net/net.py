@@ -2,7 +2,7 @@
 
 Each scenario is run and its files are audited; then each law changes the scenario and compares. A
 scenario that the program refuses is drawn on without what the refusal names; the refusal has to be
-one line that names a key. A failure is written to a file, and the line that repeats it is printed.
+one line that names a key. What fails is kept, and the line that repeats it is printed.
 
     tests/net/net.py build/release/app/hvp --count 500 --seed 7
     tests/net/net.py build/release/app/hvp --seed 7 --only 12     one of them, with every law
@@ -12,6 +12,7 @@ import argparse
 import os
 import random
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -155,6 +156,8 @@ def judge(place: Place, law: Law, rng: random.Random, before: tuple[Scenario, Ru
 def repeated(place: Place, run: Run) -> list[str]:
     """The scenario with every default written out gives the same bytes."""
     again = place.run_file(run.folder / "scenario.resolved.toml", "again")
+    if again.status == REFUSED:
+        return [f"was refused: {again.errors.strip()}"]
     place.findings.asked["resolved"] += 1
     skipped = ("performance.json",)
     names = {p.name for p in (*run.folder.iterdir(), *again.folder.iterdir())} - {*skipped}
@@ -176,6 +179,7 @@ class Plan:
     seed: int
     laws: list[str]
     laws_each: int
+    keep: Path  # for the files of what fails
 
     def laws_of(self, index: int) -> list[Law]:
         """Some of them, in turn."""
@@ -192,12 +196,7 @@ def look_at(plan: Plan, index: int) -> Findings:
         asking = ""
 
         def tell(what: list[str]) -> None:
-            for text in what[:MOST_TOLD]:
-                findings.complaints.append(f"{asking}{text}")
-            if what:
-                scenario = place.folder / f"{asking.rstrip(': ') or 'drawn'}.toml"
-                text = scenario.read_text(encoding="utf-8") if scenario.is_file() else ""
-                findings.complaints.append(f"--- {scenario.name}\n{text}")
+            findings.complaints += [f"{asking}{text}" for text in what[:MOST_TOLD]]
 
         try:
             before = None
@@ -213,6 +212,12 @@ def look_at(plan: Plan, index: int) -> Findings:
                     tell(judge(place, law, law_rng, before))
         except WrongEndError as error:
             tell([str(error)])
+        except Exception as error:  # a file that cannot be read as it should is a finding too
+            tell([f"{type(error).__name__}: {error}"])
+        if findings.complaints:
+            kept = plan.keep / f"{plan.seed}-{index}"
+            shutil.rmtree(kept, ignore_errors=True)
+            shutil.copytree(place.folder, kept, ignore=shutil.ignore_patterns("*.vtu", "*.pvd"))
     return findings
 
 
@@ -232,7 +237,7 @@ def main() -> int:
     laws = [law.name for law in LAWS if arguments.law in (None, law.name)]
     each = len(laws) if arguments.only is not None else min(LAWS_EACH, len(laws))
     numbers = [arguments.only] if arguments.only is not None else range(arguments.count)
-    plan = Plan(program, tables_of(page.stdout), arguments.seed, laws, each)
+    plan = Plan(program, tables_of(page.stdout), arguments.seed, laws, each, arguments.keep)
     total = Findings()
     failed = 0
     with ProcessPoolExecutor(int(os.environ.get("HVP_JOBS", os.cpu_count() or 1))) as pool:
@@ -243,15 +248,11 @@ def main() -> int:
             total.asked += found.asked
             if found.complaints:
                 failed += 1
-                arguments.keep.mkdir(parents=True, exist_ok=True)
-                kept = arguments.keep / f"{arguments.seed}-{index}.txt"
-                kept.write_text("\n".join(found.complaints), encoding="utf-8")
                 for text in found.complaints:
-                    if not text.startswith("---"):
-                        print(f"{index}: {text}")
+                    print(f"{index}: {text}")
                 print(
-                    f"  {kept}; again: {Path(sys.argv[0])} {arguments.hvp} "
-                    f"--seed {arguments.seed} --only {index}"
+                    f"  {arguments.keep / f'{arguments.seed}-{index}'}; again: "
+                    f"{Path(sys.argv[0])} {arguments.hvp} --seed {arguments.seed} --only {index}"
                 )
     print(
         f"{len(numbers)} scenarios, {total.runs} runs; {total.refused} of {total.drawn} drawn were "
