@@ -154,8 +154,10 @@ def judge(place: Place, law: Law, rng: random.Random, before: tuple[Scenario, Ru
 
 
 def repeated(place: Place, run: Run) -> list[str]:
-    """The scenario with every default written out gives the same bytes."""
-    again = place.run_file(run.folder / "scenario.resolved.toml", "again")
+    """The scenario with every default written out gives the same bytes, beside the same files."""
+    copy = place.folder / "again.toml"
+    shutil.copyfile(run.folder / "scenario.resolved.toml", copy)
+    again = place.run_file(copy, "again")
     if again.status == REFUSED:
         return [f"was refused: {again.errors.strip()}"]
     place.findings.asked["resolved"] += 1
