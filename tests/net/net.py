@@ -153,18 +153,19 @@ def judge(place: Place, law: Law, rng: random.Random, before: tuple[Scenario, Ru
     return [*audit(after), *law.compare(run, after)]
 
 
-def repeated(place: Place, run: Run) -> list[str]:
-    """The scenario with every default written out gives the same bytes, beside the same files."""
-    copy = place.folder / "again.toml"
-    shutil.copyfile(run.folder / "scenario.resolved.toml", copy)
-    again = place.run_file(copy, "again")
+def repeated(place: Place, scenario: Scenario, run: Run) -> list[str]:
+    """The scenario with every default written out gives the same bytes. A run copies a surface and
+    a device beside it, measured times it does not: those are put there."""
+    names = {path.name for path in run.folder.iterdir()}
+    for name, text in scenario.files.items():
+        (run.folder / name).write_text(text, encoding="utf-8")
+    again = place.run_file(run.folder / "scenario.resolved.toml", "again")
     if again.status == REFUSED:
         return [f"was refused: {again.errors.strip()}"]
     place.findings.asked["resolved"] += 1
-    skipped = ("performance.json",)
-    names = {p.name for p in (*run.folder.iterdir(), *again.folder.iterdir())} - {*skipped}
+    names |= {path.name for path in again.folder.iterdir()}
     different = []
-    for name in sorted(names):
+    for name in sorted(names - {"performance.json"}):
         one, other = run.folder / name, again.folder / name
         if not one.is_file() or not other.is_file() or one.read_bytes() != other.read_bytes():
             different.append(f"{name} differs when scenario.resolved.toml is run")
@@ -209,7 +210,7 @@ def look_at(plan: Plan, index: int) -> Findings:
                 asking = f"{law.name}: "
                 law_rng = random.Random(f"{plan.seed}/{index}/{law.name}")
                 if law.name == "resolved":
-                    tell(repeated(place, before[1]))
+                    tell(repeated(place, *before))
                 else:
                     tell(judge(place, law, law_rng, before))
         except WrongEndError as error:
