@@ -1,14 +1,13 @@
 """What holds between two runs whatever the scenario: each law changes a scenario and says how the
-results have to answer. These are of writing, of time and of what is not there; physics.py has
-those of physics."""
+results have to answer. These are of writing, of time and of what is not there."""
 
 import random
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from drawing import Scenario
 from run_files import Run
+from scenario import Scenario
 
 Change = Callable[[random.Random, Scenario, Run], Scenario | None]
 Compare = Callable[[Run, Run], Iterator[str]]

@@ -10,10 +10,10 @@ import math
 import random
 from collections.abc import Iterator
 
-from drawing import Scenario, quantity, vector
 from laws import Law
 from physics import HOST, largest, on_the_host
 from run_files import Run
+from scenario import Scenario, quantity, vector
 
 Point = tuple[float, float, float]
 Triangle = tuple[int, int, int]

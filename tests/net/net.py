@@ -25,15 +25,18 @@ from pathlib import Path
 
 import ledger_audit
 import trace_audit
-from drawing import Scenario, draw, without
+from against_the_host import AGAINST_THE_HOST
+from drawing import draw, without
 from laws import LAWS as IDENTITIES
 from laws import Law
 from mirror import MIRROR
-from physics import PHYSICS
+from physics import LOADS_AND_MATTER
+from rest import REST
 from run_files import Run
+from scenario import Scenario
 from scenario_reference import Table, tables_of
 
-LAWS = (*IDENTITIES, *PHYSICS, MIRROR)
+LAWS = (*IDENTITIES, *LOADS_AND_MATTER, *REST, AGAINST_THE_HOST, MIRROR)
 LONGEST_RUN_S = 60
 REFUSED = 2
 DRAWS = 40  # of one scenario, each without what was refused in the last
@@ -255,7 +258,8 @@ def main() -> int:
                     print(f"{index}: {text}")
                 print(
                     f"  {arguments.keep / f'{arguments.seed}-{index}'}; again: "
-                    f"{Path(sys.argv[0])} {arguments.hvp} --seed {arguments.seed} --only {index}"
+                    f"{Path(sys.argv[0])} {arguments.hvp} --seed {arguments.seed} --only {index}",
+                    flush=True,
                 )
     print(
         f"{len(numbers)} scenarios, {total.runs} runs; {total.refused} of {total.drawn} drawn were "
