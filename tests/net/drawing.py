@@ -21,6 +21,8 @@ SURFACE = TOP / "scenarios" / "surfaces" / "bean.stl"
 
 KEY_SHARE = 0.08  # of the keys that are drawn
 EFFECT_SHARE = 0.15
+SWITCH_SHARE = 0.25  # of the keys on whose value it hangs whether others are there
+SWITCHED_SHARE = 0.5  # of those others
 EXTREME_SHARE = 0.1  # of the numbers that are drawn from the whole range
 
 # Bounds in SI units that keep a run short, and its numbers where a body and a hand have theirs.
@@ -151,7 +153,9 @@ def draw_value(rng: random.Random, full: str, key: Key) -> str:
     return str(int(number)) if key.kind == "whole" else quantity(number, key.dimension)
 
 
-def draw_keys(rng: random.Random, table: Table, share: float, taken: Item) -> Item:
+def draw_keys(
+    rng: random.Random, table: Table, share: float, taken: Item, switches: set[str]
+) -> Item:
     """Of one table or item: what is required, and a share of the rest, under relative names."""
     chosen: Item = {}
     for key in table.keys:
@@ -165,7 +169,11 @@ def draw_keys(rng: random.Random, table: Table, share: float, taken: Item) -> It
             default = next((k.default for k in table.keys if k.name == inner), None)
             if (now or default) not in condition.values:
                 continue
-        if key.default is None or rng.random() < share:
+        if condition is not None:
+            wanted = max(share, SWITCHED_SHARE)
+        else:
+            wanted = max(share, SWITCH_SHARE) if full in switches else share
+        if key.default is None or rng.random() < wanted:
             chosen[key.name] = draw_value(rng, full, key)
     return chosen
 
@@ -189,10 +197,10 @@ class Body:
         return [point[i] + self.centre[i] for i in range(3)]
 
 
-# Of the surface file in metres, by its corners.
-def bean() -> Body:
+def bean(unit: float) -> Body:
+    """Of the surface file, by its corners; `unit` in metres."""
     numbers = re.findall(r"vertex\s+(\S+)\s+(\S+)\s+(\S+)", SURFACE.read_text(encoding="ascii"))
-    by_axis = [[float(vertex[axis]) * 1e-3 for vertex in numbers] for axis in range(3)]
+    by_axis = [[float(vertex[axis]) * unit for vertex in numbers] for axis in range(3)]
     x, y, z = ((max(c) - min(c)) / 2 for c in by_axis)
     cx, cy, cz = ((max(c) + min(c)) / 2 for c in by_axis)
     return Body("surface", (x, y, z), (cx, cy, cz))
@@ -212,7 +220,9 @@ def draw_body(rng: random.Random, scenario: Scenario) -> Body:
         return Body(shape, (radius, radius, radius), (0, 0, 0))
     scenario.values["object.mesh.nodes"] = str(rng.randint(150, 220))
     scenario.values["object.mesh.surface"] = f"'{SURFACE}'"
-    return bean()
+    unit = rng.choice((1e-3, round(rng.uniform(0.5e-3, 2e-3), 6)))
+    scenario.values["object.mesh.surface_unit"] = quantity(unit, "length")
+    return bean(unit)
 
 
 def draw_region(rng: random.Random, body: Body, sign: int, deep: float) -> Item:
@@ -247,7 +257,8 @@ def draw_probe(rng: random.Random, scenario: Scenario, body: Body, seconds: floa
     axis, sign = rng.choice(((2, 1), (2, 1), (2, 1), (0, 1), (1, -1)))
     on = body.on_surface(rng, axis, sign, 0.4)
     at = list(on)
-    at[axis] += sign * rng.choice((0.0, rng.uniform(0, 0.1))) * body.half[axis]
+    # Not on it: whether that touches hangs on how the place is rounded.
+    at[axis] += sign * rng.choice((1e-3, rng.uniform(1e-3, 0.1))) * body.half[axis]
     scenario.values["probe.start"] = vector(tuple(at))
     deep = rng.uniform(0.02, 0.2) * body.half[axis]
     motion: list[Item] = []
@@ -300,13 +311,14 @@ def draw(rng: random.Random, tables: list[Table]) -> Scenario:
     if rng.random() < 2 / 3:
         scenario.values["host.graphics.rate"] = quantity(float(rng.randint(50, 1000)), "frequency")
         scenario.values["host.graphics.drawing_time"] = quantity(rng.uniform(0, 2e-3), "time")
+    switches = {key.condition.key for table in tables for key in table.keys if key.condition}
     for table in tables:
         if table.path.startswith(OWN_LISTS) or table.path == "object.mesh":
             continue
         prefix = f"{table.path}." if table.path else ""
         if table.kind == "list":
             if rng.random() < EFFECT_SHARE:
-                scenario.lists[table.path] = [draw_keys(rng, table, 1 / 2, {})]
+                scenario.lists[table.path] = [draw_keys(rng, table, 1 / 2, {}, switches)]
             continue
         if table.kind == "effect":
             share = 1 / 2 if table.path == "reference" else EFFECT_SHARE
@@ -316,7 +328,7 @@ def draw(rng: random.Random, tables: list[Table]) -> Scenario:
             if rng.random() < MEETS_NEEDS:
                 scenario.values |= NEEDS.get(table.path, {})
         share = 1 / 3 if table.kind == "effect" else KEY_SHARE
-        for name, value in draw_keys(rng, table, share, scenario.values).items():
+        for name, value in draw_keys(rng, table, share, scenario.values, switches).items():
             scenario.values[prefix + name] = value
     if scenario.values.get("fidelity.accelerator") == '"cycle-accurate"':
         scenario.values["frames"] = str(rng.randint(30, 60))  # 25 of them take a second

@@ -12,7 +12,9 @@ import argparse
 import os
 import random
 import re
+import resource
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -37,7 +39,8 @@ from scenario import Scenario
 from scenario_reference import Table, tables_of
 
 LAWS = (*IDENTITIES, *LOADS_AND_MATTER, *REST, AGAINST_THE_HOST, MIRROR)
-LONGEST_RUN_S = 60
+LONGEST_RUN_S = 60  # of the processor, whatever else the machine does
+HANGS_AFTER_S = 900
 REFUSED = 2
 DRAWS = 40  # of one scenario, each without what was refused in the last
 PREPARED = 6  # of a law's own scenario, where it cannot be had without what it needs
@@ -48,6 +51,10 @@ NOT_FINITE = re.compile(r"(?<![A-Za-z_\"])-?(?:inf|nan)(?![A-Za-z_])", re.IGNORE
 
 class WrongEndError(Exception):
     """A run that neither gave a result nor was refused as it should be."""
+
+
+def limit_time() -> None:
+    resource.setrlimit(resource.RLIMIT_CPU, (LONGEST_RUN_S, LONGEST_RUN_S + 5))
 
 
 @dataclass
@@ -78,10 +85,17 @@ class Place:
         command = [str(self.program), "run", str(file), "--quiet", "--out", str(out)]
         try:
             ended = subprocess.run(
-                command, capture_output=True, timeout=LONGEST_RUN_S, check=False, text=True
+                command,
+                capture_output=True,
+                timeout=HANGS_AFTER_S,
+                check=False,
+                text=True,
+                preexec_fn=limit_time,
             )
         except subprocess.TimeoutExpired:
-            raise WrongEndError(f"took more than {LONGEST_RUN_S} s") from None
+            raise WrongEndError(f"hung for {HANGS_AFTER_S} s") from None
+        if ended.returncode == -signal.SIGXCPU:
+            raise WrongEndError(f"took more than {LONGEST_RUN_S} s")
         self.findings.runs += 1
         run = Run(out, ended.returncode, ended.stdout, ended.stderr)
         if run.status not in (0, 1, REFUSED):

@@ -98,6 +98,7 @@ def on_the_host(_: random.Random, scenario: Scenario) -> Scenario:
 LENGTHS = (
     "object.mesh.size",
     "object.mesh.radius",
+    "object.mesh.surface_unit",
     "contact.patch_radius",
     "probe.start",
 )
@@ -117,8 +118,6 @@ def twice_as_large(_: random.Random, scenario: Scenario, __: Run) -> Scenario:
     factors = dict.fromkeys(LENGTHS, (2.0, ""))
     factors["object.material.density"] = (1 / 4, '"1000 kg/m3"')
     factors["contact.release_force"] = (4, "")
-    if scenario.values["object.mesh.shape"] == '"surface"':
-        factors["object.mesh.surface_unit"] = (2, '"1 mm"')
     if "loads.gravity" in scenario.effects:
         standard = '["0 m/s2", "0 m/s2", "-9.80665 m/s2"]'
         factors["loads.gravity.acceleration"] = (2, standard)
