@@ -48,9 +48,9 @@ Replay::Replay(const Scene& scene, std::span<const Sighting> recording, std::siz
   const std::size_t unknowns = std::max<std::size_t>(1, scene.body().load().size());
   frames = std::min({frames, recording.size(), kMostNumbers / unknowns});
   const bool stateless = !scene.scenario().dynamics;
-  const std::size_t stride = stateless ? (recording.size() + frames - 1) / frames : 1;
+  if (stateless) stride_ = (recording.size() + frames - 1) / frames;
   const bool whole = stateless || span == Span::whole;
-  solve_exactly(whole ? recording : recording.first(frames), stride, frames, hand_over_s);
+  solve_exactly(whole ? recording : recording.first(frames), frames, hand_over_s);
 }
 
 std::vector<int> Replay::patch(const collision::Contact& contact) const {
@@ -64,8 +64,8 @@ std::vector<int> Replay::patch(const collision::Contact& contact) const {
 
 // The servo process' own order (vp/host/servo_process.cpp): contact changes, its nodes are held,
 // the frame is solved.
-void Replay::solve_exactly(std::span<const Sighting> recording, std::size_t stride,
-                           std::size_t frames, double hand_over_s) {
+void Replay::solve_exactly(std::span<const Sighting> recording, std::size_t frames,
+                           double hand_over_s) {
   const Scenario& s = scene_.scenario();
   const sparse::BlockMatrix& matrix = scene_.computation().matrix();
   host::ReferenceRun run(scene_.body(), s.dynamics, s.budget.period_s, matrix, matrix);
@@ -93,7 +93,7 @@ void Replay::solve_exactly(std::span<const Sighting> recording, std::size_t stri
     run.step(hold);
     add_force(now, !hold.let_go.empty(), static_cast<std::int64_t>(i), run.force(), exact_force_);
     for (const double u : run.displacement()) largest_ = std::max(largest_, std::abs(u));
-    if (i % stride != 0 || frames_.size() == frames) continue;
+    if (i % stride_ != 0 || frames_.size() == frames) continue;
     Held& held = frames_.emplace_back();
     held.sighting = now;
     held.nodes.assign(hold.nodes.begin(), hold.nodes.end());
@@ -115,12 +115,12 @@ void Replay::add_force(const Sighting& at, bool fades, std::int64_t frame,
 
 // As a run has them at set-up.
 stability::Flags Replay::rounding_flags(const host::FrameComputation& computation,
-                                        int passes) const {
+                                        bool refined) const {
   stability::Flags flags;
   const std::optional<host::RoundingEstimate> estimate = estimate_rounding(scene_, computation);
   if (!estimate) return flags;
-  if (!estimate->definite(passes > 1)) flags.raise(stability::Flag::negative_curvature);
-  if (passes > 1 || scene_.scenario().reference) return flags;
+  if (!estimate->definite(refined)) flags.raise(stability::Flag::negative_curvature);
+  if (refined || scene_.scenario().reference) return flags;
   if (!estimate->error || estimate->error->displacement > host::Reference{}.tolerance) {
     flags.raise(stability::Flag::matrix_rounding);
   }
@@ -131,7 +131,9 @@ Replay::Result Replay::attempt(const fixed::Plan& plan) const {
   const Scenario& s = scene_.scenario();
   Result result;
   std::optional<host::Refinement> refinement;
-  if (plan.passes > 1) {
+  // One pass of a scenario that is refined is refined too: it starts from the residual.
+  const bool refined = plan.passes > 1 || s.refinement.has_value();
+  if (refined) {
     refinement = s.refinement.value_or(host::Refinement{});
     refinement->passes = plan.passes;
   }
@@ -139,7 +141,7 @@ Replay::Result Replay::attempt(const fixed::Plan& plan) const {
     plan.settings.check();
     host::FrameComputation computation(scene_.body(), s.contact.diagonal, s.dynamics, plan.settings,
                                        s.budget.period_s, refinement);
-    result.flags = rounding_flags(computation, plan.passes);
+    result.flags = rounding_flags(computation, refined);
     host::WordBoard board(computation.quantised(), computation.board_settings());
     const sparse::BlockMatrix rounded = fixed::dequantise(computation.system());
     host::ReferenceRun rounded_run(scene_.body(), s.dynamics, s.budget.period_s,
@@ -160,26 +162,28 @@ Replay::Result Replay::attempt(const fixed::Plan& plan) const {
       computation.hold(frame.hold());
       result.flags.merge(solve(computation, board, b));
       const Eigen::Vector3d force = computation.force();
-      if (host::RefinedSolve* const refined = computation.refined()) {
-        refined->finish();
-        result.flags.merge(refined->flags());
-        if (refined->clamped() > 0) result.flags.raise(stability::Flag::range_exceeded);
+      if (host::RefinedSolve* const passes = computation.refined()) {
+        passes->finish();
+        result.flags.merge(passes->flags());
+        if (passes->clamped() > 0) result.flags.raise(stability::Flag::range_exceeded);
       }
       computation.update();
       add_force(frame.sighting, !frame.let_go.empty(), number++, force, quality);
       const bool in_contact = !frame.nodes.empty();
       of_true.add(computation.displacement(), frame.exact, 0, in_contact);
-      if (plan.passes > 1 || rounded_run.singular()) continue;
+      if (refined || rounded_run.singular()) continue;
       rounded_run.step(frame.hold());
       of_rounded.add(computation.displacement(), rounded_run.displacement(), 0, in_contact);
     }
     const std::optional<double> error = of_true.judged();
     result.flags.merge(host::accuracy_flags(s.reference.value_or(host::Reference{}), error,
-                                            plan.passes > 1 ? error : of_rounded.judged()));
-    // What the exact force does too is not the solver's doing.
+                                            refined ? error : of_rounded.judged()));
+    // What the exact force does too is not the solver's doing; frames left out are steps of their
+    // own.
     for (const stability::Flag flag : {stability::Flag::limit_cycle, stability::Flag::force_step,
                                        stability::Flag::force_ringing}) {
-      if (quality.flags().has(flag) && !exact_force_.flags().has(flag)) result.flags.raise(flag);
+      if (stride_ == 1 && quality.flags().has(flag) && !exact_force_.flags().has(flag))
+        result.flags.raise(flag);
     }
     if (const auto of_frame = of_true.of_frame()) {
       result.median = of_frame->median;

@@ -59,16 +59,16 @@ class Replay {
   };
 
   std::vector<int> patch(const collision::Contact& contact) const;
-  void solve_exactly(std::span<const Sighting> recording, std::size_t stride, std::size_t frames,
-                     double hand_over_s);
+  void solve_exactly(std::span<const Sighting> recording, std::size_t frames, double hand_over_s);
   void add_force(const Sighting& at, bool fades, std::int64_t frame, const Eigen::Vector3d& force,
                  stability::ForceQuality& quality) const;
-  stability::Flags rounding_flags(const host::FrameComputation& computation, int passes) const;
+  stability::Flags rounding_flags(const host::FrameComputation& computation, bool refined) const;
 
   const Scene& scene_;
   std::vector<Held> frames_;
   stability::ForceQuality exact_force_;
   double largest_ = 0;
+  std::size_t stride_ = 1;  // of the frames that are solved again
 };
 
 }  // namespace hvp::app

@@ -21,12 +21,8 @@ SolveTask with_plan(const SolveTask& task, const fixed::Plan& plan) {
   SolveTask changed = task;
   changed.settings.solver = plan.settings;
   changed.settings.spectrum.reset();
-  if (plan.passes > 1) {
-    if (!changed.settings.refinement) changed.settings.refinement.emplace();
-    changed.settings.refinement->passes = plan.passes;
-  } else {
-    changed.settings.refinement.reset();
-  }
+  if (plan.passes > 1 && !changed.settings.refinement) changed.settings.refinement.emplace();
+  if (changed.settings.refinement) changed.settings.refinement->passes = plan.passes;
   return changed;
 }
 
