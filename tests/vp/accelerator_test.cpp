@@ -471,7 +471,8 @@ Picoseconds two_devices(const std::vector<int>& row_begin) {
   }
   const auto nodes = static_cast<std::int64_t>(std::max(rows[0].size(), rows[1].size()));
   const std::int64_t product =
-      std::max(test::fullest_of_five(rows[0]), test::fullest_of_five(rows[1])) + 20;
+      std::max(test::fullest_of_five(rows[0]), test::fullest_of_five(rows[1])) + 20 +
+      test::kRowsTogether;
   const std::int64_t vectors = (nodes + 1) / 2 + 20;
   const std::int64_t exchange = (nodes * 48 + 63) / 64 + 8;
   const std::int64_t sum = 2 + 8 + 1;

@@ -126,6 +126,8 @@ INSTANTIATE_TEST_SUITE_P(
         InFile{"[reference]",
                "[transfer]\nmethod = \"write-combined-io\"\n[bus.pcie.root_complex_latencies]",
                "s.toml:36: bus.pcie.root_complex_latencies: ", "transfer.method = \"dma\" only"},
+        InFile{"[reference]", "[transfer]\nmethod = \"bursts\"\n[bus.pcie]",
+               "s.toml:35: transfer.method: ", "expected dma, write-combined-io or programmed-io"},
         InFile{"[reference]", "[bus.read_latencies]\ndistribution = \"published\"",
                "s.toml:35: bus.read_latencies.distribution: ", "\"measured\""},
         InFile{"[reference]", "[bus.read_latencies]\ncounted = \"1 us\"",
