@@ -268,6 +268,28 @@ TEST(Deviation, OfAFramesOwnSizeCountsFramesInContactOnly) {
   EXPECT_DOUBLE_EQ(*d.worst_relative(), 1);
 }
 
+TEST(Deviation, OfAReferenceThatIsNotFiniteHasNoFigure) {
+  Deviation d;
+  const std::vector<double> one = {1, 0}, none = {1e300, 1e300};
+  d.add(one, one);
+  EXPECT_TRUE(d.judged());
+  d.add(one, none);
+  EXPECT_FALSE(d.relative());
+  EXPECT_FALSE(d.worst_relative());
+  EXPECT_FALSE(d.of_frame());
+  EXPECT_FALSE(d.judged());
+}
+
+TEST(Deviation, IsJudgedByAThirdOfItsWorstFramesToo) {
+  Deviation d;
+  const std::vector<double> one = {1, 0}, off = {1.6, 0};
+  for (int i = 0; i < 90; ++i) d.add(one, one);
+  EXPECT_EQ(d.judged(), 0);
+  for (int i = 0; i < 10; ++i) d.add(off, one);
+  EXPECT_EQ(d.of_frame()->median, 0);
+  EXPECT_NEAR(*d.judged(), 0.2, 0.2 / 64);
+}
+
 TEST(Host, ComputingTakesOperationsOverRateInWholePicoseconds) {
   Host h;
   h.sustained_rate_flops = 300e6;

@@ -17,7 +17,7 @@ struct Felt {
       int frames, const Along& force, const Along& tip = [](int n) { return 1e-6 * n; },
       double period = kPeriod) {
     for (int n = 0; n < frames; ++n) {
-      quality.add({n, period * n, {0, 0, tip(n)}, {0, 0, force(n)}, 7, force(n)});
+      quality.add({n, period * n, {0, 0, tip(n)}, {0, 0, force(n)}, 7, false, force(n)});
     }
   }
   ForceQuality quality;

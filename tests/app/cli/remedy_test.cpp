@@ -130,6 +130,44 @@ INSTANTIATE_TEST_SUITE_P(
       return name;
     });
 
+// What it says of time is what the run then takes.
+TEST(RemedyCosts, AreThoseOfItsRun) {
+  const ScratchDirectory place;
+  const auto run = [&](std::vector<std::string> changes) {
+    std::vector<std::string> arguments = {"run",   scenario("thesis-static.toml").string(),
+                                          "--out", "out",
+                                          "--set", "output.pictures=false"};
+    for (std::string& change : changes) {
+      arguments.emplace_back("--set");
+      arguments.push_back(std::move(change));
+    }
+    hvp(place.path(), arguments);
+    return json::parse(read(place.path() / "out/summary.json"));
+  };
+  const json before = run({});
+  const json remedy = before.at("remedy");
+  const json after = run({"solver.matrix_scaling=diagonal"});
+  EXPECT_NEAR(remedy.at("latency_us"), after.at("deadline").at("worst_us"), 0.5);
+  EXPECT_NEAR(remedy.at("load_us"), after.at("load").at("worst_us"), 0.5);
+  EXPECT_TRUE(remedy.at("in_time"));
+  // With a period that it does not fit into it says so.
+  const json tight = run({"budget.period=770 us"});
+  EXPECT_FALSE(tight.at("remedy").at("in_time"));
+}
+
+// The host solves: there is no board to ask about.
+TEST(RemedyOfAHost, IsOfTheHandOverAlone) {
+  const ScratchDirectory place;
+  const Ended ended =
+      hvp(place.path(), {"run", scenario("thesis.toml").string(), "--out", "out", "--set",
+                         "output.pictures=false", "--set", "host.solver=cholesky", "--set",
+                         "contact.hand_over=0 s", "--set", "frames=400"});
+  EXPECT_LT(ended.status, 2) << ended.err;
+  const json remedy = json::parse(read(place.path() / "out/summary.json")).at("remedy");
+  EXPECT_TRUE(remedy.at("works"));
+  EXPECT_EQ(remedy.at("set"), json({"contact.hand_over=20ms"}));
+}
+
 // Whatever a scenario's line looks like, the shell's quotes around it are enough.
 TEST(Override, TakesALineAsAScenarioHasIt) {
   const ScratchDirectory place;

@@ -176,7 +176,9 @@ const std::map<std::string, std::vector<Claim>>& claims() {
            const json& s = r.summary("bean.toml");
            EXPECT_THAT(flags(s), testing::IsSupersetOf({"force-step", "beyond-linearity"}));
            EXPECT_NEAR(s.at("force").at("step").at("of_largest_rel"), 0.12, 0.005);
-           EXPECT_EQ(flags(r.summary("bean.toml", {"contact.patch_radius=10mm"})), json::array());
+           const json patch = flags(r.summary("bean.toml", {"contact.patch_radius=10mm"}));
+           EXPECT_THAT(patch, testing::Not(testing::Contains("force-step")));
+           EXPECT_THAT(patch, testing::Not(testing::Contains("beyond-linearity")));
          }},
         {"--nodes 500` shows the tetrahedra's quality",
          [](Runs& r) { EXPECT_GT(r.summary("bean.toml").at("mesh").at("nodes"), 450); }}}},

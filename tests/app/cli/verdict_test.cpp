@@ -106,6 +106,47 @@ TEST(Verdict, SizesThatLookLikeAnotherUnitAreSaid) {
   EXPECT_THAT(j.ended.out, HasSubstr("unit"));
 }
 
+// A table that compares nothing measures nothing.
+TEST(Verdict, AReferenceThatComparesNoContactIsNoMeasurement) {
+  for (const char* every : {"900", "100000"}) {
+    const Judged j = judged("thesis-static.toml",
+                            {std::string("reference.every_frames=") + every, "frames=1000"});
+    EXPECT_THAT(j.ended.out, Not(HasSubstr("PASS"))) << every;
+    EXPECT_THAT(flags(j), Contains("matrix-rounding")) << every;
+  }
+  EXPECT_EQ(judged("", {"reference.every_frames=1000"}).summary.at("verdict"),
+            "held; accuracy not measured");
+}
+
+// From below, onto the cap that is held: nothing follows the tip there, and nothing is dragged to
+// it.
+TEST(Verdict, AProbeOnAHeldPartHoldsNothingAndIsFlagged) {
+  const Judged j = judged("thesis-static.toml",
+                          {"frames=400", "probe.start=[\"0 mm\", \"0 mm\", \"-60 mm\"]",
+                           "probe.motion=[{phase=\"press\", to=[\"0 mm\", \"0 mm\", \"-45 mm\"], "
+                           "duration=\"400 ms\"}]"});
+  EXPECT_THAT(flags(j), Contains("contact-missed"));
+  EXPECT_EQ(j.summary.at("contact").at("changes"), 0);
+  EXPECT_LT(j.summary.at("missed_contact").at("m"), -2e-3);
+  EXPECT_THAT(j.ended.out, HasSubstr("inside the body: no force"));
+  EXPECT_THAT(j.ended.out, Not(HasSubstr("PASS")));
+}
+
+// Between two passes of a slow collision process.
+TEST(Verdict, AContactThatNoPassSawIsFlagged) {
+  const Judged j =
+      judged("thesis-static.toml", {"reference=false", "frames=500", "host.graphics.rate=1 Hz",
+                                    "host.graphics.drawing_time=0 s"});
+  EXPECT_THAT(flags(j), Contains("contact-missed"));
+  EXPECT_EQ(j.summary.at("contact").at("changes"), 0);
+}
+
+TEST(Verdict, SizesAreSaidWithAContactToo) {
+  const Judged j =
+      judged("thesis-static.toml", {"reference=false", "frames=300", "object.mesh.radius=50 m"});
+  EXPECT_THAT(j.ended.out, HasSubstr("check the units"));
+}
+
 TEST(ErrorBudget, DecidesTheExitStatus) {
   const Judged free = judged("", {});
   const double p95 =
