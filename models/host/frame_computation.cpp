@@ -155,9 +155,9 @@ Eigen::Vector3d FrameComputation::force() {
 }
 
 void FrameComputation::update() {
+  predictors_hold_ = false;
   if (!newmark_ || timing_only()) return;
   newmark_->update(displacement());
-  predictors_hold_ = false;
   predict();
 }
 

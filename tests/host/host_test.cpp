@@ -336,9 +336,17 @@ TEST(FrameComputation, CountedCostsTheSameAndComputesNothing) {
     counted.accept(b);
     EXPECT_EQ(vector(counted.displacement()).norm(), 0);
     EXPECT_EQ(counted.force().norm(), 0);
-    counted.update();
+    for (FrameComputation* c : {&done, &counted}) c->update();
     EXPECT_EQ(vector(counted.external_force()).norm(), 0);
   }
+  // A frame after one with a solution, and one after a frame without.
+  std::array<double, 2> operations{};
+  for (double& n : operations) {
+    for (FrameComputation* c : {&done, &counted}) test::hold(*c, kPress, 2e-3);
+    n = done.hold_operations();
+    EXPECT_EQ(counted.hold_operations(), n);
+  }
+  EXPECT_GT(operations[1], operations[0]);
   EXPECT_EQ(counted.quantised().value, done.quantised().value);
 }
 
