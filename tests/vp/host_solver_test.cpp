@@ -51,19 +51,25 @@ TEST(HostSolver, ConjugateGradientsTakeTheirIterations) {
   options.solver.iterations = 7;
   SmallScene scene(options);
   scene.touch();
-  scene.settings.servo.frames = 20;
+  scene.settings.servo.frames = 30;
   const Simulated run(scene);
   const double n = SmallScene::kUnknowns;
   const double product = 18.0 * static_cast<double>(scene.computation.matrix().blocks());
-  const Frame& frame = run.log.frames.back();
-  ASSERT_GE(frame.contact_node, 0);
-  const int row = scene.body.active_index(frame.contact_node);
+  const int row = scene.body.active_index(SmallScene::kTopNode);
   const auto& begin = scene.computation.matrix().row_begin;
   const int blocks =
       begin[static_cast<std::size_t>(row) + 1] - begin[static_cast<std::size_t>(row)];
-  EXPECT_EQ(frame.latency(), around_the_solve() +
-                                 test::compute(product + 3 * n + 7 * (product + 10 * n + 2)) +
-                                 test::compute(18.0 * blocks + 3));
+  int touched = 0;
+  for (const Frame& frame : run.log.frames) {
+    if (frame.contact_node < 0) continue;
+    EXPECT_EQ(frame.latency(), around_the_solve() +
+                                   test::compute(test::hand_over_operations(scene, touched)) +
+                                   test::compute(product + 3 * n + 7 * (product + 10 * n + 2)) +
+                                   test::compute(18.0 * blocks + 3))
+        << "frame " << frame.number;
+    ++touched;
+  }
+  EXPECT_GT(touched, 15);
 }
 
 TEST(HostSolver, AMeasuredRateScalesTheSolveAlone) {
