@@ -16,11 +16,13 @@ from spec_host import Host, read_system
 from spec_solver import Solver
 from spec_words import Settings
 
-# Metres: about twice the largest displacement for b = 1, and a range that clamps.
+# Newtons at every unknown: with it all displacements are below the longest range, 1 km.
+LOAD = 0.125
+# Metres: about twice the largest displacement, and a range that clamps.
 RANGES = {
-    "nos4": ("5000", "1"),
-    "bcsstk01": ("0.0007", "0.00003"),
-    "bcsstk03": ("0.0001", "0.000002"),
+    "nos4": ("625", "0.125"),
+    "bcsstk01": ("0.0000875", "0.00000375"),
+    "bcsstk03": ("0.0000125", "0.00000025"),
 }
 CASES: list[dict[str, str]] = [
     {},
@@ -89,8 +91,8 @@ def main() -> int:
             lines = matrix.read_text(encoding="ascii").splitlines()
             rows = int(next(line for line in lines if not line.startswith("%")).split()[0])
             rhs = Path(scratch) / "b.mtx"
-            ones = "1\n" * rows
-            rhs.write_text(f"%%MatrixMarket matrix array real general\n{rows} 1\n{ones}")
+            loads = f"{LOAD}\n" * rows
+            rhs.write_text(f"%%MatrixMarket matrix array real general\n{rows} 1\n{loads}")
             for metres, case in product(ranges, CASES):
                 answer = solve(program, matrix, rhs, case | {"displacement_range": f"{metres} m"})
                 where = difference(matrix, rhs, answer, float(metres))
