@@ -175,9 +175,9 @@ Replay::Result Replay::attempt(const fixed::Plan& plan) const {
       rounded_run.step(frame.hold());
       of_rounded.add(computation.displacement(), rounded_run.displacement(), 0, in_contact);
     }
-    const std::optional<double> error = of_true.judged();
-    result.flags.merge(host::accuracy_flags(s.reference.value_or(host::Reference{}), error,
-                                            refined ? error : of_rounded.judged()));
+    result.flags.merge(host::accuracy_flags(s.reference.value_or(host::Reference{}),
+                                            of_true.judged(),
+                                            (refined ? of_true : of_rounded).typical()));
     // What the exact force does too is not the solver's doing; frames left out are steps of their
     // own.
     for (const stability::Flag flag : {stability::Flag::limit_cycle, stability::Flag::force_step,

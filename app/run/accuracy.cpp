@@ -87,11 +87,10 @@ results::Accuracy AccuracyTracker::accuracy() const {
 }
 
 stability::Flags AccuracyTracker::flags() const {
-  const std::optional<double> of_true = displacement_.judged();
   // Refinement and a solve in double precision lead to the true model, so that the way to it is the
-  // solver's own error.
-  stability::Flags flags = host::accuracy_flags(
-      settings_, of_true, refined_ || !has_board_ ? of_true : displacement_rounded_.judged());
+  // solver's own error. First touches, where little is displaced, are no matter of convergence.
+  const host::Deviation& own = refined_ || !has_board_ ? displacement_ : displacement_rounded_;
+  stability::Flags flags = host::accuracy_flags(settings_, displacement_.judged(), own.typical());
   if (has_board_ && !rounded_run_.positive_definite())
     flags.raise(stability::Flag::negative_curvature);
   return flags;

@@ -62,13 +62,19 @@ std::optional<Deviation::OfFrame> Deviation::of_frame() const {
   return OfFrame{shares_.count(), share(0.5), share(0.95), worst_share_, worst_share_frame_};
 }
 
-std::optional<double> Deviation::judged() const {
-  // One frame in twenty may be three times as far off.
-  constexpr double kOfTheWorst = 1.0 / 3;
+std::optional<double> Deviation::typical() const {
   const std::optional<double> mean = relative();
   const std::optional<OfFrame> own = of_frame();
   if (!own) return mean;
-  return std::max({mean.value_or(0), own->median, kOfTheWorst * own->p95});
+  return std::max(mean.value_or(0), own->median);
+}
+
+std::optional<double> Deviation::judged() const {
+  // One frame in twenty may be three times as far off.
+  constexpr double kOfTheWorst = 1.0 / 3;
+  const std::optional<OfFrame> own = of_frame();
+  if (!own) return typical();
+  return std::max(*typical(), kOfTheWorst * own->p95);
 }
 
 }  // namespace hvp::host

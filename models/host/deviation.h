@@ -39,8 +39,9 @@ class Deviation {
   std::int64_t worst_frame() const { return worst_frame_; }
 
   std::optional<OfFrame> of_frame() const;
-  // What a tolerance is held against: the largest of relative(), the median of a frame's own size,
-  // and a third of what 95 % of the frames are within. None where there is neither.
+  // The larger of relative() and the median of a frame's own size. None where there is neither.
+  std::optional<double> typical() const;
+  // What a tolerance is held against: that, or a third of what 95 % of the frames are within.
   std::optional<double> judged() const;
 
  private:
