@@ -22,6 +22,11 @@ PAGE = TOP / "docs" / "results.md"
 EXTRA = {
     "spectrum": ["spectrum=true", "solver.matrix_scaling=diagonal", "frames=2"],
     "several devices": ["accelerator.several.devices=2", "frames=2"],
+    "budgets of accuracy": [
+        "budget.displacement_error=1",
+        "budget.force_error=1",
+        "frames=2",
+    ],
 }
 BROKEN_BUDGET = 1  # the exit status of a run that did not hold a budget
 
