@@ -19,7 +19,7 @@ void force_lines(Out out, const stability::ForceQuality& force) {
                  newtons(force.step().value), percent(force.step_share()), force.step().frame);
   if (force.alternations() > 0) {
     fmt::format_to(out, "  alternations   {} within {:g} s\n", force.alternations(),
-                   stability::ForceQuality::kWindow_s);
+                   stability::ForceQuality::kWindowSeconds);
   }
   if (force.pull().frame >= 0) {
     fmt::format_to(out, "  pull           up to {} (frame {}): contact ends a pass late\n",

@@ -43,7 +43,7 @@ void AccuracyTracker::step(const fem::Hold& hold) {
 
 // The forces of a frame are wanted again when its nodes are let go.
 void AccuracyTracker::skip(const fem::Hold& hold) {
-  if (!skipped_) skipped_.emplace();
+  if (!skipped_) skipped_ = Skipped{};
   skipped_->nodes.assign(hold.nodes.begin(), hold.nodes.end());
   skipped_->displacement.assign(hold.displacement.begin(), hold.displacement.end());
   skipped_->let_go.assign(hold.let_go.begin(), hold.let_go.end());

@@ -45,9 +45,9 @@ class StrainMeter {
 
  private:
   struct Element {
-    std::array<int, 4> node;
+    std::array<int, 4> node{};
     std::array<Eigen::Vector3d, 4> gradient;  // 1/m
-    double volume;                            // m³
+    double volume = 0;                        // m³
   };
 
   double limit_;

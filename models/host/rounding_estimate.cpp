@@ -55,7 +55,7 @@ RoundingEstimate estimate_rounding(const fem::Body& body, const sparse::BlockMat
     const std::optional<double> displacement = error(words.displacement(), truth.displacement());
     if (!displacement) continue;
     ++estimate.contacts;
-    if (!estimate.error) estimate.error.emplace();
+    if (!estimate.error) estimate.error = RoundingEstimate::Error{};
     estimate.error->displacement = std::max(estimate.error->displacement, *displacement);
     if (contact.nodes.empty()) continue;
     const std::optional<double> force = error(components(words.force()), components(truth.force()));

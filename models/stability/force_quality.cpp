@@ -46,8 +46,8 @@ int ForceQuality::bin(double change) {
 }
 
 void ForceQuality::count_alternation(const FeltForce& felt, const Eigen::Vector3d& change) {
-  const bool over =
-      alternations_frames_ >= kWindowFrames && felt.time_s >= alternations_began_s_ + kWindow_s;
+  const bool over = alternations_frames_ >= kWindowFrames &&
+                    felt.time_s >= alternations_began_s_ + kWindowSeconds;
   if (over) {
     close_alternations();
     alternations_began_s_ = felt.time_s;
@@ -86,7 +86,7 @@ void ForceQuality::watch_rest(const FeltForce& felt) {
     ripple_before_.reset();
     return;
   }
-  const bool full = rest_.frames >= kWindowFrames && felt.time_s >= rest_.began_s + kRest_s;
+  const bool full = rest_.frames >= kWindowFrames && felt.time_s >= rest_.began_s + kRestSeconds;
   if (full) close_rest_window();
   if (rest_.frames == 0) rest_ = {felt.time_s, 0, felt.force, felt.force, Eigen::Vector3d::Zero()};
   ++rest_.frames;
@@ -109,7 +109,7 @@ void ForceQuality::close_rest_window() {
 
 std::optional<double> ForceQuality::ripple() const {
   ForceQuality closed = *this;
-  const bool full = rest_.frames >= kWindowFrames && last_.time_s >= rest_.began_s + kRest_s;
+  const bool full = rest_.frames >= kWindowFrames && last_.time_s >= rest_.began_s + kRestSeconds;
   if (full) closed.close_rest_window();
   if (!closed.rested_) return std::nullopt;
   return closed.ripple_.value;

@@ -37,22 +37,22 @@ struct WorstFrame {
 //
 // An alternation is a frame whose change is against that of the frame before, as that one was.
 // Alternations whose three changes exceed kRingingShare of the largest force, more than
-// kMostAlternations in a window of kWindow_s (or kWindowFrames frames, where those take longer),
-// are flagged `force-ringing`: no hand does that.
+// kMostAlternations in a window of kWindowSeconds (or kWindowFrames frames, where those take
+// longer), are flagged `force-ringing`: no hand does that.
 //
 // While the tip, as read, and the contact node rest, the force has to come to rest too. Of every
-// window of kRest_s of the rest but the first, a force that moves by more than kRipple of itself,
-// peak to peak, and by more than kSettles of what it moved in the window before, does not settle
-// and is flagged `limit-cycle`. A body of the default material swings at some 9 Hz with 3 % of
-// critical damping (docs/finite-elements.md): by itself it loses a quarter in that time.
+// window of kRestSeconds of the rest but the first, a force that moves by more than kRipple of
+// itself, peak to peak, and by more than kSettles of what it moved in the window before, does not
+// settle and is flagged `limit-cycle`. A body of the default material swings at some 9 Hz with 3 %
+// of critical damping (docs/finite-elements.md): by itself it loses a quarter in that time.
 class ForceQuality {
  public:
   static constexpr double kLargestStep = 0.10;
   static constexpr double kRingingShare = 0.02;
   static constexpr int kMostAlternations = 8;
-  static constexpr double kWindow_s = 0.1;
+  static constexpr double kWindowSeconds = 0.1;
   static constexpr int kWindowFrames = 32;
-  static constexpr double kRest_s = 0.18;
+  static constexpr double kRestSeconds = 0.18;
   static constexpr double kSettles = 0.8;
   static constexpr double kRipple = 0.015;
   // Forces below this are no force, N: a hundredth of what devices of this kind exert as friction

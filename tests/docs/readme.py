@@ -26,6 +26,7 @@ SAMPLE = re.compile(r"<!-- output of \./hvp (run [^>]*?) -->\n+```\n(.*?)\n```\n
 PASSING = "Results in "
 # Of 255 levels, on average: another driver draws edges and letters a little differently.
 DIFFERENCE = 2.0
+BYTES_A_PIXEL = 3
 
 
 @dataclass(frozen=True)
@@ -54,8 +55,8 @@ def paeth(left: int, above: int, corner: int) -> int:
 def unfiltered(kind: int, line: bytearray, above: bytes) -> bytes:
     """PNG specification, section 9."""
     for i in range(len(line)):
-        left = line[i - 3] if i >= 3 else 0
-        corner = above[i - 3] if i >= 3 else 0
+        before = i - BYTES_A_PIXEL
+        left, corner = (line[before], above[before]) if before >= 0 else (0, 0)
         estimate = (0, left, above[i], (left + above[i]) // 2, paeth(left, above[i], corner))[kind]
         line[i] = (line[i] + estimate) & 0xFF
     return bytes(line)
@@ -73,10 +74,12 @@ def read_picture(path: Path) -> Picture:
             packed += content
     data = zlib.decompress(packed)
     rows: list[bytes] = []
-    above = bytes(3 * width)
+    above = bytes(BYTES_A_PIXEL * width)
     for row in range(height):
-        at = row * (3 * width + 1)
-        above = unfiltered(data[at], bytearray(data[at + 1 : at + 1 + 3 * width]), above)
+        at = row * (BYTES_A_PIXEL * width + 1)
+        above = unfiltered(
+            data[at], bytearray(data[at + 1 : at + 1 + BYTES_A_PIXEL * width]), above
+        )
         rows.append(above)
     return Picture(width, height, rows)
 
@@ -88,7 +91,7 @@ def difference(one: Picture, other: Picture) -> float:
     for a, b in zip(one.rows, other.rows, strict=True):
         if a != b:
             total += sum(abs(x - y) for x, y in zip(a, b, strict=True))
-    return total / (3 * one.width * one.height)
+    return total / (BYTES_A_PIXEL * one.width * one.height)
 
 
 def unlike(sample: list[str], printed: list[str]) -> str | None:

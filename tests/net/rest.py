@@ -50,7 +50,8 @@ def another_rate(rng: random.Random, scenario: Scenario, _: Run) -> Scenario:
     return changed
 
 
-REST_REL = 1e-6  # sums in another order
+# A grip keeps the sideways distance of the moment in which contact was found, and that moves.
+REST_REL = 1e-3
 
 
 def same_at_rest(before: Run, after: Run) -> Iterator[str]:

@@ -117,6 +117,16 @@ TEST(Variant, AKeyOfAnotherKindIsRefusedWhateverItsValue) {
             "--set screws=2: belongs to shape = \"box\" only, found \"ball\"");
 }
 
+// A what-if of another kind, of a resolved scenario too: what the file says of its kind goes with it.
+TEST(Variant, AnOverrideOfTheKindLeavesTheFilesKeysBehind) {
+  const Package box = read_package("shape = \"ball\"\nradius = \"7 mm\"", {"shape=box"});
+  EXPECT_EQ(box.shape, Package::Shape::box);
+  EXPECT_EQ(box.radius, Package{}.radius);
+  // Not what is set beside it.
+  EXPECT_EQ(error_of("shape = \"ball\"", {"shape=box", "radius=7 mm"}),
+            "--set radius=7 mm: belongs to shape = \"ball\" or \"tube\" only, found \"box\"");
+}
+
 TEST(Variant, WhatBelongsIsRead) {
   EXPECT_EQ(read_package("shape = \"tube\"\nradius = \"7 mm\"\nlength = \"1 m\"").radius, 7e-3);
   EXPECT_EQ(read_package("radius = \"7 mm\"").radius, 7e-3);
