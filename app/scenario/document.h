@@ -16,8 +16,9 @@ namespace hvp::scenario {
 // An override is KEY=VALUE: a dotted key (items of a list as key[0].name, from 0; the index one
 // past the last appends) and a TOML value; what is not one ("2 ms", a bare word) is taken as
 // text. It replaces what the file has there, whole tables too, and makes the tables on its way.
-// `effect=false` takes an effect out and `effect=true` puts it in with its defaults. One that chooses
-// another kind (mesh.shape, coefficient_format) leaves the file's keys of its own kind behind.
+// `effect=false` takes an effect out and `effect=true` puts it in with its defaults. One that
+// chooses another kind (mesh.shape, coefficient_format) leaves the file's keys of its own kind
+// behind.
 class Document {
  public:
   // Reads a regular file of at most 1 MiB. Throws SourceError: no such file, a folder or a device,

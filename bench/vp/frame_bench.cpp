@@ -25,6 +25,7 @@
 #include "bench/vp/thesis_scene.h"
 #include "models/fixed/fast/fast_solver.h"
 #include "models/fixed/kernel.h"
+#include "models/host/deviation.h"
 #include "models/host/reference_run.h"
 #include "vp/latency_statistics.h"
 #include "vp/platform.h"

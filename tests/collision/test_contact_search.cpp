@@ -293,7 +293,8 @@ TEST(ContactSearch, GoesThroughAPressASlideAndARelease) {
 TEST(ContactSearch, NeverTouchesAnAnchoredNode) {
   Block block;
   // The touched corner of the top is held: then the next free corner of the triangle takes the
-  // contact. Where all are held nothing does: a free node from elsewhere would be dragged to the tip.
+  // contact. Where all are held nothing does: a free node from elsewhere would be dragged to the
+  // tip.
   const Vector3d tip(0.021, 0.0302, kTop - 1e-4);
   const int nearest = block.node_at({0.02, 0.03, kTop});
   block.anchored.push_back(nearest);

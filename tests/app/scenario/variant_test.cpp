@@ -117,7 +117,8 @@ TEST(Variant, AKeyOfAnotherKindIsRefusedWhateverItsValue) {
             "--set screws=2: belongs to shape = \"box\" only, found \"ball\"");
 }
 
-// A what-if of another kind, of a resolved scenario too: what the file says of its kind goes with it.
+// A what-if of another kind, of a resolved scenario too: what the file says of its kind goes with
+// it.
 TEST(Variant, AnOverrideOfTheKindLeavesTheFilesKeysBehind) {
   const Package box = read_package("shape = \"ball\"\nradius = \"7 mm\"", {"shape=box"});
   EXPECT_EQ(box.shape, Package::Shape::box);
