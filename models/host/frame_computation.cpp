@@ -149,7 +149,7 @@ void FrameComputation::accept(std::span<const std::int32_t> words) {
 
 Eigen::Vector3d FrameComputation::force() {
   if (timing_only()) return Eigen::Vector3d::Zero();
-  const Eigen::Vector3d fading = forces_.sum(let_go_);
+  Eigen::Vector3d fading = forces_.sum(let_go_);
   if (contact_.empty()) return fading;
   return constraint_.reaction(displacement(), f_, contact_, forces_) + fading;
 }
