@@ -165,10 +165,11 @@ void complete(const Scene& scene, const Measured& measured, const Rebuild& rebui
   remedy.fits = candidate.scene() != nullptr && (!scene.has_board() || candidate.works());
   if (!remedy.fits) remedy.shortage = candidate.reason();
   if (candidate.scene() == nullptr) return;
-  const std::int64_t more =
-      frame_ps(frame_steps(*candidate.scene())) - frame_ps(frame_steps(scene));
+  const std::vector<FrameStep> now = frame_steps(scene);
+  const std::vector<FrameStep> then = frame_steps(*candidate.scene());
   remedy.before = {measured.latency_ps, measured.load_ps};
-  remedy.after = {measured.latency_ps + more, measured.load_ps + more};
+  remedy.after = {measured.latency_ps + latency_ps(then) - latency_ps(now),
+                  measured.load_ps + frame_ps(then) - frame_ps(now)};
   const auto within = [](std::int64_t time, std::int64_t limit) {
     return static_cast<double>(time) <= kReserve * static_cast<double>(limit);
   };

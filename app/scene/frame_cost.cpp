@@ -69,6 +69,10 @@ std::vector<FrameStep> frame_steps(const Scene& scene, int nodes, std::int64_t s
   const auto compute = [&](const char* what, double operations, int times = 1) {
     steps.push_back({what, host_takes_time ? s.host.compute_ps(operations * grown) : 0, times});
   };
+  const auto compute_after_force = [&](const char* what, double operations) {
+    compute(what, operations);
+    steps.back().after_force = true;
+  };
   if (c.on_host() != nullptr) {
     steps.push_back({fmt::format("solve on the host ({})", host::name(s.host.solver)),
                      host_takes_time ? s.host.compute_ps(host_solve_operations(scene) /
@@ -76,7 +80,7 @@ std::vector<FrameStep> frame_steps(const Scene& scene, int nodes, std::int64_t s
                                      : 0,
                      1});
     compute("force (without contact)", c.force_operations());
-    compute("update after the force", c.update_operations());
+    compute_after_force("update after the force", c.update_operations());
     return steps;
   }
   const host::RefinedSolve* refined = c.refined();
@@ -92,10 +96,18 @@ std::vector<FrameStep> frame_steps(const Scene& scene, int nodes, std::int64_t s
   steps.push_back({"send b", bus_takes_time ? moved.send_ps : 0, passes});
   steps.push_back({"solve", solve_ps, passes});
   steps.push_back({"receive U", bus_takes_time ? moved.receive_ps : 0, passes});
+  if (refined != nullptr) compute("last increment", refined->accept_operations());
   compute("force (without contact)", c.force_operations());
-  if (refined != nullptr) compute("residual after the force", refined->finish_operations());
-  compute("update after the force", c.update_operations());
+  if (refined != nullptr)
+    compute_after_force("residual after the force", refined->finish_operations());
+  compute_after_force("update after the force", c.update_operations());
   return steps;
+}
+
+std::int64_t latency_ps(const std::vector<FrameStep>& steps) {
+  std::int64_t sum = 0;
+  for (const FrameStep& step : steps) sum += step.after_force ? 0 : step.times * step.ps;
+  return sum;
 }
 
 std::int64_t frame_ps(const std::vector<FrameStep>& steps) {

@@ -10,8 +10,9 @@ namespace hvp::app {
 
 struct FrameStep {
   std::string what;
-  std::int64_t ps = 0;  // each time
-  int times = 1;        // a frame: passes of refinement repeat some
+  std::int64_t ps = 0;       // each time
+  int times = 1;             // a frame: passes of refinement repeat some
+  bool after_force = false;  // of the load, and not of the latency
 };
 
 // What a frame's large steps cost without contact, in order, by the annotated costs of host and
@@ -22,7 +23,8 @@ std::vector<FrameStep> frame_steps(const Scene& scene);
 // operations and the bytes on the bus grow with the nodes.
 std::vector<FrameStep> frame_steps(const Scene& scene, int nodes, std::int64_t solve_ps);
 
-// All of them, one after the other.
+// All of them, one after the other, and those that the force waits for.
 std::int64_t frame_ps(const std::vector<FrameStep>& steps);
+std::int64_t latency_ps(const std::vector<FrameStep>& steps);
 
 }  // namespace hvp::app

@@ -130,12 +130,12 @@ INSTANTIATE_TEST_SUITE_P(
       return name;
     });
 
-// What it says of time is what the run then takes.
+// What it says of time is what the run then takes, to a hundredth: accesses and interrupts of
+// further passes are not among a frame's large steps.
 TEST(RemedyCosts, AreThoseOfItsRun) {
   const ScratchDirectory place;
-  const auto run = [&](std::vector<std::string> changes) {
-    std::vector<std::string> arguments = {"run",   scenario("thesis-static.toml").string(),
-                                          "--out", "out",
+  const auto run = [&](const char* name, std::vector<std::string> changes) {
+    std::vector<std::string> arguments = {"run",   scenario(name).string(), "--out", "out",
                                           "--set", "output.pictures=false"};
     for (std::string& change : changes) {
       arguments.emplace_back("--set");
@@ -144,14 +144,18 @@ TEST(RemedyCosts, AreThoseOfItsRun) {
     hvp(place.path(), arguments);
     return json::parse(read(place.path() / "out/summary.json"));
   };
-  const json before = run({});
-  const json remedy = before.at("remedy");
-  const json after = run({"solver.matrix_scaling=diagonal"});
-  EXPECT_NEAR(remedy.at("latency_us"), after.at("deadline").at("worst_us"), 0.5);
-  EXPECT_NEAR(remedy.at("load_us"), after.at("load").at("worst_us"), 0.5);
-  EXPECT_TRUE(remedy.at("in_time"));
+  for (const char* name : {"thesis-static.toml", "thesis.toml"}) {
+    SCOPED_TRACE(name);
+    const json remedy = run(name, {}).at("remedy");
+    const json after = run(name, remedy.at("set").get<std::vector<std::string>>());
+    const double latency = after.at("deadline").at("worst_us");
+    const double load = after.at("load").at("worst_us");
+    EXPECT_NEAR(remedy.at("latency_us"), latency, 0.01 * latency);
+    EXPECT_NEAR(remedy.at("load_us"), load, 0.01 * load);
+    EXPECT_TRUE(remedy.at("in_time"));
+  }
   // With a period that it does not fit into it says so.
-  const json tight = run({"budget.period=770 us"});
+  const json tight = run("thesis-static.toml", {"budget.period=770 us"});
   EXPECT_FALSE(tight.at("remedy").at("in_time"));
 }
 
