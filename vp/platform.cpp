@@ -5,6 +5,7 @@
 #include "models/config/input_error.h"
 #include "vp/host/board_solver.h"
 #include "vp/host/local_time.h"
+#include "vp/main_stack.h"
 
 namespace hvp::vp {
 
@@ -183,6 +184,7 @@ Platform::~Platform() = default;
 void Platform::run() {
   LocalTime::set_quantum(std::llround(settings_.servo.costs.quantum_s * 1e12));
   sc_core::sc_start();
+  return_to_main_stack();
   if (servo_.failure()) std::rethrow_exception(servo_.failure());
 }
 

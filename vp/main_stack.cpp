@@ -1,0 +1,32 @@
+#include "vp/main_stack.h"
+
+#ifdef __SANITIZE_ADDRESS__
+
+#include <cstddef>
+
+#include <pthread.h>
+#include <sanitizer/common_interface_defs.h>
+
+namespace hvp::vp {
+
+void return_to_main_stack() {
+  pthread_attr_t attributes;
+  if (pthread_getattr_np(pthread_self(), &attributes) != 0) return;
+  void* bottom = nullptr;
+  std::size_t size = 0;
+  pthread_attr_getstack(&attributes, &bottom, &size);
+  pthread_attr_destroy(&attributes);
+  void* fake_stack = nullptr;
+  __sanitizer_start_switch_fiber(&fake_stack, bottom, size);
+  __sanitizer_finish_switch_fiber(fake_stack, nullptr, nullptr);
+}
+
+}  // namespace hvp::vp
+
+#else
+
+namespace hvp::vp {
+void return_to_main_stack() {}
+}  // namespace hvp::vp
+
+#endif
