@@ -62,11 +62,9 @@ int solve_command(const SolveArguments& arguments);
 // Prints docs/scenario-reference.md.
 int reference_command();
 
-// A scenario's text, and the scenario itself with file paths that can be opened.
 struct LoadedScenario {
   scenario::Document document;
-  Scenario scenario;  // as written
-  Scenario openable;  // with `surface` resolved
+  Scenario scenario;
   accel::Device device;
   std::filesystem::path device_file;  // that can be opened; empty for a built-in device
 };

@@ -1,4 +1,3 @@
-#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -9,9 +8,9 @@
 #include "app/results/number_text.h"
 #include "app/results/several_text.h"
 #include "app/results/spectrum_text.h"
-#include "app/results/summary.h"
 #include "app/scenario/message.h"
 #include "app/scene/frame_cost.h"
+#include "models/config/effects.h"
 
 namespace hvp::app {
 
@@ -19,25 +18,6 @@ namespace {
 
 void fidelity_line(const char* part, const char* level, const std::string& what) {
   print("  {:<12} {:<14} {}\n", part, level, what);
-}
-
-std::string fault_cost(const std::vector<vp::Fault>& faults) {
-  std::string kinds;
-  for (const vp::Fault& fault : faults) {
-    kinds += kinds.empty() ? "" : ", ";
-    kinds += vp::name(fault.kind);
-  }
-  return "two modules between bus, board and host: " +
-         (kinds.empty() ? std::string("what goes wrong") : kinds);
-}
-
-void effect_line(const char* table, bool present, const char* cost) {
-  print("  {:<31} {:<8} {}\n", table, present ? "built" : "absent", cost);
-}
-
-template <class Distribution>
-std::string delay_cost(const std::optional<Distribution>& delay, const char* where) {
-  return delay ? fmt::format("{}, {}", where, random::name(delay->kind)) : where;
 }
 
 // What is listed below with the constants that these stand for.
@@ -122,58 +102,9 @@ int explain_command(const ScenarioArguments& arguments) {
     fidelity_line("numbers", "double", "of the host");
   }
   print("\nEffects\n");
-  effect_line("dynamics", s.dynamics.has_value(),
-              "inertia and damping: Newmark's update on the host after the force");
-  const std::string passes =
-      s.refinement ? fmt::format(
-                         "{} solves a frame, each for what the last left, and a product "
-                         "with the matrix on the host for each",
-                         s.refinement->passes)
-                   : "a solve a pass, and a product with the matrix on the host for each";
-  effect_line("refinement", s.refinement.has_value(), passes.c_str());
-  effect_line("host.jitter", s.host.jitter.has_value(),
-              delay_cost(s.host.jitter, "before each frame: the timer is late").c_str());
-  effect_line(
-      "host.wake_up", s.host.wake_up.has_value(),
-      delay_cost(s.host.wake_up, "after each tick and interrupt: until the process runs").c_str());
-  effect_line("host.interrupt_latencies", s.host.interrupt_latencies.has_value(),
-              delay_cost(s.host.interrupt_latencies,
-                         "in the place of host.interrupt_latency, at each interrupt")
-                  .c_str());
-  effect_line("device.encoder", s.device.encoder.has_value(),
-              "no cost: the position is rounded where it is latched");
-  effect_line("loads.gravity", s.loads.gravity.has_value(), "no cost: part of f");
-  effect_line("bus.protocol", s.bus.protocol.has_value(),
-              "latency timer, wait states and delayed reads between the bus' masters");
-  effect_line("bus.traffic", s.bus.traffic.has_value(),
-              "a process that takes the bus for a block a period");
-  effect_line("bus.graphics_traffic", s.bus.graphics_traffic.has_value(),
-              "a process that takes the bus for a picture's data a drawing pass");
-  effect_line("bus.pcie", s.bus.pcie.has_value(),
-              "the solver board on a link of its own: four processes of the link");
-  const std::optional<link::RootComplexLatencies> root_complex =
-      s.bus.pcie ? s.bus.pcie->root_complex_latencies : std::nullopt;
-  effect_line("bus.pcie.root_complex_latencies", root_complex.has_value(),
-              delay_cost(root_complex,
-                         "in the place of root_complex_latency, at each read request of the board")
-                  .c_str());
-  effect_line("bus.read_latencies", s.bus.read_latencies.has_value(),
-              delay_cost(s.bus.read_latencies,
-                         "in the place of bus.read_latency, at each read by the processor")
-                  .c_str());
-  effect_line("bus.posted_writes", s.bus.posted_writes.has_value(),
-              "the processor goes on while the bridge writes: two processes of the bus");
-  effect_line("transfer.dma", s.transfer.master().dma.has_value(),
-              "a process of the board that is master of the bus; simulated time of its requests");
-  effect_line("reference", s.reference.has_value(),
-              "no simulated time; two double-precision solves beside the board's");
-  effect_line("spectrum", s.spectrum.has_value(),
-              "no simulated time; about six factorisations before the run");
-  effect_line("accelerator.several", s.accelerator.several.has_value(),
-              "simulated time of the links; the words are those of one device");
-  effect_line("fault", !s.faults.empty(), fault_cost(s.faults).c_str());
-  effect_line("output.waveform", s.output.waveform.has_value(),
-              "no simulated time; a value change file of every clock of some frames");
+  for (const config::Effect& effect : config::survey_effects(s).effects()) {
+    print("  {:<31} {:<8} {}\n", effect.path, effect.present ? "built" : "absent", effect.cost);
+  }
   point_loads(scene);
   if (scene.spectrum()) {
     print("\nSpectrum of the system without contact\n{}",

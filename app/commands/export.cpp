@@ -35,7 +35,7 @@ int export_command(const ExportArguments& arguments) {
   std::unique_ptr<fem::Body> body;
   std::optional<host::FrameComputation> step;
   try {
-    body = make_body(loaded.openable, progress);
+    body = make_body(loaded.scenario, progress);
     if (scenario.dynamics) {
       step.emplace(*body, scenario.contact.diagonal, scenario.dynamics, scenario.solver,
                    scenario.budget.period_s);

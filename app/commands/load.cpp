@@ -72,11 +72,10 @@ std::filesystem::path results_folder(const ScenarioArguments& arguments) {
 
 LoadedScenario load(const ScenarioArguments& arguments) {
   LoadedScenario loaded{
-      scenario::Document::load(arguments.scenario, arguments.overrides), {}, {}, {}, {}};
+      scenario::Document::load(arguments.scenario, arguments.overrides), {}, {}, {}};
   scenario::read(loaded.document, loaded.scenario);
   loaded.scenario.title = title_of(loaded.scenario.title, arguments.overrides);
-  loaded.openable = loaded.scenario;
-  scenario::resolve_files(loaded.document, loaded.openable);
+  scenario::resolve_files(loaded.document, loaded.scenario);
   const accel::Architecture& accelerator = loaded.scenario.accelerator;
   loaded.device = devices::find(loaded.document, accelerator);
   loaded.device_file = devices::openable(loaded.document, accelerator.device);
@@ -85,7 +84,7 @@ LoadedScenario load(const ScenarioArguments& arguments) {
 
 Scene build_scene(const LoadedScenario& loaded, const Progress& progress, Scene::Limits limits) {
   try {
-    return {loaded.openable, loaded.scenario, loaded.device, progress, limits};
+    return {loaded.scenario, loaded.device, progress, limits};
   } catch (const InputError& e) {
     throw loaded.document.complete(e);
   }

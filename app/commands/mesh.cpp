@@ -43,7 +43,7 @@ mesh::MeshSettings settings_of(const MeshArguments& a) {
     if (!a.size.empty() && !sphere) s.size.setConstant(length("--size", a.size, mesh::kBodyLength));
   } else {
     s.shape = mesh::MeshSettings::Shape::surface;
-    s.surface = a.surface;
+    s.surface = config::File(a.surface);
     if (!a.size.empty()) throw InputError("--size belongs to sphere and box only");
     if (!a.unit.empty()) s.surface_unit = length("--unit", a.unit, mesh::kUnitLength);
   }

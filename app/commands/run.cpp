@@ -54,8 +54,7 @@ int run_command(const RunArguments& arguments) {
       changed.overrides.insert(changed.overrides.end(), overrides.begin(), overrides.end());
       return std::make_unique<Scene>(build_scene(load(changed), {}, Scene::Limits::reported));
     };
-    outcome = run(scene, {out, loaded.openable.object.mesh.surface, loaded.device_file,
-                          arguments.trace_registers, progress, rebuild});
+    outcome = run(scene, {out, loaded.device_file, arguments.trace_registers, progress, rebuild});
   } catch (const InputError& e) {
     throw loaded.document.complete(e);
   } catch (const Interrupted& e) {

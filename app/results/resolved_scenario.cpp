@@ -46,7 +46,7 @@ void remove_other_surfaces(const fs::path& directory, const std::string& kept) {
 }  // namespace
 
 void write_resolved_scenario(const fs::path& directory, const app::Scenario& scenario,
-                             const fs::path& surface, const fs::path& device) {
+                             const fs::path& device) {
   app::Scenario resolved = scenario;
   const std::string device_name = std::string(kStem) + ".device.toml";
   if (!device.empty()) {
@@ -56,14 +56,16 @@ void write_resolved_scenario(const fs::path& directory, const app::Scenario& sce
     std::error_code ignored;
     fs::remove(directory / device_name, ignored);  // of an earlier run
   }
+  config::File& surface = resolved.object.mesh.surface;
   if (!surface.empty()) {
-    std::string extension = surface.extension().string();
+    const fs::path from = surface.path;
+    std::string extension = from.extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    resolved.object.mesh.surface = kStem + extension;
-    copy_through_part_file(surface, directory / resolved.object.mesh.surface);
+    surface = config::File(kStem + extension);
+    copy_through_part_file(from, directory / surface.written);
   }
-  remove_other_surfaces(directory, resolved.object.mesh.surface);
+  remove_other_surfaces(directory, surface.written);
   write_through_part_file(directory / (std::string(kStem) + ".toml"), scenario::resolved(resolved));
 }
 

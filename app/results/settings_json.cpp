@@ -40,8 +40,8 @@ void SettingsJson::text(std::string_view name, std::string& value, config::Note)
   put(name) = value;
 }
 
-void SettingsJson::file(std::string_view name, std::string& path, config::Note) {
-  put(name) = path;
+void SettingsJson::file(std::string_view name, config::File& file, config::Note) {
+  put(name) = file.written;
 }
 
 void SettingsJson::choice_index(std::string_view name, std::size_t& index,
@@ -54,7 +54,7 @@ void SettingsJson::begin_table(std::string_view name, config::Note) {
   stack_.push_back(&table);
 }
 
-bool SettingsJson::begin_effect(std::string_view name, bool& present, config::Note) {
+bool SettingsJson::begin_effect(std::string_view name, bool& present, const config::EffectNote&) {
   ordered_json& table = put(name);
   if (!present) return false;
   table = ordered_json::object();

@@ -242,7 +242,7 @@ stability::Flags rounding_flags(const Scene& scene, const host::RoundingEstimate
 results::Outcome simulate(Scene& scene, const RunOptions& options) {
   const Scenario& s = scene.scenario();
   const std::filesystem::path& directory = options.directory;
-  results::write_resolved_scenario(directory, s, options.surface, options.device);
+  results::write_resolved_scenario(directory, s, options.device);
 
   std::optional<results::RegisterLog> registers;
   if (options.trace_registers) registers.emplace(directory / "registers.log");

@@ -17,7 +17,6 @@ class Interrupted : public std::runtime_error {
 
 struct RunOptions {
   std::filesystem::path directory;  // is there and may be written into
-  std::filesystem::path surface;    // the body's surface file; empty without one
   std::filesystem::path device;     // the device's file; empty for a built-in one
   bool trace_registers = false;
   Progress progress;

@@ -19,12 +19,12 @@ std::filesystem::path openable_file(const Document& document, std::string_view k
   return resolved;
 }
 
-void FileResolver::file(std::string_view name, std::string& path, config::Note) {
-  if (path.empty()) return;
-  path = openable_file(document_, joined(path_.back(), key_text(name)), path).string();
+void FileResolver::file(std::string_view name, config::File& file, config::Note) {
+  if (file.empty()) return;
+  file.path = openable_file(document_, joined(path_.back(), key_text(name)), file.written).string();
 }
 
-bool FileResolver::begin_effect(std::string_view name, bool& present, config::Note) {
+bool FileResolver::begin_effect(std::string_view name, bool& present, const config::EffectNote&) {
   if (present) enter(name);
   return present;
 }

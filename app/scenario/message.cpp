@@ -100,13 +100,4 @@ std::string joined(std::string_view table, std::string_view key) {
   return fmt::format("{}.{}", table, key);
 }
 
-std::string alternatives(const std::vector<std::string>& items) {
-  std::string result;
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    if (i > 0) result += i + 1 == items.size() ? " or " : ", ";
-    result += items[i];
-  }
-  return result;
-}
-
 }  // namespace hvp::scenario

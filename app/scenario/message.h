@@ -4,6 +4,8 @@
 #include <string_view>
 #include <vector>
 
+#include "models/config/effects.h"
+
 namespace hvp::scenario {
 
 // The text with every character escaped that a terminal would obey instead of showing it: control
@@ -24,7 +26,6 @@ std::string key_text(std::string_view key);
 // `table` + "." + `key`, or `key` alone in the root.
 std::string joined(std::string_view table, std::string_view key);
 
-// "a", "a or b", "a, b or c".
-std::string alternatives(const std::vector<std::string>& items);
+using config::alternatives;
 
 }  // namespace hvp::scenario

@@ -77,8 +77,8 @@ void Describer::text(std::string_view name, std::string& value, Note note) {
   add(name, "text", "", toml_string(value), note);
 }
 
-void Describer::file(std::string_view name, std::string& path, Note note) {
-  add(name, "file", "", path.empty() ? "" : toml_string(path), note);
+void Describer::file(std::string_view name, config::File& file, Note note) {
+  add(name, "file", "", file.empty() ? "" : toml_string(file.written), note);
 }
 
 void Describer::choice_index(std::string_view name, std::size_t& index,
@@ -95,9 +95,22 @@ void Describer::begin_table(std::string_view name, Note note) {
 
 void Describer::end_table() { close(); }
 
-bool Describer::begin_effect(std::string_view name, bool& /*present*/, Note note) {
-  open(OutlineTable::Kind::effect, name, note);
+bool Describer::begin_effect(std::string_view name, bool& /*present*/,
+                             const config::EffectNote& note) {
+  open(OutlineTable::Kind::effect, name, {.help = note.help});
+  table().cost = note.cost;
+  table().needs = note.needs;
   return true;
+}
+
+void Describer::list_is_effect(std::string_view name, bool /*present*/,
+                               const config::EffectNote& note) {
+  const std::string path = joined(table().path, name);
+  for (OutlineTable& listed : outline_) {
+    if (listed.path != path) continue;
+    listed.cost = note.cost;
+    listed.needs = note.needs;
+  }
 }
 
 void Describer::end_effect() { close(); }

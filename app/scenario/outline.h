@@ -29,6 +29,8 @@ struct OutlineTable {
   std::string source;
   bool required = false;
   std::string condition = {};
+  std::string cost = {};                 // of an effect
+  std::vector<config::Need> needs = {};  // likewise
   std::vector<OutlineRow> rows = {};
 };
 
@@ -49,19 +51,20 @@ class Describer : public config::Visitor {
                config::Note note) override;
   void boolean(std::string_view name, bool& value, config::Note note) override;
   void text(std::string_view name, std::string& value, config::Note note) override;
-  void file(std::string_view name, std::string& path, config::Note note) override;
+  void file(std::string_view name, config::File& file, config::Note note) override;
   void choice_index(std::string_view name, std::size_t& index,
                     const std::vector<std::string_view>& names, config::Note note) override;
 
  protected:
   void begin_table(std::string_view name, config::Note note) override;
   void end_table() override;
-  bool begin_effect(std::string_view name, bool& present, config::Note note) override;
+  bool begin_effect(std::string_view name, bool& present, const config::EffectNote& note) override;
   void end_effect() override;
   bool begin_list(std::string_view name, std::size_t& count, config::Note note) override;
   void begin_item(std::size_t /*index*/) override {}
   void end_item() override {}
   void end_list() override;
+  void list_is_effect(std::string_view name, bool present, const config::EffectNote& note) override;
   bool begin_condition(const config::Condition& condition) override;
   void end_condition() override { stack_.back().conditions.pop_back(); }
   bool describes_only() const override { return true; }

@@ -229,7 +229,7 @@ void Reader::text(std::string_view name, std::string& value, Note note) {
   }
 }
 
-void Reader::file(std::string_view name, std::string& path, Note note) {
+void Reader::file(std::string_view name, config::File& file, Note note) {
   const Node* node = take(name, note);
   if (node == nullptr) return;
   std::string found;
@@ -238,7 +238,7 @@ void Reader::file(std::string_view name, std::string& path, Note note) {
     wrong(*node, key_of(name), fmt::format("expected a file name, found {}", in_quotes(found)));
     return;
   }
-  path = found;
+  file = config::File(found);
 }
 
 void Reader::choice_index(std::string_view name, std::size_t& index,
@@ -287,7 +287,7 @@ void Reader::begin_table(std::string_view name, Note note) {
          parent.given || unmet_condition() != nullptr});
 }
 
-bool Reader::begin_effect(std::string_view name, bool& present, Note note) {
+bool Reader::begin_effect(std::string_view name, bool& present, const config::EffectNote& note) {
   const Node* node = find(name);
   const bool switched =
       node != nullptr && node->kind == Node::Kind::boolean && !node->origin.in_file();
@@ -296,7 +296,7 @@ bool Reader::begin_effect(std::string_view name, bool& present, Note note) {
     present = false;
     return false;
   }
-  node = take(name, note);
+  node = take(name, {.help = note.help});
   const Level& parent = levels_.back();
   present = node != nullptr;
   if (node == nullptr) return false;

@@ -36,14 +36,14 @@ class Reader : public config::Visitor {
                config::Note note) override;
   void boolean(std::string_view name, bool& value, config::Note note) override;
   void text(std::string_view name, std::string& value, config::Note note) override;
-  void file(std::string_view name, std::string& path, config::Note note) override;
+  void file(std::string_view name, config::File& file, config::Note note) override;
   void choice_index(std::string_view name, std::size_t& index,
                     const std::vector<std::string_view>& names, config::Note note) override;
 
  protected:
   void begin_table(std::string_view name, config::Note note) override;
   void end_table() override { leave(); }
-  bool begin_effect(std::string_view name, bool& present, config::Note note) override;
+  bool begin_effect(std::string_view name, bool& present, const config::EffectNote& note) override;
   void end_effect() override { leave(); }
   bool begin_list(std::string_view name, std::size_t& count, config::Note note) override;
   void begin_item(std::size_t index) override;

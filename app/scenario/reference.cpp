@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "app/scenario/message.h"
 #include "app/scenario/quantity.h"
 #include "app/scenario/unit_table.h"
 
@@ -40,6 +41,15 @@ std::string sentence(const OutlineTable& table) {
   text += only_with(table.condition);
   text += cell(table.help);
   if (!table.source.empty()) text += fmt::format(" ({})", cell(table.source));
+  if (!table.cost.empty()) text += fmt::format("\n\nAdds: {}.", cell(table.cost));
+  if (!table.needs.empty()) {
+    std::vector<std::string> needs;
+    for (const config::Need& need : table.needs) {
+      needs.push_back(fmt::format("`{}` = {}", need.key,
+                                  alternatives({need.values.begin(), need.values.end()})));
+    }
+    text += fmt::format("\n\nNeeds: {}.", fmt::join(needs, "; "));
+  }
   return text;
 }
 

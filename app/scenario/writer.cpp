@@ -60,7 +60,9 @@ void Writer::text(std::string_view name, std::string& value, Note) {
   line(name, toml_string(value));
 }
 
-void Writer::file(std::string_view name, std::string& path, Note) { line(name, toml_string(path)); }
+void Writer::file(std::string_view name, config::File& file, Note) {
+  line(name, toml_string(file.written));
+}
 
 void Writer::choice_index(std::string_view name, std::size_t& index,
                           const std::vector<std::string_view>& names, Note) {
@@ -74,7 +76,7 @@ void Writer::begin_table(std::string_view name, Note) {
 
 void Writer::end_table() { stack_.pop_back(); }
 
-bool Writer::begin_effect(std::string_view name, bool& present, Note) {
+bool Writer::begin_effect(std::string_view name, bool& present, const config::EffectNote&) {
   const std::string path = joined(stack_.back()->path, key_text(name));
   if (present) {
     stack_.push_back(&open(path, "[" + path + "]"));

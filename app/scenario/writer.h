@@ -25,14 +25,14 @@ class Writer : public config::Visitor {
                config::Note) override;
   void boolean(std::string_view name, bool& value, config::Note) override;
   void text(std::string_view name, std::string& value, config::Note) override;
-  void file(std::string_view name, std::string& path, config::Note) override;
+  void file(std::string_view name, config::File& file, config::Note) override;
   void choice_index(std::string_view name, std::size_t& index,
                     const std::vector<std::string_view>& names, config::Note) override;
 
  protected:
   void begin_table(std::string_view name, config::Note) override;
   void end_table() override;
-  bool begin_effect(std::string_view name, bool& present, config::Note) override;
+  bool begin_effect(std::string_view name, bool& present, const config::EffectNote&) override;
   void end_effect() override;
   bool begin_list(std::string_view name, std::size_t& count, config::Note) override;
   void begin_item(std::size_t index) override;

@@ -3,7 +3,9 @@
 #include <cmath>
 #include <limits>
 
+#include "models/config/effects.h"
 #include "models/config/input_error.h"
+#include "models/config/needs.h"
 
 namespace hvp::app {
 
@@ -50,7 +52,9 @@ void Contact::declare(config::Visitor& v) {
 
 void Device::declare(config::Visitor& v) {
   v.table("daq", daq, {"the data acquisition board"});
-  v.effect("encoder", encoder, {"the position is read in steps"});
+  v.effect(
+      "encoder", encoder,
+      {"the position is read in steps", "no cost: the position is rounded where it is latched"});
 }
 
 void Output::declare(config::Visitor& v) {
@@ -68,8 +72,12 @@ void Output::declare(config::Visitor& v) {
             {"of a run with flags, try what would take them away: some seconds of processor time",
              "a run that is looked at"});
   v.effect("waveform", waveform,
-           {"engine.vcd, for GTKWave: what the engine does at every clock of some frames; "
-            "fidelity.accelerator = \"cycle-accurate\" only"});
+           {"engine.vcd, for GTKWave: what the engine does at every clock of some frames",
+            "no simulated time; a value change file of every clock of some frames",
+            {config::need_board(),
+             {"fidelity.accelerator",
+              {"cycle-accurate"},
+              "only a cycle-accurate accelerator has clocks to show"}}});
 }
 
 void Waveform::declare(config::Visitor& v) {
@@ -78,6 +86,19 @@ void Waveform::declare(config::Visitor& v) {
   v.integer("frames", frames, {1, 100'000'000},
             {"how many frames are shown", "a solve of 500 nodes is about 260 bytes a clock"});
 }
+
+namespace {
+
+std::string kinds_of(const std::vector<vp::Fault>& faults) {
+  std::string kinds;
+  for (const vp::Fault& fault : faults) {
+    kinds += kinds.empty() ? "" : ", ";
+    kinds += vp::name(fault.kind);
+  }
+  return kinds.empty() ? "what goes wrong" : kinds;
+}
+
+}  // namespace
 
 void Scenario::declare(config::Visitor& v) {
   v.text("title", title, {"one line for the report"});
@@ -88,12 +109,21 @@ void Scenario::declare(config::Visitor& v) {
   v.table("budget", budget, {"what has to hold"});
   v.table("object", object, {"the soft body"});
   v.table("loads", loads, {"what acts on the body besides the user"});
-  v.effect("dynamics", dynamics, {"inertia and damping; without it the body is static"});
+  v.effect("dynamics", dynamics,
+           {"inertia and damping; without it the body is static",
+            "inertia and damping: Newmark's update on the host after the force"});
   v.table("contact", contact, {"how the probe takes hold of the body"});
   v.table("solver", solver, {"method and words of the fixed-point solver"});
   v.effect("refinement", refinement,
            {"the host forms the residual in double precision and the board solves for the "
-            "increment, in several passes a frame"});
+            "increment, in several passes a frame",
+            (refinement ? std::to_string(refinement->passes) +
+                              " solves a frame, each for what the last left, and a product"
+                        : std::string("a solve a pass, and a product")) +
+                " with the matrix on the host for each",
+            {config::need_board("the host solves in double precision: nothing to refine"),
+             config::need_numbers(),
+             {"host.pipeline_depth", {"0"}, "each of its passes needs the one before"}}});
   v.table("accelerator", accelerator, {"the FPGA's micro-architecture"});
   v.table("bus", bus, {"the PCI bus"});
   v.table("transfer", transfer, {"how the driver moves a frame's data and hears of the end"});
@@ -101,28 +131,27 @@ void Scenario::declare(config::Visitor& v) {
   v.table("device", device, {"the haptic device"});
   v.table("probe", probe, {"the probe's prescribed motion"});
   v.effect("reference", reference,
-           {"solves the same frames in double precision and says how accurate the run was"});
+           {"solves the same frames in double precision and says how accurate the run was",
+            "no simulated time; two double-precision solves beside the board's",
+            {config::need_numbers()}});
   v.effect("spectrum", spectrum,
-           {"bounds the extreme eigenvalues and the condition number before the run"});
+           {"bounds the extreme eigenvalues and the condition number before the run",
+            "no simulated time; about six factorisations before the run"});
   v.table("fidelity", fidelity, {"how finely each part is modelled"});
-  v.list("fault", faults, {"what goes wrong, and in which frame or how often"});
+  v.effects("fault", faults,
+            {"what goes wrong, and in which frame or how often",
+             "two modules between bus, board and host: " + kinds_of(faults),
+             {config::need_board()}});
   v.table("output", output, {"which results are written besides the summary"});
 }
 
 namespace {
 
-void require_shown(const Waveform& waveform, int frames, vp::Timing level) {
-  if (level != vp::Timing::cycle_accurate) {
-    throw InputError("output.waveform",
-                     std::string("only a cycle-accurate accelerator has clocks to show: expected "
-                                 "fidelity.accelerator = \"cycle-accurate\", found \"") +
-                         vp::name(level) + "\"");
-  }
-  if (waveform.first_frame >= frames) {
-    throw InputError("output.waveform.first_frame",
-                     "the run ends before frame " + std::to_string(waveform.first_frame) +
-                         ": expected less than frames, which is " + std::to_string(frames));
-  }
+void require_shown(const Waveform& waveform, int frames) {
+  if (waveform.first_frame < frames) return;
+  throw InputError("output.waveform.first_frame",
+                   "the run ends before frame " + std::to_string(waveform.first_frame) +
+                       ": expected less than frames, which is " + std::to_string(frames));
 }
 
 // What the finer levels of the accelerator lack.
@@ -133,7 +162,6 @@ void require_engine(const Scenario& s) {
                                                  ": expected loosely-timed or untimed with " +
                                                  with);
   };
-  if (s.accelerator.several) lacks("several devices", "[accelerator.several]");
   if (s.accelerator.matrix_storage == accel::MatrixStorage::symmetric) {
     lacks("symmetric storage", "accelerator.matrix_storage = \"symmetric\"");
   }
@@ -143,66 +171,16 @@ void require_engine(const Scenario& s) {
   }
 }
 
-// What draws for something that does not happen.
-void require_drawn(const Scenario& s) {
-  const bool untimed = s.fidelity.bus == vp::Timing::untimed;
-  if (s.bus.read_latencies && untimed) {
-    throw InputError("bus.read_latencies",
-                     "a bus that takes no time has no latencies: expected "
-                     "fidelity.bus = loosely-timed or approximately-timed");
-  }
-  if (s.bus.pcie && s.bus.pcie->root_complex_latencies) {
-    const std::string key = "bus.pcie.root_complex_latencies";
-    if (untimed) {
-      throw InputError(key,
-                       "a link that takes no time has no latencies: expected "
-                       "fidelity.bus = loosely-timed or approximately-timed");
-    }
-    if (s.transfer.method != vp::Transfer::Method::dma) {
-      throw InputError(key,
-                       "the board reads memory with transfer.method = \"dma\" only: expected that");
-    }
-  }
-  if (!s.host.interrupt_latencies) return;
-  if (s.host.solver != host::Solver::board) {
-    throw InputError("host.interrupt_latencies",
-                     std::string("no board interrupts where host.solver is \"") +
-                         host::name(s.host.solver) + "\"");
-  }
-  if (s.transfer.notification == link::Notification::polling) {
-    throw InputError("host.interrupt_latencies",
-                     "nothing interrupts with transfer.notification = \"polling\": expected "
-                     "\"intx\" or \"msi\"");
-  }
-}
-
-// What a scenario without a board cannot have.
-void require_no_board(const Scenario& s) {
-  const std::string found =
-      std::string("there is no board where host.solver is \"") + host::name(s.host.solver) + "\"";
-  if (s.refinement) {
-    throw InputError("refinement", "the host solves in double precision: nothing to refine");
-  }
-  if (s.output.waveform) throw InputError("output.waveform", found);
-  if (s.accelerator.several) throw InputError("accelerator.several", found);
-  if (s.bus.pcie) throw InputError("bus.pcie", found + ", nothing that could sit on the link");
-  if (!s.faults.empty()) throw InputError("fault", found);
-  if (!s.transfer.plain()) {
-    const bool moves = s.transfer.method != vp::Transfer::Method::bursts;
-    const bool tells = s.transfer.notification != link::Notification::intx;
-    throw InputError(moves   ? "transfer.method"
-                     : tells ? "transfer.notification"
-                             : "transfer.packed",
-                     found);
-  }
-}
-
-// The list has one board's B and U in it.
-void require_one_device(const Scenario& s) {
-  if (!s.accelerator.several || s.transfer.method != vp::Transfer::Method::dma) return;
-  throw InputError("transfer.method",
-                   "\"dma\" reaches one device's memories: expected another with "
-                   "[accelerator.several]");
+// Nothing is moved without a board.
+void require_plain_transfer(const Scenario& s) {
+  if (s.transfer.plain()) return;
+  const bool moves = s.transfer.method != vp::Transfer::Method::bursts;
+  const bool tells = s.transfer.notification != link::Notification::intx;
+  throw InputError(
+      moves   ? "transfer.method"
+      : tells ? "transfer.notification"
+              : "transfer.packed",
+      std::string("there is no board where host.solver is \"") + host::name(s.host.solver) + "\"");
 }
 
 // Where the scenario has nothing that could fail so.
@@ -254,22 +232,8 @@ void require_possible(const Scenario& s, std::size_t index) {
   }
 }
 
-// On PCI the thesis' bridge may be one that bursts; behind a root port nobody has seen one.
-void require_link_reads(const Scenario& s) {
-  if (!s.bus.pcie || s.transfer.method != vp::Transfer::Method::bursts) return;
-  throw InputError(
-      "transfer.method",
-      "with \"bursts\" the processor reads U in blocks, which it does over no PCI "
-      "Express link: expected dma, write-combined-io or programmed-io with [bus.pcie]");
-}
-
-// What a timing-only run cannot have: what looks at numbers, and times that depend on them.
+// A timing-only run has no times that depend on numbers.
 void require_no_numbers(const Scenario& s) {
-  const auto lacks = [](const std::string& table) {
-    throw InputError(
-        table,
-        "nobody computes numbers where fidelity.numbers is \"none\": expected no [" + table + "]");
-  };
   if (s.host.solver != host::Solver::board) {
     throw InputError(
         "host.solver",
@@ -283,8 +247,6 @@ void require_no_numbers(const Scenario& s) {
                      "the cycle-accurate engine makes the words that fidelity.numbers = \"none\" "
                      "does without: expected approximately-timed, loosely-timed or untimed");
   }
-  if (s.reference) lacks("reference");
-  if (s.refinement) lacks("refinement");
 }
 
 // Times count picoseconds in 64 bits: 106 days, some of which are kept for set-up and for what is
@@ -302,47 +264,22 @@ void require_countable(const Scenario& s) {
 }  // namespace
 
 void Scenario::check() const {
-  const vp::Timing level = fidelity.accelerator;
   if (budget.states_errors() && !reference) {
     throw InputError(
         budget.displacement_error > 0 ? "budget.displacement_error" : "budget.force_error",
         "nothing is compared without [reference]: expected that table too");
   }
   require_countable(*this);
+  config::survey_effects(*this).require_needs();
   const bool board = host.solver == host::Solver::board;
-  if (!board) require_no_board(*this);
+  if (!board) require_plain_transfer(*this);
   if (timing_only()) require_no_numbers(*this);
-  if (board && vp::has_engine(level)) require_engine(*this);
-  if (board) require_link_reads(*this);
-  require_one_device(*this);
-  if (refinement && host.pipeline_depth > 0) {
-    throw InputError("host.pipeline_depth",
-                     "expected 0 with [refinement]: each of its passes needs the one before");
+  if (board && vp::has_engine(fidelity.accelerator)) require_engine(*this);
+  if (host.cores == 1 && fidelity.host == vp::Timing::untimed) {
+    throw InputError("host.cores", "the host takes no time where fidelity.host is \"untimed\"");
   }
-  const auto needs_time = [&](const char* effect, bool present) {
-    if (!present || fidelity.host != vp::Timing::untimed) return;
-    throw InputError(effect, "the host takes no time where fidelity.host is \"untimed\"");
-  };
-  needs_time("host.jitter", host.jitter.has_value());
-  needs_time("host.wake_up", host.wake_up.has_value());
-  needs_time("host.interrupt_latencies", host.interrupt_latencies.has_value());
-  needs_time("host.cores", host.cores == 1);
-  require_drawn(*this);
   for (std::size_t i = 0; i < faults.size(); ++i) require_possible(*this, i);
-  if (output.waveform) require_shown(*output.waveform, frames, level);
-  if (bus.posted_writes && fidelity.bus == vp::Timing::untimed) {
-    throw InputError("bus.posted_writes",
-                     "a bus that takes no time posts nothing: expected "
-                     "fidelity.bus = loosely-timed or approximately-timed");
-  }
-  const char* effect = bus.graphics_traffic ? "bus.graphics_traffic"
-                       : bus.traffic        ? "bus.traffic"
-                       : bus.protocol       ? "bus.protocol"
-                                            : nullptr;
-  if (effect != nullptr && fidelity.bus != vp::Timing::approximately_timed) {
-    throw InputError(effect, std::string("needs fidelity.bus = \"approximately-timed\", found \"") +
-                                 vp::name(fidelity.bus) + "\"");
-  }
+  if (output.waveform) require_shown(*output.waveform, frames);
 }
 
 }  // namespace hvp::app

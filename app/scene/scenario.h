@@ -123,7 +123,8 @@ struct Scenario {
 
   void declare(config::Visitor& v);
   bool timing_only() const { return fidelity.numbers == vp::Numbers::none; }
-  // Throws InputError for an effect that its part's fidelity does not have, and the reverse.
+  // Throws InputError for an effect that needs what is not there, and for keys that rule each other
+  // out.
   void check() const;
 };
 

@@ -51,10 +51,9 @@ std::vector<int> anchored_nodes(const Scenario& s, const mesh::TetMesh& mesh) {
 
 // What effects draw from the user's own files.
 template <class Distribution>
-void load_samples(std::optional<Distribution>& effect, const std::optional<Distribution>& openable,
-                  const char* table) {
+void load_samples(std::optional<Distribution>& effect, const char* table) {
   if (!effect || effect->kind != random::TimeDistribution::Kind::measured) return;
-  within(table, [&] { effect->take(read_samples(openable->samples_file)); });
+  within(table, [&] { effect->take(read_samples(effect->samples_file.path)); });
 }
 
 }  // namespace
@@ -74,19 +73,17 @@ std::unique_ptr<fem::Body> make_body(const Scenario& s, const Progress& progress
   }
 }
 
-Scene::Scene(const Scenario& openable, const Scenario& written, accel::Device device,
-             const Progress& progress, Limits limits)
-    : scenario_(written), device_(std::move(device)) {
-  if (limits == Limits::refused) require_plausible_size(openable, device_, progress);
-  body_ = make_body(openable, progress);
-  load_samples(scenario_.host.jitter, openable.host.jitter, "host.jitter");
-  load_samples(scenario_.host.wake_up, openable.host.wake_up, "host.wake_up");
-  load_samples(scenario_.host.interrupt_latencies, openable.host.interrupt_latencies,
-               "host.interrupt_latencies");
-  load_samples(scenario_.bus.read_latencies, openable.bus.read_latencies, "bus.read_latencies");
+Scene::Scene(const Scenario& scenario, accel::Device device, const Progress& progress,
+             Limits limits)
+    : scenario_(scenario), device_(std::move(device)) {
+  if (limits == Limits::refused) require_plausible_size(scenario_, device_, progress);
+  body_ = make_body(scenario_, progress);
+  load_samples(scenario_.host.jitter, "host.jitter");
+  load_samples(scenario_.host.wake_up, "host.wake_up");
+  load_samples(scenario_.host.interrupt_latencies, "host.interrupt_latencies");
+  load_samples(scenario_.bus.read_latencies, "bus.read_latencies");
   if (scenario_.bus.pcie) {
-    load_samples(scenario_.bus.pcie->root_complex_latencies,
-                 openable.bus.pcie->root_complex_latencies, "bus.pcie.root_complex_latencies");
+    load_samples(scenario_.bus.pcie->root_complex_latencies, "bus.pcie.root_complex_latencies");
   }
   const Scenario& s = scenario_;
   quality_ = mesh::measure(body_->mesh());

@@ -27,11 +27,10 @@ class Scene {
   // What becomes of a system that the device cannot hold, or a clock that it does not reach.
   enum class Limits { refused, reported };
 
-  // `openable` has file paths that can be opened, `written` those of the scenario's text, which
-  // results repeat; `device` is what accelerator.device names. Throws InputError with the full key
-  // of what is to blame.
-  Scene(const Scenario& openable, const Scenario& written, accel::Device device,
-        const Progress& progress = {}, Limits limits = Limits::refused);
+  // `device` is what accelerator.device names. Throws InputError with the full key of what is to
+  // blame.
+  Scene(const Scenario& scenario, accel::Device device, const Progress& progress = {},
+        Limits limits = Limits::refused);
 
   const Scenario& scenario() const { return scenario_; }
   const fem::Body& body() const { return *body_; }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "models/config/input_error.h"
+#include "models/config/needs.h"
 
 namespace hvp::accel {
 
@@ -82,7 +83,16 @@ void Architecture::declare(config::Visitor& v) {
   v.text("multiplier_mode", multiplier_mode,
          {"the way to use the device's multipliers, docs/devices.md; auto: the first one",
           "independent multipliers"});
-  v.effect("several", several, {"several devices share the rows of K; without it there is one"});
+  v.effect("several", several,
+           {"several devices share the rows of K; without it there is one",
+            "simulated time of the links; the words are those of one device",
+            {config::need_board(),
+             {"fidelity.accelerator",
+              {"loosely-timed", "untimed"},
+              "the finer levels have no model of several devices"},
+             {"transfer.method",
+              {"bursts", "programmed-io", "write-combined-io"},
+              "DMA reaches one device's memories"}}});
 }
 
 void Architecture::check() const {

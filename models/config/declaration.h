@@ -66,6 +66,24 @@ struct Note {
   bool required = false;
 };
 
+// What must stand elsewhere in the scenario for an effect to do anything.
+struct Need {
+  std::string_view key;                  // of a choice or a whole number: "fidelity.bus"
+  std::vector<std::string_view> values;  // of which one is wanted, without quotes
+  std::string_view why = {};             // "a bus that takes no time has no latencies"
+};
+
+// What an effect declares of itself. `hvp explain`, summary.json and the reference page have it
+// from here, and nothing else lists effects.
+struct EffectNote {
+  std::string_view help;
+  // What is built for it and what that takes, in simulated and in real time.
+  std::string cost = {};
+  std::vector<Need> needs = {};
+  // It is there without its table too, by a key that is declared before it.
+  bool implied = false;
+};
+
 // Keys that belong to some values of another key only, such as the radius to a sphere. What a
 // scenario writes although it does not belong is refused, whatever its value.
 struct Condition {
@@ -73,6 +91,18 @@ struct Condition {
   std::vector<std::string> values;  // as a scenario writes them: "\"sphere\"", "1"
   std::string found;                // the value at hand, likewise
   bool holds() const { return std::find(values.begin(), values.end(), found) != values.end(); }
+};
+
+// A file. Its path starts from the program's own folder and can be opened once the scenario is
+// loaded.
+struct File {
+  std::string written;  // in the scenario's words; empty: none
+  std::string path;
+
+  File() = default;
+  explicit File(const std::string& name) : written(name), path(name) {}
+  bool empty() const { return written.empty(); }
+  bool operator==(const File&) const = default;
 };
 
 class Visitor;
@@ -121,7 +151,7 @@ class Visitor {
   virtual void boolean(std::string_view name, bool& value, Note) = 0;
   virtual void text(std::string_view name, std::string& value, Note) = 0;
   // A file; a relative path starts from the scenario's folder. Empty means absent.
-  virtual void file(std::string_view name, std::string& path, Note) = 0;
+  virtual void file(std::string_view name, File& file, Note) = 0;
   // Several names out of a fixed set are written as one string; `index` is into `names`.
   virtual void choice_index(std::string_view name, std::size_t& index,
                             const std::vector<std::string_view>& names, Note) = 0;
@@ -184,12 +214,12 @@ class Visitor {
 
   // An effect: it is there if and only if the scenario has its table.
   template <class Part>
-  void effect(std::string_view name, std::optional<Part>& part, Note note) {
+  void effect(std::string_view name, std::optional<Part>& part, const EffectNote& note) {
     bool present = part.has_value();
     const bool enter = begin_effect(name, present, note);
     if (describes_only()) {
       if (!enter) return;
-      Part typical{};
+      Part typical = part.value_or(Part{});
       declare_and_check(typical);
       end_effect();
       return;
@@ -199,6 +229,13 @@ class Visitor {
     if (!part) part.emplace();
     declare_and_check(*part);
     end_effect();
+  }
+
+  // An effect that is there where its list has an item.
+  template <class Part>
+  void effects(std::string_view name, std::vector<Part>& parts, const EffectNote& note) {
+    list(name, parts, {.help = note.help});
+    list_is_effect(name, !parts.empty(), note);
   }
 
   // An array of tables. A list that the scenario has replaces the default one as a whole.
@@ -227,8 +264,10 @@ class Visitor {
   virtual void begin_table(std::string_view name, Note) = 0;
   virtual void end_table() = 0;
   // Returns whether to go into the part. `present` is set by a reader.
-  virtual bool begin_effect(std::string_view name, bool& present, Note) = 0;
+  virtual bool begin_effect(std::string_view name, bool& present, const EffectNote&) = 0;
   virtual void end_effect() = 0;
+  // Of the list that has ended.
+  virtual void list_is_effect(std::string_view /*name*/, bool /*present*/, const EffectNote&) {}
   // `count` is set by a reader, which returns true where the scenario has the list.
   virtual bool begin_list(std::string_view name, std::size_t& count, Note) = 0;
   virtual void begin_item(std::size_t index) = 0;
@@ -240,8 +279,8 @@ class Visitor {
   virtual void end_condition() {}
   // A reader runs the check and completes the key of what it throws; other visitors do nothing.
   virtual void check(const std::function<void()>& /*rule*/) {}
-  // True for a visitor that is after the declaration and not the values: it is shown every
-  // effect and one item of every list, with their defaults, and changes nothing.
+  // True for a visitor that is after the declaration: it is shown every effect, an absent one with
+  // its defaults, and one item of every list with its defaults, and changes nothing.
   virtual bool describes_only() const { return false; }
 
  private:

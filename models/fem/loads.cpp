@@ -78,7 +78,7 @@ void PrescribedDisplacement::declare(config::Visitor& v) {
 }
 
 void Loads::declare(config::Visitor& v) {
-  v.effect("gravity", gravity, {.help = "the body's own weight"});
+  v.effect("gravity", gravity, {"the body's own weight", "no cost: part of f"});
   v.list("point", points, {.help = "forces on single nodes"});
   v.list("pressure", pressures, {.help = "pressures on parts of the surface"});
   v.list("prescribed", prescribed, {.help = "nodes whose displacement is given"});

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "models/config/quiet_visitor.h"
 #include "models/fixed/word.h"
 
 namespace hvp::fixed {
@@ -196,11 +197,11 @@ constexpr std::array<Flag, 11> kCauses = {
     Flag::not_converged, Flag::limit_cycle};
 
 // Every parameter of the settings as "name = value", in the order of declaration.
-class Listing : public config::Visitor {
+class Listing : public config::QuietVisitor {
  public:
   std::vector<std::string> lines;
 
-  using config::Visitor::integer;
+  using config::QuietVisitor::integer;
   void quantity(std::string_view name, double& value, config::Dimension dimension, config::Range,
                 config::Note) override {
     std::array<char, 32> digits{};
@@ -209,8 +210,6 @@ class Listing : public config::Visitor {
                   length ? 1e3 * value : value);
     add(name, length ? "\"" + std::string(digits.data()) + " mm\"" : digits.data());
   }
-  void vector(std::string_view, Eigen::Vector3d&, config::Dimension, config::Range,
-              config::Note) override {}
   void integer(std::string_view name, std::int64_t& value, config::IntegerRange,
                config::Note) override {
     add(name, std::to_string(value));
@@ -218,22 +217,10 @@ class Listing : public config::Visitor {
   void boolean(std::string_view name, bool& value, config::Note) override {
     add(name, value ? "true" : "false");
   }
-  void text(std::string_view, std::string&, config::Note) override {}
-  void file(std::string_view, std::string&, config::Note) override {}
   void choice_index(std::string_view name, std::size_t& index,
                     const std::vector<std::string_view>& names, config::Note) override {
     add(name, "\"" + std::string(names[index]) + "\"");
   }
-
- protected:
-  void begin_table(std::string_view, config::Note) override {}
-  void end_table() override {}
-  bool begin_effect(std::string_view, bool&, config::Note) override { return false; }
-  void end_effect() override {}
-  bool begin_list(std::string_view, std::size_t&, config::Note) override { return false; }
-  void begin_item(std::size_t) override {}
-  void end_item() override {}
-  void end_list() override {}
 
  private:
   void add(std::string_view name, const std::string& value) {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
+#include "models/config/needs.h"
 
 namespace hvp::host {
 
@@ -101,12 +102,21 @@ void Host::declare(config::Visitor& v) {
                 "memory, unverified"});
   });
   v.effect("jitter", jitter,
-           {"the timer releases the servo process late, by a time drawn for each tick"});
+           {"the timer releases the servo process late, by a time drawn for each tick",
+            random::drawn("before each frame: the timer is late", jitter),
+            {config::need_timed_host()}});
   v.effect("wake_up", wake_up,
            {"the servo process runs some time after its tick or interrupt has made it ready, drawn "
-            "each time"});
+            "each time",
+            random::drawn("after each tick and interrupt: until the process runs", wake_up),
+            {config::need_timed_host()}});
   v.effect("interrupt_latencies", interrupt_latencies,
-           {"interrupt_latency drawn for each interrupt of a frame; set-up has the constant"});
+           {"interrupt_latency drawn for each interrupt of a frame; set-up has the constant",
+            random::drawn("in the place of host.interrupt_latency, at each interrupt",
+                          interrupt_latencies),
+            {config::need_timed_host(),
+             config::need_board("no board interrupts"),
+             {"transfer.notification", {"intx", "msi"}, "nothing interrupts"}}});
   v.table("graphics", graphics, {"the 33 Hz collision and graphics process"}, cores);
   v.table("recovery", recovery, {"what the servo process does about a board that fails"});
 }

@@ -139,7 +139,7 @@ TetMesh generate(const MeshSettings& settings, const Progress& progress) {
       break;
   }
   if (progress) progress("reading the surface");
-  return tetrahedralise(read_surface(settings.surface, settings.surface_unit), settings.nodes,
+  return tetrahedralise(read_surface(settings.surface.path, settings.surface_unit), settings.nodes,
                         progress);
 }
 

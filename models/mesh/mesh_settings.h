@@ -20,7 +20,7 @@ struct MeshSettings {
   Shape shape = Shape::sphere;
   double radius = 0.05;                                   // m, sphere
   Eigen::Vector3d size = Eigen::Vector3d::Constant(0.1);  // m, box: its three edges
-  std::string surface{};                                  // file, surface
+  config::File surface{};                                 // surface
   double surface_unit = 1e-3;                             // m, one unit of the file
   int nodes = 500;
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -44,7 +45,7 @@ struct TimeDistribution {
   double spread = 0;       // lognormal: e^σ, the geometric standard deviation
   double minimum_s = 0;
   double maximum_s = 1e-3;
-  std::string samples_file;  // measured
+  config::File samples_file;  // measured
 
   double counted_s = 0;  // measured, published: what of each time is subtracted
   std::size_t host = 0;  // published: which of Sources::hosts
@@ -65,6 +66,15 @@ struct TimeDistribution {
 };
 
 const char* name(TimeDistribution::Kind kind);
+
+// Where an effect draws its times, and, where it is there, of which kind: "at each interrupt,
+// normal".
+template <class Distribution>
+std::string drawn(std::string_view where, const std::optional<Distribution>& effect) {
+  std::string text(where);
+  if (effect) text += std::string(", ") + name(effect->kind);
+  return text;
+}
 
 // Times for one effect: each a function of what Draws names.
 class Source {

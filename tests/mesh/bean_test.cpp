@@ -47,7 +47,8 @@ TEST(Bean, IsNotConvex) {
 }
 
 TEST(Bean, IsMeshedTo500Nodes) {
-  const TetMesh mesh = generate({.shape = MeshSettings::Shape::surface, .surface = kBean});
+  const TetMesh mesh =
+      generate({.shape = MeshSettings::Shape::surface, .surface = config::File(kBean)});
   const Quality quality = measure(mesh);
   EXPECT_NEAR(static_cast<double>(quality.nodes), 500.0, 50.0);
   EXPECT_EQ(quality.slivers, 0U);

@@ -42,7 +42,7 @@ TimeDistribution of(Kind kind) {
       d.maximum_s = 25e-6;
       break;
     case Kind::measured:
-      d.samples_file = "some.csv";
+      d.samples_file = config::File("some.csv");
       d.samples_s = {1e-6, 2e-6, 2e-6, 7e-6};
       break;
     case Kind::published:
@@ -213,7 +213,7 @@ struct Wrong {
 
 TEST(TimeDistribution, RefusesWhatIsMissingOrLeavesNoRoom) {
   const std::vector<Wrong> all = {
-      {"samples", [](auto& d) { d.samples_file.clear(); }, Kind::measured},
+      {"samples", [](auto& d) { d.samples_file = {}; }, Kind::measured},
       {"maximum", [](auto& d) { d.maximum_s = 4e-6; }, Kind::uniform},
       {"mean", [](auto& d) { d.mean_s = 61e-6; }, Kind::normal},
       {"deviation", [](auto& d) { d.deviation_s = 61e-6; }, Kind::normal},

@@ -30,7 +30,13 @@ void Transfer::declare(config::Visitor& v) {
   v.boolean("packed", packed,
             {"elements of at most 16 bits travel two in a word of 32; false: one a word",
              "thesis section 6.2.1: the link is what limits"});
-  of_method.only({Method::dma}, [&] { v.effect("dma", dma, {"the board's DMA engine"}); });
+  of_method.only({Method::dma}, [&] {
+    v.effect("dma", dma,
+             {"the board's DMA engine",
+              "a process of the board that is master of the bus; simulated time of its requests",
+              {},
+              true});
+  });
 }
 
 MasterSettings Transfer::master() const {

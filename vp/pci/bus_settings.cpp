@@ -4,6 +4,7 @@
 #include <string>
 
 #include "models/config/input_error.h"
+#include "models/config/needs.h"
 
 namespace hvp::vp {
 
@@ -62,25 +63,46 @@ void PcieSettings::declare(config::Visitor& v) {
   Pcie::declare(v);
   v.effect("root_complex_latencies", root_complex_latencies,
            {"root_complex_latency drawn for each read request of the board that a frame waits for; "
-            "set-up has the constant"});
+            "set-up has the constant",
+            random::drawn("in the place of root_complex_latency, at each read request of the board",
+                          root_complex_latencies),
+            {config::need_timed_bus("a link that takes no time has no latencies"),
+             {"transfer.method", {"dma"}, "the board reads memory by DMA only"}}});
 }
 
 void BusSettings::declare(config::Visitor& v) {
   v.include(pci);
   v.effect("protocol", protocol,
-           {"several masters, slow targets and delayed reads, of the approximately-timed bus"});
+           {"several masters, slow targets and delayed reads, of the approximately-timed bus",
+            "latency timer, wait states and delayed reads between the bus' masters",
+            {config::need_bus_cycles()}});
   v.effect("traffic", traffic,
-           {"another master that moves blocks, on the approximately-timed bus"});
+           {"another master that moves blocks, on the approximately-timed bus",
+            "a process that takes the bus for a block a period",
+            {config::need_bus_cycles()}});
   v.effect("graphics_traffic", graphics_traffic,
-           {"a graphics card that reads each picture's data, on the approximately-timed bus"});
+           {"a graphics card that reads each picture's data, on the approximately-timed bus",
+            "a process that takes the bus for a picture's data a drawing pass",
+            {config::need_bus_cycles()}});
   v.effect("pcie", pcie,
-           {"the solver board sits on a PCI Express link of its own; the DAQ board stays on PCI"});
+           {"the solver board sits on a PCI Express link of its own; the DAQ board stays on PCI",
+            "the solver board on a link of its own: four processes of the link",
+            {config::need_board(),
+             // On PCI the bridge may be one that bursts; behind a root port nobody has seen one.
+             {"transfer.method",
+              {"dma", "write-combined-io", "programmed-io"},
+              "the processor reads U in blocks, which it does over no PCI Express link"}}});
   v.effect(
       "read_latencies", read_latencies,
       {"read_latency drawn for each of the processor's reads that a frame waits for; set-up has "
-       "the constant"});
+       "the constant",
+       random::drawn("in the place of bus.read_latency, at each read by the processor",
+                     read_latencies),
+       {config::need_timed_bus("a bus that takes no time has no latencies")}});
   v.effect("posted_writes", posted_writes,
-           {"the processor goes on while the bridge writes; without it it waits for each write"});
+           {"the processor goes on while the bridge writes; without it it waits for each write",
+            "the processor goes on while the bridge writes: two processes of the bus",
+            {config::need_timed_bus("a bus that takes no time posts nothing")}});
 }
 
 }  // namespace hvp::vp

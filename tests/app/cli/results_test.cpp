@@ -98,7 +98,7 @@ TEST_F(Results, AccuracyIsNullWithoutAReference) {
 
 TEST_F(Results, EffectsAreThoseOfTheScenario) {
   run({"--set", "dynamics=true", "--set", "loads.gravity=true"});
-  EXPECT_EQ(summary().at("effects"), json({"dynamics", "loads.gravity", "reference"}));
+  EXPECT_EQ(summary().at("effects"), json({"loads.gravity", "dynamics", "reference"}));
 }
 
 TEST_F(Results, AttributionSumsToTheWorstLatency) {

@@ -27,10 +27,11 @@ TEST(FileParameters, AreResolvedAfterTheyAreWritten) {
       Document::parse("title = 'x'\n[object]\nsurface = '" + name + "'", folder / "x.toml");
   toy::Scene scene;
   read(document, scene);
-  EXPECT_EQ(scene.object.surface, name);
+  EXPECT_EQ(scene.object.surface.written, name);
   EXPECT_EQ(resolved(scene).find(folder.string()), std::string::npos);
   resolve_files(document, scene);
-  EXPECT_EQ(scene.object.surface, (folder / name).string());
+  EXPECT_EQ(scene.object.surface.path, (folder / name).string());
+  EXPECT_EQ(scene.object.surface.written, name);
   std::filesystem::remove(folder / name);
 }
 

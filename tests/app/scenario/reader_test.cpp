@@ -53,7 +53,7 @@ shape = {radius = "3 mm"}
   ASSERT_TRUE(scene.host.jitter.has_value());
   EXPECT_EQ(scene.host.jitter->seed, std::numeric_limits<std::int64_t>::min());
   EXPECT_EQ(scene.host.jitter->sigma, 10e-6);
-  EXPECT_EQ(scene.object.surface, "body.stl");
+  EXPECT_EQ(scene.object.surface.written, "body.stl");
   EXPECT_EQ(scene.object.density, 900.0);
   EXPECT_EQ(scene.object.gravity, Eigen::Vector3d(0.0, 9.80665, -9.81));
   EXPECT_EQ(scene.object.axis, Eigen::Vector3d(1.0, 0.5, -1.0));

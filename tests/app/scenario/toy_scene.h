@@ -102,7 +102,7 @@ struct Contact {
 };
 
 struct Object {
-  std::string surface;
+  config::File surface;
   double density = 1000.0;
   double young = 10e3;
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};

@@ -37,18 +37,12 @@ void deepen(Architecture& a) {
 }
 
 // Goes through the declaration of an architecture and gives one key one of its values.
-class OneKey : public config::Visitor {
+class OneKey : public config::QuietVisitor {
  public:
-  using config::Visitor::integer;
+  using config::QuietVisitor::integer;
   // Of the key's values the `number`th of those that values() spreads over its range.
   OneKey(std::string key, std::size_t number) : key_(std::move(key)), number_(number) {}
 
-  void quantity(std::string_view, double&, config::Dimension, config::Range,
-                config::Note) override {}
-  void vector(std::string_view, Eigen::Vector3d&, config::Dimension, config::Range,
-              config::Note) override {}
-  void text(std::string_view, std::string&, config::Note) override {}
-  void file(std::string_view, std::string&, config::Note) override {}
   void integer(std::string_view name, std::int64_t& value, config::IntegerRange range,
                config::Note) override {
     if (const std::vector<std::int64_t> all = values(range); is(name) && number_ < all.size()) {
@@ -76,16 +70,6 @@ class OneKey : public config::Visitor {
     for (std::int64_t v = 20; v < range.max; v += v / 3) all.insert(v);
     return {all.begin(), all.end()};
   }
-
- protected:
-  void begin_table(std::string_view, config::Note) override {}
-  void end_table() override {}
-  bool begin_effect(std::string_view, bool&, config::Note) override { return false; }
-  void end_effect() override {}
-  bool begin_list(std::string_view, std::size_t&, config::Note) override { return false; }
-  void begin_item(std::size_t) override {}
-  void end_item() override {}
-  void end_list() override {}
 
  private:
   bool is(std::string_view name) {

@@ -1,0 +1,98 @@
+#include "models/config/effects.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "models/config/input_error.h"
+
+namespace hvp::config {
+
+std::string alternatives(const std::vector<std::string>& items) {
+  std::string result;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (i > 0) result += i + 1 == items.size() ? " or " : ", ";
+    result += items[i];
+  }
+  return result;
+}
+
+std::string EffectSurvey::Value::shown(std::string_view other) const {
+  return quoted ? '"' + std::string(other) + '"' : std::string(other);
+}
+
+std::string EffectSurvey::path_of(std::string_view name) const {
+  const std::string& table = levels_.back().path;
+  return table.empty() ? std::string(name) : table + '.' + std::string(name);
+}
+
+void EffectSurvey::note(std::string_view name, Value value) {
+  if (levels_.back().there) values_.insert_or_assign(path_of(name), std::move(value));
+}
+
+void EffectSurvey::integer(std::string_view name, std::int64_t& value, IntegerRange, Note) {
+  note(name, {std::to_string(value)});
+}
+
+void EffectSurvey::choice_index(std::string_view name, std::size_t& index,
+                                const std::vector<std::string_view>& names, Note) {
+  note(name, {std::string(names[index]), true});
+}
+
+void EffectSurvey::enter(std::string_view name, bool there) {
+  levels_.push_back({path_of(name), levels_.back().there && there});
+}
+
+bool EffectSurvey::add(std::string_view name, bool present, const EffectNote& note) {
+  const bool there = levels_.back().there && (present || note.implied);
+  effects_.push_back({path_of(name), there, std::string(note.help), note.cost, note.needs});
+  return there;
+}
+
+void EffectSurvey::begin_table(std::string_view name, Note) { enter(name, true); }
+void EffectSurvey::end_table() { levels_.pop_back(); }
+
+bool EffectSurvey::begin_effect(std::string_view name, bool& present, const EffectNote& note) {
+  enter(name, add(name, present, note));
+  return true;
+}
+void EffectSurvey::end_effect() { levels_.pop_back(); }
+
+// What an item holds is nothing that an effect elsewhere could need.
+bool EffectSurvey::begin_list(std::string_view name, std::size_t&, Note) {
+  enter(name, false);
+  return false;
+}
+void EffectSurvey::end_list() { levels_.pop_back(); }
+
+void EffectSurvey::list_is_effect(std::string_view name, bool present, const EffectNote& note) {
+  add(name, present, note);
+}
+
+bool EffectSurvey::begin_condition(const Condition& condition) {
+  levels_.push_back({levels_.back().path, levels_.back().there && condition.holds()});
+  return true;
+}
+void EffectSurvey::end_condition() { levels_.pop_back(); }
+
+void EffectSurvey::require_needs() const {
+  for (const Effect& effect : effects_) {
+    if (!effect.present) continue;
+    for (const Need& need : effect.needs) {
+      const auto found = values_.find(std::string(need.key));
+      if (found == values_.end()) {
+        throw std::logic_error(effect.path + " needs " + std::string(need.key) +
+                               ", which is no choice and no whole number");
+      }
+      const Value& value = found->second;
+      if (std::ranges::find(need.values, value.text) != need.values.end()) continue;
+      std::vector<std::string> wanted;
+      for (const std::string_view accepted : need.values) wanted.push_back(value.shown(accepted));
+      const std::string why = need.why.empty() ? "needs " : std::string(need.why) + ": expected ";
+      throw InputError(effect.path, why + std::string(need.key) + " = " + alternatives(wanted) +
+                                        ", found " + value.shown(value.text));
+    }
+  }
+}
+
+}  // namespace hvp::config
