@@ -14,6 +14,8 @@ namespace {
 
 constexpr std::size_t kLargestFile = 1U << 20U;
 constexpr std::size_t kLongestName = 1000;
+constexpr std::string_view kBase = "base";
+constexpr std::size_t kMostFiles = 9;
 
 std::string name_of(const std::filesystem::path& file) {
   return one_line(file.string(), kLongestName);
@@ -34,6 +36,11 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
+void set_file(Node& node, int file) {
+  node.origin.file = file;
+  for (Node& member : node.members) set_file(member, file);
+}
+
 std::string override_prefix(std::string_view text) { return "--set " + one_line(text) + ": "; }
 
 }  // namespace
@@ -43,10 +50,9 @@ Document Document::load(const std::filesystem::path& file,
   return parse(read_text(file), file, overrides);
 }
 
-Document Document::parse(std::string_view text, const std::filesystem::path& file_name,
-                         const std::vector<std::string>& overrides) {
+Document Document::parse_file(std::string_view text, const std::filesystem::path& file_name) {
   Document document;
-  document.file_ = file_name;
+  document.files_ = {file_name};
   const std::string name = name_of(file_name);
   if (text.size() > kLargestFile) {
     throw SourceError(fmt::format("{}: is too large: expected at most 1 MiB", name));
@@ -60,8 +66,42 @@ Document Document::parse(std::string_view text, const std::filesystem::path& fil
   if (document.root_.keys.empty()) {
     throw SourceError(fmt::format("{}: is empty: expected TOML tables", name));
   }
+  return document;
+}
+
+Document Document::parse(std::string_view text, const std::filesystem::path& file_name,
+                         const std::vector<std::string>& overrides) {
+  Document document = parse_file(text, file_name);
+  while (document.root_.find(kBase) != nullptr) document.put_on_base();
   for (const std::string& item : overrides) document.apply(item);
   return document;
+}
+
+void Document::put_on_base() {
+  const Node named = *root_.find(kBase);
+  const auto wrong = [&](const std::string& message) {
+    return SourceError(std::string(kBase), locate(named.origin, kBase) + message);
+  };
+  if (named.kind != Node::Kind::text || named.text.empty()) {
+    throw wrong(
+        fmt::format("expected the name of a scenario in quotes, found {}", found_text(named)));
+  }
+  if (files_.size() == kMostFiles) {
+    throw wrong(fmt::format("expected at most {} scenarios on one another", kMostFiles));
+  }
+  const std::filesystem::path file = resolve(kBase, named.text);
+  try {
+    Document base = parse_file(files::read_regular_file(file, kLargestFile, "a scenario"), file);
+    set_file(base.root_, static_cast<int>(files_.size()));
+    root_.remove(kBase);
+    lay_over(std::move(root_), base.root_);
+    root_ = std::move(base.root_);
+    files_.push_back(file);
+  } catch (const SourceError&) {
+    throw;
+  } catch (const InputError& error) {
+    throw wrong(name_of(file) + ": " + error.what());
+  }
 }
 
 Document Document::of_overrides(const std::vector<std::string>& overrides) {
@@ -86,20 +126,27 @@ void Document::apply(const std::string& text) {
   }
 }
 
-std::filesystem::path Document::resolve(const std::string& path_in_scenario) const {
-  return file_.parent_path() / path_in_scenario;  // an absolute path stays as it is
+std::filesystem::path Document::resolve(std::string_view key,
+                                        const std::string& path_in_scenario) const {
+  if (files_.empty()) return path_in_scenario;
+  const Origin& origin = at(key).origin;
+  const auto file = static_cast<std::size_t>(origin.in_file() ? origin.file : 0);
+  return files_[file].parent_path() / path_in_scenario;  // an absolute path stays as it is
 }
 
 std::string Document::locate(const Origin& origin, std::string_view key) const {
   std::string shown = key.empty() ? "" : one_line(key) + ": ";
-  if (origin.in_file() && file_.empty()) return shown;
-  if (origin.in_file()) return fmt::format("{}:{}: {}", name_of(file_), origin.line, shown);
+  if (origin.in_file()) {
+    if (files_.empty()) return shown;
+    const std::filesystem::path& file = files_[static_cast<std::size_t>(origin.file)];
+    return fmt::format("{}:{}: {}", name_of(file), origin.line, shown);
+  }
   const Override& source = overrides_.at(static_cast<std::size_t>(origin.override_index));
   return override_prefix(source.text) + (source.key == key ? "" : shown);
 }
 
-std::string Document::locate(std::string_view key) const {
-  if (key.empty()) return file_.empty() ? "" : name_of(file_) + ": ";
+// What the scenario says of a key, or of the nearest table around it.
+const Node& Document::at(std::string_view key) const {
   const Node* place = &root_;
   for (const KeyStep& step : split_key(key)) {
     const Node* next = place->is_table() ? place->find(step.name) : nullptr;
@@ -110,7 +157,12 @@ std::string Document::locate(std::string_view key) const {
       place = &place->members[index];
     }
   }
-  return locate(place->origin, key);
+  return *place;
+}
+
+std::string Document::locate(std::string_view key) const {
+  if (key.empty()) return files_.empty() ? "" : name_of(files_.front()) + ": ";
+  return locate(at(key).origin, key);
 }
 
 SourceError Document::complete(const InputError& error) const {

@@ -10,8 +10,12 @@
 
 namespace hvp::scenario {
 
-// A scenario's text as a tree, with the command line's overrides in place, and the way from a
-// key back to the line that gave it.
+// A scenario's text as a tree, with its base below it and the command line's overrides in place,
+// and the way from a key back to the line that gave it.
+//
+// `base = "other.toml"` at the top names a scenario, by a path from this one's folder, of which
+// this one states the differences: tables are merged key by key, lists are replaced as a whole, and
+// `effect = false` takes an effect of the base out. A base may have one itself.
 //
 // An override is KEY=VALUE: a dotted key (items of a list as key[0].name, from 0; the index one
 // past the last appends) and a TOML value; what is not one ("2 ms", a bare word) is taken as
@@ -22,7 +26,8 @@ namespace hvp::scenario {
 class Document {
  public:
   // Reads a regular file of at most 1 MiB. Throws SourceError: no such file, a folder or a device,
-  // unreadable, empty, too large, not UTF-8 or not TOML, an override that is none.
+  // unreadable, empty, too large, not UTF-8 or not TOML, bases that go round in a circle, an
+  // override that is none.
   static Document load(const std::filesystem::path& file,
                        const std::vector<std::string>& overrides = {});
   // The same for a text; `file_name` is what errors call it, and its folder is where relative
@@ -33,10 +38,10 @@ class Document {
   static Document of_overrides(const std::vector<std::string>& overrides);
 
   const Node& root() const { return root_; }
-  const std::filesystem::path& file() const { return file_; }
 
-  // A path as the scenario writes it -> one that can be opened.
-  std::filesystem::path resolve(const std::string& path_in_scenario) const;
+  // The path that `key` has -> one from the program's own folder: it starts from the folder of the
+  // file that has the key.
+  std::filesystem::path resolve(std::string_view key, const std::string& path_in_scenario) const;
 
   // What an error about `key` starts with: "scenarios/x.toml:12: object.mesh.nodes: ". A key
   // that stands at its default has the line of the nearest table around it; a key that an
@@ -55,9 +60,12 @@ class Document {
     std::string text;  // KEY=VALUE
   };
 
+  static Document parse_file(std::string_view text, const std::filesystem::path& file_name);
+  const Node& at(std::string_view key) const;
+  void put_on_base();
   void apply(const std::string& text);
 
-  std::filesystem::path file_;
+  std::vector<std::filesystem::path> files_;  // the scenario, its base, the base's base …
   Node root_;
   std::vector<Override> overrides_;
 };

@@ -9,7 +9,7 @@ namespace hvp::scenario {
 
 std::filesystem::path openable_file(const Document& document, std::string_view key,
                                     const std::string& path_in_scenario) {
-  std::filesystem::path resolved = document.resolve(path_in_scenario);
+  std::filesystem::path resolved = document.resolve(key, path_in_scenario);
   try {
     files::require_regular_file(resolved, "a file");
   } catch (const InputError& error) {

@@ -12,7 +12,7 @@ namespace hvp::scenario {
 namespace {
 
 void set_origin(Node& node, int override_index) {
-  node.origin = Origin{1, override_index};
+  node.origin = Origin{.override_index = override_index};
   for (Node& member : node.members) set_origin(member, override_index);
 }
 

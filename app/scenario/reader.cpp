@@ -96,10 +96,11 @@ const Node* Reader::take(std::string_view name, const Note& note) {
   level.declared.emplace_back(name);
   const Node* node = find(name);
   if (const config::Condition* unmet = unmet_condition()) {
-    // Where --set chooses another kind, what the file says of its own kind goes with that.
+    // Where --set, or a scenario over its base, chooses another kind, what was said below of its
+    // own kind goes with that.
     const Node* decides = find(unmet->key);
-    const bool left_behind = node != nullptr && node->origin.in_file() && decides != nullptr &&
-                             !decides->origin.in_file();
+    const bool left_behind =
+        node != nullptr && decides != nullptr && decides->origin.over(node->origin);
     if (node != nullptr && !level.uncertain && !left_behind) {
       wrong(*node, key_of(name),
             fmt::format("belongs to {} = {} only, found {}", unmet->key,

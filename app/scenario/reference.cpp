@@ -101,7 +101,13 @@ std::string reference_page(const Outline& outline) {
   const std::string text =
       "# Scenario reference\n\n"
       "Written from the declarations of the parts; do not edit.\n"
-      "A table that is left out has its defaults, except an effect, which is then not simulated.\n";
+      "A table that is left out has its defaults, except an effect, which is then not simulated.\n"
+      "\n"
+      "`base = \"other.toml\"` at the top names a scenario of which this one states what differs, "
+      "by a "
+      "path\nfrom its own folder. A list takes the place of the base's, and `NAME = false` takes "
+      "an "
+      "effect of the\nbase out.\n";
   return text + reference_tables(outline) + unit_section();
 }
 

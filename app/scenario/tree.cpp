@@ -68,6 +68,23 @@ void Node::remove(std::string_view key) {
   keys.erase(at);
 }
 
+void lay_over(Node upper, Node& lower) {
+  lower.origin = upper.origin;
+  for (std::size_t i = 0; i < upper.keys.size(); ++i) {
+    Node& member = upper.members[i];
+    Node* under = lower.find(upper.keys[i]);
+    if (under == nullptr) {
+      lower.add(upper.keys[i], std::move(member));
+    } else if (under->is_table() && member.is_table()) {
+      lay_over(std::move(member), *under);
+    } else if (under->is_table() && member.kind == Node::Kind::boolean && !member.boolean) {
+      lower.remove(upper.keys[i]);
+    } else {
+      *under = std::move(member);
+    }
+  }
+}
+
 std::string found_text(const Node& node) {
   switch (node.kind) {
     case Node::Kind::table:

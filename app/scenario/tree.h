@@ -3,20 +3,25 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 namespace hvp::scenario {
 
-// Where a value comes from: a line of the file, or one of the --set overrides.
+// Where a value comes from: a line of a file, or one of the --set overrides.
 struct Origin {
   int line = 1;
-  int override_index = -1;  // -1: the file
+  int override_index = -1;  // -1: a file
+  int file = 0;             // 0: the scenario, 1: its base, 2: the base's base …
 
   bool in_file() const { return override_index < 0; }
-  // File first, in its order; then the overrides in theirs.
+  // Whether it was laid over the other: an override over files, a scenario over its base.
+  bool over(const Origin& other) const {
+    return in_file() == other.in_file() ? in_file() && file < other.file : !in_file();
+  }
+  // The scenario first, in its order, then its base; then the overrides in theirs.
   friend bool operator<(const Origin& a, const Origin& b) {
-    return a.override_index != b.override_index ? a.override_index < b.override_index
-                                                : a.line < b.line;
+    return std::tie(a.override_index, a.file, a.line) < std::tie(b.override_index, b.file, b.line);
   }
 };
 
@@ -41,6 +46,10 @@ struct Node {
   Node& add(std::string_view key, Node member);
   void remove(std::string_view key);
 };
+
+// Lays a table over another: what both have as tables is merged, all else is the upper one's. An
+// upper `name = false` takes the lower one's table of that name out.
+void lay_over(Node upper, Node& lower);
 
 // For "found …": 2, "abc", a table, a list.
 std::string found_text(const Node& node);

@@ -14,9 +14,9 @@ namespace {
 
 TEST(FileParameters, StartFromTheScenariosFolder) {
   const Document document = Document::parse("a = 1", "scenes/deep/x.toml");
-  EXPECT_EQ(document.resolve("body.stl"), "scenes/deep/body.stl");
-  EXPECT_EQ(document.resolve("/opt/body.stl"), "/opt/body.stl");
-  EXPECT_EQ(Document::parse("a = 1", "x.toml").resolve("body.stl"), "body.stl");
+  EXPECT_EQ(document.resolve("surface", "body.stl"), "scenes/deep/body.stl");
+  EXPECT_EQ(document.resolve("surface", "/opt/body.stl"), "/opt/body.stl");
+  EXPECT_EQ(Document::parse("a = 1", "x.toml").resolve("surface", "body.stl"), "body.stl");
 }
 
 TEST(FileParameters, AreResolvedAfterTheyAreWritten) {
