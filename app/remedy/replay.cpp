@@ -21,22 +21,13 @@ constexpr std::size_t kMostNumbers = 8'000'000;
 double seconds(std::int64_t picoseconds) { return 1e-12 * static_cast<double>(picoseconds); }
 
 // One frame of the board, all its passes.
-stability::Flags solve(host::FrameComputation& computation, host::WordBoard& board,
-                       std::vector<std::int32_t>& b) {
-  stability::Flags flags;
-  host::RefinedSolve* const refined = computation.refined();
-  if (refined == nullptr) {
-    if (computation.form_rhs(b) > 0) flags.raise(stability::Flag::range_exceeded);
-    flags.merge(board.solve(b).flags);
-    computation.accept(board.solution());
-    return flags;
-  }
-  computation.begin_passes();
-  while (refined->next(b)) {
+void solve(host::FrameComputation& computation, host::WordBoard& board,
+           std::vector<std::int32_t>& b) {
+  computation.begin();
+  while (computation.method().next(b)) {
     const fixed::Report report = board.solve(b);
-    refined->accept(board.solution(), report.flags);
+    computation.method().accept(board.solution(), report.flags);
   }
-  return flags;
 }
 
 }  // namespace
@@ -160,13 +151,10 @@ Replay::Result Replay::attempt(const fixed::Plan& plan) const {
         present = frame.nodes;
       }
       computation.hold(frame.hold());
-      result.flags.merge(solve(computation, board, b));
+      solve(computation, board, b);
       const Eigen::Vector3d force = computation.force();
-      if (host::RefinedSolve* const passes = computation.refined()) {
-        passes->finish();
-        result.flags.merge(passes->flags());
-        if (passes->clamped() > 0) result.flags.raise(stability::Flag::range_exceeded);
-      }
+      computation.method().finish();
+      result.flags.merge(computation.method().flags());
       computation.update();
       add_force(frame.sighting, !frame.let_go.empty(), number++, force, quality);
       const bool in_contact = !frame.nodes.empty();

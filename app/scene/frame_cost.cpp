@@ -8,11 +8,6 @@
 namespace hvp::app {
 
 namespace {
-// Of a solve without contact: all iterations, or two triangular solves.
-double host_solve_operations(const Scene& scene) {
-  const host::FrameComputation& c = scene.computation();
-  return c.on_host()->most_operations();
-}
 struct MovedVectors {
   std::int64_t send_ps;
   std::int64_t receive_ps;
@@ -61,46 +56,22 @@ std::vector<FrameStep> frame_steps(const Scene& scene) {
 
 std::vector<FrameStep> frame_steps(const Scene& scene, int nodes, std::int64_t solve_ps) {
   const Scenario& s = scene.scenario();
-  const host::FrameComputation& c = scene.computation();
   const double grown = static_cast<double>(nodes) / scene.body().active_nodes();
   const bool host_takes_time = s.fidelity.host != vp::Timing::untimed;
   const bool bus_takes_time = s.fidelity.bus != vp::Timing::untimed;
   std::vector<FrameStep> steps;
-  const auto compute = [&](const char* what, double operations, int times = 1) {
-    steps.push_back({what, host_takes_time ? s.host.compute_ps(operations * grown) : 0, times});
-  };
-  const auto compute_after_force = [&](const char* what, double operations) {
-    compute(what, operations);
-    steps.back().after_force = true;
-  };
-  if (c.on_host() != nullptr) {
-    steps.push_back({fmt::format("solve on the host ({})", host::name(s.host.solver)),
-                     host_takes_time ? s.host.compute_ps(host_solve_operations(scene) /
-                                                         s.host.solver_speed() * grown)
-                                     : 0,
-                     1});
-    compute("force (without contact)", c.force_operations());
-    compute_after_force("update after the force", c.update_operations());
-    return steps;
+  for (const host::Step& step : scene.computation().steps()) {
+    if (step.where == host::Step::Where::board) {
+      const MovedVectors moved = moved_vectors(s, nodes);
+      steps.push_back({"send b", bus_takes_time ? moved.send_ps : 0, step.times});
+      steps.push_back({"solve", solve_ps, step.times});
+      steps.push_back({"receive U", bus_takes_time ? moved.receive_ps : 0, step.times});
+      continue;
+    }
+    const double rate = step.where == host::Step::Where::solver ? s.host.solver_speed() : 1;
+    const std::int64_t ps = host_takes_time ? s.host.compute_ps(step.operations / rate * grown) : 0;
+    steps.push_back({step.what, ps, step.times, step.after_force});
   }
-  const host::RefinedSolve* refined = c.refined();
-  const int passes = refined == nullptr ? 1 : refined->passes();
-  if (refined == nullptr) {
-    compute("form b (without contact)", c.form_rhs_operations());
-  } else {
-    compute("first residual (without contact)", refined->residual_operations(false));
-    compute("each further pass' residual",
-            refined->accept_operations() + refined->residual_operations(true), passes - 1);
-  }
-  const MovedVectors moved = moved_vectors(s, nodes);
-  steps.push_back({"send b", bus_takes_time ? moved.send_ps : 0, passes});
-  steps.push_back({"solve", solve_ps, passes});
-  steps.push_back({"receive U", bus_takes_time ? moved.receive_ps : 0, passes});
-  if (refined != nullptr) compute("last increment", refined->accept_operations());
-  compute("force (without contact)", c.force_operations());
-  if (refined != nullptr)
-    compute_after_force("residual after the force", refined->finish_operations());
-  compute_after_force("update after the force", c.update_operations());
   return steps;
 }
 

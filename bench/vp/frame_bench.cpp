@@ -68,11 +68,12 @@ struct Jobs {
       const double depth = 5e-3 * static_cast<double>(frame + 1) / kFrames;
       const Eigen::Vector3d place(0, 0, -depth);
       c.hold({{&node, 1}, {&place, 1}, {}, kPeriod});
-      c.form_rhs(words);
+      c.begin();
+      c.method().next(words);
       b.push_back(words);
       guess.push_back(x);
       solver->solve({.b = words, .x = x});
-      c.accept(x);
+      c.method().accept(x, {});
       c.update();
     }
   }

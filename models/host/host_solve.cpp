@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include "models/config/input_error.h"
 
@@ -139,6 +141,25 @@ void Prefactored::solve(std::span<const double> f, std::span<const Eigen::Vector
   }
   // The small system, and its force's share of every unknown.
   operations_ = triangular_operations() + 2 * m * m + 2 * m * solver_.rows();
+}
+
+HostMethod::HostMethod(Solver solver, std::unique_ptr<HostSolve> solve,
+                       std::span<const double> initial)
+    : solver_(solver), solve_(std::move(solve)), u_(initial.begin(), initial.end()) {}
+
+void HostMethod::begin(std::span<const double> f, const fem::Hold& hold) {
+  f_ = f;
+  hold_ = hold;
+}
+
+bool HostMethod::next(std::span<std::int32_t> /*b*/) {
+  solve_->solve(f_, hold_.displacement, u_);
+  return false;
+}
+
+std::vector<Step> HostMethod::steps() const {
+  return {{std::string("solve on the host (") + name(solver_) + ")", Step::Where::solver,
+           solve_->most_operations()}};
 }
 
 }  // namespace hvp::host

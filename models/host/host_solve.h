@@ -1,11 +1,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "models/fem/reference_solver.h"
+#include "models/host/frame_method.h"
 #include "models/sparse/block_matrix.h"
 
 namespace hvp::host {
@@ -89,6 +91,30 @@ class Prefactored : public HostSolve {
   fem::ReferenceSolver solver_;
   std::vector<int> contact_;
   std::vector<double> right_hand_side_;
+};
+
+// The host solves each frame, and there is nothing for a board to do.
+class HostMethod final : public FrameMethod {
+ public:
+  HostMethod(Solver solver, std::unique_ptr<HostSolve> solve, std::span<const double> initial);
+
+  const HostSolve& solve() const { return *solve_; }
+
+  void set_contact(std::span<const int> nodes) override { solve_->move_contact(nodes); }
+  void begin(std::span<const double> f, const fem::Hold& hold) override;
+  bool next(std::span<std::int32_t> b) override;
+  void accept(std::span<const std::int32_t> /*x*/, stability::Flags /*flags*/) override {}
+  std::span<const double> displacement() const override { return u_; }
+  // What it does is solve()'s.
+  double next_operations() const override { return 0; }
+  std::vector<Step> steps() const override;
+
+ private:
+  Solver solver_;
+  std::unique_ptr<HostSolve> solve_;
+  std::span<const double> f_;
+  fem::Hold hold_;
+  std::vector<double> u_;
 };
 
 }  // namespace hvp::host

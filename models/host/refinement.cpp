@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <string>
+#include <utility>
 
 #include "models/config/input_error.h"
 #include "models/fixed/word.h"
@@ -128,10 +129,12 @@ void RefinedSolve::begin(std::span<const double> f, const fem::Hold& hold) {
   current_ = true;
   pass_ = 0;
   pass_flags_ = {};
+  flags_ = {};
   clamped_ = 0;
   way_ = 0;
   b_ = f_;
   move_contact_to(hold.displacement);
+  since_next_ = begin_operations();
 }
 
 void RefinedSolve::move_contact_to(std::span<const Eigen::Vector3d> displacement) {
@@ -170,9 +173,9 @@ int RefinedSolve::exponent_for(double largest) const {
 }
 
 bool RefinedSolve::next(std::span<std::int32_t> b) {
-  next_operations_ = 0;
+  next_operations_ = std::exchange(since_next_, 0);
   if (pass_ == passes()) return false;
-  next_operations_ = residual_operations(!current_);
+  next_operations_ += residual_operations(!current_);
   if (!current_) matrix_.multiply(u_, product_);
   current_ = true;
   form_residual();
@@ -205,6 +208,7 @@ void RefinedSolve::accept(std::span<const std::int32_t> x, Flags flags) {
     if (u_[i] != u) ++clamped_;
   }
   current_ = false;
+  since_next_ = accept_operations();
   pass_flags_.merge(flags);
 
   double& gain = gain_[at(pass_)];
@@ -293,6 +297,17 @@ double RefinedSolve::finish_operations() const {
   const double judge = 8.0 * matrix_.rows();
   const double extrapolation = start_ == fixed::Start::extrapolated ? 4.0 * matrix_.rows() : 0;
   return 18.0 * static_cast<double>(matrix_.blocks()) + judge + extrapolation;
+}
+
+std::vector<Step> RefinedSolve::steps() const {
+  std::vector<Step> steps = {
+      {"first residual (without contact)", Step::Where::host, residual_operations(false)},
+      {"each further pass' residual", Step::Where::host,
+       accept_operations() + residual_operations(true), passes() - 1},
+      {"", Step::Where::board, 0, passes()},
+      {"last increment", Step::Where::host, accept_operations()},
+      {"residual after the force", Step::Where::host, finish_operations(), 1, true}};
+  return steps;
 }
 
 }  // namespace hvp::host

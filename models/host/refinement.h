@@ -9,6 +9,7 @@
 #include "models/fem/hold.h"
 #include "models/fixed/scaling.h"
 #include "models/fixed/system.h"
+#include "models/host/frame_method.h"
 #include "models/sparse/block_matrix.h"
 #include "models/stability/flag.h"
 
@@ -27,10 +28,6 @@ struct Refinement {
 // its words, and u += Δ. Ã's rounding then costs passes instead of accuracy, as long as
 // ‖I − A·Ã⁻¹‖ < 1. docs/fixed-point.md, section Refinement.
 //
-//   begin(f, hold);
-//   while (next(b)) { …the board solves for x, from zero… accept(x, flags); }
-//   finish();
-//
 // Contact (thesis §3.7) is displacements that are known: u has them before the first residual is
 // formed, so that the contact's rows of r and Δ are zero, whatever stands on their diagonal. That
 // is the residual of the modified system.
@@ -38,7 +35,7 @@ struct Refinement {
 // Each pass has its own unit of a word, a power of two below that of the scenario's
 // displacement_range: the board's arithmetic is linear and knows nothing of it. Vectors are over
 // A's rows, in m and N. Nothing allocates after construction.
-class RefinedSolve {
+class RefinedSolve final : public FrameMethod {
  public:
   // Keeps a reference to the matrix as it was before it was rounded. `system` is what prepare()
   // made of it; its settings' start says where a solve begins: at the last solution, at zero, or
@@ -50,19 +47,19 @@ class RefinedSolve {
 
   // The right-hand side f, and the nodes that are held. Throws InputError where an entry of f is
   // not finite.
-  void begin(std::span<const double> f, const fem::Hold& hold);
+  void begin(std::span<const double> f, const fem::Hold& hold) override;
   // Puts the next pass' residual into the board's words. False where nothing is left to solve:
   // all passes are through, or the residual is zero.
-  bool next(std::span<std::int32_t> b);
+  bool next(std::span<std::int32_t> b) override;
   // Adds the board's increment; `flags` are those of its solve.
-  void accept(std::span<const std::int32_t> x, stability::Flags flags);
+  void accept(std::span<const std::int32_t> x, stability::Flags flags) override;
   // What is left of the residual, and where the next solve begins. It needs a product with A,
   // which is the first pass' of the next solve.
-  void finish();
+  void finish() override;
   // Instead of finish(): the solve has failed, the last solution stands.
-  void abandon();
+  void abandon() override;
 
-  std::span<const double> displacement() const { return u_; }
+  std::span<const double> displacement() const override { return u_; }
   // ‖f − A·u‖ outside the contact after the last finish(), over the largest ‖b‖ so far, where
   // b = f − A[:, c]·u_c is the right-hand side with the contact moved to it.
   double residual() const { return residual_; }
@@ -70,23 +67,23 @@ class RefinedSolve {
   double worst_residual() const { return worst_residual_; }
   // Of the solve that finish() ended. What a pass did to its words and a later pass made good
   // (saturation, stagnation, divergence) is no flag while residual() is within the tolerance.
-  stability::Flags flags() const { return flags_; }
+  stability::Flags flags() const override { return flags_; }
   // Passes whose increment did not fit its words, and which made the unit wider.
   std::int64_t widened() const { return widened_; }
   // Since begin(): words of residuals, and displacements beyond displacement_range, that were
   // clamped.
-  std::int64_t clamped() const { return clamped_; }
+  std::int64_t clamped() const override { return clamped_; }
 
-  // Additions, multiplications and comparisons, conversions included: of begin() with its contact,
-  // of a residual with or without the product A·u (the first pass has it from finish()), of the
-  // next() that was called last, of accept() and of finish().
-  double begin_operations() const;
-  double residual_operations(bool product) const;
-  double next_operations() const { return next_operations_; }
-  double accept_operations() const;
-  double finish_operations() const;
+  double next_operations() const override { return next_operations_; }
+  double finish_operations() const override;
+  std::vector<Step> steps() const override;
 
  private:
+  // Of begin() with its contact, of a residual with or without the product A·u (the first pass has
+  // it from finish()), of accept().
+  double begin_operations() const;
+  double residual_operations(bool product) const;
+  double accept_operations() const;
   void move_contact_to(std::span<const Eigen::Vector3d> displacement);
   void subtract_columns(const Eigen::Vector3d& u, int node, std::span<double> from) const;
   void form_residual();
@@ -106,6 +103,7 @@ class RefinedSolve {
   std::vector<double> u_, product_;  // A·u, where `current_`
   bool current_ = true;
   double next_operations_ = 0;
+  double since_next_ = 0;                            // operations of begin() and accept()
   std::vector<double> solution_, solution_product_;  // of the last finish()
   std::vector<double> guess_, guess_product_;        // where the next solve begins
   std::vector<double> f_, b_, r_, increment_;

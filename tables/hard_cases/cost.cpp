@@ -1,11 +1,13 @@
 #include "tables/hard_cases/cost.h"
 
+#include <memory>
 #include <vector>
 
 #include "app/devices/devices.h"
 #include "models/accel/cycles.h"
 #include "models/accel/memory.h"
 #include "models/fixed/system.h"
+#include "models/host/board_words.h"
 #include "models/host/costs.h"
 #include "models/host/refinement.h"
 #include "models/link/pci.h"
@@ -33,6 +35,26 @@ std::string smallest_device(const accel::WordLengths& words, const accel::Patter
   return "none: " + shortage;
 }
 
+// Of what the method does around the board's solves; the force without contact is the conversion
+// of U.
+double host_operations(const sparse::BlockMatrix& matrix, const fixed::Plan& plan) {
+  const fixed::System system = fixed::prepare(matrix, plan.settings);
+  const std::vector<double> initial(static_cast<std::size_t>(matrix.rows()));
+  const fem::ContactConstraint constraint(matrix, fem::ContactDiagonal::average);
+  std::unique_ptr<host::FrameMethod> method;
+  if (plan.passes > 1) {
+    host::Refinement refinement;
+    refinement.passes = plan.passes;
+    method = std::make_unique<host::RefinedSolve>(refinement, matrix, system, initial);
+  } else {
+    method =
+        std::make_unique<host::BoardWords>(constraint, system, 1, initial, fem::Effort::counted);
+  }
+  double operations = method->force_operations();
+  for (const host::Step& step : method->steps()) operations += step.times * step.operations;
+  return operations;
+}
+
 }  // namespace
 
 FrameCost frame_cost(const sparse::BlockMatrix& matrix, const fixed::Plan& plan) {
@@ -49,21 +71,7 @@ FrameCost frame_cost(const sparse::BlockMatrix& matrix, const fixed::Plan& plan)
   const std::int64_t transfer_ps = bus.write_ps(bytes_of(matrix.rows(), s.residual_bits())) +
                                    bus.read_ps(bytes_of(matrix.rows(), s.vector_bits));
   cost.bus_us = plan.passes * static_cast<double>(transfer_ps) * kUsPerPs;
-  if (plan.passes > 1) {
-    const fixed::System system = fixed::prepare(matrix, s);
-    host::Refinement refinement;
-    refinement.passes = plan.passes;
-    const host::RefinedSolve refined(refinement, matrix, system,
-                                     std::vector<double>(static_cast<std::size_t>(matrix.rows())));
-    double operations = refined.finish_operations();
-    for (int pass = 0; pass < plan.passes; ++pass) {
-      operations += refined.residual_operations(pass > 0) + refined.accept_operations();
-    }
-    cost.host_us = static_cast<double>(pc.compute_ps(operations)) * kUsPerPs;
-  } else {
-    const double operations = 2 * host::conversion_operations(matrix.rows());
-    cost.host_us = static_cast<double>(pc.compute_ps(operations)) * kUsPerPs;
-  }
+  cost.host_us = static_cast<double>(pc.compute_ps(host_operations(matrix, plan))) * kUsPerPs;
   cost.device = smallest_device(accel::word_lengths(s), pattern);
   return cost;
 }

@@ -9,18 +9,8 @@
 namespace hvp::vp {
 
 namespace {
-// A touch begins with displacements below any word's unit; after so many frames it has not.
-constexpr int kFramesWithoutWords = 16;
-
-std::uint32_t bit(stability::Flag flag) { return std::uint32_t{1} << static_cast<unsigned>(flag); }
-
 bool contains(std::span<const int> ascending, int node) {
   return std::binary_search(ascending.begin(), ascending.end(), node);
-}
-
-bool is_displaced(const fem::Hold& hold) {
-  return std::ranges::any_of(hold.displacement,
-                             [](const Eigen::Vector3d& u) { return u.squaredNorm() > 0; });
 }
 }  // namespace
 
@@ -44,6 +34,7 @@ BoardSolver::BoardSolver(const fixed::Settings& settings, host::FrameComputation
       access_(access),
       work_(work),
       reject_saturated_(reject_saturated),
+      phase_(computation.refined() != nullptr ? Phase::refinement : Phase::form_rhs),
       b_(computation.displacement().size()),
       u_(computation.displacement().size()) {
   scratch_.resize(std::max<std::size_t>(HVP_MIN_SCRATCH_WORDS, b_.size()));
@@ -145,58 +136,53 @@ hvp_status BoardSolver::restore_node(int node, std::span<const int> nodes) {
                           static_cast<std::uint32_t>(row_.size() / 9));
 }
 
-// With refinement each pass needs the one before: nothing is begun that could be left alone.
-hvp_status BoardSolver::begin(std::uint32_t& flags) {
-  if (computation_.refined() != nullptr) return HVP_OK;
-  const int clamped = computation_.form_rhs(b_);
-  work_.spend(Phase::form_rhs, 0, computation_.form_rhs_operations());
-  clamped_words_ += clamped;
-  if (clamped > 0) flags |= bit(stability::Flag::range_exceeded);
-  return start();
+// What the board is to solve next, in the time that this takes the host.
+bool BoardSolver::next() {
+  host::FrameMethod& method = computation_.method();
+  const bool more = method.next(b_);
+  const double operations = method.next_operations();
+  if (operations > 0) work_.spend(phase_, 0, operations);
+  return more;
 }
 
-hvp_status BoardSolver::end(std::uint32_t& flags) {
-  if (computation_.refined() != nullptr) return refine(*computation_.refined());
-  const hvp_status status = receive();
-  if (status != HVP_OK) return status;
-  flags |= hvp_last_flags(&device_);
-  // Words that are too coarse leave nothing of the load: the board solves A·x = 0 without a flag.
-  const bool vanished = !computation_.timing_only() && is_displaced(computation_.held()) &&
-                        std::ranges::all_of(b_, [](int w) { return w == 0; });
-  frames_without_words_ = vanished ? frames_without_words_ + 1 : 0;
-  if (frames_without_words_ >= kFramesWithoutWords) flags |= bit(stability::Flag::stagnation);
-  computation_.accept(u_);
+hvp_status BoardSolver::begin(std::uint32_t& flags) {
+  computation_.begin();
+  waits_for_board_ = next();
+  flags |= computation_.method().flags().bits();
+  clamped_words_ += computation_.method().clamped();
+  const hvp_status status = waits_for_board_ ? start() : HVP_OK;
+  if (status != HVP_OK) computation_.method().abandon();
   return status;
 }
 
-// Each pass' residual follows the increment of the pass before in one span; the last increment has
-// one of its own.
-hvp_status BoardSolver::refine(host::RefinedSolve& refined) {
-  computation_.begin_passes();
-  double operations = refined.begin_operations();
-  while (refined.next(b_)) {
-    work_.spend(Phase::refinement, 0, operations + refined.next_operations());
-    hvp_status status = start();
-    if (status == HVP_OK) status = receive();
+// One pass, or as many as the method makes: each needs the one before.
+hvp_status BoardSolver::end(std::uint32_t& flags) {
+  host::FrameMethod& method = computation_.method();
+  const std::int64_t counted = method.clamped();
+  while (waits_for_board_) {
+    hvp_status status = receive();
+    if (status == HVP_OK) {
+      method.accept(u_, stability::Flags(hvp_last_flags(&device_)));
+      waits_for_board_ = next();
+      if (waits_for_board_) status = start();
+    }
     if (status != HVP_OK) {
-      refined.abandon();
+      method.abandon();
       return status;
     }
-    refined.accept(u_, stability::Flags(hvp_last_flags(&device_)));
-    operations = refined.accept_operations();
   }
-  work_.spend(Phase::refinement, 0, operations + refined.next_operations());
+  flags |= method.flags().bits();
+  clamped_words_ += method.clamped() - counted;
   return HVP_OK;
 }
 
 // What is left of the residual is known when the next frame's product is formed: after the force.
 void BoardSolver::finish(std::uint32_t& flags) {
-  host::RefinedSolve* refined = computation_.refined();
-  if (refined == nullptr) return;
-  refined->finish();
-  work_.spend(Phase::refinement, 0, refined->finish_operations());
-  flags |= refined->flags().bits();
-  clamped_words_ += refined->clamped();
+  host::FrameMethod& method = computation_.method();
+  method.finish();
+  const double operations = method.finish_operations();
+  if (operations > 0) work_.spend(phase_, 0, operations);
+  flags |= method.flags().bits();
 }
 
 hvp_status BoardSolver::start() {

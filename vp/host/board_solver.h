@@ -48,7 +48,7 @@ class BoardSolver : public FrameSolver {
   hvp_status open();
   hvp_status make(Piece piece, bool& complete);
   hvp_status restore_node(int node, std::span<const int> nodes);
-  hvp_status refine(host::RefinedSolve& refined);
+  bool next();
   hvp_status start();
   hvp_status receive();
   hvp_status wait();
@@ -61,6 +61,7 @@ class BoardSolver : public FrameSolver {
   const BoardAccess& access_;
   const Work& work_;
   bool reject_saturated_;
+  Phase phase_;  // of what the host computes around the solves
 
   std::optional<DmaMemory> dma_;
   hvp_device device_{};
@@ -75,7 +76,7 @@ class BoardSolver : public FrameSolver {
   std::vector<std::int32_t> b_;
   std::vector<std::int32_t> u_;
   std::vector<std::int32_t> row_;
-  int frames_without_words_ = 0;  // in a row, with a contact that is displaced
+  bool waits_for_board_ = false;
   std::int64_t clamped_words_ = 0;
 };
 

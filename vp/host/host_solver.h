@@ -21,13 +21,13 @@ class HostSolver : public FrameSolver {
   }
   hvp_status move_contact(std::span<const int> nodes) override {
     computation_.set_contact(nodes);
-    computation_.on_host()->move_contact(nodes);
     work_.spend(Phase::node_update, 0, scaled(computation_.on_host()->contact_operations()));
     return HVP_OK;
   }
   hvp_status begin(std::uint32_t& /*flags*/) override { return HVP_OK; }
   hvp_status end(std::uint32_t& /*flags*/) override {
-    computation_.solve_on_host();
+    computation_.begin();
+    computation_.method().next({});
     work_.spend(Phase::solve, 0, scaled(computation_.on_host()->operations()));
     return HVP_OK;
   }

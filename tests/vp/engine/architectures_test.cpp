@@ -13,6 +13,7 @@
 
 #include "models/accel/architecture.h"
 #include "models/config/input_error.h"
+#include "models/config/quiet_visitor.h"
 #include "tests/fixed/elastic_box.h"
 #include "tests/vp/engine/engine_systems.h"
 #include "tests/vp/engine/levels.h"

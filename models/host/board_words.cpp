@@ -1,0 +1,93 @@
+#include "models/host/board_words.h"
+
+#include <algorithm>
+
+#include "models/host/costs.h"
+
+namespace hvp::host {
+
+namespace {
+// A touch begins with displacements below any word's unit; after so many frames it has not.
+constexpr int kFramesWithoutWords = 16;
+}  // namespace
+
+BoardWords::BoardWords(const fem::ContactConstraint& constraint, const fixed::System& system,
+                       std::int32_t diagonal_word, std::span<const double> initial,
+                       fem::Effort effort)
+    : constraint_(constraint),
+      system_(system),
+      scaling_(system),
+      diagonal_word_(diagonal_word),
+      effort_(effort),
+      b_(initial.size()),
+      u_(initial.begin(), initial.end()) {}
+
+void BoardWords::begin(std::span<const double> f, const fem::Hold& hold) {
+  f_ = f;
+  hold_ = hold;
+  sent_ = false;
+  flags_ = {};
+  clamped_ = 0;
+}
+
+bool BoardWords::next(std::span<std::int32_t> b) {
+  next_operations_ = 0;
+  if (sent_) return false;
+  sent_ = true;
+  next_operations_ = conversion();
+  if (hold_.present()) next_operations_ += constraint_.modified_rhs_flops(hold_.nodes);
+  if (effort_ == fem::Effort::counted) return true;
+  if (hold_.present()) {
+    constraint_.modified_rhs(f_, hold_.nodes, hold_.displacement, b_);
+    // The board has the diagonal as a word; the right-hand side has to belong to that word for
+    // the solution to be u: word · scale · u = s·b with u/s for u in a scaled system.
+    const double diagonal = diagonal_word_ * system_.matrix.scale;
+    for (std::size_t n = 0; n < hold_.nodes.size(); ++n) {
+      for (int i = 0; i < 3; ++i) {
+        const auto row = static_cast<std::size_t>(3 * hold_.nodes[n] + i);
+        b_[row] = diagonal / (system_.scale[row] * system_.scale[row]) * hold_.displacement[n][i];
+      }
+    }
+  } else {
+    std::ranges::copy(f_, b_.begin());
+  }
+  clamped_ = scaling_.right_hand_side(b_, b);
+  if (clamped_ > 0) flags_.raise(stability::Flag::range_exceeded);
+  look_for_words(b);
+  return true;
+}
+
+// Words that are too coarse leave nothing of the load: the board solves A·x = 0 without a flag.
+void BoardWords::look_for_words(std::span<const std::int32_t> b) {
+  const bool displaced = std::ranges::any_of(
+      hold_.displacement, [](const Eigen::Vector3d& u) { return u.squaredNorm() > 0; });
+  vanished_ = displaced && std::ranges::all_of(b, [](std::int32_t word) { return word == 0; });
+}
+
+// Where held nodes are is known better than from the board's words.
+void BoardWords::accept(std::span<const std::int32_t> x, stability::Flags flags) {
+  flags_.merge(flags);
+  if (effort_ == fem::Effort::counted) return;
+  frames_without_words_ = vanished_ ? frames_without_words_ + 1 : 0;
+  if (frames_without_words_ >= kFramesWithoutWords) flags_.raise(stability::Flag::stagnation);
+  scaling_.displacements(x, u_);
+  if (hold_.elapsed_s == 0) return;
+  for (std::size_t n = 0; n < hold_.nodes.size(); ++n) {
+    for (int i = 0; i < 3; ++i) {
+      u_[static_cast<std::size_t>(3 * hold_.nodes[n] + i)] = hold_.displacement[n][i];
+    }
+  }
+}
+
+// A word more to scale where every equation has a scale of its own.
+double BoardWords::conversion() const {
+  const int rows = system_.matrix.block_rows() * 3;
+  const bool scaled = system_.settings.matrix_scaling != fixed::MatrixScaling::none;
+  return conversion_operations(rows) + (scaled ? rows : 0);
+}
+
+std::vector<Step> BoardWords::steps() const {
+  return {{"form b (without contact)", Step::Where::host, conversion()}, {"", Step::Where::board}};
+}
+
+}  // namespace hvp::host

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "models/fem/contact.h"
+#include "models/fem/linear_tissue.h"
+#include "models/fixed/scaling.h"
+#include "models/fixed/system.h"
+#include "models/host/frame_method.h"
+
+namespace hvp::host {
+
+// The board solves for u itself, in one pass (thesis Fig. 6.2): the modified force vector goes
+// there in words, U comes back. Counted only, right-hand sides stay as they are.
+class BoardWords final : public FrameMethod {
+ public:
+  // Keeps references. `diagonal_word` is what the board has on the diagonal of a held node;
+  // `initial` the displacement before the first frame.
+  BoardWords(const fem::ContactConstraint& constraint, const fixed::System& system,
+             std::int32_t diagonal_word, std::span<const double> initial, fem::Effort effort);
+
+  void begin(std::span<const double> f, const fem::Hold& hold) override;
+  bool next(std::span<std::int32_t> b) override;
+  void accept(std::span<const std::int32_t> x, stability::Flags flags) override;
+
+  std::span<const double> displacement() const override { return u_; }
+  stability::Flags flags() const override { return flags_; }
+  std::int64_t clamped() const override { return clamped_; }
+
+  double next_operations() const override { return next_operations_; }
+  double force_operations() const override { return conversion(); }  // of U, out of its words
+  std::vector<Step> steps() const override;
+
+ private:
+  double conversion() const;
+  void look_for_words(std::span<const std::int32_t> b);
+
+  const fem::ContactConstraint& constraint_;
+  const fixed::System& system_;
+  fixed::Scaling scaling_;
+  std::int32_t diagonal_word_;
+  fem::Effort effort_;
+  std::span<const double> f_;
+  fem::Hold hold_;
+  std::vector<double> b_;
+  std::vector<double> u_;
+  bool sent_ = false;
+  double next_operations_ = 0;
+  stability::Flags flags_;
+  std::int64_t clamped_ = 0;
+  bool vanished_ = false;         // the words of this frame's load
+  int frames_without_words_ = 0;  // in a row, with a contact that is displaced
+};
+
+}  // namespace hvp::host
