@@ -325,6 +325,30 @@ TEST(Refinement, NothingIsSolvedWhereNothingIsLeft) {
   EXPECT_TRUE(bench.refined.flags().empty());
 }
 
+// What `hvp explain` prices is what a frame without contact runs.
+TEST(Refinement, StepsAreThoseOfAFrame) {
+  const Loaded load;
+  Bench bench(load, {});
+  bench.refined.begin(load.f, {});
+  double ran = 0;
+  int solves = 0;
+  while (bench.refined.next(bench.b)) {
+    ran += bench.refined.next_operations();
+    const Flags flags = bench.solve();
+    bench.refined.accept(bench.x, flags);
+    ++solves;
+  }
+  ran += bench.refined.next_operations() + bench.refined.finish_operations();
+  double priced = 0;
+  for (const Step& step : bench.refined.steps()) {
+    if (step.where == Step::Where::board) {
+      EXPECT_EQ(step.times, solves);
+    }
+    priced += step.times * step.operations;
+  }
+  EXPECT_EQ(priced, ran);
+}
+
 TEST(Refinement, OperationsFollowWhatWasFormed) {
   const Loaded load;
   Bench bench(load, {});
