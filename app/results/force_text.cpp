@@ -1,10 +1,9 @@
-#include "app/results/force_text.h"
-
 #include <iterator>
 
 #include <fmt/format.h>
 
 #include "app/results/number_text.h"
+#include "app/results/report_sections.h"
 
 namespace hvp::results {
 
@@ -43,10 +42,10 @@ void strain_line(Out out, const fem::Strains& strain) {
 std::string force_text(const Outcome& o) {
   std::string text;
   const Out out = std::back_inserter(text);
-  if (o.missed_contact) {
+  if (o.contact.missed) {
     fmt::format_to(
         out, "\nContact      none in frame {}, though the tip was {} inside the body: no force\n",
-        o.missed_contact->frame, readable_length(-o.missed_contact->distance));
+        o.contact.missed->frame, readable_length(-o.contact.missed->distance));
   }
   if (!o.force || o.force->peak().frame < 0) return text;
   force_lines(out, *o.force);

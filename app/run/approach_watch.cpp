@@ -27,12 +27,13 @@ void ApproachWatch::solved(const vp::SolvedFrame& frame) {
     nearest_.reset();
     return;
   }
-  const Nearest here{contacts_.surface().signed_distance(frame.tip), frame.number, frame.tip};
+  const results::Approach here{contacts_.surface().signed_distance(frame.tip), frame.number,
+                               frame.tip};
   if (!touched_ && (!nearest_ || here.distance < nearest_->distance)) nearest_ = here;
   if (!deepest_ || here.distance < deepest_->distance) deepest_ = here;
 }
 
-std::optional<ApproachWatch::Nearest> ApproachWatch::missed() const {
+std::optional<results::Approach> ApproachWatch::missed() const {
   if (!deepest_ || deepest_->distance > -allowed_) return std::nullopt;
   return deepest_;
 }
