@@ -24,7 +24,7 @@ struct ContactFigures {
   std::int64_t changes = 0;  // of the contact node
   std::int64_t collision_passes = 0;
   vp::Picoseconds longest_pass = 0;
-  // The nearest place, where the probe has not touched the body.
+  // The nearest place; none once the probe has touched the body.
   std::optional<Approach> nearest;
   // The deepest place in the body without contact, where that is a flag.
   std::optional<Approach> missed;

@@ -24,13 +24,20 @@ ApproachWatch::ApproachWatch(const collision::ContactSearch& contacts)
 void ApproachWatch::solved(const vp::SolvedFrame& frame) {
   if (frame.contact.present()) {
     touched_ = true;
-    nearest_.reset();
+    figures_.nearest.reset();
     return;
   }
   const results::Approach here{contacts_.surface().signed_distance(frame.tip), frame.number,
                                frame.tip};
-  if (!touched_ && (!nearest_ || here.distance < nearest_->distance)) nearest_ = here;
+  std::optional<results::Approach>& nearest = figures_.nearest;
+  if (!touched_ && (!nearest || here.distance < nearest->distance)) nearest = here;
   if (!deepest_ || here.distance < deepest_->distance) deepest_ = here;
+}
+
+results::ContactFigures ApproachWatch::figures() const {
+  results::ContactFigures figures = figures_;
+  figures.missed = missed();
+  return figures;
 }
 
 std::optional<results::Approach> ApproachWatch::missed() const {

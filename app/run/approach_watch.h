@@ -18,18 +18,19 @@ class ApproachWatch : public vp::FrameObserver {
 
   void solved(const vp::SolvedFrame& frame) override;
 
-  // None once the probe has touched the body.
-  const std::optional<results::Approach>& nearest() const { return nearest_; }
-  // The deepest place without contact, where it is deeper than a late pass explains.
-  std::optional<results::Approach> missed() const;
+  // What frames tell; what only the processes count is left at zero.
+  results::ContactFigures figures() const;
   // contact_missed.
   stability::Flags flags() const;
 
  private:
+  // The deepest place without contact, where it is deeper than a late pass explains.
+  std::optional<results::Approach> missed() const;
+
   const collision::ContactSearch& contacts_;
   double allowed_;  // m
   bool touched_ = false;
-  std::optional<results::Approach> nearest_;
+  results::ContactFigures figures_;
   std::optional<results::Approach> deepest_;
 };
 

@@ -172,7 +172,7 @@ stability::Flags scene_flags(const Scene& scene, const vp::ServoCounts& counts) 
 }
 
 results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
-                            const vp::LatencyStatistics& latency,
+                            const vp::LatencyStatistics& latency, const ApproachWatch& approach,
                             const std::optional<results::Accuracy>& accuracy) {
   const Scenario& s = scene.scenario();
   results::Outcome o;
@@ -193,11 +193,10 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
   o.bus.transactions = platform.bus().transactions();
   o.bus.bytes = platform.bus().bytes_moved();
   o.bus.busy = platform.bus().busy();
-  o.contact = {.changes = o.servo.contact_changes,
-               .collision_passes = platform.collision().passes(),
-               .longest_pass = platform.collision().longest_pass(),
-               .nearest = {},
-               .missed = {}};
+  o.contact = approach.figures();
+  o.contact.changes = o.servo.contact_changes;
+  o.contact.collision_passes = platform.collision().passes();
+  o.contact.longest_pass = platform.collision().longest_pass();
   o.accuracy = accuracy;
   o.error_budgets = error_budgets(s.budget, accuracy);
   if (const host::RefinedSolve* refined = scene.computation().refined()) {
@@ -287,12 +286,11 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   if (deformation) deformation->finish();
   platform.close_waveform();
   if (waveform) waveform->finish();
-  results::Outcome outcome = outcome_of(
-      platform, scene, latency, accuracy ? std::optional(accuracy->accuracy()) : std::nullopt);
+  results::Outcome outcome =
+      outcome_of(platform, scene, latency, approach,
+                 accuracy ? std::optional(accuracy->accuracy()) : std::nullopt);
   buses.fill(outcome.bus);
   if (body) body->fill(outcome);
-  outcome.contact.nearest = approach.nearest();
-  outcome.contact.missed = approach.missed();
   outcome.flags.merge(approach.flags());
   outcome.rounding = rounding;
   if (rounding) outcome.flags.merge(rounding_flags(scene, *rounding, outcome.accuracy_measured()));
