@@ -11,6 +11,7 @@ void ContactFigures::report(config::Figures& f) const {
   f.count("changes", changes, "how often the contact node changed");
   f.count("collision_passes", collision_passes, "of the collision process");
   f.time("longest_pass_us", longest_pass, "the longest of them");
+  f.ratio("share", share(), "of all frames, those in contact: with a node held");
 }
 
 }  // namespace hvp::results

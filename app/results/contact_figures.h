@@ -21,6 +21,8 @@ struct Approach {
 
 // How the probe met the body: the table `contact`.
 struct ContactFigures {
+  std::int64_t frames = 0;
+  std::int64_t frames_in_contact = 0;
   std::int64_t changes = 0;  // of the contact node
   std::int64_t collision_passes = 0;
   vp::Picoseconds longest_pass = 0;
@@ -29,6 +31,10 @@ struct ContactFigures {
   // The deepest place in the body without contact, where that is a flag.
   std::optional<Approach> missed;
 
+  // Of all frames, those in contact.
+  double share() const {
+    return frames > 0 ? static_cast<double>(frames_in_contact) / static_cast<double>(frames) : 0;
+  }
   void report(config::Figures& f) const;
 };
 

@@ -11,9 +11,9 @@ namespace {
 
 using Out = std::back_insert_iterator<std::string>;
 
-void force_lines(Out out, const stability::ForceQuality& force) {
-  fmt::format_to(out, "\nForce        largest {} (frame {})\n", newtons(force.peak().value),
-                 force.peak().frame);
+void force_lines(Out out, const stability::ForceQuality& force, const ContactFigures& contact) {
+  fmt::format_to(out, "\nForce        largest {} (frame {}), contact in {} of the frames\n",
+                 newtons(force.peak().value), force.peak().frame, percent(contact.share()));
   fmt::format_to(out, "  step           {} from one frame to the next, {} of it (frame {})\n",
                  newtons(force.step().value), percent(force.step_share()), force.step().frame);
   if (force.alternations() > 0) {
@@ -48,7 +48,7 @@ std::string force_text(const Outcome& o) {
         o.contact.missed->frame, readable_length(-o.contact.missed->distance));
   }
   if (!o.force || o.force->peak().frame < 0) return text;
-  force_lines(out, *o.force);
+  force_lines(out, *o.force, o.contact);
   if (o.strain) strain_line(out, o.strain->worst);
   return text;
 }

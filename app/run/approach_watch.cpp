@@ -22,7 +22,9 @@ ApproachWatch::ApproachWatch(const collision::ContactSearch& contacts)
     : contacts_(contacts), allowed_(kAllowed * diagonal(contacts.surface())) {}
 
 void ApproachWatch::solved(const vp::SolvedFrame& frame) {
+  ++figures_.frames;
   if (frame.contact.present()) {
+    ++figures_.frames_in_contact;
     touched_ = true;
     figures_.nearest.reset();
     return;
