@@ -176,7 +176,10 @@ int parse_and_run(int argc, char** argv) {
 
   command = app.add_subcommand("reference",
                                "print every key of a scenario: unit, range, default, source");
-  command->callback([&] { status = reference_command(); });
+  bool of_results = false;
+  command->add_flag("--results", of_results,
+                    "every key of summary.json and column of frames.csv instead");
+  command->callback([&] { status = reference_command(of_results); });
 
   refuse_empty_values(app);
   try {

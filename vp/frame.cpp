@@ -4,21 +4,7 @@
 
 namespace hvp::vp {
 
-std::string_view name(Part part) {
-  switch (part) {
-    case Part::host:
-      return "host";
-    case Part::bus:
-      return "bus";
-    case Part::fpga:
-      return "fpga";
-    case Part::daq:
-      return "daq";
-    case Part::device:
-      return "device";
-  }
-  return "";
-}
+std::string_view name(Part part) { return kPartNames.at(static_cast<std::size_t>(part)); }
 
 std::string_view name(Resource resource) {
   switch (resource) {

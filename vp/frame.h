@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 #include <vector>
@@ -10,7 +12,12 @@ namespace hvp::vp {
 // Simulated time in whole picoseconds, the kernel's resolution.
 using Picoseconds = std::int64_t;
 
-enum class Part : std::uint8_t { host, bus, fpga, daq, device };
+// What takes time in a frame, in the order that results have.
+enum class Part : std::uint8_t { host, bus, fpga, daq, device, count };
+inline constexpr auto kParts = static_cast<std::size_t>(Part::count);
+inline constexpr std::array<std::string_view, kParts> kPartNames = {"host", "bus", "fpga", "daq",
+                                                                    "device"};
+static_assert(!kPartNames.back().empty(), "a part has no name");
 
 enum class Phase : std::uint8_t {
   release,         // host: from n·T until the process begins

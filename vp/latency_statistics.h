@@ -46,7 +46,6 @@ class LatencyStatistics : public FrameSink {
   const std::deque<Transactions>& transactions() const { return transactions_; }
 
  private:
-  static constexpr std::size_t kParts = 5;
   static constexpr std::size_t kMostPhases = 64;
 
   // An entry's number plus one; 0: the phase has not occurred.

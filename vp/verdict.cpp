@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/statistics/spread.h"
+
 namespace hvp::vp {
 
 namespace {
@@ -67,6 +69,47 @@ Picoseconds Verdict::percentile(double share) const {
     if (seen >= wanted) return latency;
   }
   return 0;
+}
+
+void Verdict::report_deadline(config::Figures& f) const {
+  f.time("period_us", period_, "from tick to tick");
+  f.time("budget_us", budget_, "from a tick until its force is due");
+  f.time("worst_us", worst_, "of all frames");
+  f.time("p50_us", percentile(0.50), "half of the frames are within it");
+  f.time("p99_us", percentile(0.99), "99 % of the frames are within it");
+  f.count("misses", misses(), "late forces, skipped ticks, and frames whose solve failed");
+  f.count("frames", frames_, "ticks that had a frame");
+  f.count("skipped_ticks", skipped_, "ticks that had none");
+  f.count("worst_frame", worst_frame_, "number of the frame with the worst latency");
+}
+
+void Verdict::report_lateness(config::Figures& f) const {
+  std::optional<statistics::Spread> spread;
+  if (lateness_.count() > 0) spread = statistics::spread_of(lateness_);
+  f.table_or_null(
+      "lateness",
+      "of late forces only, held ones too: by how much they were late; null where none "
+      "was. Percentiles are right within one part in 64, the worst and the mean exactly",
+      spread, [&](const statistics::Spread& late) {
+        late.report(f);
+        statistics::report_octaves(f, lateness_.octaves(), "frames");
+      });
+}
+
+void Verdict::report_load(config::Figures& f) const {
+  f.time("worst_us", worst_load_, "of all frames");
+  f.count("misses", overloads(), "frames beyond the period, and skipped ticks");
+  f.truth("held", load_held(), "there are none");
+}
+
+void Verdict::report_attribution(config::Figures& f) const {
+  f.list("attribution",
+         "The worst frame's critical path, by part and phase; sums to `deadline.worst_us`.",
+         attribution_, [&](const Attribution& a) {
+           f.text("part", name(a.part), "who took the time");
+           f.text("phase", name(a.phase), "what for");
+           f.time("us", a.time, "how long");
+         });
 }
 
 }  // namespace hvp::vp

@@ -4,6 +4,7 @@
 #include <map>
 #include <vector>
 
+#include "models/config/figures.h"
 #include "models/statistics/histogram.h"
 #include "vp/ledger.h"
 
@@ -56,6 +57,12 @@ class Verdict : public FrameSink {
   const statistics::Histogram& wake_up() const { return wake_up_; }
   // Of the worst frame, in the order of time; sums to worst_latency() exactly.
   const std::vector<Attribution>& attribution() const { return attribution_; }
+
+  // Tables of summary.json.
+  void report_deadline(config::Figures& f) const;
+  void report_lateness(config::Figures& f) const;
+  void report_load(config::Figures& f) const;
+  void report_attribution(config::Figures& f) const;
 
  private:
   void count(Picoseconds latency);

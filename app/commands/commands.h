@@ -59,8 +59,8 @@ struct SolveArguments {
 };
 int solve_command(const SolveArguments& arguments);
 
-// Prints docs/scenario-reference.md.
-int reference_command();
+// Prints docs/scenario-reference.md, or docs/results-reference.md.
+int reference_command(bool results);
 
 struct LoadedScenario {
   scenario::Document document;

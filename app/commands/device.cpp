@@ -3,8 +3,7 @@
 #include "app/commands/commands.h"
 #include "app/commands/terminal.h"
 #include "app/design/design_figures.h"
-#include "app/results/design_json.h"
-#include "app/results/design_text.h"
+#include "app/results/design_report.h"
 
 namespace hvp::app {
 

@@ -4,11 +4,12 @@
 
 #include "app/commands/commands.h"
 #include "app/commands/terminal.h"
+#include "app/results/results_reference.h"
 
 namespace hvp::app {
 
-int reference_command() {
-  print("{}", scenario::reference_page(Scenario{}));
+int reference_command(bool results) {
+  print("{}", results ? results::results_reference_page() : scenario::reference_page(Scenario{}));
   return kHeld;
 }
 

@@ -77,7 +77,8 @@ int run_command(const RunArguments& arguments) {
   performance["build_scene_s"] = seconds(start, built);
   performance["simulate_s"] = simulate_s;
   performance["remedy_s"] = outcome.remedy_search_s;
-  const double frames_per_s = static_cast<double>(outcome.frames) / std::max(simulate_s, 1e-9);
+  const double frames_per_s =
+      static_cast<double>(outcome.verdict.frames()) / std::max(simulate_s, 1e-9);
   performance["frames_per_s"] = frames_per_s;
   performance["draw_s"] = seconds(simulated, drawn);
   performance["simulated_s"] = static_cast<double>(outcome.simulated) * 1e-12;
@@ -101,7 +102,7 @@ int run_command(const RunArguments& arguments) {
     complain(
         outcome.partial()
             ? fmt::format("hvp: interrupted at frame {} of {}: the results are of those before",
-                          outcome.ticks, outcome.frames_asked)
+                          outcome.ticks, outcome.scene.frames)
             : "hvp: interrupted after the last frame: the results are complete");
     results::end_as_interrupted();
   }

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "app/draw/canvas.h"
+#include "vp/frame.h"
 
 namespace hvp::draw {
 namespace {
@@ -18,17 +19,17 @@ namespace {
 constexpr Colour kOther = {160, 160, 155};
 
 // After Okabe and Ito's palette for the colour-blind; one part, one colour, in every picture.
+constexpr auto kColourOfPart = std::to_array<Colour>({{0, 158, 115},     // host
+                                                      {230, 159, 0},     // bus
+                                                      {0, 114, 178},     // fpga
+                                                      {204, 121, 167},   // daq
+                                                      {86, 180, 233}});  // device
+static_assert(kColourOfPart.size() == vp::kParts, "a part has no colour");
+
 Colour colour_of(std::string_view part) {
-  constexpr std::array<std::pair<std::string_view, Colour>, 5> kParts = {
-      {{"fpga", {0, 114, 178}},
-       {"bus", {230, 159, 0}},
-       {"host", {0, 158, 115}},
-       {"daq", {204, 121, 167}},
-       {"device", {86, 180, 233}}}};
-  for (const auto& [name, colour] : kParts) {
-    if (name == part) return colour;
-  }
-  return kOther;
+  const auto found = std::ranges::find(vp::kPartNames, part);
+  if (found == vp::kPartNames.end()) return kOther;
+  return kColourOfPart.at(static_cast<std::size_t>(found - vp::kPartNames.begin()));
 }
 
 std::string name_of(const Contribution& row) { return row.part + " · " + row.phase; }

@@ -1,11 +1,10 @@
-#include "app/results/accuracy_text.h"
-
 #include <iterator>
 #include <string_view>
 
 #include <fmt/format.h>
 
 #include "app/results/number_text.h"
+#include "app/results/report_sections.h"
 
 namespace hvp::results {
 

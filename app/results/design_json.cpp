@@ -1,6 +1,6 @@
-#include "app/results/design_json.h"
-
 #include <nlohmann/json.hpp>
+
+#include "app/results/design_report.h"
 
 namespace hvp::results {
 

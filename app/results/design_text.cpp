@@ -1,11 +1,10 @@
-#include "app/results/design_text.h"
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 
 #include <fmt/format.h>
 
+#include "app/results/design_report.h"
 #include "app/results/engine_text.h"
 #include "app/results/number_text.h"
 #include "app/results/report.h"

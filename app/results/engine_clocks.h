@@ -11,8 +11,8 @@ namespace hvp::results {
 // Clocks of a phase of a solve as the engine took them, and by the closed form of
 // docs/accelerator.md for the same work.
 struct PhaseClocks {
-  const char* name;  // as summary.json has it
-  const char* title;
+  const char* name = "";  // as summary.json has it
+  const char* title = "";
   std::int64_t engine = 0;
   std::int64_t closed_form = 0;
 };

@@ -1,5 +1,3 @@
-#include "app/results/fault_text.h"
-
 #include <algorithm>
 #include <iterator>
 #include <string_view>
@@ -7,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "app/results/number_text.h"
+#include "app/results/report_sections.h"
 
 namespace hvp::results {
 
@@ -67,13 +66,13 @@ void error_lines(Out out, const vp::ServoCounts& c) {
 }
 
 void consequence_lines(Out out, const Outcome& o) {
-  const vp::ServoCounts& c = o.troubles;
+  const vp::ServoCounts& c = o.servo;
   if (c.held_frames > 0) {
     fmt::format_to(out,
                    "  held           the last force in {} of {} frames, {} in a row at "
                    "most = {}\n",
-                   c.held_frames, o.frames, counted(c.longest_hold, "tick"),
-                   readable_time(c.longest_hold * o.period));
+                   c.held_frames, o.verdict.frames(), counted(c.longest_hold, "tick"),
+                   readable_time(c.longest_hold * o.verdict.period()));
   }
   if (c.recoveries + c.failed_set_ups > 0) {
     fmt::format_to(out, "  board          set up again {}, in vain {}\n", times(c.recoveries),
@@ -97,15 +96,8 @@ void consequence_lines(Out out, const Outcome& o) {
 
 }  // namespace
 
-bool faults_happened(const Outcome& o) {
-  const vp::ServoCounts& c = o.troubles;
-  return std::ranges::any_of(o.faults, [](const auto& r) { return r.injected > 0; }) ||
-         std::ranges::any_of(c.errors, [](const auto& e) { return e.count > 0; }) ||
-         c.mended.lost_interrupts + c.mended.lost_acknowledgements > 0;
-}
-
 std::string fault_text(const Outcome& o) {
-  if (o.faults.empty() && !faults_happened(o)) return {};
+  if (o.faults.empty() && !o.faults_happened()) return {};
   std::int64_t injected = 0;
   std::int64_t unnoticed = 0;
   for (const vp::FaultRecord& r : o.faults) {
@@ -115,7 +107,7 @@ std::string fault_text(const Outcome& o) {
   std::string text = fmt::format("\nFaults       {} injected, {} unnoticed\n", injected, unnoticed);
   const Out out = std::back_inserter(text);
   fault_lines(out, o);
-  error_lines(out, o.troubles);
+  error_lines(out, o.servo);
   consequence_lines(out, o);
   return text;
 }

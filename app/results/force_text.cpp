@@ -1,10 +1,9 @@
-#include "app/results/force_text.h"
-
 #include <iterator>
 
 #include <fmt/format.h>
 
 #include "app/results/number_text.h"
+#include "app/results/report_sections.h"
 
 namespace hvp::results {
 
@@ -12,9 +11,9 @@ namespace {
 
 using Out = std::back_insert_iterator<std::string>;
 
-void force_lines(Out out, const stability::ForceQuality& force) {
-  fmt::format_to(out, "\nForce        largest {} (frame {})\n", newtons(force.peak().value),
-                 force.peak().frame);
+void force_lines(Out out, const stability::ForceQuality& force, const ContactFigures& contact) {
+  fmt::format_to(out, "\nForce        largest {} (frame {}), contact in {} of the frames\n",
+                 newtons(force.peak().value), force.peak().frame, percent(contact.share()));
   fmt::format_to(out, "  step           {} from one frame to the next, {} of it (frame {})\n",
                  newtons(force.step().value), percent(force.step_share()), force.step().frame);
   if (force.alternations() > 0) {
@@ -43,13 +42,13 @@ void strain_line(Out out, const fem::Strains& strain) {
 std::string force_text(const Outcome& o) {
   std::string text;
   const Out out = std::back_inserter(text);
-  if (o.missed_contact) {
+  if (o.contact.missed) {
     fmt::format_to(
         out, "\nContact      none in frame {}, though the tip was {} inside the body: no force\n",
-        o.missed_contact->frame, readable_length(-o.missed_contact->distance));
+        o.contact.missed->frame, readable_length(-o.contact.missed->distance));
   }
   if (!o.force || o.force->peak().frame < 0) return text;
-  force_lines(out, *o.force);
+  force_lines(out, *o.force, o.contact);
   if (o.strain) strain_line(out, o.strain->worst);
   return text;
 }

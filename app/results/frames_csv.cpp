@@ -12,12 +12,10 @@ namespace hvp::results {
 
 namespace {
 
-constexpr std::size_t kParts = 5;
-
 // In the order of vp::Part, which is that of the columns.
-std::array<vp::Picoseconds, kParts> by_part(const vp::Frame& frame,
-                                            const std::vector<vp::SpanId>& path) {
-  std::array<vp::Picoseconds, kParts> time{};
+std::array<vp::Picoseconds, vp::kParts> by_part(const vp::Frame& frame,
+                                                const std::vector<vp::SpanId>& path) {
+  std::array<vp::Picoseconds, vp::kParts> time{};
   for (const vp::SpanId id : path) {
     const vp::Span& span = frame.spans[static_cast<std::size_t>(id)];
     time[static_cast<std::size_t>(span.part)] += span.end - span.start;
@@ -27,17 +25,48 @@ std::array<vp::Picoseconds, kParts> by_part(const vp::Frame& frame,
 
 }  // namespace
 
+std::vector<FrameColumn> frame_columns() {
+  std::vector<FrameColumn> columns = {
+      {"frame", "number"},
+      {"born_us", "its tick, since the servo loop began"},
+      {"latency_us", "from its tick until its force is at the motor"},
+      {"load_us", "from its tick until the host has done all its work"},
+      {"deadline_us", "the latency that is allowed"},
+      {"in_time", "1 where the force was in time and the frame's own"},
+      {"contact_node", "mesh node, -1 without contact"},
+      {"contact_age_us", "how old the collision pass was that found it"},
+      {"x_m", "the tip as the host read it"},
+      {"y_m", "likewise"},
+      {"z_m", "likewise"},
+      {"force_N", "the force on the probe: what the motor exerts"},
+      {"fx_N", "its component"},
+      {"fy_N", "likewise"},
+      {"fz_N", "likewise"},
+      {"saturations", "of the frame's solve"},
+      {"flags", "likewise; bit n is entry n of `stability::Flag`"}};
+  for (const std::string_view part : vp::kPartNames) {
+    columns.push_back({fmt::format("{}_us", part),
+                       "what the part added to the latency, on the critical path; all parts sum to "
+                       "`latency_us` exactly"});
+  }
+  columns.push_back({"status",
+                     "`HVP_OK`, or why the force of an earlier frame was held: what the driver "
+                     "returned last ([driver.md](driver.md))"});
+  return columns;
+}
+
 FramesCsv::FramesCsv(const std::filesystem::path& path, const vp::Session& session,
                      vp::Picoseconds budget, Columns columns)
     : stream_(path), session_(session), budget_(budget), columns_(columns) {
-  stream_.write(
-      "frame,born_us,latency_us,load_us,deadline_us,in_time,contact_node,contact_age_us,"
-      "x_m,y_m,z_m,force_N,fx_N,fy_N,fz_N,saturations,flags,"
-      "host_us,bus_us,fpga_us,daq_us,device_us,status\n");
+  std::string header;
+  for (const FrameColumn& column : frame_columns()) {
+    header += (header.empty() ? "" : ",") + column.name;
+  }
+  stream_.write(header + "\n");
 }
 
 void FramesCsv::take(const vp::Frame& f, const std::vector<vp::SpanId>& critical_path) {
-  const std::array<vp::Picoseconds, kParts> path = by_part(f, critical_path);
+  const std::array<vp::Picoseconds, vp::kParts> path = by_part(f, critical_path);
   fmt::memory_buffer line;
   const auto out = std::back_inserter(line);
   fmt::format_to(

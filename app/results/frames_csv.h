@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "app/results/part_stream.h"
 #include "vp/ledger.h"
@@ -10,6 +12,13 @@ namespace hvp::results {
 
 // Timing only, nobody computes forces or words: their fields are empty.
 enum class Columns { all, times };
+
+// The columns of frames.csv in their order, with a line of help.
+struct FrameColumn {
+  std::string name;
+  std::string help;
+};
+std::vector<FrameColumn> frame_columns();
 
 // frames.csv: a line a frame, times since the servo loop began.
 class FramesCsv : public vp::FrameSink {

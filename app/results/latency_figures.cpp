@@ -1,16 +1,13 @@
 #include "app/results/latency_figures.h"
 
 #include <algorithm>
-#include <array>
 
 namespace hvp::results {
 
-Spread spread_of(const statistics::Histogram& times) {
-  return {times.percentile(0.50), times.percentile(0.99), times.largest(), times.mean()};
-}
+using statistics::spread_of;
 
-LatencyFigures latency_figures(const vp::Verdict& verdict,
-                               const vp::LatencyStatistics& statistics) {
+LatencyFigures latency_figures(const vp::Verdict& verdict, const vp::LatencyStatistics& statistics,
+                               const host::Host& host) {
   LatencyFigures f;
   f.best = statistics.best();
   f.p50 = verdict.percentile(0.50);
@@ -21,11 +18,13 @@ LatencyFigures latency_figures(const vp::Verdict& verdict,
   f.mean = statistics.latency().mean();
   f.histogram = statistics.latency().parts();
   f.change = spread_of(statistics.change());
+  if (host.jitter) f.release = spread_of(verdict.release());
+  if (host.wake_up) f.wake_up = spread_of(verdict.wake_up());
 
   // Where nothing takes time there is no share of it.
   const double whole = std::max(f.mean, 1.0);
-  for (const vp::Part part :
-       {vp::Part::host, vp::Part::bus, vp::Part::fpga, vp::Part::daq, vp::Part::device}) {
+  for (std::size_t i = 0; i < vp::kParts; ++i) {
+    const auto part = static_cast<vp::Part>(i);
     const statistics::Histogram& times = statistics.part(part);
     if (times.largest() == 0) continue;
     f.by_part.push_back({name(part), {}, 0, spread_of(times), times.mean() / whole, times.parts()});
@@ -44,6 +43,62 @@ LatencyFigures latency_figures(const vp::Verdict& verdict,
         {name(t.phase), t.times.count(), spread_of(t.times), t.times.octaves()});
   }
   return f;
+}
+
+void TransactionTimes::report(config::Figures& f) const {
+  f.text("transaction", phase, "`arbitration` is waiting for the bus");
+  f.count("count", count, "how many");
+  f.report(time);
+  statistics::report_octaves(f, octaves, "count");
+}
+
+void LatencyFigures::report(config::Figures& f) const {
+  f.time("best_us", best, "the shortest");
+  f.mean_time("mean_us", mean, "their mean");
+  f.table("percentiles",
+          "latencies that occurred, exact to the picosecond; where more than 65 536 different ones "
+          "occurred, p50 to p99.9 are right within one part in 64",
+          [&] {
+            f.time("p50_us", p50, "half of the frames are within it");
+            f.time("p90_us", p90, "90 %");
+            f.time("p99_us", p99, "99 %");
+            f.time("p99_9_us", p99_9, "99.9 %");
+            f.time("worst_us", worst, "all");
+          });
+  statistics::report_histogram(f, histogram);
+  f.list("by_part",
+         "time on the critical path: of all frames, zero where a frame had none of it, so that the "
+         "means sum to the mean latency. A percentile is the upper end of its bin",
+         by_part, [&](const PathShare& s) {
+           f.text("part", s.part, "whose time");
+           f.report(s.time);
+           f.ratio("share", s.share, "of the mean latency");
+           statistics::report_histogram(f, s.histogram);
+         });
+  f.list("by_phase", "likewise, the largest mean first", by_phase, [&](const PathShare& s) {
+    f.text("part", s.part, "whose time");
+    f.text("phase", s.phase, "what for");
+    f.count("frames", s.frames, "in how many it took time");
+    f.report(s.time);
+    f.ratio("share", s.share, "of the mean latency");
+  });
+  f.list("by_transaction",
+         "each span on the bus by itself, whether its frame waited for it or not. The transfers of "
+         "set-up are not in it",
+         by_transaction);
+}
+
+void LatencyFigures::report_jitter(config::Figures& f) const {
+  f.table("frame_to_frame",
+          "by how much a frame's latency differs from that of the frame before it, whichever is "
+          "longer",
+          change);
+  f.table_if_present("release",
+                     "with `[host.jitter]`: of each frame, what lay between its tick and its "
+                     "release, the delay that a late frame before it left, too",
+                     release);
+  f.table_if_present("wake_up", "with `[host.wake_up]`: of each frame, between ready and running",
+                     wake_up);
 }
 
 }  // namespace hvp::results

@@ -1,24 +1,20 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "models/config/figures.h"
+#include "models/host/costs.h"
+#include "models/statistics/spread.h"
 #include "vp/latency_statistics.h"
 #include "vp/verdict.h"
 
 namespace hvp::results {
 
-// How a time was distributed.
-struct Spread {
-  vp::Picoseconds p50 = 0;
-  vp::Picoseconds p99 = 0;
-  vp::Picoseconds worst = 0;
-  double mean = 0;  // ps
-};
-
-Spread spread_of(const statistics::Histogram& times);
+using statistics::Spread;
 
 // A part's or a phase's time on the critical path, over all frames of the run.
 struct PathShare {
@@ -36,6 +32,8 @@ struct TransactionTimes {
   std::int64_t count = 0;
   Spread time;
   std::vector<statistics::Histogram::Octave> octaves;
+
+  void report(config::Figures& f) const;
 };
 
 // The run's latency as the terminal and summary.json show it.
@@ -49,16 +47,18 @@ struct LatencyFigures {
   double mean = 0;  // ps
   std::vector<statistics::Histogram::Part> histogram;
   Spread change;                    // from frame to frame
+  std::optional<Spread> release;    // with [host.jitter]
+  std::optional<Spread> wake_up;    // with [host.wake_up]
   std::vector<PathShare> by_part;   // those that took time
   std::vector<PathShare> by_phase;  // likewise, largest mean first
   std::vector<TransactionTimes> by_transaction;
+
+  void report(config::Figures& f) const;
+  // The table `jitter`.
+  void report_jitter(config::Figures& f) const;
 };
 
-LatencyFigures latency_figures(const vp::Verdict& verdict, const vp::LatencyStatistics& statistics);
-
-// Of the terminal's report: time on the critical path by part.
-std::string parts_text(const LatencyFigures& figures);
-// The same by phase, and the bus' transactions: what `hvp run --details` adds.
-std::string details_text(const LatencyFigures& figures);
+LatencyFigures latency_figures(const vp::Verdict& verdict, const vp::LatencyStatistics& statistics,
+                               const host::Host& host);
 
 }  // namespace hvp::results

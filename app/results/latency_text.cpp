@@ -3,8 +3,9 @@
 
 #include <fmt/format.h>
 
-#include "app/results/latency_figures.h"
 #include "app/results/number_text.h"
+#include "app/results/report.h"
+#include "app/results/report_sections.h"
 
 namespace hvp::results {
 

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 
+#include "app/results/driver_figures.h"
+#include "app/results/flag_json.h"
+
 namespace hvp::results {
 
 bool Outcome::held() const {
-  return force_in_time && load_held &&
-         std::ranges::all_of(error_budgets, [](const ErrorBudget& b) { return b.held(); });
+  return force_in_time() && verdict.load_held() &&
+         std::ranges::all_of(error_budgets, &ErrorBudget::held);
 }
 
 bool Outcome::accuracy_measured() const {
@@ -14,6 +17,129 @@ bool Outcome::accuracy_measured() const {
   constexpr std::int64_t kEnough = 16;
   if (!accuracy || !accuracy->displacement.of_frame) return false;
   return accuracy->displacement.of_frame->frames >= std::min(kEnough, accuracy->in_contact);
+}
+
+bool Outcome::faults_happened() const {
+  return std::ranges::any_of(faults, [](const auto& r) { return r.injected > 0; }) ||
+         std::ranges::any_of(servo.errors, [](const auto& e) { return e.count > 0; }) ||
+         servo.mended.lost_interrupts + servo.mended.lost_acknowledgements > 0;
+}
+
+std::string_view Outcome::verdict_word() const {
+  if (partial()) return "held so far";
+  if (!flags.empty()) return "held, with flags";
+  if (faults_happened()) return "held, with faults";
+  if (scene.timing_only) return "PASS, timing only";
+  if (contact.changes == 0) return "held; no contact";
+  if (!accuracy_measured()) return "held; accuracy not measured";
+  return "PASS";
+}
+
+void Outcome::report(config::Figures& f) const {
+  f.text("title", scene.title, "the scenario's own line, with what `--set` changes in brackets");
+  f.truth(
+      "partial", partial(),
+      "the run was interrupted: `deadline.frames` and `.skipped_ticks` are those that were done");
+  f.count("frames_asked", scene.frames, "how many ticks the scenario asks for");
+  f.truth("held", held(), "every budget of the scenario held, which is the exit status");
+  f.text("verdict", held() ? verdict_word() : "not held",
+         "what the terminal calls that ([virtual-platform.md](virtual-platform.md))");
+  report_times(f);
+  report_numbers(f);
+  report_stability(f);
+  report_parts(f);
+}
+
+void Outcome::report_times(config::Figures& f) const {
+  f.table("deadline", "The latency of a frame: from its tick until its force is at the motor.",
+          [&] {
+            verdict.report_deadline(f);
+            f.truth("held", force_in_time(), "there are no misses");
+            verdict.report_lateness(f);
+          });
+  f.table("latency", "Of all frames.", latency);
+  f.table("jitter", "What moves the latency from frame to frame.",
+          [&] { latency.report_jitter(f); });
+  f.when(!error_budgets.empty(), [&] {
+    f.tables("error_budget",
+             "With `[budget] displacement_error`, `force_error`, by that name: `displacement`, "
+             "`force`.",
+             error_budgets, [](const ErrorBudget& b) { return b.of; });
+  });
+  f.table("load", "From the tick until the host has done all work of the period.",
+          [&] { verdict.report_load(f); });
+  verdict.report_attribution(f);
+}
+
+void Outcome::report_numbers(config::Figures& f) const {
+  f.table("accuracy",
+          "Against double precision, with `[reference]`. `every_frames` compares every so many "
+          "frames; a static reference is then solved in those alone, a dynamic one has a state and "
+          "is stepped in each. It takes no simulated time.",
+          [&] {
+            f.truth("measured", accuracy.has_value(),
+                    "there was a reference. Else all but `rounding` is null");
+            f.report(accuracy.value_or(Accuracy{}));
+            f.table_or_null("rounding",
+                            "what the words alone do to a few contacts along the probe's way, at "
+                            "rest, found at set-up ([host.md](host.md)); null where the host "
+                            "solves, where no numbers are computed, and beyond 4000 nodes",
+                            rounding);
+          });
+  f.table_or_null("force", "What the force is like; null where nobody computed one.", force);
+  f.table_or_null("strain",
+                  "How far the body was strained, of every 20th frame "
+                  "([finite-elements.md](finite-elements.md)); null where nobody computed it.",
+                  strain);
+  f.table_or_null("missed_contact",
+                  "How deep the tip was in the body while nothing was held, where that is flagged "
+                  "`contact-missed`; else null.",
+                  contact.missed);
+}
+
+void Outcome::report_stability(config::Figures& f) const {
+  f.table(
+      "stability", "What went numerically wrong. Timing only, the counts of words are null.", [&] {
+        const auto words = [&](std::string_view key, std::int64_t number, std::string_view help) {
+          f.count(key, scene.timing_only ? std::nullopt : std::optional(number), help);
+        };
+        words("saturations", saturations, "words that reached their limit");
+        words("wraps", wraps, "words that lost their high bits");
+        words("breakdowns", breakdowns, "solves that a direction without curvature ended");
+        words("clamped_words", servo.clamped_words, "of right-hand sides that did not fit");
+        words("clamped_forces", servo.clamped_forces,
+              "frames whose force did not fit the device's register");
+        f.count("driver_errors", servo.driver_errors,
+                "frames in which a driver's call failed, not those held while there was no "
+                "board");
+        f.value("flags", flag_names(flags), {},
+                "names of what went wrong, see [fixed-point.md](fixed-point.md)");
+      });
+  f.table_or_null("remedy",
+                  "What would take the flags away ([fixed-point.md](fixed-point.md), section "
+                  "Remedies), where that was looked for; else null.",
+                  remedy);
+  f.table_if_present("refinement", "With `[refinement]` only.", refinement);
+  f.table("driver", "What the driver returned, and what the servo loop did then.",
+          [&] { report_driver(f, servo); });
+  report_faults(f, faults);
+}
+
+void Outcome::report_parts(config::Figures& f) const {
+  f.table_or_null("condition",
+                  "Bounds of the extreme eigenvalues and of κ of the system without contact, where "
+                  "the scenario has `[spectrum]` ([solve.md](solve.md)); else null.",
+                  scene.condition);
+  scene.report_resources(f);
+  f.table_or_null("accelerator", "Null where the host solves.", accelerator);
+  f.text("solver", scene.solver, "who solves: `board`, or the host itself by `cg` or `cholesky`");
+  f.table("bus", "Of the PCI bus, set-up, which loads K, included.", bus);
+  f.table("mesh", "The body, and how well its tetrahedra are shaped ([mesh.md](mesh.md)).",
+          [&] { scene.report_mesh(f); });
+  f.table("contact", "How the probe met the body.", contact);
+  f.time("set_up_us", set_up, "from power-up until the servo loop began: K has been loaded");
+  f.value("effects", scene.effects, {}, "what was simulated");
+  f.table("fidelity", "How finely.", [&] { scene.report_fidelity(f); });
 }
 
 }  // namespace hvp::results

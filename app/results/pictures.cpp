@@ -11,8 +11,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "app/results/child_process.h"
 #include "app/results/interruption.h"
+#include "app/results/launched_program.h"
 #include "app/results/x_display.h"
 
 namespace hvp::results {
@@ -61,12 +61,12 @@ struct Attempt {
 
 Attempt draw_on(const std::string& display, const std::filesystem::path& run_directory,
                 const PictureTools& tools, bool software_rendering) {
-  ChildProcess::Options options;
+  LaunchedProgram::Options options;
   options.environment = {{"DISPLAY", display}};
   // Xvfb has no graphics card; without this Mesa looks for one and may find it.
   if (software_rendering) options.environment.emplace_back("LIBGL_ALWAYS_SOFTWARE", "1");
-  ChildProcess child(tools.draw_program, {run_directory.string()}, options);
-  const ChildProcess::Result result = child.wait(tools.time_limit);
+  LaunchedProgram child(tools.draw_program, {run_directory.string()}, options);
+  const LaunchedProgram::Result result = child.wait(tools.time_limit);
   if (result.exit_status == 0) return {{true, lines_of(result.output), {}}, false};
 
   if (result.interrupted) return {interrupted_pictures(), false};
@@ -85,14 +85,14 @@ Attempt draw_on(const std::string& display, const std::filesystem::path& run_dir
 
 PictureOutcome draw_under_xvfb(const std::filesystem::path& run_directory,
                                const PictureTools& tools) {
-  ChildProcess::Options options;
+  LaunchedProgram::Options options;
   options.report_pipe = true;
   // Xvfb picks a free display number and reports it. The pictures are drawn off screen, so the
   // screen itself may be small.
-  ChildProcess server(tools.xvfb,
-                      {"-displayfd", std::to_string(ChildProcess::kReportDescriptor), "-screen",
-                       "0", "640x480x24", "-nolisten", "tcp"},
-                      options);
+  LaunchedProgram server(tools.xvfb,
+                         {"-displayfd", std::to_string(LaunchedProgram::kReportDescriptor),
+                          "-screen", "0", "640x480x24", "-nolisten", "tcp"},
+                         options);
   const auto number = server.report_line(std::chrono::seconds(20));
   if (interrupted() != 0) return interrupted_pictures();
   if (!number) {

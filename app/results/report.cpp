@@ -7,14 +7,13 @@
 
 #include <fmt/format.h>
 
-#include "app/results/accuracy_text.h"
-#include "app/results/fault_text.h"
-#include "app/results/force_text.h"
 #include "app/results/number_text.h"
+#include "app/results/report_sections.h"
 #include "app/results/spectrum_text.h"
 #include "app/results/tried_remedy.h"
-#include "app/results/verdict_text.h"
 #include "app/scenario/message.h"
+#include "driver/hvp_driver.h"
+#include "models/statistics/spread.h"
 
 namespace hvp::results {
 
@@ -31,18 +30,19 @@ std::string counted_passes(int passes) {
 
 // Longest solve of the run where an engine counted it, else by the closed form.
 std::string solve_clocks(const app::Scene& scene, const Outcome& o) {
-  const std::int64_t clocks = o.engine ? o.engine->engine : scene.solve_cycles().total();
+  const std::int64_t clocks = o.accelerator->solve_cycles();
+  const bool by_engine = o.accelerator->engine.has_value();
   const bool bound =
-      !o.engine && scene.scenario().solver.stop_residual > 0 && !scene.scenario().timing_only();
+      !by_engine && scene.scenario().solver.stop_residual > 0 && !scene.scenario().timing_only();
   const accel::Architecture& a = scene.scenario().accelerator;
   return fmt::format("{}{} clocks {} at {:g} MHz = {}", bound ? "at most " : "", clocks,
-                     o.engine ? "for the longest solve" : "a solve", a.clock_hz * 1e-6,
+                     by_engine ? "for the longest solve" : "a solve", a.clock_hz * 1e-6,
                      readable_time(clocks * a.clock_period_ps()));
 }
 
 void engine_lines(Out out, const app::Scene& scene, const Outcome& o) {
-  if (!o.engine) return;
-  const EngineClocks& e = *o.engine;
+  if (!o.accelerator || !o.accelerator->engine) return;
+  const EngineClocks& e = *o.accelerator->engine;
   fmt::format_to(out, "\nEngine       {}: the longest solve, {}\n",
                  vp::name(scene.scenario().fidelity.accelerator),
                  counted(e.iterations, "iteration"));
@@ -107,7 +107,7 @@ void reservations(Out out, const app::Scene& scene, const Outcome& o) {
         scene.scenario().solver.stop_residual > 0 ? "stop_residual ends none, " : "",
         scene.scenario().solver.iterations);
   }
-  if (o.contact_changes == 0) fmt::format_to(out, "{}", no_contact_text(scene, o));
+  if (o.contact.changes == 0) fmt::format_to(out, "{}", no_contact_text(scene, o.contact));
 }
 
 void spread_line(Out out, std::string_view what, const std::optional<Spread>& s) {
@@ -116,25 +116,30 @@ void spread_line(Out out, std::string_view what, const std::optional<Spread>& s)
                  readable_time(s->p99), readable_time(s->worst));
 }
 
-void verdict_lines(Out out, const Outcome& o, bool timing_only) {
-  const std::string_view qualified = verdict_word(o, timing_only);
-  fmt::format_to(out, "\nTime         {} at {:g} Hz\n", counted(o.frames + o.skipped_ticks, "tick"),
-                 1e12 / static_cast<double>(o.period));
+void verdict_lines(Out out, const Outcome& o) {
+  const vp::Verdict& v = o.verdict;
+  const std::string_view qualified = o.verdict_word();
+  fmt::format_to(out, "\nTime         {} at {:g} Hz\n",
+                 counted(v.frames() + v.skipped_ticks(), "tick"),
+                 1e12 / static_cast<double>(v.period()));
   if (o.partial()) {
     fmt::format_to(out, "  interrupted    at frame {} of {}: what follows is of those before\n",
-                   o.ticks, o.frames_asked);
+                   o.ticks, o.scene.frames);
   }
   fmt::format_to(out, "  force in time  {}: worst {} of {}, median {}, 99 % {}",
-                 o.force_in_time ? qualified : "MISSED", readable_time(o.worst),
-                 readable_time(o.budget), readable_time(o.p50), readable_time(o.p99));
-  fmt::format_to(out, "; {} late, {} skipped", o.late, o.skipped_ticks);
-  if (const std::int64_t held = o.troubles.held_frames; held > 0) {
+                 o.force_in_time() ? qualified : "MISSED", readable_time(v.worst_latency()),
+                 readable_time(v.budget()), readable_time(v.percentile(0.50)),
+                 readable_time(v.percentile(0.99)));
+  fmt::format_to(out, "; {} late, {} skipped", v.late_forces(), v.skipped_ticks());
+  if (const std::int64_t held = o.servo.held_frames; held > 0) {
     fmt::format_to(out, ", {} without a solution", held);
   }
-  fmt::format_to(out, "\n  load           {}: worst {} of {}", o.load_held ? qualified : "EXCEEDED",
-                 readable_time(o.worst_load), readable_time(o.period));
-  fmt::format_to(out, "; {} over, {} skipped\n", o.overloads - o.skipped_ticks, o.skipped_ticks);
-  for (const Outcome::ErrorBudget& b : o.error_budgets) {
+  fmt::format_to(out, "\n  load           {}: worst {} of {}",
+                 v.load_held() ? qualified : "EXCEEDED", readable_time(v.worst_load()),
+                 readable_time(v.period()));
+  fmt::format_to(out, "; {} over, {} skipped\n", v.overloads() - v.skipped_ticks(),
+                 v.skipped_ticks());
+  for (const ErrorBudget& b : o.error_budgets) {
     if (!b.measured) {
       fmt::format_to(out, "  {:<14} NOT MEASURED: no frame that was compared had a contact\n",
                      fmt::format("{} error", b.of));
@@ -145,10 +150,12 @@ void verdict_lines(Out out, const Outcome& o, bool timing_only) {
                    fmt::format("{} error", b.of), b.held() ? qualified : "EXCEEDED", percent(b.p95),
                    percent(b.limit), percent(b.worst));
   }
-  spread_line(out, "late forces by", o.lateness);
+  if (v.lateness().count() > 0) {
+    spread_line(out, "late forces by", statistics::spread_of(v.lateness()));
+  }
   if (o.latency.change.worst > 0) spread_line(out, "frame to frame", o.latency.change);
-  spread_line(out, "release after", o.release);
-  spread_line(out, "wake-up after", o.wake_up);
+  spread_line(out, "release after", o.latency.release);
+  spread_line(out, "wake-up after", o.latency.wake_up);
 }
 
 void initiators(Out out, const BusLoad& load) {
@@ -166,22 +173,22 @@ void bus_lines(Out out, const Outcome& o) {
     return fmt::format("{} of the time, {} around the busiest frame", percent(load.share),
                        percent(load.worst_share));
   };
-  fmt::format_to(out, "  bus taken      {}", taken(o.bus_load));
-  initiators(out, o.bus_load);
-  if (!o.link_load) return;
-  fmt::format_to(out, "  link taken     to the board {}\n", taken(o.link_load->to_board));
-  fmt::format_to(out, "                 to the host {}", taken(o.link_load->to_host));
-  initiators(out, o.link_load->to_board);
+  fmt::format_to(out, "  bus taken      {}", taken(o.bus.load));
+  initiators(out, o.bus.load);
+  if (!o.bus.link) return;
+  fmt::format_to(out, "  link taken     to the board {}\n", taken(o.bus.link->to_board));
+  fmt::format_to(out, "                 to the host {}", taken(o.bus.link->to_host));
+  initiators(out, o.bus.link->to_board);
 }
 
 void attribution_lines(Out out, const Outcome& o) {
   fmt::format_to(out, "\nWorst frame  number {}: {} from its tick to the force at the motor\n",
-                 o.worst_frame, readable_time(o.worst));
-  std::vector<vp::Attribution> lines = o.attribution;
+                 o.verdict.worst_frame(), readable_time(o.verdict.worst_latency()));
+  std::vector<vp::Attribution> lines = o.verdict.attribution();
   std::stable_sort(lines.begin(), lines.end(),
                    [](const auto& a, const auto& b) { return a.time > b.time; });
   const auto line = [&](const std::string& what, vp::Picoseconds time) {
-    const double share = static_cast<double>(time) / static_cast<double>(o.worst);
+    const double share = static_cast<double>(time) / static_cast<double>(o.verdict.worst_latency());
     const auto bar = static_cast<std::size_t>(std::lround(share * kBarWidth));
     fmt::format_to(out, "  {:<22} {:>10}  {:>5.1f} %{}\n", what, readable_time(time), 100 * share,
                    bar == 0 ? "" : "  " + std::string(bar, '#'));
@@ -193,7 +200,8 @@ void attribution_lines(Out out, const Outcome& o) {
     if (a.time == 0) continue;
     // The report fits a screen; summary.json has every phase. One line is not folded into one.
     const bool more = i + 1 < lines.size() && lines[i + 1].time > 0;
-    if (static_cast<double>(a.time) < kLeastShare * static_cast<double>(o.worst) &&
+    if (static_cast<double>(a.time) <
+            kLeastShare * static_cast<double>(o.verdict.worst_latency()) &&
         (rests > 0 || more)) {
       rest += a.time;
       ++rests;
@@ -209,18 +217,19 @@ void stability_lines(Out out, const app::Scene& scene, const Outcome& o) {
     fmt::format_to(out, "\nStability    timing only: there are no words that could saturate\n");
   } else {
     fmt::format_to(out, "\nStability    {}, {}, {}\n", counted(o.saturations, "saturation"),
-                   counted(o.breakdowns, "breakdown"), counted(o.clamped_words, "clamped word"));
+                   counted(o.breakdowns, "breakdown"),
+                   counted(o.servo.clamped_words, "clamped word"));
   }
   if (o.wraps > 0) fmt::format_to(out, "  {}\n", counted(o.wraps, "wrapped word"));
-  if (o.clamped_forces > 0) {
+  if (o.servo.clamped_forces > 0) {
     fmt::format_to(out, "  {} with a force that the device's register clamped\n",
-                   counted(o.clamped_forces, "frame"));
+                   counted(o.servo.clamped_forces, "frame"));
   }
-  if (o.troubles.held_frames > 0) {
+  if (o.servo.held_frames > 0) {
     fmt::format_to(out,
                    "  {} without a solution: the force of the last solved frame was held\n"
                    "    the driver: {}\n",
-                   counted(o.troubles.held_frames, "frame"), o.last_driver_error);
+                   counted(o.servo.held_frames, "frame"), hvp_status_text(o.servo.last_error));
   }
   for (unsigned i = 0; i < static_cast<unsigned>(stability::Flag::count); ++i) {
     const auto flag = static_cast<stability::Flag>(i);
@@ -263,7 +272,7 @@ std::string report(const app::Scene& scene, const Outcome& o) {
   std::string text;
   const Out out = std::back_inserter(text);
   scene_lines(out, scene, o);
-  verdict_lines(out, o, scene.scenario().timing_only());
+  verdict_lines(out, o);
   reservations(out, scene, o);
   text += parts_text(o.latency);
   bus_lines(out, o);

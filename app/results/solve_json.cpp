@@ -2,9 +2,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "app/results/figures_json.h"
 #include "app/results/flag_json.h"
 #include "app/results/settings_json.h"
-#include "app/results/spectrum_json.h"
 #include "app/results/tried_remedy.h"
 #include "models/accel/memory.h"
 
@@ -53,7 +53,7 @@ std::string solve_json(const app::LinearSystem& system, const app::SolveTask& ta
   j["x_range_from"] = s.range_from;
   j["nonpositive_eigenvalues_quantised"] =
       s.rounded_nonpositive < 0 ? ordered_json(nullptr) : ordered_json(s.rounded_nonpositive);
-  j["condition"] = condition_json(s.spectrum);
+  j["condition"] = s.spectrum ? figures_json(*s.spectrum) : ordered_json(nullptr);
   app::SolveSettings in_force = task.settings;
   in_force.solver = s.solver;
   j["settings"] = settings_json(in_force);

@@ -11,6 +11,8 @@ namespace {
 constexpr int kLanesOfARow = 1000;
 constexpr std::array<std::string_view, static_cast<std::size_t>(Row::count)> kNames = {
     "host", "host waits", "bus", "bus waits", "fpga", "daq", "device"};
+constexpr std::array kRowOfPart = {Row::host, Row::bus, Row::fpga, Row::daq, Row::device};
+static_assert(kRowOfPart.size() == vp::kParts, "a part has no row");
 
 }  // namespace
 
@@ -28,19 +30,7 @@ Row row_of(const vp::Span& span) {
     default:
       break;
   }
-  switch (span.part) {
-    case vp::Part::host:
-      return Row::host;
-    case vp::Part::bus:
-      return Row::bus;
-    case vp::Part::fpga:
-      return Row::fpga;
-    case vp::Part::daq:
-      return Row::daq;
-    case vp::Part::device:
-      break;
-  }
-  return Row::device;
+  return kRowOfPart.at(static_cast<std::size_t>(span.part));
 }
 
 TraceLanes::Lane TraceLanes::place(Row row, vp::Picoseconds start, vp::Picoseconds end) {

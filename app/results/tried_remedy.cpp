@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <iterator>
-#include <nlohmann/json.hpp>
 
 #include <fmt/format.h>
 
+#include "app/results/figures_json.h"
 #include "app/results/flag_json.h"
 #include "app/results/number_text.h"
 
@@ -62,7 +62,7 @@ std::string remedy_text(const TriedRemedy& r) {
 }
 
 nlohmann::ordered_json solve_remedy_json(const TriedRemedy& r) {
-  nlohmann::ordered_json j = remedy_json(r);
+  nlohmann::ordered_json j = figures_json(r);
   for (const char* of_a_run :
        {"frames", "displacement_p95_rel", "latency_us", "load_us", "in_time"}) {
     j.erase(of_a_run);
@@ -73,27 +73,27 @@ nlohmann::ordered_json solve_remedy_json(const TriedRemedy& r) {
   return j;
 }
 
-nlohmann::ordered_json remedy_json(const TriedRemedy& r) {
-  nlohmann::ordered_json j;
-  j["of"] = flag_names(r.of);
-  j["works"] = r.left.empty();
-  j["set"] = nlohmann::ordered_json::array();
-  for (const std::string& setting : r.settings) j["set"].push_back(override_text(setting));
-  j["leaves"] = flag_names(r.left);
-  j["attempts"] = r.attempts;
-  j["frames"] = r.frames;
-  j["line"] = override_line(r.settings);
-  j["displacement_median_rel"] = r.median;
-  j["displacement_p95_rel"] = r.p95;
-  j["fits"] = r.fits;
-  const auto us = [&r](std::int64_t ps) {
-    return r.after.latency_ps > 0 ? nlohmann::ordered_json(static_cast<double>(ps) * 1e-6)
-                                  : nullptr;
+void TriedRemedy::report(config::Figures& f) const {
+  std::vector<std::string> set;
+  std::ranges::transform(settings, std::back_inserter(set), override_text);
+  f.value("of", flag_names(of), {}, "the flags that it was looked for");
+  f.truth("works", left.empty(), "it leaves none");
+  f.value("set", set, {}, "its `--set` arguments");
+  f.value("leaves", flag_names(left), {}, "the flags that are left");
+  f.count("attempts", attempts, "plans that were tried");
+  f.count("frames", frames, "of the run, solved again with each");
+  f.text("line", override_line(settings), "its `--set` arguments as a line");
+  f.ratio("displacement_median_rel", median, "error against the true model");
+  f.ratio("displacement_p95_rel", p95, "95 % of the frames are within it");
+  f.truth("fits", fits, "the device holds it");
+  const auto us = [this](std::int64_t ps) -> std::optional<double> {
+    if (after.latency_ps <= 0) return std::nullopt;
+    return static_cast<double>(ps) * 1e-6;
   };
-  j["latency_us"] = us(r.after.latency_ps);
-  j["load_us"] = us(r.after.load_ps);
-  j["in_time"] = r.in_time;
-  return j;
+  f.quantity("latency_us", us(after.latency_ps), config::kMicroseconds,
+             "what the worst latency comes to, by the annotated costs of a frame's large steps");
+  f.quantity("load_us", us(after.load_ps), config::kMicroseconds, "and the worst load");
+  f.truth("in_time", in_time, "those are within the budget and the period");
 }
 
 }  // namespace hvp::results

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "models/config/figures.h"
 #include "models/stability/flag.h"
 
 namespace hvp::results {
@@ -32,6 +33,8 @@ struct TriedRemedy {
   Cost before;
   Cost after;
   bool in_time = true;  // within the budget and the period, with a hundredth of each to spare
+
+  void report(config::Figures& f) const;
 };
 
 // As an argument of --set: "solver.method=jacobi-pcg".
@@ -41,7 +44,6 @@ std::string override_line(const std::vector<std::string>& settings);
 
 // For the terminal, below the flags.
 std::string remedy_text(const TriedRemedy& remedy);
-nlohmann::ordered_json remedy_json(const TriedRemedy& remedy);
 // Of a single system: error_rel in place of what only a run has.
 nlohmann::ordered_json solve_remedy_json(const TriedRemedy& remedy);
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "app/results/outcome.h"
+#include "app/results/quality.h"
 #include "app/scene/scene.h"
 #include "models/host/deviation.h"
 #include "models/host/reference_run.h"

@@ -22,17 +22,27 @@ ApproachWatch::ApproachWatch(const collision::ContactSearch& contacts)
     : contacts_(contacts), allowed_(kAllowed * diagonal(contacts.surface())) {}
 
 void ApproachWatch::solved(const vp::SolvedFrame& frame) {
+  ++figures_.frames;
   if (frame.contact.present()) {
+    ++figures_.frames_in_contact;
     touched_ = true;
-    nearest_.reset();
+    figures_.nearest.reset();
     return;
   }
-  const Nearest here{contacts_.surface().signed_distance(frame.tip), frame.number, frame.tip};
-  if (!touched_ && (!nearest_ || here.distance < nearest_->distance)) nearest_ = here;
+  const results::Approach here{contacts_.surface().signed_distance(frame.tip), frame.number,
+                               frame.tip};
+  std::optional<results::Approach>& nearest = figures_.nearest;
+  if (!touched_ && (!nearest || here.distance < nearest->distance)) nearest = here;
   if (!deepest_ || here.distance < deepest_->distance) deepest_ = here;
 }
 
-std::optional<ApproachWatch::Nearest> ApproachWatch::missed() const {
+results::ContactFigures ApproachWatch::figures() const {
+  results::ContactFigures figures = figures_;
+  figures.missed = missed();
+  return figures;
+}
+
+std::optional<results::Approach> ApproachWatch::missed() const {
   if (!deepest_ || deepest_->distance > -allowed_) return std::nullopt;
   return deepest_;
 }

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <cstdint>
 #include <optional>
 
+#include "app/results/contact_figures.h"
 #include "models/collision/contact_search.h"
 #include "models/stability/flag.h"
 #include "vp/host/servo_process.h"
@@ -18,26 +18,20 @@ class ApproachWatch : public vp::FrameObserver {
 
   void solved(const vp::SolvedFrame& frame) override;
 
-  // Distance of the tip from the surface as the collision process last had it, m, negative inside;
-  // where the tip was.
-  struct Nearest {
-    double distance = 0;
-    std::int64_t frame = 0;
-    Eigen::Vector3d tip = Eigen::Vector3d::Zero();
-  };
-  // None once the probe has touched the body.
-  const std::optional<Nearest>& nearest() const { return nearest_; }
-  // The deepest place without contact, where it is deeper than a late pass explains.
-  std::optional<Nearest> missed() const;
+  // What frames tell; what only the processes count is left at zero.
+  results::ContactFigures figures() const;
   // contact_missed.
   stability::Flags flags() const;
 
  private:
+  // The deepest place without contact, where it is deeper than a late pass explains.
+  std::optional<results::Approach> missed() const;
+
   const collision::ContactSearch& contacts_;
   double allowed_;  // m
   bool touched_ = false;
-  std::optional<Nearest> nearest_;
-  std::optional<Nearest> deepest_;
+  results::ContactFigures figures_;
+  std::optional<results::Approach> deepest_;
 };
 
 }  // namespace hvp::app

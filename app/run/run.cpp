@@ -97,9 +97,9 @@ class BusMeters {
     if (to_host_) to_host_->ended();
   }
 
-  void report(results::Outcome& outcome) const {
-    outcome.bus_load = load(bus_);
-    if (to_board_) outcome.link_load = {load(*to_board_), load(*to_host_)};
+  void fill(results::BusFigures& figures) const {
+    figures.load = load(bus_);
+    if (to_board_) figures.link = {load(*to_board_), load(*to_host_)};
   }
 
  private:
@@ -122,7 +122,7 @@ class BodyWatches {
     platform.add_observer(strain_);
   }
 
-  void report(results::Outcome& outcome) const {
+  void fill(results::Outcome& outcome) const {
     outcome.force = force_.quality();
     outcome.strain = {strain_.worst(), strain_.worst_frame()};
     outcome.flags.merge(force_.quality().flags());
@@ -138,13 +138,13 @@ class BodyWatches {
 };
 
 // What the scenario states, beside what was measured.
-std::vector<results::Outcome::ErrorBudget> error_budgets(
-    const Budget& budget, const std::optional<results::Accuracy>& accuracy) {
-  std::vector<results::Outcome::ErrorBudget> budgets;
+std::vector<results::ErrorBudget> error_budgets(const Budget& budget,
+                                                const std::optional<results::Accuracy>& accuracy) {
+  std::vector<results::ErrorBudget> budgets;
   const auto state = [&](std::string_view of, double limit,
                          const results::Accuracy::Quantity& measured) {
     if (limit == 0) return;
-    results::Outcome::ErrorBudget b{of, limit};
+    results::ErrorBudget b{of, limit};
     if (measured.of_frame && measured.worst) {
       b.p95 = measured.of_frame->p95;
       b.worst = *measured.worst;
@@ -158,70 +158,51 @@ std::vector<results::Outcome::ErrorBudget> error_budgets(
   return budgets;
 }
 
+// What was seen before the first frame, or follows from counts.
+stability::Flags scene_flags(const Scene& scene, const vp::ServoCounts& counts) {
+  stability::Flags flags(counts.flags);
+  if (counts.clamped_words > 0) flags.raise(stability::Flag::range_exceeded);
+  if (counts.clamped_forces > 0) flags.raise(stability::Flag::force_clamped);
+  if (scene.has_board() && scene.spectrum() && !scene.spectrum()->rounded.positive_definite()) {
+    flags.raise(stability::Flag::negative_curvature);
+  }
+  if (scene.locking()) flags.raise(stability::Flag::locking);
+  if (scene.quality().slivers > 0) flags.raise(stability::Flag::poor_elements);
+  return flags;
+}
+
 results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
-                            const vp::LatencyStatistics& latency,
+                            const vp::LatencyStatistics& latency, const ApproachWatch& approach,
                             const std::optional<results::Accuracy>& accuracy) {
-  const vp::Verdict& v = platform.verdict();
+  const Scenario& s = scene.scenario();
   results::Outcome o;
-  o.period = v.period();
-  o.budget = v.budget();
-  o.set_up = platform.servo().set_up_time();
-  o.worst = v.worst_latency();
-  o.p50 = v.percentile(0.50);
-  o.p99 = v.percentile(0.99);
-  o.worst_load = v.worst_load();
-  o.worst_frame = v.worst_frame();
-  o.frames = v.frames();
-  o.frames_asked = scene.scenario().frames;
+  o.scene = results::scene_figures(scene);
+  o.verdict = platform.verdict();
+  o.latency = results::latency_figures(o.verdict, latency, s.host);
   o.ticks = platform.servo().ticks();
-  o.skipped_ticks = v.skipped_ticks();
-  o.late = v.late_forces();
-  o.misses = v.misses();
-  o.overloads = v.overloads();
-  // A force that is held from an earlier frame is not this frame's force.
-  o.force_in_time = v.force_in_time() && platform.servo().counts().driver_errors == 0;
-  o.load_held = v.load_held();
-  o.attribution = v.attribution();
-  o.latency = results::latency_figures(v, latency);
-  if (v.lateness().count() > 0) o.lateness = results::spread_of(v.lateness());
-  o.late_octaves = v.lateness().octaves();
-  if (scene.scenario().host.jitter) o.release = results::spread_of(v.release());
-  if (scene.scenario().host.wake_up) o.wake_up = results::spread_of(v.wake_up());
-  o.bus_transactions = platform.bus().transactions();
-  o.bus_bytes = platform.bus().bytes_moved();
-  o.bus_busy = platform.bus().busy();
+  o.set_up = platform.servo().set_up_time();
   o.simulated = vp::now_ps() - platform.session().begin;
-  const vp::ServoCounts& counts = platform.servo().counts();
-  o.driver_errors = counts.driver_errors;
-  o.troubles = counts;
+  o.servo = platform.servo().counts();
   if (const vp::FaultPlan* faults = platform.faults()) o.faults = faults->records();
-  o.last_driver_error = hvp_status_text(counts.last_error);
-  o.contact_changes = counts.contact_changes;
-  o.collision_passes = platform.collision().passes();
-  o.longest_pass = platform.collision().longest_pass();
-  o.accuracy = accuracy;
-  o.error_budgets = error_budgets(scene.scenario().budget, accuracy);
-  o.flags = stability::Flags(counts.flags);
+  o.accelerator = results::accelerator_figures(scene, platform.board());
   if (const vp::Accelerator* board = platform.board()) {
-    o.illegal_accesses = board->illegal_accesses();
-    if (const auto& longest = board->longest_solve()) {
-      o.engine = results::engine_clocks(
-          *longest,
-          accel::solve_cycles(scene.scenario().accelerator, scene.pattern(), longest->work));
-    }
     o.saturations = board->saturations();
     o.wraps = board->wraps();
     o.breakdowns = board->breakdowns();
   }
-  o.clamped_words = counts.clamped_words;
-  if (counts.clamped_words > 0) o.flags.raise(stability::Flag::range_exceeded);
-  o.clamped_forces = counts.clamped_forces;
-  if (counts.clamped_forces > 0) o.flags.raise(stability::Flag::force_clamped);
-  if (scene.has_board() && scene.spectrum() && !scene.spectrum()->rounded.positive_definite()) {
-    o.flags.raise(stability::Flag::negative_curvature);
+  o.bus.transactions = platform.bus().transactions();
+  o.bus.bytes = platform.bus().bytes_moved();
+  o.bus.busy = platform.bus().busy();
+  o.contact = approach.figures();
+  o.contact.changes = o.servo.contact_changes;
+  o.contact.collision_passes = platform.collision().passes();
+  o.contact.longest_pass = platform.collision().longest_pass();
+  o.accuracy = accuracy;
+  o.error_budgets = error_budgets(s.budget, accuracy);
+  if (const host::RefinedSolve* refined = scene.computation().refined()) {
+    o.refinement = {refined->passes(), refined->worst_residual(), refined->widened()};
   }
-  if (scene.locking()) o.flags.raise(stability::Flag::locking);
-  if (scene.quality().slivers > 0) o.flags.raise(stability::Flag::poor_elements);
+  o.flags = scene_flags(scene, o.servo);
   return o;
 }
 
@@ -305,16 +286,11 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   if (deformation) deformation->finish();
   platform.close_waveform();
   if (waveform) waveform->finish();
-  results::Outcome outcome = outcome_of(
-      platform, scene, latency, accuracy ? std::optional(accuracy->accuracy()) : std::nullopt);
-  buses.report(outcome);
-  if (body) body->report(outcome);
-  if (const auto& nearest = approach.nearest()) {
-    outcome.approach = {nearest->distance, nearest->frame, nearest->tip};
-  }
-  if (const auto missed = approach.missed()) {
-    outcome.missed_contact = {missed->distance, missed->frame, missed->tip};
-  }
+  results::Outcome outcome =
+      outcome_of(platform, scene, latency, approach,
+                 accuracy ? std::optional(accuracy->accuracy()) : std::nullopt);
+  buses.fill(outcome.bus);
+  if (body) body->fill(outcome);
   outcome.flags.merge(approach.flags());
   outcome.rounding = rounding;
   if (rounding) outcome.flags.merge(rounding_flags(scene, *rounding, outcome.accuracy_measured()));
@@ -322,15 +298,14 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   if (accuracy) outcome.flags.merge(accuracy->flags());
   if (body && s.output.remedies && options.rebuild && !outcome.partial()) {
     const auto began = std::chrono::steady_clock::now();
-    outcome.remedy =
-        try_remedies(scene, outcome.flags, body->recorder().sightings(),
-                     {outcome.worst, outcome.worst_load, outcome.budget, outcome.period},
-                     options.rebuild, options.progress);
+    outcome.remedy = try_remedies(scene, outcome.flags, body->recorder().sightings(),
+                                  {outcome.verdict.worst_latency(), outcome.verdict.worst_load(),
+                                   outcome.verdict.budget(), outcome.verdict.period()},
+                                  options.rebuild, options.progress);
     outcome.remedy_search_s =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   }
-  results::write_through_part_file(directory / "summary.json",
-                                   results::summary_json(scene, outcome));
+  results::write_through_part_file(directory / "summary.json", results::summary_json(outcome));
   return outcome;
 }
 

@@ -14,4 +14,11 @@ SystemSpectrum bound_spectrum(const sparse::BlockMatrix& matrix, const System& s
   return found;
 }
 
+void SystemSpectrum::report(config::Figures& f) const {
+  f.table("given", "as it was assembled", given);
+  f.table_or_null("scaled", "with the diagonal scaled, where the solver scales it; else null",
+                  scaled);
+  f.table("rounded", "as the matrix' words have it", rounded);
+}
+
 }  // namespace hvp::fixed

@@ -14,6 +14,8 @@ struct SystemSpectrum {
   sparse::Spectrum given;
   std::optional<sparse::Spectrum> scaled;  // S·A·S, where the matrix is scaled
   sparse::Spectrum rounded;                // of what the words stand for, as they are scaled
+
+  void report(config::Figures& f) const;
 };
 
 // `system` is what prepare() made of `matrix`. A set-up call: see sparse/spectrum.h.

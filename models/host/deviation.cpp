@@ -77,4 +77,12 @@ std::optional<double> Deviation::judged() const {
   return std::max(*typical(), kOfTheWorst * own->p95);
 }
 
+void Deviation::OfFrame::report(config::Figures& f) const {
+  f.count("frames", frames, "that were compared");
+  f.ratio("median", median, "half of them are within it");
+  f.ratio("p95", p95, "95 % of them are within it");
+  f.ratio("worst", worst, "the largest");
+  f.count("worst_frame", worst_frame, "the frame that has it");
+}
+
 }  // namespace hvp::host

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 
+#include "models/config/figures.h"
 #include "models/statistics/histogram.h"
 
 namespace hvp::host {
@@ -23,6 +24,8 @@ class Deviation {
     double p95 = 0;
     double worst = 0;
     std::int64_t worst_frame = -1;
+
+    void report(config::Figures& f) const;
   };
 
   // Frames in which both are zero do not count: a body that nobody touches is no evidence. A

@@ -64,4 +64,18 @@ RoundingEstimate estimate_rounding(const fem::Body& body, const sparse::BlockMat
   return estimate;
 }
 
+void RoundingEstimate::report(config::Figures& f) const {
+  f.truth("positive_definite", positive_definite, "of the matrix in words");
+  f.truth("resting_positive_definite", resting_positive_definite,
+          "of the stiffness that a resting body has with it");
+  f.count("negative_eigenvalues", negative_eigenvalues, "of the matrix in words");
+  f.count("contacts", contacts, "that were compared");
+  const auto of = [this](double Error::*figure) -> std::optional<double> {
+    return error ? std::optional((*error).*figure) : std::nullopt;
+  };
+  f.ratio("displacement_rel", of(&Error::displacement),
+          "the largest |u - u_true|/|u_true| of them, or null");
+  f.ratio("force_rel", of(&Error::force), "likewise of the force");
+}
+
 }  // namespace hvp::host

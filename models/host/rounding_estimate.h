@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "models/config/figures.h"
 #include "models/fem/body.h"
 #include "models/sparse/block_matrix.h"
 
@@ -34,6 +35,8 @@ struct RoundingEstimate {
     double force = 0;
   };
   std::optional<Error> error;
+
+  void report(config::Figures& f) const;
 };
 
 // Solves each contact twice in double precision, with the body's stiffness K and with what the

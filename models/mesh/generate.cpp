@@ -11,9 +11,9 @@
 
 #include "models/config/input_error.h"
 #include "models/mesh/byte_stream.h"
-#include "models/mesh/child_process.h"
 #include "models/mesh/node_search.h"
 #include "models/mesh/parametric_surface.h"
+#include "models/mesh/sandbox.h"
 #include "models/mesh/surface_check.h"
 #include "models/mesh/surface_reader.h"
 #include "models/mesh/surface_resample.h"
@@ -99,21 +99,21 @@ TetMesh mesh_surface(const Surface& raw, int wanted, const Progress& progress) {
 }
 
 // A mesh of a million nodes takes TetGen a minute or two, and a search needs a few.
-ChildLimits limits_for(int nodes) {
+SandboxLimits limits_for(int nodes) {
   return {.cpu_seconds = 60 + nodes / 1000, .memory_bytes = std::size_t{8} << 30};
 }
 
 template <class Work>
 TetMesh mesh_in_child(int wanted, const Progress& progress, const Work& work) {
-  const std::string bytes = run_in_child("the mesher", "surface", limits_for(wanted), progress,
-                                         [&](const Progress& inner) {
-                                           const TetMesh mesh = work(inner);
-                                           ByteWriter writer;
-                                           writer.points(mesh.nodes);
-                                           writer.tuples(mesh.tetrahedra);
-                                           writer.tuples(mesh.boundary);
-                                           return writer.bytes();
-                                         });
+  const std::string bytes = run_in_sandbox("the mesher", "surface", limits_for(wanted), progress,
+                                           [&](const Progress& inner) {
+                                             const TetMesh mesh = work(inner);
+                                             ByteWriter writer;
+                                             writer.points(mesh.nodes);
+                                             writer.tuples(mesh.tetrahedra);
+                                             writer.tuples(mesh.boundary);
+                                             return writer.bytes();
+                                           });
   ByteReader reader(bytes);
   TetMesh mesh;
   mesh.nodes = reader.points();

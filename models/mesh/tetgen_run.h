@@ -15,7 +15,7 @@ struct TetgenOptions {
 
 // Fills a closed, consistently oriented surface with tetrahedra; the surface's triangles are
 // kept. TetGen may crash, hang or exit on surfaces it cannot handle: call it in a child process
-// (child_process.h). Throws InputError with the key "surface".
+// (sandbox.h). Throws InputError with the key "surface".
 TetMesh run_tetgen(const Surface& surface, const TetgenOptions& options);
 
 }  // namespace hvp::mesh

@@ -255,4 +255,18 @@ Spectrum bound_spectrum(const BlockMatrix& a, double relative_width) {
   return Bounds(a, relative_width).find();
 }
 
+void Spectrum::report(config::Figures& f) const {
+  const auto bounds = [&f](std::string_view key, const std::optional<Interval>& interval,
+                           std::string_view help) {
+    f.value(key,
+            interval ? config::FigureValue(std::vector{interval->lower, interval->upper})
+                     : config::FigureValue(),
+            {}, help);
+  };
+  bounds("smallest", smallest, "two bounds of the smallest eigenvalue");
+  bounds("largest", largest, "two bounds of the largest");
+  bounds("condition", condition(),
+         "two bounds of κ; null where the matrix is not proved positive definite");
+}
+
 }  // namespace hvp::sparse

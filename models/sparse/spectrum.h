@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "models/config/declaration.h"
+#include "models/config/figures.h"
 #include "models/sparse/block_matrix.h"
 
 namespace hvp::sparse {
@@ -29,6 +30,8 @@ struct Spectrum {
   bool positive_definite() const { return smallest.lower > 0; }
   // κ = largest / smallest; nothing where the matrix is not proved positive definite.
   std::optional<Interval> condition() const;
+
+  void report(config::Figures& f) const;
 };
 
 // Bounds that hold, not estimates. Inner ones are Rayleigh quotients of Lanczos' vectors, with the

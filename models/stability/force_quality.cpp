@@ -123,4 +123,28 @@ Flags ForceQuality::flags() const {
   return flags;
 }
 
+void ForceQuality::report(config::Figures& f) const {
+  const auto newtons = [&f](const WorstFrame& worst) {
+    f.quantity("N", worst.value, "N", "how large");
+    f.frame("frame", worst.frame, "the frame that has it, or null");
+  };
+  f.table("largest", "the largest |F|", [&] { newtons(peak_); });
+  f.table("step", "the largest change from one frame to the next. Over a tenth: `force-step`", [&] {
+    newtons(step_);
+    f.ratio("of_largest_rel", step_share(), "of the largest |F|");
+  });
+  f.count(
+      "alternations", alternations(),
+      "the most turns of the force in a row, beyond 2 % of the largest, in a tenth of a second. "
+      "Over eight: `force-ringing`");
+  f.table(
+      "pull",
+      "the largest force along the surface's outward normal: the tip pulls, which no tip can. A "
+      "pass of the collision process late, contact ends",
+      [&] { newtons(pull_); });
+  f.ratio("ripple_rel", ripple(),
+          "peak to peak of the force while the tip rests, of what does not settle, over its mean; "
+          "null where it never rested long enough. Over 1.5 %: `limit-cycle`");
+}
+
 }  // namespace hvp::stability

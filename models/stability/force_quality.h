@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "models/config/figures.h"
 #include "models/stability/flag.h"
 
 namespace hvp::stability {
@@ -74,6 +75,7 @@ class ForceQuality {
   std::int64_t ripple_frame() const { return ripple_.frame; }
 
   Flags flags() const;
+  void report(config::Figures& f) const;
 
  private:
   // Alternations by the smallest of their changes: kBinsAnOctave bins for each factor of two.

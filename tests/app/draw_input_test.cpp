@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "app/results/child_process.h"
+#include "app/results/launched_program.h"
 #include "tests/app/sample_run.h"
 #include "tests/app/scratch_directory.h"
 
@@ -42,9 +42,9 @@ class DrawInputTest : public testing::Test {
 
   // hvp-draw refuses with one line that holds `words`, and leaves no file of its own.
   void expect_refused(const std::string& words) {
-    ChildProcess::Options options;
+    LaunchedProgram::Options options;
     options.environment = {{"DISPLAY", ""}};
-    ChildProcess child(HVP_DRAW_PROGRAM, {scratch_.path().string()}, options);
+    LaunchedProgram child(HVP_DRAW_PROGRAM, {scratch_.path().string()}, options);
     const auto result = child.wait(std::chrono::seconds(60));
     EXPECT_EQ(result.exit_status, 2) << "signal " << result.signal << ", " << result.errors;
     EXPECT_EQ(std::count(result.errors.begin(), result.errors.end(), '\n'), 1) << result.errors;
@@ -134,7 +134,7 @@ TEST_F(DrawInputTest, StepWithoutWhatThePictureNeeds) {
 TEST_F(DrawInputTest, WrongNumberOfArguments) {
   for (const std::vector<std::string>& arguments :
        {std::vector<std::string>{}, std::vector<std::string>{"a", "b"}}) {
-    ChildProcess child(HVP_DRAW_PROGRAM, arguments, {});
+    LaunchedProgram child(HVP_DRAW_PROGRAM, arguments, {});
     const auto result = child.wait(std::chrono::seconds(60));
     EXPECT_EQ(result.exit_status, 2);
     EXPECT_EQ(result.errors, "usage: hvp-draw RUN_DIRECTORY\n");

@@ -1,11 +1,11 @@
-"""Holds docs/results.md against what the scenarios write: keys of summary.json, columns of
-frames.csv. What one has and the other lacks is an error, in either direction.
+"""Holds docs/results-reference.md against the summary.json that the scenarios write: a report()
+that leaves a figure out by a condition of its own would hide it from the page, and a figure that no
+scenario has is one that nothing tests.
 
 Runs every scenario, and those of EXTRA for what no scenario has.
 """
 
 import argparse
-import itertools
 import json
 import os
 import re
@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 TOP = Path(__file__).resolve().parents[2]
-PAGE = TOP / "docs" / "results.md"
+PAGE = TOP / "docs" / "results-reference.md"
 EXTRA = {
     "spectrum": ["spectrum=true", "solver.matrix_scaling=diagonal", "frames=2"],
     "several devices": ["accelerator.several.devices=2", "frames=2"],
@@ -43,31 +43,11 @@ def keys_of(value: Any, path: str = "") -> Iterator[str]:
         yield path
 
 
-def either(text: str) -> list[str]:
-    """Every reading of `{a,b}`."""
-    parts = [part.split(",") for part in re.split(r"[{}]", text)]
-    readings = [part if at % 2 else [",".join(part)] for at, part in enumerate(parts)]
-    return ["".join(reading) for reading in itertools.product(*readings)]
-
-
-def first_cells(section: str) -> Iterator[list[str]]:
-    """What stands in code in the first cell of each row of a section's first table."""
-    text = PAGE.read_text(encoding="utf-8").split(f"\n## {section}\n")[1].split("\n## ")[0]
-    lines = text.splitlines()
-    start = next(at for at, line in enumerate(lines) if line.startswith("|---"))
-    for line in itertools.takewhile(lambda row: row.startswith("|"), lines[start + 1 :]):
-        yield re.findall(r"`([^`]+)`", line.split("|")[1])
-
-
 def documented_keys() -> list[str]:
-    keys: list[str] = []
-    for cell in first_cells("summary.json"):
-        before = ""
-        for code in cell:
-            whole = before.rpartition(".")[0] + code if code.startswith(".") else code
-            before = whole
-            keys += either(whole)
-    return keys
+    """Those of figures: `a.*` and `a[].*` are what the page says of whole tables."""
+    section = PAGE.read_text(encoding="utf-8").split("\n## ")[1]
+    keys = re.findall(r"^\| `([^`]+)`", section, re.MULTILINE)
+    return [key for key in keys if not key.endswith(".*")]
 
 
 def matches(documented: str, key: str) -> bool:
@@ -80,8 +60,7 @@ def is_table(key: str, documented: list[str]) -> bool:
     return any(other.startswith((f"{key}.", f"{key}[]")) for other in documented)
 
 
-def run(program: Path, scenario: Path, folder: Path, settings: list[str]) -> tuple[set[str], str]:
-    """Keys and columns."""
+def run(program: Path, scenario: Path, folder: Path, settings: list[str]) -> set[str]:
     command = [str(program), "run", str(scenario), "--quiet", "--out", str(folder)]
     for setting in ["output.pictures=false", *settings]:
         command += ["--set", setting]
@@ -89,11 +68,10 @@ def run(program: Path, scenario: Path, folder: Path, settings: list[str]) -> tup
     if ended.returncode > BROKEN_BUDGET:
         raise RuntimeError(f"{scenario.name} {settings}: {ended.stderr.strip()}")
     summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-    with (folder / "frames.csv").open(encoding="utf-8") as frames:
-        return set(keys_of(summary)), frames.readline().strip()
+    return set(keys_of(summary))
 
 
-def run_all(program: Path, scratch: Path) -> dict[str, tuple[set[str], str]]:
+def run_all(program: Path, scratch: Path) -> dict[str, set[str]]:
     scenarios = {path.stem: (path, list[str]()) for path in sorted(TOP.glob("scenarios/*.toml"))}
     static = TOP / "scenarios" / "thesis-static.toml"
     scenarios |= {name: (static, settings) for name, settings in EXTRA.items()}
@@ -106,7 +84,9 @@ def run_all(program: Path, scratch: Path) -> dict[str, tuple[set[str], str]]:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description="hold docs/results.md against summary.json")
+    parser = argparse.ArgumentParser(
+        description="hold docs/results-reference.md against summary.json"
+    )
     parser.add_argument("--program", type=Path, required=True)
     program = parser.parse_args().program.resolve()
     with tempfile.TemporaryDirectory() as scratch:
@@ -114,7 +94,7 @@ def main() -> int:
 
     documented = documented_keys()
     problems = [f"{key} stands twice" for key in documented if documented.count(key) > 1]
-    where = {key: name for name, (keys, _) in written.items() for key in keys}
+    where = {key: name for name, keys in written.items() for key in keys}
     for key, name in sorted(where.items()):
         if not is_table(key, documented) and not any(matches(d, key) for d in documented):
             problems.append(f"summary.json of {name} has {key}, the page has not")
@@ -122,12 +102,6 @@ def main() -> int:
         if not any(matches(key, found) for found in where):
             problems.append(f"the page has {key}, the summary.json of no scenario has")
 
-    columns = [code for cell in first_cells("frames.csv") for code in cell]
-    for header in sorted({header for _, header in written.values()}):
-        found = header.split(",")
-        if found != columns:
-            parted = sorted(set(found) ^ set(columns)) or "another order"
-            problems.append(f"the columns of frames.csv and of the page differ: {parted}")
     for problem in problems:
         print(f"{PAGE.relative_to(TOP)}: {problem}")
     print(f"{len(where)} keys of {len(written)} runs, {len(documented)} on the page")

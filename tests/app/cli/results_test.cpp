@@ -138,6 +138,16 @@ TEST_F(Results, FramesAgreeWithTheSummary) {
   for (const std::string& in_time : column("in_time")) EXPECT_EQ(in_time, "1");
 }
 
+TEST_F(Results, TheShareInContactIsThatOfTheFrames) {
+  const Ended ended = run({"--set", "frames=300"});
+  const std::vector<std::string> nodes = column("contact_node");
+  const auto touching = std::ranges::count_if(nodes, [](const auto& node) { return node != "-1"; });
+  EXPECT_GT(touching, 0);
+  EXPECT_LT(touching, 300);
+  EXPECT_EQ(summary().at("contact").at("share"), static_cast<double>(touching) / 300);
+  EXPECT_THAT(ended.out, HasSubstr(" of the frames\n"));
+}
+
 TEST_F(Results, PartsOfAFrameSumToItsLatency) {
   run();
   const std::vector<std::string> latency = column("latency_us");

@@ -1,4 +1,4 @@
-#include "models/mesh/child_process.h"
+#include "models/mesh/sandbox.h"
 
 #include <array>
 #include <cerrno>
@@ -73,7 +73,7 @@ void limit(int resource, rlim_t soft, rlim_t hard) {
   ::setrlimit(static_cast<__rlimit_resource>(resource), &value);
 }
 
-[[noreturn]] void run_child(int fd, pid_t parent, const ChildLimits& limits,
+[[noreturn]] void run_child(int fd, pid_t parent, const SandboxLimits& limits,
                             const std::function<std::string(const Progress&)>& work) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(2);  // it ended before that
@@ -139,7 +139,7 @@ class Child {
   }
 
   // How the child ended, as a sentence without a subject.
-  std::string ending(const ChildLimits& limits) {
+  std::string ending(const SandboxLimits& limits) {
     if (timed_out_) {
       return fmt::format("gave no answer within {} s", kPatience * limits.cpu_seconds);
     }
@@ -170,9 +170,9 @@ class Child {
 
 }  // namespace
 
-std::string run_in_child(std::string_view task, const std::string& key, const ChildLimits& limits,
-                         const Progress& progress,
-                         const std::function<std::string(const Progress&)>& work) {
+std::string run_in_sandbox(std::string_view task, const std::string& key,
+                           const SandboxLimits& limits, const Progress& progress,
+                           const std::function<std::string(const Progress&)>& work) {
   std::array<int, 2> pipe{};
   if (::pipe2(pipe.data(), O_CLOEXEC) != 0) {
     throw std::runtime_error(fmt::format("no pipe for {}: {}", task, std::strerror(errno)));

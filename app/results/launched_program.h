@@ -13,7 +13,7 @@ namespace hvp::results {
 
 // A program run without a shell. It dies with its parent and leaves no core file; its standard
 // input is empty and its output is kept. Destroying the object ends and reaps the program.
-class ChildProcess {
+class LaunchedProgram {
  public:
   struct Options {
     std::vector<std::pair<std::string, std::string>> environment;  // set on top of the parent's
@@ -23,11 +23,11 @@ class ChildProcess {
 
   // Throws std::system_error when the system has no process or pipe left. A program that cannot
   // be executed exits with status 127.
-  ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-               const Options& options);
-  ~ChildProcess();
-  ChildProcess(const ChildProcess&) = delete;
-  ChildProcess& operator=(const ChildProcess&) = delete;
+  LaunchedProgram(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                  const Options& options);
+  ~LaunchedProgram();
+  LaunchedProgram(const LaunchedProgram&) = delete;
+  LaunchedProgram& operator=(const LaunchedProgram&) = delete;
 
   struct Result {
     int exit_status = -1;  // -1: ended by a signal or by the time limit

@@ -1,4 +1,4 @@
-#include "models/mesh/child_process.h"
+#include "models/mesh/sandbox.h"
 
 #include <csignal>
 #include <cstdio>
@@ -21,22 +21,22 @@ using ::testing::HasSubstr;
 using testing::refusal;
 using Work = std::function<std::string(const Progress&)>;
 
-std::string run(const Work& work, const ChildLimits& limits = {}) {
-  return run_in_child("the reader", "surface", limits, {}, work);
+std::string run(const Work& work, const SandboxLimits& limits = {}) {
+  return run_in_sandbox("the reader", "surface", limits, {}, work);
 }
-std::string reason(const Work& work, const ChildLimits& limits = {}) {
+std::string reason(const Work& work, const SandboxLimits& limits = {}) {
   return refusal("surface", [&] { run(work, limits); });
 }
 
-TEST(ChildProcess, ReturnsWhatTheWorkReturns) {
+TEST(Sandbox, ReturnsWhatTheWorkReturns) {
   const std::string large(5'000'000, '\0');  // more than a pipe holds
   EXPECT_EQ(run([&](const Progress&) { return large + "end"; }), large + "end");
   EXPECT_EQ(run([](const Progress&) { return ""; }), "");
 }
 
-TEST(ChildProcess, PassesProgressOn) {
+TEST(Sandbox, PassesProgressOn) {
   std::vector<std::string> lines;
-  run_in_child(
+  run_in_sandbox(
       "the reader", "surface", {}, [&](std::string_view line) { lines.emplace_back(line); },
       [](const Progress& progress) {
         progress("one");
@@ -46,7 +46,7 @@ TEST(ChildProcess, PassesProgressOn) {
   EXPECT_THAT(lines, ElementsAre("one", "two"));
 }
 
-TEST(ChildProcess, PassesARefusalOnWithItsKey) {
+TEST(Sandbox, PassesARefusalOnWithItsKey) {
   EXPECT_EQ(
       refusal("nodes",
               [] {
@@ -55,7 +55,7 @@ TEST(ChildProcess, PassesARefusalOnWithItsKey) {
       "too few");
 }
 
-TEST(ChildProcess, TurnsACrashIntoARefusal) {
+TEST(Sandbox, TurnsACrashIntoARefusal) {
   EXPECT_THAT(reason([](const Progress&) -> std::string {
                 std::signal(SIGSEGV, SIG_DFL);
                 std::raise(SIGSEGV);
@@ -65,12 +65,12 @@ TEST(ChildProcess, TurnsACrashIntoARefusal) {
   EXPECT_THAT(reason([](const Progress&) -> std::string { std::abort(); }), HasSubstr("crashed"));
 }
 
-TEST(ChildProcess, TurnsExitIntoARefusal) {
+TEST(Sandbox, TurnsExitIntoARefusal) {
   EXPECT_THAT(reason([](const Progress&) -> std::string { ::_exit(7); }),
               HasSubstr("ended without a result (exit status 7)"));
 }
 
-TEST(ChildProcess, TurnsForeignExceptionsIntoARefusal) {
+TEST(Sandbox, TurnsForeignExceptionsIntoARefusal) {
   EXPECT_THAT(reason([](const Progress&) -> std::string { throw std::runtime_error("odd"); }),
               HasSubstr("the reader failed: odd"));
   EXPECT_THAT(reason([](const Progress&) -> std::string { throw 3; }),
@@ -79,7 +79,7 @@ TEST(ChildProcess, TurnsForeignExceptionsIntoARefusal) {
               HasSubstr("ran out of memory"));
 }
 
-TEST(ChildProcess, EndsAnEndlessLoop) {
+TEST(Sandbox, EndsAnEndlessLoop) {
   EXPECT_THAT(reason(
                   [](const Progress&) -> std::string {
                     volatile unsigned long count = 0;
@@ -89,7 +89,7 @@ TEST(ChildProcess, EndsAnEndlessLoop) {
               HasSubstr("did not end within 1 s of CPU time"));
 }
 
-TEST(ChildProcess, EndsAChildThatSleeps) {
+TEST(Sandbox, EndsAChildThatSleeps) {
   EXPECT_THAT(reason(
                   [](const Progress&) -> std::string {
                     while (true) ::pause();
@@ -98,7 +98,7 @@ TEST(ChildProcess, EndsAChildThatSleeps) {
               HasSubstr("gave no answer within 4 s"));
 }
 
-TEST(ChildProcess, WhatItPrintsIsDropped) {
+TEST(Sandbox, WhatItPrintsIsDropped) {
   ::testing::internal::CaptureStdout();
   ::testing::internal::CaptureStderr();
   run([](const Progress&) {

@@ -1,4 +1,4 @@
-#include "app/results/child_process.h"
+#include "app/results/launched_program.h"
 
 #include <algorithm>
 #include <array>
@@ -107,18 +107,19 @@ bool drain(int descriptor, std::string& kept) {
   dup2(nothing, STDIN_FILENO);
   dup2(output, STDOUT_FILENO);
   dup2(errors, STDERR_FILENO);
-  if (report == ChildProcess::kReportDescriptor)
+  if (report == LaunchedProgram::kReportDescriptor)
     fcntl(report, F_SETFD, 0);
   else if (report >= 0)
-    dup2(report, ChildProcess::kReportDescriptor);
+    dup2(report, LaunchedProgram::kReportDescriptor);
   execve(program, arguments, environment);
   _exit(127);
 }
 
 }  // namespace
 
-ChildProcess::ChildProcess(const std::filesystem::path& program,
-                           const std::vector<std::string>& arguments, const Options& options) {
+LaunchedProgram::LaunchedProgram(const std::filesystem::path& program,
+                                 const std::vector<std::string>& arguments,
+                                 const Options& options) {
   std::vector<std::string> words = {program.string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<std::string> variables = environment_with(options.environment);
@@ -138,7 +139,7 @@ ChildProcess::ChildProcess(const std::filesystem::path& program,
   report_ = report.take_read_end();
 }
 
-ChildProcess::~ChildProcess() {
+LaunchedProgram::~LaunchedProgram() {
   if (pid_ > 0) {
     kill(pid_, SIGTERM);
     Result ignored;
@@ -149,7 +150,7 @@ ChildProcess::~ChildProcess() {
   close(report_);
 }
 
-void ChildProcess::reap_or_kill(Clock::time_point deadline, Result& result) {
+void LaunchedProgram::reap_or_kill(Clock::time_point deadline, Result& result) {
   int status = 0;
   for (;;) {
     const pid_t reaped = waitpid(pid_, &status, WNOHANG);
@@ -173,7 +174,7 @@ void ChildProcess::reap_or_kill(Clock::time_point deadline, Result& result) {
   if (WIFSIGNALED(status)) result.signal = WTERMSIG(status);
 }
 
-ChildProcess::Result ChildProcess::wait(std::chrono::milliseconds limit) {
+LaunchedProgram::Result LaunchedProgram::wait(std::chrono::milliseconds limit) {
   const Clock::time_point deadline = Clock::now() + limit;
   Result result;
   bool output_open = true;
@@ -195,7 +196,7 @@ ChildProcess::Result ChildProcess::wait(std::chrono::milliseconds limit) {
   return result;
 }
 
-std::optional<std::string> ChildProcess::report_line(std::chrono::milliseconds limit) {
+std::optional<std::string> LaunchedProgram::report_line(std::chrono::milliseconds limit) {
   const Clock::time_point deadline = Clock::now() + limit;
   std::string text;
   while (Clock::now() < deadline && interrupted() == 0) {

@@ -8,7 +8,7 @@
 
 namespace hvp::mesh {
 
-struct ChildLimits {
+struct SandboxLimits {
   int cpu_seconds = 60;
   // Address space; not enforced under AddressSanitizer, which reserves terabytes.
   std::size_t memory_bytes = std::size_t{4} << 30;
@@ -21,8 +21,8 @@ struct ChildLimits {
 //
 // Foreign code that reads files of users runs in here: it may crash, print and allocate as it
 // likes. Call it before there are threads, since only the calling one lives on in the child.
-std::string run_in_child(std::string_view task, const std::string& key, const ChildLimits& limits,
-                         const Progress& progress,
-                         const std::function<std::string(const Progress&)>& work);
+std::string run_in_sandbox(std::string_view task, const std::string& key,
+                           const SandboxLimits& limits, const Progress& progress,
+                           const std::function<std::string(const Progress&)>& work);
 
 }  // namespace hvp::mesh

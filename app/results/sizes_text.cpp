@@ -1,12 +1,10 @@
-#include "app/results/verdict_text.h"
-
 #include <Eigen/Geometry>
 #include <iterator>
 
 #include <fmt/format.h>
 
-#include "app/results/fault_text.h"
 #include "app/results/number_text.h"
+#include "app/results/report_sections.h"
 
 namespace hvp::results {
 
@@ -30,20 +28,6 @@ std::string point_text(const Eigen::Vector3d& p) {
   return fmt::format("({}, {}, {})", readable_length(p.x()), readable_length(p.y()),
                      readable_length(p.z()));
 }
-
-}  // namespace
-
-std::string_view verdict_word(const Outcome& o, bool timing_only) {
-  if (o.partial()) return "held so far";
-  if (!o.flags.empty()) return "held, with flags";
-  if (faults_happened(o)) return "held, with faults";
-  if (timing_only) return "PASS, timing only";
-  if (o.contact_changes == 0) return "held; no contact";
-  if (!o.accuracy_measured()) return "held; accuracy not measured";
-  return "PASS";
-}
-
-namespace {
 
 struct Sizes {
   Eigen::AlignedBox3d body;
@@ -76,17 +60,17 @@ std::string unit_text(const app::Scene& scene) {
       from_file ? ", object.mesh.surface_unit first" : "");
 }
 
-std::string no_contact_text(const app::Scene& scene, const Outcome& o) {
+std::string no_contact_text(const app::Scene& scene, const ContactFigures& contact) {
   std::string text;
   const auto out = std::back_inserter(text);
   fmt::format_to(out, "  no contact     {}\n",
-                 o.missed_contact ? "nothing was held in these frames"
-                                  : "the probe did not touch the body in these frames");
+                 contact.missed ? "nothing was held in these frames"
+                                : "the probe did not touch the body in these frames");
   const auto [body, path] = sizes_of(scene);
-  if (o.approach) {
+  if (contact.nearest) {
     fmt::format_to(out, "    nearest      {} from the surface, in frame {} at {}\n",
-                   readable_length(o.approach->distance), o.approach->frame,
-                   point_text(o.approach->tip));
+                   readable_length(contact.nearest->distance), contact.nearest->frame,
+                   point_text(contact.nearest->tip));
   }
   fmt::format_to(out, "    the body     {}\n    the probe    {}\n", extent_text(body),
                  extent_text(path));
