@@ -20,9 +20,9 @@ ServoSettings servo_settings(const PlatformSettings& settings, bool refined) {
 }
 
 SceneState at_rest(const fem::Body& body, const host::FrameComputation& computation,
-                   const plant::Trajectory& probe) {
+                   plant::Device& device) {
   SceneState scene;
-  scene.tip = probe.state_ps(0).position;
+  scene.tip = device.at(0).position;
   scene.displacement = body.expand(computation.displacement());
   scene.has_force = !computation.timing_only();
   return scene;
@@ -57,7 +57,9 @@ Platform::Platform(const PlatformSettings& settings, const fem::Body& body,
                    AccessObserver* register_trace)
     : settings_(settings),
       verdict_(settings.servo.period, settings.budget),
-      exchange_{Mailbox<SceneState>(at_rest(body, computation, settings_.probe)),
+      own_device_(plant::make_device(settings.device, settings.probe)),
+      device_(settings.haptic_device != nullptr ? *settings.haptic_device : *own_device_),
+      exchange_{Mailbox<SceneState>(at_rest(body, computation, device_)),
                 Mailbox<ContactReport>(ContactReport{})},
       bus_("bus", settings_.bus, settings_.fidelity.bus, ledger_, settings_.seed),
       traffic_(settings_.bus.traffic
@@ -86,7 +88,7 @@ Platform::Platform(const PlatformSettings& settings, const fem::Body& body,
                   ? std::make_unique<HostMemory>(
                         "memory", memory_bytes(settings_, computation.displacement().size()))
                   : nullptr),
-      daq_("daq", settings_.daq, settings_.encoder, settings_.probe, session_, ledger_),
+      daq_("daq", settings_.device.daq, settings_.device.encoder, device_, session_, ledger_),
       dispatcher_(settings_.servo.costs, settings_.seed, ledger_),
       access_("access",
               settings_.servo.untimed

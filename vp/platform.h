@@ -12,8 +12,7 @@
 #include "models/collision/contact_search.h"
 #include "models/fem/body.h"
 #include "models/host/frame_computation.h"
-#include "models/plant/daq.h"
-#include "models/plant/encoder.h"
+#include "models/plant/device_settings.h"
 #include "models/plant/trajectory.h"
 #include "vp/device/daq_board.h"
 #include "vp/fault/faults.h"
@@ -51,9 +50,9 @@ struct PlatformSettings {
   accel::Architecture accelerator;
   BusSettings bus;
   Transfer transfer;
-  plant::Daq daq;
-  std::optional<plant::Encoder> encoder;
+  plant::DeviceSettings device;
   plant::Trajectory probe;
+  plant::Device* haptic_device = nullptr;  // null: the one of `device`. Has to outlive the platform
   Fidelity fidelity;
   std::optional<Waveform> waveform;
   std::vector<Fault> faults;
@@ -122,6 +121,8 @@ class Platform {
   Ledger ledger_;
   Verdict verdict_;
   Session session_;
+  std::unique_ptr<plant::Device> own_device_;
+  plant::Device& device_;
   Exchange exchange_;
   PciBus bus_;
   std::unique_ptr<TrafficMaster> traffic_;    // the effect [bus.traffic]

@@ -46,8 +46,7 @@ vp::PlatformSettings platform_settings(const Scene& scene) {
   p.accelerator = s.accelerator;
   p.bus = s.bus;
   p.transfer = s.transfer;
-  p.daq = s.device.daq;
-  p.encoder = s.device.encoder;
+  p.device = s.device;
   p.probe = s.probe;
   p.fidelity = s.fidelity;
   p.faults = s.faults;

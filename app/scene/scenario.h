@@ -19,8 +19,7 @@
 #include "models/host/refinement.h"
 #include "models/mesh/mesh_settings.h"
 #include "models/mesh/region.h"
-#include "models/plant/daq.h"
-#include "models/plant/encoder.h"
+#include "models/plant/device_settings.h"
 #include "models/plant/trajectory.h"
 #include "models/sparse/spectrum.h"
 #include "vp/fault/fault.h"
@@ -70,14 +69,6 @@ struct Contact {
   void declare(config::Visitor& v);
 };
 
-// [device]: what the user holds.
-struct Device {
-  plant::Daq daq;
-  std::optional<plant::Encoder> encoder;
-
-  void declare(config::Visitor& v);
-};
-
 // [output.waveform]: what the cycle-accurate engine does, clock by clock, in engine.vcd.
 struct Waveform {
   int first_frame = 0;
@@ -113,7 +104,7 @@ struct Scenario {
   vp::BusSettings bus;
   vp::Transfer transfer;
   host::Host host;
-  Device device;
+  plant::DeviceSettings device;
   plant::Trajectory probe;
   std::optional<host::Reference> reference;
   std::optional<sparse::SpectrumSettings> spectrum;
