@@ -34,7 +34,7 @@ class Recorder : public plant::Device {
 
 TEST(HapticDevice, IsDrivenByTheRegistersWordsWhenTheConverterHasSettled) {
   SmallScene scene({.dynamics = fem::Dynamics{}, .solver = {}});
-  scene.settings.servo.frames = 40;
+  scene.settings.frames = 40;
   Recorder device(SmallScene::above(-2e-3));
   scene.settings.haptic_device = &device;
   test::Simulated run(scene);

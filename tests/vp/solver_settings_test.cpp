@@ -354,7 +354,7 @@ TEST_P(MethodFrames, SpansTheIterationsThatWereMade) {
   options.solver.stop_residual = 0.3;
   SmallScene scene(options);
   scene.touch();
-  scene.settings.servo.frames = 30;
+  scene.settings.frames = 30;
   Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
   test::FrameLog log;
   struct Reports : FrameObserver {

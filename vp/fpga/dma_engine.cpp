@@ -5,7 +5,7 @@
 #include <cstring>
 #include <utility>
 
-#include "vp/host/host_memory.h"
+#include "vp/bus/host_memory.h"
 
 namespace hvp::vp {
 

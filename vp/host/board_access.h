@@ -7,20 +7,17 @@
 #include <tlm_utils/simple_initiator_socket.h>
 
 #include "driver/hvp_driver.h"
+#include "vp/bus/host_memory.h"
+#include "vp/bus/memory_map.h"
 #include "vp/fault/bus_errors.h"
 #include "vp/fpga/accelerator.h"
 #include "vp/frame_tag.h"
 #include "vp/host/dispatcher.h"
-#include "vp/host/host_memory.h"
 #include "vp/host/local_time.h"
 #include "vp/host/transfer.h"
 #include "vp/ledger.h"
 
 namespace hvp::vp {
-
-// Where the boards are in the host's memory map.
-inline constexpr std::uint64_t kSolverBase = 0x1000'0000;
-inline constexpr std::uint64_t kDaqBase = 0x2000'0000;
 
 // The processor's way to the bus: turns the driver's call-backs and the servo process' accesses
 // to the DAQ board into transactions, each with the tag of the frame that is worked on. The

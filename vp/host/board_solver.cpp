@@ -24,18 +24,6 @@ bool is_displaced(const fem::Hold& hold) {
 }
 }  // namespace
 
-std::int64_t BoardSolver::rhs_bytes(const fixed::Settings& settings, const Transfer& transfer,
-                                    std::size_t unknowns) {
-  const link::Payload words{0, 0, settings.residual_bits(), transfer.packed};
-  return words.bytes(static_cast<std::int64_t>(unknowns));
-}
-
-std::int64_t BoardSolver::solution_bytes(const fixed::Settings& settings, const Transfer& transfer,
-                                         std::size_t unknowns) {
-  const link::Payload words{0, 0, settings.vector_bits, transfer.packed};
-  return words.bytes(static_cast<std::int64_t>(unknowns));
-}
-
 BoardSolver::BoardSolver(const fixed::Settings& settings, host::FrameComputation& computation,
                          const BoardAccess& access, const Work& work, bool reject_saturated,
                          HostMemory* memory)
@@ -49,9 +37,8 @@ BoardSolver::BoardSolver(const fixed::Settings& settings, host::FrameComputation
   scratch_.resize(std::max<std::size_t>(HVP_MIN_SCRATCH_WORDS, b_.size()));
   const Transfer& transfer = access.transfer();
   if (memory == nullptr || transfer.method != Transfer::Method::dma) return;
-  dma_.emplace(*memory, transfer.engine(),
-               static_cast<std::size_t>(rhs_bytes(settings, transfer, b_.size())),
-               static_cast<std::size_t>(solution_bytes(settings, transfer, u_.size())));
+  dma_.emplace(*memory, transfer.engine(), transfer.rhs_bytes(settings, b_.size()),
+               transfer.solution_bytes(settings, u_.size()));
 }
 
 hvp_status BoardSolver::set_up_piece(bool& done) {

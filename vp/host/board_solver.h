@@ -25,12 +25,6 @@ class BoardSolver : public FrameSolver {
               const BoardAccess& access, const Work& work, bool reject_saturated = false,
               HostMemory* memory = nullptr);
 
-  // Bytes of b and of U on their way.
-  static std::int64_t rhs_bytes(const fixed::Settings& settings, const Transfer& transfer,
-                                std::size_t unknowns);
-  static std::int64_t solution_bytes(const fixed::Settings& settings, const Transfer& transfer,
-                                     std::size_t unknowns);
-
   hvp_status set_up_piece(bool& done) override;
   bool survives(hvp_status status) const override { return status == HVP_ERROR_SATURATED; }
   void set_deadline(Picoseconds time) override { deadline_ = time; }
