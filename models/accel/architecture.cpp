@@ -1,8 +1,7 @@
 #include "models/accel/architecture.h"
 
-#include <cmath>
-
 #include "models/config/input_error.h"
+#include "models/time/picoseconds.h"
 
 namespace hvp::accel {
 
@@ -99,6 +98,6 @@ void Architecture::check() const {
   }
 }
 
-std::int64_t Architecture::clock_period_ps() const { return std::llround(1e12 / clock_hz); }
+std::int64_t Architecture::clock_period_ps() const { return to_period(clock_hz); }
 
 }  // namespace hvp::accel

@@ -16,6 +16,9 @@ inline Picoseconds to_picoseconds(double seconds) {
   return std::llround(seconds * kPicosecondsPerSecond);
 }
 
+// Of something that happens so often a second.
+inline Picoseconds to_period(double hertz) { return std::llround(kPicosecondsPerSecond / hertz); }
+
 inline constexpr double to_seconds(Picoseconds time) { return 1e-12 * static_cast<double>(time); }
 
 }  // namespace hvp

@@ -39,7 +39,7 @@ struct SmallScene {
                     options.period_s, options.refinement, options.solved_by, options.effort),
         contacts(body.mesh(), floor(), contact_settings(options)) {
     settings.solver = computation.board_settings();
-    settings.period = std::llround(options.period_s * 1e12);
+    settings.period = to_picoseconds(options.period_s);
     settings.budget = settings.period;
     settings.frames = 10;
     settings.probe.interpolation = plant::Interpolation::linear;
