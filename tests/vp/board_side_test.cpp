@@ -21,6 +21,7 @@
 #include "vp/host/board_access.h"
 #include "vp/host/dma_memory.h"
 #include "vp/host/driver_config.h"
+#include "vp/host/driver_port.h"
 
 namespace hvp::vp {
 namespace {
@@ -40,7 +41,9 @@ class Driven {
     const std::size_t memory =
         DmaMemory::needed(scene.settings.transfer, scene.settings.solver, kUnknowns);
     side.emplace(scene.settings, Workload{.memory_bytes = memory}, session, ledger);
-    access.emplace("access", kInterruptLatency, ledger, nullptr, scene.settings.transfer);
+    const Transfer& transfer = scene.settings.transfer;
+    access.emplace("access", transfer.notification == link::Notification::msi);
+    port.emplace(*access, kInterruptLatency, ledger, nullptr, transfer);
     access->to_bus.bind(side->from_host());
     side->connect(*access);
     program.emplace("program", [this](test::Program&) { solve(); });
@@ -58,6 +61,7 @@ class Driven {
   Session session;
   std::optional<BoardSide> side;
   std::optional<BoardAccess> access;
+  std::optional<DriverPort> port;
   std::optional<test::Program> program;
   std::vector<std::int32_t> b = test::words(SmallScene::kUnknowns, 200);
   std::vector<std::int32_t> u = std::vector<std::int32_t>(kUnknowns);
@@ -68,7 +72,7 @@ class Driven {
   void solve() {
     hvp_device device{};
     std::vector<std::uint32_t> scratch(kUnknowns);
-    ASSERT_EQ(hvp_open(&device, &access->solver_bus(), scratch.data(), scratch.size()), HVP_OK);
+    ASSERT_EQ(hvp_open(&device, &port->bus(), scratch.data(), scratch.size()), HVP_OK);
     std::optional<DmaMemory> segments;
     const Transfer& transfer = scene.settings.transfer;
     if (transfer.method == Transfer::Method::dma) {
@@ -174,7 +178,7 @@ TEST(BoardSide, TheDeviceIsReadAndDriven) {
   Ledger ledger;
   const Session session;
   BoardSide side(scene.settings, {}, session, ledger);
-  BoardAccess access("access", kInterruptLatency, ledger);
+  BoardAccess access("access");
   access.to_bus.bind(side.from_host());
   side.connect(access);
   std::array<std::int32_t, 3> position{};

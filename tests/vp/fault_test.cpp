@@ -405,6 +405,27 @@ Fault truncated(int bytes) {
   return fault;
 }
 
+// It is the board before, or the bridge, that tells of it; the frame that hears is another one.
+TEST(LostAcknowledgement, IsNoticedOfItsFrameWhenTheNextTicksHadNone) {
+  SmallScene scene;
+  prepare(scene, {at(FaultKind::master_abort, 0, FaultAccess::acknowledge)});
+  scene.settings.host.sustained_rate_flops = 1e6;  // a frame takes several periods
+  const Simulated run(scene);
+  ASSERT_GT(run.log.frames.size(), 1U);
+  EXPECT_GT(run.log.frames[1].number, 1);
+  EXPECT_EQ(run.platform.servo().counts().mended.lost_acknowledgements, 1);
+  EXPECT_EQ(run.platform.faults()->records()[0].noticed, 1);
+}
+
+TEST(LostAcknowledgement, OfTheFirstFrameIsNoticedOnceWithDma) {
+  SmallScene scene;
+  prepare(scene, {at(FaultKind::master_abort, 0, FaultAccess::acknowledge)});
+  use_dma(scene, link::Notification::intx);
+  const Simulated run(scene);
+  EXPECT_EQ(run.platform.servo().counts().mended.lost_acknowledgements, 1);
+  EXPECT_EQ(run.platform.faults()->records()[0].noticed, 1);
+}
+
 struct DmaFaults : testing::TestWithParam<std::tuple<DmaCase, link::Notification>> {};
 
 TEST_P(DmaFaults, EndInTheirStatusAndTheRightWordsComeBack) {

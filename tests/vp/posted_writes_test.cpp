@@ -216,7 +216,8 @@ struct Interrupting {
   explicit Interrupting(test::Program::Script driver, Stimulus::Script board,
                         Picoseconds to_memory = 1'500 * kNs)
       : bus("bus", posted(to_memory), Timing::loosely_timed, ledger),
-        access("access", 0, ledger),
+        access("access"),
+        port(access, 0, ledger),
         memory("memory", 4'096),
         registers("registers"),
         master("master", std::move(board)),
@@ -229,11 +230,12 @@ struct Interrupting {
     master.to_target.bind(bus.from_board);
     ledger.open(0, 0);
   }
-  const hvp_bus& driver() const { return access.solver_bus(); }
+  const hvp_bus& driver() const { return port.bus(); }
 
   Ledger ledger;
   PciBus bus;
   BoardAccess access;
+  DriverPort port;
   HostMemory memory;
   Acknowledged registers;
   Stimulus master;

@@ -44,10 +44,12 @@ HostAssembly::HostAssembly(const PlatformSettings& settings, const fem::Body& bo
       exchange_{Mailbox<SceneState>(at_rest(body, computation, side.device())),
                 Mailbox<ContactReport>(ContactReport{})},
       dispatcher_(settings.host, settings.seed, ledger),
-      access_("access", untimed(settings) ? 0 : to_picoseconds(settings.host.interrupt_latency_s),
-              ledger, &dispatcher_, settings.transfer),
+      access_("access", settings.transfer.notification == link::Notification::msi),
+      port_(access_, untimed(settings) ? 0 : to_picoseconds(settings.host.interrupt_latency_s),
+            ledger, &dispatcher_, settings.transfer),
       servo_("servo", servo_settings(settings, computation.refined() != nullptr), body, computation,
-             contacts, access_, dispatcher_, exchange_, ledger, verdict, session, memory_of(side)),
+             contacts, access_, port_, dispatcher_, exchange_, ledger, verdict, session,
+             memory_of(side)),
       collision_("collision", settings.host, untimed(settings), contacts, exchange_, session,
                  servo_.begun(), dispatcher_) {}
 
@@ -62,12 +64,12 @@ void HostAssembly::connect() {
 }
 
 void HostAssembly::watch(BoardAssembly& board) {
-  access_.watch(board.accelerator().job_end());
+  port_.watch(board.accelerator().job_end());
   if (board.faults() != nullptr) servo_.report_to(*board.faults());
   if (!host::guards(settings_.host.recovery.bus_errors, !settings_.faults.empty())) return;
   const bool untimed_bus = settings_.fidelity.bus == Timing::untimed;
-  access_.report_errors(board.bus_errors(), untimed_bus ? 0 : settings_.bus.pci.read_ps(0),
-                        untimed_bus ? 0 : settings_.bus.pci.write_ps(0));
+  port_.report_errors(board.bus_errors(), untimed_bus ? 0 : settings_.bus.pci.read_ps(0),
+                      untimed_bus ? 0 : settings_.bus.pci.write_ps(0));
 }
 
 }  // namespace hvp::vp

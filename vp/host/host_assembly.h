@@ -7,6 +7,7 @@
 #include "vp/host/board_access.h"
 #include "vp/host/collision_process.h"
 #include "vp/host/dispatcher.h"
+#include "vp/host/driver_port.h"
 #include "vp/host/exchange.h"
 #include "vp/host/servo_process.h"
 #include "vp/platform_settings.h"
@@ -38,6 +39,7 @@ class HostAssembly {
   Exchange exchange_;
   Dispatcher dispatcher_;
   BoardAccess access_;
+  DriverPort port_;
   ServoProcess servo_;
   CollisionProcess collision_;
 };
