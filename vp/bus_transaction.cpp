@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "vp/host/host_memory.h"
+#include "vp/bus/host_memory.h"
 
 namespace hvp::vp {
 

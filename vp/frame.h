@@ -7,10 +7,11 @@
 #include <string_view>
 #include <vector>
 
+#include "models/time/picoseconds.h"
+
 namespace hvp::vp {
 
-// Simulated time in whole picoseconds, the kernel's resolution.
-using Picoseconds = std::int64_t;
+using hvp::Picoseconds;
 
 // What takes time in a frame, in the order that results have.
 enum class Part : std::uint8_t { host, bus, fpga, daq, device, count };

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <string_view>
 
 #include "models/random/distribution.h"
+#include "models/time/picoseconds.h"
 #include "vp/frame.h"
 
 namespace hvp::vp {
@@ -27,7 +27,7 @@ class LatencyDraws {
   }
   // A frame has 2^16 draws; one that needs more begins again.
   Picoseconds ps(std::int64_t frame, std::uint32_t draw) const {
-    return std::llround(source_.time_s(frame, draw & 0xFFFFU) * 1e12);
+    return to_picoseconds(source_.time_s(frame, draw & 0xFFFFU));
   }
   Picoseconds next(std::int64_t frame) { return ps(frame, take(frame)); }
 

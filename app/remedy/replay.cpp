@@ -10,6 +10,7 @@
 #include "models/host/deviation.h"
 #include "models/host/rounding_estimate.h"
 #include "models/host/word_board.h"
+#include "models/time/picoseconds.h"
 
 namespace hvp::app {
 
@@ -17,8 +18,6 @@ namespace {
 
 // The displacements of every frame that is solved again are kept: 64 MB.
 constexpr std::size_t kMostNumbers = 8'000'000;
-
-double seconds(std::int64_t picoseconds) { return 1e-12 * static_cast<double>(picoseconds); }
 
 // One frame of the board, all its passes.
 void solve(host::FrameComputation& computation, host::WordBoard& board,
@@ -60,8 +59,8 @@ void Replay::solve_exactly(std::span<const Sighting> recording, std::size_t fram
   const Scenario& s = scene_.scenario();
   const sparse::BlockMatrix& matrix = scene_.computation().matrix();
   host::ReferenceRun run(scene_.body(), s.dynamics, s.budget.period_s, matrix, matrix);
-  collision::HandOver hand_over(std::llround(hand_over_s * 1e12));
-  const auto period = static_cast<std::int64_t>(std::llround(s.budget.period_s * 1e12));
+  collision::HandOver hand_over(to_picoseconds(hand_over_s));
+  const Picoseconds period = to_picoseconds(s.budget.period_s);
   const auto aim = [this](const Sighting& sight, const collision::Contact& contact) {
     collision::Aim result{sight.time, Eigen::Vector3d::Zero()};
     if (contact.present()) {
@@ -80,7 +79,7 @@ void Replay::solve_exactly(std::span<const Sighting> recording, std::size_t fram
                        run.velocity());
     }
     const std::int64_t since = i > 0 ? last.time : now.time - period;
-    const fem::Hold hold = hand_over.hold(aim(now, present), seconds(now.time - since));
+    const fem::Hold hold = hand_over.hold(aim(now, present), to_seconds(now.time - since));
     run.step(hold);
     add_force(now, !hold.let_go.empty(), static_cast<std::int64_t>(i), run.force(), exact_force_);
     for (const double u : run.displacement()) largest_ = std::max(largest_, std::abs(u));
@@ -97,7 +96,7 @@ void Replay::solve_exactly(std::span<const Sighting> recording, std::size_t fram
 
 void Replay::add_force(const Sighting& at, bool fades, std::int64_t frame,
                        const Eigen::Vector3d& force, stability::ForceQuality& quality) const {
-  stability::FeltForce felt{frame, seconds(at.time), at.tip, force, at.contact.node, fades, 0};
+  stability::FeltForce felt{frame, to_seconds(at.time), at.tip, force, at.contact.node, fades, 0};
   if (at.contact.present()) {
     felt.pull = force.dot(scene_.contacts().surface().rest_normal(at.contact.node));
   }

@@ -10,6 +10,7 @@
 #include "app/results/report.h"
 #include "app/results/several_text.h"
 #include "app/scenario/message.h"
+#include "models/time/picoseconds.h"
 
 namespace hvp::results {
 
@@ -147,7 +148,7 @@ void what_if(Out out, const app::DesignFigures& f) {
     }
     fmt::format_to(out, "  {:<56} {:>8} {:>9} {:>8}   {}\n", change, w.solve_clocks,
                    w.highest_clock_hz ? megahertz(*w.highest_clock_hz) : "",
-                   readable_time(std::llround(w.solve_s * 1e12)), fit_text(w));
+                   readable_time(to_picoseconds(w.solve_s)), fit_text(w));
   }
   fmt::format_to(out, "  * the solver's words change too, and with them its accuracy\n");
 }

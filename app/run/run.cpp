@@ -34,23 +34,11 @@ namespace {
 
 vp::PlatformSettings platform_settings(const Scene& scene) {
   const Scenario& s = scene.scenario();
-  vp::PlatformSettings p;
-  p.servo.period = std::llround(s.budget.period_s * 1e12);
-  p.servo.frames = s.frames;
-  p.servo.costs = s.host;
-  p.seed = s.seed;
-  p.servo.untimed = s.fidelity.host == vp::Timing::untimed;
-  p.servo.solver = scene.computation().board_settings();
+  vp::PlatformSettings p(s);
+  p.period = to_picoseconds(s.budget.period_s);
   // A force is due when the next tick comes, with a pipeline so many ticks later.
-  p.budget = (1 + s.host.pipeline_depth) * p.servo.period;
-  p.accelerator = s.accelerator;
-  p.bus = s.bus;
-  p.transfer = s.transfer;
-  p.daq = s.device.daq;
-  p.encoder = s.device.encoder;
-  p.probe = s.probe;
-  p.fidelity = s.fidelity;
-  p.faults = s.faults;
+  p.budget = (1 + s.host.pipeline_depth) * p.period;
+  p.solver = scene.computation().board_settings();
   return p;
 }
 

@@ -50,13 +50,6 @@ void Contact::declare(config::Visitor& v) {
             "thesis section 3.7, footnote: the average conditions better"});
 }
 
-void Device::declare(config::Visitor& v) {
-  v.table("daq", daq, {"the data acquisition board"});
-  v.effect(
-      "encoder", encoder,
-      {"the position is read in steps", "no cost: the position is rounded where it is latched"});
-}
-
 void Output::declare(config::Visitor& v) {
   v.integer("deformation_every_frames", deformation_every_frames, {0, 1'000'000},
             {"a .vtu step every so many frames; 0: none", "20 pictures a second at 500 Hz"});

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "models/accel/architecture.h"
 #include "models/collision/contact_settings.h"
 #include "models/config/declaration.h"
 #include "models/fem/body.h"
@@ -14,19 +13,12 @@
 #include "models/fem/loads.h"
 #include "models/fem/material.h"
 #include "models/fixed/settings.h"
-#include "models/host/costs.h"
 #include "models/host/reference_run.h"
 #include "models/host/refinement.h"
 #include "models/mesh/mesh_settings.h"
 #include "models/mesh/region.h"
-#include "models/plant/daq.h"
-#include "models/plant/encoder.h"
-#include "models/plant/trajectory.h"
 #include "models/sparse/spectrum.h"
-#include "vp/fault/fault.h"
-#include "vp/fidelity.h"
-#include "vp/host/transfer.h"
-#include "vp/pci/bus_settings.h"
+#include "vp/platform_settings.h"
 
 // A scenario as it is read: the tables of the parts, put together. docs/scenario-reference.md is
 // made from this declaration.
@@ -70,14 +62,6 @@ struct Contact {
   void declare(config::Visitor& v);
 };
 
-// [device]: what the user holds.
-struct Device {
-  plant::Daq daq;
-  std::optional<plant::Encoder> encoder;
-
-  void declare(config::Visitor& v);
-};
-
 // [output.waveform]: what the cycle-accurate engine does, clock by clock, in engine.vcd.
 struct Waveform {
   int first_frame = 0;
@@ -98,10 +82,9 @@ struct Output {
   void declare(config::Visitor& v);
 };
 
-struct Scenario {
+// What is simulated stands first; declare() says where it is in the file.
+struct Scenario : vp::SystemSettings {
   std::string title;
-  int frames = 1000;
-  std::int64_t seed = 1;
   Budget budget;
   Object object;
   fem::Loads loads;
@@ -109,16 +92,8 @@ struct Scenario {
   Contact contact;
   fixed::Settings solver;
   std::optional<host::Refinement> refinement;
-  accel::Architecture accelerator;
-  vp::BusSettings bus;
-  vp::Transfer transfer;
-  host::Host host;
-  Device device;
-  plant::Trajectory probe;
   std::optional<host::Reference> reference;
   std::optional<sparse::SpectrumSettings> spectrum;
-  vp::Fidelity fidelity;
-  std::vector<vp::Fault> faults;
   Output output;
 
   void declare(config::Visitor& v);

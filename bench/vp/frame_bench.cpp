@@ -125,7 +125,7 @@ class Begin : public vp::FrameObserver {
 double frame_seconds(Scene& scene, bool referenced) {
   const std::filesystem::path file =
       std::filesystem::temp_directory_path() / ("hvp_frames_" + std::to_string(getpid()) + ".csv");
-  scene.settings.servo.frames = kFrames;
+  scene.settings.frames = kFrames;
   std::optional<Reference> reference;
   const sparse::BlockMatrix rounded = fixed::dequantise(scene.computation.system());
   if (referenced) reference.emplace(scene, rounded);

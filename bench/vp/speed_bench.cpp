@@ -54,13 +54,13 @@ double frame_seconds(Scene& scene, const Case& c) {
   const Folder folder;
   scene.settings.fidelity.bus = c.bus;
   scene.settings.transfer.method = c.method;
-  scene.settings.servo.frames = kFrames;
+  scene.settings.frames = kFrames;
   vp::Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
   results::FramesCsv frames(folder.path / "frames.csv", platform.session(), scene.settings.budget,
                             results::Columns::times);
   results::Trace trace(folder.path / "trace.json", platform.session(),
                        {c.traced_frames, std::numeric_limits<std::int64_t>::max(),
-                        scene.settings.budget, c.traced_frames * scene.settings.servo.period});
+                        scene.settings.budget, c.traced_frames * scene.settings.period});
   if (c.frames_file) platform.add_sink(frames);
   if (c.traced_frames > 0) {
     platform.add_sink(trace);

@@ -41,7 +41,7 @@ inline fixed::Settings solver() {
 // The sphere of scenarios/thesis.toml, dynamic, 60 iterations, the probe in contact.
 struct Scene {
   explicit Scene(host::Effort effort_asked = host::Effort::computed) : effort(effort_asked) {
-    settings.servo.solver = computation.board_settings();
+    settings.solver = computation.board_settings();
     settings.probe.start = {0, 0, 48e-3};
     plant::Segment press;
     press.phase = plant::Phase::press;

@@ -82,7 +82,7 @@ struct Bench {
   Ledger ledger;
   PciBus bus{"bus", link::Pci{}, false, ledger};
   Memory memory{"memory"};
-  BoardAccess access{"access", 0, ledger};
+  BoardAccess access{"access"};
   Reader reader{"reader", access};
 };
 

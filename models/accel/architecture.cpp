@@ -1,9 +1,8 @@
 #include "models/accel/architecture.h"
 
-#include <cmath>
-
 #include "models/config/input_error.h"
 #include "models/config/needs.h"
+#include "models/time/picoseconds.h"
 
 namespace hvp::accel {
 
@@ -109,6 +108,6 @@ void Architecture::check() const {
   }
 }
 
-std::int64_t Architecture::clock_period_ps() const { return std::llround(1e12 / clock_hz); }
+std::int64_t Architecture::clock_period_ps() const { return to_period(clock_hz); }
 
 }  // namespace hvp::accel

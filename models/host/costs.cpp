@@ -1,12 +1,12 @@
 #include "models/host/costs.h"
 
-#include <cmath>
 #include <string>
 
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
 #include "models/config/needs.h"
+#include "models/time/picoseconds.h"
 
 namespace hvp::host {
 
@@ -39,10 +39,10 @@ void Graphics::check() const {
                                1e6 * non_preemptible_every_s, 1e6 * non_preemptible_s));
 }
 
-std::int64_t Graphics::period_ps() const { return std::llround(1e12 / rate_hz); }
+std::int64_t Graphics::period_ps() const { return to_period(rate_hz); }
 
 std::int64_t Graphics::drawing_ps(std::size_t triangles) const {
-  return std::llround(1e12 * (drawing_s + static_cast<double>(triangles) * triangle_s));
+  return to_picoseconds(drawing_s + static_cast<double>(triangles) * triangle_s);
 }
 
 InterruptLatencies::InterruptLatencies() {
@@ -129,9 +129,8 @@ void Host::check() const {
 }
 
 SharedCore::Settings Host::shared_core() const {
-  const auto ps = [](double seconds) { return std::llround(seconds * 1e12); };
-  return {ps(context_switch_s), ps(graphics.non_preemptible_s),
-          ps(graphics.non_preemptible_every_s)};
+  return {to_picoseconds(context_switch_s), to_picoseconds(graphics.non_preemptible_s),
+          to_picoseconds(graphics.non_preemptible_every_s)};
 }
 
 double Host::driver_s(std::size_t words) const {
@@ -143,7 +142,7 @@ double Host::solver_speed() const {
 }
 
 std::int64_t Host::compute_ps(double operations) const {
-  return std::llround(operations / sustained_rate_flops * 1e12);
+  return to_picoseconds(operations / sustained_rate_flops);
 }
 
 double conversion_operations(int words) { return 4.0 * words; }

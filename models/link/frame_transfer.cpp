@@ -1,10 +1,10 @@
 #include "models/link/frame_transfer.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 
 #include "models/config/input_error.h"
+#include "models/time/picoseconds.h"
 
 namespace hvp::link {
 
@@ -132,7 +132,7 @@ FrameTransfer frame_transfer(const Interconnect& bus, const DmaEngine& engine,
   const std::int64_t to_host = payload.bytes(payload.words_to_host);
   FrameTransfer transfer;
   if (method.movement == Movement::dma) {
-    const std::int64_t latency = std::llround(engine.engine_latency_s * 1e12);
+    const std::int64_t latency = to_picoseconds(engine.engine_latency_s);
     transfer.to_board.push_back({"doorbell", bus.processor_write(kWordBytes, false)});
     transfer.to_board.push_back({"engine", {latency, 0, 0, 0, 0}});
     if (engine.prefetches_descriptors) {

@@ -1,15 +1,14 @@
 #include "models/link/interconnect.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include "models/time/picoseconds.h"
 
 namespace hvp::link {
 
 namespace {
 
 constexpr int kWordBytes = 4;
-
-std::int64_t whole_ps(double seconds) { return std::llround(seconds * 1e12); }
 
 std::int64_t words_of(std::int64_t bytes) { return (bytes + kWordBytes - 1) / kWordBytes; }
 
@@ -48,7 +47,7 @@ Cost PciInterconnect::processor_write(std::int64_t bytes, bool combined) const {
   const std::int64_t rest = bytes - (stores - 1) * unit;
   const Cost each = block(Direction::write, unit);
   const Cost last = block(Direction::write, rest);
-  const std::int64_t gap = whole_ps(bus_.write_latency_s);
+  const std::int64_t gap = to_picoseconds(bus_.write_latency_s);
   const std::int64_t pace = std::max(gap, each.bus_ps);
   Cost cost = repeated(each, stores - 1) + last;
   cost.latency_ps = (stores - 1) * pace + gap + last.latency_ps;
@@ -58,7 +57,7 @@ Cost PciInterconnect::processor_write(std::int64_t bytes, bool combined) const {
 
 Cost PciInterconnect::processor_read(std::int64_t bytes) const {
   Cost each = block(Direction::read, kWordBytes);
-  each.latency_ps += whole_ps(bus_.read_latency_s);
+  each.latency_ps += to_picoseconds(bus_.read_latency_s);
   each.processor_ps = each.latency_ps;
   return repeated(each, words_of(bytes));
 }
@@ -77,12 +76,12 @@ Cost PcieInterconnect::processor_write(std::int64_t bytes, bool combined) const 
   const std::int64_t rest = bytes - (stores - 1) * unit;
   const std::int64_t wire =
       link_.write_wire_bytes(unit) * (stores - 1) + link_.write_wire_bytes(rest);
-  const std::int64_t gap = whole_ps(link_.write_gap_s);
+  const std::int64_t gap = to_picoseconds(link_.write_gap_s);
   const std::int64_t pace = std::max(gap, link_.tlp_ps(link_.write_wire_bytes(unit)));
   Cost cost;
   cost.processor_ps = (stores - 1) * pace + gap;
-  cost.latency_ps =
-      (stores - 1) * pace + whole_ps(link_.processor_latency_s / 2) + link_.posted_write_ps(rest);
+  cost.latency_ps = (stores - 1) * pace + to_picoseconds(link_.processor_latency_s / 2) +
+                    link_.posted_write_ps(rest);
   cost.bus_ps = link_.tlp_ps(wire);
   cost.wire_bytes = wire;
   cost.transactions = (stores - 1) * link_.packets(unit) + link_.packets(rest);
@@ -102,7 +101,7 @@ Cost PcieInterconnect::read(PcieSide requester, std::int64_t bytes) const {
 
 Cost PcieInterconnect::processor_read(std::int64_t bytes) const {
   Cost each = read(PcieSide::root, kWordBytes);
-  each.latency_ps += whole_ps(link_.processor_latency_s);
+  each.latency_ps += to_picoseconds(link_.processor_latency_s);
   each.processor_ps = each.latency_ps;
   return repeated(each, words_of(bytes));
 }

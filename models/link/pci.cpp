@@ -1,9 +1,9 @@
 #include "models/link/pci.h"
 
-#include <cmath>
 #include <string>
 
 #include "models/config/input_error.h"
+#include "models/time/picoseconds.h"
 
 namespace hvp::link {
 
@@ -71,11 +71,11 @@ std::int64_t Pci::read_wire_ps(std::int64_t bytes) const {
 }
 
 std::int64_t Pci::write_ps(std::int64_t bytes) const {
-  return std::llround(write_latency_s * 1e12) + write_wire_ps(bytes);
+  return to_picoseconds(write_latency_s) + write_wire_ps(bytes);
 }
 
 std::int64_t Pci::read_ps(std::int64_t bytes) const {
-  return std::llround(read_latency_s * 1e12) + read_wire_ps(bytes);
+  return to_picoseconds(read_latency_s) + read_wire_ps(bytes);
 }
 
 }  // namespace hvp::link

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "models/config/input_error.h"
+#include "models/time/picoseconds.h"
 
 namespace hvp::link {
 
@@ -12,8 +13,6 @@ namespace {
 
 constexpr std::int64_t kPerSecond = 1'000'000'000'000;
 constexpr int kCreditBytes = 16;  // of a data credit: 4 double words
-
-std::int64_t whole_ps(double seconds) { return std::llround(seconds * 1e12); }
 
 std::int64_t quotient_up(std::int64_t a, std::int64_t b) { return (a + b - 1) / b; }
 
@@ -55,7 +54,7 @@ void Pcie::check() const {
   }
 }
 
-double Pcie::raw_rate() const { return 1e12 / byte_time(generation, lanes).ps(); }
+double Pcie::raw_rate() const { return kPicosecondsPerSecond / byte_time(generation, lanes).ps(); }
 
 std::int64_t Pcie::dllp_interval_bytes() const {
   if (flits()) return 0;
@@ -66,7 +65,8 @@ std::int64_t Pcie::dllp_interval_bytes() const {
 
 double Pcie::tlp_rate() const {
   const double skip = static_cast<double>(kSkipBytes) / kSkipInterval;
-  if (flits()) return 1e12 / byte_time(generation, lanes, kFlitTlpBytes).ps() * (1 - skip);
+  if (flits())
+    return kPicosecondsPerSecond / byte_time(generation, lanes, kFlitTlpBytes).ps() * (1 - skip);
   const double dllp = static_cast<double>(kDllpBytes) / static_cast<double>(dllp_interval_bytes());
   return raw_rate() * (1 - 2 * dllp - skip);
 }
@@ -109,10 +109,10 @@ std::int64_t Pcie::completion_wire_bytes(std::int64_t bytes) const {
   return bytes + completions(bytes) * completion_header_bytes();
 }
 
-std::int64_t Pcie::link_ps() const { return whole_ps(link_latency_s); }
-std::int64_t Pcie::credit_return_ps() const { return whole_ps(credit_return_s); }
+std::int64_t Pcie::link_ps() const { return to_picoseconds(link_latency_s); }
+std::int64_t Pcie::credit_return_ps() const { return to_picoseconds(credit_return_s); }
 std::int64_t Pcie::completer_ps(PcieSide requester) const {
-  return whole_ps(requester == PcieSide::device ? root_complex_latency_s : device_latency_s);
+  return to_picoseconds(requester == PcieSide::device ? root_complex_latency_s : device_latency_s);
 }
 
 // Full packets that may be on their way.
@@ -130,7 +130,8 @@ double Pcie::write_throughput(std::int64_t bytes_a_write) const {
       tlp_ps(packet + write_header_bytes()) + 2 * link_ps() + credit_return_ps();
   const std::int64_t data = posted_data_credits / quotient_up(packet, kCreditBytes);
   const auto window = static_cast<double>(std::min<std::int64_t>(posted_header_credits, data));
-  return std::min(wire, window * static_cast<double>(packet) * 1e12 / static_cast<double>(loop));
+  return std::min(wire, window * static_cast<double>(packet) * kPicosecondsPerSecond /
+                            static_cast<double>(loop));
 }
 
 std::int64_t Pcie::round_trip_ps(PcieSide requester, std::int64_t bytes) const {
@@ -146,7 +147,8 @@ double Pcie::read_throughput(PcieSide requester) const {
   const int request = max_read_request_bytes;
   const double wire = tlp_rate() * request / static_cast<double>(completion_wire_bytes(request));
   const auto in_flight = [request](int window, std::int64_t loop_ps) {
-    return static_cast<double>(window) * request * 1e12 / static_cast<double>(loop_ps);
+    return static_cast<double>(window) * request * kPicosecondsPerSecond /
+           static_cast<double>(loop_ps);
   };
   return std::min({wire, in_flight(outstanding_reads, round_trip_ps(requester, request)),
                    in_flight(nonposted_header_credits, request_loop_ps())});

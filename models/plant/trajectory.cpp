@@ -7,24 +7,23 @@
 
 #include "models/config/input_error.h"
 #include "models/plant/daq.h"
+#include "models/time/picoseconds.h"
 
 namespace hvp::plant {
 
 namespace {
 
-constexpr double kPicosecondsPerSecond = 1e12;
 constexpr double kLongest = 9e6;  // s, within 64-bit picoseconds
 
 // Registers carry 32-bit nanometres (daq.h), so the probe stays inside what they can say.
 constexpr config::Range kReach = config::between(-2.0, 2.0);
 
-std::int64_t to_picoseconds(double seconds) {
-  const double picoseconds = seconds * kPicosecondsPerSecond;
-  if (!(std::abs(picoseconds) < 9.2e18)) {
+std::int64_t checked_picoseconds(double seconds) {
+  if (!(std::abs(seconds * kPicosecondsPerSecond) < 9.2e18)) {
     throw InputError(
         fmt::format("a time of {} s; a trajectory is defined up to ±9.2e6 s", seconds));
   }
-  return std::llround(picoseconds);
+  return to_picoseconds(seconds);
 }
 
 }  // namespace
@@ -44,7 +43,7 @@ void Segment::declare(config::Visitor& v) {
              {.help = "how long the stroke takes", .required = true});
 }
 
-std::int64_t Segment::duration_ps() const { return to_picoseconds(duration); }
+std::int64_t Segment::duration_ps() const { return checked_picoseconds(duration); }
 
 void Segment::check() const {
   if (phase == Phase::rest) {
@@ -134,14 +133,16 @@ ProbeState Trajectory::state_ps(std::int64_t picoseconds) const {
 }
 
 Eigen::Vector3d Trajectory::position(double seconds) const {
-  return state_ps(to_picoseconds(seconds)).position;
+  return state_ps(checked_picoseconds(seconds)).position;
 }
 
 Eigen::Vector3d Trajectory::velocity(double seconds) const {
-  return state_ps(to_picoseconds(seconds)).velocity;
+  return state_ps(checked_picoseconds(seconds)).velocity;
 }
 
-Phase Trajectory::phase(double seconds) const { return state_ps(to_picoseconds(seconds)).phase; }
+Phase Trajectory::phase(double seconds) const {
+  return state_ps(checked_picoseconds(seconds)).phase;
+}
 
 double Trajectory::peak_speed() const {
   const double peak_over_mean = interpolation == Interpolation::minimum_jerk ? 15.0 / 8.0 : 1.0;

@@ -22,7 +22,7 @@ class Count : public FrameSink {
 };
 
 void expect_none(test::SmallScene& scene, int contact_changes) {
-  scene.settings.servo.frames = 202;
+  scene.settings.frames = 202;
   Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
   LatencyStatistics latency;
   BusMeter bus({[&platform] { return platform.bus().busy(); },

@@ -33,7 +33,7 @@ BusMeter::Bus meter_of(const Platform& platform) {
 TEST(BusMeter, CountsTheFramesTransactionsAndNotTheSetUp) {
   test::SmallScene scene;
   scene.touch();
-  scene.settings.servo.frames = 20;
+  scene.settings.frames = 20;
   Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
   BusSpans spans;
   BusMeter meter(meter_of(platform));
@@ -42,7 +42,7 @@ TEST(BusMeter, CountsTheFramesTransactionsAndNotTheSetUp) {
   platform.run();
   meter.ended();
 
-  const Picoseconds period = scene.settings.servo.period;
+  const Picoseconds period = scene.settings.period;
   Picoseconds counted = 0;
   for (const BusUse& use : meter.uses()) {
     counted += use.busy;
@@ -64,7 +64,7 @@ TEST(BusMeter, CountsTheFramesTransactionsAndNotTheSetUp) {
 TEST(BusMeter, KnowsWhoTookTheBus) {
   test::SmallScene scene;
   scene.touch();
-  scene.settings.servo.frames = 20;
+  scene.settings.frames = 20;
   scene.settings.fidelity.bus = Timing::approximately_timed;
   scene.settings.bus.traffic = BusTraffic{};
   Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
@@ -89,7 +89,7 @@ TEST(BusMeter, KnowsWhoTookTheBus) {
 TEST(BusMeter, KnowsEachDirectionOfALink) {
   test::SmallScene scene;
   scene.touch();
-  scene.settings.servo.frames = 20;
+  scene.settings.frames = 20;
   scene.settings.bus.pcie.emplace();
   scene.settings.transfer.method = Transfer::Method::dma;
   Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);

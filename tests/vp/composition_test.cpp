@@ -39,26 +39,25 @@ TEST(Composition, DynamicsIsTheHostsArithmeticAndNoModule) {
 TEST(Composition, UntimedBuildsTheSame) {
   SmallScene scene;
   scene.settings.fidelity = {Timing::untimed, Timing::untimed, Timing::untimed, Numbers::fixed};
-  scene.settings.servo.untimed = true;
   expect_the_six(scene);
 }
 
 TEST(Composition, OneCoreBuildsTheSame) {
   SmallScene scene;
-  scene.settings.servo.costs.cores = 1;
+  scene.settings.host.cores = 1;
   expect_the_six(scene);
 }
 
 TEST(Composition, JitterIsNoModuleAndNoProcess) {
   SmallScene scene;
-  scene.settings.servo.costs.jitter.emplace();
-  scene.settings.servo.costs.wake_up.emplace();
+  scene.settings.host.jitter.emplace();
+  scene.settings.host.wake_up.emplace();
   expect_the_six(scene);
 }
 
 TEST(Composition, DrawnLatenciesAreNoModuleAndNoProcess) {
   SmallScene scene;
-  scene.settings.servo.costs.interrupt_latencies.emplace();
+  scene.settings.host.interrupt_latencies.emplace();
   scene.settings.bus.read_latencies.emplace();
   expect_the_six(scene);
 }
@@ -142,7 +141,7 @@ std::string frames_of_a_run() {
   return test::output_of_child([](std::string& text) {
     SmallScene scene({.dynamics = fem::Dynamics{}, .solver = {}});
     scene.slide(0.05);
-    scene.settings.servo.frames = 40;
+    scene.settings.frames = 40;
     Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
     Bytes bytes;
     platform.add_sink(bytes);

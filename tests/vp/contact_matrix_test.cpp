@@ -96,7 +96,7 @@ class ContractWatch : public AccessObserver {
 void slide_and_compare(double patch_radius, std::size_t patch_nodes) {
   SmallScene scene({.dynamics = {}, .solver = {}, .patch_radius = patch_radius});
   scene.slide(0.15);
-  scene.settings.servo.frames = 120;
+  scene.settings.frames = 120;
   ContractWatch contract(scene.computation.quantised());
   Platform platform(scene.settings, scene.body, scene.computation, scene.contacts, &contract);
   MatrixWatch watch(scene, platform);

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "models/plant/prescribed_path.h"
 #include "tests/vp/stimulus.h"
 
 namespace hvp::vp {
@@ -28,11 +29,11 @@ plant::Trajectory steady() {
 struct Bench {
   explicit Bench(Stimulus::Script script, std::optional<plant::Encoder> steps = std::nullopt)
       : encoder(steps),
-        daq("daq", plant::Daq{}, encoder, trajectory, session, ledger),
+        daq("daq", plant::Daq{}, encoder, path, session, ledger),
         master("master", std::move(script)) {
     master.to_target.bind(daq.from_bus);
   }
-  plant::Trajectory trajectory = steady();
+  plant::PrescribedPath path{steady()};
   std::optional<plant::Encoder> encoder;
   Session session{5 * kUs};
   Ledger ledger;

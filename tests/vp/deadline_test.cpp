@@ -30,7 +30,7 @@ Picoseconds frame_latency() {
   const pid_t child = fork();
   if (child == 0) {
     SmallScene scene;
-    scene.settings.servo.frames = 2;
+    scene.settings.frames = 2;
     Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
     platform.run();
     const Picoseconds latency = platform.verdict().worst_latency();
@@ -54,9 +54,9 @@ class Deadline : public testing::Test {
     load_ = latency_ - kOutputDelay;
   }
   const Verdict& run(Picoseconds period, Picoseconds budget) {
-    scene_.settings.servo.period = period;
+    scene_.settings.period = period;
     scene_.settings.budget = budget;
-    scene_.settings.servo.frames = kFrames;
+    scene_.settings.frames = kFrames;
     platform_ = std::make_unique<Platform>(scene_.settings, scene_.body, scene_.computation,
                                            scene_.contacts);
     platform_->add_sink(log_);

@@ -16,8 +16,8 @@
 #include "tests/vp/expected_time.h"
 #include "tests/vp/small_scene.h"
 #include "tests/vp/stimulus.h"
+#include "vp/bus/host_memory.h"
 #include "vp/fpga/accelerator.h"
-#include "vp/host/host_memory.h"
 #include "vp/pci/pci_bus.h"
 
 namespace hvp::vp {

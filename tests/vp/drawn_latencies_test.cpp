@@ -71,7 +71,7 @@ std::string run(const std::function<void(SmallScene&)>& change) {
 TEST(DrawnInterrupts, EachFrameWaitsForItsOwn) {
   SmallScene scene;
   scene.settings.seed = 42;
-  scene.settings.servo.costs.interrupt_latencies = uniform<host::InterruptLatencies>(2e-6, 20e-6);
+  scene.settings.host.interrupt_latencies = uniform<host::InterruptLatencies>(2e-6, 20e-6);
   const Simulated run(scene);
   const random::Source source(uniform<random::TimeDistribution>(2e-6, 20e-6), 42,
                               "host.interrupt_latencies");
@@ -160,7 +160,7 @@ TEST_P(Drawn, OfTheConstantsLengthIsTheRunWithoutThem) {
       by_dma_over_a_link(scene);
       scene.settings.fidelity.bus = GetParam();
       if (!drawn) return;
-      scene.settings.servo.costs.interrupt_latencies = constant<host::InterruptLatencies>(5e-6);
+      scene.settings.host.interrupt_latencies = constant<host::InterruptLatencies>(5e-6);
       scene.settings.bus.read_latencies = constant<link::PciReadLatencies>(700e-9);
       scene.settings.bus.pcie->root_complex_latencies =
           constant<link::RootComplexLatencies>(282e-9);
@@ -189,8 +189,7 @@ TEST(DrawnLatencies, ASeedGivesTheSameAndAnotherGivesOthers) {
 TEST(DrawnLatencies, SetUpIsNoFrameAndDrawsNothing) {
   const auto set_up_time = [](double longer_s) {
     const std::string text = run([longer_s](SmallScene& scene) {
-      scene.settings.servo.costs.interrupt_latencies =
-          constant<host::InterruptLatencies>(5e-6 + longer_s);
+      scene.settings.host.interrupt_latencies = constant<host::InterruptLatencies>(5e-6 + longer_s);
       scene.settings.bus.read_latencies = constant<link::PciReadLatencies>(700e-9 + longer_s);
     });
     return text.substr(0, text.find(' '));

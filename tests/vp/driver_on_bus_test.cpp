@@ -10,6 +10,7 @@
 #include "tests/vp/stimulus.h"
 #include "vp/fpga/accelerator.h"
 #include "vp/host/board_access.h"
+#include "vp/host/driver_port.h"
 #include "vp/pci/pci_bus.h"
 
 namespace hvp::vp {
@@ -33,7 +34,8 @@ class DriverOnBus : public testing::Test {
     bus_ = std::make_unique<PciBus>("bus", link::Pci{}, false, ledger_);
     accelerator_ = std::make_unique<Accelerator>("accelerator", accel::Architecture{},
                                                  Timing::loosely_timed, ledger_);
-    access_ = std::make_unique<BoardAccess>("access", kInterruptLatency, ledger_);
+    access_ = std::make_unique<BoardAccess>("access");
+    port_ = std::make_unique<DriverPort>(*access_, kInterruptLatency, ledger_);
     access_->to_bus.bind(bus_->from_host);
     bus_->attach(accelerator_->from_bus, kSolverBase, kBarBytes);
     accelerator_->interrupt.bind(*access_);
@@ -47,7 +49,7 @@ class DriverOnBus : public testing::Test {
   }
 
   void open_and_load() {
-    ASSERT_EQ(hvp_open(&device_, &access_->solver_bus(), scratch_.data(), scratch_.size()), HVP_OK);
+    ASSERT_EQ(hvp_open(&device_, &port_->bus(), scratch_.data(), scratch_.size()), HVP_OK);
     load();
   }
   void load() {
@@ -80,6 +82,7 @@ class DriverOnBus : public testing::Test {
   std::unique_ptr<PciBus> bus_;
   std::unique_ptr<Accelerator> accelerator_;
   std::unique_ptr<BoardAccess> access_;
+  std::unique_ptr<DriverPort> port_;
   std::unique_ptr<test::Program> program_;
   bool finished_ = false;
   hvp_device device_{};
@@ -101,7 +104,7 @@ Picoseconds elements(std::size_t n, unsigned bits) {
 
 TEST_F(DriverOnBus, EveryCallTakesItsAccesses) {
   run([&](test::Program&) {
-    ASSERT_EQ(hvp_open(&device_, &access_->solver_bus(), scratch_.data(), scratch_.size()), HVP_OK);
+    ASSERT_EQ(hvp_open(&device_, &port_->bus(), scratch_.data(), scratch_.size()), HVP_OK);
     // ID, VERSION, five of CAPABILITY and STATUS; CONTROL.reset and INTERRUPT_ENABLE.
     Picoseconds expected = 8 * pci_read(4) + 2 * pci_write(4);
     EXPECT_EQ(now_ps(), expected);

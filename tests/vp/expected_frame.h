@@ -8,7 +8,7 @@ namespace hvp::test {
 // Operations that give a contact of one node its place, `frames` after the one that met it. It is
 // taken over from where it was in the frame before, within 30 ms: 17 operations and 12 a node.
 inline double hand_over_operations(const SmallScene& scene, std::int64_t frames) {
-  return (frames + 1) * scene.settings.servo.period < 30 * kMs ? 17 + 12 : 0;
+  return (frames + 1) * scene.settings.period < 30 * kMs ? 17 + 12 : 0;
 }
 
 // From the tick to the force at the motor, step by step as in thesis Fig. 6.2. `updates`: what the

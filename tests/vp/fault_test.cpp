@@ -57,11 +57,11 @@ Fault flipped(std::int64_t frame, FaultAccess access, int bits) {
 void prepare(SmallScene& scene, const std::vector<Fault>& faults, int pipeline_depth = 0,
              fixed::Start start = fixed::Start::zero) {
   scene.touch();
-  scene.settings.servo.frames = kFrames;
-  scene.settings.servo.costs.timeout_s = 1e-3;
-  scene.settings.servo.solver.start = start;
-  scene.settings.servo.costs.pipeline_depth = pipeline_depth;
-  scene.settings.budget = (1 + pipeline_depth) * scene.settings.servo.period;
+  scene.settings.frames = kFrames;
+  scene.settings.host.timeout_s = 1e-3;
+  scene.settings.solver.start = start;
+  scene.settings.host.pipeline_depth = pipeline_depth;
+  scene.settings.budget = (1 + pipeline_depth) * scene.settings.period;
   scene.settings.faults = faults;
 }
 
@@ -122,7 +122,7 @@ void expect_nothing_lost(const Simulated& run) {
   const Verdict& verdict = run.platform.verdict();
   EXPECT_EQ(verdict.frames(), solved + counts.held_frames);
   EXPECT_EQ(verdict.unsolved(), counts.held_frames);
-  EXPECT_EQ(verdict.frames() + verdict.skipped_ticks(), run.scene.settings.servo.frames);
+  EXPECT_EQ(verdict.frames() + verdict.skipped_ticks(), run.scene.settings.frames);
   if (const FaultPlan* faults = run.platform.faults()) {
     for (const FaultRecord& r : faults->records()) EXPECT_GE(r.unnoticed(), 0);
   }
@@ -164,7 +164,7 @@ struct Times : testing::Test {
 
 TEST_F(Times, AskingForErrorsIsOneReadMoreThatNothingHides) {
   SmallScene scene;
-  scene.settings.servo.costs.recovery.bus_errors = host::Guard::always;
+  scene.settings.host.recovery.bus_errors = host::Guard::always;
   const Simulated run(scene);
   // The other one, after the start, is beside the solve.
   EXPECT_EQ(run.log.frames[5].latency(), test::latency(scene) + kReadErrors);
@@ -353,7 +353,7 @@ TEST_P(EveryRate, LosesNothing) {
   if (fault.kind == FaultKind::late_dma || fault.kind == FaultKind::truncated_dma) {
     scene.settings.transfer.method = Transfer::Method::dma;
   }
-  scene.settings.servo.frames = 100;
+  scene.settings.frames = 100;
   const Simulated run(scene);
   const FaultPlan& faults = *run.platform.faults();
   EXPECT_GT(faults.injected(), 5);
@@ -403,6 +403,27 @@ Fault truncated(int bytes) {
   Fault fault = at(FaultKind::truncated_dma, kAt);
   fault.bytes = bytes;
   return fault;
+}
+
+// It is the board before, or the bridge, that tells of it; the frame that hears is another one.
+TEST(LostAcknowledgement, IsNoticedOfItsFrameWhenTheNextTicksHadNone) {
+  SmallScene scene;
+  prepare(scene, {at(FaultKind::master_abort, 0, FaultAccess::acknowledge)});
+  scene.settings.host.sustained_rate_flops = 1e6;  // a frame takes several periods
+  const Simulated run(scene);
+  ASSERT_GT(run.log.frames.size(), 1U);
+  EXPECT_GT(run.log.frames[1].number, 1);
+  EXPECT_EQ(run.platform.servo().counts().mended.lost_acknowledgements, 1);
+  EXPECT_EQ(run.platform.faults()->records()[0].noticed, 1);
+}
+
+TEST(LostAcknowledgement, OfTheFirstFrameIsNoticedOnceWithDma) {
+  SmallScene scene;
+  prepare(scene, {at(FaultKind::master_abort, 0, FaultAccess::acknowledge)});
+  use_dma(scene, link::Notification::intx);
+  const Simulated run(scene);
+  EXPECT_EQ(run.platform.servo().counts().mended.lost_acknowledgements, 1);
+  EXPECT_EQ(run.platform.faults()->records()[0].noticed, 1);
 }
 
 struct DmaFaults : testing::TestWithParam<std::tuple<DmaCase, link::Notification>> {};
@@ -519,7 +540,7 @@ TEST(DeviceGone, TakesTheFrameInFlightWithIt) {
 TEST(DeviceGone, ForGoodIsGivenUp) {
   SmallScene scene;
   prepare(scene, {gone_for(kAt, 0)});
-  scene.settings.servo.frames = 300;
+  scene.settings.frames = 300;
   const Simulated run(scene);
   const ServoCounts& counts = run.platform.servo().counts();
   EXPECT_EQ(counts.failed_set_ups, 8);
@@ -538,7 +559,7 @@ TEST(DeviceGone, ForGoodIsGivenUp) {
 TEST(DeviceGone, WithoutALookAtTheBusTheTimeOutFindsIt) {
   SmallScene scene;
   prepare(scene, {gone_for(kAt, 2)});
-  scene.settings.servo.costs.recovery.bus_errors = host::Guard::never;
+  scene.settings.host.recovery.bus_errors = host::Guard::never;
   const Simulated run(scene);
   EXPECT_EQ(run.log.frames[kAt].status, HVP_ERROR_BUS);
   EXPECT_GT(run.log.frames[kAt].latency(), 1 * kMs);
@@ -579,7 +600,7 @@ TEST(DeviceGone, AJobThatNobodyWaitsForEndsQuietly) {
   prepare(scene, {gone_for(kAt, 4)}, 1);
   // A board that is slower than the loop: frame 24's job ends in a later period.
   scene.settings.accelerator.clock_hz = 5e6;
-  scene.settings.servo.costs.timeout_s = 10e-3;
+  scene.settings.host.timeout_s = 10e-3;
   const Simulated run(scene);
   EXPECT_GT(run.platform.servo().counts().held_frames, 0);
   EXPECT_EQ(run.platform.servo().counts().given_up_at, -1);
@@ -625,8 +646,8 @@ TEST(SeveralFaults, RandomMixesAlwaysEnd) {
       scene.settings.seed = seed;
       if (seed % 3 == 0) scene.settings.transfer.method = Transfer::Method::dma;
       if (seed % 6 == 0) scene.settings.transfer.notification = link::Notification::msi;
-      scene.settings.servo.frames = 120;
-      scene.settings.servo.costs.recovery.bus_errors =
+      scene.settings.frames = 120;
+      scene.settings.host.recovery.bus_errors =
           seed % 5 == 0 ? host::Guard::never : host::Guard::with_faults;
       const Simulated run(scene);
       expect_nothing_lost(run);

@@ -78,7 +78,7 @@ TEST(Frame, WithoutContactTakesTheSumOfItsSteps) {
 TEST(Frame, ContactAddsTheUpdateOnceTheWayForAWhileAndTheColumnsInEachFrame) {
   SmallScene scene;
   scene.touch();
-  scene.settings.servo.frames = 30;
+  scene.settings.frames = 30;
   const Simulated run(scene);
   const int blocks = blocks_of(scene, SmallScene::kTopNode);
   const Picoseconds update = constrain_time(scene, SmallScene::kTopNode);
@@ -117,7 +117,6 @@ TEST(Frame, NewmarkUpdateFollowsTheForceAndBelongsToTheLoad) {
 TEST(Frame, UntimedPartsLeaveNoTime) {
   SmallScene scene;
   scene.settings.fidelity = {Timing::untimed, Timing::untimed, Timing::untimed, Numbers::fixed};
-  scene.settings.servo.untimed = true;
   const Simulated run(scene);
   EXPECT_EQ(run.platform.session().begin, 0);
   for (const Frame& frame : run.log.frames) EXPECT_EQ(frame.latency(), (1 + 10) * kUs);  // the DAQ
@@ -134,7 +133,7 @@ std::vector<Frame> frames_of_a_slide() {
     close(ends[0]);
     SmallScene scene({.dynamics = fem::Dynamics{}, .solver = {}});
     scene.slide(0.04);
-    scene.settings.servo.frames = 40;
+    scene.settings.frames = 40;
     const Simulated run(scene);
     bool sent = run.platform.servo().counts().contact_changes >= 2;
     const auto send = [&](const void* data, std::size_t bytes) {
@@ -224,7 +223,7 @@ TEST(Frame, SolveIsOnThePathAndTheHostsWaitBesideIt) {
 TEST(Frame, ContactIsBetweenAPassAndAPeriodMoreOld) {
   SmallScene scene;
   scene.touch();
-  scene.settings.servo.frames = 60;
+  scene.settings.frames = 60;
   const Simulated run(scene);
   const Picoseconds longest = run.platform.collision().longest_pass();
   int in_contact = 0;
@@ -240,7 +239,7 @@ TEST(Frame, ContactIsBetweenAPassAndAPeriodMoreOld) {
 
 TEST(Frame, DriverTakesTimeForEachWordThatItPacksAndUnpacks) {
   SmallScene scene;
-  scene.settings.servo.costs.driver_word_s = 10e-9;
+  scene.settings.host.driver_word_s = 10e-9;
   const Simulated run(scene);
   SmallScene without;
   for (const Frame& frame : run.log.frames) {

@@ -66,7 +66,7 @@ TEST(GraphicsTraffic, APictureTakesItsBurstsOfTheBus) {
 TEST(GraphicsTraffic, ItIsInTheTailOfTheFramesAndNotInTheirMedian) {
   SmallScene scene;
   scene.touch();
-  scene.settings.servo.frames = 100;
+  scene.settings.frames = 100;
   scene.settings.fidelity.bus = Timing::approximately_timed;
   scene.settings.bus.graphics_traffic.emplace();
   scene.settings.bus.graphics_traffic->bytes = 200'000;  // 2.6 ms of bursts

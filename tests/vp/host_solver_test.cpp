@@ -51,7 +51,7 @@ TEST(HostSolver, ConjugateGradientsTakeTheirIterations) {
   options.solver.iterations = 7;
   SmallScene scene(options);
   scene.touch();
-  scene.settings.servo.frames = 30;
+  scene.settings.frames = 30;
   const Simulated run(scene);
   const double n = SmallScene::kUnknowns;
   const double product = 18.0 * static_cast<double>(scene.computation.matrix().blocks());
@@ -74,8 +74,7 @@ TEST(HostSolver, ConjugateGradientsTakeTheirIterations) {
 
 TEST(HostSolver, AMeasuredRateScalesTheSolveAlone) {
   SmallScene scene(solved_by(host::Solver::cholesky));
-  scene.settings.servo.costs.solver_rate_flops =
-      4 * scene.settings.servo.costs.sustained_rate_flops;
+  scene.settings.host.solver_rate_flops = 4 * scene.settings.host.sustained_rate_flops;
   const Simulated run(scene);
   const fem::ReferenceSolver factors(scene.computation.matrix());
   const double operations =
@@ -115,7 +114,7 @@ class AgainstReference : public FrameObserver {
 TEST(HostSolver, ForcesAreThoseOfTheTrueModel) {
   SmallScene scene(solved_by(host::Solver::cholesky));
   scene.slide(0.06);
-  scene.settings.servo.frames = 40;
+  scene.settings.frames = 40;
   Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
   AgainstReference reference(scene);
   platform.add_observer(reference);

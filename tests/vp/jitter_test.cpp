@@ -39,8 +39,8 @@ Picoseconds time_of(const Frame& frame, const std::vector<SpanId>& path, Phase p
 
 TEST(Jitter, ReleaseIsTheFirstSpanAndTheWakeUpFollowsTickAndInterrupt) {
   SmallScene scene;
-  scene.settings.servo.costs.jitter = constant(7e-6);
-  scene.settings.servo.costs.wake_up = constant(3e-6);
+  scene.settings.host.jitter = constant(7e-6);
+  scene.settings.host.wake_up = constant(3e-6);
   const Simulated run(scene);
   ASSERT_EQ(run.log.frames.size(), 10U);
   for (std::size_t n = 0; n < 10; ++n) {
@@ -59,8 +59,8 @@ TEST(Jitter, ReleaseIsTheFirstSpanAndTheWakeUpFollowsTickAndInterrupt) {
 TEST(Jitter, EachFrameHasItsOwnDraws) {
   SmallScene scene;
   scene.settings.seed = 42;
-  scene.settings.servo.costs.jitter = uniform(50e-6);
-  scene.settings.servo.costs.wake_up = uniform(20e-6);
+  scene.settings.host.jitter = uniform(50e-6);
+  scene.settings.host.wake_up = uniform(20e-6);
   const Simulated run(scene);
   const random::Source jitter(uniform(50e-6), 42, "host.jitter");
   const random::Source wake_up(uniform(20e-6), 42, "host.wake_up");
@@ -80,8 +80,8 @@ TEST(Jitter, EachFrameHasItsOwnDraws) {
 TEST(Jitter, AProcessThatIsLateIsNotWoken) {
   SmallScene scene;
   const Picoseconds load = test::latency(scene) - 10 * kUs + 3 * kUs;
-  scene.settings.servo.costs.wake_up = constant(3e-6);
-  scene.settings.servo.period = load - 1;
+  scene.settings.host.wake_up = constant(3e-6);
+  scene.settings.period = load - 1;
   const Simulated run(scene);
   for (std::size_t n = 0; n < run.log.frames.size(); ++n) {
     const Frame& frame = run.log.frames[n];
@@ -94,8 +94,8 @@ TEST(Jitter, AProcessThatIsLateIsNotWoken) {
 TEST(Jitter, AReleaseThatComesWhileTheProcessWorksCostsNothing) {
   SmallScene scene;
   const Picoseconds load = test::latency(scene) - 10 * kUs;
-  scene.settings.servo.costs.jitter = constant(7e-6);
-  scene.settings.servo.period = load;
+  scene.settings.host.jitter = constant(7e-6);
+  scene.settings.period = load;
   const Simulated run(scene);
   for (const Frame& frame : run.log.frames) {
     EXPECT_EQ(frame.latency(), 7 * kUs + test::latency(scene));
@@ -104,7 +104,7 @@ TEST(Jitter, AReleaseThatComesWhileTheProcessWorksCostsNothing) {
 
 TEST(Jitter, SetUpIsNoFrameAndDrawsNothing) {
   SmallScene scene;
-  scene.settings.servo.costs.wake_up = constant(500e-6);
+  scene.settings.host.wake_up = constant(500e-6);
   const Simulated late(scene);
   // Set-up waits for the matrix' check; 500 µs would show.
   EXPECT_LT(late.platform.servo().set_up_time(), 500 * kUs);

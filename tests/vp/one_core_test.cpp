@@ -17,8 +17,8 @@ using test::SmallScene;
 constexpr Picoseconds kSwitch = 3'800'000;
 
 SmallScene& on_one_core(SmallScene& scene, double drawing_s) {
-  scene.settings.servo.costs.cores = 1;
-  scene.settings.servo.costs.graphics.drawing_s = drawing_s;
+  scene.settings.host.cores = 1;
+  scene.settings.host.graphics.drawing_s = drawing_s;
   return scene;
 }
 
@@ -76,8 +76,8 @@ TEST(OneCore, ATickThatPreemptsAPassPaysAnotherSwitch) {
 // All of the pass lies in sections of 100 µs: the servo waits for the end of the one at hand.
 TEST(OneCore, ASectionThatCannotBePreemptedHoldsTheFrameUp) {
   SmallScene scene;
-  scene.settings.servo.costs.graphics.non_preemptible_s = 100e-6;
-  scene.settings.servo.costs.graphics.non_preemptible_every_s = 100e-6;
+  scene.settings.host.graphics.non_preemptible_s = 100e-6;
+  scene.settings.host.graphics.non_preemptible_every_s = 100e-6;
   const Simulated run(on_one_core(scene, 0.5e-3));
   const Picoseconds had = solve(scene) + 5 * kUs - kSwitch;
   const Picoseconds blocked = 100 * kUs - had % (100 * kUs);
@@ -88,7 +88,7 @@ TEST(OneCore, ASectionThatCannotBePreemptedHoldsTheFrameUp) {
 TEST(OneCore, ContactIsOlderThanOnTwo) {
   SmallScene scene;
   scene.touch();
-  scene.settings.servo.frames = 40;
+  scene.settings.frames = 40;
   const Simulated run(on_one_core(scene, 10e-3));
   const Picoseconds alone = test::compute(scene.contacts.pass_flops()) + 10 * kMs;
   const Picoseconds longest = run.platform.collision().longest_pass();
@@ -105,8 +105,8 @@ TEST(OneCore, ContactIsOlderThanOnTwo) {
 // the kernel runs first, the servo process has the core first.
 TEST(OneCore, TicksAtTheSameInstantAreTheServos) {
   SmallScene scene;
-  scene.settings.servo.costs.graphics.rate_hz = 50;
-  scene.settings.servo.frames = 21;
+  scene.settings.host.graphics.rate_hz = 50;
+  scene.settings.frames = 21;
   const Simulated run(on_one_core(scene, 0.5e-3));
   EXPECT_EQ(run.platform.collision().passes(), 2) << "the third goes on as the run ends";
   for (const std::size_t n : {std::size_t{0}, std::size_t{10}, std::size_t{20}}) {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/vp/stimulus.h"
-#include "vp/host/host_memory.h"
+#include "vp/bus/host_memory.h"
 #include "vp/pci/pci_bus.h"
 #include "vp/pci/traffic_master.h"
 

@@ -168,7 +168,7 @@ struct LongestWait : FrameSink {
 
 TEST(PciMasters, AloneAFramesTransactionsWaitForTheClocksEdgeOnly) {
   SmallScene scene;
-  scene.settings.servo.frames = 20;
+  scene.settings.frames = 20;
   scene.settings.fidelity.bus = Timing::approximately_timed;
   Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
   EXPECT_EQ(platform.traffic(), nullptr);
@@ -183,7 +183,7 @@ TEST(PciMasters, AloneAFramesTransactionsWaitForTheClocksEdgeOnly) {
 
 TEST(PciMasters, TrafficIsAModuleAndAProcessOfItsOwnAndIsWaitedFor) {
   SmallScene scene;
-  scene.settings.servo.frames = 20;
+  scene.settings.frames = 20;
   scene.settings.fidelity.bus = Timing::approximately_timed;
   scene.settings.bus.traffic.emplace();
   Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);

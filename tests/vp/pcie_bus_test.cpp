@@ -17,7 +17,7 @@
 #include "tests/vp/recording_target.h"
 #include "tests/vp/small_scene.h"
 #include "tests/vp/stimulus.h"
-#include "vp/host/host_memory.h"
+#include "vp/bus/host_memory.h"
 #include "vp/platform.h"
 
 namespace hvp::vp {

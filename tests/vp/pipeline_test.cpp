@@ -42,8 +42,8 @@ void expect_sums(const FrameLog& log) {
 }
 
 SmallScene& pipelined(SmallScene& scene, Picoseconds period) {
-  scene.settings.servo.costs.pipeline_depth = 1;
-  scene.settings.servo.period = period;
+  scene.settings.host.pipeline_depth = 1;
+  scene.settings.period = period;
   scene.settings.budget = 2 * period;
   return scene;
 }
@@ -72,7 +72,7 @@ TEST(Pipeline, HoldsAPeriodThatOneFrameAfterTheOtherMisses) {
   const Picoseconds solve = test::solve_time(scene.computation.quantised().row_begin, 60);
   const Picoseconds cycle = receive() + send() + solve;
   ASSERT_GT(test::latency(scene), cycle + sense());
-  scene.settings.servo.frames = 50;
+  scene.settings.frames = 50;
   const Simulated run(pipelined(scene, cycle + 1 * kUs));
   EXPECT_EQ(run.platform.verdict().misses(), 0);
   EXPECT_EQ(run.platform.verdict().skipped_ticks(), 0);
@@ -115,7 +115,7 @@ TEST(Pipeline, UpdateOfTheFrameBeforeComesBeforeTheNextForceVector) {
 TEST(Pipeline, ContactIsFoundAndItsForceIsThatOfTheFrame) {
   SmallScene scene;
   scene.touch();
-  scene.settings.servo.frames = 40;
+  scene.settings.frames = 40;
   const Simulated run(pipelined(scene, kPeriod));
   EXPECT_EQ(run.platform.servo().counts().contact_changes, 1);
   bool touched = false;
@@ -133,7 +133,7 @@ TEST(Pipeline, ContactIsFoundAndItsForceIsThatOfTheFrame) {
 TEST(Pipeline, AFailedFrameIsHandedOutBeforeTheBoardIsBroughtBack) {
   SmallScene scene;
   const Picoseconds solve = test::solve_time(scene.computation.quantised().row_begin, 60);
-  scene.settings.servo.costs.timeout_s = 10e-6;
+  scene.settings.host.timeout_s = 10e-6;
   const Simulated run(pipelined(scene, solve / 2));
   EXPECT_GT(run.platform.verdict().unsolved(), 0);
   EXPECT_GT(run.platform.servo().counts().driver_errors, 0);

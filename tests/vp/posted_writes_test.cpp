@@ -11,7 +11,7 @@
 #include "tests/vp/recording_target.h"
 #include "tests/vp/small_scene.h"
 #include "tests/vp/stimulus.h"
-#include "vp/host/host_memory.h"
+#include "vp/bus/host_memory.h"
 #include "vp/pci/pci_bus.h"
 #include "vp/pci/traffic_master.h"
 #include "vp/platform.h"
@@ -216,7 +216,8 @@ struct Interrupting {
   explicit Interrupting(test::Program::Script driver, Stimulus::Script board,
                         Picoseconds to_memory = 1'500 * kNs)
       : bus("bus", posted(to_memory), Timing::loosely_timed, ledger),
-        access("access", 0, ledger),
+        access("access"),
+        port(access, 0, ledger),
         memory("memory", 4'096),
         registers("registers"),
         master("master", std::move(board)),
@@ -229,11 +230,12 @@ struct Interrupting {
     master.to_target.bind(bus.from_board);
     ledger.open(0, 0);
   }
-  const hvp_bus& driver() const { return access.solver_bus(); }
+  const hvp_bus& driver() const { return port.bus(); }
 
   Ledger ledger;
   PciBus bus;
   BoardAccess access;
+  DriverPort port;
   HostMemory memory;
   Acknowledged registers;
   Stimulus master;
@@ -342,7 +344,7 @@ const Span& only(const Frame& frame, Phase phase) {
 // Every frame that is handed on has a path without a gap: the ledger throws otherwise.
 void expect_forces_behind_the_processor(SmallScene& scene) {
   scene.settings.bus.posted_writes.emplace();
-  scene.settings.servo.frames = 20;
+  scene.settings.frames = 20;
   const test::Simulated run(scene);
   ASSERT_EQ(run.log.frames.size(), 20U);
   for (std::size_t i = 0; i < 20; ++i) {
@@ -372,7 +374,7 @@ TEST(PostedWrites, AFramesForceIsBehindTheProcessorAndItsPathStillSums) {
 
 // Frames at rest are all alike: the first one does not find the end of set-up on the bus.
 void expect_set_up_has_left(SmallScene& scene) {
-  scene.settings.servo.frames = 3;
+  scene.settings.frames = 3;
   const test::Simulated run(scene);
   EXPECT_EQ(run.platform.session().begin, run.platform.servo().set_up_time());
   ASSERT_EQ(run.log.frames.size(), 3U);
@@ -400,8 +402,8 @@ TEST(PostedWrites, OfSetUpByWordsHaveLeftToo) {
 TEST(PostedWrites, InAPipelineToo) {
   SmallScene scene;
   scene.touch();
-  scene.settings.servo.costs.pipeline_depth = 1;
-  scene.settings.budget = 2 * scene.settings.servo.period;
+  scene.settings.host.pipeline_depth = 1;
+  scene.settings.budget = 2 * scene.settings.period;
   expect_forces_behind_the_processor(scene);
 }
 

@@ -55,24 +55,24 @@ SmallScene make(Case which) {
 
 void prepare(SmallScene& scene, Case which) {
   PlatformSettings& s = scene.settings;
-  s.servo.frames = 60;
+  s.frames = 60;
   scene.slide(0.1);
   // The collision process has to look often, so that both processes meet at odd times.
-  s.servo.costs.graphics.rate_hz = 333;
-  s.servo.costs.graphics.drawing_s = 1e-3;
+  s.host.graphics.rate_hz = 333;
+  s.host.graphics.drawing_s = 1e-3;
   switch (which) {
     case Case::plain:
     case Case::no_board:
       break;
     case Case::pipelined:
-      s.servo.costs.pipeline_depth = 1;
-      s.budget = 2 * s.servo.period;
+      s.host.pipeline_depth = 1;
+      s.budget = 2 * s.period;
       break;
     case Case::one_core:
-      s.servo.costs.cores = 1;
-      s.servo.costs.graphics.non_preemptible_s = 50e-6;
-      s.servo.costs.wake_up = uniform(30e-6);
-      s.servo.costs.jitter = uniform(20e-6);
+      s.host.cores = 1;
+      s.host.graphics.non_preemptible_s = 50e-6;
+      s.host.wake_up = uniform(30e-6);
+      s.host.jitter = uniform(20e-6);
       break;
     case Case::shared_bus: {
       s.fidelity.bus = Timing::approximately_timed;
@@ -89,8 +89,8 @@ void prepare(SmallScene& scene, Case which) {
       s.transfer.poll_interval_s = 1e-6;
       break;
     case Case::pipelined_dma:
-      s.servo.costs.pipeline_depth = 1;
-      s.budget = 2 * s.servo.period;
+      s.host.pipeline_depth = 1;
+      s.budget = 2 * s.period;
       [[fallthrough]];
     case Case::dma:
       s.fidelity.bus = Timing::approximately_timed;
@@ -105,7 +105,7 @@ void prepare(SmallScene& scene, Case which) {
       s.transfer.notification = link::Notification::msi;
       break;
     case Case::overloaded:
-      s.servo.costs.sustained_rate_flops = 20e6;
+      s.host.sustained_rate_flops = 20e6;
       break;
   }
 }
@@ -128,7 +128,7 @@ void append(std::vector<std::int64_t>& to, const Frame& f) {
 Result simulate(Case which, Picoseconds quantum) {
   SmallScene scene = make(which);
   prepare(scene, which);
-  scene.settings.servo.costs.quantum_s = static_cast<double>(quantum) * 1e-12;
+  scene.settings.host.quantum_s = static_cast<double>(quantum) * 1e-12;
   const test::Simulated run(scene);
   Result result;
   for (const Frame& f : run.log.frames) append(result.frames, f);

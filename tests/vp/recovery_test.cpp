@@ -30,8 +30,8 @@ struct Forces : FrameObserver {
 
 TEST(Recovery, BoardThatIsTooSlowIsResetAfterEveryFrame) {
   SmallScene scene;
-  scene.settings.servo.costs.timeout_s = 100e-6;
-  scene.settings.servo.frames = 5;
+  scene.settings.host.timeout_s = 100e-6;
+  scene.settings.frames = 5;
   Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
   FrameLog log;
   platform.add_sink(log);
@@ -63,7 +63,7 @@ TEST(Recovery, BoardThatIsTooSlowIsResetAfterEveryFrame) {
 TEST(Recovery, ForceOfTheLastGoodFrameIsHeld) {
   SmallScene scene;
   scene.touch();
-  scene.settings.servo.frames = 30;
+  scene.settings.frames = 30;
   Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
   FrameLog log;
   Forces seen;
@@ -122,7 +122,7 @@ TEST(Recovery, ForceOfTheLastGoodFrameIsHeld) {
 // A run without a frame has no misses either; it must not look like one that held its budget.
 TEST(Recovery, BoardThatRefusesItsSettingsEndsTheRun) {
   SmallScene scene;
-  scene.settings.servo.solver.headroom_bits = 9;  // the board has room for eight
+  scene.settings.solver.headroom_bits = 9;  // the board has room for eight
   Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
   std::string what;
   try {

@@ -65,7 +65,7 @@ Picoseconds latency(const SmallScene& scene, int passes, int since) {
 void expect_times(int passes) {
   SmallScene scene(refined(passes));
   scene.touch();
-  scene.settings.servo.frames = 30;
+  scene.settings.frames = 30;
   const Simulated run(scene);
   // Two norms, an inner product, the residual; and what Newmark's update takes (frame_test.cpp).
   const double judge = 18 * blocks(scene) + 8.0 * kUnknowns;

@@ -38,10 +38,10 @@ struct SmallScene {
         computation(body, fem::ContactDiagonal::average, options.dynamics, options.solver,
                     options.period_s, options.refinement, options.solved_by, options.effort),
         contacts(body.mesh(), floor(), contact_settings(options)) {
-    settings.servo.solver = computation.board_settings();
-    settings.servo.period = std::llround(options.period_s * 1e12);
-    settings.budget = settings.servo.period;
-    settings.servo.frames = 10;
+    settings.solver = computation.board_settings();
+    settings.period = to_picoseconds(options.period_s);
+    settings.budget = settings.period;
+    settings.frames = 10;
     settings.probe.interpolation = plant::Interpolation::linear;
     hover();
   }

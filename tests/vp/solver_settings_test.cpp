@@ -22,6 +22,7 @@
 #include "vp/fpga/accelerator.h"
 #include "vp/host/board_access.h"
 #include "vp/host/driver_config.h"
+#include "vp/host/driver_port.h"
 #include "vp/pci/pci_bus.h"
 
 namespace hvp::vp {
@@ -45,13 +46,13 @@ class SolverSettings : public testing::Test {
     bus_ = std::make_unique<PciBus>("bus", link::Pci{}, false, ledger_);
     accelerator_ = std::make_unique<Accelerator>("accelerator", accel::Architecture{},
                                                  Timing::loosely_timed, ledger_);
-    access_ = std::make_unique<BoardAccess>("access", 0, ledger_);
+    access_ = std::make_unique<BoardAccess>("access");
+    port_ = std::make_unique<DriverPort>(*access_, 0, ledger_);
     access_->to_bus.bind(bus_->from_host);
     bus_->attach(accelerator_->from_bus, kSolverBase, kBarBytes);
     accelerator_->interrupt.bind(*access_);
     program_ = std::make_unique<test::Program>("program", [&](test::Program& p) {
-      ASSERT_EQ(hvp_open(&device_, &access_->solver_bus(), scratch_.data(), scratch_.size()),
-                HVP_OK);
+      ASSERT_EQ(hvp_open(&device_, &port_->bus(), scratch_.data(), scratch_.size()), HVP_OK);
       script(p);
       finished_ = true;
     });
@@ -103,6 +104,7 @@ class SolverSettings : public testing::Test {
   std::unique_ptr<PciBus> bus_;
   std::unique_ptr<Accelerator> accelerator_;
   std::unique_ptr<BoardAccess> access_;
+  std::unique_ptr<DriverPort> port_;
   std::unique_ptr<test::Program> program_;
   bool finished_ = false;
   hvp_device device_{};
@@ -354,7 +356,7 @@ TEST_P(MethodFrames, SpansTheIterationsThatWereMade) {
   options.solver.stop_residual = 0.3;
   SmallScene scene(options);
   scene.touch();
-  scene.settings.servo.frames = 30;
+  scene.settings.frames = 30;
   Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
   test::FrameLog log;
   struct Reports : FrameObserver {

@@ -180,7 +180,7 @@ struct Audited {
 TEST(Tenures, OfTwoCoresAreTheServosRunsAndThePasses) {
   SmallScene scene;
   scene.touch();
-  scene.settings.servo.frames = 40;
+  scene.settings.frames = 40;
   const Audited run(scene);
   run.expect_host_on_its_core();
   const std::vector<Tenure> passes = run.log.of(Resource::core_1);
@@ -203,10 +203,10 @@ TEST(Tenures, OfTwoCoresAreTheServosRunsAndThePasses) {
 
 TEST(Tenures, OfOneCoreAreThePiecesOfPassesAndTheSwitches) {
   SmallScene scene;
-  scene.settings.servo.costs.cores = 1;
-  scene.settings.servo.costs.graphics.drawing_s = 10e-3;
-  scene.settings.servo.costs.graphics.non_preemptible_s = 100e-6;
-  scene.settings.servo.costs.graphics.non_preemptible_every_s = 1e-3;
+  scene.settings.host.cores = 1;
+  scene.settings.host.graphics.drawing_s = 10e-3;
+  scene.settings.host.graphics.non_preemptible_s = 100e-6;
+  scene.settings.host.graphics.non_preemptible_every_s = 1e-3;
   const Audited run(scene);
   run.expect_host_on_its_core();
   EXPECT_TRUE(run.log.of(Resource::core_1).empty());
@@ -223,8 +223,8 @@ TEST(Tenures, OfOneCoreAreThePiecesOfPassesAndTheSwitches) {
 
 TEST(Tenures, OfPipelinedFramesToo) {
   SmallScene scene;
-  scene.settings.servo.costs.pipeline_depth = 1;
-  scene.settings.budget = 2 * scene.settings.servo.period;
+  scene.settings.host.pipeline_depth = 1;
+  scene.settings.budget = 2 * scene.settings.period;
   const Audited run(scene);
   run.expect_host_on_its_core();
 }

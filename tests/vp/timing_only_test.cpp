@@ -62,11 +62,10 @@ std::string times(const Case& c, host::Effort effort) {
     options.effort = effort;
     SmallScene scene(options);
     scene.touch();
-    scene.settings.servo.frames = 100;
-    scene.settings.servo.costs.pipeline_depth = c.pipeline_depth;
+    scene.settings.frames = 100;
+    scene.settings.host.pipeline_depth = c.pipeline_depth;
     scene.settings.fidelity = c.fidelity;
     scene.settings.transfer.method = c.method;
-    scene.settings.servo.untimed = c.fidelity.host == Timing::untimed;
     Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
     Times sink(text);
     platform.add_sink(sink);
@@ -112,7 +111,7 @@ TEST(TimingOnlySlide, MovesTheContactAndItsRows) {
   options.effort = host::Effort::counted;
   SmallScene scene(options);
   scene.slide(0.1);
-  scene.settings.servo.frames = 100;
+  scene.settings.frames = 100;
   const test::Simulated run(scene);
   EXPECT_EQ(run.platform.servo().counts().contact_changes, 2);
   int updates = 0;

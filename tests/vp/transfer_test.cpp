@@ -193,9 +193,9 @@ std::vector<std::int64_t> forces(const Transfer& t, const SmallScene::Options& o
     SmallScene scene(options);
     scene.touch();
     scene.settings.transfer = t;
-    scene.settings.servo.frames = 60;
-    scene.settings.servo.costs.pipeline_depth = depth;
-    scene.settings.budget = (1 + depth) * scene.settings.servo.period;
+    scene.settings.frames = 60;
+    scene.settings.host.pipeline_depth = depth;
+    scene.settings.budget = (1 + depth) * scene.settings.period;
     const Simulated run(scene);
     std::vector<std::int64_t> bits;
     for (const Frame& frame : run.log.frames) {
@@ -217,7 +217,7 @@ TEST(TransferWords, AreTheSameWhereALineOvertakesThem) {
       scene.settings.transfer = transfer(Method::dma, notification);
       scene.settings.bus.posted_writes.emplace();
       scene.settings.bus.posted_writes->to_memory_s = 50e-6;
-      scene.settings.servo.frames = 60;
+      scene.settings.frames = 60;
       const Simulated run(scene);
       std::vector<std::int64_t> bits;
       for (const Frame& frame : run.log.frames) {
@@ -267,7 +267,7 @@ TEST(TransferWords, AreTheSameWithSeveralJobsAFrame) {
 void expect_held_forces(Notification notification) {
   SmallScene scene;
   scene.settings.transfer = transfer(Method::dma, notification);
-  scene.settings.servo.costs.timeout_s = 20e-6;
+  scene.settings.host.timeout_s = 20e-6;
   ASSERT_GT(solve_time(scene), 20 * kUs);
   const Simulated run(scene);
   ASSERT_EQ(run.log.frames.size(), 10U);
@@ -286,7 +286,7 @@ TEST(TransferTimeOut, WhileTheEndIsOnItsWay) {
     EXPECT_EQ(in_child_process([before] {
                 SmallScene scene;
                 scene.settings.transfer = transfer(Method::dma, Notification::msi);
-                scene.settings.servo.costs.timeout_s =
+                scene.settings.host.timeout_s =
                     static_cast<double>(list_time(scene) + kUs - before) * 1e-12;
                 const Simulated run(scene);
                 return std::vector<std::int64_t>{static_cast<std::int64_t>(run.log.frames.size())};

@@ -1,21 +1,20 @@
 #include "vp/device/daq_board.h"
 
-#include <cmath>
 #include <cstring>
 
 namespace hvp::vp {
 
 DaqBoard::DaqBoard(const sc_core::sc_module_name& name, const plant::Daq& model,
-                   const std::optional<plant::Encoder>& encoder,
-                   const plant::Trajectory& trajectory, const Session& session, Ledger& ledger)
+                   const std::optional<plant::Encoder>& encoder, plant::Device& device,
+                   const Session& session, Ledger& ledger)
     : sc_module(name),
       from_bus("from_bus"),
       encoder_(encoder),
-      trajectory_(trajectory),
+      device_(device),
       session_(session),
       ledger_(ledger),
-      sampling_(std::llround(model.sampling_delay * 1e12)),
-      output_(std::llround(model.output_delay * 1e12)) {
+      sampling_(to_picoseconds(model.sampling_delay)),
+      output_(to_picoseconds(model.output_delay)) {
   from_bus.register_b_transport(this, &DaqBoard::b_transport);
 }
 
@@ -27,26 +26,42 @@ void DaqBoard::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_ti
   transaction.set_response_status(tlm::TLM_OK_RESPONSE);
 
   if (transaction.is_write() && address == kLatch && bytes == 4) {
-    Eigen::Vector3d position = trajectory_.state_ps(now_ps() - session_.begin).position;
-    if (encoder_) position = encoder_->read(position);
-    for (int i = 0; i < 3; ++i) {
-      latched_[static_cast<std::size_t>(i)] = plant::kPosition.to_counts(position[i]).value;
-    }
-    const Picoseconds start = now_ps();
-    wait(to_sc_time(sampling_));
-    ledger_.extend(tag, Part::daq, Phase::sample, start, now_ps());
+    latch(tag);
   } else if (transaction.is_read() && address == kPosition && bytes == sizeof(latched_)) {
     std::memcpy(transaction.get_data_ptr(), latched_.data(), sizeof(latched_));
   } else if (transaction.is_write() && address == kForce && bytes == 12) {
-    // The converter works on while the host does; nobody waits for it, so that no event is due.
-    Tag output = tag;
-    const Picoseconds start = now_ps();
-    ledger_.extend(output, Part::daq, Phase::convert, start, start + output_);
-    ledger_.extend(output, Part::device, Phase::motor, start + output_, start + output_);
-    if (tag.frame >= 0) ledger_.frame(tag.frame).force_at_motor = output.cause;
+    put_out(transaction.get_data_ptr(), tag);
   } else {
     transaction.set_response_status(tlm::TLM_ADDRESS_ERROR_RESPONSE);
   }
+}
+
+void DaqBoard::latch(Tag& tag) {
+  const Picoseconds start = now_ps();
+  Eigen::Vector3d position = device_.at(start - session_.begin).position;
+  if (encoder_) position = encoder_->read(position);
+  for (int i = 0; i < 3; ++i) {
+    latched_[static_cast<std::size_t>(i)] = plant::kPosition.to_counts(position[i]).value;
+  }
+  wait(to_sc_time(sampling_));
+  ledger_.extend(tag, Part::daq, Phase::sample, start, now_ps());
+}
+
+// The converter works on while the host does; nobody waits for it, so that no event is due.
+void DaqBoard::put_out(const unsigned char* words, const Tag& tag) {
+  std::array<std::int32_t, 3> counts{};
+  std::memcpy(counts.data(), words, sizeof(counts));
+  Eigen::Vector3d force;
+  for (int i = 0; i < 3; ++i) {
+    force[i] = plant::kForce.to_value(counts[static_cast<std::size_t>(i)]);
+  }
+  const Picoseconds start = now_ps();
+  const Picoseconds there = start + output_;
+  device_.drive(there - session_.begin, force);
+  Tag output = tag;
+  ledger_.extend(output, Part::daq, Phase::convert, start, there);
+  ledger_.extend(output, Part::device, Phase::motor, there, there);
+  if (tag.frame >= 0) ledger_.frame(tag.frame).force_at_motor = output.cause;
 }
 
 }  // namespace hvp::vp

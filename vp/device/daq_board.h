@@ -8,18 +8,18 @@
 #include <tlm_utils/simple_target_socket.h>
 
 #include "models/plant/daq.h"
+#include "models/plant/device.h"
 #include "models/plant/encoder.h"
-#include "models/plant/trajectory.h"
 #include "vp/frame_tag.h"
 #include "vp/ledger.h"
 #include "vp/session.h"
 
 namespace hvp::vp {
 
-// The data acquisition board on the PCI bus, and the probe on its prescribed trajectory behind
-// it. Three registers: a command that latches the position, the latched position, and the force.
-// The counters latch at once; the word can be read after the sampling delay. A force is at the
-// motor after the output delay (the amplifier adds none yet).
+// The data acquisition board on the PCI bus, and the haptic device behind it. Three registers: a
+// command that latches the position, the latched position, and the force. The counters latch at
+// once; the word can be read after the sampling delay. A force drives the device after the output
+// delay (the amplifier adds none yet).
 class DaqBoard : public sc_core::sc_module {
  public:
   static constexpr std::uint64_t kLatch = 0x00;     // write 4 bytes: latch now
@@ -27,17 +27,20 @@ class DaqBoard : public sc_core::sc_module {
   static constexpr std::uint64_t kForce = 0x20;     // write 12 bytes: x, y, z in plant::kForce
   static constexpr std::uint64_t kSize = 0x40;
 
+  // Keeps references to the device, whose times are the session's, the session and the ledger.
   DaqBoard(const sc_core::sc_module_name& name, const plant::Daq& model,
-           const std::optional<plant::Encoder>& encoder, const plant::Trajectory& trajectory,
+           const std::optional<plant::Encoder>& encoder, plant::Device& device,
            const Session& session, Ledger& ledger);
 
   tlm_utils::simple_target_socket<DaqBoard> from_bus;
 
  private:
   void b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
+  void latch(Tag& tag);
+  void put_out(const unsigned char* words, const Tag& tag);
 
   std::optional<plant::Encoder> encoder_;
-  const plant::Trajectory& trajectory_;
+  plant::Device& device_;
   const Session& session_;
   Ledger& ledger_;
   Picoseconds sampling_;

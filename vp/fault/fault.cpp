@@ -1,11 +1,11 @@
 #include "vp/fault/fault.h"
 
-#include <cmath>
 #include <string>
 
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
+#include "models/time/picoseconds.h"
 
 namespace hvp::vp {
 
@@ -136,6 +136,6 @@ void Fault::check() const {
   }
 }
 
-std::int64_t Fault::delay_ps() const { return std::llround(delay_s * 1e12); }
+std::int64_t Fault::delay_ps() const { return to_picoseconds(delay_s); }
 
 }  // namespace hvp::vp

@@ -35,7 +35,7 @@ Accelerator::Accelerator(const sc_core::sc_module_name& name,
     : sc_module(name),
       from_bus("from_bus"),
       interrupt("interrupt"),
-      architecture_(architecture),
+      clock_period_(level == Timing::untimed ? 0 : architecture.clock_period_ps()),
       level_(level),
       numbers_(numbers),
       ledger_(ledger),
@@ -67,7 +67,7 @@ Accelerator::Accelerator(const sc_core::sc_module_name& name,
   }
   bank_.on_memory_write(Aperture::u, [this] {
     has_previous_u_ = false;
-    give_engine_x();
+    give_x();
   });
   if (master.present()) {
     dma_ = std::make_unique<DmaEngine>("dma", master, level == Timing::untimed, bank_,
@@ -78,13 +78,8 @@ Accelerator::Accelerator(const sc_core::sc_module_name& name,
   SC_METHOD(finish);
   sensitive << done_;
   dont_initialize();
-  if (level == Timing::approximately_timed) {
-    phases_ = std::make_unique<engine::PhaseEngine>("phases", architecture);
-    sensitive << phases_->done();
-  } else if (level == Timing::cycle_accurate) {
-    cycles_ = std::make_unique<engine::CycleEngine>("engine", architecture);
-    sensitive << cycles_->done();
-  }
+  timing_ = make_job_timing(level, architecture);
+  if (const sc_core::sc_event* ended = timing_->ended()) sensitive << *ended;
 }
 
 void Accelerator::inject(FaultPlan& plan) {
@@ -152,8 +147,7 @@ void Accelerator::control(std::uint32_t commands) {
 
 void Accelerator::reset() {
   done_.cancel();
-  if (phases_ != nullptr) phases_->abort();
-  if (cycles_ != nullptr) cycles_->abort();
+  timing_->abort();
   running_ = Running::nothing;
   listed_ = false;
   if (dma_ != nullptr) dma_->abort();

@@ -9,15 +9,14 @@
 #include <tlm_utils/simple_target_socket.h>
 
 #include "models/accel/architecture.h"
-#include "models/accel/board_clocks.h"
+#include "models/accel/cycles.h"
 #include "models/fixed/solver.h"
 #include "vp/fault/fault_plan.h"
 #include "vp/fidelity.h"
 #include "vp/fpga/board_matrix.h"
 #include "vp/fpga/dma_engine.h"
-#include "vp/fpga/engine/cycle_engine.h"
-#include "vp/fpga/engine/phase_engine.h"
 #include "vp/fpga/register_bank.h"
+#include "vp/fpga/timing/job_timing.h"
 #include "vp/frame_tag.h"
 #include "vp/ledger.h"
 
@@ -40,10 +39,8 @@ struct JobEnd {
 };
 
 // A solve as an engine took it.
-struct EngineSolve {
+struct EngineSolve : SolveClocks {
   accel::SolveWork work;
-  std::int64_t clocks = 0;  // from the start until done
-  engine::StateClocks state{};
 };
 
 // The solver board (thesis chapter 5, §6.2.1) behind its register bank. The words of a job are
@@ -51,9 +48,9 @@ struct EngineSolve {
 // that this happens when it starts; U, the results and the interrupt appear when its last clock is
 // over, and a reset before that discards them. docs/registers.md is what software sees.
 //
-// Loosely timed, a job takes the clocks of accel::BoardClocks; approximately timed, those of an
-// engine::PhaseEngine. Cycle-accurate, an engine::CycleEngine does the work beside, its words are
-// what appears in U, and words other than the solver's are an internal fault.
+// How long a job takes is up to a JobTiming: the closed form, an engine phase by phase, or one of
+// every clock, which does the work beside; words of its that are not the solver's are an internal
+// fault.
 //
 // Timing only, a job makes all its iterations and no words: U stays as it was. Throws InputError
 // with the key "numbers" where the engine makes the words, cycle-accurate.
@@ -83,7 +80,7 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   std::int64_t wraps() const { return wraps_; }
   std::int64_t breakdowns() const { return breakdowns_; }
   // Cycle-accurate; null elsewhere.
-  const engine::CycleEngine* engine() const { return cycles_.get(); }
+  const engine::CycleEngine* engine() const { return timing_->engine(); }
   // The frame whose job or update was commanded last, -1 before the first.
   std::int64_t frame() const { return frame_; }
   // At the levels that have an engine: of all finished jobs the one that took most clocks.
@@ -110,15 +107,14 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   void finish();
 
   void begin(Running what, const Tag& tag);
-  void run_for(Running what, const Tag& tag, std::int64_t clocks);
+  void end_after(std::optional<std::int64_t> clocks);
   void begin_solve(const Tag& tag);
   void end_job(const BoardError& error);
   void take_engine_words();
-  void note_engine_clocks(const engine::StateClocks& state);
   bool one_a_word() const { return bank_.get(field::kPackingMode) != 0; }
-  bool load_engine(const fixed::Settings& settings);
-  void give_engine_x();
-  void edit_engine(int node);
+  bool load_memories(const fixed::Settings& settings);
+  void give_x();
+  bool change_row(int node);
   void hold_access(std::int64_t clocks);
   bool strikes(FaultKind kind) {
     return faults_ != nullptr && faults_->strike(kind, frame_) != nullptr;
@@ -133,7 +129,7 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   // `tag`: the work that the line goes up for, if it does.
   void drive_interrupt_line(const Tag& tag);
 
-  accel::Architecture architecture_;
+  Picoseconds clock_period_;  // 0: untimed
   Timing level_;
   Numbers numbers_;
   Ledger& ledger_;
@@ -142,7 +138,6 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
 
   RegisterBank bank_;
   fixed::QuantisedMatrix matrix_;
-  std::optional<accel::BoardClocks> loosely_timed_;  // of the loaded matrix; not cycle-accurate
   fixed::Method loaded_method_ = fixed::Method::cg;
   // The solver never starts from zero or forms a guess itself: form_guess() has done it.
   fixed::Settings solver_settings_;
@@ -163,9 +158,8 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
 
   fixed::Report report_;  // of the last finished job
 
-  std::unique_ptr<engine::PhaseEngine> phases_;  // approximately timed
-  std::unique_ptr<engine::CycleEngine> cycles_;  // cycle-accurate
-  std::vector<std::int32_t> engine_u_;
+  std::unique_ptr<JobTiming> timing_;
+  std::vector<std::int32_t> written_x_;
   std::optional<EngineSolve> longest_solve_;
 
   std::unique_ptr<DmaEngine> dma_;

@@ -27,52 +27,38 @@ void Accelerator::begin(Running what, const Tag& tag) {
   bank_.set(field::kStatusBusy, 1);
 }
 
-void Accelerator::run_for(Running what, const Tag& tag, std::int64_t clocks) {
-  begin(what, tag);
-  clocks_ = clocks;
-  const bool untimed = level_ == Timing::untimed;
-  done_.notify(to_sc_time(untimed ? 0 : clocks * architecture_.clock_period_ps()));
+// Without clocks the timing tells of the end.
+void Accelerator::end_after(std::optional<std::int64_t> clocks) {
+  if (!clocks) return;
+  clocks_ = *clocks;
+  done_.notify(to_sc_time(*clocks * clock_period_));
 }
 
-// The job is computed; who says how long it takes depends on the level.
+// The job is computed; how long it takes depends on the level.
 void Accelerator::begin_solve(const Tag& tag) {
-  if (strikes(FaultKind::stuck_busy)) {
-    begin(Running::solve, tag);  // and no end; nor does the engine do anything more
-    if (listed_) dma_->abort();
+  const bool stuck = strikes(FaultKind::stuck_busy);
+  begin(Running::solve, tag);
+  if (stuck) {
+    if (listed_) dma_->abort();  // there is no end; nor does the engine do anything more
   } else if (fault_) {
-    run_for(Running::solve, tag, 1);  // there is nothing to wait for
-  } else if (cycles_ != nullptr) {
-    begin(Running::solve, tag);
-    cycles_->start_solve(settings_);
-  } else if (phases_ != nullptr) {
-    begin(Running::solve, tag);
-    phases_->start_solve(settings_, result_);
+    end_after(1);  // there is nothing to wait for
   } else {
-    const accel::SolveWork work = accel::solve_made(settings_, result_);
-    run_for(Running::solve, tag, loosely_timed_->solve(work).total());
+    end_after(timing_->start_solve(settings_, result_));
   }
 }
 
 // What the engine's pipelines have put out is what software reads.
 void Accelerator::take_engine_words() {
   if (fault_) return;
-  if (phases_ != nullptr) {
-    clocks_ = phases_->clocks();
-    note_engine_clocks(phases_->state_clocks());
+  if (const std::optional<SolveClocks> engine = timing_->solve_clocks()) {
+    clocks_ = engine->clocks;
+    if (!longest_solve_ || longest_solve_->clocks < clocks_) {
+      longest_solve_ = EngineSolve{*engine, accel::solve_made(settings_, result_)};
+    }
   }
-  if (cycles_ == nullptr) return;
-  clocks_ = cycles_->clocks();
-  note_engine_clocks(cycles_->state_clocks());
-  engine_u_.resize(u_.size());
-  cycles_->read_x(engine_u_);
-  if (engine_u_ == u_) return;
+  if (timing_->confirms(u_)) return;
   spdlog::error("the engine's words are not those of the solver");
   fault_ = true;
-}
-
-void Accelerator::note_engine_clocks(const engine::StateClocks& state) {
-  if (longest_solve_ && longest_solve_->clocks >= clocks_) return;
-  longest_solve_ = {accel::solve_made(settings_, result_), clocks_, state};
 }
 
 // Reads the settings of the job; a refused start does not count as one.
@@ -238,7 +224,7 @@ void Accelerator::compute() {
   }
   form_guess(settings_.start);
   const std::int64_t clamped = result_.saturations;
-  if (cycles_ != nullptr) cycles_->write_b(b_);
+  timing_->write_b(b_);
   // Through the driver's frames nothing may be thrown.
   try {
     require_solver(settings_);
@@ -248,7 +234,7 @@ void Accelerator::compute() {
     spdlog::warn("the board's solver stopped: {}", e.what());
     solver_.reset();
     has_previous_u_ = false;
-    if (cycles_ != nullptr) cycles_->forget_previous();
+    timing_->forget_previous();
     fault_ = true;
   }
   result_.saturations += clamped;

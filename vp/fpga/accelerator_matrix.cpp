@@ -18,30 +18,21 @@ void Accelerator::load_done() {
     raise(error);
     return;
   }
-  if (!supported(settings) || !load_engine(settings)) return;
+  if (!supported(settings) || !load_memories(settings)) return;
   solver_.reset();
   loaded_method_ = settings.method;
   has_previous_u_ = false;
   b_.assign(static_cast<std::size_t>(matrix_.rows()), 0);
   u_.assign(static_cast<std::size_t>(matrix_.rows()), 0);
-  give_engine_x();
-  if (cycles_ != nullptr) {
-    begin(Running::load, *commanding_tag_);
-    cycles_->start_inversion();
-  } else {
-    run_for(Running::load, *commanding_tag_, loosely_timed_->load(settings.method));
-  }
+  give_x();
+  begin(Running::load, *commanding_tag_);
+  end_after(timing_->start_load(settings.method));
 }
 
-// How the matrix lies in the memories. Through the driver's frames nothing may be thrown.
-bool Accelerator::load_engine(const fixed::Settings& settings) {
+// Through the driver's frames nothing may be thrown.
+bool Accelerator::load_memories(const fixed::Settings& settings) {
   try {
-    if (phases_ != nullptr) phases_->load(matrix_, settings);
-    if (cycles_ != nullptr) {
-      cycles_->load(matrix_, settings);
-    } else {
-      loosely_timed_.emplace(architecture_, accel::pattern_of(matrix_.row_begin, matrix_.column));
-    }
+    timing_->load(matrix_, settings);
     return true;
   } catch (const InputError& e) {
     spdlog::warn("the board cannot hold the matrix: {}", e.what());
@@ -61,68 +52,53 @@ void Accelerator::update_node() {
     return;
   }
   const auto row = static_cast<int>(node);
-  const std::span<const std::int32_t> present = matrix_.row(row);
-  if (bank_.get(field::kUpdateKindKind) == static_cast<std::uint32_t>(UpdateKind::constrain)) {
-    try {
-      matrix_.set_contact(row, static_cast<std::int32_t>(bank_.get(field::kUpdateDiagonalValue)));
-    } catch (const InputError&) {
-      raise({ErrorCode::bad_setting, offset_of(Register::update_diagonal)});
-      return;
-    }
-  } else {
-    const std::size_t blocks = present.size() / 9;
-    if (bank_.get(field::kUpdateBlocksCount) != blocks) {
-      raise({ErrorCode::bad_row, static_cast<std::uint32_t>(blocks)});
-      return;
-    }
-    row_.resize(present.size());
-    const std::span<const std::uint32_t> staged = bank_.memory(Aperture::row);
-    for (std::size_t i = 0; i < row_.size(); ++i) {
-      row_[i] = packed_element(staged, i, static_cast<unsigned>(matrix_.bits), one_a_word());
-    }
-    matrix_.restore_row(row, row_);
-  }
+  if (!change_row(row)) return;
   if (solver_ != nullptr) solver_->update(row);
   write_back_node(matrix_, row, bank_);
-  if (cycles_ != nullptr) {
-    edit_engine(row);
-    return;
-  }
-
-  const auto begin = static_cast<std::size_t>(matrix_.row_begin[node]);
-  const auto end = static_cast<std::size_t>(matrix_.row_begin[node + 1]);
   // A matrix is loaded, so that METHOD is what it was loaded with.
-  const std::int64_t clocks = loosely_timed_->node_update(
-      row, std::span(matrix_.column).subspan(begin, end - begin), loaded_method_);
-  hold_access(clocks);
+  hold_access(timing_->update_node(matrix_, row, loaded_method_, row_));
 }
 
-// U is the engine's memory of x, which it brings into the copies of d when the host has written.
-void Accelerator::give_engine_x() {
+// The node's row and column, as the registers say; false for what the board refuses.
+bool Accelerator::change_row(int node) {
+  if (bank_.get(field::kUpdateKindKind) == static_cast<std::uint32_t>(UpdateKind::constrain)) {
+    try {
+      matrix_.set_contact(node, static_cast<std::int32_t>(bank_.get(field::kUpdateDiagonalValue)));
+    } catch (const InputError&) {
+      raise({ErrorCode::bad_setting, offset_of(Register::update_diagonal)});
+      return false;
+    }
+    return true;
+  }
+  const std::span<const std::int32_t> present = matrix_.row(node);
+  const std::size_t blocks = present.size() / 9;
+  if (bank_.get(field::kUpdateBlocksCount) != blocks) {
+    raise({ErrorCode::bad_row, static_cast<std::uint32_t>(blocks)});
+    return false;
+  }
+  row_.resize(present.size());
+  const std::span<const std::uint32_t> staged = bank_.memory(Aperture::row);
+  for (std::size_t i = 0; i < row_.size(); ++i) {
+    row_[i] = packed_element(staged, i, static_cast<unsigned>(matrix_.bits), one_a_word());
+  }
+  matrix_.restore_row(node, row_);
+  return true;
+}
+
+// U is an engine's memory of x, which it brings into the copies of d when the host has written.
+void Accelerator::give_x() {
   if (u_.empty()) return;  // no matrix has been loaded
-  if (phases_ != nullptr) phases_->written_x();
-  if (cycles_ == nullptr) return;
-  engine_u_.resize(u_.size());
+  written_x_.resize(timing_->has_words() ? u_.size() : 0);
   const unsigned vector_bits = bank_.get(field::kFormatVectorBits);
   const std::span<const std::uint32_t> words = bank_.memory(Aperture::u);
-  for (std::size_t i = 0; i < engine_u_.size(); ++i) {
-    engine_u_[i] = packed_element(words, i, vector_bits, one_a_word());
+  for (std::size_t i = 0; i < written_x_.size(); ++i) {
+    written_x_[i] = packed_element(words, i, vector_bits, one_a_word());
   }
-  cycles_->write_x(engine_u_);
-}
-
-// The engine writes its packages while the access that gave the command is held.
-void Accelerator::edit_engine(int node) {
-  if (matrix_.is_contact[static_cast<std::size_t>(node)] != 0) {
-    cycles_->start_constraining(node, matrix_.diagonal(3 * node));
-  } else {
-    cycles_->start_restoring(node, row_);
-  }
-  hold_access(cycles_->update_clocks());
+  timing_->write_x(written_x_);
 }
 
 void Accelerator::hold_access(std::int64_t clocks) {
-  wait_states_ = level_ == Timing::untimed ? 0 : clocks * architecture_.clock_period_ps();
+  wait_states_ = clocks * clock_period_;
   ledger_.extend(*commanding_tag_, Part::fpga, Phase::node_update, now_ps(),
                  now_ps() + wait_states_);
 }

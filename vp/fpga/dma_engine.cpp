@@ -1,11 +1,11 @@
 #include "vp/fpga/dma_engine.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <utility>
 
-#include "vp/host/host_memory.h"
+#include "models/time/picoseconds.h"
+#include "vp/bus/host_memory.h"
 
 namespace hvp::vp {
 
@@ -30,7 +30,7 @@ DmaEngine::DmaEngine(const sc_core::sc_module_name& name, const MasterSettings& 
     : sc_module(name),
       to_memory("to_memory"),
       settings_(settings),
-      latency_(untimed || !settings.dma ? 0 : std::llround(settings.dma->engine_latency_s * 1e12)),
+      latency_(untimed || !settings.dma ? 0 : to_picoseconds(settings.dma->engine_latency_s)),
       bank_(bank),
       owner_(owner),
       ledger_(ledger),

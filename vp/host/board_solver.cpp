@@ -1,7 +1,6 @@
 #include "vp/host/board_solver.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "models/stability/flag.h"
 #include "vp/host/driver_config.h"
@@ -14,35 +13,22 @@ bool contains(std::span<const int> ascending, int node) {
 }
 }  // namespace
 
-std::int64_t BoardSolver::rhs_bytes(const fixed::Settings& settings, const Transfer& transfer,
-                                    std::size_t unknowns) {
-  const link::Payload words{0, 0, settings.residual_bits(), transfer.packed};
-  return words.bytes(static_cast<std::int64_t>(unknowns));
-}
-
-std::int64_t BoardSolver::solution_bytes(const fixed::Settings& settings, const Transfer& transfer,
-                                         std::size_t unknowns) {
-  const link::Payload words{0, 0, settings.vector_bits, transfer.packed};
-  return words.bytes(static_cast<std::int64_t>(unknowns));
-}
-
 BoardSolver::BoardSolver(const fixed::Settings& settings, host::FrameComputation& computation,
-                         const BoardAccess& access, const Work& work, bool reject_saturated,
+                         const DriverPort& port, const Work& work, bool reject_saturated,
                          HostMemory* memory)
     : settings_(settings),
       computation_(computation),
-      access_(access),
+      port_(port),
       work_(work),
       reject_saturated_(reject_saturated),
       phase_(computation.refined() != nullptr ? Phase::refinement : Phase::form_rhs),
       b_(computation.displacement().size()),
       u_(computation.displacement().size()) {
   scratch_.resize(std::max<std::size_t>(HVP_MIN_SCRATCH_WORDS, b_.size()));
-  const Transfer& transfer = access.transfer();
+  const Transfer& transfer = port.transfer();
   if (memory == nullptr || transfer.method != Transfer::Method::dma) return;
-  dma_.emplace(*memory, transfer.engine(),
-               static_cast<std::size_t>(rhs_bytes(settings, transfer, b_.size())),
-               static_cast<std::size_t>(solution_bytes(settings, transfer, u_.size())));
+  dma_.emplace(*memory, transfer.engine(), transfer.rhs_bytes(settings, b_.size()),
+               transfer.solution_bytes(settings, u_.size()));
 }
 
 hvp_status BoardSolver::set_up_piece(bool& done) {
@@ -65,7 +51,7 @@ hvp_status BoardSolver::make(Piece piece, bool& complete) {
     case Piece::configure: {
       hvp_solver_config config = driver_config(settings_);
       config.reject_saturated = reject_saturated_;
-      config.one_a_word = !access_.transfer().packed;
+      config.one_a_word = !port_.transfer().packed;
       return hvp_configure(&device_, &config);
     }
     case Piece::begin_load: {
@@ -88,8 +74,7 @@ hvp_status BoardSolver::make(Piece piece, bool& complete) {
 }
 
 hvp_status BoardSolver::open() {
-  const hvp_status status =
-      hvp_open(&device_, &access_.solver_bus(), scratch_.data(), scratch_.size());
+  const hvp_status status = hvp_open(&device_, &port_.bus(), scratch_.data(), scratch_.size());
   return status == HVP_OK && dma_ ? hvp_use_dma(&device_, &dma_->dma()) : status;
 }
 
@@ -206,7 +191,7 @@ hvp_status BoardSolver::receive() {
 
 // STATUS that nobody answered is read again.
 hvp_status BoardSolver::wait() {
-  const Picoseconds end = work_.now() + std::llround(work_.costs().timeout_s * 1e12);
+  const Picoseconds end = work_.now() + to_picoseconds(work_.costs().timeout_s);
   hvp_status status = HVP_OK;
   int tries = 0;
   do {
@@ -215,10 +200,21 @@ hvp_status BoardSolver::wait() {
   } while (status == HVP_ERROR_BUS && try_again(status, tries, 0));
   const hvp_statistics now = hvp_statistics_of(&device_);
   mended_.lost_interrupts += static_cast<int>(now.lost_interrupts - seen_.lost_interrupts);
-  mended_.lost_acknowledgements +=
-      static_cast<int>(now.lost_acknowledgements - seen_.lost_acknowledgements);
+  note_unacknowledged(static_cast<int>(now.lost_acknowledgements - seen_.lost_acknowledgements));
   seen_ = now;
   return status;
+}
+
+// The driver does not know frames. The first that a wait finds is the acknowledgement of the job
+// before, whose DONE still stands; each further one, the repetition that was lost again. With DMA
+// the bridge tells of the job's own.
+void BoardSolver::note_unacknowledged(int lost) {
+  const std::int64_t frame = work_.tag().frame;
+  const std::int64_t before = std::exchange(acknowledged_frame_, frame);
+  if (lost == 0) return;
+  mended_.lost_acknowledgements += lost;
+  if (dma_ || lost > 1 || before == frame) mended_.unacknowledged_here = frame;
+  if (!dma_ && before != frame) mended_.unacknowledged_before = before;
 }
 
 // The board still has U when it did not arrive whole.

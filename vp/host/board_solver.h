@@ -7,8 +7,8 @@
 
 #include "models/fixed/settings.h"
 #include "models/host/frame_computation.h"
-#include "vp/host/board_access.h"
 #include "vp/host/dma_memory.h"
+#include "vp/host/driver_port.h"
 #include "vp/host/frame_solver.h"
 
 namespace hvp::vp {
@@ -17,19 +17,13 @@ namespace hvp::vp {
 // refined. Reaches the board through the driver alone.
 class BoardSolver : public FrameSolver {
  public:
-  // Keeps references. `settings` are those of the board; `access` is the driver's way to it.
+  // Keeps references. `settings` are those of the board; `port` is the driver's way to it.
   // `reject_saturated`: a solve that saturated counts as one that failed.
   // `memory`: where a DMA engine finds b and leaves U; null where none does. Throws InputError with
   // the key "transfer.dma.segment_bytes" where that is too much for it.
   BoardSolver(const fixed::Settings& settings, host::FrameComputation& computation,
-              const BoardAccess& access, const Work& work, bool reject_saturated = false,
+              const DriverPort& port, const Work& work, bool reject_saturated = false,
               HostMemory* memory = nullptr);
-
-  // Bytes of b and of U on their way.
-  static std::int64_t rhs_bytes(const fixed::Settings& settings, const Transfer& transfer,
-                                std::size_t unknowns);
-  static std::int64_t solution_bytes(const fixed::Settings& settings, const Transfer& transfer,
-                                     std::size_t unknowns);
 
   hvp_status set_up_piece(bool& done) override;
   bool survives(hvp_status status) const override { return status == HVP_ERROR_SATURATED; }
@@ -53,12 +47,13 @@ class BoardSolver : public FrameSolver {
   hvp_status receive();
   hvp_status wait();
   hvp_status read();
+  void note_unacknowledged(int lost);
   bool try_again(hvp_status status, int& tries, Picoseconds took);
   hvp_status write_guess();
 
   fixed::Settings settings_;
   host::FrameComputation& computation_;
-  const BoardAccess& access_;
+  const DriverPort& port_;
   const Work& work_;
   bool reject_saturated_;
   Phase phase_;  // of what the host computes around the solves
@@ -71,6 +66,7 @@ class BoardSolver : public FrameSolver {
   bool guess_is_stale_ = false;
   Picoseconds deadline_ = 0;
   hvp_statistics seen_{};
+  std::int64_t acknowledged_frame_ = -1;  // whose job was waited for last
   Mended mended_;
   std::vector<std::uint32_t> scratch_;
   std::vector<std::int32_t> b_;

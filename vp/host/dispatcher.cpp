@@ -1,7 +1,6 @@
 #include "vp/host/dispatcher.h"
 
-#include <cmath>
-
+#include "models/time/picoseconds.h"
 #include "vp/frame_tag.h"
 
 namespace hvp::vp {
@@ -12,8 +11,6 @@ std::optional<random::Source> source(const std::optional<random::TimeDistributio
   if (!distribution) return std::nullopt;
   return random::Source(*distribution, seed, effect);
 }
-
-Picoseconds to_ps(double seconds) { return std::llround(seconds * 1e12); }
 }  // namespace
 
 Dispatcher::Dispatcher(const host::Host& costs, std::int64_t seed, Ledger& ledger)
@@ -27,7 +24,7 @@ Dispatcher::Dispatcher(const host::Host& costs, std::int64_t seed, Ledger& ledge
 }
 
 Picoseconds Dispatcher::release_delay(std::int64_t number) const {
-  return jitter_ ? to_ps(jitter_->time_s(number)) : 0;
+  return jitter_ ? to_picoseconds(jitter_->time_s(number)) : 0;
 }
 
 Picoseconds Dispatcher::interrupt_latency(std::int64_t frame, Picoseconds otherwise) {
@@ -47,7 +44,7 @@ void Dispatcher::delay(Tag& tag) {
     awakened_ = 0;
   }
   const Picoseconds ready = now_ps();
-  sc_core::wait(to_sc_time(to_ps(wake_up_->time_s(frame_, awakened_++))));
+  sc_core::wait(to_sc_time(to_picoseconds(wake_up_->time_s(frame_, awakened_++))));
   ledger_.extend(tag, Part::host, Phase::wake_up, ready, now_ps());
 }
 

@@ -34,6 +34,13 @@ std::size_t DmaMemory::needed(const link::DmaEngine& engine, std::size_t b_bytes
   return kSegmentsAt + slots * stride(engine, std::max(b_bytes, u_bytes));
 }
 
+std::size_t DmaMemory::needed(const Transfer& transfer, const fixed::Settings& solver,
+                              std::size_t unknowns) {
+  if (transfer.method != Transfer::Method::dma) return 0;
+  return needed(transfer.engine(), transfer.rhs_bytes(solver, unknowns),
+                transfer.solution_bytes(solver, unknowns));
+}
+
 DmaMemory::DmaMemory(HostMemory& memory, const link::DmaEngine& engine, std::size_t b_bytes,
                      std::size_t u_bytes) {
   const std::size_t descriptors = segments(engine, b_bytes) + segments(engine, u_bytes);

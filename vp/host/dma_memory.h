@@ -6,7 +6,8 @@
 
 #include "driver/hvp_driver.h"
 #include "models/link/frame_transfer.h"
-#include "vp/host/host_memory.h"
+#include "vp/bus/host_memory.h"
+#include "vp/host/transfer.h"
 
 namespace hvp::vp {
 
@@ -17,6 +18,9 @@ class DmaMemory {
   // Bytes that it takes from the memory's beginning. `b_bytes` and `u_bytes` are multiples of 4.
   static std::size_t needed(const link::DmaEngine& engine, std::size_t b_bytes,
                             std::size_t u_bytes);
+  // Of what `transfer` makes of so many unknowns; 0 without a DMA engine.
+  static std::size_t needed(const Transfer& transfer, const fixed::Settings& solver,
+                            std::size_t unknowns);
 
   // Throws InputError with the key "transfer.dma.segment_bytes" where the board's engine has no
   // room for so many descriptors. The memory has to outlive it.

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <span>
 
@@ -21,7 +20,7 @@ class Work {
   void spend(Phase phase, double seconds, double operations = 0) const {
     if (untimed_) return;
     const Picoseconds start = time_.now();
-    time_.advance(std::llround(seconds * 1e12) + costs_.compute_ps(operations));
+    time_.advance(to_picoseconds(seconds) + costs_.compute_ps(operations));
     // Behind what is still under way the order of the spans would be another.
     if (ledger_.holds()) time_.synchronise();
     ledger_.extend(tag_, Part::host, phase, start, time_.now());
@@ -42,6 +41,9 @@ class Work {
 struct Mended {
   int lost_interrupts = 0;
   int lost_acknowledgements = 0;
+  // The frames that made them, −1: none: the one that is worked on, an earlier one.
+  std::int64_t unacknowledged_here = -1;
+  std::int64_t unacknowledged_before = -1;
   int aborted = 0;  // accesses that were repeated
   int damaged = 0;
 };

@@ -1,53 +1,34 @@
 #include "vp/host/servo_process.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <exception>
-#include <stdexcept>
-#include <string>
 
-#include <spdlog/spdlog.h>
-
-#include "models/plant/daq.h"
-#include "models/stability/flag.h"
-#include "vp/device/daq_board.h"
 #include "vp/host/board_solver.h"
 #include "vp/host/host_solver.h"
 
 namespace hvp::vp {
 
 namespace {
-std::uint32_t bit(stability::Flag flag) { return std::uint32_t{1} << static_cast<unsigned>(flag); }
-
 constexpr std::size_t kStackBytes = 1 << 20;  // the C driver runs on it
 
 std::unique_ptr<FrameSolver> make_solver(const ServoSettings& settings,
                                          host::FrameComputation& computation,
-                                         const BoardAccess& access, const Work& work,
+                                         const DriverPort& port, const Work& work,
                                          HostMemory* memory) {
   if (computation.on_host() != nullptr) return std::make_unique<HostSolver>(computation, work);
-  return std::make_unique<BoardSolver>(settings.solver, computation, access, work,
+  return std::make_unique<BoardSolver>(settings.solver, computation, port, work,
                                        settings.hold_saturated, memory);
-}
-
-// What a board that is there can answer: it may do better at the next attempt.
-bool may_pass(hvp_status status) {
-  return status == HVP_ERROR_NO_DEVICE || status == HVP_ERROR_BUS || status == HVP_ERROR_DATA ||
-         status == HVP_ERROR_TIMEOUT || status == HVP_ERROR_BOARD;
 }
 }  // namespace
 
 ServoProcess::ServoProcess(const sc_core::sc_module_name& name, const ServoSettings& settings,
                            const fem::Body& body, host::FrameComputation& computation,
                            const collision::ContactSearch& contacts, BoardAccess& access,
-                           Dispatcher& dispatcher, Exchange& exchange, Ledger& ledger,
-                           Verdict& verdict, Session& session, HostMemory* memory)
+                           const DriverPort& port, Dispatcher& dispatcher, Exchange& exchange,
+                           Ledger& ledger, Verdict& verdict, Session& session, HostMemory* memory)
     : sc_module(name),
       settings_(settings),
       body_(body),
       computation_(computation),
-      contacts_(contacts),
       access_(access),
       dispatcher_(dispatcher),
       exchange_(exchange),
@@ -56,9 +37,10 @@ ServoProcess::ServoProcess(const sc_core::sc_module_name& name, const ServoSetti
       session_(session),
       begun_("begun"),
       work_(settings_.costs, settings_.untimed, access.tag(), access.time(), ledger),
-      solver_(make_solver(settings_, computation, access, work_, memory)),
-      recovery_(settings_.costs.recovery, *solver_),
-      hand_over_(std::llround(contacts.settings().hand_over_s * 1e12)) {
+      solver_(make_solver(settings_, computation, port, work_, memory)),
+      health_(settings_.costs.recovery, *solver_),
+      held_(body, computation, contacts),
+      daq_(access) {
   SC_HAS_PROCESS(ServoProcess);
   SC_THREAD(run);
   set_stack_size(kStackBytes);
@@ -85,7 +67,7 @@ void ServoProcess::serve() {
   set_up_time_ = now_ps() - began;
   session_.begin = now_ps();
   session_.begun = true;
-  if (faults_ != nullptr) faults_->begin(session_.begin);
+  health_.loop_begins(session_.begin);
   begun_.notify(sc_core::SC_ZERO_TIME);
   for (FrameObserver* observer : observers_) observer->begun();
   std::int64_t number = 0;
@@ -107,9 +89,7 @@ void ServoProcess::serve() {
   if (pending_) drain(number);
   access_.tag() = Tag{};
   access_.time().synchronise();
-  // What went wrong before says more than that a lost board cannot be closed.
-  const hvp_status closed = solver_->close();
-  if (counts_.last_error == HVP_OK) note(closed, number);
+  health_.closed(solver_->close(), number);
   access_.time().synchronise();
   dispatcher_.work_for(-1);
   drain_();
@@ -126,14 +106,7 @@ void ServoProcess::set_up() {
     hvp_status status = HVP_OK;
     while (status == HVP_OK && !done) status = solver_->set_up_piece(done);
     if (done) return;
-    note(status, -1);
-    if (faults_ != nullptr) faults_->notice_failure(0);
-    if (++failed == policy.attempts || !may_pass(status)) {
-      // Without a frame no miss would be counted, and the run would look like one that held.
-      throw std::runtime_error(std::string("the board could not be set up: ") +
-                               hvp_status_text(status));
-    }
-    ++counts_.failed_set_ups;
+    health_.set_up_failed(status, ++failed);
     wait(to_sc_time(policy.back_off(failed) * settings_.period));
   }
 }
@@ -231,7 +204,7 @@ void ServoProcess::hand_out_pending() {
 }
 
 void ServoProcess::sense(Step& step) {
-  step.tip = read_position();
+  step.tip = daq_.read_position();
   work_.spend(Phase::contact_lookup, settings_.costs.contact_lookup_s);
   access_.time().synchronise();
   // A copy: the frame goes on while the next report arrives.
@@ -244,133 +217,50 @@ void ServoProcess::sense(Step& step) {
 }
 
 void ServoProcess::begin(Step& step) {
-  if (recovery_.ready()) {
+  step.status = health_.solver_status();
+  step.attempted = step.status == HVP_OK;
+  if (step.attempted) {
     solver_->set_deadline(step.born + (1 + settings_.costs.pipeline_depth) * settings_.period);
-    if (board_lost_contact_ || !(step.report.contact == contact_)) move_contact(step);
-  } else {
-    step.status = recovery_.status();
-    step.without_board = true;
+    if (health_.lost_contact() || !(step.report.contact == held_.contact())) move_contact(step);
   }
-  step.contact = contact_;
+  step.contact = held_.contact();
+  const Sight sight{step.born, step.tip};
   if (step.status == HVP_OK) {
-    hold_contact(step);
+    const double operations = held_.prescribe(sight, settings_.period);
+    if (operations > 0) work_.spend(Phase::hold, 0, operations);
     step.status = solver_->begin(step.flags);
   }
-  sights_[1] = sights_[0];
-  sights_[0] = {step.born, step.tip};
-}
-
-// Where the present contact wanted its nodes, or would have.
-collision::Aim ServoProcess::aim_at(const Sight& sight) const {
-  collision::Aim aim{sight.born, Eigen::Vector3d::Zero()};
-  if (contact_.present()) {
-    aim.displacement = contacts_.prescribed_displacement(contact_, sight.tip);
-  }
-  return aim;
-}
-
-void ServoProcess::hold_contact(const Step& step) {
-  const Picoseconds since = updated_.value_or(step.born - settings_.period);
-  computation_.hold(hand_over_.hold(aim_at({step.born, step.tip}),
-                                    1e-12 * static_cast<double>(step.born - since)));
-  const double operations = hand_over_.operations() + computation_.hold_operations();
-  if (operations > 0) work_.spend(Phase::hold, 0, operations);
+  held_.remember(sight);
 }
 
 // A board that was set up again is told of the same contact; for the host it goes on.
 void ServoProcess::move_contact(Step& step) {
-  next_contact_.clear();
-  if (step.report.contact.present()) {
-    for (const int node : contacts_.patch(step.report.contact.node)) {
-      next_contact_.push_back(body_.active_index(node));
-    }
-  }
-  step.status = solver_->move_contact(next_contact_);
-  board_lost_contact_ = false;
-  if (step.report.contact == contact_) return;
-  contact_ = step.report.contact;
-  ++counts_.contact_changes;
-  const Sight now{step.born, step.tip};
-  const Sight last = sights_[0].value_or(now);
-  hand_over_.change(next_contact_, aim_at(sights_[1].value_or(last)), aim_at(last),
-                    computation_.displacement(), computation_.velocity());
+  step.status = solver_->move_contact(held_.nodes_of(step.report.contact));
+  health_.told_contact();
+  if (step.report.contact == held_.contact()) return;
+  held_.change(step.report.contact, {step.born, step.tip});
+  ++health_.counts().contact_changes;
 }
 
+// Without a new force the last one stays.
 void ServoProcess::collect(Step& step) {
   if (step.status == HVP_OK) step.status = solver_->end(step.flags);
-  mend(step);
-  count_ticks_without_force(step);
-  if (step.status == HVP_OK) {
-    // What was only late is in the frame's latency.
-    if (faults_ != nullptr) faults_->notice(FaultKind::late_dma, step.number);
-    step.force = computation_.force();
-  } else {
-    hold(step);
-  }
-}
-
-// No new force: the last one stays.
-void ServoProcess::hold(Step& step) {
-  step.force = held_force_;
-  step.flags |= step.status == HVP_ERROR_SATURATED ? bit(stability::Flag::saturation)
-                                                   : bit(stability::Flag::solver_timeout);
-  ++counts_.held_frames;
-  if (!step.without_board) fail(step);
-}
-
-void ServoProcess::fail(const Step& step) {
-  note(step.status, step.number);
-  ++counts_.driver_errors;
-  if (faults_ != nullptr) faults_->notice_failure(step.number);
-  if (solver_->survives(step.status)) return;
-  board_lost_contact_ = true;
-  recovery_.begin(step.number, step.status);
-}
-
-// What the driver has put right in the meantime.
-void ServoProcess::mend(const Step& step) {
-  const Mended mended = solver_->take_mended();
-  counts_.mended.lost_interrupts += mended.lost_interrupts;
-  counts_.mended.lost_acknowledgements += mended.lost_acknowledgements;
-  counts_.mended.aborted += mended.aborted;
-  counts_.mended.damaged += mended.damaged;
-  count(HVP_ERROR_BUS, step.number, mended.aborted);
-  count(HVP_ERROR_DATA, step.number, mended.damaged);
-  if (faults_ == nullptr) return;
-  if (mended.lost_interrupts > 0) faults_->notice(FaultKind::lost_interrupt, step.number);
-  if (mended.lost_acknowledgements > 0) {
-    // Of the frame before, where the next one's STATUS told; of this one, where the bridge did.
-    faults_->notice(FaultKind::master_abort, step.number - 1);
-    faults_->notice(FaultKind::master_abort, step.number);
-  }
-  if (mended.aborted > 0) faults_->notice(FaultKind::master_abort, step.number);
-  if (mended.damaged > 0) faults_->notice(FaultKind::corrupted_word, step.number);
-  if ((step.flags & bit(stability::Flag::saturation)) != 0) {
-    faults_->notice(FaultKind::saturated_solve, step.number);
-  }
-}
-
-void ServoProcess::count_ticks_without_force(const Step& step) {
-  const std::int64_t end = step.status == HVP_OK ? step.number : step.number + 1;
-  // The ticks that had none since the last solved frame.
-  if (end - last_solved_ > 1) {
-    counts_.longest_hold = std::max(counts_.longest_hold, end - last_solved_ - 1);
-  }
-  if (step.status == HVP_OK) last_solved_ = step.number;
+  health_.solve_ended({step.number, step.status, step.attempted}, step.flags);
+  step.force = step.status == HVP_OK ? computation_.force() : health_.held_force();
 }
 
 void ServoProcess::deliver(const Step& step) {
   if (step.status == HVP_OK) work_.spend(Phase::force, 0, computation_.force_operations());
-  held_force_ = step.force;
+  health_.force_is_out(step.force);
   // The device pushes back with what the user exerts on the body.
-  write_force(-step.force);
+  if (!daq_.write_force(-step.force)) ++health_.counts().clamped_forces;
 }
 
 void ServoProcess::advance(Step& step) {
   if (step.status != HVP_OK) return;
   solver_->finish(step.flags);
   computation_.update();
-  updated_ = step.born;
+  held_.updated(step.born);
   work_.spend(Phase::update, 0, computation_.update_operations());
 }
 
@@ -400,8 +290,8 @@ void ServoProcess::record(const Step& step) {
   frame.solved = step.status == HVP_OK;
   frame.status = static_cast<int>(step.status);
   frame.flags = step.flags;
-  counts_.flags |= step.flags;
-  counts_.clamped_words += solver_->take_clamped_words();
+  health_.counts().flags |= step.flags;
+  health_.counts().clamped_words += solver_->take_clamped_words();
 }
 
 void ServoProcess::observe(const Step& step) {
@@ -410,28 +300,15 @@ void ServoProcess::observe(const Step& step) {
   for (FrameObserver* observer : observers_) observer->solved(view);
 }
 
-// Until the next tick, a piece after the other; one span for all of it.
+// Until the next tick; one span for all of it.
 void ServoProcess::recover(std::int64_t number) {
-  if (recovery_.ready() || recovery_.given_up()) return;
+  if (!health_.recovers()) return;
   const Tag tag = access_.tag();
   access_.tag() = Tag{};
   access_.time().synchronise();
   const Picoseconds began = now_ps();
   const Picoseconds ticks = (began - session_.begin) / settings_.period;
-  const Picoseconds until = session_.begin + (ticks + 1) * settings_.period;
-  while (recovery_.work(number, until)) {
-  }
-  if (const hvp_status failed = recovery_.last_failure(); failed != HVP_OK) {
-    note(failed, number);
-    if (faults_ != nullptr) faults_->notice_failure(number);
-  }
-  counts_.recoveries = recovery_.recoveries();
-  counts_.failed_set_ups = recovery_.failed_attempts();
-  counts_.given_up_at = recovery_.given_up_at();
-  if (recovery_.given_up()) {
-    spdlog::error("the board was given up in frame {}: {}", number,
-                  hvp_status_text(counts_.last_error));
-  }
+  health_.recover(number, session_.begin + (ticks + 1) * settings_.period);
   access_.tag() = tag;
   if (now_ps() > began) {
     ledger_.add({number, kBirth}, Part::host, Phase::recovery, began, now_ps());
@@ -451,39 +328,6 @@ void ServoProcess::resume(const Step& step) {
       tag.cause == kBirth ? frame.born : frame.spans[static_cast<std::size_t>(tag.cause)].end;
   if (since == now_ps()) return;
   ledger_.extend(access_.tag(), Part::host, Phase::pipeline, since, now_ps());
-}
-
-Eigen::Vector3d ServoProcess::read_position() {
-  const std::uint32_t latch = 1;
-  access_.write(kDaqBase + DaqBoard::kLatch, &latch, sizeof(latch));
-  std::array<std::int32_t, 3> counts{};
-  access_.read(kDaqBase + DaqBoard::kPosition, counts.data(), sizeof(counts));
-  return {plant::kPosition.to_value(counts[0]), plant::kPosition.to_value(counts[1]),
-          plant::kPosition.to_value(counts[2])};
-}
-
-void ServoProcess::write_force(const Eigen::Vector3d& force) {
-  std::array<std::int32_t, 3> counts{};
-  bool clamped = false;
-  for (int i = 0; i < 3; ++i) {
-    const plant::Counts c = plant::kForce.to_counts(force[i]);
-    counts[static_cast<std::size_t>(i)] = c.value;
-    clamped = clamped || c.saturated;
-  }
-  if (clamped) ++counts_.clamped_forces;
-  access_.write(kDaqBase + DaqBoard::kForce, counts.data(), sizeof(counts));
-}
-
-void ServoProcess::note(hvp_status status, std::int64_t frame) {
-  if (status == HVP_OK) return;
-  counts_.last_error = status;
-  count(status, frame, 1);
-}
-
-void ServoProcess::count(hvp_status status, std::int64_t frame, std::int64_t times) {
-  ErrorCount& error = counts_.errors[static_cast<std::size_t>(status)];
-  if (times > 0 && error.count == 0) error.first_frame = frame;
-  error.count += times;
 }
 
 }  // namespace hvp::vp

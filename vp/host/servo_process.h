@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <cstdint>
 #include <exception>
 #include <functional>
@@ -12,19 +11,21 @@
 #include <utility>
 #include <vector>
 
-#include "driver/hvp_driver.h"
 #include "models/collision/contact_search.h"
-#include "models/collision/hand_over.h"
 #include "models/fem/body.h"
 #include "models/fixed/settings.h"
 #include "models/host/costs.h"
 #include "models/host/frame_computation.h"
+#include "vp/bus/host_memory.h"
 #include "vp/fault/fault_plan.h"
 #include "vp/host/board_access.h"
-#include "vp/host/board_recovery.h"
+#include "vp/host/contact_hold.h"
+#include "vp/host/daq_driver.h"
 #include "vp/host/dispatcher.h"
+#include "vp/host/driver_port.h"
 #include "vp/host/exchange.h"
 #include "vp/host/frame_solver.h"
+#include "vp/host/loop_health.h"
 #include "vp/ledger.h"
 #include "vp/session.h"
 #include "vp/verdict.h"
@@ -59,49 +60,26 @@ struct ServoSettings {
   bool hold_saturated = false;  // the force of a solve that saturated is not used
 };
 
-struct ErrorCount {
-  std::int64_t count = 0;
-  std::int64_t first_frame = -1;  // −1: before the first frame
-};
-
-// What went wrong in the servo loop that is not in the ledger.
-struct ServoCounts {
-  std::int64_t saturations = 0;  // in the board's solves
-  std::int64_t breakdowns = 0;
-  std::int64_t clamped_words = 0;   // of right-hand sides that did not fit
-  std::int64_t clamped_forces = 0;  // frames whose force did not fit the device's register
-  std::int64_t driver_errors = 0;   // frames whose solve failed; the last force was held
-  std::int64_t held_frames = 0;     // those, and frames without a board meanwhile
-  std::int64_t longest_hold = 0;    // ticks in a row without a new force, skipped ones included
-  // What the driver returned, by status: frames, accesses that were repeated, failed set-ups.
-  std::array<ErrorCount, HVP_STATUS_COUNT> errors{};
-  Mended mended;                // what cost time only
-  std::int64_t recoveries = 0;  // the board was set up again
-  std::int64_t failed_set_ups = 0;
-  std::int64_t given_up_at = -1;  // the frame in which the board was; −1: was not
-  std::int64_t contact_changes = 0;
-  std::uint32_t flags = 0;  // stability::Flags of all solves
-  hvp_status last_error = HVP_OK;
-};
-
 // The servo process (thesis §6.2.2), step by step as in Fig. 6.2: read the position, fetch the
 // contact node, form the modified force vector, send it, solve, receive U, form the force, write
-// it, and Newmark's update after that. Each step waits for what it costs and adds its span.
+// it, and Newmark's update after that. Each step waits for what it costs and adds its span. What
+// goes wrong on the way is LoopHealth's.
 //
 // With a pipeline depth of one the frame before is concluded in between: its U is received before
 // the modified force vector is formed, its force is written while the board solves this one.
 class ServoProcess : public sc_core::sc_module {
  public:
-  // `memory`: what the board's DMA engine reaches; null where there is none.
+  // `port`: the driver's way to the board. `memory`: what the board's DMA engine reaches; null
+  // where there is none.
   ServoProcess(const sc_core::sc_module_name& name, const ServoSettings& settings,
                const fem::Body& body, host::FrameComputation& computation,
                const collision::ContactSearch& contacts, BoardAccess& access,
-               Dispatcher& dispatcher, Exchange& exchange, Ledger& ledger, Verdict& verdict,
-               Session& session, HostMemory* memory = nullptr);
+               const DriverPort& port, Dispatcher& dispatcher, Exchange& exchange, Ledger& ledger,
+               Verdict& verdict, Session& session, HostMemory* memory = nullptr);
   ~ServoProcess() override;
 
   // Tells the plan what the driver has noticed.
-  void report_to(FaultPlan& faults) { faults_ = &faults; }
+  void report_to(FaultPlan& faults) { health_.report_to(faults); }
 
   void add_observer(FrameObserver& observer) { observers_.push_back(&observer); }
   // Called in the servo process after set-up and after the last frame: waits until the buses are
@@ -113,7 +91,7 @@ class ServoProcess : public sc_core::sc_module {
   std::int64_t ticks() const { return ticks_; }
   // When the loop begins: other processes of the host start with it.
   sc_core::sc_event& begun() { return begun_; }
-  const ServoCounts& counts() const { return counts_; }
+  const ServoCounts& counts() const { return health_.counts(); }
   // What the servo loop, or somebody whom it calls, threw; null where it ran to its end.
   std::exception_ptr failure() const { return failure_; }
   // How long set-up took, loading K included.
@@ -132,13 +110,7 @@ class ServoProcess : public sc_core::sc_module {
     Eigen::Vector3d force = Eigen::Vector3d::Zero();
     std::uint32_t flags = 0;
     hvp_status status = HVP_OK;
-    bool without_board = false;  // it is being brought back, or was given up
-  };
-
-  // Where the tip was read to be.
-  struct Sight {
-    Picoseconds born = 0;  // of the frame
-    Eigen::Vector3d tip = Eigen::Vector3d::Zero();
+    bool attempted = true;  // false: the solver is being brought back, or was given up
   };
 
   void run();
@@ -162,25 +134,14 @@ class ServoProcess : public sc_core::sc_module {
   void record(const Step& step);
   void observe(const Step& step);
   void move_contact(Step& step);
-  void hold(Step& step);
-  void mend(const Step& step);
-  void fail(const Step& step);
   void recover(std::int64_t number);
-  void count_ticks_without_force(const Step& step);
 
   void put_aside(Step& step) { step.tag = access_.tag(); }
   void resume(const Step& step);
-  Eigen::Vector3d read_position();
-  collision::Aim aim_at(const Sight& sight) const;
-  void hold_contact(const Step& step);
-  void write_force(const Eigen::Vector3d& force);
-  void note(hvp_status status, std::int64_t frame);
-  void count(hvp_status status, std::int64_t frame, std::int64_t times);
 
   ServoSettings settings_;
   const fem::Body& body_;
   host::FrameComputation& computation_;
-  const collision::ContactSearch& contacts_;
   BoardAccess& access_;
   Dispatcher& dispatcher_;
   Exchange& exchange_;
@@ -191,23 +152,15 @@ class ServoProcess : public sc_core::sc_module {
   sc_core::sc_event begun_;
   Work work_;
   std::unique_ptr<FrameSolver> solver_;
-  BoardRecovery recovery_;
-  FaultPlan* faults_ = nullptr;
+  LoopHealth health_;
+  ContactHold held_;
+  DaqDriver daq_;
 
   std::optional<Step> pending_;  // the frame whose solution is still to come
-  std::vector<int> next_contact_;
-  collision::Contact contact_;
-  bool board_lost_contact_ = false;
-  collision::HandOver hand_over_;
-  std::array<std::optional<Sight>, 2> sights_;  // of the two frames before, the last one first
-  std::optional<Picoseconds> updated_;          // birth of the last frame that had a solution
-  std::int64_t last_solved_ = -1;               // frame
-  Eigen::Vector3d held_force_ = Eigen::Vector3d::Zero();
   // For the mean force since the last report of the collision process.
   Eigen::Vector3d force_sum_ = Eigen::Vector3d::Zero();
   std::int64_t force_frames_ = 0;
   Picoseconds last_report_ = -1;
-  ServoCounts counts_;
   std::function<void()> drain_ = [] {};
   std::function<bool()> stop_asked_ = [] { return false; };
   std::int64_t ticks_ = 0;

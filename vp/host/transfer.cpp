@@ -46,6 +46,16 @@ MasterSettings Transfer::master() const {
   return master;
 }
 
+std::size_t Transfer::rhs_bytes(const fixed::Settings& solver, std::size_t unknowns) const {
+  const link::Payload words{0, 0, solver.residual_bits(), packed};
+  return static_cast<std::size_t>(words.bytes(static_cast<std::int64_t>(unknowns)));
+}
+
+std::size_t Transfer::solution_bytes(const fixed::Settings& solver, std::size_t unknowns) const {
+  const link::Payload words{0, 0, solver.vector_bits, packed};
+  return static_cast<std::size_t>(words.bytes(static_cast<std::int64_t>(unknowns)));
+}
+
 bool Transfer::plain() const {
   return method == Method::bursts && notification == link::Notification::intx && packed;
 }

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 
 #include "models/config/declaration.h"
+#include "models/fixed/settings.h"
 #include "models/link/frame_transfer.h"
 #include "vp/fpga/dma_engine.h"
 
@@ -23,6 +25,9 @@ struct Transfer {
   // What it makes of the board.
   MasterSettings master() const;
   link::DmaEngine engine() const { return dma.value_or(link::DmaEngine{}); }
+  // Bytes of b and of U on their way.
+  std::size_t rhs_bytes(const fixed::Settings& solver, std::size_t unknowns) const;
+  std::size_t solution_bytes(const fixed::Settings& solver, std::size_t unknowns) const;
   // Where it is what a board without a DMA engine and with a line does.
   bool plain() const;
 };

@@ -1,10 +1,10 @@
 #include "vp/pci/bus_settings.h"
 
-#include <cmath>
 #include <string>
 
 #include "models/config/input_error.h"
 #include "models/config/needs.h"
+#include "models/time/picoseconds.h"
 
 namespace hvp::vp {
 
@@ -24,8 +24,8 @@ void BusTraffic::declare(config::Visitor& v) {
            {"write: into the host's memory; read: out of it", "a network card that receives"});
 }
 
-Picoseconds BusTraffic::period() const { return std::llround(period_s * 1e12); }
-Picoseconds BusTraffic::start() const { return std::llround(start_s * 1e12); }
+Picoseconds BusTraffic::period() const { return to_picoseconds(period_s); }
+Picoseconds BusTraffic::start() const { return to_picoseconds(start_s); }
 
 void PostedWriteSettings::declare(config::Visitor& v) {
   using config::Dimension;
@@ -44,7 +44,7 @@ void PostedWriteSettings::check() const {
                                        " bytes: expected a whole number of 32-bit words");
 }
 
-Picoseconds PostedWriteSettings::to_memory() const { return std::llround(to_memory_s * 1e12); }
+Picoseconds PostedWriteSettings::to_memory() const { return to_picoseconds(to_memory_s); }
 
 void GraphicsTraffic::declare(config::Visitor& v) {
   v.integer(

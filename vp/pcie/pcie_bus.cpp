@@ -1,8 +1,8 @@
 #include "vp/pcie/pcie_bus.h"
 
 #include <algorithm>
-#include <cmath>
 
+#include "models/time/picoseconds.h"
 #include "vp/bus_transaction.h"
 
 namespace hvp::vp {
@@ -13,8 +13,6 @@ constexpr std::int64_t kWordBytes = 4;
 // A message's meaning, in place of an address.
 constexpr std::uint64_t kAssert = 1;
 constexpr std::uint64_t kDeassert = 0;
-
-Picoseconds whole_ps(double seconds) { return std::llround(seconds * 1e12); }
 
 std::int64_t bytes_of(const tlm::tlm_generic_payload& transaction) {
   return static_cast<std::int64_t>(transaction.get_data_length());
@@ -31,13 +29,13 @@ PcieBus::PcieBus(const sc_core::sc_module_name& name, const link::Pcie& link, Ti
       link_(link),
       formulas_(link),
       untimed_(level == Timing::untimed),
-      to_port_(untimed_ ? 0 : whole_ps(link.processor_latency_s / 2)),
-      from_port_(untimed_ ? 0 : whole_ps(link.processor_latency_s) - to_port_),
+      to_port_(untimed_ ? 0 : to_picoseconds(link.processor_latency_s / 2)),
+      from_port_(untimed_ ? 0 : to_picoseconds(link.processor_latency_s) - to_port_),
       ledger_(ledger),
       timing_(link, level, ledger),
       down_(
           "down", timing_, PcieTiming::kProcessorWrites, link.write_combining_bytes,
-          untimed_ ? 0 : whole_ps(link.write_gap_s), ledger, [](PostedWrite&) {},
+          untimed_ ? 0 : to_picoseconds(link.write_gap_s), ledger, [](PostedWrite&) {},
           [this](PostedWrite& write) { arrived_at_board(write); }),
       up_(
           "up", timing_, PcieTiming::kBoardWrites, 0, 0, ledger,

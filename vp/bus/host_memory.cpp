@@ -1,4 +1,4 @@
-#include "vp/host/host_memory.h"
+#include "vp/bus/host_memory.h"
 
 #include <cstring>
 #include <stdexcept>

@@ -2,10 +2,10 @@
 
 #include <vector>
 
+#include "vp/board/faulty_wire.h"
+#include "vp/board/lossy_line.h"
 #include "vp/fault/bus_errors.h"
 #include "vp/fault/fault_plan.h"
-#include "vp/fault/faulty_wire.h"
-#include "vp/fault/lossy_line.h"
 
 namespace hvp::vp {
 

@@ -1,4 +1,4 @@
-#include "vp/fault/faulty_wire.h"
+#include "vp/board/faulty_wire.h"
 
 #include <algorithm>
 #include <cstring>

@@ -1,0 +1,48 @@
+#include "models/plant/device.h"
+
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+namespace hvp::plant {
+
+namespace {
+constexpr Picoseconds kNever = std::numeric_limits<Picoseconds>::min();
+constexpr std::size_t kChanges = 8;  // more than are ahead with any output delay below 8 periods
+
+void require_order(const char* what, Picoseconds time, Picoseconds last) {
+  if (time >= last) return;
+  throw std::logic_error(std::string("a device ") + what + " for " + std::to_string(time) +
+                         " ps, after " + std::to_string(last) + " ps; times must not decrease");
+}
+}  // namespace
+
+Device::Device() : asked_(kNever), driven_(kNever) { ahead_.reserve(kChanges); }
+
+TipState Device::at(Picoseconds time) {
+  require_order("was asked", time, asked_);
+  asked_ = time;
+  auto change = ahead_.begin();
+  for (; change != ahead_.end() && change->from <= time; ++change) {
+    advance_to(change->from);
+    force_ = change->force;
+  }
+  ahead_.erase(ahead_.begin(), change);
+  advance_to(time);
+  return state();
+}
+
+void Device::drive(Picoseconds from, const Eigen::Vector3d& force) {
+  require_order("was driven", from, asked_);
+  require_order("was driven", from, driven_);
+  driven_ = from;
+  ahead_.push_back({from, force});
+}
+
+void Device::advance_to(Picoseconds time) {
+  if (time <= reached_) return;
+  advance(reached_, time, force_);
+  reached_ = time;
+}
+
+}  // namespace hvp::plant

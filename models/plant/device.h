@@ -1,0 +1,56 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "models/time/picoseconds.h"
+
+namespace hvp::plant {
+
+// Of a device's tip.
+struct TipState {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s
+};
+
+// A haptic device: where its tip is at a time, driven by its motors with a force from a time on. It
+// has no clock: whoever asks brings it forward, through every change of the force, so that an
+// implementation is exact between those. Times count from when the servo loop begins; before that
+// the device rests where it starts.
+//
+// An implementation says how the tip moves while the force is constant (advance) and where it then
+// is (state); order and changes are seen to here.
+class Device {
+ public:
+  virtual ~Device() = default;
+
+  // Throws std::logic_error for a time before the last at()'s.
+  TipState at(Picoseconds time);
+  // The motors exert `force` on the tip (N) from `from` on. That may lie ahead of what at() has
+  // been asked: a converter takes its time. Throws std::logic_error where it lies before the last
+  // at() or the last drive().
+  void drive(Picoseconds from, const Eigen::Vector3d& force);
+
+ private:
+  // Brings the tip from one time to a later one; the force is constant in between.
+  virtual void advance(Picoseconds from, Picoseconds to, const Eigen::Vector3d& force) = 0;
+  // Where advance() has left it.
+  virtual TipState state() const = 0;
+
+  struct Change {
+    Picoseconds from;
+    Eigen::Vector3d force;
+  };
+  void advance_to(Picoseconds time);
+
+  Picoseconds reached_ = 0;
+  Picoseconds asked_;  // the last at()
+  Picoseconds driven_;
+  Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
+  std::vector<Change> ahead_;  // in the order of time
+
+ protected:
+  Device();
+};
+
+}  // namespace hvp::plant

@@ -1,0 +1,69 @@
+// The haptic device behind the DAQ board, in the platform.
+#include "models/plant/device.h"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/vp/small_scene.h"
+#include "vp/platform.h"
+
+namespace hvp::vp {
+namespace {
+
+using test::SmallScene;
+
+// Stays inside the body and keeps what drives it.
+class Recorder : public plant::Device {
+ public:
+  explicit Recorder(const Eigen::Vector3d& tip) : tip_{tip, Eigen::Vector3d::Zero()} {}
+
+  // In the order in which they act; the platform asks for the tip more often than the force
+  // changes.
+  std::vector<std::pair<Picoseconds, Eigen::Vector3d>> changes;
+
+ private:
+  void advance(Picoseconds from, Picoseconds /*to*/, const Eigen::Vector3d& force) override {
+    const Eigen::Vector3d last =
+        changes.empty() ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : changes.back().second;
+    if (force != last) changes.emplace_back(from, force);
+  }
+  plant::TipState state() const override { return tip_; }
+  plant::TipState tip_;
+};
+
+TEST(HapticDevice, IsDrivenByTheRegistersWordsWhenTheConverterHasSettled) {
+  SmallScene scene({.dynamics = fem::Dynamics{}, .solver = {}});
+  scene.settings.frames = 40;
+  Recorder device(SmallScene::above(-2e-3));
+  scene.settings.haptic_device = &device;
+  test::Simulated run(scene);
+
+  // What the frames say went to the motor, and when; the last one's nobody asks for any more.
+  std::vector<std::pair<Picoseconds, Eigen::Vector3d>> expected;
+  Eigen::Vector3d last = Eigen::Vector3d::Zero();
+  for (const Frame& frame : run.log.frames) {
+    Eigen::Vector3d force;
+    for (int i = 0; i < 3; ++i) {
+      force[i] = plant::kForce.to_value(plant::kForce.to_counts(frame.force[i]).value);
+    }
+    const Picoseconds settled = frame.born + frame.latency() - run.platform.session().begin;
+    if (force != last && frame.number < 39) expected.emplace_back(settled, force);
+    last = force;
+  }
+  ASSERT_GT(expected.size(), 10U);
+  EXPECT_EQ(device.changes, expected);
+}
+
+TEST(HapticDevice, WhereItIsIsWhatIsRead) {
+  SmallScene scene;
+  Recorder device({0.01, -0.02, 0.3});
+  scene.settings.haptic_device = &device;
+  test::Simulated run(scene);
+  for (const Frame& frame : run.log.frames) {
+    EXPECT_EQ(frame.position, Eigen::Vector3d(0.01, -0.02, 0.3));
+  }
+}
+
+}  // namespace
+}  // namespace hvp::vp

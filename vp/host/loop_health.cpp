@@ -1,0 +1,123 @@
+#include "vp/host/loop_health.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+#include <spdlog/spdlog.h>
+
+#include "models/stability/flag.h"
+
+namespace hvp::vp {
+
+namespace {
+std::uint32_t bit(stability::Flag flag) { return std::uint32_t{1} << static_cast<unsigned>(flag); }
+
+// What a board that is there can answer: it may do better at the next attempt.
+bool may_pass(hvp_status status) {
+  return status == HVP_ERROR_NO_DEVICE || status == HVP_ERROR_BUS || status == HVP_ERROR_DATA ||
+         status == HVP_ERROR_TIMEOUT || status == HVP_ERROR_BOARD;
+}
+}  // namespace
+
+void LoopHealth::set_up_failed(hvp_status status, int failed) {
+  note(status, -1);
+  notice_failure(0);
+  if (failed == policy_.attempts || !may_pass(status)) {
+    throw std::runtime_error(std::string("the board could not be set up: ") +
+                             hvp_status_text(status));
+  }
+  ++counts_.failed_set_ups;
+}
+
+void LoopHealth::loop_begins(Picoseconds now) {
+  if (faults_ != nullptr) faults_->begin(now);
+}
+
+// What went wrong before says more than that a lost board cannot be closed.
+void LoopHealth::closed(hvp_status status, std::int64_t frame) {
+  if (counts_.last_error == HVP_OK) note(status, frame);
+}
+
+void LoopHealth::solve_ended(const SolveEnd& end, std::uint32_t& flags) {
+  count_mended(end.frame);
+  if ((flags & bit(stability::Flag::saturation)) != 0) {
+    notice(FaultKind::saturated_solve, end.frame);
+  }
+  count_ticks_without_force(end);
+  if (end.status == HVP_OK) {
+    // What was only late is in the frame's latency.
+    notice(FaultKind::late_dma, end.frame);
+    return;
+  }
+  flags |= end.status == HVP_ERROR_SATURATED ? bit(stability::Flag::saturation)
+                                             : bit(stability::Flag::solver_timeout);
+  ++counts_.held_frames;
+  if (end.attempted) fail(end);
+}
+
+void LoopHealth::fail(const SolveEnd& end) {
+  note(end.status, end.frame);
+  ++counts_.driver_errors;
+  notice_failure(end.frame);
+  if (solver_.survives(end.status)) return;
+  lost_contact_ = true;
+  recovery_.begin(end.frame, end.status);
+}
+
+// What the driver has put right in the meantime.
+void LoopHealth::count_mended(std::int64_t frame) {
+  const Mended mended = solver_.take_mended();
+  counts_.mended.lost_interrupts += mended.lost_interrupts;
+  counts_.mended.lost_acknowledgements += mended.lost_acknowledgements;
+  counts_.mended.aborted += mended.aborted;
+  counts_.mended.damaged += mended.damaged;
+  count(HVP_ERROR_BUS, frame, mended.aborted);
+  count(HVP_ERROR_DATA, frame, mended.damaged);
+  if (mended.lost_interrupts > 0) notice(FaultKind::lost_interrupt, frame);
+  for (const std::int64_t of : {mended.unacknowledged_before, mended.unacknowledged_here}) {
+    if (of >= 0) notice(FaultKind::master_abort, of);
+  }
+  if (mended.aborted > 0) notice(FaultKind::master_abort, frame);
+  if (mended.damaged > 0) notice(FaultKind::corrupted_word, frame);
+}
+
+void LoopHealth::count_ticks_without_force(const SolveEnd& end) {
+  const std::int64_t until = end.status == HVP_OK ? end.frame : end.frame + 1;
+  // The ticks that had none since the last solved frame.
+  if (until - last_solved_ > 1) {
+    counts_.longest_hold = std::max(counts_.longest_hold, until - last_solved_ - 1);
+  }
+  if (end.status == HVP_OK) last_solved_ = end.frame;
+}
+
+// A piece after the other.
+void LoopHealth::recover(std::int64_t frame, Picoseconds until) {
+  while (recovery_.work(frame, until)) {
+  }
+  if (const hvp_status failed = recovery_.last_failure(); failed != HVP_OK) {
+    note(failed, frame);
+    notice_failure(frame);
+  }
+  counts_.recoveries = recovery_.recoveries();
+  counts_.failed_set_ups = recovery_.failed_attempts();
+  counts_.given_up_at = recovery_.given_up_at();
+  if (recovery_.given_up()) {
+    spdlog::error("the board was given up in frame {}: {}", frame,
+                  hvp_status_text(counts_.last_error));
+  }
+}
+
+void LoopHealth::note(hvp_status status, std::int64_t frame) {
+  if (status == HVP_OK) return;
+  counts_.last_error = status;
+  count(status, frame, 1);
+}
+
+void LoopHealth::count(hvp_status status, std::int64_t frame, std::int64_t times) {
+  ErrorCount& error = counts_.errors[static_cast<std::size_t>(status)];
+  if (times > 0 && error.count == 0) error.first_frame = frame;
+  error.count += times;
+}
+
+}  // namespace hvp::vp
