@@ -5,6 +5,7 @@
 #include <array>
 #include <functional>
 #include <optional>
+#include <ostream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -136,6 +137,7 @@ struct Way {
   const char* name;
   std::function<void(PlatformSettings&)> change;
 };
+void PrintTo(const Way& way, std::ostream* out) { *out << way.name; }
 
 std::string run_with(const Way& way, bool in_steps) {
   return test::output_of_child([&](std::string& text) {
