@@ -20,7 +20,7 @@ struct FourNodes {
   explicit FourNodes(const std::uint32_t* column) {
     for (std::size_t i = 0; i < 4; ++i) place[i] = column[i];
   }
-  std::size_t place[4];
+  std::size_t place[4] = {};
 };
 
 // The passes over vectors, written once for every set of vector instructions: `Lanes` (lanes_*.h)
