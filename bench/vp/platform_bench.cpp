@@ -29,7 +29,7 @@ struct Cost {
 
 Cost run(bench::Scene& scene, Timing level, std::int64_t frames) {
   scene.settings.fidelity.accelerator = level;
-  scene.settings.frames = frames;
+  scene.settings.frames = static_cast<int>(frames);
   Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
   const double begin = bench::processor_time();
   platform.run();
