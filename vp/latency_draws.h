@@ -6,7 +6,7 @@
 
 #include "models/random/distribution.h"
 #include "models/time/picoseconds.h"
-#include "vp/frame.h"
+#include "vp/frame/frame.h"
 
 namespace hvp::vp {
 

@@ -38,7 +38,7 @@ Platform::Platform(const PlatformSettings& settings, const fem::Body& body,
       side_(settings_, workload_of(settings_, computation, contacts), session_, ledger_,
             register_trace),
       host_(settings_, body, computation, contacts, side_, ledger_, verdict_, session_) {
-  ledger_.add_sink(verdict_);
+  ledger_.add_observer(verdict_);
   host_.connect();
 }
 

@@ -9,10 +9,10 @@
 #include "models/fem/body.h"
 #include "models/host/frame_computation.h"
 #include "vp/board/board_side.h"
+#include "vp/frame/ledger.h"
+#include "vp/frame/verdict.h"
 #include "vp/host/host_assembly.h"
-#include "vp/ledger.h"
 #include "vp/platform_settings.h"
-#include "vp/verdict.h"
 
 namespace hvp::vp {
 
@@ -32,14 +32,13 @@ class Platform {
            host::FrameComputation& computation, collision::ContactSearch& contacts,
            AccessObserver* register_trace = nullptr);
 
-  void add_sink(FrameSink& sink) { ledger_.add_sink(sink); }
   void add_tenure_sink(TenureSink& sink) { ledger_.add_tenure_sink(sink); }
-  void add_observer(FrameObserver& observer) { host_.servo().add_observer(observer); }
+  void add_observer(FrameObserver& observer) { ledger_.add_observer(observer); }
 
   // Asked before every frame: where it says true, the run ends there.
   void stop_when(std::function<bool()> asked) { host_.servo().stop_when(std::move(asked)); }
 
-  // Runs all frames. Throws what a sink or an observer threw, and std::runtime_error where the
+  // Runs all frames. Throws what an observer threw, and std::runtime_error where the
   // board could not be set up.
   void run();
   // Closes the file of the waveform; after the run.

@@ -12,7 +12,7 @@
 #include "models/plant/trajectory.h"
 #include "vp/fault/fault.h"
 #include "vp/fidelity.h"
-#include "vp/frame.h"
+#include "vp/frame/frame.h"
 #include "vp/host/transfer.h"
 #include "vp/pci/bus_settings.h"
 
@@ -33,7 +33,7 @@ struct SystemSettings {
 };
 
 // What the engine does in these frames goes into a VCD file. Cycle-accurate only.
-struct Waveform {
+struct WaveformWindow {
   std::string file;  // without the suffix ".vcd", which is added
   std::int64_t first_frame = 0;
   std::int64_t frames = 1;
@@ -47,7 +47,7 @@ struct PlatformSettings : SystemSettings {
   Picoseconds period = 2'000'000'000;
   Picoseconds budget = 2'000'000'000;
   fixed::Settings solver;  // of the board
-  std::optional<Waveform> waveform;
+  std::optional<WaveformWindow> waveform;
   plant::Device* haptic_device = nullptr;  // null: the one of `device`. Has to outlive the platform
 };
 

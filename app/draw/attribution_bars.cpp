@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "app/draw/canvas.h"
-#include "vp/frame.h"
+#include "vp/frame/frame.h"
 
 namespace hvp::draw {
 namespace {

@@ -1,21 +1,20 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "models/collision/contact_search.h"
-#include "vp/host/servo_process.h"
+#include "models/collision/contact.h"
+#include "vp/frame/observer.h"
 
 namespace hvp::app {
 
-// Where the probe was in a frame, and what it held.
+// Where the probes were in a frame, and what they held.
 struct Sighting {
-  std::int64_t time = 0;  // ps, of the frame's birth
-  Eigen::Vector3d tip = Eigen::Vector3d::Zero();
-  collision::Contact contact;
+  Picoseconds time = 0;  // of the frame's birth
+  std::vector<collision::Touch> touches;
+
+  const collision::Touch& touch() const { return touches.front(); }
 };
 
 // What happened to the body in a run's first frames of contact, so that they can be solved again
@@ -26,7 +25,7 @@ class Recorder : public vp::FrameObserver {
 
   explicit Recorder(std::int64_t frames);
 
-  void solved(const vp::SolvedFrame& frame) override;
+  void solved(const vp::Frame& frame, const vp::Solution& solution) override;
 
   const std::vector<Sighting>& sightings() const { return sightings_; }
 

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "app/scene/unit_contacts.h"
-#include "models/collision/hand_over.h"
 #include "models/config/input_error.h"
+#include "models/host/contact_hold.h"
 #include "models/host/deviation.h"
 #include "models/host/rounding_estimate.h"
 #include "models/host/word_board.h"
@@ -43,62 +43,42 @@ Replay::Replay(const Scene& scene, std::span<const Sighting> recording, std::siz
   solve_exactly(whole ? recording : recording.first(frames), frames, hand_over_s);
 }
 
-std::vector<int> Replay::patch(const collision::Contact& contact) const {
-  std::vector<int> nodes;
-  if (!contact.present()) return nodes;
-  for (const int node : scene_.contacts().patch(contact.node)) {
-    nodes.push_back(scene_.body().active_index(node));
-  }
-  return nodes;
-}
-
-// The servo process' own order (vp/host/servo_process.cpp): contact changes, its nodes are held,
-// the frame is solved.
 void Replay::solve_exactly(std::span<const Sighting> recording, std::size_t frames,
                            double hand_over_s) {
   const Scenario& s = scene_.scenario();
   const sparse::BlockMatrix& matrix = scene_.computation().matrix();
-  host::ReferenceRun run(scene_.body(), s.dynamics, s.budget.period_s, matrix, matrix);
-  collision::HandOver hand_over(to_picoseconds(hand_over_s));
+  const std::size_t probes = recording.front().touches.size();
+  host::ReferenceRun run(scene_.body(), s.dynamics, s.budget.period_s, matrix, matrix, probes);
+  host::ContactHold contact(scene_.body(), scene_.contacts(), to_picoseconds(hand_over_s), probes);
   const Picoseconds period = to_picoseconds(s.budget.period_s);
-  const auto aim = [this](const Sighting& sight, const collision::Contact& contact) {
-    collision::Aim result{sight.time, Eigen::Vector3d::Zero()};
-    if (contact.present()) {
-      result.displacement = scene_.contacts().prescribed_displacement(contact, sight.tip);
-    }
-    return result;
-  };
-  collision::Contact present;
+  std::vector<collision::Contact> contacts(probes);
   for (std::size_t i = 0; i < recording.size(); ++i) {
     const Sighting& now = recording[i];
-    const Sighting& last = i > 0 ? recording[i - 1] : now;
-    const Sighting& before = i > 1 ? recording[i - 2] : last;
-    if (!(now.contact == present)) {
-      present = now.contact;
-      hand_over.change(patch(present), aim(before, present), aim(last, present), run.displacement(),
-                       run.velocity());
+    std::ranges::transform(now.touches, contacts.begin(), &collision::Touch::contact);
+    if (!std::ranges::equal(contacts, contact.contacts())) {
+      contact.nodes_of(contacts);
+      contact.change(contacts, now.time, now.touches, {run.displacement(), run.velocity()});
     }
-    const std::int64_t since = i > 0 ? last.time : now.time - period;
-    const fem::Hold hold = hand_over.hold(aim(now, present), to_seconds(now.time - since));
+    const fem::Hold hold = contact.hold(now.time, now.touches, period);
     run.step(hold);
+    contact.keep_tips(now.time, now.touches);
+    contact.solved(now.time);
     add_force(now, !hold.let_go.empty(), static_cast<std::int64_t>(i), run.force(), exact_force_);
     for (const double u : run.displacement()) largest_ = std::max(largest_, std::abs(u));
     if (i % stride_ != 0 || frames_.size() == frames) continue;
     Held& held = frames_.emplace_back();
     held.sighting = now;
-    held.nodes.assign(hold.nodes.begin(), hold.nodes.end());
-    held.displacement.assign(hold.displacement.begin(), hold.displacement.end());
-    held.let_go.assign(hold.let_go.begin(), hold.let_go.end());
-    held.elapsed_s = hold.elapsed_s;
+    held.kept.keep(hold);
     held.exact.assign(run.displacement().begin(), run.displacement().end());
   }
 }
 
 void Replay::add_force(const Sighting& at, bool fades, std::int64_t frame,
                        const Eigen::Vector3d& force, stability::ForceQuality& quality) const {
-  stability::FeltForce felt{frame, to_seconds(at.time), at.tip, force, at.contact.node, fades, 0};
-  if (at.contact.present()) {
-    felt.pull = force.dot(scene_.contacts().surface().rest_normal(at.contact.node));
+  stability::FeltForce felt{
+      frame, to_seconds(at.time), at.touch().tip, force, at.touch().contact.node, fades, 0};
+  if (at.touch().contact.present()) {
+    felt.pull = force.dot(scene_.contacts().surface().rest_normal(at.touch().contact.node));
   }
   quality.add(felt);
 }
@@ -144,22 +124,23 @@ Replay::Result Replay::attempt(const fixed::Plan& plan) const {
     std::int64_t number = 0;
     for (const Held& frame : frames_) {
       if (!result.flags.empty()) return result;
-      if (!std::ranges::equal(present, frame.nodes)) {
-        computation.set_contact(frame.nodes);
-        board.set_contact(frame.nodes, computation.diagonal_word());
-        present = frame.nodes;
+      const fem::Hold hold = frame.kept.hold();
+      if (!std::ranges::equal(present, hold.nodes)) {
+        computation.set_contact(hold.nodes);
+        board.set_contact(hold.nodes, computation.diagonal_word());
+        present = hold.nodes;
       }
-      computation.hold(frame.hold());
+      computation.hold(hold);
       solve(computation, board, b);
       const Eigen::Vector3d force = computation.force();
       computation.method().finish();
       result.flags.merge(computation.method().flags());
       computation.update();
-      add_force(frame.sighting, !frame.let_go.empty(), number++, force, quality);
-      const bool in_contact = !frame.nodes.empty();
+      add_force(frame.sighting, !hold.let_go.empty(), number++, force, quality);
+      const bool in_contact = hold.present();
       of_true.add(computation.displacement(), frame.exact, 0, in_contact);
       if (refined || rounded_run.singular()) continue;
-      rounded_run.step(frame.hold());
+      rounded_run.step(hold);
       of_rounded.add(computation.displacement(), rounded_run.displacement(), 0, in_contact);
     }
     result.flags.merge(host::accuracy_flags(s.reference.value_or(host::Reference{}),

@@ -49,16 +49,10 @@ class Replay {
   // What contact prescribed, and where the exact solution was.
   struct Held {
     Sighting sighting;
-    std::vector<int> nodes;
-    std::vector<Eigen::Vector3d> displacement;
-    std::vector<fem::LetGo> let_go;
-    double elapsed_s = 0;
+    fem::KeptHold kept;
     std::vector<double> exact;
-
-    fem::Hold hold() const { return {nodes, displacement, let_go, elapsed_s}; }
   };
 
-  std::vector<int> patch(const collision::Contact& contact) const;
   void solve_exactly(std::span<const Sighting> recording, std::size_t frames, double hand_over_s);
   void add_force(const Sighting& at, bool fades, std::int64_t frame, const Eigen::Vector3d& force,
                  stability::ForceQuality& quality) const;

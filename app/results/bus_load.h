@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "models/config/figures.h"
-#include "vp/bus_use.h"
+#include "vp/bus/bus_use.h"
 
 namespace hvp::results {
 

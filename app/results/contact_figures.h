@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "models/config/figures.h"
-#include "vp/frame.h"
+#include "vp/frame/frame.h"
 
 namespace hvp::results {
 

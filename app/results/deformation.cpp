@@ -111,8 +111,7 @@ void DeformationWriter::write(double time_s, int frame, std::span<const double> 
 
   const auto displacement = double_array("displacement", 3, displacement_m);
   grid_->GetPointData()->SetVectors(displacement);
-  const std::span<const int> contact(&info.contact_node, info.contact_node == -1 ? 0 : 1);
-  grid_->GetPointData()->AddArray(node_marks("contact", nodes_, contact));
+  grid_->GetPointData()->AddArray(node_marks("contact", nodes_, info.contact_nodes));
   set_cell_array(*grid_, "strain", 6, info.strain, elements_);
   set_cell_array(*grid_, "stress", 6, info.stress_Pa, elements_);
   set_cell_array(*grid_, "von_mises", 1, info.von_mises_Pa, elements_);

@@ -19,7 +19,7 @@ namespace hvp::results {
 struct StepInfo {
   Eigen::Vector3d probe_position_m = Eigen::Vector3d::Zero();  // centre of the probe
   double probe_radius_m = 0.0;
-  int contact_node = -1;                                      // -1: no contact
+  std::span<const int> contact_nodes;                         // of the mesh, a contact each
   Eigen::Vector3d contact_force_N = Eigen::Vector3d::Zero();  // of the body on the probe
   // Six an element, in VTK's order xx yy zz xy yz xz; shear strains as the model has them.
   std::span<const double> strain;

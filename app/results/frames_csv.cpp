@@ -1,6 +1,5 @@
 #include "app/results/frames_csv.h"
 
-#include <array>
 #include <iterator>
 
 #include <fmt/format.h>
@@ -9,21 +8,6 @@
 #include "driver/hvp_driver.h"
 
 namespace hvp::results {
-
-namespace {
-
-// In the order of vp::Part, which is that of the columns.
-std::array<vp::Picoseconds, vp::kParts> by_part(const vp::Frame& frame,
-                                                const std::vector<vp::SpanId>& path) {
-  std::array<vp::Picoseconds, vp::kParts> time{};
-  for (const vp::SpanId id : path) {
-    const vp::Span& span = frame.spans[static_cast<std::size_t>(id)];
-    time[static_cast<std::size_t>(span.part)] += span.end - span.start;
-  }
-  return time;
-}
-
-}  // namespace
 
 std::vector<FrameColumn> frame_columns() {
   std::vector<FrameColumn> columns = {
@@ -55,9 +39,8 @@ std::vector<FrameColumn> frame_columns() {
   return columns;
 }
 
-FramesCsv::FramesCsv(const std::filesystem::path& path, const vp::Session& session,
-                     vp::Picoseconds budget, Columns columns)
-    : stream_(path), session_(session), budget_(budget), columns_(columns) {
+FramesCsv::FramesCsv(const std::filesystem::path& path, vp::Picoseconds budget, Columns columns)
+    : stream_(path), budget_(budget), columns_(columns) {
   std::string header;
   for (const FrameColumn& column : frame_columns()) {
     header += (header.empty() ? "" : ",") + column.name;
@@ -65,24 +48,27 @@ FramesCsv::FramesCsv(const std::filesystem::path& path, const vp::Session& sessi
   stream_.write(header + "\n");
 }
 
-void FramesCsv::take(const vp::Frame& f, const std::vector<vp::SpanId>& critical_path) {
-  const std::array<vp::Picoseconds, vp::kParts> path = by_part(f, critical_path);
+void FramesCsv::closed(const vp::Frame& f, const vp::CriticalPath& path) {
+  const collision::Touch& touch = f.touch();
   fmt::memory_buffer line;
   const auto out = std::back_inserter(line);
-  fmt::format_to(
-      out, "{},{},{},{},{},{},{},{},{},{},{},", f.number, microseconds(f.born - session_.begin),
-      microseconds(f.latency()), microseconds(f.work_done - f.born), microseconds(budget_),
-      f.solved && f.latency() <= budget_ ? 1 : 0, f.contact_node, microseconds(f.contact_age),
-      shortest(f.position.x()), shortest(f.position.y()), shortest(f.position.z()));
+  fmt::format_to(out, "{},{},{},{},{},{},{},{},{},{},{},", f.number, microseconds(f.time),
+                 microseconds(f.latency()), microseconds(f.work_done - f.born),
+                 microseconds(budget_), f.solved() && f.latency() <= budget_ ? 1 : 0,
+                 touch.contact.node, microseconds(f.contact_age), shortest(touch.tip.x()),
+                 shortest(touch.tip.y()), shortest(touch.tip.z()));
   if (columns_ == Columns::all) {
-    fmt::format_to(out, "{},{},{},{},{},", shortest(f.force.norm()), shortest(f.force.x()),
-                   shortest(f.force.y()), shortest(f.force.z()), f.saturations);
+    const Eigen::Vector3d on_probe = Eigen::Vector3d::Zero() - touch.force;  // no negative zeros
+    fmt::format_to(out, "{},{},{},{},{},", shortest(on_probe.norm()), shortest(on_probe.x()),
+                   shortest(on_probe.y()), shortest(on_probe.z()), f.saturations);
   } else {
     fmt::format_to(out, ",,,,,");
   }
   fmt::format_to(out, "{}", f.flags);
-  for (const vp::Picoseconds time : path) fmt::format_to(out, ",{}", microseconds(time));
-  fmt::format_to(out, ",{}\n", hvp_status_name(static_cast<hvp_status>(f.status)));
+  for (std::size_t part = 0; part < vp::kParts; ++part) {
+    fmt::format_to(out, ",{}", microseconds(path.time(static_cast<vp::Part>(part))));
+  }
+  fmt::format_to(out, ",{}\n", hvp_status_name(f.status));
   stream_.write({line.data(), line.size()});
 }
 

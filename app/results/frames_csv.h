@@ -5,8 +5,7 @@
 #include <vector>
 
 #include "app/results/part_stream.h"
-#include "vp/ledger.h"
-#include "vp/session.h"
+#include "vp/frame/observer.h"
 
 namespace hvp::results {
 
@@ -21,17 +20,16 @@ struct FrameColumn {
 std::vector<FrameColumn> frame_columns();
 
 // frames.csv: a line a frame, times since the servo loop began.
-class FramesCsv : public vp::FrameSink {
+class FramesCsv : public vp::FrameObserver {
  public:
-  FramesCsv(const std::filesystem::path& path, const vp::Session& session, vp::Picoseconds budget,
+  FramesCsv(const std::filesystem::path& path, vp::Picoseconds budget,
             Columns columns = Columns::all);
 
-  void take(const vp::Frame& frame, const std::vector<vp::SpanId>& critical_path) override;
+  void closed(const vp::Frame& frame, const vp::CriticalPath& path) override;
   void finish() { stream_.finish(); }
 
  private:
   PartStream stream_;
-  const vp::Session& session_;
   vp::Picoseconds budget_;
   Columns columns_;
 };

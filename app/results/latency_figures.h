@@ -9,8 +9,8 @@
 #include "models/config/figures.h"
 #include "models/host/costs.h"
 #include "models/statistics/spread.h"
-#include "vp/latency_statistics.h"
-#include "vp/verdict.h"
+#include "vp/frame/latency_statistics.h"
+#include "vp/frame/verdict.h"
 
 namespace hvp::results {
 

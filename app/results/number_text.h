@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "vp/frame.h"
+#include "vp/frame/frame.h"
 
 namespace hvp::results {
 

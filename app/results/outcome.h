@@ -16,8 +16,8 @@
 #include "models/stability/flag.h"
 #include "models/stability/force_quality.h"
 #include "vp/fault/fault_plan.h"
+#include "vp/frame/verdict.h"
 #include "vp/host/servo_process.h"
-#include "vp/verdict.h"
 
 namespace hvp::results {
 

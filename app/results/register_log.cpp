@@ -13,7 +13,7 @@ RegisterLog::RegisterLog(const std::filesystem::path& path) : stream_(path) {
 }
 
 void RegisterLog::access(vp::Picoseconds time, vp::Command command, const vp::RegisterBank& bank,
-                         const vp::Outcome& outcome, std::uint64_t offset,
+                         const vp::AccessResult& outcome, std::uint64_t offset,
                          std::span<const std::uint8_t> data) {
   std::uint32_t word = 0;
   std::memcpy(&word, data.data(), std::min(data.size(), sizeof(word)));

@@ -14,7 +14,7 @@ class RegisterLog : public vp::AccessObserver {
   explicit RegisterLog(const std::filesystem::path& path);
 
   void access(vp::Picoseconds time, vp::Command command, const vp::RegisterBank& bank,
-              const vp::Outcome& outcome, std::uint64_t offset,
+              const vp::AccessResult& outcome, std::uint64_t offset,
               std::span<const std::uint8_t> data) override;
   void finish() { stream_.finish(); }
 

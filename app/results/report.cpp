@@ -65,7 +65,7 @@ void scene_lines(Out out, const app::Scene& scene, const Outcome& o) {
   if (!scene.has_board()) {
     fmt::format_to(
         out, "  solver      {}, in double precision on the host; no board\n",
-        s.host.solver == host::Solver::cholesky
+        s.host.solver == host::SolvedBy::cholesky
             ? std::string("Cholesky factors of the matrix")
             : fmt::format("CG, {}{} iterations", s.solver.stop_residual > 0 ? "at most " : "",
                           s.solver.iterations));

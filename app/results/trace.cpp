@@ -105,17 +105,18 @@ void Trace::append_marks(const vp::Frame& frame) {
   append_time(frame.born);
   fmt::format_to(out, FMT_COMPILE(",\"args\":{{\"us\":{}.{:06d}}}}}"), latency / kPerUs,
                  latency % kPerUs);
-  if (!frame.solved) mark("no solution: force held", frame.born + latency);
+  if (!frame.solved()) mark("no solution: force held", frame.born + latency);
   if (latency > settings_.budget) mark("late", frame.born + settings_.budget);
 }
 
-void Trace::take(const vp::Frame& frame, const std::vector<vp::SpanId>& critical_path) {
+void Trace::closed(const vp::Frame& frame, const vp::CriticalPath& path) {
   if (frames_ == settings_.frames || cut_at_) return;
   ++frames_;
   text_.clear();
   lanes_.forget_before(frame.born);
   append_marks(frame);
   // A cause comes before what follows it, so that the path's spans ascend.
+  const std::vector<vp::SpanId>& critical_path = path.spans();
   auto next = critical_path.begin();
   for (std::size_t i = 0; i < frame.spans.size(); ++i) {
     const auto id = static_cast<vp::SpanId>(i);

@@ -10,8 +10,8 @@
 
 #include "app/results/part_stream.h"
 #include "app/results/trace_lanes.h"
-#include "vp/ledger.h"
-#include "vp/session.h"
+#include "vp/frame/ledger.h"
+#include "vp/frame/session.h"
 
 namespace hvp::results {
 
@@ -33,12 +33,12 @@ struct TraceSettings {
 //
 // Process "cores and buses": a lane a resource for its tenures, whoever had it. Those that follow
 // each other without a gap, of one user for one purpose, are one slice.
-class Trace : public vp::FrameSink, public vp::TenureSink {
+class Trace : public vp::FrameObserver, public vp::TenureSink {
  public:
   Trace(const std::filesystem::path& path, const vp::Session& session,
         const TraceSettings& settings);
 
-  void take(const vp::Frame& frame, const std::vector<vp::SpanId>& critical_path) override;
+  void closed(const vp::Frame& frame, const vp::CriticalPath& path) override;
   void take(const vp::Tenure& tenure) override;
   void finish();
 

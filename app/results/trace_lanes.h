@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "vp/frame.h"
-#include "vp/tenure.h"
+#include "vp/frame/frame.h"
+#include "vp/frame/tenure.h"
 
 namespace hvp::results {
 

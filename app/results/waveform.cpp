@@ -31,21 +31,21 @@ void blank_date(std::fstream& file) {
 
 }  // namespace
 
-Waveform::Waveform(const std::filesystem::path& folder)
+WaveformFile::WaveformFile(const std::filesystem::path& folder)
     : part_(folder / "engine.part.vcd"), path_(folder / "engine.vcd") {}
 
-Waveform::~Waveform() {
+WaveformFile::~WaveformFile() {
   if (finished_) return;
   std::error_code ignored;
   std::filesystem::remove(part_.path(), ignored);
 }
 
-std::string Waveform::tracer_file() const {
+std::string WaveformFile::tracer_file() const {
   std::filesystem::path file = part_.path();
   return file.replace_extension().string();
 }
 
-void Waveform::finish() {
+void WaveformFile::finish() {
   {
     std::fstream file(part_.path(), std::ios::binary | std::ios::in | std::ios::out);
     if (file && ends_with_a_line(file)) blank_date(file);

@@ -9,12 +9,12 @@ namespace hvp::results {
 
 // engine.vcd, written beside under another name by SystemC's tracer, which opens and closes it.
 // One that is not finished is removed.
-class Waveform {
+class WaveformFile {
  public:
-  explicit Waveform(const std::filesystem::path& folder);
-  ~Waveform();
-  Waveform(const Waveform&) = delete;
-  Waveform& operator=(const Waveform&) = delete;
+  explicit WaveformFile(const std::filesystem::path& folder);
+  ~WaveformFile();
+  WaveformFile(const WaveformFile&) = delete;
+  WaveformFile& operator=(const WaveformFile&) = delete;
 
   // For the tracer, which adds ".vcd".
   std::string tracer_file() const;

@@ -7,7 +7,10 @@ namespace hvp::app {
 
 namespace {
 
-std::span<const double> components(const Eigen::Vector3d& v) { return {v.data(), 3}; }
+// Of all probes together.
+std::span<const double> components(std::span<const Eigen::Vector3d> v) {
+  return {v.front().data(), 3 * v.size()};
+}
 
 results::Accuracy::Quantity quantity(const host::Deviation& of_true,
                                      const host::Deviation& of_rounded) {
@@ -41,43 +44,38 @@ void AccuracyTracker::step(const fem::Hold& hold) {
   true_run_.step(hold);
 }
 
-// The forces of a frame are wanted again when its nodes are let go.
-void AccuracyTracker::skip(const fem::Hold& hold) {
-  if (!skipped_) skipped_ = Skipped{};
-  skipped_->nodes.assign(hold.nodes.begin(), hold.nodes.end());
-  skipped_->displacement.assign(hold.displacement.begin(), hold.displacement.end());
-  skipped_->let_go.assign(hold.let_go.begin(), hold.let_go.end());
-  skipped_->elapsed_s = hold.elapsed_s;
-}
-
-void AccuracyTracker::solved(const vp::SolvedFrame& frame) {
-  if (frame.contact.present()) ++in_contact_;
-  fem::Hold hold = frame.hold;
+void AccuracyTracker::solved(const vp::Frame& frame, const vp::Solution& solution) {
+  if (frame.in_contact()) ++in_contact_;
+  fem::Hold hold = solution.hold;
   // The reference has had a solution in every frame.
   if (hold.elapsed_s > 0) {
     hold.elapsed_s = last_time_ ? 1e-12 * static_cast<double>(frame.time - *last_time_) : period_s_;
   }
   last_time_ = frame.time;
-  if (skipped_ && !std::ranges::equal(skipped_->nodes, hold.nodes)) {
-    step(skipped_->hold());
-    skipped_.reset();
+  // The forces of a frame are wanted again when its nodes are let go.
+  if (has_skipped_ && !std::ranges::equal(skipped_.nodes(), hold.nodes)) {
+    step(skipped_.hold());
+    has_skipped_ = false;
   }
   const bool compared = frame.number % settings_.every_frames == 0;
   // A static frame stands alone; a dynamic reference has a state that has to follow.
   if (!compared && !dynamic_) {
-    skip(hold);
+    skipped_.keep(hold);
+    has_skipped_ = true;
     return;
   }
   step(hold);
-  skipped_.reset();
+  has_skipped_ = false;
   if (!compared) return;
-  const bool in_contact = frame.contact.node >= 0;
-  displacement_.add(frame.displacement, true_run_.displacement(), frame.number, in_contact);
-  force_.add(components(frame.force), components(true_run_.force()), frame.number, in_contact);
+  const bool in_contact = frame.in_contact();
+  forces_.clear();
+  for (const collision::Touch& touch : frame.touches) forces_.push_back(touch.force);
+  displacement_.add(solution.displacement, true_run_.displacement(), frame.number, in_contact);
+  force_.add(components(forces_), components(true_run_.forces()), frame.number, in_contact);
   if (!has_rounded()) return;
-  displacement_rounded_.add(frame.displacement, rounded_run_.displacement(), frame.number,
+  displacement_rounded_.add(solution.displacement, rounded_run_.displacement(), frame.number,
                             in_contact);
-  force_rounded_.add(components(frame.force), components(rounded_run_.force()), frame.number,
+  force_rounded_.add(components(forces_), components(rounded_run_.forces()), frame.number,
                      in_contact);
 }
 

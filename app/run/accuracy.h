@@ -10,7 +10,7 @@
 #include "models/host/reference_run.h"
 #include "models/sparse/block_matrix.h"
 #include "models/stability/flag.h"
-#include "vp/host/servo_process.h"
+#include "vp/frame/observer.h"
 
 namespace hvp::app {
 
@@ -20,26 +20,15 @@ class AccuracyTracker : public vp::FrameObserver {
  public:
   AccuracyTracker(const Scene& scene, const host::Reference& settings);
 
-  void solved(const vp::SolvedFrame& frame) override;
+  void solved(const vp::Frame& frame, const vp::Solution& solution) override;
 
   results::Accuracy accuracy() const;
   // matrix_rounding, not_converged and what the rounded matrix is flagged for.
   stability::Flags flags() const;
 
  private:
-  // A frame of a static body that was not compared.
-  struct Skipped {
-    std::vector<int> nodes;
-    std::vector<Eigen::Vector3d> displacement;
-    std::vector<fem::LetGo> let_go;
-    double elapsed_s = 0;
-
-    fem::Hold hold() const { return {nodes, displacement, let_go, elapsed_s}; }
-  };
-
   bool has_rounded() const { return has_board_ && !rounded_run_.singular(); }
   void step(const fem::Hold& hold);
-  void skip(const fem::Hold& hold);
 
   host::Reference settings_;
   bool dynamic_;
@@ -51,9 +40,11 @@ class AccuracyTracker : public vp::FrameObserver {
   std::optional<host::PairedRuns> both_;  // where there is a rounded model and it can be solved
   host::Deviation displacement_, force_;
   host::Deviation displacement_rounded_, force_rounded_;
-  std::optional<Skipped> skipped_;
+  fem::KeptHold skipped_;  // of the last frame of a static body, where it was not compared
+  bool has_skipped_ = false;
   std::optional<vp::Picoseconds> last_time_;
   double period_s_;
+  std::vector<Eigen::Vector3d> forces_;  // of the frame at hand, a probe each
   std::int64_t in_contact_ = 0;
 };
 

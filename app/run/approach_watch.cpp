@@ -21,16 +21,16 @@ double diagonal(const collision::DeformedSurface& surface) {
 ApproachWatch::ApproachWatch(const collision::ContactSearch& contacts)
     : contacts_(contacts), allowed_(kAllowed * diagonal(contacts.surface())) {}
 
-void ApproachWatch::solved(const vp::SolvedFrame& frame) {
+void ApproachWatch::solved(const vp::Frame& frame, const vp::Solution& /*solution*/) {
   ++figures_.frames;
-  if (frame.contact.present()) {
+  if (frame.in_contact()) {
     ++figures_.frames_in_contact;
     touched_ = true;
     figures_.nearest.reset();
     return;
   }
-  const results::Approach here{contacts_.surface().signed_distance(frame.tip), frame.number,
-                               frame.tip};
+  const results::Approach here{contacts_.surface().signed_distance(frame.touch().tip), frame.number,
+                               frame.touch().tip};
   std::optional<results::Approach>& nearest = figures_.nearest;
   if (!touched_ && (!nearest || here.distance < nearest->distance)) nearest = here;
   if (!deepest_ || here.distance < deepest_->distance) deepest_ = here;

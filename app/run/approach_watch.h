@@ -5,7 +5,7 @@
 #include "app/results/contact_figures.h"
 #include "models/collision/contact_search.h"
 #include "models/stability/flag.h"
-#include "vp/host/servo_process.h"
+#include "vp/frame/observer.h"
 
 namespace hvp::app {
 
@@ -16,7 +16,7 @@ class ApproachWatch : public vp::FrameObserver {
   // Keeps the reference.
   explicit ApproachWatch(const collision::ContactSearch& contacts);
 
-  void solved(const vp::SolvedFrame& frame) override;
+  void solved(const vp::Frame& frame, const vp::Solution& solution) override;
 
   // What frames tell; what only the processes count is left at zero.
   results::ContactFigures figures() const;

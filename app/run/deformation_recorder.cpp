@@ -22,10 +22,10 @@ DeformationRecorder::DeformationRecorder(const std::filesystem::path& directory,
       writer_(directory, scene.body().mesh(), scene.body().anchored()),
       displacement_(3 * scene.body().mesh().nodes.size()) {}
 
-void DeformationRecorder::solved(const vp::SolvedFrame& frame) {
+void DeformationRecorder::solved(const vp::Frame& frame, const vp::Solution& solution) {
   if (frame.number % every_frames_ != 0) return;
   const fem::Body& body = scene_.body();
-  body.expand(frame.displacement, displacement_);
+  body.expand(solution.displacement, displacement_);
   strain_.clear();
   stress_.clear();
   von_mises_.clear();
@@ -36,10 +36,14 @@ void DeformationRecorder::solved(const vp::SolvedFrame& frame) {
     von_mises_.push_back(e.von_mises_pa);
   }
   results::StepInfo info;
-  info.probe_position_m = frame.tip;
+  info.probe_position_m = frame.touch().tip;
   info.probe_radius_m = scene_.scenario().probe.radius;
-  info.contact_node = frame.contact.node;
-  info.contact_force_N = -frame.force;
+  contact_nodes_.clear();
+  for (const collision::Touch& touch : frame.touches) {
+    if (touch.contact.present()) contact_nodes_.push_back(touch.contact.node);
+  }
+  info.contact_nodes = contact_nodes_;
+  info.contact_force_N = -frame.touch().force;
   info.strain = strain_;
   info.stress_Pa = stress_;
   info.von_mises_Pa = von_mises_;

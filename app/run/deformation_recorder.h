@@ -5,7 +5,7 @@
 
 #include "app/results/deformation.h"
 #include "app/scene/scene.h"
-#include "vp/host/servo_process.h"
+#include "vp/frame/observer.h"
 
 namespace hvp::app {
 
@@ -14,7 +14,7 @@ class DeformationRecorder : public vp::FrameObserver {
  public:
   DeformationRecorder(const std::filesystem::path& directory, const Scene& scene);
 
-  void solved(const vp::SolvedFrame& frame) override;
+  void solved(const vp::Frame& frame, const vp::Solution& solution) override;
   void finish() { writer_.finish(); }
 
  private:
@@ -23,6 +23,7 @@ class DeformationRecorder : public vp::FrameObserver {
   results::DeformationWriter writer_;
   std::vector<double> displacement_;
   std::vector<double> strain_, stress_, von_mises_;
+  std::vector<int> contact_nodes_;
 };
 
 }  // namespace hvp::app

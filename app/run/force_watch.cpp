@@ -2,16 +2,17 @@
 
 namespace hvp::app {
 
-void ForceWatch::solved(const vp::SolvedFrame& frame) {
+void ForceWatch::solved(const vp::Frame& frame, const vp::Solution& solution) {
   stability::FeltForce felt{frame.number,
                             1e-12 * static_cast<double>(frame.time),
-                            frame.tip,
-                            frame.force,
-                            frame.contact.node,
-                            !frame.hold.let_go.empty(),
+                            frame.touch().tip,
+                            frame.touch().force,
+                            frame.touch().contact.node,
+                            !solution.hold.let_go.empty(),
                             0};
-  if (frame.contact.node >= 0) {
-    felt.pull = frame.force.dot(contacts_.surface().rest_normal(frame.contact.node));
+  if (frame.in_contact()) {
+    felt.pull =
+        frame.touch().force.dot(contacts_.surface().rest_normal(frame.touch().contact.node));
   }
   quality_.add(felt);
 }

@@ -2,7 +2,7 @@
 
 #include "models/collision/contact_search.h"
 #include "models/stability/force_quality.h"
-#include "vp/host/servo_process.h"
+#include "vp/frame/observer.h"
 
 namespace hvp::app {
 
@@ -12,7 +12,7 @@ class ForceWatch : public vp::FrameObserver {
   // Keeps the reference.
   explicit ForceWatch(const collision::ContactSearch& contacts) : contacts_(contacts) {}
 
-  void solved(const vp::SolvedFrame& frame) override;
+  void solved(const vp::Frame& frame, const vp::Solution& solution) override;
 
   const stability::ForceQuality& quality() const { return quality_; }
 

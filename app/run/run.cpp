@@ -24,8 +24,8 @@
 #include "app/run/strain_watch.h"
 #include "app/scene/unit_contacts.h"
 #include "driver/hvp_driver.h"
-#include "vp/bus_meter.h"
-#include "vp/latency_statistics.h"
+#include "vp/bus/bus_meter.h"
+#include "vp/frame/latency_statistics.h"
 #include "vp/platform.h"
 
 namespace hvp::app {
@@ -48,7 +48,7 @@ class ProgressTicker : public vp::FrameObserver {
   ProgressTicker(const Progress& progress, std::int64_t frames)
       : progress_(progress), frames_(frames) {}
 
-  void solved(const vp::SolvedFrame& frame) override {
+  void solved(const vp::Frame& frame, const vp::Solution& /*solution*/) override {
     const std::int64_t percent = 100 * (frame.number + 1) / frames_;
     if (percent == last_) return;
     last_ = percent;
@@ -226,7 +226,7 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   const std::optional<host::RoundingEstimate> rounding = estimate_rounding(scene);
 
   vp::PlatformSettings settings = platform_settings(scene);
-  std::optional<results::Waveform> waveform;
+  std::optional<results::WaveformFile> waveform;
   if (s.output.waveform) {
     waveform.emplace(directory);
     settings.waveform = {waveform->tracer_file(), s.output.waveform->first_frame,
@@ -234,8 +234,7 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   }
   vp::Platform platform(settings, scene.body(), scene.computation(), scene.contacts(),
                         registers ? &*registers : nullptr);
-  results::FramesCsv frames(directory / "frames.csv", platform.session(),
-                            platform.verdict().budget(),
+  results::FramesCsv frames(directory / "frames.csv", platform.verdict().budget(),
                             s.timing_only() ? results::Columns::times : results::Columns::all);
   results::TraceSettings traced{s.output.trace_frames, std::llround(s.output.trace_bytes),
                                 platform.verdict().budget()};
@@ -244,9 +243,9 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   }
   results::Trace trace(directory / "trace.json", platform.session(), traced);
   vp::LatencyStatistics latency;
-  platform.add_sink(latency);
-  platform.add_sink(frames);
-  platform.add_sink(trace);
+  platform.add_observer(latency);
+  platform.add_observer(frames);
+  platform.add_observer(trace);
   if (s.output.trace_frames > 0) platform.add_tenure_sink(trace);
   if (accuracy) platform.add_observer(*accuracy);
   if (deformation) platform.add_observer(*deformation);

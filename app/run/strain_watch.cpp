@@ -9,9 +9,9 @@ StrainWatch::StrainWatch(const fem::Body& body)
       meter_(body.mesh(), fem::kLinearStrain),
       displacement_(3 * body.mesh().nodes.size()) {}
 
-void StrainWatch::solved(const vp::SolvedFrame& frame) {
+void StrainWatch::solved(const vp::Frame& frame, const vp::Solution& solution) {
   if (frame.number % kEveryFrames != 0) return;
-  body_.expand(frame.displacement, displacement_);
+  body_.expand(solution.displacement, displacement_);
   const fem::Strains strains = meter_.measure(displacement_);
   const int inverted = std::max(worst_.inverted, strains.inverted);
   const double beyond = std::max(worst_.beyond_share, strains.beyond_share);

@@ -6,7 +6,7 @@
 #include "models/fem/body.h"
 #include "models/fem/linearity.h"
 #include "models/stability/flag.h"
-#include "vp/host/servo_process.h"
+#include "vp/frame/observer.h"
 
 namespace hvp::app {
 
@@ -18,7 +18,7 @@ class StrainWatch : public vp::FrameObserver {
   // Keeps the reference.
   explicit StrainWatch(const fem::Body& body);
 
-  void solved(const vp::SolvedFrame& frame) override;
+  void solved(const vp::Frame& frame, const vp::Solution& solution) override;
 
   // The frame with the largest strain; the most inverted elements of any frame.
   const fem::Strains& worst() const { return worst_; }

@@ -73,7 +73,7 @@ void Output::declare(config::Visitor& v) {
               "only a cycle-accurate accelerator has clocks to show"}}});
 }
 
-void Waveform::declare(config::Visitor& v) {
+void WaveformSettings::declare(config::Visitor& v) {
   v.integer("first_frame", first_frame, {0, 100'000'000},
             {"the first frame that is shown", "the run's first"});
   v.integer("frames", frames, {1, 100'000'000},
@@ -140,7 +140,7 @@ void Scenario::declare(config::Visitor& v) {
 
 namespace {
 
-void require_shown(const Waveform& waveform, int frames) {
+void require_shown(const WaveformSettings& waveform, int frames) {
   if (waveform.first_frame < frames) return;
   throw InputError("output.waveform.first_frame",
                    "the run ends before frame " + std::to_string(waveform.first_frame) +
@@ -227,7 +227,7 @@ void require_possible(const Scenario& s, std::size_t index) {
 
 // A timing-only run has no times that depend on numbers.
 void require_no_numbers(const Scenario& s) {
-  if (s.host.solver != host::Solver::board) {
+  if (s.host.solver != host::SolvedBy::board) {
     throw InputError(
         "host.solver",
         std::string("how long the host's own solve takes depends on its numbers, which "
@@ -264,7 +264,7 @@ void Scenario::check() const {
   }
   require_countable(*this);
   config::survey_effects(*this).require_needs();
-  const bool board = host.solver == host::Solver::board;
+  const bool board = host.solver == host::SolvedBy::board;
   if (!board) require_plain_transfer(*this);
   if (timing_only()) require_no_numbers(*this);
   if (board && vp::has_engine(fidelity.accelerator)) require_engine(*this);

@@ -63,7 +63,7 @@ struct Contact {
 };
 
 // [output.waveform]: what the cycle-accurate engine does, clock by clock, in engine.vcd.
-struct Waveform {
+struct WaveformSettings {
   int first_frame = 0;
   int frames = 1;
 
@@ -77,7 +77,7 @@ struct Output {
   double trace_bytes = 64e6;
   bool pictures = true;
   bool remedies = true;
-  std::optional<Waveform> waveform;
+  std::optional<WaveformSettings> waveform;
 
   void declare(config::Visitor& v);
 };

@@ -92,7 +92,7 @@ Scene::Scene(const Scenario& scenario, accel::Device device, const Progress& pro
         *body_, s.contact.diagonal, s.dynamics, s.solver, s.budget.period_s, s.refinement,
         s.host.solver, s.timing_only() ? host::Effort::counted : host::Effort::computed);
   });
-  if (s.host.solver == host::Solver::board) {
+  if (s.host.solver == host::SolvedBy::board) {
     within("accelerator", [&] {
       const auto& matrix = computation_->matrix();
       board_.emplace(s.accelerator, accel::pattern_of(matrix.row_begin, matrix.column));

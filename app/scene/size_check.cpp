@@ -94,7 +94,7 @@ double nodes_of_factor(double bytes) { return std::pow(bytes / 235, 2.0 / 3.0); 
 
 // Of [reference], true and rounded, and of the host's own solve.
 int factors(const Scenario& s) {
-  return (s.reference ? 2 : 0) + (s.host.solver == host::Solver::cholesky ? 1 : 0);
+  return (s.reference ? 2 : 0) + (s.host.solver == host::SolvedBy::cholesky ? 1 : 0);
 }
 
 void require_room_on_host(const Scenario& s) {
@@ -120,7 +120,7 @@ void require_room_on_host(const Scenario& s) {
 
 void require_plausible_size(const Scenario& s, const accel::Device& device,
                             const Progress& progress) {
-  if (s.host.solver == host::Solver::board) {
+  if (s.host.solver == host::SolvedBy::board) {
     require_room_on_board(s, device, progress);
   } else {
     require_room_on_host(s);

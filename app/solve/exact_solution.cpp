@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
-#include "models/fem/reference_solver.h"
+#include "models/fem/direct_solver.h"
 
 namespace hvp::app {
 
@@ -69,7 +69,7 @@ std::vector<double> exact_solution(const sparse::BlockMatrix& a, std::span<const
       }
     }
   }
-  const fem::ReferenceSolver solver(scaled);
+  const fem::DirectSolver solver(scaled);
   if (solver.negative_eigenvalues() > 0) {
     throw InputError(
         fmt::format("the matrix is not positive definite: {} of its {} eigenvalues "

@@ -10,7 +10,7 @@
 #include "models/accel/board_clocks.h"
 #include "models/accel/board_memory.h"
 #include "models/config/input_error.h"
-#include "models/fem/reference_solver.h"
+#include "models/fem/direct_solver.h"
 #include "models/fixed/kernel.h"
 #include "models/fixed/scaling.h"
 #include "models/fixed/system.h"
@@ -82,7 +82,7 @@ class RoundedSystem {
   sparse::BlockMatrix matrix_;
   std::span<const double> scale_;
   std::span<const double> b_;
-  fem::ReferenceSolver solver_;
+  fem::DirectSolver solver_;
 };
 
 // Iterates may pass beyond the solution in single entries; the bit that this costs is the last

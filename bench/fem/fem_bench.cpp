@@ -9,9 +9,9 @@
 
 #include "models/fem/assembly.h"
 #include "models/fem/body.h"
+#include "models/fem/direct_solver.h"
 #include "models/fem/locking.h"
 #include "models/fem/newmark.h"
-#include "models/fem/reference_solver.h"
 #include "models/fem/structured_box.h"
 
 namespace hvp::fem {
@@ -86,14 +86,14 @@ Body anchored_cube(int edge_nodes) {
 
 void reference_factorisation(benchmark::State& state) {
   const Body body = anchored_cube(static_cast<int>(state.range(0)));
-  for (auto _ : state) benchmark::DoNotOptimize(ReferenceSolver(body.stiffness()));
+  for (auto _ : state) benchmark::DoNotOptimize(DirectSolver(body.stiffness()));
   report(state, body.mesh());
 }
 BENCHMARK(reference_factorisation)->Arg(6)->Arg(8)->Arg(10)->Unit(benchmark::kMillisecond);
 
 void reference_solve(benchmark::State& state) {
   const Body body = anchored_cube(static_cast<int>(state.range(0)));
-  const ReferenceSolver solver(body.stiffness());
+  const DirectSolver solver(body.stiffness());
   std::vector<double> x(body.load().size(), 1.0);
   for (auto _ : state) {
     solver.solve(x, x);

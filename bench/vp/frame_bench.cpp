@@ -27,7 +27,7 @@
 #include "models/fixed/kernel.h"
 #include "models/host/deviation.h"
 #include "models/host/reference_run.h"
-#include "vp/latency_statistics.h"
+#include "vp/frame/latency_statistics.h"
 #include "vp/platform.h"
 
 // SystemC's library has a main of its own, which calls this; neither is used.
@@ -40,7 +40,7 @@ constexpr double kPeriod = 2e-3;  // s
 constexpr std::size_t kFrames = 200;
 
 // The active node that is on top.
-int highest_node(const Scene& scene) {
+int highest_node(const ThesisScene& scene) {
   int highest = -1;
   double height = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < scene.mesh.nodes.size(); ++i) {
@@ -54,7 +54,7 @@ int highest_node(const Scene& scene) {
 
 // The jobs of a board whose user presses, and what the node that is pressed makes of the matrix.
 struct Jobs {
-  explicit Jobs(Scene& scene) : matrix(scene.computation.quantised()) {
+  explicit Jobs(ThesisScene& scene) : matrix(scene.computation.quantised()) {
     host::FrameComputation& c = scene.computation;
     const int node = highest_node(scene);
     c.set_contact(std::array{node});
@@ -96,16 +96,16 @@ double solve_seconds(const Jobs& jobs, fixed::Solver& solver) {
 // What the effect [reference] does beside the board.
 class Reference : public vp::FrameObserver {
  public:
-  Reference(const Scene& scene, const sparse::BlockMatrix& rounded)
+  Reference(const ThesisScene& scene, const sparse::BlockMatrix& rounded)
       : true_run_(scene.body, dynamics(), kPeriod, scene.computation.matrix(),
                   scene.computation.matrix()),
         rounded_run_(scene.body, dynamics(), kPeriod, scene.computation.matrix(), rounded),
         both_(true_run_, rounded_run_) {}
 
-  void solved(const vp::SolvedFrame& frame) override {
-    both_.step(frame.hold);
-    true_.add(frame.displacement, true_run_.displacement());
-    rounded_.add(frame.displacement, rounded_run_.displacement());
+  void solved(const vp::Frame& /*frame*/, const vp::Solution& solution) override {
+    both_.step(solution.hold);
+    true_.add(solution.displacement, true_run_.displacement());
+    rounded_.add(solution.displacement, rounded_run_.displacement());
   }
 
  private:
@@ -118,11 +118,10 @@ class Reference : public vp::FrameObserver {
 class Begin : public vp::FrameObserver {
  public:
   void begun() override { time = processor_time(); }
-  void solved(const vp::SolvedFrame& /*frame*/) override {}
   double time = 0;
 };
 
-double frame_seconds(Scene& scene, bool referenced) {
+double frame_seconds(ThesisScene& scene, bool referenced) {
   const std::filesystem::path file =
       std::filesystem::temp_directory_path() / ("hvp_frames_" + std::to_string(getpid()) + ".csv");
   scene.settings.frames = kFrames;
@@ -132,8 +131,8 @@ double frame_seconds(Scene& scene, bool referenced) {
   vp::Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
   results::FramesCsv frames(file, platform.session(), scene.settings.budget);
   vp::LatencyStatistics latency;
-  platform.add_sink(latency);
-  platform.add_sink(frames);
+  platform.add_observer(latency);
+  platform.add_observer(frames);
   Begin begin;
   platform.add_observer(begin);
   if (reference) platform.add_observer(*reference);
@@ -154,7 +153,7 @@ void measure(int repetitions) {
     std::unique_ptr<fixed::Solver> solver;
     double seconds = std::numeric_limits<double>::infinity();
   };
-  Scene scene;
+  ThesisScene scene;
   const Jobs jobs(scene);
   std::vector<Solve> solves;
   for (const fixed::Kernel kernel : fixed::supported_kernels()) {
@@ -163,7 +162,7 @@ void measure(int repetitions) {
   }
   std::array<double, 2> frames{};
   frames.fill(std::numeric_limits<double>::infinity());
-  Scene for_frames;
+  ThesisScene for_frames;
   for (int i = 0; i < repetitions; ++i) {
     for (Solve& solve : solves) {
       solve.seconds = std::min(solve.seconds, solve_seconds(jobs, *solve.solver));

@@ -27,7 +27,7 @@ struct Cost {
   std::int64_t clocks = 0;  // of the engine, a frame
 };
 
-Cost run(bench::Scene& scene, Timing level, std::int64_t frames) {
+Cost run(bench::ThesisScene& scene, Timing level, std::int64_t frames) {
   scene.settings.fidelity.accelerator = level;
   scene.settings.frames = static_cast<int>(frames);
   Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
@@ -38,7 +38,7 @@ Cost run(bench::Scene& scene, Timing level, std::int64_t frames) {
   return cost;
 }
 
-Cost measure(bench::Scene& scene, Timing level, std::int64_t frames) {
+Cost measure(bench::ThesisScene& scene, Timing level, std::int64_t frames) {
   return bench::in_a_child<Cost>([&] { return run(scene, level, frames); });
 }
 
@@ -57,7 +57,7 @@ int main(int argc, char** argv) {
   std::array<Level, 3> levels = {{{Timing::loosely_timed, 400, {}},
                                   {Timing::approximately_timed, 400, {}},
                                   {Timing::cycle_accurate, 20, {}}}};
-  hvp::bench::Scene scene;
+  hvp::bench::ThesisScene scene;
   for (int i = 0; i < repetitions; ++i) {
     for (Level& level : levels) {
       const hvp::vp::Cost cost = hvp::vp::measure(scene, level.timing, level.frames);

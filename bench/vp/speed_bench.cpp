@@ -50,7 +50,7 @@ struct Folder {
   Folder& operator=(const Folder&) = delete;
 };
 
-double frame_seconds(Scene& scene, const Case& c) {
+double frame_seconds(ThesisScene& scene, const Case& c) {
   const Folder folder;
   scene.settings.fidelity.bus = c.bus;
   scene.settings.transfer.method = c.method;
@@ -61,9 +61,9 @@ double frame_seconds(Scene& scene, const Case& c) {
   results::Trace trace(folder.path / "trace.json", platform.session(),
                        {c.traced_frames, std::numeric_limits<std::int64_t>::max(),
                         scene.settings.budget, c.traced_frames * scene.settings.period});
-  if (c.frames_file) platform.add_sink(frames);
+  if (c.frames_file) platform.add_observer(frames);
   if (c.traced_frames > 0) {
-    platform.add_sink(trace);
+    platform.add_observer(trace);
     platform.add_tenure_sink(trace);
   }
   const double begin = processor_time();
@@ -82,7 +82,7 @@ void measure(int repetitions) {
        {"  and a trace of all frames", Timing::loosely_timed, true, kFrames},
        {"approximately-timed bus", Timing::approximately_timed, false, 0},
        {"  with DMA", Timing::approximately_timed, false, 0, vp::Transfer::Method::dma}}};
-  Scene scene(host::Effort::counted);
+  ThesisScene scene(host::Effort::counted);
   for (int i = 0; i < repetitions; ++i) {
     for (Case& c : cases) {
       const auto cost = in_a_child<double>([&] { return frame_seconds(scene, c); });

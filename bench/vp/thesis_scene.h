@@ -39,12 +39,12 @@ inline fixed::Settings solver() {
 }
 
 // The sphere of scenarios/thesis.toml, dynamic, 60 iterations, the probe in contact.
-struct Scene {
-  explicit Scene(host::Effort effort_asked = host::Effort::computed) : effort(effort_asked) {
+struct ThesisScene {
+  explicit ThesisScene(host::Effort effort_asked = host::Effort::computed) : effort(effort_asked) {
     settings.solver = computation.board_settings();
     settings.probe.start = {0, 0, 48e-3};
     plant::Segment press;
-    press.phase = plant::Phase::press;
+    press.phase = plant::Stroke::press;
     press.to = {0, 0, 45e-3};
     press.duration = 0.5;
     settings.probe.motion = {press};
@@ -55,7 +55,7 @@ struct Scene {
   fem::Body body{mesh, fem::Material{}, anchored, fem::AnchorTreatment::removed};
   host::FrameComputation computation{
       body,         fem::ContactDiagonal::average, dynamics(), solver(), 2e-3,
-      std::nullopt, host::Solver::board,           effort};
+      std::nullopt, host::SolvedBy::board,         effort};
   collision::ContactSearch contacts{mesh, anchored, {}};
   vp::PlatformSettings settings;
 };

@@ -10,10 +10,10 @@
 #include <benchmark/benchmark.h>
 #include <tlm_utils/simple_target_socket.h>
 
+#include "vp/frame/ledger.h"
+#include "vp/frame/verdict.h"
 #include "vp/host/board_access.h"
-#include "vp/ledger.h"
 #include "vp/pci/pci_bus.h"
-#include "vp/verdict.h"
 
 // SystemC's library has a main of its own, which calls this; neither is used.
 int sc_main(int /*argc*/, char** /*argv*/) { return 1; }
@@ -25,7 +25,7 @@ namespace {
 void frames(benchmark::State& state) {
   Ledger ledger;
   Verdict verdict(2'000'000'000, 2'000'000'000);
-  ledger.add_sink(verdict);
+  ledger.add_observer(verdict);
   std::int64_t number = 0;
   for (auto _ : state) {
     ledger.open(number, 0);
@@ -33,7 +33,7 @@ void frames(benchmark::State& state) {
     for (int span = 0; span < state.range(0); ++span) {
       ledger.extend(tag, Part::bus, Phase::bus_write, span * 1'000, span * 1'000 + 1'000);
     }
-    ledger.frame(number).force_at_motor = tag.cause;
+    ledger.force_at_motor(tag);
     ledger.close(number++);
   }
   state.SetItemsProcessed(state.iterations());

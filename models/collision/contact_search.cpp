@@ -28,7 +28,6 @@ ContactSearch::ContactSearch(const mesh::TetMesh& mesh, std::span<const int> anc
     }
     anchored_[index(node)] = 1;
   }
-  excluded_ = anchored_;
   const auto& nodes = surface_.surface_nodes();
   if (std::none_of(nodes.begin(), nodes.end(), [&](int n) { return anchored_[index(n)] == 0; })) {
     throw InputError(
@@ -119,7 +118,7 @@ Pass ContactSearch::start(const Eigen::Vector3d& tip, SearchCost& cost) const {
   int node = -1;
   double nearest = std::numeric_limits<double>::infinity();
   for (const int corner : surface_.triangles()[index(touch.triangle)]) {
-    if (anchored_[index(corner)] != 0) continue;
+    if (!is_free(corner)) continue;
     ++cost.nodes;
     const double squared = (surface_.position(corner) - tip).squaredNorm();
     if (squared < nearest || (squared == nearest && corner < node)) {
@@ -134,8 +133,10 @@ Pass ContactSearch::start(const Eigen::Vector3d& tip, SearchCost& cost) const {
       .event = ContactEvent::started};
 }
 
-Pass ContactSearch::proceed(const Eigen::Vector3d& tip, std::span<const double> displacement,
-                            const Contact& present, SearchCost& cost) {
+Pass ContactSearch::proceed(const Touch& touch, std::span<const double> displacement,
+                            SearchCost& cost) {
+  const Eigen::Vector3d& tip = touch.tip;
+  const Contact& present = touch.contact;
   const auto u = [&](int node) { return Eigen::Vector3d(&displacement[3 * index(node)]); };
   const std::span<const int> moving = patch(present.node);
 
@@ -145,7 +146,7 @@ Pass ContactSearch::proceed(const Eigen::Vector3d& tip, std::span<const double> 
   int best = -1;
   double nearest = std::numeric_limits<double>::infinity();
   for (const int node : surface_.surface_nodes()) {
-    if (anchored_[index(node)] != 0 || node == present.node) continue;
+    if (!is_free(node)) continue;
     ++cost.nodes;
     const double distance = (undragged(node, u(node)) - tip).norm();
     if (distance < nearest) {
@@ -168,54 +169,71 @@ void ContactSearch::require_touchable(const Contact& present) const {
       fmt::format("contact at node {}, which is not a free node of the surface", present.node));
 }
 
-Pass ContactSearch::pass(const Eigen::Vector3d& tip, std::span<const double> displacement,
-                         const Contact& present, const Eigen::Vector3d& force) {
-  bool pulls = false;
-  if (present.present()) {
-    require_touchable(present);
-    if (!force.allFinite()) throw InputError("the contact force is not finite");
-    pulls = force.dot(surface_.rest_normal(present.node)) > settings_.release_force;
-  }
-  return pass(tip, displacement, present, pulls);
+// Neither anchored nor any probe's.
+bool ContactSearch::is_free(int node) const {
+  return anchored_[index(node)] == 0 &&
+         std::ranges::none_of(passes_, [node](const Pass& p) { return p.contact.node == node; });
 }
 
-Pass ContactSearch::pass_without_force(const Eigen::Vector3d& tip,
-                                       std::span<const double> displacement,
-                                       const Contact& present) {
-  bool pulls = false;
-  if (present.present()) {
-    require_touchable(present);
-    pulls = prescribed_displacement(present, tip).dot(surface_.rest_normal(present.node)) > 0;
-  }
-  return pass(tip, displacement, present, pulls);
+bool ContactSearch::pulls(const Touch& touch) const {
+  if (!touch.force.allFinite()) throw InputError("the contact force is not finite");
+  return touch.force.dot(surface_.rest_normal(touch.contact.node)) > settings_.release_force;
 }
 
-Pass ContactSearch::keep(std::span<const double> displacement, const Contact& present) {
+bool ContactSearch::pulls_off(const Touch& touch) const {
+  return prescribed_displacement(touch.contact, touch.tip)
+             .dot(surface_.rest_normal(touch.contact.node)) > 0;
+}
+
+std::span<const Pass> ContactSearch::pass(std::span<const Touch> touches,
+                                          std::span<const double> displacement) {
+  return pass(touches, displacement, [this](const Touch& touch) { return pulls(touch); });
+}
+
+std::span<const Pass> ContactSearch::pass_without_force(std::span<const Touch> touches,
+                                                        std::span<const double> displacement) {
+  return pass(touches, displacement, [this](const Touch& touch) { return pulls_off(touch); });
+}
+
+std::span<const Pass> ContactSearch::keep(std::span<const Contact> present,
+                                          std::span<const double> displacement) {
   surface_.update(displacement);
   pass_flops_ = surface_.update_flops();
-  return {.contact = present,
-          .event = present.present() ? ContactEvent::held : ContactEvent::none,
-          .flops = pass_flops_};
+  passes_.clear();
+  for (const Contact& contact : present) {
+    passes_.push_back({contact, contact.present() ? ContactEvent::held : ContactEvent::none});
+  }
+  return passes_;
 }
 
 // Released in a pass of its own: this U still holds the surface at the tip, so whether the tip
 // touches the body that let go can only be told from the next one.
-Pass ContactSearch::pass(const Eigen::Vector3d& tip, std::span<const double> displacement,
-                         const Contact& present, bool pulls) {
-  if (!tip.allFinite()) throw InputError("the probe is not at a finite position");
+template <class Pulls>
+std::span<const Pass> ContactSearch::pass(std::span<const Touch> touches,
+                                          std::span<const double> displacement,
+                                          const Pulls& pulls) {
+  passes_.clear();
+  for (const Touch& touch : touches) {
+    if (!touch.tip.allFinite()) throw InputError("the probe is not at a finite position");
+    passes_.push_back({touch.contact});
+    if (!touch.contact.present()) continue;
+    require_touchable(touch.contact);
+    if (pulls(touch)) passes_.back().event = ContactEvent::released;
+  }
   surface_.update(displacement);
   SearchCost cost;
-  Pass result;
-  if (!present.present()) {
-    result = start(tip, cost);
-  } else if (pulls) {
-    result.event = ContactEvent::released;
-  } else {
-    result = proceed(tip, displacement, present, cost);
+  for (std::size_t i = 0; i < touches.size(); ++i) {
+    Pass& pass = passes_[i];
+    if (pass.event == ContactEvent::released) {
+      pass.contact = Contact{};
+    } else if (touches[i].contact.present()) {
+      pass = proceed(touches[i], displacement, cost);
+    } else {
+      pass = start(touches[i].tip, cost);
+    }
   }
   pass_flops_ = surface_.update_flops() + cost.flops();
-  result.flops = pass_flops_;
-  return result;
+  return passes_;
 }
 
 }  // namespace hvp::collision

@@ -5,22 +5,11 @@
 #include <span>
 #include <vector>
 
+#include "models/collision/contact.h"
 #include "models/collision/contact_settings.h"
 #include "models/collision/deformed_surface.h"
 
 namespace hvp::collision {
-
-// Which node follows the probe and how. node = -1: no contact.
-//
-// The node's prescribed displacement is tip + offset − rest position: see
-// ContactSearch::prescribed_displacement.
-struct Contact {
-  int node = -1;
-  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  // m, along the surface when contact began
-
-  bool present() const { return node >= 0; }
-  friend bool operator==(const Contact&, const Contact&) = default;
-};
 
 enum class ContactEvent {
   none,      // no contact before, none now
@@ -30,15 +19,16 @@ enum class ContactEvent {
   released,  // the tip had begun to pull
 };
 
+// What a pass decided for one probe.
 struct Pass {
   Contact contact;
   ContactEvent event = ContactEvent::none;
-  double flops = 0.0;  // of this pass
 };
 
-// The collision half of the 33 Hz process (thesis §6.2.3): once a pass, decides which node is in
-// contact. The rules and their reasons stand in docs/collision.md. The result is a function of
-// the arguments alone; from one pass to the next nothing is remembered but the cost.
+// The collision half of the 33 Hz process (thesis §6.2.3): once a pass, decides for each probe
+// which node is in contact. No two probes hold one node. The rules and their reasons stand in
+// docs/collision.md. The result is a function of the arguments alone; from one pass to the next
+// nothing is remembered but the cost.
 class ContactSearch {
  public:
   // `anchored`: nodes that are held and cannot be touched, in any order. Throws InputError as
@@ -47,21 +37,21 @@ class ContactSearch {
   ContactSearch(const mesh::TetMesh& mesh, std::span<const int> anchored,
                 const ContactSettings& settings);
 
-  // `tip`: centre of the probe, m. `displacement`: the last known U, x, y, z of every node, m.
-  // `present`: the contact that this U was computed with. `force`: what the tip applies to the
-  // body at that contact (thesis Fig. 3.5c; the patch's sum), N; not looked at without one.
-  // Throws InputError for values that are not finite and for a contact that cannot be.
-  Pass pass(const Eigen::Vector3d& tip, std::span<const double> displacement,
-            const Contact& present, const Eigen::Vector3d& force);
+  // `touches`: the probes' centres, the contacts that `displacement` was computed with, and the
+  // forces at them (thesis Fig. 3.5c; a patch's sum), not looked at without a contact.
+  // `displacement`: the last known U, x, y, z of every node, m. Returns a pass for each, until the
+  // next call. Throws InputError for values that are not finite and for a contact that cannot be.
+  std::span<const Pass> pass(std::span<const Touch> touches, std::span<const double> displacement);
 
   // Where nobody computes forces: the tip pulls once it has brought the contact node's prescribed
   // place off the surface at rest, outwards. To a body at rest with a positive definite compliance
   // the normal forces have that sign; settings().release_force has nothing to be compared with.
-  Pass pass_without_force(const Eigen::Vector3d& tip, std::span<const double> displacement,
-                          const Contact& present);
+  std::span<const Pass> pass_without_force(std::span<const Touch> touches,
+                                           std::span<const double> displacement);
 
-  // A contact that is not to be judged by this U: it stays, the surface follows for the picture.
-  Pass keep(std::span<const double> displacement, const Contact& present);
+  // Contacts that are not to be judged by this U: they stay, the surface follows for the picture.
+  std::span<const Pass> keep(std::span<const Contact> present,
+                             std::span<const double> displacement);
 
   // The displacement that §3.7 prescribes at the contact node, and at every node of its patch.
   Eigen::Vector3d prescribed_displacement(const Contact& contact, const Eigen::Vector3d& tip) const;
@@ -82,11 +72,14 @@ class ContactSearch {
 
  private:
   void require_touchable(const Contact& present) const;
-  Pass pass(const Eigen::Vector3d& tip, std::span<const double> displacement,
-            const Contact& present, bool pulls);
+  bool pulls(const Touch& touch) const;
+  bool pulls_off(const Touch& touch) const;
+  template <class Pulls>
+  std::span<const Pass> pass(std::span<const Touch> touches, std::span<const double> displacement,
+                             const Pulls& pulls);
   Pass start(const Eigen::Vector3d& tip, SearchCost& cost) const;
-  Pass proceed(const Eigen::Vector3d& tip, std::span<const double> displacement,
-               const Contact& present, SearchCost& cost);
+  Pass proceed(const Touch& touch, std::span<const double> displacement, SearchCost& cost);
+  bool is_free(int node) const;
   Eigen::Vector3d undragged(int node, const Eigen::Vector3d& displacement) const;
   Eigen::Vector3d grip_offset(const Eigen::Vector3d& node_position, const Eigen::Vector3d& tip,
                               const Eigen::Vector3d& normal) const;
@@ -95,9 +88,9 @@ class ContactSearch {
   ContactSettings settings_;
   DeformedSurface surface_;
   std::vector<std::uint8_t> anchored_;  // one a node of the mesh
-  std::vector<std::uint8_t> excluded_;  // anchored, and during a pass prescribed
   std::vector<int> patch_begin_;        // a node's patch in patch_; without a radius empty
   std::vector<int> patch_;
+  std::vector<Pass> passes_;  // one a probe
   double pass_flops_ = 0.0;
 };
 

@@ -52,7 +52,7 @@ double power_iteration(std::size_t size, double tolerance, const Apply& apply) {
 
 }  // namespace
 
-Spectrum extreme_eigenvalues(const sparse::BlockMatrix& a, const ReferenceSolver& solver,
+Spectrum extreme_eigenvalues(const sparse::BlockMatrix& a, const DirectSolver& solver,
                              double tolerance) {
   if (!solver.positive_definite()) {
     throw InputError(fmt::format("the matrix is not positive definite ({} negative eigenvalues)",

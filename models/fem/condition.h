@@ -1,6 +1,6 @@
 #pragma once
 
-#include "models/fem/reference_solver.h"
+#include "models/fem/direct_solver.h"
 #include "models/sparse/block_matrix.h"
 
 namespace hvp::fem {
@@ -16,7 +16,7 @@ struct Spectrum {
 // fixed start vector, until Rayleigh's quotient moves by less than `tolerance` relative to
 // itself in a step, 1000 steps at most. The true ends lie outside the returned interval by a few
 // times the tolerance. Throws InputError if A is not positive definite.
-Spectrum extreme_eigenvalues(const sparse::BlockMatrix& a, const ReferenceSolver& solver,
+Spectrum extreme_eigenvalues(const sparse::BlockMatrix& a, const DirectSolver& solver,
                              double tolerance = 1e-5);
 
 }  // namespace hvp::fem

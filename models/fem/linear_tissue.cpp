@@ -41,9 +41,8 @@ std::span<const double> LinearTissue::velocity() const {
 }
 
 void LinearTissue::hold(const Hold& hold) {
-  contact_.assign(hold.nodes.begin(), hold.nodes.end());
-  let_go_.assign(hold.let_go.begin(), hold.let_go.end());
-  hold_operations_ = 6.0 * static_cast<double>(let_go_.size());
+  held_.keep(hold);
+  hold_operations_ = 6.0 * static_cast<double>(hold.let_go.size());
   if (newmark_) {
     hold_operations_ += newmark_->hold_flops(hold);
     // The frame before had no solution: its nodes may be held no longer.
@@ -55,16 +54,18 @@ void LinearTissue::hold(const Hold& hold) {
   }
   if (effort_ == Effort::counted) return;
   if (newmark_) newmark_->hold(hold, f_);
-  if (let_go_.empty()) return;
+  if (hold.let_go.empty()) return;
   std::ranges::copy(f_, loaded_.begin());
-  forces_.add_to(let_go_, loaded_);
+  forces_.add_to(hold.let_go, loaded_);
 }
 
-Eigen::Vector3d LinearTissue::force(std::span<const double> u) {
-  if (effort_ == Effort::counted) return Eigen::Vector3d::Zero();
-  Eigen::Vector3d fading = forces_.sum(let_go_);
-  if (contact_.empty()) return fading;
-  return constraint_.reaction(u, f_, contact_, forces_) + fading;
+void LinearTissue::forces(std::span<const double> u, std::span<Eigen::Vector3d> of_probes) {
+  if (effort_ == Effort::counted) {
+    std::ranges::fill(of_probes, Eigen::Vector3d::Zero());
+    return;
+  }
+  if (!held_.nodes().empty()) constraint_.reaction(u, f_, held_.nodes(), forces_);
+  forces_.sum(held_.hold(), of_probes);
 }
 
 void LinearTissue::advance(std::span<const double> u) {
@@ -75,8 +76,9 @@ void LinearTissue::advance(std::span<const double> u) {
 }
 
 double LinearTissue::force_operations() const {
-  const double fading = 6.0 * static_cast<double>(let_go_.size());
-  return contact_.empty() ? fading : fading + constraint_.reaction_flops(contact_);
+  const Hold hold = held_.hold();
+  const double fading = 6.0 * static_cast<double>(hold.let_go.size());
+  return hold.present() ? fading + constraint_.reaction_flops(hold.nodes) : fading;
 }
 
 double LinearTissue::advance_operations() const {

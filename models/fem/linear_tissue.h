@@ -29,9 +29,11 @@ class LinearTissue final : public Tissue {
   const ContactConstraint& constraint() const override { return constraint_; }
 
   void hold(const Hold& hold) override;
-  std::span<const double> load() const override { return let_go_.empty() ? f_ : loaded_; }
+  std::span<const double> load() const override {
+    return held_.hold().let_go.empty() ? f_ : loaded_;
+  }
   std::span<const double> external_force() const override { return f_; }
-  Eigen::Vector3d force(std::span<const double> u) override;
+  void forces(std::span<const double> u, std::span<Eigen::Vector3d> of_probes) override;
   void advance(std::span<const double> u) override;
 
   std::span<const double> initial_displacement() const override { return initial_; }
@@ -49,8 +51,7 @@ class LinearTissue final : public Tissue {
   std::optional<Newmark> newmark_;
   sparse::BlockMatrix matrix_;
   ContactConstraint constraint_;
-  std::vector<int> contact_;
-  std::vector<LetGo> let_go_;
+  KeptHold held_;
   HeldForces forces_;
   bool predictors_hold_ = false;  // they were changed by hold() and not used up by advance()
   double hold_operations_ = 0;

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
-#include "models/fem/reference_solver.h"
+#include "models/fem/direct_solver.h"
 
 namespace hvp::fem {
 namespace {
@@ -244,7 +244,7 @@ std::vector<double> consistent_acceleration(const sparse::BlockMatrix& stiffness
   for (std::size_t i = 0; i < rows; ++i) force[i] -= dynamics.rayleigh_stiffness * product[i];
   mass.multiply(v, product);
   for (std::size_t i = 0; i < rows; ++i) force[i] -= dynamics.rayleigh_mass * product[i];
-  ReferenceSolver(mass).solve(force, result);
+  DirectSolver(mass).solve(force, result);
   return result;
 }
 

@@ -9,8 +9,7 @@ namespace {
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 }  // namespace
 
-ReferencePair::ReferencePair(ReferenceSolver& one, ReferenceSolver& other)
-    : one_(one), other_(other) {
+ReferencePair::ReferencePair(DirectSolver& one, DirectSolver& other) : one_(one), other_(other) {
   one.require_regular();
   other.require_regular();
   const int rows = one.rows();

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "models/fem/reference_solver.h"
+#include "models/fem/direct_solver.h"
 
 namespace hvp::fem {
 
@@ -15,7 +15,7 @@ namespace hvp::fem {
 class ReferencePair {
  public:
   // Keeps references to both. Throws InputError where one is singular.
-  ReferencePair(ReferenceSolver& one, ReferenceSolver& other);
+  ReferencePair(DirectSolver& one, DirectSolver& other);
 
   // A right-hand side and where its solution goes; they may be the same.
   struct System {
@@ -23,13 +23,13 @@ class ReferencePair {
     std::span<double> x;
   };
   void solve(const System& one, const System& other);
-  // ReferenceSolver::solve_with_contact() of both.
+  // DirectSolver::solve_with_contact() of both.
   void solve_with_contact(const System& one, const System& other, std::span<const int> patch,
                           std::span<const Eigen::Vector3d> u);
 
  private:
-  ReferenceSolver& one_;
-  ReferenceSolver& other_;
+  DirectSolver& one_;
+  DirectSolver& other_;
   bool alike_ = false;
   std::vector<double> factor_;   // the values of both L, side by side
   std::vector<double> scratch_;  // both, in the permuted order, side by side

@@ -13,7 +13,7 @@ namespace hvp::fem {
 // The soft body as the servo loop has it: in every frame a system A·u = f with the contact's nodes
 // held, for whoever solves it, and what follows from the solution.
 //
-//   hold(hold);  …A·u = load() is solved…  force(u);  advance(u);
+//   hold(hold);  …A·u = load() is solved…  forces(u, …);  advance(u);
 //
 // Indices and vectors are over active nodes, in m and N. Nothing allocates after construction but
 // hold() with more nodes than before.
@@ -33,8 +33,9 @@ class Tissue {
   virtual std::span<const double> load() const = 0;
   // The same without those.
   virtual std::span<const double> external_force() const = 0;
-  // On the body: what holds the contact's nodes, and what is left of the forces of nodes let go.
-  virtual Eigen::Vector3d force(std::span<const double> u) = 0;
+  // On the body, of each probe: what holds its nodes, and what is left of the forces of those that
+  // it let go.
+  virtual void forces(std::span<const double> u, std::span<Eigen::Vector3d> of_probes) = 0;
   // The time step to the next frame's f.
   virtual void advance(std::span<const double> u) = 0;
 
@@ -43,7 +44,7 @@ class Tissue {
   // m/s, of the last advance(); empty for a body without inertia.
   virtual std::span<const double> velocity() const = 0;
 
-  // Additions and multiplications: of the last hold(), of force() with and without the contact at
+  // Additions and multiplications: of the last hold(), of forces() with and without the contact at
   // hand, of advance().
   virtual double hold_operations() const = 0;
   virtual double force_operations() const = 0;

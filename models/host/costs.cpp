@@ -75,12 +75,12 @@ void Host::declare(config::Visitor& v) {
               "assumed; real-time extensions lie between 2 and 20 us"});
   v.quantity("timeout", timeout_s, Dimension::time, config::between(1e-6, 10),
              {"how long the driver waits for the board", "five periods at 500 Hz"});
-  const auto of_solver =
-      v.variant("solver", solver,
-                {{"board", Solver::board}, {"cg", Solver::cg}, {"cholesky", Solver::cholesky}},
-                {"board: the FPGA; cg, cholesky: no board, the host solves in double precision",
-                 "thesis section 6.2.1"});
-  of_solver.only({Solver::cg, Solver::cholesky}, [&] {
+  const auto of_solver = v.variant(
+      "solver", solver,
+      {{"board", SolvedBy::board}, {"cg", SolvedBy::cg}, {"cholesky", SolvedBy::cholesky}},
+      {"board: the FPGA; cg, cholesky: no board, the host solves in double precision",
+       "thesis section 6.2.1"});
+  of_solver.only({SolvedBy::cg, SolvedBy::cholesky}, [&] {
     v.quantity("solver_rate", solver_rate_flops, Dimension::throughput, config::between(0, 1e13),
                {"operations a second of the host's own solve; 0: sustained_rate",
                 "absent: Table 6.3's rate is that of sparse products"});
@@ -122,7 +122,7 @@ void Host::declare(config::Visitor& v) {
 }
 
 void Host::check() const {
-  if (pipeline_depth > 0 && solver != Solver::board) {
+  if (pipeline_depth > 0 && solver != SolvedBy::board) {
     throw InputError("pipeline_depth",
                      "expected 0: without a board nothing solves while the host does other work");
   }

@@ -49,7 +49,7 @@ struct Host {
   double driver_word_s = 0;
   double interrupt_latency_s = 5e-6;
   double timeout_s = 10e-3;
-  Solver solver = Solver::board;
+  SolvedBy solver = SolvedBy::board;
   double solver_rate_flops = 0;  // 0: sustained_rate_flops
   int pipeline_depth = 0;
   double quantum_s = 0;  // how far the servo process' time may run ahead in the simulation

@@ -28,15 +28,15 @@ fixed::Settings settings_of_board(const fixed::System& system, bool refined) {
   return settings;
 }
 
-std::unique_ptr<HostSolve> make_host_solve(Solver solver, const sparse::BlockMatrix& a,
+std::unique_ptr<HostSolve> make_host_solve(SolvedBy solver, const sparse::BlockMatrix& a,
                                            const fixed::Settings& settings) {
   switch (solver) {
-    case Solver::cg:
+    case SolvedBy::cg:
       return std::make_unique<ConjugateGradients>(a, settings.iterations, settings.stop_residual,
                                                   settings.start != fixed::Start::zero);
-    case Solver::cholesky:
+    case SolvedBy::cholesky:
       return std::make_unique<Prefactored>(a);
-    case Solver::board:
+    case SolvedBy::board:
       break;
   }
   return nullptr;
@@ -47,7 +47,7 @@ std::unique_ptr<HostSolve> make_host_solve(Solver solver, const sparse::BlockMat
 FrameComputation::FrameComputation(const fem::Body& body, fem::ContactDiagonal diagonal,
                                    const std::optional<fem::Dynamics>& dynamics,
                                    const fixed::Settings& settings, double period_s,
-                                   const std::optional<Refinement>& refinement, Solver solver,
+                                   const std::optional<Refinement>& refinement, SolvedBy solver,
                                    Effort effort)
     : tissue_(body, diagonal, dynamics, period_s, effort),
       effort_(effort),
@@ -75,19 +75,15 @@ FrameComputation::FrameComputation(const fem::Body& body, fem::ContactDiagonal d
 }
 
 void FrameComputation::set_contact(std::span<const int> patch) {
-  contact_.assign(patch.begin(), patch.end());
-  held_displacement_.assign(patch.size(), Eigen::Vector3d::Zero());
-  let_go_.clear();
-  elapsed_s_ = 0;
-  method_->set_contact(contact_);
+  const std::vector<Eigen::Vector3d> nowhere(patch.size(), Eigen::Vector3d::Zero());
+  held_.keep({patch, nowhere, {}, 0});
+  method_->set_contact(patch);
 }
 
 void FrameComputation::hold(const fem::Hold& hold) {
-  assert(std::ranges::equal(hold.nodes, contact_));
-  std::ranges::copy(hold.displacement, held_displacement_.begin());
-  let_go_.assign(hold.let_go.begin(), hold.let_go.end());
-  elapsed_s_ = hold.elapsed_s;
-  tissue_.hold(held());
+  assert(std::ranges::equal(hold.nodes, contact()));
+  held_.keep(hold);
+  tissue_.hold(hold);
 }
 
 std::vector<Step> FrameComputation::steps() const {

@@ -45,7 +45,7 @@ class FrameComputation {
   FrameComputation(const fem::Body& body, fem::ContactDiagonal diagonal,
                    const std::optional<fem::Dynamics>& dynamics, const fixed::Settings& settings,
                    double period_s, const std::optional<Refinement>& refinement = std::nullopt,
-                   Solver solver = Solver::board, Effort effort = Effort::computed);
+                   SolvedBy solver = SolvedBy::board, Effort effort = Effort::computed);
   FrameComputation(const FrameComputation&) = delete;
   FrameComputation& operator=(const FrameComputation&) = delete;
 
@@ -61,13 +61,13 @@ class FrameComputation {
   bool timing_only() const { return effort_ == Effort::counted; }
   bool dynamic() const { return !tissue_.velocity().empty(); }
 
-  // The nodes that follow the probe, ascending; empty without contact. Nothing holds them yet.
+  // The nodes that follow the probes, ascending; empty without contact. Nothing holds them yet.
   void set_contact(std::span<const int> patch);
-  const std::vector<int>& contact() const { return contact_; }
+  std::span<const int> contact() const { return held_.nodes(); }
 
   // What contact prescribes in this frame; its nodes are those of set_contact(). Copied.
   void hold(const fem::Hold& hold);
-  fem::Hold held() const { return {contact_, held_displacement_, let_go_, elapsed_s_}; }
+  fem::Hold held() const { return held_.hold(); }
 
   void begin() { method_->begin(tissue_.load(), held()); }
   FrameMethod& method() { return *method_; }
@@ -76,9 +76,15 @@ class FrameComputation {
   const RefinedSolve* refined() const { return refined_; }
   const HostSolve* on_host() const { return on_host_; }
 
-  // What the probe applies to the body, N: the forces that hold the contact's nodes, and what is
-  // left of those of nodes let go.
-  Eigen::Vector3d force() { return tissue_.force(displacement()); }
+  // What each probe applies to the body, N: the forces that hold its nodes, and what is left of
+  // those of nodes that it let go.
+  void forces(std::span<Eigen::Vector3d> of_probes) { tissue_.forces(displacement(), of_probes); }
+  // Of the first probe.
+  Eigen::Vector3d force() {
+    Eigen::Vector3d force;
+    forces({&force, 1});
+    return force;
+  }
   // Newmark's update with the accepted solution and the next frame's f̂; nothing when static.
   void update() { tissue_.advance(displacement()); }
 
@@ -105,10 +111,7 @@ class FrameComputation {
   fixed::Settings board_settings_;
   fixed::Scaling scaling_;
   std::int32_t diagonal_word_;
-  std::vector<int> contact_;
-  std::vector<Eigen::Vector3d> held_displacement_;  // one a node of the contact
-  std::vector<fem::LetGo> let_go_;
-  double elapsed_s_ = 0;
+  fem::KeptHold held_;
   std::unique_ptr<FrameMethod> method_;
   const RefinedSolve* refined_ = nullptr;
   const HostSolve* on_host_ = nullptr;

@@ -23,13 +23,13 @@ double product_operations(const sparse::BlockMatrix& a) {
 
 }  // namespace
 
-const char* name(Solver solver) {
+const char* name(SolvedBy solver) {
   switch (solver) {
-    case Solver::board:
+    case SolvedBy::board:
       return "board";
-    case Solver::cg:
+    case SolvedBy::cg:
       return "cg";
-    case Solver::cholesky:
+    case SolvedBy::cholesky:
       return "cholesky";
   }
   return "";
@@ -143,7 +143,7 @@ void Prefactored::solve(std::span<const double> f, std::span<const Eigen::Vector
   operations_ = triangular_operations() + 2 * m * m + 2 * m * solver_.rows();
 }
 
-HostMethod::HostMethod(Solver solver, std::unique_ptr<HostSolve> solve,
+HostMethod::HostMethod(SolvedBy solver, std::unique_ptr<HostSolve> solve,
                        std::span<const double> initial)
     : solver_(solver), solve_(std::move(solve)), u_(initial.begin(), initial.end()) {}
 

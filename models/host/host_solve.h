@@ -6,20 +6,20 @@
 #include <span>
 #include <vector>
 
-#include "models/fem/reference_solver.h"
+#include "models/fem/direct_solver.h"
 #include "models/host/frame_method.h"
 #include "models/sparse/block_matrix.h"
 
 namespace hvp::host {
 
 // Who solves the frame's system. The scenario's key host.solver.
-enum class Solver {
+enum class SolvedBy {
   board,     // the FPGA, in fixed point
   cg,        // the host, conjugate gradients in double precision
   cholesky,  // the host, with factors of A that were made before the first frame
 };
 
-const char* name(Solver solver);
+const char* name(SolvedBy solver);
 
 // A frame's system A·u = f with the contact's nodes where they are held, solved by the host in
 // double precision, and the operations that takes. Vectors are over A's rows, in m and N.
@@ -72,7 +72,7 @@ class ConjugateGradients : public HostSolve {
 };
 
 // Factors of A once, two triangular solves a frame. The contact is an update of rank 3 a node
-// (fem/reference_solver.h): when it moves, three solves a node; in each frame the force that holds
+// (fem/direct_solver.h): when it moves, three solves a node; in each frame the force that holds
 // it in place.
 class Prefactored : public HostSolve {
  public:
@@ -88,7 +88,7 @@ class Prefactored : public HostSolve {
  private:
   double triangular_operations() const;
 
-  fem::ReferenceSolver solver_;
+  fem::DirectSolver solver_;
   std::vector<int> contact_;
   std::vector<double> right_hand_side_;
 };
@@ -96,7 +96,7 @@ class Prefactored : public HostSolve {
 // The host solves each frame, and there is nothing for a board to do.
 class HostMethod final : public FrameMethod {
  public:
-  HostMethod(Solver solver, std::unique_ptr<HostSolve> solve, std::span<const double> initial);
+  HostMethod(SolvedBy solver, std::unique_ptr<HostSolve> solve, std::span<const double> initial);
 
   const HostSolve& solve() const { return *solve_; }
 
@@ -110,7 +110,7 @@ class HostMethod final : public FrameMethod {
   std::vector<Step> steps() const override;
 
  private:
-  Solver solver_;
+  SolvedBy solver_;
   std::unique_ptr<HostSolve> solve_;
   std::span<const double> f_;
   fem::Hold hold_;

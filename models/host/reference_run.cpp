@@ -35,14 +35,15 @@ stability::Flags accuracy_flags(const Reference& settings, const std::optional<d
 
 ReferenceRun::ReferenceRun(const fem::Body& body, const std::optional<fem::Dynamics>& dynamics,
                            double period_s, const sparse::BlockMatrix& true_matrix,
-                           const sparse::BlockMatrix& solved_matrix)
+                           const sparse::BlockMatrix& solved_matrix, std::size_t probes)
     : body_(body),
       constraint_(true_matrix, fem::ContactDiagonal::average),
       solver_(solved_matrix),
       forces_(true_matrix.block_rows()),
       f_(body.load()),
       adjusted_(f_.size()),
-      u_(body.initial_displacement()) {
+      u_(body.initial_displacement()),
+      of_probes_(probes, Eigen::Vector3d::Zero()) {
   if (dynamics) {
     newmark_.emplace(body.stiffness(), body.mass(dynamics->mass), *dynamics, period_s);
     const std::vector<double> rest(u_.size(), 0.0);
@@ -84,7 +85,6 @@ void ReferenceRun::form_rhs(const fem::Hold& hold) {
     newmark_->rhs(body_.load(), f_);
     newmark_->hold(hold, f_);
   }
-  force_ = forces_.sum(hold.let_go);
   std::copy(f_.begin(), f_.end(), adjusted_.begin());
   forces_.add_to(hold.let_go, adjusted_);
   if (hold.present()) put_back_difference(hold);
@@ -109,7 +109,8 @@ void ReferenceRun::put_back_difference(const fem::Hold& hold) {
 }
 
 void ReferenceRun::finish(const fem::Hold& hold) {
-  if (hold.present()) force_ += constraint_.reaction(u_, f_, hold.nodes, forces_);
+  if (hold.present()) constraint_.reaction(u_, f_, hold.nodes, forces_);
+  forces_.sum(hold, of_probes_);
   if (newmark_) newmark_->update(u_);
 }
 

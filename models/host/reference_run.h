@@ -8,11 +8,11 @@
 #include "models/config/declaration.h"
 #include "models/fem/body.h"
 #include "models/fem/contact.h"
+#include "models/fem/direct_solver.h"
 #include "models/fem/dynamics.h"
 #include "models/fem/hold.h"
 #include "models/fem/newmark.h"
 #include "models/fem/reference_pair.h"
-#include "models/fem/reference_solver.h"
 #include "models/stability/flag.h"
 
 namespace hvp::host {
@@ -42,7 +42,8 @@ class ReferenceRun {
   // `true_matrix` is K or Â, with which the host forms the right-hand side and the force in both
   // cases; `solved_matrix` has its pattern. Both references are kept.
   ReferenceRun(const fem::Body& body, const std::optional<fem::Dynamics>& dynamics, double period_s,
-               const sparse::BlockMatrix& true_matrix, const sparse::BlockMatrix& solved_matrix);
+               const sparse::BlockMatrix& true_matrix, const sparse::BlockMatrix& solved_matrix,
+               std::size_t probes = 1);
 
   // One frame with the nodes held that the run holds, where the run holds them. What fades at
   // nodes let go are the reference's own forces.
@@ -53,7 +54,9 @@ class ReferenceRun {
   std::span<const double> velocity() const {
     return newmark_ ? newmark_->velocity() : std::span<const double>();
   }
-  const Eigen::Vector3d& force() const { return force_; }  // N, on the body
+  // N, on the body: of each probe of the last step(), and of the first one.
+  std::span<const Eigen::Vector3d> forces() const { return of_probes_; }
+  const Eigen::Vector3d& force() const { return of_probes_.front(); }
   // Of the matrix without contact.
   bool positive_definite() const { return solver_.positive_definite(); }
   bool singular() const { return solver_.singular(); }
@@ -71,13 +74,13 @@ class ReferenceRun {
   const fem::Body& body_;
   std::optional<fem::Newmark> newmark_;
   fem::ContactConstraint constraint_;  // of the true matrix
-  fem::ReferenceSolver solver_;        // of the solved matrix
+  fem::DirectSolver solver_;           // of the solved matrix
   sparse::BlockMatrix difference_;     // solved − true; empty where they are the same
   fem::HeldForces forces_;
   std::vector<double> f_;
   std::vector<double> adjusted_;
   std::vector<double> u_;
-  Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
+  std::vector<Eigen::Vector3d> of_probes_;
 };
 
 // Two runs whose solved matrices have one pattern, frame by frame beside each other: the same bits

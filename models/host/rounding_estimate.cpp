@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "models/fem/reference_solver.h"
+#include "models/fem/direct_solver.h"
 #include "models/host/deviation.h"
 #include "models/host/reference_run.h"
 
@@ -38,7 +38,7 @@ RoundingEstimate estimate_rounding(const fem::Body& body, const sparse::BlockMat
   const sparse::BlockMatrix resting = stationary_stiffness(k, a, rounded);
   ReferenceRun truth(body, std::nullopt, 0, k, k);
   ReferenceRun words(body, std::nullopt, 0, k, resting);
-  const fem::ReferenceSolver board(rounded);
+  const fem::DirectSolver board(rounded);
 
   RoundingEstimate estimate;
   estimate.positive_definite = board.positive_definite();

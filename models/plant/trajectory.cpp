@@ -30,11 +30,11 @@ std::int64_t checked_picoseconds(double seconds) {
 
 void Segment::declare(config::Visitor& v) {
   v.choice("phase", phase,
-           {{"approach", Phase::approach},
-            {"press", Phase::press},
-            {"hold", Phase::hold},
-            {"slide", Phase::slide},
-            {"release", Phase::release}},
+           {{"approach", Stroke::approach},
+            {"press", Stroke::press},
+            {"hold", Stroke::hold},
+            {"slide", Stroke::slide},
+            {"release", Stroke::release}},
            {.help = "what the user is doing; a hold does not move", .required = true});
   v.vector("to", to, config::Dimension::length, kReach,
            {.help = "where the stroke ends", .required = true});
@@ -46,7 +46,7 @@ void Segment::declare(config::Visitor& v) {
 std::int64_t Segment::duration_ps() const { return checked_picoseconds(duration); }
 
 void Segment::check() const {
-  if (phase == Phase::rest) {
+  if (phase == Stroke::rest) {
     throw InputError("phase", "rest is not a stroke; write hold and a duration");
   }
   if (!to.allFinite()) throw InputError("to", "not a finite position");
@@ -83,7 +83,7 @@ void Trajectory::check() const {
     segment.check();
     const double moved = (segment.to - from).norm();
     // The same place may be written in two units that differ in the last bit.
-    if (segment.phase == Phase::hold && !(moved <= 1.0 / kPosition.counts_per_unit)) {
+    if (segment.phase == Stroke::hold && !(moved <= 1.0 / kPosition.counts_per_unit)) {
       throw InputError(
           fmt::format("motion[{}].to", i),
           fmt::format("a hold does not move, and this one does by {:.6g} mm; expected "
@@ -140,7 +140,7 @@ Eigen::Vector3d Trajectory::velocity(double seconds) const {
   return state_ps(checked_picoseconds(seconds)).velocity;
 }
 
-Phase Trajectory::phase(double seconds) const {
+Stroke Trajectory::phase(double seconds) const {
   return state_ps(checked_picoseconds(seconds)).phase;
 }
 

@@ -11,13 +11,13 @@ namespace hvp::plant {
 
 // What the user is doing. `rest` is before the first and after the last segment; a scenario
 // does not name it.
-enum class Phase { approach, press, hold, slide, release, rest };
+enum class Stroke { approach, press, hold, slide, release, rest };
 
 enum class Interpolation { minimum_jerk, linear };
 
 // One straight stroke of the probe: from where the last one ended to `to`, within `duration`.
 struct Segment {
-  Phase phase = Phase::approach;
+  Stroke phase = Stroke::approach;
   Eigen::Vector3d to = Eigen::Vector3d::Zero();  // m
   double duration = 0.0;                         // s; counts as a whole number of picoseconds
 
@@ -31,7 +31,7 @@ struct Segment {
 struct ProbeState {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s
-  Phase phase = Phase::rest;
+  Stroke phase = Stroke::rest;
 };
 
 // The haptic probe on a prescribed trajectory: scenario table [probe], strokes [[probe.motion]].
@@ -63,7 +63,7 @@ struct Trajectory {
   // These throw InputError where the time is not finite or leaves 64-bit picoseconds (107 days).
   Eigen::Vector3d position(double seconds) const;
   Eigen::Vector3d velocity(double seconds) const;
-  Phase phase(double seconds) const;
+  Stroke phase(double seconds) const;
 
   // The largest speed of the whole motion, m/s.
   double peak_speed() const;

@@ -31,7 +31,7 @@ double relative_error(std::span<const double> u, std::span<const double> exact) 
   return std::sqrt(of_gap / of_exact);
 }
 
-stability::Flags flags_of_errors(const Outcome& outcome, const fixed::Plan& plan) {
+stability::Flags flags_of_errors(const CaseOutcome& outcome, const fixed::Plan& plan) {
   if (plan.passes == 1) {
     host::Reference bounds;
     bounds.tolerance = kBound;

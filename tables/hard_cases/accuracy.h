@@ -14,6 +14,6 @@ double largest_magnitude(std::span<const double> v);
 double relative_error(std::span<const double> u, std::span<const double> exact);
 
 // The flags of the errors of an outcome, as a run with [reference] raises them.
-stability::Flags flags_of_errors(const Outcome& outcome, const fixed::Plan& plan);
+stability::Flags flags_of_errors(const CaseOutcome& outcome, const fixed::Plan& plan);
 
 }  // namespace hvp::tables

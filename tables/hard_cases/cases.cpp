@@ -47,7 +47,7 @@ Body sphere_body(const Solid& solid = {}) {
   return make_body(mesh, solid, lowest_nodes(mesh, kHeld));
 }
 
-std::unique_ptr<Scene> pressed_scene(const Body& body, double poisson_ratio) {
+std::unique_ptr<CaseScene> pressed_scene(const Body& body, double poisson_ratio) {
   auto result = make_scene(pressed(body));
   result->model = flags_of_model(body.mesh, poisson_ratio);
   return result;
@@ -402,7 +402,7 @@ Case refused(std::string name, std::string expected, std::function<void()> make)
           .ending = Ending::refused,
           .flag = std::nullopt,
           .plan = first_plan(),
-          .make = [make = std::move(make)]() -> std::unique_ptr<Scene> {
+          .make = [make = std::move(make)]() -> std::unique_ptr<CaseScene> {
             make();
             return make_scene(pressed(sphere_body()));
           }};

@@ -29,7 +29,7 @@ struct Case {
   // That the first attempt must raise; none where it converges or is refused.
   std::optional<stability::Flag> flag;
   fixed::Plan plan;
-  std::function<std::unique_ptr<Scene>()> make;  // may throw InputError
+  std::function<std::unique_ptr<CaseScene>()> make;  // may throw InputError
 };
 
 struct Group {
@@ -47,15 +47,15 @@ fixed::Plan first_plan();
 struct Trail {
   std::string refusal;
   stability::Flags model;
-  Outcome first;
+  CaseOutcome first;
   std::vector<fixed::Remedy> remedies;
   // The last attempt. Where it converged, with as few iterations and passes as converge with its
   // words and scaling: a remedy once taken may not be needed any more after the next one.
   fixed::Plan plan;
-  Outcome last;
+  CaseOutcome last;
   bool converged = false;
   int attempts = 0;
-  std::unique_ptr<Scene> scene;  // none where its model was refused
+  std::unique_ptr<CaseScene> scene;  // none where its model was refused
 };
 
 Trail follow(const Case& hard_case);

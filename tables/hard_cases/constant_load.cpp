@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "models/fem/body.h"
+#include "models/fem/direct_solver.h"
 #include "models/fem/newmark.h"
-#include "models/fem/reference_solver.h"
 #include "models/fem/structured_box.h"
 #include "models/fixed/word.h"
 #include "models/mesh/region.h"
@@ -80,7 +80,7 @@ ConstantLoad watch(int frames, std::span<const double> exact, double unit,
 
 Vector solution(const sparse::BlockMatrix& matrix, const Vector& load) {
   Vector u(load.size());
-  fem::ReferenceSolver(matrix).solve(load, u);
+  fem::DirectSolver(matrix).solve(load, u);
   return u;
 }
 

@@ -16,19 +16,19 @@ Trail follow(const Case& hard_case) {
     trail.refusal = error.what();
     return trail;
   }
-  Scene& scene = *trail.scene;
+  CaseScene& scene = *trail.scene;
   trail.model = scene.model;
   trail.first = scene.attempt(trail.plan);
   trail.last = trail.first;
   trail.refusal = trail.first.refusal;
   ++trail.attempts;
-  const auto trial = [](const Outcome& outcome) {
+  const auto trial = [](const CaseOutcome& outcome) {
     return fixed::Trial{.refused = !outcome.refusal.empty(), .flags = outcome.flags()};
   };
   // The displacements are those of the double-precision solution: no plan changes them.
   const fixed::Extent extent{.largest_displacement = trail.first.largest_displacement};
   const fixed::Attempt attempt = [&](const fixed::Plan& plan) {
-    const Outcome outcome = scene.attempt(plan);
+    const CaseOutcome outcome = scene.attempt(plan);
     // Of plans that are only faster, those that fail are left aside.
     if (!trail.last.converged() || outcome.converged()) trail.last = outcome;
     return trial(outcome);

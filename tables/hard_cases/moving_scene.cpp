@@ -15,7 +15,7 @@ namespace {
 
 using Vector = std::vector<double>;
 
-class MovingScene final : public Scene {
+class MovingScene final : public CaseScene {
  public:
   explicit MovingScene(Motion motion)
       : motion_(std::move(motion)),
@@ -23,7 +23,7 @@ class MovingScene final : public Scene {
         exact_(trajectory(matrix_)) {}
 
   const sparse::BlockMatrix& matrix() const override { return matrix_; }
-  Outcome attempt(const fixed::Plan& plan) override;
+  CaseOutcome attempt(const fixed::Plan& plan) override;
 
  private:
   fem::Newmark newmark() const {
@@ -58,8 +58,8 @@ std::vector<Vector> MovingScene::trajectory(const sparse::BlockMatrix& solved) c
   return result;
 }
 
-Outcome MovingScene::attempt(const fixed::Plan& plan) {
-  Outcome outcome;
+CaseOutcome MovingScene::attempt(const fixed::Plan& plan) {
+  CaseOutcome outcome;
   fem::Newmark newmark = this->newmark();
   Board board(matrix_, plan);
   outcome.matrix = flags_of_matrix(board.system());
@@ -91,7 +91,7 @@ Outcome MovingScene::attempt(const fixed::Plan& plan) {
 
 }  // namespace
 
-std::unique_ptr<Scene> make_scene(Motion motion) {
+std::unique_ptr<CaseScene> make_scene(Motion motion) {
   return std::make_unique<MovingScene>(std::move(motion));
 }
 

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "models/fem/condition.h"
-#include "models/fem/reference_solver.h"
+#include "models/fem/direct_solver.h"
 #include "models/stability/flag.h"
 #include "tables/hard_cases/cases.h"
 #include "tables/hard_cases/constant_load.h"
@@ -92,7 +92,7 @@ void append(std::string& list, const std::string& more) {
 }
 
 // Each flag where it is seen first: in the words, at set-up, against the reference.
-std::string flags_of(const Outcome& outcome, Flags model) {
+std::string flags_of(const CaseOutcome& outcome, Flags model) {
   Flags known = outcome.words;
   std::string text = names(known, "");
   append(text, names(without(outcome.matrix, known), " (set-up)"));
@@ -102,7 +102,7 @@ std::string flags_of(const Outcome& outcome, Flags model) {
   return text.empty() ? "none" : text;
 }
 
-std::string errors_of(const Outcome& outcome) {
+std::string errors_of(const CaseOutcome& outcome) {
   return scientific(outcome.error_true) + " / " +
          (outcome.error_rounded ? scientific(*outcome.error_rounded) : "–");
 }
@@ -131,7 +131,7 @@ std::string remedy_of(const Case& hard_case, const Trail& trail) {
 // Of the system without contact, in double precision.
 std::string condition_of(const sparse::BlockMatrix& matrix) {
   constexpr double kTwoDigits = 1e-3;
-  const fem::ReferenceSolver solver(matrix);
+  const fem::DirectSolver solver(matrix);
   return scientific(fem::extreme_eigenvalues(matrix, solver, kTwoDigits).condition());
 }
 

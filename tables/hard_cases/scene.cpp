@@ -7,14 +7,14 @@ namespace hvp::tables {
 using stability::Flag;
 using stability::Flags;
 
-Flags Outcome::flags() const {
+Flags CaseOutcome::flags() const {
   Flags all = words;
   all.merge(matrix);
   all.merge(reference);
   return all;
 }
 
-Flags Scene::flags_of_matrix(const fixed::System& system) {
+Flags CaseScene::flags_of_matrix(const fixed::System& system) {
   const auto key = std::pair(system.matrix.bits, system.settings.matrix_scaling);
   const auto found = known_.find(key);
   if (found != known_.end()) return found->second;

@@ -24,7 +24,7 @@ namespace hvp::tables {
 inline constexpr double kBound = 1e-2;
 
 // One attempt with one plan.
-struct Outcome {
+struct CaseOutcome {
   std::string refusal;  // what the host said instead of solving; empty: it solved
   // ‖u - u_ref‖ / ‖u_ref‖; of a motion the mean over the frames, over the largest norm. Below the
   // least normal number everything counts as zero.
@@ -40,10 +40,10 @@ struct Outcome {
   bool converged() const { return refusal.empty() && flags().empty() && error_true <= kBound; }
 };
 
-class Scene {
+class CaseScene {
  public:
-  virtual ~Scene() = default;
-  virtual Outcome attempt(const fixed::Plan& plan) = 0;
+  virtual ~CaseScene() = default;
+  virtual CaseOutcome attempt(const fixed::Plan& plan) = 0;
   // A, as the host has it.
   virtual const sparse::BlockMatrix& matrix() const = 0;
 
@@ -69,7 +69,7 @@ struct Problem {
   double diagonal = 0;
 };
 
-std::unique_ptr<Scene> make_scene(Problem problem);
+std::unique_ptr<CaseScene> make_scene(Problem problem);
 
 // A body under Newmark's rule. The contact is at u_c · min(1, 2·frame/frames), frames from 1.
 struct Motion {
@@ -82,6 +82,6 @@ struct Motion {
   bool (*touches)(int frame) = nullptr;
 };
 
-std::unique_ptr<Scene> make_scene(Motion motion);
+std::unique_ptr<CaseScene> make_scene(Motion motion);
 
 }  // namespace hvp::tables

@@ -4,7 +4,7 @@
 
 #include "models/config/input_error.h"
 #include "models/fem/contact.h"
-#include "models/fem/reference_solver.h"
+#include "models/fem/direct_solver.h"
 #include "tables/hard_cases/accuracy.h"
 #include "tables/hard_cases/board.h"
 #include "tables/hard_cases/scene.h"
@@ -35,12 +35,12 @@ Problem constrained(const Problem& problem) {
   return result;
 }
 
-class StaticScene final : public Scene {
+class StaticScene final : public CaseScene {
  public:
   explicit StaticScene(Problem problem) : problem_(std::move(problem)) {}
 
   const sparse::BlockMatrix& matrix() const override { return problem_.matrix; }
-  Outcome attempt(const fixed::Plan& plan) override;
+  CaseOutcome attempt(const fixed::Plan& plan) override;
 
  private:
   const Vector& exact();
@@ -54,7 +54,7 @@ class StaticScene final : public Scene {
 const Vector& StaticScene::exact() {
   if (!exact_.empty()) return exact_;
   exact_.resize(problem_.load.size());
-  fem::ReferenceSolver reference(problem_.matrix);
+  fem::DirectSolver reference(problem_.matrix);
   if (problem_.contact.empty()) {
     reference.solve(problem_.load, exact_);
   } else {
@@ -66,7 +66,7 @@ const Vector& StaticScene::exact() {
 // The solution of the system that the board has, of the load that the host forms.
 std::optional<Vector> StaticScene::solve_rounded(const Board& board) const {
   const fixed::System& system = board.system();
-  const fem::ReferenceSolver reference(fixed::dequantise(system.matrix));
+  const fem::DirectSolver reference(fixed::dequantise(system.matrix));
   if (reference.singular()) return std::nullopt;
   Vector u(problem_.load.size());
   board.modified_load(problem_.load, problem_.displacement, u);
@@ -76,8 +76,8 @@ std::optional<Vector> StaticScene::solve_rounded(const Board& board) const {
   return u;
 }
 
-Outcome StaticScene::attempt(const fixed::Plan& plan) {
-  Outcome outcome;
+CaseOutcome StaticScene::attempt(const fixed::Plan& plan) {
+  CaseOutcome outcome;
   try {
     Board board(problem_.matrix, plan);
     board.set_contact(problem_.contact);
@@ -99,7 +99,7 @@ Outcome StaticScene::attempt(const fixed::Plan& plan) {
 
 }  // namespace
 
-std::unique_ptr<Scene> make_scene(Problem problem) {
+std::unique_ptr<CaseScene> make_scene(Problem problem) {
   if (problem.diagonal > 0) problem = constrained(problem);
   return std::make_unique<StaticScene>(std::move(problem));
 }

@@ -6,7 +6,7 @@
 
 #include "models/fem/body.h"
 #include "models/fem/condition.h"
-#include "models/fem/reference_solver.h"
+#include "models/fem/direct_solver.h"
 #include "models/fixed/kernel.h"
 #include "models/fixed/system.h"
 #include "models/fixed/word.h"
@@ -52,12 +52,12 @@ ThesisMesh make_mesh(mesh::MeshSettings::Shape shape, int wanted_nodes) {
   result.stiffness =
       fem::Body(mesh, material, mesh::select_nodes(held, mesh), fem::AnchorTreatment::removed)
           .stiffness();
-  result.solver = std::make_unique<fem::ReferenceSolver>(result.stiffness);
+  result.solver = std::make_unique<fem::DirectSolver>(result.stiffness);
   result.condition = fem::extreme_eigenvalues(result.stiffness, *result.solver).condition();
   const sparse::BlockMatrix rounded =
       fixed::dequantise(fixed::quantise(result.stiffness, kThesisMatrixBits));
   result.condition_rounded =
-      fem::extreme_eigenvalues(rounded, fem::ReferenceSolver(rounded)).condition();
+      fem::extreme_eigenvalues(rounded, fem::DirectSolver(rounded)).condition();
   return result;
 }
 
@@ -84,7 +84,7 @@ Experiment make_experiment(const ThesisMesh& mesh, const fixed::Settings& settin
   e.b.resize(size);
   if (load == Load::random) {
     e.x_rounded.resize(size);
-    fem::ReferenceSolver(e.integers).solve(drawn, e.x_rounded);
+    fem::DirectSolver(e.integers).solve(drawn, e.x_rounded);
   } else {
     e.x_rounded = drawn;
   }

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "models/fem/reference_solver.h"
+#include "models/fem/direct_solver.h"
 #include "models/fixed/settings.h"
 #include "models/sparse/block_matrix.h"
 #include "models/stability/flag.h"
@@ -24,11 +24,11 @@ inline constexpr std::array<double, 6> kThesisPcg = {1.7e-2, 1.1e-2, 2.4e-3,
 // A body by TetGen, ν = 0.3, the lowest 15 % of its nodes held.
 struct ThesisMesh {
   std::string name;
-  int nodes = 0;                                 // of the mesh
-  sparse::BlockMatrix stiffness;                 // the held nodes are removed
-  std::unique_ptr<fem::ReferenceSolver> solver;  // of the stiffness
-  double condition = 0;                          // of the stiffness
-  double condition_rounded = 0;                  // of the same in 12 bits
+  int nodes = 0;                              // of the mesh
+  sparse::BlockMatrix stiffness;              // the held nodes are removed
+  std::unique_ptr<fem::DirectSolver> solver;  // of the stiffness
+  double condition = 0;                       // of the stiffness
+  double condition_rounded = 0;               // of the same in 12 bits
 };
 
 // Three spheres and three cubes.

@@ -62,7 +62,7 @@ class DeformationTest : public testing::Test {
       von_mises_.push_back(static_cast<double>(e) + 0.5);
     info_.probe_position_m = {0.01, -0.02, 0.06};
     info_.probe_radius_m = 0.004;
-    info_.contact_node = 5;
+    info_.contact_nodes = contact_;
     info_.contact_force_N = {0.1, 0.2, 0.3};
     info_.strain = strain_;
     info_.stress_Pa = stress_;
@@ -73,7 +73,7 @@ class DeformationTest : public testing::Test {
     DeformationWriter writer(directory, mesh_, anchors_);
     writer.write(0.002, 1, displacement_, info_);
     StepInfo apart = info_;
-    apart.contact_node = -1;
+    apart.contact_nodes = {};
     writer.write(0.1, 50, displacement_, apart);
     writer.finish();
   }
@@ -82,6 +82,7 @@ class DeformationTest : public testing::Test {
   mesh::TetMesh mesh_;
   std::vector<int> anchors_;
   std::vector<double> displacement_, strain_, stress_, von_mises_;
+  std::vector<int> contact_ = {5};
   StepInfo info_;
 };
 
@@ -219,9 +220,10 @@ TEST_F(DeformationTest, RefusesWhatDoesNotFitTheMesh) {
   const std::span<const double> u(displacement_);
   EXPECT_THROW(writer.write(0.0, 0, u.first(u.size() - 1), info_), std::invalid_argument);
   StepInfo wrong = info_;
-  wrong.contact_node = beyond[0];
+  wrong.contact_nodes = beyond;
   EXPECT_THROW(writer.write(0.0, 0, u, wrong), std::invalid_argument);
-  wrong.contact_node = -2;
+  const std::vector<int> before = {-2};
+  wrong.contact_nodes = before;
   EXPECT_THROW(writer.write(0.0, 0, u, wrong), std::invalid_argument);
   wrong = info_;
   wrong.strain = wrong.strain.first(6);

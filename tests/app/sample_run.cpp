@@ -77,12 +77,13 @@ void write_deformation(const std::filesystem::path& directory, const RunShape& s
   results::DeformationWriter writer(directory, mesh, anchors);
   for (int frame = 0; frame < shape.frames; frame += shape.step_every) {
     const double press = pressed_share(frame, shape.frames);
+    const int contact = static_cast<int>(top - mesh.nodes.begin());
     results::StepInfo info;
     info.probe_position_m =
         *top + Eigen::Vector3d(0.0, 0.0, kProbeRadius - kDepth * press + (press > 0 ? 0 : 0.01));
     info.probe_radius_m = kProbeRadius;
     if (press > 0) {
-      info.contact_node = static_cast<int>(top - mesh.nodes.begin());
+      info.contact_nodes = {&contact, 1};
       info.contact_force_N = Eigen::Vector3d(0.02, 0.0, 1.2) * press;
     }
     info.strain = tensors;

@@ -1,12 +1,14 @@
+#include "models/collision/contact_search.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "models/collision/contact_search.h"
 #include "models/config/input_error.h"
 #include "tests/collision/shapes.h"
 
@@ -19,6 +21,18 @@ constexpr double kSpacing = 0.010;
 constexpr double kTop = 0.030;
 const Vector3d kPress(0.0, 0.0, -1.0);
 const Vector3d kPull(0.0, 0.0, 1.0);
+
+Pass one_pass(ContactSearch& search, const Vector3d& tip, const std::vector<double>& u,
+              const Contact& contact, const Vector3d& force) {
+  const Touch touch{tip, contact, force};
+  return search.pass({&touch, 1}, u).front();
+}
+
+Pass one_pass_without_force(ContactSearch& search, const Vector3d& tip,
+                            const std::vector<double>& u, const Contact& contact) {
+  const Touch touch{.tip = tip, .contact = contact};
+  return search.pass_without_force({&touch, 1}, u).front();
+}
 
 // A block of 60 × 60 × 30 mm with nodes every 10 mm, held at the bottom. It deforms as if made
 // of loose grains: the prescribed nodes follow the probe and no other node moves.
@@ -56,7 +70,7 @@ struct Block {
   }
   // One pass, then the body follows.
   ContactEvent step(ContactSearch& search, const Vector3d& tip, const Vector3d& force) {
-    const Pass pass = search.pass(tip, u, contact, force);
+    const Pass pass = one_pass(search, tip, u, contact, force);
     contact = pass.contact;
     deform(search, tip);
     return pass.event;
@@ -79,11 +93,11 @@ TEST(ContactSearch, IsAgainstTheDeformedSurface) {
   Block block;
   ContactSearch search = block.search();
   const Vector3d tip(0.022, 0.031, kTop + 5e-4);
-  EXPECT_EQ(search.pass(tip, block.u, {}, kPress).event, ContactEvent::none);
+  EXPECT_EQ(one_pass(search, tip, block.u, {}, kPress).event, ContactEvent::none);
   for (std::size_t i = 2; i < block.u.size(); i += 3) block.u[i] = 1e-3;  // the body swells
-  EXPECT_EQ(search.pass(tip, block.u, {}, kPress).event, ContactEvent::started);
+  EXPECT_EQ(one_pass(search, tip, block.u, {}, kPress).event, ContactEvent::started);
   for (std::size_t i = 2; i < block.u.size(); i += 3) block.u[i] = -1e-3;
-  EXPECT_EQ(search.pass({0.022, 0.031, kTop - 5e-4}, block.u, {}, kPress).event,
+  EXPECT_EQ(one_pass(search, {0.022, 0.031, kTop - 5e-4}, block.u, {}, kPress).event,
             ContactEvent::none);
 }
 
@@ -239,7 +253,8 @@ TEST(ContactSearch, WithoutForcesEndsWhereTheTipHasLeftTheBodyAtRest) {
   ContactSearch search = block.search(settings);
   Contact contact;
   const auto event = [&](double height) {
-    const Pass pass = search.pass_without_force({0.022, 0.031, kTop + height}, block.u, contact);
+    const Pass pass =
+        one_pass_without_force(search, {0.022, 0.031, kTop + height}, block.u, contact);
     contact = pass.contact;
     return pass.event;
   };
@@ -256,12 +271,12 @@ TEST(ContactSearch, WithoutForcesEndsWhereTheTipHasLeftTheBodyAtRest) {
 TEST(ContactSearch, WithoutForcesSlidesToTheNodeThatIsNearer) {
   const Block block;
   ContactSearch search = block.search();
-  Contact contact = search.pass_without_force({0.02, 0.03, kTop - 1e-3}, block.u, {}).contact;
-  const Pass pass = search.pass_without_force({0.028, 0.03, kTop - 1e-3}, block.u, contact);
+  Contact contact = one_pass_without_force(search, {0.02, 0.03, kTop - 1e-3}, block.u, {}).contact;
+  const Pass pass = one_pass_without_force(search, {0.028, 0.03, kTop - 1e-3}, block.u, contact);
   EXPECT_EQ(pass.event, ContactEvent::slid);
   EXPECT_EQ(pass.contact.node, block.node_at({0.03, 0.03, kTop}));
   contact.node = block.node_at({0.02, 0.03, 0});
-  EXPECT_THROW(search.pass_without_force({0.02, 0.03, kTop}, block.u, contact), InputError);
+  EXPECT_THROW(one_pass_without_force(search, {0.02, 0.03, kTop}, block.u, contact), InputError);
 }
 
 TEST(ContactSearch, GoesThroughAPressASlideAndARelease) {
@@ -299,7 +314,7 @@ TEST(ContactSearch, NeverTouchesAnAnchoredNode) {
   const int nearest = block.node_at({0.02, 0.03, kTop});
   block.anchored.push_back(nearest);
   ContactSearch corner_held = block.search();
-  EXPECT_EQ(corner_held.pass(tip, block.u, {}, kPress).contact.node,
+  EXPECT_EQ(one_pass(corner_held, tip, block.u, {}, kPress).contact.node,
             block.node_at({0.03, 0.03, kTop}));
 
   for (std::size_t i = 0; i < block.mesh.nodes.size(); ++i) {
@@ -308,7 +323,7 @@ TEST(ContactSearch, NeverTouchesAnAnchoredNode) {
     }
   }
   ContactSearch top_held = block.search();
-  const Pass pass = top_held.pass(tip, block.u, {}, kPress);
+  const Pass pass = one_pass(top_held, tip, block.u, {}, kPress);
   EXPECT_EQ(pass.event, ContactEvent::none);
   EXPECT_FALSE(pass.contact.present());
 
@@ -330,13 +345,13 @@ TEST(ContactSearch, RefusesWhatCannotBe) {
   ContactSearch search = block.search();
   const Vector3d tip(0.022, 0.031, kTop - 2e-4);
   const Vector3d nowhere(std::nan(""), 0.0, 0.0);
-  EXPECT_THROW(search.pass(nowhere, block.u, {}, kPress), InputError);
-  EXPECT_THROW(search.pass(tip, std::vector<double>(5), {}, kPress), InputError);
-  EXPECT_THROW(search.pass(tip, block.u, {.node = block.anchored[0]}, kPress), InputError);
-  EXPECT_THROW(search.pass(tip, block.u, {.node = 100'000}, kPress), InputError);
+  EXPECT_THROW(one_pass(search, nowhere, block.u, {}, kPress), InputError);
+  EXPECT_THROW(one_pass(search, tip, std::vector<double>(5), {}, kPress), InputError);
+  EXPECT_THROW(one_pass(search, tip, block.u, {.node = block.anchored[0]}, kPress), InputError);
+  EXPECT_THROW(one_pass(search, tip, block.u, {.node = 100'000}, kPress), InputError);
   const int top = block.node_at({0.02, 0.03, kTop});
-  EXPECT_THROW(search.pass(tip, block.u, {.node = top}, nowhere), InputError);
-  EXPECT_NO_THROW(search.pass(tip, block.u, {}, nowhere));  // not looked at without a contact
+  EXPECT_THROW(one_pass(search, tip, block.u, {.node = top}, nowhere), InputError);
+  EXPECT_NO_THROW(one_pass(search, tip, block.u, {}, nowhere));  // not looked at without a contact
   EXPECT_THROW(search.prescribed_displacement({}, tip), InputError);
   EXPECT_THROW(search.patch(block.anchored[0]), InputError);
 
@@ -429,21 +444,57 @@ TEST(PassFlops, CountTheUpdateAndWhatWasTried) {
   ContactSearch large(fine, std::vector<int>{}, {});
   // Before the first pass a guess that a pass then confirms within a factor of two.
   const double guess = large.pass_flops();
-  const Pass pass = large.pass({0.0, 0.0, 0.0499}, std::vector<double>(3 * fine.nodes.size()), {},
-                               Vector3d::Zero());
-  EXPECT_EQ(pass.event, ContactEvent::started);
-  EXPECT_EQ(pass.flops, large.pass_flops());
-  EXPECT_GT(pass.flops, large.surface().update_flops());
-  EXPECT_LT(pass.flops, 2.0 * guess);
-  EXPECT_GT(pass.flops, 0.5 * guess);
+  const std::vector<double> rest(3 * fine.nodes.size());
+  const auto touch = [&] { return one_pass(large, {0, 0, 0.0499}, rest, {}, Vector3d::Zero()); };
+  EXPECT_EQ(touch().event, ContactEvent::started);
+  const double flops = large.pass_flops();
+  EXPECT_GT(flops, large.surface().update_flops());
+  EXPECT_LT(flops, 2.0 * guess);
+  EXPECT_GT(flops, 0.5 * guess);
   // Refitting dominates and grows with the surface: sixteen times the triangles.
   EXPECT_NEAR(guess / small.pass_flops(), 16.0, 2.0);
   // The same question costs the same.
-  EXPECT_EQ(large
-                .pass({0.0, 0.0, 0.0499}, std::vector<double>(3 * fine.nodes.size()), {},
-                      Vector3d::Zero())
-                .flops,
-            pass.flops);
+  touch();
+  EXPECT_EQ(large.pass_flops(), flops);
+}
+
+// Each as if it were alone, in one pass.
+TEST(SeveralProbes, AreSearchedForEachByItself) {
+  Block block;
+  ContactSearch search = block.search();
+  const Contact held{.node = block.node_at({0.05, 0.05, kTop})};
+  const std::vector<Touch> touches = {{.tip = {0.012, 0.011, kTop - 1e-3}},
+                                      {.tip = {0.03, 0.03, kTop + 1e-3}},
+                                      {.tip = {0.05, 0.05, kTop}, .contact = held, .force = kPull}};
+  const std::span<const Pass> passes = search.pass(touches, block.u);
+  ASSERT_EQ(passes.size(), 3U);
+  EXPECT_EQ(passes[0].event, ContactEvent::started);
+  EXPECT_EQ(passes[0].contact.node, block.node_at({0.01, 0.01, kTop}));
+  EXPECT_EQ(passes[1].event, ContactEvent::none);
+  EXPECT_EQ(passes[2].event, ContactEvent::released);
+  EXPECT_FALSE(passes[2].contact.present());
+}
+
+// Two probes at one place: the first takes the nearest node, the second the next one, and a probe
+// that slides does not take a node that is held.
+TEST(SeveralProbes, DoNotHoldOneNode) {
+  Block block;
+  ContactSearch search = block.search();
+  const Vector3d place(0.021, 0.031, kTop - 1e-3);
+  const std::vector<Touch> touches = {{.tip = place}, {.tip = place}};
+  const std::span<const Pass> passes = search.pass(touches, block.u);
+  const int nearest = block.node_at({0.02, 0.03, kTop});
+  EXPECT_EQ(passes[0].contact.node, nearest);
+  EXPECT_TRUE(passes[1].contact.present());
+  EXPECT_NE(passes[1].contact.node, nearest);
+
+  const int beside = block.node_at({0.04, 0.03, kTop});
+  const std::vector<Touch> slides = {{.tip = place, .contact = {.node = nearest}, .force = kPress},
+                                     {.tip = place, .contact = {.node = beside}, .force = kPress}};
+  const std::span<const Pass> after = search.pass(slides, block.u);
+  EXPECT_EQ(after[0].event, ContactEvent::held);
+  EXPECT_EQ(after[1].event, ContactEvent::slid);
+  EXPECT_NE(after[1].contact.node, nearest);
 }
 
 }  // namespace

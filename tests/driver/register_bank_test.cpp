@@ -13,9 +13,9 @@
 namespace {
 
 using hvp::vp::Access;
+using hvp::vp::AccessResult;
 using hvp::vp::Aperture;
 using hvp::vp::Command;
-using hvp::vp::Outcome;
 using hvp::vp::Register;
 using hvp::vp::RegisterBank;
 namespace field = hvp::vp::field;
@@ -28,10 +28,10 @@ class Bank : public ::testing::Test {
   static std::uint32_t offset(Aperture aperture) {
     return hvp::vp::kApertures[static_cast<std::size_t>(aperture)].offset;
   }
-  Outcome write(std::uint64_t at, std::vector<std::uint32_t> words) {
+  AccessResult write(std::uint64_t at, std::vector<std::uint32_t> words) {
     return bank.write(at, {reinterpret_cast<std::uint8_t*>(words.data()), 4 * words.size()});
   }
-  Outcome read(std::uint64_t at, std::size_t words = 1) {
+  AccessResult read(std::uint64_t at, std::size_t words = 1) {
     got.assign(words, 0);
     return bank.read(at, {reinterpret_cast<std::uint8_t*>(got.data()), 4 * words});
   }
@@ -136,7 +136,7 @@ TEST_F(Bank, BusyLocksSettingsMemoriesAndCommandsButNotTheWayOut) {
 
 TEST_F(Bank, ARefusedBurstHasNoEffectAndNamesItsWord) {
   // UPDATE_BLOCKS is the last of its group; the word behind it is nothing.
-  const Outcome outcome = write(offset(Register::update_diagonal), {5, 6, 7});
+  const AccessResult outcome = write(offset(Register::update_diagonal), {5, 6, 7});
   EXPECT_EQ(outcome.access, Access::unmapped);
   EXPECT_EQ(outcome.offset, 0x90U);
   EXPECT_EQ(bank.get(Register::update_diagonal), 1U);
@@ -147,7 +147,7 @@ TEST_F(Bank, MemoriesEndWhereTheBoardDoes) {
   ASSERT_EQ(bank.memory(Aperture::b).size(), 30U);
   EXPECT_TRUE(write(offset(Aperture::b) + 4 * 29, {0xdeadbeef}).ok());
   EXPECT_EQ(bank.memory(Aperture::b)[29], 0xdeadbeefU);
-  const Outcome beyond = write(offset(Aperture::b) + 4 * 29, {1, 2});
+  const AccessResult beyond = write(offset(Aperture::b) + 4 * 29, {1, 2});
   EXPECT_EQ(beyond.access, Access::unmapped);
   EXPECT_EQ(beyond.offset, offset(Aperture::b) + 120U);
   EXPECT_EQ(bank.memory(Aperture::b)[29], 0xdeadbeefU);

@@ -59,7 +59,7 @@ TEST(RegisterFuzz, AHundredThousandAccessesToTheBank) {
       bank.set(vp::field::kStatusBusy, static_cast<std::uint32_t>(random.below(2)));
     }
     const bool reading = random.below(2) == 0;
-    const vp::Outcome outcome = reading ? bank.read(offset, bytes) : bank.write(offset, bytes);
+    const vp::AccessResult outcome = reading ? bank.read(offset, bytes) : bank.write(offset, bytes);
     if (outcome.ok()) {
       ++allowed;
     } else {

@@ -314,9 +314,9 @@ void ScriptedBoard::transfer(Command command, std::uint32_t offset, std::uint32_
     return;
   }
   auto* const bytes = reinterpret_cast<std::uint8_t*>(words);
-  const vp::Outcome outcome = command == Command::read
-                                  ? bank_.read(offset, std::span(bytes, 4 * count))
-                                  : bank_.write(offset, std::span(bytes, 4 * count));
+  const vp::AccessResult outcome = command == Command::read
+                                       ? bank_.read(offset, std::span(bytes, 4 * count))
+                                       : bank_.write(offset, std::span(bytes, 4 * count));
   if (outcome.ok()) return;
   refused_.push_back(bank_.describe(outcome, command));
   raise(ErrorCode::illegal_access, static_cast<std::uint32_t>(outcome.offset));

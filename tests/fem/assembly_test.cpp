@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "models/config/input_error.h"
-#include "models/fem/reference_solver.h"
+#include "models/fem/direct_solver.h"
 #include "tests/fem/box_meshes.h"
 
 namespace hvp::fem {
@@ -102,7 +102,7 @@ TEST(Assembly, PatchTest) {
     for (std::size_t r = 0; r < 3; ++r) b.push_back(-f[3 * static_cast<std::size_t>(node) + r]);
   }
   std::vector<double> u(b.size());
-  ReferenceSolver(k.submatrix(inner)).solve(b, u);
+  DirectSolver(k.submatrix(inner)).solve(b, u);
   for (std::size_t i = 0; i < inner.size(); ++i) {
     for (std::size_t r = 0; r < 3; ++r) {
       EXPECT_NEAR(u[3 * i + r], exact[3 * static_cast<std::size_t>(inner[i]) + r], 1e-12);

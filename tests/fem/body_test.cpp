@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "models/config/input_error.h"
+#include "models/fem/direct_solver.h"
 #include "models/fem/newmark.h"
-#include "models/fem/reference_solver.h"
 #include "models/fem/stress.h"
 #include "tests/fem/box_meshes.h"
 
@@ -29,7 +29,7 @@ mesh::Region top_of_unit_cube() {
 
 std::vector<double> static_displacement(const Body& body) {
   std::vector<double> u(body.load().size());
-  ReferenceSolver(body.stiffness()).solve(body.load(), u);
+  DirectSolver(body.stiffness()).solve(body.load(), u);
   return body.expand(u);
 }
 
@@ -108,7 +108,7 @@ TEST(Body, DynamicsLeavesHeldNodesInPlace) {
                     {.mass = MassKind::consistent, .rayleigh_mass = 20}, 2e-3);
     const std::vector<double> zero(body.load().size(), 0.0);
     newmark.set_state(body.initial_displacement(), zero, zero);
-    const ReferenceSolver solver(newmark.effective_matrix());
+    const DirectSolver solver(newmark.effective_matrix());
     std::vector<double> f_hat(zero.size()), u(zero.size());
     for (int step = 0; step < 3000; ++step) {
       newmark.predict();

@@ -8,8 +8,8 @@
 
 #include "models/config/input_error.h"
 #include "models/fem/body.h"
+#include "models/fem/direct_solver.h"
 #include "models/fem/newmark.h"
-#include "models/fem/reference_solver.h"
 #include "tests/allocation_count.h"
 #include "tests/fem/box_meshes.h"
 
@@ -50,7 +50,7 @@ TEST(Contact, ModifiedSystemEqualsConstrainedMinimisation) {
   const Body body = cube();
   const sparse::BlockMatrix& a = body.stiffness();
   const std::vector<double> f = noise_vector(static_cast<std::size_t>(a.rows()));
-  ReferenceSolver reference(a);
+  DirectSolver reference(a);
   const int top = body.active_nodes() - 1;
   for (const std::vector<int>& patch :
        {std::vector<int>{top}, {top - 6}, {top - 5, top - 1, top}}) {
@@ -62,7 +62,7 @@ TEST(Contact, ModifiedSystemEqualsConstrainedMinimisation) {
       const ContactConstraint contact(a, diagonal);
       std::vector<double> b(f.size());
       contact.modified_rhs(f, patch, kPress, b);
-      ReferenceSolver modified(contact.modified_matrix(patch));
+      DirectSolver modified(contact.modified_matrix(patch));
       EXPECT_TRUE(modified.positive_definite());
       modified.solve(b, u);
       EXPECT_LT((as_eigen(u) - expected).norm(), 1e-12 * expected.norm());
@@ -107,7 +107,7 @@ TEST(Contact, ReactionIsTheDerivativeOfEnergy) {
   const Body body = cube();
   const sparse::BlockMatrix& a = body.stiffness();
   const std::vector<double> f = noise_vector(body.load().size());
-  ReferenceSolver reference(a);
+  DirectSolver reference(a);
   const ContactConstraint contact(a, ContactDiagonal::average);
   for (const std::vector<int>& patch : {std::vector<int>{40}, {36, 40, 41}}) {
     const auto energy = [&](const Eigen::Vector3d& u_c) {
@@ -131,7 +131,7 @@ TEST(Contact, ReactionIsTheDerivativeOfEnergy) {
 TEST(Contact, ReactionBalancesTheSupports) {
   const Body body = cube();
   const std::vector<double> f(body.load().size(), 0.0);
-  ReferenceSolver reference(body.stiffness());
+  DirectSolver reference(body.stiffness());
   const ContactConstraint contact(body.stiffness(), ContactDiagonal::average);
   const int node = body.active_index(nearest_node(body.mesh(), {2.0 / 3, 2.0 / 3, 1}));
   std::vector<double> u(f.size());
@@ -157,7 +157,7 @@ TEST(Contact, ReactionOfADynamicStepIncludesInertia) {
   const std::vector<double> f = noise_vector(body.load().size());
   newmark.set_state(noise_vector(f.size(), 1), noise_vector(f.size(), 2),
                     noise_vector(f.size(), 3));
-  ReferenceSolver reference(newmark.effective_matrix());
+  DirectSolver reference(newmark.effective_matrix());
   const ContactConstraint contact(newmark.effective_matrix(), ContactDiagonal::average);
   std::vector<double> f_hat(f.size()), u(f.size());
   newmark.predict();
@@ -181,7 +181,7 @@ TEST(Contact, CallsOfARunningSimulationAllocateNothing) {
   const Body body = cube();
   const std::vector<double> f = noise_vector(body.load().size());
   std::vector<double> b(f.size()), u(f.size());
-  ReferenceSolver reference(body.stiffness());
+  DirectSolver reference(body.stiffness());
   const ContactConstraint contact(body.stiffness(), ContactDiagonal::average);
   reference.solve_with_contact(f, 40, kPress, u);
   const std::size_t before = hvp::test::allocation_count();
@@ -215,7 +215,7 @@ TEST(Contact, RefusesNodesThatAreNotThere) {
   EXPECT_THROW(contact.modified_matrix(-1), InputError);
   EXPECT_THROW(contact.modified_matrix(body.active_nodes()), InputError);
   EXPECT_THROW(contact.modified_matrix(std::vector<int>{4, 4}), InputError);
-  ReferenceSolver reference(body.stiffness());
+  DirectSolver reference(body.stiffness());
   std::vector<double> u(body.load().size());
   EXPECT_THROW(reference.solve_with_contact(body.load(), 100000, kPress, u), InputError);
 }

@@ -8,7 +8,7 @@
 
 #include "models/config/input_error.h"
 #include "models/fem/body.h"
-#include "models/fem/reference_solver.h"
+#include "models/fem/direct_solver.h"
 #include "models/fem/stress.h"
 #include "tests/fem/box_meshes.h"
 
@@ -94,7 +94,7 @@ TEST(Loads, HydrostaticPressureGivesUniformStress) {
   }
   const Body body(mesh, kTissue, {}, AnchorTreatment::removed, loads);
   std::vector<double> u(body.load().size());
-  ReferenceSolver(body.stiffness()).solve(body.load(), u);
+  DirectSolver(body.stiffness()).solve(body.load(), u);
   for (const ElementStress& element : element_stress(mesh, kTissue, body.expand(u))) {
     for (int i = 0; i < 3; ++i) {
       EXPECT_NEAR(element.stress[i], -p, 1e-10);

@@ -11,7 +11,7 @@
 #include "models/config/input_error.h"
 #include "models/fem/body.h"
 #include "models/fem/contact.h"
-#include "models/fem/reference_solver.h"
+#include "models/fem/direct_solver.h"
 #include "tests/allocation_count.h"
 #include "tests/fem/box_meshes.h"
 
@@ -49,7 +49,7 @@ class Simulation {
   }
 
   Newmark newmark;
-  ReferenceSolver solver;
+  DirectSolver solver;
   std::vector<double> f_hat;
   std::vector<double> u;
 };
@@ -274,7 +274,7 @@ TEST(Newmark, DampedBodyComesToRestAtTheStaticSolution) {
   const std::vector<double> f = noise_vector(simulation.u.size());
   for (int step = 0; step < 4000; ++step) simulation.step(f);
   std::vector<double> expected(f.size());
-  ReferenceSolver(body.stiffness()).solve(f, expected);
+  DirectSolver(body.stiffness()).solve(f, expected);
   double largest = 0;
   for (const double u : expected) largest = std::max(largest, std::abs(u));
   for (std::size_t i = 0; i < f.size(); ++i) {

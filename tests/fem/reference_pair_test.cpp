@@ -34,7 +34,7 @@ sparse::BlockMatrix rounded(sparse::BlockMatrix a) {
 TEST(ReferencePair, GivesTheBitsThatEachSolverHasAlone) {
   const sparse::BlockMatrix a = stiffness();
   const sparse::BlockMatrix b = rounded(a);
-  ReferenceSolver one(a), other(b), one_alone(a), other_alone(b);
+  DirectSolver one(a), other(b), one_alone(a), other_alone(b);
   ReferencePair pair(one, other);
   const auto rows = static_cast<std::size_t>(a.rows());
   const std::vector<std::vector<int>> patches = {{}, {40}, {40}, {41}, {41, 45, 46}, {}};
@@ -60,7 +60,7 @@ TEST(ReferencePair, GivesTheBitsThatEachSolverHasAlone) {
 
 TEST(ReferencePair, SolvesInPlace) {
   const sparse::BlockMatrix a = stiffness();
-  ReferenceSolver one(a), other(rounded(a));
+  DirectSolver one(a), other(rounded(a));
   ReferencePair pair(one, other);
   Vector x = noise_vector(static_cast<std::size_t>(a.rows()), 1);
   Vector y = x;
@@ -84,7 +84,7 @@ TEST(ReferencePair, OfDifferentPatternsIsTwoSolvers) {
     for (int e = 0; e < 9; ++e) diagonal.value.push_back(e % 4 == 0 ? 3 : 0);
   }
   for (const sparse::BlockMatrix& b : {diagonal, stiffness(3)}) {
-    ReferenceSolver one(a), other(b);
+    DirectSolver one(a), other(b);
     ReferencePair pair(one, other);
     const Vector f = noise_vector(static_cast<std::size_t>(a.rows()), 1);
     const Vector g = noise_vector(static_cast<std::size_t>(b.rows()), 2);
@@ -101,7 +101,7 @@ TEST(ReferencePair, RefusesASingularMatrix) {
   const sparse::BlockMatrix a = stiffness();
   sparse::BlockMatrix nothing = a;
   for (double& entry : nothing.value) entry = 0;
-  ReferenceSolver one(a), other(nothing);
+  DirectSolver one(a), other(nothing);
   EXPECT_THROW(ReferencePair(one, other), InputError);
   EXPECT_THROW(ReferencePair(other, one), InputError);
 }

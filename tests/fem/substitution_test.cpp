@@ -143,7 +143,7 @@ TEST(Substitution, OfTwoFactorsIsThatOfEach) {
   }
 }
 
-// What ReferenceSolver has: a body's matrix, ordered, with rows of three and fronts of many.
+// What DirectSolver has: a body's matrix, ordered, with rows of three and fronts of many.
 TEST(Substitution, OfABody) {
   using Factorisation =
       Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::AMDOrdering<int>>;

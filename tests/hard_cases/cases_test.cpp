@@ -33,7 +33,7 @@ std::vector<Case> all_cases() {
 class HardCase : public testing::TestWithParam<Case> {};
 
 // Whatever comes out is a number, and if it is wrong, a flag is up.
-void expect_no_silent_failure(const Outcome& outcome) {
+void expect_no_silent_failure(const CaseOutcome& outcome) {
   if (!outcome.refusal.empty()) return;
   EXPECT_FALSE(std::isnan(outcome.error_true));
   if (outcome.error_rounded) {
@@ -102,7 +102,7 @@ TEST(HardCaseRefined, RefusesWhatIsNoNumber) {
 
 // The figures of the table do not hang on the kernel.
 TEST(HardCaseRefined, IsTheSameWithEveryKernel) {
-  std::vector<Outcome> outcomes;
+  std::vector<CaseOutcome> outcomes;
   const Case hard_case = all_cases().front();
   fixed::Plan plan = hard_case.plan;
   plan.passes = 3;
@@ -111,7 +111,7 @@ TEST(HardCaseRefined, IsTheSameWithEveryKernel) {
     outcomes.push_back(hard_case.make()->attempt(plan));
   }
   ASSERT_EQ(unsetenv("HVP_KERNEL"), 0);
-  for (const Outcome& outcome : outcomes) {
+  for (const CaseOutcome& outcome : outcomes) {
     EXPECT_EQ(outcome.error_true, outcomes.front().error_true);
     EXPECT_EQ(outcome.flags(), outcomes.front().flags());
   }

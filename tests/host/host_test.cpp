@@ -313,7 +313,7 @@ TEST(FrameComputation, CountedCostsTheSameAndComputesNothing) {
   const Cube cube;
   const auto make = [&](Effort effort) {
     return FrameComputation(cube.body, fem::ContactDiagonal::average, damped(), fixed::Settings{},
-                            kPeriod, std::nullopt, Solver::board, effort);
+                            kPeriod, std::nullopt, SolvedBy::board, effort);
   };
   FrameComputation done = make(Effort::computed);
   FrameComputation counted = make(Effort::counted);
@@ -354,13 +354,13 @@ TEST(FrameComputation, CountedCostsTheSameAndComputesNothing) {
 
 TEST(FrameComputation, CountsNothingWhoseOperationsDependOnNumbers) {
   const Cube cube;
-  const auto counted = [&](const std::optional<Refinement>& refinement, Solver solver) {
+  const auto counted = [&](const std::optional<Refinement>& refinement, SolvedBy solver) {
     return FrameComputation(cube.body, fem::ContactDiagonal::average, std::nullopt,
                             fixed::Settings{}, kPeriod, refinement, solver, Effort::counted);
   };
-  EXPECT_THROW(counted(Refinement{}, Solver::board), InputError);
-  EXPECT_THROW(counted(std::nullopt, Solver::cg), InputError);
-  EXPECT_THROW(counted(std::nullopt, Solver::cholesky), InputError);
+  EXPECT_THROW(counted(Refinement{}, SolvedBy::board), InputError);
+  EXPECT_THROW(counted(std::nullopt, SolvedBy::cg), InputError);
+  EXPECT_THROW(counted(std::nullopt, SolvedBy::cholesky), InputError);
 }
 
 }  // namespace

@@ -1,3 +1,5 @@
+#include "models/plant/trajectory.h"
+
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -6,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "models/config/input_error.h"
-#include "models/plant/trajectory.h"
 
 namespace hvp::plant {
 namespace {
@@ -19,11 +20,11 @@ constexpr std::int64_t kMillisecond = 1'000'000'000;  // ps
 Trajectory touch() {
   Trajectory t;
   t.start = {0.0, 0.0, 0.070};
-  t.motion = {{Phase::approach, {0.0, 0.0, 0.050}, 0.2},
-              {Phase::press, {0.0, 0.0, 0.045}, 0.3},
-              {Phase::hold, {0.0, 0.0, 0.045}, 0.1},
-              {Phase::slide, {0.010, 0.005, 0.044}, 0.25},
-              {Phase::release, {0.010, 0.005, 0.070}, 0.15}};
+  t.motion = {{Stroke::approach, {0.0, 0.0, 0.050}, 0.2},
+              {Stroke::press, {0.0, 0.0, 0.045}, 0.3},
+              {Stroke::hold, {0.0, 0.0, 0.045}, 0.1},
+              {Stroke::slide, {0.010, 0.005, 0.044}, 0.25},
+              {Stroke::release, {0.010, 0.005, 0.070}, 0.15}};
   return t;
 }
 
@@ -42,32 +43,32 @@ TEST(Trajectory, RestsBeforeAndAfter) {
   for (const double before : {-5.0, -1e-12}) {
     EXPECT_EQ(t.position(before), t.start);
     EXPECT_EQ(t.velocity(before), Vector3d::Zero());
-    EXPECT_EQ(t.phase(before), Phase::rest);
+    EXPECT_EQ(t.phase(before), Stroke::rest);
   }
   for (const double after : {1.0, 1e6}) {
     EXPECT_EQ(t.position(after), t.motion.back().to);
     EXPECT_EQ(t.velocity(after), Vector3d::Zero());
-    EXPECT_EQ(t.phase(after), Phase::rest);
+    EXPECT_EQ(t.phase(after), Stroke::rest);
   }
 }
 
 TEST(Trajectory, APhaseHoldsItsFirstInstantAndNotItsLast) {
   const Trajectory t = touch();
-  EXPECT_EQ(t.phase(0.0), Phase::approach);
-  EXPECT_EQ(t.state_ps(200 * kMillisecond - 1).phase, Phase::approach);
-  EXPECT_EQ(t.state_ps(200 * kMillisecond).phase, Phase::press);
-  EXPECT_EQ(t.state_ps(500 * kMillisecond).phase, Phase::hold);
-  EXPECT_EQ(t.state_ps(600 * kMillisecond).phase, Phase::slide);
-  EXPECT_EQ(t.state_ps(850 * kMillisecond).phase, Phase::release);
-  EXPECT_EQ(t.state_ps(1000 * kMillisecond - 1).phase, Phase::release);
-  EXPECT_EQ(t.state_ps(1000 * kMillisecond).phase, Phase::rest);
+  EXPECT_EQ(t.phase(0.0), Stroke::approach);
+  EXPECT_EQ(t.state_ps(200 * kMillisecond - 1).phase, Stroke::approach);
+  EXPECT_EQ(t.state_ps(200 * kMillisecond).phase, Stroke::press);
+  EXPECT_EQ(t.state_ps(500 * kMillisecond).phase, Stroke::hold);
+  EXPECT_EQ(t.state_ps(600 * kMillisecond).phase, Stroke::slide);
+  EXPECT_EQ(t.state_ps(850 * kMillisecond).phase, Stroke::release);
+  EXPECT_EQ(t.state_ps(1000 * kMillisecond - 1).phase, Stroke::release);
+  EXPECT_EQ(t.state_ps(1000 * kMillisecond).phase, Stroke::rest);
 }
 
 // Flash & Hogan's polynomial: 10/2⁵, by hand, at a quarter: 10/64 − 15/256 + 6/1024 = 106/1024.
 TEST(Trajectory, MinimumJerkHasThePolynomialsValues) {
   Trajectory t;
   t.start = {0.1, -0.2, 0.3};
-  t.motion = {{Phase::approach, {0.5, 0.2, -0.1}, 0.4}};
+  t.motion = {{Stroke::approach, {0.5, 0.2, -0.1}, 0.4}};
   const Vector3d stroke = t.motion[0].to - t.start;
   EXPECT_LT((t.position(0.1) - (t.start + 106.0 / 1024.0 * stroke)).norm(), 1e-15);
   EXPECT_LT((t.position(0.2) - (t.start + 0.5 * stroke)).norm(), 1e-15);
@@ -151,10 +152,10 @@ TEST(Trajectory, SecondsAndPicosecondsAgree) {
 // Ten strokes of 0.1 s sum to 0.9999999999999999 s in doubles.
 TEST(Trajectory, DurationsDoNotDrift) {
   Trajectory t;
-  for (int i = 0; i < 10; ++i) t.motion.push_back({Phase::slide, {1e-3 * i, 0.0, 0.0}, 0.1});
+  for (int i = 0; i < 10; ++i) t.motion.push_back({Stroke::slide, {1e-3 * i, 0.0, 0.0}, 0.1});
   EXPECT_EQ(t.duration_ps(), 1000 * kMillisecond);
-  EXPECT_EQ(t.state_ps(1000 * kMillisecond - 1).phase, Phase::slide);
-  EXPECT_EQ(t.state_ps(1000 * kMillisecond).phase, Phase::rest);
+  EXPECT_EQ(t.state_ps(1000 * kMillisecond - 1).phase, Stroke::slide);
+  EXPECT_EQ(t.state_ps(1000 * kMillisecond).phase, Stroke::rest);
 }
 
 TEST(Trajectory, RefusesWhatIsNoMotion) {
@@ -180,16 +181,16 @@ TEST(Trajectory, RefusesWhatIsNoMotion) {
 
   // 10000 s each, within what each may take.
   t = touch();
-  for (int i = 0; i < 899; ++i) t.motion.push_back({Phase::slide, {1e-3, 0.0, 0.0}, 1e4});
+  for (int i = 0; i < 899; ++i) t.motion.push_back({Stroke::slide, {1e-3, 0.0, 0.0}, 1e4});
   EXPECT_EQ(complaint(t), "none");
-  for (int i = 0; i < 2; ++i) t.motion.push_back({Phase::slide, {1e-3, 0.0, 0.0}, 1e4});
+  for (int i = 0; i < 2; ++i) t.motion.push_back({Stroke::slide, {1e-3, 0.0, 0.0}, 1e4});
   EXPECT_NE(complaint(t).find("motion: its strokes take"), std::string::npos) << complaint(t);
 
   t = touch();
   t.motion[0].to.y() = std::numeric_limits<double>::infinity();
   EXPECT_NE(complaint(t), "none");
   t = touch();
-  t.motion[0].phase = Phase::rest;
+  t.motion[0].phase = Stroke::rest;
   EXPECT_NE(complaint(t), "none");
 }
 

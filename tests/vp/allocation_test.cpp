@@ -3,17 +3,17 @@
 
 #include "tests/allocation_count.h"
 #include "tests/vp/small_scene.h"
-#include "vp/bus_meter.h"
-#include "vp/latency_statistics.h"
+#include "vp/bus/bus_meter.h"
+#include "vp/frame/latency_statistics.h"
 #include "vp/platform.h"
 
 namespace hvp::vp {
 namespace {
 
 // Counts what lies between the ends of two frames.
-class Count : public FrameSink {
+class Count : public FrameObserver {
  public:
-  void take(const Frame& frame, const std::vector<SpanId>& /*path*/) override {
+  void closed(const Frame& frame, const CriticalPath& /*path*/) override {
     if (frame.number == 100) first = hvp::test::allocation_count();
     if (frame.number == 200) last = hvp::test::allocation_count();
   }
@@ -28,9 +28,9 @@ void expect_none(test::SmallScene& scene, int contact_changes) {
   BusMeter bus({[&platform] { return platform.bus().busy(); },
                 [&platform] { return platform.bus().uses(); }});
   Count count;
-  platform.add_sink(latency);
+  platform.add_observer(latency);
   platform.add_observer(bus);
-  platform.add_sink(count);
+  platform.add_observer(count);
   platform.run();
   ASSERT_GT(count.first, 0U);
   EXPECT_EQ(count.last - count.first, 0U);

@@ -1,4 +1,4 @@
-#include "vp/bus_meter.h"
+#include "vp/bus/bus_meter.h"
 
 #include <numeric>
 
@@ -11,9 +11,9 @@ namespace hvp::vp {
 namespace {
 
 // What the frames' transactions took, from the ledger.
-class BusSpans : public FrameSink {
+class BusSpans : public FrameObserver {
  public:
-  void take(const Frame& frame, const std::vector<SpanId>& /*path*/) override {
+  void closed(const Frame& frame, const CriticalPath& /*path*/) override {
     Picoseconds time = 0;
     for (const Span& span : frame.spans) {
       if (span.part == Part::bus && span.phase != Phase::arbitration) time += span.end - span.start;
@@ -37,7 +37,7 @@ TEST(BusMeter, CountsTheFramesTransactionsAndNotTheSetUp) {
   Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
   BusSpans spans;
   BusMeter meter(meter_of(platform));
-  platform.add_sink(spans);
+  platform.add_observer(spans);
   platform.add_observer(meter);
   platform.run();
   meter.ended();

@@ -20,7 +20,8 @@ constexpr Picoseconds kPeriod = 30'303'030'303;  // 33 Hz in whole picoseconds
 // The probe inside the body, which nobody else moves.
 struct Bench {
   Bench(const host::Host& costs, bool untimed, const test::Program::Script& script)
-      : exchange{Mailbox<SceneState>(inside()), Mailbox<ContactReport>(ContactReport{})},
+      : exchange{Mailbox<SceneState>(inside()),
+                 Mailbox<ContactReport>(ContactReport{std::vector<collision::Contact>(1)})},
         process("collision", costs, untimed, scene.contacts, exchange, session, begun, dispatcher),
         program("program", [this, script](test::Program& p) {
           p.sleep_until(kBegin);
@@ -32,7 +33,7 @@ struct Bench {
 
   SceneState inside() const {
     SceneState state;
-    state.tip = test::SmallScene::above(-2e-3);
+    state.touches = {{.tip = test::SmallScene::above(-2e-3), .contact = {}}};
     state.displacement.assign(3 * scene.body.mesh().nodes.size(), 0.0);
     return state;
   }
@@ -41,7 +42,7 @@ struct Bench {
   void show(const collision::Contact& contact) {
     SceneState& state = exchange.scene.prepare(now_ps());
     state = inside();
-    state.contact = contact;
+    state.touches.front().contact = contact;
     exchange.scene.publish(now_ps());
   }
 
@@ -75,9 +76,9 @@ TEST(CollisionProcess, PublishesWhenThePassIsOver) {
       p.sleep(1);
       const ContactReport after = bench->exchange.contact.read(now_ps());
       EXPECT_EQ(after.pass_began, began);
-      EXPECT_EQ(after.contact.node, test::SmallScene::kTopNode);
+      EXPECT_EQ(after.contacts.front().node, test::SmallScene::kTopNode);
       EXPECT_EQ(bench->process.longest_pass(), longest);
-      if (n == 1) bench->show(after.contact);
+      if (n == 1) bench->show(after.contacts.front());
     }
   });
   bench = &it;

@@ -117,14 +117,14 @@ TEST(Composition, AnEngineAndAWaveformAreThereWhereTheyAreAskedFor) {
 }
 
 // All spans of all frames of a run, as bytes.
-class Bytes : public FrameSink {
+class Bytes : public FrameObserver {
  public:
-  void take(const Frame& f, const std::vector<SpanId>& path) override {
-    add(f.number), add(f.born), add(f.work_done), add(f.contact_node), add(f.contact_age);
-    for (int i = 0; i < 3; ++i) add(f.position[i]), add(f.force[i]);
+  void closed(const Frame& f, const CriticalPath& path) override {
+    add(f.number), add(f.born), add(f.work_done), add(f.touch().contact.node), add(f.contact_age);
+    for (int i = 0; i < 3; ++i) add(f.touch().tip[i]), add(f.touch().force[i]);
     add(f.saturations), add(f.flags);
     for (const Span& s : f.spans) add(s.part), add(s.phase), add(s.start), add(s.end), add(s.cause);
-    for (const SpanId id : path) add(id);
+    for (const SpanId id : path.spans()) add(id);
   }
   std::string text;
 
@@ -144,7 +144,7 @@ std::string frames_of_a_run() {
     scene.settings.frames = 40;
     Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
     Bytes bytes;
-    platform.add_sink(bytes);
+    platform.add_observer(bytes);
     platform.run();
     text = bytes.text;
   });

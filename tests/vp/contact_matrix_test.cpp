@@ -40,16 +40,16 @@ class MatrixWatch : public FrameObserver {
   MatrixWatch(const SmallScene& scene, const Platform& platform)
       : scene_(scene), platform_(platform) {}
 
-  void solved(const SolvedFrame& frame) override {
+  void solved(const Frame& frame, const Solution& solution) override {
     const fixed::QuantisedMatrix& k = scene_.computation.quantised();
     const std::vector<std::int32_t> expected =
-        cleared(k, frame.hold.nodes, scene_.computation.diagonal_word());
+        cleared(k, solution.hold.nodes, scene_.computation.diagonal_word());
     const auto words = platform_.accelerator().bank().memory(Aperture::value);
     for (std::size_t i = 0; i < expected.size(); ++i) {
       ASSERT_EQ(packed_element(words, i, 12), expected[i])
           << "frame " << frame.number << ", element " << i;
     }
-    contacts.insert(std::vector<int>(frame.hold.nodes.begin(), frame.hold.nodes.end()));
+    contacts.insert(std::vector<int>(solution.hold.nodes.begin(), solution.hold.nodes.end()));
   }
   std::set<std::vector<int>> contacts;
 
@@ -64,7 +64,7 @@ class ContractWatch : public AccessObserver {
   explicit ContractWatch(const fixed::QuantisedMatrix& k) : k_(k) {}
 
   void access(Picoseconds /*time*/, Command command, const RegisterBank& bank,
-              const Outcome& /*outcome*/, std::uint64_t offset,
+              const AccessResult& /*outcome*/, std::uint64_t offset,
               std::span<const std::uint8_t> data) override {
     const std::uint64_t control = kRegisters[static_cast<std::size_t>(Register::control)].offset;
     if (command != Command::write || offset != control) return;

@@ -19,7 +19,7 @@ plant::Trajectory steady() {
   plant::Trajectory t;
   t.interpolation = plant::Interpolation::linear;
   plant::Segment segment;
-  segment.phase = plant::Phase::slide;
+  segment.phase = plant::Stroke::slide;
   segment.to = {1, 0, 0};
   segment.duration = 1;
   t.motion = {segment};

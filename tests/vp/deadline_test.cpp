@@ -59,7 +59,7 @@ class Deadline : public testing::Test {
     scene_.settings.frames = kFrames;
     platform_ = std::make_unique<Platform>(scene_.settings, scene_.body, scene_.computation,
                                            scene_.contacts);
-    platform_->add_sink(log_);
+    platform_->add_observer(log_);
     platform_->run();
     return platform_->verdict();
   }

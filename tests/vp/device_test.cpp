@@ -45,7 +45,7 @@ TEST(HapticDevice, IsDrivenByTheRegistersWordsWhenTheConverterHasSettled) {
   for (const Frame& frame : run.log.frames) {
     Eigen::Vector3d force;
     for (int i = 0; i < 3; ++i) {
-      force[i] = plant::kForce.to_value(plant::kForce.to_counts(frame.force[i]).value);
+      force[i] = plant::kForce.to_value(plant::kForce.to_counts(-frame.touch().force[i]).value);
     }
     const Picoseconds settled = frame.born + frame.latency() - run.platform.session().begin;
     if (force != last && frame.number < 39) expected.emplace_back(settled, force);
@@ -61,7 +61,7 @@ TEST(HapticDevice, WhereItIsIsWhatIsRead) {
   scene.settings.haptic_device = &device;
   test::Simulated run(scene);
   for (const Frame& frame : run.log.frames) {
-    EXPECT_EQ(frame.position, Eigen::Vector3d(0.01, -0.02, 0.3));
+    EXPECT_EQ(frame.touch().tip, Eigen::Vector3d(0.01, -0.02, 0.3));
   }
 }
 

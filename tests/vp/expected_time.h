@@ -8,7 +8,7 @@
 
 #include "models/fixed/settings.h"
 #include "tests/vp/stimulus.h"
-#include "vp/frame.h"
+#include "vp/frame/frame.h"
 
 // What the default configuration takes, counted out instead of computed by the models' closed
 // forms: PCI 32/33 clock by clock, the accelerator at 100 MHz package by package.

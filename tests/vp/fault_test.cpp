@@ -68,7 +68,7 @@ void prepare(SmallScene& scene, const std::vector<Fault>& faults, int pipeline_d
 std::vector<std::int64_t> force_bits(const FrameLog& log) {
   std::vector<std::int64_t> bits;
   for (const Frame& frame : log.frames) {
-    for (int i = 0; i < 3; ++i) bits.push_back(std::bit_cast<std::int64_t>(frame.force[i]));
+    for (int i = 0; i < 3; ++i) bits.push_back(std::bit_cast<std::int64_t>(frame.touch().force[i]));
   }
   return bits;
 }
@@ -110,8 +110,8 @@ void expect_nothing_lost(const Simulated& run) {
     const Frame& frame = run.log.frames[n];
     EXPECT_GT(frame.number, last);
     last = frame.number;
-    if (frame.solved) ++solved;
-    EXPECT_EQ(frame.solved, frame.status == HVP_OK);
+    if (frame.solved()) ++solved;
+    EXPECT_EQ(frame.solved(), frame.status == HVP_OK);
     EXPECT_EQ(std::accumulate(run.log.paths[n].begin(), run.log.paths[n].end(), Picoseconds{0},
                               [&](Picoseconds sum, SpanId id) {
                                 const Span& span = frame.spans[static_cast<std::size_t>(id)];
@@ -137,7 +137,7 @@ void expect_forces(const Simulated& run, const std::vector<std::int64_t>& clean,
   ASSERT_EQ(bits.size(), clean.size());
   for (std::int64_t n = 0; n < kFrames; ++n) {
     const bool is_held = n >= held && n < first;
-    EXPECT_EQ(run.log.frames[static_cast<std::size_t>(n)].solved, !is_held) << "frame " << n;
+    EXPECT_EQ(run.log.frames[static_cast<std::size_t>(n)].solved(), !is_held) << "frame " << n;
     const std::int64_t same = is_held ? held - 1 : n;
     for (std::int64_t i = 0; i < 3; ++i) {
       EXPECT_EQ(bits[static_cast<std::size_t>(3 * n + i)],
@@ -477,7 +477,7 @@ TEST(PcieFaults, DamagedPacketIsSentAgain) {
   EXPECT_EQ(record.unnoticed(), 0);
   // Sent again in 0.33 us, which the completer's own latency hides; the words are right.
   EXPECT_EQ(run.log.frames[kAt].latency(), run.log.frames[kAt - 1].latency());
-  EXPECT_EQ(run.log.frames[kAt].force, run.log.frames[kAt - 1].force);
+  EXPECT_EQ(run.log.frames[kAt].touch().force, run.log.frames[kAt - 1].touch().force);
   EXPECT_EQ(run.platform.servo().counts().held_frames, 0);
   expect_nothing_lost(run);
 }
@@ -501,7 +501,7 @@ TEST(PcieFaults, BoardThatIsGoneComesBack) {
   EXPECT_EQ(run.log.frames[kAt].status, HVP_ERROR_BUS);
   EXPECT_EQ(run.platform.servo().counts().recoveries, 1);
   EXPECT_EQ(run.platform.faults()->unnoticed(), 0);
-  EXPECT_TRUE(run.log.frames.back().solved);
+  EXPECT_TRUE(run.log.frames.back().solved());
   expect_nothing_lost(run);
 }
 
@@ -553,7 +553,7 @@ TEST(DeviceGone, ForGoodIsGivenUp) {
   // A frame without a board takes its position and puts its force out, and that is all.
   EXPECT_EQ(run.log.frames.back().latency(), test::pci_write(4) + 1 * kUs + test::pci_read(12) +
                                                  1 * kUs + test::pci_write(12) + 10 * kUs);
-  EXPECT_EQ(run.log.frames.back().force, run.log.frames[kAt - 1].force);
+  EXPECT_EQ(run.log.frames.back().touch().force, run.log.frames[kAt - 1].touch().force);
   expect_nothing_lost(run);
 }
 

@@ -9,6 +9,7 @@
 
 #include "tests/vp/expected_frame.h"
 #include "tests/vp/expected_time.h"
+#include "tests/vp/path_of.h"
 #include "tests/vp/small_scene.h"
 #include "vp/platform.h"
 
@@ -65,9 +66,9 @@ TEST(Frame, WithoutContactTakesTheSumOfItsSteps) {
     EXPECT_EQ(frame.latency(), expected);
     // The output settles by itself; a static body needs no update.
     EXPECT_EQ(frame.work_done - frame.born, expected - 10 * kUs);
-    EXPECT_EQ(frame.contact_node, -1);
-    EXPECT_EQ(frame.force.norm(), 0);
-    EXPECT_LE((frame.position - SmallScene::above(10e-3)).norm(), 1e-9);  // whole nanometres
+    EXPECT_EQ(frame.touch().contact.node, -1);
+    EXPECT_EQ(frame.touch().force.norm(), 0);
+    EXPECT_LE((frame.touch().tip - SmallScene::above(10e-3)).norm(), 1e-9);  // whole nanometres
   }
   expect_sums(run);
   EXPECT_TRUE(run.platform.verdict().force_in_time());
@@ -84,8 +85,8 @@ TEST(Frame, ContactAddsTheUpdateOnceTheWayForAWhileAndTheColumnsInEachFrame) {
   const Picoseconds update = constrain_time(scene, SmallScene::kTopNode);
   int touched = 0;
   for (const Frame& frame : run.log.frames) {
-    const bool now = frame.contact_node >= 0;
-    EXPECT_EQ(frame.contact_node, now ? SmallScene::kTopNode : -1);
+    const bool now = frame.touch().contact.node >= 0;
+    EXPECT_EQ(frame.touch().contact.node, now ? SmallScene::kTopNode : -1);
     const Picoseconds expected = now ? test::latency(scene, touched == 0 ? update : 0, blocks,
                                                      test::hand_over_operations(scene, touched))
                                      : test::latency(scene);
@@ -94,7 +95,7 @@ TEST(Frame, ContactAddsTheUpdateOnceTheWayForAWhileAndTheColumnsInEachFrame) {
   }
   // The node is where it is wanted before the run ends.
   EXPECT_GT(touched, 15);
-  EXPECT_GT(run.log.frames.back().force.norm(), 0);
+  EXPECT_GT(run.log.frames.back().touch().force.norm(), 0);
   EXPECT_EQ(run.platform.servo().counts().contact_changes, 1);
   expect_sums(run);
 }
@@ -228,7 +229,7 @@ TEST(Frame, ContactIsBetweenAPassAndAPeriodMoreOld) {
   const Picoseconds longest = run.platform.collision().longest_pass();
   int in_contact = 0;
   for (const Frame& frame : run.log.frames) {
-    if (frame.contact_node < 0) continue;
+    if (frame.touch().contact.node < 0) continue;
     ++in_contact;
     // A pass draws for 10 ms; the next report arrives a period of 33 Hz after the last.
     EXPECT_GT(frame.contact_age, 10 * test::kMs);

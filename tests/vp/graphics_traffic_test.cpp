@@ -17,8 +17,8 @@ using test::kNs;
 using test::kUs;
 using test::SmallScene;
 
-struct Worst : FrameSink {
-  void take(const Frame& frame, const std::vector<SpanId>& /*path*/) override {
+struct Worst : FrameObserver {
+  void closed(const Frame& frame, const CriticalPath& /*path*/) override {
     latencies.push_back(frame.latency());
     Picoseconds waited = 0;
     for (const Span& s : frame.spans) {
@@ -74,7 +74,7 @@ TEST(GraphicsTraffic, ItIsInTheTailOfTheFramesAndNotInTheirMedian) {
   EXPECT_EQ(Platform::processes(), 4U);
   EXPECT_EQ(std::ranges::count(Platform::modules(), "graphics"), 1);
   Worst worst;
-  platform.add_sink(worst);
+  platform.add_observer(worst);
   platform.run();
   ASSERT_EQ(worst.waits.size(), 100U);
   EXPECT_GE(platform.graphics()->pictures(), 6);

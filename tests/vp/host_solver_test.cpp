@@ -1,7 +1,7 @@
 // No board: the servo process solves.
 #include <gtest/gtest.h>
 
-#include "models/fem/reference_solver.h"
+#include "models/fem/direct_solver.h"
 #include "tests/vp/expected_frame.h"
 #include "vp/platform.h"
 
@@ -12,7 +12,7 @@ using test::kUs;
 using test::Simulated;
 using test::SmallScene;
 
-SmallScene::Options solved_by(host::Solver solver) {
+SmallScene::Options solved_by(host::SolvedBy solver) {
   SmallScene::Options options;
   options.solved_by = solver;
   return options;
@@ -25,7 +25,7 @@ Picoseconds around_the_solve() {
 }
 
 TEST(HostSolver, NeitherBoardNorItsProcessIsThere) {
-  SmallScene scene(solved_by(host::Solver::cholesky));
+  SmallScene scene(solved_by(host::SolvedBy::cholesky));
   const Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
   // The bus and its master carry the DAQ board.
   EXPECT_EQ(Platform::modules(),
@@ -35,9 +35,9 @@ TEST(HostSolver, NeitherBoardNorItsProcessIsThere) {
 }
 
 TEST(HostSolver, TriangularSolvesTakeTheirOperations) {
-  SmallScene scene(solved_by(host::Solver::cholesky));
+  SmallScene scene(solved_by(host::SolvedBy::cholesky));
   const Simulated run(scene);
-  const fem::ReferenceSolver factors(scene.computation.matrix());
+  const fem::DirectSolver factors(scene.computation.matrix());
   const double operations =
       4.0 * static_cast<double>(factors.factor_nonzeros()) + SmallScene::kUnknowns;
   EXPECT_EQ(run.platform.session().begin, 0);
@@ -47,7 +47,7 @@ TEST(HostSolver, TriangularSolvesTakeTheirOperations) {
 }
 
 TEST(HostSolver, ConjugateGradientsTakeTheirIterations) {
-  SmallScene::Options options = solved_by(host::Solver::cg);
+  SmallScene::Options options = solved_by(host::SolvedBy::cg);
   options.solver.iterations = 7;
   SmallScene scene(options);
   scene.touch();
@@ -61,7 +61,7 @@ TEST(HostSolver, ConjugateGradientsTakeTheirIterations) {
       begin[static_cast<std::size_t>(row) + 1] - begin[static_cast<std::size_t>(row)];
   int touched = 0;
   for (const Frame& frame : run.log.frames) {
-    if (frame.contact_node < 0) continue;
+    if (frame.touch().contact.node < 0) continue;
     EXPECT_EQ(frame.latency(), around_the_solve() +
                                    test::compute(test::hand_over_operations(scene, touched)) +
                                    test::compute(product + 3 * n + 7 * (product + 10 * n + 2)) +
@@ -73,10 +73,10 @@ TEST(HostSolver, ConjugateGradientsTakeTheirIterations) {
 }
 
 TEST(HostSolver, AMeasuredRateScalesTheSolveAlone) {
-  SmallScene scene(solved_by(host::Solver::cholesky));
+  SmallScene scene(solved_by(host::SolvedBy::cholesky));
   scene.settings.host.solver_rate_flops = 4 * scene.settings.host.sustained_rate_flops;
   const Simulated run(scene);
-  const fem::ReferenceSolver factors(scene.computation.matrix());
+  const fem::DirectSolver factors(scene.computation.matrix());
   const double operations =
       4.0 * static_cast<double>(factors.factor_nonzeros()) + SmallScene::kUnknowns;
   EXPECT_EQ(run.log.frames[0].latency(), around_the_solve() + test::compute(operations / 4));
@@ -91,19 +91,20 @@ class AgainstReference : public FrameObserver {
         forces_(scene.body.active_nodes()),
         load_(scene.body.load()),
         u_(load_.size()) {}
-  void solved(const SolvedFrame& frame) override {
-    if (!frame.hold.present()) return;
-    forces_.add_to(frame.hold.let_go, loaded_ = load_);
-    solver_.solve_with_contact(loaded_, frame.hold.nodes, frame.hold.displacement, u_);
-    const Eigen::Vector3d force =
-        constraint_.reaction(u_, load_, frame.hold.nodes, forces_) + forces_.sum(frame.hold.let_go);
-    EXPECT_LE((frame.force - force).norm(), 1e-9 * force.norm()) << frame.number;
+  void solved(const Frame& frame, const Solution& solution) override {
+    if (!solution.hold.present()) return;
+    forces_.add_to(solution.hold.let_go, loaded_ = load_);
+    solver_.solve_with_contact(loaded_, solution.hold.nodes, solution.hold.displacement, u_);
+    Eigen::Vector3d force;
+    constraint_.reaction(u_, load_, solution.hold.nodes, forces_);
+    forces_.sum(solution.hold, {&force, 1});
+    EXPECT_LE((frame.touch().force - force).norm(), 1e-9 * force.norm()) << frame.number;
     ++compared;
   }
   int compared = 0;
 
  private:
-  fem::ReferenceSolver solver_;
+  fem::DirectSolver solver_;
   fem::ContactConstraint constraint_;
   fem::HeldForces forces_;
   std::vector<double> load_;
@@ -112,7 +113,7 @@ class AgainstReference : public FrameObserver {
 };
 
 TEST(HostSolver, ForcesAreThoseOfTheTrueModel) {
-  SmallScene scene(solved_by(host::Solver::cholesky));
+  SmallScene scene(solved_by(host::SolvedBy::cholesky));
   scene.slide(0.06);
   scene.settings.frames = 40;
   Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);

@@ -1,4 +1,4 @@
-#include "vp/latency_statistics.h"
+#include "vp/frame/latency_statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +7,8 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "tests/vp/path_of.h"
 
 namespace hvp::vp {
 namespace {
@@ -38,7 +40,7 @@ Frame frame(std::int64_t number, Picoseconds wake_up, Picoseconds write, Picosec
 
 class Statistics : public ::testing::Test {
  protected:
-  void take(const Frame& f) { statistics.take(f, critical_path(f)); }
+  void take(const Frame& f) { statistics.closed(f, path_of(f)); }
   const LatencyStatistics::PathTime* find(Part part, Phase phase) const {
     for (const auto& entry : statistics.on_path()) {
       if (entry.part == part && entry.phase == phase) return &entry;

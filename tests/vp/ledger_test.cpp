@@ -1,11 +1,12 @@
-#include "vp/ledger.h"
+#include "vp/frame/ledger.h"
 
 #include <numeric>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
 
-#include "vp/verdict.h"
+#include "tests/vp/path_of.h"
+#include "vp/frame/verdict.h"
 
 namespace hvp::vp {
 namespace {
@@ -88,12 +89,12 @@ TEST(Ledger, SetUpLeavesNoSpans) {
   EXPECT_EQ(setup.cause, kBirth);
 }
 
-class Collect : public FrameSink {
+class Collect : public FrameObserver {
  public:
-  void take(const Frame& frame, const std::vector<SpanId>& path) override {
+  void closed(const Frame& frame, const CriticalPath& path) override {
     numbers.push_back(frame.number);
     capacities.push_back(frame.spans.capacity());
-    path_lengths.push_back(path.size());
+    path_lengths.push_back(path.spans().size());
   }
   std::vector<std::int64_t> numbers;
   std::vector<std::size_t> capacities;
@@ -103,13 +104,13 @@ class Collect : public FrameSink {
 TEST(Ledger, FramesOverlapAndTheirStorageIsUsedAgain) {
   Ledger ledger;
   Collect sink;
-  ledger.add_sink(sink);
+  ledger.add_observer(sink);
   for (std::int64_t n = 0; n < 100; ++n) {
     ledger.open(n, n * 1'000);
     Tag tag{n, kBirth};
     ledger.extend(tag, Part::host, Phase::release, n * 1'000, n * 1'000 + 10);
     ledger.extend(tag, Part::device, Phase::motor, n * 1'000 + 10, n * 1'000 + 20);
-    ledger.frame(n).force_at_motor = tag.cause;
+    ledger.force_at_motor(tag);
     if (n > 0) ledger.close(n - 1);
   }
   ledger.close(99);
@@ -125,13 +126,13 @@ void open_frame(Ledger& ledger, std::int64_t number) {
   ledger.open(number, number);
   Tag tag{number, kBirth};
   ledger.extend(tag, Part::device, Phase::motor, number, number + 1);
-  ledger.frame(number).force_at_motor = tag.cause;
+  ledger.force_at_motor(tag);
 }
 
 TEST(Ledger, AHeldFrameWaitsAndSoDoThoseBehindIt) {
   Ledger ledger;
   Collect sink;
-  ledger.add_sink(sink);
+  ledger.add_observer(sink);
   const Tag first{1, kBirth};
   const Tag second{2, kBirth};
   const Tag third{3, kBirth};
@@ -171,12 +172,12 @@ TEST(Ledger, HoldingForNoFrameIsNothingAndLettingGoTwiceIsAnError) {
 TEST(Verdict, CountsLateForcesOverloadsAndSkippedTicksApart) {
   Verdict v(1'500, 1'500);
   Frame f = overlapping_frame();  // latency 1400, load 1600
-  v.take(f, critical_path(f));
+  v.closed(f, path_of(f));
   EXPECT_TRUE(v.force_in_time());
   EXPECT_FALSE(v.load_held());
   EXPECT_EQ(v.worst_load(), 1'600);
   f.spans.back().end += 200;
-  v.take(f, critical_path(f));
+  v.closed(f, path_of(f));
   EXPECT_EQ(v.late_forces(), 1);
   v.skip_tick();
   EXPECT_EQ(v.misses(), 2);
@@ -188,10 +189,10 @@ TEST(Verdict, CountsLateForcesOverloadsAndSkippedTicksApart) {
 TEST(Verdict, AForceHeldFromAnEarlierFrameIsAMissHoweverEarlyItIsThere) {
   Verdict v(2'000, 2'000);
   Frame f = overlapping_frame();
-  v.take(f, critical_path(f));
+  v.closed(f, path_of(f));
   EXPECT_TRUE(v.force_in_time());
-  f.solved = false;
-  v.take(f, critical_path(f));
+  f.status = HVP_ERROR_TIMEOUT;
+  v.closed(f, path_of(f));
   EXPECT_EQ(v.late_forces(), 0);
   EXPECT_EQ(v.unsolved(), 1);
   EXPECT_EQ(v.misses(), 1);
@@ -201,7 +202,7 @@ TEST(Verdict, AForceHeldFromAnEarlierFrameIsAMissHoweverEarlyItIsThere) {
 TEST(Verdict, AttributionOfTheWorstFrameSumsToItsLatency) {
   Verdict v(2'000, 2'000);
   const Frame f = overlapping_frame();
-  v.take(f, critical_path(f));
+  v.closed(f, path_of(f));
   Picoseconds sum = 0;
   for (const Attribution& a : v.attribution()) sum += a.time;
   EXPECT_EQ(sum, v.worst_latency());
@@ -215,10 +216,9 @@ TEST(Verdict, ForgetsTheExactLatenciesOfALongRunThatNeverRepeatsOne) {
   Frame frame;
   frame.spans.push_back({Part::host, Phase::release, 0, 0, kBirth});
   frame.force_at_motor = 0;
-  const std::vector<SpanId> path = {0};
   const auto take = [&](std::int64_t i) {
     frame.spans[0].end = i * kStep;
-    v.take(frame, path);
+    v.closed(frame, path_of(frame));
   };
   for (std::int64_t i = 1; i <= kMost; ++i) take(i);
   EXPECT_TRUE(v.exact());

@@ -95,7 +95,7 @@ TEST(OneCore, ContactIsOlderThanOnTwo) {
   EXPECT_GT(longest, alone + 4 * after_the_solve());
   Picoseconds youngest = kMs * 1000;
   for (const Frame& frame : run.log.frames) {
-    if (frame.contact_node >= 0) youngest = std::min(youngest, frame.contact_age);
+    if (frame.touch().contact.node >= 0) youngest = std::min(youngest, frame.contact_age);
   }
   EXPECT_GT(youngest, alone + 4 * after_the_solve());
   EXPECT_LT(youngest, 30 * kMs);

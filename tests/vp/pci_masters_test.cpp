@@ -155,8 +155,8 @@ TEST(PciMasters, BlockThatIsDueDuringTheLastOneIsLeftOut) {
 }
 
 // The longest that a transaction of any frame has waited for the bus.
-struct LongestWait : FrameSink {
-  void take(const Frame& frame, const std::vector<SpanId>& /*critical_path*/) override {
+struct LongestWait : FrameObserver {
+  void closed(const Frame& frame, const CriticalPath& /*critical_path*/) override {
     ++frames;
     for (const Span& span : frame.spans) {
       if (span.phase == Phase::arbitration) time = std::max(time, span.end - span.start);
@@ -174,7 +174,7 @@ TEST(PciMasters, AloneAFramesTransactionsWaitForTheClocksEdgeOnly) {
   EXPECT_EQ(platform.traffic(), nullptr);
   EXPECT_EQ(Platform::processes(), 3U);
   LongestWait wait;
-  platform.add_sink(wait);
+  platform.add_observer(wait);
   platform.run();
   EXPECT_EQ(wait.frames, 20);
   EXPECT_GT(wait.time, 0);
@@ -189,7 +189,7 @@ TEST(PciMasters, TrafficIsAModuleAndAProcessOfItsOwnAndIsWaitedFor) {
   Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
   EXPECT_EQ(Platform::processes(), 4U);
   LongestWait wait;
-  platform.add_sink(wait);
+  platform.add_observer(wait);
   platform.run();
   EXPECT_GT(platform.traffic()->blocks(), 300);  // 20 frames of 2 ms, a block each 123 us
   EXPECT_GT(wait.time, 30 * kNs);

@@ -120,9 +120,9 @@ TEST(Pipeline, ContactIsFoundAndItsForceIsThatOfTheFrame) {
   EXPECT_EQ(run.platform.servo().counts().contact_changes, 1);
   bool touched = false;
   for (const Frame& frame : run.log.frames) {
-    touched = touched || frame.contact_node >= 0;
+    touched = touched || frame.touch().contact.node >= 0;
     // A node that is taken over has gone a frame's part of its way already.
-    EXPECT_EQ(frame.force.norm() > 0, touched) << frame.number;
+    EXPECT_EQ(frame.touch().force.norm() > 0, touched) << frame.number;
   }
   EXPECT_TRUE(touched);
   expect_sums(run.log);

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/vp/path_of.h"
 #include "tests/vp/recording_target.h"
 #include "tests/vp/small_scene.h"
 #include "tests/vp/stimulus.h"

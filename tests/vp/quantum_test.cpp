@@ -49,7 +49,7 @@ enum class Case {
 SmallScene make(Case which) {
   SmallScene::Options options;
   options.dynamics = fem::Dynamics{};
-  if (which == Case::no_board) options.solved_by = host::Solver::cg;
+  if (which == Case::no_board) options.solved_by = host::SolvedBy::cg;
   return SmallScene(options);
 }
 
@@ -121,8 +121,8 @@ void append(std::vector<std::int64_t>& to, const Frame& f) {
                          s.start, s.end, s.cause});
   }
   to.insert(to.end(), {f.number, f.born, f.force_at_motor, f.work_done, f.contact_age,
-                       f.contact_node, f.flags});
-  for (int i = 0; i < 3; ++i) to.push_back(std::bit_cast<std::int64_t>(f.force[i]));
+                       f.touch().contact.node, f.flags});
+  for (int i = 0; i < 3; ++i) to.push_back(std::bit_cast<std::int64_t>(f.touch().force[i]));
 }
 
 Result simulate(Case which, Picoseconds quantum) {

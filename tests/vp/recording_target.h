@@ -8,7 +8,7 @@
 
 #include <tlm_utils/simple_target_socket.h>
 
-#include "vp/frame_tag.h"
+#include "vp/frame/frame_tag.h"
 
 namespace hvp::test {
 

@@ -20,9 +20,9 @@ constexpr std::uint32_t kTimeoutFlag = std::uint32_t{1}
                                        << static_cast<unsigned>(stability::Flag::solver_timeout);
 
 struct Forces : FrameObserver {
-  void solved(const SolvedFrame& frame) override {
-    contact_nodes.push_back(frame.contact.node);
-    contact_sizes.push_back(frame.hold.nodes.size());
+  void solved(const Frame& frame, const Solution& solution) override {
+    contact_nodes.push_back(frame.touch().contact.node);
+    contact_sizes.push_back(solution.hold.nodes.size());
   }
   std::vector<int> contact_nodes;
   std::vector<std::size_t> contact_sizes;
@@ -34,7 +34,7 @@ TEST(Recovery, BoardThatIsTooSlowIsResetAfterEveryFrame) {
   scene.settings.frames = 5;
   Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
   FrameLog log;
-  platform.add_sink(log);
+  platform.add_observer(log);
   platform.run();
 
   // Latch, position, lookup, words of b, driver, b, start; the time-out and a look at STATUS.
@@ -48,7 +48,7 @@ TEST(Recovery, BoardThatIsTooSlowIsResetAfterEveryFrame) {
     // Bringing the board back takes as long as set-up and belongs to the load.
     EXPECT_EQ(frame.work_done - frame.born, latency - 10 * kUs + platform.servo().set_up_time());
     EXPECT_EQ(frame.flags, kTimeoutFlag);
-    EXPECT_EQ(frame.force.norm(), 0);
+    EXPECT_EQ(frame.touch().force.norm(), 0);
   }
   EXPECT_EQ(platform.verdict().unsolved(), 5);
   EXPECT_FALSE(platform.verdict().force_in_time());
@@ -67,7 +67,7 @@ TEST(Recovery, ForceOfTheLastGoodFrameIsHeld) {
   Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
   FrameLog log;
   Forces seen;
-  platform.add_sink(log);
+  platform.add_observer(log);
   platform.add_observer(seen);
   Picoseconds intrusion = 0;
   test::Program intruder("intruder", [&](test::Program& p) {
@@ -96,17 +96,17 @@ TEST(Recovery, ForceOfTheLastGoodFrameIsHeld) {
   const Frame& bad = log.frames[20];
   const Frame& next = log.frames[21];
   EXPECT_EQ(good.flags & kTimeoutFlag, 0U);
-  EXPECT_GT(good.force.norm(), 0);
+  EXPECT_GT(good.touch().force.norm(), 0);
   EXPECT_EQ(bad.flags & kTimeoutFlag, kTimeoutFlag);
-  EXPECT_EQ(bad.force, good.force);
-  EXPECT_EQ(bad.contact_node, good.contact_node);
+  EXPECT_EQ(bad.touch().force, good.touch().force);
+  EXPECT_EQ(bad.touch().contact.node, good.touch().contact.node);
   EXPECT_EQ(next.flags & kTimeoutFlag, 0U);
-  EXPECT_EQ(next.contact_node, good.contact_node);
-  EXPECT_GT(next.force.norm(), 0);
+  EXPECT_EQ(next.touch().contact.node, good.touch().contact.node);
+  EXPECT_GT(next.touch().force.norm(), 0);
   EXPECT_EQ(platform.servo().counts().driver_errors, 1);
   EXPECT_EQ(platform.servo().counts().last_error, HVP_ERROR_ILLEGAL_ACCESS);
   // Observers see the contact that the displacement belongs to.
-  EXPECT_EQ(seen.contact_nodes[20], good.contact_node);
+  EXPECT_EQ(seen.contact_nodes[20], good.touch().contact.node);
   EXPECT_EQ(seen.contact_sizes[20], 1U);
 
   // The frame was woken by the error: its path goes through its own wait, until the intrusion.

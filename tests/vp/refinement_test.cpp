@@ -79,7 +79,7 @@ void expect_times(int passes) {
       sum += span.end - span.start;
     }
     EXPECT_EQ(sum, frame.latency()) << "frame " << n;
-    if (frame.contact_node < 0) continue;
+    if (frame.touch().contact.node < 0) continue;
     // The first frame of the contact also tells the board of it.
     if (touched > 0) {
       EXPECT_EQ(frame.latency(), latency(scene, passes, touched)) << "frame " << n;
@@ -100,7 +100,7 @@ TEST(RefinedFrame, ShowsEveryPassInTheLedger) {
   scene.touch();
   const Simulated run(scene);
   const Frame& frame = run.log.frames.back();
-  ASSERT_GE(frame.contact_node, 0);
+  ASSERT_GE(frame.touch().contact.node, 0);
   const auto count = [&](Phase phase) {
     return std::count_if(frame.spans.begin(), frame.spans.end(),
                          [phase](const Span& s) { return s.phase == phase; });
@@ -116,7 +116,7 @@ TEST(RefinedFrame, AtRestNothingIsSolved) {
   const Simulated run(scene);
   for (const Frame& frame : run.log.frames) {
     for (const Span& span : frame.spans) EXPECT_NE(span.phase, Phase::solve);
-    EXPECT_TRUE(frame.solved);
+    EXPECT_TRUE(frame.solved());
     EXPECT_EQ(frame.flags, 0U);
   }
 }

@@ -24,7 +24,7 @@ struct SmallScene {
     double patch_radius = 0;
     double hand_over_s = collision::ContactSettings{}.hand_over_s;
     double period_s = 2e-3;
-    host::Solver solved_by = host::Solver::board;
+    host::SolvedBy solved_by = host::SolvedBy::board;
     host::Effort effort = host::Effort::computed;
   };
 
@@ -50,23 +50,23 @@ struct SmallScene {
   // The probe stays 1 cm above the body.
   void hover() {
     settings.probe.start = above(10e-3);
-    settings.probe.motion = {stroke(plant::Phase::hold, above(10e-3), 1)};
+    settings.probe.motion = {stroke(plant::Stroke::hold, above(10e-3), 1)};
   }
   // The probe is 2 mm inside from the beginning, so that the first pass finds it.
   void touch() {
     settings.probe.start = above(-2e-3);
-    settings.probe.motion = {stroke(plant::Phase::hold, above(-2e-3), 1)};
+    settings.probe.motion = {stroke(plant::Stroke::hold, above(-2e-3), 1)};
   }
   // From inside one node's reach to another's within `seconds`.
   void slide(double seconds) {
     settings.probe.start = above(-2e-3);
-    settings.probe.motion = {stroke(plant::Phase::slide, above(-2e-3, kEdge / 3), seconds)};
+    settings.probe.motion = {stroke(plant::Stroke::slide, above(-2e-3, kEdge / 3), seconds)};
   }
 
   static Eigen::Vector3d above(double height, double along = 0) {
     return {kEdge / 3 + along, kEdge / 3, kEdge + height};
   }
-  static plant::Segment stroke(plant::Phase phase, const Eigen::Vector3d& to, double seconds) {
+  static plant::Segment stroke(plant::Stroke phase, const Eigen::Vector3d& to, double seconds) {
     plant::Segment segment;
     segment.phase = phase;
     segment.to = to;
@@ -94,11 +94,11 @@ struct SmallScene {
 };
 
 // Keeps every closed frame.
-class FrameLog : public vp::FrameSink {
+class FrameLog : public vp::FrameObserver {
  public:
-  void take(const vp::Frame& frame, const std::vector<vp::SpanId>& path) override {
+  void closed(const vp::Frame& frame, const vp::CriticalPath& path) override {
     frames.push_back(frame);
-    paths.push_back(path);
+    paths.push_back(path.spans());
   }
   std::vector<vp::Frame> frames;
   std::vector<std::vector<vp::SpanId>> paths;
@@ -108,7 +108,7 @@ class FrameLog : public vp::FrameSink {
 struct Simulated {
   explicit Simulated(SmallScene& s)
       : scene(s), platform(s.settings, s.body, s.computation, s.contacts) {
-    platform.add_sink(log);
+    platform.add_observer(log);
     platform.run();
   }
   SmallScene& scene;

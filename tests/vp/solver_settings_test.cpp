@@ -361,13 +361,13 @@ TEST_P(MethodFrames, SpansTheIterationsThatWereMade) {
   test::FrameLog log;
   struct Reports : FrameObserver {
     explicit Reports(const Platform& p) : platform(p) {}
-    void solved(const SolvedFrame& /*frame*/) override {
+    void solved(const Frame& /*frame*/, const Solution& /*solution*/) override {
       made.push_back(platform.accelerator().report());
     }
     const Platform& platform;
     std::vector<fixed::Report> made;
   } reports(platform);
-  platform.add_sink(log);
+  platform.add_observer(log);
   platform.add_observer(reports);
   platform.run();
 

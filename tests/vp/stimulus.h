@@ -10,7 +10,7 @@
 
 #include <tlm_utils/simple_initiator_socket.h>
 
-#include "vp/frame_tag.h"
+#include "vp/frame/frame_tag.h"
 
 namespace hvp::test {
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "vp/tenure.h"
+#include "vp/frame/tenure.h"
 
 namespace hvp::test {
 

@@ -146,7 +146,7 @@ TEST(Tenures, OfSeveralMastersAddUpToTheirUse) {
 struct Audited {
   explicit Audited(SmallScene& scene)
       : platform(scene.settings, scene.body, scene.computation, scene.contacts) {
-    platform.add_sink(frames);
+    platform.add_observer(frames);
     platform.add_tenure_sink(log);
     platform.run();
     log.expect_no_overlap();

@@ -17,13 +17,14 @@ namespace {
 using test::SmallScene;
 
 // All that takes time in all frames of a run.
-class Times : public FrameSink {
+class Times : public FrameObserver {
  public:
   explicit Times(std::string& text) : text_(text) {}
-  void take(const Frame& f, const std::vector<SpanId>& path) override {
-    add(f.number), add(f.born), add(f.work_done), add(f.contact_node), add(f.force_at_motor);
+  void closed(const Frame& f, const CriticalPath& path) override {
+    add(f.number), add(f.born), add(f.work_done), add(f.touch().contact.node),
+        add(f.force_at_motor);
     for (const Span& s : f.spans) add(s.part), add(s.phase), add(s.start), add(s.end), add(s.cause);
-    for (const SpanId id : path) add(id);
+    for (const SpanId id : path.spans()) add(id);
   }
 
  private:
@@ -68,7 +69,7 @@ std::string times(const Case& c, host::Effort effort) {
     scene.settings.transfer.method = c.method;
     Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
     Times sink(text);
-    platform.add_sink(sink);
+    platform.add_observer(sink);
     platform.run();
     if (platform.servo().counts().contact_changes == 0) text.clear();
   });

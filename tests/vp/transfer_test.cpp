@@ -70,7 +70,7 @@ void expect_frames(SmallScene& scene, const Transfer& t, Picoseconds expected) {
   for (std::size_t n = 0; n < run.log.frames.size(); ++n) {
     const Frame& frame = run.log.frames[n];
     EXPECT_EQ(frame.latency(), expected) << "frame " << n;
-    EXPECT_TRUE(frame.solved);
+    EXPECT_TRUE(frame.solved());
     EXPECT_LE(frame.spans.size(), 32U);
     const auto solves =
         std::count_if(run.log.paths[n].begin(), run.log.paths[n].end(), [&frame](SpanId id) {
@@ -199,8 +199,9 @@ std::vector<std::int64_t> forces(const Transfer& t, const SmallScene::Options& o
     const Simulated run(scene);
     std::vector<std::int64_t> bits;
     for (const Frame& frame : run.log.frames) {
-      bits.push_back(frame.solved ? 1 : 0);
-      for (int i = 0; i < 3; ++i) bits.push_back(std::bit_cast<std::int64_t>(frame.force[i]));
+      bits.push_back(frame.solved() ? 1 : 0);
+      for (int i = 0; i < 3; ++i)
+        bits.push_back(std::bit_cast<std::int64_t>(frame.touch().force[i]));
     }
     return bits;
   });
@@ -221,8 +222,9 @@ TEST(TransferWords, AreTheSameWhereALineOvertakesThem) {
       const Simulated run(scene);
       std::vector<std::int64_t> bits;
       for (const Frame& frame : run.log.frames) {
-        bits.push_back(frame.solved ? 1 : 0);
-        for (int i = 0; i < 3; ++i) bits.push_back(std::bit_cast<std::int64_t>(frame.force[i]));
+        bits.push_back(frame.solved() ? 1 : 0);
+        for (int i = 0; i < 3; ++i)
+          bits.push_back(std::bit_cast<std::int64_t>(frame.touch().force[i]));
       }
       return bits;
     });
@@ -271,7 +273,7 @@ void expect_held_forces(Notification notification) {
   ASSERT_GT(solve_time(scene), 20 * kUs);
   const Simulated run(scene);
   ASSERT_EQ(run.log.frames.size(), 10U);
-  for (const Frame& frame : run.log.frames) EXPECT_FALSE(frame.solved);
+  for (const Frame& frame : run.log.frames) EXPECT_FALSE(frame.solved());
   EXPECT_EQ(run.platform.servo().counts().last_error, HVP_ERROR_TIMEOUT);
   EXPECT_EQ(run.platform.servo().counts().driver_errors, 10);
 }

@@ -49,7 +49,7 @@ tlm::tlm_target_socket<>& BoardAssembly::registers() {
 }
 
 void BoardAssembly::trace() {
-  const Waveform& waveform = *settings_.waveform;
+  const WaveformWindow& waveform = *settings_.waveform;
   if (accelerator_.engine() == nullptr) {
     throw InputError("waveform", "only the cycle-accurate accelerator has one");
   }

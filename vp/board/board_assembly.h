@@ -9,7 +9,7 @@
 #include "vp/fault/bus_errors.h"
 #include "vp/fpga/accelerator.h"
 #include "vp/fpga/engine/engine_trace.h"
-#include "vp/ledger.h"
+#include "vp/frame/ledger.h"
 #include "vp/platform_settings.h"
 
 namespace hvp::vp {

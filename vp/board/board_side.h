@@ -8,9 +8,9 @@
 #include "vp/board/board_assembly.h"
 #include "vp/bus/bus_assembly.h"
 #include "vp/device/device_assembly.h"
-#include "vp/ledger.h"
+#include "vp/frame/ledger.h"
+#include "vp/frame/session.h"
 #include "vp/platform_settings.h"
-#include "vp/session.h"
 
 namespace hvp::vp {
 

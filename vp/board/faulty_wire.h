@@ -9,7 +9,7 @@
 #include "models/link/pcie.h"
 #include "vp/fault/bus_errors.h"
 #include "vp/fault/fault_plan.h"
-#include "vp/frame_tag.h"
+#include "vp/frame/frame_tag.h"
 
 namespace hvp::vp {
 

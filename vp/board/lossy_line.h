@@ -1,7 +1,7 @@
 #pragma once
 
 #include "vp/fault/fault_plan.h"
-#include "vp/frame_tag.h"
+#include "vp/frame/frame_tag.h"
 
 namespace hvp::vp {
 

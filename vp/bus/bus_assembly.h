@@ -5,7 +5,7 @@
 #include <tlm>
 
 #include "vp/fidelity.h"
-#include "vp/ledger.h"
+#include "vp/frame/ledger.h"
 #include "vp/pci/bus_settings.h"
 #include "vp/pci/graphics_master.h"
 #include "vp/pci/pci_bus.h"

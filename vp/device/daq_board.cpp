@@ -61,7 +61,7 @@ void DaqBoard::put_out(const unsigned char* words, const Tag& tag) {
   Tag output = tag;
   ledger_.extend(output, Part::daq, Phase::convert, start, there);
   ledger_.extend(output, Part::device, Phase::motor, there, there);
-  if (tag.frame >= 0) ledger_.frame(tag.frame).force_at_motor = output.cause;
+  ledger_.force_at_motor(output);
 }
 
 }  // namespace hvp::vp

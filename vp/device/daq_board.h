@@ -10,9 +10,9 @@
 #include "models/plant/daq.h"
 #include "models/plant/device.h"
 #include "models/plant/encoder.h"
-#include "vp/frame_tag.h"
-#include "vp/ledger.h"
-#include "vp/session.h"
+#include "vp/frame/frame_tag.h"
+#include "vp/frame/ledger.h"
+#include "vp/frame/session.h"
 
 namespace hvp::vp {
 

@@ -8,7 +8,7 @@
 
 #include "models/random/draws.h"
 #include "vp/fault/fault.h"
-#include "vp/frame.h"
+#include "vp/frame/frame.h"
 
 namespace hvp::vp {
 

@@ -112,7 +112,7 @@ void Accelerator::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc
   const std::uint64_t offset = transaction.get_address();
   const std::span<std::uint8_t> data(transaction.get_data_ptr(), transaction.get_data_length());
   const Command command = transaction.is_read() ? Command::read : Command::write;
-  const Outcome outcome =
+  const AccessResult outcome =
       command == Command::read ? bank_.read(offset, data) : bank_.write(offset, data);
   transaction.set_response_status(response(outcome.access));
   if (observer_ != nullptr) observer_->access(now_ps(), command, bank_, outcome, offset, data);

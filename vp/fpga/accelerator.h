@@ -17,8 +17,8 @@
 #include "vp/fpga/dma_engine.h"
 #include "vp/fpga/register_bank.h"
 #include "vp/fpga/timing/job_timing.h"
-#include "vp/frame_tag.h"
-#include "vp/ledger.h"
+#include "vp/frame/frame_tag.h"
+#include "vp/frame/ledger.h"
 
 namespace hvp::vp {
 
@@ -28,7 +28,7 @@ class AccessObserver {
   virtual ~AccessObserver() = default;
   // `data` is what was written or read.
   virtual void access(Picoseconds time, Command command, const RegisterBank& bank,
-                      const Outcome& outcome, std::uint64_t offset,
+                      const AccessResult& outcome, std::uint64_t offset,
                       std::span<const std::uint8_t> data) = 0;
 };
 

@@ -13,8 +13,8 @@
 #include "vp/fault/fault_plan.h"
 #include "vp/fpga/board_matrix.h"
 #include "vp/fpga/register_bank.h"
-#include "vp/frame_tag.h"
-#include "vp/ledger.h"
+#include "vp/frame/frame_tag.h"
+#include "vp/frame/ledger.h"
 
 namespace hvp::vp {
 

@@ -111,8 +111,8 @@ RegisterBank::RegisterBank(const Capacity& capacity) {
   strap(Register::capability_blocks, blocks);
 }
 
-Outcome RegisterBank::check_memory(std::size_t aperture, Command command, std::uint64_t offset,
-                                   std::size_t bytes) const {
+AccessResult RegisterBank::check_memory(std::size_t aperture, Command command, std::uint64_t offset,
+                                        std::size_t bytes) const {
   const ApertureInfo& info = kApertures[aperture];
   const std::uint64_t implemented = kWordBytes * memory_[aperture].size();
   const std::uint64_t begin = offset - info.offset;
@@ -124,8 +124,8 @@ Outcome RegisterBank::check_memory(std::size_t aperture, Command command, std::u
   return {Access::ok, offset};
 }
 
-Outcome RegisterBank::check_registers(Command command, std::uint64_t offset, std::size_t bytes,
-                                      const std::uint8_t* written) const {
+AccessResult RegisterBank::check_registers(Command command, std::uint64_t offset, std::size_t bytes,
+                                           const std::uint8_t* written) const {
   for (std::size_t done = 0; done < bytes; done += kWordBytes) {
     const std::uint64_t at = offset + done;
     const auto i = register_at(at);
@@ -141,22 +141,22 @@ Outcome RegisterBank::check_registers(Command command, std::uint64_t offset, std
   return {Access::ok, offset};
 }
 
-Outcome RegisterBank::read(std::uint64_t offset, std::span<std::uint8_t> data) {
-  const auto refuse = [&data](Outcome outcome) {
+AccessResult RegisterBank::read(std::uint64_t offset, std::span<std::uint8_t> data) {
+  const auto refuse = [&data](AccessResult outcome) {
     std::fill(data.begin(), data.end(), std::uint8_t{0xff});
     return outcome;
   };
   if (misaligned(offset, data.size())) return refuse({Access::misaligned, offset});
 
   if (const auto aperture = aperture_at(offset)) {
-    const Outcome outcome = check_memory(*aperture, Command::read, offset, data.size());
+    const AccessResult outcome = check_memory(*aperture, Command::read, offset, data.size());
     if (!outcome.ok()) return refuse(outcome);
     const std::size_t first = (offset - kApertures[*aperture].offset) / kWordBytes;
     std::memcpy(data.data(), memory_[*aperture].data() + first, data.size());
     return outcome;
   }
 
-  const Outcome outcome = check_registers(Command::read, offset, data.size(), nullptr);
+  const AccessResult outcome = check_registers(Command::read, offset, data.size(), nullptr);
   if (!outcome.ok()) return refuse(outcome);
   for (std::size_t done = 0; done < data.size(); done += kWordBytes) {
     const std::size_t i = *register_at(offset + done);
@@ -167,11 +167,11 @@ Outcome RegisterBank::read(std::uint64_t offset, std::span<std::uint8_t> data) {
   return outcome;
 }
 
-Outcome RegisterBank::write(std::uint64_t offset, std::span<const std::uint8_t> data) {
+AccessResult RegisterBank::write(std::uint64_t offset, std::span<const std::uint8_t> data) {
   if (misaligned(offset, data.size())) return {Access::misaligned, offset};
 
   if (const auto aperture = aperture_at(offset)) {
-    const Outcome outcome = check_memory(*aperture, Command::write, offset, data.size());
+    const AccessResult outcome = check_memory(*aperture, Command::write, offset, data.size());
     if (!outcome.ok()) return outcome;
     const std::size_t first = (offset - kApertures[*aperture].offset) / kWordBytes;
     std::memcpy(memory_[*aperture].data() + first, data.data(), data.size());
@@ -179,7 +179,7 @@ Outcome RegisterBank::write(std::uint64_t offset, std::span<const std::uint8_t> 
     return outcome;
   }
 
-  const Outcome outcome = check_registers(Command::write, offset, data.size(), data.data());
+  const AccessResult outcome = check_registers(Command::write, offset, data.size(), data.data());
   if (!outcome.ok()) return outcome;
   for (std::size_t done = 0; done < data.size(); done += kWordBytes) {
     const std::size_t i = *register_at(offset + done);
@@ -206,7 +206,7 @@ std::string RegisterBank::name_at(std::uint64_t offset) const {
   return std::string(kRegisters[*i].name);
 }
 
-std::string RegisterBank::describe(const Outcome& outcome, Command command) const {
+std::string RegisterBank::describe(const AccessResult& outcome, Command command) const {
   const std::uint64_t offset = outcome.offset;
   const std::string_view verb = command == Command::read ? "read of" : "write to";
   std::string reason(name(outcome.access));

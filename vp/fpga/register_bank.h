@@ -38,7 +38,7 @@ std::string_view name(Access access);
 enum class Command : std::uint8_t { read, write };
 
 // What became of an access; `offset` is that of the word that was refused, or of the first word.
-struct Outcome {
+struct AccessResult {
   Access access = Access::ok;
   std::uint64_t offset = 0;
   constexpr bool ok() const { return access == Access::ok; }
@@ -67,13 +67,13 @@ class RegisterBank {
 
   // ---- The bus side. An access is refused as a whole or not at all: no word of a refused burst
   // has an effect, and a refused read fills `data` with ones. Nothing is allocated.
-  Outcome read(std::uint64_t offset, std::span<std::uint8_t> data);
-  Outcome write(std::uint64_t offset, std::span<const std::uint8_t> data);
+  AccessResult read(std::uint64_t offset, std::span<std::uint8_t> data);
+  AccessResult write(std::uint64_t offset, std::span<const std::uint8_t> data);
 
   // "STATUS", "VALUE[+0x120]", "0x3c" where there is nothing.
   std::string name_at(std::uint64_t offset) const;
   // "write to STATUS (0x24): read-only"
-  std::string describe(const Outcome& outcome, Command command) const;
+  std::string describe(const AccessResult& outcome, Command command) const;
 
   // ---- The board's side. Access rights do not apply.
   std::uint32_t get(Register reg) const { return value_[index(reg)]; }
@@ -110,10 +110,10 @@ class RegisterBank {
   }
 
   bool busy() const { return get(field::kStatusBusy) != 0; }
-  Outcome check_memory(std::size_t aperture, Command command, std::uint64_t offset,
-                       std::size_t bytes) const;
-  Outcome check_registers(Command command, std::uint64_t offset, std::size_t bytes,
-                          const std::uint8_t* written) const;
+  AccessResult check_memory(std::size_t aperture, Command command, std::uint64_t offset,
+                            std::size_t bytes) const;
+  AccessResult check_registers(Command command, std::uint64_t offset, std::size_t bytes,
+                               const std::uint8_t* written) const;
 
   std::array<std::uint32_t, kRegisters.size()> value_{};
   std::array<std::uint32_t, kRegisters.size()> reset_value_{};

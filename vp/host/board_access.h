@@ -7,7 +7,7 @@
 #include <tlm_utils/simple_initiator_socket.h>
 
 #include "vp/bus/memory_map.h"
-#include "vp/frame_tag.h"
+#include "vp/frame/frame_tag.h"
 #include "vp/host/local_time.h"
 
 namespace hvp::vp {

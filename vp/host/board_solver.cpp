@@ -89,7 +89,7 @@ hvp_status BoardSolver::write_guess() {
 // Nodes that were let go get their rows back before others are taken, so that the board's matrix
 // is K but for the rows and columns of `nodes`.
 hvp_status BoardSolver::move_contact(std::span<const int> nodes) {
-  const std::vector<int>& present = computation_.contact();
+  const std::span<const int> present = computation_.contact();
   hvp_status status = HVP_OK;
   for (const int node : present) {
     if (contains(nodes, node) || status != HVP_OK) continue;

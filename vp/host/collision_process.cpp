@@ -1,8 +1,9 @@
 #include "vp/host/collision_process.h"
 
 #include <algorithm>
+#include <span>
 
-#include "vp/frame_tag.h"
+#include "vp/frame/frame_tag.h"
 
 namespace hvp::vp {
 
@@ -17,7 +18,8 @@ CollisionProcess::CollisionProcess(const sc_core::sc_module_name& name, const ho
       exchange_(exchange),
       session_(session),
       begun_(begun),
-      dispatcher_(dispatcher) {
+      dispatcher_(dispatcher),
+      reported_(exchange.contact.read(0).contacts) {
   SC_HAS_PROCESS(CollisionProcess);
   SC_THREAD(run);
 }
@@ -39,34 +41,41 @@ void CollisionProcess::run() {
 
 // What was reported last counts once a frame has used it. Until then U says nothing of it, and to
 // find it again would aim the contact anew: as often as passes are faster than frames.
-collision::Pass CollisionProcess::search(const SceneState& scene) {
-  if (!(scene.contact == reported_)) return search_.keep(scene.displacement, reported_);
-  return scene.has_force ? search_.pass(scene.tip, scene.displacement, scene.contact, scene.force)
-                         : search_.pass_without_force(scene.tip, scene.displacement, scene.contact);
+void CollisionProcess::search(const SceneState& scene) {
+  std::span<const collision::Pass> passes;
+  if (!std::ranges::equal(scene.touches, reported_, {}, &collision::Touch::contact)) {
+    passes = search_.keep(reported_, scene.displacement);
+  } else if (scene.has_force) {
+    passes = search_.pass(scene.touches, scene.displacement);
+  } else {
+    passes = search_.pass_without_force(scene.touches, scene.displacement);
+  }
+  found_.clear();
+  for (const collision::Pass& pass : passes) found_.push_back(pass.contact);
 }
 
 // On a shared core a pass begins with its first instruction: one that lost the core before has not
 // looked at the scene yet.
 void CollisionProcess::pass() {
   Picoseconds began = 0;
-  collision::Pass result;
   for (bool worked = false; !worked;) {
     dispatcher_.acquire_core();
     began = now_ps();
-    result = search(exchange_.scene.read(began));
+    search(exchange_.scene.read(began));
+    const double flops = search_.pass_flops();
     const Picoseconds time =
         untimed_ ? 0
-                 : costs_.compute_ps(result.flops) +
+                 : costs_.compute_ps(flops) +
                        costs_.graphics.drawing_ps(search_.surface().triangles().size());
     if (drawing_ != nullptr) {
-      drawing_->notify(to_sc_time(untimed_ ? 0 : costs_.compute_ps(result.flops)));
+      drawing_->notify(to_sc_time(untimed_ ? 0 : costs_.compute_ps(flops)));
     }
     worked = dispatcher_.work(time);
   }
   longest_ = std::max(longest_, now_ps() - began);
-  reported_ = result.contact;
+  reported_ = found_;
   ContactReport& report = exchange_.contact.prepare(now_ps());
-  report.contact = reported_;
+  report.contacts = reported_;
   report.pass_began = began;
   exchange_.contact.publish(now_ps());
   ++passes_;

@@ -2,12 +2,13 @@
 
 #include <cstdint>
 #include <systemc>
+#include <vector>
 
 #include "models/collision/contact_search.h"
 #include "models/host/costs.h"
+#include "vp/frame/session.h"
 #include "vp/host/dispatcher.h"
 #include "vp/host/exchange.h"
-#include "vp/session.h"
 
 namespace hvp::vp {
 
@@ -34,7 +35,7 @@ class CollisionProcess : public sc_core::sc_module {
  private:
   void run();
   void pass();
-  collision::Pass search(const SceneState& scene);
+  void search(const SceneState& scene);
 
   host::Host costs_;
   bool untimed_;
@@ -44,7 +45,8 @@ class CollisionProcess : public sc_core::sc_module {
   sc_core::sc_event& begun_;
   Dispatcher& dispatcher_;
   sc_core::sc_event* drawing_ = nullptr;
-  collision::Contact reported_;
+  std::vector<collision::Contact> found_;  // by the pass at hand
+  std::vector<collision::Contact> reported_;
   std::int64_t passes_ = 0;
   std::int64_t skipped_ = 0;
   Picoseconds longest_ = 0;

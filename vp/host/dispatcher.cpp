@@ -1,7 +1,7 @@
 #include "vp/host/dispatcher.h"
 
 #include "models/time/picoseconds.h"
-#include "vp/frame_tag.h"
+#include "vp/frame/frame_tag.h"
 
 namespace hvp::vp {
 

@@ -8,8 +8,8 @@
 #include "models/host/costs.h"
 #include "models/host/shared_core.h"
 #include "models/random/distribution.h"
+#include "vp/frame/ledger.h"
 #include "vp/latency_draws.h"
-#include "vp/ledger.h"
 
 namespace hvp::vp {
 

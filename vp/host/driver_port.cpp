@@ -141,12 +141,13 @@ void DriverPort::pause() {
 // follows the board, and what the look came later than the end is a span of its own.
 void DriverPort::note_looking(Picoseconds since, bool may_have_ended) {
   if (tag_.frame < 0) return;
-  std::vector<Span>& spans = ledger_.frame(tag_.frame).spans;
-  Span* const last = tag_.cause == kBirth ? nullptr : &spans[static_cast<std::size_t>(tag_.cause)];
+  const std::vector<Span>& spans = ledger_.frame(tag_.frame).spans;
+  const Span* const last =
+      tag_.cause == kBirth ? nullptr : &spans[static_cast<std::size_t>(tag_.cause)];
   const bool goes_on = last != nullptr && last->part == Part::host && last->end == since &&
                        (last->phase == Phase::wait || last->phase == Phase::polling);
   if (goes_on) {
-    last->end = now_ps();
+    ledger_.prolong(tag_, now_ps());
     if (last->phase == Phase::polling) return;
   } else {
     looking_since_ = since;

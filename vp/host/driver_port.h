@@ -7,10 +7,10 @@
 #include "driver/hvp_driver.h"
 #include "vp/fault/bus_errors.h"
 #include "vp/fpga/accelerator.h"
+#include "vp/frame/ledger.h"
 #include "vp/host/board_access.h"
 #include "vp/host/dispatcher.h"
 #include "vp/host/transfer.h"
-#include "vp/ledger.h"
 
 namespace hvp::vp {
 

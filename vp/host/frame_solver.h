@@ -5,9 +5,9 @@
 
 #include "driver/hvp_driver.h"
 #include "models/host/costs.h"
-#include "vp/frame_tag.h"
+#include "vp/frame/frame_tag.h"
+#include "vp/frame/ledger.h"
 #include "vp/host/local_time.h"
-#include "vp/ledger.h"
 
 namespace hvp::vp {
 

@@ -24,7 +24,7 @@ ServoSettings servo_settings(const PlatformSettings& settings, bool refined) {
 SceneState at_rest(const fem::Body& body, const host::FrameComputation& computation,
                    plant::Device& device) {
   SceneState scene;
-  scene.tip = device.at(0).position;
+  scene.touches = {{.tip = device.at(0).position, .contact = {}}};
   scene.displacement = body.expand(computation.displacement());
   scene.has_force = !computation.timing_only();
   return scene;
@@ -42,7 +42,7 @@ HostAssembly::HostAssembly(const PlatformSettings& settings, const fem::Body& bo
     : settings_(settings),
       side_(side),
       exchange_{Mailbox<SceneState>(at_rest(body, computation, side.device())),
-                Mailbox<ContactReport>(ContactReport{})},
+                Mailbox<ContactReport>(ContactReport{std::vector<collision::Contact>(1)})},
       dispatcher_(settings.host, settings.seed, ledger),
       access_("access", settings.transfer.notification == link::Notification::msi),
       port_(access_, untimed(settings) ? 0 : to_picoseconds(settings.host.interrupt_latency_s),

@@ -4,6 +4,8 @@
 #include "models/fem/body.h"
 #include "models/host/frame_computation.h"
 #include "vp/board/board_side.h"
+#include "vp/frame/session.h"
+#include "vp/frame/verdict.h"
 #include "vp/host/board_access.h"
 #include "vp/host/collision_process.h"
 #include "vp/host/dispatcher.h"
@@ -11,8 +13,6 @@
 #include "vp/host/exchange.h"
 #include "vp/host/servo_process.h"
 #include "vp/platform_settings.h"
-#include "vp/session.h"
-#include "vp/verdict.h"
 
 namespace hvp::vp {
 

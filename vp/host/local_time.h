@@ -4,7 +4,7 @@
 
 #include <tlm_utils/tlm_quantumkeeper.h>
 
-#include "vp/frame_tag.h"
+#include "vp/frame/frame_tag.h"
 
 namespace hvp::vp {
 

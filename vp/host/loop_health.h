@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 
@@ -38,7 +37,7 @@ struct ServoCounts {
 };
 
 // Whether the servo loop can rely on its solver: counts what failed, tells the faults' plan what
-// was noticed, keeps the force that a frame without one holds, and has the solver brought back.
+// was noticed, and has the solver brought back.
 class LoopHealth {
  public:
   // How a frame's solve ended.
@@ -71,11 +70,7 @@ class LoopHealth {
   void told_contact() { lost_contact_ = false; }
 
   // Counts, and attributes to faults, what the solve's end says; raises the flags of what failed.
-  // Without a solution the frame is to use held_force().
   void solve_ended(const SolveEnd& end, std::uint32_t& flags);
-  const Eigen::Vector3d& held_force() const { return held_force_; }
-  // What the device is driven with until the next frame's.
-  void force_is_out(const Eigen::Vector3d& force) { held_force_ = force; }
 
   // There is something to bring back.
   bool recovers() const { return !recovery_.ready() && !recovery_.given_up(); }
@@ -104,7 +99,6 @@ class LoopHealth {
   FaultPlan* faults_ = nullptr;
   bool lost_contact_ = false;
   std::int64_t last_solved_ = -1;  // frame
-  Eigen::Vector3d held_force_ = Eigen::Vector3d::Zero();
   ServoCounts counts_;
 };
 

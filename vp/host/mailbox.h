@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "vp/frame.h"
+#include "vp/frame/frame.h"
 
 namespace hvp::vp {
 

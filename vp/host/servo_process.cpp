@@ -1,5 +1,6 @@
 #include "vp/host/servo_process.h"
 
+#include <algorithm>
 #include <exception>
 
 #include "vp/host/board_solver.h"
@@ -39,8 +40,11 @@ ServoProcess::ServoProcess(const sc_core::sc_module_name& name, const ServoSetti
       work_(settings_.costs, settings_.untimed, access.tag(), access.time(), ledger),
       solver_(make_solver(settings_, computation, port, work_, memory)),
       health_(settings_.costs.recovery, *solver_),
-      held_(body, computation, contacts),
-      daq_(access) {
+      held_(body, contacts, to_picoseconds(contacts.settings().hand_over_s)),
+      daq_(access),
+      report_{{}, -1},
+      forces_(held_.contacts().size()),
+      force_sum_(forces_.size()) {
   SC_HAS_PROCESS(ServoProcess);
   SC_THREAD(run);
   set_stack_size(kStackBytes);
@@ -69,7 +73,7 @@ void ServoProcess::serve() {
   session_.begun = true;
   health_.loop_begins(session_.begin);
   begun_.notify(sc_core::SC_ZERO_TIME);
-  for (FrameObserver* observer : observers_) observer->begun();
+  ledger_.begin();
   std::int64_t number = 0;
   while (number < settings_.frames && !stop_asked_()) {
     if (settings_.costs.pipeline_depth == 0) {
@@ -119,47 +123,48 @@ void ServoProcess::sleep_until(Picoseconds time) {
 // A process that is still at work at its tick goes on; one that slept has to be woken.
 ServoProcess::Step ServoProcess::release(std::int64_t number) {
   access_.time().synchronise();
-  Step step;
-  step.number = number;
-  step.born = session_.begin + number * settings_.period;
-  const Picoseconds released = step.born + dispatcher_.release_delay(number);
+  const Picoseconds born = session_.begin + number * settings_.period;
+  const Picoseconds released = born + dispatcher_.release_delay(number);
   const bool sleeps = now_ps() < released;
   if (sleeps) {
     sleep_until(released);
   } else {
     dispatcher_.work_for(number);
   }
-  ledger_.open(number, step.born);
+  Frame& frame = ledger_.open(number, born);
+  frame.time = born - session_.begin;
+  frame.touches.resize(held_.contacts().size());
   access_.tag() = Tag{number, kBirth};
-  ledger_.extend(access_.tag(), Part::host, Phase::release, step.born, now_ps());
+  ledger_.extend(access_.tag(), Part::host, Phase::release, born, now_ps());
   if (sleeps) dispatcher_.wake(access_.tag());
-  return step;
+  return {&frame, {}};
 }
 
 void ServoProcess::frame(std::int64_t number) {
   Step step = release(number);
-  sense(step);
+  Frame& frame = *step.frame;
+  sense(frame);
   begin(step);
   collect(step);
-  deliver(step);
-  advance(step);
-  publish(step);
-  record(step);
-  observe(step);
+  deliver(frame);
+  advance(frame);
+  publish(frame);
+  note(frame);
+  observe(frame);
   // The last safe force is out; now the board is brought back, as far as the period allows.
   recover(number);
-  ledger_.frame(number).work_done = access_.time().now();
+  ledger_.work_done(number, access_.time().now());
   ledger_.close(number);
 }
 
 // The board gets its next job as soon as it can: what only the frame before needs comes after.
 void ServoProcess::pipelined_frame(std::int64_t number) {
   Step step = release(number);
-  sense(step);
+  sense(*step.frame);
   if (pending_) {
     put_aside(step);
     take_pending();
-    if (pending_->status != HVP_OK) {
+    if (!pending_->frame->solved()) {
       hand_out_pending();
       recover(number);
     }
@@ -169,7 +174,7 @@ void ServoProcess::pipelined_frame(std::int64_t number) {
   put_aside(step);
   if (pending_) hand_out_pending();
   pending_ = step;
-  ledger_.frame(number).work_done = access_.time().now();
+  ledger_.work_done(number, access_.time().now());
 }
 
 // The last frame's force comes in the period after it, like every other's.
@@ -189,115 +194,113 @@ void ServoProcess::drain(std::int64_t tick) {
 void ServoProcess::take_pending() {
   resume(*pending_);
   collect(*pending_);
-  observe(*pending_);
-  advance(*pending_);
+  observe(*pending_->frame);
+  advance(*pending_->frame);
   put_aside(*pending_);
 }
 
 void ServoProcess::hand_out_pending() {
   resume(*pending_);
-  deliver(*pending_);
-  publish(*pending_);
-  record(*pending_);
-  ledger_.close(pending_->number);
+  const Frame& frame = *pending_->frame;
+  deliver(frame);
+  publish(frame);
+  note(frame);
   pending_.reset();
+  ledger_.close(frame.number);
 }
 
-void ServoProcess::sense(Step& step) {
-  step.tip = daq_.read_position();
+void ServoProcess::sense(Frame& frame) {
+  frame.touches.front().tip = daq_.read_position();
   work_.spend(Phase::contact_lookup, settings_.costs.contact_lookup_s);
   access_.time().synchronise();
+  const Picoseconds last_report = report_.pass_began;
   // A copy: the frame goes on while the next report arrives.
-  step.report = exchange_.contact.read(now_ps());
-  step.looked_up = now_ps();
-  if (step.report.pass_began == last_report_) return;
-  last_report_ = step.report.pass_began;
-  force_sum_.setZero();
+  report_ = exchange_.contact.read(now_ps());
+  frame.contact_age = now_ps() - report_.pass_began;
+  if (report_.pass_began == last_report) return;
+  std::ranges::fill(force_sum_, Eigen::Vector3d::Zero());
   force_frames_ = 0;
 }
 
 void ServoProcess::begin(Step& step) {
-  step.status = health_.solver_status();
-  step.attempted = step.status == HVP_OK;
+  Frame& frame = *step.frame;
+  frame.status = health_.solver_status();
+  step.attempted = frame.solved();
   if (step.attempted) {
-    solver_->set_deadline(step.born + (1 + settings_.costs.pipeline_depth) * settings_.period);
-    if (health_.lost_contact() || !(step.report.contact == held_.contact())) move_contact(step);
+    solver_->set_deadline(frame.born + (1 + settings_.costs.pipeline_depth) * settings_.period);
+    if (health_.lost_contact() || !std::ranges::equal(report_.contacts, held_.contacts())) {
+      move_contact(frame);
+    }
   }
-  step.contact = held_.contact();
-  const Sight sight{step.born, step.tip};
-  if (step.status == HVP_OK) {
-    const double operations = held_.prescribe(sight, settings_.period);
+  for (std::size_t i = 0; i < frame.touches.size(); ++i) {
+    frame.touches[i].contact = held_.contacts()[i];
+  }
+  if (!frame.in_contact()) frame.contact_age = 0;
+  if (frame.solved()) {
+    computation_.hold(held_.hold(frame.born, frame.touches, settings_.period));
+    const double operations = held_.operations() + computation_.hold_operations();
     if (operations > 0) work_.spend(Phase::hold, 0, operations);
-    step.status = solver_->begin(step.flags);
+    frame.status = solver_->begin(frame.flags);
   }
-  held_.remember(sight);
+  held_.keep_tips(frame.born, frame.touches);
 }
 
-// A board that was set up again is told of the same contact; for the host it goes on.
-void ServoProcess::move_contact(Step& step) {
-  step.status = solver_->move_contact(held_.nodes_of(step.report.contact));
+// A board that was set up again is told of the same contacts; for the host they go on.
+void ServoProcess::move_contact(Frame& frame) {
+  frame.status = solver_->move_contact(held_.nodes_of(report_.contacts));
   health_.told_contact();
-  if (step.report.contact == held_.contact()) return;
-  held_.change(step.report.contact, {step.born, step.tip});
+  if (std::ranges::equal(report_.contacts, held_.contacts())) return;
+  held_.change(report_.contacts, frame.born, frame.touches,
+               {computation_.displacement(), computation_.velocity()});
   ++health_.counts().contact_changes;
 }
 
-// Without a new force the last one stays.
+// Without new forces the last ones stay.
 void ServoProcess::collect(Step& step) {
-  if (step.status == HVP_OK) step.status = solver_->end(step.flags);
-  health_.solve_ended({step.number, step.status, step.attempted}, step.flags);
-  step.force = step.status == HVP_OK ? computation_.force() : health_.held_force();
+  Frame& frame = *step.frame;
+  if (frame.solved()) frame.status = solver_->end(frame.flags);
+  health_.solve_ended({frame.number, frame.status, step.attempted}, frame.flags);
+  if (frame.solved()) computation_.forces(forces_);
+  for (std::size_t i = 0; i < forces_.size(); ++i) frame.touches[i].force = forces_[i];
 }
 
-void ServoProcess::deliver(const Step& step) {
-  if (step.status == HVP_OK) work_.spend(Phase::force, 0, computation_.force_operations());
-  health_.force_is_out(step.force);
+void ServoProcess::deliver(const Frame& frame) {
+  if (frame.solved()) work_.spend(Phase::force, 0, computation_.force_operations());
   // The device pushes back with what the user exerts on the body.
-  if (!daq_.write_force(-step.force)) ++health_.counts().clamped_forces;
+  if (!daq_.write_force(-frame.touch().force)) ++health_.counts().clamped_forces;
 }
 
-void ServoProcess::advance(Step& step) {
-  if (step.status != HVP_OK) return;
-  solver_->finish(step.flags);
+void ServoProcess::advance(Frame& frame) {
+  if (!frame.solved()) return;
+  solver_->finish(frame.flags);
   computation_.update();
-  held_.updated(step.born);
+  held_.solved(frame.born);
   work_.spend(Phase::update, 0, computation_.update_operations());
 }
 
-void ServoProcess::publish(const Step& step) {
+void ServoProcess::publish(const Frame& frame) {
   access_.time().synchronise();
   SceneState& scene = exchange_.scene.prepare(now_ps());
-  scene.tip = step.tip;
-  scene.contact = step.contact;
-  if (computation_.timing_only()) {
-    // The body stays as the mailbox has had it from the beginning.
-    exchange_.scene.publish(now_ps());
-    return;
+  scene.touches = frame.touches;
+  // Timing only, the body stays as the mailbox has had it from the beginning.
+  if (!computation_.timing_only()) {
+    body_.expand(computation_.displacement(), scene.displacement);
+    ++force_frames_;
+    for (std::size_t i = 0; i < force_sum_.size(); ++i) {
+      force_sum_[i] += frame.touches[i].force;
+      scene.touches[i].force = force_sum_[i] / static_cast<double>(force_frames_);
+    }
   }
-  body_.expand(computation_.displacement(), scene.displacement);
-  force_sum_ += step.force;
-  ++force_frames_;
-  scene.force = force_sum_ / static_cast<double>(force_frames_);
   exchange_.scene.publish(now_ps());
 }
 
-void ServoProcess::record(const Step& step) {
-  Frame& frame = ledger_.frame(step.number);
-  frame.contact_node = step.contact.node;
-  frame.contact_age = step.contact.present() ? step.looked_up - step.report.pass_began : 0;
-  frame.position = step.tip;
-  frame.force = Eigen::Vector3d::Zero() - step.force;  // no negative zeros
-  frame.solved = step.status == HVP_OK;
-  frame.status = static_cast<int>(step.status);
-  frame.flags = step.flags;
-  health_.counts().flags |= step.flags;
+void ServoProcess::note(const Frame& frame) {
+  health_.counts().flags |= frame.flags;
   health_.counts().clamped_words += solver_->take_clamped_words();
 }
 
-void ServoProcess::observe(const Step& step) {
-  const SolvedFrame view{step.number,         step.born - session_.begin,  step.tip,  step.contact,
-                         computation_.held(), computation_.displacement(), step.force};
-  for (FrameObserver* observer : observers_) observer->solved(view);
+void ServoProcess::observe(const Frame& frame) {
+  ledger_.solved(frame, {computation_.held(), computation_.displacement()});
 }
 
 // Until the next tick; one span for all of it.
@@ -323,9 +326,9 @@ void ServoProcess::resume(const Step& step) {
   access_.tag() = step.tag;
   access_.follow_interrupt();
   const Tag& tag = access_.tag();
-  const Frame& frame = ledger_.frame(step.number);
-  const Picoseconds since =
-      tag.cause == kBirth ? frame.born : frame.spans[static_cast<std::size_t>(tag.cause)].end;
+  const Picoseconds since = tag.cause == kBirth
+                                ? step.frame->born
+                                : step.frame->spans[static_cast<std::size_t>(tag.cause)].end;
   if (since == now_ps()) return;
   ledger_.extend(access_.tag(), Part::host, Phase::pipeline, since, now_ps());
 }

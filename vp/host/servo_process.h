@@ -14,42 +14,23 @@
 #include "models/collision/contact_search.h"
 #include "models/fem/body.h"
 #include "models/fixed/settings.h"
+#include "models/host/contact_hold.h"
 #include "models/host/costs.h"
 #include "models/host/frame_computation.h"
 #include "vp/bus/host_memory.h"
 #include "vp/fault/fault_plan.h"
+#include "vp/frame/ledger.h"
+#include "vp/frame/session.h"
+#include "vp/frame/verdict.h"
 #include "vp/host/board_access.h"
-#include "vp/host/contact_hold.h"
 #include "vp/host/daq_driver.h"
 #include "vp/host/dispatcher.h"
 #include "vp/host/driver_port.h"
 #include "vp/host/exchange.h"
 #include "vp/host/frame_solver.h"
 #include "vp/host/loop_health.h"
-#include "vp/ledger.h"
-#include "vp/session.h"
-#include "vp/verdict.h"
 
 namespace hvp::vp {
-
-// What a frame came to, without any simulated time: for references, pictures and progress.
-struct SolvedFrame {
-  std::int64_t number;
-  Picoseconds time;                      // since the servo loop began, of the frame's birth
-  Eigen::Vector3d tip;                   // as read, m
-  collision::Contact contact;            // of the mesh' nodes
-  fem::Hold hold;                        // what contact prescribed
-  std::span<const double> displacement;  // active nodes, m
-  Eigen::Vector3d force;                 // on the body, N
-};
-
-class FrameObserver {
- public:
-  virtual ~FrameObserver() = default;
-  // Set-up is over, the servo loop begins.
-  virtual void begun() {}
-  virtual void solved(const SolvedFrame& frame) = 0;
-};
 
 struct ServoSettings {
   Picoseconds period = 2'000'000'000;
@@ -81,7 +62,6 @@ class ServoProcess : public sc_core::sc_module {
   // Tells the plan what the driver has noticed.
   void report_to(FaultPlan& faults) { health_.report_to(faults); }
 
-  void add_observer(FrameObserver& observer) { observers_.push_back(&observer); }
   // Called in the servo process after set-up and after the last frame: waits until the buses are
   // empty.
   void drain_with(std::function<void()> drain) { drain_ = std::move(drain); }
@@ -100,16 +80,8 @@ class ServoProcess : public sc_core::sc_module {
  private:
   // A frame on its way through the steps.
   struct Step {
-    std::int64_t number = 0;
-    Picoseconds born = 0;
-    Tag tag;  // while another frame is worked on
-    ContactReport report;
-    Picoseconds looked_up = 0;
-    Eigen::Vector3d tip = Eigen::Vector3d::Zero();
-    collision::Contact contact;
-    Eigen::Vector3d force = Eigen::Vector3d::Zero();
-    std::uint32_t flags = 0;
-    hvp_status status = HVP_OK;
+    Frame* frame;
+    Tag tag;                // while another frame is worked on
     bool attempted = true;  // false: the solver is being brought back, or was given up
   };
 
@@ -125,15 +97,15 @@ class ServoProcess : public sc_core::sc_module {
   void hand_out_pending();
 
   // The steps of Fig. 6.2.
-  void sense(Step& step);
+  void sense(Frame& frame);
   void begin(Step& step);
   void collect(Step& step);
-  void deliver(const Step& step);
-  void advance(Step& step);
-  void publish(const Step& step);
-  void record(const Step& step);
-  void observe(const Step& step);
-  void move_contact(Step& step);
+  void deliver(const Frame& frame);
+  void advance(Frame& frame);
+  void publish(const Frame& frame);
+  void note(const Frame& frame);
+  void observe(const Frame& frame);
+  void move_contact(Frame& frame);
   void recover(std::int64_t number);
 
   void put_aside(Step& step) { step.tag = access_.tag(); }
@@ -148,19 +120,19 @@ class ServoProcess : public sc_core::sc_module {
   Ledger& ledger_;
   Verdict& verdict_;
   Session& session_;
-  std::vector<FrameObserver*> observers_;
   sc_core::sc_event begun_;
   Work work_;
   std::unique_ptr<FrameSolver> solver_;
   LoopHealth health_;
-  ContactHold held_;
+  host::ContactHold held_;
   DaqDriver daq_;
 
   std::optional<Step> pending_;  // the frame whose solution is still to come
+  ContactReport report_;         // as the frame that senses has found it
+  std::vector<Eigen::Vector3d> forces_;
   // For the mean force since the last report of the collision process.
-  Eigen::Vector3d force_sum_ = Eigen::Vector3d::Zero();
+  std::vector<Eigen::Vector3d> force_sum_;
   std::int64_t force_frames_ = 0;
-  Picoseconds last_report_ = -1;
   std::function<void()> drain_ = [] {};
   std::function<bool()> stop_asked_ = [] { return false; };
   std::int64_t ticks_ = 0;

@@ -20,8 +20,10 @@ bool may_be_folded(const Span& span) {
 
 void WordSpans::fold() {
   if (tag_.frame < 0 || tag_.cause == before_) return;
-  std::vector<Span>& spans = ledger_.frame(tag_.frame).spans;
-  const auto at = [&spans](SpanId id) -> Span& { return spans[static_cast<std::size_t>(id)]; };
+  const std::vector<Span>& spans = ledger_.frame(tag_.frame).spans;
+  const auto at = [&spans](SpanId id) -> const Span& {
+    return spans[static_cast<std::size_t>(id)];
+  };
   // The chain back to where the block stood, as long as it is the newest of the frame's spans.
   Picoseconds waited = 0;
   SpanId first = static_cast<SpanId>(spans.size());
@@ -35,7 +37,7 @@ void WordSpans::fold() {
   }
   const Span last = at(tag_.cause);
   const Picoseconds start = at(first).start;
-  spans.erase(spans.begin() + first, spans.end());
+  ledger_.take_back(tag_, first);
   tag_.cause = before_;
   if (waited > 0) ledger_.extend(tag_, Part::bus, Phase::arbitration, start, start + waited);
   ledger_.extend(tag_, Part::bus, last.phase, start + waited, last.end);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vp/ledger.h"
+#include "vp/frame/ledger.h"
 
 namespace hvp::vp {
 

@@ -8,7 +8,7 @@
 #include "models/link/pci_protocol.h"
 #include "models/link/pcie.h"
 #include "models/link/read_latencies.h"
-#include "vp/frame.h"
+#include "vp/frame/frame.h"
 
 namespace hvp::vp {
 

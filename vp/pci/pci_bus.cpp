@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "vp/bus_transaction.h"
+#include "vp/bus/bus_transaction.h"
 
 namespace hvp::vp {
 

@@ -13,13 +13,13 @@
 
 #include "models/link/pci.h"
 #include "models/link/pci_arbiter.h"
-#include "vp/bus_use.h"
+#include "vp/bus/bus_use.h"
+#include "vp/bus/posted_writes.h"
 #include "vp/fidelity.h"
-#include "vp/frame_tag.h"
+#include "vp/frame/frame_tag.h"
+#include "vp/frame/ledger.h"
 #include "vp/latency_draws.h"
-#include "vp/ledger.h"
 #include "vp/pci/bus_settings.h"
-#include "vp/posted_writes.h"
 
 namespace hvp::vp {
 

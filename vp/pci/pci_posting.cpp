@@ -1,7 +1,7 @@
 // What [bus.posted_writes] adds to PciBus.
 #include <algorithm>
 
-#include "vp/bus_transaction.h"
+#include "vp/bus/bus_transaction.h"
 #include "vp/pci/pci_bus.h"
 
 namespace hvp::vp {

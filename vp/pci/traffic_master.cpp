@@ -1,6 +1,6 @@
 #include "vp/pci/traffic_master.h"
 
-#include "vp/frame_tag.h"
+#include "vp/frame/frame_tag.h"
 
 namespace hvp::vp {
 

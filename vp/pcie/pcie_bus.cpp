@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "models/time/picoseconds.h"
-#include "vp/bus_transaction.h"
+#include "vp/bus/bus_transaction.h"
 
 namespace hvp::vp {
 

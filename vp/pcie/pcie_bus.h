@@ -11,11 +11,11 @@
 #include <tlm_utils/simple_target_socket.h>
 
 #include "models/link/interconnect.h"
-#include "vp/bus_use.h"
+#include "vp/bus/bus_use.h"
 #include "vp/fidelity.h"
-#include "vp/frame_tag.h"
+#include "vp/frame/frame_tag.h"
+#include "vp/frame/ledger.h"
 #include "vp/latency_draws.h"
-#include "vp/ledger.h"
 #include "vp/pci/bus_settings.h"
 #include "vp/pcie/pcie_timing.h"
 #include "vp/pcie/posted_path.h"

@@ -9,7 +9,7 @@
 #include "models/link/pcie.h"
 #include "models/link/pcie_link.h"
 #include "vp/fidelity.h"
-#include "vp/ledger.h"
+#include "vp/frame/ledger.h"
 
 namespace hvp::vp {
 

@@ -4,9 +4,9 @@
 #include <functional>
 #include <systemc>
 
-#include "vp/ledger.h"
+#include "vp/bus/posted_writes.h"
+#include "vp/frame/ledger.h"
 #include "vp/pcie/pcie_timing.h"
-#include "vp/posted_writes.h"
 
 namespace hvp::vp {
 

@@ -9,7 +9,7 @@ namespace hvp::vp::engine {
 
 namespace {
 
-struct Phase {
+struct EnginePhase {
   std::int64_t clocks = 0;
   unsigned units = 0;  // a bit a unit
 };
@@ -124,7 +124,7 @@ void PhaseEngine::advance() {
 }
 
 void PhaseEngine::hold(State state, const sc_core::sc_time& after) {
-  const auto phase = [&]() -> Phase {
+  const auto phase = [&]() -> EnginePhase {
     // Command and quotient stand in registers.
     const std::int64_t division = std::max<std::int64_t>(
         2, std::int64_t{architecture_.division_clocks} * settings_.scalar_bits / 64);

@@ -1,12 +1,15 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string_view>
 #include <vector>
 
+#include "driver/hvp_driver.h"
+#include "models/collision/contact.h"
+#include "models/fem/hold.h"
 #include "models/time/picoseconds.h"
 
 namespace hvp::vp {
@@ -74,25 +77,35 @@ struct Span {
 };
 
 // One tick of the servo loop, from its birth at n·T to the force at the motor and the end of the
-// work that belongs to its period.
+// work that belongs to its period. The servo process writes what the frame saw and did, step by
+// step; what took time is the ledger's to write.
 struct Frame {
   std::int64_t number = 0;
   Picoseconds born = 0;
+  Picoseconds time = 0;  // its birth, since the servo loop began
+
+  // A probe each: where its tip was read to be, what it holds, and the force on the body.
+  std::vector<collision::Touch> touches;
+  Picoseconds contact_age = 0;   // at the lookup, since the pass that found it began; 0: none
+  hvp_status status = HVP_OK;    // else: why the force of an earlier frame is held
+  std::int64_t saturations = 0;  // in its solve
+  std::uint32_t flags = 0;       // stability::Flags of its solve
+
   std::vector<Span> spans;
   SpanId force_at_motor = kBirth;  // the span with which the force is there
   Picoseconds work_done = 0;       // all work of the period is done, the update included
 
-  // What the frame did, for frames.csv.
-  int contact_node = -1;        // mesh node, or −1
-  Picoseconds contact_age = 0;  // at the lookup, since the pass that found the node began
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // on the probe, N
-  bool solved = true;                               // false: the force of an earlier frame was held
-  int status = 0;                                   // hvp_status: why it was
-  std::int64_t saturations = 0;
-  std::uint32_t flags = 0;
-
+  bool solved() const { return status == HVP_OK; }
+  bool in_contact() const;
+  // Of the first probe.
+  const collision::Touch& touch() const { return touches.front(); }
   Picoseconds latency() const { return spans[static_cast<std::size_t>(force_at_motor)].end - born; }
+};
+
+// What a frame was solved to; valid while it is looked at.
+struct Solution {
+  fem::Hold hold;                        // what contact prescribed
+  std::span<const double> displacement;  // active nodes, m
 };
 
 // Which part and frame a transaction or an interrupt works for, and what it follows.

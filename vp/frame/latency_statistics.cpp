@@ -1,16 +1,16 @@
-#include "vp/latency_statistics.h"
+#include "vp/frame/latency_statistics.h"
 
 #include <algorithm>
 #include <cstdlib>
 
 namespace hvp::vp {
 
-std::size_t LatencyStatistics::entry_of(const Span& span) {
+std::size_t LatencyStatistics::entry_of(Part part, Phase phase) {
   std::uint16_t& index =
-      path_index_[static_cast<std::size_t>(span.part)].at(static_cast<std::size_t>(span.phase));
+      path_index_[static_cast<std::size_t>(part)].at(static_cast<std::size_t>(phase));
   if (index == 0) {
     // The frames before this one had none of it.
-    on_path_.push_back({span.part, span.phase, 0, {}});
+    on_path_.push_back({part, phase, 0, {}});
     on_path_.back().times.add(0, frames());
     index = static_cast<std::uint16_t>(on_path_.size());
   }
@@ -26,21 +26,16 @@ statistics::Histogram& LatencyStatistics::transactions_of(Phase phase) {
   return transactions_[index - std::size_t{1}].times;
 }
 
-void LatencyStatistics::take(const Frame& frame, const std::vector<SpanId>& path) {
-  for (const SpanId id : path) {
-    const Span& span = frame.spans[static_cast<std::size_t>(id)];
-    in_frame_[entry_of(span)] += span.end - span.start;
-  }
-  std::array<Picoseconds, kParts> parts{};
+void LatencyStatistics::closed(const Frame& frame, const CriticalPath& path) {
+  for (const Attribution& a : path.attribution()) in_frame_[entry_of(a.part, a.phase)] = a.time;
   for (std::size_t i = 0; i < on_path_.size(); ++i) {
     PathTime& entry = on_path_[i];
     const Picoseconds time = in_frame_[i];
     in_frame_[i] = 0;
     entry.times.add(time);
     if (time > 0) ++entry.frames;
-    parts[static_cast<std::size_t>(entry.part)] += time;
   }
-  for (std::size_t i = 0; i < kParts; ++i) parts_[i].add(parts[i]);
+  for (std::size_t i = 0; i < kParts; ++i) parts_[i].add(path.time(static_cast<Part>(i)));
   for (const Span& span : frame.spans) {
     if (span.part == Part::bus) transactions_of(span.phase).add(span.end - span.start);
   }

@@ -5,7 +5,7 @@
 #include <tlm>
 #include <vector>
 
-#include "vp/frame_tag.h"
+#include "vp/frame/frame_tag.h"
 
 namespace hvp::vp {
 

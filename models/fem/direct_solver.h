@@ -16,10 +16,10 @@ namespace hvp::fem {
 // do not depend on the machine's libraries). D also tells how many eigenvalues are negative
 // (Sylvester), which matters for a rounded matrix: it may be indefinite and is solved all the
 // same. One thread at a time: the solves share scratch space.
-class ReferenceSolver {
+class DirectSolver {
  public:
   // Throws InputError where an entry is not finite. A singular matrix does not throw here.
-  explicit ReferenceSolver(const sparse::BlockMatrix& a);
+  explicit DirectSolver(const sparse::BlockMatrix& a);
 
   int rows() const { return rows_; }
   bool positive_definite() const { return !singular_ && negative_pivots_ == 0; }

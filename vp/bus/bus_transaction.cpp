@@ -1,4 +1,4 @@
-#include "vp/bus_transaction.h"
+#include "vp/bus/bus_transaction.h"
 
 #include <cstring>
 

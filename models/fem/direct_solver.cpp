@@ -1,4 +1,4 @@
-#include "models/fem/reference_solver.h"
+#include "models/fem/direct_solver.h"
 
 #include <algorithm>
 #include <cassert>
@@ -54,7 +54,7 @@ void solve_dense(const std::vector<double>& a, const std::vector<std::size_t>& p
 
 }  // namespace
 
-ReferenceSolver::ReferenceSolver(const sparse::BlockMatrix& a) : rows_(a.rows()) {
+DirectSolver::DirectSolver(const sparse::BlockMatrix& a) : rows_(a.rows()) {
   for (const double entry : a.value) {
     if (!std::isfinite(entry)) {
       throw InputError(
@@ -81,17 +81,17 @@ ReferenceSolver::ReferenceSolver(const sparse::BlockMatrix& a) : rows_(a.rows())
   }
 }
 
-std::size_t ReferenceSolver::factor_nonzeros() const {
+std::size_t DirectSolver::factor_nonzeros() const {
   if (pivot_.empty()) return 0;
   return index(factorisation_.matrixL().nestedExpression().nonZeros());
 }
 
-TriangularFactor ReferenceSolver::factor() const {
+TriangularFactor DirectSolver::factor() const {
   const auto& l = factorisation_.matrixL().nestedExpression();
   return {l.outerIndexPtr(), l.innerIndexPtr(), l.valuePtr()};
 }
 
-void ReferenceSolver::require_regular() const {
+void DirectSolver::require_regular() const {
   if (!singular_) return;
   throw InputError(fmt::format(
       "the system of {} unknowns is singular to double precision; expected a body that is held "
@@ -99,7 +99,7 @@ void ReferenceSolver::require_regular() const {
       rows_));
 }
 
-void ReferenceSolver::solve(std::span<const double> b, std::span<double> x) const {
+void DirectSolver::solve(std::span<const double> b, std::span<double> x) const {
   assert(b.size() == index(rows_) && x.size() == b.size());
   require_regular();
   if (rows_ == 0) return;
@@ -111,7 +111,7 @@ void ReferenceSolver::solve(std::span<const double> b, std::span<double> x) cons
   for (int i = 0; i < rows_; ++i) x[index(i)] = scratch_[index(place[i])];
 }
 
-void ReferenceSolver::prepare_contact(std::span<const int> patch) {
+void DirectSolver::prepare_contact(std::span<const int> patch) {
   if (std::equal(patch.begin(), patch.end(), contact_.begin(), contact_.end())) return;
   for (const int node : patch) {
     if (node < 0 || 3 * node >= rows_) {
@@ -138,25 +138,25 @@ void ReferenceSolver::prepare_contact(std::span<const int> patch) {
   contact_.assign(patch.begin(), patch.end());
 }
 
-void ReferenceSolver::solve_with_contact(std::span<const double> f, int node,
-                                         const Eigen::Vector3d& u_c, std::span<double> x) {
+void DirectSolver::solve_with_contact(std::span<const double> f, int node,
+                                      const Eigen::Vector3d& u_c, std::span<double> x) {
   solve_with_contact(f, std::span<const int>(&node, 1), u_c, x);
 }
 
-void ReferenceSolver::solve_with_contact(std::span<const double> f, std::span<const int> patch,
-                                         const Eigen::Vector3d& u_c, std::span<double> x) {
+void DirectSolver::solve_with_contact(std::span<const double> f, std::span<const int> patch,
+                                      const Eigen::Vector3d& u_c, std::span<double> x) {
   solve_with_contact(f, patch, std::span<const Eigen::Vector3d>(&u_c, 1), x);
 }
 
-void ReferenceSolver::solve_with_contact(std::span<const double> f, std::span<const int> patch,
-                                         std::span<const Eigen::Vector3d> u, std::span<double> x) {
+void DirectSolver::solve_with_contact(std::span<const double> f, std::span<const int> patch,
+                                      std::span<const Eigen::Vector3d> u, std::span<double> x) {
   prepare_contact(patch);
   solve(f, x);
   impose_contact(u, x);
 }
 
 // Adds to x = A⁻¹f what the contact's forces do.
-void ReferenceSolver::impose_contact(std::span<const Eigen::Vector3d> u, std::span<double> x) {
+void DirectSolver::impose_contact(std::span<const Eigen::Vector3d> u, std::span<double> x) {
   assert(u.size() == 1 || u.size() == contact_.size());
   const std::size_t n = index(rows_);
   const std::size_t m = contact_force_.size();

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "vp/frame.h"
+#include "vp/frame/frame.h"
 
 namespace hvp::vp {
 

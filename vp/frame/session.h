@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vp/frame.h"
+#include "vp/frame/frame.h"
 
 namespace hvp::vp {
 

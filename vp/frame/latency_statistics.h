@@ -3,10 +3,9 @@
 #include <array>
 #include <cstdint>
 #include <deque>
-#include <vector>
 
 #include "models/statistics/histogram.h"
-#include "vp/ledger.h"
+#include "vp/frame/observer.h"
 
 namespace hvp::vp {
 
@@ -14,7 +13,7 @@ namespace hvp::vp {
 // by kind of bus transaction. From the ledger alone, in an amount of memory that does not depend on
 // the number of frames: percentiles are as exact as a Histogram's, counts, means and worst values
 // exact.
-class LatencyStatistics : public FrameSink {
+class LatencyStatistics : public FrameObserver {
  public:
   // What a part, or one of its phases, added to the critical path. Every frame counts, with zero
   // where it added nothing, so that the means of all parts sum to the mean latency, and those of a
@@ -31,7 +30,7 @@ class LatencyStatistics : public FrameSink {
     statistics::Histogram times;
   };
 
-  void take(const Frame& frame, const std::vector<SpanId>& path) override;
+  void closed(const Frame& frame, const CriticalPath& path) override;
 
   std::int64_t frames() const { return latency_.count(); }
   Picoseconds best() const { return best_; }
@@ -51,7 +50,7 @@ class LatencyStatistics : public FrameSink {
   // An entry's number plus one; 0: the phase has not occurred.
   using Index = std::array<std::uint16_t, kMostPhases>;
 
-  std::size_t entry_of(const Span& span);
+  std::size_t entry_of(Part part, Phase phase);
   statistics::Histogram& transactions_of(Phase phase);
 
   Picoseconds best_ = 0;

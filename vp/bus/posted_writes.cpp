@@ -1,4 +1,4 @@
-#include "vp/posted_writes.h"
+#include "vp/bus/posted_writes.h"
 
 #include <utility>
 

@@ -1,34 +1,23 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
-#include "vp/frame.h"
-#include "vp/tenure.h"
+#include "vp/frame/critical_path.h"
+#include "vp/frame/frame.h"
+#include "vp/frame/observer.h"
+#include "vp/frame/tenure.h"
 
 namespace hvp::vp {
 
-// The spans of a frame's critical path, from its birth to the force at the motor: the chain of
-// causes. Throws std::logic_error when the chain has a gap, an overlap, or does not start at the
-// birth, so that its spans sum to the latency exactly or the run fails.
-std::vector<SpanId> critical_path(const Frame& frame);
-
-// As above without an allocation: `path` keeps its capacity.
-void critical_path(const Frame& frame, std::vector<SpanId>& path);
-
-// Takes closed frames, in the order of their numbers.
-class FrameSink {
- public:
-  virtual ~FrameSink() = default;
-  virtual void take(const Frame& frame, const std::vector<SpanId>& critical_path) = 0;
-};
-
 // Where every part writes what took time. Several frames may be open at once; a closed one goes
-// to the sinks and its storage is used again, so that memory does not grow with the run and the
+// to the observers and its storage is used again, so that memory does not grow with the run and the
 // frame loop does not allocate.
 class Ledger {
  public:
-  void add_sink(FrameSink& sink) { sinks_.push_back(&sink); }
+  // Observers are called in the order in which they were added.
+  void add_observer(FrameObserver& observer) { observers_.push_back(&observer); }
   void add_tenure_sink(TenureSink& sink) { tenure_sinks_.push_back(&sink); }
 
   // Who had a resource: handed on at once, nothing is kept. One of no length is none.
@@ -36,7 +25,9 @@ class Ledger {
   // Whether anybody wants to know.
   bool takes_tenures() const { return !tenure_sinks_.empty(); }
 
-  // A frame is born at its release time. Numbers ascend.
+  // The servo loop begins.
+  void begin();
+  // A frame is born at its release time. Numbers ascend. It stays where it is until it is closed.
   Frame& open(std::int64_t number, Picoseconds born);
   Frame& frame(std::int64_t number);
   // Whether it still is there to have spans.
@@ -47,6 +38,17 @@ class Ledger {
   // As add, and the tag's cause becomes the new span.
   void extend(Tag& tag, Part part, Phase phase, Picoseconds start, Picoseconds end);
 
+  // The span on which the tag stands ends later than was known, at `end`.
+  void prolong(const Tag& tag, Picoseconds end);
+  // Takes back the frame's newest spans, from `first` on; none of those that stay follows them.
+  void take_back(const Tag& tag, SpanId first);
+  // With the span on which the tag stands the frame's force is at the motor.
+  void force_at_motor(const Tag& tag);
+  // All work of the frame's period is done.
+  void work_done(std::int64_t number, Picoseconds time) { frame(number).work_done = time; }
+  // The frame has its displacements and its force.
+  void solved(const Frame& frame, const Solution& solution) const;
+
   // Something of the frame is still under way, a posted write or a DMA: the frame does not leave
   // before as many unhold(). A tag without a frame holds nothing.
   void hold(const Tag& tag);
@@ -55,7 +57,7 @@ class Ledger {
 
   // The frame's process is done with it. It is handed on, with its critical path, as soon as
   // nothing holds it and all frames before it have been: here, or in a later close() or finish().
-  // So every sink runs in the caller's process.
+  // So every observer runs in the caller's process.
   void close(std::int64_t number);
   // At the end of a run, when nothing is under way: hands on what is left. Throws std::logic_error
   // where a closed frame is still held.
@@ -69,14 +71,15 @@ class Ledger {
   };
 
   Entry& entry(std::int64_t number);
+  Span& span_of(const Tag& tag);
   void hand_on(const Frame& frame);
   void hand_on_ready();
 
-  std::vector<Entry> open_;
+  std::vector<std::unique_ptr<Entry>> open_;
   std::int64_t held_ = 0;
-  std::vector<Frame> spare_;
-  std::vector<SpanId> path_;
-  std::vector<FrameSink*> sinks_;
+  std::vector<std::unique_ptr<Entry>> spare_;
+  CriticalPath path_;
+  std::vector<FrameObserver*> observers_;
   std::vector<TenureSink*> tenure_sinks_;
 };
 

@@ -2,7 +2,7 @@
 
 #include <tlm>
 
-#include "vp/frame_tag.h"
+#include "vp/frame/frame_tag.h"
 
 namespace hvp::vp {
 

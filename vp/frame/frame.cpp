@@ -1,8 +1,15 @@
-#include "vp/frame.h"
+#include "vp/frame/frame.h"
 
-#include "vp/tenure.h"
+#include <algorithm>
+
+#include "vp/frame/tenure.h"
 
 namespace hvp::vp {
+
+bool Frame::in_contact() const {
+  return std::ranges::any_of(touches,
+                             [](const collision::Touch& t) { return t.contact.present(); });
+}
 
 std::string_view name(Part part) { return kPartNames.at(static_cast<std::size_t>(part)); }
 

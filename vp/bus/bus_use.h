@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "vp/frame.h"
+#include "vp/frame/frame.h"
 
 namespace hvp::vp {
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <tlm>
 
-#include "vp/frame.h"
+#include "vp/frame/frame.h"
 
 namespace hvp::vp {
 

@@ -1,4 +1,4 @@
-#include "vp/bus_meter.h"
+#include "vp/bus/bus_meter.h"
 
 #include <algorithm>
 
@@ -10,7 +10,7 @@ void BusMeter::begun() {
   busy_ = bus_.busy();
 }
 
-void BusMeter::solved(const SolvedFrame& /*frame*/) {
+void BusMeter::solved(const Frame& /*frame*/, const Solution& /*solution*/) {
   const Picoseconds time = now_ps();
   const Picoseconds busy = bus_.busy();
   if (last_time_ >= 0 && time > last_time_) {

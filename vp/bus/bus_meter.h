@@ -2,8 +2,9 @@
 
 #include <functional>
 
-#include "vp/bus_use.h"
-#include "vp/host/servo_process.h"
+#include "vp/bus/bus_use.h"
+#include "vp/frame/frame_tag.h"
+#include "vp/frame/observer.h"
 
 namespace hvp::vp {
 
@@ -21,7 +22,7 @@ class BusMeter : public FrameObserver {
   explicit BusMeter(Bus bus) : bus_(std::move(bus)) {}
 
   void begun() override;
-  void solved(const SolvedFrame& frame) override;
+  void solved(const Frame& frame, const Solution& solution) override;
   // After the last frame.
   void ended();
 

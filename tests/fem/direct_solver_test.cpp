@@ -1,4 +1,4 @@
-#include "models/fem/reference_solver.h"
+#include "models/fem/direct_solver.h"
 
 #include <Eigen/Dense>
 #include <cmath>
@@ -24,12 +24,12 @@ Body cube(double poisson_ratio) {
 }
 
 // Backward stability: the residual is a few roundings of |A|·|x|, whatever the condition.
-TEST(ReferenceSolver, ResidualIsRounding) {
+TEST(DirectSolver, ResidualIsRounding) {
   for (const double poisson_ratio : {0.0, 0.3, 0.45, 0.499}) {
     const Body body = cube(poisson_ratio);
     const std::vector<double> b = noise_vector(body.load().size());
     std::vector<double> x(b.size());
-    const ReferenceSolver solver(body.stiffness());
+    const DirectSolver solver(body.stiffness());
     EXPECT_TRUE(solver.positive_definite());
     solver.solve(b, x);
     std::vector<double> ax(b.size());
@@ -46,11 +46,11 @@ TEST(ReferenceSolver, ResidualIsRounding) {
   }
 }
 
-TEST(ReferenceSolver, SolvesInPlace) {
+TEST(DirectSolver, SolvesInPlace) {
   const Body body = cube(0.3);
   std::vector<double> x = noise_vector(body.load().size());
   std::vector<double> apart(x.size());
-  const ReferenceSolver solver(body.stiffness());
+  const DirectSolver solver(body.stiffness());
   solver.solve(x, apart);
   solver.solve(x, x);
   EXPECT_EQ(x, apart);
@@ -58,7 +58,7 @@ TEST(ReferenceSolver, SolvesInPlace) {
 
 // Two of the stiff diagonals turned negative: the matrix has exactly two negative eigenvalues
 // and is solved all the same.
-TEST(ReferenceSolver, IndefiniteMatrixIsReportedAndSolved) {
+TEST(DirectSolver, IndefiniteMatrixIsReportedAndSolved) {
   sparse::BlockMatrix a = cube(0.3).stiffness();
   for (const int node : {11, 37}) {
     a.block(static_cast<std::size_t>(a.find(node, node)))[4] *= -4;
@@ -66,7 +66,7 @@ TEST(ReferenceSolver, IndefiniteMatrixIsReportedAndSolved) {
   const Eigen::MatrixXd dense = a.to_eigen().toDense();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(dense, Eigen::EigenvaluesOnly);
   ASSERT_EQ((eigen.eigenvalues().array() < 0).count(), 2);
-  const ReferenceSolver solver(a);
+  const DirectSolver solver(a);
   EXPECT_FALSE(solver.positive_definite());
   EXPECT_FALSE(solver.singular());
   EXPECT_EQ(solver.negative_eigenvalues(), 2);
@@ -79,7 +79,7 @@ TEST(ReferenceSolver, IndefiniteMatrixIsReportedAndSolved) {
   EXPECT_LT((found - expected).norm(), 1e-10 * expected.norm());
 }
 
-TEST(ReferenceSolver, SingularMatrixIsRefusedNotDividedBy) {
+TEST(DirectSolver, SingularMatrixIsRefusedNotDividedBy) {
   sparse::BlockMatrix a = cube(0.3).stiffness();
   for (int node = 0; node < a.block_rows(); ++node) {
     for (const auto& [row, column] : {std::pair{9, node}, {node, 9}}) {
@@ -87,29 +87,29 @@ TEST(ReferenceSolver, SingularMatrixIsRefusedNotDividedBy) {
       if (k >= 0) std::fill_n(a.block(static_cast<std::size_t>(k)), 9, 0.0);
     }
   }
-  const ReferenceSolver solver(a);
+  const DirectSolver solver(a);
   EXPECT_TRUE(solver.singular());
   EXPECT_FALSE(solver.positive_definite());
   std::vector<double> x(static_cast<std::size_t>(a.rows()), 1.0);
   EXPECT_THROW(solver.solve(x, x), InputError);
 }
 
-TEST(ReferenceSolver, FreeBodyIsNotPositiveDefinite) {
-  const ReferenceSolver solver(assemble_stiffness(jittered_cube(4), Material{}));
+TEST(DirectSolver, FreeBodyIsNotPositiveDefinite) {
+  const DirectSolver solver(assemble_stiffness(jittered_cube(4), Material{}));
   EXPECT_FALSE(solver.positive_definite());
 }
 
-TEST(ReferenceSolver, RefusesNotANumber) {
+TEST(DirectSolver, RefusesNotANumber) {
   sparse::BlockMatrix a = cube(0.3).stiffness();
   a.value[5] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(ReferenceSolver{a}, InputError);
+  EXPECT_THROW(DirectSolver{a}, InputError);
 }
 
 TEST(Condition, EndsOfTheSpectrum) {
   const sparse::BlockMatrix a = cube(0.45).stiffness();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(a.to_eigen().toDense(),
                                                              Eigen::EigenvaluesOnly);
-  const Spectrum spectrum = extreme_eigenvalues(a, ReferenceSolver(a));
+  const Spectrum spectrum = extreme_eigenvalues(a, DirectSolver(a));
   EXPECT_NEAR(spectrum.largest / eigen.eigenvalues().maxCoeff(), 1, 2e-3);
   EXPECT_NEAR(spectrum.smallest / eigen.eigenvalues().minCoeff(), 1, 2e-3);
 }

@@ -6,27 +6,20 @@
 
 #include "models/config/figures.h"
 #include "models/statistics/histogram.h"
-#include "vp/ledger.h"
+#include "vp/frame/observer.h"
 
 namespace hvp::vp {
-
-// One line of the worst frame's critical path, spans of one part and phase put together.
-struct Attribution {
-  Part part;
-  Phase phase;
-  Picoseconds time;
-};
 
 // The two verdicts of a run. *Force in time*: the force of frame n is at the motor by
 // n·T + (1 + pipeline depth)·T, and it is of that frame: one that was held because the solve failed
 // is a miss. *Load*: all work that belongs to a period, what follows the force
 // included, fits into T. A tick that had no frame at all is a miss of both.
-class Verdict : public FrameSink {
+class Verdict : public FrameObserver {
  public:
   // `budget` is the latency that is allowed.
   Verdict(Picoseconds period, Picoseconds budget) : period_(period), budget_(budget) {}
 
-  void take(const Frame& frame, const std::vector<SpanId>& path) override;
+  void closed(const Frame& frame, const CriticalPath& path) override;
   void skip_tick() { ++skipped_; }
 
   Picoseconds period() const { return period_; }
