@@ -202,29 +202,6 @@ SurfacePoint DeformedSurface::closest(const Eigen::Vector3d& p) const {
   return found;
 }
 
-NearestNode DeformedSurface::nearest_surface_node(const Eigen::Vector3d& p,
-                                                  std::span<const std::uint8_t> excluded) const {
-  if (!p.allFinite()) throw InputError("a point that is not finite has no nearest node");
-  if (!excluded.empty() && excluded.size() != rest_.size()) {
-    throw InputError(fmt::format("{} marks for {} nodes", excluded.size(), rest_.size()));
-  }
-  NearestNode found;
-  double limit = std::numeric_limits<double>::infinity();
-  tree_.search(p, limit, found.cost, [&](int triangle, double& best) {
-    for (const int node : triangles_[index(triangle)]) {
-      if (!excluded.empty() && excluded[index(node)] != 0) continue;
-      ++found.cost.nodes;
-      const double squared = (position_[index(node)] - p).squaredNorm();
-      if (squared < best || (squared == best && node < found.node)) {
-        best = squared;
-        found.node = node;
-      }
-    }
-  });
-  if (found.node >= 0) found.distance = std::sqrt(limit);
-  return found;
-}
-
 std::span<const int> DeformedSurface::ring(int node) const {
   const std::size_t begin = index(ring_begin_[index(node)]);
   return {ring_.data() + begin, index(ring_begin_[index(node) + 1]) - begin};

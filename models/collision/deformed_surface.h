@@ -22,12 +22,6 @@ struct SurfacePoint {
   SearchCost cost;
 };
 
-struct NearestNode {
-  int node = -1;          // -1 where every surface node is excluded
-  double distance = 0.0;  // m
-  SearchCost cost;
-};
-
 // The boundary of a body, displaced by U: what the probe is tested against.
 //
 // The sign of a distance comes from the angle-weighted pseudo-normal of the nearest face, edge
@@ -52,11 +46,6 @@ class DeformedSurface {
   // Throw InputError where p is not finite.
   SurfacePoint closest(const Eigen::Vector3d& p) const;
   double signed_distance(const Eigen::Vector3d& p) const { return closest(p).signed_distance; }
-
-  // The surface node nearest to p, the lowest index where several are; `excluded` has one entry
-  // a node of the mesh, not zero where the node does not count, or is empty.
-  NearestNode nearest_surface_node(const Eigen::Vector3d& p,
-                                   std::span<const std::uint8_t> excluded = {}) const;
 
   int nodes() const { return static_cast<int>(rest_.size()); }
   const std::vector<std::array<int, 3>>& triangles() const { return triangles_; }

@@ -242,66 +242,6 @@ TEST(DeformedSurface, RefusesASurfaceThatHasNoInside) {
   EXPECT_NE(refusal(nowhere).find("node 3"), std::string::npos);
 }
 
-TEST(NearestSurfaceNode, IsTheNearestThatIsNotExcluded) {
-  mesh::TetMesh mesh = urchin(2);
-  mesh.nodes.push_back(Vector3d::Zero());  // an inner node does not count
-  const DeformedSurface surface(mesh);
-  std::vector<std::uint8_t> excluded(mesh.nodes.size(), 0);
-  for (std::size_t i = 0; i < excluded.size(); i += 3) excluded[i] = 1;
-  test::Uniform uniform(7);
-  for (int i = 0; i < 1000; ++i) {
-    const Vector3d p = uniform.in_cube(1.5);
-    for (const bool with : {false, true}) {
-      int expected = -1;
-      for (std::size_t n = 0; n + 1 < mesh.nodes.size(); ++n) {
-        if (with && excluded[n] != 0) continue;
-        if (expected < 0 ||
-            (mesh.nodes[n] - p).squaredNorm() <
-                (mesh.nodes[static_cast<std::size_t>(expected)] - p).squaredNorm()) {
-          expected = static_cast<int>(n);
-        }
-      }
-      const NearestNode found =
-          with ? surface.nearest_surface_node(p, excluded) : surface.nearest_surface_node(p);
-      ASSERT_EQ(found.node, expected);
-      ASSERT_DOUBLE_EQ(found.distance, (mesh.nodes[static_cast<std::size_t>(expected)] - p).norm());
-    }
-  }
-  std::fill(excluded.begin(), excluded.end(), std::uint8_t{1});
-  EXPECT_EQ(surface.nearest_surface_node(Vector3d::Zero(), excluded).node, -1);
-  EXPECT_THROW(surface.nearest_surface_node(Vector3d::Zero(), std::vector<std::uint8_t>(3)),
-               InputError);
-}
-
-// Above the middle of a square four nodes are equally near, to the last bit with coordinates in
-// whole numbers: the lowest index counts, wherever the tree has put it.
-TEST(NearestSurfaceNode, TakesTheLowestIndexOfEqualOnes) {
-  mesh::TetMesh mesh = test::box({8.0, 8.0, 8.0}, {8, 8, 8});
-  // Numbered against the order in which the tree goes through them.
-  std::reverse(mesh.nodes.begin(), mesh.nodes.end());
-  for (auto& t : mesh.boundary) {
-    for (int& node : t) node = static_cast<int>(mesh.nodes.size()) - 1 - node;
-  }
-  const DeformedSurface surface(mesh);
-  for (int i = 0; i < 8; ++i) {
-    for (int j = 0; j < 8; ++j) {
-      for (int axis = 0; axis < 3; ++axis) {
-        Vector3d p = Vector3d::Constant(8.5);
-        p[(axis + 1) % 3] = i + 0.5;
-        p[(axis + 2) % 3] = j + 0.5;
-        int expected = 0;
-        for (const int node : surface.surface_nodes()) {
-          if ((surface.position(node) - p).squaredNorm() <
-              (surface.position(expected) - p).squaredNorm()) {
-            expected = node;
-          }
-        }
-        ASSERT_EQ(surface.nearest_surface_node(p).node, expected) << p.transpose();
-      }
-    }
-  }
-}
-
 // 64k nodes in a ball have some 8k on the surface; this one has 10k nodes, 20k triangles.
 TEST(DeformedSurface, TriesAFewTrianglesOfManyAndAllocatesNothing) {
   const mesh::TetMesh mesh = test::sphere(0.05, 5);
@@ -311,20 +251,16 @@ TEST(DeformedSurface, TriesAFewTrianglesOfManyAndAllocatesNothing) {
       mesh, [](const Vector3d& x) { return Vector3d(x.x(), x.y(), x.z() * (1.0 - 4.0 * x.z())); });
   test::Uniform uniform(8);
   double triangles = 0.0;
-  double nodes = 0.0;
   const long before = test::allocations();
   surface.update(u);
   for (int i = 0; i < 1000; ++i) {
     // A tip that touches: within 5 mm of the surface.
     const Vector3d p = (0.05 + uniform(-0.005, 0.005)) * uniform.in_cube(1.0).normalized();
     triangles += static_cast<double>(surface.closest(p).cost.triangles);
-    nodes += static_cast<double>(surface.nearest_surface_node(p).cost.nodes);
   }
   EXPECT_EQ(test::allocations(), before);
   EXPECT_LT(triangles / 1000.0, 100.0);
-  EXPECT_LT(nodes / 1000.0, 300.0);
   RecordProperty("triangles_per_query", std::to_string(triangles / 1000.0));
-  RecordProperty("nodes_per_query", std::to_string(nodes / 1000.0));
 }
 
 }  // namespace
