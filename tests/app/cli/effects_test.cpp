@@ -169,6 +169,7 @@ const std::map<std::string, Parts> kAdded = {
     {"refinement", kNothing},
     {"accelerator.several", kNothing},
     {"accelerator.external_memory", kNothing},
+    {"accelerator.external_memory.refresh", kNothing},
     {"bus.protocol", kNothing},
     {"bus.traffic", {{"traffic"}, 1}},
     {"bus.graphics_traffic", {{"graphics"}, 1}},
