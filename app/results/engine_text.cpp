@@ -5,8 +5,19 @@
 #include <fmt/format.h>
 
 #include "app/results/report.h"
+#include "models/accel/matrix_stream.h"
 
 namespace hvp::results {
+
+namespace {
+
+// Clocks of a product with another architecture.
+std::int64_t product_of(const app::Scene& scene, const accel::Architecture& a) {
+  const accel::SolveWork work = accel::longest_solve(scene.computation().board_settings());
+  return accel::BoardClocks(a, scene.pattern()).solve(work).sparse_product;
+}
+
+}  // namespace
 
 std::string clocks_text(const app::Scene& scene) {
   const fixed::Settings& solver = scene.scenario().solver;
@@ -18,6 +29,12 @@ std::string clocks_text(const app::Scene& scene) {
   row("set-up", c.setup);
   row("an iteration", c.iteration());
   row("  product and inner product", c.sparse_product);
+  const accel::Architecture& a = scene.scenario().accelerator;
+  if (a.external_memory) {
+    accel::Architecture on_device = a;
+    on_device.external_memory.reset();
+    row("    that waits for external memory", c.sparse_product - product_of(scene, on_device));
+  }
   row("  solution and residual", c.update);
   row("  direction", c.direction);
   row(scene.board().several() ? "  divisions, and sums over links"
@@ -26,6 +43,10 @@ std::string clocks_text(const app::Scene& scene) {
   if (c.replacements > 0) row("a residual formed anew", c.replacement);
   row(fmt::format("{}{} iterations", solver.stop_residual > 0 ? "at most " : "", c.iterations),
       c.total());
+  if (a.external_memory && a.external_memory->refresh) {
+    const accel::SolveWork work = accel::longest_solve(scene.computation().board_settings());
+    row("  while external memory refreshes", accel::refresh_loss(a, scene.pattern(), work).clocks);
+  }
   return text;
 }
 

@@ -32,16 +32,6 @@ namespace hvp::app {
 
 namespace {
 
-vp::PlatformSettings platform_settings(const Scene& scene) {
-  const Scenario& s = scene.scenario();
-  vp::PlatformSettings p(s);
-  p.period = to_picoseconds(s.budget.period_s);
-  // A force is due when the next tick comes, with a pipeline so many ticks later.
-  p.budget = (1 + s.host.pipeline_depth) * p.period;
-  p.solver = scene.computation().board_settings();
-  return p;
-}
-
 // Says how far a long run is.
 class ProgressTicker : public vp::FrameObserver {
  public:
@@ -225,15 +215,11 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   if (options.progress) options.progress("looking at the rounded matrix");
   const std::optional<host::RoundingEstimate> rounding = estimate_rounding(scene);
 
-  vp::PlatformSettings settings = platform_settings(scene);
   std::optional<results::WaveformFile> waveform;
-  if (s.output.waveform) {
-    waveform.emplace(directory);
-    settings.waveform = {waveform->tracer_file(), s.output.waveform->first_frame,
-                         s.output.waveform->frames};
-  }
-  vp::Platform platform(settings, scene.body(), scene.computation(), scene.contacts(),
-                        registers ? &*registers : nullptr);
+  if (s.output.waveform) waveform.emplace(directory);
+  vp::Platform platform(
+      platform_settings(scene, waveform ? waveform->tracer_file() : std::string()), scene.body(),
+      scene.computation(), scene.contacts(), registers ? &*registers : nullptr);
   results::FramesCsv frames(directory / "frames.csv", platform.verdict().budget(),
                             s.timing_only() ? results::Columns::times : results::Columns::all);
   results::TraceSettings traced{s.output.trace_frames, std::llround(s.output.trace_bytes),

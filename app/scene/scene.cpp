@@ -13,6 +13,7 @@
 #include "models/accel/critical_path.h"
 #include "models/config/input_error.h"
 #include "models/mesh/generate.h"
+#include "models/time/picoseconds.h"
 #include "vp/fpga/register_bank.h"
 
 namespace hvp::app {
@@ -159,6 +160,19 @@ const accel::BoardClocks& Scene::board() const {
 accel::SolveCycles Scene::solve_cycles() const {
   if (!board_) return {};
   return board_->solve(accel::longest_solve(computation_->board_settings()));
+}
+
+vp::PlatformSettings platform_settings(const Scene& scene, const std::string& waveform_file) {
+  const Scenario& s = scene.scenario();
+  vp::PlatformSettings p(s);
+  p.period = to_picoseconds(s.budget.period_s);
+  // A force is due when the next tick comes, with a pipeline so many ticks later.
+  p.budget = (1 + s.host.pipeline_depth) * p.period;
+  p.solver = scene.computation().board_settings();
+  if (const std::optional<WaveformSettings>& shown = s.output.waveform) {
+    p.waveform = {waveform_file, shown->first_frame, shown->frames};
+  }
+  return p;
 }
 
 }  // namespace hvp::app

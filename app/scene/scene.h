@@ -70,6 +70,10 @@ class Scene {
   std::optional<fem::Locking> locking_;
 };
 
+// What the platform is built from. `waveform_file` is where [output.waveform] writes to, if it is
+// there: a file's name without its suffix.
+vp::PlatformSettings platform_settings(const Scene& scene, const std::string& waveform_file = {});
+
 // The elastic body alone, as `hvp export` needs it.
 std::unique_ptr<fem::Body> make_body(const Scenario& scenario, const Progress& progress);
 

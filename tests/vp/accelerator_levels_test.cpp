@@ -10,7 +10,7 @@
 #include "models/config/input_error.h"
 #include "models/fixed/reference_solver.h"
 #include "models/fixed/start_guess.h"
-#include "tests/vp/board_master.h"
+#include "tests/vp/board_rig.h"
 #include "tests/vp/expected_time.h"
 #include "tests/vp/small_scene.h"
 #include "tests/vp/stimulus.h"
@@ -28,21 +28,11 @@ using test::SmallScene;
 using test::Stimulus;
 using Words = std::vector<std::int32_t>;
 
-class AcceleratorLevels : public testing::TestWithParam<Timing> {
+class AcceleratorLevels : public test::BoardRig, public testing::TestWithParam<Timing> {
  protected:
   void run(const std::function<void(Stimulus&, BoardMaster&)>& script) {
-    accelerator_ =
-        std::make_unique<Accelerator>("accelerator", accel::Architecture{}, GetParam(), ledger_);
-    line_ = std::make_unique<test::LineProbe>("line");
-    stimulus_ = std::make_unique<Stimulus>("stimulus", [&](Stimulus& s) {
-      BoardMaster master(s);
-      script(s, master);
-      finished_ = true;
-    });
-    stimulus_->to_target.bind(accelerator_->from_bus);
-    accelerator_->interrupt.bind(*line_);
-    sc_core::sc_start();
-    EXPECT_TRUE(finished_);
+    build({}, GetParam());
+    run_with_line(script);
   }
 
   // Runs a job when x is in the copies of d, and returns its clocks, which are those until its
@@ -96,14 +86,6 @@ class AcceleratorLevels : public testing::TestWithParam<Timing> {
     EXPECT_EQ(spent(State::alpha), iterations * 68);
     EXPECT_EQ(spent(State::beta), iterations * 68);
   }
-  const fixed::QuantisedMatrix& k() const { return scene_.computation.quantised(); }
-
-  SmallScene scene_;
-  Ledger ledger_;
-  std::unique_ptr<Accelerator> accelerator_;
-  std::unique_ptr<test::LineProbe> line_;
-  std::unique_ptr<Stimulus> stimulus_;
-  bool finished_ = false;
 };
 
 TEST_P(AcceleratorLevels, JobsHaveTheReferencesWordsAndTheEnginesClocks) {

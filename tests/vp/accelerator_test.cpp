@@ -12,7 +12,7 @@
 #include <spdlog/spdlog.h>
 
 #include "models/fixed/reference_solver.h"
-#include "tests/vp/board_master.h"
+#include "tests/vp/board_rig.h"
 #include "tests/vp/expected_time.h"
 #include "tests/vp/small_scene.h"
 #include "tests/vp/stimulus.h"
@@ -39,7 +39,7 @@ std::vector<std::int32_t> solved(const fixed::QuantisedMatrix& k, const fixed::S
 }
 
 // A board with its line observed, and a master whose script starts when time does.
-class AcceleratorTest : public testing::Test {
+class AcceleratorTest : public test::BoardRig, public testing::Test {
  protected:
   void run(const std::function<void(Stimulus&, BoardMaster&)>& script,
            const accel::Architecture& architecture = {}, Timing level = Timing::loosely_timed) {
@@ -47,17 +47,8 @@ class AcceleratorTest : public testing::Test {
         "test", std::make_shared<spdlog::sinks::ostream_sink_st>(log_));
     logger->set_pattern("%v");
     spdlog::set_default_logger(logger);
-    accelerator_ = std::make_unique<Accelerator>("accelerator", architecture, level, ledger_);
-    line_ = std::make_unique<test::LineProbe>("line");
-    stimulus_ = std::make_unique<Stimulus>("stimulus", [&](Stimulus& s) {
-      BoardMaster master(s);
-      script(s, master);
-      finished_ = true;
-    });
-    stimulus_->to_target.bind(accelerator_->from_bus);
-    accelerator_->interrupt.bind(*line_);
-    sc_core::sc_start();
-    EXPECT_TRUE(finished_);
+    build(architecture, level);
+    run_with_line(script);
   }
   // What the board reported since the last call.
   std::string reported() {
@@ -66,18 +57,7 @@ class AcceleratorTest : public testing::Test {
     return text;
   }
 
-  const fixed::QuantisedMatrix& k() const { return scene_.computation.quantised(); }
-  Picoseconds solve_time(int iterations = 60) const {
-    return test::solve_time(k().row_begin, iterations);
-  }
-
-  SmallScene scene_;
-  Ledger ledger_;
   std::ostringstream log_;
-  std::unique_ptr<Accelerator> accelerator_;
-  std::unique_ptr<test::LineProbe> line_;
-  std::unique_ptr<Stimulus> stimulus_;
-  bool finished_ = false;
 };
 
 TEST_F(AcceleratorTest, SaysWhoItIs) {

@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "models/fixed/reference_solver.h"
-#include "tests/vp/board_master.h"
+#include "tests/vp/board_rig.h"
 #include "tests/vp/expected_time.h"
 #include "tests/vp/small_scene.h"
 #include "tests/vp/stimulus.h"
@@ -65,40 +65,30 @@ Descriptor to_host(std::uint64_t to, std::uint32_t bytes, std::uint32_t at = 0) 
 Picoseconds board_write(int bytes) { return test::pci(bytes, 4, 0); }
 Picoseconds board_read(int bytes) { return test::pci(bytes, 4 + 8, 0); }
 
-class DmaEngineTest : public testing::Test {
+class DmaEngineTest : public test::BoardRig, public testing::Test {
  protected:
   using Script = std::function<void(Stimulus&, BoardMaster&)>;
 
   // The board's requests go over a PCI bus; the script's accesses reach its registers at once.
   void run(const Script& script, const MasterSettings& master = {link::DmaEngine{}, false}) {
-    bus_ = std::make_unique<PciBus>("bus", link::Pci{}, false, ledger_);
-    accelerator_ =
-        std::make_unique<Accelerator>("accelerator", accel::Architecture{}, Timing::loosely_timed,
-                                      ledger_, nullptr, Numbers::fixed, master);
+    build_bus();
+    build({}, Timing::loosely_timed, master);
     memory_ = std::make_unique<HostMemory>("memory", kMemoryBytes);
-    line_ = std::make_unique<test::LineProbe>("line");
-    stimulus_ = std::make_unique<Stimulus>("stimulus", [&](Stimulus& s) {
-      BoardMaster board(s);
-      script(s, board);
-      finished_ = true;
-      sc_core::sc_stop();
-    });
     idle_ = std::make_unique<Stimulus>("idle", [](Stimulus&) {});
     idle_->to_target.bind(bus_->from_host);
     target_ = std::make_unique<HostMemory>("target", 4);
     bus_->attach(target_->from_bus, 0x4000'0000, 4);
-    stimulus_->to_target.bind(accelerator_->from_bus);
     if (accelerator_->dma() != nullptr) {
       accelerator_->dma()->to_memory.bind(bus_->from_board);
       bus_->attach_memory(memory_->from_bus);
     }
-    if (master.messages) {
-      memory_->interrupt.bind(*line_);
-    } else {
-      accelerator_->interrupt.bind(*line_);
+    if (!master.messages) {
+      run_with_line(script);
+      return;
     }
-    sc_core::sc_start();
-    EXPECT_TRUE(finished_);
+    line_ = std::make_unique<test::LineProbe>("line");
+    memory_->interrupt.bind(*line_);
+    run_at_registers(script);
   }
 
   void set_up(BoardMaster& board, const std::vector<Descriptor>& there,
@@ -137,11 +127,7 @@ class DmaEngineTest : public testing::Test {
     }
     return u;
   }
-  std::vector<std::int32_t> expected() const {
-    std::vector<std::int32_t> u(SmallScene::kUnknowns, 0);
-    fixed::ReferenceSolver(fixed::Settings{}).solve(k(), {b_, u});
-    return u;
-  }
+  std::vector<std::int32_t> expected() const { return solution(b_); }
   // Rings and waits for the end; what ERROR and its detail say, which it clears.
   std::pair<ErrorCode, std::uint32_t> outcome(Stimulus& s, BoardMaster& board) {
     EXPECT_EQ(board.command(field::kControlRunList), tlm::TLM_OK_RESPONSE);
@@ -154,18 +140,9 @@ class DmaEngineTest : public testing::Test {
     return {code, detail};
   }
 
-  const fixed::QuantisedMatrix& k() const { return scene_.computation.quantised(); }
-  Picoseconds solve_time() const { return test::solve_time(k().row_begin, 60); }
-
-  SmallScene scene_;
-  Ledger ledger_;
   std::vector<std::int32_t> b_ = test::words(SmallScene::kUnknowns, 200);
-  std::unique_ptr<PciBus> bus_;
-  std::unique_ptr<Accelerator> accelerator_;
   std::unique_ptr<HostMemory> memory_, target_;
-  std::unique_ptr<test::LineProbe> line_;
-  std::unique_ptr<Stimulus> stimulus_, idle_;
-  bool finished_ = false;
+  std::unique_ptr<Stimulus> idle_;
 };
 
 TEST_F(DmaEngineTest, ListTakesItsClocksAndItsSpansFollowEachOther) {
@@ -528,20 +505,13 @@ TEST_F(DmaEngineTest, ComesBackAfterThousandsOfRandomLists) {
 }
 
 TEST_F(DmaEngineTest, WithoutAMemoryEveryTransferFails) {
-  accelerator_ = std::make_unique<Accelerator>(
-      "accelerator", accel::Architecture{}, Timing::loosely_timed, ledger_, nullptr, Numbers::fixed,
-      MasterSettings{link::DmaEngine{}, true});
-  Stimulus stimulus("stimulus", [&](Stimulus& s) {
-    BoardMaster board(s);
+  build({}, Timing::loosely_timed, {link::DmaEngine{}, true});
+  run_at_registers([&](Stimulus& s, BoardMaster& board) {
     board.load_and_wait(k());
     board.poke(Register::interrupt_enable, 3);
     board.poke(Register::dma_count, 1);
     EXPECT_EQ(outcome(s, board), std::pair(ErrorCode::dma_failed, kListFailed));
-    finished_ = true;
   });
-  stimulus.to_target.bind(accelerator_->from_bus);
-  sc_core::sc_start();
-  EXPECT_TRUE(finished_);
 }
 
 }  // namespace

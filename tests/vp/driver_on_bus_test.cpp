@@ -4,7 +4,7 @@
 
 #include "driver/hvp_driver.h"
 #include "models/fixed/reference_solver.h"
-#include "tests/vp/board_master.h"
+#include "tests/vp/board_rig.h"
 #include "tests/vp/expected_time.h"
 #include "tests/vp/small_scene.h"
 #include "tests/vp/stimulus.h"
@@ -28,24 +28,10 @@ constexpr std::size_t kUnknowns = SmallScene::kUnknowns;
 constexpr int kVectorBytes = 2 * SmallScene::kUnknowns;  // 16-bit words: one burst from the scratch
 
 // The driver's program on a host, a bus and a board.
-class DriverOnBus : public testing::Test {
+class DriverOnBus : public test::BoardRig, public testing::Test {
  protected:
   void run(const std::function<void(test::Program&)>& script) {
-    bus_ = std::make_unique<PciBus>("bus", link::Pci{}, false, ledger_);
-    accelerator_ = std::make_unique<Accelerator>("accelerator", accel::Architecture{},
-                                                 Timing::loosely_timed, ledger_);
-    access_ = std::make_unique<BoardAccess>("access");
-    port_ = std::make_unique<DriverPort>(*access_, kInterruptLatency, ledger_);
-    access_->to_bus.bind(bus_->from_host);
-    bus_->attach(accelerator_->from_bus, kSolverBase, kBarBytes);
-    accelerator_->interrupt.bind(*access_);
-    program_ = std::make_unique<test::Program>("program", [&](test::Program& p) {
-      script(p);
-      finished_ = true;
-    });
-    sc_core::sc_start();
-    EXPECT_TRUE(finished_);
-    EXPECT_EQ(accelerator_->illegal_accesses(), 0);
+    run_driver(kInterruptLatency, script);
   }
 
   void open_and_load() {
@@ -63,29 +49,14 @@ class DriverOnBus : public testing::Test {
     config.vector_bits = 16;
     config.coefficient_bits = 16;
     ASSERT_EQ(hvp_configure(&device_, &config), HVP_OK);
-    const hvp_matrix matrix{48, static_cast<std::uint32_t>(k().column.size()), k().row_begin.data(),
-                            k().column.data(), k().value.data()};
-    ASSERT_EQ(hvp_load_matrix(&device_, &matrix), HVP_OK);
+    load_matrix(k());
   }
   std::vector<std::int32_t> expected_solution() const {
     fixed::Settings settings;
     settings.headroom_bits = 3;
-    std::vector<std::int32_t> u(kUnknowns, 0);
-    fixed::ReferenceSolver(settings).solve(k(), {b_, u});
-    return u;
+    return solution(b_, settings);
   }
-  const fixed::QuantisedMatrix& k() const { return scene_.computation.quantised(); }
-  Picoseconds solve_time() const { return test::solve_time(k().row_begin, 60); }
 
-  SmallScene scene_;
-  Ledger ledger_;
-  std::unique_ptr<PciBus> bus_;
-  std::unique_ptr<Accelerator> accelerator_;
-  std::unique_ptr<BoardAccess> access_;
-  std::unique_ptr<DriverPort> port_;
-  std::unique_ptr<test::Program> program_;
-  bool finished_ = false;
-  hvp_device device_{};
   std::vector<std::uint32_t> scratch_ = std::vector<std::uint32_t>(kScratchWords);
   std::vector<std::int32_t> b_ = test::words(SmallScene::kUnknowns, 200);
   std::vector<std::int32_t> u_ = std::vector<std::int32_t>(kUnknowns);

@@ -15,7 +15,7 @@
 #include "driver/hvp_driver.h"
 #include "models/fixed/reference_solver.h"
 #include "models/stability/flag.h"
-#include "tests/vp/board_master.h"
+#include "tests/vp/board_rig.h"
 #include "tests/vp/expected_time.h"
 #include "tests/vp/small_scene.h"
 #include "tests/vp/stimulus.h"
@@ -40,25 +40,13 @@ constexpr std::uint64_t kTimeoutNs = 100'000'000;
 constexpr std::array kMethods = {Method::cg, Method::jacobi_pcg, Method::block_jacobi_pcg,
                                  Method::chronopoulos_gear, Method::pipelined_cg};
 
-class SolverSettings : public testing::Test {
+class SolverSettings : public test::BoardRig, public testing::Test {
  protected:
   void run(const std::function<void(test::Program&)>& script) {
-    bus_ = std::make_unique<PciBus>("bus", link::Pci{}, false, ledger_);
-    accelerator_ = std::make_unique<Accelerator>("accelerator", accel::Architecture{},
-                                                 Timing::loosely_timed, ledger_);
-    access_ = std::make_unique<BoardAccess>("access");
-    port_ = std::make_unique<DriverPort>(*access_, 0, ledger_);
-    access_->to_bus.bind(bus_->from_host);
-    bus_->attach(accelerator_->from_bus, kSolverBase, kBarBytes);
-    accelerator_->interrupt.bind(*access_);
-    program_ = std::make_unique<test::Program>("program", [&](test::Program& p) {
+    run_driver(0, [&](test::Program& p) {
       ASSERT_EQ(hvp_open(&device_, &port_->bus(), scratch_.data(), scratch_.size()), HVP_OK);
       script(p);
-      finished_ = true;
     });
-    sc_core::sc_start();
-    EXPECT_TRUE(finished_);
-    EXPECT_EQ(accelerator_->illegal_accesses(), 0);
   }
 
   void configure(const fixed::Settings& s) {
@@ -70,12 +58,7 @@ class SolverSettings : public testing::Test {
     k_ = fixed::quantise(scene_.computation.matrix(), s.matrix_bits);
     send();
   }
-  void send() {
-    const hvp_matrix matrix{static_cast<std::uint32_t>(k_.block_rows()),
-                            static_cast<std::uint32_t>(k_.column.size()), k_.row_begin.data(),
-                            k_.column.data(), k_.value.data()};
-    ASSERT_EQ(hvp_load_matrix(&device_, &matrix), HVP_OK);
-  }
+  void send() { load_matrix(k_); }
   Words solve(const Words& b) {
     Words u(kUnknowns);
     EXPECT_EQ(hvp_solve(&device_, b.data(), u.data(), kUnknowns, kTimeoutNs), HVP_OK);
@@ -99,15 +82,6 @@ class SolverSettings : public testing::Test {
     return static_cast<std::uint64_t>(test::SolveClocks(k_.row_begin)(made));
   }
 
-  SmallScene scene_;
-  Ledger ledger_;
-  std::unique_ptr<PciBus> bus_;
-  std::unique_ptr<Accelerator> accelerator_;
-  std::unique_ptr<BoardAccess> access_;
-  std::unique_ptr<DriverPort> port_;
-  std::unique_ptr<test::Program> program_;
-  bool finished_ = false;
-  hvp_device device_{};
   std::vector<std::uint32_t> scratch_ = std::vector<std::uint32_t>(3 * kUnknowns);
   fixed::QuantisedMatrix k_;
   // A preconditioned board has b in units 2^m smaller (thesis §4.3); longer words have room for

@@ -2,6 +2,7 @@
 #include "models/config/effects.h"
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -9,9 +10,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "app/scene/scenario.h"
+#include "app/devices/devices.h"
+#include "app/scenario/reader.h"
+#include "app/scene/scene.h"
 #include "tests/app/cli/program.h"
 #include "tests/app/scratch_directory.h"
+#include "tests/vp/child_output.h"
+#include "vp/platform.h"
 
 namespace hvp::cli {
 namespace {
@@ -24,14 +29,22 @@ using ::testing::Not;
 
 std::vector<Effect> declared() { return config::survey_effects(app::Scenario{}).effects(); }
 
-// What has to be set for an effect to be there, and what it needs.
-std::vector<std::string> switch_on(const Effect& effect) {
-  if (effect.path == "transfer.dma") return {"transfer.method=dma"};
-  std::vector<std::string> settings = {
-      effect.path == "fault" ? "fault[0]={kind='lost-interrupt', frame=1}" : effect.path + "=true"};
+// What an effect needs.
+std::vector<std::string> needs_of(const Effect& effect) {
+  std::vector<std::string> settings;
   for (const Need& need : effect.needs) {
     settings.push_back(std::string(need.key) + '=' + std::string(need.values.front()));
   }
+  return settings;
+}
+
+// What has to be set for an effect to be there, and what it needs.
+std::vector<std::string> switch_on(const Effect& effect) {
+  if (effect.path == "transfer.dma") return {"transfer.method=dma"};
+  std::vector<std::string> settings = needs_of(effect);
+  settings.insert(settings.begin(), effect.path == "fault"
+                                        ? "fault[0]={kind='lost-interrupt', frame=1}"
+                                        : effect.path + "=true");
   return settings;
 }
 
@@ -136,6 +149,123 @@ TEST_F(Effects, ANeedIsNamedByTheEffectThatHasIt) {
               HasSubstr("bus.posted_writes=true: a bus that takes no time posts nothing: "
                         "expected fidelity.bus = \"loosely-timed\" or "
                         "\"approximately-timed\", found \"untimed\""));
+}
+
+// SystemC modules and processes.
+struct Parts {
+  std::vector<std::string> modules;
+  int processes = 0;
+};
+
+// Of the small scene without an effect.
+const Parts kBase = {{"bus", "accelerator", "daq", "access", "servo", "collision"}, 3};
+
+// What an effect adds to the parts that there are without it: an effect without a line here fails.
+// Nothing: it is arithmetic of parts that are there anyway.
+const Parts kNothing;
+const std::map<std::string, Parts> kAdded = {
+    {"loads.gravity", kNothing},
+    {"dynamics", kNothing},
+    {"refinement", kNothing},
+    {"accelerator.several", kNothing},
+    {"accelerator.external_memory", kNothing},
+    {"accelerator.external_memory.refresh", kNothing},
+    {"bus.protocol", kNothing},
+    {"bus.traffic", {{"traffic"}, 1}},
+    {"bus.graphics_traffic", {{"graphics"}, 1}},
+    {"bus.pcie", {{"bridge", "pcie", "pcie.down", "pcie.up"}, 4}},
+    {"bus.pcie.root_complex_latencies", kNothing},
+    {"bus.read_latencies", kNothing},
+    {"bus.posted_writes", {{}, 2}},
+    {"transfer.dma", {{"accelerator.dma", "memory"}, 1}},
+    {"host.jitter", kNothing},
+    {"host.wake_up", kNothing},
+    {"host.interrupt_latencies", kNothing},
+    {"device.encoder", kNothing},
+    {"reference", kNothing},
+    {"spectrum", kNothing},
+    {"fault", {{"faulty_wire", "lossy_line"}, 0}},
+    {"output.waveform", {{"waveform"}, 2}},
+};
+
+// What the platform of the small scene consists of, without its [reference] and with these
+// settings, in a process of its own. One that is refused throws.
+Parts built(const std::vector<std::string>& settings) {
+  const std::string text = test::output_of_child([&settings](std::string& told) {
+    const ScratchDirectory place;
+    std::vector<std::string> overrides = {"reference=false"};
+    overrides.insert(overrides.end(), settings.begin(), settings.end());
+    try {
+      const auto document =
+          scenario::Document::parse(kSmallScene, place.path() / "s.toml", overrides);
+      app::Scenario scenario;
+      scenario::read(document, scenario);
+      app::Scene scene(scenario, devices::find(document, scenario.accelerator));
+      const vp::Platform platform(app::platform_settings(scene, place.path() / "engine"),
+                                  scene.body(), scene.computation(), scene.contacts());
+      told = std::to_string(vp::Platform::processes());
+      for (const std::string& module : vp::Platform::modules()) told += '\n' + module;
+    } catch (const std::exception& e) {
+      told = e.what();
+    }
+  });
+  Parts parts;
+  parts.modules = lines(text);
+  parts.processes = std::stoi(parts.modules.at(0));
+  parts.modules.erase(parts.modules.begin());
+  return parts;
+}
+
+// Both taken away from what there is with an effect leaves what there is without it.
+Parts without(Parts parts, const Parts& added) {
+  for (const std::string& module : added.modules) {
+    const auto found = std::ranges::find(parts.modules, module);
+    if (found == parts.modules.end()) {
+      parts.modules.push_back("no " + module);
+    } else {
+      parts.modules.erase(found);
+    }
+  }
+  parts.processes -= added.processes;
+  return parts;
+}
+
+void expect_equal(const Parts& found, const Parts& expected) {
+  EXPECT_EQ(found.modules, expected.modules);
+  EXPECT_EQ(found.processes, expected.processes);
+}
+
+// With all that it needs, and with the effect that it belongs to.
+std::vector<std::string> switch_off(const Effect& effect) {
+  std::vector<std::string> settings =
+      effect.path == "transfer.dma" ? std::vector<std::string>{} : needs_of(effect);
+  for (const Effect& other : declared()) {
+    if (effect.path.starts_with(other.path + '.')) settings.push_back(other.path + "=true");
+  }
+  return settings;
+}
+
+TEST_P(OneEffect, BuildsWhatItsLineSaysAndNothingElse) {
+  ASSERT_TRUE(kAdded.contains(effect().path))
+      << "say in kAdded what is built for " << effect().path;
+  expect_equal(without(built(switch_on(effect())), kAdded.at(effect().path)),
+               built(switch_off(effect())));
+}
+
+TEST(PartsOfEffects, AreThoseOfDeclaredEffectsOnly) {
+  for (const auto& [path, parts] : kAdded) {
+    EXPECT_TRUE(std::ranges::any_of(declared(), [&](const Effect& e) { return e.path == path; }))
+        << path;
+  }
+}
+
+TEST(PartsOfEffects, WithoutAnyThereIsTheBaseAlone) { expect_equal(built({}), kBase); }
+
+// A message is a write to memory: the board is a master for it, though it moves no data.
+TEST(PartsOfEffects, AMessageAloneTakesAMasterAndAMemory) {
+  expect_equal(without(built({"transfer.method=programmed-io", "transfer.notification=msi"}),
+                       {{"accelerator.dma", "memory"}, 1}),
+               kBase);
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, OneEffect, ::testing::Range(std::size_t{0}, declared().size()),
