@@ -11,10 +11,9 @@ find_package(Ceres REQUIRED)
 # Debian's VTK refers to MPI's targets without finding them itself.
 find_package(MPI REQUIRED COMPONENTS C CXX)
 find_package(VTK 9.1 REQUIRED COMPONENTS
-  CommonCore CommonDataModel CommonExecutionModel IOCore IOXML IOGeometry IOPLY FiltersCore
-  ChartsCore RenderingCore RenderingOpenGL2 RenderingContext2D RenderingContextOpenGL2
-  RenderingAnnotation RenderingFreeType FiltersSources FiltersGeometry IOImage ViewsContext2D
-  CommonColor InteractionStyle)
+  CommonCore CommonDataModel CommonExecutionModel IOCore IOXML IOXMLParser IOGeometry IOPLY
+  FiltersCore FiltersSources IOImage
+  RenderingCore RenderingOpenGL2 RenderingContext2D RenderingContextOpenGL2 RenderingFreeType)
 
 # Debian builds libsystemc as C++17 and it checks the language level at link time.
 pkg_check_modules(SYSTEMC REQUIRED IMPORTED_TARGET systemc)

@@ -15,25 +15,16 @@
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
+#include "models/files/csv.h"
 
 namespace hvp::draw {
 namespace {
-
-std::vector<std::string_view> fields_of(std::string_view line) {
-  std::vector<std::string_view> fields;
-  for (std::size_t begin = 0;;) {
-    const std::size_t comma = line.find(',', begin);
-    fields.push_back(line.substr(begin, comma - begin));
-    if (comma == std::string_view::npos) return fields;
-    begin = comma + 1;
-  }
-}
 
 // One line of frames.csv, which knows where it stands.
 class Row {
  public:
   Row(std::string where, std::string_view line, const std::vector<std::string>& header)
-      : where_(std::move(where)), fields_(fields_of(line)), header_(header) {
+      : where_(std::move(where)), fields_(files::csv_cells(line)), header_(header) {
     if (fields_.size() != header.size())
       throw InputError(
           fmt::format("{}: {} fields, the header has {}", where_, fields_.size(), header.size()));
@@ -109,7 +100,7 @@ std::vector<FrameRow> read_frames(const std::filesystem::path& path) {
   std::string line;
   next_line(line);
   std::vector<std::string> header;
-  for (const std::string_view title : fields_of(line)) header.emplace_back(title);
+  for (const std::string_view title : files::csv_cells(line)) header.emplace_back(title);
   const auto column = [&](std::string_view title) {
     const auto found = std::find(header.begin(), header.end(), title);
     if (found == header.end())

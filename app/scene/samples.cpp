@@ -1,6 +1,5 @@
 #include "app/scene/samples.h"
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -14,6 +13,7 @@
 #include "app/scenario/decimal.h"
 #include "app/scenario/message.h"
 #include "models/config/input_error.h"
+#include "models/files/csv.h"
 #include "models/files/regular_file.h"
 
 namespace hvp::app {
@@ -33,13 +33,10 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
 }
 
+// Nothing where the line is too short.
 std::string_view cell(std::string_view line, std::size_t column) {
-  for (; column > 0; --column) {
-    const std::size_t comma = line.find(',');
-    if (comma == std::string_view::npos) return {};
-    line.remove_prefix(comma + 1);
-  }
-  return trimmed(line.substr(0, line.find(',')));
+  const std::vector<std::string_view> cells = files::csv_cells(line, column + 1);
+  return column < cells.size() ? trimmed(cells[column]) : std::string_view{};
 }
 
 struct Column {
@@ -48,10 +45,10 @@ struct Column {
 };
 
 std::optional<Column> find_column(std::string_view header) {
-  const auto columns = static_cast<std::size_t>(std::count(header.begin(), header.end(), ',')) + 1;
-  for (std::size_t index = 0; index < columns; ++index) {
+  const std::vector<std::string_view> names = files::csv_cells(header);
+  for (std::size_t index = 0; index < names.size(); ++index) {
     for (const auto& [suffix, exponent] : kUnits) {
-      if (cell(header, index).ends_with(suffix)) return Column{index, exponent};
+      if (trimmed(names[index]).ends_with(suffix)) return Column{index, exponent};
     }
   }
   return std::nullopt;

@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <fstream>
 #include <map>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +12,7 @@
 
 #include "app/devices/devices.h"
 #include "models/accel/path_builder.h"
+#include "models/files/csv.h"
 
 namespace hvp::accel {
 namespace {
@@ -39,9 +39,8 @@ std::vector<Measured> measured() {
   EXPECT_EQ(line, "design,device,grade,seed,set,path_ns,logic_ns,routing_ns,multipliers_used");
   std::map<std::pair<std::string, std::string>, std::pair<Measured, std::vector<double>>> found;
   while (std::getline(file, line)) {
-    std::istringstream cells(line);
-    std::vector<std::string> c;
-    for (std::string cell; std::getline(cells, cell, ',');) c.push_back(cell);
+    const auto cells = files::csv_cells(line);
+    const std::vector<std::string> c(cells.begin(), cells.end());
     if (c[2] != "6") continue;
     auto& [m, paths] = found[{c[0], c[1]}];
     m = {c[0], c[1], c[4] == "fit", std::stod(c[8]), 0};

@@ -1,9 +1,10 @@
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include <gmock/gmock.h>
 
+#include "models/files/csv.h"
 #include "tests/app/cli/program.h"
 #include "tests/app/scratch_directory.h"
 
@@ -35,13 +36,11 @@ Felt felt(const std::string& name, const std::vector<std::string>& sets) {
   Felt result;
   result.summary = json::parse(read(place.path() / "out/summary.json"));
   const std::vector<std::string> rows = lines(read(place.path() / "out/frames.csv"));
-  std::istringstream head(rows.at(0));
-  std::size_t column = 0;
-  for (std::string cell; std::getline(head, cell, ',') && cell != "force_N";) ++column;
+  const auto head = files::csv_cells(rows.at(0));
+  const auto column =
+      static_cast<std::size_t>(std::find(head.begin(), head.end(), "force_N") - head.begin());
   for (std::size_t i = 1; i < rows.size(); ++i) {
-    std::istringstream row(rows[i]);
-    std::string cell;
-    for (std::size_t c = 0; c <= column; ++c) std::getline(row, cell, ',');
+    const std::string cell(files::csv_cells(rows[i]).at(column));
     result.force.push_back(cell.empty() ? 0 : std::stod(cell));
   }
   return result;

@@ -1,13 +1,13 @@
 // What a user sees of a board that fails: exit status, the report's block, the result files.
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "models/files/csv.h"
 #include "tests/app/cli/program.h"
 #include "tests/app/scratch_directory.h"
 
@@ -105,12 +105,7 @@ TEST(Faults, ALostAcknowledgementOfADmaFrameIsRepeated) {
 TEST(Faults, AHeldForceIsNotInTime) {
   const Faulty run("\n[[fault]]\nkind = \"master-abort\"\nframe = 5\naccess = \"start\"\n");
   const std::vector<std::string> frames = lines(read(run.place.path() / "a/frames.csv"));
-  const auto in_time = [&](std::size_t line) {
-    std::stringstream cells(frames.at(line));
-    std::string cell;
-    for (int column = 0; column < 6; ++column) std::getline(cells, cell, ',');
-    return cell;
-  };
+  const auto in_time = [&](std::size_t line) { return files::csv_cells(frames.at(line)).at(5); };
   EXPECT_EQ(in_time(5), "1");
   EXPECT_EQ(in_time(6), "0");
 }

@@ -8,6 +8,7 @@
 
 #include <gmock/gmock.h>
 
+#include "models/files/csv.h"
 #include "tests/app/cli/program.h"
 #include "tests/app/scratch_directory.h"
 
@@ -37,17 +38,11 @@ class Results : public ::testing::Test {
   // A column of frames.csv.
   std::vector<std::string> column(const std::string& name) const {
     const std::vector<std::string> text = lines(file("frames.csv"));
-    const auto cells = [](const std::string& line) {
-      std::vector<std::string> found;
-      std::istringstream stream(line);
-      for (std::string cell; std::getline(stream, cell, ',');) found.push_back(cell);
-      return found;
-    };
-    const std::vector<std::string> head = cells(text.at(0));
+    const auto head = files::csv_cells(text.at(0));
     const auto at = std::find(head.begin(), head.end(), name) - head.begin();
     std::vector<std::string> values;
     for (std::size_t i = 1; i < text.size(); ++i) {
-      values.push_back(cells(text[i]).at(static_cast<std::size_t>(at)));
+      values.emplace_back(files::csv_cells(text[i]).at(static_cast<std::size_t>(at)));
     }
     return values;
   }

@@ -1,9 +1,11 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <string_view>
 
 #include <gmock/gmock.h>
 
+#include "models/files/csv.h"
 #include "tests/app/cli/program.h"
 #include "tests/app/scratch_directory.h"
 
@@ -21,18 +23,6 @@ std::vector<std::string> without_reference(const std::string& command,
   std::vector<std::string> all = {command, "s.toml", "--set", "reference=false"};
   if (command == "run") all.insert(all.end(), {"--out", "out"});
   all.insert(all.end(), more.begin(), more.end());
-  return all;
-}
-
-std::vector<std::string> fields(const std::string& line) {
-  std::vector<std::string> all = {""};
-  for (const char c : line) {
-    if (c == ',') {
-      all.emplace_back();
-    } else {
-      all.back() += c;
-    }
-  }
   return all;
 }
 
@@ -59,14 +49,14 @@ TEST_F(TimingOnlyRun, HasTheTimesAndNoNumberThatLooksLikeAResult) {
   const std::vector<std::string> counted = lines(read(out() / "frames.csv"));
   ASSERT_EQ(counted.size(), computed.size());
   EXPECT_EQ(counted.front(), computed.front());
-  const std::set<std::string> times = {"frame",   "born_us",      "latency_us", "load_us",
-                                       "in_time", "contact_node", "x_m",        "y_m",
-                                       "z_m",     "deadline_us"};
-  const std::set<std::string> numbers = {"force_N", "fx_N", "fy_N", "fz_N", "saturations"};
-  const std::vector<std::string> header = fields(counted.front());
+  const std::set<std::string_view> times = {"frame",   "born_us",      "latency_us", "load_us",
+                                            "in_time", "contact_node", "x_m",        "y_m",
+                                            "z_m",     "deadline_us"};
+  const std::set<std::string_view> numbers = {"force_N", "fx_N", "fy_N", "fz_N", "saturations"};
+  const auto header = files::csv_cells(counted.front());
   for (std::size_t line = 1; line < counted.size(); ++line) {
-    const std::vector<std::string> with = fields(computed[line]);
-    const std::vector<std::string> without = fields(counted[line]);
+    const auto with = files::csv_cells(computed[line]);
+    const auto without = files::csv_cells(counted[line]);
     ASSERT_EQ(without.size(), header.size());
     for (std::size_t i = 0; i < header.size(); ++i) {
       if (times.contains(header[i])) {
