@@ -1,3 +1,5 @@
+#include "models/collision/deformed_surface.h"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -7,7 +9,6 @@
 
 #include <gtest/gtest.h>
 
-#include "models/collision/deformed_surface.h"
 #include "models/config/input_error.h"
 #include "tests/collision/allocations.h"
 #include "tests/collision/shapes.h"

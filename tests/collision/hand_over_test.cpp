@@ -1,9 +1,9 @@
+#include "models/collision/hand_over.h"
+
 #include <array>
 #include <cmath>
 
 #include <gtest/gtest.h>
-
-#include "models/collision/hand_over.h"
 
 namespace hvp::collision {
 namespace {

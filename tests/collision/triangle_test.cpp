@@ -1,8 +1,9 @@
+#include "models/collision/triangle.h"
+
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
-#include "models/collision/triangle.h"
 #include "tests/collision/shapes.h"
 
 namespace hvp::collision {

@@ -1,10 +1,10 @@
+#include "models/plant/daq.h"
+
 #include <cmath>
 #include <cstdint>
 #include <limits>
 
 #include <gtest/gtest.h>
-
-#include "models/plant/daq.h"
 
 namespace hvp::plant {
 namespace {

@@ -1,10 +1,11 @@
+#include "models/plant/device.h"
+
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "models/plant/device.h"
 #include "models/plant/prescribed_path.h"
 
 namespace hvp::plant {
