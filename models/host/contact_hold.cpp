@@ -85,12 +85,13 @@ fem::Hold ContactHold::merged(double elapsed_s) {
     probe_of_.push_back(held.probe);
     displacement_.push_back(held.displacement);
   }
-  std::erase_if(let_go_, [this](const fem::LetGo& gone) {
-    return contains(all_nodes_, gone.node) ||
-           std::ranges::any_of(let_go_, [&gone](const fem::LetGo& other) {
-             return other.node == gone.node && other.share > gone.share;
-           });
+  std::ranges::sort(let_go_, [](const fem::LetGo& a, const fem::LetGo& b) {
+    return a.node != b.node ? a.node < b.node : a.share > b.share;
   });
+  const auto again = std::ranges::unique(let_go_, {}, &fem::LetGo::node);
+  let_go_.erase(again.begin(), again.end());
+  std::erase_if(let_go_,
+                [this](const fem::LetGo& gone) { return contains(all_nodes_, gone.node); });
   return {all_nodes_, displacement_, let_go_, elapsed_s, probe_of_};
 }
 

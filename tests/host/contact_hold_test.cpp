@@ -151,5 +151,22 @@ TEST(ContactHold, ANodeThatTwoWantIsTheFirstOnes) {
   EXPECT_FALSE(one.let_go.empty());
 }
 
+// Both have held a node, one after the other, and let it go: it fades once.
+TEST(ContactHold, ANodeThatBothLetGoFadesOnce) {
+  TwoProbes scene;
+  const std::vector<double> rest(scene.body.load().size(), 0.0);
+  std::vector<Touch> touches = scene.pressing(1e-3, 1e-3);
+  touches[1].contact = {};
+  scene.frame(0, touches, rest);
+  std::swap(touches[0].contact, touches[1].contact);
+  scene.frame(1, touches, rest);
+  touches[1].contact = {};
+  const fem::Hold none = scene.frame(2, touches, rest);
+  EXPECT_TRUE(none.nodes.empty());
+  ASSERT_EQ(none.let_go.size(), 1U);
+  EXPECT_EQ(none.let_go[0].node, scene.body.active_index(scene.top(0, 0)));
+  EXPECT_EQ(none.let_go[0].probe, 1) << "the last holder's";
+}
+
 }  // namespace
 }  // namespace hvp::host
