@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "app/results/report.h"
-#include "models/accel/matrix_stream.h"
 
 namespace hvp::results {
 
@@ -29,8 +28,7 @@ std::string clocks_text(const app::Scene& scene) {
   row("set-up", c.setup);
   row("an iteration", c.iteration());
   row("  product and inner product", c.sparse_product);
-  const accel::Architecture& a = scene.scenario().accelerator;
-  if (a.external_memory) {
+  if (const accel::Architecture& a = scene.scenario().accelerator; a.external_memory) {
     accel::Architecture on_device = a;
     on_device.external_memory.reset();
     row("    that waits for external memory", c.sparse_product - product_of(scene, on_device));
@@ -43,10 +41,6 @@ std::string clocks_text(const app::Scene& scene) {
   if (c.replacements > 0) row("a residual formed anew", c.replacement);
   row(fmt::format("{}{} iterations", solver.stop_residual > 0 ? "at most " : "", c.iterations),
       c.total());
-  if (a.external_memory && a.external_memory->refresh) {
-    const accel::SolveWork work = accel::longest_solve(scene.computation().board_settings());
-    row("  while external memory refreshes", accel::refresh_loss(a, scene.pattern(), work).clocks);
-  }
   return text;
 }
 

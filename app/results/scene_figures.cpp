@@ -70,11 +70,6 @@ std::optional<AcceleratorFigures> accelerator_figures(const app::Scene& scene,
     const accel::SolveWork work = accel::longest_solve(scene.computation().board_settings());
     a.several = {several->shares().size(), several->solve(work).link_clocks()};
   }
-  if (const auto& memory = scene.scenario().accelerator.external_memory;
-      memory && memory->refresh) {
-    a.refresh = accel::refresh_loss(scene.scenario().accelerator, scene.pattern(),
-                                    accel::longest_solve(scene.computation().board_settings()));
-  }
   return a;
 }
 
@@ -108,12 +103,6 @@ void AcceleratorFigures::report(config::Figures& f) const {
             "with `[accelerator.several]` only: how many share the rows "
             "([several-devices.md](several-devices.md))");
     f.count("link_cycles", s.link_cycles, "the clocks that their links add to a solve");
-  });
-  f.if_present(refresh, [&](const accel::RefreshLoss& r) {
-    f.count("refresh_cycles", r.clocks,
-            "with `[accelerator.external_memory.refresh]` only: the clocks that its pauses add to "
-            "a solve that makes all its iterations");
-    f.count("refresh_pauses", r.pauses, "how many of them that is");
   });
 }
 

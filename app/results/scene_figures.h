@@ -8,7 +8,6 @@
 #include "app/results/engine_clocks.h"
 #include "app/scene/scene.h"
 #include "models/accel/cycles.h"
-#include "models/accel/matrix_stream.h"
 #include "models/accel/memory.h"
 #include "models/config/figures.h"
 #include "models/fixed/spectrum.h"
@@ -52,7 +51,6 @@ struct AcceleratorFigures {
     std::int64_t link_cycles = 0;
   };
   std::optional<Several> several;
-  std::optional<accel::RefreshLoss> refresh;  // of the same solve
 
   // Of the longest solve where an engine counted it, else by the closed form.
   std::int64_t solve_cycles() const { return engine ? engine->engine : closed_form.total(); }

@@ -1,19 +1,8 @@
 #pragma once
 
-#include <optional>
-
 #include "models/config/declaration.h"
 
 namespace hvp::accel {
-
-// The effect [accelerator.external_memory.refresh]: every so often the memory delivers nothing.
-struct Refresh {
-  double every_s = 7.8e-6;
-  double pause_s = 127.5e-9;
-
-  void declare(config::Visitor& v);
-  void check() const;
-};
 
 // Dynamic memory beside each device, which the matrix is streamed from: the scenario's effect
 // [accelerator.external_memory]. Its product takes as long as the stream where that is longer.
@@ -21,7 +10,6 @@ struct ExternalMemory {
   int width_bits = 64;
   double transfers_hz = 400e6;  // of width_bits each, so many a second
   int buffer_packages = 16;     // of each partition, on the device
-  std::optional<Refresh> refresh;
 
   void declare(config::Visitor& v);
 };

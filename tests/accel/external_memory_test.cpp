@@ -3,11 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "models/accel/cycles.h"
-#include "models/accel/matrix_stream.h"
 #include "models/accel/memory.h"
 #include "models/accel/several_devices.h"
 #include "models/accel/structures.h"
-#include "models/config/input_error.h"
 
 namespace hvp::accel {
 namespace {
@@ -66,41 +64,6 @@ TEST(ExternalMemory, TheDeviceKeepsABufferOfTheMatrix) {
     const Structure matrix = structures(a, {}, system_size(a, thesis_rows())).front();
     EXPECT_EQ(matrix.depth, streams ? 16 : 500);
   }
-}
-
-// 28.125 µs of stream have 7.6725 µs between two pauses of 127.5 ns: 467.4 ns of pauses.
-TEST(Refresh, LengthensTheStreamByItsShare) {
-  Architecture a = streamed(400e6);
-  a.external_memory->refresh.emplace();
-  EXPECT_EQ(product(a), 2860 + 20);              // 28.5924 µs
-  a.external_memory->refresh->pause_s = 3.9e-6;  // as much pause as stream
-  EXPECT_EQ(product(a), 5625 + 20);
-  a.external_memory->refresh->every_s = 3.9e-6 + 28.125e-6;  // one a product: 32.025 us
-  EXPECT_EQ(product(a), 3203 + 20);
-}
-
-TEST(Refresh, CostsNothingWhereTheStreamIsNotWaitedFor) {
-  Architecture a = streamed(5e9);
-  a.external_memory->refresh.emplace();
-  EXPECT_EQ(product(a), product({}));
-  EXPECT_EQ(refresh_loss(a, thesis_rows(), {}).clocks, 0);
-  EXPECT_EQ(refresh_loss(a, thesis_rows(), {}).pauses, 0);
-}
-
-TEST(Refresh, ASolveLosesWhatItsProductsLose) {
-  Architecture a = streamed(400e6);
-  EXPECT_EQ(refresh_loss(a, thesis_rows(), {}).clocks, 0);
-  a.external_memory->refresh.emplace();
-  const RefreshLoss loss = refresh_loss(a, thesis_rows(), {.iterations = 60});
-  EXPECT_EQ(loss.clocks, 61 * (2860 - 2813));
-  EXPECT_EQ(loss.pauses, 225);  // 28.67 µs of 127.5 ns each: 224.9
-}
-
-TEST(Refresh, OneThatTakesMoreThanHalfOfTheTimeIsRefused) {
-  Refresh refresh{.every_s = 1e-6, .pause_s = 0.5e-6};
-  EXPECT_NO_THROW(refresh.check());
-  refresh.pause_s = 0.6e-6;
-  EXPECT_THROW(refresh.check(), InputError);
 }
 
 }  // namespace

@@ -22,7 +22,6 @@ PAGE = TOP / "docs" / "results-reference.md"
 EXTRA = {
     "spectrum": ["spectrum=true", "solver.matrix_scaling=diagonal", "frames=2"],
     "several devices": ["accelerator.several.devices=2", "frames=2"],
-    "refresh": ["accelerator.external_memory.refresh=true", "frames=2"],
     "budgets of accuracy": [
         "budget.displacement_error=1",
         "budget.force_error=1",

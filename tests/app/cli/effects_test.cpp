@@ -169,7 +169,6 @@ const std::map<std::string, Parts> kAdded = {
     {"refinement", kNothing},
     {"accelerator.several", kNothing},
     {"accelerator.external_memory", kNothing},
-    {"accelerator.external_memory.refresh", kNothing},
     {"bus.protocol", kNothing},
     {"bus.traffic", {{"traffic"}, 1}},
     {"bus.graphics_traffic", {{"graphics"}, 1}},
