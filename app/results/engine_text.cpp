@@ -8,16 +8,6 @@
 
 namespace hvp::results {
 
-namespace {
-
-// Clocks of a product with another architecture.
-std::int64_t product_of(const app::Scene& scene, const accel::Architecture& a) {
-  const accel::SolveWork work = accel::longest_solve(scene.computation().board_settings());
-  return accel::BoardClocks(a, scene.pattern()).solve(work).sparse_product;
-}
-
-}  // namespace
-
 std::string clocks_text(const app::Scene& scene) {
   const fixed::Settings& solver = scene.scenario().solver;
   const accel::SolveCycles c = scene.solve_cycles();
@@ -28,11 +18,6 @@ std::string clocks_text(const app::Scene& scene) {
   row("set-up", c.setup);
   row("an iteration", c.iteration());
   row("  product and inner product", c.sparse_product);
-  if (const accel::Architecture& a = scene.scenario().accelerator; a.external_memory) {
-    accel::Architecture on_device = a;
-    on_device.external_memory.reset();
-    row("    that waits for external memory", c.sparse_product - product_of(scene, on_device));
-  }
   row("  solution and residual", c.update);
   row("  direction", c.direction);
   row(scene.board().several() ? "  divisions, and sums over links"

@@ -92,14 +92,6 @@ void Architecture::declare(config::Visitor& v) {
              {"transfer.method",
               {"bursts", "programmed-io", "write-combined-io"},
               "DMA reaches one device's memories"}}});
-  v.effect("external_memory", external_memory,
-           {"the matrix is streamed from dynamic memory beside each device; without it, it is on "
-            "the device",
-            "simulated time where the stream is slower than the product; no blocks for the matrix",
-            {config::need_board(),
-             {"fidelity.accelerator",
-              {"loosely-timed", "untimed"},
-              "the engines of the finer levels have the matrix on the device"}}});
 }
 
 void Architecture::check() const {

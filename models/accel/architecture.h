@@ -4,7 +4,6 @@
 #include <optional>
 #include <string>
 
-#include "models/accel/external_memory.h"
 #include "models/accel/several.h"
 #include "models/config/declaration.h"
 
@@ -53,8 +52,7 @@ struct Architecture {
   bool parity_bits = false;
   std::string multiplier_mode = "auto";
 
-  std::optional<Several> several;                 // absent: one device
-  std::optional<ExternalMemory> external_memory;  // absent: the matrix is on the device
+  std::optional<Several> several;  // absent: one device
 
   void declare(config::Visitor& v);
   void check() const;

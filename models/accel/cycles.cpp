@@ -4,7 +4,6 @@
 #include <string>
 
 #include "models/accel/bank_conflicts.h"
-#include "models/accel/matrix_stream.h"
 #include "models/accel/partition.h"
 #include "models/accel/row_schedule.h"
 #include "models/accel/symmetric.h"
@@ -120,7 +119,6 @@ SolveWork longest_solve(const fixed::Settings& s) {
   work.dynamic_scaling = s.dynamic_scaling;
   work.scalar_bits = s.scalar_bits;
   work.vector_bits = s.vector_bits;
-  work.matrix_bits = s.matrix_bits;
   return work;
 }
 
@@ -138,12 +136,10 @@ SolveCycles solve_cycles(const Architecture& a, const Pattern& p, const SolveWor
 
 UnitClocks unit_clocks(const Architecture& a, const Pattern& p, int vector_nodes) {
   UnitClocks units;
-  units.packages = packages_in_fullest_partition(a, p);
-  units.behind_packages = a.phase_clocks();
   if (a.matrix_storage == MatrixStorage::symmetric) {
     // No row is done before the last package.
-    units.behind_packages += gathering_clocks(a, p.nodes());
-    units.product = issue_clocks_of_fullest_partition(a, p) + units.behind_packages;
+    units.product =
+        issue_clocks_of_fullest_partition(a, p) + a.phase_clocks() + gathering_clocks(a, p.nodes());
   } else {
     units.product = product_clocks(a, p);
   }
@@ -153,8 +149,7 @@ UnitClocks unit_clocks(const Architecture& a, const Pattern& p, int vector_nodes
 
 Passes passes_of(const Architecture& a, const UnitClocks& units, const SolveWork& work) {
   Passes pass;
-  const std::int64_t stream = matrix_stream_clocks(a, units.packages, work.matrix_bits);
-  pass.product = std::max(units.product, stream + units.behind_packages);
+  pass.product = units.product;
   pass.vectors = units.vectors;
   pass.division = division_clocks(a, work.scalar_bits);
   pass.scaled = work.dynamic_scaling ? units.vectors.alone : 0;

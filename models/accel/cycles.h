@@ -50,7 +50,6 @@ struct SolveWork {
   bool dynamic_scaling = true;  // the size of a vector is known before the next one is written
   int scalar_bits = 64;
   int vector_bits = 16;  // of the words that several devices exchange
-  int matrix_bits = 12;  // of the words that external memory delivers
 };
 // With every iteration that the settings allow.
 SolveWork longest_solve(const fixed::Settings& settings);
@@ -84,9 +83,6 @@ SolveCycles solve_cycles(const Architecture& a, const Pattern& p, const SolveWor
 struct UnitClocks {
   std::int64_t product = 0;  // A times a vector, inner product included
   VectorPasses vectors;      // the vector unit over all nodes
-  // Of the product: packages of the fullest partition, and clocks behind the last one.
-  std::int64_t packages = 0;
-  std::int64_t behind_packages = 0;
 };
 // `vector_nodes`: on how many nodes the vector unit works, where it is not those of the pattern.
 // Throws InputError as packages_of() does.

@@ -109,10 +109,7 @@ SeveralDevices::SeveralDevices(const Architecture& a, const Pattern& p)
 
 Passes SeveralDevices::passes(const SolveWork& work) const {
   UnitClocks slowest = shares_.front().units;
-  for (const DeviceShare& s : shares_) {
-    slowest.product = std::max(slowest.product, s.units.product);
-    slowest.packages = std::max(slowest.packages, s.units.packages);
-  }
+  for (const DeviceShare& s : shares_) slowest.product = std::max(slowest.product, s.units.product);
   return passes_of(architecture_, slowest, work);
 }
 

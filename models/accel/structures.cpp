@@ -33,16 +33,10 @@ class Engine {
   }
 
  private:
-  // Or what is read ahead of it from external memory.
   void matrix() {
-    const bool whole = !a_.external_memory;
-    const std::int64_t packages =
-        whole ? s_.packages : std::int64_t{a_.external_memory->buffer_packages};
-    all_.push_back({whole ? "matrix" : "matrix buffer", Role::matrix,
-                    std::int64_t{a_.partitions} * a_.rows_in_parallel,
-                    packages * ceil_div(3, a_.rows_in_parallel),
-                    std::int64_t{a_.package} * w_.matrix_bits,
-                    whole ? Access::stream : Access::read_write});
+    all_.push_back({"matrix", Role::matrix, std::int64_t{a_.partitions} * a_.rows_in_parallel,
+                    s_.packages * ceil_div(3, a_.rows_in_parallel),
+                    std::int64_t{a_.package} * w_.matrix_bits, Access::stream});
   }
 
   void index() {

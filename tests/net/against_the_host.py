@@ -12,13 +12,11 @@ from scenario import Scenario
 
 GOOD_WORDS = 2 / 3  # the share of scenarios whose words and iterations are enough
 
-PARTS = ("dynamics", "fault", "host", "bus", "fidelity", "transfer")
-
 
 def compared_with_the_host(rng: random.Random, scenario: Scenario) -> Scenario:
     """Static, and nothing takes time but the converters, so that both see the same tips."""
     changed = scenario.copy()
-    for name in (*PARTS, "accelerator.several", "accelerator.external_memory"):
+    for name in ("dynamics", "fault", "host", "bus", "fidelity", "transfer", "accelerator.several"):
         changed.take_out(name)
     for part in ("accelerator", "bus", "host"):
         changed.values[f"fidelity.{part}"] = '"untimed"'

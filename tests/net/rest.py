@@ -71,8 +71,6 @@ def same_at_rest(before: Run, after: Run) -> Iterator[str]:
 
 # What not every level has.
 ONE_LEVEL = (
-    "accelerator.several",
-    "accelerator.external_memory",
     "bus.protocol",
     "bus.traffic",
     "bus.graphics_traffic",
@@ -86,7 +84,7 @@ ONE_LEVEL = (
 def pressed_on_the_board(rng: random.Random, scenario: Scenario) -> Scenario:
     """Each solve from zero: the words then know nothing of the frames before."""
     changed = pressed_and_held(rng, scenario)
-    for name in ("host.solver", "refinement", "solver.method", *ONE_LEVEL):
+    for name in ("host.solver", "refinement", "accelerator.several", "solver.method", *ONE_LEVEL):
         changed.take_out(name)
     changed.values["solver.start"] = '"zero"'
     return changed

@@ -168,7 +168,6 @@ const std::map<std::string, Parts> kAdded = {
     {"dynamics", kNothing},
     {"refinement", kNothing},
     {"accelerator.several", kNothing},
-    {"accelerator.external_memory", kNothing},
     {"bus.protocol", kNothing},
     {"bus.traffic", {{"traffic"}, 1}},
     {"bus.graphics_traffic", {{"graphics"}, 1}},
