@@ -10,7 +10,7 @@ void ForceWatch::solved(const vp::Frame& frame, const vp::Solution& solution) {
                             frame.touch().contact.node,
                             !solution.hold.let_go.empty(),
                             0};
-  if (frame.in_contact()) {
+  if (frame.touch().contact.present()) {
     felt.pull =
         frame.touch().force.dot(contacts_.surface().rest_normal(frame.touch().contact.node));
   }

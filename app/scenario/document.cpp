@@ -1,5 +1,8 @@
 #include "app/scenario/document.h"
 
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -90,6 +93,13 @@ void Document::put_on_base() {
     throw wrong(fmt::format("expected at most {} scenarios on one another", kMostFiles));
   }
   const std::filesystem::path file = resolve(kBase, named.text);
+  const auto is_same = [&file](const std::filesystem::path& other) {
+    std::error_code none_such;
+    return std::filesystem::equivalent(file, other, none_such);
+  };
+  if (std::ranges::any_of(files_, is_same)) {
+    throw wrong(fmt::format("expected no circle: {} already stands on this one", name_of(file)));
+  }
   try {
     Document base = parse_file(files::read_regular_file(file, kLargestFile, "a scenario"), file);
     set_file(base.root_, static_cast<int>(files_.size()));

@@ -29,8 +29,12 @@ Node& step_to_name(Node& table, const std::string& name, const std::string& path
     throw InputError(fmt::format("{} is {}: expected an item of it, which is written {}[0]", path,
                                  found_text(table), path));
   }
+  // `effect=true` and then a key of it.
+  if (table.kind == Node::Kind::boolean && table.boolean && !table.origin.in_file()) {
+    table = empty_node(Node::Kind::table, table.origin);
+  }
   if (!table.is_table()) {
-    throw InputError(fmt::format("{} is {}, not a table", path, found_text(table)));
+    throw InputError(fmt::format("{} is {}: expected a table", path, found_text(table)));
   }
   if (Node* member = table.find(name)) return *member;
   return table.add(name, empty_node(kind, origin));

@@ -28,13 +28,16 @@ plant::Trajectory steady() {
 
 struct Bench {
   explicit Bench(Stimulus::Script script, std::optional<plant::Encoder> steps = std::nullopt)
-      : encoder(steps),
-        daq("daq", plant::Daq{}, encoder, path, session, ledger),
+      : daq("daq", with(std::move(steps)), path, session, ledger),
         master("master", std::move(script)) {
     master.to_target.bind(daq.from_bus);
   }
+  static plant::DeviceSettings with(std::optional<plant::Encoder> steps) {
+    plant::DeviceSettings settings;
+    settings.encoder = std::move(steps);
+    return settings;
+  }
   plant::PrescribedPath path{steady()};
-  std::optional<plant::Encoder> encoder;
   Session session{5 * kUs};
   Ledger ledger;
   DaqBoard daq;

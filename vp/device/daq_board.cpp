@@ -4,17 +4,16 @@
 
 namespace hvp::vp {
 
-DaqBoard::DaqBoard(const sc_core::sc_module_name& name, const plant::Daq& model,
-                   const std::optional<plant::Encoder>& encoder, plant::Device& device,
-                   const Session& session, Ledger& ledger)
+DaqBoard::DaqBoard(const sc_core::sc_module_name& name, const plant::DeviceSettings& settings,
+                   plant::Device& device, const Session& session, Ledger& ledger)
     : sc_module(name),
       from_bus("from_bus"),
-      encoder_(encoder),
+      encoder_(settings.encoder),
       device_(device),
       session_(session),
       ledger_(ledger),
-      sampling_(to_picoseconds(model.sampling_delay)),
-      output_(to_picoseconds(model.output_delay)) {
+      sampling_(to_picoseconds(settings.daq.sampling_delay)),
+      output_(to_picoseconds(settings.daq.output_delay)) {
   from_bus.register_b_transport(this, &DaqBoard::b_transport);
 }
 

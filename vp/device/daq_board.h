@@ -7,9 +7,8 @@
 
 #include <tlm_utils/simple_target_socket.h>
 
-#include "models/plant/daq.h"
 #include "models/plant/device.h"
-#include "models/plant/encoder.h"
+#include "models/plant/device_settings.h"
 #include "vp/frame/frame_tag.h"
 #include "vp/frame/ledger.h"
 #include "vp/frame/session.h"
@@ -28,9 +27,8 @@ class DaqBoard : public sc_core::sc_module {
   static constexpr std::uint64_t kSize = 0x40;
 
   // Keeps references to the device, whose times are the session's, the session and the ledger.
-  DaqBoard(const sc_core::sc_module_name& name, const plant::Daq& model,
-           const std::optional<plant::Encoder>& encoder, plant::Device& device,
-           const Session& session, Ledger& ledger);
+  DaqBoard(const sc_core::sc_module_name& name, const plant::DeviceSettings& settings,
+           plant::Device& device, const Session& session, Ledger& ledger);
 
   tlm_utils::simple_target_socket<DaqBoard> from_bus;
 

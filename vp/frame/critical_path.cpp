@@ -43,10 +43,10 @@ void CriticalPath::follow(const Frame& frame) {
 
 void CriticalPath::add(const Span& span) {
   const auto part = static_cast<std::size_t>(span.part);
-  std::uint8_t& index = index_.at(part * kMostPhases + static_cast<std::size_t>(span.phase));
+  std::uint16_t& index = index_.at(part * kPhases + static_cast<std::size_t>(span.phase));
   if (index == 0) {
     attribution_.push_back({span.part, span.phase, 0});
-    index = static_cast<std::uint8_t>(attribution_.size());
+    index = static_cast<std::uint16_t>(attribution_.size());
   }
   attribution_[index - std::size_t{1}].time += span.end - span.start;
   parts_[part] += span.end - span.start;

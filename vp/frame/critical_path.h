@@ -33,14 +33,12 @@ class CriticalPath {
   Picoseconds time(Phase phase) const;
 
  private:
-  static constexpr std::size_t kMostPhases = 64;
-
   void add(const Span& span);
 
   std::vector<SpanId> spans_;
   std::vector<Attribution> attribution_;
   // An entry's number in attribution_ plus one; 0: there is none.
-  std::array<std::uint8_t, kParts * kMostPhases> index_{};
+  std::array<std::uint16_t, kParts * kPhases> index_{};
   std::array<Picoseconds, kParts> parts_{};
 };
 

@@ -58,7 +58,17 @@ enum class Phase : std::uint8_t {
   refinement,      // host: the residual in double precision
   recovery,        // host: a board that failed is brought back, bus accesses included
   bridge_status,   // host: what the bridge has recorded of errors; not over the bus
+  count
 };
+inline constexpr auto kPhases = static_cast<std::size_t>(Phase::count);
+inline constexpr std::array<std::string_view, kPhases> kPhaseNames = {
+    "release",   "wake-up",     "blocked",     "context switch", "sample",     "read",
+    "write",     "block read",  "block write", "arbitration",    "posting",    "dma read",
+    "dma write", "descriptor",  "message",     "to memory",      "dma engine", "contact lookup",
+    "hold",      "node update", "form rhs",    "solve",          "interrupt",  "pipeline",
+    "wait",      "polling",     "driver",      "force",          "convert",    "motor",
+    "update",    "refinement",  "recovery",    "bridge status"};
+static_assert(!kPhaseNames.back().empty(), "a phase has no name");
 
 std::string_view name(Part part);
 std::string_view name(Phase phase);

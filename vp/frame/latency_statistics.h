@@ -45,10 +45,8 @@ class LatencyStatistics : public FrameObserver {
   const std::deque<Transactions>& transactions() const { return transactions_; }
 
  private:
-  static constexpr std::size_t kMostPhases = 64;
-
   // An entry's number plus one; 0: the phase has not occurred.
-  using Index = std::array<std::uint16_t, kMostPhases>;
+  using Index = std::array<std::uint16_t, kPhases>;
 
   std::size_t entry_of(Part part, Phase phase);
   statistics::Histogram& transactions_of(Phase phase);
@@ -60,7 +58,7 @@ class LatencyStatistics : public FrameObserver {
   std::array<statistics::Histogram, kParts> parts_;
   std::array<Index, kParts> path_index_{};
   std::deque<PathTime> on_path_;
-  std::array<Picoseconds, kParts * kMostPhases> in_frame_{};  // of the entries, zero between frames
+  std::array<Picoseconds, kParts * kPhases> in_frame_{};  // of the entries, zero between frames
   Index transaction_index_{};
   std::deque<Transactions> transactions_;
 };

@@ -158,8 +158,17 @@ TEST_F(Base, ThatIsNoneIsRefused) {
   EXPECT_EQ(error(), "s.toml:1: base: expected the name of a scenario in quotes, found 3");
   write("s.toml", "base = ''\n");
   EXPECT_EQ(error(), "s.toml:1: base: expected the name of a scenario in quotes, found \"\"");
-  write("s.toml", "base = 's.toml'\ntitle = 'x'\n");
-  EXPECT_EQ(error(), "s.toml:1: base: expected at most 9 scenarios on one another");
+}
+
+TEST_F(Base, ThatGoesRoundOrOnAndOnIsRefused) {
+  write("b.toml", "base = 's.toml'\n");
+  write("s.toml", "base = 'b.toml'\ntitle = 'x'\n");
+  EXPECT_EQ(error(), "b.toml:1: base: expected no circle: s.toml already stands on this one");
+  write("s.toml", "base = '0.toml'\n");
+  for (int i = 0; i < 10; ++i) {
+    write(std::to_string(i) + ".toml", "base = '" + std::to_string(i + 1) + ".toml'\n");
+  }
+  EXPECT_EQ(error(), "7.toml:1: base: expected at most 9 scenarios on one another");
 }
 
 }  // namespace

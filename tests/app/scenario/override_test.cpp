@@ -46,6 +46,8 @@ TEST(Override, SwitchesEffects) {
   EXPECT_EQ(read_scene("title='x'", {"host.jitter=true"}).host.jitter, toy::Jitter{});
   EXPECT_EQ(read_scene("title='x'", {"host.jitter={}"}).host.jitter, toy::Jitter{});
   EXPECT_EQ(read_scene("title='x'", {"host.jitter.seed=7"}).host.jitter->seed, 7);
+  EXPECT_EQ(read_scene("title='x'", {"host.jitter=true", "host.jitter.seed=7"}).host.jitter->seed,
+            7);
 }
 
 struct Case {
@@ -80,7 +82,7 @@ INSTANTIATE_TEST_SUITE_P(
              "--set contacts[5].depth=1 mm: index 5 is beyond contacts, which has 1 item in the "
              "scenario; 1 appends"},
         Case{"solver.iterations.x=3",
-             "--set solver.iterations.x=3: solver.iterations is 30, not a table"},
+             "--set solver.iterations.x=3: solver.iterations is 30: expected a table"},
         Case{"solver[0]=3", "--set solver[0]=3: solver is a table, not a list"},
         Case{"solver.iterations",
              "--set solver.iterations: expected KEY=VALUE, such as "
