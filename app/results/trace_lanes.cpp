@@ -24,6 +24,7 @@ Row row_of(const vp::Span& span) {
     case vp::Phase::context_switch:
     case vp::Phase::wait:
     case vp::Phase::pipeline:
+    case vp::Phase::delay:
       return Row::host_waits;
     case vp::Phase::arbitration:
       return Row::bus_waits;

@@ -57,6 +57,14 @@ void InterruptLatencies::declare(config::Visitor& v) {
           .minimum = "assumed; real-time extensions lie between 2 and 20 us"});
 }
 
+void Delay::declare(config::Visitor& v) {
+  v.quantity(
+      "time", time_s, Dimension::time, config::between(0, 1),
+      {"by how much each force comes later",
+       "half the thesis' period: a held force is half a period old already, so that this "
+       "halves the stiffest wall a loop can hold (Colgate & Schenkel 1997: b > K (T/2 + L))"});
+}
+
 void Host::declare(config::Visitor& v) {
   v.quantity("sustained_rate", sustained_rate_flops, Dimension::throughput,
              config::between(1e6, 1e12),
@@ -117,6 +125,10 @@ void Host::declare(config::Visitor& v) {
             {config::need_timed_host(),
              config::need_board("no board interrupts"),
              {"transfer.notification", {"intx", "msi"}, "nothing interrupts"}}});
+  v.effect("delay", delay,
+           {"every force is at the motor so much later, with nothing else changed: what if the "
+            "latency were longer?",
+            "no module: a force is told to the device for a later time"});
   v.table("graphics", graphics, {"the 33 Hz collision and graphics process"}, cores);
   v.table("recovery", recovery, {"what the servo process does about a board that fails"});
 }

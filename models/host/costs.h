@@ -37,6 +37,15 @@ struct InterruptLatencies : random::TimeDistribution {
   void declare(config::Visitor& v);
 };
 
+// The scenario's effect [host.delay]: every force is at the motor so much later, whatever the host
+// does meanwhile: it is held back behind the output's converter, in order, however many periods
+// that is.
+struct Delay {
+  double time_s = 1e-3;
+
+  void declare(config::Visitor& v);
+};
+
 // The host PC as arithmetic: what each step of Fig. 6.2 costs. The scenario's table [host].
 //
 // A step's cost is its floating-point operations over the rate at which the processor sustains
@@ -58,6 +67,7 @@ struct Host {
   std::optional<random::TimeDistribution> jitter;
   std::optional<random::TimeDistribution> wake_up;
   std::optional<InterruptLatencies> interrupt_latencies;
+  std::optional<Delay> delay;
   Graphics graphics;
   Recovery recovery;
 

@@ -27,8 +27,9 @@ plant::Trajectory steady() {
 }
 
 struct Bench {
-  explicit Bench(Stimulus::Script script, std::optional<plant::Encoder> steps = std::nullopt)
-      : daq("daq", with(std::move(steps)), path, session, ledger),
+  explicit Bench(Stimulus::Script script, std::optional<plant::Encoder> steps = std::nullopt,
+                 Picoseconds delay = 0)
+      : daq("daq", with(std::move(steps)), path, session, ledger, delay),
         master("master", std::move(script)) {
     master.to_target.bind(daq.from_bus);
   }
@@ -99,6 +100,28 @@ TEST(DaqBoard, ForceIsAtTheMotorAfterTheOutputDelayAndNobodyWaits) {
   EXPECT_EQ(frame.spans[1].cause, 0);
   EXPECT_EQ(frame.force_at_motor, 1);
   EXPECT_EQ(frame.latency(), 110 * kUs);
+}
+
+TEST(DaqBoard, AHeldBackForceIsAtTheMotorLaterAndNobodyWaits) {
+  Bench bench(
+      [&](Stimulus& m) {
+        bench.ledger.open(4, 0);
+        m.sleep(100 * kUs);
+        Tag tag{4, kBirth};
+        const std::array<std::int32_t, 3> force{1, 2, 3};
+        EXPECT_EQ(m.write(DaqBoard::kForce, force.data(), 12, &tag), tlm::TLM_OK_RESPONSE);
+        EXPECT_EQ(now_ps(), 100 * kUs);
+      },
+      std::nullopt, 7'000 * kUs);
+  sc_core::sc_start();
+  const Frame& frame = bench.ledger.frame(4);
+  ASSERT_EQ(frame.spans.size(), 3U);
+  EXPECT_EQ(frame.spans[1].phase, Phase::delay);
+  EXPECT_EQ(frame.spans[1].start, 110 * kUs);
+  EXPECT_EQ(frame.spans[1].end, 7'110 * kUs);
+  EXPECT_EQ(frame.spans[1].cause, 0);
+  EXPECT_EQ(frame.force_at_motor, 2);
+  EXPECT_EQ(frame.latency(), 7'110 * kUs);
 }
 
 TEST(DaqBoard, SamplingIsASpan) {

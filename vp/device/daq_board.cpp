@@ -5,7 +5,7 @@
 namespace hvp::vp {
 
 DaqBoard::DaqBoard(const sc_core::sc_module_name& name, const plant::DeviceSettings& settings,
-                   plant::Device& device, const Session& session, Ledger& ledger)
+                   plant::Device& device, const Session& session, Ledger& ledger, Picoseconds delay)
     : sc_module(name),
       from_bus("from_bus"),
       encoder_(settings.encoder),
@@ -13,7 +13,8 @@ DaqBoard::DaqBoard(const sc_core::sc_module_name& name, const plant::DeviceSetti
       session_(session),
       ledger_(ledger),
       sampling_(to_picoseconds(settings.daq.sampling_delay)),
-      output_(to_picoseconds(settings.daq.output_delay)) {
+      output_(to_picoseconds(settings.daq.output_delay)),
+      delay_(delay) {
   from_bus.register_b_transport(this, &DaqBoard::b_transport);
 }
 
@@ -55,10 +56,12 @@ void DaqBoard::put_out(const unsigned char* words, const Tag& tag) {
     force[i] = plant::kForce.to_value(counts[static_cast<std::size_t>(i)]);
   }
   const Picoseconds start = now_ps();
-  const Picoseconds there = start + output_;
+  const Picoseconds settled = start + output_;
+  const Picoseconds there = settled + delay_;
   device_.drive(there - session_.begin, force);
   Tag output = tag;
-  ledger_.extend(output, Part::daq, Phase::convert, start, there);
+  ledger_.extend(output, Part::daq, Phase::convert, start, settled);
+  if (delay_ > 0) ledger_.extend(output, Part::host, Phase::delay, settled, there);
   ledger_.extend(output, Part::device, Phase::motor, there, there);
   ledger_.force_at_motor(output);
 }

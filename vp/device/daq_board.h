@@ -18,7 +18,7 @@ namespace hvp::vp {
 // The data acquisition board on the PCI bus, and the haptic device behind it. Three registers: a
 // command that latches the position, the latched position, and the force. The counters latch at
 // once; the word can be read after the sampling delay. A force drives the device after the output
-// delay (the amplifier adds none yet).
+// delay (the amplifier adds none yet), and after the host's own where it has one: `delay`.
 class DaqBoard : public sc_core::sc_module {
  public:
   static constexpr std::uint64_t kLatch = 0x00;     // write 4 bytes: latch now
@@ -28,7 +28,7 @@ class DaqBoard : public sc_core::sc_module {
 
   // Keeps references to the device, whose times are the session's, the session and the ledger.
   DaqBoard(const sc_core::sc_module_name& name, const plant::DeviceSettings& settings,
-           plant::Device& device, const Session& session, Ledger& ledger);
+           plant::Device& device, const Session& session, Ledger& ledger, Picoseconds delay = 0);
 
   tlm_utils::simple_target_socket<DaqBoard> from_bus;
 
@@ -43,6 +43,7 @@ class DaqBoard : public sc_core::sc_module {
   Ledger& ledger_;
   Picoseconds sampling_;
   Picoseconds output_;
+  Picoseconds delay_;
   std::array<std::int32_t, 3> latched_{};
 };
 

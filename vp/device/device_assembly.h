@@ -17,7 +17,8 @@ class DeviceAssembly {
       : own_(settings.haptic_device == nullptr ? plant::make_device(settings.device, settings.probe)
                                                : nullptr),
         device_(own_ == nullptr ? *settings.haptic_device : *own_),
-        daq_("daq", settings.device, device_, session, ledger) {}
+        daq_("daq", settings.device, device_, session, ledger,
+             settings.host.delay ? to_picoseconds(settings.host.delay->time_s) : 0) {}
 
   void connect(BusAssembly& buses) { buses.pci().attach(daq_.from_bus, kDaqBase, DaqBoard::kSize); }
   plant::Device& device() { return device_; }

@@ -53,6 +53,7 @@ enum class Phase : std::uint8_t {
   driver,          // host: instructions of the driver around its bus accesses
   force,           // host: the contact force out of U
   convert,         // daq: the output's conversion and settling
+  delay,           // host: what a force is held back by [host.delay]
   motor,           // device: the force is there
   update,          // host: Newmark's update, after the force is written
   refinement,      // host: the residual in double precision
@@ -62,12 +63,12 @@ enum class Phase : std::uint8_t {
 };
 inline constexpr auto kPhases = static_cast<std::size_t>(Phase::count);
 inline constexpr std::array<std::string_view, kPhases> kPhaseNames = {
-    "release",   "wake-up",     "blocked",     "context switch", "sample",     "read",
-    "write",     "block read",  "block write", "arbitration",    "posting",    "dma read",
-    "dma write", "descriptor",  "message",     "to memory",      "dma engine", "contact lookup",
-    "hold",      "node update", "form rhs",    "solve",          "interrupt",  "pipeline",
-    "wait",      "polling",     "driver",      "force",          "convert",    "motor",
-    "update",    "refinement",  "recovery",    "bridge status"};
+    "release",   "wake-up",     "blocked",     "context switch", "sample",       "read",
+    "write",     "block read",  "block write", "arbitration",    "posting",      "dma read",
+    "dma write", "descriptor",  "message",     "to memory",      "dma engine",   "contact lookup",
+    "hold",      "node update", "form rhs",    "solve",          "interrupt",    "pipeline",
+    "wait",      "polling",     "driver",      "force",          "convert",      "delay",
+    "motor",     "update",      "refinement",  "recovery",       "bridge status"};
 static_assert(!kPhaseNames.back().empty(), "a phase has no name");
 
 std::string_view name(Part part);

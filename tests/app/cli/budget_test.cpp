@@ -50,6 +50,25 @@ TEST(Budget, OfALateForceIsStatusOne) {
   EXPECT_EQ(j.summary["deadline"]["misses"], 40);
 }
 
+// To the picosecond, and nothing else of the run: the loop does not wait for it.
+TEST(Budget, OfAForceThatIsHeldBackIsLessByThat) {
+  const Judged now = judged({});
+  const Judged later = judged({"host.delay.time=0.5 ms"});
+  EXPECT_EQ(later.ended.status, 0);
+  const auto latency = [](const Judged& j) {
+    return j.summary["deadline"]["worst_us"].get<double>();
+  };
+  EXPECT_DOUBLE_EQ(latency(later), latency(now) + 500);
+  EXPECT_EQ(later.summary["load"], now.summary["load"]);
+  EXPECT_EQ(later.summary["accuracy"], now.summary["accuracy"]);
+  EXPECT_THAT(later.ended.out, HasSubstr("host delay               500.0 us"));
+  // Three periods late, and yet no tick is skipped.
+  const Judged late = judged({"host.delay.time=6 ms"});
+  EXPECT_EQ(late.ended.status, 1);
+  EXPECT_EQ(late.summary["deadline"]["misses"], 40);
+  EXPECT_EQ(late.summary["deadline"]["skipped_ticks"], 0);
+}
+
 TEST(Budget, OfSkippedTicksIsStatusOne) {
   const Judged j = judged({"budget.period=20 us"});
   EXPECT_EQ(j.ended.status, 1);

@@ -179,6 +179,7 @@ const std::map<std::string, Parts> kAdded = {
     {"host.jitter", kNothing},
     {"host.wake_up", kNothing},
     {"host.interrupt_latencies", kNothing},
+    {"host.delay", kNothing},
     {"device.encoder", kNothing},
     {"reference", kNothing},
     {"spectrum", kNothing},
