@@ -81,14 +81,14 @@ int run_command(const RunArguments& arguments) {
       static_cast<double>(outcome.verdict.frames()) / std::max(simulate_s, 1e-9);
   performance["frames_per_s"] = frames_per_s;
   performance["draw_s"] = seconds(simulated, drawn);
-  performance["simulated_s"] = static_cast<double>(outcome.simulated) * 1e-12;
+  performance["simulated_s"] = to_seconds(outcome.simulated);
   performance["peak_memory_mb"] = peak_memory_mb();
   results::write_through_part_file(out / "performance.json", performance.dump(2) + "\n");
 
   print("{}", results::report(scene, outcome));
   if (arguments.details) print("{}", results::details_text(outcome.latency));
   print("\nResults in {} ({:.3g} s simulated in {:.2f} s, {:.0f} frames a second", out.string(),
-        static_cast<double>(outcome.simulated) * 1e-12, simulate_s, frames_per_s);
+        to_seconds(outcome.simulated), simulate_s, frames_per_s);
   if (outcome.remedy) print(", remedies tried in {:.1f} s", outcome.remedy_search_s);
   if (!pictures.files.empty()) print(", drawn in {:.1f} s", seconds(simulated, drawn));
   print(")\n");

@@ -49,7 +49,7 @@ void AccuracyTracker::solved(const vp::Frame& frame, const vp::Solution& solutio
   fem::Hold hold = solution.hold;
   // The reference has had a solution in every frame.
   if (hold.elapsed_s > 0) {
-    hold.elapsed_s = last_time_ ? 1e-12 * static_cast<double>(frame.time - *last_time_) : period_s_;
+    hold.elapsed_s = last_time_ ? to_seconds(frame.time - *last_time_) : period_s_;
   }
   last_time_ = frame.time;
   // The forces of a frame are wanted again when its nodes are let go.

@@ -47,8 +47,7 @@ void DeformationRecorder::solved(const vp::Frame& frame, const vp::Solution& sol
   info.strain = strain_;
   info.stress_Pa = stress_;
   info.von_mises_Pa = von_mises_;
-  writer_.write(static_cast<double>(frame.time) * 1e-12, static_cast<int>(frame.number),
-                displacement_, info);
+  writer_.write(to_seconds(frame.time), static_cast<int>(frame.number), displacement_, info);
 }
 
 }  // namespace hvp::app

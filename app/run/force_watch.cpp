@@ -4,7 +4,7 @@ namespace hvp::app {
 
 void ForceWatch::solved(const vp::Frame& frame, const vp::Solution& solution) {
   stability::FeltForce felt{frame.number,
-                            1e-12 * static_cast<double>(frame.time),
+                            to_seconds(frame.time),
                             frame.touch().tip,
                             frame.touch().force,
                             frame.touch().contact.node,

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "models/accel/bits.h"
 #include "models/accel/partition.h"
 #include "models/accel/symmetric.h"
 
@@ -15,8 +16,6 @@ namespace hvp::accel {
 namespace {
 
 std::size_t at(int index) { return static_cast<std::size_t>(index); }
-
-int ceil_div(int a, int b) { return (a + b - 1) / b; }
 
 // The bank that is asked most decides; fewer than three rows at once take the package again.
 int served_clocks(const Architecture& a, const std::vector<int>& reads) {

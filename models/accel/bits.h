@@ -1,7 +1,9 @@
 #pragma once
 
 #include <bit>
+#include <concepts>
 #include <cstdint>
+#include <type_traits>
 
 namespace hvp::accel {
 
@@ -16,5 +18,11 @@ constexpr int levels_over(std::int64_t leaves) { return leaves < 2 ? 0 : bits_of
 
 // Bits of a number of one of so many things: at least one.
 constexpr int bits_to_number(std::int64_t count) { return count < 2 ? 1 : levels_over(count); }
+
+// a / b rounded up, of numbers of at least 0.
+template <std::integral A, std::integral B>
+constexpr std::common_type_t<A, B> ceil_div(A a, B b) {
+  return (a + b - 1) / b;
+}
 
 }  // namespace hvp::accel

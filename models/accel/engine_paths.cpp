@@ -17,8 +17,6 @@ constexpr int kProductBits = fixed::Settings::kProductBits;
 constexpr int kHostMemories = 12;
 constexpr int kHostAddressBits = 20;
 
-int ceil_div(int a, int b) { return (a + b - 1) / b; }
-
 // The part of the device's multipliers that is in use.
 double multiplier_fill(const Device& device, const Architecture& a, const WordLengths& w) {
   const int count = multiplier_mode(device, a).count;

@@ -13,8 +13,6 @@ constexpr int kScalarBits = 64;
 // sequencer, each with its next value's logic.
 constexpr int kSequencerBits = 150;
 
-std::int64_t ceil_div(std::int64_t a, std::int64_t b) { return (a + b - 1) / b; }
-
 // Ways that one look-up table chooses from: 4 data and 2 select of six inputs.
 int ways_of(int inputs) {
   int ways = 2;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "models/accel/bits.h"
 #include "models/config/input_error.h"
 
 namespace hvp::accel {
@@ -10,8 +11,6 @@ namespace hvp::accel {
 namespace {
 
 constexpr std::int64_t kPorts = 2;  // of every block of every device so far
-
-std::int64_t ceil_div(std::int64_t a, std::int64_t b) { return (a + b - 1) / b; }
 
 // A port's bits with those of its parity that can hold data: a port has its share of them where
 // that is a whole bit.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "models/accel/bits.h"
 #include "models/config/input_error.h"
 
 namespace hvp::accel {
@@ -15,8 +16,6 @@ using fixed::Method;
 // clock.
 constexpr int kVectorMultipliers = 21;
 constexpr int kProductBits = fixed::Settings::kProductBits;
-
-std::int64_t ceil_div(std::int64_t a, std::int64_t b) { return (a + b - 1) / b; }
 
 int pieces(int bits, int operand) { return static_cast<int>(ceil_div(bits - 1, operand - 1)); }
 

@@ -13,8 +13,6 @@ using fixed::Method;
 
 constexpr int kProductBits = fixed::Settings::kProductBits;
 
-std::int64_t ceil_div(std::int64_t a, std::int64_t b) { return (a + b - 1) / b; }
-
 class Engine {
  public:
   Engine(const Architecture& a, const WordLengths& w, const SystemSize& s) : a_(a), w_(w), s_(s) {}

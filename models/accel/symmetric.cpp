@@ -3,13 +3,9 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "models/accel/bits.h"
+
 namespace hvp::accel {
-
-namespace {
-
-std::int64_t ceil_div(std::int64_t a, std::int64_t b) { return (a + b - 1) / b; }
-
-}  // namespace
 
 Pattern upper_triangle(const Pattern& p) {
   Pattern upper = p;

@@ -4,11 +4,11 @@
 #include <cstddef>
 #include <vector>
 
+#include "models/accel/bits.h"
+
 namespace hvp::accel {
 
 namespace {
-
-std::int64_t ceil_div(std::int64_t a, std::int64_t b) { return (a + b - 1) / b; }
 
 class Groups {
  public:

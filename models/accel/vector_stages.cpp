@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "models/accel/bits.h"
 #include "models/accel/multipliers.h"
 
 namespace hvp::accel {
@@ -12,8 +13,6 @@ namespace hvp::accel {
 namespace {
 
 constexpr int kProductBits = fixed::Settings::kProductBits;
-
-int ceil_div(int a, int b) { return (a + b - 1) / b; }
 
 VectorStage stage(std::string_view name, std::initializer_list<Step> steps) {
   VectorStage s{name, {}, static_cast<int>(steps.size())};

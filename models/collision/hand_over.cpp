@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "models/time/picoseconds.h"
+
 namespace hvp::collision {
 
 namespace {
@@ -40,11 +42,10 @@ void HandOver::change(std::span<const int> nodes, const Aim& before, const Aim& 
   began_ = last.time;
   if (duration_ == 0) return;
 
-  const double duration_s = 1e-12 * static_cast<double>(duration_);
+  const double duration_s = to_seconds(duration_);
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
   if (last.time > before.time) {
-    velocity = (last.displacement - before.displacement) /
-               (1e-12 * static_cast<double>(last.time - before.time));
+    velocity = (last.displacement - before.displacement) / to_seconds(last.time - before.time);
   }
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     const auto at = static_cast<std::size_t>(3 * nodes_[i]);

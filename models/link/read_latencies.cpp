@@ -1,6 +1,7 @@
 #include "models/link/read_latencies.h"
 
 #include "models/link/pcie.h"
+#include "models/time/picoseconds.h"
 
 namespace hvp::link {
 
@@ -67,7 +68,7 @@ double published_reads_beside_root_complex_s() {
   link.generation = PcieGeneration::gen3;
   link.lanes = 8;
   link.root_complex_latency_s = 0;
-  return 1e-12 * static_cast<double>(link.read_ps(PcieSide::device, 64));
+  return to_seconds(link.read_ps(PcieSide::device, 64));
 }
 
 }  // namespace hvp::link

@@ -4,15 +4,16 @@
 #include <numeric>
 #include <string>
 
+#include "models/accel/bits.h"
 #include "models/config/input_error.h"
 
 namespace hvp::vp::engine {
 
 namespace {
 
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
+using accel::ceil_div;
 
-int ceil_div(int a, int b) { return (a + b - 1) / b; }
+std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 int packages_of(const accel::Architecture& a, int blocks) {
   const int needed = ceil_div(3 * blocks, a.package);
