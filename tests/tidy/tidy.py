@@ -118,8 +118,9 @@ def key_of(source: Source, build: Path) -> str | None:
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()
 
 
-# A session's work, and more than lies between two runs of CI.
-RECENT_COMMITS = 40
+# Of what the last commits changed, the newest first: some four minutes of two cores.
+RECENT_COMMITS = 100
+RECENT_SOURCES = 60
 SHARES = 10
 
 
@@ -131,12 +132,25 @@ def git(*arguments: str) -> list[str]:
     return run.stdout.splitlines() if run.returncode == 0 else []
 
 
-def is_chosen(source: Source, recent: set[Path], commit: str) -> bool:
-    """Whether a source without a stamp has its turn."""
-    if source.path in recent or source.path.with_suffix(".h") in recent:
-        return True
-    name = hashlib.sha256(str(source.path.relative_to(TOP)).encode()).hexdigest()
-    return int(name, 16) % SHARES == int(commit or "0", 16) % SHARES
+def chosen(due: list[tuple[Source, str | None]]) -> list[tuple[Source, str | None]]:
+    """Of the sources without a stamp, those whose turn it is."""
+    newest: dict[Path, int] = {}
+    for line in git("log", f"-{RECENT_COMMITS}", "--format=", "--name-only"):
+        newest.setdefault(TOP / line, len(newest))
+
+    def age(source: Source) -> int:
+        paths = (source.path, source.path.with_suffix(".h"))
+        return min(newest.get(path, len(newest)) for path in paths)
+
+    changed = sorted((age(source), source.path) for source, _ in due if age(source) < len(newest))
+    recent = {path for _, path in changed[:RECENT_SOURCES]}
+    commit = "".join(git("rev-parse", "HEAD"))
+
+    def has_its_turn(source: Source) -> bool:
+        name = hashlib.sha256(str(source.path.relative_to(TOP)).encode()).hexdigest()
+        return int(name, 16) % SHARES == int(commit or "0", 16) % SHARES
+
+    return [entry for entry in due if entry[0].path in recent or has_its_turn(entry[0])]
 
 
 def analyse(source: Source, key: str | None, commands: Path) -> Finding:
@@ -175,11 +189,7 @@ def main() -> int:
     ]
     without_stamp = len(due)
     if not arguments.all:
-        recent = {
-            TOP / line for line in git("log", f"-{RECENT_COMMITS}", "--format=", "--name-only")
-        }
-        commit = "".join(git("rev-parse", "HEAD"))
-        due = [(source, key) for source, key in due if is_chosen(source, recent, commit)]
+        due = chosen(due)
     failures = 0
     with ThreadPoolExecutor(arguments.jobs) as pool:
         pending = [pool.submit(analyse, source, key, commands) for source, key in due]
