@@ -88,8 +88,8 @@ fem::Hold ContactHold::merged(double elapsed_s) {
   std::ranges::sort(let_go_, [](const fem::LetGo& a, const fem::LetGo& b) {
     return a.node != b.node ? a.node < b.node : a.share > b.share;
   });
-  const auto again = std::ranges::unique(let_go_, {}, &fem::LetGo::node);
-  let_go_.erase(again.begin(), again.end());
+  const auto same_node = [](const fem::LetGo& a, const fem::LetGo& b) { return a.node == b.node; };
+  let_go_.erase(std::unique(let_go_.begin(), let_go_.end(), same_node), let_go_.end());
   std::erase_if(let_go_,
                 [this](const fem::LetGo& gone) { return contains(all_nodes_, gone.node); });
   return {all_nodes_, displacement_, let_go_, elapsed_s, probe_of_};

@@ -43,8 +43,8 @@ ServoProcess::ServoProcess(const sc_core::sc_module_name& name, const ServoSetti
       held_(body, contacts, to_picoseconds(contacts.settings().hand_over_s)),
       daq_(access),
       report_{{}, -1},
-      forces_(held_.contacts().size()),
-      force_sum_(forces_.size()) {
+      forces_(held_.contacts().size(), Eigen::Vector3d::Zero()),
+      force_sum_(forces_) {
   SC_HAS_PROCESS(ServoProcess);
   SC_THREAD(run);
   set_stack_size(kStackBytes);
