@@ -129,6 +129,7 @@ def tables_of(reference: str) -> list[Table]:
         elif not table.keys and table.path and line and not line.startswith("|"):
             if line.startswith("**Effect**"):
                 table.kind = "effect"
-            table.required = "Required. " in line
-            table.condition = condition(line, table.path.rpartition(".")[0])
+            table.required = table.required or "Required. " in line
+            where = table.path.rpartition(".")[0]
+            table.condition = table.condition or condition(line, where)
     return tables
