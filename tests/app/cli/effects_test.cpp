@@ -252,7 +252,8 @@ TEST_P(OneEffect, BuildsWhatItsLineSaysAndNothingElse) {
 }
 
 TEST(PartsOfEffects, AreThoseOfDeclaredEffectsOnly) {
-  for (const auto& [path, parts] : kAdded) {
+  for (const auto& added : kAdded) {
+    const std::string& path = added.first;
     EXPECT_TRUE(std::ranges::any_of(declared(), [&](const Effect& e) { return e.path == path; }))
         << path;
   }
