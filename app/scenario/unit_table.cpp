@@ -49,6 +49,17 @@ constexpr Unit kForce[] = {
     {"N", "1", 0, kWrite},   {"kN", "1", 3, kWrite},          {"mN", "1", -3, kWrite},
     {"uN", "1", -6, kWrite}, {"\u00b5N", "1", -6, kSpelling}, {"\u03bcN", "1", -6, kSpelling},
 };
+constexpr Unit kStiffness[] = {
+    {"N/m", "1", 0, kWrite},
+    {"kN/m", "1", 3, kWrite},
+    {"N/mm", "1", 3, kRead},
+};
+constexpr Unit kDamping[] = {
+    {"N s/m", "1", 0, kWrite},
+    {"N\u00b7s/m", "1", 0, kSpelling},
+    {"Ns/m", "1", 0, kSpelling},
+    {"mN s/m", "1", -3, kWrite},
+};
 constexpr Unit kPressure[] = {
     {"Pa", "1", 0, kWrite},
     {"kPa", "1", 3, kWrite},
@@ -76,7 +87,7 @@ constexpr Unit kDataSize[] = {
     {"GiB", "1073741824", 0, kRead},
 };
 
-constexpr std::array<DimensionUnits, 14> kDimensions = {{
+constexpr std::array<DimensionUnits, 16> kDimensions = {{
     {Dimension::dimensionless, "a number", "0.5", {}},
     {Dimension::time, "a time", "2 ms", kTime},
     {Dimension::frequency, "a frequency", "100 MHz", kFrequency},
@@ -86,6 +97,8 @@ constexpr std::array<DimensionUnits, 14> kDimensions = {{
     {Dimension::velocity, "a velocity", "20 mm/s", kVelocity},
     {Dimension::acceleration, "an acceleration", "9.81 m/s2", kAcceleration},
     {Dimension::force, "a force", "5 N", kForce},
+    {Dimension::stiffness, "a stiffness", "375 N/m", kStiffness},
+    {Dimension::damping, "a damping", "4.5 N s/m", kDamping},
     {Dimension::pressure, "a pressure", "10 kPa", kPressure},
     {Dimension::density, "a density", "1000 kg/m3", kDensity},
     {Dimension::angle, "an angle", "30 deg", kAngle},

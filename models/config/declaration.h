@@ -33,6 +33,8 @@ enum class Dimension {
   velocity,      // m/s
   acceleration,  // m/s²
   force,         // N
+  stiffness,     // N/m
+  damping,       // N·s/m
   pressure,      // Pa
   density,       // kg/m³
   angle,         // rad

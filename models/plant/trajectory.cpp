@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
 #include "models/plant/daq.h"
+#include "models/plant/driven_mass.h"
 #include "models/time/picoseconds.h"
 
 namespace hvp::plant {
@@ -130,6 +132,43 @@ ProbeState Trajectory::state_ps(std::int64_t picoseconds) const {
     from = segment.to;
   }
   return {.position = from};
+}
+
+Trajectory::Piece Trajectory::piece(std::int64_t picoseconds) const {
+  Eigen::Vector3d from = start;
+  Eigen::Vector3d stroke = Eigen::Vector3d::Zero();
+  std::int64_t begin = 0;
+  std::int64_t until = picoseconds < 0 ? 0 : std::numeric_limits<std::int64_t>::max();
+  double per_second = 0;  // of the stroke
+  for (const Segment& segment : motion) {
+    if (picoseconds < begin) break;
+    const std::int64_t length = segment.duration_ps();
+    if (picoseconds - begin < length) {
+      stroke = segment.to - from;
+      until = begin + length;
+      per_second = 1 / to_seconds(length);
+      break;
+    }
+    begin += length;
+    from = segment.to;
+  }
+  std::array<double, 6> progress = {0, 1, 0, 0, 0, 0};
+  if (interpolation == Interpolation::minimum_jerk) progress = {0, 0, 0, 10, -15, 6};
+  double scale = 1;
+  for (double& coefficient : progress) {
+    coefficient *= scale;
+    scale *= per_second;
+  }
+  if (per_second > 0) progress = shifted(progress, to_seconds(picoseconds - begin));
+  Piece piece{until, {}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    for (std::size_t n = 0; n < progress.size(); ++n) {
+      piece.position[i][n] = progress[n] * stroke[axis];
+    }
+    piece.position[i][0] += from[axis];
+  }
+  return piece;
 }
 
 Eigen::Vector3d Trajectory::position(double seconds) const {

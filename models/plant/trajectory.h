@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -60,6 +61,15 @@ struct Trajectory {
   double duration() const { return 1e-12 * static_cast<double>(duration_ps()); }
 
   ProbeState state_ps(std::int64_t picoseconds) const;
+
+  // The motion from a time on, as long as it is one polynomial of the time since then: of each axis
+  // the coefficients of t⁰ to t⁵, m/sⁿ.
+  struct Piece {
+    std::int64_t until;  // ps; the largest number where the motion is over
+    std::array<std::array<double, 6>, 3> position;
+  };
+  Piece piece(std::int64_t picoseconds) const;
+
   // These throw InputError where the time is not finite or leaves 64-bit picoseconds (107 days).
   Eigen::Vector3d position(double seconds) const;
   Eigen::Vector3d velocity(double seconds) const;
