@@ -2,19 +2,21 @@
 
 namespace hvp::vp {
 
-void Fidelity::declare(config::Visitor& v) {
+void Fidelity::declare(config::Visitor& v, const config::Condition& body) {
   const auto timing = [&v](std::string_view part, Timing& level, std::string_view help) {
     v.choice(part, level, {{"untimed", Timing::untimed}, {"loosely-timed", Timing::loosely_timed}},
              {help, "the level that answers whether a budget holds"});
   };
-  v.choice("accelerator", accelerator,
-           {{"untimed", Timing::untimed},
-            {"loosely-timed", Timing::loosely_timed},
-            {"approximately-timed", Timing::approximately_timed},
-            {"cycle-accurate", Timing::cycle_accurate}},
-           {"loosely-timed: a closed form of clocks; approximately-timed: an event a phase, its "
-            "stalls from conflicts; cycle-accurate: every clock of the engine; untimed: no time",
-            "the level that answers whether a budget holds"});
+  v.when(body, [&] {
+    v.choice("accelerator", accelerator,
+             {{"untimed", Timing::untimed},
+              {"loosely-timed", Timing::loosely_timed},
+              {"approximately-timed", Timing::approximately_timed},
+              {"cycle-accurate", Timing::cycle_accurate}},
+             {"loosely-timed: a closed form of clocks; approximately-timed: an event a phase, its "
+              "stalls from conflicts; cycle-accurate: every clock of the engine; untimed: no time",
+              "the level that answers whether a budget holds"});
+  });
   v.choice("bus", bus,
            {{"untimed", Timing::untimed},
             {"loosely-timed", Timing::loosely_timed},
@@ -23,10 +25,12 @@ void Fidelity::declare(config::Visitor& v) {
             "other masters; untimed: no time",
             "the level that answers whether a budget holds"});
   timing("host", host, "loosely-timed: annotated costs; untimed: no time");
-  v.choice("numbers", numbers, {{"fixed", Numbers::fixed}, {"none", Numbers::none}},
-           {"fixed: bit-true fixed point; none: timing only, the same accesses and costs while "
-            "nobody computes words, forces or deformations",
-            "thesis section 4.2"});
+  v.when(body, [&] {
+    v.choice("numbers", numbers, {{"fixed", Numbers::fixed}, {"none", Numbers::none}},
+             {"fixed: bit-true fixed point; none: timing only, the same accesses and costs while "
+              "nobody computes words, forces or deformations",
+              "thesis section 4.2"});
+  });
 }
 
 const char* name(Timing level) {

@@ -19,7 +19,9 @@ struct Fidelity {
   Timing host = Timing::loosely_timed;
   Numbers numbers = Numbers::fixed;
 
-  void declare(config::Visitor& v);
+  // `body`: where there is one, and not a wall.
+  void declare(config::Visitor& v,
+               const config::Condition& body = config::not_beside("wall", false, {}));
 };
 
 const char* name(Timing level);

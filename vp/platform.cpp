@@ -10,13 +10,14 @@ namespace hvp::vp {
 
 namespace {
 
-Workload workload_of(const PlatformSettings& settings, const host::FrameComputation& computation,
-                     const collision::ContactSearch& contacts) {
+Workload workload_of(const PlatformSettings& settings, const std::optional<SoftBody>& soft) {
+  if (!soft) return {.has_board = false};
+  const host::FrameComputation& computation = soft->computation;
   return {.has_board = computation.on_host() == nullptr,
           .numbers = computation.timing_only() ? Numbers::none : Numbers::fixed,
           .memory_bytes = DmaMemory::needed(settings.transfer, settings.solver,
                                             computation.displacement().size()),
-          .vertices = static_cast<std::int64_t>(contacts.surface().surface_nodes().size())};
+          .vertices = static_cast<std::int64_t>(soft->contacts.surface().surface_nodes().size())};
 }
 
 template <class Visit>
@@ -30,14 +31,12 @@ void visit_objects(const std::vector<sc_core::sc_object*>& objects, const Visit&
 }  // namespace
 
 // The order of construction is that of modules and processes, which results depend on.
-Platform::Platform(const PlatformSettings& settings, const fem::Body& body,
-                   host::FrameComputation& computation, collision::ContactSearch& contacts,
+Platform::Platform(const PlatformSettings& settings, const std::optional<SoftBody>& soft,
                    AccessObserver* register_trace)
     : settings_(settings),
       verdict_(settings.period, settings.budget),
-      side_(settings_, workload_of(settings_, computation, contacts), session_, ledger_,
-            register_trace),
-      host_(settings_, body, computation, contacts, side_, ledger_, verdict_, session_) {
+      side_(settings_, workload_of(settings_, soft), session_, ledger_, register_trace),
+      host_(settings_, soft, side_, ledger_, verdict_, session_) {
   ledger_.add_observer(verdict_);
   host_.connect();
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -30,7 +31,11 @@ class Platform {
   // Keeps references to the body, the computation and the search.
   Platform(const PlatformSettings& settings, const fem::Body& body,
            host::FrameComputation& computation, collision::ContactSearch& contacts,
-           AccessObserver* register_trace = nullptr);
+           AccessObserver* register_trace = nullptr)
+      : Platform(settings, SoftBody{body, computation, contacts}, register_trace) {}
+  // None: settings.wall stands in the body's place.
+  Platform(const PlatformSettings& settings, const std::optional<SoftBody>& soft,
+           AccessObserver* register_trace);
 
   void add_tenure_sink(TenureSink& sink) { ledger_.add_tenure_sink(sink); }
   void add_observer(FrameObserver& observer) { ledger_.add_observer(observer); }
@@ -48,7 +53,8 @@ class Platform {
 
   const Verdict& verdict() const { return verdict_; }
   const ServoProcess& servo() const { return host_.servo(); }
-  const CollisionProcess& collision() const { return host_.collision(); }
+  // Null without a body.
+  const CollisionProcess* collision() const { return host_.collision(); }
   const PciBus& bus() const { return side_.buses().pci(); }
   // Null without their effects.
   const PcieBus* pcie() const { return side_.buses().pcie(); }
@@ -62,6 +68,8 @@ class Platform {
   const Accelerator* board() const { return has_board() ? &accelerator() : nullptr; }
   const Accelerator& accelerator() const { return side_.board()->accelerator(); }
   const Session& session() const { return session_; }
+  plant::Device& device(std::size_t probe) { return side_.device(probe); }
+  std::size_t probes() const { return side_.probes(); }
 
   // Names of the modules that exist and the number of processes: what was not asked for is not
   // there.

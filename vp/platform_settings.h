@@ -8,6 +8,7 @@
 #include "models/accel/architecture.h"
 #include "models/fixed/settings.h"
 #include "models/host/costs.h"
+#include "models/host/wall.h"
 #include "models/plant/device_settings.h"
 #include "models/plant/trajectory.h"
 #include "vp/fault/fault.h"
@@ -26,8 +27,9 @@ struct SystemSettings {
   BusSettings bus;
   Transfer transfer;
   host::Host host;
+  std::optional<host::Wall> wall;  // in the body's place
   plant::DeviceSettings device;
-  plant::Trajectory probe;
+  std::vector<plant::Trajectory> probes{1};
   Fidelity fidelity;
   std::vector<Fault> faults;
 };
@@ -48,7 +50,8 @@ struct PlatformSettings : SystemSettings {
   Picoseconds budget = 2'000'000'000;
   fixed::Settings solver;  // of the board
   std::optional<WaveformWindow> waveform;
-  plant::Device* haptic_device = nullptr;  // null: the one of `device`. Has to outlive the platform
+  // One a probe; none: those of `device`. They have to outlive the platform.
+  std::vector<plant::Device*> haptic_devices;
 };
 
 }  // namespace hvp::vp

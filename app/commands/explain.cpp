@@ -25,6 +25,23 @@ bool draws_bus_times(const Scenario& s) {
   return s.bus.read_latencies || (s.bus.pcie && s.bus.pcie->root_complex_latencies);
 }
 
+// Who makes the forces, and of what.
+void numbers_lines(const Scene& scene) {
+  const Scenario& s = scene.scenario();
+  if (s.timing_only()) {
+    fidelity_line("numbers", vp::name(s.fidelity.numbers),
+                  fmt::format("timing only: all {} iterations a solve, the probe against the "
+                              "undeformed body; no words, forces or deformation",
+                              s.solver.iterations));
+  } else if (scene.has_board()) {
+    fidelity_line(
+        "numbers", vp::name(s.fidelity.numbers),
+        fmt::format("{}-bit matrix, {}-bit vectors", s.solver.matrix_bits, s.solver.vector_bits));
+  } else {
+    fidelity_line("numbers", "double", "of the host");
+  }
+}
+
 // A force acts at a node: how far that is from where the scenario wants it.
 void point_loads(const Scene& scene) {
   const mesh::TetMesh& mesh = scene.body().mesh();
@@ -65,7 +82,8 @@ int explain_command(const ScenarioArguments& arguments) {
                                   : ""));
   } else {
     fidelity_line("accelerator", "absent",
-                  fmt::format("the host solves: {}", host::name(s.host.solver)));
+                  scene.has_body() ? fmt::format("the host solves: {}", host::name(s.host.solver))
+                                   : "the host renders a wall");
   }
   fidelity_line("bus", vp::name(s.fidelity.bus),
                 fmt::format("{} bytes a data phase, {:g} ns a clock", s.bus.pci.width_bytes(),
@@ -85,26 +103,18 @@ int explain_command(const ScenarioArguments& arguments) {
                               s.transfer.packed ? "packed" : "one element a word",
                               link::name(s.transfer.notification)));
   }
-  fidelity_line(
-      "host", vp::name(s.fidelity.host),
-      fmt::format("servo at {:g} Hz, collision and graphics at {:g} Hz, {}", 1 / s.budget.period_s,
-                  s.host.graphics.rate_hz, s.host.cores == 1 ? "on one core" : "a core each"));
-  if (s.timing_only()) {
-    fidelity_line("numbers", vp::name(s.fidelity.numbers),
-                  fmt::format("timing only: all {} iterations a solve, the probe against the "
-                              "undeformed body; no words, forces or deformation",
-                              s.solver.iterations));
-  } else if (scene.has_board()) {
-    fidelity_line(
-        "numbers", vp::name(s.fidelity.numbers),
-        fmt::format("{}-bit matrix, {}-bit vectors", s.solver.matrix_bits, s.solver.vector_bits));
-  } else {
-    fidelity_line("numbers", "double", "of the host");
-  }
+  fidelity_line("host", vp::name(s.fidelity.host),
+                scene.has_body()
+                    ? fmt::format("servo at {:g} Hz, collision and graphics at {:g} Hz, {}",
+                                  1 / s.budget.period_s, s.host.graphics.rate_hz,
+                                  s.host.cores == 1 ? "on one core" : "a core each")
+                    : fmt::format("servo at {:g} Hz", 1 / s.budget.period_s));
+  numbers_lines(scene);
   print("\nEffects\n");
   for (const config::Effect& effect : config::survey_effects(s).effects()) {
     print("  {:<31} {:<8} {}\n", effect.path, effect.present ? "built" : "absent", effect.cost);
   }
+  if (!scene.has_body()) return kHeld;
   point_loads(scene);
   if (scene.spectrum()) {
     print("\nSpectrum of the system without contact\n{}",

@@ -132,10 +132,15 @@ void Outcome::report_parts(config::Figures& f) const {
                   scene.condition);
   scene.report_resources(f);
   f.table_or_null("accelerator", "Null where the host solves.", accelerator);
-  f.text("solver", scene.solver, "who solves: `board`, or the host itself by `cg` or `cholesky`");
+  f.text(
+      "solver", scene.solver,
+      "who solves: `board`, or the host itself by `cg` or `cholesky`; `wall`: there is nothing to "
+      "solve");
   f.table("bus", "Of the PCI bus, set-up, which loads K, included.", bus);
-  f.table("mesh", "The body, and how well its tetrahedra are shaped ([mesh.md](mesh.md)).",
-          [&] { scene.report_mesh(f); });
+  f.table_or_null("mesh",
+                  "The body, and how well its tetrahedra are shaped ([mesh.md](mesh.md)); null for "
+                  "a wall.",
+                  scene.body);
   f.table("contact", "How the probe met the body.", contact);
   f.time("set_up_us", set_up, "from power-up until the servo loop began: K has been loaded");
   f.value("effects", scene.effects, {}, "what was simulated");

@@ -58,6 +58,12 @@ void engine_lines(Out out, const app::Scene& scene, const Outcome& o) {
 void scene_lines(Out out, const app::Scene& scene, const Outcome& o) {
   const app::Scenario& s = scene.scenario();
   if (!s.title.empty()) fmt::format_to(out, "{}\n", scenario::one_line(s.title, 1000));
+  if (s.wall) {
+    fmt::format_to(out, "  wall        {:g} N/m, {:g} N s/m, {}; rendered by the host, no board\n",
+                   s.wall->stiffness_N_m, s.wall->damping_N_s_m,
+                   s.wall->sides == host::Wall::Sides::one ? "pushes only" : "pushes and pulls");
+    return;
+  }
   fmt::format_to(out, "  body        {} nodes, {} tetrahedra; {} nodes in the system, {}\n",
                  scene.quality().nodes, scene.quality().tetrahedra, scene.body().active_nodes(),
                  s.dynamics ? "dynamic" : "static");
@@ -95,7 +101,7 @@ void reservations(Out out, const app::Scene& scene, const Outcome& o) {
     if (level != vp::Timing::untimed) return;
     parts += fmt::format("{}{}", parts.empty() ? "" : ", ", part);
   };
-  check("accelerator", f.accelerator);
+  if (scene.has_body()) check("accelerator", f.accelerator);
   check("bus", f.bus);
   check("host", f.host);
   if (!parts.empty()) fmt::format_to(out, "  untimed        {}: takes no time here\n", parts);

@@ -6,18 +6,20 @@ namespace hvp::results {
 
 SceneFigures scene_figures(const app::Scene& scene) {
   const app::Scenario& s = scene.scenario();
+  std::optional<BodyFigures> body;
+  if (scene.has_body()) {
+    body = {scene.quality(), scene.body().active_nodes(), scene.computation().matrix().blocks()};
+  }
   return {.title = s.title,
           .frames = s.frames,
           .timing_only = s.timing_only(),
-          .solver = std::string(host::name(s.host.solver)),
+          .solver = scene.has_body() ? host::name(s.host.solver) : "wall",
           .effects = effects(s),
           .fidelity = s.fidelity,
           .has_board = scene.has_board(),
           .resources = scene.usage().resources,
           .condition = scene.spectrum(),
-          .mesh = scene.quality(),
-          .active_nodes = scene.body().active_nodes(),
-          .matrix_blocks = scene.computation().matrix().blocks()};
+          .body = body};
 }
 
 void SceneFigures::report_resources(config::Figures& f) const {
@@ -29,7 +31,7 @@ void SceneFigures::report_resources(config::Figures& f) const {
          });
 }
 
-void SceneFigures::report_mesh(config::Figures& f) const {
+void BodyFigures::report(config::Figures& f) const {
   f.count("nodes", mesh.nodes, "of the body");
   f.count("active_nodes", active_nodes, "of those, in the system");
   f.count("tetrahedra", mesh.tetrahedra, "of the body");

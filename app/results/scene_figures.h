@@ -16,6 +16,15 @@
 
 namespace hvp::results {
 
+// The body and its system: the table `mesh`.
+struct BodyFigures {
+  mesh::Quality mesh;
+  int active_nodes = 0;
+  std::size_t matrix_blocks = 0;
+
+  void report(config::Figures& f) const;
+};
+
 // What was simulated, as results repeat it.
 struct SceneFigures {
   std::string title;
@@ -27,13 +36,10 @@ struct SceneFigures {
   bool has_board = false;
   std::vector<accel::Resource> resources;
   std::optional<fixed::SystemSpectrum> condition;
-  mesh::Quality mesh;
-  int active_nodes = 0;
-  std::size_t matrix_blocks = 0;
+  std::optional<BodyFigures> body;  // none where a wall stands in its place
 
   // Tables of summary.json.
   void report_resources(config::Figures& f) const;
-  void report_mesh(config::Figures& f) const;
   void report_fidelity(config::Figures& f) const;
 };
 

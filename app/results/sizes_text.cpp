@@ -37,9 +37,10 @@ struct Sizes {
 Sizes sizes_of(const app::Scene& scene) {
   Sizes sizes;
   for (const Eigen::Vector3d& node : scene.body().mesh().nodes) sizes.body.extend(node);
-  const plant::Trajectory& probe = scene.scenario().probe;
-  sizes.path.extend(probe.start);
-  for (const plant::Segment& segment : probe.motion) sizes.path.extend(segment.to);
+  for (const plant::Trajectory& probe : scene.scenario().probes) {
+    sizes.path.extend(probe.start);
+    for (const plant::Segment& segment : probe.motion) sizes.path.extend(segment.to);
+  }
   return sizes;
 }
 
@@ -62,6 +63,7 @@ std::string unit_text(const app::Scene& scene) {
 
 std::string no_contact_text(const app::Scene& scene, const ContactFigures& contact) {
   std::string text;
+  if (!scene.has_body()) return "  no contact     the tip did not reach the wall in these frames\n";
   const auto out = std::back_inserter(text);
   fmt::format_to(out, "  no contact     {}\n",
                  contact.missed ? "nothing was held in these frames"

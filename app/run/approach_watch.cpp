@@ -21,10 +21,9 @@ double diagonal(const collision::DeformedSurface& surface) {
 ApproachWatch::ApproachWatch(const collision::ContactSearch& contacts)
     : contacts_(contacts), allowed_(kAllowed * diagonal(contacts.surface())) {}
 
-void ApproachWatch::solved(const vp::Frame& frame, const vp::Solution& /*solution*/) {
-  ++figures_.frames;
+void ApproachWatch::solved(const vp::Frame& frame, const vp::Solution& solution) {
+  ContactWatch::solved(frame, solution);
   if (frame.in_contact()) {
-    ++figures_.frames_in_contact;
     touched_ = true;
     figures_.nearest.reset();
     return;

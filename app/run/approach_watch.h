@@ -9,19 +9,33 @@
 
 namespace hvp::app {
 
-// How near the probe came to a body that it has not touched yet, and how deep in it was while
-// nothing was held.
-class ApproachWatch : public vp::FrameObserver {
+// How often the probe touches what it is to touch.
+class ContactWatch : public vp::FrameObserver {
+ public:
+  void solved(const vp::Frame& frame, const vp::Solution& /*solution*/) override {
+    ++figures_.frames;
+    if (frame.in_contact()) ++figures_.frames_in_contact;
+  }
+  // What frames tell; what only the processes count is left at zero.
+  virtual results::ContactFigures figures() const { return figures_; }
+  virtual stability::Flags flags() const { return {}; }
+
+ protected:
+  results::ContactFigures figures_;
+};
+
+// And how near it came to a body that it has not touched yet, and how deep in it was while nothing
+// was held.
+class ApproachWatch : public ContactWatch {
  public:
   // Keeps the reference.
   explicit ApproachWatch(const collision::ContactSearch& contacts);
 
   void solved(const vp::Frame& frame, const vp::Solution& solution) override;
 
-  // What frames tell; what only the processes count is left at zero.
-  results::ContactFigures figures() const;
+  results::ContactFigures figures() const override;
   // contact_missed.
-  stability::Flags flags() const;
+  stability::Flags flags() const override;
 
  private:
   // The deepest place without contact, where it is deeper than a late pass explains.
@@ -30,7 +44,6 @@ class ApproachWatch : public vp::FrameObserver {
   const collision::ContactSearch& contacts_;
   double allowed_;  // m
   bool touched_ = false;
-  results::ContactFigures figures_;
   std::optional<results::Approach> deepest_;
 };
 

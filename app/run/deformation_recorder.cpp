@@ -37,7 +37,7 @@ void DeformationRecorder::solved(const vp::Frame& frame, const vp::Solution& sol
   }
   results::StepInfo info;
   info.probe_position_m = frame.touch().tip;
-  info.probe_radius_m = scene_.scenario().probe.radius;
+  info.probe_radius_m = scene_.scenario().probes.front().radius;
   contact_nodes_.clear();
   for (const collision::Touch& touch : frame.touches) {
     if (touch.contact.present()) contact_nodes_.push_back(touch.contact.node);

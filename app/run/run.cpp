@@ -136,6 +136,11 @@ std::vector<results::ErrorBudget> error_budgets(const Budget& budget,
   return budgets;
 }
 
+std::optional<vp::SoftBody> soft_body(Scene& scene) {
+  if (!scene.has_body()) return std::nullopt;
+  return vp::SoftBody{scene.body(), scene.computation(), scene.contacts()};
+}
+
 // What was seen before the first frame, or follows from counts.
 stability::Flags scene_flags(const Scene& scene, const vp::ServoCounts& counts) {
   stability::Flags flags(counts.flags);
@@ -145,12 +150,12 @@ stability::Flags scene_flags(const Scene& scene, const vp::ServoCounts& counts) 
     flags.raise(stability::Flag::negative_curvature);
   }
   if (scene.locking()) flags.raise(stability::Flag::locking);
-  if (scene.quality().slivers > 0) flags.raise(stability::Flag::poor_elements);
+  if (scene.has_body() && scene.quality().slivers > 0) flags.raise(stability::Flag::poor_elements);
   return flags;
 }
 
 results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
-                            const vp::LatencyStatistics& latency, const ApproachWatch& approach,
+                            const vp::LatencyStatistics& latency, const ContactWatch& contact,
                             const std::optional<results::Accuracy>& accuracy) {
   const Scenario& s = scene.scenario();
   results::Outcome o;
@@ -171,14 +176,18 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
   o.bus.transactions = platform.bus().transactions();
   o.bus.bytes = platform.bus().bytes_moved();
   o.bus.busy = platform.bus().busy();
-  o.contact = approach.figures();
+  o.contact = contact.figures();
   o.contact.changes = o.servo.contact_changes;
-  o.contact.collision_passes = platform.collision().passes();
-  o.contact.longest_pass = platform.collision().longest_pass();
+  if (const vp::CollisionProcess* collision = platform.collision()) {
+    o.contact.collision_passes = collision->passes();
+    o.contact.longest_pass = collision->longest_pass();
+  }
   o.accuracy = accuracy;
   o.error_budgets = error_budgets(s.budget, accuracy);
-  if (const host::RefinedSolve* refined = scene.computation().refined()) {
-    o.refinement = {refined->passes(), refined->worst_residual(), refined->widened()};
+  if (scene.has_body()) {
+    if (const host::RefinedSolve* refined = scene.computation().refined()) {
+      o.refinement = {refined->passes(), refined->worst_residual(), refined->widened()};
+    }
   }
   o.flags = scene_flags(scene, o.servo);
   return o;
@@ -208,7 +217,7 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   std::optional<AccuracyTracker> accuracy;
   if (s.reference) accuracy.emplace(scene, *s.reference);
   std::optional<DeformationRecorder> deformation;
-  if (s.output.deformation_every_frames > 0 && !s.timing_only()) {
+  if (s.output.deformation_every_frames > 0 && !s.timing_only() && scene.has_body()) {
     deformation.emplace(directory, scene);
   }
 
@@ -218,8 +227,8 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   std::optional<results::WaveformFile> waveform;
   if (s.output.waveform) waveform.emplace(directory);
   vp::Platform platform(
-      platform_settings(scene, waveform ? waveform->tracer_file() : std::string()), scene.body(),
-      scene.computation(), scene.contacts(), registers ? &*registers : nullptr);
+      platform_settings(scene, waveform ? waveform->tracer_file() : std::string()),
+      soft_body(scene), registers ? &*registers : nullptr);
   results::FramesCsv frames(directory / "frames.csv", platform.verdict().budget(),
                             s.timing_only() ? results::Columns::times : results::Columns::all);
   results::TraceSettings traced{s.output.trace_frames, std::llround(s.output.trace_bytes),
@@ -235,10 +244,12 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   if (s.output.trace_frames > 0) platform.add_tenure_sink(trace);
   if (accuracy) platform.add_observer(*accuracy);
   if (deformation) platform.add_observer(*deformation);
-  ApproachWatch approach(scene.contacts());
-  platform.add_observer(approach);
+  const std::unique_ptr<ContactWatch> contact =
+      scene.has_body() ? std::make_unique<ApproachWatch>(scene.contacts())
+                       : std::make_unique<ContactWatch>();
+  platform.add_observer(*contact);
   std::optional<BodyWatches> body;
-  if (!s.timing_only()) body.emplace(platform, scene);
+  if (!s.timing_only() && scene.has_body()) body.emplace(platform, scene);
   BusMeters buses(platform);
   ProgressTicker ticker(options.progress, s.frames);
   if (options.progress) platform.add_observer(ticker);
@@ -260,11 +271,11 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   platform.close_waveform();
   if (waveform) waveform->finish();
   results::Outcome outcome =
-      outcome_of(platform, scene, latency, approach,
+      outcome_of(platform, scene, latency, *contact,
                  accuracy ? std::optional(accuracy->accuracy()) : std::nullopt);
   buses.fill(outcome.bus);
   if (body) body->fill(outcome);
-  outcome.flags.merge(approach.flags());
+  outcome.flags.merge(contact->flags());
   outcome.rounding = rounding;
   if (rounding) outcome.flags.merge(rounding_flags(scene, *rounding, outcome.accuracy_measured()));
   outcome.trace_cut_at = trace.cut_at();

@@ -46,7 +46,9 @@ std::string Describer::condition() const {
 
 bool Describer::begin_condition(const config::Condition& condition) {
   stack_.back().conditions.push_back(
-      fmt::format("`{}` = {}", condition.key, alternatives(condition.values)));
+      condition.why_not_beside.empty()
+          ? fmt::format("only with `{}` = {}", condition.key, alternatives(condition.values))
+          : fmt::format("not beside `[{}]`", condition.key));
   return true;
 }
 

@@ -18,7 +18,7 @@ struct OutlineRow {
   std::string help;
   std::string source;
   bool required = false;
-  std::string condition = {};  // "`shape` = "sphere"", where it belongs to that only
+  std::string condition = {};  // "only with `shape` = "sphere"", where it does not always belong
 };
 
 struct OutlineTable {

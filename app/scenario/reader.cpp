@@ -98,6 +98,13 @@ const Node* Reader::take(std::string_view name, const Note& note) {
   if (const config::Condition* unmet = unmet_condition()) {
     // Where --set, or a scenario over its base, chooses another kind, what was said below of its
     // own kind goes with that.
+    if (!unmet->why_not_beside.empty()) {
+      if (node != nullptr) {
+        wrong(*node, key_of(name),
+              fmt::format("not beside [{}]: {}", unmet->key, unmet->why_not_beside));
+      }
+      return nullptr;
+    }
     const Node* decides = find(unmet->key);
     const bool left_behind =
         node != nullptr && decides != nullptr && decides->origin.over(node->origin);
@@ -311,6 +318,11 @@ bool Reader::begin_effect(std::string_view name, bool& present, const config::Ef
   enter({switched ? nullptr : node, key_of(name), joined(parent.generic, name), node->origin,
          parent.uncertain, parent.given});
   return true;
+}
+
+bool Reader::is_list(std::string_view name, std::size_t count) {
+  const Node* node = find(name);
+  return node == nullptr ? count > 1 : node->is_array();
 }
 
 bool Reader::begin_list(std::string_view name, std::size_t& count, Note note) {

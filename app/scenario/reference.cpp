@@ -27,7 +27,7 @@ std::string code(std::string_view text) {
 
 // "only with `shape` = "sphere": "
 std::string only_with(const std::string& condition) {
-  return condition.empty() ? "" : fmt::format("only with {}: ", cell(condition));
+  return condition.empty() ? "" : fmt::format("{}: ", cell(condition));
 }
 
 std::string sentence(const OutlineTable& table) {

@@ -100,13 +100,50 @@ void Scenario::declare(config::Visitor& v) {
             {"chooses the random numbers of every effect that draws some",
              "any will do; the same number gives the same run"});
   v.table("budget", budget, {"what has to hold"});
-  v.table("object", object, {"the soft body"});
-  v.table("loads", loads, {"what acts on the body besides the user"});
-  v.effect("dynamics", dynamics,
-           {"inertia and damping; without it the body is static",
-            "inertia and damping: Newmark's update on the host after the force"});
-  v.table("contact", contact, {"how the probe takes hold of the body"});
-  v.table("solver", solver, {"method and words of the fixed-point solver"});
+  const config::Condition body = config::not_beside(
+      "wall", wall.has_value(), "the host renders a wall by itself, without a body or a board");
+  v.effect("wall", wall,
+           {"a plane with a spring and a damper in the body's place, rendered by the host: what "
+            "latency and period do to a loop",
+            "no module: the servo process makes the force itself; no board, no collision process"});
+  v.when(body, [&] {
+    v.table("object", object, {"the soft body"});
+    v.table("loads", loads, {"what acts on the body besides the user"});
+    v.effect("dynamics", dynamics,
+             {"inertia and damping; without it the body is static",
+              "inertia and damping: Newmark's update on the host after the force"});
+    v.table("contact", contact, {"how the probe takes hold of the body"});
+    v.table("solver", solver, {"method and words of the fixed-point solver"});
+    declare_refinement(v);
+    v.table("accelerator", accelerator, {"the FPGA's micro-architecture"});
+  });
+  v.table("bus", bus, {"the PCI bus"});
+  v.when(body, [&] {
+    v.table("transfer", transfer, {"how the driver moves a frame's data and hears of the end"});
+  });
+  v.table("host", host, {"the host PC"}, body);
+  v.table("device", device, {"the haptic device"});
+  v.one_or_more("probe", probes, {"the probe's prescribed motion; [[probe]] for each of several"});
+  v.when(body, [&] {
+    v.effect("reference", reference,
+             {"solves the same frames in double precision and says how accurate the run was",
+              "no simulated time; two double-precision solves beside the board's",
+              {config::need_numbers()}});
+    v.effect("spectrum", spectrum,
+             {"bounds the extreme eigenvalues and the condition number before the run",
+              "no simulated time; about six factorisations before the run"});
+  });
+  v.table("fidelity", fidelity, {"how finely each part is modelled"}, body);
+  v.when(body, [&] {
+    v.effects("fault", faults,
+              {"what goes wrong, and in which frame or how often",
+               "two modules between bus, board and host: " + kinds_of(faults),
+               {config::need_board()}});
+  });
+  v.table("output", output, {"which results are written besides the summary"});
+}
+
+void Scenario::declare_refinement(config::Visitor& v) {
   v.effect("refinement", refinement,
            {"the host forms the residual in double precision and the board solves for the "
             "increment, in several passes a frame",
@@ -117,25 +154,6 @@ void Scenario::declare(config::Visitor& v) {
             {config::need_board("the host solves in double precision: nothing to refine"),
              config::need_numbers(),
              {"host.pipeline_depth", {"0"}, "each of its passes needs the one before"}}});
-  v.table("accelerator", accelerator, {"the FPGA's micro-architecture"});
-  v.table("bus", bus, {"the PCI bus"});
-  v.table("transfer", transfer, {"how the driver moves a frame's data and hears of the end"});
-  v.table("host", host, {"the host PC"});
-  v.table("device", device, {"the haptic device"});
-  v.table("probe", probe, {"the probe's prescribed motion"});
-  v.effect("reference", reference,
-           {"solves the same frames in double precision and says how accurate the run was",
-            "no simulated time; two double-precision solves beside the board's",
-            {config::need_numbers()}});
-  v.effect("spectrum", spectrum,
-           {"bounds the extreme eigenvalues and the condition number before the run",
-            "no simulated time; about six factorisations before the run"});
-  v.table("fidelity", fidelity, {"how finely each part is modelled"});
-  v.effects("fault", faults,
-            {"what goes wrong, and in which frame or how often",
-             "two modules between bus, board and host: " + kinds_of(faults),
-             {config::need_board()}});
-  v.table("output", output, {"which results are written besides the summary"});
 }
 
 namespace {
@@ -264,6 +282,11 @@ void Scenario::check() const {
   }
   require_countable(*this);
   config::survey_effects(*this).require_needs();
+  if (probes.empty() || probes.size() > kMostProbes) {
+    throw InputError("probe", "expected 1 to " + std::to_string(kMostProbes) + " probes, found " +
+                                  std::to_string(probes.size()));
+  }
+  if (wall) return;
   const bool board = host.solver == host::SolvedBy::board;
   if (!board) require_plain_transfer(*this);
   if (timing_only()) require_no_numbers(*this);

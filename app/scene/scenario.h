@@ -97,10 +97,15 @@ struct Scenario : vp::SystemSettings {
   Output output;
 
   void declare(config::Visitor& v);
+  // One a device and a user; the DAQ board's registers have room for sixteen.
+  static constexpr std::size_t kMostProbes = 8;
   bool timing_only() const { return fidelity.numbers == vp::Numbers::none; }
   // Throws InputError for an effect that needs what is not there, and for keys that rule each other
   // out.
   void check() const;
+
+ private:
+  void declare_refinement(config::Visitor& v);
 };
 
 }  // namespace hvp::app

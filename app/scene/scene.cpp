@@ -50,6 +50,10 @@ std::vector<int> anchored_nodes(const Scenario& s, const mesh::TetMesh& mesh) {
   return nodes;
 }
 
+[[noreturn]] void refuse_body_of_wall() {
+  throw InputError("wall", "the scenario has a wall and no body: expected one with [object]");
+}
+
 // What effects draw from the user's own files.
 template <class Distribution>
 void load_samples(std::optional<Distribution>& effect, const char* table) {
@@ -60,6 +64,7 @@ void load_samples(std::optional<Distribution>& effect, const char* table) {
 }  // namespace
 
 std::unique_ptr<fem::Body> make_body(const Scenario& s, const Progress& progress) {
+  if (s.wall) refuse_body_of_wall();
   tell(progress, "meshing");
   mesh::TetMesh mesh =
       within("object.mesh", [&] { return mesh::generate(s.object.mesh, progress); });
@@ -77,8 +82,16 @@ std::unique_ptr<fem::Body> make_body(const Scenario& s, const Progress& progress
 Scene::Scene(const Scenario& scenario, accel::Device device, const Progress& progress,
              Limits limits)
     : scenario_(scenario), device_(std::move(device)) {
-  if (limits == Limits::refused) require_plausible_size(scenario_, device_, progress);
-  body_ = make_body(scenario_, progress);
+  if (scenario_.wall) {
+    load_all_samples();
+  } else {
+    build_body(progress, limits);
+  }
+}
+
+void Scene::refuse_wall() { refuse_body_of_wall(); }
+
+void Scene::load_all_samples() {
   load_samples(scenario_.host.jitter, "host.jitter");
   load_samples(scenario_.host.wake_up, "host.wake_up");
   load_samples(scenario_.host.interrupt_latencies, "host.interrupt_latencies");
@@ -86,6 +99,12 @@ Scene::Scene(const Scenario& scenario, accel::Device device, const Progress& pro
   if (scenario_.bus.pcie) {
     load_samples(scenario_.bus.pcie->root_complex_latencies, "bus.pcie.root_complex_latencies");
   }
+}
+
+void Scene::build_body(const Progress& progress, Limits limits) {
+  if (limits == Limits::refused) require_plausible_size(scenario_, device_, progress);
+  body_ = make_body(scenario_, progress);
+  load_all_samples();
   const Scenario& s = scenario_;
   quality_ = mesh::measure(body_->mesh());
   computation_ = within("solver", [&] {
@@ -153,6 +172,7 @@ std::string Scene::board_name() const {
 }
 
 const accel::BoardClocks& Scene::board() const {
+  if (!has_body()) refuse_wall();
   if (!board_) throw InputError("host.solver", "the host solves: there is no board to ask about");
   return *board_;
 }
@@ -168,6 +188,7 @@ vp::PlatformSettings platform_settings(const Scene& scene, const std::string& wa
   p.period = to_picoseconds(s.budget.period_s);
   // A force is due when the next tick comes, with a pipeline so many ticks later.
   p.budget = (1 + s.host.pipeline_depth) * p.period;
+  if (!scene.has_body()) return p;
   p.solver = scene.computation().board_settings();
   if (const std::optional<WaveformSettings>& shown = s.output.waveform) {
     p.waveform = {waveform_file, shown->first_frame, shown->frames};

@@ -21,7 +21,7 @@ namespace hvp::app {
 using Progress = std::function<void(std::string_view)>;
 
 // A scenario with its mathematics done: the body is meshed and assembled, its matrix is in words
-// and is known to fit the device unless Limits::reported was asked for.
+// and is known to fit the device unless Limits::reported was asked for. A wall has neither.
 class Scene {
  public:
   // What becomes of a system that the device cannot hold, or a clock that it does not reach.
@@ -33,11 +33,14 @@ class Scene {
         Limits limits = Limits::refused);
 
   const Scenario& scenario() const { return scenario_; }
-  const fem::Body& body() const { return *body_; }
-  host::FrameComputation& computation() { return *computation_; }
-  const host::FrameComputation& computation() const { return *computation_; }
-  collision::ContactSearch& contacts() { return *contacts_; }
-  const collision::ContactSearch& contacts() const { return *contacts_; }
+  // False where [wall] stands in the body's place. What is asked of the body then throws
+  // InputError.
+  bool has_body() const { return body_ != nullptr; }
+  const fem::Body& body() const { return of_body(body_); }
+  host::FrameComputation& computation() { return of_body(computation_); }
+  const host::FrameComputation& computation() const { return of_body(computation_); }
+  collision::ContactSearch& contacts() { return of_body(contacts_); }
+  const collision::ContactSearch& contacts() const { return of_body(contacts_); }
   const mesh::Quality& quality() const { return quality_; }
   // False where the host solves: board() and pattern() then throw InputError, usage() is empty.
   bool has_board() const { return board_.has_value(); }
@@ -55,6 +58,14 @@ class Scene {
   const std::optional<fem::Locking>& locking() const { return locking_; }
 
  private:
+  template <class Part>
+  static Part& of_body(const std::unique_ptr<Part>& part) {
+    if (part == nullptr) refuse_wall();
+    return *part;
+  }
+  [[noreturn]] static void refuse_wall();
+  void load_all_samples();
+  void build_body(const Progress& progress, Limits limits);
   void require_fit() const;
   void require_room_in_registers() const;
 

@@ -38,7 +38,7 @@ Place place_of(const collision::ContactSearch& contacts, const Eigen::Vector3d& 
 
 // The deepest touch of each node, in the order of the way; where it touches none, the nearest.
 std::vector<Place> touched(const Scene& scene) {
-  const plant::Trajectory& probe = scene.scenario().probe;
+  const plant::Trajectory& probe = scene.scenario().probes.front();
   const std::int64_t end = probe.duration_ps();
   std::vector<Place> places;
   Place nearest;

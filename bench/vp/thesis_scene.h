@@ -42,12 +42,12 @@ inline fixed::Settings solver() {
 struct ThesisScene {
   explicit ThesisScene(host::Effort effort_asked = host::Effort::computed) : effort(effort_asked) {
     settings.solver = computation.board_settings();
-    settings.probe.start = {0, 0, 48e-3};
+    settings.probes.front().start = {0, 0, 48e-3};
     plant::Segment press;
     press.phase = plant::Stroke::press;
     press.to = {0, 0, 45e-3};
     press.duration = 0.5;
-    settings.probe.motion = {press};
+    settings.probes.front().motion = {press};
   }
   host::Effort effort;
   mesh::TetMesh mesh = sphere();

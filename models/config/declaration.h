@@ -92,8 +92,15 @@ struct Condition {
   std::string_view key;             // "shape"
   std::vector<std::string> values;  // as a scenario writes them: "\"sphere\"", "1"
   std::string found;                // the value at hand, likewise
+  // Where the keys belong unless a table is there: `key` is that table, and this says why.
+  std::string why_not_beside = {};
   bool holds() const { return std::find(values.begin(), values.end(), found) != values.end(); }
 };
+
+// Of keys that are for nothing beside another table: "wall", if `there`.
+inline Condition not_beside(std::string_view table, bool there, std::string why) {
+  return {table, {"absent"}, there ? "present" : "absent", std::move(why)};
+}
 
 // A file. Its path starts from the program's own folder and can be opened once the scenario is
 // loaded.
@@ -214,6 +221,18 @@ class Visitor {
     end_table();
   }
 
+  // A part of which there is one, written as a table, or several, written as an array of tables.
+  template <class Part>
+  void one_or_more(std::string_view name, std::vector<Part>& parts, Note note) {
+    if (parts.empty()) parts.resize(1);
+    if (is_list(name, parts.size())) {
+      list(name, parts, note);
+      return;
+    }
+    parts.resize(1);
+    table(name, parts.front(), note);
+  }
+
   // An effect: it is there if and only if the scenario has its table.
   template <class Part>
   void effect(std::string_view name, std::optional<Part>& part, const EffectNote& note) {
@@ -270,6 +289,8 @@ class Visitor {
   virtual void end_effect() = 0;
   // Of the list that has ended.
   virtual void list_is_effect(std::string_view /*name*/, bool /*present*/, const EffectNote&) {}
+  // Whether what there is one or more of is an array of tables.
+  virtual bool is_list(std::string_view /*name*/, std::size_t count) { return count > 1; }
   // `count` is set by a reader, which returns true where the scenario has the list.
   virtual bool begin_list(std::string_view name, std::size_t& count, Note) = 0;
   virtual void begin_item(std::size_t index) = 0;

@@ -27,7 +27,12 @@ std::string EffectSurvey::path_of(std::string_view name) const {
 }
 
 void EffectSurvey::note(std::string_view name, Value value) {
-  if (levels_.back().there) values_.insert_or_assign(path_of(name), std::move(value));
+  const Level& level = levels_.back();
+  if (level.there) {
+    values_.insert_or_assign(path_of(name), std::move(value));
+  } else if (!level.why_not.empty()) {
+    left_out_.insert_or_assign(path_of(name), level.why_not);
+  }
 }
 
 void EffectSurvey::integer(std::string_view name, std::int64_t& value, IntegerRange, Note) {
@@ -40,7 +45,7 @@ void EffectSurvey::choice_index(std::string_view name, std::size_t& index,
 }
 
 void EffectSurvey::enter(std::string_view name, bool there) {
-  levels_.push_back({path_of(name), levels_.back().there && there});
+  levels_.push_back({path_of(name), levels_.back().there && there, levels_.back().why_not});
 }
 
 bool EffectSurvey::add(std::string_view name, bool present, const EffectNote& note) {
@@ -70,7 +75,12 @@ void EffectSurvey::list_is_effect(std::string_view name, bool present, const Eff
 }
 
 bool EffectSurvey::begin_condition(const Condition& condition) {
-  levels_.push_back({levels_.back().path, levels_.back().there && condition.holds()});
+  Level level{levels_.back().path, levels_.back().there && condition.holds(),
+              levels_.back().why_not};
+  if (!condition.holds() && !condition.why_not_beside.empty()) {
+    level.why_not = "not beside [" + std::string(condition.key) + "]: " + condition.why_not_beside;
+  }
+  levels_.push_back(std::move(level));
   return true;
 }
 void EffectSurvey::end_condition() { levels_.pop_back(); }
@@ -80,6 +90,10 @@ void EffectSurvey::require_needs() const {
     if (!effect.present) continue;
     for (const Need& need : effect.needs) {
       const auto found = values_.find(std::string(need.key));
+      if (const auto left_out = left_out_.find(std::string(need.key));
+          left_out != left_out_.end()) {
+        throw InputError(effect.path, left_out->second);
+      }
       if (found == values_.end()) {
         throw std::logic_error(effect.path + " needs " + std::string(need.key) +
                                ", which is no choice and no whole number");

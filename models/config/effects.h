@@ -60,6 +60,7 @@ class EffectSurvey : public QuietVisitor {
   struct Level {
     std::string path;
     bool there = true;
+    std::string why_not = {};
   };
   std::string path_of(std::string_view name) const;
   bool add(std::string_view name, bool present, const EffectNote& note);
@@ -69,6 +70,7 @@ class EffectSurvey : public QuietVisitor {
   std::vector<Level> levels_ = {{}};
   std::vector<Effect> effects_;
   std::map<std::string, Value> values_;
+  std::map<std::string, std::string> left_out_;  // keys, and why
 };
 
 template <class Root>

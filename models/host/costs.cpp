@@ -65,7 +65,7 @@ void Delay::declare(config::Visitor& v) {
        "halves the stiffest wall a loop can hold (Colgate & Schenkel 1997: b > K (T/2 + L))"});
 }
 
-void Host::declare(config::Visitor& v) {
+void Host::declare(config::Visitor& v, const config::Condition& body) {
   v.quantity("sustained_rate", sustained_rate_flops, Dimension::throughput,
              config::between(1e6, 1e12),
              {"operations a second in sparse products",
@@ -83,15 +83,17 @@ void Host::declare(config::Visitor& v) {
               "assumed; real-time extensions lie between 2 and 20 us"});
   v.quantity("timeout", timeout_s, Dimension::time, config::between(1e-6, 10),
              {"how long the driver waits for the board", "five periods at 500 Hz"});
-  const auto of_solver = v.variant(
-      "solver", solver,
-      {{"board", SolvedBy::board}, {"cg", SolvedBy::cg}, {"cholesky", SolvedBy::cholesky}},
-      {"board: the FPGA; cg, cholesky: no board, the host solves in double precision",
-       "thesis section 6.2.1"});
-  of_solver.only({SolvedBy::cg, SolvedBy::cholesky}, [&] {
-    v.quantity("solver_rate", solver_rate_flops, Dimension::throughput, config::between(0, 1e13),
-               {"operations a second of the host's own solve; 0: sustained_rate",
-                "absent: Table 6.3's rate is that of sparse products"});
+  v.when(body, [&] {
+    const auto of_solver = v.variant(
+        "solver", solver,
+        {{"board", SolvedBy::board}, {"cg", SolvedBy::cg}, {"cholesky", SolvedBy::cholesky}},
+        {"board: the FPGA; cg, cholesky: no board, the host solves in double precision",
+         "thesis section 6.2.1"});
+    of_solver.only({SolvedBy::cg, SolvedBy::cholesky}, [&] {
+      v.quantity("solver_rate", solver_rate_flops, Dimension::throughput, config::between(0, 1e13),
+                 {"operations a second of the host's own solve; 0: sustained_rate",
+                  "absent: Table 6.3's rate is that of sparse products"});
+    });
   });
   v.integer("pipeline_depth", pipeline_depth, {0, 1},
             {"1: the force comes a period later, and the board solves meanwhile",
@@ -129,8 +131,10 @@ void Host::declare(config::Visitor& v) {
            {"every force is at the motor so much later, with nothing else changed: what if the "
             "latency were longer?",
             "no module: a force is told to the device for a later time"});
-  v.table("graphics", graphics, {"the 33 Hz collision and graphics process"}, cores);
-  v.table("recovery", recovery, {"what the servo process does about a board that fails"});
+  v.when(body, [&] {
+    v.table("graphics", graphics, {"the 33 Hz collision and graphics process"}, cores);
+    v.table("recovery", recovery, {"what the servo process does about a board that fails"});
+  });
 }
 
 void Host::check() const {

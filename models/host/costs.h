@@ -71,7 +71,9 @@ struct Host {
   Graphics graphics;
   Recovery recovery;
 
-  void declare(config::Visitor& v);
+  // `body`: where there is one, and not a wall.
+  void declare(config::Visitor& v,
+               const config::Condition& body = config::not_beside("wall", false, {}));
   void check() const;
 
   // Where the processes share one core: shared_core.h.

@@ -39,7 +39,7 @@ void expect_what_the_frames_say(const std::optional<host::Delay>& delay) {
   scene.settings.frames = 40;
   scene.settings.host.delay = delay;
   Recorder device(SmallScene::above(-2e-3));
-  scene.settings.haptic_device = &device;
+  scene.settings.haptic_devices = {&device};
   test::Simulated run(scene);
 
   // The tip is asked for last when the last frame begins.
@@ -72,7 +72,7 @@ TEST(HapticDevice, IsDrivenInOrderByForcesThatAreHeldBack) {
 TEST(HapticDevice, WhereItIsIsWhatIsRead) {
   SmallScene scene;
   Recorder device({0.01, -0.02, 0.3});
-  scene.settings.haptic_device = &device;
+  scene.settings.haptic_devices = {&device};
   test::Simulated run(scene);
   for (const Frame& frame : run.log.frames) {
     EXPECT_EQ(frame.touch().tip, Eigen::Vector3d(0.01, -0.02, 0.3));

@@ -226,7 +226,7 @@ TEST(Frame, ContactIsBetweenAPassAndAPeriodMoreOld) {
   scene.touch();
   scene.settings.frames = 60;
   const Simulated run(scene);
-  const Picoseconds longest = run.platform.collision().longest_pass();
+  const Picoseconds longest = run.platform.collision()->longest_pass();
   int in_contact = 0;
   for (const Frame& frame : run.log.frames) {
     if (frame.touch().contact.node < 0) continue;

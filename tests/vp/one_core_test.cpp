@@ -57,7 +57,7 @@ TEST(OneCore, AFrameThatPreemptsAPassPaysASwitchAndStretchesThePass) {
   EXPECT_EQ(times_of(run, 0, Phase::context_switch), std::vector<Picoseconds>{kSwitch});
   EXPECT_TRUE(times_of(run, 0, Phase::blocked).empty());
   // The frame's switch, what follows it, and the switch back.
-  EXPECT_EQ(run.platform.collision().longest_pass(), pass + kSwitch + after_the_solve() + kSwitch);
+  EXPECT_EQ(run.platform.collision()->longest_pass(), pass + kSwitch + after_the_solve() + kSwitch);
   // The next frame finds the core idle.
   EXPECT_EQ(run.log.frames[1].latency(), test::latency(scene));
 }
@@ -91,7 +91,7 @@ TEST(OneCore, ContactIsOlderThanOnTwo) {
   scene.settings.frames = 40;
   const Simulated run(on_one_core(scene, 10e-3));
   const Picoseconds alone = test::compute(scene.contacts.pass_flops()) + 10 * kMs;
-  const Picoseconds longest = run.platform.collision().longest_pass();
+  const Picoseconds longest = run.platform.collision()->longest_pass();
   EXPECT_GT(longest, alone + 4 * after_the_solve());
   Picoseconds youngest = kMs * 1000;
   for (const Frame& frame : run.log.frames) {
@@ -108,7 +108,7 @@ TEST(OneCore, TicksAtTheSameInstantAreTheServos) {
   scene.settings.host.graphics.rate_hz = 50;
   scene.settings.frames = 21;
   const Simulated run(on_one_core(scene, 0.5e-3));
-  EXPECT_EQ(run.platform.collision().passes(), 2) << "the third goes on as the run ends";
+  EXPECT_EQ(run.platform.collision()->passes(), 2) << "the third goes on as the run ends";
   for (const std::size_t n : {std::size_t{0}, std::size_t{10}, std::size_t{20}}) {
     EXPECT_EQ(run.log.frames[n].latency(), test::latency(scene) + kSwitch) << n;
   }

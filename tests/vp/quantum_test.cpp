@@ -133,7 +133,7 @@ Result simulate(Case which, Picoseconds quantum) {
   Result result;
   for (const Frame& f : run.log.frames) append(result.frames, f);
   result.frames.push_back(run.platform.verdict().misses());
-  result.frames.push_back(run.platform.collision().passes());
+  result.frames.push_back(run.platform.collision()->passes());
   result.deltas = static_cast<std::int64_t>(sc_core::sc_delta_count());
   return result;
 }

@@ -42,25 +42,26 @@ struct SmallScene {
     settings.period = to_picoseconds(options.period_s);
     settings.budget = settings.period;
     settings.frames = 10;
-    settings.probe.interpolation = plant::Interpolation::linear;
+    settings.probes.front().interpolation = plant::Interpolation::linear;
     hover();
   }
   SmallScene() : SmallScene(Options{}) {}
 
   // The probe stays 1 cm above the body.
   void hover() {
-    settings.probe.start = above(10e-3);
-    settings.probe.motion = {stroke(plant::Stroke::hold, above(10e-3), 1)};
+    settings.probes.front().start = above(10e-3);
+    settings.probes.front().motion = {stroke(plant::Stroke::hold, above(10e-3), 1)};
   }
   // The probe is 2 mm inside from the beginning, so that the first pass finds it.
   void touch() {
-    settings.probe.start = above(-2e-3);
-    settings.probe.motion = {stroke(plant::Stroke::hold, above(-2e-3), 1)};
+    settings.probes.front().start = above(-2e-3);
+    settings.probes.front().motion = {stroke(plant::Stroke::hold, above(-2e-3), 1)};
   }
   // From inside one node's reach to another's within `seconds`.
   void slide(double seconds) {
-    settings.probe.start = above(-2e-3);
-    settings.probe.motion = {stroke(plant::Stroke::slide, above(-2e-3, kEdge / 3), seconds)};
+    settings.probes.front().start = above(-2e-3);
+    settings.probes.front().motion = {
+        stroke(plant::Stroke::slide, above(-2e-3, kEdge / 3), seconds)};
   }
 
   static Eigen::Vector3d above(double height, double along = 0) {

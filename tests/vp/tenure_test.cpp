@@ -184,13 +184,13 @@ TEST(Tenures, OfTwoCoresAreTheServosRunsAndThePasses) {
   const Audited run(scene);
   run.expect_host_on_its_core();
   const std::vector<Tenure> passes = run.log.of(Resource::core_1);
-  ASSERT_EQ(static_cast<std::int64_t>(passes.size()), run.platform.collision().passes());
+  ASSERT_EQ(static_cast<std::int64_t>(passes.size()), run.platform.collision()->passes());
   Picoseconds longest = 0;
   for (const Tenure& t : passes) {
     EXPECT_EQ(t.what, "collision pass");
     longest = std::max(longest, t.end - t.start);
   }
-  EXPECT_EQ(longest, run.platform.collision().longest_pass());
+  EXPECT_EQ(longest, run.platform.collision()->longest_pass());
   EXPECT_EQ(passes[0].start, run.platform.session().begin);
   // Set-up is the first thing that core 0 does, and from the tick to the job's start the second.
   const std::vector<Tenure> servo = run.log.of(Resource::core_0);
@@ -217,7 +217,7 @@ TEST(Tenures, OfOneCoreAreThePiecesOfPassesAndTheSwitches) {
     EXPECT_LE(t.end - t.start, 3'800'000);
   }
   // The pass that is over has had its own time, in pieces; the run ends before the next.
-  ASSERT_EQ(run.platform.collision().passes(), 1);
+  ASSERT_EQ(run.platform.collision()->passes(), 1);
   EXPECT_EQ(worked, test::compute(scene.contacts.pass_flops()) + 10 * kMs);
 }
 

@@ -50,7 +50,8 @@ class BoardSide {
   // Null where the host solves.
   BoardAssembly* board() { return board_.get(); }
   const BoardAssembly* board() const { return board_.get(); }
-  plant::Device& device() { return device_.device(); }
+  plant::Device& device(std::size_t probe = 0) { return device_.device(probe); }
+  std::size_t probes() const { return device_.probes(); }
 
  private:
   BusAssembly buses_;

@@ -1,20 +1,24 @@
 #include "vp/device/daq_board.h"
 
+#include <array>
 #include <cstring>
+#include <utility>
 
 namespace hvp::vp {
 
 DaqBoard::DaqBoard(const sc_core::sc_module_name& name, const plant::DeviceSettings& settings,
-                   plant::Device& device, const Session& session, Ledger& ledger, Picoseconds delay)
+                   std::vector<plant::Device*> devices, const Session& session, Ledger& ledger,
+                   Picoseconds delay)
     : sc_module(name),
       from_bus("from_bus"),
       encoder_(settings.encoder),
-      device_(device),
+      devices_(std::move(devices)),
       session_(session),
       ledger_(ledger),
       sampling_(to_picoseconds(settings.daq.sampling_delay)),
       output_(to_picoseconds(settings.daq.output_delay)),
-      delay_(delay) {
+      delay_(delay),
+      latched_(3 * devices_.size()) {
   from_bus.register_b_transport(this, &DaqBoard::b_transport);
 }
 
@@ -27,9 +31,9 @@ void DaqBoard::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_ti
 
   if (transaction.is_write() && address == kLatch && bytes == 4) {
     latch(tag);
-  } else if (transaction.is_read() && address == kPosition && bytes == sizeof(latched_)) {
-    std::memcpy(transaction.get_data_ptr(), latched_.data(), sizeof(latched_));
-  } else if (transaction.is_write() && address == kForce && bytes == 12) {
+  } else if (transaction.is_read() && address == kPosition && bytes == 4 * latched_.size()) {
+    std::memcpy(transaction.get_data_ptr(), latched_.data(), bytes);
+  } else if (transaction.is_write() && address == kForce && bytes == 4 * latched_.size()) {
     put_out(transaction.get_data_ptr(), tag);
   } else {
     transaction.set_response_status(tlm::TLM_ADDRESS_ERROR_RESPONSE);
@@ -38,10 +42,11 @@ void DaqBoard::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_ti
 
 void DaqBoard::latch(Tag& tag) {
   const Picoseconds start = now_ps();
-  Eigen::Vector3d position = device_.at(start - session_.begin).position;
-  if (encoder_) position = encoder_->read(position);
-  for (int i = 0; i < 3; ++i) {
-    latched_[static_cast<std::size_t>(i)] = plant::kPosition.to_counts(position[i]).value;
+  std::size_t next = 0;
+  for (plant::Device* device : devices_) {
+    Eigen::Vector3d position = device->at(start - session_.begin).position;
+    if (encoder_) position = encoder_->read(position);
+    for (int i = 0; i < 3; ++i) latched_[next++] = plant::kPosition.to_counts(position[i]).value;
   }
   wait(to_sc_time(sampling_));
   ledger_.extend(tag, Part::daq, Phase::sample, start, now_ps());
@@ -49,16 +54,18 @@ void DaqBoard::latch(Tag& tag) {
 
 // The converter works on while the host does; nobody waits for it, so that no event is due.
 void DaqBoard::put_out(const unsigned char* words, const Tag& tag) {
-  std::array<std::int32_t, 3> counts{};
-  std::memcpy(counts.data(), words, sizeof(counts));
-  Eigen::Vector3d force;
-  for (int i = 0; i < 3; ++i) {
-    force[i] = plant::kForce.to_value(counts[static_cast<std::size_t>(i)]);
-  }
   const Picoseconds start = now_ps();
   const Picoseconds settled = start + output_;
   const Picoseconds there = settled + delay_;
-  device_.drive(there - session_.begin, force);
+  for (plant::Device* device : devices_) {
+    std::array<std::int32_t, 3> counts{};
+    std::memcpy(counts.data(), words, sizeof(counts));
+    words += sizeof(counts);
+    const Eigen::Vector3d force(plant::kForce.to_value(counts[0]),
+                                plant::kForce.to_value(counts[1]),
+                                plant::kForce.to_value(counts[2]));
+    device->drive(there - session_.begin, force);
+  }
   Tag output = tag;
   ledger_.extend(output, Part::daq, Phase::convert, start, settled);
   if (delay_ > 0) ledger_.extend(output, Part::host, Phase::delay, settled, there);

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <systemc>
+#include <vector>
 
 #include <tlm_utils/simple_target_socket.h>
 
@@ -15,20 +15,23 @@
 
 namespace hvp::vp {
 
-// The data acquisition board on the PCI bus, and the haptic device behind it. Three registers: a
-// command that latches the position, the latched position, and the force. The counters latch at
-// once; the word can be read after the sampling delay. A force drives the device after the output
-// delay (the amplifier adds none yet), and after the host's own where it has one: `delay`.
+// The data acquisition board on the PCI bus, and the haptic devices behind it. Registers: a command
+// that latches all positions, the latched positions, and the forces; one block each, three words a
+// device. The counters latch at once; the words can be read after the sampling delay. Forces drive
+// their devices after the output delay, and after the host's own where it has one: `delay`.
 class DaqBoard : public sc_core::sc_module {
  public:
-  static constexpr std::uint64_t kLatch = 0x00;     // write 4 bytes: latch now
-  static constexpr std::uint64_t kPosition = 0x10;  // read 12 bytes: x, y, z in plant::kPosition
-  static constexpr std::uint64_t kForce = 0x20;     // write 12 bytes: x, y, z in plant::kForce
-  static constexpr std::uint64_t kSize = 0x40;
+  static constexpr std::uint64_t kLatch = 0x00;  // write 4 bytes: latch now
+  // 12 bytes a device: x, y, z in plant::kPosition, and in plant::kForce.
+  static constexpr std::uint64_t kPosition = 0x100;  // read all
+  static constexpr std::uint64_t kForce = 0x200;     // write all
+  static constexpr std::uint64_t kSize = 0x400;
+  static constexpr std::size_t kMostDevices = 16;
 
-  // Keeps references to the device, whose times are the session's, the session and the ledger.
+  // Keeps references to the devices, whose times are the session's, the session and the ledger.
   DaqBoard(const sc_core::sc_module_name& name, const plant::DeviceSettings& settings,
-           plant::Device& device, const Session& session, Ledger& ledger, Picoseconds delay = 0);
+           std::vector<plant::Device*> devices, const Session& session, Ledger& ledger,
+           Picoseconds delay = 0);
 
   tlm_utils::simple_target_socket<DaqBoard> from_bus;
 
@@ -38,13 +41,13 @@ class DaqBoard : public sc_core::sc_module {
   void put_out(const unsigned char* words, const Tag& tag);
 
   std::optional<plant::Encoder> encoder_;
-  plant::Device& device_;
+  std::vector<plant::Device*> devices_;
   const Session& session_;
   Ledger& ledger_;
   Picoseconds sampling_;
   Picoseconds output_;
   Picoseconds delay_;
-  std::array<std::int32_t, 3> latched_{};
+  std::vector<std::int32_t> latched_;
 };
 
 }  // namespace hvp::vp

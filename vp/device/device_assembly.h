@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
+#include <vector>
 
 #include "models/plant/device_settings.h"
 #include "vp/bus/bus_assembly.h"
@@ -10,22 +12,37 @@
 
 namespace hvp::vp {
 
-// What the user holds, and the board that reads and drives it.
+// What the user holds, a device for each probe, and the board that reads and drives it.
 class DeviceAssembly {
  public:
   DeviceAssembly(const PlatformSettings& settings, const Session& session, Ledger& ledger)
-      : own_(settings.haptic_device == nullptr ? plant::make_device(settings.device, settings.probe)
-                                               : nullptr),
-        device_(own_ == nullptr ? *settings.haptic_device : *own_),
-        daq_("daq", settings.device, device_, session, ledger,
+      : own_(make_devices(settings)),
+        devices_(settings.haptic_devices.empty() ? pointers(own_) : settings.haptic_devices),
+        daq_("daq", settings.device, devices_, session, ledger,
              settings.host.delay ? to_picoseconds(settings.host.delay->time_s) : 0) {}
 
   void connect(BusAssembly& buses) { buses.pci().attach(daq_.from_bus, kDaqBase, DaqBoard::kSize); }
-  plant::Device& device() { return device_; }
+  plant::Device& device(std::size_t probe) { return *devices_[probe]; }
+  std::size_t probes() const { return devices_.size(); }
 
  private:
-  std::unique_ptr<plant::Device> own_;
-  plant::Device& device_;
+  using Owned = std::vector<std::unique_ptr<plant::Device>>;
+  static Owned make_devices(const PlatformSettings& settings) {
+    Owned own;
+    if (!settings.haptic_devices.empty()) return own;
+    for (const plant::Trajectory& probe : settings.probes) {
+      own.push_back(plant::make_device(settings.device, probe));
+    }
+    return own;
+  }
+  static std::vector<plant::Device*> pointers(const Owned& own) {
+    std::vector<plant::Device*> devices;
+    for (const auto& device : own) devices.push_back(device.get());
+    return devices;
+  }
+
+  Owned own_;
+  std::vector<plant::Device*> devices_;
   DaqBoard daq_;
 };
 

@@ -1,0 +1,138 @@
+#include "vp/host/body_rendering.h"
+
+#include <algorithm>
+
+#include "models/time/picoseconds.h"
+#include "vp/host/board_solver.h"
+#include "vp/host/host_solver.h"
+
+namespace hvp::vp {
+
+namespace {
+
+std::unique_ptr<FrameSolver> make_solver(const BodySettings& settings,
+                                         host::FrameComputation& computation,
+                                         const DriverPort& port, const Work& work,
+                                         HostMemory* memory) {
+  if (computation.on_host() != nullptr) return std::make_unique<HostSolver>(computation, work);
+  return std::make_unique<BoardSolver>(settings.solver, computation, port, work,
+                                       settings.hold_saturated, memory);
+}
+
+}  // namespace
+
+BodyRendering::BodyRendering(const BodySettings& settings, const SoftBody& soft, std::size_t probes,
+                             BoardAccess& access, const DriverPort& port, const Work& work,
+                             Exchange& exchange, HostMemory* memory)
+    : settings_(settings),
+      body_(soft.body),
+      computation_(soft.computation),
+      access_(access),
+      work_(work),
+      exchange_(exchange),
+      solver_(make_solver(settings_, computation_, port, work, memory)),
+      health_(settings_.costs.recovery, *solver_),
+      held_(body_, soft.contacts, to_picoseconds(soft.contacts.settings().hand_over_s), probes),
+      report_{{}, -1},
+      forces_(held_.contacts().size(), Eigen::Vector3d::Zero()),
+      force_sum_(forces_) {}
+
+BodyRendering::~BodyRendering() = default;
+
+// Before the first frame there is time: a board that does not answer is asked again.
+void BodyRendering::set_up() {
+  access_.tag() = Tag{};
+  const host::Recovery& policy = settings_.costs.recovery;
+  for (int failed = 0;;) {
+    bool done = false;
+    hvp_status status = HVP_OK;
+    while (status == HVP_OK && !done) status = solver_->set_up_piece(done);
+    if (done) return;
+    health_.set_up_failed(status, ++failed);
+    sc_core::wait(to_sc_time(policy.back_off(failed) * settings_.period));
+  }
+}
+
+void BodyRendering::close(std::int64_t ticks) { health_.closed(solver_->close(), ticks); }
+
+void BodyRendering::look(Frame& frame) {
+  work_.spend(Phase::contact_lookup, settings_.costs.contact_lookup_s);
+  access_.time().synchronise();
+  const Picoseconds last_report = report_.pass_began;
+  // A copy: the frame goes on while the next report arrives.
+  report_ = exchange_.contact.read(now_ps());
+  frame.contact_age = now_ps() - report_.pass_began;
+  if (report_.pass_began == last_report) return;
+  std::ranges::fill(force_sum_, Eigen::Vector3d::Zero());
+  force_frames_ = 0;
+}
+
+void BodyRendering::begin(FrameStep& step) {
+  Frame& frame = *step.frame;
+  frame.status = health_.solver_status();
+  step.attempted = frame.solved();
+  if (step.attempted) {
+    solver_->set_deadline(frame.born + (1 + settings_.costs.pipeline_depth) * settings_.period);
+    if (health_.lost_contact() || !std::ranges::equal(report_.contacts, held_.contacts())) {
+      move_contact(frame);
+    }
+  }
+  for (std::size_t i = 0; i < frame.touches.size(); ++i) {
+    frame.touches[i].contact = held_.contacts()[i];
+  }
+  if (!frame.in_contact()) frame.contact_age = 0;
+  if (frame.solved()) {
+    computation_.hold(held_.hold(frame.born, frame.touches, settings_.period));
+    const double operations = held_.operations() + computation_.hold_operations();
+    if (operations > 0) work_.spend(Phase::hold, 0, operations);
+    frame.status = solver_->begin(frame.flags);
+  }
+  held_.keep_tips(frame.born, frame.touches);
+}
+
+// A board that was set up again is told of the same contacts; for the host they go on.
+void BodyRendering::move_contact(Frame& frame) {
+  frame.status = solver_->move_contact(held_.nodes_of(report_.contacts));
+  health_.told_contact();
+  if (std::ranges::equal(report_.contacts, held_.contacts())) return;
+  held_.change(report_.contacts, frame.born, frame.touches,
+               {computation_.displacement(), computation_.velocity()});
+  ++health_.counts().contact_changes;
+}
+
+void BodyRendering::collect(FrameStep& step) {
+  Frame& frame = *step.frame;
+  if (frame.solved()) frame.status = solver_->end(frame.flags);
+  health_.solve_ended({frame.number, frame.status, step.attempted}, frame.flags);
+  if (frame.solved()) computation_.forces(forces_);
+  for (std::size_t i = 0; i < forces_.size(); ++i) frame.touches[i].force = forces_[i];
+}
+
+void BodyRendering::advance(Frame& frame) {
+  solver_->finish(frame.flags);
+  computation_.update();
+  held_.solved(frame.born);
+  work_.spend(Phase::update, 0, computation_.update_operations());
+}
+
+void BodyRendering::publish(const Frame& frame) {
+  SceneState& scene = exchange_.scene.prepare(now_ps());
+  scene.touches = frame.touches;
+  // Timing only, the body stays as the mailbox has had it from the beginning.
+  if (!computation_.timing_only()) {
+    body_.expand(computation_.displacement(), scene.displacement);
+    ++force_frames_;
+    for (std::size_t i = 0; i < force_sum_.size(); ++i) {
+      force_sum_[i] += frame.touches[i].force;
+      scene.touches[i].force = force_sum_[i] / static_cast<double>(force_frames_);
+    }
+  }
+  exchange_.scene.publish(now_ps());
+}
+
+void BodyRendering::note(const Frame& frame) {
+  counts().flags |= frame.flags;
+  counts().clamped_words += solver_->take_clamped_words();
+}
+
+}  // namespace hvp::vp

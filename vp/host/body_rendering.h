@@ -1,0 +1,88 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "models/collision/contact_search.h"
+#include "models/fem/body.h"
+#include "models/fixed/settings.h"
+#include "models/host/contact_hold.h"
+#include "models/host/costs.h"
+#include "models/host/frame_computation.h"
+#include "vp/bus/host_memory.h"
+#include "vp/host/board_access.h"
+#include "vp/host/driver_port.h"
+#include "vp/host/exchange.h"
+#include "vp/host/frame_solver.h"
+#include "vp/host/loop_health.h"
+#include "vp/host/rendering.h"
+
+namespace hvp::vp {
+
+// The body that the user touches; all of it has to outlive the platform.
+struct SoftBody {
+  const fem::Body& body;
+  host::FrameComputation& computation;
+  collision::ContactSearch& contacts;
+};
+
+struct BodySettings {
+  Picoseconds period = 2'000'000'000;
+  host::Host costs;
+  fixed::Settings solver;
+  bool hold_saturated = false;  // the force of a solve that saturated is not used
+};
+
+// A soft body in finite elements: fetch the contact node, form the modified force vector, send it,
+// solve, receive U, form the force, and Newmark's update after that (thesis §6.2.2). Each step
+// waits for what it costs and adds its span. What goes wrong on the way is LoopHealth's.
+class BodyRendering : public Rendering {
+ public:
+  // Keeps references. `port`: the driver's way to the board. `memory`: what the board's DMA engine
+  // reaches; null where there is none.
+  BodyRendering(const BodySettings& settings, const SoftBody& soft, std::size_t probes,
+                BoardAccess& access, const DriverPort& port, const Work& work, Exchange& exchange,
+                HostMemory* memory = nullptr);
+  ~BodyRendering() override;
+
+  std::size_t probes() const override { return held_.contacts().size(); }
+  void set_up() override;
+  void loop_begins(Picoseconds now) override { health_.loop_begins(now); }
+  void close(std::int64_t ticks) override;
+  void look(Frame& frame) override;
+  void begin(FrameStep& step) override;
+  void collect(FrameStep& step) override;
+  double force_operations() const override { return computation_.force_operations(); }
+  void advance(Frame& frame) override;
+  void publish(const Frame& frame) override;
+  void note(const Frame& frame) override;
+  Solution solution() const override { return {computation_.held(), computation_.displacement()}; }
+  bool recovers() const override { return health_.recovers(); }
+  void recover(std::int64_t frame, Picoseconds until) override { health_.recover(frame, until); }
+  // Tells the plan what the driver has noticed.
+  void report_to(FaultPlan& faults) override { health_.report_to(faults); }
+  ServoCounts& counts() override { return health_.counts(); }
+
+ private:
+  void move_contact(Frame& frame);
+
+  BodySettings settings_;
+  const fem::Body& body_;
+  host::FrameComputation& computation_;
+  BoardAccess& access_;
+  const Work& work_;
+  Exchange& exchange_;
+  std::unique_ptr<FrameSolver> solver_;
+  LoopHealth health_;
+  host::ContactHold held_;
+
+  ContactReport report_;  // as the frame that senses has found it
+  std::vector<Eigen::Vector3d> forces_;
+  // For the mean force since the last report of the collision process.
+  std::vector<Eigen::Vector3d> force_sum_;
+  std::int64_t force_frames_ = 0;
+};
+
+}  // namespace hvp::vp
