@@ -15,7 +15,7 @@ std::optional<Eigen::Vector3d> resolution(const Kinematics& kinematics, const Ei
                                           const Eigen::Vector3d& tip);
 
 // The largest force along `direction` (of any length but zero) that joint torques within
-// ±`torque_limit` (N·m) hold, N: the largest F with |Jᵀ·F·direction| within them.
+// ±`torque_limit` (N·m, positive) hold, N: the largest F with |Jᵀ·F·direction| within them.
 std::optional<double> force_limit(const Kinematics& kinematics, const Eigen::Vector3d& torque_limit,
                                   const Eigen::Vector3d& tip, const Eigen::Vector3d& direction);
 

@@ -1,13 +1,9 @@
 #include "models/plant/kinematics.h"
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <numbers>
-#include <random>
-#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -15,6 +11,7 @@
 #include "models/plant/kinematics_encoder.h"
 #include "models/plant/kinematics_measures.h"
 #include "models/plant/kinematics_settings.h"
+#include "tests/plant/kinematics_cases.h"
 
 namespace hvp::plant {
 namespace {
@@ -22,75 +19,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using std::numbers::pi;
-
-constexpr double kExact = 1e-12;
-const Vector3d kHome{0.01, -0.02, 0.03};
-const SerialArmLinks kArm{0.215, 0.170};
-const FiveBarLinks kPantograph{0.070, 0.090, 0.038};
-
-// Numbers that every machine draws alike.
-class Draw {
- public:
-  double within(double low, double high) {
-    return low + (high - low) * static_cast<double>(engine_()) / 4294967295.0;
-  }
-  Vector3d vector(double largest) {
-    return {within(-largest, largest), within(-largest, largest), within(-largest, largest)};
-  }
-
- private:
-  std::mt19937 engine_{20020703};
-};
-
-struct Case {
-  std::unique_ptr<Kinematics> kinematics;
-  std::vector<Vector3d> poses;  // on the branch, away from singular ones
-};
-
-// Every pose of a grid over the joints' travel.
-template <class Regular>
-std::vector<Vector3d> poses(const Vector3d& low, const Vector3d& high, const Regular& regular) {
-  std::vector<Vector3d> found;
-  constexpr int kSteps = 9;
-  for (int i = 0; i < kSteps * kSteps * kSteps; ++i) {
-    const Vector3d share = Vector3d(i % kSteps, i / kSteps % kSteps, i / (kSteps * kSteps)) /
-                           static_cast<double>(kSteps - 1);
-    const Vector3d q = low + share.cwiseProduct(high - low);
-    if (regular(q)) found.push_back(q);
-  }
-  return found;
-}
-
-const double kPantographHeight = 0.070 + std::sqrt(0.090 * 0.090 - 0.019 * 0.019);
-
-// Where the elbows of the five-bar are, q₃ being zero and the origin between its motors.
-Vector3d elbow(int motor, const Vector3d& q) {
-  const double side = motor == 0 ? -1 : 1;
-  return {side * 0.019 + 0.070 * std::sin(q[motor]), 0, 0.070 * std::cos(q[motor])};
-}
-
-// The tip is up, both elbows to their own side of the line from motor to tip by more than 5 mm.
-bool outwards(const Vector3d& q) {
-  const FiveBar linkage(kPantograph, {0, 0, kPantographHeight});
-  const Vector3d tip = linkage.tip({q[0], q[1], 0});
-  const Vector3d first(-0.019, 0, 0);
-  const double left = (tip - first).normalized().cross(elbow(0, q) - first).y();
-  const double right = (tip + first).normalized().cross(elbow(1, q) + first).y();
-  return left < -0.005 && right > 0.005 && tip.z() > 0;
-}
-
-std::vector<Case> cases() {
-  std::vector<Case> all;
-  all.push_back({std::make_unique<SerialArm>(kArm, kHome),
-                 poses({-1.5, -0.6, -0.5}, {1.5, 1.5, 2.0}, [](const Vector3d& q) {
-                   return std::abs(q[2] - q[1]) < 1.4 &&
-                          kArm.upper_arm * std::cos(q[1]) + kArm.forearm * std::sin(q[2]) > 0.02;
-                 })});
-  all.push_back({std::make_unique<FiveBar>(kPantograph, kHome),
-                 poses({-1.4, -0.5, -1.2}, {0.5, 1.4, 1.2},
-                       [](const Vector3d& q) { return outwards(q) && q[1] - q[0] < 1.7; })});
-  return all;
-}
 
 TEST(Kinematics, GridsCoverTheWorkspace) {
   for (const Case& device : cases()) EXPECT_GT(device.poses.size(), 300U);
@@ -119,7 +47,8 @@ TEST(FiveBar, ClosesItsLoop) {
   EXPECT_LT((linkage.tip(Vector3d::Zero()) - Vector3d(0, 0, 0.07)).norm(), kExact);
   EXPECT_LT((linkage.tip({0, 0, pi / 2}) - Vector3d(0, -0.07, 0)).norm(), kExact);
   const FiveBar pantograph(kPantograph, {0, 0, kPantographHeight});
-  for (const Vector3d& q : cases()[1].poses) {
+  const std::vector<Case> all = cases();
+  for (const Vector3d& q : all[1].poses) {
     const Vector3d tip = pantograph.tip({q[0], q[1], 0});
     for (const int motor : {0, 1}) EXPECT_NEAR((tip - elbow(motor, q)).norm(), 0.090, kExact);
   }
@@ -182,7 +111,8 @@ TEST(Kinematics, PowerBalances) {
 }
 
 TEST(SerialArm, DeterminantIsThatOfItsFormula) {
-  const Case device = std::move(cases()[0]);
+  const std::vector<Case> all = cases();
+  const Case& device = all[0];
   for (const Vector3d& q : device.poses) {
     const double out = 0.215 * std::cos(q[1]) + 0.170 * std::sin(q[2]);
     EXPECT_NEAR(std::abs(device.kinematics->jacobian(q).determinant()),
@@ -262,105 +192,6 @@ TEST(KinematicsSettings, MakeWhatTheyName) {
   EXPECT_NE(dynamic_cast<FiveBar*>(make_kinematics(settings).get()), nullptr);
   EXPECT_THROW((FiveBarLinks{0.07, 0.02, 0.04}.check()), InputError);
   EXPECT_NO_THROW(FiveBarLinks{}.check());
-}
-
-// With all joints at zero J of the serial arm maps each joint to an axis of its own: yaw to y at
-// 215 mm, shoulder to z at 215 mm, elbow to x at 170 mm.
-TEST(Resolution, IsTheArmTimesTheJointStep) {
-  const SerialArm arm(kArm, kHome);
-  const auto found = resolution(arm, {1e-4, 2e-4, 3e-4}, kHome);
-  ASSERT_TRUE(found);
-  EXPECT_NEAR((*found)[0], 0.170 * 3e-4, 1e-16);
-  EXPECT_NEAR((*found)[1], 0.215 * 2e-4, 1e-16);
-  EXPECT_NEAR((*found)[2], 0.215 * 1e-4, 1e-16);
-}
-
-TEST(ForceLimit, IsTheTorqueOverTheArm) {
-  const SerialArm arm(kArm, kHome);
-  const Vector3d torque{0.1, 0.2, 0.3};
-  EXPECT_NEAR(*force_limit(arm, torque, kHome, {0, 5, 0}), 0.1 / 0.215, kExact);
-  EXPECT_NEAR(*force_limit(arm, torque, kHome, {0, 0, -1}), 0.2 / 0.215, kExact);
-  EXPECT_NEAR(*force_limit(arm, torque, kHome, {2, 0, 0}), 0.3 / 0.170, kExact);
-}
-
-TEST(ForceLimit, BringsOneJointToItsLimitAndNoneBeyond) {
-  Draw draw;
-  const Vector3d torque{0.31, 0.26, 0.24};
-  for (const Case& device : cases()) {
-    for (const Vector3d& q : device.poses) {
-      if (device.kinematics->singular(q)) continue;
-      const Vector3d direction = draw.vector(1);
-      const auto limit =
-          force_limit(*device.kinematics, torque, device.kinematics->tip(q), direction);
-      ASSERT_TRUE(limit);
-      const Vector3d share =
-          (device.kinematics->jacobian(q).transpose() * direction.normalized() * *limit)
-              .cwiseAbs()
-              .cwiseQuotient(torque);
-      EXPECT_NEAR(share.maxCoeff(), 1, 1e-10);
-    }
-  }
-}
-
-// The same kinetic energy in the joints and at the tip.
-TEST(ApparentMass, CarriesTheJointsEnergy) {
-  Draw draw;
-  const Vector3d inertia{1.9e-4, 1.4e-4, 1.3e-4};
-  for (const Case& device : cases()) {
-    for (const Vector3d& q : device.poses) {
-      if (device.kinematics->singular(q)) continue;
-      const auto mass = apparent_mass(*device.kinematics, inertia, device.kinematics->tip(q));
-      ASSERT_TRUE(mass);
-      const Vector3d speed = draw.vector(5);
-      const Vector3d velocity = device.kinematics->jacobian(q) * speed;
-      const double energy = speed.cwiseAbs2().dot(inertia);
-      EXPECT_NEAR(velocity.dot(*mass * velocity) / energy, 1, 1e-9);
-    }
-  }
-}
-
-TEST(Counter, WrapsAroundAsTwosComplement) {
-  EXPECT_EQ(wrapped(0, 24), 0);
-  EXPECT_EQ(wrapped(8388607, 24), 8388607);
-  EXPECT_EQ(wrapped(8388608, 24), -8388608);
-  EXPECT_EQ(wrapped(-8388609, 24), 8388607);
-  EXPECT_EQ(wrapped((std::int64_t{1} << 40) + 5, 24), 5);
-  EXPECT_EQ(wrapped(1, 1), -1);
-  EXPECT_EQ(wrapped(2147483648, 32), std::numeric_limits<std::int32_t>::min());
-  // What a host does with a counter that wraps: the difference of two readings, wrapped too.
-  for (const std::int64_t count : {8388600L, -8388605L, 123456789012L}) {
-    EXPECT_EQ(wrapped(wrapped(count + 100, 24) - wrapped(count, 24), 24), 100);
-  }
-}
-
-TEST(JointEncoder, ReadsWithinHalfAStepOfEveryJoint) {
-  const JointEncoder encoder{.counts_per_turn = 4096};
-  EXPECT_NEAR(encoder.step()[0], 2 * pi / 4096 / 13.3, 1e-18);
-  for (const Case& device : cases()) {
-    for (const Vector3d& q : device.poses) {
-      const Vector3d tip = device.kinematics->tip(q);
-      const auto read = encoder.read(*device.kinematics, tip);
-      ASSERT_TRUE(read);
-      const Vector3d bound = device.kinematics->jacobian(q).cwiseAbs() * encoder.step() / 2;
-      EXPECT_TRUE(((*read - tip).cwiseAbs().array() <= 1.02 * bound.array() + 1e-9).all());
-      // What has been read is a place of the grid, which reads as itself.
-      const auto again = encoder.read(*device.kinematics, *read);
-      ASSERT_TRUE(again);
-      EXPECT_LT((*again - *read).norm(), kExact);
-    }
-  }
-}
-
-TEST(JointEncoder, ReadsTheWrongPlaceWhereTheCounterIsTooNarrow) {
-  const SerialArm arm(kArm, kHome);
-  const JointEncoder wide{.counts_per_turn = 4096, .counter_bits = 24};
-  const JointEncoder narrow{.counts_per_turn = 4096, .counter_bits = 12};
-  const Vector3d q{0.4, 0.1, 0.1};
-  const Vector3d tip = arm.tip(q);
-  // 0.4 rad are 3468 counts, which 12 bits read as −628.
-  const Vector3d seen = arm.joints(*narrow.read(arm, tip)).value();
-  EXPECT_NEAR(seen[0], -628 * narrow.step()[0], 1e-9);
-  EXPECT_NEAR(arm.joints(*wide.read(arm, tip)).value()[0], 0.4, wide.step()[0] / 2);
 }
 
 }  // namespace
