@@ -60,7 +60,7 @@ void Motor::declare(config::Visitor& v) {
   v.quantity("lever", lever, config::Dimension::length, config::between(1e-4, 10),
              {.help = "where the device has no kinematics: the arm at which each joint's torque "
                       "makes the force along its axis",
-              .source = "upper arm of a PHANToM Premium 1.5: Cavusoglu & Tendick 2001"});
+              .source = "upper arm of a PHANToM Premium 1.5: Cavusoglu et al. 2001"});
 }
 
 }  // namespace hvp::plant

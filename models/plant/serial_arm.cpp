@@ -8,7 +8,7 @@ void SerialArmLinks::declare(config::Visitor& v) {
   constexpr config::Range kLink = config::between(1e-3, 10);
   v.quantity("upper_arm", upper_arm, config::Dimension::length, kLink,
              {.help = "from the shoulder to the elbow",
-              .source = "PHANToM Premium 1.5: Cavusoglu & Tendick 2001; its rebuild at Rice "
+              .source = "PHANToM Premium 1.5: Cavusoglu et al. 2001; its rebuild at Rice "
                         "University (mahilab/Phantom) has 209.55 mm"});
   v.quantity(
       "forearm", forearm, config::Dimension::length, kLink,
