@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+namespace hvp::plant {
+
+// Beyond this ratio of the largest to the smallest singular value of J a pose counts as singular:
+// the same torques then give a hundredth of the force in one direction that they give in another. A
+// convention of ours; a PHANToM stays below 10 in its workspace.
+inline constexpr double kLargestCondition = 100;
+
+// The geometry of a device with three motors on its base: joints q (rad) and tip (m, in the
+// coordinates of the body). All joints turn, so that every entry of J is in m/rad and its singular
+// values can be compared. Torques and forces go through the transpose, τ = Jᵀ·F.
+class Kinematics {
+ public:
+  virtual ~Kinematics() = default;
+
+  Eigen::Vector3d tip(const Eigen::Vector3d& q) const { return base_ + reach(q); }
+  // The inverse, on the branch that the device states. Empty where the tip is out of reach or NaN.
+  std::optional<Eigen::Vector3d> joints(const Eigen::Vector3d& tip) const {
+    return joints_reaching(tip - base_);
+  }
+  // The same, and empty at a singular pose too: where J can be inverted.
+  std::optional<Eigen::Vector3d> regular_joints(const Eigen::Vector3d& tip) const;
+
+  // ∂tip/∂q, m/rad. Not finite only at poses that are singular().
+  virtual Eigen::Matrix3d jacobian(const Eigen::Vector3d& q) const = 0;
+  // The condition number of J, at least 1; infinite where J is not of full rank or not finite.
+  double condition(const Eigen::Vector3d& q) const;
+  bool singular(const Eigen::Vector3d& q) const { return !(condition(q) <= kLargestCondition); }
+
+ protected:
+  // `base`: where the origin of reach() is in the coordinates of the body, m.
+  explicit Kinematics(const Eigen::Vector3d& base) : base_(base) {}
+
+ private:
+  virtual Eigen::Vector3d reach(const Eigen::Vector3d& q) const = 0;
+  virtual std::optional<Eigen::Vector3d> joints_reaching(const Eigen::Vector3d& reached) const = 0;
+
+  Eigen::Vector3d base_;
+};
+
+}  // namespace hvp::plant
