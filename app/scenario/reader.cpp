@@ -292,7 +292,8 @@ void Reader::begin_table(std::string_view name, Note note) {
   }
   enter({node, key_of(name), joined(parent.generic, name),
          node == nullptr ? parent.origin : node->origin, parent.uncertain,
-         parent.given || unmet_condition() != nullptr});
+         parent.given || unmet_condition() != nullptr,
+         parent.left_out || unmet_condition() != nullptr});
 }
 
 bool Reader::begin_effect(std::string_view name, bool& present, const config::EffectNote& note) {
@@ -357,7 +358,7 @@ void Reader::begin_item(std::size_t index) {
 
 void Reader::check(const std::function<void()>& rule) {
   reject_unknown_keys(levels_.back());
-  if (first_) return;
+  if (first_ || levels_.back().left_out) return;
   try {
     rule();
   } catch (const InputError& error) {

@@ -65,6 +65,8 @@ class Reader : public config::Visitor {
     // An item of a default list, or a table that does not belong: it holds what it needs without
     // being read.
     bool given = false;
+    // A table that does not belong: what it would have to be is nobody's matter.
+    bool left_out = false;
     std::vector<std::string> declared = {};
     std::vector<config::Condition> conditions = {};  // of the keys that are being declared
   };

@@ -45,8 +45,10 @@ std::string sentence(const OutlineTable& table) {
   if (!table.needs.empty()) {
     std::vector<std::string> needs;
     for (const config::Need& need : table.needs) {
-      needs.push_back(fmt::format("`{}` = {}", need.key,
-                                  alternatives({need.values.begin(), need.values.end()})));
+      needs.push_back(need.values.front() == config::kPresent
+                          ? fmt::format("`[{}]`", need.key)
+                          : fmt::format("`{}` = {}", need.key,
+                                        alternatives({need.values.begin(), need.values.end()})));
     }
     text += fmt::format("\n\nNeeds: {}.", fmt::join(needs, "; "));
   }

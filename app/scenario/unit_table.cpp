@@ -77,6 +77,20 @@ constexpr Unit kAngle[] = {
     {"deg", "17453292519943295769236907684886127134428718885417", -51, kRead},
     {"\u00b0", "17453292519943295769236907684886127134428718885417", -51, kSpelling},
 };
+constexpr Unit kInertia[] = {
+    {"kg m2", "1", 0, kWrite},
+    {"kg m\u00b2", "1", 0, kSpelling},
+    {"kg m^2", "1", 0, kSpelling},
+    {"g cm2", "1", -7, kRead},
+};
+constexpr Unit kCurrent[] = {{"A", "1", 0, kWrite}, {"mA", "1", -3, kWrite}};
+constexpr Unit kVoltage[] = {{"V", "1", 0, kWrite}, {"mV", "1", -3, kWrite}};
+constexpr Unit kTransconductance[] = {{"A/V", "1", 0, kWrite}, {"mA/V", "1", -3, kWrite}};
+constexpr Unit kTorqueConstant[] = {
+    {"N m/A", "1", 0, kWrite},
+    {"N\u00b7m/A", "1", 0, kSpelling},
+    {"mN m/A", "1", -3, kWrite},
+};
 constexpr Unit kThroughput[] = {
     {"flop/s", "1", 0, kWrite},  {"kflop/s", "1", 3, kWrite},  {"Mflop/s", "1", 6, kWrite},
     {"Gflop/s", "1", 9, kWrite}, {"Tflop/s", "1", 12, kWrite},
@@ -87,7 +101,7 @@ constexpr Unit kDataSize[] = {
     {"GiB", "1073741824", 0, kRead},
 };
 
-constexpr std::array<DimensionUnits, 16> kDimensions = {{
+constexpr std::array<DimensionUnits, 21> kDimensions = {{
     {Dimension::dimensionless, "a number", "0.5", {}},
     {Dimension::time, "a time", "2 ms", kTime},
     {Dimension::frequency, "a frequency", "100 MHz", kFrequency},
@@ -102,6 +116,11 @@ constexpr std::array<DimensionUnits, 16> kDimensions = {{
     {Dimension::pressure, "a pressure", "10 kPa", kPressure},
     {Dimension::density, "a density", "1000 kg/m3", kDensity},
     {Dimension::angle, "an angle", "30 deg", kAngle},
+    {Dimension::inertia, "a moment of inertia", "0.001 kg m2", kInertia},
+    {Dimension::current, "a current", "2.4 A", kCurrent},
+    {Dimension::voltage, "a voltage", "10 V", kVoltage},
+    {Dimension::transconductance, "a current for a voltage", "0.5 A/V", kTransconductance},
+    {Dimension::torque_constant, "a torque for a current", "23.4 mN m/A", kTorqueConstant},
     {Dimension::throughput, "a throughput", "298 Mflop/s", kThroughput},
     {Dimension::data_size, "a data size", "64 B", kDataSize},
 }};

@@ -100,12 +100,12 @@ void Scenario::declare(config::Visitor& v) {
             {"chooses the random numbers of every effect that draws some",
              "any will do; the same number gives the same run"});
   v.table("budget", budget, {"what has to hold"});
-  const config::Condition body = config::not_beside(
-      "wall", wall.has_value(), "the host renders a wall by itself, without a body or a board");
   v.effect("wall", wall,
            {"a plane with a spring and a damper in the body's place, rendered by the host: what "
             "latency and period do to a loop",
             "no module: the servo process makes the force itself; no board, no collision process"});
+  const config::Condition body = config::not_beside(
+      "wall", wall.has_value(), "the host renders a wall by itself, without a body or a board");
   v.when(body, [&] {
     v.table("object", object, {"the soft body"});
     v.table("loads", loads, {"what acts on the body besides the user"});

@@ -38,6 +38,11 @@ enum class Dimension {
   pressure,      // Pa
   density,       // kg/m³
   angle,         // rad
+  inertia,       // kg·m²
+  current,       // A
+  voltage,       // V
+  transconductance,  // A/V
+  torque_constant,   // N·m/A
   throughput,    // operations a second (flop/s)
   data_size,     // bytes
 };
@@ -68,9 +73,12 @@ struct Note {
   bool required = false;
 };
 
+// In place of a value: an effect is there.
+inline constexpr std::string_view kPresent = "present";
+
 // What must stand elsewhere in the scenario for an effect to do anything.
 struct Need {
-  std::string_view key;                  // of a choice or a whole number: "fidelity.bus"
+  std::string_view key;  // of a choice or a whole number: "fidelity.bus"; of an effect, with kPresent
   std::vector<std::string_view> values;  // of which one is wanted, without quotes
   std::string_view why = {};             // "a bus that takes no time has no latencies"
 };

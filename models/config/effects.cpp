@@ -50,6 +50,7 @@ void EffectSurvey::enter(std::string_view name, bool there) {
 
 bool EffectSurvey::add(std::string_view name, bool present, const EffectNote& note) {
   const bool there = levels_.back().there && (present || note.implied);
+  values_.insert_or_assign(path_of(name), Value{std::string(there ? kPresent : "absent")});
   effects_.push_back({path_of(name), there, std::string(note.help), note.cost, note.needs});
   return there;
 }
@@ -100,6 +101,10 @@ void EffectSurvey::require_needs() const {
       }
       const Value& value = found->second;
       if (std::ranges::find(need.values, value.text) != need.values.end()) continue;
+      const std::string because = need.why.empty() ? "" : std::string(need.why) + ": ";
+      if (need.values.front() == kPresent) {
+        throw InputError(effect.path, because + "expected [" + std::string(need.key) + "] too");
+      }
       std::vector<std::string> wanted;
       for (const std::string_view accepted : need.values) wanted.push_back(value.shown(accepted));
       const std::string why = need.why.empty() ? "needs " : std::string(need.why) + ": expected ";

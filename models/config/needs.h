@@ -17,6 +17,9 @@ inline Need need_timed_host() {
   return {"fidelity.host", {"loosely-timed"}, "the host takes no time"};
 }
 
+// Another effect.
+inline Need need_table(std::string_view path) { return {path, {kPresent}}; }
+
 inline Need need_board(std::string_view why = "there is no board") {
   return {"host.solver", {"board"}, why};
 }

@@ -2,25 +2,60 @@
 
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "models/config/declaration.h"
 #include "models/plant/daq.h"
 #include "models/plant/device.h"
 #include "models/plant/encoder.h"
+#include "models/plant/kinematics_settings.h"
+#include "models/plant/output_stage.h"
+#include "models/plant/plant.h"
 #include "models/plant/trajectory.h"
 
 namespace hvp::plant {
 
-// The scenario's table [device]: what the user holds, and the board that reads and drives it.
-struct DeviceSettings {
-  Daq daq;
-  std::optional<Encoder> encoder;
+// The effect [device.limits]: what the maker lets a program ask of the device. The force is clamped;
+// of a wall's stiffness and damping only the report speaks.
+struct DeviceLimits {
+  double force_N = 8.5;
+  double stiffness_N_m = 0;  // 0: not stated
+  double damping_N_s_m = 0;  // likewise
 
   void declare(config::Visitor& v);
 };
 
-// The device of these settings, in the hand of a user who follows `probe`. Today there is one:
-// PrescribedPath.
-std::unique_ptr<Device> make_device(const DeviceSettings& settings, const Trajectory& probe);
+// The scenario's table [device]: what the user holds, and the board that reads and drives it.
+struct DeviceSettings {
+  std::string model;  // of the catalogue, or a file; empty: none
+  Daq daq;
+  std::optional<Encoder> encoder;
+  std::optional<DeviceDynamics> dynamics;
+  std::optional<Friction> friction;
+  std::optional<Gravity> gravity;
+  std::optional<KinematicsSettings> kinematics;
+  std::optional<Dac> dac;
+  std::optional<Amplifier> amplifier;
+  std::optional<Motor> motor;
+  std::optional<DeviceLimits> limits;
+
+  void declare(config::Visitor& v);
+  // Throws InputError: encoders at the joints of a device without kinematics.
+  void check() const;
+};
+
+// The device of these settings, held by `hand` where there is one, whose intention `probe` is. A
+// device without [device.dynamics] is moved along `probe` whatever the force: PrescribedPath.
+// Throws InputError: a motion too fast to be followed.
+std::unique_ptr<Device> make_device(const DeviceSettings& settings, const std::optional<Hand>& hand,
+                                    const Trajectory& probe);
+
+// The same as a plant, for programs that study it by itself. Needs dynamics.
+Plant plant_of(const DeviceSettings& settings, const std::optional<Hand>& hand,
+               const Trajectory& probe);
+
+// Throws InputError, its key one of the probe's, where the motion leaves what the device reaches.
+void require_reachable(const DeviceSettings& settings, const Trajectory& probe);
 
 }  // namespace hvp::plant

@@ -29,12 +29,15 @@ Eigen::Vector3d JointEncoder::step() const {
 }
 
 std::optional<Eigen::Vector3d> JointEncoder::read(const Kinematics& kinematics,
-                                                  const Eigen::Vector3d& tip) const {
+                                                  const Eigen::Vector3d& tip, bool& wraps) const {
   std::optional<Eigen::Vector3d> q = kinematics.joints(tip);
   if (!q) return std::nullopt;
   const Eigen::Vector3d steps = step();
   for (int i = 0; i < 3; ++i) {
-    (*q)[i] = wrapped(std::llround((*q)[i] / steps[i]), counter_bits) * steps[i];
+    const std::int64_t counts = std::llround((*q)[i] / steps[i]);
+    const std::int32_t counted = wrapped(counts, counter_bits);
+    wraps = wraps || counted != counts;
+    (*q)[i] = counted * steps[i];
   }
   return kinematics.tip(*q);
 }

@@ -22,9 +22,9 @@ struct JointEncoder {
   void declare(config::Visitor& v);
   Eigen::Vector3d step() const;  // of each joint, rad
   // The tip as the host computes it from the counters, which are zero where the joints are, m.
-  // Empty where the tip is out of reach.
-  std::optional<Eigen::Vector3d> read(const Kinematics& kinematics,
-                                      const Eigen::Vector3d& tip) const;
+  // Empty where the tip is out of reach. `wraps`: set where a counter has, else left.
+  std::optional<Eigen::Vector3d> read(const Kinematics& kinematics, const Eigen::Vector3d& tip,
+                                      bool& wraps) const;
 };
 
 }  // namespace hvp::plant

@@ -19,8 +19,8 @@ BipolarConverter::Voltage BipolarConverter::nearest(double volts) const {
 void BipolarConverter::declare(config::Visitor& v, std::string_view source) {
   v.integer("bits", bits, {2, 32},
             {.help = "of the converter, its sign included", .source = source});
-  v.quantity("range_V", range_V, config::Dimension::dimensionless, config::between(1e-3, 1e3),
-             {.help = "from zero to its full scale, V, both ways", .source = source});
+  v.quantity("range", range_V, config::Dimension::voltage, config::between(1e-3, 1e3),
+             {.help = "from zero to its full scale, both ways", .source = source});
 }
 
 void Dac::declare(config::Visitor& v) {
@@ -29,18 +29,18 @@ void Dac::declare(config::Visitor& v) {
 
 void Adc::declare(config::Visitor& v) {
   BipolarConverter::declare(v, "Quanser Q4: 14 bits, +-10 V");
-  v.quantity("sense_A_V", sense_A_V, config::Dimension::dimensionless, config::between(1e-6, 1e6),
-             {.help = "what a volt of the amplifier's current sense stands for, A/V",
+  v.quantity("sense", sense_A_V, config::Dimension::transconductance, config::between(1e-6, 1e6),
+             {.help = "what a volt of the amplifier's current sense stands for",
               .source = "Quanser linear current amplifier: 2 A/V"});
 }
 
 void Amplifier::declare(config::Visitor& v) {
-  v.quantity("gain_A_V", gain_A_V, config::Dimension::dimensionless, config::between(1e-6, 1e6),
-             {.help = "current for a volt of its command, A/V",
+  v.quantity("gain", gain_A_V, config::Dimension::transconductance, config::between(1e-6, 1e6),
+             {.help = "current for a volt of its command",
               .source = "Quanser linear current amplifier: 0.5 A/V"});
-  v.quantity("current_limit_A", current_limit_A, config::Dimension::dimensionless,
+  v.quantity("current_limit", current_limit_A, config::Dimension::current,
              config::between(1e-6, 1e6),
-             {.help = "largest current, A, both ways",
+             {.help = "largest current, both ways",
               .source = "Quanser linear current amplifier: 2.4 A"});
   v.quantity("bandwidth", bandwidth_Hz, config::Dimension::frequency, config::between(0, 1e6),
              {.help = "of its first-order lag; 0 Hz: the current is there at once",
@@ -48,9 +48,9 @@ void Amplifier::declare(config::Visitor& v) {
 }
 
 void Motor::declare(config::Visitor& v) {
-  v.quantity("torque_constant_N_m_A", torque_constant_N_m_A, config::Dimension::dimensionless,
+  v.quantity("torque_constant", torque_constant_N_m_A, config::Dimension::torque_constant,
              config::between(1e-6, 1e3),
-             {.help = "torque of the motor for its current, N m/A",
+             {.help = "torque of the motor for its current",
               .source = "maxon RE 25 118743, the motor of a PHANToM Premium (mahilab/Phantom)"});
   v.vector("transmission", transmission, config::Dimension::dimensionless,
            config::between(1e-3, 1e3),

@@ -6,7 +6,7 @@
 #include "models/config/declaration.h"
 
 // Between a force that the host commands and the motors: the parts of OutputStage, with their
-// settings. A scenario has no units of electricity; keys name them.
+// settings.
 namespace hvp::plant {
 
 // A bipolar converter: 2^bits steps from −range to +range. The lowest code is not used, so that a

@@ -91,12 +91,14 @@ TEST(JointEncoder, ReadsWithinHalfAStepOfEveryJoint) {
   for (const Case& device : cases()) {
     for (const Vector3d& q : device.poses) {
       const Vector3d tip = device.kinematics->tip(q);
-      const auto read = encoder.read(*device.kinematics, tip);
+      bool wraps = false;
+      const auto read = encoder.read(*device.kinematics, tip, wraps);
+      EXPECT_FALSE(wraps);
       ASSERT_TRUE(read);
       const Vector3d bound = device.kinematics->jacobian(q).cwiseAbs() * encoder.step() / 2;
       EXPECT_TRUE(((*read - tip).cwiseAbs().array() <= 1.02 * bound.array() + 1e-9).all());
       // What has been read is a place of the grid, which reads as itself.
-      const auto again = encoder.read(*device.kinematics, *read);
+      const auto again = encoder.read(*device.kinematics, *read, wraps);
       ASSERT_TRUE(again);
       EXPECT_LT((*again - *read).norm(), kExact);
     }
@@ -110,9 +112,13 @@ TEST(JointEncoder, ReadsTheWrongPlaceWhereTheCounterIsTooNarrow) {
   const Vector3d q{0.4, 0.1, 0.1};
   const Vector3d tip = arm.tip(q);
   // 0.4 rad are 3468 counts, which 12 bits read as −628.
-  const Vector3d seen = arm.joints(*narrow.read(arm, tip)).value();
+  bool wraps = false;
+  const Vector3d seen = arm.joints(*narrow.read(arm, tip, wraps)).value();
+  EXPECT_TRUE(wraps);
+  wraps = false;
   EXPECT_NEAR(seen[0], -628 * narrow.step()[0], 1e-9);
-  EXPECT_NEAR(arm.joints(*wide.read(arm, tip)).value()[0], 0.4, wide.step()[0] / 2);
+  EXPECT_NEAR(arm.joints(*wide.read(arm, tip, wraps)).value()[0], 0.4, wide.step()[0] / 2);
+  EXPECT_FALSE(wraps);
 }
 
 }  // namespace

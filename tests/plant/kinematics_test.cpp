@@ -172,7 +172,8 @@ TEST(Kinematics, RefusesWhatIsOutOfReach) {
       EXPECT_FALSE(resolution(kinematics, Vector3d::Ones(), tip));
       EXPECT_FALSE(force_limit(kinematics, Vector3d::Ones(), tip, Vector3d::UnitX()));
       EXPECT_FALSE(apparent_mass(kinematics, Vector3d::Ones(), tip));
-      EXPECT_FALSE(JointEncoder{}.read(kinematics, tip));
+      bool wraps = false;
+      EXPECT_FALSE(JointEncoder{}.read(kinematics, tip, wraps));
     }
   }
   const SerialArm arm(kArm, {0.215, 0, -0.170});  // the shoulder at the origin

@@ -29,7 +29,7 @@ plant::Trajectory steady() {
 struct Bench {
   explicit Bench(Stimulus::Script script, std::optional<plant::Encoder> steps = std::nullopt,
                  Picoseconds delay = 0)
-      : daq("daq", with(std::move(steps)), path, session, ledger, delay),
+      : daq("daq", with(std::move(steps)), {&path}, session, ledger, delay),
         master("master", std::move(script)) {
     master.to_target.bind(daq.from_bus);
   }

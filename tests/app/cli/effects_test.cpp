@@ -33,7 +33,17 @@ std::vector<Effect> declared() { return config::survey_effects(app::Scenario{}).
 std::vector<std::string> needs_of(const Effect& effect) {
   std::vector<std::string> settings;
   for (const Need& need : effect.needs) {
-    settings.push_back(std::string(need.key) + '=' + std::string(need.values.front()));
+    if (need.values.front() != config::kPresent) {
+      settings.push_back(std::string(need.key) + '=' + std::string(need.values.front()));
+      continue;
+    }
+    // With what that effect needs itself.
+    settings.push_back(std::string(need.key) + "=true");
+    for (const Effect& other : declared()) {
+      if (other.path != need.key) continue;
+      const std::vector<std::string> more = needs_of(other);
+      settings.insert(settings.end(), more.begin(), more.end());
+    }
   }
   return settings;
 }

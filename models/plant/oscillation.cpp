@@ -1,0 +1,53 @@
+#include "models/plant/oscillation.h"
+
+namespace hvp::plant {
+
+void Oscillation::begin(double time_s, const Eigen::Vector3d& position) {
+  window_ = {};
+  window_.began_s = time_s;
+  window_.least = window_.most = window_.last = position;
+}
+
+void Oscillation::add(std::int64_t frame, double time_s, const Eigen::Vector3d& position,
+                      bool rests) {
+  if (!rests) {
+    window_ = {};
+    before_.reset();
+    return;
+  }
+  if (window_.frames == 0) begin(time_s, position);
+  ++window_.frames;
+  window_.ended_s = time_s;
+  window_.least = window_.least.cwiseMin(position);
+  window_.most = window_.most.cwiseMax(position);
+  for (int i = 0; i < 3; ++i) {
+    const double moved = position[i] - window_.last[i];
+    if (moved == 0) continue;
+    const double heading = moved > 0 ? 1 : -1;
+    if (window_.heading[i] == -heading) ++window_.turns[i];
+    window_.heading[i] = heading;
+  }
+  window_.last = position;
+  const bool full = window_.frames >= kWindowFrames && time_s - window_.began_s >= kWindowSeconds;
+  if (full) close(frame);
+}
+
+void Oscillation::close(std::int64_t frame) {
+  const Eigen::Vector3d moves = window_.most - window_.least;
+  if (before_) {
+    measured_ = true;
+    Eigen::Index axis = 0;
+    moves.maxCoeff(&axis);
+    const bool swings = moves[axis] > kFelt && window_.turns[axis] >= kTurns &&
+                        moves[axis] > kSettles * (*before_)[axis];
+    if (swings && (!worst_ || 0.5 * moves[axis] > worst_->amplitude_m)) {
+      worst_ = {0.5 * moves[axis],
+                0.5 * window_.turns[axis] / (window_.ended_s - window_.began_s),
+                moves[axis] > kGrows * (*before_)[axis], frame};
+    }
+  }
+  before_ = moves;
+  window_ = {};
+}
+
+}  // namespace hvp::plant
