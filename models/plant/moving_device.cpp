@@ -34,11 +34,13 @@ void Hand::declare(config::Visitor& v) {
 
 MovingDevice::MovingDevice(const DeviceDynamics& dynamics, const std::optional<Hand>& hand,
                            const Trajectory& intended)
-    : mass_{dynamics.mass_kg, dynamics.damping_N_s_m, 0}, hand_(hand), intended_(intended) {
-  if (hand_) {
-    mass_.mass += hand_->mass_kg;
-    mass_.damping += hand_->damping_N_s_m;
-    mass_.stiffness = hand_->stiffness_N_m;
+    : held_(hand.has_value()), intended_(intended) {
+  axis_.mass = dynamics.mass_kg;
+  axis_.damping = dynamics.damping_N_s_m;
+  if (hand) {
+    axis_.hand_mass = hand->mass_kg;
+    axis_.hand_stiffness = hand->stiffness_N_m;
+    axis_.hand_damping = hand->damping_N_s_m;
   }
   for (int i = 0; i < 3; ++i) anchor_.state[axis(i)].x = intended_.start[i];
   move_anchor(0, force_);
@@ -55,7 +57,7 @@ void MovingDevice::advance(Picoseconds from, Picoseconds to, const Eigen::Vector
 }
 
 TipState MovingDevice::state() const {
-  const std::array<DrivenMass::State, 3> now = moved_to(reached_);
+  const std::array<LinearAxis::State, 3> now = moved_to(reached_);
   TipState tip;
   for (int i = 0; i < 3; ++i) {
     tip.position[i] = now[axis(i)].x;
@@ -64,10 +66,10 @@ TipState MovingDevice::state() const {
   return tip;
 }
 
-std::array<DrivenMass::State, 3> MovingDevice::moved_to(Picoseconds time) const {
-  std::array<DrivenMass::State, 3> now;
+std::array<LinearAxis::State, 3> MovingDevice::moved_to(Picoseconds time) const {
+  std::array<LinearAxis::State, 3> now;
   for (std::size_t i = 0; i < 3; ++i) {
-    now[i] = mass_.after(to_seconds(time - anchor_.time), anchor_.state[i], anchor_.force[i]);
+    now[i] = axis_.after(to_seconds(time - anchor_.time), anchor_.state[i], anchor_.drive[i]);
   }
   return now;
 }
@@ -76,19 +78,14 @@ void MovingDevice::move_anchor(Picoseconds time, const Eigen::Vector3d& force) {
   if (time > anchor_.time) anchor_.state = moved_to(time);
   anchor_.time = time;
   anchor_.until = (time / kPiece + 1) * kPiece;
-  for (std::size_t i = 0; i < 3; ++i) {
-    anchor_.force[i] = {};
-    anchor_.force[i][0] = force[static_cast<Eigen::Index>(i)];
+  Trajectory::Piece piece{};
+  if (held_) {
+    piece = intended_.piece(time);
+    anchor_.until = std::min(anchor_.until, piece.until);
   }
-  if (!hand_) return;
-  const Trajectory::Piece piece = intended_.piece(time);
-  anchor_.until = std::min(anchor_.until, piece.until);
   for (std::size_t i = 0; i < 3; ++i) {
-    const ForcePolynomial& x = piece.position[i];
-    for (std::size_t n = 0; n < x.size(); ++n) {
-      anchor_.force[i][n] += hand_->stiffness_N_m * x[n];
-      if (n > 0) anchor_.force[i][n - 1] += hand_->damping_N_s_m * static_cast<double>(n) * x[n];
-    }
+    anchor_.drive[i].intended = piece.position[i];
+    anchor_.drive[i].command = force[static_cast<Eigen::Index>(i)];
   }
 }
 

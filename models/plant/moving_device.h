@@ -5,7 +5,7 @@
 
 #include "models/config/declaration.h"
 #include "models/plant/device.h"
-#include "models/plant/driven_mass.h"
+#include "models/plant/linear_axis.h"
 #include "models/plant/trajectory.h"
 
 namespace hvp::plant {
@@ -44,18 +44,18 @@ class MovingDevice final : public Device {
   struct Anchor {
     Picoseconds time = 0;
     Picoseconds until = 0;  // the intended motion is one polynomial until then
-    std::array<DrivenMass::State, 3> state{};
-    std::array<ForcePolynomial, 3> force{};
+    std::array<LinearAxis::State, 3> state{};
+    std::array<LinearAxis::Drive, 3> drive{};
   };
 
   void advance(Picoseconds from, Picoseconds to, const Eigen::Vector3d& force) override;
   TipState state() const override;
 
   void move_anchor(Picoseconds time, const Eigen::Vector3d& force);
-  std::array<DrivenMass::State, 3> moved_to(Picoseconds time) const;
+  std::array<LinearAxis::State, 3> moved_to(Picoseconds time) const;
 
-  DrivenMass mass_;
-  std::optional<Hand> hand_;
+  LinearAxis axis_;
+  bool held_;
   Trajectory intended_;
   Anchor anchor_;
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
