@@ -10,7 +10,7 @@ namespace hvp::plant {
 namespace {
 
 constexpr double kLeftOut = 1e-20;
-constexpr double kMostSteps = 1e8;
+constexpr double kMostSteps = 1e5;
 
 constexpr std::array<double, AxisSeries::kMostTerms> kInverse = [] {
   std::array<double, AxisSeries::kMostTerms> inverse{};

@@ -16,7 +16,7 @@ class AxisSeries {
   static constexpr std::size_t kMostTerms = 36;         // at that
   using Coefficients = std::array<double, kMostTerms>;  // of sⁿ; beyond terms() unset
 
-  // Steps of equal length that `seconds` are taken in; throws std::length_error beyond 1e8.
+  // Steps of equal length that `seconds` are taken in; throws std::length_error beyond 1e5.
   static double steps(const LinearAxis& axis, double seconds);
 
   // `terms` of count_terms.

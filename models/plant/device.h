@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "models/plant/energy.h"
 #include "models/time/picoseconds.h"
 
 namespace hvp::plant {
@@ -11,6 +12,14 @@ namespace hvp::plant {
 struct TipState {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s
+};
+
+// What a device is and does besides: forces and energy are 0 where it has no mass.
+struct PlantState {
+  TipState tip;
+  Eigen::Vector3d motor_force = Eigen::Vector3d::Zero();  // N, the real one, after any lag
+  Eigen::Vector3d hand_force = Eigen::Vector3d::Zero();   // N, on the device
+  Energy energy{};
 };
 
 // A haptic device: where its tip is at a time, driven by its motors with a force from a time on. It
@@ -30,6 +39,8 @@ class Device {
   // been asked: a converter takes its time. Throws std::logic_error where it lies before the last
   // at() or the last drive().
   void drive(Picoseconds from, const Eigen::Vector3d& force);
+  // At the last at(). To ask changes nothing.
+  virtual PlantState plant() const { return {.tip = state()}; }
 
  private:
   // Brings the tip from one time to a later one; the force is constant in between.

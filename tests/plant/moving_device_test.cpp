@@ -38,7 +38,7 @@ TEST(TrajectoryPiece, IsTheMotion) {
 
 // A light device in a stiff, well damped hand is where the hand wants it.
 TEST(MovingDevice, FollowsAStiffHand) {
-  MovingDevice device({0.05, 0}, Hand{0, 1e5, 100}, press());
+  MovingDevice device({.dynamics = {0.05, 0}, .hand = Hand{0, 1e5, 100}, .intended = press()});
   for (std::int64_t ms = 0; ms <= 400; ++ms) {
     const TipState tip = device.at(ms * 1'000'000'000);
     EXPECT_NEAR(tip.position.z(), press().state_ps(ms * 1'000'000'000).position.z(), 2e-6) << ms;
@@ -47,7 +47,7 @@ TEST(MovingDevice, FollowsAStiffHand) {
 
 // The motors push a free device with a constant force.
 TEST(MovingDevice, IsMovedByItsMotors) {
-  MovingDevice device({0.1, 1}, std::nullopt, press());
+  MovingDevice device({.intended = press()});
   device.drive(5'000'000'000, {0.2, 0, 0});
   EXPECT_EQ(device.at(5'000'000'000).position, Eigen::Vector3d(0, 0, 0.05));
   const double t = 0.123;
@@ -61,7 +61,7 @@ TEST(MovingDevice, IsMovedByItsMotors) {
 // However often it is asked: the same bits.
 TEST(MovingDevice, IsWhereItIsHoweverOftenItIsAsked) {
   const auto run = [](Picoseconds every) {
-    MovingDevice device({0.1, 1}, Hand{}, press());
+    MovingDevice device({.hand = Hand{}, .intended = press()});
     std::vector<TipState> seen;
     for (Picoseconds t = 0; t <= 350'000'000'000; t += 2'000'000'000) {
       for (Picoseconds asked = t - 2'000'000'000 + every; asked < t; asked += every) {
