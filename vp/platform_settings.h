@@ -29,6 +29,7 @@ struct SystemSettings {
   host::Host host;
   std::optional<host::Wall> wall;  // in the body's place
   plant::DeviceSettings device;
+  std::optional<plant::Hand> hand;  // of each device
   std::vector<plant::Trajectory> probes{1};
   Fidelity fidelity;
   std::vector<Fault> faults;

@@ -123,6 +123,12 @@ void Scenario::declare(config::Visitor& v) {
   });
   v.table("host", host, {"the host PC"}, body);
   v.table("device", device, {"the haptic device"});
+  v.effect("hand", hand,
+           {"who holds the device: a spring and a damper between the intended motion, [probe], and "
+            "the device, with or without a mass of its own",
+            "no module: part of the device's motion",
+            {config::Need{
+                "device.dynamics", {config::kPresent}, "a hand moves a device that has mass"}}});
   v.one_or_more("probe", probes, {"the probe's prescribed motion; [[probe]] for each of several"});
   v.when(body, [&] {
     v.effect("reference", reference,
@@ -285,6 +291,14 @@ void Scenario::check() const {
   if (probes.empty() || probes.size() > kMostProbes) {
     throw InputError("probe", "expected 1 to " + std::to_string(kMostProbes) + " probes, found " +
                                   std::to_string(probes.size()));
+  }
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    try {
+      plant::require_reachable(device, probes[i]);
+    } catch (const InputError& e) {
+      const std::string item = probes.size() > 1 ? "[" + std::to_string(i) + "]" : "";
+      throw InputError("probe" + item + "." + e.key(), e.what());
+    }
   }
   if (wall) return;
   const bool board = host.solver == host::SolvedBy::board;

@@ -176,6 +176,9 @@ std::vector<Change> changes_for(Flag flag) {
     case Flag::force_ringing:
     case Flag::force_clamped:
     case Flag::contact_missed:
+    case Flag::active_port:
+    case Flag::force_saturated:
+    case Flag::device_at_its_limit:
     case Flag::beyond_linearity:
     case Flag::count:
       return {};

@@ -25,18 +25,33 @@ TipState Device::at(Picoseconds time) {
   auto change = ahead_.begin();
   for (; change != ahead_.end() && change->from <= time; ++change) {
     advance_to(change->from);
+    const Eigen::Vector3d place = state().position;
+    works_ = works_until(place);
+    began_at_ = place;
     force_ = change->force;
+    of_host_ = change->of_host;
   }
   ahead_.erase(ahead_.begin(), change);
   advance_to(time);
   return state();
 }
 
-void Device::drive(Picoseconds from, const Eigen::Vector3d& force) {
+void Device::drive(Picoseconds from, const Eigen::Vector3d& force, const Eigen::Vector3d& of_host) {
   require_order("was driven", from, asked_);
   require_order("was driven", from, driven_);
   driven_ = from;
-  ahead_.push_back({from, force});
+  ahead_.push_back({from, force, of_host});
+}
+
+PlantState Device::plant() const {
+  PlantState plant = mechanics();
+  plant.works = works_until(plant.tip.position);
+  return plant;
+}
+
+CommandWork Device::works_until(const Eigen::Vector3d& place) const {
+  const Eigen::Vector3d way = place - began_at_;
+  return {works_.of_command + force_.dot(way), works_.of_host + of_host_.dot(way)};
 }
 
 void Device::advance_to(Picoseconds time) {

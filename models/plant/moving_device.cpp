@@ -1,6 +1,13 @@
 #include "models/plant/moving_device.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "models/config/input_error.h"
+#include "models/plant/axis_series.h"
 
 namespace hvp::plant {
 
@@ -8,88 +15,138 @@ namespace {
 
 // Longest time that is carried on in one piece.
 constexpr Picoseconds kPiece = 1'000'000'000;
+constexpr Picoseconds kNever = std::numeric_limits<Picoseconds>::max();
 
-std::size_t axis(int i) { return static_cast<std::size_t>(i); }
+Eigen::Index component(std::size_t i) { return static_cast<Eigen::Index>(i); }
 
 }  // namespace
 
-void DeviceDynamics::declare(config::Visitor& v) {
-  v.quantity("mass", mass_kg, config::Dimension::mass, {.min = 1e-6, .max = 1e3},
-             {"apparent mass at the tip, the same along each axis",
-              "data sheets: a PHANTOM Premium 1.5 has less than 75 g, an Omni 45 g"});
-  v.quantity("damping", damping_N_s_m, config::Dimension::damping, config::between(0, 1e4),
-             {"viscous damping of the device",
-              "assumed; CHAI3D lets a Premium 1.5 be damped with 5 N s/m"});
-}
-
-void Hand::declare(config::Visitor& v) {
-  v.quantity("mass", mass_kg, config::Dimension::mass, config::between(0, 1e3),
-             {"what of the hand moves with the device", "0: of a fingertip grip, small"});
-  v.quantity("stiffness", stiffness_N_m, config::Dimension::stiffness, config::between(0, 1e6),
-             {"of the spring between the intended motion and the device",
-              "Speich, Shao & Goldfarb 2005: 375 N/m of an arm"});
-  v.quantity("damping", damping_N_s_m, config::Dimension::damping, config::between(0, 1e4),
-             {"of the damper beside it", "the same: 4.5 N s/m"});
-}
-
-MovingDevice::MovingDevice(const DeviceDynamics& dynamics, const std::optional<Hand>& hand,
-                           const Trajectory& intended)
-    : mass_{dynamics.mass_kg, dynamics.damping_N_s_m, 0}, hand_(hand), intended_(intended) {
-  if (hand_) {
-    mass_.mass += hand_->mass_kg;
-    mass_.damping += hand_->damping_N_s_m;
-    mass_.stiffness = hand_->stiffness_N_m;
+MovingDevice::MovingDevice(const Plant& plant)
+    : friction_(plant.friction),
+      weight_(plant.weight()),
+      push_(plant.push),
+      intended_(plant.intended),
+      lets_go_(kNever),
+      held_(plant.hand.has_value()) {
+  if (held_ && plant.hand->lets_go_s > 0) lets_go_ = to_picoseconds(plant.hand->lets_go_s);
+  std::array<LinearAxis::State, 3> states;
+  for (std::size_t i = 0; i < 3; ++i) {
+    axes_[i] = plant.axis(static_cast<int>(i));
+    try {
+      AxisSeries::steps(axes_[i], to_seconds(kPiece));
+    } catch (const std::length_error& e) {
+      throw InputError("mass", e.what());
+    }
+    states[i].hand_x = intended_.start[component(i)];
+    states[i].x = states[i].hand_x + plant.displaced[component(i)];
   }
-  for (int i = 0; i < 3; ++i) anchor_.state[axis(i)].x = intended_.start[i];
-  move_anchor(0, force_);
+  carry_on(states);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Energy first = stored(i, anchor_.axes[i].at(0), anchor_.axes[i].drive_at(0));
+    anchor_.energy.at_start += first.kinetic + first.springs;
+  }
 }
 
 void MovingDevice::advance(Picoseconds from, Picoseconds to, const Eigen::Vector3d& force) {
-  if (force != force_) {
-    while (anchor_.until <= from) move_anchor(anchor_.until, force_);
-    move_anchor(from, force);
-    force_ = force;
+  if (force != command_) {
+    while (anchor_.until <= from) move_anchor(anchor_.until);
+    command_ = force;
+    move_anchor(from);
   }
-  while (anchor_.until <= to) move_anchor(anchor_.until, force_);
+  while (anchor_.until <= to) move_anchor(anchor_.until);
   reached_ = to;
 }
 
 TipState MovingDevice::state() const {
-  const std::array<DrivenMass::State, 3> now = moved_to(reached_);
   TipState tip;
-  for (int i = 0; i < 3; ++i) {
-    tip.position[i] = now[axis(i)].x;
-    tip.velocity[i] = now[axis(i)].v;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const LinearAxis::State now = anchor_.axes[i].at(since_anchor(reached_));
+    tip.position[component(i)] = now.x;
+    tip.velocity[component(i)] = now.v;
   }
   return tip;
 }
 
-std::array<DrivenMass::State, 3> MovingDevice::moved_to(Picoseconds time) const {
-  std::array<DrivenMass::State, 3> now;
+PlantState MovingDevice::mechanics() const {
+  PlantState now;
+  now.energy = flowed(reached_);
   for (std::size_t i = 0; i < 3; ++i) {
-    now[i] = mass_.after(to_seconds(time - anchor_.time), anchor_.state[i], anchor_.force[i]);
+    const LinearAxis::State state = anchor_.axes[i].at(since_anchor(reached_));
+    const LinearAxis::Drive drive = anchor_.axes[i].drive_at(since_anchor(reached_));
+    now.tip.position[component(i)] = state.x;
+    now.tip.velocity[component(i)] = state.v;
+    now.motor_force[component(i)] = state.force;
+    now.hand_force[component(i)] = axes_[i].hand_force(state, drive);
+    now.energy += stored(i, state, drive);
   }
   return now;
 }
 
-void MovingDevice::move_anchor(Picoseconds time, const Eigen::Vector3d& force) {
-  if (time > anchor_.time) anchor_.state = moved_to(time);
+Energy MovingDevice::stored(std::size_t i, const LinearAxis::State& state,
+                            const LinearAxis::Drive& drive) const {
+  Energy e;
+  e.kinetic = axes_[i].kinetic_energy(state);
+  e.springs = axes_[i].spring_energy(state, drive);
+  return e;
+}
+
+Energy MovingDevice::flowed(Picoseconds time) const {
+  Energy sum = anchor_.energy;
+  const double seconds = since_anchor(time);
+  for (std::size_t i = 0; i < 3; ++i) {
+    sum += anchor_.axes[i].flowed(seconds);
+    const double way = anchor_.axes[i].at(seconds).x - anchor_.axes[i].at(0).x;
+    sum.by_gravity += weight_[component(i)] * way;
+    sum.by_push += push_[component(i)] * way;
+  }
+  return sum;
+}
+
+void MovingDevice::move_anchor(Picoseconds time) {
+  anchor_.energy = flowed(time);
+  std::array<LinearAxis::State, 3> states;
+  for (std::size_t i = 0; i < 3; ++i) states[i] = anchor_.axes[i].at(since_anchor(time));
+  if (held_ && time >= lets_go_) let_go(states);
   anchor_.time = time;
-  anchor_.until = (time / kPiece + 1) * kPiece;
+  carry_on(states);
+}
+
+// Its springs and its mass leave as they are; the device keeps its velocity.
+void MovingDevice::let_go(std::array<LinearAxis::State, 3>& states) {
   for (std::size_t i = 0; i < 3; ++i) {
-    anchor_.force[i] = {};
-    anchor_.force[i][0] = force[static_cast<Eigen::Index>(i)];
+    const LinearAxis::Drive drive = anchor_.axes[i].drive_at(since_anchor(lets_go_));
+    const Energy before = stored(i, states[i], drive);
+    Hand{0, 0, 0}.hold(axes_[i]);
+    states[i] = axes_[i].settled(states[i], drive);
+    const Energy after = stored(i, states[i], drive);
+    anchor_.energy.let_go += before.kinetic + before.springs - after.kinetic - after.springs;
   }
-  if (!hand_) return;
-  const Trajectory::Piece piece = intended_.piece(time);
-  anchor_.until = std::min(anchor_.until, piece.until);
+  held_ = false;
+}
+
+void MovingDevice::carry_on(const std::array<LinearAxis::State, 3>& states) {
+  const Picoseconds time = anchor_.time;
+  Picoseconds until = (time / kPiece + 1) * kPiece;
+  Trajectory::Piece piece{};
+  if (held_) {
+    piece = intended_.piece(time);
+    until = std::min({until, piece.until, lets_go_});
+  }
+  anchor_.until = until;
   for (std::size_t i = 0; i < 3; ++i) {
-    const ForcePolynomial& x = piece.position[i];
-    for (std::size_t n = 0; n < x.size(); ++n) {
-      anchor_.force[i][n] += hand_->stiffness_N_m * x[n];
-      if (n > 0) anchor_.force[i][n - 1] += hand_->damping_N_s_m * static_cast<double>(n) * x[n];
-    }
+    LinearAxis::Drive drive;
+    drive.intended = piece.position[i];
+    drive.external[0] = weight_[component(i)] + push_[component(i)];
+    drive.command = command_[component(i)];
+    const double length = to_seconds(until - time);
+    const double known = anchor_.axes[i].begin(axes_[i], friction_, states[i], drive, length);
+    if (known >= length) continue;
+    const auto whole = static_cast<Picoseconds>(known * kPicosecondsPerSecond);
+    anchor_.until = std::min(anchor_.until, time + whole);
   }
+  if (anchor_.until > time) return;
+  throw std::logic_error("friction of a device changes without end at " + std::to_string(time) +
+                         " ps");
 }
 
 }  // namespace hvp::plant

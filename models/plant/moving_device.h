@@ -1,64 +1,58 @@
 #pragma once
 
 #include <array>
-#include <optional>
 
-#include "models/config/declaration.h"
+#include "models/plant/axis_motion.h"
 #include "models/plant/device.h"
-#include "models/plant/driven_mass.h"
-#include "models/plant/trajectory.h"
+#include "models/plant/plant.h"
 
 namespace hvp::plant {
 
-// The effect [device.dynamics]: the device is a mass that its motors and the hand move.
-struct DeviceDynamics {
-  double mass_kg = 0.1;
-  double damping_N_s_m = 1;
-
-  void declare(config::Visitor& v);
-};
-
-// The effect [hand]: a mass on a spring and a damper whose other end follows the intended motion,
-// [probe].
-struct Hand {
-  double mass_kg = 0;
-  double stiffness_N_m = 375;
-  double damping_N_s_m = 4.5;
-
-  void declare(config::Visitor& v);
-};
-
-// A device with mass, free or in a hand, each axis by itself:
+// A device with mass, free or in a hand, each axis by itself (LinearAxis, AxisMotion).
 //
-//   (m + m_h)·x″ + b·x′ + b_h·(x′ − x_i′) + k_h·(x − x_i) = F
-//
-// F: the motors' force, constant between its changes; x_i: the intended motion, a polynomial within
-// a stroke. So the motion is exact to rounding, and how often it is asked for changes no bit: it is
-// carried on from changes of the force, from ends of strokes and from whole milliseconds only.
+// Its motors' commands are constant between their changes, and the intended motion is a polynomial
+// within a stroke, so the motion is exact to rounding. How often it is asked for changes no bit: it
+// is carried on from changes of the force, ends of strokes, the hand's letting go and whole
+// milliseconds only, and from where friction changes in between, found when it is carried on.
 class MovingDevice final : public Device {
  public:
-  MovingDevice(const DeviceDynamics& dynamics, const std::optional<Hand>& hand,
-               const Trajectory& intended);
+  // Throws InputError: a motion too fast to be followed.
+  explicit MovingDevice(const Plant& plant);
+
+  bool has_mass() const override { return true; }
 
  private:
   struct Anchor {
     Picoseconds time = 0;
-    Picoseconds until = 0;  // the intended motion is one polynomial until then
-    std::array<DrivenMass::State, 3> state{};
-    std::array<ForcePolynomial, 3> force{};
+    Picoseconds until = 0;  // the motion from `time` on is known until then
+    std::array<AxisMotion, 3> axes;
+    Energy energy;  // until `time`
   };
 
   void advance(Picoseconds from, Picoseconds to, const Eigen::Vector3d& force) override;
   TipState state() const override;
+  PlantState mechanics() const override;
 
-  void move_anchor(Picoseconds time, const Eigen::Vector3d& force);
-  std::array<DrivenMass::State, 3> moved_to(Picoseconds time) const;
+  void move_anchor(Picoseconds time);
+  void let_go(std::array<LinearAxis::State, 3>& states);
+  // Finds the motion from the anchor's time on.
+  void carry_on(const std::array<LinearAxis::State, 3>& states);
+  double since_anchor(Picoseconds time) const { return to_seconds(time - anchor_.time); }
+  // Of all axes: what has flowed until then, without what is stored.
+  Energy flowed(Picoseconds time) const;
+  // What axis i has stored in that state.
+  Energy stored(std::size_t i, const LinearAxis::State& state,
+                const LinearAxis::Drive& drive) const;
 
-  DrivenMass mass_;
-  std::optional<Hand> hand_;
+  std::array<LinearAxis, 3> axes_;
+  std::optional<Friction> friction_;
+  Eigen::Vector3d weight_;  // N
+  Eigen::Vector3d push_;    // N
   Trajectory intended_;
+  Picoseconds lets_go_;  // the hand; the largest number where it never does
+  bool held_;
   Anchor anchor_;
-  Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d command_ = Eigen::Vector3d::Zero();
   Picoseconds reached_ = 0;
 };
 

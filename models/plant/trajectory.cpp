@@ -8,7 +8,7 @@
 
 #include "models/config/input_error.h"
 #include "models/plant/daq.h"
-#include "models/plant/driven_mass.h"
+#include "models/plant/polynomial.h"
 #include "models/time/picoseconds.h"
 
 namespace hvp::plant {

@@ -8,47 +8,55 @@ namespace hvp::plant {
 
 namespace {
 
-// What a unit of a state, or of a constant force, becomes after so many seconds.
+constexpr Eigen::Index kSize = 5;
+using Vector = Eigen::Matrix<double, kSize, 1>;
+using Matrix = Eigen::Matrix<double, kSize, kSize>;
+
+// What a unit of a state, or of a constant command, becomes after so many seconds.
 struct Response {
-  Eigen::Matrix2d of_state;
-  Eigen::Vector2d of_force;
+  Matrix of_state;
+  Vector of_command;
 };
 
-Response response(const DrivenMass& mass, double seconds) {
-  const auto column = [&](const DrivenMass::State& from, double force) {
-    const DrivenMass::State s = mass.after(seconds, from, {force});
-    return Eigen::Vector2d(s.x, s.v);
+Response response(const LinearAxis& device, double seconds) {
+  const auto column = [&](const LinearAxis::State& from, double command) {
+    LinearAxis::Drive drive;
+    drive.command = command;
+    const LinearAxis::State s = device.after(seconds, from, drive);
+    return Vector(s.x, s.v, s.hand_x, s.hand_v, s.force);
   };
   Response r;
-  r.of_state.col(0) = column({1, 0}, 0);
-  r.of_state.col(1) = column({0, 1}, 0);
-  r.of_force = column({0, 0}, 1);
+  for (Eigen::Index i = 0; i < kSize; ++i) {
+    const Vector unit = Vector::Unit(i);
+    r.of_state.col(i) = column({unit[0], unit[1], unit[2], unit[3], unit[4]}, 0);
+  }
+  r.of_command = column({}, 1);
   return r;
 }
 
-// The state is x, v and the positions read before, the last one first: a force that is `age`
+// The state is the axis' and the positions read before, the last one first: a force that is `age`
 // samples old needs two of them.
 Eigen::MatrixXd loop_map(const WallLoop& loop, double stiffness) {
   const double samples = std::floor(loop.delay_s / loop.period_s);
   const double rest = std::max(0.0, loop.delay_s - samples * loop.period_s);
   const auto age = static_cast<Eigen::Index>(samples);
-  const Eigen::Index size = age + 4;
+  const Eigen::Index size = kSize + age + 2;
   const Response before = response(loop.device, rest);
   const Response after = response(loop.device, loop.period_s - rest);
 
   // Position n − k in the state.
-  const auto read = [](Eigen::Index k) { return k == 0 ? Eigen::Index{0} : k + 1; };
+  const auto read = [](Eigen::Index k) { return k == 0 ? Eigen::Index{0} : kSize + k - 1; };
   Eigen::MatrixXd map = Eigen::MatrixXd::Zero(size, size);
-  const auto add_force = [&](const Eigen::Vector2d& response_to_it, Eigen::Index old) {
+  const auto add_force = [&](const Vector& response_to_it, Eigen::Index old) {
     const double slope = loop.damping / loop.period_s;
-    map.block<2, 1>(0, read(old)) -= (stiffness + slope) * response_to_it;
-    map.block<2, 1>(0, read(old + 1)) += slope * response_to_it;
+    map.block<kSize, 1>(0, read(old)) -= (stiffness + slope) * response_to_it;
+    map.block<kSize, 1>(0, read(old + 1)) += slope * response_to_it;
   };
-  map.topLeftCorner<2, 2>() = after.of_state * before.of_state;
-  add_force(after.of_state * before.of_force, age + 1);
-  add_force(after.of_force, age);
-  map(2, 0) = 1;
-  for (Eigen::Index i = 3; i < size; ++i) map(i, i - 1) = 1;
+  map.topLeftCorner<kSize, kSize>() = after.of_state * before.of_state;
+  add_force(after.of_state * before.of_command, age + 1);
+  add_force(after.of_command, age);
+  map(kSize, 0) = 1;
+  for (Eigen::Index i = kSize + 1; i < size; ++i) map(i, i - 1) = 1;
   return map;
 }
 
@@ -77,6 +85,12 @@ double largest_stable_stiffness(const WallLoop& loop) {
     (stable(middle) ? below : above) = middle;
   }
   return below;
+}
+
+double stiffness_cost(const WallLoop& loop, double part_s) {
+  WallLoop faster = loop;
+  faster.delay_s = std::max(0.0, loop.delay_s - part_s);
+  return largest_stable_stiffness(faster) - largest_stable_stiffness(loop);
 }
 
 double passive_stiffness(const WallLoop& loop, double device_damping) {

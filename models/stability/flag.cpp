@@ -63,9 +63,10 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "a contact.hand_over of at least 20 ms, dynamics.newmark_gamma above 0.5, a finer "
      "device.encoder.resolution, a smaller contact.patch_radius"},
     {"limit-cycle",
-     "the force moves on while the tip rests: rounding of the solver's words, or a body that "
-     "hardly damps its swing",
-     "method = \"jacobi-pcg\", a solver.displacement_range twice the displacements, more "
+     "the force moves on while the tip rests, or a device with mass while its user does: rounding "
+     "of the solver's words, a body that hardly damps its swing, or a loop too stiff for its delay",
+     "where the device moves, what active-port says; else method = \"jacobi-pcg\", a "
+     "solver.displacement_range twice the displacements, more "
      "refinement.passes, more vector_bits"},
     {"beyond-linearity",
      "the body is deformed further than linear elasticity holds, or turned inside out",
@@ -78,6 +79,16 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "passes of the collision process",
      "no setting of the board helps: a probe that touches what is free, a higher "
      "host.graphics.rate, a slower probe"},
+    {"active-port", "the loop fed energy into device and hand: what is felt there is not passive",
+     "a softer wall or body, more device.dynamics.damping, less latency or a shorter "
+     "budget.period; hvp stability says up to which stiffness the loop is stable and passive"},
+    {"force-saturated",
+     "a force was beyond what converter, amplifier or the device's maker allow, and was clamped",
+     "a softer wall or body, a shallower motion of the probe, or a larger device"},
+    {"device-at-its-limit",
+     "the device was out of its reach, at a singular pose or beyond its counters",
+     "a motion inside the device's workspace, another device.kinematics.home, more "
+     "device.encoder.counter_bits"},
 }};
 }  // namespace
 

@@ -9,25 +9,28 @@
 namespace hvp::stability {
 
 enum class Flag : std::uint8_t {
-  saturation,          // a word reached its limit and was clamped
-  negative_curvature,  // dᵀAd ≤ 0: the rounded matrix is not positive definite
-  zero_diagonal,       // a diagonal entry rounds to zero
-  stagnation,          // α or the residual's norm became zero before the iterations were used
-  scalar_overflow,     // an inner product left its word
-  divergence,          // the residual at the end is larger than the right-hand side
-  matrix_rounding,     // the rounding of the matrix moves the solution beyond the stated bound
-  not_converged,       // the solver's own error is beyond the stated bound
-  range_exceeded,      // a displacement or force does not fit the stated range
-  locking,             // Poisson's ratio at which linear tetrahedra are too stiff
-  poor_elements,       // slivers in the mesh
-  solver_timeout,      // the board did not answer in time
-  wrapped,             // a word lost its high bits: overflow = "wrap"
-  force_step,          // the force jumps from one frame to the next
-  force_ringing,       // the force turns back and forth from frame to frame
-  limit_cycle,         // the force moves on while the tip rests
-  beyond_linearity,    // strains for which linear elasticity does not hold
-  force_clamped,       // a force does not fit the device's register
-  contact_missed,      // the tip was in the body and nothing was held
+  saturation,           // a word reached its limit and was clamped
+  negative_curvature,   // dᵀAd ≤ 0: the rounded matrix is not positive definite
+  zero_diagonal,        // a diagonal entry rounds to zero
+  stagnation,           // α or the residual's norm became zero before the iterations were used
+  scalar_overflow,      // an inner product left its word
+  divergence,           // the residual at the end is larger than the right-hand side
+  matrix_rounding,      // the rounding of the matrix moves the solution beyond the stated bound
+  not_converged,        // the solver's own error is beyond the stated bound
+  range_exceeded,       // a displacement or force does not fit the stated range
+  locking,              // Poisson's ratio at which linear tetrahedra are too stiff
+  poor_elements,        // slivers in the mesh
+  solver_timeout,       // the board did not answer in time
+  wrapped,              // a word lost its high bits: overflow = "wrap"
+  force_step,           // the force jumps from one frame to the next
+  force_ringing,        // the force turns back and forth from frame to frame
+  limit_cycle,          // the force moves on while the tip rests
+  beyond_linearity,     // strains for which linear elasticity does not hold
+  force_clamped,        // a force does not fit the device's register
+  contact_missed,       // the tip was in the body and nothing was held
+  active_port,          // the loop fed energy into the device
+  force_saturated,      // a force was beyond what converter, amplifier or maker allow
+  device_at_its_limit,  // the device could not go, or be read, where it was
   count
 };
 

@@ -1,6 +1,7 @@
 #include "models/plant/wall_stability.h"
 
-#include <tuple>
+#include <cmath>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -8,7 +9,7 @@
 namespace hvp::plant {
 namespace {
 
-constexpr DrivenMass kDevice{0.1, 1, 0};
+constexpr LinearAxis kDevice{.mass = 0.1, .damping = 1};
 
 // Exact discrete eigenvalues, found independently (facts of the field: 0.1 kg, 1 N s/m, 2 ms).
 TEST(WallStability, IsTheKnownStiffnessAtEveryDelay) {
@@ -30,8 +31,8 @@ TEST(WallStability, IsTheKnownStiffnessOfWholeSamples) {
   };
   expect({kDevice, 2e-3, 0, 0}, {1003.3, 335.2, 201.7}, "bare");
   expect({kDevice, 2e-3, 0, 1}, {1967, 656, 392}, "wall damping");
-  expect({{0.1, 5.5, 375}, 2e-3, 0, 0}, {5610, 1899, 1167}, "hand");
-  expect({{0.01, 1, 0}, 2e-3, 0, 0}, {1035, 351, 216}, "10 g");
+  expect({{0.1, 1, 375, 4.5}, 2e-3, 0, 0}, {5610, 1899, 1167}, "hand");
+  expect({{0.01, 1}, 2e-3, 0, 0}, {1035, 351, 216}, "10 g");
 }
 
 // K_max is b/(T/2 + L) within 0.8 %: latency is stiffness.
@@ -45,7 +46,58 @@ TEST(WallStability, IsThePassiveBoundNearly) {
 }
 
 TEST(WallStability, OfADeviceWithoutDampingIsNone) {
-  EXPECT_EQ(largest_stable_stiffness({{0.1, 0, 0}, 2e-3, 0, 0}), 0);
+  EXPECT_EQ(largest_stable_stiffness({{0.1, 0}, 2e-3, 0, 0}), 0);
+}
+
+constexpr LinearAxis kInAnArm{.mass = 0.1,
+                              .damping = 1,
+                              .hand_stiffness = 49,
+                              .hand_damping = 7.9,
+                              .hand_mass = 1.5,
+                              .grip_stiffness = 375,
+                              .grip_damping = 4.5,
+                              .lag_rate = 2000};
+
+// How far the loop still moves after so many periods from a push, run period by period.
+double still_moving(const WallLoop& loop, double stiffness, int periods) {
+  LinearAxis::State state{.v = 1};
+  LinearAxis::Drive drive;
+  std::vector<double> read = {0, 0, 0};              // the last one now
+  const double rest = loop.delay_s - loop.period_s;  // what acts is one sample old, and this
+  for (int n = 0; n < periods; ++n) {
+    state = loop.device.after(rest, state, drive);
+    const double old = read[read.size() - 2];
+    const double slope = (old - read[read.size() - 3]) / loop.period_s;
+    drive.command = -stiffness * old - loop.damping * slope;
+    state = loop.device.after(loop.period_s - rest, state, drive);
+    read.push_back(state.x);
+  }
+  return std::abs(state.x) + std::abs(state.v) * loop.period_s;
+}
+
+// The bound is one: below it the motion dies, above it grows.
+TEST(WallStability, OfADeviceInAnArmIsWhatTheLoopDoes) {
+  const WallLoop loop{kInAnArm, 2e-3, 2.6e-3, 0.4};
+  const double bound = largest_stable_stiffness(loop);
+  ASSERT_GT(bound, 100);
+  EXPECT_LT(still_moving(loop, 0.97 * bound, 8000), 1e-2 * still_moving(loop, 0.97 * bound, 500));
+  EXPECT_GT(still_moving(loop, 1.03 * bound, 8000), 1e2 * still_moving(loop, 1.03 * bound, 500));
+}
+
+// An amplifier's lag costs what a delay of its time constant does, nearly.
+TEST(WallStability, OfALaggingAmplifierIsThatOfADelay) {
+  WallLoop lagging{kDevice, 2e-3, 0.5e-3, 0};
+  lagging.device.lag_rate = 1 / 20e-6;
+  const double late = largest_stable_stiffness({kDevice, 2e-3, 0.52e-3, 0});
+  EXPECT_NEAR(largest_stable_stiffness(lagging), late, 1e-3 * late);
+}
+
+TEST(WallStability, AMicrosecondCostsWhatIsKnown) {
+  EXPECT_NEAR(stiffness_cost({kDevice, 2e-3, 0.773e-3, 0}, 1e-6), 0.32, 0.005);
+  EXPECT_NEAR(stiffness_cost({kDevice, 2e-3, 1e-3, 0}, 0.5e-3), 668.9 - 502.1, 0.12);
+  EXPECT_EQ(stiffness_cost({kDevice, 2e-3, 1e-3, 0}, 5),
+            stiffness_cost({kDevice, 2e-3, 1e-3, 0}, 1e-3))
+      << "no part is longer than the delay";
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "vp/device/daq_board.h"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <utility>
@@ -12,13 +13,18 @@ DaqBoard::DaqBoard(const sc_core::sc_module_name& name, const plant::DeviceSetti
     : sc_module(name),
       from_bus("from_bus"),
       encoder_(settings.encoder),
+      limits_(settings.limits),
+      kinematics_(settings.kinematics ? plant::make_kinematics(*settings.kinematics) : nullptr),
+      stage_(settings.dac, settings.amplifier, settings.motor, kinematics_.get()),
       devices_(std::move(devices)),
       session_(session),
       ledger_(ledger),
       sampling_(to_picoseconds(settings.daq.sampling_delay)),
       output_(to_picoseconds(settings.daq.output_delay)),
       delay_(delay),
-      latched_(3 * devices_.size()) {
+      latched_(3 * devices_.size()),
+      tips_(devices_.size(), Eigen::Vector3d::Zero()),
+      moving_(std::ranges::any_of(devices_, [](const auto* d) { return d->has_mass(); })) {
   from_bus.register_b_transport(this, &DaqBoard::b_transport);
 }
 
@@ -42,14 +48,38 @@ void DaqBoard::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_ti
 
 void DaqBoard::latch(Tag& tag) {
   const Picoseconds start = now_ps();
-  std::size_t next = 0;
-  for (plant::Device* device : devices_) {
-    Eigen::Vector3d position = device->at(start - session_.begin).position;
-    if (encoder_) position = encoder_->read(position);
-    for (int i = 0; i < 3; ++i) latched_[next++] = plant::kPosition.to_counts(position[i]).value;
+  DeviceRecord* record = records(tag);
+  if (tag.frame >= 0) ledger_.frame(tag.frame).latched = start;
+  for (std::size_t d = 0; d < devices_.size(); ++d) {
+    tips_[d] = devices_[d]->at(start - session_.begin).position;
+    plant::Encoder::Reading reading{tips_[d], false};
+    if (encoder_) reading = encoder_->read(tips_[d], kinematics_.get());
+    for (std::size_t i = 0; i < 3; ++i) {
+      const plant::Counts counts =
+          plant::kPosition.to_counts(reading.position[static_cast<Eigen::Index>(i)]);
+      latched_[3 * d + i] = counts.value;
+      reading.wrong = reading.wrong || counts.saturated;
+    }
+    if (record == nullptr) continue;
+    record[d].plant = devices_[d]->plant();
+    record[d].read_wrong = reading.wrong;
   }
   wait(to_sc_time(sampling_));
   ledger_.extend(tag, Part::daq, Phase::sample, start, now_ps());
+}
+
+DeviceRecord* DaqBoard::records(const Tag& tag) {
+  if (!moving_ || tag.frame < 0) return nullptr;
+  std::vector<DeviceRecord>& records = ledger_.frame(tag.frame).devices;
+  records.resize(devices_.size());
+  return records.data();
+}
+
+plant::Drive DaqBoard::driven(const Eigen::Vector3d& force, const Eigen::Vector3d& tip) const {
+  if (!limits_ || force.norm() <= limits_->force_N) return stage_.drive(force, tip);
+  plant::Drive drive = stage_.drive(force * (limits_->force_N / force.norm()), tip);
+  drive.current_saturated = true;
+  return drive;
 }
 
 // The converter works on while the host does; nobody waits for it, so that no event is due.
@@ -57,14 +87,17 @@ void DaqBoard::put_out(const unsigned char* words, const Tag& tag) {
   const Picoseconds start = now_ps();
   const Picoseconds settled = start + output_;
   const Picoseconds there = settled + delay_;
-  for (plant::Device* device : devices_) {
+  DeviceRecord* record = records(tag);
+  for (std::size_t d = 0; d < devices_.size(); ++d) {
     std::array<std::int32_t, 3> counts{};
     std::memcpy(counts.data(), words, sizeof(counts));
     words += sizeof(counts);
     const Eigen::Vector3d force(plant::kForce.to_value(counts[0]),
                                 plant::kForce.to_value(counts[1]),
                                 plant::kForce.to_value(counts[2]));
-    device->drive(there - session_.begin, force);
+    const plant::Drive drive = driven(force, tips_[d]);
+    devices_[d]->drive(there - session_.begin, drive.force, force);
+    if (record != nullptr) record[d].drive = drive;
   }
   Tag output = tag;
   ledger_.extend(output, Part::daq, Phase::convert, start, settled);

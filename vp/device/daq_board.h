@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <systemc>
 #include <vector>
@@ -40,7 +41,14 @@ class DaqBoard : public sc_core::sc_module {
   void latch(Tag& tag);
   void put_out(const unsigned char* words, const Tag& tag);
 
+  // The frame's record of the devices; null without a frame, or where none has mass.
+  DeviceRecord* records(const Tag& tag);
+  plant::Drive driven(const Eigen::Vector3d& force, const Eigen::Vector3d& tip) const;
+
   std::optional<plant::Encoder> encoder_;
+  std::optional<plant::DeviceLimits> limits_;
+  std::unique_ptr<plant::Kinematics> kinematics_;
+  plant::OutputStage stage_;
   std::vector<plant::Device*> devices_;
   const Session& session_;
   Ledger& ledger_;
@@ -48,6 +56,8 @@ class DaqBoard : public sc_core::sc_module {
   Picoseconds output_;
   Picoseconds delay_;
   std::vector<std::int32_t> latched_;
+  std::vector<Eigen::Vector3d> tips_;  // true, at the last latch
+  bool moving_;                        // a device has mass
 };
 
 }  // namespace hvp::vp

@@ -31,7 +31,7 @@ class DeviceAssembly {
     Owned own;
     if (!settings.haptic_devices.empty()) return own;
     for (const plant::Trajectory& probe : settings.probes) {
-      own.push_back(plant::make_device(settings.device, probe));
+      own.push_back(plant::make_device(settings.device, settings.hand, probe));
     }
     return own;
   }

@@ -10,6 +10,8 @@
 #include "driver/hvp_driver.h"
 #include "models/collision/contact.h"
 #include "models/fem/hold.h"
+#include "models/plant/device.h"
+#include "models/plant/output_stage.h"
 #include "models/time/picoseconds.h"
 
 namespace hvp::vp {
@@ -87,6 +89,13 @@ struct Span {
   SpanId cause;
 };
 
+// A device in a frame: at its latch, and with the force that the frame made.
+struct DeviceRecord {
+  plant::PlantState plant;
+  bool read_wrong = false;  // the position read is not the tip's, by more than a step
+  plant::Drive drive;
+};
+
 // One tick of the servo loop, from its birth at n·T to the force at the motor and the end of the
 // work that belongs to its period. The servo process writes what the frame saw and did, step by
 // step; what took time is the ledger's to write.
@@ -97,6 +106,9 @@ struct Frame {
 
   // A probe each: where its tip was read to be, what it holds, and the force on the body.
   std::vector<collision::Touch> touches;
+  // Of each device that has mass: what it did, and what it was told. Empty where none has.
+  std::vector<DeviceRecord> devices;
+  Picoseconds latched = 0;       // when the positions were
   Picoseconds contact_age = 0;   // at the lookup, since the pass that found it began; 0: none
   hvp_status status = HVP_OK;    // else: why the force of an earlier frame is held
   std::int64_t saturations = 0;  // in its solve

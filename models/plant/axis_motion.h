@@ -1,0 +1,57 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+
+#include "models/plant/energy.h"
+#include "models/plant/friction.h"
+#include "models/plant/linear_axis.h"
+
+namespace hvp::plant {
+
+// The motion of an axis with dry friction over a stretch of time, in pieces over which it is
+// linear: it slips one way, or it sticks. The pieces are found once; whatever is asked afterwards
+// is a function of them and of the time alone.
+//
+// Slipping ends at the first root of the velocity, sticking at the first time at which the other
+// forces are larger than hold(), both to the last bit. What rounding may be in a sum of forces does
+// not pull the axis loose.
+class AxisMotion {
+ public:
+  // Finds the pieces from `state` on; returns for how long they hold, s: `seconds`, or less where
+  // there are more than kMostPieces.
+  double begin(const LinearAxis& axis, const std::optional<Friction>& friction,
+               const LinearAxis::State& state, const LinearAxis::Drive& drive, double seconds);
+
+  // All at a time after begin()'s, s.
+  LinearAxis::State at(double seconds) const;
+  LinearAxis::Drive drive_at(double seconds) const;
+  // What flowed until then; gravity and push are not told apart here and left out.
+  Energy flowed(double seconds) const;
+
+ private:
+  static constexpr std::size_t kMostPieces = 8;
+
+  struct Piece {
+    double start = 0;  // s
+    LinearAxis::State state;
+    LinearAxis::Drive drive;  // with the friction
+    double direction = 0;     // of slipping: 1 or −1; 0 where it sticks, or where nothing rubs
+    double friction = 0;      // N, signed
+  };
+
+  Piece decided(double start, LinearAxis::State state, const LinearAxis::Drive& drive) const;
+  Piece slipping(double start, const LinearAxis::State& state, LinearAxis::Drive drive,
+                 double direction) const;
+  double ends_within(double seconds, const Piece& piece) const;
+  LinearAxis::State state_in(const Piece& piece, double seconds) const;
+  const Piece& piece_at(double seconds) const;
+
+  LinearAxis axis_;
+  std::optional<Friction> friction_;
+  std::array<Piece, kMostPieces> pieces_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace hvp::plant
