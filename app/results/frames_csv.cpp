@@ -9,6 +9,27 @@
 
 namespace hvp::results {
 
+namespace {
+
+// Without negative zeros.
+void append(std::string& fields, const Eigen::Vector3d& vector) {
+  for (const double component : vector) fields += "," + shortest(component + 0.0);
+}
+
+// Of a probe that is not the first one.
+std::string further_fields(const collision::Touch& touch, Columns columns) {
+  std::string fields = fmt::format(",{}", touch.contact.node);
+  append(fields, touch.tip);
+  if (columns == Columns::all) {
+    append(fields, -touch.force);
+  } else {
+    fields += ",,,";
+  }
+  return fields;
+}
+
+}  // namespace
+
 std::vector<FrameColumn> frame_columns() {
   std::vector<FrameColumn> columns = {
       {"frame", "number"},
@@ -39,11 +60,46 @@ std::vector<FrameColumn> frame_columns() {
   return columns;
 }
 
-FramesCsv::FramesCsv(const std::filesystem::path& path, vp::Picoseconds budget, Columns columns)
-    : stream_(path), budget_(budget), columns_(columns) {
+std::vector<FrameColumn> probe_columns(const ProbeColumns& of, std::size_t index) {
+  std::vector<FrameColumn> columns;
+  const std::string prefix = index == 0 ? "" : fmt::format("probe{}_", index);
+  const auto add = [&](std::string_view name, std::string help) {
+    columns.push_back({prefix + std::string(name), std::move(help)});
+  };
+  const auto vector = [&](std::string_view name, std::string_view unit, std::string_view help) {
+    for (const char* axis : {"x", "y", "z"}) {
+      add(fmt::format("{}_{}_{}", name, axis, unit),
+          axis[0] == 'x' ? std::string(help) : std::string("likewise"));
+    }
+  };
+  if (index > 0) {
+    add("contact_node", "as the first probe's columns of these names");
+    for (const char* name : {"x_m", "y_m", "z_m", "fx_N", "fy_N", "fz_N"}) add(name, "likewise");
+  }
+  if (!of.devices) return columns;
+  vector("tip", "m", "with `[device.dynamics]`: where the tip was when it was latched");
+  vector("intended", "m", "where the hand wanted it; empty where nobody holds the device");
+  vector("motor", "N", "the motors' real force on the tip then");
+  vector("hand", "N", "the hand's");
+  add("stored_J", "kinetic energy and the hand's springs then");
+  add("port_J",
+      "what all but masses and hand have absorbed until then; negative: the loop fed "
+      "energy in");
+  if (!of.currents) return columns;
+  vector("commanded", "A", "with `[device.motor]`: the current that the frame's force asks for");
+  vector("current", "A", "what converter and amplifier make of it, before the amplifier's lag");
+  return columns;
+}
+
+FramesCsv::FramesCsv(const std::filesystem::path& path, vp::Picoseconds budget, Columns columns,
+                     ProbeColumns probes)
+    : stream_(path), budget_(budget), columns_(columns), probes_(std::move(probes)) {
   std::string header;
   for (const FrameColumn& column : frame_columns()) {
     header += (header.empty() ? "" : ",") + column.name;
+  }
+  for (std::size_t i = 0; i < probes_.probes.size(); ++i) {
+    for (const FrameColumn& column : probe_columns(probes_, i)) header += "," + column.name;
   }
   stream_.write(header + "\n");
 }
@@ -68,8 +124,35 @@ void FramesCsv::closed(const vp::Frame& f, const vp::CriticalPath& path) {
   for (std::size_t part = 0; part < vp::kParts; ++part) {
     fmt::format_to(out, ",{}", microseconds(path.time(static_cast<vp::Part>(part))));
   }
-  fmt::format_to(out, ",{}\n", hvp_status_name(f.status));
+  fmt::format_to(out, ",{}", hvp_status_name(f.status));
   stream_.write({line.data(), line.size()});
+  for (std::size_t i = 0; i < probes_.probes.size(); ++i) {
+    if (i > 0) stream_.write(further_fields(f.touches[i], columns_));
+    if (probes_.devices) stream_.write(device_fields(f, i));
+  }
+  stream_.write("\n");
+}
+
+std::string FramesCsv::device_fields(const vp::Frame& f, std::size_t i) const {
+  std::string fields;
+  const vp::DeviceRecord& d = f.devices[i];
+  append(fields, d.plant.tip.position);
+  const vp::Picoseconds latched = f.time + f.latched - f.born;
+  const std::optional<plant::Hand>& hand = probes_.hand;
+  if (hand && !(hand->lets_go_s > 0 && to_seconds(latched) >= hand->lets_go_s)) {
+    append(fields, probes_.probes[i].state_ps(latched).position);
+  } else {
+    fields += ",,,";
+  }
+  append(fields, d.plant.motor_force);
+  append(fields, d.plant.hand_force);
+  const plant::Energy& e = d.plant.energy;
+  fields += fmt::format(",{},{}", shortest(e.kinetic + e.springs), shortest(e.at_port()));
+  if (probes_.currents) {
+    append(fields, d.drive.commanded_current);
+    append(fields, d.drive.current);
+  }
+  return fields;
 }
 
 }  // namespace hvp::results

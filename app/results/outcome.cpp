@@ -31,7 +31,8 @@ std::string_view Outcome::verdict_word() const {
   if (faults_happened()) return "held, with faults";
   if (scene.timing_only) return "PASS, timing only";
   if (contact.changes == 0) return "held; no contact";
-  if (!accuracy_measured()) return "held; accuracy not measured";
+  if (!scene.body && loop.empty()) return "held; loop not closed";
+  if (scene.body && !accuracy_measured()) return "held; accuracy not measured";
   return "PASS";
 }
 
@@ -91,6 +92,16 @@ void Outcome::report_numbers(config::Figures& f) const {
                   "How far the body was strained, of every 20th frame "
                   "([finite-elements.md](finite-elements.md)); null where nobody computed it.",
                   strain);
+  f.when(!loop.empty(), [&] {
+    f.list("loop",
+           "With `[device.dynamics]` only: what the closed loop is like, of each device "
+           "([plant.md](plant.md)).",
+           loop);
+    f.table_or_null("stiffness",
+                    "What a wall this loop could hold, and what latency costs of it "
+                    "([stability.md](stability.md)); null for a delay of more than 16 periods.",
+                    stiffness);
+  });
   f.table_or_null("missed_contact",
                   "How deep the tip was in the body while nothing was held, where that is flagged "
                   "`contact-missed`; else null.",

@@ -10,9 +10,11 @@
 #include "app/results/latency_figures.h"
 #include "app/results/quality.h"
 #include "app/results/scene_figures.h"
+#include "app/results/stiffness_budget.h"
 #include "app/results/tried_remedy.h"
 #include "models/config/figures.h"
 #include "models/host/rounding_estimate.h"
+#include "models/plant/loop_quality.h"
 #include "models/stability/flag.h"
 #include "models/stability/force_quality.h"
 #include "vp/fault/fault_plan.h"
@@ -45,6 +47,9 @@ struct Outcome {
   // Where numbers were computed.
   std::optional<stability::ForceQuality> force;
   std::optional<Strain> strain;
+  // Of each device with mass, and what it could stand before a wall.
+  std::vector<plant::LoopQuality> loop;
+  std::optional<StiffnessBudget> stiffness;
   stability::Flags flags;
   // Of the board's words.
   std::int64_t saturations = 0;

@@ -219,7 +219,9 @@ void attribution_lines(Out out, const Outcome& o) {
 }
 
 void stability_lines(Out out, const app::Scene& scene, const Outcome& o) {
-  if (scene.scenario().timing_only()) {
+  if (!scene.has_body()) {
+    fmt::format_to(out, "\nStability    a wall has no solver\n");
+  } else if (scene.scenario().timing_only()) {
     fmt::format_to(out, "\nStability    timing only: there are no words that could saturate\n");
   } else {
     fmt::format_to(out, "\nStability    {}, {}, {}\n", counted(o.saturations, "saturation"),
@@ -283,9 +285,11 @@ std::string report(const app::Scene& scene, const Outcome& o) {
   text += parts_text(o.latency);
   bus_lines(out, o);
   attribution_lines(out, o);
+  text += stiffness_text(o.stiffness);
   engine_lines(out, scene, o);
-  text += accuracy_text(scene, o);
+  if (scene.has_body()) text += accuracy_text(scene, o);
   text += force_text(o);
+  text += loop_text(o);
   stability_lines(out, scene, o);
   text += fault_text(o);
   spectrum_lines(out, scene);

@@ -25,6 +25,11 @@ std::string accuracy_text(const app::Scene& scene, const Outcome& outcome);
 // What the force is like, and how far the body was strained.
 std::string force_text(const Outcome& outcome);
 
+// What the closed loop is like, of each device with mass.
+std::string loop_text(const Outcome& outcome);
+// What latency costs in stiffness.
+std::string stiffness_text(const std::optional<StiffnessBudget>& budget);
+
 // What was injected, and what the driver had trouble with.
 std::string fault_text(const Outcome& outcome);
 

@@ -63,6 +63,17 @@ std::string results_reference_page() {
   for (const FrameColumn& column : frame_columns()) {
     text += fmt::format("| `{}` | {} |\n", column.name, cell(column.help));
   }
+  ProbeColumns all{std::vector<plant::Trajectory>(2), true, true, plant::Hand{}};
+  text +=
+      "\nBehind these, with `[device.dynamics]` and for each further `[[probe]]`; names of a "
+      "further "
+      "probe begin with `probe1_`, `probe2_`, …\n\n| column | what it is |\n|---|---|\n";
+  for (std::size_t i = 0; i < 2; ++i) {
+    for (const FrameColumn& column : probe_columns(all, i)) {
+      if (i == 1 && column.name.starts_with("probe1_tip")) break;
+      text += fmt::format("| `{}` | {} |\n", column.name, cell(column.help));
+    }
+  }
   return text;
 }
 

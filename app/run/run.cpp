@@ -21,6 +21,7 @@
 #include "app/run/approach_watch.h"
 #include "app/run/deformation_recorder.h"
 #include "app/run/force_watch.h"
+#include "app/run/loop_watch.h"
 #include "app/run/strain_watch.h"
 #include "app/scene/unit_contacts.h"
 #include "driver/hvp_driver.h"
@@ -136,6 +137,11 @@ std::vector<results::ErrorBudget> error_budgets(const Budget& budget,
   return budgets;
 }
 
+results::ProbeColumns probe_columns_of(const Scenario& s) {
+  return {s.probes, s.device.dynamics.has_value(), s.device.dynamics && s.device.motor.has_value(),
+          s.hand};
+}
+
 std::optional<vp::SoftBody> soft_body(Scene& scene) {
   if (!scene.has_body()) return std::nullopt;
   return vp::SoftBody{scene.body(), scene.computation(), scene.contacts()};
@@ -230,7 +236,8 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
       platform_settings(scene, waveform ? waveform->tracer_file() : std::string()),
       soft_body(scene), registers ? &*registers : nullptr);
   results::FramesCsv frames(directory / "frames.csv", platform.verdict().budget(),
-                            s.timing_only() ? results::Columns::times : results::Columns::all);
+                            s.timing_only() ? results::Columns::times : results::Columns::all,
+                            probe_columns_of(s));
   results::TraceSettings traced{s.output.trace_frames, std::llround(s.output.trace_bytes),
                                 platform.verdict().budget()};
   if (s.output.trace_frames < s.frames) {
@@ -250,6 +257,11 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   platform.add_observer(*contact);
   std::optional<BodyWatches> body;
   if (!s.timing_only() && scene.has_body()) body.emplace(platform, scene);
+  std::optional<LoopWatch> loop;
+  if (s.device.dynamics) {
+    loop.emplace(s);
+    platform.add_observer(*loop);
+  }
   BusMeters buses(platform);
   ProgressTicker ticker(options.progress, s.frames);
   if (options.progress) platform.add_observer(ticker);
@@ -276,6 +288,11 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   buses.fill(outcome.bus);
   if (body) body->fill(outcome);
   outcome.flags.merge(contact->flags());
+  if (loop) {
+    outcome.loop = loop->qualities();
+    outcome.flags.merge(loop->flags());
+    outcome.stiffness = loop->stiffness();
+  }
   outcome.rounding = rounding;
   if (rounding) outcome.flags.merge(rounding_flags(scene, *rounding, outcome.accuracy_measured()));
   outcome.trace_cut_at = trace.cut_at();

@@ -1,0 +1,92 @@
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "app/results/number_text.h"
+#include "app/results/report_sections.h"
+
+namespace hvp::results {
+
+namespace {
+
+using Out = std::back_insert_iterator<std::string>;
+
+constexpr double kLeastShare = 0.005;  // of the stiffness, for a line of its own
+
+std::string joules(double energy) {
+  const double size = std::abs(energy);
+  if (size >= 1) return fmt::format("{:.3g} J", energy);
+  if (size >= 1e-3) return fmt::format("{:.3g} mJ", 1e3 * energy);
+  return fmt::format("{:.3g} uJ", 1e6 * energy);
+}
+
+void device_lines(Out out, const plant::LoopQuality& q) {
+  const plant::LoopEnergy& e = q.energy();
+  fmt::format_to(out, "  energy         motors {}, hand {}; lost to damping {}, to friction {}\n",
+                 joules(e.energy().by_motors), joules(e.energy().by_intention),
+                 joules(e.energy().device_damping + e.energy().hand_damping),
+                 joules(e.energy().friction));
+  fmt::format_to(out,
+                 "  of the motors' body {}, encoder {}, latency {}, converter {}, amplifier {}\n",
+                 joules(e.body()), joules(e.encoder()), joules(e.latency()), joules(e.converter()),
+                 joules(e.amplifier()));
+  fmt::format_to(out, "  port           {}\n",
+                 e.active() ? fmt::format("ACTIVE: the loop had fed in {} by frame {}",
+                                          joules(-e.least_at_port()), e.least_frame())
+                            : std::string("passive in every frame"));
+  if (const auto& cycle = q.oscillation().cycle()) {
+    fmt::format_to(out, "  at rest        swings on by {} at {:.3g} Hz{} (frame {})\n",
+                   readable_length(cycle->amplitude_m), cycle->frequency_hz,
+                   cycle->grows ? " and grows" : "", cycle->frame);
+  } else if (q.oscillation().measured()) {
+    fmt::format_to(out, "  at rest        comes to rest\n");
+  } else {
+    fmt::format_to(out, "  at rest        not measured: the user never rests for half a second\n");
+  }
+  if (q.saturated_frames() > 0) {
+    fmt::format_to(out, "  saturated      {} with a force that was clamped\n",
+                   counted(q.saturated_frames(), "frame"));
+  }
+  if (q.limit_frames() > 0) {
+    fmt::format_to(out, "  at its limit   {} with a singular pose or a wrong position\n",
+                   counted(q.limit_frames(), "frame"));
+  }
+}
+
+}  // namespace
+
+std::string loop_text(const Outcome& o) {
+  std::string text;
+  const Out out = std::back_inserter(text);
+  for (std::size_t i = 0; i < o.loop.size(); ++i) {
+    fmt::format_to(out, "\nLoop         {}\n",
+                   o.loop.size() > 1 ? fmt::format("device {}", i) : "the device and its hand");
+    device_lines(out, o.loop[i]);
+  }
+  return text;
+}
+
+std::string stiffness_text(const std::optional<StiffnessBudget>& budget) {
+  std::string text;
+  const Out out = std::back_inserter(text);
+  if (!budget) return text;
+  const auto time = [](double seconds) {
+    return readable_time(static_cast<vp::Picoseconds>(std::llround(seconds * 1e12)));
+  };
+  fmt::format_to(out,
+                 "\nStiffness    a wall up to {:.4g} N/m is stable, passive up to {:.4g} N/m: the "
+                 "force is {} late\n",
+                 budget->stable_N_m, budget->passive_N_m, time(budget->delay_s));
+  for (const StiffnessBudget::Share& share : budget->shares) {
+    if (share.cost_N_m < kLeastShare * budget->stable_N_m) continue;
+    fmt::format_to(out, "  {:<22} {:>10}  costs {:>8.4g} N/m\n",
+                   fmt::format("{} {}", share.part, share.phase), time(share.time_s),
+                   share.cost_N_m);
+  }
+  fmt::format_to(out, "  {:<22} {:>10}  {:>14.4g} N/m\n", "if nothing took time", "",
+                 budget->without_delay_N_m);
+  return text;
+}
+
+}  // namespace hvp::results

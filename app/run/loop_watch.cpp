@@ -1,0 +1,75 @@
+#include "app/run/loop_watch.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "models/time/picoseconds.h"
+
+namespace hvp::app {
+
+LoopWatch::LoopWatch(const Scenario& scenario)
+    : scenario_(scenario), qualities_(scenario.probes.size()) {}
+
+// A hand rests where its intended motion does; nobody's rests always.
+bool LoopWatch::rests(std::size_t probe, Picoseconds time) const {
+  const std::optional<plant::Hand>& hand = scenario_.hand;
+  if (!hand || (hand->lets_go_s > 0 && to_seconds(time) >= hand->lets_go_s)) return true;
+  return scenario_.probes[probe].state_ps(time).velocity.isZero(0);
+}
+
+void LoopWatch::closed(const vp::Frame& frame, const vp::CriticalPath& path) {
+  ++frames_;
+  delays_ += frame.born + frame.latency() - frame.latched;
+  for (const vp::SpanId id : path.spans()) {
+    const vp::Span& span = frame.spans[static_cast<std::size_t>(id)];
+    if (span.end <= frame.latched) continue;
+    after_latch_[static_cast<std::size_t>(span.part) * vp::kPhases +
+                 static_cast<std::size_t>(span.phase)] +=
+        span.end - std::max(span.start, frame.latched);
+  }
+  const Picoseconds latched = frame.time + frame.latched - frame.born;
+  for (std::size_t i = 0; i < frame.devices.size(); ++i) {
+    const vp::DeviceRecord& record = frame.devices[i];
+    plant::LoopSample sample{frame.number,      to_seconds(latched), {}, record.plant, record.drive,
+                             record.read_wrong, rests(i, latched)};
+    sample.view = {frame.touches[i].tip, -frame.touches[i].force};
+    qualities_[i].add(sample);
+  }
+}
+
+stability::Flags LoopWatch::flags() const {
+  stability::Flags flags;
+  for (const plant::LoopQuality& quality : qualities_) flags.merge(quality.flags());
+  return flags;
+}
+
+double LoopWatch::mean_delay_s() const {
+  if (frames_ == 0) return 0;
+  return to_seconds(delays_) / static_cast<double>(frames_);
+}
+
+std::optional<results::StiffnessBudget> LoopWatch::stiffness() const {
+  if (frames_ == 0) return std::nullopt;
+  std::vector<results::StiffnessBudget::Share> shares;
+  for (std::size_t i = 0; i < after_latch_.size(); ++i) {
+    if (after_latch_[i] == 0) continue;
+    shares.push_back({vp::kPartNames[i / vp::kPhases], vp::kPhaseNames[i % vp::kPhases],
+                      to_seconds(after_latch_[i]) / static_cast<double>(frames_)});
+  }
+  const Eigen::Vector3d direction =
+      scenario_.wall ? scenario_.wall->direction() : Eigen::Vector3d::UnitZ();
+  return results::stiffness_budget(wall_loop(scenario_, mean_delay_s(), direction),
+                                   scenario_.device.dynamics->damping_N_s_m, std::move(shares));
+}
+
+plant::WallLoop wall_loop(const Scenario& s, double delay_s, const Eigen::Vector3d& direction) {
+  const plant::Plant plant = plant::plant_of(s.device, s.hand, s.probes.front());
+  const Eigen::Vector3d n = direction.normalized();
+  plant::LinearAxis axis = plant.axis(0);
+  double mass = 0;
+  for (int i = 0; i < 3; ++i) mass += n[i] * n[i] * plant.axis(i).mass;
+  axis.mass = mass;
+  return {axis, s.budget.period_s, delay_s, s.wall ? s.wall->damping_N_s_m : 0};
+}
+
+}  // namespace hvp::app

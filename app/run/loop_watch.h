@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "app/results/stiffness_budget.h"
+#include "app/scene/scenario.h"
+#include "models/plant/loop_quality.h"
+#include "models/plant/wall_stability.h"
+#include "vp/frame/observer.h"
+
+namespace hvp::app {
+
+// What the closed loop is like, in every run with devices that have mass.
+class LoopWatch : public vp::FrameObserver {
+ public:
+  // Keeps the reference.
+  explicit LoopWatch(const Scenario& scenario);
+
+  void closed(const vp::Frame& frame, const vp::CriticalPath& path) override;
+
+  // One a device.
+  const std::vector<plant::LoopQuality>& qualities() const { return qualities_; }
+  stability::Flags flags() const;
+  // From the latch to the force at the motor, s: the mean of all frames.
+  double mean_delay_s() const;
+  std::optional<results::StiffnessBudget> stiffness() const;
+
+ private:
+  bool rests(std::size_t probe, Picoseconds time) const;
+
+  const Scenario& scenario_;
+  std::vector<plant::LoopQuality> qualities_;
+  Picoseconds delays_ = 0;
+  std::array<Picoseconds, vp::kParts * vp::kPhases> after_latch_{};
+  std::int64_t frames_ = 0;
+};
+
+// The device of a probe in front of a wall with the scenario's damping, along `direction` (of any
+// length but zero), as the exact eigenvalues want it. Its mass is that along the direction.
+plant::WallLoop wall_loop(const Scenario& scenario, double delay_s,
+                          const Eigen::Vector3d& direction);
+
+}  // namespace hvp::app
