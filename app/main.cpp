@@ -36,6 +36,8 @@ using hvp::app::RunArguments;
 using hvp::app::ScenarioArguments;
 using hvp::app::solve_command;
 using hvp::app::SolveArguments;
+using hvp::app::stability_command;
+using hvp::app::StabilityArguments;
 
 void scenario_arguments(CLI::App& command, ScenarioArguments& arguments) {
   command.add_option("scenario", arguments.scenario, "a scenario file")
@@ -113,6 +115,25 @@ int parse_and_run(int argc, char** argv) {
   scenario_arguments(*command, device);
   command->add_flag("--json", device.json, "as one JSON object");
   command->callback([&] { status = device_command(device); });
+
+  StabilityArguments stability;
+  command = app.add_subcommand(
+      "stability", "the stiffest wall that a scenario's loop holds, by runs and by eigenvalues");
+  scenario_arguments(*command, stability);
+  command->add_flag("--json", stability.json, "as one JSON object");
+  command
+      ->add_option("--map", stability.map,
+                   "also draw the stiffest wall over its damping, and write its figures beside it")
+      ->type_name("FILE.png");
+  command
+      ->add_option("--push", stability.push_N,
+                   "with how many newtons the device leans on the wall, 1 by default")
+      ->check(CLI::Range(1e-3, 1e3))
+      ->type_name("N");
+  command->add_option("--frames", stability.frames, "of each run, 2000 by default")
+      ->check(CLI::Range(40, 10'000'000))
+      ->type_name("N");
+  command->callback([&] { status = stability_command(stability); });
 
   SolveArguments solve;
   command = app.add_subcommand("solve",

@@ -34,6 +34,14 @@ struct DeviceArguments : ScenarioArguments {
 // Exit status 1 where the system does not fit its device or the clock is not reached.
 int device_command(const DeviceArguments& arguments);
 
+struct StabilityArguments : ScenarioArguments {
+  bool json = false;
+  std::filesystem::path map;  // a picture; empty: none
+  double push_N = 1;
+  int frames = 2000;  // of each run
+};
+int stability_command(const StabilityArguments& arguments);
+
 struct ExportArguments : ScenarioArguments {
   std::filesystem::path out;
 };

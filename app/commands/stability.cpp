@@ -1,0 +1,83 @@
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "app/commands/commands.h"
+#include "app/commands/terminal.h"
+#include "app/results/figures_json.h"
+#include "app/results/number_text.h"
+#include "app/results/part_file.h"
+#include "app/results/pictures.h"
+#include "app/scenario/message.h"
+#include "app/stability/stability_search.h"
+
+namespace hvp::app {
+
+namespace {
+
+constexpr int kDampings = 12;
+
+std::string time_text(double seconds) {
+  return results::readable_time(std::llround(seconds * 1e12));
+}
+
+void print_figures(const Scene& scene, const StabilityFigures& f) {
+  const Scenario& s = scene.scenario();
+  if (!s.title.empty()) print("{}\n", scenario::one_line(s.title, 1000));
+  print("\nLargest stable stiffness of the wall\n");
+  const auto line = [](std::string_view what, double value, std::string_view note) {
+    print("  {:<26} {:>10}  {}\n", what, value > 0 ? fmt::format("{:.4g} N/m", value) : "none",
+          note);
+  };
+  line("runs of the platform", f.stiffness_max,
+       f.unstable_from > 0
+           ? fmt::format("{} runs; unstable from {:.5g} N/m", f.runs, f.unstable_from)
+           : fmt::format("{} runs; none was unstable", f.runs));
+  line("exact eigenvalues", f.stiffness_linear, "without steps, friction and limits");
+  line("passive, whoever holds it", f.stiffness_passive, "(b - |B|)/(T/2 + L)");
+  if (f.encoder_bound > 0) {
+    line("between encoder steps", f.encoder_bound, "2 f/D of friction and encoder");
+  }
+  print("\n  the force is {} late, and held for {}; the wall is damped by {:g} N s/m\n",
+        time_text(f.delay_s), time_text(f.period_s), f.damping_N_s_m);
+}
+
+std::string map_csv(const Scene& scene, const std::vector<StabilityFigures>& map) {
+  std::string text = fmt::format("# {}\n", scenario::one_line(scene.scenario().title, 200));
+  text += "damping_N_s_m,stiffness_max_N_m,stiffness_linear_N_m,stiffness_passive_N_m\n";
+  for (const StabilityFigures& f : map) {
+    text += fmt::format("{},{},{},{}\n", results::shortest(f.damping_N_s_m),
+                        results::shortest(f.stiffness_max), results::shortest(f.stiffness_linear),
+                        results::shortest(f.stiffness_passive));
+  }
+  return text;
+}
+
+}  // namespace
+
+int stability_command(const StabilityArguments& arguments) {
+  const LoadedScenario loaded = load(arguments);
+  const Progress progress = make_progress(arguments.quiet);
+  const Scene scene = build_scene(loaded, progress);
+  const SearchSettings settings{{arguments.push_N, arguments.frames}, 1e-3, 1e7};
+  try {
+    const StabilityFigures figures = find_stability(scene, settings, progress);
+    std::vector<StabilityFigures> map;
+    if (!arguments.map.empty()) map = stability_map(scene, settings, kDampings, progress);
+    end_progress(arguments.quiet);
+    if (arguments.json) {
+      print("{}\n", results::figures_json(figures).dump(2));
+    } else {
+      print_figures(scene, figures);
+    }
+    if (arguments.map.empty()) return kHeld;
+    std::filesystem::path csv = arguments.map;
+    csv.replace_extension(".csv");
+    results::write_through_part_file(csv, map_csv(scene, map));
+    return kHeld;
+  } catch (const InputError& e) {
+    throw loaded.document.complete(e);
+  }
+}
+
+}  // namespace hvp::app

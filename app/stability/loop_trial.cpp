@@ -1,0 +1,104 @@
+#include "app/stability/loop_trial.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/run/loop_watch.h"
+#include "app/stability/child_process.h"
+#include "models/plant/moving_device.h"
+#include "vp/platform.h"
+
+namespace hvp::app {
+
+namespace {
+
+// A loop whose displacement gets smaller by less than this from one quarter to the second one after
+// it does not come to rest: the figure of a bisection to 0.1 % (docs/stability.md).
+constexpr double kComesToRest = 0.9999;
+constexpr double kRegister = 5e-9;  // m; what the words of position and force may keep moving
+constexpr double kCounts = 2;       // of an encoder, likewise
+
+// How far the tip is from where it would rest, along the wall's normal.
+class TrialWatch : public vp::FrameObserver {
+ public:
+  TrialWatch(const host::Wall& wall, double depth, int frames)
+      : wall_(wall), depth_(depth), quarter_(std::max(1, frames / 4)) {}
+
+  void closed(const vp::Frame& frame, const vp::CriticalPath& /*path*/) override {
+    const double off = wall_.depth(frame.devices.front().plant.tip.position) - depth_;
+    const std::int64_t quarter = std::min<std::int64_t>(3, frame.number / quarter_);
+    sums_[static_cast<std::size_t>(quarter)] += off * off;
+    if (quarter == 3) largest_ = std::max(largest_, std::abs(off));
+    delay_ += frame.born + frame.latency() - frame.latched;
+    ++frames_;
+  }
+
+  Trial trial(double still) const {
+    Trial trial;
+    trial.amplitude_m = largest_;
+    trial.growth = sums_[1] > 0 ? std::sqrt(sums_[3] / sums_[1]) : 0;
+    trial.delay_s = frames_ > 0 ? to_seconds(delay_) / static_cast<double>(frames_) : 0;
+    trial.stable = largest_ <= still || trial.growth < kComesToRest;
+    return trial;
+  }
+
+ private:
+  const host::Wall& wall_;
+  double depth_;
+  std::int64_t quarter_;
+  std::array<double, 4> sums_{};
+  double largest_ = 0;
+  Picoseconds delay_ = 0;
+  std::int64_t frames_ = 0;
+};
+
+double still(const Scenario& s) {
+  const std::optional<plant::Encoder>& encoder = s.device.encoder;
+  if (!encoder) return kRegister;
+  const double step = encoder->at == plant::Encoder::At::tip ? encoder->resolution : 0;
+  return std::max(kRegister, kCounts * step);
+}
+
+Trial run_trial(const Scene& scene, double stiffness, const TrialSettings& settings) {
+  vp::PlatformSettings p = platform_settings(scene);
+  host::Wall& wall = p.wall.value();
+  wall.stiffness_N_m = stiffness;
+  p.frames = 4 * std::max(1, settings.frames / 4);
+  const double depth = settings.push_N / stiffness;
+  const Eigen::Vector3d n = wall.direction();
+  plant::Trajectory rest = p.probes.front();
+  rest.start += (wall.depth(rest.start) - depth) * n;
+  rest.motion = {{.phase = plant::Stroke::hold, .to = rest.start, .duration = 1}};
+  p.probes = {rest};
+  plant::Plant plant = plant::plant_of(p.device, p.hand, rest);
+  plant.displaced = -kDisplaced * depth * n;
+  plant.push = -settings.push_N * n;
+  if (plant.gravity) plant.push -= plant.weight();
+  plant::MovingDevice device(plant);
+  p.haptic_devices = {&device};
+  vp::Platform platform(p, std::nullopt, nullptr);
+  TrialWatch watch(wall, depth, p.frames);
+  platform.add_observer(watch);
+  platform.run();
+  return watch.trial(still(scene.scenario()));
+}
+
+}  // namespace
+
+Trial try_wall(const Scene& scene, double stiffness, const TrialSettings& settings) {
+  using nlohmann::json;
+  const json answer = json::parse(in_child([&] {
+    const Trial t = run_trial(scene, stiffness, settings);
+    return json{{"stable", t.stable},
+                {"growth", std::isfinite(t.growth) ? t.growth : 1e300},
+                {"amplitude", t.amplitude_m},
+                {"delay", t.delay_s}}
+        .dump();
+  }));
+  return {answer["stable"].get<bool>(), answer["growth"].get<double>(),
+          answer["amplitude"].get<double>(), answer["delay"].get<double>()};
+}
+
+}  // namespace hvp::app

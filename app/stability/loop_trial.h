@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+
+#include "app/scene/scene.h"
+
+namespace hvp::app {
+
+// How a loop is tried: device and hand begin in equilibrium in the wall, pushed into it by
+// `push_N`, but for a part of the depth by which they are displaced. What is left of that
+// displacement after `frames` says whether the loop is stable. The wall is never left by a loop
+// that is.
+struct TrialSettings {
+  double push_N = 1;
+  int frames = 2000;
+};
+
+// What one run of the platform showed.
+struct Trial {
+  bool stable = false;
+  double growth = 0;       // of the displacement's mean square root: last quarter over the second
+  double amplitude_m = 0;  // the largest displacement in the last quarter
+  double delay_s = 0;      // from the latch to the force at the motor, the mean of all frames
+};
+
+// Displaced by this part of the depth. Half, so that a stable loop stays in the wall, and one count
+// of an encoder is a small part of it.
+inline constexpr double kDisplaced = 0.5;
+
+// Runs the platform of a scenario with a wall of this stiffness (N/m, positive), in a process of
+// its own. The scenario has [wall] and [device.dynamics]; its first probe is tried. A loop that
+// swings on by more than two encoder steps, or by what the registers' nanometre makes, without
+// getting smaller is not stable.
+Trial try_wall(const Scene& scene, double stiffness_N_m, const TrialSettings& settings);
+
+}  // namespace hvp::app

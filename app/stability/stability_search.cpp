@@ -1,0 +1,166 @@
+#include "app/stability/stability_search.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "app/run/loop_watch.h"
+#include "models/config/input_error.h"
+
+namespace hvp::app {
+
+namespace {
+
+constexpr double kFirst = 100;     // N/m; where to begin without a better guess
+constexpr double kSoftest = 1e-2;  // below it nothing is a wall
+constexpr double kStride = 1.5;
+
+void require_loop(const Scenario& s) {
+  if (!s.wall) {
+    throw InputError("wall", "the stiffness is a wall's: expected [wall] in place of [object]");
+  }
+  if (!s.device.dynamics) {
+    throw InputError("device.dynamics",
+                     "a device without mass has no stability: expected [device.dynamics]");
+  }
+}
+
+// With another damping of the wall.
+Scene damped(const Scene& scene, double damping) {
+  Scenario s = scene.scenario();
+  s.wall->damping_N_s_m = damping;
+  return {s, scene.device()};
+}
+
+class Search {
+ public:
+  Search(const Scene& scene, const SearchSettings& settings, const Progress& progress)
+      : scene_(scene), settings_(settings), progress_(progress) {}
+
+  StabilityFigures find() {
+    const Scenario& s = scene_.scenario();
+    StabilityFigures figures;
+    figures.period_s = s.budget.period_s;
+    figures.damping_N_s_m = s.wall->damping_N_s_m;
+    // A first run tells the delay, by which the eigenvalues make a good guess.
+    stable(kFirst);
+    const plant::WallLoop loop = wall_loop(s, delay_s_, s.wall->direction());
+    if (delay_s_ <= results::kMostSamples * loop.period_s) {
+      figures.stiffness_linear = plant::largest_stable_stiffness(loop);
+    }
+    figures.stiffness_passive = plant::passive_stiffness(loop, s.device.dynamics->damping_N_s_m);
+    bracket(figures.stiffness_linear > 0 ? figures.stiffness_linear : kFirst);
+    while (below_ > 0 && above_ > 0 && above_ - below_ > settings_.tolerance * below_) {
+      const double middle = std::sqrt(below_ * above_);
+      (stable(middle) ? below_ : above_) = middle;
+    }
+    figures.stiffness_max = below_;
+    figures.unstable_from = above_;
+    const auto& encoder = s.device.encoder;
+    if (encoder && encoder->at == plant::Encoder::At::tip && s.device.friction) {
+      figures.encoder_bound = 2 * s.device.friction->force_N / encoder->resolution;
+    }
+    figures.delay_s = delay_s_;
+    figures.runs = runs_;
+    return figures;
+  }
+
+ private:
+  bool stable(double stiffness) {
+    ++runs_;
+    if (progress_) progress_(fmt::format("run {}: {:.5g} N/m", runs_, stiffness));
+    const Trial trial = try_wall(scene_, stiffness, settings_.trial);
+    delay_s_ = trial.delay_s;
+    return trial.stable;
+  }
+
+  void bracket(double guess) {
+    double at = std::clamp(guess, kSoftest, settings_.largest_N_m);
+    double stride = 1.02;  // the guess is a good one more often than not
+    if (stable(at)) {
+      below_ = at;
+      while (above_ == 0 && at < settings_.largest_N_m) {
+        at = std::min(settings_.largest_N_m, at * stride);
+        stride = std::max(stride, kStride);
+        (stable(at) ? below_ : above_) = at;
+      }
+      return;
+    }
+    above_ = at;
+    while (below_ == 0 && at > kSoftest) {
+      at = std::max(kSoftest, at / stride);
+      stride = std::max(stride, kStride);
+      (stable(at) ? below_ : above_) = at;
+    }
+  }
+
+  const Scene& scene_;
+  const SearchSettings& settings_;
+  const Progress& progress_;
+  double below_ = 0;  // the stiffest that was stable
+  double above_ = 0;  // the softest that was not
+  double delay_s_ = 0;
+  int runs_ = 0;
+};
+
+}  // namespace
+
+StabilityFigures find_stability(const Scene& scene, const SearchSettings& settings,
+                                const Progress& progress) {
+  require_loop(scene.scenario());
+  return Search(scene, settings, progress).find();
+}
+
+std::vector<StabilityFigures> stability_map(const Scene& scene, const SearchSettings& settings,
+                                            int count, const Progress& progress) {
+  require_loop(scene.scenario());
+  std::vector<StabilityFigures> map;
+  const StabilityFigures undamped = find_stability(damped(scene, 0), settings, progress);
+  map.push_back(undamped);
+  // Where the linear loop ends, by doubling and bisection.
+  const auto linear = [&](double damping) {
+    plant::WallLoop loop = wall_loop(damped(scene, damping).scenario(), undamped.delay_s,
+                                     scene.scenario().wall->direction());
+    return plant::largest_stable_stiffness(loop);
+  };
+  double some = 1e-3;
+  while (linear(some) > 0 && some < 1e6) some *= 2;
+  double none = some;
+  some *= 0.5;
+  for (int i = 0; i < 12; ++i) {
+    const double middle = 0.5 * (some + none);
+    (linear(middle) > 0 ? some : none) = middle;
+  }
+  for (int i = 1; i < count; ++i) {
+    const double damping = some * i / (count - 1);
+    map.push_back(find_stability(damped(scene, damping), settings, progress));
+  }
+  return map;
+}
+
+void StabilityFigures::report(config::Figures& f) const {
+  const auto stiffness = [&f](std::string_view key, double value, std::string_view help) {
+    f.quantity(key, value > 0 ? std::optional(value) : std::nullopt, "N/m", help);
+  };
+  stiffness("stiffness_max", stiffness_max,
+            "the stiffest wall with which runs of the platform were stable; null where none was");
+  stiffness("unstable_from", unstable_from,
+            "the softest with which one was not; null up to 10 MN/m");
+  stiffness("stiffness_linear", stiffness_linear,
+            "by the exact eigenvalues of device, hand, period, delay and wall, without steps, "
+            "friction and limits; null for a delay of more than 16 periods");
+  f.quantity("stiffness_passive", stiffness_passive, "N/m",
+             "(b − |B|)/(T/2 + L): a softer wall is passive, whoever holds the device (Colgate & "
+             "Schenkel 1997)");
+  stiffness("stiffness_encoder", encoder_bound,
+            "2·f_c/Δ, with friction and an encoder: a softer wall comes to rest between its steps "
+            "(Abbott & Okamura 2005)");
+  f.mean_time("delay_us", delay_s * 1e12,
+              "L: from the latch of the position to the force at the motor, mean");
+  f.mean_time("period_us", period_s * 1e12, "T");
+  f.quantity("wall_damping_N_s_m", damping_N_s_m, "N·s/m", "B");
+  f.count("runs", runs, "of the platform");
+}
+
+}  // namespace hvp::app
