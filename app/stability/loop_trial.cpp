@@ -1,6 +1,7 @@
 #include "app/stability/loop_trial.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -18,38 +19,54 @@ namespace {
 // it does not come to rest: the figure of a bisection to 0.1 % (docs/stability.md).
 constexpr double kComesToRest = 0.9999;
 constexpr double kRegister = 5e-9;  // m; what the words of position and force may keep moving
-constexpr double kCounts = 2;       // of an encoder, likewise
+constexpr double kCounts = 1;       // of an encoder, likewise
 
-// How far the tip is from where it would rest, along the wall's normal.
+// How the tip swings along the wall's normal, in quarters of the run.
 class TrialWatch : public vp::FrameObserver {
  public:
-  TrialWatch(const host::Wall& wall, double depth, int frames)
-      : wall_(wall), depth_(depth), quarter_(std::max(1, frames / 4)) {}
+  TrialWatch(const host::Wall& wall, int frames) : wall_(wall), quarter_(frames / 4) {}
 
   void closed(const vp::Frame& frame, const vp::CriticalPath& /*path*/) override {
-    const double off = wall_.depth(frame.devices.front().plant.tip.position) - depth_;
-    const std::int64_t quarter = std::min<std::int64_t>(3, frame.number / quarter_);
-    sums_[static_cast<std::size_t>(quarter)] += off * off;
-    if (quarter == 3) largest_ = std::max(largest_, std::abs(off));
+    const double depth = wall_.depth(frame.devices.front().plant.tip.position);
+    quarters_[static_cast<std::size_t>(std::min<std::int64_t>(3, frame.number / quarter_))].add(
+        depth);
     delay_ += frame.born + frame.latency() - frame.latched;
     ++frames_;
   }
 
   Trial trial(double still) const {
+    const Quarter& before = quarters_[1];
+    const Quarter& last = quarters_[3];
     Trial trial;
-    trial.amplitude_m = largest_;
-    trial.growth = sums_[1] > 0 ? std::sqrt(sums_[3] / sums_[1]) : 0;
+    trial.amplitude_m = 0.5 * (last.most - last.least);
+    trial.growth = before.squares > 0 ? std::sqrt(last.squares / before.squares) : 0;
     trial.delay_s = frames_ > 0 ? to_seconds(delay_) / static_cast<double>(frames_) : 0;
-    trial.stable = largest_ <= still || trial.growth < kComesToRest;
+    trial.stable = trial.amplitude_m <= still || trial.growth < kComesToRest;
     return trial;
   }
 
  private:
+  struct Quarter {
+    double count = 0;
+    double mean = 0;
+    double squares = 0;  // about the mean (Welford 1962)
+    double least = 0;
+    double most = 0;
+
+    void add(double depth) {
+      if (count == 0) least = most = depth;
+      count += 1;
+      const double off = depth - mean;
+      mean += off / count;
+      squares += off * (depth - mean);
+      least = std::min(least, depth);
+      most = std::max(most, depth);
+    }
+  };
+
   const host::Wall& wall_;
-  double depth_;
   std::int64_t quarter_;
-  std::array<double, 4> sums_{};
-  double largest_ = 0;
+  std::array<Quarter, 4> quarters_;
   Picoseconds delay_ = 0;
   std::int64_t frames_ = 0;
 };
@@ -79,7 +96,7 @@ Trial run_trial(const Scene& scene, double stiffness, const TrialSettings& setti
   plant::MovingDevice device(plant);
   p.haptic_devices = {&device};
   vp::Platform platform(p, std::nullopt, nullptr);
-  TrialWatch watch(wall, depth, p.frames);
+  TrialWatch watch(wall, p.frames);
   platform.add_observer(watch);
   platform.run();
   return watch.trial(still(scene.scenario()));

@@ -18,8 +18,8 @@ struct TrialSettings {
 // What one run of the platform showed.
 struct Trial {
   bool stable = false;
-  double growth = 0;       // of the displacement's mean square root: last quarter over the second
-  double amplitude_m = 0;  // the largest displacement in the last quarter
+  double growth = 0;       // of the swing about its mean (rms): last quarter over the second
+  double amplitude_m = 0;  // half of peak to peak in the last quarter
   double delay_s = 0;      // from the latch to the force at the motor, the mean of all frames
 };
 
@@ -27,10 +27,10 @@ struct Trial {
 // of an encoder is a small part of it.
 inline constexpr double kDisplaced = 0.5;
 
-// Runs the platform of a scenario with a wall of this stiffness (N/m, positive), in a process of
-// its own. The scenario has [wall] and [device.dynamics]; its first probe is tried. A loop that
-// swings on by more than two encoder steps, or by what the registers' nanometre makes, without
-// getting smaller is not stable.
+// Runs the platform of a scenario with a wall of this stiffness (N/m, positive), in a process of its
+// own. The scenario has [wall] and [device.dynamics]; its first probe is tried. A loop that swings
+// on by more than an encoder step either way, or by what the registers' nanometre makes, without
+// getting smaller is not stable; one that sticks is.
 Trial try_wall(const Scene& scene, double stiffness_N_m, const TrialSettings& settings);
 
 }  // namespace hvp::app

@@ -56,6 +56,7 @@ class Search {
       (stable(middle) ? below_ : above_) = middle;
     }
     figures.stiffness_max = below_;
+    figures.left_m = left_m_;
     figures.unstable_from = above_;
     const auto& encoder = s.device.encoder;
     if (encoder && encoder->at == plant::Encoder::At::tip && s.device.friction) {
@@ -72,6 +73,7 @@ class Search {
     if (progress_) progress_(fmt::format("run {}: {:.5g} N/m", runs_, stiffness));
     const Trial trial = try_wall(scene_, stiffness, settings_.trial);
     delay_s_ = trial.delay_s;
+    if (trial.stable) left_m_ = trial.amplitude_m;
     return trial.stable;
   }
 
@@ -100,6 +102,7 @@ class Search {
   const Progress& progress_;
   double below_ = 0;  // the stiffest that was stable
   double above_ = 0;  // the softest that was not
+  double left_m_ = 0;  // of the last one that was stable
   double delay_s_ = 0;
   int runs_ = 0;
 };
@@ -145,6 +148,8 @@ void StabilityFigures::report(config::Figures& f) const {
   };
   stiffness("stiffness_max", stiffness_max,
             "the stiffest wall with which runs of the platform were stable; null where none was");
+  f.quantity("left_m", left_m, "m",
+             "half of peak to peak of what the device swings on by at that stiffness");
   stiffness("unstable_from", unstable_from,
             "the softest with which one was not; null up to 10 MN/m");
   stiffness("stiffness_linear", stiffness_linear,

@@ -12,6 +12,7 @@ namespace hvp::app {
 // The stiffest wall that a scenario's loop holds.
 struct StabilityFigures {
   double stiffness_max = 0;      // N/m, by runs of the platform; 0: none is stable
+  double left_m = 0;             // what it swings on by then, half of peak to peak
   double unstable_from = 0;      // the softest that was seen not to be; 0: none was
   double stiffness_linear = 0;   // by the exact eigenvalues at the runs' own delay
   double stiffness_passive = 0;  // by Colgate & Schenkel's bound at that delay
