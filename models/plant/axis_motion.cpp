@@ -5,75 +5,104 @@
 
 namespace hvp::plant {
 
+AxisMotion::Piece::Piece(const LinearAxis& axis, double starts, double lasts,
+                         const LinearAxis::State& from, const LinearAxis::Drive& driven,
+                         double slips, double rubs)
+    : start(starts),
+      step(lasts),
+      state(from),
+      drive(driven),
+      direction(slips),
+      friction(rubs),
+      series(axis, step, AxisSeries::count_terms(axis.rate() * step, drive), state, drive) {}
+
 double AxisMotion::begin(const LinearAxis& axis, const std::optional<Friction>& friction,
                          const LinearAxis::State& state, const LinearAxis::Drive& drive,
                          double seconds) {
   axis_ = axis;
   friction_ = friction;
-  count_ = 1;
-  if (!friction_) {
-    pieces_[0] = {.state = state, .drive = drive};
-    return seconds;
-  }
-  pieces_[0] = decided(0, state, drive);
+  length_ = seconds;
+  count_ = 0;
+  decide(0, state, drive);
   for (;;) {
-    const Piece& last = pieces_[count_ - 1];
-    const double left = seconds - last.start;
-    const double lasts = ends_within(left, last);
-    if (lasts >= left) return seconds;
-    const double end = last.start + lasts;
+    const Piece& piece = last();
+    const std::optional<double> change = change_in(piece);
+    if (!change && piece.start + piece.step >= seconds) return seconds;
+    const double lasts = change ? *change * piece.step : piece.step;
+    const double end = piece.start + lasts;
     if (count_ == kMostPieces) return end;
 
-    LinearAxis::State then = state_in(last, lasts);
-    then.v = 0;
+    LinearAxis::State then = state_in(piece, lasts);
     const LinearAxis::Drive drive_then = drive.after(end);
-    if (last.drive.stuck) {
-      const double net = axis_.net_at_rest(then, drive_then).force;
-      pieces_[count_] = slipping(end, then, drive_then, std::copysign(1.0, net));
-    } else {
-      pieces_[count_] = decided(end, then, drive_then);
+    if (!change) {
+      piece.drive.stuck ? stick(end, then, drive_then)
+                        : slip(end, then, drive_then, piece.direction);
+      continue;
     }
-    ++count_;
+    then.v = 0;
+    if (piece.drive.stuck) {
+      const double net = axis_.net_at_rest(then, drive_then).force;
+      slip(end, then, drive_then, std::copysign(1.0, net));
+    } else {
+      decide(end, then, drive_then);
+    }
   }
 }
 
-AxisMotion::Piece AxisMotion::decided(double start, LinearAxis::State state,
-                                      const LinearAxis::Drive& drive) const {
-  if (state.v != 0) return slipping(start, state, drive, std::copysign(1.0, state.v));
-  state = axis_.settled(state, drive);
-  const LinearAxis::Net net = axis_.net_at_rest(state, drive);
-  if (std::abs(net.force) > friction_->hold() + net.rounding) {
-    return slipping(start, state, drive, std::copysign(1.0, net.force));
-  }
-  Piece piece{start, state, drive};
-  piece.drive.stuck = true;
-  return piece;
+void AxisMotion::decide(double start, const LinearAxis::State& state,
+                        const LinearAxis::Drive& drive) {
+  if (!friction_) return slip(start, state, drive, 0);
+  if (state.v != 0) return slip(start, state, drive, std::copysign(1.0, state.v));
+  const LinearAxis::State still = axis_.settled(state, drive);
+  const LinearAxis::Net net = axis_.net_at_rest(still, drive);
+  if (std::abs(net.force) <= friction_->hold() + net.rounding) return stick(start, still, drive);
+  slip(start, still, drive, std::copysign(1.0, net.force));
 }
 
-AxisMotion::Piece AxisMotion::slipping(double start, const LinearAxis::State& state,
-                                       LinearAxis::Drive drive, double direction) const {
-  const double friction = -direction * friction_->force_N;
-  drive.external[0] += friction;
-  return {start, state, drive, direction, friction};
+void AxisMotion::stick(double start, const LinearAxis::State& state,
+                       const LinearAxis::Drive& drive) {
+  LinearAxis::Drive held = drive;
+  held.stuck = true;
+  add(start, state, held, 0, 0);
 }
 
-double AxisMotion::ends_within(double seconds, const Piece& piece) const {
-  if (!piece.drive.stuck) return axis_.reverses_within(seconds, piece.state, piece.drive);
+void AxisMotion::slip(double start, const LinearAxis::State& state, const LinearAxis::Drive& drive,
+                      double direction) {
+  const double friction = friction_ ? -direction * friction_->force_N : 0;
+  LinearAxis::Drive rubbed = drive;
+  rubbed.external[0] += friction;
+  add(start, state, rubbed, direction, friction);
+}
+
+void AxisMotion::add(double start, const LinearAxis::State& state, const LinearAxis::Drive& drive,
+                     double direction, double friction) {
+  const double rate = axis_.rate();
+  double step = length_ - start;
+  if (rate * step > AxisSeries::kFastest) step = AxisSeries::kFastest / rate;
+  pieces_[count_++].emplace(axis_, start, step, axis_.settled(state, drive), drive, direction,
+                            friction);
+}
+
+std::optional<double> AxisMotion::change_in(const Piece& piece) const {
+  if (!friction_) return {};
+  if (!piece.drive.stuck) return piece.series.reverses();
   const double rounding = axis_.net_at_rest(piece.state, piece.drive).rounding;
-  return axis_.pulled_loose_within(seconds, piece.state, piece.drive, friction_->hold() + rounding);
+  return piece.series.pulled_loose(axis_, friction_->hold() + rounding);
 }
 
 LinearAxis::State AxisMotion::state_in(const Piece& piece, double seconds) const {
-  LinearAxis::State state = axis_.after(seconds, piece.state, piece.drive);
+  if (seconds <= 0) return piece.state;
+  LinearAxis::State state = piece.series.at(seconds / piece.step);
   // Next to its end rounding may have it slip the other way.
-  if (state.v * piece.direction < 0) state.v = 0;
+  if (state.v * piece.direction >= 0) return state;
+  state.v = 0;
   return axis_.settled(state, piece.drive);
 }
 
 const AxisMotion::Piece& AxisMotion::piece_at(double seconds) const {
   std::size_t i = count_ - 1;
-  while (i > 0 && pieces_[i].start > seconds) --i;
-  return pieces_[i];
+  while (i > 0 && pieces_[i]->start > seconds) --i;
+  return *pieces_[i];
 }
 
 LinearAxis::State AxisMotion::at(double seconds) const {
@@ -89,12 +118,13 @@ LinearAxis::Drive AxisMotion::drive_at(double seconds) const {
 Energy AxisMotion::flowed(double seconds) const {
   Energy sum;
   for (std::size_t i = 0; i < count_; ++i) {
-    const Piece& piece = pieces_[i];
-    const double end = i + 1 < count_ ? std::min(pieces_[i + 1].start, seconds) : seconds;
-    if (end <= piece.start) continue;
-    sum += work(axis_, end - piece.start, piece.state, piece.drive);
+    const Piece& piece = *pieces_[i];
+    const double end = i + 1 < count_ ? std::min(pieces_[i + 1]->start, seconds) : seconds;
+    const double length = end - piece.start;
+    if (length <= 0) continue;
+    sum += work(axis_, length, piece.series, piece.step, piece.drive);
     if (piece.friction != 0) {
-      sum.friction -= piece.friction * (state_in(piece, end - piece.start).x - piece.state.x);
+      sum.friction -= piece.friction * (state_in(piece, length).x - piece.state.x);
     }
   }
   return sum;

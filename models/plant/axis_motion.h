@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "models/plant/axis_series.h"
 #include "models/plant/energy.h"
 #include "models/plant/friction.h"
 #include "models/plant/linear_axis.h"
@@ -20,7 +21,7 @@ namespace hvp::plant {
 class AxisMotion {
  public:
   // Finds the pieces from `state` on; returns for how long they hold, s: `seconds`, or less where
-  // there are more than kMostPieces.
+  // it takes more than kMostPieces.
   double begin(const LinearAxis& axis, const std::optional<Friction>& friction,
                const LinearAxis::State& state, const LinearAxis::Drive& drive, double seconds);
 
@@ -34,23 +35,36 @@ class AxisMotion {
   static constexpr std::size_t kMostPieces = 8;
 
   struct Piece {
-    double start = 0;  // s
+    Piece(const LinearAxis& axis, double starts, double lasts, const LinearAxis::State& from,
+          const LinearAxis::Drive& driven, double slips, double rubs);
+
+    double start;  // s
+    double step;   // s
     LinearAxis::State state;
     LinearAxis::Drive drive;  // with the friction
-    double direction = 0;     // of slipping: 1 or −1; 0 where it sticks, or where nothing rubs
-    double friction = 0;      // N, signed
+    double direction;         // of slipping: 1 or −1; 0 where it sticks, or nothing rubs
+    double friction;          // N, signed
+    AxisSeries series;        // over `step`
   };
 
-  Piece decided(double start, LinearAxis::State state, const LinearAxis::Drive& drive) const;
-  Piece slipping(double start, const LinearAxis::State& state, LinearAxis::Drive drive,
-                 double direction) const;
-  double ends_within(double seconds, const Piece& piece) const;
+  // What follows from a state on: each adds a piece.
+  void decide(double start, const LinearAxis::State& state, const LinearAxis::Drive& drive);
+  void stick(double start, const LinearAxis::State& state, const LinearAxis::Drive& drive);
+  // Slips that way; without friction moves.
+  void slip(double start, const LinearAxis::State& state, const LinearAxis::Drive& drive,
+            double direction);
+  void add(double start, const LinearAxis::State& state, const LinearAxis::Drive& drive,
+           double direction, double friction);
+  // When the friction changes, as a share of the piece's step.
+  std::optional<double> change_in(const Piece& piece) const;
   LinearAxis::State state_in(const Piece& piece, double seconds) const;
+  const Piece& last() const { return *pieces_[count_ - 1]; }
   const Piece& piece_at(double seconds) const;
 
   LinearAxis axis_;
   std::optional<Friction> friction_;
-  std::array<Piece, kMostPieces> pieces_;
+  double length_ = 0;  // s
+  std::array<std::optional<Piece>, kMostPieces> pieces_;
   std::size_t count_ = 0;
 };
 

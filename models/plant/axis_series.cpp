@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <stdexcept>
 #include <string>
+
+#include "models/plant/first_root.h"
 
 namespace hvp::plant {
 
@@ -45,11 +48,10 @@ std::size_t AxisSeries::count_terms(double rate_times_step, const LinearAxis::Dr
 
 AxisSeries::AxisSeries(const LinearAxis& axis, double step, std::size_t terms,
                        const LinearAxis::State& from, const LinearAxis::Drive& drive)
-    : axis_(axis),
-      step_(step),
-      terms_(terms),
+    : terms_(terms),
       stuck_(drive.stuck),
       rigid_(axis.grip_is_rigid()),
+      lags_(axis.lag_rate > 0),
       external_(drive.external),
       hand_{} {
   double scale = 1;
@@ -67,80 +69,78 @@ AxisSeries::AxisSeries(const LinearAxis& axis, double step, std::size_t terms,
   hand_x_[0] = from.hand_x;
   hand_v_[0] = from.hand_v;
   force_[0] = from.force;
-  run_force(drive.command);
+  run_force(axis.lag_rate * step, drive.command);
   if (rigid_) {
-    run_rigid();
+    run_rigid(axis, step);
   } else {
-    run_with_grip();
+    run_with_grip(axis, step);
   }
 }
 
-void AxisSeries::run_force(double command) {
-  const double rate = axis_.lag_rate * step_;
+void AxisSeries::run_force(double rate_times_step, double command) {
   double rest = force_[0] - command;
   for (std::size_t n = 1; n < terms_; ++n) {
-    rest *= -rate * kInverse[n];
+    rest *= -rate_times_step * kInverse[n];
     force_[n] = rest;
   }
 }
 
-void AxisSeries::run_rigid() {
-  const double per_mass = stuck_ ? 0 : step_ / (axis_.mass + axis_.hand_mass);
-  const double damping = axis_.damping + axis_.hand_damping;
+void AxisSeries::run_rigid(const LinearAxis& axis, double step) {
+  const double per_mass = stuck_ ? 0 : step / (axis.mass + axis.hand_mass);
+  const double stiffness = axis.hand_stiffness * per_mass;
+  const double damping = (axis.damping + axis.hand_damping) * per_mass;
   for (std::size_t n = 0; n + 1 < terms_; ++n) {
-    const double driven = force_[n] + scaled(external_, n) + scaled(hand_, n);
-    const double net = driven - axis_.hand_stiffness * x_[n] - damping * v_[n];
-    v_[n + 1] = per_mass * kInverse[n + 1] * net;
-    x_[n + 1] = step_ * kInverse[n + 1] * v_[n];
+    double driven = force_[n];
+    if (n < hand_.size()) driven += external_[n] + hand_[n];
+    v_[n + 1] = kInverse[n + 1] * (driven * per_mass - stiffness * x_[n] - damping * v_[n]);
+    x_[n + 1] = step * kInverse[n + 1] * v_[n];
   }
 }
 
-void AxisSeries::run_with_grip() {
-  const double per_mass = stuck_ ? 0 : step_ / axis_.mass;
-  const double per_hand_mass = step_ / axis_.hand_mass;
+void AxisSeries::run_with_grip(const LinearAxis& axis, double step) {
+  const double per_mass = stuck_ ? 0 : step / axis.mass;
+  const double per_hand_mass = step / axis.hand_mass;
   for (std::size_t n = 0; n + 1 < terms_; ++n) {
     const double grip =
-        axis_.grip_stiffness * (hand_x_[n] - x_[n]) + axis_.grip_damping * (hand_v_[n] - v_[n]);
-    const double driven = force_[n] + scaled(external_, n);
-    const double hand =
-        scaled(hand_, n) - axis_.hand_stiffness * hand_x_[n] - axis_.hand_damping * hand_v_[n];
-    v_[n + 1] = per_mass * kInverse[n + 1] * (driven - axis_.damping * v_[n] + grip);
-    x_[n + 1] = step_ * kInverse[n + 1] * v_[n];
+        axis.grip_stiffness * (hand_x_[n] - x_[n]) + axis.grip_damping * (hand_v_[n] - v_[n]);
+    double driven = force_[n] - axis.damping * v_[n];
+    double hand = -axis.hand_stiffness * hand_x_[n] - axis.hand_damping * hand_v_[n];
+    if (n < hand_.size()) {
+      driven += external_[n];
+      hand += hand_[n];
+    }
+    v_[n + 1] = per_mass * kInverse[n + 1] * (driven + grip);
+    x_[n + 1] = step * kInverse[n + 1] * v_[n];
     hand_v_[n + 1] = per_hand_mass * kInverse[n + 1] * (hand - grip);
-    hand_x_[n + 1] = step_ * kInverse[n + 1] * hand_v_[n];
+    hand_x_[n + 1] = step * kInverse[n + 1] * hand_v_[n];
   }
 }
 
-LinearAxis::State AxisSeries::at(double s) const {
-  LinearAxis::State state;
-  for (std::size_t n = terms_; n-- > 0;) {  // the smallest first
-    state.x = state.x * s + x_[n];
-    state.v = state.v * s + v_[n];
-    state.force = state.force * s + force_[n];
-  }
-  if (rigid_) {
-    state.hand_x = state.x;
-    state.hand_v = state.v;
-    return state;
-  }
-  for (std::size_t n = terms_; n-- > 0;) {
-    state.hand_x = state.hand_x * s + hand_x_[n];
-    state.hand_v = state.hand_v * s + hand_v_[n];
-  }
-  return state;
+std::optional<double> AxisSeries::reverses() const {
+  return first_root(std::span(v_).first(terms_));
 }
 
-AxisSeries::Coefficients AxisSeries::net_force() const {
+std::optional<double> AxisSeries::pulled_loose(const LinearAxis& axis, double hold) const {
   Coefficients net;
   for (std::size_t n = 0; n < terms_; ++n) {
-    net[n] = force_[n] + scaled(external_, n);
-    if (rigid_) {
-      net[n] += scaled(hand_, n) - axis_.hand_stiffness * x_[n];
-    } else {
-      net[n] += axis_.grip_stiffness * (hand_x_[n] - x_[n]) + axis_.grip_damping * hand_v_[n];
-    }
+    net[n] = force_[n];
+    if (n < hand_.size()) net[n] += external_[n] + (rigid_ ? hand_[n] : 0);
+    if (!rigid_) net[n] += axis.grip_stiffness * hand_x_[n] + axis.grip_damping * hand_v_[n];
   }
-  return net;
+  net[0] -= (rigid_ ? axis.hand_stiffness : axis.grip_stiffness) * x_[0];
+
+  const std::span<double> coefficients = std::span(net).first(terms_);
+  const double at_first = net[0];
+  std::optional<double> first;
+  for (const double sign : {1.0, -1.0}) {
+    net[0] = at_first - sign * hold;
+    const auto leads =
+        std::find_if(coefficients.begin(), coefficients.end(), [](double c) { return c != 0; });
+    if (leads != coefficients.end() && *leads * sign > 0) return 0;
+    const std::optional<double> root = first_root(coefficients);
+    if (root && *root < first.value_or(2)) first = root;
+  }
+  return first;
 }
 
 }  // namespace hvp::plant

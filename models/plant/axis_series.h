@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 
 #include "models/plant/linear_axis.h"
 
@@ -24,44 +25,58 @@ class AxisSeries {
              const LinearAxis::Drive& drive);
   static std::size_t count_terms(double rate_times_step, const LinearAxis::Drive& drive);
 
-  LinearAxis::State at(double s) const;
-  const Coefficients& velocity() const { return v_; }  // m/s
-  // The forces on a device that is stuck, N.
-  Coefficients net_force() const;
-  std::size_t terms() const { return terms_; }
+  LinearAxis::State at(double s) const { return at(std::array{s})[0]; }
+  // The same at many, faster.
+  template <std::size_t Count>
+  std::array<LinearAxis::State, Count> at(const std::array<double, Count>& s) const;
+  // The first s in (0, 1] at which the velocity changes its sign; none where it does not.
+  std::optional<double> reverses() const;
+  // Of an axis that is stuck: the first s in [0, 1] at which the forces on it together are larger
+  // than `hold` (N) either way; none where they never are. `axis` is the constructor's.
+  std::optional<double> pulled_loose(const LinearAxis& axis, double hold) const;
 
  private:
-  void run_rigid();
-  void run_with_grip();
-  void run_force(double command);
-  double scaled(const Polynomial& p, std::size_t n) const { return n < p.size() ? p[n] : 0; }
+  void run_rigid(const LinearAxis& axis, double step);
+  void run_with_grip(const LinearAxis& axis, double step);
+  void run_force(double rate_times_step, double command);
 
-  const LinearAxis& axis_;
-  double step_;
+  template <std::size_t Count>
+  std::array<double, Count> sums(const Coefficients& a, const std::array<double, Count>& s) const;
+
   std::size_t terms_;
   bool stuck_;
   bool rigid_;
+  bool lags_;
   Polynomial external_;  // N, of s
   Polynomial hand_;      // k_h·u + b_h·u′, N, of s
   Coefficients x_, v_, hand_x_, hand_v_, force_;
 };
 
-// The state after `seconds`, step by step. `visit(series, seconds before it, step)` sees each one;
-// false ends the walk there.
-template <class Visit>
-LinearAxis::State walk(const LinearAxis& axis, double seconds, const LinearAxis::State& from,
-                       const LinearAxis::Drive& drive, const Visit& visit) {
-  LinearAxis::State state = axis.settled(from, drive);
-  if (seconds <= 0) return state;
-  const double steps = AxisSeries::steps(axis, seconds);
-  const double step = seconds / steps;
-  const std::size_t terms = AxisSeries::count_terms(axis.rate() * step, drive);
-  for (double n = 0; n < steps; ++n) {
-    const AxisSeries series(axis, step, terms, state, n == 0 ? drive : drive.after(n * step));
-    if (!visit(series, n * step, step)) break;
-    state = series.at(1);
+template <std::size_t Count>
+std::array<double, Count> AxisSeries::sums(const Coefficients& a,
+                                           const std::array<double, Count>& s) const {
+  std::array<double, Count> sum{};
+  for (std::size_t n = terms_; n-- > 0;) {  // the smallest first
+    for (std::size_t i = 0; i < Count; ++i) sum[i] = sum[i] * s[i] + a[n];
   }
-  return state;
+  return sum;
+}
+
+template <std::size_t Count>
+std::array<LinearAxis::State, Count> AxisSeries::at(const std::array<double, Count>& s) const {
+  const std::array<double, Count> x = sums(x_, s);
+  const std::array<double, Count> v = sums(v_, s);
+  const std::array<double, Count> hand_x = rigid_ ? x : sums(hand_x_, s);
+  const std::array<double, Count> hand_v = rigid_ ? v : sums(hand_v_, s);
+  std::array<double, Count> force;
+  if (lags_) {
+    force = sums(force_, s);
+  } else {
+    force.fill(force_[0]);
+  }
+  std::array<LinearAxis::State, Count> states;
+  for (std::size_t i = 0; i < Count; ++i) states[i] = {x[i], v[i], hand_x[i], hand_v[i], force[i]};
+  return states;
 }
 
 }  // namespace hvp::plant

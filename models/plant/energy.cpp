@@ -2,7 +2,7 @@
 
 #include <array>
 #include <cmath>
-#include <span>
+#include <cstddef>
 
 #include "models/plant/axis_series.h"
 
@@ -10,30 +10,26 @@ namespace hvp::plant {
 
 namespace {
 
-struct Node {
-  double at;
-  double weight;
-};
-
 // Gauss-Legendre on [0, 1]. What is integrated changes at twice the motion's rate; both leave out
-// less than 1e-15 of it, the shorter one where rate·step is at most kSlow.
+// less than 1e-15 of it, the shorter one where rate·seconds is at most kSlow.
 constexpr double kSlow = 0.5;
-constexpr std::array<Node, 6> kShort = {{{0.0337652428984239861, 0.0856622461895851725},
-                                         {0.1693953067668677432, 0.1803807865240693038},
-                                         {0.3806904069584015457, 0.2339569672863455237},
-                                         {0.6193095930415984543, 0.2339569672863455237},
-                                         {0.8306046932331322568, 0.1803807865240693038},
-                                         {0.9662347571015760139, 0.0856622461895851725}}};
-constexpr std::array<Node, 10> kLong = {{{0.0130467357414141400, 0.0333356721543440688},
-                                         {0.0674683166555077446, 0.0747256745752902966},
-                                         {0.1602952158504877969, 0.1095431812579910220},
-                                         {0.2833023029353764046, 0.1346333596549981775},
-                                         {0.4255628305091843946, 0.1477621123573764351},
-                                         {0.5744371694908156054, 0.1477621123573764351},
-                                         {0.7166976970646235954, 0.1346333596549981775},
-                                         {0.8397047841495122031, 0.1095431812579910220},
-                                         {0.9325316833444922554, 0.0747256745752902966},
-                                         {0.9869532642585858600, 0.0333356721543440688}}};
+template <std::size_t Count>
+struct Quadrature {
+  std::array<double, Count> at;
+  std::array<double, Count> weight;
+};
+constexpr Quadrature<6> kShort{
+    {0.0337652428984239861, 0.1693953067668677432, 0.3806904069584015457, 0.6193095930415984543,
+     0.8306046932331322568, 0.9662347571015760139},
+    {0.0856622461895851725, 0.1803807865240693038, 0.2339569672863455237, 0.2339569672863455237,
+     0.1803807865240693038, 0.0856622461895851725}};
+constexpr Quadrature<10> kLong{
+    {0.0130467357414141400, 0.0674683166555077446, 0.1602952158504877969, 0.2833023029353764046,
+     0.4255628305091843946, 0.5744371694908156054, 0.7166976970646235954, 0.8397047841495122031,
+     0.9325316833444922554, 0.9869532642585858600},
+    {0.0333356721543440688, 0.0747256745752902966, 0.1095431812579910220, 0.1346333596549981775,
+     0.1477621123573764351, 0.1477621123573764351, 0.1346333596549981775, 0.1095431812579910220,
+     0.0747256745752902966, 0.0333356721543440688}};
 
 // W.
 struct Power {
@@ -49,6 +45,25 @@ Power power(const LinearAxis& axis, const LinearAxis::State& s, double intended,
   const double hand = axis.hand_stiffness * (intended - s.hand_x) + axis.hand_damping * pulled;
   return {s.force * s.v, hand * speed, axis.damping * s.v * s.v,
           axis.hand_damping * pulled * pulled + axis.grip_damping * slipped * slipped};
+}
+
+template <std::size_t Count>
+Energy integrated(const Quadrature<Count>& nodes, const LinearAxis& axis, double seconds,
+                  const AxisSeries& series, double step, const LinearAxis::Drive& drive) {
+  std::array<double, Count> shares = nodes.at;
+  for (double& share : shares) share *= seconds / step;
+  const std::array<LinearAxis::State, Count> states = series.at(shares);
+  Energy sum;
+  for (std::size_t i = 0; i < Count; ++i) {
+    const double t = nodes.at[i] * seconds;
+    const Power p = power(axis, states[i], value(drive.intended, t), slope(drive.intended, t));
+    const double part = nodes.weight[i] * seconds;
+    sum.by_motors += part * p.motor;
+    sum.by_intention += part * p.intention;
+    sum.device_damping += part * p.device_damping;
+    sum.hand_damping += part * p.hand_damping;
+  }
+  return sum;
 }
 
 }  // namespace
@@ -80,25 +95,11 @@ double Energy::moved() const {
          std::abs(let_go);
 }
 
-Energy work(const LinearAxis& axis, double seconds, const LinearAxis::State& from,
+Energy work(const LinearAxis& axis, double seconds, const AxisSeries& series, double step,
             const LinearAxis::Drive& drive) {
-  Energy sum;
-  walk(axis, seconds, from, drive, [&](const AxisSeries& series, double before, double step) {
-    const bool slow = axis.rate() * step <= kSlow;
-    const std::span<const Node> nodes = slow ? std::span<const Node>(kShort) : kLong;
-    for (const Node& node : nodes) {
-      const double t = before + node.at * step;
-      const Power p =
-          power(axis, series.at(node.at), value(drive.intended, t), slope(drive.intended, t));
-      const double seconds_here = node.weight * step;
-      sum.by_motors += seconds_here * p.motor;
-      sum.by_intention += seconds_here * p.intention;
-      sum.device_damping += seconds_here * p.device_damping;
-      sum.hand_damping += seconds_here * p.hand_damping;
-    }
-    return true;
-  });
-  return sum;
+  const bool slow = axis.rate() * seconds <= kSlow;
+  return slow ? integrated(kShort, axis, seconds, series, step, drive)
+              : integrated(kLong, axis, seconds, series, step, drive);
 }
 
 }  // namespace hvp::plant

@@ -4,6 +4,8 @@
 
 namespace hvp::plant {
 
+class AxisSeries;
+
 // Where the energy of a device and its hand comes from and goes to, J, since the start. What
 // flowed is integrated by itself (Gauss-Legendre over the series of the motion), so that
 // imbalance() tests the motion.
@@ -33,8 +35,9 @@ struct Energy {
   double at_port() const { return device_damping + friction - by_motors; }
 };
 
-// What motor, intention and dampers do over `seconds`; the rest is 0.
-Energy work(const LinearAxis& axis, double seconds, const LinearAxis::State& from,
+// What motor, intention and dampers do over the first `seconds` of a series over `step`; the rest
+// is 0.
+Energy work(const LinearAxis& axis, double seconds, const AxisSeries& series, double step,
             const LinearAxis::Drive& drive);
 
 }  // namespace hvp::plant

@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
-#include <optional>
-#include <span>
 
 #include "models/plant/axis_series.h"
-#include "models/plant/first_root.h"
 
 namespace hvp::plant {
 
@@ -41,38 +39,16 @@ LinearAxis::State LinearAxis::settled(State state, const Drive& drive) const {
 }
 
 LinearAxis::State LinearAxis::after(double seconds, const State& from, const Drive& drive) const {
-  return walk(*this, seconds, from, drive, [](const AxisSeries&, double, double) { return true; });
-}
-
-double LinearAxis::reverses_within(double seconds, const State& from, const Drive& drive) const {
-  double found = seconds;
-  walk(*this, seconds, from, drive, [&](const AxisSeries& series, double before, double step) {
-    const std::optional<double> s = first_root(std::span(series.velocity()).first(series.terms()));
-    if (s) found = before + *s * step;
-    return !s;
-  });
-  return found;
-}
-
-double LinearAxis::pulled_loose_within(double seconds, const State& from, const Drive& drive,
-                                       double hold) const {
-  double found = seconds;
-  walk(*this, seconds, from, drive, [&](const AxisSeries& series, double before, double step) {
-    AxisSeries::Coefficients net = series.net_force();
-    const std::span<double> coefficients = std::span(net).first(series.terms());
-    const double at_first = coefficients[0];
-    double s = 2;
-    for (const double sign : {1.0, -1.0}) {
-      coefficients[0] = at_first - sign * hold;
-      const auto nonzero =
-          std::find_if(coefficients.begin(), coefficients.end(), [](double c) { return c != 0; });
-      if (nonzero != coefficients.end() && *nonzero * sign > 0) s = 0;
-      if (const auto root = first_root(coefficients)) s = std::min(s, *root);
-    }
-    if (s <= 1) found = before + s * step;
-    return s > 1;
-  });
-  return found;
+  State state = settled(from, drive);
+  if (seconds <= 0) return state;
+  const double steps = AxisSeries::steps(*this, seconds);
+  const double step = seconds / steps;
+  const std::size_t terms = AxisSeries::count_terms(rate() * step, drive);
+  for (double n = 0; n < steps; ++n) {
+    const Drive here = n == 0 ? drive : drive.after(n * step);
+    state = AxisSeries(*this, step, terms, state, here).at(1);
+  }
+  return state;
 }
 
 LinearAxis::Net LinearAxis::net_at_rest(const State& state, const Drive& drive) const {

@@ -52,14 +52,6 @@ struct LinearAxis {
   // function of `seconds` alone.
   State after(double seconds, const State& from, const Drive& drive) const;
 
-  // The first time within `seconds` at which the velocity is zero and changes its sign; `seconds`
-  // where there is none. Coming from rest does not count.
-  double reverses_within(double seconds, const State& from, const Drive& drive) const;
-  // Of an axis that is stuck: the first time within `seconds` at which the forces on it together
-  // are larger than `hold` (N) either way; `seconds` where they never are.
-  double pulled_loose_within(double seconds, const State& from, const Drive& drive,
-                             double hold) const;
-
   // The forces on the device if it stood, N, and how large rounding may be in their sum.
   struct Net {
     double force;

@@ -59,25 +59,29 @@ void MovingDevice::advance(Picoseconds from, Picoseconds to, const Eigen::Vector
 
 TipState MovingDevice::state() const {
   TipState tip;
+  const std::array<LinearAxis::State, 3> now = states(reached_);
   for (std::size_t i = 0; i < 3; ++i) {
-    const LinearAxis::State now = anchor_.axes[i].at(since_anchor(reached_));
-    tip.position[component(i)] = now.x;
-    tip.velocity[component(i)] = now.v;
+    tip.position[component(i)] = now[i].x;
+    tip.velocity[component(i)] = now[i].v;
   }
   return tip;
 }
 
+std::array<LinearAxis::State, 3> MovingDevice::states(Picoseconds time) const {
+  std::array<LinearAxis::State, 3> states;
+  for (std::size_t i = 0; i < 3; ++i) states[i] = anchor_.axes[i].at(since_anchor(time));
+  return states;
+}
+
 PlantState MovingDevice::mechanics() const {
-  PlantState now;
-  now.energy = flowed(reached_);
+  PlantState now{.tip = state()};
+  const std::array<LinearAxis::State, 3> axes = states(reached_);
+  now.energy = flowed(reached_, axes);
   for (std::size_t i = 0; i < 3; ++i) {
-    const LinearAxis::State state = anchor_.axes[i].at(since_anchor(reached_));
     const LinearAxis::Drive drive = anchor_.axes[i].drive_at(since_anchor(reached_));
-    now.tip.position[component(i)] = state.x;
-    now.tip.velocity[component(i)] = state.v;
-    now.motor_force[component(i)] = state.force;
-    now.hand_force[component(i)] = axes_[i].hand_force(state, drive);
-    now.energy += stored(i, state, drive);
+    now.motor_force[component(i)] = axes[i].force;
+    now.hand_force[component(i)] = axes_[i].hand_force(axes[i], drive);
+    now.energy += stored(i, axes[i], drive);
   }
   return now;
 }
@@ -90,12 +94,11 @@ Energy MovingDevice::stored(std::size_t i, const LinearAxis::State& state,
   return e;
 }
 
-Energy MovingDevice::flowed(Picoseconds time) const {
+Energy MovingDevice::flowed(Picoseconds time, const std::array<LinearAxis::State, 3>& then) const {
   Energy sum = anchor_.energy;
-  const double seconds = since_anchor(time);
   for (std::size_t i = 0; i < 3; ++i) {
-    sum += anchor_.axes[i].flowed(seconds);
-    const double way = anchor_.axes[i].at(seconds).x - anchor_.axes[i].at(0).x;
+    sum += anchor_.axes[i].flowed(since_anchor(time));
+    const double way = then[i].x - anchor_.axes[i].at(0).x;
     sum.by_gravity += weight_[component(i)] * way;
     sum.by_push += push_[component(i)] * way;
   }
@@ -103,12 +106,11 @@ Energy MovingDevice::flowed(Picoseconds time) const {
 }
 
 void MovingDevice::move_anchor(Picoseconds time) {
-  anchor_.energy = flowed(time);
-  std::array<LinearAxis::State, 3> states;
-  for (std::size_t i = 0; i < 3; ++i) states[i] = anchor_.axes[i].at(since_anchor(time));
-  if (held_ && time >= lets_go_) let_go(states);
+  std::array<LinearAxis::State, 3> then = states(time);
+  anchor_.energy = flowed(time, then);
+  if (held_ && time >= lets_go_) let_go(then);
   anchor_.time = time;
-  carry_on(states);
+  carry_on(then);
 }
 
 // Its springs and its mass leave as they are; the device keeps its velocity.
@@ -127,15 +129,19 @@ void MovingDevice::let_go(std::array<LinearAxis::State, 3>& states) {
 void MovingDevice::carry_on(const std::array<LinearAxis::State, 3>& states) {
   const Picoseconds time = anchor_.time;
   Picoseconds until = (time / kPiece + 1) * kPiece;
-  Trajectory::Piece piece{};
   if (held_) {
-    piece = intended_.piece(time);
-    until = std::min({until, piece.until, lets_go_});
+    if (time >= stroke_.until) {  // at its end, to the picosecond: it bounds `until`
+      stroke_ = intended_.piece(time);
+      stroke_begins_ = time;
+    }
+    until = std::min({until, stroke_.until, lets_go_});
   }
   anchor_.until = until;
   for (std::size_t i = 0; i < 3; ++i) {
     LinearAxis::Drive drive;
-    drive.intended = piece.position[i];
+    if (held_) {
+      drive.intended = shifted(stroke_.position[i], to_seconds(time - stroke_begins_));
+    }
     drive.external[0] = weight_[component(i)] + push_[component(i)];
     drive.command = command_[component(i)];
     const double length = to_seconds(until - time);

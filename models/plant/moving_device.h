@@ -38,8 +38,9 @@ class MovingDevice final : public Device {
   // Finds the motion from the anchor's time on.
   void carry_on(const std::array<LinearAxis::State, 3>& states);
   double since_anchor(Picoseconds time) const { return to_seconds(time - anchor_.time); }
-  // Of all axes: what has flowed until then, without what is stored.
-  Energy flowed(Picoseconds time) const;
+  // Of all axes: what has flowed until a time and the states then, without what is stored.
+  Energy flowed(Picoseconds time, const std::array<LinearAxis::State, 3>& then) const;
+  std::array<LinearAxis::State, 3> states(Picoseconds time) const;
   // What axis i has stored in that state.
   Energy stored(std::size_t i, const LinearAxis::State& state,
                 const LinearAxis::Drive& drive) const;
@@ -49,7 +50,9 @@ class MovingDevice final : public Device {
   Eigen::Vector3d weight_;  // N
   Eigen::Vector3d push_;    // N
   Trajectory intended_;
-  Picoseconds lets_go_;  // the hand; the largest number where it never does
+  Picoseconds stroke_begins_ = 0;
+  Trajectory::Piece stroke_{};  // of the intended motion, from there on
+  Picoseconds lets_go_;         // the hand; the largest number where it never does
   bool held_;
   Anchor anchor_;
   Eigen::Vector3d command_ = Eigen::Vector3d::Zero();

@@ -149,8 +149,13 @@ TEST(AxisMotion, WithoutFrictionIsTheAxis) {
   const LinearAxis axis{.mass = 0.05, .damping = 1, .hand_stiffness = 375, .hand_damping = 4.5};
   const LinearAxis::State from{.x = 0.01, .v = -1};
   AxisMotion motion;
-  EXPECT_EQ(motion.begin(axis, std::nullopt, from, {}, 0.2), 0.2);
-  EXPECT_EQ(motion.at(0.17), axis.after(0.17, from, {}));
+  EXPECT_EQ(motion.begin(axis, std::nullopt, from, {}, 0.02), 0.02);
+  EXPECT_NEAR(motion.at(0.017).x, axis.after(0.017, from, {}).x, 1e-16);
+  EXPECT_NEAR(motion.at(0.017).v, axis.after(0.017, from, {}).v, 1e-15);
+  // Of a stretch that takes too many pieces it knows the beginning.
+  const double known = motion.begin(axis, std::nullopt, from, {}, 1);
+  EXPECT_NEAR(known, 8 * 2 / axis.rate(), 1e-12);
+  EXPECT_NEAR(motion.at(known).x, axis.after(known, from, {}).x, 1e-15);
   // Nor is it another where the friction is none.
   Motion run(axis, {0}, from, {});
   EXPECT_NEAR(run.at(0.17).x, axis.after(0.17, from, {}).x, 1e-14);
