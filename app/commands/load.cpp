@@ -10,6 +10,7 @@
 
 #include "app/commands/commands.h"
 #include "app/devices/devices.h"
+#include "app/devices/haptic_devices.h"
 #include "app/scenario/files.h"
 #include "app/scenario/message.h"
 #include "app/scenario/reader.h"
@@ -73,6 +74,7 @@ std::filesystem::path results_folder(const ScenarioArguments& arguments) {
 LoadedScenario load(const ScenarioArguments& arguments) {
   LoadedScenario loaded{
       scenario::Document::load(arguments.scenario, arguments.overrides), {}, {}, {}};
+  devices::put_device_under(loaded.document);
   scenario::read(loaded.document, loaded.scenario);
   loaded.scenario.title = title_of(loaded.scenario.title, arguments.overrides);
   scenario::resolve_files(loaded.document, loaded.scenario);

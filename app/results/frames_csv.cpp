@@ -88,6 +88,7 @@ std::vector<FrameColumn> probe_columns(const ProbeColumns& of, std::size_t index
   if (!of.currents) return columns;
   vector("commanded", "A", "with `[device.motor]`: the current that the frame's force asks for");
   vector("current", "A", "what converter and amplifier make of it, before the amplifier's lag");
+  vector("read", "A", "with `[device.adc]`: the current as the host read it; else 0");
   return columns;
 }
 
@@ -151,6 +152,7 @@ std::string FramesCsv::device_fields(const vp::Frame& f, std::size_t i) const {
   if (probes_.currents) {
     append(fields, d.drive.commanded_current);
     append(fields, d.drive.current);
+    append(fields, d.read_current);
   }
   return fields;
 }

@@ -48,6 +48,8 @@ void remove_other_surfaces(const fs::path& directory, const std::string& kept) {
 void write_resolved_scenario(const fs::path& directory, const app::Scenario& scenario,
                              const fs::path& device) {
   app::Scenario resolved = scenario;
+  // All that it says stands there, and what was taken out of it is to stay out.
+  resolved.device.model.clear();
   const std::string device_name = std::string(kStem) + ".device.toml";
   if (!device.empty()) {
     resolved.accelerator.device = device_name;

@@ -32,7 +32,8 @@ void LoopWatch::closed(const vp::Frame& frame, const vp::CriticalPath& path) {
     const vp::DeviceRecord& record = frame.devices[i];
     plant::LoopSample sample{frame.number,      to_seconds(latched), {}, record.plant, record.drive,
                              record.read_wrong, rests(i, latched)};
-    sample.view = {frame.touches[i].tip, -frame.touches[i].force};
+    sample.view = {frame.touches[i].tip, -frame.touches[i].force, 0};
+    if (scenario_.wall) sample.view.stored = scenario_.wall->energy(sample.view.read);
     qualities_[i].add(sample);
   }
 }

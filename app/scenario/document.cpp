@@ -114,6 +114,21 @@ void Document::put_on_base() {
   }
 }
 
+void Document::put_text_under(std::string_view table, std::string_view text,
+                              const std::filesystem::path& file_name) {
+  Document lower = parse_file(text, file_name);
+  set_file(lower.root_, static_cast<int>(files_.size()));
+  Node wrapped;
+  wrapped.add(table, std::move(lower.root_));
+  lay_over(std::move(root_), wrapped);
+  root_ = std::move(wrapped);
+  files_.push_back(file_name);
+}
+
+void Document::put_file_under(std::string_view table, const std::filesystem::path& file) {
+  put_text_under(table, read_text(file), file);
+}
+
 Document Document::of_overrides(const std::vector<std::string>& overrides) {
   Document document;
   for (const std::string& item : overrides) document.apply(item);

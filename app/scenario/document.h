@@ -37,6 +37,12 @@ class Document {
   // Overrides alone, for a command that has no scenario; errors then name no file.
   static Document of_overrides(const std::vector<std::string>& overrides);
 
+  // Lays what the document says in a table at the top over another text, or another file, of that
+  // table's keys, as over a base. Throws SourceError as load() does.
+  void put_text_under(std::string_view table, std::string_view text,
+                      const std::filesystem::path& file_name);
+  void put_file_under(std::string_view table, const std::filesystem::path& file);
+
   const Node& root() const { return root_; }
 
   // The path that `key` has -> one from the program's own folder: it starts from the folder of the

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 
 #include "models/config/declaration.h"
 
@@ -32,6 +33,11 @@ struct Wall {
   double depth(const Eigen::Vector3d& tip) const { return direction().dot(point - tip); }
   // On the tip, N, by its depths in this frame and the one before, which lie period_s apart.
   Eigen::Vector3d force(double depth, double depth_before, double period_s) const;
+  // In its spring, J.
+  double energy(const Eigen::Vector3d& tip) const {
+    const double d = sides == Sides::one ? std::max(0.0, depth(tip)) : depth(tip);
+    return 0.5 * stiffness_N_m * d * d;
+  }
   // Additions and multiplications of depth() and force().
   static constexpr double kOperations = 5 + 3 + 2 + 3;
 };

@@ -31,6 +31,7 @@ struct RegisterFormat {
 
 inline constexpr RegisterFormat kPosition{1e9};  // 1 nm, ±2.147 m
 inline constexpr RegisterFormat kForce{1e6};     // 1 µN, ±2147 N
+inline constexpr RegisterFormat kCurrent{1e6};   // 1 µA, ±2147 A
 
 // The data acquisition board: scenario table [device.daq]. Two delays. Between the command to
 // sample and a position that can be read lies `sampling_delay`; between the last register write

@@ -27,8 +27,7 @@ void DeviceLimits::declare(config::Visitor& v) {
 }
 
 void DeviceSettings::declare(config::Visitor& v) {
-  v.text("model",
-         model,
+  v.text("model", model,
          {"a ready device: a name of haptic-devices/, or a file that ends in .toml with keys of "
           "this table. What the scenario states itself counts more",
           "none: an ideal device that its user moves whatever the force"});
@@ -51,9 +50,16 @@ void DeviceSettings::declare(config::Visitor& v) {
            {"joints between tip and motors: steps of the encoders and limits of the motors differ "
             "over the workspace",
             "no module: the inverse and J of each force and each reading"});
-  v.effect("dac", dac,
-           {"currents are commanded in steps of a voltage", "no cost: a rounding of each command",
-            {config::Need{"device.amplifier", {config::kPresent}, "its voltage commands a current"}}});
+  v.effect(
+      "dac", dac,
+      {"currents are commanded in steps of a voltage",
+       "no cost: a rounding of each command",
+       {config::Need{"device.amplifier", {config::kPresent}, "its voltage commands a current"}}});
+  v.effect(
+      "adc", adc,
+      {"the host reads the motors' currents beside the positions, in steps",
+       "no module: three words a device more in the block of positions",
+       {config::Need{"device.amplifier", {config::kPresent}, "it reads an amplifier's current"}}});
   v.effect("amplifier", amplifier,
            {"a current source with a limit, and a lag where it has a bandwidth",
             "no module: a clamp of each command, a first-order lag of the force",
@@ -66,8 +72,9 @@ void DeviceSettings::declare(config::Visitor& v) {
 
 void DeviceSettings::check() const {
   if (encoder && encoder->at == Encoder::At::joints && !kinematics) {
-    throw InputError("encoder.at", "\"joints\" needs a device that has some: expected "
-                                   "[device.kinematics] too, or \"tip\"");
+    throw InputError("encoder.at",
+                     "\"joints\" needs a device that has some: expected "
+                     "[device.kinematics] too, or \"tip\"");
   }
 }
 

@@ -16,8 +16,8 @@
 
 namespace hvp::plant {
 
-// The effect [device.limits]: what the maker lets a program ask of the device. The force is clamped;
-// of a wall's stiffness and damping only the report speaks.
+// The effect [device.limits]: what the maker lets a program ask of the device. The force is
+// clamped; of a wall's stiffness and damping only the report speaks.
 struct DeviceLimits {
   double force_N = 8.5;
   double stiffness_N_m = 0;  // 0: not stated
@@ -36,6 +36,7 @@ struct DeviceSettings {
   std::optional<Gravity> gravity;
   std::optional<KinematicsSettings> kinematics;
   std::optional<Dac> dac;
+  std::optional<Adc> adc;
   std::optional<Amplifier> amplifier;
   std::optional<Motor> motor;
   std::optional<DeviceLimits> limits;

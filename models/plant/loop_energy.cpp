@@ -9,7 +9,7 @@
 namespace hvp::plant {
 
 namespace {
-constexpr double kSmallest = 1e-6;        // J
+constexpr double kSmallest = 1e-6;       // J
 constexpr double kSmallestShare = 1e-3;  // of the energy moved
 }  // namespace
 
@@ -19,11 +19,12 @@ void LoopEnergy::add(const HostView& view, const PlantState& plant) {
     body_ += mean.dot(view.read - view_.read);
     true_ += mean.dot(plant.tip.position - last_.tip.position);
   }
+  if (!any_) at_start_ = view.stored;
   any_ = true;
   view_ = view;
   last_ = plant;
-  if (plant.energy.at_port() < least_) {
-    least_ = plant.energy.at_port();
+  if (at_start_ + plant.energy.at_port() < least_) {
+    least_ = at_start_ + plant.energy.at_port();
     least_frame_ = frames_;
   }
   ++frames_;
@@ -61,12 +62,11 @@ void LoopEnergy::report(config::Figures& f) const {
             joules("converter", converter(), "of converter steps and current limits");
             joules("amplifier", amplifier(), "since currents lag behind");
           });
-  const std::array<std::pair<std::string_view, double>, 5> parts = {
-      {{"body", body()},
-       {"encoder", encoder()},
-       {"latency", latency()},
-       {"converter", converter()},
-       {"amplifier", amplifier()}}};
+  const std::array<std::pair<std::string_view, double>, 5> parts = {{{"body", body()},
+                                                                     {"encoder", encoder()},
+                                                                     {"latency", latency()},
+                                                                     {"converter", converter()},
+                                                                     {"amplifier", amplifier()}}};
   std::vector<std::string> feeds;
   for (const auto& [name, value] : parts) {
     if (value > kSmallestShare * e.moved()) feeds.emplace_back(name);

@@ -33,23 +33,37 @@ Drive OutputStage::drive(const Eigen::Vector3d& commanded_force, const Eigen::Ve
   result.force = commanded_force.unaryExpr(&bounded);
   if (!motor_) return result;
 
-  Eigen::Matrix3d torque_per_force = motor_->lever * Eigen::Matrix3d::Identity();  // N·m/N
-  if (kinematics_ != nullptr) {
-    const std::optional<Eigen::Vector3d> q = kinematics_->regular_joints(tip);
-    if (!q) {
-      result.force.setZero();
-      result.singular = true;
-      return result;
-    }
-    torque_per_force = kinematics_->jacobian(*q).transpose();
+  const std::optional<Eigen::Matrix3d> transposed = torque_per_force(tip);
+  if (!transposed) {
+    result.force.setZero();
+    result.singular = true;
+    return result;
   }
-  const Eigen::Vector3d torque_per_current = motor_->torque_constant_N_m_A * motor_->transmission;
-  result.commanded_current = (torque_per_force * result.force).cwiseQuotient(torque_per_current);
+  result.commanded_current = (*transposed * result.force).cwiseQuotient(torque_per_current());
   result.current = given(result.commanded_current, result);
   if (result.current == result.commanded_current) return result;
-  const Eigen::Vector3d torque = torque_per_current.cwiseProduct(result.current);
-  result.force = torque_per_force.inverse() * torque;
+  const Eigen::Vector3d torque = torque_per_current().cwiseProduct(result.current);
+  result.force = transposed->inverse() * torque;
   return result;
+}
+
+Eigen::Vector3d OutputStage::currents(const Eigen::Vector3d& force,
+                                      const Eigen::Vector3d& tip) const {
+  if (!motor_) return Eigen::Vector3d::Zero();
+  const std::optional<Eigen::Matrix3d> transposed = torque_per_force(tip);
+  if (!transposed) return Eigen::Vector3d::Zero();
+  return (*transposed * force).cwiseQuotient(torque_per_current());
+}
+
+std::optional<Eigen::Matrix3d> OutputStage::torque_per_force(const Eigen::Vector3d& tip) const {
+  if (kinematics_ == nullptr) return motor_->lever * Eigen::Matrix3d::Identity();
+  const std::optional<Eigen::Vector3d> q = kinematics_->regular_joints(tip);
+  if (!q) return std::nullopt;
+  return kinematics_->jacobian(*q).transpose();
+}
+
+Eigen::Vector3d OutputStage::torque_per_current() const {
+  return motor_->torque_constant_N_m_A * motor_->transmission;
 }
 
 // The currents that the amplifier gives, A; notes what saturated.

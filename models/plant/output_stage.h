@@ -38,8 +38,13 @@ class OutputStage {
 
   // `tip`: where it is, m, in the coordinates of the body.
   Drive drive(const Eigen::Vector3d& commanded_force, const Eigen::Vector3d& tip) const;
+  // Of the motors that exert this force, A; zero without motors and at a singular pose.
+  Eigen::Vector3d currents(const Eigen::Vector3d& force, const Eigen::Vector3d& tip) const;
 
  private:
+  // N·m of each joint for N at the tip; empty at a singular pose.
+  std::optional<Eigen::Matrix3d> torque_per_force(const Eigen::Vector3d& tip) const;
+  Eigen::Vector3d torque_per_current() const;
   Eigen::Vector3d given(const Eigen::Vector3d& commanded, Drive& result) const;
 
   std::optional<Dac> dac_;

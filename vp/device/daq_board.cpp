@@ -14,6 +14,7 @@ DaqBoard::DaqBoard(const sc_core::sc_module_name& name, const plant::DeviceSetti
       from_bus("from_bus"),
       encoder_(settings.encoder),
       limits_(settings.limits),
+      adc_(settings.adc),
       kinematics_(settings.kinematics ? plant::make_kinematics(*settings.kinematics) : nullptr),
       stage_(settings.dac, settings.amplifier, settings.motor, kinematics_.get()),
       devices_(std::move(devices)),
@@ -22,7 +23,7 @@ DaqBoard::DaqBoard(const sc_core::sc_module_name& name, const plant::DeviceSetti
       sampling_(to_picoseconds(settings.daq.sampling_delay)),
       output_(to_picoseconds(settings.daq.output_delay)),
       delay_(delay),
-      latched_(3 * devices_.size()),
+      latched_(read_bytes(settings, devices_.size()) / 4),
       tips_(devices_.size(), Eigen::Vector3d::Zero()),
       moving_(std::ranges::any_of(devices_, [](const auto* d) { return d->has_mass(); })) {
   from_bus.register_b_transport(this, &DaqBoard::b_transport);
@@ -39,7 +40,7 @@ void DaqBoard::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_ti
     latch(tag);
   } else if (transaction.is_read() && address == kPosition && bytes == 4 * latched_.size()) {
     std::memcpy(transaction.get_data_ptr(), latched_.data(), bytes);
-  } else if (transaction.is_write() && address == kForce && bytes == 4 * latched_.size()) {
+  } else if (transaction.is_write() && address == kForce && bytes == 12 * devices_.size()) {
     put_out(transaction.get_data_ptr(), tag);
   } else {
     transaction.set_response_status(tlm::TLM_ADDRESS_ERROR_RESPONSE);
@@ -60,9 +61,18 @@ void DaqBoard::latch(Tag& tag) {
       latched_[3 * d + i] = counts.value;
       reading.wrong = reading.wrong || counts.saturated;
     }
+    if (record == nullptr && !adc_) continue;
+    const plant::PlantState plant = devices_[d]->plant();
+    const Eigen::Vector3d current =
+        adc_ ? read_currents(plant) : Eigen::Vector3d(Eigen::Vector3d::Zero());
+    for (std::size_t i = 0; adc_ && i < 3; ++i) {
+      latched_[3 * (devices_.size() + d) + i] =
+          plant::kCurrent.to_counts(current[static_cast<Eigen::Index>(i)]).value;
+    }
     if (record == nullptr) continue;
-    record[d].plant = devices_[d]->plant();
+    record[d].plant = plant;
     record[d].read_wrong = reading.wrong;
+    record[d].read_current = current;
   }
   wait(to_sc_time(sampling_));
   ledger_.extend(tag, Part::daq, Phase::sample, start, now_ps());
@@ -73,6 +83,12 @@ DeviceRecord* DaqBoard::records(const Tag& tag) {
   std::vector<DeviceRecord>& records = ledger_.frame(tag.frame).devices;
   records.resize(devices_.size());
   return records.data();
+}
+
+Eigen::Vector3d DaqBoard::read_currents(const plant::PlantState& plant) const {
+  return stage_.currents(plant.motor_force, plant.tip.position).unaryExpr([this](double current) {
+    return adc_->read(current);
+  });
 }
 
 plant::Drive DaqBoard::driven(const Eigen::Vector3d& force, const Eigen::Vector3d& tip) const {

@@ -23,11 +23,16 @@ namespace hvp::vp {
 class DaqBoard : public sc_core::sc_module {
  public:
   static constexpr std::uint64_t kLatch = 0x00;  // write 4 bytes: latch now
-  // 12 bytes a device: x, y, z in plant::kPosition, and in plant::kForce.
+  // 12 bytes a device: x, y, z in plant::kPosition, and in plant::kForce. With an ADC the block
+  // that is read goes on with the motors' currents, likewise, in plant::kCurrent.
   static constexpr std::uint64_t kPosition = 0x100;  // read all
-  static constexpr std::uint64_t kForce = 0x200;     // write all
+  static constexpr std::uint64_t kForce = 0x300;     // write all
   static constexpr std::uint64_t kSize = 0x400;
   static constexpr std::size_t kMostDevices = 16;
+  // Of the block that is read.
+  static std::size_t read_bytes(const plant::DeviceSettings& settings, std::size_t devices) {
+    return (settings.adc ? 24 : 12) * devices;
+  }
 
   // Keeps references to the devices, whose times are the session's, the session and the ledger.
   DaqBoard(const sc_core::sc_module_name& name, const plant::DeviceSettings& settings,
@@ -43,10 +48,12 @@ class DaqBoard : public sc_core::sc_module {
 
   // The frame's record of the devices; null without a frame, or where none has mass.
   DeviceRecord* records(const Tag& tag);
+  Eigen::Vector3d read_currents(const plant::PlantState& plant) const;
   plant::Drive driven(const Eigen::Vector3d& force, const Eigen::Vector3d& tip) const;
 
   std::optional<plant::Encoder> encoder_;
   std::optional<plant::DeviceLimits> limits_;
+  std::optional<plant::Adc> adc_;
   std::unique_ptr<plant::Kinematics> kinematics_;
   plant::OutputStage stage_;
   std::vector<plant::Device*> devices_;

@@ -93,6 +93,7 @@ struct Span {
 struct DeviceRecord {
   plant::PlantState plant;
   bool read_wrong = false;  // the position read is not the tip's, by more than a step
+  Eigen::Vector3d read_current = Eigen::Vector3d::Zero();  // A, where an ADC reads them
   plant::Drive drive;
 };
 

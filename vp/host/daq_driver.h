@@ -16,16 +16,18 @@ namespace hvp::vp {
 // The servo process' accesses to the data acquisition board: all probes in one block each way.
 class DaqDriver {
  public:
-  DaqDriver(BoardAccess& access, std::size_t probes) : access_(access), counts_(3 * probes) {}
+  // `read_bytes`: DaqBoard::read_bytes(). What is read behind the positions, nobody uses yet.
+  DaqDriver(BoardAccess& access, std::size_t probes, std::size_t read_bytes)
+      : access_(access), counts_(3 * probes), read_(read_bytes / sizeof(std::int32_t)) {}
 
   // Latches the tips' positions and reads them, m.
   void read_positions(std::span<collision::Touch> touches) {
     const std::uint32_t latch = 1;
     access_.write(kDaqBase + DaqBoard::kLatch, &latch, sizeof(latch));
-    access_.read(kDaqBase + DaqBoard::kPosition, counts_.data(), bytes());
+    access_.read(kDaqBase + DaqBoard::kPosition, read_.data(), read_.size() * sizeof(std::int32_t));
     std::size_t next = 0;
     for (collision::Touch& touch : touches) {
-      for (int i = 0; i < 3; ++i) touch.tip[i] = plant::kPosition.to_value(counts_[next++]);
+      for (int i = 0; i < 3; ++i) touch.tip[i] = plant::kPosition.to_value(read_[next++]);
     }
   }
 
@@ -41,15 +43,15 @@ class DaqDriver {
         fits = fits && !c.saturated;
       }
     }
-    access_.write(kDaqBase + DaqBoard::kForce, counts_.data(), bytes());
+    access_.write(kDaqBase + DaqBoard::kForce, counts_.data(),
+                  counts_.size() * sizeof(std::int32_t));
     return fits;
   }
 
  private:
-  std::size_t bytes() const { return counts_.size() * sizeof(std::int32_t); }
-
   BoardAccess& access_;
   std::vector<std::int32_t> counts_;
+  std::vector<std::int32_t> read_;
 };
 
 }  // namespace hvp::vp

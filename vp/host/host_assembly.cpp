@@ -9,8 +9,9 @@ namespace {
 
 bool untimed(const PlatformSettings& settings) { return settings.fidelity.host == Timing::untimed; }
 
-ServoSettings servo_settings(const PlatformSettings& settings) {
-  return {settings.period, settings.frames, settings.host.pipeline_depth};
+ServoSettings servo_settings(const PlatformSettings& settings, std::size_t probes) {
+  return {settings.period, settings.frames, settings.host.pipeline_depth,
+          DaqBoard::read_bytes(settings.device, probes)};
 }
 
 BodySettings body_settings(const PlatformSettings& settings, bool refined) {
@@ -54,8 +55,8 @@ HostAssembly::HostAssembly(const PlatformSettings& settings, const std::optional
             ledger, &dispatcher_, settings.transfer),
       work_(settings_.host, untimed(settings_), access_.tag(), access_.time(), ledger),
       rendering_(make_rendering(soft)),
-      servo_("servo", servo_settings(settings), *rendering_, access_, work_, dispatcher_, ledger,
-             verdict, session) {
+      servo_("servo", servo_settings(settings, side.probes()), *rendering_, access_, work_,
+             dispatcher_, ledger, verdict, session) {
   if (!soft) return;
   collision_ = std::make_unique<CollisionProcess>("collision", settings.host, untimed(settings),
                                                   soft->contacts, *exchange_, session,

@@ -22,7 +22,7 @@ ServoProcess::ServoProcess(const sc_core::sc_module_name& name, const ServoSetti
       verdict_(verdict),
       session_(session),
       begun_("begun"),
-      daq_(access, rendering.probes()) {
+      daq_(access, rendering.probes(), settings.daq_read_bytes) {
   SC_HAS_PROCESS(ServoProcess);
   SC_THREAD(run);
   set_stack_size(kStackBytes);

@@ -22,6 +22,7 @@ struct ServoSettings {
   Picoseconds period = 2'000'000'000;
   std::int64_t frames = 1000;
   int pipeline_depth = 0;
+  std::size_t daq_read_bytes = 12;
 };
 
 // The servo process (thesis §6.2.2), step by step as in Fig. 6.2: read the positions, make forces
