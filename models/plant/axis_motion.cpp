@@ -26,9 +26,9 @@ double AxisMotion::begin(const LinearAxis& axis, const std::optional<Friction>& 
   decide(0, state, drive);
   for (;;) {
     const Piece& piece = last();
-    const std::optional<double> change = change_in(piece);
+    const std::optional<AxisSeries::Change> change = change_in(piece);
     if (!change && piece.start + piece.step >= seconds) return seconds;
-    const double lasts = change ? *change * piece.step : piece.step;
+    const double lasts = change ? change->s * piece.step : piece.step;
     const double end = piece.start + lasts;
     if (count_ == kMostPieces) return end;
 
@@ -41,8 +41,7 @@ double AxisMotion::begin(const LinearAxis& axis, const std::optional<Friction>& 
     }
     then.v = 0;
     if (piece.drive.stuck) {
-      const double net = axis_.net_at_rest(then, drive_then).force;
-      slip(end, then, drive_then, std::copysign(1.0, net));
+      slip(end, then, drive_then, change->direction);
     } else {
       decide(end, then, drive_then);
     }
@@ -83,11 +82,15 @@ void AxisMotion::add(double start, const LinearAxis::State& state, const LinearA
                             friction);
 }
 
-std::optional<double> AxisMotion::change_in(const Piece& piece) const {
+std::optional<AxisSeries::Change> AxisMotion::change_in(const Piece& piece) const {
   if (!friction_) return {};
-  if (!piece.drive.stuck) return piece.series.reverses();
-  const double rounding = axis_.net_at_rest(piece.state, piece.drive).rounding;
-  return piece.series.pulled_loose(axis_, friction_->hold() + rounding);
+  if (piece.drive.stuck) {
+    const double rounding = axis_.net_at_rest(piece.state, piece.drive).rounding;
+    return piece.series.pulled_loose(axis_, friction_->hold() + rounding);
+  }
+  const std::optional<double> s = piece.series.reverses();
+  if (!s) return {};
+  return AxisSeries::Change{*s, 0};
 }
 
 LinearAxis::State AxisMotion::state_in(const Piece& piece, double seconds) const {

@@ -55,8 +55,8 @@ class AxisMotion {
             double direction);
   void add(double start, const LinearAxis::State& state, const LinearAxis::Drive& drive,
            double direction, double friction);
-  // When the friction changes, as a share of the piece's step.
-  std::optional<double> change_in(const Piece& piece) const;
+  // When it stops slipping or breaks loose, and which way.
+  std::optional<AxisSeries::Change> change_in(const Piece& piece) const;
   LinearAxis::State state_in(const Piece& piece, double seconds) const;
   const Piece& last() const { return *pieces_[count_ - 1]; }
   const Piece& piece_at(double seconds) const;

@@ -120,7 +120,8 @@ std::optional<double> AxisSeries::reverses() const {
   return first_root(std::span(v_).first(terms_));
 }
 
-std::optional<double> AxisSeries::pulled_loose(const LinearAxis& axis, double hold) const {
+std::optional<AxisSeries::Change> AxisSeries::pulled_loose(const LinearAxis& axis,
+                                                           double hold) const {
   Coefficients net;
   for (std::size_t n = 0; n < terms_; ++n) {
     net[n] = force_[n];
@@ -131,14 +132,14 @@ std::optional<double> AxisSeries::pulled_loose(const LinearAxis& axis, double ho
 
   const std::span<double> coefficients = std::span(net).first(terms_);
   const double at_first = net[0];
-  std::optional<double> first;
+  std::optional<Change> first;
   for (const double sign : {1.0, -1.0}) {
     net[0] = at_first - sign * hold;
     const auto leads =
         std::find_if(coefficients.begin(), coefficients.end(), [](double c) { return c != 0; });
-    if (leads != coefficients.end() && *leads * sign > 0) return 0;
+    if (leads != coefficients.end() && *leads * sign > 0) return Change{0, sign};
     const std::optional<double> root = first_root(coefficients);
-    if (root && *root < first.value_or(2)) first = root;
+    if (root && (!first || *root < first->s)) first = Change{*root, sign};
   }
   return first;
 }

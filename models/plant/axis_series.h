@@ -32,8 +32,13 @@ class AxisSeries {
   // The first s in (0, 1] at which the velocity changes its sign; none where it does not.
   std::optional<double> reverses() const;
   // Of an axis that is stuck: the first s in [0, 1] at which the forces on it together are larger
-  // than `hold` (N) either way; none where they never are. `axis` is the constructor's.
-  std::optional<double> pulled_loose(const LinearAxis& axis, double hold) const;
+  // than `hold` (N), and which way, 1 or −1; none where they never are. `axis` is the
+  // constructor's.
+  struct Change {
+    double s;
+    double direction;
+  };
+  std::optional<Change> pulled_loose(const LinearAxis& axis, double hold) const;
 
  private:
   void run_rigid(const LinearAxis& axis, double step);

@@ -161,5 +161,17 @@ TEST(AxisMotion, WithoutFrictionIsTheAxis) {
   EXPECT_NEAR(run.at(0.17).x, axis.after(0.17, from, {}).x, 1e-14);
 }
 
+// Nothing holds it, and the force on it begins at nothing: it goes the way the force grows.
+TEST(AxisMotion, WithoutHoldGoesTheWayOfAForceThatBegins) {
+  const LinearAxis axis{.mass = 0.1, .lag_rate = 1000};
+  LinearAxis::Drive drive;
+  for (const double command : {0.5, -0.5}) {
+    drive.command = command;
+    AxisMotion motion;
+    motion.begin(axis, Friction{0}, {}, drive, 1e-3);
+    EXPECT_NEAR(motion.at(1e-3).v, 10 * command * 1e-3 * std::exp(-1.0), 1e-16);
+  }
+}
+
 }  // namespace
 }  // namespace hvp::plant
