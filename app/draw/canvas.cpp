@@ -122,7 +122,7 @@ void Canvas::dashed_line(const Point& from, const Point& to, Colour colour, doub
 // One strip of quadrilaterals, as thousands of polygons one by one take seconds; what lies between
 // two segments fills the corner.
 void Canvas::polyline(std::span<const Point> points, Colour colour, double width) {
-  if (points.size() == 1) disc(points.front(), 0.5 * width, colour);
+  if (points.size() == 1) disc(points.front(), width, colour);
   if (points.size() < 2) return;
   set_fill(context_, colour);
   std::vector<float> xy;
@@ -138,6 +138,7 @@ void Canvas::polyline(std::span<const Point> points, Colour colour, double width
 }
 
 void Canvas::dashed_polyline(std::span<const Point> points, Colour colour, double width) {
+  if (points.size() == 1) polyline(points, colour, width);
   bool dash = true;
   double left = kDash;  // of the dash or the gap at hand
   std::vector<Point> stroke;

@@ -47,7 +47,7 @@ class Canvas {
   void dashed_line(const Point& from, const Point& to, Colour colour, double width);
   // A line through all points; a single one is a dot.
   void polyline(std::span<const Point> points, Colour colour, double width);
-  // Dashes that go on around its corners.
+  // Likewise, in dashes that go on around the corners.
   void dashed_polyline(std::span<const Point> points, Colour colour, double width);
   void rectangle(const Point& low, const Point& high, Colour fill);
   void frame(const Point& low, const Point& high, Colour colour, double width);
