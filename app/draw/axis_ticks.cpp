@@ -1,7 +1,9 @@
 #include "app/draw/axis_ticks.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 #include <fmt/format.h>
 
@@ -50,6 +52,18 @@ std::string four_digits(double value) {
     if (text.back() == '.') text.pop_back();
   }
   return text;
+}
+
+Unit unit_for(double largest, std::string_view symbol, double preferred) {
+  constexpr std::array kPrefixes = {"p", "n", "µ", "m", "", "k", "M", "G", "T"};
+  constexpr int kNone = 4;
+  const bool fits = largest == 0.0 || (largest >= 0.01 * preferred && largest < 1e4 * preferred);
+  const double thousands = std::floor(std::log10(fits ? preferred : largest) / 3.0 + 1e-9);
+  const double size = std::pow(1000.0, thousands);
+  const double prefix = kNone + thousands;
+  if (prefix < 0.0 || prefix >= static_cast<double>(kPrefixes.size()))
+    return {size, fmt::format("1e{:.0f} {}", 3.0 * thousands, symbol)};
+  return {size, fmt::format("{}{}", kPrefixes.at(static_cast<std::size_t>(prefix)), symbol)};
 }
 
 }  // namespace hvp::draw

@@ -22,6 +22,10 @@
 namespace hvp::draw {
 namespace {
 
+// Of dashed lines.
+constexpr double kDash = 9.0;
+constexpr double kGap = 6.0;
+
 class PaintedItem : public vtkContextItem {
  public:
   static PaintedItem* New();
@@ -106,8 +110,6 @@ void Canvas::line(const Point& from, const Point& to, Colour colour, double widt
 }
 
 void Canvas::dashed_line(const Point& from, const Point& to, Colour colour, double width) {
-  constexpr double kDash = 9.0;
-  constexpr double kGap = 6.0;
   const double length = (to - from).norm();
   const Point along = (to - from).normalized();
   const int dashes = static_cast<int>(std::ceil(length / (kDash + kGap)));
@@ -115,6 +117,49 @@ void Canvas::dashed_line(const Point& from, const Point& to, Colour colour, doub
     const double s = i * (kDash + kGap);
     line(from + s * along, from + std::min(s + kDash, length) * along, colour, width);
   }
+}
+
+// One strip of quadrilaterals, as thousands of polygons one by one take seconds; what lies between
+// two segments fills the corner.
+void Canvas::polyline(std::span<const Point> points, Colour colour, double width) {
+  if (points.size() == 1) disc(points.front(), width, colour);
+  if (points.size() < 2) return;
+  set_fill(context_, colour);
+  std::vector<float> xy;
+  xy.reserve(8 * points.size());
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const Point along = (points[i] - points[i - 1]).normalized();
+    const Point side = Point(-along.y(), along.x()) * (0.5 * width);
+    for (const Point& end : {points[i - 1], points[i]})
+      for (const Point& corner : {Point(end + side), Point(end - side)})
+        xy.insert(xy.end(), {scaled(corner.x()), scaled(corner.y())});
+  }
+  context_.DrawQuadStrip(xy.data(), static_cast<int>(xy.size() / 2));
+}
+
+void Canvas::dashed_polyline(std::span<const Point> points, Colour colour, double width) {
+  if (points.size() == 1) polyline(points, colour, width);
+  bool dash = true;
+  double left = kDash;  // of the dash or the gap at hand
+  std::vector<Point> stroke;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const double length = (points[i] - points[i - 1]).norm();
+    const Point along = (points[i] - points[i - 1]).normalized();
+    if (dash) stroke.push_back(points[i - 1]);
+    for (double at = 0.0; at < length;) {
+      const double step = std::min(left, length - at);
+      at += step;
+      left -= step;
+      if (dash) stroke.push_back(points[i - 1] + at * along);
+      if (left > 0.0) continue;
+      if (dash) polyline(stroke, colour, width);
+      stroke.clear();
+      dash = !dash;
+      left = dash ? kDash : kGap;
+      if (dash) stroke.push_back(points[i - 1] + at * along);
+    }
+  }
+  polyline(stroke, colour, width);
 }
 
 void Canvas::rectangle(const Point& low, const Point& high, Colour fill) {
@@ -163,6 +208,14 @@ void add_canvas(vtkRenderer& renderer, std::function<void(Canvas&)> paint) {
   vtkNew<vtkContextActor> actor;
   actor->GetScene()->AddItem(item);
   renderer.AddActor(actor);
+}
+
+void add_page(PictureWindow& window, std::function<void(Canvas&)> paint) {
+  vtkNew<vtkRenderer> renderer;
+  renderer->SetBackground(style::kPaper.red / 255.0, style::kPaper.green / 255.0,
+                          style::kPaper.blue / 255.0);
+  add_canvas(*renderer, std::move(paint));
+  window.add(*renderer, 0);
 }
 
 }  // namespace hvp::draw

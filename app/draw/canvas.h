@@ -12,6 +12,8 @@ class vtkRenderer;
 
 namespace hvp::draw {
 
+class PictureWindow;
+
 // The pictures' common look.
 namespace style {
 inline constexpr Colour kPaper = {250, 249, 246};
@@ -43,6 +45,10 @@ class Canvas {
   double text_width(const std::string& words, const TextStyle& style = {});
   void line(const Point& from, const Point& to, Colour colour, double width);
   void dashed_line(const Point& from, const Point& to, Colour colour, double width);
+  // A line through all points; a single one is a dot.
+  void polyline(std::span<const Point> points, Colour colour, double width);
+  // Likewise, in dashes that go on around the corners.
+  void dashed_polyline(std::span<const Point> points, Colour colour, double width);
   void rectangle(const Point& low, const Point& high, Colour fill);
   void frame(const Point& low, const Point& high, Colour colour, double width);
   void polygon(std::span<const Point> corners, Colour fill);
@@ -57,5 +63,9 @@ class Canvas {
 
 // Makes `paint` draw over everything that the renderer shows, each time it renders.
 void add_canvas(vtkRenderer& renderer, std::function<void(Canvas&)> paint);
+
+// A picture that is nothing but what `paint` draws on the paper. What `paint` refers to is needed
+// until the window has rendered.
+void add_page(PictureWindow& window, std::function<void(Canvas&)> paint);
 
 }  // namespace hvp::draw

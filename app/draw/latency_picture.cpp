@@ -6,8 +6,6 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <vtkNew.h>
-#include <vtkRenderer.h>
 
 #include "app/draw/attribution_bars.h"
 #include "app/draw/axes.h"
@@ -15,7 +13,6 @@
 #include "app/draw/canvas.h"
 #include "app/draw/caption.h"
 #include "app/draw/latency_histogram.h"
-#include "app/draw/picture_window.h"
 
 namespace hvp::draw {
 namespace {
@@ -74,34 +71,6 @@ bool shade_contact(Canvas& canvas, const Axes& axes, const std::vector<FrameRow>
   return any;
 }
 
-void draw_y_axis(Canvas& canvas, const Axes& axes, int wanted_ticks) {
-  const Ticks y = round_ticks(axes.data_low.y(), axes.data_high.y(), wanted_ticks);
-  for (std::size_t i = 0; i < y.values.size(); ++i) {
-    const Point p = axes.at(axes.data_low.x(), y.values[i]);
-    canvas.line(p, {axes.high.x(), p.y()}, style::kGrid, 1.0);
-    canvas.text(p - Point(10.0, 0.0), y.labels[i],
-                {.size = 18, .colour = style::kSoftInk, .horizontal = Align::high});
-  }
-  canvas.line(axes.low, {axes.high.x(), axes.low.y()}, style::kSoftInk, 1.4);
-  canvas.line(axes.low, {axes.low.x(), axes.high.y()}, style::kSoftInk, 1.4);
-}
-
-void draw_x_axis(Canvas& canvas, const Axes& axes, double period_us) {
-  const Ticks x = whole_ticks(axes.data_low.x(), axes.data_high.x(), 10);
-  for (std::size_t i = 0; i < x.values.size(); ++i) {
-    const Point p = axes.at(x.values[i], axes.data_low.y());
-    canvas.line(p, p - Point(0.0, 6.0), style::kSoftInk, 1.2);
-    canvas.text(p - Point(0.0, 11.0), x.labels[i],
-                {.size = 18,
-                 .colour = style::kSoftInk,
-                 .horizontal = Align::centre,
-                 .vertical = Align::high});
-  }
-  canvas.text({0.5 * (axes.low.x() + axes.high.x()), axes.low.y() - 52.0},
-              fmt::format("frame (one every {} ms)", four_digits(period_us * 1e-3)),
-              {.size = 19, .horizontal = Align::centre});
-}
-
 void draw_cross(Canvas& canvas, const Point& at) {
   canvas.line(at - Point(4.0, 4.0), at + Point(4.0, 4.0), style::kLate, 1.8);
   canvas.line(at - Point(4.0, -4.0), at + Point(4.0, -4.0), style::kLate, 1.8);
@@ -148,27 +117,18 @@ void draw_budget(Canvas& canvas, const Axes& axes, double budget_us, const Frame
   canvas.text(at, label, text);
 }
 
-// From the right: what the marks mean, only those that are there.
+// What the marks mean, only those that are there.
 void draw_legend(Canvas& canvas, const Statistics& statistics, bool any_contact) {
-  constexpr double kLegend = 886.0;
-  double x = 1365.0;
-  const auto entry = [&](const char* words) {
-    const TextStyle text = {.size = 18, .horizontal = Align::high};
-    canvas.text({x, kLegend}, words, text);
-    x -= canvas.text_width(words, text) + 18.0;
-    Point sign(x, kLegend);
-    x -= 30.0;
-    return sign;
-  };
+  Legend legend(canvas, {1365.0, 886.0});
   if (any_contact) {
-    const Point p = entry("in contact");
+    const Point p = legend.entry("in contact");
     canvas.rectangle(p - Point(10.0, 9.0), p + Point(10.0, 9.0), kContact);
     canvas.frame(p - Point(10.0, 9.0), p + Point(10.0, 9.0), style::kGrid, 1.0);
   }
-  if (statistics.skipped > 0) draw_cross(canvas, entry("skipped"));
+  if (statistics.skipped > 0) draw_cross(canvas, legend.entry("skipped"));
   if (statistics.late > 0) {
-    canvas.disc(entry("missed"), 4.5, style::kLate);
-    canvas.disc(entry("in time"), 4.5, kFrame);
+    canvas.disc(legend.entry("missed"), 4.5, style::kLate);
+    canvas.disc(legend.entry("in time"), 4.5, kFrame);
   }
 }
 
@@ -245,7 +205,8 @@ void paint(Canvas& canvas, const std::vector<FrameRow>& frames, const Deadline& 
                  .horizontal = Align::high,
                  .vertical = Align::high});
   }
-  draw_x_axis(canvas, strip, deadline.period_us);
+  draw_x_axis(canvas, strip, whole_ticks(strip.data_low.x(), strip.data_high.x(), 10),
+              fmt::format("frame (one every {} ms)", four_digits(deadline.period_us * 1e-3)));
   canvas.text({30.0, 0.5 * (strip.low.y() + whole.high.y())}, "latency (µs)",
               {.size = 19, .horizontal = Align::centre, .angle_deg = 90.0});
   draw_legend(canvas, statistics, any_contact);
@@ -257,11 +218,7 @@ void paint(Canvas& canvas, const std::vector<FrameRow>& frames, const Deadline& 
 
 void draw_latency(PictureWindow& window, const std::vector<FrameRow>& frames,
                   const Deadline& deadline, const Caption& caption) {
-  vtkNew<vtkRenderer> renderer;
-  renderer->SetBackground(style::kPaper.red / 255.0, style::kPaper.green / 255.0,
-                          style::kPaper.blue / 255.0);
-  add_canvas(*renderer, [&](Canvas& canvas) { paint(canvas, frames, deadline, caption); });
-  window.add(*renderer, 0);
+  add_page(window, [&](Canvas& canvas) { paint(canvas, frames, deadline, caption); });
 }
 
 }  // namespace hvp::draw

@@ -1,5 +1,7 @@
-// hvp-draw RUN_DIRECTORY: draws deformation.png and latency.png from the results of a run, into
-// the run's directory. Needs an X display with OpenGL; `hvp run` starts one where there is none.
+// hvp-draw RUN_DIRECTORY: draws deformation.png, latency.png and, of a closed loop, loop.png from
+// the results of a run, into the run's directory.
+// hvp-draw --stability-map IN.csv OUT.png: draws how stiff a wall may be at which damping.
+// Needs an X display with OpenGL; `hvp` starts one where there is none.
 //
 // Exit status: 0 drawn; 2 the results are missing or damaged (one line on stderr, no picture
 // written); 3 anything else.
@@ -9,6 +11,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -17,8 +20,12 @@
 #include "app/draw/deformation_picture.h"
 #include "app/draw/deformation_step.h"
 #include "app/draw/latency_picture.h"
+#include "app/draw/loop_picture.h"
+#include "app/draw/loop_series.h"
 #include "app/draw/picture_window.h"
 #include "app/draw/run_files.h"
+#include "app/draw/stability_map.h"
+#include "app/draw/stability_picture.h"
 #include "app/draw/vtk_errors.h"
 #include "app/results/interruption.h"
 #include "app/results/part_file.h"
@@ -32,6 +39,7 @@ void draw_pictures(const std::filesystem::path& run) {
   // anything is written.
   const std::vector<FrameRow> frames = read_frames(run / "frames.csv");
   const Deadline deadline = read_deadline(run / "summary.json");
+  const std::optional<LoopSeries> loop = read_loop(run / "frames.csv");
   const Caption caption = read_caption(run / "summary.json");
   std::optional<DeformationStep> step;
   // A run with timing only has no deformation.
@@ -45,11 +53,23 @@ void draw_pictures(const std::filesystem::path& run) {
   }
   draw_latency(window, frames, deadline, caption);
   pictures.emplace_back("latency.png", window.take_png());
+  if (loop) {
+    draw_loop(window, *loop, caption);
+    pictures.emplace_back("loop.png", window.take_png());
+  }
 
   for (const auto& [name, bytes] : pictures) {
     results::write_through_part_file(run / name, bytes);
     fmt::print("{}\n", name);
   }
+}
+
+void draw_map_file(const std::filesystem::path& csv, const std::filesystem::path& png) {
+  const StabilityMap map = read_stability_map(csv);
+  PictureWindow window;
+  draw_stability_map(window, map);
+  results::write_through_part_file(png, window.take_png());
+  fmt::print("{}\n", png.filename().string());
 }
 
 }  // namespace
@@ -62,14 +82,19 @@ extern "C" const char* __asan_default_options() { return "detect_leaks=0"; }
 #endif
 
 int main(int argc, char** argv) {
-  if (argc != 2) {
-    fmt::print(stderr, "usage: hvp-draw RUN_DIRECTORY\n");
+  const bool of_map = argc == 4 && std::string_view(argv[1]) == "--stability-map";
+  if (argc != 2 && !of_map) {
+    fmt::print(stderr, "usage: hvp-draw RUN_DIRECTORY | --stability-map IN.csv OUT.png\n");
     return 2;
   }
   hvp::results::end_cleanly_when_interrupted();
   hvp::draw::VtkErrors::capture();
   try {
-    hvp::draw::draw_pictures(argv[1]);
+    if (of_map) {
+      hvp::draw::draw_map_file(argv[2], argv[3]);
+    } else {
+      hvp::draw::draw_pictures(argv[1]);
+    }
     return 0;
   } catch (const hvp::InputError& error) {
     fmt::print(stderr, "{}\n", error.what());

@@ -1,64 +1,23 @@
 #include "app/draw/run_files.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fstream>
-#include <iterator>
-#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "app/draw/csv_table.h"
 #include "models/config/input_error.h"
-#include "models/files/csv.h"
 
 namespace hvp::draw {
 namespace {
 
-// One line of frames.csv, which knows where it stands.
-class Row {
- public:
-  Row(std::string where, std::string_view line, const std::vector<std::string>& header)
-      : where_(std::move(where)), fields_(files::csv_cells(line)), header_(header) {
-    if (fields_.size() != header.size())
-      throw InputError(
-          fmt::format("{}: {} fields, the header has {}", where_, fields_.size(), header.size()));
-  }
-
-  std::string_view text(std::size_t column) const { return fields_[column]; }
-
-  template <class Number>
-  Number number(std::size_t column) const {
-    const std::string_view field = fields_[column];
-    Number value{};
-    const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-    if (error != std::errc() || end != field.data() + field.size())
-      throw InputError(
-          fmt::format("{}: {} is '{}', expected a number", where_, header_[column], field));
-    return value;
-  }
-
- private:
-  std::string where_;
-  std::vector<std::string_view> fields_;
-  const std::vector<std::string>& header_;
-};
-
-std::ifstream open(const std::filesystem::path& path) {
-  // A pipe in its place would be waited for.
-  std::ifstream file;
-  if (std::filesystem::is_regular_file(path)) file.open(path, std::ios::binary);
-  if (!file.is_open()) throw InputError(path.filename().string() + ": no such file");
-  return file;
-}
-
 nlohmann::json read_json(const std::filesystem::path& path) {
-  std::ifstream file = open(path);
+  std::ifstream file = open_file(path);
   nlohmann::json json = nlohmann::json::parse(file, nullptr, false);
   if (json.is_discarded()) throw InputError(path.filename().string() + ": not well-formed JSON");
   return json;
@@ -89,44 +48,24 @@ std::string words(const nlohmann::json& object, const char* key, const std::stri
 }  // namespace
 
 std::vector<FrameRow> read_frames(const std::filesystem::path& path) {
-  std::ifstream file = open(path);
-  const std::string name = path.filename().string();
-  const auto next_line = [&file](std::string& line) {
-    if (!std::getline(file, line)) return false;
-    if (line.ends_with('\r')) line.pop_back();
-    return true;
-  };
-
-  std::string line;
-  next_line(line);
-  std::vector<std::string> header;
-  for (const std::string_view title : files::csv_cells(line)) header.emplace_back(title);
-  const auto column = [&](std::string_view title) {
-    const auto found = std::find(header.begin(), header.end(), title);
-    if (found == header.end())
-      throw InputError(fmt::format("{}:1: has no column '{}'", name, title));
-    return static_cast<std::size_t>(found - header.begin());
-  };
-  const std::size_t frame = column("frame");
-  const std::size_t latency = column("latency_us");
-  const std::size_t in_time = column("in_time");
-  const std::size_t contact = column("contact_node");
+  CsvTable table(path);
+  const std::size_t frame = table.column("frame");
+  const std::size_t latency = table.column("latency_us");
+  const std::size_t in_time = table.column("in_time");
+  const std::size_t contact = table.column("contact_node");
 
   std::vector<FrameRow> rows;
-  for (int number = 2; next_line(line); ++number) {
-    const Row row(fmt::format("{}:{}", name, number), line, header);
+  while (table.next()) {
     FrameRow& out = rows.emplace_back();
-    out.frame = row.number<long>(frame);
-    out.latency_us = row.text(latency).empty() ? std::numeric_limits<double>::quiet_NaN()
-                                               : row.number<double>(latency);
-    const std::string_view verdict = row.text(in_time);
+    out.frame = table.number<long>(frame);
+    out.latency_us = table.number_or_nan(latency);
+    const std::string_view verdict = table.text(in_time);
     if (verdict != "0" && verdict != "1" && verdict != "true" && verdict != "false")
-      throw InputError(
-          fmt::format("{}:{}: in_time is '{}', expected 0 or 1", name, number, verdict));
+      throw InputError(fmt::format("{}: in_time is '{}', expected 0 or 1", table.where(), verdict));
     out.in_time = verdict == "1" || verdict == "true";
-    out.contact_node = row.number<int>(contact);
+    out.contact_node = table.number<int>(contact);
   }
-  if (rows.empty()) throw InputError(name + ": has no frame");
+  if (rows.empty()) throw InputError(table.name() + ": has no frame");
   return rows;
 }
 

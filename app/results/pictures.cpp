@@ -18,8 +18,7 @@
 namespace hvp::results {
 namespace {
 
-constexpr std::array<const char*, 2> kPictures = {"deformation.png", "latency.png"};
-constexpr const char* kNotDrawn = "deformation.png and latency.png were not drawn";
+constexpr std::array<const char*, 3> kPictures = {"deformation.png", "latency.png", "loop.png"};
 
 // hvp-draw's own exit status for results that cannot be drawn on any display.
 constexpr int kBadResults = 2;
@@ -48,28 +47,34 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-PictureOutcome not_drawn(const std::string& cause) {
-  return {false, {}, fmt::format("{}: {}", cause, kNotDrawn)};
-}
+// What hvp-draw is asked for.
+struct Order {
+  std::vector<std::string> arguments;
+  std::vector<std::filesystem::path> pictures;  // all that it may write
+  std::string lost;                             // what is said where it has written none
 
-PictureOutcome interrupted_pictures() { return not_drawn("interrupted"); }
+  PictureOutcome not_drawn(const std::string& cause) const {
+    return {false, {}, fmt::format("{}: {}", cause, lost)};
+  }
+  PictureOutcome interrupted_pictures() const { return not_drawn("interrupted"); }
+};
 
 struct Attempt {
   PictureOutcome outcome;
   bool worth_another_display = false;
 };
 
-Attempt draw_on(const std::string& display, const std::filesystem::path& run_directory,
-                const PictureTools& tools, bool software_rendering) {
+Attempt draw_on(const std::string& display, const Order& order, const PictureTools& tools,
+                bool software_rendering) {
   LaunchedProgram::Options options;
   options.environment = {{"DISPLAY", display}};
   // Xvfb has no graphics card; without this Mesa looks for one and may find it.
   if (software_rendering) options.environment.emplace_back("LIBGL_ALWAYS_SOFTWARE", "1");
-  LaunchedProgram child(tools.draw_program, {run_directory.string()}, options);
+  LaunchedProgram child(tools.draw_program, order.arguments, options);
   const LaunchedProgram::Result result = child.wait(tools.time_limit);
   if (result.exit_status == 0) return {{true, lines_of(result.output), {}}, false};
 
-  if (result.interrupted) return {interrupted_pictures(), false};
+  if (result.interrupted) return {order.interrupted_pictures(), false};
   std::string cause;
   if (result.timed_out)
     cause = fmt::format("hvp-draw took longer than {} s",
@@ -80,11 +85,10 @@ Attempt draw_on(const std::string& display, const std::filesystem::path& run_dir
     cause = line;
   else
     cause = fmt::format("hvp-draw failed with status {}", result.exit_status);
-  return {not_drawn(cause), result.exit_status != kBadResults};
+  return {order.not_drawn(cause), result.exit_status != kBadResults};
 }
 
-PictureOutcome draw_under_xvfb(const std::filesystem::path& run_directory,
-                               const PictureTools& tools) {
+PictureOutcome draw_under_xvfb(const Order& order, const PictureTools& tools) {
   LaunchedProgram::Options options;
   options.report_pipe = true;
   // Xvfb picks a free display number and reports it. The pictures are drawn off screen, so the
@@ -94,13 +98,36 @@ PictureOutcome draw_under_xvfb(const std::filesystem::path& run_directory,
                           "-screen", "0", "640x480x24", "-nolisten", "tcp"},
                          options);
   const auto number = server.report_line(std::chrono::seconds(20));
-  if (interrupted() != 0) return interrupted_pictures();
+  if (interrupted() != 0) return order.interrupted_pictures();
   if (!number) {
     // The server's own words, when it has ended; a live one is ended here.
     const std::string words = first_line(server.wait(std::chrono::milliseconds(500)).errors);
-    return not_drawn("Xvfb did not start" + (words.empty() ? words : " (" + words + ")"));
+    return order.not_drawn("Xvfb did not start" + (words.empty() ? words : " (" + words + ")"));
   }
-  return draw_on(":" + *number, run_directory, tools, true).outcome;
+  return draw_on(":" + *number, order, tools, true).outcome;
+}
+
+PictureOutcome carry_out(const Order& order, const PictureTools& tools) {
+  // Pictures of an earlier run beside this run's numbers would be wrong ones.
+  for (const std::filesystem::path& picture : order.pictures) {
+    std::error_code ignored;
+    std::filesystem::remove(picture, ignored);
+  }
+  if (access(tools.draw_program.c_str(), X_OK) != 0)
+    return order.not_drawn(fmt::format("{} is not there", tools.draw_program.filename().string()));
+  if (interrupted() != 0) return order.interrupted_pictures();
+  try {
+    std::optional<PictureOutcome> failed;
+    if (local_display_answers(tools.display)) {
+      const Attempt attempt = draw_on(tools.display, order, tools, false);
+      if (attempt.outcome.drawn || !attempt.worth_another_display) return attempt.outcome;
+      failed = attempt.outcome;
+    }
+    if (!tools.xvfb.empty()) return draw_under_xvfb(order, tools);
+    return failed ? *failed : order.not_drawn("no display and Xvfb is not installed");
+  } catch (const std::system_error& error) {
+    return order.not_drawn(error.what());
+  }
 }
 
 }  // namespace
@@ -121,26 +148,22 @@ PictureOutcome draw_pictures(const std::filesystem::path& run_directory) {
 
 PictureOutcome draw_pictures(const std::filesystem::path& run_directory,
                              const PictureTools& tools) {
-  // Pictures of an earlier run beside this run's numbers would be wrong ones.
-  for (const char* name : kPictures) {
-    std::error_code ignored;
-    std::filesystem::remove(run_directory / name, ignored);
-  }
-  if (access(tools.draw_program.c_str(), X_OK) != 0)
-    return not_drawn(fmt::format("{} is not there", tools.draw_program.filename().string()));
-  if (interrupted() != 0) return interrupted_pictures();
-  try {
-    std::optional<PictureOutcome> failed;
-    if (local_display_answers(tools.display)) {
-      const Attempt attempt = draw_on(tools.display, run_directory, tools, false);
-      if (attempt.outcome.drawn || !attempt.worth_another_display) return attempt.outcome;
-      failed = attempt.outcome;
-    }
-    if (!tools.xvfb.empty()) return draw_under_xvfb(run_directory, tools);
-    return failed ? *failed : not_drawn("no display and Xvfb is not installed");
-  } catch (const std::system_error& error) {
-    return not_drawn(error.what());
-  }
+  Order order{{run_directory.string()}, {}, "deformation.png and latency.png were not drawn"};
+  for (const char* name : kPictures) order.pictures.push_back(run_directory / name);
+  return carry_out(order, tools);
+}
+
+PictureOutcome draw_stability_map(const std::filesystem::path& csv,
+                                  const std::filesystem::path& png) {
+  return draw_stability_map(csv, png, PictureTools::of_this_process());
+}
+
+PictureOutcome draw_stability_map(const std::filesystem::path& csv,
+                                  const std::filesystem::path& png, const PictureTools& tools) {
+  return carry_out({{"--stability-map", csv.string(), png.string()},
+                    {png},
+                    png.filename().string() + " was not drawn"},
+                   tools);
 }
 
 }  // namespace hvp::results

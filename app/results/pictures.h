@@ -9,7 +9,7 @@ namespace hvp::results {
 
 struct PictureOutcome {
   bool drawn = false;
-  std::vector<std::string> files;  // names of what was drawn, within the run's directory
+  std::vector<std::string> files;  // names of what was drawn, without the folder
   std::string reason;              // one line; empty when drawn
 };
 
@@ -24,12 +24,19 @@ struct PictureTools {
   static PictureTools of_this_process();
 };
 
-// Draws deformation.png and latency.png of a finished run into its directory, after removing
-// those of an earlier run. A child process draws: loading the renderer is slow and a lost display
-// aborts it. It uses the local X display where that answers, else (or when that cannot draw) an
-// Xvfb of its own. Never throws for what the child does: a crash, a time-out or a missing
-// display becomes the reason, and the run's other results stay as they are.
+// Draws deformation.png, latency.png and, of a closed loop, loop.png of a finished run into its
+// directory, after removing those of an earlier run. A child process draws: loading the renderer is
+// slow and a lost display aborts it. It uses the local X display where that answers, else (or when
+// that cannot draw) an Xvfb of its own. Never throws for what the child does: a crash, a time-out
+// or a missing display becomes the reason, and the run's other results stay as they are.
 PictureOutcome draw_pictures(const std::filesystem::path& run_directory);
 PictureOutcome draw_pictures(const std::filesystem::path& run_directory, const PictureTools& tools);
+
+// Draws the stiffness of a wall over its damping up to which a loop is stable, from a file as
+// app/draw/stability_map.h says, in the same way and with the same failures.
+PictureOutcome draw_stability_map(const std::filesystem::path& csv,
+                                  const std::filesystem::path& png);
+PictureOutcome draw_stability_map(const std::filesystem::path& csv,
+                                  const std::filesystem::path& png, const PictureTools& tools);
 
 }  // namespace hvp::results

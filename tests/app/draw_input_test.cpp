@@ -7,10 +7,12 @@
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "app/results/launched_program.h"
+#include "tests/app/sample_loop.h"
 #include "tests/app/sample_run.h"
 #include "tests/app/scratch_directory.h"
 
@@ -42,9 +44,15 @@ class DrawInputTest : public testing::Test {
 
   // hvp-draw refuses with one line that holds `words`, and leaves no file of its own.
   void expect_refused(const std::string& words) {
+    expect_refused({scratch_.path().string()}, words);
+  }
+  void expect_map_refused(const std::string& words) {
+    expect_refused({"--stability-map", file("map.csv"), file("map.png")}, words);
+  }
+  void expect_refused(const std::vector<std::string>& arguments, const std::string& words) {
     LaunchedProgram::Options options;
     options.environment = {{"DISPLAY", ""}};
-    LaunchedProgram child(HVP_DRAW_PROGRAM, {scratch_.path().string()}, options);
+    LaunchedProgram child(HVP_DRAW_PROGRAM, arguments, options);
     const auto result = child.wait(std::chrono::seconds(60));
     EXPECT_EQ(result.exit_status, 2) << "signal " << result.signal << ", " << result.errors;
     EXPECT_EQ(std::count(result.errors.begin(), result.errors.end(), '\n'), 1) << result.errors;
@@ -82,6 +90,43 @@ TEST_F(DrawInputTest, FramesThatAreNotATable) {
   expect_refused("frames.csv:5: 9 fields, the header has 8");
   write(file("frames.csv"), good.substr(0, good.size() - 25));
   expect_refused("frames.csv:21: ");
+}
+
+TEST_F(DrawInputTest, ClosedLoopWithoutItsColumnsOrNumbers) {
+  sample::add_loop(scratch_.path(), {.probes = 2});
+  const std::string good = bytes_of(file("frames.csv"));
+  write(file("frames.csv"), replaced(good, ",port_J", ",port_mJ"));
+  expect_refused("frames.csv:1: has no column 'port_J'");
+  write(file("frames.csv"), replaced(good, "probe1_hand_y_N", "probe1_hand_N"));
+  expect_refused("frames.csv:1: has no column 'probe1_hand_y_N'");
+  write(file("frames.csv"), good.substr(0, good.size() - 3) + "x\n");
+  expect_refused("frames.csv:21: probe1_port_J is '");
+  write(file("frames.csv"), replaced(good, "\n3,6000,", "\n3,-6000,"));
+  expect_refused("frames.csv:5: born_us is '-6000', expected no less than in the line before");
+}
+
+TEST_F(DrawInputTest, MapThatIsNotOne) {
+  expect_map_refused("map.csv: no such file");
+  const std::string header =
+      "damping_N_s_m,stiffness_max_N_m,stiffness_linear_N_m,stiffness_passive_N_m\n";
+  const auto refused = [&](const std::string& bytes, const std::string& words) {
+    write(file("map.csv"), bytes);
+    expect_map_refused(words);
+  };
+  refused("", "map.csv:1: has no column 'damping_N_s_m'");
+  refused("# title\n", "map.csv:2: has no column 'damping_N_s_m'");
+  refused("damping_N_s_m,stiffness_max_N_m,stiffness_linear_N_m\n0,1,2\n",
+          "map.csv:1: has no column 'stiffness_passive_N_m'");
+  refused(header, "map.csv: has no row");
+  refused("# title\n" + header + "0,1,2\n", "map.csv:3: 3 fields, the header has 4");
+  refused(header + "0,1,,3\n", "map.csv:2: stiffness_linear_N_m is '', expected a number");
+  refused(header + "0,inf,2,3\n",
+          "map.csv:2: stiffness_max_N_m is 'inf', expected a finite number");
+  refused(header + "1,1,2,3\n1,1,2,3\n",
+          "map.csv:3: damping_N_s_m is '1', expected more than in the row before");
+  std::string many = header;
+  for (int i = 0; i <= 200; ++i) many += std::to_string(i) + ",1,2,3\n";
+  refused(many, "map.csv:202: expected no more than 200 rows");
 }
 
 TEST_F(DrawInputTest, SummaryThatIsNotOne) {
@@ -133,11 +178,12 @@ TEST_F(DrawInputTest, StepWithoutWhatThePictureNeeds) {
 
 TEST_F(DrawInputTest, WrongNumberOfArguments) {
   for (const std::vector<std::string>& arguments :
-       {std::vector<std::string>{}, std::vector<std::string>{"a", "b"}}) {
+       {std::vector<std::string>{}, std::vector<std::string>{"a", "b"},
+        std::vector<std::string>{"a", "b", "c"}}) {
     LaunchedProgram child(HVP_DRAW_PROGRAM, arguments, {});
     const auto result = child.wait(std::chrono::seconds(60));
     EXPECT_EQ(result.exit_status, 2);
-    EXPECT_EQ(result.errors, "usage: hvp-draw RUN_DIRECTORY\n");
+    EXPECT_EQ(result.errors, "usage: hvp-draw RUN_DIRECTORY | --stability-map IN.csv OUT.png\n");
   }
 }
 

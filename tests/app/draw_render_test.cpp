@@ -15,6 +15,7 @@
 #include <vtkPNGReader.h>
 
 #include "app/results/pictures.h"
+#include "tests/app/sample_loop.h"
 #include "tests/app/sample_run.h"
 #include "tests/app/scratch_directory.h"
 
@@ -60,6 +61,11 @@ class Picture {
 // Hues rather than colours: the edges of a mark are mixed with what is behind it.
 bool is_red(const Colour& c) { return c[0] - c[1] > 90 && c[0] - c[2] > 90; }
 bool is_blue(const Colour& c) { return c[2] - c[0] > 60 && c[1] > 60; }
+bool is_orange(const Colour& c) { return c[0] - c[1] > 80 && c[1] - c[2] > 40 && c[2] < 90; }
+bool is_pink(const Colour& c) {
+  return c[0] > 220 && c[0] - c[1] > 20 && std::abs(c[1] - c[2]) < 15;
+}
+bool is_pale_blue(const Colour& c) { return c == Colour{218, 231, 240}; }
 bool is_arrow(const Colour& c) { return c[0] > 150 && c[1] < 80 && c[2] < 60 && c[2] < c[1] + 5; }
 
 class DrawRenderTest : public testing::Test {
@@ -68,11 +74,21 @@ class DrawRenderTest : public testing::Test {
     sample::write_run(scratch_.path(), shape);
     return redraw();
   }
-  PictureOutcome redraw() {
+  PictureOutcome redraw() { return draw_pictures(scratch_.path(), tools()); }
+  static PictureTools tools() {
     PictureTools tools = PictureTools::of_this_process();
     tools.draw_program = HVP_DRAW_PROGRAM;
     tools.display.clear();
-    return draw_pictures(scratch_.path(), tools);
+    return tools;
+  }
+  Picture loop_picture(const sample::LoopShape& shape) {
+    sample::write_run(scratch_.path(), {.frames = 20000, .step_every = 20000, .cells = 2});
+    sample::add_loop(scratch_.path(), shape);
+    std::filesystem::remove(file("deformation.pvd"));
+    const auto outcome = redraw();
+    EXPECT_TRUE(outcome.drawn) << outcome.reason;
+    EXPECT_EQ(outcome.files, (std::vector<std::string>{"latency.png", "loop.png"}));
+    return Picture(file("loop.png"));
   }
   std::filesystem::path file(const char* name) const { return scratch_.path() / name; }
 
@@ -141,6 +157,43 @@ TEST_F(DrawRenderTest, ARunWithoutDeformationGetsItsLatencyAlone) {
   EXPECT_TRUE(outcome.drawn) << outcome.reason;
   EXPECT_EQ(outcome.files, std::vector<std::string>{"latency.png"});
   EXPECT_FALSE(std::filesystem::exists(file("deformation.png")));
+}
+
+// A swing from frame to frame fills the force's panel though a pixel is many frames wide.
+TEST_F(DrawRenderTest, AClosedLoopThatOscillatesLooksDifferent) {
+  const Picture still = loop_picture({});
+  EXPECT_EQ(still.width(), 1400);
+  EXPECT_EQ(still.height(), 1000);
+  EXPECT_GT(still.colours(), 100u);
+  EXPECT_GT(loop_picture({.swing_N = 3.0}).count(is_orange), still.count(is_orange) + 100000);
+}
+
+TEST_F(DrawRenderTest, WhereTheLoopFeedsEnergyInIsMarked) {
+  EXPECT_LT(loop_picture({}).count(is_pink), 2000);
+  EXPECT_GT(loop_picture({.absorbed_J = -0.002}).count(is_pink), 100000);
+}
+
+TEST_F(DrawRenderTest, FurtherProbesHaveLinesOfTheirOwn) {
+  const int one = loop_picture({}).count(is_blue);
+  EXPECT_GT(loop_picture({.probes = 2}).count(is_blue), one + 500);
+}
+
+TEST_F(DrawRenderTest, AMapFillsWhatIsStable) {
+  const auto draw_map = [&](double stiffness) {
+    std::ofstream(file("map.csv"))
+        << "# Sample\ndamping_N_s_m,stiffness_max_N_m,stiffness_linear_N_m,stiffness_passive_N_m\n"
+        << "0,0,2000,0\n2," << stiffness << ",2000,500\n";
+    return draw_stability_map(file("map.csv"), file("map.png"), tools());
+  };
+  const auto outcome = draw_map(2000);
+  ASSERT_TRUE(outcome.drawn) << outcome.reason;
+  EXPECT_EQ(outcome.files, std::vector<std::string>{"map.png"});
+  const Picture picture(file("map.png"));
+  EXPECT_GT(picture.colours(), 50u);
+  EXPECT_GT(picture.count(is_orange), 1000);
+  const double filled = picture.count(is_pale_blue);
+  ASSERT_TRUE(draw_map(1000).drawn);
+  EXPECT_NEAR(Picture(file("map.png")).count(is_pale_blue) / filled, 0.5, 0.05);
 }
 
 TEST_F(DrawRenderTest, BrokenResultsAreAReason) {

@@ -152,12 +152,34 @@ TEST_F(PicturesTest, AProgramThatIsNotThereIsAReason) {
 }
 
 TEST_F(PicturesTest, PicturesOfAnEarlierRunGo) {
-  for (const char* name : {"deformation.png", "latency.png", "mine.png"})
+  for (const char* name : {"deformation.png", "latency.png", "loop.png", "mine.png"})
     std::ofstream(scratch_.path() / name) << "old";
   draw({.draw_program = script("draw", "exit 0"), .display = "", .xvfb = {}});
   EXPECT_FALSE(std::filesystem::exists(scratch_.path() / "deformation.png"));
   EXPECT_FALSE(std::filesystem::exists(scratch_.path() / "latency.png"));
+  EXPECT_FALSE(std::filesystem::exists(scratch_.path() / "loop.png"));
   EXPECT_TRUE(std::filesystem::exists(scratch_.path() / "mine.png"));
+}
+
+TEST_F(PicturesTest, AMapIsDrawnInTheSameWay) {
+  const auto png = scratch_.path() / "map.png";
+  std::ofstream(png) << "old";
+  const auto server = idle_server();
+  auto outcome =
+      draw_stability_map("in.csv", png,
+                         {.draw_program = script("draw", "printf '%s\\n' \"$DISPLAY\" \"$@\""),
+                          .display = "",
+                          .xvfb = server});
+  EXPECT_TRUE(outcome.drawn) << outcome.reason;
+  EXPECT_EQ(outcome.files,
+            (std::vector<std::string>{":4321", "--stability-map", "in.csv", png.string()}));
+  EXPECT_FALSE(std::filesystem::exists(png)) << "the one before";
+  outcome = draw_stability_map("in.csv", png,
+                               {.draw_program = script("draw", "echo no such row >&2; exit 2"),
+                                .display = "",
+                                .xvfb = server});
+  EXPECT_FALSE(outcome.drawn);
+  EXPECT_EQ(outcome.reason, "no such row: map.png was not drawn");
 }
 
 }  // namespace

@@ -1,0 +1,47 @@
+#include "app/draw/stability_map.h"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "app/draw/csv_table.h"
+#include "models/config/input_error.h"
+
+namespace hvp::draw {
+
+StabilityMap read_stability_map(const std::filesystem::path& path) {
+  CsvTable table(path);
+  StabilityMap map;
+  map.title = table.title();
+  const std::array<std::pair<std::string_view, std::vector<double>*>, 4> columns = {
+      {{"damping_N_s_m", &map.damping_N_s_m},
+       {"stiffness_max_N_m", &map.runs_N_m},
+       {"stiffness_linear_N_m", &map.linear_N_m},
+       {"stiffness_passive_N_m", &map.passive_N_m}}};
+  const auto bad = [&](std::string_view name, const char* expected) {
+    return InputError(fmt::format("{}: {} is '{}', expected {}", table.where(), name,
+                                  table.text(table.column(name)), expected));
+  };
+  for (const auto& [name, values] : columns) table.column(name);
+  while (table.next()) {
+    for (const auto& [name, values] : columns) {
+      const auto value = table.number<double>(table.column(name));
+      if (!std::isfinite(value)) throw bad(name, "a finite number");
+      values->push_back(value);
+    }
+    const std::vector<double>& damping = map.damping_N_s_m;
+    if (damping.size() > kMostDampings)
+      throw InputError(
+          fmt::format("{}: expected no more than {} rows", table.where(), kMostDampings));
+    if (damping.size() > 1 && damping.back() <= damping[damping.size() - 2])
+      throw bad(columns.front().first, "more than in the row before");
+  }
+  if (map.damping_N_s_m.empty()) throw InputError(table.name() + ": has no row");
+  return map;
+}
+
+}  // namespace hvp::draw
