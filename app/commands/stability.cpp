@@ -74,7 +74,9 @@ int stability_command(const StabilityArguments& arguments) {
     std::filesystem::path csv = arguments.map;
     csv.replace_extension(".csv");
     results::write_through_part_file(csv, map_csv(scene, map));
-    return kHeld;
+    const results::PictureOutcome drawn = results::draw_stability_map(csv, arguments.map);
+    if (!drawn.drawn) complain(fmt::format("hvp: {}", drawn.reason));
+    return drawn.drawn ? kHeld : kFailed;
   } catch (const InputError& e) {
     throw loaded.document.complete(e);
   }

@@ -49,6 +49,11 @@ std::string force_text(const Outcome& o) {
   }
   if (!o.force || o.force->peak().frame < 0) return text;
   force_lines(out, *o.force, o.contact);
+  for (std::size_t i = 1; i < o.forces.size(); ++i) {
+    fmt::format_to(out, "  probe {}        largest {} (frame {}), step {} of it\n", i,
+                   newtons(o.forces[i].peak().value), o.forces[i].peak().frame,
+                   percent(o.forces[i].step_share()));
+  }
   if (o.strain) strain_line(out, o.strain->worst);
   return text;
 }

@@ -87,7 +87,11 @@ void Outcome::report_numbers(config::Figures& f) const {
                             "solves, where no numbers are computed, and beyond 4000 nodes",
                             rounding);
           });
-  f.table_or_null("force", "What the force is like; null where nobody computed one.", force);
+  f.table_or_null("force",
+                  "What the force is like, of the first probe; null where nobody computed one.",
+                  force);
+  f.when(!forces.empty(),
+         [&] { f.list("forces", "With several `[[probe]]` only: the same of each.", forces); });
   f.table_or_null("strain",
                   "How far the body was strained, of every 20th frame "
                   "([finite-elements.md](finite-elements.md)); null where nobody computed it.",

@@ -45,7 +45,8 @@ struct Outcome {
   std::optional<host::RoundingEstimate> rounding;
   std::optional<RefinementFigures> refinement;
   // Where numbers were computed.
-  std::optional<stability::ForceQuality> force;
+  std::optional<stability::ForceQuality> force;  // of the first probe
+  std::vector<stability::ForceQuality> forces;   // of each, where there are several
   std::optional<Strain> strain;
   // Of each device with mass, and what it could stand before a wall.
   std::vector<plant::LoopQuality> loop;

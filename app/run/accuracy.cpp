@@ -27,9 +27,10 @@ AccuracyTracker::AccuracyTracker(const Scene& scene, const host::Reference& sett
       refined_(scene.computation().refined() != nullptr),
       rounded_(fixed::dequantise(scene.computation().system())),
       true_run_(scene.body(), scene.scenario().dynamics, scene.scenario().budget.period_s,
-                scene.computation().matrix(), scene.computation().matrix()),
+                scene.computation().matrix(), scene.computation().matrix(),
+                scene.scenario().probes.size()),
       rounded_run_(scene.body(), scene.scenario().dynamics, scene.scenario().budget.period_s,
-                   scene.computation().matrix(), rounded_),
+                   scene.computation().matrix(), rounded_, scene.scenario().probes.size()),
       period_s_(scene.scenario().budget.period_s) {
   if (has_board_ && !true_run_.singular() && !rounded_run_.singular()) {
     both_.emplace(true_run_, rounded_run_);

@@ -3,18 +3,16 @@
 namespace hvp::app {
 
 void ForceWatch::solved(const vp::Frame& frame, const vp::Solution& solution) {
-  stability::FeltForce felt{frame.number,
-                            to_seconds(frame.time),
-                            frame.touch().tip,
-                            frame.touch().force,
-                            frame.touch().contact.node,
-                            !solution.hold.let_go.empty(),
-                            0};
-  if (frame.touch().contact.present()) {
-    felt.pull =
-        frame.touch().force.dot(contacts_.surface().rest_normal(frame.touch().contact.node));
+  for (std::size_t i = 0; i < qualities_.size(); ++i) {
+    const collision::Touch& touch = frame.touches[i];
+    stability::FeltForce felt{
+        frame.number,       to_seconds(frame.time),        touch.tip, touch.force,
+        touch.contact.node, !solution.hold.let_go.empty(), 0};
+    if (touch.contact.present()) {
+      felt.pull = touch.force.dot(contacts_.surface().rest_normal(touch.contact.node));
+    }
+    qualities_[i].add(felt);
   }
-  quality_.add(felt);
 }
 
 }  // namespace hvp::app

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "models/collision/contact_search.h"
 #include "models/stability/force_quality.h"
 #include "vp/frame/observer.h"
@@ -10,15 +12,17 @@ namespace hvp::app {
 class ForceWatch : public vp::FrameObserver {
  public:
   // Keeps the reference.
-  explicit ForceWatch(const collision::ContactSearch& contacts) : contacts_(contacts) {}
+  ForceWatch(const collision::ContactSearch& contacts, std::size_t probes)
+      : contacts_(contacts), qualities_(probes) {}
 
   void solved(const vp::Frame& frame, const vp::Solution& solution) override;
 
-  const stability::ForceQuality& quality() const { return quality_; }
+  // One a probe.
+  const std::vector<stability::ForceQuality>& qualities() const { return qualities_; }
 
  private:
   const collision::ContactSearch& contacts_;
-  stability::ForceQuality quality_;
+  std::vector<stability::ForceQuality> qualities_;
 };
 
 }  // namespace hvp::app

@@ -95,16 +95,19 @@ class BusMeters {
 class BodyWatches {
  public:
   BodyWatches(vp::Platform& platform, Scene& scene)
-      : force_(scene.contacts()), strain_(scene.body()), recorder_(scene.scenario().frames) {
+      : force_(scene.contacts(), scene.scenario().probes.size()),
+        strain_(scene.body()),
+        recorder_(scene.scenario().frames) {
     platform.add_observer(recorder_);
     platform.add_observer(force_);
     platform.add_observer(strain_);
   }
 
   void fill(results::Outcome& outcome) const {
-    outcome.force = force_.quality();
+    outcome.force = force_.qualities().front();
+    if (force_.qualities().size() > 1) outcome.forces = force_.qualities();
     outcome.strain = {strain_.worst(), strain_.worst_frame()};
-    outcome.flags.merge(force_.quality().flags());
+    for (const auto& quality : force_.qualities()) outcome.flags.merge(quality.flags());
     outcome.flags.merge(strain_.flags());
   }
 

@@ -24,6 +24,9 @@ void ContactSettings::declare(config::Visitor& v) {
              {.help = "how long a new contact node takes from where it is to the tip; 0 s jumps, "
                       "which is a blow to a body with mass",
               .source = "one period of the collision process; thesis 3.7 jumps"});
+  v.effect("fresh", fresh,
+           {"contact is found anew in every frame: what if the contact node had no age?",
+            "no simulated time; a search a frame"});
 }
 
 }  // namespace hvp::collision

@@ -30,6 +30,7 @@ BodyRendering::BodyRendering(const BodySettings& settings, const SoftBody& soft,
       access_(access),
       work_(work),
       exchange_(exchange),
+      contacts_(soft.contacts),
       solver_(make_solver(settings_, computation_, port, work, memory)),
       health_(settings_.costs.recovery, *solver_),
       held_(body_, soft.contacts, to_picoseconds(soft.contacts.settings().hand_over_s), probes),
@@ -58,6 +59,7 @@ void BodyRendering::close(std::int64_t ticks) { health_.closed(solver_->close(),
 void BodyRendering::look(Frame& frame) {
   work_.spend(Phase::contact_lookup, settings_.costs.contact_lookup_s);
   access_.time().synchronise();
+  if (contacts_.settings().fresh) return search(frame);
   const Picoseconds last_report = report_.pass_began;
   // A copy: the frame goes on while the next report arrives.
   report_ = exchange_.contact.read(now_ps());
@@ -65,6 +67,23 @@ void BodyRendering::look(Frame& frame) {
   if (report_.pass_began == last_report) return;
   std::ranges::fill(force_sum_, Eigen::Vector3d::Zero());
   force_frames_ = 0;
+}
+
+// As the collision process does, with the frame's own tips.
+void BodyRendering::search(Frame& frame) {
+  touches_ = frame.touches;
+  for (std::size_t i = 0; i < touches_.size(); ++i) {
+    touches_[i].contact = held_.contacts()[i];
+    touches_[i].force = forces_[i];
+  }
+  body_.expand(computation_.displacement(), displacement_);
+  const auto passes = computation_.timing_only()
+                          ? contacts_.pass_without_force(touches_, displacement_)
+                          : contacts_.pass(touches_, displacement_);
+  report_.contacts.resize(passes.size());
+  std::ranges::transform(passes, report_.contacts.begin(), &collision::Pass::contact);
+  report_.pass_began = now_ps();
+  frame.contact_age = 0;
 }
 
 void BodyRendering::begin(FrameStep& step) {

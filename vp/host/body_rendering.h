@@ -66,6 +66,7 @@ class BodyRendering : public Rendering {
   ServoCounts& counts() override { return health_.counts(); }
 
  private:
+  void search(Frame& frame);
   void move_contact(Frame& frame);
 
   BodySettings settings_;
@@ -74,6 +75,7 @@ class BodyRendering : public Rendering {
   BoardAccess& access_;
   const Work& work_;
   Exchange& exchange_;
+  collision::ContactSearch& contacts_;
   std::unique_ptr<FrameSolver> solver_;
   LoopHealth health_;
   host::ContactHold held_;
@@ -83,6 +85,9 @@ class BodyRendering : public Rendering {
   // For the mean force since the last report of the collision process.
   std::vector<Eigen::Vector3d> force_sum_;
   std::int64_t force_frames_ = 0;
+  // Of a search in this frame.
+  std::vector<collision::Touch> touches_;
+  std::vector<double> displacement_;
 };
 
 }  // namespace hvp::vp
