@@ -1,3 +1,4 @@
+#include <memory>
 #include <string>
 
 #include <fmt/format.h>
@@ -11,6 +12,7 @@
 #include "app/scenario/message.h"
 #include "app/scene/frame_cost.h"
 #include "models/config/effects.h"
+#include "models/plant/kinematics_measures.h"
 
 namespace hvp::app {
 
@@ -39,6 +41,38 @@ void numbers_lines(const Scene& scene) {
         fmt::format("{}-bit matrix, {}-bit vectors", s.solver.matrix_bits, s.solver.vector_bits));
   } else {
     fidelity_line("numbers", "double", "of the host");
+  }
+}
+
+// What the joints are worth where the probes go.
+void workspace_lines(const Scene& scene) {
+  const plant::DeviceSettings& d = scene.scenario().device;
+  if (!d.kinematics) return;
+  print("\nThe device over its way\n");
+  const std::unique_ptr<plant::Kinematics> kinematics = plant::make_kinematics(*d.kinematics);
+  const auto line = [&](const Eigen::Vector3d& tip) {
+    print("  at ({:.4g}, {:.4g}, {:.4g}) mm", 1e3 * tip.x(), 1e3 * tip.y(), 1e3 * tip.z());
+    if (d.encoder && d.encoder->at == plant::Encoder::At::joints) {
+      const auto step = plant::resolution(*kinematics, d.encoder->joints.step(), tip);
+      if (step)
+        print(", read in steps of {} to {}", results::readable_length((*step)[2]),
+              results::readable_length((*step)[0]));
+    }
+    if (d.motor && d.amplifier) {
+      const Eigen::Vector3d torque =
+          d.amplifier->current_limit_A * d.motor->torque_constant_N_m_A * d.motor->transmission;
+      print(", at most");
+      for (int i = 0; i < 3; ++i) {
+        const auto force = plant::force_limit(*kinematics, torque, tip, Eigen::Vector3d::Unit(i));
+        if (force) print(" {}", results::newtons(*force));
+      }
+      print(" along x, y, z");
+    }
+    print("\n");
+  };
+  for (const plant::Trajectory& probe : scene.scenario().probes) {
+    line(probe.start);
+    for (const plant::Segment& stroke : probe.motion) line(stroke.to);
   }
 }
 
@@ -114,6 +148,7 @@ int explain_command(const ScenarioArguments& arguments) {
   for (const config::Effect& effect : config::survey_effects(s).effects()) {
     print("  {:<31} {:<8} {}\n", effect.path, effect.present ? "built" : "absent", effect.cost);
   }
+  workspace_lines(scene);
   if (!scene.has_body()) return kHeld;
   point_loads(scene);
   if (scene.spectrum()) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include <fmt/format.h>
@@ -10,7 +12,9 @@
 
 #include "app/commands/commands.h"
 #include "app/commands/terminal.h"
+#include "app/results/flag_json.h"
 #include "app/results/interruption.h"
+#include "app/results/launched_program.h"
 #include "app/results/part_file.h"
 #include "app/results/pictures.h"
 #include "app/results/report.h"
@@ -22,8 +26,45 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr std::chrono::minutes kLongestRerun{5};
+
 double seconds(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double>(to - from).count();
+}
+
+// The same run with one more override, as its user would start it.
+std::optional<stability::Flags> flags_of_run(const RunArguments& arguments,
+                                             const std::string& changed) {
+  using nlohmann::json;
+  std::string folder = (std::filesystem::temp_directory_path() / "hvp-XXXXXX").string();
+  if (mkdtemp(folder.data()) == nullptr) return std::nullopt;
+  std::vector<std::string> words = {"run", std::filesystem::absolute(arguments.scenario).string(),
+                                    "--quiet", "--out", folder};
+  std::vector<std::string> overrides = arguments.overrides;
+  overrides.insert(overrides.end(), {changed, "output.pictures=false", "output.remedies=false",
+                                     "output.trace_frames=0"});
+  for (const std::string& text : overrides) {
+    words.emplace_back("--set");
+    words.push_back(text);
+  }
+  std::optional<stability::Flags> flags;
+  try {
+    results::LaunchedProgram program("/proc/self/exe", words, {});
+    const int status = program.wait(kLongestRerun).exit_status;
+    if (status == kHeld || status == kNotHeld) {
+      std::ifstream file(std::filesystem::path(folder) / "summary.json");
+      const json summary = json::parse(file, nullptr, false);
+      if (!summary.is_discarded()) {
+        flags = results::flags_named(
+            summary.at("stability").at("flags").get<std::vector<std::string>>());
+      }
+    }
+  } catch (const std::exception&) {
+    // What could not be tried is not printed.
+  }
+  std::error_code ignored;
+  std::filesystem::remove_all(folder, ignored);
+  return flags;
 }
 
 double peak_memory_mb() {
@@ -54,7 +95,11 @@ int run_command(const RunArguments& arguments) {
       changed.overrides.insert(changed.overrides.end(), overrides.begin(), overrides.end());
       return std::make_unique<Scene>(build_scene(load(changed), {}, Scene::Limits::reported));
     };
-    outcome = run(scene, {out, loaded.device_file, arguments.trace_registers, progress, rebuild});
+    const Rerun again = [&arguments](const std::string& changed) {
+      return flags_of_run(arguments, changed);
+    };
+    outcome =
+        run(scene, {out, loaded.device_file, arguments.trace_registers, progress, rebuild, again});
   } catch (const InputError& e) {
     throw loaded.document.complete(e);
   } catch (const Interrupted& e) {

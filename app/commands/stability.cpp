@@ -24,7 +24,7 @@ std::string time_text(double seconds) {
 void print_figures(const Scene& scene, const StabilityFigures& f) {
   const Scenario& s = scene.scenario();
   if (!s.title.empty()) print("{}\n", scenario::one_line(s.title, 1000));
-  print("\nLargest stable stiffness of the wall\n");
+  print("\nLargest stable stiffness of the {}\n", s.wall ? "wall" : "body at its contact");
   const auto line = [](std::string_view what, double value, std::string_view note) {
     print("  {:<26} {:>10}  {}\n", what, value > 0 ? fmt::format("{:.4g} N/m", value) : "none",
           note);
@@ -38,8 +38,12 @@ void print_figures(const Scene& scene, const StabilityFigures& f) {
   if (f.encoder_bound > 0) {
     line("between encoder steps", f.encoder_bound, "2 f/D of friction and encoder");
   }
-  print("\n  the force is {} late, and held for {}; the wall is damped by {:g} N s/m\n",
-        time_text(f.delay_s), time_text(f.period_s), f.damping_N_s_m);
+  print("\n  the force is {} late, and held for {}", time_text(f.delay_s), time_text(f.period_s));
+  if (s.wall) {
+    print("; the wall is damped by {:g} N s/m\n", f.damping_N_s_m);
+  } else {
+    print("; Young's modulus is {:.4g} kPa then\n", 1e-3 * f.young_modulus_Pa);
+  }
 }
 
 std::string map_csv(const Scene& scene, const std::vector<StabilityFigures>& map) {

@@ -47,6 +47,10 @@ Projection fit(const DeformationStep& step, const SceneSizes& sizes) {
   for (const double side : {-sizes.probe_radius, sizes.probe_radius}) {
     shown.emplace_back(step.probe + side * projection.view.up);
     shown.emplace_back(step.probe + side * projection.view.right);
+    for (const Eigen::Vector3d& probe : step.further_probes) {
+      shown.emplace_back(probe + side * projection.view.up);
+      shown.emplace_back(probe + side * projection.view.right);
+    }
   }
   shown.push_back(sizes.arrow_tip);
   const Extent extent = extent_in(projection.view, shown);

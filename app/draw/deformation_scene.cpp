@@ -208,6 +208,9 @@ void build_scene(vtkRenderer& renderer, const DeformationStep& step, const Scene
   add_lines(renderer, points, mesh_lines, {20, 20, 30, 70}, 1.0);
   add_anchors(renderer, step, deformed);
   add_probe(renderer, step.probe, sizes.probe_radius, 1.0);
+  for (const Vector3d& probe : step.further_probes) {
+    add_probe(renderer, probe, sizes.probe_radius, 1.0);
+  }
   add_arrow(renderer, step, sizes, 1.0);
 }
 
@@ -215,6 +218,9 @@ void build_probe_ghost(vtkRenderer& renderer, const DeformationStep& step,
                        const SceneSizes& sizes) {
   constexpr double kOpacity = 0.3;
   add_probe(renderer, step.probe, sizes.probe_radius, kOpacity);
+  for (const Vector3d& probe : step.further_probes) {
+    add_probe(renderer, probe, sizes.probe_radius, kOpacity);
+  }
   add_arrow(renderer, step, sizes, kOpacity);
 }
 

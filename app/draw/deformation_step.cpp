@@ -180,6 +180,11 @@ DeformationStep read_step(const std::filesystem::path& path) {
   step.probe = file.vector_field(fields, "probe_position_m");
   step.probe_radius = file.scalar_field(fields, "probe_radius_m");
   step.force_N = file.vector_field(fields, "contact_force_N");
+  for (int i = 1;; ++i) {
+    const std::string name = fmt::format("probe{}_position_m", i);
+    if (fields.GetArray(name.c_str()) == nullptr) break;
+    step.further_probes.push_back(file.vector_field(fields, name.c_str()));
+  }
   return step;
 }
 

@@ -124,6 +124,10 @@ void DeformationWriter::write(double time_s, int frame, std::span<const double> 
   set_field(*grid_, "probe_position_m", {info.probe_position_m.data(), 3});
   set_field(*grid_, "probe_radius_m", {&info.probe_radius_m, 1});
   set_field(*grid_, "contact_force_N", {info.contact_force_N.data(), 3});
+  for (std::size_t i = 0; i < info.further_probes_m.size(); ++i) {
+    set_field(*grid_, fmt::format("probe{}_position_m", i + 1).c_str(),
+              {info.further_probes_m[i].data(), 3});
+  }
 
   write_grid(directory_ / step_file_name(frame), *grid_);
   steps_.push_back({time_s, frame});

@@ -43,6 +43,11 @@ void DeformationRecorder::solved(const vp::Frame& frame, const vp::Solution& sol
     if (touch.contact.present()) contact_nodes_.push_back(touch.contact.node);
   }
   info.contact_nodes = contact_nodes_;
+  further_probes_.clear();
+  for (std::size_t i = 1; i < frame.touches.size(); ++i) {
+    further_probes_.push_back(frame.touches[i].tip);
+  }
+  info.further_probes_m = further_probes_;
   info.contact_force_N = -frame.touch().force;
   info.strain = strain_;
   info.stress_Pa = stress_;

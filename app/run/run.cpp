@@ -300,15 +300,18 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   if (rounding) outcome.flags.merge(rounding_flags(scene, *rounding, outcome.accuracy_measured()));
   outcome.trace_cut_at = trace.cut_at();
   if (accuracy) outcome.flags.merge(accuracy->flags());
+  const auto began = std::chrono::steady_clock::now();
   if (body && s.output.remedies && options.rebuild && !outcome.partial()) {
-    const auto began = std::chrono::steady_clock::now();
     outcome.remedy = try_remedies(scene, outcome.flags, body->recorder().sightings(),
                                   {outcome.verdict.worst_latency(), outcome.verdict.worst_load(),
                                    outcome.verdict.budget(), outcome.verdict.period()},
                                   options.rebuild, options.progress);
-    outcome.remedy_search_s =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   }
+  if (outcome.stiffness && s.output.remedies && options.rerun && !outcome.partial()) {
+    outcome.remedy = try_wall_remedy(s, outcome.flags, *outcome.stiffness, options.rerun);
+  }
+  outcome.remedy_search_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   results::write_through_part_file(directory / "summary.json", results::summary_json(outcome));
   return outcome;
 }

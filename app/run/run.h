@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "app/remedy/remedy.h"
+#include "app/remedy/wall_remedy.h"
 #include "app/results/outcome.h"
 #include "app/scene/scene.h"
 
@@ -20,7 +21,9 @@ struct RunOptions {
   std::filesystem::path device;     // the device's file; empty for a built-in one
   bool trace_registers = false;
   Progress progress;
-  Rebuild rebuild;  // for the remedies of flags; without it none is tried
+  // For the remedies of flags; without them none is tried.
+  Rebuild rebuild;
+  Rerun rerun;
 };
 
 // Simulates the scene and writes every result file but the pictures, in place of those of an

@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "app/run/loop_watch.h"
+#include "app/scene/unit_contacts.h"
 #include "app/stability/child_process.h"
+#include "models/config/input_error.h"
+#include "models/host/reference_run.h"
 #include "models/plant/moving_device.h"
 #include "vp/platform.h"
 
@@ -102,12 +106,34 @@ Trial run_trial(const Scene& scene, double stiffness, const TrialSettings& setti
   return watch.trial(still(scene.scenario()));
 }
 
-}  // namespace
+Trial run_body(const Scene& scene, double times) {
+  Scenario s = scene.scenario();
+  s.object.material.young_modulus_pa *= times;
+  Scene stiffer(s, scene.device(), {}, Scene::Limits::reported);
+  const vp::SoftBody soft{stiffer.body(), stiffer.computation(), stiffer.contacts()};
+  vp::Platform platform(platform_settings(stiffer), soft, nullptr);
+  LoopWatch watch(stiffer.scenario());
+  platform.add_observer(watch);
+  platform.run();
+  Trial trial{.stable = true, .delay_s = watch.mean_delay_s()};
+  for (const plant::LoopQuality& quality : watch.qualities()) {
+    if (!quality.oscillation().measured()) {
+      throw InputError("probe.motion",
+                       "nobody rests long enough to see whether the device comes to rest: expected "
+                       "a hold of at least 0.6 s");
+    }
+    const auto& cycle = quality.oscillation().cycle();
+    if (!cycle) continue;
+    trial.stable = false;
+    trial.amplitude_m = std::max(trial.amplitude_m, cycle->amplitude_m);
+  }
+  return trial;
+}
 
-Trial try_wall(const Scene& scene, double stiffness, const TrialSettings& settings) {
+Trial trial_in_child(const std::function<Trial()>& run) {
   using nlohmann::json;
-  const json answer = json::parse(in_child([&] {
-    const Trial t = run_trial(scene, stiffness, settings);
+  const json answer = json::parse(in_child([&run] {
+    const Trial t = run();
     return json{{"stable", t.stable},
                 {"growth", std::isfinite(t.growth) ? t.growth : 1e300},
                 {"amplitude", t.amplitude_m},
@@ -116,6 +142,29 @@ Trial try_wall(const Scene& scene, double stiffness, const TrialSettings& settin
   }));
   return {answer["stable"].get<bool>(), answer["growth"].get<double>(),
           answer["amplitude"].get<double>(), answer["delay"].get<double>()};
+}
+
+}  // namespace
+
+Trial try_body(const Scene& scene, double times) {
+  return trial_in_child([&] { return run_body(scene, times); });
+}
+
+double contact_stiffness(const Scene& scene) {
+  const std::vector<host::UnitContact> contacts = unit_contacts(scene);
+  const auto deepest = std::ranges::max_element(
+      contacts, {}, [](const host::UnitContact& c) { return c.displacement.norm(); });
+  const fem::Body& body = scene.body();
+  host::ReferenceRun run(body, std::nullopt, scene.scenario().budget.period_s, body.stiffness(),
+                         body.stiffness());
+  const std::vector<Eigen::Vector3d> displacement(deepest->nodes.size(), deepest->displacement);
+  run.step({deepest->nodes, displacement, {}, 0});
+  const double depth = deepest->displacement.norm();
+  return depth > 0 ? std::abs(run.force().dot(deepest->displacement)) / (depth * depth) : 0;
+}
+
+Trial try_wall(const Scene& scene, double stiffness, const TrialSettings& settings) {
+  return trial_in_child([&] { return run_trial(scene, stiffness, settings); });
 }
 
 }  // namespace hvp::app

@@ -27,10 +27,19 @@ struct Trial {
 // of an encoder is a small part of it.
 inline constexpr double kDisplaced = 0.5;
 
-// Runs the platform of a scenario with a wall of this stiffness (N/m, positive), in a process of its
-// own. The scenario has [wall] and [device.dynamics]; its first probe is tried. A loop that swings
-// on by more than an encoder step either way, or by what the registers' nanometre makes, without
-// getting smaller is not stable; one that sticks is.
+// Runs the platform of a scenario with a wall of this stiffness (N/m, positive), in a process of
+// its own. The scenario has [wall] and [device.dynamics]; its first probe is tried. A loop that
+// swings on by more than an encoder step either way, or by what the registers' nanometre makes,
+// without getting smaller is not stable; one that sticks is.
 Trial try_wall(const Scene& scene, double stiffness_N_m, const TrialSettings& settings);
+
+// The same of a body whose Young's modulus is so many times the scenario's. The scenario runs its
+// own motion, all of its frames: the loop is stable where no device swings on while its user rests
+// (plant::Oscillation), and somebody rested long enough to see it; throws InputError otherwise.
+Trial try_body(const Scene& scene, double times);
+
+// Force over depth of the deepest contact along the first probe's way, at rest and with the true
+// matrix, N/m.
+double contact_stiffness(const Scene& scene);
 
 }  // namespace hvp::app

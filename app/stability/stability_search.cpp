@@ -15,11 +15,9 @@ namespace {
 constexpr double kFirst = 100;     // N/m; where to begin without a better guess
 constexpr double kSoftest = 1e-2;  // below it nothing is a wall
 constexpr double kStride = 1.5;
+constexpr double kStiffest = 1000;  // times the scenario's own body
 
 void require_loop(const Scenario& s) {
-  if (!s.wall) {
-    throw InputError("wall", "the stiffness is a wall's: expected [wall] in place of [object]");
-  }
   if (!s.device.dynamics) {
     throw InputError("device.dynamics",
                      "a device without mass has no stability: expected [device.dynamics]");
@@ -42,16 +40,23 @@ class Search {
     const Scenario& s = scene_.scenario();
     StabilityFigures figures;
     figures.period_s = s.budget.period_s;
-    figures.damping_N_s_m = s.wall->damping_N_s_m;
+    if (s.wall) figures.damping_N_s_m = s.wall->damping_N_s_m;
+    if (!s.wall) {
+      own_N_m_ = contact_stiffness(scene_);
+      settings_.largest_N_m = kStiffest * own_N_m_;
+    }
     // A first run tells the delay, by which the eigenvalues make a good guess.
-    stable(kFirst);
-    const plant::WallLoop loop = wall_loop(s, delay_s_, s.wall->direction());
+    stable(s.wall ? kFirst : own_N_m_);
+    const plant::WallLoop loop = wall_loop(
+        s, delay_s_, s.wall ? s.wall->direction() : Eigen::Vector3d(Eigen::Vector3d::UnitZ()));
     if (delay_s_ <= results::kMostSamples * loop.period_s) {
       figures.stiffness_linear = plant::largest_stable_stiffness(loop);
     }
     figures.stiffness_passive = plant::passive_stiffness(loop, s.device.dynamics->damping_N_s_m);
     bracket(figures.stiffness_linear > 0 ? figures.stiffness_linear : kFirst);
-    while (below_ > 0 && above_ > 0 && above_ - below_ > settings_.tolerance * below_) {
+    // A run of a body takes a hundred times as long, and it has a delay of its own.
+    const double tolerance = s.wall ? settings_.tolerance : 20 * settings_.tolerance;
+    while (below_ > 0 && above_ > 0 && above_ - below_ > tolerance * below_) {
       const double middle = std::sqrt(below_ * above_);
       (stable(middle) ? below_ : above_) = middle;
     }
@@ -62,6 +67,9 @@ class Search {
     if (encoder && encoder->at == plant::Encoder::At::tip && s.device.friction) {
       figures.encoder_bound = 2 * s.device.friction->force_N / encoder->resolution;
     }
+    if (!s.wall) {
+      figures.young_modulus_Pa = s.object.material.young_modulus_pa * below_ / own_N_m_;
+    }
     figures.delay_s = delay_s_;
     figures.runs = runs_;
     return figures;
@@ -71,7 +79,8 @@ class Search {
   bool stable(double stiffness) {
     ++runs_;
     if (progress_) progress_(fmt::format("run {}: {:.5g} N/m", runs_, stiffness));
-    const Trial trial = try_wall(scene_, stiffness, settings_.trial);
+    const Trial trial = scene_.has_body() ? try_body(scene_, stiffness / own_N_m_)
+                                          : try_wall(scene_, stiffness, settings_.trial);
     delay_s_ = trial.delay_s;
     if (trial.stable) left_m_ = trial.amplitude_m;
     return trial.stable;
@@ -98,11 +107,12 @@ class Search {
   }
 
   const Scene& scene_;
-  const SearchSettings& settings_;
+  SearchSettings settings_;
   const Progress& progress_;
-  double below_ = 0;  // the stiffest that was stable
-  double above_ = 0;  // the softest that was not
-  double left_m_ = 0;  // of the last one that was stable
+  double below_ = 0;    // the stiffest that was stable
+  double above_ = 0;    // the softest that was not
+  double own_N_m_ = 0;  // of the scenario's own body
+  double left_m_ = 0;   // of the last one that was stable
   double delay_s_ = 0;
   int runs_ = 0;
 };
@@ -118,6 +128,10 @@ StabilityFigures find_stability(const Scene& scene, const SearchSettings& settin
 std::vector<StabilityFigures> stability_map(const Scene& scene, const SearchSettings& settings,
                                             int count, const Progress& progress) {
   require_loop(scene.scenario());
+  if (!scene.scenario().wall) {
+    throw InputError("wall",
+                     "a map is over a wall's damping: expected [wall] in place of [object]");
+  }
   std::vector<StabilityFigures> map;
   const StabilityFigures undamped = find_stability(damped(scene, 0), settings, progress);
   map.push_back(undamped);
@@ -150,8 +164,10 @@ void StabilityFigures::report(config::Figures& f) const {
             "the stiffest wall with which runs of the platform were stable; null where none was");
   f.quantity("left_m", left_m, "m",
              "half of peak to peak of what the device swings on by at that stiffness");
-  stiffness("unstable_from", unstable_from,
-            "the softest with which one was not; null up to 10 MN/m");
+  stiffness(
+      "unstable_from", unstable_from,
+      "the softest with which one was not; null up to 10 MN/m, or 1000 times the scenario's own "
+      "body");
   stiffness("stiffness_linear", stiffness_linear,
             "by the exact eigenvalues of device, hand, period, delay and wall, without steps, "
             "friction and limits; null for a delay of more than 16 periods");
@@ -164,6 +180,9 @@ void StabilityFigures::report(config::Figures& f) const {
   f.mean_time("delay_us", delay_s * 1e12,
               "L: from the latch of the position to the force at the motor, mean");
   f.mean_time("period_us", period_s * 1e12, "T");
+  f.quantity("young_modulus_Pa",
+             young_modulus_Pa > 0 ? std::optional(young_modulus_Pa) : std::nullopt, "Pa",
+             "of the body that has stiffness_max at its contact; null for a wall");
   f.quantity("wall_damping_N_s_m", damping_N_s_m, "N·s/m", "B");
   f.count("runs", runs, "of the platform");
 }

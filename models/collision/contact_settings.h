@@ -25,7 +25,7 @@ struct ContactSettings {
   double release_force = 0.0;  // N, pull along the outward normal above which contact ends
   double patch_radius = 0.0;   // m; 0: a single node
   double hand_over_s = 30e-3;  // 0: the prescribed displacement jumps
-  std::optional<FreshContact> fresh;
+  std::optional<FreshContact> fresh = {};
 
   void declare(config::Visitor& v);
 };

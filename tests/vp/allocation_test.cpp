@@ -95,5 +95,31 @@ TEST(Allocation, NoneInPassesOfRefinement) {
   expect_none(scene, 1);
 }
 
+// A device with everything, in a hand that presses it into a wall.
+TEST(Allocation, NoneInAClosedLoop) {
+  PlatformSettings s;
+  s.frames = 202;
+  s.wall = host::Wall{};
+  s.device.dynamics = plant::DeviceDynamics{};
+  s.device.friction = plant::Friction{};
+  s.device.encoder = plant::Encoder{};
+  s.device.motor = plant::Motor{};
+  s.device.amplifier = plant::Amplifier{};
+  s.device.amplifier->bandwidth_Hz = 500;
+  s.device.dac = plant::Dac{};
+  s.device.adc = plant::Adc{};
+  s.hand = plant::Hand{};
+  plant::Trajectory& probe = s.probes.front();
+  probe.start = {0, 0, 3e-3};
+  probe.motion = {{.phase = plant::Stroke::press, .to = {0, 0, -5e-3}, .duration = 0.3}};
+  Platform platform(s, std::nullopt, nullptr);
+  Count count;
+  platform.add_observer(count);
+  platform.run();
+  ASSERT_GT(count.first, 0U);
+  EXPECT_EQ(count.last - count.first, 0U);
+  EXPECT_GE(platform.servo().counts().contact_changes, 1);
+}
+
 }  // namespace
 }  // namespace hvp::vp

@@ -36,7 +36,8 @@ BodyRendering::BodyRendering(const BodySettings& settings, const SoftBody& soft,
       held_(body_, soft.contacts, to_picoseconds(soft.contacts.settings().hand_over_s), probes),
       report_{{}, -1},
       forces_(held_.contacts().size(), Eigen::Vector3d::Zero()),
-      force_sum_(forces_) {}
+      force_sum_(forces_),
+      displacement_(body_.expand(computation_.displacement())) {}
 
 BodyRendering::~BodyRendering() = default;
 

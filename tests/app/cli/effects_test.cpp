@@ -58,12 +58,26 @@ std::vector<std::string> switch_on(const Effect& effect) {
   return settings;
 }
 
+// A wall has no body beside it, and --set takes none out.
+constexpr const char* kWallScene = R"(
+frames = 20
+[wall]
+[probe]
+start = ["0 mm", "0 mm", "1 mm"]
+[[probe.motion]]
+phase = "press"
+to = ["0 mm", "0 mm", "-1 mm"]
+duration = "20 ms"
+)";
+const char* scene_for(const std::vector<std::string>& settings) {
+  return std::ranges::count(settings, "wall=true") > 0 ? kWallScene : kSmallScene;
+}
+
 // A small scene with a command and its settings.
 class Effects : public ::testing::Test {
  protected:
-  Effects() { write(place_.path() / "s.toml", kSmallScene); }
-
   Ended with(const std::string& command, const std::vector<std::string>& settings) {
+    write(place_.path() / "s.toml", scene_for(settings));
     std::vector<std::string> arguments = {command, "s.toml"};
     for (const std::string& setting : settings) {
       arguments.emplace_back("--set");
@@ -174,6 +188,7 @@ const Parts kBase = {{"bus", "accelerator", "daq", "access", "servo", "collision
 // Nothing: it is arithmetic of parts that are there anyway.
 const Parts kNothing;
 const std::map<std::string, Parts> kAdded = {
+    {"wall", kNothing},
     {"loads.gravity", kNothing},
     {"dynamics", kNothing},
     {"refinement", kNothing},
@@ -190,7 +205,18 @@ const std::map<std::string, Parts> kAdded = {
     {"host.wake_up", kNothing},
     {"host.interrupt_latencies", kNothing},
     {"host.delay", kNothing},
+    {"contact.fresh", kNothing},
+    {"hand", kNothing},
     {"device.encoder", kNothing},
+    {"device.dynamics", kNothing},
+    {"device.friction", kNothing},
+    {"device.gravity", kNothing},
+    {"device.kinematics", kNothing},
+    {"device.dac", kNothing},
+    {"device.adc", kNothing},
+    {"device.amplifier", kNothing},
+    {"device.motor", kNothing},
+    {"device.limits", kNothing},
     {"reference", kNothing},
     {"spectrum", kNothing},
     {"fault", {{"faulty_wire", "lossy_line"}, 0}},
@@ -202,16 +228,20 @@ const std::map<std::string, Parts> kAdded = {
 Parts built(const std::vector<std::string>& settings) {
   const std::string text = test::output_of_child([&settings](std::string& told) {
     const ScratchDirectory place;
-    std::vector<std::string> overrides = {"reference=false"};
+    const bool wall = scene_for(settings) == kWallScene;
+    std::vector<std::string> overrides;
+    if (!wall) overrides.emplace_back("reference=false");
     overrides.insert(overrides.end(), settings.begin(), settings.end());
     try {
       const auto document =
-          scenario::Document::parse(kSmallScene, place.path() / "s.toml", overrides);
+          scenario::Document::parse(scene_for(settings), place.path() / "s.toml", overrides);
       app::Scenario scenario;
       scenario::read(document, scenario);
       app::Scene scene(scenario, devices::find(document, scenario.accelerator));
-      const vp::Platform platform(app::platform_settings(scene, place.path() / "engine"),
-                                  scene.body(), scene.computation(), scene.contacts());
+      std::optional<vp::SoftBody> soft;
+      if (!wall) soft.emplace(vp::SoftBody{scene.body(), scene.computation(), scene.contacts()});
+      const vp::Platform platform(app::platform_settings(scene, place.path() / "engine"), soft,
+                                  nullptr);
       told = std::to_string(vp::Platform::processes());
       for (const std::string& module : vp::Platform::modules()) told += '\n' + module;
     } catch (const std::exception& e) {
@@ -257,6 +287,11 @@ std::vector<std::string> switch_off(const Effect& effect) {
 TEST_P(OneEffect, BuildsWhatItsLineSaysAndNothingElse) {
   ASSERT_TRUE(kAdded.contains(effect().path))
       << "say in kAdded what is built for " << effect().path;
+  if (effect().path == "wall") {
+    // It stands in the place of what it takes away.
+    expect_equal(built({"wall=true"}), {{"bus", "daq", "access", "servo"}, 1});
+    return;
+  }
   expect_equal(without(built(switch_on(effect())), kAdded.at(effect().path)),
                built(switch_off(effect())));
 }

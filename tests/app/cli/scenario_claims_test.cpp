@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -352,6 +353,120 @@ const std::map<std::string, std::vector<Claim>>& claims() {
                r.summary("shared-bus.toml", {"reference=false", "bus.traffic.period=40 us"})
                    .at("deadline");
            EXPECT_LT(d.at("p99_us").get<double>() - d.at("p50_us").get<double>(), 1);
+         }}}},
+      {"wall.toml",
+       {{"the loop holds a wall up to 1003 N/m; before this one, of 500 N/m, the device comes to "
+         "rest",
+         [](Runs& r) {
+           const json& s = r.summary("wall.toml");
+           EXPECT_NEAR(s.at("stiffness").at("stable_N_m"), 1003.3, 0.1);
+           EXPECT_TRUE(s.at("loop").at(0).at("oscillation_measured"));
+           EXPECT_TRUE(s.at("loop").at(0).at("oscillation").is_null());
+           EXPECT_EQ(s.at("verdict"), "PASS");
+         }},
+        {"who feeds energy in: \"latency\", although nothing takes time",
+         [](Runs& r) {
+           const json& energy = r.summary("wall.toml").at("loop").at(0).at("energy");
+           EXPECT_THAT(energy.at("fed_by"), ::testing::Contains("latency"));
+           EXPECT_EQ(r.summary("wall.toml").at("stiffness").at("delay_us"), 0);
+           EXPECT_GE(energy.at("port").at("least_J"), 0);
+         }},
+        {"half a millisecond more leaves 669 N/m",
+         [](Runs& r) {
+           const json& s = r.summary("wall.toml", {"host.delay.time=0.5 ms"}).at("stiffness");
+           EXPECT_NEAR(s.at("stable_N_m"), 668.9, 0.1);
+         }}}},
+      {"wall-in-hand.toml",
+       {{"the swing at the wall dies out, slowly",
+         [](Runs& r) {
+           const json& loop = r.summary("wall-in-hand.toml").at("loop").at(0);
+           EXPECT_TRUE(loop.at("oscillation_measured"));
+           EXPECT_TRUE(loop.at("oscillation").is_null());
+         }},
+        {"and yet the port is active: without this hand the loop would hold 1003 N/m",
+         [](Runs& r) {
+           const json& s = r.summary("wall-in-hand.toml");
+           EXPECT_THAT(s.at("stability").at("flags"), ::testing::Contains("active-port"));
+           EXPECT_NEAR(s.at("stiffness").at("stable_N_m"), 5610, 1);
+         }},
+        {"just beyond the edge, at 5750 N/m, it grows",
+         [](Runs& r) {
+           const json& s = r.summary("wall-in-hand.toml", {"wall.stiffness=5750 N/m"});
+           EXPECT_THAT(s.at("stability").at("flags"), ::testing::Contains("limit-cycle"));
+         }}}},
+      {"free-motion.toml",
+       {{"79 % of what the hand spends is lost to its dry friction",
+         [](Runs& r) {
+           const json& e = r.summary("free-motion.toml").at("loop").at(0).at("energy");
+           EXPECT_NEAR(
+               e.at("lost_J").at("friction").get<double>() / e.at("in_J").at("hand").get<double>(),
+               0.79, 0.005);
+         }},
+        {"the motors do no work at all, and the port is passive",
+         [](Runs& r) {
+           const json& e = r.summary("free-motion.toml").at("loop").at(0).at("energy");
+           EXPECT_EQ(e.at("in_J").at("motors"), 0);
+           EXPECT_EQ(e.at("port").at("least_J"), 0);
+         }}}},
+      {"sphere-in-hand.toml",
+       {{"both verdicts hold and no flag is left",
+         [](Runs& r) {
+           const json& s = r.summary("sphere-in-hand.toml");
+           EXPECT_EQ(s.at("verdict"), "PASS");
+           EXPECT_TRUE(s.at("stability").at("flags").empty());
+         }},
+        {"The force is 902 us late, and the refinement alone costs 780 N/m of what the loop could "
+         "hold; if nothing took time it would hold 5650 N/m instead of 2990",
+         [](Runs& r) {
+           const json& s = r.summary("sphere-in-hand.toml").at("stiffness");
+           EXPECT_NEAR(s.at("delay_us"), 902, 0.5);
+           EXPECT_EQ(s.at("parts").at(0).at("phase"), "refinement");
+           EXPECT_NEAR(s.at("parts").at(0).at("cost_N_m"), 780, 2);
+           EXPECT_NEAR(s.at("without_delay_N_m"), 5650, 5);
+           EXPECT_NEAR(s.at("stable_N_m"), 2990, 6);
+         }},
+        {"with DMA over PCI Express in place of PCI it is 765 us late, and the loop holds 3210 N/m",
+         [](Runs& r) {
+           const json& s =
+               r.summary("sphere-in-hand.toml", {"bus.pcie=true", "transfer.method=dma"})
+                   .at("stiffness");
+           EXPECT_NEAR(s.at("delay_us"), 765, 1);
+           EXPECT_NEAR(s.at("stable_N_m"), 3210, 5);
+         }}}},
+      {"thesis-in-hand.toml",
+       {{"their steps give and take a thousandth of the motors' work",
+         [](Runs& r) {
+           const json& e = r.summary("thesis-in-hand.toml").at("loop").at(0).at("energy");
+           EXPECT_LT(std::abs(e.at("of_motors_J").at("converter").get<double>()),
+                     1e-3 * std::abs(e.at("in_J").at("motors").get<double>()));
+         }},
+        {"651 us of 768, and 1830 of the 3160 N/m that are left of 5570",
+         [](Runs& r) {
+           const json& s = r.summary("thesis-in-hand.toml").at("stiffness");
+           EXPECT_EQ(s.at("parts").at(0).at("phase"), "solve");
+           EXPECT_NEAR(s.at("parts").at(0).at("mean_us"), 651, 0.5);
+           EXPECT_NEAR(s.at("delay_us"), 768, 0.5);
+           EXPECT_NEAR(s.at("parts").at(0).at("cost_N_m"), 1830, 5);
+           EXPECT_NEAR(s.at("stable_N_m"), 3160, 5);
+           EXPECT_NEAR(s.at("without_delay_N_m"), 5570, 5);
+         }},
+        {"a force one sample late, as the pipeline has it, leaves 1600 N/m",
+         [](Runs& r) {
+           const json& s = r.summary("thesis-in-hand.toml", {"host.pipeline_depth=1"});
+           EXPECT_NEAR(s.at("stiffness").at("stable_N_m"), 1600, 5);
+         }}}},
+      {"pinch.toml",
+       {{"one modified force vector has both contacts",
+         [](Runs& r) {
+           const json& s = r.summary("pinch.toml");
+           EXPECT_EQ(s.at("loop").size(), 2U);
+           EXPECT_EQ(s.at("verdict"), "PASS");
+         }},
+        {"The second one costs 7 us of latency",
+         [](Runs& r) {
+           const double one = r.summary("sphere-in-hand.toml").at("deadline").at("worst_us");
+           const double two = r.summary("pinch.toml").at("deadline").at("worst_us");
+           EXPECT_NEAR(two - one, 7, 0.5);
          }}}},
       {"engine-waveform.toml", {}},
   };

@@ -1,0 +1,206 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "tests/app/cli/program.h"
+#include "tests/app/scratch_directory.h"
+
+// Device, hand and wall as a user meets them: `hvp run` and `hvp stability`.
+namespace hvp::cli {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+class LoopCommands : public ::testing::Test {
+ protected:
+  Ended with(std::string command, const std::vector<std::string>& settings,
+             const std::string& name = "wall.toml") const {
+    std::vector<std::string> arguments = {std::move(command), scenario(name).string()};
+    for (const std::string& setting : settings) {
+      arguments.emplace_back("--set");
+      arguments.push_back(setting);
+    }
+    if (arguments.front() == "run") {
+      arguments.insert(arguments.end(), {"--out", "out", "--set", "output.pictures=false"});
+    }
+    if (arguments.front() == "stability") arguments.emplace_back("--json");
+    return hvp(place_.path(), arguments);
+  }
+  json run(const std::vector<std::string>& settings) const {
+    const Ended ended = with("run", settings);
+    EXPECT_EQ(ended.status, 0) << ended.err;
+    return json::parse(read(place_.path() / "out/summary.json"));
+  }
+  json stability(const std::vector<std::string>& settings) const {
+    const Ended ended = with("stability", settings);
+    EXPECT_EQ(ended.status, 0) << ended.err;
+    return json::parse(ended.out);
+  }
+  void expect_refused(const std::vector<std::string>& settings, const std::string& words,
+                      const std::string& command = "run") const {
+    const Ended ended = with(command, settings);
+    EXPECT_EQ(ended.status, 2) << ended.out;
+    EXPECT_EQ(lines(ended.err).size(), 1U) << ended.err;
+    EXPECT_THAT(ended.err, HasSubstr(words));
+  }
+
+  const ScratchDirectory place_;
+};
+
+// The exact discrete eigenvalues, found elsewhere (docs/stability.md): m = 0.1 kg, b = 1 N s/m,
+// T = 2 ms.
+struct KnownEdge {
+  std::vector<std::string> settings;
+  double stiffness;
+};
+class KnownStability : public LoopCommands, public ::testing::WithParamInterface<KnownEdge> {};
+
+TEST_P(KnownStability, IsFoundByRunsAndByEigenvalues) {
+  const json j = stability(GetParam().settings);
+  EXPECT_NEAR(j.at("stiffness_max"), GetParam().stiffness, 0.005 * GetParam().stiffness);
+  EXPECT_NEAR(j.at("stiffness_linear"), GetParam().stiffness, 0.002 * GetParam().stiffness);
+  EXPECT_LE(j.at("stiffness_passive"), j.at("stiffness_max"));
+  EXPECT_GT(j.at("unstable_from"), j.at("stiffness_max"));
+  EXPECT_GT(j.at("runs"), 4);
+}
+
+std::vector<KnownEdge> known_edges() {
+  const std::string free = "hand=false";
+  const auto delay = [](const char* time) { return "host.delay.time=" + std::string(time); };
+  const std::string damped = "wall.damping=1 N s/m";
+  const std::string light = "device.dynamics.mass=10 g";
+  return {{{free}, 1003.3},
+          {{free, delay("0.5 ms")}, 668.9},
+          {{free, delay("0.773 ms")}, 566.1},
+          {{free, delay("1 ms")}, 502.1},
+          {{free, delay("2 ms")}, 335.2},
+          {{free, delay("3 ms")}, 251.8},
+          {{free, delay("4 ms")}, 201.7},
+          {{free, "host.pipeline_depth=1"}, 335.2},
+          {{free, "wall.sides=both", delay("0.25 ms")}, 802.5},
+          {{free, damped}, 1967},
+          {{free, damped, delay("2 ms")}, 656},
+          {{free, damped, delay("4 ms")}, 392},
+          {{}, 5610},
+          {{delay("2 ms")}, 1899},
+          {{delay("4 ms")}, 1167},
+          {{free, light}, 1035},
+          {{free, light, delay("2 ms")}, 351},
+          {{free, light, delay("4 ms")}, 215.6}};
+}
+INSTANTIATE_TEST_SUITE_P(Of, KnownStability, ::testing::ValuesIn(known_edges()));
+
+// With the delay that real bus and host times add up to.
+TEST_F(LoopCommands, AWallsEdgeIsThatOfTheDelayOfItsParts) {
+  const json j = stability({"hand=false", "fidelity.bus=loosely-timed",
+                            "fidelity.host=loosely-timed", "host.sustained_rate=1 Mflop/s",
+                            "device.daq.output_delay=500 us", "device.daq.sampling_delay=300 us"});
+  const double delay_s = 1e-6 * j.at("delay_us").get<double>();
+  EXPECT_GT(delay_s, 800e-6);
+  EXPECT_NEAR(j.at("stiffness_max"), 1 / (1e-3 + delay_s), 0.02 / (1e-3 + delay_s));
+  EXPECT_NEAR(j.at("stiffness_max"), j.at("stiffness_linear"),
+              0.003 * j.at("stiffness_linear").get<double>());
+}
+
+// Abbott & Okamura 2005: K <= 2 f/D comes to rest between the steps; beyond it need not.
+TEST_F(LoopCommands, AnEncoderAndFrictionComeToRestBelowTheirBound) {
+  const std::vector<std::string> device = {"hand=false", "device.friction.force=0.04 N",
+                                           "device.encoder.resolution=0.1 mm"};
+  const json j = stability(device);
+  EXPECT_NEAR(j.at("stiffness_encoder"), 800, 1e-6);
+  EXPECT_GE(j.at("stiffness_max"), 800);
+  // A hand at rest 0.42 of a step behind the wall, on both sides of the bound.
+  for (const double share : {0.5, 4.0}) {
+    std::vector<std::string> settings = {
+        "device.friction.force=0.04 N", "device.encoder.resolution=0.5 mm",
+        "device.dynamics.damping=0.5 N s/m",
+        "wall.stiffness=" + std::to_string(share * 160) + " N/m", "frames=3000"};
+    const json loop = run(settings).at("loop").at(0);
+    EXPECT_TRUE(loop.at("oscillation_measured"));
+    if (share < 1) {
+      EXPECT_TRUE(loop.at("oscillation").is_null()) << loop.dump();
+    }
+  }
+}
+
+TEST_F(LoopCommands, ARunSaysWhereEnergyWentAndWhatLatencyCosts) {
+  const json s = run({"host.delay.time=0.5 ms", "device.friction=true", "device.encoder=true"});
+  const json& energy = s.at("loop").at(0).at("energy");
+  EXPECT_LT(std::abs(energy.at("imbalance_rel").get<double>()), 1e-9);
+  const json& in = energy.at("in_J");
+  const json& lost = energy.at("lost_J");
+  const double balance = in.at("motors").get<double>() + in.at("hand").get<double>() +
+                         in.at("gravity").get<double>() - lost.at("device_damping").get<double>() -
+                         lost.at("hand_damping").get<double>() - lost.at("friction").get<double>() -
+                         energy.at("stored_J").get<double>();
+  EXPECT_NEAR(balance, 0, 1e-15);
+  double parts = 0;
+  for (const auto& part : energy.at("of_motors_J").items()) parts += part.value().get<double>();
+  EXPECT_NEAR(parts, in.at("motors").get<double>(), 1e-15);
+
+  const json& stiffness = s.at("stiffness");
+  EXPECT_NEAR(stiffness.at("delay_us"), 500, 1e-9);
+  ASSERT_EQ(stiffness.at("parts").size(), 1U);
+  EXPECT_EQ(stiffness.at("parts").at(0).at("phase"), "delay");
+  EXPECT_NEAR(stiffness.at("stable_N_m").get<double>() +
+                  stiffness.at("parts").at(0).at("cost_N_m").get<double>(),
+              stiffness.at("without_delay_N_m").get<double>(), 1e-3);
+}
+
+TEST_F(LoopCommands, AnActivePortAndAGrowingSwingAreFlagged) {
+  const json s = run({"wall.stiffness=6500 N/m"});
+  EXPECT_EQ(s.at("verdict"), "held, with flags");
+  EXPECT_THAT(s.at("stability").at("flags"), ::testing::Contains("active-port"));
+  EXPECT_THAT(s.at("stability").at("flags"), ::testing::Contains("limit-cycle"));
+  EXPECT_LT(s.at("loop").at(0).at("energy").at("port").at("least_J"), -1e-6);
+  // Which part did it.
+  EXPECT_THAT(s.at("loop").at(0).at("energy").at("fed_by"), ::testing::ElementsAre("latency"));
+  EXPECT_TRUE(run({"wall.stiffness=3000 N/m"}).at("stability").at("flags").empty());
+}
+
+TEST_F(LoopCommands, AReadyDeviceIsUnderWhatTheScenarioSays) {
+  run({"device.model=omni"});
+  std::string resolved = read(place_.path() / "out/scenario.resolved.toml");
+  EXPECT_THAT(resolved, HasSubstr("[device.friction]\nforce = \"260 mN\""));
+  EXPECT_THAT(resolved, HasSubstr("mass = \"100 g\"")) << "the scenario's own";
+  run({"device.model=omni", "device.friction=false", "device.limits.force=2 N"});
+  resolved = read(place_.path() / "out/scenario.resolved.toml");
+  EXPECT_THAT(resolved, HasSubstr("# [device.friction] is not in this scenario"));
+  EXPECT_THAT(resolved, HasSubstr("force = \"2 N\""));
+  expect_refused({"device.model=omny"}, "did you mean \"omni\"?");
+  write(place_.path() / "own.toml", "[dynamics]\nmass = \"-1 g\"\n");
+  write(place_.path() / "s.toml", "base = \"" + scenario("wall.toml").string() +
+                                      "\"\n[device]\nmodel = \"own.toml\"\n"
+                                      "[device.dynamics]\ndamping = \"1 N s/m\"\n");
+  write(place_.path() / "own.toml", "[friction]\nforce = \"-1 N\"\n");
+  const Ended ended = hvp(place_.path(), {"run", "s.toml", "--out", "out"});
+  EXPECT_EQ(ended.status, 2);
+  EXPECT_THAT(ended.err, HasSubstr("own.toml:2: device.friction.force: out of range"));
+}
+
+TEST_F(LoopCommands, WhatCannotBeIsRefusedInALine) {
+  expect_refused({"device.dynamics.mass=0 g"}, "device.dynamics.mass=0 g: out of range");
+  expect_refused({"device.dynamics.mass=-1 kg"}, "out of range");
+  expect_refused({"device.dynamics=false"}, "hand: a hand moves a device that has mass");
+  expect_refused({"device.motor=true", "device.amplifier=true", "device.dac.bits=0"},
+                 "device.dac.bits=0: out of range");
+  expect_refused({"device.dac=true"}, "expected [device.amplifier] too");
+  expect_refused({"object.mesh.nodes=300"}, "not beside [wall]");
+  expect_refused({"solver.method=cg"}, "not beside [wall]");
+  expect_refused({"device.kinematics.kind=serial-arm", "probe.motion[0].to=['0 mm','0 mm','1 m']"},
+                 "out of reach");
+  expect_refused({"wall.normal=[0, 0, 0]"}, "has no length");
+  expect_refused({"device.encoder.at=joints"}, "expected [device.kinematics] too");
+  expect_refused({"device.dynamics=false", "hand=false"}, "a device without mass has no stability",
+                 "stability");
+  const Ended body = with("stability", {}, "thesis.toml");
+  EXPECT_EQ(body.status, 2);
+  EXPECT_EQ(lines(body.err).size(), 1U) << body.err;
+}
+
+}  // namespace
+}  // namespace hvp::cli
