@@ -24,8 +24,10 @@ std::optional<StiffnessBudget> stiffness_budget(const plant::WallLoop& loop, dou
 }
 
 void StiffnessBudget::report(config::Figures& f) const {
-  f.mean_time("delay_us", delay_s * 1e12,
-              "from the latch to the force at the motor, the mean of all frames");
+  f.mean_time(
+      "delay_us", delay_s * 1e12,
+      "from the latch to the force at the motor, the mean of the frames in contact, or of all "
+      "where there was none");
   f.quantity("stable_N_m", stable_N_m, "N/m",
              "the stiffest wall with which the loop is stable, by its exact eigenvalues at that "
              "delay");

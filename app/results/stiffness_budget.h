@@ -17,11 +17,13 @@ struct StiffnessBudget {
   struct Share {
     std::string_view part;
     std::string_view phase;
-    double time_s = 0;  // mean of all frames, after the latch
+    double time_s = 0;  // mean, after the latch
     double cost_N_m = 0;
   };
 
-  double delay_s = 0;      // L: from the latch to the force at the motor, the mean of all frames
+  // L: from the latch to the force at the motor, the mean of the frames in contact; of all where
+  // there was none.
+  double delay_s = 0;
   double period_s = 0;     // T
   double stable_N_m = 0;   // by the exact eigenvalues
   double passive_N_m = 0;  // b/(T/2 + L)

@@ -17,16 +17,20 @@ bool LoopWatch::rests(std::size_t probe, Picoseconds time) const {
   return scenario_.probes[probe].state_ps(time).velocity.isZero(0);
 }
 
-void LoopWatch::closed(const vp::Frame& frame, const vp::CriticalPath& path) {
-  ++frames_;
-  delays_ += frame.born + frame.latency() - frame.latched;
+void LoopWatch::Delays::add(const vp::Frame& frame, const vp::CriticalPath& path) {
+  ++frames;
+  sum += frame.born + frame.latency() - frame.latched;
   for (const vp::SpanId id : path.spans()) {
     const vp::Span& span = frame.spans[static_cast<std::size_t>(id)];
     if (span.end <= frame.latched) continue;
-    after_latch_[static_cast<std::size_t>(span.part) * vp::kPhases +
-                 static_cast<std::size_t>(span.phase)] +=
-        span.end - std::max(span.start, frame.latched);
+    parts[static_cast<std::size_t>(span.part) * vp::kPhases +
+          static_cast<std::size_t>(span.phase)] += span.end - std::max(span.start, frame.latched);
   }
+}
+
+void LoopWatch::closed(const vp::Frame& frame, const vp::CriticalPath& path) {
+  all_.add(frame, path);
+  if (frame.in_contact()) in_contact_.add(frame, path);
   const Picoseconds latched = frame.time + frame.latched - frame.born;
   for (std::size_t i = 0; i < frame.devices.size(); ++i) {
     const vp::DeviceRecord& record = frame.devices[i];
@@ -45,17 +49,18 @@ stability::Flags LoopWatch::flags() const {
 }
 
 double LoopWatch::mean_delay_s() const {
-  if (frames_ == 0) return 0;
-  return to_seconds(delays_) / static_cast<double>(frames_);
+  if (delays().frames == 0) return 0;
+  return to_seconds(delays().sum) / static_cast<double>(delays().frames);
 }
 
 std::optional<results::StiffnessBudget> LoopWatch::stiffness() const {
-  if (frames_ == 0) return std::nullopt;
+  if (delays().frames == 0) return std::nullopt;
   std::vector<results::StiffnessBudget::Share> shares;
-  for (std::size_t i = 0; i < after_latch_.size(); ++i) {
-    if (after_latch_[i] == 0) continue;
+  const auto& parts = delays().parts;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (parts[i] == 0) continue;
     shares.push_back({vp::kPartNames[i / vp::kPhases], vp::kPhaseNames[i % vp::kPhases],
-                      to_seconds(after_latch_[i]) / static_cast<double>(frames_)});
+                      to_seconds(parts[i]) / static_cast<double>(delays().frames)});
   }
   const Eigen::Vector3d direction =
       scenario_.wall ? scenario_.wall->direction() : Eigen::Vector3d::UnitZ();

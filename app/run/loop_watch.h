@@ -23,7 +23,8 @@ class LoopWatch : public vp::FrameObserver {
   // One a device.
   const std::vector<plant::LoopQuality>& qualities() const { return qualities_; }
   stability::Flags flags() const;
-  // From the latch to the force at the motor, s: the mean of all frames.
+  // From the latch to the force at the motor, s: the mean of the frames in contact, of all where
+  // none was.
   double mean_delay_s() const;
   std::optional<results::StiffnessBudget> stiffness() const;
 
@@ -32,9 +33,17 @@ class LoopWatch : public vp::FrameObserver {
 
   const Scenario& scenario_;
   std::vector<plant::LoopQuality> qualities_;
-  Picoseconds delays_ = 0;
-  std::array<Picoseconds, vp::kParts * vp::kPhases> after_latch_{};
-  std::int64_t frames_ = 0;
+  struct Delays {
+    std::int64_t frames = 0;
+    Picoseconds sum = 0;
+    std::array<Picoseconds, vp::kParts * vp::kPhases> parts{};  // they sum to it
+
+    void add(const vp::Frame& frame, const vp::CriticalPath& path);
+  };
+  const Delays& delays() const { return in_contact_.frames > 0 ? in_contact_ : all_; }
+
+  Delays all_;
+  Delays in_contact_;
 };
 
 // The device of a probe in front of a wall with the scenario's damping, along `direction` (of any

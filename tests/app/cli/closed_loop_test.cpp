@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -160,6 +161,48 @@ TEST_F(LoopCommands, AnActivePortAndAGrowingSwingAreFlagged) {
   // Which part did it.
   EXPECT_THAT(s.at("loop").at(0).at("energy").at("fed_by"), ::testing::ElementsAre("latency"));
   EXPECT_TRUE(run({"wall.stiffness=3000 N/m"}).at("stability").at("flags").empty());
+}
+
+// As it is printed.
+TEST_F(LoopCommands, ASofterWallIsTriedBeforeItIsNamed) {
+  const json remedy = run({"wall.stiffness=1100 N/m", "hand=false"}).at("remedy");
+  EXPECT_TRUE(remedy.at("works"));
+  ASSERT_EQ(remedy.at("set").size(), 1U);
+  const std::string setting = remedy.at("set").at(0);
+  EXPECT_THAT(setting, ::testing::StartsWith("wall.stiffness="));
+  EXPECT_TRUE(run({"hand=false", setting}).at("stability").at("flags").empty());
+}
+
+// What is found anew in a frame is not older than it.
+TEST_F(LoopCommands, AFreshContactHasNoAge) {
+  const std::vector<std::string> few = {"frames=400", "reference=false", "output.remedies=false",
+                                        "output.deformation_every_frames=0", "contact.fresh=true"};
+  const Ended ended = with("run", few, "thesis-refined.toml");
+  ASSERT_EQ(ended.status, 0) << ended.err;
+  int touching = 0;
+  for (const std::string& line : lines(read(place_.path() / "out/frames.csv"))) {
+    if (line.starts_with("frame")) continue;
+    std::vector<std::string> fields;
+    for (std::size_t from = 0; from < line.size();) {
+      const std::size_t comma = std::min(line.find(',', from), line.size());
+      fields.push_back(line.substr(from, comma - from));
+      from = comma + 1;
+    }
+    EXPECT_EQ(fields.at(7), "0.000000");
+    touching += fields.at(6) != "-1" ? 1 : 0;
+  }
+  EXPECT_GT(touching, 100);
+}
+
+// A body too: its Young's modulus is what is varied.
+TEST_F(LoopCommands, TheStiffestBodyIsFoundByItsRuns) {
+  const Ended ended = with("stability", {"reference=false"}, "sphere-in-hand.toml");
+  ASSERT_EQ(ended.status, 0) << ended.err;
+  const json j = json::parse(ended.out);
+  EXPECT_GT(j.at("stiffness_max"), 500);
+  EXPECT_GT(j.at("unstable_from"), j.at("stiffness_max"));
+  EXPECT_GT(j.at("young_modulus_Pa"), 10e3);
+  EXPECT_NEAR(j.at("stiffness_linear"), 3200, 100);
 }
 
 TEST_F(LoopCommands, AReadyDeviceIsUnderWhatTheScenarioSays) {
