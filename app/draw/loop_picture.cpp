@@ -183,25 +183,20 @@ Axes draw_panel(Canvas& canvas, const Panel& panel, double top, const TimeAxis& 
   return axes;
 }
 
-// What every probe's port has absorbed, the least at each time.
-std::vector<double> least_port(const LoopSeries& loop) {
-  std::vector<double> least = loop.probes.front().port_J;
-  for (const ProbeSeries& probe : loop.probes) {
-    for (std::size_t i = 0; i < least.size(); ++i) least[i] = std::fmin(least[i], probe.port_J[i]);
-  }
-  return least;
-}
-
-// Below it a port is active; nearer to zero than this, it is what rounding makes of a sum.
-double active_level(const LoopSeries& loop) {
-  double largest = 0.0;
-  for (const ProbeSeries& probe : loop.probes) {
-    for (const auto* energy : {&probe.stored_J, &probe.port_J}) {
-      const Range range = range_of(*energy);
-      largest = std::max({largest, std::abs(range.least), std::abs(range.largest)});
+// What the least of the ports has absorbed at each time where that is below zero, else zero, as
+// where it is nearer to zero than rounding leaves a sum of such energies.
+std::vector<double> fed_in(const LoopSeries& loop) {
+  std::vector<double> out(loop.time_s.size(), 0.0);
+  double largest_J = 1e-3;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    for (const ProbeSeries& probe : loop.probes) {
+      for (const double energy : {probe.stored_J[i], probe.port_J[i]}) {
+        if (std::isfinite(energy)) largest_J = std::max(largest_J, std::abs(energy));
+      }
+      if (probe.port_J[i] < -1e-9 * largest_J) out[i] = std::min(out[i], probe.port_J[i]);
     }
   }
-  return -std::max(1e-12, 1e-6 * largest);
+  return out;
 }
 
 std::string with_unit(double value, const char* symbol, double preferred) {
@@ -236,11 +231,8 @@ void paint(Canvas& canvas, const LoopSeries& loop, const Caption& caption) {
   const char name = "xyz"[axis];
   const TimeAxis time = time_axis(loop.time_s);
   const double pixel_s = (time.to_s - time.from_s) / (kRight - kLeft);
-  const std::vector<double> port = least_port(loop);
-  const double level = active_level(loop);
-  const Range absorbed = range_of(port);
-  draw_caption(canvas, caption, "Closed loop",
-               figures(loop, axis, absorbed.least < level ? -absorbed.least : 0.0));
+  const std::vector<double> active = fed_in(loop);
+  draw_caption(canvas, caption, "Closed loop", figures(loop, axis, -range_of(active).least));
 
   const auto line = [&](const char* what, Colour colour, double width, auto values) {
     return line_of(loop, what, colour, width, values);
@@ -276,7 +268,7 @@ void paint(Canvas& canvas, const LoopSeries& loop, const Caption& caption) {
         line(
             "absorbed by the loop", kPort, kNormal,
             [](const ProbeSeries& p) -> auto& { return p.port_J; })},
-       stretches_below(time.time_s, port, level, pixel_s)}};
+       stretches_below(time.time_s, active, 0.0, pixel_s)}};
   double top = kTop;
   for (const Panel& panel : panels) {
     const Axes axes = draw_panel(canvas, panel, top, time);

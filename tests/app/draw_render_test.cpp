@@ -82,7 +82,7 @@ class DrawRenderTest : public testing::Test {
     return tools;
   }
   Picture loop_picture(const sample::LoopShape& shape) {
-    sample::write_run(scratch_.path(), {.frames = 20000, .step_every = 20000, .cells = 2});
+    sample::write_run(scratch_.path(), {.frames = 6000, .step_every = 6000, .cells = 2});
     sample::add_loop(scratch_.path(), shape);
     std::filesystem::remove(file("deformation.pvd"));
     const auto outcome = redraw();
