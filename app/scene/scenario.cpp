@@ -60,7 +60,7 @@ void Output::declare(config::Visitor& v) {
               "and the report says so",
               "ten times what the default frames take"});
   v.boolean("pictures", pictures,
-            {"draw deformation.png and latency.png at the end", "a run that is looked at"});
+            {"draw deformation.png, latency.png and, of a closed loop, loop.png at the end", "a run that is looked at"});
   v.boolean("remedies", remedies,
             {"of a run with flags, try what would take them away: some seconds of processor time",
              "a run that is looked at"});

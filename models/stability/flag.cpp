@@ -80,14 +80,17 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "no setting of the board helps: a probe that touches what is free, a higher "
      "host.graphics.rate, a slower probe"},
     {"active-port", "the loop fed energy into device and hand: what is felt there is not passive",
-     "a softer wall or body, more device.dynamics.damping, less latency or a shorter "
+     "no setting of the board's words helps: a softer wall or body, more "
+     "device.dynamics.damping, less latency or a shorter "
      "budget.period; hvp stability says up to which stiffness the loop is stable and passive"},
     {"force-saturated",
      "a force was beyond what converter, amplifier or the device's maker allow, and was clamped",
-     "a softer wall or body, a shallower motion of the probe, or a larger device"},
+     "no setting of the board's words helps: a softer wall or body, a shallower motion of the "
+     "probe, or a larger device"},
     {"device-at-its-limit",
      "the device was out of its reach, at a singular pose or beyond its counters",
-     "a motion inside the device's workspace, another device.kinematics.home, more "
+     "no setting of the board's words helps: a motion inside the device's workspace, another "
+     "device.kinematics.home, more "
      "device.encoder.counter_bits"},
 }};
 }  // namespace

@@ -40,6 +40,8 @@ Frame& Ledger::open(std::int64_t number, Picoseconds born) {
   fresh.spans.clear();
   fresh.touches = std::move(entry->frame.touches);
   fresh.touches.clear();
+  fresh.devices = std::move(entry->frame.devices);
+  fresh.devices.clear();
   *entry = {std::move(fresh)};
   open_.push_back(std::move(entry));
   return open_.back()->frame;

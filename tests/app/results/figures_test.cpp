@@ -113,6 +113,11 @@ TEST(Figures, ARunIsAListOfNamesUnitsAndValues) {
 std::optional<std::string_view> unit_in(std::string_view key) {
   static const std::map<std::string_view, std::string_view> kUnits = {
       {"us", "µs"}, {"N", "N"}, {"m", "m"}, {"deg", "°"}, {"rel", ""}, {"share", ""}};
+  for (const auto& [ending, unit] : {std::pair<std::string_view, std::string_view>{"_N_m", "N/m"},
+                                     {"_N_s_m", "N·s/m"},
+                                     {"_m_s", "m/s"}}) {
+    if (key.ends_with(ending)) return unit;
+  }
   const auto found = kUnits.find(key.substr(key.find_last_of("._") + 1));
   return found == kUnits.end() ? std::nullopt : std::optional(found->second);
 }
