@@ -32,8 +32,10 @@ class TrialWatch : public vp::FrameObserver {
 
   void closed(const vp::Frame& frame, const vp::CriticalPath& /*path*/) override {
     const double depth = wall_.depth(frame.devices.front().plant.tip.position);
-    quarters_[static_cast<std::size_t>(std::min<std::int64_t>(3, frame.number / quarter_))].add(
-        depth);
+    const std::int64_t quarter = std::min<std::int64_t>(3, frame.number / quarter_);
+    quarters_[static_cast<std::size_t>(quarter)].add(depth);
+    // It began inside, and what shrinks stays there.
+    left_ = left_ || (quarter >= 2 && depth < 0 && wall_.sides == host::Wall::Sides::one);
     delay_ += frame.born + frame.latency() - frame.latched;
     ++frames_;
   }
@@ -45,7 +47,7 @@ class TrialWatch : public vp::FrameObserver {
     trial.amplitude_m = 0.5 * (last.most - last.least);
     trial.growth = before.squares > 0 ? std::sqrt(last.squares / before.squares) : 0;
     trial.delay_s = frames_ > 0 ? to_seconds(delay_) / static_cast<double>(frames_) : 0;
-    trial.stable = trial.amplitude_m <= still || trial.growth < kComesToRest;
+    trial.stable = !left_ && (trial.amplitude_m <= still || trial.growth < kComesToRest);
     return trial;
   }
 
@@ -71,6 +73,7 @@ class TrialWatch : public vp::FrameObserver {
   const host::Wall& wall_;
   std::int64_t quarter_;
   std::array<Quarter, 4> quarters_;
+  bool left_ = false;
   Picoseconds delay_ = 0;
   std::int64_t frames_ = 0;
 };
