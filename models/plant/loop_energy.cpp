@@ -9,7 +9,7 @@
 namespace hvp::plant {
 
 namespace {
-constexpr double kSmallest = 1e-6;        // J
+constexpr double kSmallest = 1e-6;       // J
 constexpr double kSmallestShare = 1e-3;  // of the energy moved
 }  // namespace
 
@@ -22,15 +22,14 @@ void LoopEnergy::add(const HostView& view, const PlantState& plant) {
   any_ = true;
   view_ = view;
   last_ = plant;
-  if (plant.energy.at_port() < least_) {
-    least_ = plant.energy.at_port();
+  const double at_port = plant.energy.at_port();
+  if (at_port < least_) {
+    least_ = at_port;
     least_frame_ = frames_;
+    const double bound = std::max(kSmallest, kSmallestShare * plant.energy.moved());
+    active_ = active_ || -at_port > bound;
   }
   ++frames_;
-}
-
-bool LoopEnergy::active() const {
-  return -least_ > std::max(kSmallest, kSmallestShare * last_.energy.moved());
 }
 
 void LoopEnergy::report(config::Figures& f) const {
@@ -61,12 +60,11 @@ void LoopEnergy::report(config::Figures& f) const {
             joules("converter", converter(), "of converter steps and current limits");
             joules("amplifier", amplifier(), "since currents lag behind");
           });
-  const std::array<std::pair<std::string_view, double>, 5> parts = {
-      {{"body", body()},
-       {"encoder", encoder()},
-       {"latency", latency()},
-       {"converter", converter()},
-       {"amplifier", amplifier()}}};
+  const std::array<std::pair<std::string_view, double>, 5> parts = {{{"body", body()},
+                                                                     {"encoder", encoder()},
+                                                                     {"latency", latency()},
+                                                                     {"converter", converter()},
+                                                                     {"amplifier", amplifier()}}};
   std::vector<std::string> feeds;
   for (const auto& [name, value] : parts) {
     if (value > kSmallestShare * e.moved()) feeds.emplace_back(name);
