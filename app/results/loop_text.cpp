@@ -39,6 +39,8 @@ void device_lines(Out out, const plant::LoopQuality& q) {
     fmt::format_to(out, "  at rest        swings on by {} at {:.3g} Hz{} (frame {})\n",
                    readable_length(cycle->amplitude_m), cycle->frequency_hz,
                    cycle->grows ? " and grows" : "", cycle->frame);
+  } else if (const auto& speed = q.oscillation().moves_on()) {
+    fmt::format_to(out, "  at rest        moves on, at {:.3g} m/s in the end\n", *speed);
   } else if (q.oscillation().measured()) {
     fmt::format_to(out, "  at rest        comes to rest\n");
   } else {
@@ -49,8 +51,9 @@ void device_lines(Out out, const plant::LoopQuality& q) {
                    counted(q.saturated_frames(), "frame"));
   }
   if (q.limit_frames() > 0) {
-    fmt::format_to(out, "  at its limit   {} with a singular pose or a wrong position\n",
-                   counted(q.limit_frames(), "frame"));
+    fmt::format_to(
+        out, "  at its limit   {} out of reach, at a singular pose or with a wrong position\n",
+        counted(q.limit_frames(), "frame"));
   }
 }
 

@@ -8,12 +8,19 @@
 namespace hvp::app {
 
 LoopWatch::LoopWatch(const Scenario& scenario)
-    : scenario_(scenario), qualities_(scenario.probes.size()) {}
+    : scenario_(scenario), qualities_(scenario.probes.size()) {
+  const auto& kinematics = scenario.device.kinematics;
+  if (kinematics) kinematics_ = plant::make_kinematics(*kinematics);
+}
 
-// A hand rests where its intended motion does; nobody's rests always.
+// A hand rests where its intended motion does; nobody's rests always. What comes after it has let
+// go is not compared with what was before.
 bool LoopWatch::rests(std::size_t probe, Picoseconds time) const {
   const std::optional<plant::Hand>& hand = scenario_.hand;
-  if (!hand || (hand->lets_go_s > 0 && to_seconds(time) >= hand->lets_go_s)) return true;
+  if (!hand) return true;
+  if (hand->lets_go_s > 0 && to_seconds(time) >= hand->lets_go_s) {
+    return to_seconds(time) >= hand->lets_go_s + scenario_.budget.period_s;
+  }
   return scenario_.probes[probe].state_ps(time).velocity.isZero(0);
 }
 
@@ -38,6 +45,8 @@ void LoopWatch::closed(const vp::Frame& frame, const vp::CriticalPath& path) {
                              record.read_wrong, rests(i, latched)};
     sample.view = {frame.touches[i].tip, -frame.touches[i].force, 0};
     if (scenario_.wall) sample.view.stored = scenario_.wall->energy(sample.view.read);
+    sample.unreachable =
+        kinematics_ && !kinematics_->regular_joints(record.plant.tip.position).has_value();
     qualities_[i].add(sample);
   }
 }

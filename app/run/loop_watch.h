@@ -1,11 +1,13 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "app/results/stiffness_budget.h"
 #include "app/scene/scenario.h"
+#include "models/plant/kinematics.h"
 #include "models/plant/loop_quality.h"
 #include "models/plant/wall_stability.h"
 #include "vp/frame/observer.h"
@@ -32,6 +34,7 @@ class LoopWatch : public vp::FrameObserver {
   bool rests(std::size_t probe, Picoseconds time) const;
 
   const Scenario& scenario_;
+  std::unique_ptr<plant::Kinematics> kinematics_;  // null without [device.kinematics]
   std::vector<plant::LoopQuality> qualities_;
   struct Delays {
     std::int64_t frames = 0;

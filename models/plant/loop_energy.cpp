@@ -23,15 +23,14 @@ void LoopEnergy::add(const HostView& view, const PlantState& plant) {
   any_ = true;
   view_ = view;
   last_ = plant;
-  if (at_start_ + plant.energy.at_port() < least_) {
-    least_ = at_start_ + plant.energy.at_port();
+  const double at_port = at_start_ + plant.energy.at_port();
+  if (at_port < least_) {
+    least_ = at_port;
     least_frame_ = frames_;
+    const double bound = std::max(kSmallest, kSmallestShare * plant.energy.moved());
+    active_ = active_ || -at_port > bound;
   }
   ++frames_;
-}
-
-bool LoopEnergy::active() const {
-  return -least_ > std::max(kSmallest, kSmallestShare * last_.energy.moved());
 }
 
 void LoopEnergy::report(config::Figures& f) const {

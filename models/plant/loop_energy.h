@@ -19,10 +19,15 @@ struct HostView {
 // position at the n-th latch, r_n as it was read, F_n the force that the host made of it, p_n the
 // tip's place when that began to act, C_n what converter and current limit left of it:
 //
-//   body       Σ ½(F_n + F_{n+1})·(r_{n+1} − r_n)      what the body or wall gave, as the host saw
-//   it encoder    Σ ½(F_n + F_{n+1})·(x_{n+1} − x_n) − body latency    Σ F_n·(p_{n+1} − p_n) −
-//   (body + encoder)   the force is late, and held for a period converter  Σ (C_n − F_n)·(p_{n+1} −
-//   p_n) amplifier  what the motors really did − Σ C_n·(p_{n+1} − p_n)
+//   body:       Σ ½(F_n + F_{n+1})·(r_{n+1} − r_n), what body or wall gave, as the host saw it
+//
+//   encoder:    Σ ½(F_n + F_{n+1})·(x_{n+1} − x_n) − body
+//
+//   latency:    Σ F_n·(p_{n+1} − p_n) − (body + encoder): the force is late, and held for a period
+//
+//   converter:  Σ (C_n − F_n)·(p_{n+1} − p_n)
+//
+//   amplifier:  what the motors really did − Σ C_n·(p_{n+1} − p_n)
 //
 // They sum to the motors' work by their definition. A part that is positive has fed energy into the
 // motion. A body that is a spring gives nothing on a closed path; what it holds at the end is in
@@ -44,8 +49,9 @@ class LoopEnergy {
   // fed that much into the motion.
   double least_at_port() const { return least_; }
   std::int64_t least_frame() const { return least_frame_; }
-  // Whether that is more than rounding and registers make: 1 µJ and a thousandth of what moved.
-  bool active() const;
+  // Whether at any frame that was more than rounding and registers make: 1 µJ and a thousandth of
+  // what had moved by then.
+  bool active() const { return active_; }
 
   void report(config::Figures& f) const;
 
@@ -57,6 +63,7 @@ class LoopEnergy {
   double true_ = 0;
   double at_start_ = 0;  // in the body's spring
   double least_ = 0;
+  bool active_ = false;
   std::int64_t least_frame_ = -1;
   std::int64_t frames_ = 0;
 };

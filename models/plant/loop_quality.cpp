@@ -8,7 +8,7 @@ void LoopQuality::add(const LoopSample& s) {
   energy_.add(s.view, s.plant);
   oscillation_.add(s.frame, s.time_s, s.plant.tip.position, s.rests);
   if (s.drive.dac_saturated || s.drive.current_saturated) ++saturated_;
-  if (s.drive.singular || s.read_wrong) ++at_limit_;
+  if (s.drive.singular || s.read_wrong || s.unreachable) ++at_limit_;
   largest_force_ = std::max(largest_force_, s.plant.motor_force.norm());
   largest_speed_ = std::max(largest_speed_, s.plant.tip.velocity.norm());
   const double current = s.drive.current.cwiseAbs().maxCoeff();
@@ -33,7 +33,8 @@ void LoopQuality::report(config::Figures& f) const {
   f.count("saturated_frames", saturated_,
           "whose force converter, amplifier or maker clamped. Any: `force-saturated`");
   f.count("frames_at_limit", at_limit_,
-          "with a singular pose, or a position read wrong. Any: `device-at-its-limit`");
+          "out of the joints' reach, at a singular pose, or with a position read wrong. Any: "
+          "`device-at-its-limit`");
   f.truth("oscillation_measured", oscillation_.measured(),
           "the intended motion rested long enough to see whether the device comes to rest");
   f.table_or_null("oscillation",
@@ -45,6 +46,9 @@ void LoopQuality::report(config::Figures& f) const {
                     f.truth("grows", c.grows, "from one quarter of a second to the next");
                     f.frame("frame", c.frame, "with which its quarter of a second ends");
                   });
+  f.quantity("moves_on_m_s", oscillation_.moves_on(), "m/s",
+             "how fast the device moved on in the last quarter of a second, its user at rest: it "
+             "flies or drifts away, or swings slower than 6 Hz; null where it does not");
   f.table("energy", "Where energy came from and went ([plant.md](plant.md)).", energy_);
 }
 

@@ -19,8 +19,9 @@ struct LoopSample {
   HostView view;
   PlantState plant;
   Drive drive;
-  bool read_wrong = false;  // the position read is another one than the tip's
-  bool rests = false;       // the intended motion does, or nobody holds the device
+  bool read_wrong = false;   // the position read is another one than the tip's
+  bool rests = false;        // the intended motion does, or nobody holds the device
+  bool unreachable = false;  // the joints have no regular pose for the tip
 };
 
 // What a run's closed loop is like, of one device with mass.

@@ -9,7 +9,9 @@ namespace hvp::plant {
 // Finds the oscillation that a motion ends in, while whoever moves the device rests: windows of
 // kWindowSeconds one after the other, of which each but the first is compared with the one before.
 // A window that is not smaller than kSettles of the last one, turns at least kTurns times and moves
-// by more than kFelt is a limit cycle; one that grows by more than kGrows is divergence.
+// by more than kFelt is a limit cycle; one that grows by more than kGrows is divergence. One that
+// turns less often moves on: a device that flies or drifts away, or swings slower than 6 Hz. What
+// turns back by no more than kFelt has not turned.
 class Oscillation {
  public:
   static constexpr double kWindowSeconds = 0.25;
@@ -33,6 +35,8 @@ class Oscillation {
 
   // The largest that was found; none where nothing swings on, or nothing ever rested long enough.
   const std::optional<Cycle>& cycle() const { return worst_; }
+  // How far the last window moved over how long it was, m/s; none where it settled or swung.
+  const std::optional<double>& moves_on() const { return moves_on_; }
   // Two windows at least could be compared.
   bool measured() const { return measured_; }
 
@@ -43,8 +47,8 @@ class Oscillation {
     std::int64_t frames = 0;
     Eigen::Vector3d least = Eigen::Vector3d::Zero();
     Eigen::Vector3d most = Eigen::Vector3d::Zero();
-    Eigen::Vector3d last = Eigen::Vector3d::Zero();
-    Eigen::Vector3d heading = Eigen::Vector3d::Zero();  // signs of the last changes
+    Eigen::Vector3d turned = Eigen::Vector3d::Zero();   // the farthest since the last turn
+    Eigen::Vector3d heading = Eigen::Vector3d::Zero();  // signs since then; 0: has not moved yet
     Eigen::Array3i turns = Eigen::Array3i::Zero();
   };
   void begin(double time_s, const Eigen::Vector3d& position);
@@ -53,6 +57,7 @@ class Oscillation {
   Window window_;
   std::optional<Eigen::Vector3d> before_;  // peak to peak of the window before
   std::optional<Cycle> worst_;
+  std::optional<double> moves_on_;
   bool measured_ = false;
 };
 

@@ -64,8 +64,10 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "device.encoder.resolution, a smaller contact.patch_radius"},
     {"limit-cycle",
      "the force moves on while the tip rests, or a device with mass while its user does: rounding "
-     "of the solver's words, a body that hardly damps its swing, or a loop too stiff for its delay",
-     "where the device moves, what active-port says; else method = \"jacobi-pcg\", a "
+     "of the solver's words, a body that hardly damps its swing, a hand that does, or a loop too "
+     "stiff for its delay or its encoder",
+     "where the device moves, a smaller wall.stiffness, a finer device.encoder, more "
+     "device.friction, device.dynamics.damping or hand.damping; else method = \"jacobi-pcg\", a "
      "solver.displacement_range twice the displacements, more "
      "refinement.passes, more vector_bits"},
     {"beyond-linearity",
@@ -73,16 +75,20 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "no setting of the board helps: a shallower motion of the probe, a contact.patch_radius, "
      "which spreads it"},
     {"force-clamped", "a force did not fit the device's register and was clamped",
-     "no setting of the board helps: a softer body or a shallower motion of the probe"},
+     "no setting of the board helps: a softer wall or body, less wall.damping, a shallower motion "
+     "of the probe"},
     {"contact-missed",
      "the tip was inside the body and nothing was held: on a part that is anchored, or between two "
      "passes of the collision process",
      "no setting of the board helps: a probe that touches what is free, a higher "
      "host.graphics.rate, a slower probe"},
     {"active-port", "the loop fed energy into device and hand: what is felt there is not passive",
-     "no setting of the board's words helps: a softer wall or body, more "
-     "device.dynamics.damping, less latency or a shorter "
-     "budget.period; hvp stability says up to which stiffness the loop is stable and passive"},
+     "no setting of the board's words helps: what loop.energy.fed_by names: a smaller "
+     "wall.stiffness or a softer body, a moderate "
+     "wall.damping, a shorter budget.period, less latency or host.delay, a finer device.encoder or "
+     "more device.friction, more device.dac.bits, a faster device.amplifier; against each of them "
+     "more device.dynamics.damping; hvp stability says up to which stiffness the loop is stable "
+     "and passive"},
     {"force-saturated",
      "a force was beyond what converter, amplifier or the device's maker allow, and was clamped",
      "no setting of the board's words helps: a softer wall or body, a shallower motion of the "
