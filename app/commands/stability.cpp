@@ -57,10 +57,24 @@ std::string map_csv(const Scene& scene, const std::vector<StabilityFigures>& map
   return text;
 }
 
+// Before the runs, not after them.
+void require_picture_name(const std::filesystem::path& file) {
+  const std::string shown = scenario::one_line(file.string());
+  if (file.extension() != ".png") {
+    throw InputError(fmt::format("--map {}: expected a file name that ends in .png", shown));
+  }
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  if (!std::filesystem::is_directory(folder)) {
+    throw InputError(
+        fmt::format("--map {}: there is no folder {}", shown, scenario::one_line(folder.string())));
+  }
+}
+
 }  // namespace
 
 int stability_command(const StabilityArguments& arguments) {
   const LoadedScenario loaded = load(arguments);
+  if (!arguments.map.empty()) require_picture_name(arguments.map);
   const Progress progress = make_progress(arguments.quiet);
   const Scene scene = build_scene(loaded, progress);
   const SearchSettings settings{{arguments.push_N, arguments.frames}, 1e-3, 1e7};

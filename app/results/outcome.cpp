@@ -96,7 +96,7 @@ void Outcome::report_numbers(config::Figures& f) const {
                   "How far the body was strained, of every 20th frame "
                   "([finite-elements.md](finite-elements.md)); null where nobody computed it.",
                   strain);
-  f.when(!loop.empty(), [&] {
+  f.when(!loop.empty() || stiffness, [&] {
     f.list("loop",
            "With `[device.dynamics]` only: what the closed loop is like, of each device "
            "([plant.md](plant.md)).",

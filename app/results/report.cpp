@@ -286,6 +286,10 @@ std::string report(const app::Scene& scene, const Outcome& o) {
   bus_lines(out, o);
   attribution_lines(out, o);
   text += stiffness_text(o.stiffness);
+  if (const auto& limits = scene.scenario().device.limits;
+      o.stiffness && limits && limits->stiffness_N_m > 0) {
+    fmt::format_to(out, "  the device's maker    states up to {:g} N/m\n", limits->stiffness_N_m);
+  }
   engine_lines(out, scene, o);
   if (scene.has_body()) text += accuracy_text(scene, o);
   text += force_text(o);

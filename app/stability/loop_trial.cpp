@@ -40,14 +40,16 @@ class TrialWatch : public vp::FrameObserver {
     ++frames_;
   }
 
-  Trial trial(double still) const {
+  // `displaced`: by how much it was at first, m.
+  Trial trial(double still, double displaced) const {
     const Quarter& before = quarters_[1];
     const Quarter& last = quarters_[3];
     Trial trial;
     trial.amplitude_m = 0.5 * (last.most - last.least);
     trial.growth = before.squares > 0 ? std::sqrt(last.squares / before.squares) : 0;
     trial.delay_s = frames_ > 0 ? to_seconds(delay_) / static_cast<double>(frames_) : 0;
-    trial.stable = !left_ && (trial.amplitude_m <= still || trial.growth < kComesToRest);
+    const bool shrinks = trial.growth < kComesToRest && trial.amplitude_m < displaced;
+    trial.stable = !left_ && (trial.amplitude_m <= still || shrinks);
     return trial;
   }
 
@@ -106,7 +108,7 @@ Trial run_trial(const Scene& scene, double stiffness, const TrialSettings& setti
   TrialWatch watch(wall, p.frames);
   platform.add_observer(watch);
   platform.run();
-  return watch.trial(still(scene.scenario()));
+  return watch.trial(still(scene.scenario()), kDisplaced * depth);
 }
 
 Trial run_body(const Scene& scene, double times) {

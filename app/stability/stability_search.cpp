@@ -81,7 +81,7 @@ class Search {
     if (progress_) progress_(fmt::format("run {}: {:.5g} N/m", runs_, stiffness));
     const Trial trial = scene_.has_body() ? try_body(scene_, stiffness / own_N_m_)
                                           : try_wall(scene_, stiffness, settings_.trial);
-    delay_s_ = trial.delay_s;
+    if (runs_ == 1) delay_s_ = trial.delay_s;
     if (trial.stable) left_m_ = trial.amplitude_m;
     return trial.stable;
   }

@@ -95,7 +95,8 @@ double stiffness_cost(const WallLoop& loop, double part_s) {
 
 double passive_stiffness(const WallLoop& loop, double device_damping) {
   const double left = device_damping - std::abs(loop.damping);
-  return std::max(0.0, left / (0.5 * loop.period_s + loop.delay_s));
+  const double lag = loop.device.lag_rate > 0 ? 1 / loop.device.lag_rate : 0;
+  return std::max(0.0, left / (0.5 * loop.period_s + loop.delay_s + lag));
 }
 
 }  // namespace hvp::plant

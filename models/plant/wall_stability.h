@@ -27,8 +27,9 @@ double largest_stable_stiffness(const WallLoop& loop);
 double stiffness_cost(const WallLoop& loop, double part_s);
 
 // Below it the wall is passive, so that no hand can make it unstable: b > K·(T/2 + L) + |B|
-// (Colgate & Schenkel 1997, with their delay of whole samples taken for any L). Only the device's
-// own damping counts, not the hand's. 0 where none is.
+// (Colgate & Schenkel 1997, with their delay of whole samples taken for any L, and the time
+// constant of an amplifier's lag as a part of it). Only the device's own damping counts, not the
+// hand's. 0 where none is.
 double passive_stiffness(const WallLoop& loop, double device_damping);
 
 }  // namespace hvp::plant
