@@ -115,7 +115,7 @@ def row_of(case: Case, program: Path) -> str:
             flags_of(first.flags),
             joules(min(loop["energy"]["port"]["least_J"] for loop in first.loops)),
             below(max(imbalance(result) for result in (first, *results))),
-            f"{force:.3g} N",
+            f"{two_digits(force)} N",
             "<br>".join(remedies) or none,
         ]
     )
