@@ -35,7 +35,7 @@ void device_lines(Out out, const plant::LoopQuality& q) {
                  e.active() ? fmt::format("ACTIVE: the loop had fed in {} by frame {}",
                                           joules(-e.least_at_port()), e.least_frame())
                             : std::string("passive in every frame"));
-  if (const auto& cycle = q.oscillation().cycle()) {
+  if (const auto& cycle = q.cycle()) {
     fmt::format_to(out, "  at rest        swings on by {} at {:.3g} Hz{} (frame {})\n",
                    readable_length(cycle->amplitude_m), cycle->frequency_hz,
                    cycle->grows ? " and grows" : "", cycle->frame);

@@ -44,7 +44,7 @@ void LoopWatch::closed(const vp::Frame& frame, const vp::CriticalPath& path) {
     plant::LoopSample sample{frame.number,      to_seconds(latched), {}, record.plant, record.drive,
                              record.read_wrong, rests(i, latched)};
     sample.view = {frame.touches[i].tip, -frame.touches[i].force, 0};
-    if (scenario_.wall) sample.view.stored = scenario_.wall->energy(sample.view.read);
+    if (scenario_.wall) sample.view.stored = scenario_.wall->energy(record.plant.tip.position);
     sample.unreachable =
         kinematics_ && !kinematics_->regular_joints(record.plant.tip.position).has_value();
     qualities_[i].add(sample);

@@ -60,7 +60,8 @@ void Output::declare(config::Visitor& v) {
               "and the report says so",
               "ten times what the default frames take"});
   v.boolean("pictures", pictures,
-            {"draw deformation.png, latency.png and, of a closed loop, loop.png at the end", "a run that is looked at"});
+            {"draw deformation.png, latency.png and, of a closed loop, loop.png at the end",
+             "a run that is looked at"});
   v.boolean("remedies", remedies,
             {"of a run with flags, try what would take them away: some seconds of processor time",
              "a run that is looked at"});
@@ -295,7 +296,9 @@ void Scenario::check() const {
   for (std::size_t i = 0; i < probes.size(); ++i) {
     try {
       plant::require_reachable(device, probes[i]);
+      plant::make_device(device, hand, probes[i]);
     } catch (const InputError& e) {
+      if (e.key().starts_with("device.")) throw;
       const std::string item = probes.size() > 1 ? "[" + std::to_string(i) + "]" : "";
       throw InputError("probe" + item + "." + e.key(), e.what());
     }

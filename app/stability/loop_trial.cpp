@@ -127,7 +127,7 @@ Trial run_body(const Scene& scene, double times) {
                        "nobody rests long enough to see whether the device comes to rest: expected "
                        "a hold of at least 0.6 s");
     }
-    const auto& cycle = quality.oscillation().cycle();
+    const auto& cycle = quality.cycle();
     if (!cycle) continue;
     trial.stable = false;
     trial.amplitude_m = std::max(trial.amplitude_m, cycle->amplitude_m);

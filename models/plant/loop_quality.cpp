@@ -7,6 +7,7 @@ namespace hvp::plant {
 void LoopQuality::add(const LoopSample& s) {
   energy_.add(s.view, s.plant);
   oscillation_.add(s.frame, s.time_s, s.plant.tip.position, s.rests);
+  slow_.add(s.frame, s.time_s, s.plant.tip.position, s.rests);
   if (s.drive.dac_saturated || s.drive.current_saturated) ++saturated_;
   if (s.drive.singular || s.read_wrong || s.unreachable) ++at_limit_;
   largest_force_ = std::max(largest_force_, s.plant.motor_force.norm());
@@ -19,7 +20,7 @@ void LoopQuality::add(const LoopSample& s) {
 stability::Flags LoopQuality::flags() const {
   stability::Flags flags;
   if (energy_.active()) flags.raise(stability::Flag::active_port);
-  if (oscillation_.cycle()) flags.raise(stability::Flag::limit_cycle);
+  if (cycle()) flags.raise(stability::Flag::limit_cycle);
   if (saturated_ > 0) flags.raise(stability::Flag::force_saturated);
   if (at_limit_ > 0) flags.raise(stability::Flag::device_at_its_limit);
   return flags;
@@ -40,11 +41,11 @@ void LoopQuality::report(config::Figures& f) const {
   f.table_or_null("oscillation",
                   "What the device swings on with while its user rests. Flag `limit-cycle`; null "
                   "where it comes to rest.",
-                  oscillation_.cycle(), [&f](const Oscillation::Cycle& c) {
+                  cycle(), [&f](const Oscillation::Cycle& c) {
                     f.quantity("amplitude_m", c.amplitude_m, "m", "half of peak to peak");
                     f.quantity("frequency_hz", c.frequency_hz, "Hz", "by its turns");
-                    f.truth("grows", c.grows, "from one quarter of a second to the next");
-                    f.frame("frame", c.frame, "with which its quarter of a second ends");
+                    f.truth("grows", c.grows, "from one window to the next");
+                    f.frame("frame", c.frame, "with which its window ends");
                   });
   f.quantity("moves_on_m_s", oscillation_.moves_on(), "m/s",
              "how fast the device moved on in the last quarter of a second, its user at rest: it "

@@ -32,6 +32,10 @@ class LoopQuality {
 
   const LoopEnergy& energy() const { return energy_; }
   const Oscillation& oscillation() const { return oscillation_; }
+  // What the device swings on with: quick, or where nothing is, slow.
+  const std::optional<Oscillation::Cycle>& cycle() const {
+    return oscillation_.cycle() ? oscillation_.cycle() : slow_.cycle();
+  }
   std::int64_t saturated_frames() const { return saturated_; }
   std::int64_t limit_frames() const { return at_limit_; }
 
@@ -40,8 +44,11 @@ class LoopQuality {
   void report(config::Figures& f) const;
 
  private:
+  static constexpr double kSlowWindowSeconds = 1.5;  // swings from 1 Hz on
+
   LoopEnergy energy_;
   Oscillation oscillation_;
+  Oscillation slow_{kSlowWindowSeconds};
   std::int64_t saturated_ = 0;
   std::int64_t at_limit_ = 0;
   double largest_force_ = 0;    // of the motors, at latches, N

@@ -35,7 +35,7 @@ MovingDevice::MovingDevice(const Plant& plant)
     try {
       AxisSeries::steps(axes_[i], to_seconds(kPiece));
     } catch (const std::length_error& e) {
-      throw InputError("mass", e.what());
+      throw InputError("device.dynamics.mass", std::string("is too small: ") + e.what());
     }
     states[i].hand_x = intended_.start[component(i)];
     states[i].x = states[i].hand_x + plant.displaced[component(i)];

@@ -33,7 +33,7 @@ void Oscillation::add(std::int64_t frame, double time_s, const Eigen::Vector3d& 
     window_.heading[i] = heading;
     window_.turned[i] = position[i];
   }
-  const bool full = window_.frames >= kWindowFrames && time_s - window_.began_s >= kWindowSeconds;
+  const bool full = window_.frames >= kWindowFrames && time_s - window_.began_s >= window_s_;
   if (full) close(frame);
 }
 

@@ -10,7 +10,8 @@ namespace hvp::plant {
 // kWindowSeconds one after the other, of which each but the first is compared with the one before.
 // A window that is not smaller than kSettles of the last one, turns at least kTurns times and moves
 // by more than kFelt is a limit cycle; one that grows by more than kGrows is divergence. One that
-// turns less often moves on: a device that flies or drifts away, or swings slower than 6 Hz. What
+// turns less often moves on: a device that flies or drifts away, or swings slower than 6 Hz
+// (which a detector of longer windows finds). What
 // turns back by no more than kFelt has not turned.
 class Oscillation {
  public:
@@ -29,6 +30,8 @@ class Oscillation {
     bool grows = false;
     std::int64_t frame = -1;  // with which its window ended
   };
+
+  explicit Oscillation(double window_s = kWindowSeconds) : window_s_(window_s) {}
 
   // Frames in their order. `rests`: the intended motion does.
   void add(std::int64_t frame, double time_s, const Eigen::Vector3d& position, bool rests);
@@ -54,6 +57,7 @@ class Oscillation {
   void begin(double time_s, const Eigen::Vector3d& position);
   void close(std::int64_t frame);
 
+  double window_s_;
   Window window_;
   std::optional<Eigen::Vector3d> before_;  // peak to peak of the window before
   std::optional<Cycle> worst_;

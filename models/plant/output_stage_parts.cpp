@@ -38,10 +38,9 @@ void Amplifier::declare(config::Visitor& v) {
   v.quantity("gain", gain_A_V, config::Dimension::transconductance, config::between(1e-6, 1e6),
              {.help = "current for a volt of its command",
               .source = "Quanser linear current amplifier: 0.5 A/V"});
-  v.quantity("current_limit", current_limit_A, config::Dimension::current,
-             config::between(1e-6, 1e6),
-             {.help = "largest current, both ways",
-              .source = "Quanser linear current amplifier: 2.4 A"});
+  v.quantity(
+      "current_limit", current_limit_A, config::Dimension::current, config::between(1e-6, 1e6),
+      {.help = "largest current, both ways", .source = "Quanser linear current amplifier: 2.4 A"});
   v.quantity("bandwidth", bandwidth_Hz, config::Dimension::frequency, config::between(0, 1e6),
              {.help = "of its first-order lag; 0 Hz: the current is there at once",
               .source = "0 Hz: Quanser publishes none"});

@@ -229,7 +229,7 @@ DEVICE = (
             'wall.point=["0 mm", "0 mm", "-500 mm"]',
             "hand.lets_go=0.3 s",
         ),
-        up(ACTIVE, LIMIT),
+        up(LIMIT),
         (fix("wall.sides=one"),),
     ),
 )

@@ -80,8 +80,8 @@ def joules(energy: float) -> str:
 
 
 def below(size: float) -> str:
-    """The power of ten that it is less than."""
-    return f"1e{math.floor(math.log10(size)) + 1}" if size > 0 else "0"
+    """The power of ten that it is less than: not below 1e-12, where it is rounding alone."""
+    return f"1e{max(-12, math.floor(math.log10(size)) + 1)}" if size > 0 else "1e-12"
 
 
 def imbalance(result: LoopRun) -> float:

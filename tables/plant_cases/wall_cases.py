@@ -90,9 +90,9 @@ TIME = (
     ),
     Case(
         "a delay of 500 periods",
-        "1 s: jumps from place to place once a second, and rests between: the port alone tells",
+        "1 s: jumps from place to place once a second, and rests between",
         ("host.delay.time=1 s", "frames=4000"),
-        up(ACTIVE),
+        up(ACTIVE, CYCLE),
         (fix("host.delay.time=1 ms"),),
     ),
 )
