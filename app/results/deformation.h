@@ -20,7 +20,7 @@ struct StepInfo {
   Eigen::Vector3d probe_position_m = Eigen::Vector3d::Zero();  // centre of the probe
   double probe_radius_m = 0.0;
   std::span<const Eigen::Vector3d> further_probes_m;  // centres of those beside the first one
-  std::span<const int> contact_nodes;                         // of the mesh, a contact each
+  std::span<const int> contact_nodes;                 // of the mesh, a contact each
   Eigen::Vector3d contact_force_N = Eigen::Vector3d::Zero();  // of the body on the probe
   // Six an element, in VTK's order xx yy zz xy yz xz; shear strains as the model has them.
   std::span<const double> strain;

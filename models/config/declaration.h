@@ -25,26 +25,26 @@ namespace hvp::config {
 // What a quantity measures. Values are held in SI units; a scenario states the unit.
 enum class Dimension {
   dimensionless,
-  time,          // s
-  frequency,     // Hz
-  rate,          // 1/s (Rayleigh's mass coefficient)
-  length,        // m
-  mass,          // kg
-  velocity,      // m/s
-  acceleration,  // m/s²
-  force,         // N
-  stiffness,     // N/m
-  damping,       // N·s/m
-  pressure,      // Pa
-  density,       // kg/m³
-  angle,         // rad
-  inertia,       // kg·m²
-  current,       // A
-  voltage,       // V
+  time,              // s
+  frequency,         // Hz
+  rate,              // 1/s (Rayleigh's mass coefficient)
+  length,            // m
+  mass,              // kg
+  velocity,          // m/s
+  acceleration,      // m/s²
+  force,             // N
+  stiffness,         // N/m
+  damping,           // N·s/m
+  pressure,          // Pa
+  density,           // kg/m³
+  angle,             // rad
+  inertia,           // kg·m²
+  current,           // A
+  voltage,           // V
   transconductance,  // A/V
   torque_constant,   // N·m/A
-  throughput,    // operations a second (flop/s)
-  data_size,     // bytes
+  throughput,        // operations a second (flop/s)
+  data_size,         // bytes
 };
 
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -78,7 +78,8 @@ inline constexpr std::string_view kPresent = "present";
 
 // What must stand elsewhere in the scenario for an effect to do anything.
 struct Need {
-  std::string_view key;  // of a choice or a whole number: "fidelity.bus"; of an effect, with kPresent
+  std::string_view
+      key;  // of a choice or a whole number: "fidelity.bus"; of an effect, with kPresent
   std::vector<std::string_view> values;  // of which one is wanted, without quotes
   std::string_view why = {};             // "a bus that takes no time has no latencies"
 };
