@@ -19,6 +19,8 @@ from typing import Any
 
 TOP = Path(__file__).resolve().parents[2]
 PAGE = TOP / "docs" / "results-reference.md"
+# By the scenario that they are of.
+EXTRA_OF = {"beyond the edge": ("wall.toml", ["wall.stiffness=1100 N/m"])}
 EXTRA = {
     "spectrum": ["spectrum=true", "solver.matrix_scaling=diagonal", "frames=2"],
     "several devices": ["accelerator.several.devices=2", "frames=2"],
@@ -75,6 +77,8 @@ def run_all(program: Path, scratch: Path) -> dict[str, set[str]]:
     scenarios = {path.stem: (path, list[str]()) for path in sorted(TOP.glob("scenarios/*.toml"))}
     static = TOP / "scenarios" / "thesis-static.toml"
     scenarios |= {name: (static, settings) for name, settings in EXTRA.items()}
+    for name, (file, settings) in EXTRA_OF.items():
+        scenarios[name] = (TOP / "scenarios" / file, settings)
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         runs = {
             name: pool.submit(run, program, path, scratch / name, settings)

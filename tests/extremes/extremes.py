@@ -53,6 +53,25 @@ pictures = false
 remedies = false
 """
 
+# What stands in a body's place.
+WALL_SCENE = """\
+frames = 20
+[wall]
+[device.dynamics]
+[hand]
+model = "custom"
+[probe]
+start = ["0 mm", "0 mm", "1 mm"]
+[[probe.motion]]
+phase = "press"
+to = ["0 mm", "0 mm", "-1 mm"]
+duration = "20 ms"
+[output]
+pictures = false
+remedies = false
+"""
+OF_A_WALL = ("wall", "hand", "device.")
+
 # Frames at the end of the range would simulate for hours, which is no fault.
 WITHOUT = {"frames": ("100000000",)}
 
@@ -62,6 +81,10 @@ NEEDS = {
     "bus.traffic": ["fidelity.bus=approximately-timed"],
     "bus.graphics_traffic": ["fidelity.bus=approximately-timed"],
     "output.waveform": ["fidelity.accelerator=cycle-accurate"],
+    "device.dac": ["device.amplifier=true", "device.motor=true"],
+    "device.adc": ["device.amplifier=true", "device.motor=true"],
+    "device.amplifier": ["device.motor=true"],
+    '"joints"': ["device.kinematics=true"],
     '"surface"': [f"object.mesh.surface={TOP / 'scenarios' / 'surfaces' / 'bean.stl'}"],
     '"measured"': ["{table}.samples=samples.csv"],
     '"normal"': ["{table}.deviation=2 us"],
@@ -225,7 +248,9 @@ def fault_of(out: Path, printed: str) -> str:
 
 
 def complaint(hvp: Path, scene: Path, case: Case) -> str:
-    """What is wrong with the run, empty where nothing is."""
+    """What is wrong with the run, empty where nothing is. `scene` has one of a wall beside it."""
+    if case.key.startswith(OF_A_WALL):
+        scene = scene.with_name("wall.toml")
     with tempfile.TemporaryDirectory(prefix="hvp-extremes-") as folder:
         out = Path(folder) / "out"
         command = [str(hvp), "run", str(scene), "--out", str(out)]
@@ -264,6 +289,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="hvp-extremes-") as folder:
         scene = Path(folder) / "scene.toml"
         scene.write_text(SCENE)
+        scene.with_name("wall.toml").write_text(WALL_SCENE)
         # Longer than what may be counted of a sample.
         (Path(folder) / "samples.csv").write_text("latency_s\n2\n3\n")
         with ThreadPoolExecutor(os.cpu_count() or 1) as pool:

@@ -16,6 +16,13 @@ UNITS = {
     "velocity": "m/s",
     "acceleration": "m/s2",
     "force": "N",
+    "stiffness": "N/m",
+    "damping": "N s/m",
+    "moment of inertia": "kg m2",
+    "current": "A",
+    "voltage": "V",
+    "current for a voltage": "A/V",
+    "torque for a current": "N m/A",
     "pressure": "Pa",
     "density": "kg/m3",
     "angle": "rad",
@@ -33,7 +40,7 @@ OTHER_UNITS |= {"KiB": 1024.0, "MiB": 1024.0**2, "GiB": 1024.0**3}
 ROW = re.compile(r"\| `(\w+)` \| ([^|]*) \| ([^|]*) \| ((?:[^|]|\\\|)*?) \| (.*)")
 QUOTED = re.compile(r'"([^"]*)"')
 CONDITION = re.compile(r"only with `([\w.]+)` = ((?:\"[^\"]*\"|\d+|, | or )+): ")
-NUMBER = r"(-?[\d.]+(?:e[+-]?\d+)?)((?: (?!to\b|and\b)\S+)?)"
+NUMBER = r"(-?[\d.]+(?:e[+-]?\d+)?)((?: (?!to\b|and\b)[^\s,|]+){0,2})"
 
 
 @dataclass(frozen=True)
@@ -68,6 +75,11 @@ class Table:
 
 
 def si(number: str, unit: str) -> float:
+    """Without what the product of number and prefix is rounded by."""
+    return float(f"{exact_si(number, unit):.15g}")
+
+
+def exact_si(number: str, unit: str) -> float:
     unit = unit.strip()
     if not unit or unit in UNITS.values():
         return float(number)
