@@ -61,7 +61,10 @@ add() { # functions, files
     for function in $1; do items+=("$function:$name"); done
   done
 }
-add 'run plan' "$top"/scenarios/*.toml
+for scenario in "$top"/scenarios/*.toml; do
+  # A wall has neither an accelerator nor a matrix.
+  if grep -q '^\[wall\]' "$scenario"; then add 'run loop' "$scenario"; else add 'run plan' "$scenario"; fi
+done
 add mesh "$top"/scenarios/surfaces/*.stl
 add solve "$top"/tests/data/matrix_market/*.mtx
 ((${#items[@]})) || { printf 'nothing is called %s\n' "${names[*]}" >&2 && exit 2; }
@@ -79,6 +82,11 @@ plan() {
   hvp json device "../../scenarios/$1.toml" --json
   hvp export export "../../scenarios/$1.toml" --set loads.gravity=true --out system
   hvp solve solve --matrix system/K.mtx --rhs system/b.mtx --solution x.mtx
+}
+
+loop() {
+  hvp explain explain "../../scenarios/$1.toml"
+  hvp stability stability "../../scenarios/$1.toml" --json
 }
 
 mesh() { hvp mesh mesh "../../scenarios/surfaces/$1.stl" --nodes 500 --out mesh.vtu; }

@@ -94,11 +94,17 @@ MEMORIES = ["auto", "M4K", "M512", "M-RAM", "M20K", "MLAB", "BRAM"]
 STEPS = {"transfer.dma.segment_bytes": 4, "fault.bytes": 4}
 
 # What is drawn by rules of its own.
-OWN = ("frames", "output.pictures", "budget.period", "object.mesh", "probe.start")
+OWN: tuple[str, ...] = ("frames", "output.pictures", "budget.period", "object.mesh", "probe.start")
 OWN += ("device.model", "device.encoder.at")
 # The laws are of a body and of a probe that goes where it is told: a device that forces move has
 # latency in its motion, and a wall has no body. tests/plant_cases looks at those.
-NOT_DRAWN = ("wall", "hand", "device.dynamics", "device.friction", "device.gravity")
+NOT_DRAWN: tuple[str, ...] = (
+    "wall",
+    "hand",
+    "device.dynamics",
+    "device.friction",
+    "device.gravity",
+)
 NOT_DRAWN += ("device.kinematics", "device.dac", "device.adc", "device.amplifier", "device.motor")
 NOT_DRAWN += ("device.limits",)
 OWN_LISTS = ("object.anchor", "loads.point", "loads.pressure", "loads.prescribed", "probe.motion")
