@@ -25,6 +25,10 @@ constexpr double kComesToRest = 0.9999;
 constexpr double kRegister = 5e-9;  // m; what the words of position and force may keep moving
 constexpr double kCounts = 1;       // of an encoder, likewise
 
+// Until the first force comes the push alone acts, so that a loop swings wider than it was
+// displaced at first. One that does in the end has left what it is tried for.
+constexpr double kWide = 2;
+
 // How the tip swings along the wall's normal, in quarters of the run.
 class TrialWatch : public vp::FrameObserver {
  public:
@@ -48,7 +52,7 @@ class TrialWatch : public vp::FrameObserver {
     trial.amplitude_m = 0.5 * (last.most - last.least);
     trial.growth = before.squares > 0 ? std::sqrt(last.squares / before.squares) : 0;
     trial.delay_s = frames_ > 0 ? to_seconds(delay_) / static_cast<double>(frames_) : 0;
-    const bool shrinks = trial.growth < kComesToRest && trial.amplitude_m < displaced;
+    const bool shrinks = trial.growth < kComesToRest && trial.amplitude_m < kWide * displaced;
     trial.stable = !left_ && (trial.amplitude_m <= still || shrinks);
     return trial;
   }
