@@ -12,10 +12,12 @@ namespace {
 
 using Out = std::back_insert_iterator<std::string>;
 
+constexpr double kNoEnergy = 1e-12;    // J; rounding, far below what registers resolve
 constexpr double kLeastShare = 0.005;  // of the stiffness, for a line of its own
 
 std::string joules(double energy) {
   const double size = std::abs(energy);
+  if (size < kNoEnergy) return "0 uJ";
   if (size >= 1) return fmt::format("{:.3g} J", energy);
   if (size >= 1e-3) return fmt::format("{:.3g} mJ", 1e3 * energy);
   return fmt::format("{:.3g} uJ", 1e6 * energy);

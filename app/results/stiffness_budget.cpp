@@ -14,10 +14,17 @@ std::optional<StiffnessBudget> stiffness_budget(const plant::WallLoop& loop, dou
   b.passive_N_m = plant::passive_stiffness(loop, device_damping);
   plant::WallLoop at_once = loop;
   at_once.delay_s = 0;
+  at_once.device.lag_rate = 0;
   b.without_delay_N_m = plant::largest_stable_stiffness(at_once);
   b.shares = std::move(after_latch);
   for (StiffnessBudget::Share& share : b.shares) {
     share.cost_N_m = plant::stiffness_cost(loop, share.time_s);
+  }
+  if (loop.device.lag_rate > 0) {
+    plant::WallLoop without_lag = loop;
+    without_lag.device.lag_rate = 0;
+    b.shares.push_back({"device", "amplifier lag", 1 / loop.device.lag_rate,
+                        plant::largest_stable_stiffness(without_lag) - b.stable_N_m});
   }
   std::ranges::stable_sort(b.shares, std::greater<>(), &StiffnessBudget::Share::cost_N_m);
   return b;
@@ -38,7 +45,8 @@ void StiffnessBudget::report(config::Figures& f) const {
          [&f](const Share& share) {
            f.text("part", share.part, "which part of the system");
            f.text("phase", share.phase, "what it does");
-           f.mean_time("mean_us", share.time_s * 1e12, "its time after the latch");
+           f.mean_time("mean_us", share.time_s * 1e12,
+                       "its time after the latch; of an amplifier's lag the time constant");
            f.quantity("cost_N_m", share.cost_N_m, "N/m",
                       "by how much stiffer a wall could be if it took none");
          });

@@ -73,18 +73,23 @@ std::optional<results::StiffnessBudget> LoopWatch::stiffness() const {
   }
   const Eigen::Vector3d direction =
       scenario_.wall ? scenario_.wall->direction() : Eigen::Vector3d::UnitZ();
-  return results::stiffness_budget(wall_loop(scenario_, mean_delay_s(), direction),
-                                   scenario_.device.dynamics->damping_N_s_m, std::move(shares));
+  const std::optional<plant::WallLoop> loop = wall_loop(scenario_, mean_delay_s(), direction);
+  if (!loop) return std::nullopt;
+  return results::stiffness_budget(*loop, scenario_.device.dynamics->damping_N_s_m,
+                                   std::move(shares));
 }
 
-plant::WallLoop wall_loop(const Scenario& s, double delay_s, const Eigen::Vector3d& direction) {
+std::optional<plant::WallLoop> wall_loop(const Scenario& s, double delay_s,
+                                         const Eigen::Vector3d& direction) {
   const plant::Plant plant = plant::plant_of(s.device, s.hand, s.probes.front());
-  const Eigen::Vector3d n = direction.normalized();
-  plant::LinearAxis axis = plant.axis(0);
-  double mass = 0;
-  for (int i = 0; i < 3; ++i) mass += n[i] * n[i] * plant.axis(i).mass;
-  axis.mass = mass;
-  return {axis, s.budget.period_s, delay_s, s.wall ? s.wall->damping_N_s_m : 0};
+  std::optional<plant::LinearAxis> axis;
+  for (int i = 0; i < 3; ++i) {
+    if (direction[i] == 0) continue;
+    if (axis && axis->mass != plant.axis(i).mass) return std::nullopt;
+    axis = plant.axis(i);
+  }
+  return plant::WallLoop{axis.value(), s.budget.period_s, delay_s,
+                         s.wall ? s.wall->damping_N_s_m : 0};
 }
 
 }  // namespace hvp::app

@@ -50,8 +50,9 @@ class LoopWatch : public vp::FrameObserver {
 };
 
 // The device of a probe in front of a wall with the scenario's damping, along `direction` (of any
-// length but zero), as the exact eigenvalues want it. Its mass is that along the direction.
-plant::WallLoop wall_loop(const Scenario& scenario, double delay_s,
-                          const Eigen::Vector3d& direction);
+// length but zero), as the exact eigenvalues want it. None where that is no axis of the device and
+// its masses differ: its axes then move by each other.
+std::optional<plant::WallLoop> wall_loop(const Scenario& scenario, double delay_s,
+                                         const Eigen::Vector3d& direction);
 
 }  // namespace hvp::app

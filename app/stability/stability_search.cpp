@@ -15,7 +15,8 @@ namespace {
 constexpr double kFirst = 100;     // N/m; where to begin without a better guess
 constexpr double kSoftest = 1e-2;  // below it nothing is a wall
 constexpr double kStride = 1.5;
-constexpr double kStiffest = 1000;  // times the scenario's own body
+constexpr double kLastDamping = 0.97;  // of the one at which no stiffness is stable any more
+constexpr double kStiffest = 1000;     // times the scenario's own body
 
 void require_loop(const Scenario& s) {
   if (!s.device.dynamics) {
@@ -47,12 +48,14 @@ class Search {
     }
     // A first run tells the delay, by which the eigenvalues make a good guess.
     stable(s.wall ? kFirst : own_N_m_);
-    const plant::WallLoop loop = wall_loop(
+    const std::optional<plant::WallLoop> loop = wall_loop(
         s, delay_s_, s.wall ? s.wall->direction() : Eigen::Vector3d(Eigen::Vector3d::UnitZ()));
-    if (delay_s_ <= results::kMostSamples * loop.period_s) {
-      figures.stiffness_linear = plant::largest_stable_stiffness(loop);
+    if (loop && delay_s_ <= results::kMostSamples * loop->period_s) {
+      figures.stiffness_linear = plant::largest_stable_stiffness(*loop);
     }
-    figures.stiffness_passive = plant::passive_stiffness(loop, s.device.dynamics->damping_N_s_m);
+    if (loop) {
+      figures.stiffness_passive = plant::passive_stiffness(*loop, s.device.dynamics->damping_N_s_m);
+    }
     bracket(figures.stiffness_linear > 0 ? figures.stiffness_linear : kFirst);
     // A run of a body takes a hundred times as long, and it has a delay of its own.
     const double tolerance = s.wall ? settings_.tolerance : 20 * settings_.tolerance;
@@ -137,9 +140,9 @@ std::vector<StabilityFigures> stability_map(const Scene& scene, const SearchSett
   map.push_back(undamped);
   // Where the linear loop ends, by doubling and bisection.
   const auto linear = [&](double damping) {
-    plant::WallLoop loop = wall_loop(damped(scene, damping).scenario(), undamped.delay_s,
-                                     scene.scenario().wall->direction());
-    return plant::largest_stable_stiffness(loop);
+    const auto loop = wall_loop(damped(scene, damping).scenario(), undamped.delay_s,
+                                scene.scenario().wall->direction());
+    return loop ? plant::largest_stable_stiffness(*loop) : 0;
   };
   double some = 1e-3;
   while (linear(some) > 0 && some < 1e6) some *= 2;
@@ -149,9 +152,15 @@ std::vector<StabilityFigures> stability_map(const Scene& scene, const SearchSett
     const double middle = 0.5 * (some + none);
     (linear(middle) > 0 ? some : none) = middle;
   }
-  for (int i = 1; i < count; ++i) {
-    const double damping = some * i / (count - 1);
-    map.push_back(find_stability(damped(scene, damping), settings, progress));
+  // The bound of passivity ends where the wall is damped as much as the device. At the very end
+  // runs say nothing: what is left of the stiffness is too soft to be leaned on.
+  std::vector<double> dampings = {scene.scenario().device.dynamics->damping_N_s_m};
+  for (int i = 1; i < count; ++i) dampings.push_back(kLastDamping * some * i / (count - 1));
+  std::ranges::sort(dampings);
+  for (const double damping : dampings) {
+    if (damping > 0 && damping < some) {
+      map.push_back(find_stability(damped(scene, damping), settings, progress));
+    }
   }
   return map;
 }

@@ -17,7 +17,7 @@ class Oscillation {
  public:
   static constexpr double kWindowSeconds = 0.25;
   static constexpr int kWindowFrames = 32;
-  static constexpr double kSettles = 0.95;
+  static constexpr double kSettles = 0.99;
   static constexpr double kGrows = 1.02;
   static constexpr int kTurns = 3;
   // Smallest vibration that skin feels, 0.1 µm peak at 250 Hz (Verrillo, J. Acoust. Soc. Am. 35,

@@ -15,7 +15,7 @@ REFUSED = 2
 MILLIMETRE = 1e-3
 WINDOW_S = 0.25  # of models/plant/oscillation.h
 FELT_M = 0.2e-6
-SETTLES = 0.95
+SETTLES = 0.99
 
 
 @dataclass(frozen=True)
