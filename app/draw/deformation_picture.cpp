@@ -47,9 +47,10 @@ Projection fit(const DeformationStep& step, const SceneSizes& sizes) {
   for (const double side : {-sizes.probe_radius, sizes.probe_radius}) {
     shown.emplace_back(step.probe + side * projection.view.up);
     shown.emplace_back(step.probe + side * projection.view.right);
-    for (const Eigen::Vector3d& probe : step.further_probes) {
-      shown.emplace_back(probe + side * projection.view.up);
-      shown.emplace_back(probe + side * projection.view.right);
+    for (const DeformationStep::Probe& probe : step.further_probes) {
+      shown.emplace_back(probe.place + side * projection.view.up);
+      shown.emplace_back(probe.place + side * projection.view.right);
+      shown.push_back(arrow_tip(probe.place, probe.force_N, sizes));
     }
   }
   shown.push_back(sizes.arrow_tip);
@@ -156,17 +157,17 @@ void draw_legend(Canvas& canvas, const DeformationStep& step, const SceneSizes& 
 }
 
 // Beside the tip of an arrow that points up or down, above one that lies.
-void label_arrow(Canvas& canvas, const DeformationStep& step, const SceneSizes& sizes,
+void label_arrow(Canvas& canvas, const DeformationStep::Probe& probe, const SceneSizes& sizes,
                  const Projection& projection) {
-  const Point tip = projection.at(sizes.arrow_tip);
-  const Point along = tip - projection.at(step.probe);
+  const Point tip = projection.at(arrow_tip(probe.place, probe.force_N, sizes));
+  const Point along = tip - projection.at(probe.place);
   TextStyle text = {.size = 20, .colour = scene_colour::kForce, .bold = true};
   Point offset(16.0, along.y() < 0.0 ? 10.0 : -10.0);
   if (std::abs(along.x()) > std::abs(along.y())) {
     text.horizontal = Align::centre;
     offset = {0.0, 30.0};
   }
-  const std::string words = four_digits(step.force_N.norm()) + " N";
+  const std::string words = four_digits(probe.force_N.norm()) + " N";
   // Not beyond the margins, whatever the arrow does.
   const double half = 0.5 * canvas.text_width(words, text);
   Point at = tip + offset;
@@ -182,7 +183,10 @@ void paint(Canvas& canvas, const DeformationStep& step, const SceneSizes& sizes,
       fmt::format("largest displacement {} mm · {}", four_digits(1e3 * sizes.max_displacement),
                   force > 0.0 ? fmt::format("contact force {} N", four_digits(force))
                               : std::string("no contact")));
-  if (force > 0.0) label_arrow(canvas, step, sizes, projection);
+  if (force > 0.0) label_arrow(canvas, {step.probe, step.force_N}, sizes, projection);
+  for (const DeformationStep::Probe& probe : step.further_probes) {
+    if (probe.force_N.norm() > 0.0) label_arrow(canvas, probe, sizes, projection);
+  }
   draw_colour_scale(canvas, sizes);
   draw_length_scale(canvas, projection);
   draw_legend(canvas, step, sizes);

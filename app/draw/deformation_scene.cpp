@@ -139,11 +139,10 @@ void add_anchors(vtkRenderer& renderer, const DeformationStep& step,
   actor->GetProperty()->SetPointSize(9.0f * kSupersampling);
 }
 
-void add_arrow(vtkRenderer& renderer, const DeformationStep& step, const SceneSizes& sizes,
-               double opacity) {
-  const Vector3d& to = sizes.arrow_tip;
+void add_arrow(vtkRenderer& renderer, const Vector3d& probe, const Vector3d& to,
+               const SceneSizes& sizes, double opacity) {
   // From the probe's surface, or the ghost of its start would show inside the probe.
-  const Vector3d from = step.probe + 0.98 * sizes.probe_radius * (to - step.probe).normalized();
+  const Vector3d from = probe + 0.98 * sizes.probe_radius * (to - probe).normalized();
   const double thickness = 0.007 * sizes.body;
   const double length = (to - from).norm();
   if (!(length > 0.0)) return;
@@ -171,11 +170,18 @@ void add_arrow(vtkRenderer& renderer, const DeformationStep& step, const SceneSi
   soften(*actor->GetProperty());
 }
 
+void add_further_probes(vtkRenderer& renderer, const DeformationStep& step, const SceneSizes& sizes,
+                        double opacity) {
+  for (const DeformationStep::Probe& probe : step.further_probes) {
+    add_probe(renderer, probe.place, sizes.probe_radius, opacity);
+    add_arrow(renderer, probe.place, arrow_tip(probe.place, probe.force_N, sizes), sizes, opacity);
+  }
+}
+
 }  // namespace
 
 SceneSizes sizes_of(const DeformationStep& step) {
   constexpr double kSmallestProbe = 0.012;  // of the body
-  constexpr double kArrow = 0.16;           // of the body
   Vector3d low = step.rest.front();
   Vector3d high = low;
   SceneSizes sizes;
@@ -188,10 +194,14 @@ SceneSizes sizes_of(const DeformationStep& step) {
   sizes.probe_radius = std::max(step.probe_radius, kSmallestProbe * sizes.body);
   sizes.probe_to_scale = sizes.probe_radius == step.probe_radius;
   sizes.colour_range = sizes.max_displacement > 0.0 ? sizes.max_displacement : 1e-3;
-  sizes.arrow_tip = step.probe;
-  if (step.force_N.norm() > 0.0)
-    sizes.arrow_tip += step.force_N.normalized() * (sizes.probe_radius + kArrow * sizes.body);
+  sizes.arrow_tip = arrow_tip(step.probe, step.force_N, sizes);
   return sizes;
+}
+
+Vector3d arrow_tip(const Vector3d& probe, const Vector3d& force_N, const SceneSizes& sizes) {
+  constexpr double kArrow = 0.16;  // of the body
+  if (!(force_N.norm() > 0.0)) return probe;
+  return probe + force_N.normalized() * (sizes.probe_radius + kArrow * sizes.body);
 }
 
 void build_scene(vtkRenderer& renderer, const DeformationStep& step, const SceneSizes& sizes) {
@@ -208,20 +218,16 @@ void build_scene(vtkRenderer& renderer, const DeformationStep& step, const Scene
   add_lines(renderer, points, mesh_lines, {20, 20, 30, 70}, 1.0);
   add_anchors(renderer, step, deformed);
   add_probe(renderer, step.probe, sizes.probe_radius, 1.0);
-  for (const Vector3d& probe : step.further_probes) {
-    add_probe(renderer, probe, sizes.probe_radius, 1.0);
-  }
-  add_arrow(renderer, step, sizes, 1.0);
+  add_arrow(renderer, step.probe, sizes.arrow_tip, sizes, 1.0);
+  add_further_probes(renderer, step, sizes, 1.0);
 }
 
 void build_probe_ghost(vtkRenderer& renderer, const DeformationStep& step,
                        const SceneSizes& sizes) {
   constexpr double kOpacity = 0.3;
   add_probe(renderer, step.probe, sizes.probe_radius, kOpacity);
-  for (const Vector3d& probe : step.further_probes) {
-    add_probe(renderer, probe, sizes.probe_radius, kOpacity);
-  }
-  add_arrow(renderer, step, sizes, kOpacity);
+  add_arrow(renderer, step.probe, sizes.arrow_tip, sizes, kOpacity);
+  add_further_probes(renderer, step, sizes, kOpacity);
 }
 
 void build_rest_shape(vtkRenderer& renderer, const DeformationStep& step, const View& view) {

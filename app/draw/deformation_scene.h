@@ -30,6 +30,10 @@ struct SceneSizes {
 };
 SceneSizes sizes_of(const DeformationStep& step);
 
+// Where the arrow of a force on a probe ends; the probe's centre where there is no force.
+Eigen::Vector3d arrow_tip(const Eigen::Vector3d& probe, const Eigen::Vector3d& force_N,
+                          const SceneSizes& sizes);
+
 // The deformed body coloured by displacement with its mesh, the probe, the anchored nodes and
 // the force on the probe. The renderers' camera and lights are the caller's.
 void build_scene(vtkRenderer& renderer, const DeformationStep& step, const SceneSizes& sizes);

@@ -183,7 +183,9 @@ DeformationStep read_step(const std::filesystem::path& path) {
   for (int i = 1;; ++i) {
     const std::string name = fmt::format("probe{}_position_m", i);
     if (fields.GetArray(name.c_str()) == nullptr) break;
-    step.further_probes.push_back(file.vector_field(fields, name.c_str()));
+    const std::string force = fmt::format("probe{}_contact_force_N", i);
+    step.further_probes.push_back(
+        {file.vector_field(fields, name.c_str()), file.vector_field(fields, force.c_str())});
   }
   return step;
 }

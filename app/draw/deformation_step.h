@@ -19,7 +19,11 @@ struct DeformationStep {
   int frame = 0;
   Eigen::Vector3d probe = Eigen::Vector3d::Zero();
   double probe_radius = 0.0;
-  std::vector<Eigen::Vector3d> further_probes;
+  struct Probe {
+    Eigen::Vector3d place;
+    Eigen::Vector3d force_N;  // of the body on it
+  };
+  std::vector<Probe> further_probes;
   Eigen::Vector3d force_N = Eigen::Vector3d::Zero();  // of the body on the probe
 };
 

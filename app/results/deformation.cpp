@@ -127,6 +127,8 @@ void DeformationWriter::write(double time_s, int frame, std::span<const double> 
   for (std::size_t i = 0; i < info.further_probes_m.size(); ++i) {
     set_field(*grid_, fmt::format("probe{}_position_m", i + 1).c_str(),
               {info.further_probes_m[i].data(), 3});
+    set_field(*grid_, fmt::format("probe{}_contact_force_N", i + 1).c_str(),
+              {info.further_forces_N[i].data(), 3});
   }
 
   write_grid(directory_ / step_file_name(frame), *grid_);

@@ -19,8 +19,10 @@ namespace hvp::results {
 struct StepInfo {
   Eigen::Vector3d probe_position_m = Eigen::Vector3d::Zero();  // centre of the probe
   double probe_radius_m = 0.0;
-  std::span<const Eigen::Vector3d> further_probes_m;  // centres of those beside the first one
-  std::span<const int> contact_nodes;                 // of the mesh, a contact each
+  // Of the probes beside the first one: centres, and forces of the body on them.
+  std::span<const Eigen::Vector3d> further_probes_m;
+  std::span<const Eigen::Vector3d> further_forces_N;
+  std::span<const int> contact_nodes;                         // of the mesh, a contact each
   Eigen::Vector3d contact_force_N = Eigen::Vector3d::Zero();  // of the body on the probe
   // Six an element, in VTK's order xx yy zz xy yz xz; shear strains as the model has them.
   std::span<const double> strain;
@@ -35,7 +37,7 @@ struct StepInfo {
 // Arrays: points `displacement` (m, 64-bit), `anchor`, `contact` (0 or 1); cells `strain`,
 // `stress`, `von_mises` (Pa; 32-bit, which halves the files); fields `time_s`, `frame`,
 // `probe_position_m`, `probe_radius_m`, `contact_force_N`; with several probes those of the first
-// one, and `probe1_position_m`, `probe2_position_m`, …
+// one, and `probe1_position_m`, `probe1_contact_force_N`, `probe2_position_m`, …
 //
 // The bytes are a function of the arguments alone. Every file is written under its name plus
 // ".part" and renamed; the list comes last, so it never names a step that is not there.

@@ -44,10 +44,13 @@ void DeformationRecorder::solved(const vp::Frame& frame, const vp::Solution& sol
   }
   info.contact_nodes = contact_nodes_;
   further_probes_.clear();
+  further_forces_.clear();
   for (std::size_t i = 1; i < frame.touches.size(); ++i) {
     further_probes_.push_back(frame.touches[i].tip);
+    further_forces_.emplace_back(-frame.touches[i].force);
   }
   info.further_probes_m = further_probes_;
+  info.further_forces_N = further_forces_;
   info.contact_force_N = -frame.touch().force;
   info.strain = strain_;
   info.stress_Pa = stress_;

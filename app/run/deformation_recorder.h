@@ -24,6 +24,7 @@ class DeformationRecorder : public vp::FrameObserver {
   std::vector<double> displacement_;
   std::vector<double> strain_, stress_, von_mises_;
   std::vector<Eigen::Vector3d> further_probes_;
+  std::vector<Eigen::Vector3d> further_forces_;
   std::vector<int> contact_nodes_;
 };
 
