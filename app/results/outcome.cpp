@@ -32,7 +32,8 @@ std::string_view Outcome::verdict_word() const {
   if (scene.timing_only) return "PASS, timing only";
   if (contact.changes == 0) return "held; no contact";
   if (!scene.body && loop.empty()) return "held; loop not closed";
-  if (std::ranges::any_of(loop, [](const auto& l) { return l.oscillation().moves_on().has_value(); })) {
+  if (std::ranges::any_of(loop,
+                          [](const auto& l) { return l.oscillation().moves_on().has_value(); })) {
     return "held; a device moves on";
   }
   if (!std::ranges::all_of(loop, [](const auto& l) { return l.oscillation().measured(); })) {
