@@ -73,7 +73,7 @@ std::array<LinearAxis::State, Count> AxisSeries::at(const std::array<double, Cou
   const std::array<double, Count> v = sums(v_, s);
   const std::array<double, Count> hand_x = rigid_ ? x : sums(hand_x_, s);
   const std::array<double, Count> hand_v = rigid_ ? v : sums(hand_v_, s);
-  std::array<double, Count> force;
+  std::array<double, Count> force{};
   if (lags_) {
     force = sums(force_, s);
   } else {

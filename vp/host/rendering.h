@@ -10,8 +10,8 @@ namespace hvp::vp {
 
 // A frame on its way through the steps of the servo loop.
 struct FrameStep {
-  Frame* frame;
-  Tag tag;                // while another frame is worked on
+  Frame* frame = nullptr;
+  Tag tag = {};           // while another frame is worked on
   bool attempted = true;  // false: the solver is being brought back, or was given up
 };
 
