@@ -57,8 +57,8 @@ struct Panel {
 
 struct TimeAxis {
   const std::vector<double>& time_s;
-  double from_s;
-  double to_s;
+  double from_s = 0;
+  double to_s = 0;
   Unit unit;
   Ticks ticks;  // in the unit
 };
@@ -162,7 +162,7 @@ Axes draw_panel(Canvas& canvas, const Panel& panel, double top, const TimeAxis& 
   const Range range = plotted_range(panel);
   const double largest = std::max(std::abs(range.least), std::abs(range.largest));
   const Unit unit = unit_for(largest, panel.symbol, panel.preferred_unit);
-  const Axes axes = axes_of(panel, top, range, time, unit);
+  Axes axes = axes_of(panel, top, range, time, unit);
 
   for (const Stretch& stretch : panel.active) shade(canvas, axes, stretch, time);
   for (const double tick : time.ticks.values) {
