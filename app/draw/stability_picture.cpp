@@ -64,8 +64,10 @@ void sample(const Curve& curve, std::vector<Point>& out) {
     out.push_back(curve[i]);
     if (i + 1 == curve.size()) return;
     const Point step = curve[i + 1] - curve[i];
-    const double parts = std::ceil(step.norm() / kStep);
-    for (double part = 1.0; part < parts; ++part) out.push_back(curve[i] + part / parts * step);
+    const int parts = static_cast<int>(std::ceil(step.norm() / kStep));
+    for (int part = 1; part < parts; ++part) {
+      out.push_back(curve[i] + static_cast<double>(part) / parts * step);
+    }
   }
 }
 
@@ -107,9 +109,11 @@ void write_word(Canvas& canvas, const Axes& axes, const std::string& words, bool
   constexpr double kGrid = 15.0;
   double best = 0.0;
   Point place;
-  for (double x = axes.low.x() + word.half.x(); x <= axes.high.x() - word.half.x(); x += kGrid) {
-    for (double y = axes.low.y() + word.half.y(); y <= axes.high.y() - word.half.y(); y += kGrid) {
-      const Point at(x, y);
+  const Point first = axes.low + word.half;
+  const Point room_for = axes.high - word.half - first;
+  for (int i = 0; i * kGrid <= room_for.x(); ++i) {
+    for (int j = 0; j * kGrid <= room_for.y(); ++j) {
+      const Point at = first + kGrid * Point(i, j);
       const auto room = clearance(word, at, runs, all);
       if (!room) continue;
       const double edge =

@@ -40,7 +40,11 @@ double AxisSeries::steps(const LinearAxis& axis, double seconds) {
 
 std::size_t AxisSeries::count_terms(double rate_times_step, const LinearAxis::Drive& drive) {
   std::size_t n = 0;
-  for (double term = 1; term >= kLeftOut; term *= rate_times_step * kInverse[n]) ++n;
+  double term = 1;
+  while (term >= kLeftOut) {
+    ++n;
+    term *= rate_times_step * kInverse[n];
+  }
   // A force of degree d moves by degree d + 2.
   n += std::max(degree(drive.intended), degree(drive.external)) + 2;
   return std::min(n, kMostTerms);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 
 #include "models/plant/axis_series.h"
@@ -44,8 +45,9 @@ LinearAxis::State LinearAxis::after(double seconds, const State& from, const Dri
   const double steps = AxisSeries::steps(*this, seconds);
   const double step = seconds / steps;
   const std::size_t terms = AxisSeries::count_terms(rate() * step, drive);
-  for (double n = 0; n < steps; ++n) {
-    const Drive here = n == 0 ? drive : drive.after(n * step);
+  const auto count = static_cast<std::int64_t>(steps);
+  for (std::int64_t n = 0; n < count; ++n) {
+    const Drive here = n == 0 ? drive : drive.after(static_cast<double>(n) * step);
     state = AxisSeries(*this, step, terms, state, here).at(1);
   }
   return state;
