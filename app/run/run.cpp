@@ -57,12 +57,13 @@ class BusMeters {
  public:
   explicit BusMeters(vp::Platform& platform)
       : bus_({[&platform] { return platform.bus().busy(); },
+              [&platform] { return platform.bus().busy_until_now(); },
               [&platform] { return platform.bus().uses(); }}) {
     platform.add_observer(bus_);
     if (platform.pcie() == nullptr) return;
     const auto direction = [&platform](link::PcieSide sender) {
-      return vp::BusMeter::Bus{[&platform, sender] { return platform.pcie()->busy(sender); },
-                               [&platform] { return platform.pcie()->uses(); }};
+      const auto busy = [&platform, sender] { return platform.pcie()->busy(sender); };
+      return vp::BusMeter::Bus{busy, busy, [&platform] { return platform.pcie()->uses(); }};
     };
     to_board_.emplace(direction(link::PcieSide::root));
     to_host_.emplace(direction(link::PcieSide::device));

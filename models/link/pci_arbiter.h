@@ -57,6 +57,9 @@ class PciArbiter {
   // of the last advance(), before which the bus was released. `master`: for whom it does.
   void hold(int master, std::int64_t until_ps);
   std::int64_t held_ps() const { return held_ * clocks_.period_ps(); }
+  // For how long somebody owned the bus until then, not before the last advance(); what a target
+  // held it for counts too.
+  std::int64_t taken_ps(std::int64_t until_ps) const;
   bool busy(int master) const { return at(master).busy; }
   // The master's last request has released the bus by the time of the last advance().
   bool done(int master) const { return !at(master).busy; }

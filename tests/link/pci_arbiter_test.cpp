@@ -1,5 +1,6 @@
 #include "models/link/pci_arbiter.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -255,6 +256,50 @@ TEST(PciArbiter, AgreesWithAMachineThatTakesEveryClock) {
           << "round " << round << ", master " << i;
     }
   }
+}
+
+// What was owned, from address phase to turnaround.
+class Owned : public PciArbiter::Observer {
+ public:
+  void owned(int /*master*/, std::int64_t start_ps, std::int64_t end_ps) override {
+    tenures_.push_back({start_ps, end_ps});
+  }
+  std::int64_t until(std::int64_t time) const {
+    std::int64_t sum = 0;
+    for (const auto& t : tenures_)
+      sum += std::clamp<std::int64_t>(time - t.start, 0, t.end - t.start);
+    return sum;
+  }
+
+ private:
+  struct Tenure {
+    std::int64_t start;
+    std::int64_t end;
+  };
+  std::vector<Tenure> tenures_;
+};
+
+TEST(PciArbiter, WhatIsTakenByAnInstantDoesNotWaitForTheTenuresEnd) {
+  const auto ask = [](PciArbiter& bus) {
+    bus.request(0, Direction::read, 3'000, 0);
+    bus.request(1, Direction::write, 3'000, 1'234'567);
+  };
+  PciArbiter bus({}, protocol(16), 2);
+  PciArbiter followed({}, protocol(16), 2);
+  Owned owned;
+  followed.report_to(owned);
+  ask(bus);
+  ask(followed);
+  followed.advance(100'000'000);
+  std::int64_t last = 0;
+  for (std::int64_t t = 1'234'567; t < 100'000'000; t += 7'777) {
+    const std::int64_t taken = bus.taken_ps(t);
+    ASSERT_EQ(taken, owned.until(t)) << "at " << t << " ps";
+    ASSERT_LE(taken - last, 7'777 + 1'234'567 * (last == 0 ? 1 : 0));
+    last = taken;
+  }
+  followed.hold(0, 100'600'000);
+  EXPECT_EQ(followed.taken_ps(200'000'000), owned.until(200'000'000));
 }
 
 TEST(PciArbiter, ForecastIsWhatHappensWhenNobodyElseAsks) {

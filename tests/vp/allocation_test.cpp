@@ -26,6 +26,7 @@ void expect_none(test::SmallScene& scene, int contact_changes) {
   Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
   LatencyStatistics latency;
   BusMeter bus({[&platform] { return platform.bus().busy(); },
+                [&platform] { return platform.bus().busy_until_now(); },
                 [&platform] { return platform.bus().uses(); }});
   Count count;
   platform.add_observer(latency);

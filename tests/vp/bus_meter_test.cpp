@@ -27,6 +27,7 @@ class BusSpans : public FrameObserver {
 
 BusMeter::Bus meter_of(const Platform& platform) {
   return {[&platform] { return platform.bus().busy(); },
+          [&platform] { return platform.bus().busy_until_now(); },
           [&platform] { return platform.bus().uses(); }};
 }
 
@@ -94,8 +95,8 @@ TEST(BusMeter, KnowsEachDirectionOfALink) {
   scene.settings.transfer.method = Transfer::Method::dma;
   Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
   const auto meter_of = [&platform](link::PcieSide side) {
-    return BusMeter::Bus{[&platform, side] { return platform.pcie()->busy(side); },
-                         [&platform] { return platform.pcie()->uses(); }};
+    const auto busy = [&platform, side] { return platform.pcie()->busy(side); };
+    return BusMeter::Bus{busy, busy, [&platform] { return platform.pcie()->uses(); }};
   };
   BusMeter to_board(meter_of(link::PcieSide::root));
   BusMeter to_host(meter_of(link::PcieSide::device));

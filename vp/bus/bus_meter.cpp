@@ -12,7 +12,7 @@ void BusMeter::begun() {
 
 void BusMeter::solved(const Frame& /*frame*/, const Solution& /*solution*/) {
   const Picoseconds time = now_ps();
-  const Picoseconds busy = bus_.busy();
+  const Picoseconds busy = bus_.until_now();
   if (last_time_ >= 0 && time > last_time_) {
     const auto window = static_cast<double>(time - last_time_);
     worst_share_ = std::max(worst_share_, static_cast<double>(busy - last_busy_) / window);

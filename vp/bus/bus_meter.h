@@ -12,10 +12,11 @@ namespace hvp::vp {
 // it. Looks once a frame and allocates nothing in the loop.
 class BusMeter : public FrameObserver {
  public:
-  // Both since the simulation began. `busy` is the sum over the initiators, of a link that of one
-  // direction.
+  // All since the simulation began. `busy` is the sum over the initiators, of a link that of one
+  // direction; `until_now` is what of it lies before the call, to the picosecond.
   struct Bus {
     std::function<Picoseconds()> busy;
+    std::function<Picoseconds()> until_now;
     std::function<BusUses()> uses;
   };
 

@@ -291,4 +291,9 @@ Picoseconds PciBus::busy() const {
   return sum;
 }
 
+Picoseconds PciBus::busy_until_now() const {
+  if (arbiter_) return arbiter_->taken_ps(now_ps());
+  return busy() - std::max<Picoseconds>(0, free_at_ - now_ps());
+}
+
 }  // namespace hvp::vp

@@ -70,6 +70,9 @@ class PciBus : public sc_core::sc_module, private link::PciArbiter::Observer {
   std::int64_t transactions() const { return uses_.front().transactions; }
   // Time that anybody's took; approximately timed, that anybody owned the bus.
   Picoseconds busy() const;
+  // What of it lies before now, with what is under way: other than busy(), which has a transaction
+  // when it begins (loosely timed) or a tenure when it has been followed to its end.
+  Picoseconds busy_until_now() const;
   BusUses uses() const;
 
  private:
