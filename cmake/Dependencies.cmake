@@ -8,6 +8,7 @@ find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(tomlplusplus REQUIRED)
 find_package(Ceres REQUIRED)
+find_package(Boost REQUIRED)  # headers only: Boost.Math
 # Debian's VTK refers to MPI's targets without finding them itself.
 find_package(MPI REQUIRED COMPONENTS C CXX)
 find_package(VTK 9.1 REQUIRED COMPONENTS

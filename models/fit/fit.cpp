@@ -1,1 +1,278 @@
 #include "models/fit/fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "models/config/input_error.h"
+#include "models/fit/interval.h"
+#include "models/fit/linear.h"
+#include "models/fit/search.h"
+#include "models/fit/warnings.h"
+#include "models/random/draws.h"
+
+namespace hvp::fit {
+
+namespace {
+
+constexpr std::size_t kStretchesToHoldOut = 5;
+// Of the best sum of squares: what makes no difference, one hundredth of a degree of freedom.
+constexpr double kSameOptimum = 0.01;
+
+int total(const std::vector<int>& rows) { return std::accumulate(rows.begin(), rows.end(), 0); }
+
+double rms(double sum, int count) { return count > 0 ? std::sqrt(sum / count) : 0; }
+
+class Fitting {
+ public:
+  Fitting(const Problem& problem, const Options& options);
+  Fit run();
+
+ private:
+  Point start(int attempt) const;
+  Point bare(std::vector<double> z) const;
+  Optimum search_from_all(Search& search);
+  Optimum refine_robustly(Optimum best);
+  void hold_out(const Optimum& best);
+  void estimate(const Optimum& best);
+  void keep_residuals(const Optimum& best);
+  double robust_scale(const Optimum& at) const;
+
+  const Problem& problem_;
+  const Options& options_;
+  Coordinates coordinates_;
+  std::vector<int> rows_;
+  std::vector<std::vector<double>> own_;
+  double scale_ = 1;
+  RobustLoss loss_;
+  Fit fit_;
+};
+
+Fitting::Fitting(const Problem& problem, const Options& options)
+    : problem_(problem), options_(options), coordinates_(problem.parameters(), options.fixed) {
+  int own = 0;
+  for (std::size_t s = 0; s < problem.stretches(); ++s) {
+    const Problem::Stretch stretch = problem.stretch(s);
+    rows_.push_back(static_cast<int>(stretch.residuals));
+    own += static_cast<int>(stretch.own.size());
+    own_.push_back(stretch.own);
+  }
+  const int unknowns = static_cast<int>(coordinates_.size()) + own;
+  if (total(rows_) <= unknowns) {
+    throw InputError(
+        fmt::format("{} samples for {} unknowns: expected more", total(rows_), unknowns));
+  }
+}
+
+Point Fitting::bare(std::vector<double> z) const { return {std::move(z), own_}; }
+
+Point Fitting::start(int attempt) const {
+  std::vector<double> z;
+  const random::Draws draws(static_cast<std::int64_t>(options_.seed), "fit.start");
+  for (std::size_t k = 0; k < coordinates_.size(); ++k) {
+    const Parameter& p = coordinates_[k];
+    double at = coordinates_.inner(k, std::clamp(p.start, p.low, p.high));
+    if (attempt > 1) {
+      const double low = coordinates_.inner(k, p.draw_low);
+      const double high = coordinates_.inner(k, p.draw_high);
+      at = low + draws.uniform(attempt, static_cast<std::uint32_t>(k)).first * (high - low);
+    }
+    z.push_back(at);
+  }
+  return bare(std::move(z));
+}
+
+Optimum Fitting::search_from_all(Search& search) {
+  std::vector<Optimum> found;
+  fit_.starts.tried = 0;
+  for (int attempt = 1; attempt <= std::max(1, options_.starts); ++attempt) {
+    const auto progress = [&](int iteration, double sum) {
+      return !options_.progress ||
+             options_.progress({attempt, options_.starts, iteration, rms(sum, total(rows_))});
+    };
+    Optimum optimum = search.from(start(attempt), progress);
+    ++fit_.starts.tried;
+    const bool stopped = optimum.interrupted;
+    if (optimum.found) found.push_back(std::move(optimum));
+    if (!stopped) continue;
+    fit_.interrupted = true;
+    break;
+  }
+  if (found.empty()) throw InputError("the model has no value at any of the starts");
+  std::sort(found.begin(), found.end(),
+            [](const Optimum& a, const Optimum& b) { return a.sum < b.sum; });
+  const Optimum& best = found.front();
+  const double same = best.sum * kSameOptimum / total(rows_) + 1e-20 * scale_ * scale_;
+  for (const Optimum& o : found) {
+    if (o.sum - best.sum <= same) {
+      ++fit_.starts.reached;
+      continue;
+    }
+    std::vector<Starts::Other>& others = fit_.starts.others;
+    const double r = rms(o.sum, total(rows_));
+    if (!others.empty() && r <= others.back().rms * (1 + 1e-4)) {
+      ++others.back().times;
+    } else {
+      others.push_back({r, coordinates_.values(o.at.z.data()), 1});
+    }
+  }
+  return best;
+}
+
+// 1.4826 times the median of |r|: the standard deviation of normal noise beside the outliers.
+double Fitting::robust_scale(const Optimum& at) const {
+  const Linear linear = linearise(problem_, coordinates_, rows_, at.at, {});
+  std::vector<double> sizes;
+  for (const Eigen::VectorXd& r : linear.residuals) {
+    for (const double value : r) sizes.push_back(std::abs(value));
+  }
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return 1.4826 * *middle;
+}
+
+// Its scale from the residuals, twice: the first ones are those of least squares. The constants
+// keep 95 % of the efficiency for normal noise (Huber 1981; Holland & Welsch 1977).
+Optimum Fitting::refine_robustly(Optimum best) {
+  const double constant = options_.loss == Loss::huber ? 1.345 : 2.385;
+  for (int i = 0; i < 3; ++i) {
+    const double scale = robust_scale(best);
+    if (!(scale > 0)) break;
+    loss_ = {options_.loss, constant * scale};
+    Search search(problem_, coordinates_, {rows_, scale_, options_.most_iterations}, loss_);
+    Optimum next = search.from(best.at);
+    if (!next.found) break;
+    next.interrupted = best.interrupted;
+    best = std::move(next);
+  }
+  return best;
+}
+
+void Fitting::hold_out(const Optimum& best) {
+  if (!(options_.hold_out > 0) || fit_.interrupted) return;
+  std::vector<int> fitted = rows_;
+  if (rows_.size() >= kStretchesToHoldOut) {
+    const auto held =
+        static_cast<std::size_t>(std::ceil(options_.hold_out * static_cast<double>(rows_.size())));
+    std::fill(fitted.end() - static_cast<std::ptrdiff_t>(std::min(held, rows_.size() - 1)),
+              fitted.end(), 0);
+  } else {
+    for (int& n : fitted) n -= static_cast<int>(std::floor(options_.hold_out * n));
+  }
+  int own = 0;
+  for (std::size_t s = 0; s < own_.size(); ++s) {
+    if (fitted[s] > 0) own += static_cast<int>(own_[s].size());
+  }
+  if (total(fitted) <= static_cast<int>(coordinates_.size()) + own) {
+    fit_.warnings.emplace_back("nothing is held out: the rest would be too short to fit");
+    return;
+  }
+  Search search(problem_, coordinates_, {fitted, scale_, options_.most_iterations}, loss_);
+  Optimum rest = search.from(best.at);
+  if (!rest.found) return;
+  if (rows_.size() >= kStretchesToHoldOut) {
+    // Where a stretch begins is its own; how it goes on is predicted.
+    Search all(problem_, coordinates_, {rows_, scale_, options_.most_iterations}, loss_);
+    rest = all.own_alone(rest.at);
+  }
+  const Linear linear = linearise(problem_, coordinates_, rows_, rest.at, {});
+  double sum = 0;
+  int count = 0;
+  for (std::size_t s = 0; s < rows_.size(); ++s) {
+    const int held = rows_[s] - fitted[s];
+    sum += linear.residuals[s].tail(held).squaredNorm();
+    count += held;
+  }
+  if (count > 0) fit_.held_out_rms = rms(sum, count);
+}
+
+// An interval that is wider than the value, and than what would show, says nothing.
+bool says_something(const Estimate& e, const Parameter& p) {
+  return e.high - e.low <= 2 * std::max(std::abs(e.value), p.matters);
+}
+
+void Fitting::estimate(const Optimum& best) {
+  const Linear linear = linearise(problem_, coordinates_, rows_, best.at, loss_);
+  const Uncertainty uncertainty = uncertainty_of(linear);
+  fit_.noise_order = static_cast<int>(uncertainty.noise.coefficients.size());
+  fit_.widened = uncertainty.widened;
+  fit_.whiteness = whiteness_of(linear.residuals);
+  const std::vector<double> values = coordinates_.values(best.at.z.data());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const Parameter& p = problem_.parameters()[i];
+    Estimate e{p.name, p.unit, values[i], values[i], values[i]};
+    e.fixed = coordinates_.is_fixed(i);
+    fit_.parameters.push_back(std::move(e));
+  }
+  Search search(problem_, coordinates_, {rows_, scale_, options_.most_iterations}, loss_);
+  Intervals intervals(search, coordinates_, linear, uncertainty, best);
+  const auto n = static_cast<Eigen::Index>(coordinates_.size());
+  fit_.correlations = Eigen::MatrixXd::Identity(n, n);
+  for (std::size_t k = 0; k < coordinates_.size(); ++k) {
+    const Parameter& p = coordinates_[k];
+    Estimate& e = fit_.parameters[coordinates_.parameter(k)];
+    e.at_bound = best.at.z[k] <= coordinates_.low(k) || best.at.z[k] >= coordinates_.high(k);
+    if (uncertainty.singular[k]) {
+      e.low = p.low;
+      e.high = p.high;
+      e.identifiable = false;
+    } else {
+      const Interval interval =
+          fit_.interrupted ? Interval{best.at.z[k], best.at.z[k]} : intervals.of(k);
+      e.low = std::clamp(coordinates_.outer(k, interval.low), p.low, e.value);
+      e.high = std::clamp(coordinates_.outer(k, interval.high), e.value, p.high);
+      e.profiled = interval.profiled;
+      e.identifiable = says_something(e, p);
+    }
+    if (!e.identifiable) e.remedy = p.remedy;
+    for (std::size_t j = 0; j < coordinates_.size(); ++j) {
+      const double product = uncertainty.deviation(k) * uncertainty.deviation(j);
+      const auto row = static_cast<Eigen::Index>(k);
+      const auto column = static_cast<Eigen::Index>(j);
+      if (j != k && product > 0) {
+        fit_.correlations(row, column) = uncertainty.covariance(row, column) / product;
+      }
+    }
+  }
+}
+
+void Fitting::keep_residuals(const Optimum& best) {
+  const Linear linear = linearise(problem_, coordinates_, rows_, best.at, {});
+  double sum = 0;
+  for (const Eigen::VectorXd& r : linear.residuals) {
+    sum += r.squaredNorm();
+    fit_.residuals.emplace_back(r.begin(), r.end());
+  }
+  fit_.residual_rms = rms(sum, total(rows_));
+  fit_.own = best.at.own;
+  fit_.converged = best.converged && !best.interrupted;
+}
+
+Fit Fitting::run() {
+  Search trial(problem_, coordinates_, {rows_, 1, options_.most_iterations}, {});
+  for (int attempt = 1; attempt <= std::max(1, options_.starts); ++attempt) {
+    const std::optional<double> sum = trial.sum(start(attempt));
+    if (!sum || !(*sum > 0) || !std::isfinite(*sum)) continue;
+    scale_ = rms(*sum, total(rows_));
+    break;
+  }
+  Search search(problem_, coordinates_, {rows_, scale_, options_.most_iterations}, {});
+  Optimum best = search_from_all(search);
+  if (options_.loss != Loss::squares) best = refine_robustly(std::move(best));
+  keep_residuals(best);
+  estimate(best);
+  hold_out(best);
+  for (std::string& w : warnings_of(fit_, problem_, options_)) {
+    fit_.warnings.push_back(std::move(w));
+  }
+  return std::move(fit_);
+}
+
+}  // namespace
+
+Fit fit(const Problem& problem, const Options& options) { return Fitting(problem, options).run(); }
+
+}  // namespace hvp::fit

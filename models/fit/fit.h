@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "models/fit/coordinates.h"
+#include "models/fit/noise.h"
 #include "models/fit/problem.h"
 
 namespace hvp::fit {
-
-enum class Loss { squares, huber, cauchy };
 
 struct Attempt {
   int start = 0;  // from 1
@@ -42,8 +42,8 @@ struct Estimate {
   bool fixed = false;
   bool identifiable = true;
   bool at_bound = false;
-  bool profiled = false;  // the interval is from the profile likelihood
-  std::string remedy;     // not identifiable: the log that would give it
+  bool profiled = false;    // the interval is from the profile likelihood
+  std::string remedy = {};  // not identifiable: the log that would give it
 };
 
 struct Starts {
@@ -57,18 +57,10 @@ struct Starts {
   std::vector<Other> others;  // worse optima, the best first
 };
 
-// Are neighbouring residuals alike? Ljung & Box 1978.
-struct Whiteness {
-  int lags = 0;
-  double statistic = 0;  // of χ² with `lags` degrees of freedom, if they were white
-  double probability = 1;
-  bool white() const { return probability >= 0.01; }
-};
-
 struct Fit {
   std::vector<Estimate> parameters;
   Eigen::MatrixXd correlations;  // of those that are not fixed, in order; diagonal 1
-  double residual_rms = 0;       // of the part fitted
+  double residual_rms = 0;
   std::optional<double> held_out_rms;
   Starts starts;
   bool converged = false;
@@ -84,10 +76,12 @@ struct Fit {
 };
 
 // Least squares by Ceres' trust region (Levenberg & Marquardt), from several starts; own unknowns
-// of stretches are eliminated. Intervals hold for residuals that are alike in time: they rest on an
-// autoregressive model of them, or, where the problem is not close to linear, on the profile of the
-// sum of squares with the same noise. Throws InputError: nothing to fit, an unknown or inadmissible
-// fixed parameter, fewer residuals than unknowns, no start at which the model has a value.
+// of stretches are eliminated. Values come from the whole log; what is held out, the last stretches
+// or, of less than five, the last rows of each, is predicted by another fit of the rest. Intervals
+// hold for residuals that are alike in time: they rest on an autoregressive model of them, or,
+// where the problem is not close to linear, on the profile of the sum of squares with the same
+// noise. Throws InputError: nothing to fit, an unknown or inadmissible fixed parameter, fewer
+// residuals than unknowns, no start at which the model has a value.
 Fit fit(const Problem& problem, const Options& options);
 
 }  // namespace hvp::fit

@@ -44,6 +44,8 @@ class Problem {
   virtual const std::vector<Parameter>& parameters() const = 0;
   // Of the residuals.
   virtual std::string unit() const = 0;
+  // How large what the model is to explain is, rms about its mean, in that unit; 0: not known.
+  virtual double signal_rms() const { return 0; }
 
   virtual std::size_t stretches() const = 0;
   struct Stretch {

@@ -1,0 +1,144 @@
+#include "models/fit/linear.h"
+
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+
+namespace hvp::fit {
+
+namespace {
+
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+// A change of the parameters along such a direction changes the residuals 10⁹ times less than along
+// others: rounding alone.
+constexpr double kNoEffect = 1e-9;
+
+struct Evaluation {
+  Eigen::VectorXd residuals;
+  Eigen::MatrixXd by_z;
+  Eigen::MatrixXd by_own;
+};
+
+Evaluation evaluate(const Problem& problem, const Coordinates& coordinates, std::size_t stretch,
+                    int rows, const Point& at) {
+  const std::unique_ptr<ceres::CostFunction> cost = problem.cost(stretch);
+  const std::vector<double> values = coordinates.values(at.z.data());
+  const bool has_own = cost->parameter_block_sizes().size() > 1;
+  const int all = cost->num_residuals();
+  Eigen::VectorXd residuals(all);
+  Rows by_values(all, cost->parameter_block_sizes()[0]);
+  Rows by_own(all, has_own ? cost->parameter_block_sizes()[1] : 0);
+  std::vector<const double*> blocks{values.data()};
+  if (has_own) blocks.push_back(at.own[stretch].data());
+  std::vector<double*> jacobians{by_values.data()};
+  if (has_own) jacobians.push_back(by_own.data());
+  cost->Evaluate(blocks.data(), residuals.data(), jacobians.data());
+  Evaluation result{residuals.head(rows), {}, by_own.topRows(rows)};
+  result.by_z.resize(rows, static_cast<Eigen::Index>(coordinates.size()));
+  for (std::size_t k = 0; k < coordinates.size(); ++k) {
+    result.by_z.col(static_cast<Eigen::Index>(k)) =
+        coordinates.slope(k, values) *
+        by_values.topRows(rows).col(static_cast<Eigen::Index>(coordinates.parameter(k)));
+  }
+  return result;
+}
+
+void score(Linear& linear, const RobustLoss& loss) {
+  double slopes = 0;
+  for (const Eigen::VectorXd& r : linear.residuals) {
+    Eigen::VectorXd e(r.size());
+    for (Eigen::Index i = 0; i < r.size(); ++i) {
+      const RobustLoss::Value value = loss.at(r[i]);
+      e[i] = value.score;
+      slopes += value.score_slope;
+    }
+    linear.scores.push_back(std::move(e));
+  }
+  linear.slope = std::max(slopes / std::max(1, linear.rows), 1e-3);
+  for (Eigen::VectorXd& e : linear.scores) e /= linear.slope;
+}
+
+}  // namespace
+
+Linear linearise(const Problem& problem, const Coordinates& coordinates,
+                 const std::vector<int>& rows, const Point& at, const RobustLoss& loss) {
+  Linear linear;
+  for (std::size_t s = 0; s < rows.size(); ++s) {
+    if (rows[s] == 0) continue;
+    Evaluation e = evaluate(problem, coordinates, s, rows[s], at);
+    linear.rows += rows[s];
+    Eigen::MatrixXd follows = Eigen::MatrixXd::Zero(e.by_own.cols(), e.by_z.cols());
+    if (e.by_own.cols() > 0) {
+      linear.own += static_cast<int>(e.by_own.cols());
+      follows = -e.by_own.colPivHouseholderQr().solve(e.by_z);
+      e.by_z += e.by_own * follows;
+    }
+    linear.residuals.push_back(std::move(e.residuals));
+    linear.jacobian.push_back(std::move(e.by_z));
+    linear.follows.push_back(std::move(follows));
+  }
+  score(linear, loss);
+  return linear;
+}
+
+double Uncertainty::deviation(std::size_t coordinate) const {
+  const auto k = static_cast<Eigen::Index>(coordinate);
+  return std::sqrt(std::max(0.0, covariance(k, k)));
+}
+
+Uncertainty uncertainty_of(const Linear& linear) {
+  const Eigen::Index n = linear.jacobian.front().cols();
+  Eigen::VectorXd scale = Eigen::VectorXd::Zero(n);
+  for (const Eigen::MatrixXd& j : linear.jacobian) scale += j.colwise().squaredNorm().transpose();
+  scale = scale.cwiseSqrt();
+  for (double& s : scale) s = s > 0 ? 1 / s : 0;
+
+  // R of all stretches' Jacobians, so that no precision is lost to JᵀJ.
+  Eigen::MatrixXd stacked(0, n);
+  for (const Eigen::MatrixXd& j : linear.jacobian) {
+    Eigen::MatrixXd both(stacked.rows() + j.rows(), n);
+    both << stacked, j * scale.asDiagonal();
+    if (both.rows() > n) {
+      const Eigen::HouseholderQR<Eigen::MatrixXd> qr(both);
+      both = qr.matrixQR().topRows(n).triangularView<Eigen::Upper>().toDenseMatrix();
+    }
+    stacked = std::move(both);
+  }
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(stacked, Eigen::ComputeFullV);
+  Uncertainty result;
+  result.singular.assign(static_cast<std::size_t>(n), false);
+  Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::VectorXd direction = svd.matrixV().col(i);
+    const double effect = i < svd.singularValues().size() ? svd.singularValues()[i] : 0;
+    if (effect > kNoEffect * svd.singularValues()[0]) {
+      inverse += direction * direction.transpose() / (effect * effect);
+      continue;
+    }
+    for (Eigen::Index k = 0; k < n; ++k) {
+      if (std::abs(direction[k]) > 1e-3) result.singular[static_cast<std::size_t>(k)] = true;
+    }
+  }
+  result.unit = scale.asDiagonal() * inverse * scale.asDiagonal();
+
+  const auto unknowns = static_cast<int>(n) + linear.own;
+  result.noise = noise_of(linear.scores, unknowns);
+  result.t = t_95(linear.rows - unknowns);
+  Eigen::MatrixXd between = Eigen::MatrixXd::Zero(n, n);
+  for (const Eigen::MatrixXd& j : linear.jacobian) between += result.noise.between(j);
+  result.covariance = result.unit * between * result.unit;
+  double squares = 0;
+  for (const Eigen::VectorXd& e : linear.scores) squares += e.squaredNorm();
+  const double white = squares / std::max(1, linear.rows - unknowns);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const double plain = white * result.unit(k, k);
+    if (plain > 0) {
+      result.widened = std::max(result.widened, std::sqrt(result.covariance(k, k) / plain));
+    }
+  }
+  return result;
+}
+
+}  // namespace hvp::fit

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace hvp::fit {
+
+using Series = std::vector<Eigen::VectorXd>;  // residuals, a stretch each
+
+// What neighbouring residuals have in common: an autoregressive model r_t = Σ φ_k·r_{t−k} + e_t,
+// from the autocovariance of all stretches (Yule & Walker; Levinson & Durbin), its order by
+// Schwarz' criterion, at most 20 and a tenth of the residuals.
+struct Noise {
+  std::vector<double> coefficients;  // φ; empty: white
+  double innovation = 0;             // variance of e
+
+  // Jᵀ·Γ·J for one stretch's J (residuals × parameters), Γ the covariance of its residuals.
+  Eigen::MatrixXd between(const Eigen::MatrixXd& jacobian) const;
+};
+
+// `unknowns`: that were fitted to the residuals; the variance counts them.
+Noise noise_of(const Series& residuals, int unknowns);
+
+// Ljung & Box 1978: n·(n+2)·Σ ρ_k²/(n−k) over `lags`, and the probability of so much or more if the
+// residuals were white.
+struct Whiteness {
+  int lags = 0;
+  double statistic = 0;
+  double probability = 1;
+  bool white() const { return probability >= 0.01; }
+};
+Whiteness whiteness_of(const Series& residuals);
+
+// Student's t: the two-sided 95 % point.
+double t_95(double degrees_of_freedom);
+
+}  // namespace hvp::fit

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <ceres/problem.h>
+
+#include "models/fit/coordinates.h"
+
+namespace hvp::fit {
+
+// Where a search ended, or is to begin.
+struct Point {
+  std::vector<double> z;                 // of the coordinates
+  std::vector<std::vector<double>> own;  // of each stretch
+};
+
+struct Optimum {
+  Point at;
+  double sum = 0;  // Σρ of the residuals, in their unit squared
+  bool found = false;
+  bool converged = false;
+  bool interrupted = false;
+};
+
+// Least squares of a problem's first rows by Ceres' trust region.
+class Search {
+ public:
+  struct Range {
+    std::vector<int> rows;  // of each stretch that count
+    double scale = 1;       // of the residuals, so that sums are near one
+    int most_iterations = 200;
+  };
+  // What is told of each iteration: its number and Σρ so far. False: stop.
+  using Progress = std::function<bool(int, double)>;
+
+  // Keeps references to the problem and its coordinates.
+  Search(const Problem& problem, const Coordinates& coordinates, Range range, RobustLoss loss);
+
+  Optimum from(const Point& start, const Progress& progress = {});
+  // One coordinate stays where it is.
+  Optimum with(std::size_t held, const Point& start);
+  // All of them stay.
+  Optimum own_alone(const Point& start);
+
+  // Σρ; nothing where the model has no value.
+  std::optional<double> sum(const Point& at);
+  const Range& range() const { return range_; }
+  int residuals() const;
+
+ private:
+  void put(const Point& at);
+  Optimum solve(const Progress& progress);
+
+  const Coordinates& coordinates_;
+  Range range_;
+  std::vector<double> z_;
+  std::vector<std::vector<double>> own_;
+  ceres::Problem problem_;
+};
+
+}  // namespace hvp::fit
