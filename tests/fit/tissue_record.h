@@ -23,9 +23,7 @@ inline TissueBody soft_block(int cells, const std::optional<fem::Dynamics>& dyna
   return body;
 }
 
-inline fem::Dynamics damped_newmark() {
-  return {.newmark_beta = 0.605, .newmark_gamma = 0.6};
-}
+inline fem::Dynamics damped_newmark() { return {.newmark_beta = 0.605, .newmark_gamma = 0.6}; }
 
 inline constexpr TissueValues kTrueTissue = {8e3, 0.42, 6.0, 2e-3};
 
@@ -46,8 +44,8 @@ inline std::vector<double> press_and_sweep(int samples, double period_s) {
   for (int i = 0; i < samples; ++i) {
     const double t = i * period_s;
     const double press = 2e-3 * (1 - std::cos(std::numbers::pi * std::min(t / 0.2, 1.0)));
-    const double sweep = t < 0.2 ? 0 : 1e-3 * std::sin(2 * std::numbers::pi * 30 * (t - 0.2) *
-                                                       (t - 0.2));
+    const double sweep =
+        t < 0.2 ? 0 : 1e-3 * std::sin(2 * std::numbers::pi * 30 * (t - 0.2) * (t - 0.2));
     x.push_back(press + sweep);
   }
   return x;
