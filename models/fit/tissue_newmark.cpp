@@ -25,12 +25,14 @@ class Integration {
         alpha_(values.mass_damping),
         beta_(values.stiffness_damping),
         step_(*body.dynamics, body.period_s),
+        of_stiffness_(1 + step_.v_of_next * beta_),
+        of_mass_(step_.a_of_next + step_.v_of_next * alpha_),
         factors_(system,
-                 {(1 + step_.v_of_next * beta_) * material_.value.lambda,
-                  (1 + step_.v_of_next * beta_) * material_.value.mu},
-                 step_.a_of_next + step_.v_of_next * alpha_) {
+                 {of_stiffness_ * material_.value.lambda, of_stiffness_ * material_.value.mu},
+                 of_mass_) {
     const std::size_t n = index(system.unknowns());
-    for (auto* state : {&u_, &v_, &a_, &v_tilde_, &a_tilde_, &next_}) state->assign(n, {});
+    for (auto* state : {&u_, &v_, &a_, &v_tilde_, &a_tilde_, &momentum_, &next_})
+      state->assign(n, {});
   }
 
   bool positive_definite() const { return factors_.positive_definite(); }
@@ -94,56 +96,61 @@ class Integration {
     }
   }
 
-  // −C·ṽ − M·ã of every field, and for the derivatives −(∂C/∂θ·u̇ + ∂K/∂θ·u) of the step before.
-  void form_rhs(const Contact& before) {
-    for (std::size_t i = 0; i < u_.size(); ++i) {
-      FieldRow<Fields> elastic = {};  // K·ṽ
-      LamePair strained;              // K_λ and K_μ times u + β·u̇
-      double damped = 0;              // K·u̇
-      for (std::size_t k = index(system_.row_begin[i]); k < index(system_.row_begin[i + 1]); ++k) {
-        const std::size_t j = index(system_.column[k]);
-        const double stiffness = combine(material_.value, system_.stiffness[k]);
-        for (std::size_t f = 0; f < Fields; ++f) elastic[f] += stiffness * v_tilde_[j][f];
-        if constexpr (Fields > 1) {
-          const double w = u_[j][kMotion] + beta_ * v_[j][kMotion];
-          strained.lambda += system_.stiffness[k].lambda * w;
-          strained.mu += system_.stiffness[k].mu * w;
-          damped += stiffness * v_[j][kMotion];
-        }
-      }
-      for (std::size_t f = 0; f < Fields; ++f) next_[i][f] = -beta_ * elastic[f];
-      if constexpr (Fields > 1) {
-        next_[i][kYoung] -= combine(material_.by_young_modulus, strained);
-        next_[i][kPoisson] -= combine(material_.by_poisson_ratio, strained);
-        next_[i][kBeta] -= damped;
-      }
-      subtract_inertia(i);
-    }
+  // What M multiplies in the right-hand sides of y; see form_rhs().
+  FieldRow<Fields> momentum(std::size_t i) const {
+    FieldRow<Fields> p;
+    const double share = beta_ * of_mass_ / of_stiffness_ - alpha_;
+    for (std::size_t f = 0; f < Fields; ++f) p[f] = share * v_tilde_[i][f] - a_tilde_[i][f];
     if constexpr (Fields > 1) {
-      const double w = before.u + beta_ * before.v;
-      for (const TissueSystem::Coupling& to : system_.coupling) {
-        FieldRow<Fields>& rhs = next_[index(to.row)];
-        rhs[kYoung] -= combine(material_.by_young_modulus, to.stiffness) * w;
-        rhs[kPoisson] -= combine(material_.by_poisson_ratio, to.stiffness) * w;
-        rhs[kAlpha] -= to.mass * before.v;
-        rhs[kBeta] -= combine(material_.value, to.stiffness) * before.v;
-      }
+      const double inertia = a_[i][kMotion] + alpha_ * v_[i][kMotion];
+      p[kYoung] += by_young_ * inertia;
+      p[kPoisson] += by_poisson_ * inertia;
+      p[kAlpha] -= v_[i][kMotion];
+      p[kBeta] += of_mass_ / of_stiffness_ * v_[i][kMotion];
     }
+    return p;
   }
 
-  void subtract_inertia(std::size_t i) {
-    const auto subtract = [&](double mass, std::size_t j) {
-      for (std::size_t f = 0; f < Fields; ++f) {
-        next_[i][f] -= mass * (alpha_ * v_tilde_[j][f] + a_tilde_[j][f]);
+  // Â = κ·K + m·M. No product with K is needed:
+  //   motion       u = y − β/κ·ṽ turns Â·u = −β·K·ṽ − M·(α·ṽ + ã) into
+  //                Â·y = M·((β·m/κ − α)·ṽ − ã); likewise the derivatives, whose right-hand sides
+  //                are those of the step before, driven by
+  //   E            −K/E·(u + β·u̇), which is M·(ü + α·u̇)/E by the equation of motion;
+  //   ν            −(λ'·K_λ + μ'·K_μ)·(u + β·u̇): as E with μ'/μ for 1/E, and the rest of K_λ;
+  //   α            −M·u̇;
+  //   β            −K·u̇, by another u̇/κ taken from y.
+  void form_rhs(const Contact& before) {
+    for (std::size_t i = 0; i < u_.size(); ++i) momentum_[i] = momentum(i);
+    for (std::size_t i = 0; i < u_.size(); ++i) {
+      FieldRow<Fields>& rhs = next_[i];
+      rhs = {};
+      const auto add = [&](double mass, const FieldRow<Fields>& of) {
+        for (std::size_t f = 0; f < Fields; ++f) rhs[f] += mass * of[f];
+      };
+      if (system_.lumped) add(system_.diagonal[i], momentum_[i]);
+      double strained = 0;  // K_λ·(u + β·u̇)
+      for (std::size_t k = index(system_.row_begin[i]); k < index(system_.row_begin[i + 1]); ++k) {
+        const std::size_t j = index(system_.column[k]);
+        if (!system_.lumped) add(system_.mass[k], momentum_[j]);
+        if constexpr (Fields > 1) {
+          strained += system_.stiffness[k].lambda * (u_[j][kMotion] + beta_ * v_[j][kMotion]);
+        }
       }
-      if constexpr (Fields > 1) next_[i][kAlpha] -= mass * v_[j][kMotion];
-    };
-    if (system_.lumped) {
-      subtract(system_.diagonal[i], i);
-      return;
+      if constexpr (Fields > 1) rhs[kPoisson] -= by_poisson_lambda_ * strained;
     }
-    for (std::size_t k = index(system_.row_begin[i]); k < index(system_.row_begin[i + 1]); ++k) {
-      subtract(system_.mass[k], index(system_.column[k]));
+    if constexpr (Fields > 1) drive_derivatives(before);
+  }
+
+  void drive_derivatives(const Contact& before) {
+    const double w = before.u + beta_ * before.v;
+    const double inertia = before.a + alpha_ * before.v;
+    for (const TissueSystem::Coupling& to : system_.coupling) {
+      FieldRow<Fields>& rhs = next_[index(to.row)];
+      rhs[kYoung] += by_young_ * to.mass * inertia;
+      rhs[kPoisson] +=
+          by_poisson_ * to.mass * inertia - by_poisson_lambda_ * to.stiffness.lambda * w;
+      rhs[kAlpha] -= to.mass * before.v;
+      rhs[kBeta] -= combine(material_.value, to.stiffness) * before.v;
     }
   }
 
@@ -157,8 +164,13 @@ class Integration {
     }
   }
 
+  // From y to u, and the rest of (3.25).
   void update() {
     for (std::size_t i = 0; i < u_.size(); ++i) {
+      for (std::size_t f = 0; f < Fields; ++f) {
+        next_[i][f] -= beta_ / of_stiffness_ * v_tilde_[i][f];
+      }
+      if constexpr (Fields > 1) next_[i][kBeta] -= v_[i][kMotion] / of_stiffness_;
       for (std::size_t f = 0; f < Fields; ++f) {
         u_[i][f] = next_[i][f];
         a_[i][f] = a_tilde_[i][f] + step_.a_of_next * next_[i][f];
@@ -217,9 +229,17 @@ class Integration {
   double alpha_;
   double beta_;
   Step step_;
+  double of_stiffness_;  // κ
+  double of_mass_;       // m, 1/s²
   TissueFactors factors_;
+  // ∂K/∂E = by_young·K, ∂K/∂ν = by_poisson·K + by_poisson_lambda·K_λ.
+  double by_young_ = material_.by_young_modulus.mu / material_.value.mu;
+  double by_poisson_ = material_.by_poisson_ratio.mu / material_.value.mu;
+  double by_poisson_lambda_ =
+      material_.by_poisson_ratio.lambda - by_poisson_ * material_.value.lambda;
   Rows u_, v_, a_, v_tilde_, a_tilde_;
-  Rows next_;  // the right-hand side, then the solution
+  Rows momentum_;
+  Rows next_;  // the right-hand side, y, then u
 };
 
 template <std::size_t Fields>

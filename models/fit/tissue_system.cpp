@@ -22,13 +22,17 @@ fem::Body make_body(const TissueBody& body, double young_modulus, double poisson
   return {body.mesh, material, body.anchored, fem::AnchorTreatment::removed};
 }
 
-// Approximate minimum degree: new place of each unknown.
-std::vector<int> sparse_order(const Eigen::SparseMatrix<double>& pattern) {
+// Approximate minimum degree: the nodes of a pattern in their new order. All three unknowns of a
+// node stay together, so that their columns of the factors have one pattern.
+std::vector<int> sparse_order(const sparse::BlockMatrix& pattern) {
+  const int n = pattern.block_rows();
+  const std::vector<double> one(pattern.blocks(), 1.0);
+  const Eigen::SparseMatrix<double> nodes = Eigen::Map<const Eigen::SparseMatrix<double>>(
+      n, n, static_cast<Eigen::Index>(one.size()), pattern.row_begin.data(), pattern.column.data(),
+      one.data());
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
-  Eigen::AMDOrdering<int>()(pattern, order);
-  std::vector<int> place(static_cast<std::size_t>(order.size()));
-  for (int i = 0; i < static_cast<int>(place.size()); ++i) place[index(order.indices()[i])] = i;
-  return place;
+  Eigen::AMDOrdering<int>()(nodes, order);
+  return {order.indices().data(), order.indices().data() + n};
 }
 
 }  // namespace
@@ -105,12 +109,12 @@ void TissueSystem::reduce(const Assembled& full, std::span<const int> contact,
   for (int i = 0; i < k.block_rows(); ++i) {
     if (touched[index(i)] == 0) free.push_back(i);
   }
-  const std::vector<int> place = sparse_order(k.submatrix(free).to_eigen());
-  const auto n = place.size();
-  std::vector<int> first_of(index(k.block_rows()), 0);  // of a node that is free, before ordering
-  for (std::size_t i = 0; i < free.size(); ++i) first_of[index(free[i])] = static_cast<int>(3 * i);
-  std::vector<int> unordered(n);
-  for (std::size_t i = 0; i < n; ++i) unordered[index(place[i])] = static_cast<int>(i);
+  const std::vector<int> order = sparse_order(k.submatrix(free));
+  const std::size_t n = 3 * order.size();
+  std::vector<int> place(index(k.block_rows()), -1);  // a node's first unknown; −1: touched
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    place[index(free[index(order[i])])] = static_cast<int>(3 * i);
+  }
 
   struct Entry {
     int column;
@@ -121,8 +125,8 @@ void TissueSystem::reduce(const Assembled& full, std::span<const int> contact,
   row_begin.assign(1, 0);
   diagonal.assign(lumped ? n : 0, 0.0);
   for (std::size_t at = 0; at < n; ++at) {
-    const int node = free[index(unordered[at] / 3)];
-    const std::size_t r = index(unordered[at] % 3);
+    const int node = free[index(order[at / 3])];
+    const std::size_t r = at % 3;
     row.clear();
     Coupling to_contact{static_cast<int>(at), {}, 0};
     for (int b = k.row_begin[index(node)]; b < k.row_begin[index(node) + 1]; ++b) {
@@ -131,7 +135,7 @@ void TissueSystem::reduce(const Assembled& full, std::span<const int> contact,
         const LamePair value = full.stiffness(index(b), 3 * r + c);
         const double kg = full.mass_entry(node, other, 3 * r + c);
         if (touched[index(other)] == 0) {
-          row.push_back({place[index(first_of[index(other)]) + c], value, kg});
+          row.push_back({place[index(other)] + static_cast<int>(c), value, kg});
         } else {
           const double share = direction[static_cast<Eigen::Index>(c)];
           to_contact.stiffness.lambda += value.lambda * share;
