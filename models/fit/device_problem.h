@@ -42,6 +42,9 @@ class DeviceProblem final : public Problem {
   std::string unit() const override;
   std::size_t stretches() const override { return begins_.size() - 1; }
   Stretch stretch(std::size_t index) const override;
+  // Of an encoder that stands, or moves less than a step, the same reading again says nothing new,
+  // and its error is the same: n of them count as one.
+  std::vector<double> weights(std::size_t stretch) const override;
   std::unique_ptr<ceres::CostFunction> cost(std::size_t stretch) const override;
 
   // For fit::Options: what the options fix, and motor_constant = 1 where a log of currents leaves
