@@ -7,8 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "app/draw/csv_table.h"
+#include "app/draw/open_file.h"
 #include "models/config/input_error.h"
+#include "models/files/csv_table.h"
 
 namespace hvp::draw {
 namespace {
@@ -21,8 +22,8 @@ struct Source {
   std::vector<double>* values;
 };
 
-void add_sources(std::vector<Source>& sources, const CsvTable& table, const std::string& prefix,
-                 ProbeSeries& probe) {
+void add_sources(std::vector<Source>& sources, const files::CsvTable& table,
+                 const std::string& prefix, ProbeSeries& probe) {
   const auto vector = [&](const char* quantity, const char* unit, auto& components) {
     for (std::size_t axis = 0; axis < kAxes.size(); ++axis) {
       const std::string name = fmt::format("{}{}_{}_{}", prefix, quantity, kAxes[axis], unit);
@@ -40,7 +41,8 @@ void add_sources(std::vector<Source>& sources, const CsvTable& table, const std:
 }  // namespace
 
 std::optional<LoopSeries> read_loop(const std::filesystem::path& path) {
-  CsvTable table(path);
+  std::ifstream file = open_file(path);
+  files::CsvTable table(file, path.filename().string());
   std::vector<std::string> prefixes;
   for (std::string prefix; table.find(prefix + "tip_x_m");
        prefix = fmt::format("probe{}_", prefixes.size())) {

@@ -1,6 +1,7 @@
 // hvp-draw RUN_DIRECTORY: draws deformation.png, latency.png and, of a closed loop, loop.png from
 // the results of a run, into the run's directory.
 // hvp-draw --stability-map IN.csv OUT.png: draws how stiff a wall may be at which damping.
+// hvp-draw --fit IN.csv OUT.png X_LABEL Y_LABEL UNIT: draws a log and a model of it.
 // Needs an X display with OpenGL; `hvp` starts one where there is none.
 //
 // Exit status: 0 drawn; 2 the results are missing or damaged (one line on stderr, no picture
@@ -19,6 +20,8 @@
 
 #include "app/draw/deformation_picture.h"
 #include "app/draw/deformation_step.h"
+#include "app/draw/fit_picture.h"
+#include "app/draw/fit_series.h"
 #include "app/draw/latency_picture.h"
 #include "app/draw/loop_picture.h"
 #include "app/draw/loop_series.h"
@@ -72,6 +75,15 @@ void draw_map_file(const std::filesystem::path& csv, const std::filesystem::path
   fmt::print("{}\n", png.filename().string());
 }
 
+void draw_fit_file(const std::filesystem::path& csv, const std::filesystem::path& png,
+                   const FitLabels& labels) {
+  const FitSeries series = read_fit(csv);
+  PictureWindow window;
+  draw_fit(window, series, labels);
+  results::write_through_part_file(png, window.take_png());
+  fmt::print("{}\n", png.filename().string());
+}
+
 }  // namespace
 }  // namespace hvp::draw
 
@@ -83,8 +95,11 @@ extern "C" const char* __asan_default_options() { return "detect_leaks=0"; }
 
 int main(int argc, char** argv) {
   const bool of_map = argc == 4 && std::string_view(argv[1]) == "--stability-map";
-  if (argc != 2 && !of_map) {
-    fmt::print(stderr, "usage: hvp-draw RUN_DIRECTORY | --stability-map IN.csv OUT.png\n");
+  const bool of_fit = argc == 7 && std::string_view(argv[1]) == "--fit";
+  if (argc != 2 && !of_map && !of_fit) {
+    fmt::print(stderr,
+               "usage: hvp-draw RUN_DIRECTORY | --stability-map IN.csv OUT.png | "
+               "--fit IN.csv OUT.png X_LABEL Y_LABEL UNIT\n");
     return 2;
   }
   hvp::results::end_cleanly_when_interrupted();
@@ -92,6 +107,8 @@ int main(int argc, char** argv) {
   try {
     if (of_map) {
       hvp::draw::draw_map_file(argv[2], argv[3]);
+    } else if (of_fit) {
+      hvp::draw::draw_fit_file(argv[2], argv[3], {argv[4], argv[5], argv[6]});
     } else {
       hvp::draw::draw_pictures(argv[1]);
     }

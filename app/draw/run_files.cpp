@@ -10,8 +10,9 @@
 
 #include <fmt/format.h>
 
-#include "app/draw/csv_table.h"
+#include "app/draw/open_file.h"
 #include "models/config/input_error.h"
+#include "models/files/csv_table.h"
 
 namespace hvp::draw {
 namespace {
@@ -48,7 +49,8 @@ std::string words(const nlohmann::json& object, const char* key, const std::stri
 }  // namespace
 
 std::vector<FrameRow> read_frames(const std::filesystem::path& path) {
-  CsvTable table(path);
+  std::ifstream file = open_file(path);
+  files::CsvTable table(file, path.filename().string());
   const std::size_t frame = table.column("frame");
   const std::size_t latency = table.column("latency_us");
   const std::size_t in_time = table.column("in_time");

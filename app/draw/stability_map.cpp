@@ -8,13 +8,15 @@
 
 #include <fmt/format.h>
 
-#include "app/draw/csv_table.h"
+#include "app/draw/open_file.h"
 #include "models/config/input_error.h"
+#include "models/files/csv_table.h"
 
 namespace hvp::draw {
 
 StabilityMap read_stability_map(const std::filesystem::path& path) {
-  CsvTable table(path);
+  std::ifstream file = open_file(path);
+  files::CsvTable table(file, path.filename().string());
   StabilityMap map;
   map.title = table.title();
   const std::array<std::pair<std::string_view, std::vector<double>*>, 4> columns = {

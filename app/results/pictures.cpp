@@ -166,4 +166,12 @@ PictureOutcome draw_stability_map(const std::filesystem::path& csv,
                    tools);
 }
 
+PictureOutcome draw_fit(const std::filesystem::path& csv, const std::filesystem::path& png,
+                        const FitPictureLabels& labels) {
+  return carry_out({{"--fit", csv.string(), png.string(), labels.x, labels.y, labels.unit},
+                    {png},
+                    png.filename().string() + " was not drawn"},
+                   PictureTools::of_this_process());
+}
+
 }  // namespace hvp::results

@@ -39,4 +39,13 @@ PictureOutcome draw_stability_map(const std::filesystem::path& csv,
 PictureOutcome draw_stability_map(const std::filesystem::path& csv,
                                   const std::filesystem::path& png, const PictureTools& tools);
 
+// Draws a log and the model of it, from a file as app/draw/fit_series.h says, likewise.
+struct FitPictureLabels {
+  std::string x;
+  std::string y;
+  std::string unit;
+};
+PictureOutcome draw_fit(const std::filesystem::path& csv, const std::filesystem::path& png,
+                        const FitPictureLabels& labels);
+
 }  // namespace hvp::results

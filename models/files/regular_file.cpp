@@ -85,4 +85,11 @@ std::string read_regular_file(const std::filesystem::path& file, std::uintmax_t 
   throw InputError(fmt::format("is too large: expected at most {}", bytes_text(most_bytes)));
 }
 
+std::ifstream open_regular_file(const std::filesystem::path& file, std::string_view expected) {
+  require_regular_file(file, expected);
+  std::ifstream in(file, std::ios::binary);
+  if (!in.is_open()) refuse(errno, expected);
+  return in;
+}
+
 }  // namespace hvp::files

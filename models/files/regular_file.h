@@ -2,10 +2,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <string_view>
 
-// How files of users are read: whole, and only where that comes to an end. A pipe may never have
+// How files of users are read: only where that comes to an end. A pipe may never have
 // an end or a beginning, a device neither, and the size of a file is a promise that it may break.
 namespace hvp::files {
 
@@ -18,5 +19,8 @@ void require_regular_file(const std::filesystem::path& file, std::string_view ex
 // than `most_bytes`, whatever size it claims.
 std::string read_regular_file(const std::filesystem::path& file, std::uintmax_t most_bytes,
                               std::string_view expected);
+
+// A regular file to be read piece by piece. Throws InputError as above.
+std::ifstream open_regular_file(const std::filesystem::path& file, std::string_view expected);
 
 }  // namespace hvp::files

@@ -14,13 +14,30 @@ TEST(CsvCells, ALineHasOneMoreThanCommas) {
   EXPECT_THAT(csv_cells(",1,,"), ElementsAre("", "1", "", ""));
 }
 
-TEST(CsvCells, StopsWhereNoMoreAreWanted) {
-  EXPECT_THAT(csv_cells("a,b,c", 2), ElementsAre("a", "b"));
-  EXPECT_THAT(csv_cells("a,b,c", 7), ElementsAre("a", "b", "c"));
+TEST(CsvCells, HaveNoBlanksAround) {
+  EXPECT_THAT(csv_cells(" a ,\t1.5 ,\r"), ElementsAre("a", "1.5", ""));
+  EXPECT_THAT(csv_cells(" a\t b\t\r", '\t'), ElementsAre("a", "b", ""));
+  EXPECT_THAT(csv_cells("1,5;2", ';'), ElementsAre("1,5", "2"));
 }
 
-TEST(CsvCells, LeavesSpacesAndQuotesToTheReader) {
-  EXPECT_THAT(csv_cells(" a ,\"b\"\r"), ElementsAre(" a ", "\"b\"\r"));
+TEST(CsvCells, InQuotesMayHaveTheDelimiter) {
+  EXPECT_THAT(csv_cells("\"a,b\",c"), ElementsAre("a,b", "c"));
+  EXPECT_THAT(csv_cells("1, \" a \" ,\"\""), ElementsAre("1", "a", ""));
+  EXPECT_THAT(csv_cells("\"a\"\",\",b"), ElementsAre("a\"\",", "b"));
+}
+
+TEST(CsvCells, WithAQuoteThatIsNotClosedEndAtTheDelimiter) {
+  EXPECT_THAT(csv_cells("\"a,b"), ElementsAre("\"a", "b"));
+  EXPECT_THAT(csv_cells("\"a\"b,c"), ElementsAre("\"a\"b", "c"));
+  EXPECT_THAT(csv_cells("a\",\""), ElementsAre("a\"", "\""));
+}
+
+TEST(CsvDelimiter, IsWhatTheHeaderHasOutsideQuotes) {
+  EXPECT_EQ(csv_delimiter("a,b"), ',');
+  EXPECT_EQ(csv_delimiter("a"), ',');
+  EXPECT_EQ(csv_delimiter("a;b, c"), ';');
+  EXPECT_EQ(csv_delimiter("a\tb;c"), '\t');
+  EXPECT_EQ(csv_delimiter("\"a;b\",c"), ',');
 }
 
 }  // namespace

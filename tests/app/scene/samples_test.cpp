@@ -36,6 +36,13 @@ TEST(Samples, AreTheFirstColumnWithAUnit) {
   EXPECT_EQ(samples("t_s\n1\n"), (std::vector<double>{1}));
 }
 
+TEST(Samples, ComeFromEveryProgram) {
+  const std::vector<double> expected = {1.5e-3, 2e-3};
+  EXPECT_EQ(samples("\xEF\xBB\xBFt_ms\r\n1.5\r\n2\r\n"), expected);
+  EXPECT_EQ(samples("name;t_ms\n\"a;b\";1.5\nc;2\n"), expected);
+  EXPECT_EQ(samples("# of a rig\nt_ms\n1.5\n2\n"), expected);
+}
+
 TEST(Samples, RefusalsNameTheLine) {
   EXPECT_NE(refusal("").find("line 1: expected names of columns"), std::string::npos);
   EXPECT_NE(refusal("1\n2\n").find("line 1: expected names of columns"), std::string::npos);
@@ -45,6 +52,8 @@ TEST(Samples, RefusalsNameTheLine) {
   EXPECT_NE(refusal("a,t_us\n1\n").find("line 2: "), std::string::npos);
   EXPECT_NE(refusal("t_us\nnan\n").find("line 2: "), std::string::npos);
   EXPECT_NE(refusal("t_us\n\n").find("no sample"), std::string::npos);
+  EXPECT_EQ(refusal("t_us\n3\n5 m\n"),
+            "log.csv: line 3: expected a time from 0 to 1 s in column 1, found \"5 m\"");
 }
 
 }  // namespace

@@ -1,0 +1,206 @@
+#include "models/fit/device_regression.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <vector>
+
+#include "models/config/input_error.h"
+
+namespace hvp::fit {
+namespace {
+
+using Column = std::vector<double>;
+
+// Second-order Butterworth by the bilinear transform; begins settled at the first value.
+Column filtered_once(const Column& x, double cutoff_times_period) {
+  const double k = std::tan(std::numbers::pi * cutoff_times_period);
+  const double norm = 1 / (1 + std::numbers::sqrt2 * k + k * k);
+  const double b = k * k * norm;
+  const double a1 = 2 * (k * k - 1) * norm;
+  const double a2 = (1 - std::numbers::sqrt2 * k + k * k) * norm;
+  Column y(x.size());
+  double x1 = x.front(), x2 = x.front(), y1 = x.front(), y2 = x.front();
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    y[i] = b * (x[i] + 2 * x1 + x2) - a1 * y1 - a2 * y2;
+    x2 = x1;
+    x1 = x[i];
+    y2 = y1;
+    y1 = y[i];
+  }
+  return y;
+}
+
+Column filtered(const Column& x, double cutoff_times_period) {
+  Column y = filtered_once(x, cutoff_times_period);
+  std::reverse(y.begin(), y.end());
+  y = filtered_once(y, cutoff_times_period);
+  std::reverse(y.begin(), y.end());
+  return y;
+}
+
+double rms(const Column& x) {
+  double sum = 0;
+  for (const double value : x) sum += value * value;
+  return std::sqrt(sum / static_cast<double>(x.size()));
+}
+
+// x″, x′, sign x′ and where the axis moves, from positions.
+struct Motion {
+  Column acceleration, velocity, sign;
+  std::vector<std::size_t> rows;  // samples to use
+  bool reverses = false;
+};
+
+Motion motion_of(const Column& position, double period, double cutoff_times_period) {
+  const std::size_t n = position.size();
+  Motion motion{Column(n), Column(n), Column(n), {}, false};
+  // About its beginning: what an encoder counts from does not matter.
+  Column from_start(n);
+  for (std::size_t i = 0; i < n; ++i) from_start[i] = position[i] - position[0];
+  const Column x = filtered(from_start, cutoff_times_period);
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    motion.velocity[i] = (x[i + 1] - x[i - 1]) / (2 * period);
+    motion.acceleration[i] = (x[i + 1] - 2 * x[i] + x[i - 1]) / (period * period);
+  }
+  // Near standstill the friction is not known.
+  constexpr double kStands = 0.05;  // of the velocity's rms
+  const double stands = kStands * rms(motion.velocity);
+  const auto edge = std::min(n / 8, static_cast<std::size_t>(1 / cutoff_times_period));
+  bool forth = false;
+  bool back = false;
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    const double v = motion.velocity[i];
+    motion.sign[i] = std::abs(v) <= stands ? 0 : std::copysign(1.0, v);
+    if (motion.sign[i] == 0 || i < edge + kMostDelaySamples || i + edge + 1 >= n) continue;
+    motion.rows.push_back(i);
+    (v > 0 ? forth : back) = true;
+  }
+  motion.sign = filtered(motion.sign, cutoff_times_period);
+  motion.reverses = forth && back;
+  return motion;
+}
+
+struct Least {
+  Eigen::Vector4d values = Eigen::Vector4d::Zero();  // of x″, x′, sign x′, 1
+  double residual = 0;                               // sum of squares over the command's
+};
+
+// [x″, x′, sign x′, 1]·values = command, `late` samples before.
+class Regression {
+ public:
+  explicit Regression(const Motion& motion) : motion_(motion) {
+    Eigen::Matrix4d gram = Eigen::Matrix4d::Zero();
+    for (const std::size_t i : motion.rows) gram += row(i) * row(i).transpose();
+    scale_ = gram.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
+    gram = scale_.asDiagonal() * gram * scale_.asDiagonal();
+    solver_.setThreshold(1e-10);
+    solver_.compute(gram);
+  }
+
+  Least at(const Column& command, std::size_t late) const {
+    Eigen::Vector4d right = Eigen::Vector4d::Zero();
+    for (const std::size_t i : motion_.rows) right += row(i) * command[i - late];
+    Least least;
+    least.values = scale_.asDiagonal() * solver_.solve(scale_.asDiagonal() * right);
+    double squares = 0;
+    for (const std::size_t i : motion_.rows) {
+      const double c = command[i - late];
+      squares += c * c;
+      least.residual += std::pow(c - row(i).dot(least.values), 2);
+    }
+    if (squares > 0) least.residual /= squares;
+    return least;
+  }
+
+ private:
+  Eigen::Vector4d row(std::size_t i) const {
+    return {motion_.acceleration[i], motion_.velocity[i], motion_.reverses ? motion_.sign[i] : 0,
+            1};
+  }
+
+  const Motion& motion_;
+  Eigen::Vector4d scale_ = Eigen::Vector4d::Ones();
+  Eigen::FullPivLU<Eigen::Matrix4d> solver_;
+};
+
+// Where a parabola through three neighbouring residuals is lowest, samples; at an end: the end.
+double between(const std::vector<double>& residuals, std::size_t best) {
+  const auto at = static_cast<double>(best);
+  if (best == 0 || best + 1 == residuals.size()) return at;
+  const double before = residuals[best - 1], here = residuals[best], after = residuals[best + 1];
+  const double bend = before - 2 * here + after;
+  return bend > 0 ? at + 0.5 * (before - after) / bend : at;
+}
+
+DeviceSecondOpinion regress(const DeviceLog& log) {
+  constexpr double kHighest = 40;  // Hz: a device's motion by hand or motor lies below
+  constexpr double kOfSampling = 0.1;
+  const double cutoff = std::min(kHighest * log.period, kOfSampling);
+  const Motion motion = motion_of(log.position, log.period, cutoff);
+  const Column command = filtered(log.command, cutoff);
+
+  DeviceSecondOpinion opinion;
+  opinion.reverses = motion.reverses;
+  opinion.velocity = rms(motion.velocity);
+  opinion.acceleration = rms(motion.acceleration);
+  double mean = 0;
+  for (const double c : log.command) mean += c / static_cast<double>(log.command.size());
+  Column about = log.command;
+  for (double& c : about) {
+    opinion.command_most = std::max(opinion.command_most, std::abs(c));
+    c -= mean;
+  }
+  opinion.command = rms(about);
+  if (motion.rows.size() < 8) return opinion;
+
+  const Regression regression(motion);
+  std::vector<double> residuals;
+  std::size_t best = 0;
+  Least least;
+  for (std::size_t late = 0; late <= kMostDelaySamples; ++late) {
+    const Least tried = regression.at(command, late);
+    residuals.push_back(tried.residual);
+    if (late > 0 && tried.residual >= residuals[best]) continue;
+    best = late;
+    least = tried;
+  }
+  opinion.mass = least.values[0];
+  opinion.damping = least.values[1];
+  opinion.coulomb = least.values[2];
+  opinion.offset = -least.values[3];
+  opinion.delay = between(residuals, best) * log.period;
+  opinion.explained = 1 - least.residual;
+  return opinion;
+}
+
+}  // namespace
+
+DeviceSecondOpinion device_regression(const DeviceLog& log, DeviceMotionKind motion,
+                                      DeviceCommand command) {
+  const DeviceSecondOpinion opinion = regress(log);
+  if (opinion.explained == 0) {
+    throw InputError("the " + device_position_name(motion) +
+                     " hardly moves: too few samples are left to learn from");
+  }
+  if (opinion.mass <= 0) {
+    throw InputError("the axis accelerates against the " + device_command_name(motion, command) +
+                     " (a regression gives a negative mass): are the columns swapped, or is a "
+                     "sign turned round?");
+  }
+  if (opinion.damping >= 0 && opinion.coulomb >= 0) return opinion;
+  // Command and position of a sinusoid, swapped, make a positive mass and a negative damping.
+  const DeviceSecondOpinion swapped = regress({log.period, log.position, log.command});
+  if (swapped.mass > 0 && swapped.damping >= 0 && swapped.coulomb >= 0 &&
+      swapped.explained > opinion.explained) {
+    throw InputError("the " + device_position_name(motion) + " explains the " +
+                     device_command_name(motion, command) +
+                     " worse than the other way round: are the columns swapped?");
+  }
+  return opinion;
+}
+
+}  // namespace hvp::fit

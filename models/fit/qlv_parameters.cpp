@@ -1,0 +1,168 @@
+#include "models/fit/qlv_parameters.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include <fmt/format.h>
+
+#include "models/fit/qlv_problem.h"
+
+namespace hvp::fit {
+
+namespace {
+
+// Part of a record that holds, where nothing else is known.
+constexpr double kHold = 0.75;
+constexpr double kWidestForce = 1e4;  // factor about the start of c
+
+// Where time constants begin, and are drawn from, as shares of the hold: apart, so that every
+// attempt begins with them in order.
+struct Place {
+  double start;
+  double low;
+  double high;
+};
+std::vector<Place> places(int exponentials) {
+  switch (exponentials) {
+    case 1:
+      return {{0.2, 0.02, 1}};
+    case 2:
+      return {{0.04, 0.012, 0.1}, {0.4, 0.15, 1}};
+    default:
+      return {{0.02, 0.008, 0.04}, {0.12, 0.05, 0.2}, {0.6, 0.25, 1.2}};
+  }
+}
+
+Parameter stiffness(const QlvSettings& settings, double peak, double depth) {
+  Parameter c{.name = "c",
+              .unit = "N/m",
+              .because = "the record's force and stroke, and a factor of ten thousand",
+              .logarithmic = true,
+              .remedy = "a deeper ramp"};
+  if (settings.elastic == Elastic::fung) {
+    const double q = 3 / depth;
+    c.start = 2 * peak * q / std::expm1(3);
+    c.draw_low = 0.1 * c.start;
+    c.draw_high = 5 * c.start;
+    c.low = c.start / kWidestForce;
+    c.high = c.start * kWidestForce;
+    return c;
+  }
+  c.unit = "N/m^n";
+  c.start = 2 * peak / std::pow(depth, 2);
+  c.draw_low = 0.3 * c.start;
+  c.draw_high = 3 * c.start;
+  // n moves it by powers of the depth.
+  c.low = 1e-3 * peak / depth;
+  c.high = 1e3 * peak / std::pow(std::min(depth, 1e-3), 6);
+  return c;
+}
+
+Parameter curvature(const QlvSettings& settings, double depth) {
+  if (settings.elastic == Elastic::power) {
+    return {.name = "n",
+            .unit = "",
+            .start = 2,
+            .low = 1,
+            .high = 6,
+            .because = "tissue stiffens, and is not infinitely stiff at first touch",
+            .logarithmic = false,
+            .draw_low = 1.2,
+            .draw_high = 3,
+            .matters = 0.1,
+            .remedy = "a deeper ramp"};
+  }
+  return {.name = "q",
+          .unit = "1/m",
+          .start = 3 / depth,
+          .low = 0.01 / depth,
+          .high = 30 / depth,
+          .because = "within the stroke the stiffness grows by 1 % to a factor of e^30",
+          .logarithmic = true,
+          .draw_low = 1 / depth,
+          .draw_high = 6 / depth,
+          .matters = 0.1 / depth,
+          .remedy = "a deeper ramp"};
+}
+
+void add_relaxation(const QlvSettings& settings, const PressedLog& log,
+                    std::vector<Parameter>& parameters) {
+  const double hold = kHold * log.seconds();
+  const std::vector<Place> taus = places(settings.exponentials);
+  const auto count = static_cast<double>(taus.size());
+  for (std::size_t i = 0; i < taus.size(); ++i) {
+    parameters.push_back({.name = fmt::format("g{}", i + 1),
+                          .unit = "",
+                          .start = 0.7 / count,
+                          .low = 0,
+                          .high = 1,
+                          .because = "relaxation takes force away, and at most all of it",
+                          .logarithmic = false,
+                          .draw_low = 0.1 / count,
+                          .draw_high = 0.95 / count,
+                          .matters = 0.05,
+                          .remedy = "a faster ramp"});
+    const double low = 0.5 * log.step;
+    const double high = 10 * log.seconds();
+    const auto within = [&](double share) { return std::clamp(share * hold, 1.01 * low, high); };
+    parameters.push_back(
+        {.name = fmt::format("tau{}", i + 1),
+         .unit = "s",
+         .start = within(taus[i].start),
+         .low = low,
+         .high = high,
+         .because = "between half a step and ten times the record",
+         .logarithmic = true,
+         .draw_low = within(taus[i].low),
+         .draw_high = within(taus[i].high),
+         .matters = log.step,
+         .remedy = i + 1 == taus.size()
+                       ? fmt::format("a hold at least three times as long as tau{}", i + 1)
+                       : "a faster ramp, sampled more often"});
+  }
+}
+
+}  // namespace
+
+std::vector<Parameter> qlv_parameters(const QlvSettings& settings, const PressedLog& log) {
+  const double loaded = std::max(log.deepest() - log.first_loaded(), 0.1 * log.stroke());
+  const double peak = log.force_range();
+  std::vector<Parameter> parameters{stiffness(settings, peak, loaded), curvature(settings, loaded)};
+  add_relaxation(settings, log, parameters);
+
+  // In the travel's own sign. The contact is sought between the places that the indenter was at.
+  const double touched = std::clamp(log.first_loaded(), log.shallowest(), log.deepest());
+  const double begin = touched - 0.3 * (touched - log.depth.front());
+  const std::array<double, 2> ends{log.direction * log.shallowest(), log.direction * log.deepest()};
+  const double drawn = std::min(log.deepest(), touched + 0.1 * log.stroke());
+  const std::array<double, 2> draws{log.direction * log.shallowest(), log.direction * drawn};
+  parameters.push_back({.name = "contact",
+                        .unit = "m",
+                        .start = std::clamp(log.direction * begin, std::min(ends[0], ends[1]),
+                                            std::max(ends[0], ends[1])),
+                        .low = std::min(ends[0], ends[1]),
+                        .high = std::max(ends[0], ends[1]),
+                        .because = "where the indenter has been",
+                        .logarithmic = false,
+                        .draw_low = std::min(draws[0], draws[1]),
+                        .draw_high = std::max(draws[0], draws[1]),
+                        .matters = 0.02 * log.stroke(),
+                        .remedy = "samples before contact"});
+  const double rest = log.before_contact();
+  parameters.push_back({.name = "offset",
+                        .unit = "N",
+                        .start = rest,
+                        .low = rest - peak,
+                        .high = rest + peak,
+                        .because = "within the record's range of force from its first one",
+                        .logarithmic = false,
+                        .draw_low = rest - 0.02 * peak,
+                        .draw_high = rest + 0.02 * peak,
+                        .matters = 0.01 * peak,
+                        .remedy = "samples before contact"});
+  return parameters;
+}
+
+}  // namespace hvp::fit
