@@ -25,6 +25,8 @@ using hvp::app::end_progress;
 using hvp::app::explain_command;
 using hvp::app::export_command;
 using hvp::app::ExportArguments;
+using hvp::app::fit_command;
+using hvp::app::FitArguments;
 using hvp::app::kFailed;
 using hvp::app::kHeld;
 using hvp::app::kWrongInput;
@@ -49,6 +51,60 @@ void scenario_arguments(CLI::App& command, ScenarioArguments& arguments) {
       ->allow_extra_args(false)
       ->type_name("KEY=VALUE");
   command.add_flag("--quiet", arguments.quiet, "no progress on the terminal");
+}
+
+void fit_arguments(CLI::App& command, FitArguments& a) {
+  command
+      .add_option("log", a.log, "a CSV file whose columns are named time_s, force_N, travel_mm …")
+      ->required()
+      ->type_name("LOG.csv");
+  command.add_option("--model", a.model, "device, hand, qlv, tissue, bus or host")
+      ->required()
+      ->type_name("NAME");
+  command.add_option("--out", a.out, "write a table that a scenario takes with `include`")
+      ->type_name("FILE.toml");
+  command.add_flag("--json", a.json, "as one JSON object");
+  command.add_option("--plot", a.plot, "draw log, model and what is left over; samples beside it")
+      ->type_name("FILE.png");
+  command
+      .add_option("--hold-out", a.hold_out,
+                  "share of the log that another fit has to predict, 0.2 by default")
+      ->check(CLI::Range(0.0, 0.9))
+      ->type_name("SHARE");
+  command.add_option("--fix", a.fixed, "a parameter's value is known; as often as wanted")
+      ->allow_extra_args(false)
+      ->type_name("NAME=VALUE");
+  command
+      .add_option("--column", a.columns,
+                  "a quantity is in a column of another name, or number; as often as wanted")
+      ->allow_extra_args(false)
+      ->type_name("QUANTITY_UNIT=NAME");
+  command.add_option("--rate", a.sample_rate, "samples a second, of a log without a time")
+      ->check(CLI::Range(1e-3, 1e8))
+      ->type_name("HZ");
+  command.add_option("--count", a.count_size, "what a count of position_counts is")
+      ->check(CLI::Range(1e-12, 1e3))
+      ->type_name("SIZE");
+  command.add_option("--count-unit", a.count_unit, "its unit, rad by default")
+      ->check(CLI::IsMember({"m", "rad"}))
+      ->type_name("UNIT");
+  command.add_option("--starts", a.starts, "searches from different places, 8 by default")
+      ->check(CLI::Range(1, 1000))
+      ->type_name("N");
+  command
+      .add_option("--loss", a.loss,
+                  "squares, or huber or cauchy, for which outliers weigh less; of a bus cauchy")
+      ->check(CLI::IsMember({"squares", "huber", "cauchy"}))
+      ->type_name("NAME");
+  command.add_option("--seed", a.seed, "of the searches' places, 1 by default")->type_name("N");
+  command
+      .add_option("--set", a.overrides,
+                  "gives a setting of the model another value, such as elastic")
+      ->allow_extra_args(false)
+      ->type_name("KEY=VALUE");
+  command.add_option("--scenario", a.scenario, "whose body the log is of: model tissue")
+      ->type_name("FILE.toml");
+  command.add_flag("--quiet", a.quiet, "no progress on the terminal");
 }
 
 // An empty file name, folder or value means nothing.
@@ -134,6 +190,12 @@ int parse_and_run(int argc, char** argv) {
       ->check(CLI::Range(40, 10'000'000))
       ->type_name("N");
   command->callback([&] { status = stability_command(stability); });
+
+  FitArguments fit;
+  command = app.add_subcommand(
+      "fit", "parameters of a device, a hand, tissue, a bus or a host from a log, with intervals");
+  fit_arguments(*command, fit);
+  command->callback([&] { status = fit_command(fit); });
 
   SolveArguments solve;
   command = app.add_subcommand("solve",

@@ -42,6 +42,28 @@ struct StabilityArguments : ScenarioArguments {
 };
 int stability_command(const StabilityArguments& arguments);
 
+struct FitArguments {
+  std::filesystem::path log;
+  std::string model;
+  std::filesystem::path out;   // a table for a scenario; empty: none
+  std::filesystem::path plot;  // a picture; empty: none
+  bool json = false;
+  bool quiet = false;
+  double hold_out = 0.2;
+  int starts = 8;
+  std::string loss = "squares";
+  std::uint64_t seed = 1;
+  std::vector<std::string> fixed;     // --fix NAME=VALUE
+  std::vector<std::string> columns;   // --column QUANTITY_UNIT=NAME
+  std::optional<double> sample_rate;  // Hz
+  std::optional<double> count_size;   // of a position in counts
+  std::string count_unit = "rad";
+  std::vector<std::string> overrides;  // --set KEY=VALUE, of the model
+  std::filesystem::path scenario;      // of a body
+};
+// Exit status 1 where the search did not converge.
+int fit_command(const FitArguments& arguments);
+
 struct ExportArguments : ScenarioArguments {
   std::filesystem::path out;
 };

@@ -12,6 +12,7 @@
 
 #include "models/config/input_error.h"
 #include "models/fit/device_parameters.h"
+#include "models/fit/device_windows.h"
 
 namespace hvp::fit {
 namespace {
@@ -23,20 +24,6 @@ double motor_scale(const std::map<std::string, double>& fixed, const char* mass,
   if (constant != fixed.end()) return constant->second;
   const auto weighed = fixed.find(mass);
   return weighed != fixed.end() ? weighed->second / opinion.mass : 1;
-}
-
-// Begins of windows, and the end; the last window has half to one and a half of the others' length.
-std::vector<std::size_t> windows(std::size_t samples, double period, double seconds) {
-  constexpr double kFewest = 10;
-  const double length = std::max(std::round(seconds / period), kFewest);
-  const auto total = static_cast<double>(samples);
-  if (!(length < total)) return {0, samples};
-  const auto each = static_cast<std::size_t>(length);
-  const auto count = static_cast<std::size_t>(std::max(1.0, std::round(total / length)));
-  std::vector<std::size_t> begins;
-  for (std::size_t i = 0; i < count; ++i) begins.push_back(i * each);
-  begins.push_back(samples);
-  return begins;
 }
 
 }  // namespace
@@ -62,7 +49,7 @@ DeviceProblem::DeviceProblem(DeviceLog log, const DeviceOptions& options)
     }
   }
   parameters_ = device_parameters(opinion_, layout_, options.motion, scale, log_.period);
-  begins_ = windows(log_.position.size(), log_.period, options.window);
+  begins_ = device_windows(opinion_.velocities, options.window / log_.period);
   if (!opinion_.reverses) {
     warnings_.emplace_back(
         "the axis moves one way only: dry friction and offset cannot be told apart");

@@ -147,6 +147,7 @@ DeviceSecondOpinion regress(const DeviceLog& log) {
   opinion.reverses = motion.reverses;
   opinion.velocity = rms(motion.velocity);
   opinion.acceleration = rms(motion.acceleration);
+  opinion.velocities = motion.velocity;
   double mean = 0;
   for (const double c : log.command) mean += c / static_cast<double>(log.command.size());
   Column about = log.command;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include "models/fit/device_log.h"
 
@@ -23,6 +24,8 @@ struct DeviceSecondOpinion {
   double command_most = 0;
   double velocity = 0;      // rms
   double acceleration = 0;  // rms
+
+  std::vector<double> velocities;  // filtered, of each sample; 0 at the first and the last
 };
 
 // Positions are low-passed forwards and backwards (Butterworth, second order, at 40 Hz or a tenth

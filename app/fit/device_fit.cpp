@@ -1,0 +1,113 @@
+#include <fmt/format.h>
+
+#include "app/fit/fit_request.h"
+#include "app/fit/model_settings.h"
+#include "models/config/declaration.h"
+#include "models/config/input_error.h"
+#include "models/fit/device_problem.h"
+
+namespace hvp::app {
+
+namespace {
+
+struct Settings {
+  double window_s = 0.25;
+  bool lag = false;
+
+  void declare(config::Visitor& v) {
+    v.quantity("window", window_s, config::Dimension::time, config::between(0.01, 60),
+               {"each has a position and a velocity of its own to begin with",
+                "long beside a device's mechanical time constant, short beside its drift"});
+    v.boolean("lag", lag,
+              {"the amplifier has a bandwidth, to be found",
+               "off: one of 1 kHz moves a device of 0.1 kg by nothing that shows"});
+  }
+};
+
+struct Columns {
+  const files::LogColumn* command = nullptr;
+  const files::LogColumn* position = nullptr;
+  fit::DeviceMotionKind motion = fit::DeviceMotionKind::linear;
+  fit::DeviceCommand kind = fit::DeviceCommand::force;
+};
+
+// The units decide: force or torque, metres or radians.
+Columns columns_of(const files::Log& log) {
+  Columns c;
+  for (const char* name : {"position", "travel", "displacement", "angle"}) {
+    if (c.position == nullptr) c.position = log.find(name);
+  }
+  if (c.position == nullptr) c.position = &log.column("position", "m");
+  c.motion =
+      c.position->unit == "rad" ? fit::DeviceMotionKind::rotary : fit::DeviceMotionKind::linear;
+  if (c.motion == fit::DeviceMotionKind::linear) {
+    c.position = &log.column(c.position->quantity, "m");
+  }
+  c.command = log.find("current");
+  if (c.command != nullptr) {
+    c.kind = fit::DeviceCommand::current;
+    c.command = &log.column("current", "A");
+  } else if (c.motion == fit::DeviceMotionKind::rotary) {
+    c.command = &log.column("torque", "N m");
+  } else {
+    c.command = &log.column("force", "N");
+  }
+  return c;
+}
+
+std::vector<FittedSetting> settings_of(const fit::Fit& fit, const Columns& columns, bool lag) {
+  std::vector<FittedSetting> settings;
+  if (columns.motion == fit::DeviceMotionKind::rotary) return settings;
+  const auto add = [&](const char* table, const char* key, const char* name, const char* unit) {
+    settings.push_back({table, key, toml_quantity(estimate(fit, name).value, unit), name});
+  };
+  add("device.dynamics", "mass", "mass", "kg");
+  add("device.dynamics", "damping", "damping", "N s/m");
+  if (estimate(fit, "coulomb").value > 0) add("device.friction", "force", "coulomb", "N");
+  const bool current = columns.kind == fit::DeviceCommand::current;
+  if (lag && current) add("device.amplifier", "bandwidth", "bandwidth", "Hz");
+  if (current) {
+    // N/A at a lever of a metre is N·m/A.
+    add("device.motor", "torque_constant", "motor_constant", "N m/A");
+    settings.push_back({"device.motor", "transmission", "[1, 1, 1]", ""});
+    settings.push_back({"device.motor", "lever", "\"1 m\"", ""});
+  }
+  return settings;
+}
+
+}  // namespace
+
+FitOutcome fit_device(const FitRequest& request) {
+  const auto settings = model_settings<Settings>(request.overrides);
+  const files::Log log =
+      request.read({"force", "torque", "current", "position", "travel", "displacement", "angle"});
+  const Columns columns = columns_of(log);
+  fit::DeviceOptions options;
+  options.motion = columns.motion;
+  options.command = columns.kind;
+  options.lag = settings.lag;
+  options.window = settings.window_s;
+  options.fixed = request.options.fixed;
+  const fit::DeviceProblem problem(
+      {log.spacing.period, columns.command->values, columns.position->values}, options);
+  fit::Options fitting = request.options;
+  fitting.fixed = problem.fixed();
+
+  FitOutcome outcome;
+  outcome.figures =
+      figures_of("device", log, problem, fit::fit(problem, fitting), problem.warnings());
+  const fit::Fit& fit = outcome.figures.fit;
+  outcome.settings = settings_of(fit, columns, settings.lag);
+  outcome.plot = {"time (s)", columns.position->quantity, columns.position->unit, {}, {}, {}};
+  std::size_t sample = 0;
+  for (const std::vector<double>& stretch : fit.residuals) {
+    for (const double left : stretch) {
+      outcome.plot.add(log.time[sample], columns.position->values[sample], left);
+      ++sample;
+    }
+    outcome.plot.part();
+  }
+  return outcome;
+}
+
+}  // namespace hvp::app
