@@ -40,6 +40,25 @@ TEST(TissueTwin, ModulusAndDampingAreFoundFromOneContact) {
   expect_found(result.parameters[3], kTrueTissue.stiffness_damping, 0.1);
 }
 
+// A press within half a second, where the body swings once in 0.2 s.
+TEST(TissueTwin, ASlowPressDoesNotGiveTheDamping) {
+  const TissueBody body = soft_block(2, damped_newmark());
+  const TissueLog slow =
+      touch(body, kTrueTissue, {node_near(body, kTop)}, kDown,
+            press_and_sweep({.duration = 0.5, .rise = 0.5, .sweep = 0}, body.period_s), 2e-2, 5);
+  const TissueProblem problem(body, {slow});
+  Options options;
+  options.fixed["poisson_ratio"] = kTrueTissue.poisson_ratio;
+  options.starts = 1;
+  options.hold_out = 0;
+  options.most_iterations = 30;
+  const Fit result = fit(problem, options);
+  expect_found(result.parameters[0], kTrueTissue.young_modulus, 0.05);
+  EXPECT_FALSE(result.parameters[2].identifiable && result.parameters[3].identifiable);
+  EXPECT_NE((result.parameters[2].remedy + result.parameters[3].remedy).find("2πf"),
+            std::string::npos);
+}
+
 TEST(TissueTwin, OneContactOfAStaticBodyGivesEitherModulusOrRatio) {
   const TissueBody body = soft_block(2, std::nullopt);
   const TissueProblem problem(body, {noisy_touch(body, kTop, kDown, 100, 2)});
