@@ -5,42 +5,15 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <vector>
 
 #include "models/config/input_error.h"
+#include "models/fit/low_pass.h"
 
 namespace hvp::fit {
 namespace {
 
 using Column = std::vector<double>;
-
-// Second-order Butterworth by the bilinear transform; begins settled at the first value.
-Column filtered_once(const Column& x, double cutoff_times_period) {
-  const double k = std::tan(std::numbers::pi * cutoff_times_period);
-  const double norm = 1 / (1 + std::numbers::sqrt2 * k + k * k);
-  const double b = k * k * norm;
-  const double a1 = 2 * (k * k - 1) * norm;
-  const double a2 = (1 - std::numbers::sqrt2 * k + k * k) * norm;
-  Column y(x.size());
-  double x1 = x.front(), x2 = x.front(), y1 = x.front(), y2 = x.front();
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    y[i] = b * (x[i] + 2 * x1 + x2) - a1 * y1 - a2 * y2;
-    x2 = x1;
-    x1 = x[i];
-    y2 = y1;
-    y1 = y[i];
-  }
-  return y;
-}
-
-Column filtered(const Column& x, double cutoff_times_period) {
-  Column y = filtered_once(x, cutoff_times_period);
-  std::reverse(y.begin(), y.end());
-  y = filtered_once(y, cutoff_times_period);
-  std::reverse(y.begin(), y.end());
-  return y;
-}
 
 double rms(const Column& x) {
   double sum = 0;
@@ -61,7 +34,7 @@ Motion motion_of(const Column& position, double period, double cutoff_times_peri
   // About its beginning: what an encoder counts from does not matter.
   Column from_start(n);
   for (std::size_t i = 0; i < n; ++i) from_start[i] = position[i] - position[0];
-  const Column x = filtered(from_start, cutoff_times_period);
+  const Column x = low_passed(from_start, cutoff_times_period);
   for (std::size_t i = 1; i + 1 < n; ++i) {
     motion.velocity[i] = (x[i + 1] - x[i - 1]) / (2 * period);
     motion.acceleration[i] = (x[i + 1] - 2 * x[i] + x[i - 1]) / (period * period);
@@ -79,7 +52,7 @@ Motion motion_of(const Column& position, double period, double cutoff_times_peri
     motion.rows.push_back(i);
     (v > 0 ? forth : back) = true;
   }
-  motion.sign = filtered(motion.sign, cutoff_times_period);
+  motion.sign = low_passed(motion.sign, cutoff_times_period);
   motion.reverses = forth && back;
   return motion;
 }
@@ -141,7 +114,7 @@ DeviceSecondOpinion regress(const DeviceLog& log) {
   constexpr double kOfSampling = 0.1;
   const double cutoff = std::min(kHighest * log.period, kOfSampling);
   const Motion motion = motion_of(log.position, log.period, cutoff);
-  const Column command = filtered(log.command, cutoff);
+  const Column command = low_passed(log.command, cutoff);
 
   DeviceSecondOpinion opinion;
   opinion.reverses = motion.reverses;
