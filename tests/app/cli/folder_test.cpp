@@ -47,7 +47,7 @@ TEST_F(Folder, NamesWhatIsIncluded) {
   const fs::path results = path() / "runs/s+include=fitted.toml+output.pictures=false";
   const auto summary = nlohmann::json::parse(read(results / "summary.json"));
   EXPECT_EQ(summary.at("title"), "fitted [include=fitted.toml]");
-  EXPECT_EQ(summary.at("frames"), 3);
+  EXPECT_EQ(summary.at("frames_asked"), 3);
   const Ended wrong = run({"--include", "none.toml"});
   EXPECT_EQ(wrong.status, 2);
   EXPECT_THAT(wrong.err, HasSubstr("none.toml: no such file: expected a scenario"));
