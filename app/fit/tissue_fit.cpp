@@ -128,8 +128,8 @@ FitOutcome fit_tissue(const FitRequest& request) {
   }
   const fit::TissueProblem problem(body, touches);
   FitOutcome outcome;
-  outcome.figures = figures_of("tissue", logs.front(), problem, fit::fit(problem, request.options),
-                               problem.warnings());
+  outcome.figures = figures_of("tissue", logs.front(), problem.unit(),
+                               fit::fit(problem, request.options), problem.warnings());
   outcome.settings = settings_of(outcome.figures.fit);
   outcome.plot = {"time (s)", "force", "N", {}, {}, {}};
   double from = 0;

@@ -50,6 +50,8 @@ class DeviceProblem final : public Problem {
   // For fit::Options: what the options fix, and motor_constant = 1 where a log of currents leaves
   // both it and the mass free, of which only the ratio can be had. warnings() then says so.
   const std::map<std::string, double>& fixed() const { return fixed_; }
+  // The log's sample that the first stretch begins with.
+  std::size_t first() const { return begins_.front(); }
   const DeviceSecondOpinion& second_opinion() const { return opinion_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
   const std::string& mass_name() const { return parameters_[layout_.mass].name; }
