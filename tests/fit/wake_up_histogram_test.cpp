@@ -1,10 +1,13 @@
 #include "models/fit/wake_up_histogram.h"
 
+#include <random>
 #include <string>
+#include <string_view>
 
 #include <gtest/gtest.h>
 
 #include "models/config/input_error.h"
+#include "models/fit/wake_up_fit.h"
 
 namespace hvp::fit {
 namespace {
@@ -84,6 +87,30 @@ TEST(WakeUpHistogram, RefusesWhatIsNone) {
   expect_refused("1e300 5\n", "latency");
   expect_refused("5000000 5\n", "latency");
   expect_refused("latency_us,count\n1,5,7\n2,3,4\nlatency_us,count\n", "line 4");
+}
+
+// A damaged file is read or refused, and what is read is fitted or refused.
+TEST(WakeUpHistogram, DamagedFilesAreReadOrRefused) {
+  std::mt19937 generator(1);
+  int read = 0;
+  for (int n = 0; n < 4000; ++n) {
+    std::string text = n % 2 == 0 ? kCyclictest : "latency_us,count\n1,500\n2,800\n4,30\n9,1\n";
+    for (int k = 0; k < 1 + n % 3; ++k) {
+      constexpr std::string_view kBytes = "0123456789 -.e,\t\n#\xff";
+      const std::size_t at = generator() % text.size();
+      text[at] = kBytes[generator() % kBytes.size()];
+      if (generator() % 4 == 0) text.erase(at, generator() % 20);
+      if (text.empty()) break;
+    }
+    try {
+      const WakeUpHistogram h = read_wake_up_histogram(text);
+      ++read;
+      const WakeUpFit fitted = fit_wake_up(h);
+      EXPECT_NO_THROW(fitted.distribution.check()) << text;
+    } catch (const InputError&) {
+    }
+  }
+  EXPECT_GT(read, 500);
 }
 
 }  // namespace
