@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <numbers>
 #include <optional>
+#include <span>
 
 #include "models/fem/direct_solver.h"
 #include "models/fem/linear_tissue.h"
@@ -47,6 +48,7 @@ TissueLog touch(const TissueBody& body, const TissueValues& values, const std::v
   const std::span<const double> rest = tissue.initial_displacement();
   std::vector<double> u(rest.begin(), rest.end());
   std::vector<int> active;
+  active.reserve(nodes.size());
   for (const int node : nodes) active.push_back(solid.active_index(node));
   const Eigen::Vector3d along = direction.normalized();
   const double elapsed = body.velocity_of_way ? body.period_s : 0;
