@@ -79,7 +79,7 @@ std::vector<FittedSetting> settings_of(const fit::Fit& fit, const Columns& colum
 
 FitOutcome fit_device(const FitRequest& request) {
   const auto settings = model_settings<Settings>(request.overrides);
-  const files::Log log =
+  const files::Log log = longest_stretch(
       request.read({"force", "torque", "current", "position", "travel", "displacement", "angle"}));
   const Columns columns = columns_of(log);
   fit::DeviceOptions options;

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "models/files/one_line.h"
 #include "models/config/input_error.h"
+#include "models/files/one_line.h"
 
 namespace hvp::app {
 

@@ -4,9 +4,9 @@
 #include "app/fit/model_settings.h"
 #include "models/config/declaration.h"
 #include "models/config/input_error.h"
+#include "models/files/one_line.h"
 #include "models/files/regular_file.h"
 #include "models/fit/wake_up_fit.h"
-#include "models/files/one_line.h"
 #include "models/fit/wake_up_histogram.h"
 
 namespace hvp::app {
