@@ -58,7 +58,12 @@ std::array<Place, 2> places(Kind kind, const WakeUpCounts& counts) {
   if (kind == Kind::exponential) return {scale, scale};
   if (kind == Kind::normal) return {Place{counts.minimum, counts.maximum, false}, scale};
   const double lowest = std::max(counts.minimum, 1e-3 * counts.finest);
-  return {Place{lowest, counts.maximum, true}, Place{1e-4, std::log(kWidestSpread), true}};
+  // Where half of the range is within the spread, so is one of the two bounds, whatever the median.
+  double widest = std::log(kWidestSpread);
+  if (counts.minimum > 0) {
+    widest = std::min(widest, 0.499 * std::log(counts.maximum / counts.minimum));
+  }
+  return {Place{lowest, counts.maximum, true}, Place{1e-3 * widest, widest, true}};
 }
 
 // − ln likelihood of a latency, the mean of all.
