@@ -46,6 +46,11 @@ void scenario_arguments(CLI::App& command, ScenarioArguments& arguments) {
       ->required()
       ->type_name("FILE.toml");
   command
+      .add_option("--include", arguments.includes,
+                  "lays a file of some keys over the scenario; as often as wanted, the last on top")
+      ->allow_extra_args(false)
+      ->type_name("FILE.toml");
+  command
       .add_option("--set", arguments.overrides,
                   "gives a key of the scenario another value; as often as wanted")
       ->allow_extra_args(false)

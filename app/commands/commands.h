@@ -15,7 +15,8 @@ enum ExitStatus { kHeld = 0, kNotHeld = 1, kWrongInput = 2, kFailed = 3 };
 
 struct ScenarioArguments {
   std::filesystem::path scenario;
-  std::vector<std::string> overrides;  // --set key=value
+  std::vector<std::filesystem::path> includes;  // laid over it
+  std::vector<std::string> overrides;           // --set key=value, over both
   bool quiet = false;
 };
 

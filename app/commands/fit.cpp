@@ -11,7 +11,7 @@
 #include "app/results/number_text.h"
 #include "app/results/part_file.h"
 #include "app/results/pictures.h"
-#include "app/scenario/message.h"
+#include "models/files/one_line.h"
 
 namespace hvp::app {
 
@@ -26,7 +26,7 @@ std::pair<std::string, double> fixed_value(const std::string& text) {
   const auto [stop, error] = std::from_chars(begin, end, value);
   if (equals == 0 || equals == std::string::npos || error != std::errc() || stop != end) {
     throw InputError(fmt::format("--fix {}: expected NAME=NUMBER, in the parameter's unit",
-                                 scenario::one_line(text)));
+                                 files::one_line(text)));
   }
   return {text.substr(0, equals), value};
 }
@@ -35,7 +35,7 @@ std::pair<std::string, double> fixed_value(const std::string& text) {
 void require_writable(const char* option, const std::filesystem::path& file,
                       std::string_view ending) {
   if (file.empty()) return;
-  const std::string shown = scenario::one_line(file.string());
+  const std::string shown = files::one_line(file.string());
   if (file.extension() != ending) {
     throw InputError(
         fmt::format("{} {}: expected a file name that ends in {}", option, shown, ending));
@@ -43,7 +43,7 @@ void require_writable(const char* option, const std::filesystem::path& file,
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
   if (!std::filesystem::is_directory(folder)) {
     throw InputError(fmt::format("{} {}: there is no folder {}", option, shown,
-                                 scenario::one_line(folder.string())));
+                                 files::one_line(folder.string())));
   }
 }
 
@@ -92,7 +92,7 @@ std::string title_of(const FitFigures& figures) {
 std::string plot_csv(const FitOutcome& outcome) {
   const FitPlot& p = outcome.plot;
   std::string text = fmt::format("# {}\nx,observed,modelled,residual\n",
-                                 scenario::one_line(title_of(outcome.figures), 200));
+                                 files::one_line(title_of(outcome.figures), 200));
   for (std::size_t i = 0; i < p.x.size(); ++i) {
     if (p.x[i] != p.x[i]) {
       text += ",,,\n";

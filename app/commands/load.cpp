@@ -28,10 +28,20 @@ std::string_view key_of(std::string_view override_text) {
   return key.substr(first, key.find_last_not_of(' ') - first + 1);
 }
 
+// All that makes it another scenario, as a user would say it.
+std::vector<std::string> changes_of(const ScenarioArguments& arguments) {
+  std::vector<std::string> changes;
+  for (const std::filesystem::path& file : arguments.includes) {
+    changes.push_back("include=" + file.string());
+  }
+  changes.insert(changes.end(), arguments.overrides.begin(), arguments.overrides.end());
+  return changes;
+}
+
 // A what-if does not look like the scenario that it starts from.
-std::string title_of(const std::string& title, const std::vector<std::string>& overrides) {
+std::string title_of(const std::string& title, const std::vector<std::string>& all) {
   std::string changes;
-  for (const std::string& o : overrides) {
+  for (const std::string& o : all) {
     if (key_of(o) == "title") return title;
     if (key_of(o).starts_with("output.")) continue;  // of the same simulation
     changes += (changes.empty() ? "" : ", ") + o;
@@ -47,7 +57,7 @@ std::filesystem::path results_folder(const ScenarioArguments& arguments) {
   std::uint64_t hash = 14695981039346656037U;  // FNV-1a
   std::string changes;
   bool lossy = false;
-  for (const std::string& o : arguments.overrides) {
+  for (const std::string& o : changes_of(arguments)) {
     for (const char c : o) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211U;
     hash = (hash ^ 0x1FU) * 1099511628211U;
     changes += '+';
@@ -73,10 +83,13 @@ std::filesystem::path results_folder(const ScenarioArguments& arguments) {
 
 LoadedScenario load(const ScenarioArguments& arguments) {
   LoadedScenario loaded{
-      scenario::Document::load(arguments.scenario, arguments.overrides), {}, {}, {}};
+      scenario::Document::load(arguments.scenario, arguments.overrides, arguments.includes),
+      {},
+      {},
+      {}};
   devices::put_device_under(loaded.document);
   scenario::read(loaded.document, loaded.scenario);
-  loaded.scenario.title = title_of(loaded.scenario.title, arguments.overrides);
+  loaded.scenario.title = title_of(loaded.scenario.title, changes_of(arguments));
   scenario::resolve_files(loaded.document, loaded.scenario);
   const accel::Architecture& accelerator = loaded.scenario.accelerator;
   loaded.device = devices::find(loaded.document, accelerator);

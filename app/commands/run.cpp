@@ -40,6 +40,10 @@ std::optional<stability::Flags> flags_of_run(const RunArguments& arguments,
   if (mkdtemp(folder.data()) == nullptr) return std::nullopt;
   std::vector<std::string> words = {"run", std::filesystem::absolute(arguments.scenario).string(),
                                     "--quiet", "--out", folder};
+  for (const std::filesystem::path& file : arguments.includes) {
+    words.emplace_back("--include");
+    words.push_back(std::filesystem::absolute(file).string());
+  }
   std::vector<std::string> overrides = arguments.overrides;
   overrides.insert(overrides.end(), {changed, "output.pictures=false", "output.remedies=false",
                                      "output.trace_frames=0"});

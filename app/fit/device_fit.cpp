@@ -79,8 +79,8 @@ std::vector<FittedSetting> settings_of(const fit::Fit& fit, const Columns& colum
 
 FitOutcome fit_device(const FitRequest& request) {
   const auto settings = model_settings<Settings>(request.overrides);
-  const files::Log log =
-      request.read({"force", "torque", "current", "position", "travel", "displacement", "angle"});
+  const files::Log log = longest_stretch(
+      request.read({"force", "torque", "current", "position", "travel", "displacement", "angle"}));
   const Columns columns = columns_of(log);
   fit::DeviceOptions options;
   options.motion = columns.motion;
@@ -95,18 +95,11 @@ FitOutcome fit_device(const FitRequest& request) {
 
   FitOutcome outcome;
   outcome.figures =
-      figures_of("device", log, problem, fit::fit(problem, fitting), problem.warnings());
+      figures_of("device", log, problem.unit(), fit::fit(problem, fitting), problem.warnings());
   const fit::Fit& fit = outcome.figures.fit;
   outcome.settings = settings_of(fit, columns, settings.lag);
   outcome.plot = {"time (s)", columns.position->quantity, columns.position->unit, {}, {}, {}};
-  std::size_t sample = 0;
-  for (const std::vector<double>& stretch : fit.residuals) {
-    for (const double left : stretch) {
-      outcome.plot.add(log.time[sample], columns.position->values[sample], left);
-      ++sample;
-    }
-    outcome.plot.part();
-  }
+  outcome.plot.add_stretches(log.time, columns.position->values, fit.residuals, problem.first());
   return outcome;
 }
 

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "app/scenario/message.h"
 #include "models/config/input_error.h"
+#include "models/files/one_line.h"
 
 namespace hvp::app {
 
@@ -28,11 +28,51 @@ void FitPlot::add(double at, double seen, double left) {
   residual.push_back(left);
 }
 
+void FitPlot::add_stretches(const std::vector<double>& time, const std::vector<double>& seen,
+                            const std::vector<std::vector<double>>& left, std::size_t first) {
+  std::size_t sample = first;
+  for (const std::vector<double>& stretch : left) {
+    part();
+    for (const double rest : stretch) {
+      add(time[sample], seen[sample], rest);
+      ++sample;
+    }
+  }
+}
+
+files::Log longest_stretch(files::Log log) {
+  if (!log.spacing.even) {
+    throw InputError(fmt::format("{}: samples are not evenly spaced: expected a constant rate",
+                                 files::one_line(log.file)));
+  }
+  const auto longer = [](const files::Stretch& a, const files::Stretch& b) {
+    return a.end - a.begin < b.end - b.begin;
+  };
+  const std::vector<files::Stretch>& all = log.spacing.stretches;
+  const files::Stretch longest = *std::max_element(all.begin(), all.end(), longer);
+  if (longest.end - longest.begin == log.samples) return log;
+  const auto cut = [&](std::vector<double>& values) {
+    values = {values.begin() + static_cast<std::ptrdiff_t>(longest.begin),
+              values.begin() + static_cast<std::ptrdiff_t>(longest.end)};
+  };
+  cut(log.time);
+  for (files::LogColumn& column : log.columns) cut(column.values);
+  log.warnings.push_back(
+      fmt::format("{}: of {} samples the {} of the longest stretch without a gap are fitted",
+                  files::one_line(log.file), log.samples, log.time.size()));
+  log.samples = log.time.size();
+  log.spacing.stretches = {{0, log.samples}};
+  return log;
+}
+
 const std::vector<FitModel>& fit_models() {
   static const std::vector<FitModel> kModels = {
       {"device", "mass, friction, delay of an axis from its command and its position", fit_device},
+      {"hand", "mass, stiffness and damping of a hand from force and position", fit_hand},
       {"qlv", "soft tissue under an indenter, quasi-linear viscoelastic", fit_qlv},
-      {"tissue", "a scenario's body from force and displacement at a contact", fit_tissue}};
+      {"tissue", "a scenario's body from force and displacement at a contact", fit_tissue},
+      {"bus", "latency and bandwidth of a link from sizes and times", fit_bus},
+      {"host", "how wake-up latency is distributed, from cyclictest's histogram", fit_host}};
   return kModels;
 }
 
@@ -44,10 +84,10 @@ const FitModel& fit_model(std::string_view name) {
   std::string names;
   for (const FitModel& m : models) names += (names.empty() ? "" : ", ") + std::string(m.name);
   throw InputError(
-      fmt::format("--model {}: expected one of {}", scenario::one_line(std::string(name)), names));
+      fmt::format("--model {}: expected one of {}", files::one_line(std::string(name)), names));
 }
 
-FitFigures figures_of(std::string_view model, const files::Log& log, const fit::Problem& problem,
+FitFigures figures_of(std::string_view model, const files::Log& log, std::string_view unit,
                       fit::Fit fit, const std::vector<std::string>& of_model) {
   FitFigures figures;
   figures.model = model;
@@ -55,7 +95,7 @@ FitFigures figures_of(std::string_view model, const files::Log& log, const fit::
   for (const std::vector<double>& stretch : fit.residuals) {
     figures.samples += static_cast<std::int64_t>(stretch.size());
   }
-  figures.residual_unit = problem.unit();
+  figures.residual_unit = unit;
   figures.warnings = log.warnings;
   for (const std::string& w : of_model) figures.warnings.push_back(w);
   for (const std::string& w : fit.warnings) figures.warnings.push_back(w);

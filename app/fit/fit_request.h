@@ -37,6 +37,9 @@ struct FitPlot {
 
   void part();  // the next sample is another stretch's
   void add(double at, double seen, double left);
+  // Residuals of stretches that follow each other along a log from its first sample on.
+  void add_stretches(const std::vector<double>& time, const std::vector<double>& seen,
+                     const std::vector<std::vector<double>>& left, std::size_t first = 0);
 };
 
 struct FitOutcome {
@@ -66,8 +69,12 @@ FitOutcome fit_host(const FitRequest& request);
 
 // What all of them have in common: the figures of a fit of a log, with the warnings of the reader
 // and of the model before those of the fit itself.
-FitFigures figures_of(std::string_view model, const files::Log& log, const fit::Problem& problem,
+FitFigures figures_of(std::string_view model, const files::Log& log, std::string_view unit,
                       fit::Fit fit, const std::vector<std::string>& of_model);
+
+// Of a log with gaps the longest stretch without one, with a warning. Throws InputError for a log
+// that is not evenly spaced.
+files::Log longest_stretch(files::Log log);
 
 // The value of a parameter; its name is one of the fit's.
 const fit::Estimate& estimate(const fit::Fit& fit, std::string_view name);

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "app/results/number_text.h"
-#include "app/scenario/message.h"
+#include "models/files/one_line.h"
 
 namespace hvp::app {
 
@@ -32,10 +32,10 @@ std::string toml_quantity(double value, std::string_view unit) {
 std::string fitted_toml(const FitFigures& figures, const std::vector<FittedSetting>& settings) {
   std::string text =
       fmt::format("# {} fitted to {} by hvp fit: {:.4g} {} rms left over{}\n", figures.model,
-                  scenario::one_line(figures.log), figures.fit.residual_rms, figures.residual_unit,
+                  files::one_line(figures.log), figures.fit.residual_rms, figures.residual_unit,
                   figures.fit.converged ? "" : ", NOT CONVERGED");
   for (const std::string& w : figures.warnings) {
-    text += fmt::format("# note: {}\n", scenario::one_line(w, 1000));
+    text += fmt::format("# note: {}\n", files::one_line(w, 1000));
   }
   for (const fit::Estimate& e : figures.fit.parameters) {
     const bool used = std::any_of(settings.begin(), settings.end(),

@@ -30,8 +30,8 @@ FitOutcome fit_qlv(const FitRequest& request) {
   const fit::QlvProblem problem(settings,
                                 {log.time, travel_of(log).values, log.column("force", "N").values});
   FitOutcome outcome;
-  outcome.figures =
-      figures_of("qlv", log, problem, fit::fit(problem, request.options), problem.warnings());
+  outcome.figures = figures_of("qlv", log, problem.unit(), fit::fit(problem, request.options),
+                               problem.warnings());
   outcome.figures.warnings.emplace_back(
       "the platform's body is elastic: no key of a scenario stands for these values");
   outcome.plot = {"time (s)", "force", "N", {}, {}, {}};

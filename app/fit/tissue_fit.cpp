@@ -9,7 +9,9 @@
 #include "app/scene/scene.h"
 #include "models/config/declaration.h"
 #include "models/config/input_error.h"
+#include "models/fit/tissue_frames.h"
 #include "models/fit/tissue_problem.h"
+#include "models/fit/tissue_scenario.h"
 
 namespace hvp::app {
 
@@ -33,8 +35,12 @@ struct ContactSettings {
 
 struct Settings {
   std::vector<ContactSettings> contacts = {{}};
+  bool frames = false;
 
   void declare(config::Visitor& v) {
+    v.boolean("frames", frames,
+              {"the log is a frames.csv of `hvp run`: the node, its way and its force are in it",
+               "a machine's log has none of them"});
     v.one_or_more("contact", contacts,
                   {"where the logs were taken; two contacts give Poisson's ratio"});
   }
@@ -68,40 +74,61 @@ fit::TissueBody body_of(const FitRequest& request) {
   body.density_kg_m3 = made->material().density_kg_m3;
   body.dynamics = s.dynamics;
   body.period_s = s.budget.period_s;
+  body.velocity_of_way = s.contact.search.hand_over_s > 0;
   return body;
 }
 
-// Displacement of the contact along its direction: as logged, or from a position along the axis
-// that the direction has, from where the node is at rest.
-std::vector<double> displacement_of(const files::Log& log, const fit::TissueBody& body,
-                                    const ContactSettings& contact, int node) {
-  for (const char* name : {"displacement", "travel", "depth"}) {
+std::vector<double> displacement_of(const files::Log& log) {
+  for (const char* name : {"travel", "depth"}) {
     if (log.find(name) != nullptr) return log.column(name, "m").values;
   }
-  std::vector<double> values = log.column("position", "m").values;
-  Eigen::Index axis = 0;
-  contact.direction.cwiseAbs().maxCoeff(&axis);
-  const double sign = contact.direction[axis] < 0 ? -1 : 1;
-  const double rest = body.mesh.nodes[static_cast<std::size_t>(node)][axis];
-  for (double& v : values) v = std::max(0.0, sign * (v - rest));
-  return values;
+  return log.column("displacement", "m").values;
 }
 
-std::vector<FittedSetting> settings_of(const fit::Fit& fit) {
+std::vector<FittedSetting> settings_of(const fit::TissueBody& body, const fit::Fit& fit) {
   std::vector<FittedSetting> settings;
-  const auto add = [&](const char* table, const char* key, const char* name, const char* unit) {
-    for (const fit::Estimate& e : fit.parameters) {
-      if (e.name != name) continue;
-      settings.push_back({table, key,
-                          *unit == '\0' ? fmt::format("{}", e.value) : toml_quantity(e.value, unit),
-                          name});
+  for (const fit::ScenarioWord& word : fit::scenario_words(body, fit.parameters)) {
+    const std::size_t dot = word.key.rfind('.');
+    std::string parameter;
+    for (const fit::TissueKey& key : fit::tissue_keys()) {
+      if (key.key == word.key) parameter = key.parameter;
     }
-  };
-  add("object.material", "young_modulus", "young_modulus", "Pa");
-  add("object.material", "poisson_ratio", "poisson_ratio", "");
-  add("dynamics", "rayleigh_mass", "mass_damping", "1/s");
-  add("dynamics", "rayleigh_stiffness", "stiffness_damping", "s");
+    settings.push_back({word.key.substr(0, dot), word.key.substr(dot + 1), word.value, parameter});
+  }
   return settings;
+}
+
+// A vector a sample, from the log's columns of its components.
+std::vector<Eigen::Vector3d> vectors_of(const files::Log& log, const std::string& name,
+                                        const char* unit) {
+  std::vector<Eigen::Vector3d> vectors(log.time.size());
+  Eigen::Index k = 0;
+  for (const char* axis : {"x", "y", "z"}) {
+    const std::vector<double>& values = log.column(name + axis, unit).values;
+    for (std::size_t i = 0; i < vectors.size(); ++i) vectors[i][k] = values[i];
+    ++k;
+  }
+  return vectors;
+}
+
+// The touches of a run's frames.csv, whose columns have the platform's names.
+fit::FrameTouches touches_of_run(const FitRequest& request, const fit::TissueBody& body,
+                                 const Eigen::Vector3d& direction, files::Log& log) {
+  FitRequest asked = request;
+  asked.reading.columns = {"time_us=born_us", "node_counts=contact_node"};
+  asked.reading.count_size = 1;
+  for (const char* axis : {"x", "y", "z"}) {
+    asked.reading.columns.push_back(fmt::format("tip{}_m={}_m", axis, axis));
+    asked.reading.columns.push_back(fmt::format("force{}_N=f{}_N", axis, axis));
+  }
+  log = asked.read({"node", "tipx", "tipy", "tipz", "forcex", "forcey", "forcez"});
+  fit::TouchedFrames frames{
+      log.time, vectors_of(log, "tip", "m"), {}, vectors_of(log, "force", "N")};
+  for (const double node : log.find("node")->values) {
+    frames.contact_node.push_back(static_cast<int>(node));
+  }
+  return fit::touches_of_frames(body, frames, direction,
+                                request.scenario->contact.search.hand_over_s);
 }
 
 }  // namespace
@@ -110,36 +137,48 @@ FitOutcome fit_tissue(const FitRequest& request) {
   const auto settings = model_settings<Settings>(request.overrides);
   const fit::TissueBody body = body_of(request);
   std::vector<fit::TissueLog> touches;
-  std::vector<files::Log> logs;
+  files::Log log;
+  std::vector<std::string> warnings;
   for (const ContactSettings& contact : settings.contacts) {
     FitRequest of_contact = request;
     if (!contact.log.empty()) of_contact.log = contact.log;
-    logs.push_back(of_contact.read({"force", "displacement", "travel", "depth", "position"}));
+    if (settings.frames) {
+      fit::FrameTouches found = touches_of_run(of_contact, body, contact.direction, log);
+      for (fit::TissueLog& touch : found.logs) touches.push_back(std::move(touch));
+      for (std::string& w : found.warnings) warnings.push_back(std::move(w));
+      continue;
+    }
+    log = of_contact.read({"force", "displacement", "travel", "depth"});
     const int node = contact.node >= 0 ? contact.node : outermost(body, contact.direction);
     if (node >= static_cast<int>(body.mesh.nodes.size())) {
-      throw InputError(fmt::format("--set contact[{}].node={}: the mesh has {} nodes",
-                                   touches.size(), node, body.mesh.nodes.size()));
+      throw InputError(fmt::format("--set contact.node={}: the mesh has {} nodes", node,
+                                   body.mesh.nodes.size()));
     }
     touches.push_back({{node},
                        contact.direction,
-                       logs.back().time,
-                       displacement_of(logs.back(), body, contact, node),
-                       logs.back().column("force", "N").values});
+                       log.time,
+                       displacement_of(log),
+                       log.column("force", "N").values});
   }
   const fit::TissueProblem problem(body, touches);
+  for (const std::string& w : problem.warnings()) warnings.push_back(w);
   FitOutcome outcome;
-  outcome.figures = figures_of("tissue", logs.front(), problem, fit::fit(problem, request.options),
-                               problem.warnings());
-  outcome.settings = settings_of(outcome.figures.fit);
+  outcome.figures =
+      figures_of("tissue", log, problem.unit(), fit::fit(problem, request.options), warnings);
+  const fit::Fit& fit = outcome.figures.fit;
+  if (const auto locks = fit::locking_warning(body, fit.parameters)) {
+    outcome.figures.warnings.push_back(*locks);
+  }
+  outcome.settings = settings_of(body, fit);
   outcome.plot = {"time (s)", "force", "N", {}, {}, {}};
   double from = 0;
   for (std::size_t s = 0; s < touches.size(); ++s) {
-    const std::vector<double>& left = outcome.figures.fit.residuals[s];
-    for (std::size_t i = 0; i < left.size(); ++i) {
-      outcome.plot.add(from + touches[s].time[i], touches[s].force[i], left[i]);
-    }
-    from += touches[s].time.back();
     outcome.plot.part();
+    for (std::size_t i = 0; i < fit.residuals[s].size(); ++i) {
+      outcome.plot.add(from + touches[s].time[i] - touches[s].time.front(), touches[s].force[i],
+                       fit.residuals[s][i]);
+    }
+    from += touches[s].time.back() - touches[s].time.front();
   }
   return outcome;
 }

@@ -18,7 +18,9 @@ namespace {
 constexpr std::size_t kLargestFile = 1U << 20U;
 constexpr std::size_t kLongestName = 1000;
 constexpr std::string_view kBase = "base";
-constexpr std::size_t kMostFiles = 9;
+constexpr std::string_view kInclude = "include";
+constexpr std::size_t kMostOnOneAnother = 9;
+constexpr std::size_t kMostFiles = 100;
 
 std::string name_of(const std::filesystem::path& file) {
   return one_line(file.string(), kLongestName);
@@ -44,82 +46,139 @@ void set_file(Node& node, int file) {
   for (Node& member : node.members) set_file(member, file);
 }
 
+Node parse_file(std::string_view text, const std::filesystem::path& file_name) {
+  const std::string name = name_of(file_name);
+  if (text.size() > kLargestFile) {
+    throw SourceError(fmt::format("{}: is too large: expected at most 1 MiB", name));
+  }
+  Node root;
+  try {
+    root = parse_toml(text);
+  } catch (const SyntaxError& error) {
+    throw SourceError(fmt::format("{}:{}:{}: TOML syntax: {}", name, error.line, error.column,
+                                  one_line(error.message, 400)));
+  }
+  if (root.keys.empty()) {
+    throw SourceError(fmt::format("{}: is empty: expected TOML tables", name));
+  }
+  return root;
+}
+
 std::string override_prefix(std::string_view text) { return "--set " + one_line(text) + ": "; }
 
 }  // namespace
 
 Document Document::load(const std::filesystem::path& file,
-                        const std::vector<std::string>& overrides) {
-  return parse(read_text(file), file, overrides);
-}
-
-Document Document::parse_file(std::string_view text, const std::filesystem::path& file_name) {
-  Document document;
-  document.files_ = {file_name};
-  const std::string name = name_of(file_name);
-  if (text.size() > kLargestFile) {
-    throw SourceError(fmt::format("{}: is too large: expected at most 1 MiB", name));
-  }
-  try {
-    document.root_ = parse_toml(text);
-  } catch (const SyntaxError& error) {
-    throw SourceError(fmt::format("{}:{}:{}: TOML syntax: {}", name, error.line, error.column,
-                                  one_line(error.message, 400)));
-  }
-  if (document.root_.keys.empty()) {
-    throw SourceError(fmt::format("{}: is empty: expected TOML tables", name));
-  }
-  return document;
+                        const std::vector<std::string>& overrides,
+                        const std::vector<std::filesystem::path>& includes) {
+  return of_text(read_text(file), file, overrides, includes);
 }
 
 Document Document::parse(std::string_view text, const std::filesystem::path& file_name,
                          const std::vector<std::string>& overrides) {
-  Document document = parse_file(text, file_name);
-  while (document.root_.find(kBase) != nullptr) document.put_on_base();
+  return of_text(text, file_name, overrides, {});
+}
+
+Document Document::of_text(std::string_view text, const std::filesystem::path& file_name,
+                           const std::vector<std::string>& overrides,
+                           const std::vector<std::filesystem::path>& includes) {
+  Document document;
+  std::vector<Node> over;  // the last include first
+  for (auto file = includes.rbegin(); file != includes.rend(); ++file) {
+    over.push_back(document.stack(read_text(*file), *file, {}));
+  }
+  document.scenario_ = document.files_.size();
+  document.root_ = document.stack(text, file_name, {});
+  for (auto node = over.rbegin(); node != over.rend(); ++node) {
+    lay_over(std::move(*node), document.root_);
+  }
   for (const std::string& item : overrides) document.apply(item);
   return document;
 }
 
-void Document::put_on_base() {
-  const Node named = *root_.find(kBase);
+Node Document::stack(std::string_view text, const std::filesystem::path& file, Chain above) {
+  Node own = parse_file(text, file);
+  set_file(own, static_cast<int>(files_.size()));
+  above.push_back(files_.size());
+  files_.push_back(file);
+  const std::vector<Named> named = take_named(own);
+  if (named.empty()) return own;
+  std::vector<Node> below;
+  below.reserve(named.size());
+  for (const Named& one : named) below.push_back(stack_named(one, above));
+  Node result = std::move(below.back());
+  below.pop_back();
+  for (auto node = below.rbegin(); node != below.rend(); ++node) {
+    lay_over(std::move(*node), result);
+  }
+  lay_over(std::move(own), result);
+  return result;
+}
+
+std::vector<Document::Named> Document::take_named(Node& own) const {
+  std::vector<Named> named;
+  if (const Node* include = own.find(kInclude)) {
+    if (include->is_array()) {
+      if (include->members.size() > kMostFiles) {
+        throw SourceError(std::string(kInclude),
+                          locate(include->origin, kInclude) +
+                              fmt::format("expected at most {} files", kMostFiles));
+      }
+      for (std::size_t i = include->members.size(); i-- > 0;) {
+        named.push_back({fmt::format("{}[{}]", kInclude, i), include->members[i]});
+      }
+    } else {
+      named.push_back({std::string(kInclude), *include});
+    }
+    own.remove(kInclude);
+  }
+  if (const Node* base = own.find(kBase)) {
+    named.push_back({std::string(kBase), *base});
+    own.remove(kBase);
+  }
+  return named;
+}
+
+Node Document::stack_named(const Named& named, const Chain& above) {
+  const bool is_base = named.key == kBase;
+  const char* const kind = is_base ? "a scenario" : "a file of a scenario's keys";
   const auto wrong = [&](const std::string& message) {
-    return SourceError(std::string(kBase), locate(named.origin, kBase) + message);
+    return SourceError(named.key, locate(named.text.origin, named.key) + message);
   };
-  if (named.kind != Node::Kind::text || named.text.empty()) {
-    throw wrong(
-        fmt::format("expected the name of a scenario in quotes, found {}", found_text(named)));
+  if (named.text.kind != Node::Kind::text || named.text.text.empty()) {
+    throw wrong(fmt::format("expected the name of {} in quotes{}, found {}", kind,
+                            is_base ? "" : ", or a list of such", found_text(named.text)));
+  }
+  if (above.size() == kMostOnOneAnother) {
+    throw wrong(fmt::format("expected at most {} scenarios on one another", kMostOnOneAnother));
   }
   if (files_.size() == kMostFiles) {
-    throw wrong(fmt::format("expected at most {} scenarios on one another", kMostFiles));
+    throw wrong(fmt::format("expected at most {} files in all", kMostFiles));
   }
-  const std::filesystem::path file = resolve(kBase, named.text);
-  const auto is_same = [&file](const std::filesystem::path& other) {
+  const std::filesystem::path file = files_[above.back()].parent_path() / named.text.text;
+  const auto is_same = [&](std::size_t other) {
     std::error_code none_such;
-    return std::filesystem::equivalent(file, other, none_such);
+    return std::filesystem::equivalent(file, files_[other], none_such);
   };
-  if (std::ranges::any_of(files_, is_same)) {
-    throw wrong(fmt::format("expected no circle: {} already stands on this one", name_of(file)));
+  if (std::ranges::any_of(above, is_same)) {
+    throw wrong(fmt::format("expected no circle: {} already {}", name_of(file),
+                            is_base ? "stands on this one" : "has this one below it"));
   }
+  std::string text;
   try {
-    Document base = parse_file(files::read_regular_file(file, kLargestFile, "a scenario"), file);
-    set_file(base.root_, static_cast<int>(files_.size()));
-    root_.remove(kBase);
-    lay_over(std::move(root_), base.root_);
-    root_ = std::move(base.root_);
-    files_.push_back(file);
-  } catch (const SourceError&) {
-    throw;
+    text = files::read_regular_file(file, kLargestFile, kind);
   } catch (const InputError& error) {
     throw wrong(name_of(file) + ": " + error.what());
   }
+  return stack(text, file, above);
 }
 
 void Document::put_text_under(std::string_view table, std::string_view text,
                               const std::filesystem::path& file_name) {
-  Document lower = parse_file(text, file_name);
-  set_file(lower.root_, static_cast<int>(files_.size()));
+  Node lower = parse_file(text, file_name);
+  set_file(lower, static_cast<int>(files_.size()));
   Node wrapped;
-  wrapped.add(table, std::move(lower.root_));
+  wrapped.add(table, std::move(lower));
   lay_over(std::move(root_), wrapped);
   root_ = std::move(wrapped);
   files_.push_back(file_name);
@@ -155,7 +214,7 @@ std::filesystem::path Document::resolve(std::string_view key,
                                         const std::string& path_in_scenario) const {
   if (files_.empty()) return path_in_scenario;
   const Origin& origin = at(key).origin;
-  const auto file = static_cast<std::size_t>(origin.in_file() ? origin.file : 0);
+  const auto file = origin.in_file() ? static_cast<std::size_t>(origin.file) : scenario_;
   return files_[file].parent_path() / path_in_scenario;  // an absolute path stays as it is
 }
 
@@ -186,7 +245,7 @@ const Node& Document::at(std::string_view key) const {
 }
 
 std::string Document::locate(std::string_view key) const {
-  if (key.empty()) return files_.empty() ? "" : name_of(files_.front()) + ": ";
+  if (key.empty()) return files_.empty() ? "" : name_of(files_[scenario_]) + ": ";
   return locate(at(key).origin, key);
 }
 

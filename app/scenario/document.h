@@ -10,12 +10,17 @@
 
 namespace hvp::scenario {
 
-// A scenario's text as a tree, with its base below it and the command line's overrides in place,
-// and the way from a key back to the line that gave it.
+// A scenario's text as a tree, with what it includes and its base below it and the command line's
+// overrides in place, and the way from a key back to the line that gave it.
 //
 // `base = "other.toml"` at the top names a scenario, by a path from this one's folder, of which
 // this one states the differences: tables are merged key by key, lists are replaced as a whole, and
 // `effect = false` takes an effect of the base out. A base may have one itself.
+//
+// `include = "fitted.toml"`, or a list of such names, does the same with files of a few keys: they
+// lie over the base and under the file's own keys, a later one of the list over an earlier one. An
+// included file may have a base and includes itself. A path in any of the files starts from the
+// folder of that file.
 //
 // An override is KEY=VALUE: a dotted key (items of a list as key[0].name, from 0; the index one
 // past the last appends) and a TOML value; what is not one ("2 ms", a bare word) is taken as
@@ -26,10 +31,12 @@ namespace hvp::scenario {
 class Document {
  public:
   // Reads a regular file of at most 1 MiB. Throws SourceError: no such file, a folder or a device,
-  // unreadable, empty, too large, not UTF-8 or not TOML, bases that go round in a circle, an
-  // override that is none.
+  // unreadable, empty, too large, not UTF-8 or not TOML, bases or includes that go round in a
+  // circle, an override that is none. `includes` are laid over the scenario, a later one over an
+  // earlier one.
   static Document load(const std::filesystem::path& file,
-                       const std::vector<std::string>& overrides = {});
+                       const std::vector<std::string>& overrides = {},
+                       const std::vector<std::filesystem::path>& includes = {});
   // The same for a text; `file_name` is what errors call it, and its folder is where relative
   // paths start.
   static Document parse(std::string_view text, const std::filesystem::path& file_name,
@@ -66,12 +73,29 @@ class Document {
     std::string text;  // KEY=VALUE
   };
 
-  static Document parse_file(std::string_view text, const std::filesystem::path& file_name);
+  // A file that another one names: as its base, or among its includes.
+  struct Named {
+    std::string key;
+    Node text;
+  };
+  // Those from the scenario down to a file, as indices of files_.
+  using Chain = std::vector<std::size_t>;
+
+  static Document of_text(std::string_view text, const std::filesystem::path& file_name,
+                          const std::vector<std::string>& overrides,
+                          const std::vector<std::filesystem::path>& includes);
+  // The file's keys over those of all files below it.
+  Node stack(std::string_view text, const std::filesystem::path& file, Chain above);
+  // What it names, and no longer has: that which counts most first.
+  std::vector<Named> take_named(Node& own) const;
+  Node stack_named(const Named& named, const Chain& above);
   const Node& at(std::string_view key) const;
-  void put_on_base();
   void apply(const std::string& text);
 
-  std::vector<std::filesystem::path> files_;  // the scenario, its base, the base's base …
+  // That which counts most first: includes of the command line, the scenario, its includes, its
+  // base …
+  std::vector<std::filesystem::path> files_;
+  std::size_t scenario_ = 0;  // which of them it is
   Node root_;
   std::vector<Override> overrides_;
 };

@@ -106,10 +106,14 @@ std::string reference_page(const Outline& outline) {
       "A table that is left out has its defaults, except an effect, which is then not simulated.\n"
       "\n"
       "`base = \"other.toml\"` at the top names a scenario of which this one states what differs, "
-      "by a "
-      "path\nfrom its own folder. A list takes the place of the base's, and `NAME = false` takes "
-      "an "
-      "effect of the\nbase out.\n";
+      "by a path\nfrom its own folder. A list takes the place of the base's, and `NAME = false` "
+      "takes an effect of the\nbase out.\n"
+      "\n"
+      "`include = \"fitted.toml\"` or `include = [\"a.toml\", \"b.toml\"]` at the top names files "
+      "of some of these\nkeys, likewise. What the scenario states itself counts most, then the "
+      "last "
+      "of the included files, then\nthose before it, then the base. `--include FILE.toml` on the "
+      "command line lays a file over the scenario,\nunder `--set`.\n";
   return text + reference_tables(outline) + unit_section();
 }
 

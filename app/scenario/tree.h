@@ -12,14 +12,14 @@ namespace hvp::scenario {
 struct Origin {
   int line = 1;
   int override_index = -1;  // -1: a file
-  int file = 0;             // 0: the scenario, 1: its base, 2: the base's base …
+  int file = 0;             // which of the document's: the less, the more it counts
 
   bool in_file() const { return override_index < 0; }
   // Whether it was laid over the other: an override over files, a scenario over its base.
   bool over(const Origin& other) const {
     return in_file() == other.in_file() ? in_file() && file < other.file : !in_file();
   }
-  // The scenario first, in its order, then its base; then the overrides in theirs.
+  // The scenario first, in its order, then what lies under it; then the overrides in theirs.
   friend bool operator<(const Origin& a, const Origin& b) {
     return std::tie(a.override_index, a.file, a.line) < std::tie(b.override_index, b.file, b.line);
   }

@@ -94,9 +94,20 @@ double Coordinates::slope(std::size_t coordinate, const std::vector<double>& val
   return (*this)[coordinate].logarithmic ? values[free_[coordinate]] : 1;
 }
 
-StretchCost::StretchCost(std::unique_ptr<ceres::CostFunction> model, const Coordinates& coordinates,
+Eigen::VectorXd roots_of(const std::vector<double>& weights, Eigen::Index rows) {
+  if (weights.empty()) return Eigen::VectorXd::Ones(rows);
+  return Eigen::Map<const Eigen::VectorXd>(weights.data(), rows).cwiseSqrt();
+}
+
+StretchCost::StretchCost(std::unique_ptr<ceres::CostFunction> model,
+                         const std::vector<double>& weights, const Coordinates& coordinates,
                          int rows, double scale, RobustLoss loss)
-    : model_(std::move(model)), coordinates_(coordinates), rows_(rows), scale_(scale), loss_(loss) {
+    : model_(std::move(model)),
+      coordinates_(coordinates),
+      roots_(roots_of(weights, model_->num_residuals())),
+      rows_(rows),
+      scale_(scale),
+      loss_(loss) {
   set_num_residuals(model_->num_residuals());
   *mutable_parameter_block_sizes() = model_->parameter_block_sizes();
   mutable_parameter_block_sizes()->front() = static_cast<int>(coordinates.size());
@@ -121,10 +132,10 @@ bool StretchCost::Evaluate(const double* const* blocks, double* residuals,
 
   Eigen::VectorXd weight(rows);
   for (Eigen::Index i = 0; i < rows; ++i) {
-    const RobustLoss::Value value = loss_.at(residuals[i]);
+    const RobustLoss::Value value = loss_.at(roots_[i] * residuals[i]);
     const bool fitted = i < rows_;
     residuals[i] = fitted ? value.root / scale_ : 0;
-    weight[i] = fitted ? value.root_slope / scale_ : 0;
+    weight[i] = fitted ? roots_[i] * value.root_slope / scale_ : 0;
   }
   if (!wanted) return true;
   if (jacobians[0] != nullptr) {

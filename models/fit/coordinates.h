@@ -59,19 +59,23 @@ class Coordinates {
 };
 
 // A stretch's residuals as a function of the coordinates and its own unknowns; those at `rows` and
-// beyond are zero, and all are divided by `scale`.
+// beyond are zero, and all are divided by `scale`. `weights` as Problem's.
 class StretchCost : public ceres::CostFunction {
  public:
-  StretchCost(std::unique_ptr<ceres::CostFunction> model, const Coordinates& coordinates, int rows,
-              double scale, RobustLoss loss);
+  StretchCost(std::unique_ptr<ceres::CostFunction> model, const std::vector<double>& weights,
+              const Coordinates& coordinates, int rows, double scale, RobustLoss loss);
   bool Evaluate(const double* const* blocks, double* residuals, double** jacobians) const override;
 
  private:
   std::unique_ptr<ceres::CostFunction> model_;
   const Coordinates& coordinates_;
+  Eigen::VectorXd roots_;  // of the weights
   int rows_;
   double scale_;
   RobustLoss loss_;
 };
+
+// Of the weights of `rows` residuals.
+Eigen::VectorXd roots_of(const std::vector<double>& weights, Eigen::Index rows);
 
 }  // namespace hvp::fit

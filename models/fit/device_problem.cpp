@@ -78,6 +78,19 @@ Problem::Stretch DeviceProblem::stretch(std::size_t index) const {
   return {count, {log_.position[first] + fit[0], fit[1] / log_.period}};
 }
 
+std::vector<double> DeviceProblem::weights(std::size_t stretch) const {
+  const auto first = log_.position.begin() + static_cast<std::ptrdiff_t>(begins_[stretch]);
+  const auto last = log_.position.begin() + static_cast<std::ptrdiff_t>(begins_[stretch + 1]);
+  std::vector<double> weights;
+  for (auto run = first; run != last;) {
+    const auto end = std::find_if(run, last, [run](double p) { return p != *run; });
+    weights.insert(weights.end(), static_cast<std::size_t>(end - run),
+                   1 / static_cast<double>(end - run));
+    run = end;
+  }
+  return weights;
+}
+
 std::unique_ptr<ceres::CostFunction> DeviceProblem::cost(std::size_t stretch) const {
   return device_cost(log_, layout_, begins_[stretch], begins_[stretch + 1]);
 }

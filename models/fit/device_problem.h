@@ -42,11 +42,16 @@ class DeviceProblem final : public Problem {
   std::string unit() const override;
   std::size_t stretches() const override { return begins_.size() - 1; }
   Stretch stretch(std::size_t index) const override;
+  // Of an encoder that stands, or moves less than a step, the same reading again says nothing new,
+  // and its error is the same: n of them count as one.
+  std::vector<double> weights(std::size_t stretch) const override;
   std::unique_ptr<ceres::CostFunction> cost(std::size_t stretch) const override;
 
   // For fit::Options: what the options fix, and motor_constant = 1 where a log of currents leaves
   // both it and the mass free, of which only the ratio can be had. warnings() then says so.
   const std::map<std::string, double>& fixed() const { return fixed_; }
+  // The log's sample that the first stretch begins with.
+  std::size_t first() const { return begins_.front(); }
   const DeviceSecondOpinion& second_opinion() const { return opinion_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
   const std::string& mass_name() const { return parameters_[layout_.mass].name; }

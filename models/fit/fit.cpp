@@ -19,8 +19,8 @@ namespace hvp::fit {
 namespace {
 
 constexpr std::size_t kStretchesToHoldOut = 5;
-// Of the best sum of squares: what makes no difference, one hundredth of a degree of freedom.
-constexpr double kSameOptimum = 0.01;
+// Of the best sum of squares: what makes no difference, half a degree of freedom.
+constexpr double kSameOptimum = 0.5;
 
 int total(const std::vector<int>& rows) { return std::accumulate(rows.begin(), rows.end(), 0); }
 
@@ -126,7 +126,7 @@ Optimum Fitting::search_from_all(Search& search) {
 double Fitting::robust_scale(const Optimum& at) const {
   const Linear linear = linearise(problem_, coordinates_, rows_, at.at, {});
   std::vector<double> sizes;
-  for (const Eigen::VectorXd& r : linear.residuals) {
+  for (const Eigen::VectorXd& r : linear.weighted) {
     for (const double value : r) sizes.push_back(std::abs(value));
   }
   const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
@@ -199,7 +199,7 @@ void Fitting::estimate(const Optimum& best) {
   const Uncertainty uncertainty = uncertainty_of(linear);
   fit_.noise_order = static_cast<int>(uncertainty.noise.coefficients.size());
   fit_.widened = uncertainty.widened;
-  fit_.whiteness = whiteness_of(linear.residuals);
+  fit_.whiteness = whiteness_of(linear.weighted);
   const std::vector<double> values = coordinates_.values(best.at.z.data());
   for (std::size_t i = 0; i < values.size(); ++i) {
     const Parameter& p = problem_.parameters()[i];

@@ -15,6 +15,20 @@ using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMaj
 // others: rounding alone.
 constexpr double kNoEffect = 1e-9;
 
+// Residuals beyond unknowns from which on their squares say where the noise is larger.
+constexpr double kEnoughForUneven = 50;
+
+// Each variance becomes the larger of two, correlations stay.
+void widen(Eigen::MatrixXd& covariance, const Eigen::MatrixXd& other) {
+  Eigen::VectorXd factor = Eigen::VectorXd::Ones(covariance.rows());
+  for (Eigen::Index k = 0; k < covariance.rows(); ++k) {
+    if (other(k, k) > covariance(k, k) && covariance(k, k) > 0) {
+      factor[k] = std::sqrt(other(k, k) / covariance(k, k));
+    }
+  }
+  covariance = factor.asDiagonal() * covariance * factor.asDiagonal();
+}
+
 struct Evaluation {
   Eigen::VectorXd residuals;
   Eigen::MatrixXd by_z;
@@ -47,7 +61,7 @@ Evaluation evaluate(const Problem& problem, const Coordinates& coordinates, std:
 
 void score(Linear& linear, const RobustLoss& loss) {
   double slopes = 0;
-  for (const Eigen::VectorXd& r : linear.residuals) {
+  for (const Eigen::VectorXd& r : linear.weighted) {
     Eigen::VectorXd e(r.size());
     for (Eigen::Index i = 0; i < r.size(); ++i) {
       const RobustLoss::Value value = loss.at(r[i]);
@@ -69,12 +83,18 @@ Linear linearise(const Problem& problem, const Coordinates& coordinates,
     if (rows[s] == 0) continue;
     Evaluation e = evaluate(problem, coordinates, s, rows[s], at);
     linear.rows += rows[s];
+    const Eigen::VectorXd roots =
+        roots_of(problem.weights(s), static_cast<Eigen::Index>(problem.stretch(s).residuals))
+            .head(rows[s]);
+    e.by_z = roots.asDiagonal() * e.by_z;
+    e.by_own = roots.asDiagonal() * e.by_own;
     Eigen::MatrixXd follows = Eigen::MatrixXd::Zero(e.by_own.cols(), e.by_z.cols());
     if (e.by_own.cols() > 0) {
       linear.own += static_cast<int>(e.by_own.cols());
       follows = -e.by_own.colPivHouseholderQr().solve(e.by_z);
       e.by_z += e.by_own * follows;
     }
+    linear.weighted.emplace_back(roots.cwiseProduct(e.residuals));
     linear.residuals.push_back(std::move(e.residuals));
     linear.jacobian.push_back(std::move(e.by_z));
     linear.follows.push_back(std::move(follows));
@@ -126,9 +146,16 @@ Uncertainty uncertainty_of(const Linear& linear) {
   const auto unknowns = static_cast<int>(n) + linear.own;
   result.noise = noise_of(linear.scores, unknowns);
   result.t = t_95(linear.rows - unknowns);
-  Eigen::MatrixXd between = Eigen::MatrixXd::Zero(n, n);
-  for (const Eigen::MatrixXd& j : linear.jacobian) between += result.noise.between(j);
-  result.covariance = result.unit * between * result.unit;
+  Eigen::MatrixXd even = Eigen::MatrixXd::Zero(n, n);
+  Eigen::MatrixXd uneven = Eigen::MatrixXd::Zero(n, n);
+  for (std::size_t s = 0; s < linear.jacobian.size(); ++s) {
+    even += result.noise.between(linear.jacobian[s]);
+    uneven += result.noise.between(linear.jacobian[s], linear.scores[s]);
+  }
+  const double freedom = linear.rows - unknowns;
+  uneven *= linear.rows / std::max(1.0, freedom);
+  result.covariance = result.unit * even * result.unit;
+  if (freedom >= kEnoughForUneven) widen(result.covariance, result.unit * uneven * result.unit);
   double squares = 0;
   for (const Eigen::VectorXd& e : linear.scores) squares += e.squaredNorm();
   const double white = squares / std::max(1, linear.rows - unknowns);

@@ -12,8 +12,9 @@ namespace hvp::fit {
 // A problem near an optimum, as a linear one with noise.
 struct Linear {
   Series residuals;  // of each stretch, rows that were fitted
+  Series weighted;   // by the roots of their weights
   Series scores;  // what a robust loss makes of them: ψ/mean ψ'; the residuals themselves without
-  std::vector<Eigen::MatrixXd> jacobian;  // d residual/d z, without what own unknowns take up
+  std::vector<Eigen::MatrixXd> jacobian;  // d weighted/d z, without what own unknowns take up
   std::vector<Eigen::MatrixXd> follows;   // d own/d z, where the sum of squares stays least
   double slope = 1;                       // mean ψ'
   int rows = 0;

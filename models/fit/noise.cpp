@@ -89,6 +89,24 @@ Eigen::MatrixXd Noise::between(const Eigen::MatrixXd& jacobian) const {
   return innovation * sum;
 }
 
+Eigen::MatrixXd Noise::between(const Eigen::MatrixXd& jacobian,
+                               const Eigen::VectorXd& residuals) const {
+  const auto order = static_cast<Eigen::Index>(coefficients.size());
+  const Eigen::Index columns = jacobian.cols();
+  Eigen::MatrixXd y = jacobian;
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(columns, columns);
+  for (Eigen::Index t = jacobian.rows() - 1; t >= 0; --t) {
+    double e = residuals[t];
+    for (Eigen::Index k = 0; k < order; ++k) {
+      const double phi = coefficients[static_cast<std::size_t>(k)];
+      if (t + 1 + k < jacobian.rows()) y.row(t) += phi * y.row(t + 1 + k);
+      if (t - 1 - k >= 0) e -= phi * residuals[t - 1 - k];
+    }
+    sum += e * e * y.row(t).transpose() * y.row(t);
+  }
+  return sum;
+}
+
 Whiteness whiteness_of(const Series& residuals) {
   const Eigen::Index count = count_of(residuals);
   const Eigen::Index lags = std::min(kHighestOrder, count / 5);

@@ -16,6 +16,9 @@ struct Noise {
 
   // Jᵀ·Γ·J for one stretch's J (residuals × parameters), Γ the covariance of its residuals.
   Eigen::MatrixXd between(const Eigen::MatrixXd& jacobian) const;
+  // The same without assuming that e is equally large everywhere: Σ e_t²·y_t·y_tᵀ, y what
+  // e has on Jᵀ·r (White 1980, with the noise's colour taken out first: Andrews & Monahan 1992).
+  Eigen::MatrixXd between(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residuals) const;
 };
 
 // `unknowns`: that were fitted to the residuals; the variance counts them.

@@ -53,6 +53,9 @@ class Problem {
     std::vector<double> own;  // where its own unknowns begin; may be empty
   };
   virtual Stretch stretch(std::size_t index) const = 0;
+  // What each residual of the stretch counts, its square in the sum: 1 for a measurement of its
+  // own. Empty: all of them.
+  virtual std::vector<double> weights(std::size_t /*stretch*/) const { return {}; }
   // Its first parameter block has the parameters, in their units; its second one, where there are
   // own unknowns, those. Evaluate() returns false where the model has no value.
   virtual std::unique_ptr<ceres::CostFunction> cost(std::size_t stretch) const = 0;

@@ -8,6 +8,7 @@
 #include <ceres/iteration_callback.h>
 #include <ceres/manifold.h>
 #include <ceres/solver.h>
+#include <glog/logging.h>
 
 namespace hvp::fit {
 
@@ -28,6 +29,9 @@ class Report : public ceres::IterationCallback {
   double to_sum_;
 };
 
+// A start at which the model has no value is one that was tried, and no line on standard error.
+void silence_ceres() { FLAGS_minloglevel = google::GLOG_FATAL; }
+
 // A logarithm of zero bounds nothing.
 bool bounds(double limit) { return std::isfinite(limit); }
 
@@ -35,6 +39,7 @@ bool bounds(double limit) { return std::isfinite(limit); }
 
 Search::Search(const Problem& problem, const Coordinates& coordinates, Range range, RobustLoss loss)
     : coordinates_(coordinates), range_(std::move(range)), z_(coordinates.size(), 0.0) {
+  silence_ceres();
   own_.resize(problem.stretches());
   problem_.AddParameterBlock(z_.data(), static_cast<int>(z_.size()));
   for (std::size_t k = 0; k < z_.size(); ++k) {
@@ -49,8 +54,8 @@ Search::Search(const Problem& problem, const Coordinates& coordinates, Range ran
   for (std::size_t s = 0; s < own_.size(); ++s) {
     own_[s] = problem.stretch(s).own;
     if (range_.rows[s] == 0) continue;
-    auto cost = std::make_unique<StretchCost>(problem.cost(s), coordinates, range_.rows[s],
-                                              range_.scale, loss);
+    auto cost = std::make_unique<StretchCost>(problem.cost(s), problem.weights(s), coordinates,
+                                              range_.rows[s], range_.scale, loss);
     std::vector<double*> blocks{z_.data()};
     if (!own_[s].empty()) blocks.push_back(own_[s].data());
     problem_.AddResidualBlock(cost.release(), nullptr, blocks);

