@@ -110,13 +110,13 @@ Parameter motor_constant(const Kind& kind, double scale) {
   Parameter p;
   p.name = "motor_constant";
   p.unit = kind.motor_unit;
-  p.start = scale;
   p.low = 1e-6;
   p.high = 1e4;
+  p.start = std::clamp(scale, p.low, p.high);
   p.because = "no motor and drive of a haptic device lies beyond";
   p.logarithmic = true;
-  p.draw_low = std::max(p.low, scale / kFactor);
-  p.draw_high = std::min(p.high, scale * kFactor);
+  p.draw_low = std::max(p.low, p.start / kFactor);
+  p.draw_high = std::min(p.high, p.start * kFactor);
   p.matters = 0.1 * scale;
   p.remedy = std::string("a log of forces beside the current, or the ") + kind.mass +
              " weighed, or --fix motor_constant= from the motor's data sheet";
@@ -128,12 +128,12 @@ Parameter bandwidth(double period) {
   p.name = "bandwidth";
   p.unit = "Hz";
   p.low = 2;
-  p.high = 2 / period;
+  p.high = std::max(2 / period, 10 * p.low);
   p.because =
       "a slower amplifier moves no haptic device; of a faster one nothing shows between samples";
   p.logarithmic = true;
   p.start = std::clamp(100.0, p.low, p.high);
-  p.draw_low = std::min(20.0, p.high / 10);
+  p.draw_low = std::clamp(20.0, p.low, p.high / 10);
   p.draw_high = p.high / 4;
   p.matters = 1;
   p.remedy = "a command with steps, or with frequencies near the bandwidth";

@@ -155,7 +155,7 @@ DeviceSecondOpinion regress(const DeviceLog& log) {
 
 DeviceSecondOpinion device_regression(const DeviceLog& log, DeviceMotionKind motion,
                                       DeviceCommand command) {
-  const DeviceSecondOpinion opinion = regress(log);
+  DeviceSecondOpinion opinion = regress(log);
   if (opinion.explained == 0) {
     throw InputError("the " + device_position_name(motion) +
                      " hardly moves: too few samples are left to learn from");

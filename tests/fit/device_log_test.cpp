@@ -35,6 +35,29 @@ TEST(FitDeviceWindows, BeginWhereTheAxisIsFast) {
   EXPECT_EQ(device_windows(std::vector<double>(60, 1.0), 250).size(), 2U);
 }
 
+// Starts and ranges lie within the bounds, whatever the rate of samples.
+TEST(FitDevice, StartsAreAdmissibleAtAnyRate) {
+  for (const double period : {1e-5, 1e-3, 0.1, 5.0}) {
+    DeviceTwin twin;
+    twin.period = 1e-3;
+    DeviceLog log = twin.follow(busy_command(600, twin.period, 1));
+    log.period = period;
+    DeviceOptions options;
+    options.lag = true;
+    options.command = DeviceCommand::current;
+    options.fixed = {{"mass", 0.05}};
+    const DeviceProblem problem(log, options);
+    for (const Parameter& p : problem.parameters()) {
+      EXPECT_LE(p.low, p.start) << p.name << " at " << period;
+      EXPECT_LE(p.start, p.high) << p.name << " at " << period;
+      EXPECT_LE(p.low, p.draw_low) << p.name << " at " << period;
+      EXPECT_LE(p.draw_low, p.draw_high) << p.name << " at " << period;
+      EXPECT_LE(p.draw_high, p.high) << p.name << " at " << period;
+      EXPECT_GT(p.matters, 0) << p.name << " at " << period;
+    }
+  }
+}
+
 std::string refusal(const DeviceLog& log, const DeviceOptions& options = {}) {
   try {
     const DeviceProblem problem(log, options);
