@@ -21,6 +21,9 @@ namespace {
 constexpr std::size_t kStretchesToHoldOut = 5;
 // Of the best sum of squares: what makes no difference, half a degree of freedom.
 constexpr double kSameOptimum = 0.5;
+// Of the residuals at the first start: what is left over of a log without noise.
+constexpr double kExact = 1e-6;
+constexpr double kDecade = 10;
 
 int total(const std::vector<int>& rows) { return std::accumulate(rows.begin(), rows.end(), 0); }
 
@@ -105,7 +108,8 @@ Optimum Fitting::search_from_all(Search& search) {
   std::sort(found.begin(), found.end(),
             [](const Optimum& a, const Optimum& b) { return a.sum < b.sum; });
   const Optimum& best = found.front();
-  const double same = best.sum * kSameOptimum / total(rows_) + 1e-20 * scale_ * scale_;
+  const double exact = kExact * scale_;
+  const double same = best.sum * kSameOptimum / total(rows_) + total(rows_) * exact * exact;
   for (const Optimum& o : found) {
     if (o.sum - best.sum <= same) {
       ++fit_.starts.reached;
@@ -189,8 +193,10 @@ void Fitting::hold_out(const Optimum& best) {
   if (count > 0) fit_.held_out_rms = rms(sum, count);
 }
 
-// An interval that is wider than the value, and than what would show, says nothing.
+// An interval that is wider than the value, and than what would show, says nothing; nor does one
+// of what is known to a factor, over a decade.
 bool says_something(const Estimate& e, const Parameter& p) {
+  if (p.logarithmic && e.high > kDecade * e.low) return false;
   return e.high - e.low <= 2 * std::max(std::abs(e.value), p.matters);
 }
 

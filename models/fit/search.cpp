@@ -115,17 +115,33 @@ Optimum Search::solve(const Progress& progress) {
           report.stopped};
 }
 
+// Near a bound the trust region shrinks to almost nothing: what has come to one is held there, and
+// the others are searched on.
 Optimum Search::from(const Point& start, const Progress& progress) {
   put(start);
-  return solve(progress);
+  Optimum optimum = solve(progress);
+  std::vector<int> held;
+  for (std::size_t k = 0; k < z_.size(); ++k) {
+    if (z_[k] <= coordinates_.low(k) || z_[k] >= coordinates_.high(k)) {
+      held.push_back(static_cast<int>(k));
+    }
+  }
+  if (!optimum.found || optimum.interrupted || held.empty() || held.size() == z_.size()) {
+    return optimum;
+  }
+  Optimum next = solve_with(held, progress);
+  return next.found && next.sum <= optimum.sum ? next : optimum;
 }
 
 Optimum Search::with(std::size_t held, const Point& start) {
   put(start);
   if (z_.size() == 1) return own_alone(start);
-  problem_.SetManifold(
-      z_.data(), new ceres::SubsetManifold(static_cast<int>(z_.size()), {static_cast<int>(held)}));
-  Optimum optimum = solve({});
+  return solve_with({static_cast<int>(held)}, {});
+}
+
+Optimum Search::solve_with(const std::vector<int>& held, const Progress& progress) {
+  problem_.SetManifold(z_.data(), new ceres::SubsetManifold(static_cast<int>(z_.size()), held));
+  Optimum optimum = solve(progress);
   problem_.SetManifold(z_.data(), nullptr);
   return optimum;
 }

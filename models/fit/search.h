@@ -54,6 +54,7 @@ class Search {
  private:
   void put(const Point& at);
   Optimum solve(const Progress& progress);
+  Optimum solve_with(const std::vector<int>& held, const Progress& progress);
 
   const Coordinates& coordinates_;
   Range range_;
