@@ -8,6 +8,7 @@
 #include "tables/accelerator/page.h"
 #include "tables/buses/page.h"
 #include "tables/devices/page.h"
+#include "tables/fit/page.h"
 #include "tables/hard_cases/page.h"
 #include "tables/partitions/page.h"
 #include "tables/pc/page.h"
@@ -32,6 +33,11 @@ int run(int argc, char** argv) {
   const CLI::App* buses = app.add_subcommand("buses", "what links carry and transfers cost");
   const CLI::App* partitions =
       app.add_subcommand("partitions", "partitions of K: zeros isolated, balance, exchanged words");
+  CLI::App* coverage =
+      app.add_subcommand("fit-coverage", "how often the intervals of hvp fit cover the truth");
+  int seeds = 200;
+  coverage->add_option("--seeds", seeds, "logs of each model, 200 by default")
+      ->check(CLI::Range(1, 100'000));
   const CLI::App* pc =
       app.add_subcommand("pc", "Table 6.3 with this machine's row, measured in about a second");
   try {
@@ -50,6 +56,7 @@ int run(int argc, char** argv) {
   if (measure) print("\n## Table 6.3: beside a PC\n\n" + hvp::tables::pc_table());
   if (devices->parsed()) print(hvp::tables::devices_page());
   if (buses->parsed()) print(hvp::tables::buses_page());
+  if (coverage->parsed()) print(hvp::tables::fit_coverage_page(seeds));
   if (partitions->parsed()) print(hvp::tables::partitions_page());
   if (pc->parsed()) print(hvp::tables::pc_table());
   if (hard->parsed()) print(hvp::tables::hard_cases_page());

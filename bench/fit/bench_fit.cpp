@@ -11,7 +11,7 @@
 
 #include "models/fit/device_problem.h"
 #include "models/fit/fit.h"
-#include "tests/fit/device_twin.h"
+#include "models/fit/device_twin.h"
 
 namespace hvp::fit {
 namespace {

@@ -8,7 +8,7 @@
 #include <ceres/gradient_checker.h>
 #include <gtest/gtest.h>
 
-#include "tests/fit/device_twin.h"
+#include "models/fit/device_twin.h"
 
 namespace hvp::fit {
 namespace {

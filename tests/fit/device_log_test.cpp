@@ -10,8 +10,8 @@
 
 #include "models/config/input_error.h"
 #include "models/fit/device_problem.h"
+#include "models/fit/device_twin.h"
 #include "models/fit/device_windows.h"
-#include "tests/fit/device_twin.h"
 
 namespace hvp::fit {
 namespace {

@@ -9,8 +9,8 @@
 #include <ceres/ceres.h>
 #include <gtest/gtest.h>
 
+#include "models/fit/device_twin.h"
 #include "models/fit/fit.h"
-#include "tests/fit/device_twin.h"
 
 namespace hvp::fit {
 namespace {

@@ -10,9 +10,9 @@
 #include <gtest/gtest.h>
 
 #include "models/config/input_error.h"
+#include "models/fit/device_twin.h"
 #include "models/fit/fit.h"
 #include "models/plant/linear_axis.h"
-#include "tests/fit/device_twin.h"
 
 namespace hvp::fit {
 namespace {
