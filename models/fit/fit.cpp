@@ -24,6 +24,7 @@ constexpr double kSameOptimum = 0.5;
 // Of the residuals at the first start: what is left over of a log without noise.
 constexpr double kExact = 1e-6;
 constexpr double kDecade = 10;
+constexpr double kHopeless = 3;
 
 int total(const std::vector<int>& rows) { return std::accumulate(rows.begin(), rows.end(), 0); }
 
@@ -35,6 +36,7 @@ class Fitting {
   Fit run();
 
  private:
+  Search::Progress watch();
   Point start(int attempt) const;
   Point bare(std::vector<double> z) const;
   Optimum search_from_all(Search& search);
@@ -51,6 +53,7 @@ class Fitting {
   std::vector<std::vector<double>> own_;
   double scale_ = 1;
   RobustLoss loss_;
+  int attempt_ = 1;
   Fit fit_;
 };
 
@@ -72,6 +75,18 @@ Fitting::Fitting(const Problem& problem, const Options& options)
 
 Point Fitting::bare(std::vector<double> z) const { return {std::move(z), own_}; }
 
+// Of every search, those for intervals too: whoever watches can end them all.
+Search::Progress Fitting::watch() {
+  if (!options_.progress) return {};
+  return [this](int iteration, double sum) {
+    if (fit_.interrupted) return false;
+    const int starts = std::max(1, options_.starts);
+    fit_.interrupted =
+        !options_.progress({std::min(attempt_, starts), starts, iteration, rms(sum, total(rows_))});
+    return !fit_.interrupted;
+  };
+}
+
 Point Fitting::start(int attempt) const {
   std::vector<double> z;
   const random::Draws draws(static_cast<std::int64_t>(options_.seed), "fit.start");
@@ -91,12 +106,8 @@ Point Fitting::start(int attempt) const {
 Optimum Fitting::search_from_all(Search& search) {
   std::vector<Optimum> found;
   fit_.starts.tried = 0;
-  for (int attempt = 1; attempt <= std::max(1, options_.starts); ++attempt) {
-    const auto progress = [&](int iteration, double sum) {
-      return !options_.progress ||
-             options_.progress({attempt, options_.starts, iteration, rms(sum, total(rows_))});
-    };
-    Optimum optimum = search.from(start(attempt), progress);
+  for (attempt_ = 1; attempt_ <= std::max(1, options_.starts); ++attempt_) {
+    Optimum optimum = search.from(start(attempt_));
     ++fit_.starts.tried;
     const bool stopped = optimum.interrupted;
     if (optimum.found) found.push_back(std::move(optimum));
@@ -146,7 +157,8 @@ Optimum Fitting::refine_robustly(Optimum best) {
     const double scale = robust_scale(best);
     if (!(scale > 0)) break;
     loss_ = {options_.loss, constant * scale};
-    Search search(problem_, coordinates_, {rows_, scale_, options_.most_iterations}, loss_);
+    Search search(problem_, coordinates_, {rows_, scale_, options_.most_iterations}, loss_,
+                  watch());
     Optimum next = search.from(best.at);
     if (!next.found) break;
     next.interrupted = best.interrupted;
@@ -174,12 +186,12 @@ void Fitting::hold_out(const Optimum& best) {
     fit_.warnings.emplace_back("nothing is held out: the rest would be too short to fit");
     return;
   }
-  Search search(problem_, coordinates_, {fitted, scale_, options_.most_iterations}, loss_);
+  Search search(problem_, coordinates_, {fitted, scale_, options_.most_iterations}, loss_, watch());
   Optimum rest = search.from(best.at);
   if (!rest.found) return;
   if (rows_.size() >= kStretchesToHoldOut) {
     // Where a stretch begins is its own; how it goes on is predicted.
-    Search all(problem_, coordinates_, {rows_, scale_, options_.most_iterations}, loss_);
+    Search all(problem_, coordinates_, {rows_, scale_, options_.most_iterations}, loss_, watch());
     rest = all.own_alone(rest.at);
   }
   const Linear linear = linearise(problem_, coordinates_, rows_, rest.at, {});
@@ -194,10 +206,10 @@ void Fitting::hold_out(const Optimum& best) {
 }
 
 // An interval that is wider than the value, and than what would show, says nothing; nor does one
-// of what is known to a factor, over a decade.
-bool says_something(const Estimate& e, const Parameter& p) {
-  if (p.logarithmic && e.high > kDecade * e.low) return false;
-  return e.high - e.low <= 2 * std::max(std::abs(e.value), p.matters);
+// of what is known to a factor, over a decade. `times` as wide ones do not count as such.
+bool says_something(const Estimate& e, const Parameter& p, double times = 1) {
+  if (p.logarithmic && std::log(e.high / e.low) > times * std::log(kDecade)) return false;
+  return e.high - e.low <= times * 2 * std::max(std::abs(e.value), p.matters);
 }
 
 void Fitting::estimate(const Optimum& best) {
@@ -213,7 +225,7 @@ void Fitting::estimate(const Optimum& best) {
     e.fixed = coordinates_.is_fixed(i);
     fit_.parameters.push_back(std::move(e));
   }
-  Search search(problem_, coordinates_, {rows_, scale_, options_.most_iterations}, loss_);
+  Search search(problem_, coordinates_, {rows_, scale_, options_.most_iterations}, loss_, watch());
   Intervals intervals(search, coordinates_, linear, uncertainty, best);
   const auto n = static_cast<Eigen::Index>(coordinates_.size());
   fit_.correlations = Eigen::MatrixXd::Identity(n, n);
@@ -226,10 +238,17 @@ void Fitting::estimate(const Optimum& best) {
       e.high = p.high;
       e.identifiable = false;
     } else {
-      const Interval interval =
-          fit_.interrupted ? Interval{best.at.z[k], best.at.z[k]} : intervals.of(k);
-      e.low = std::clamp(coordinates_.outer(k, interval.low), p.low, e.value);
-      e.high = std::clamp(coordinates_.outer(k, interval.high), e.value, p.high);
+      Interval interval = intervals.plain(k);
+      const auto put = [&] {
+        e.low = std::clamp(coordinates_.outer(k, interval.low), p.low, e.value);
+        e.high = std::clamp(coordinates_.outer(k, interval.high), e.value, p.high);
+      };
+      put();
+      // A profile does not give what this is so far from giving.
+      if (!fit_.interrupted && says_something(e, p, kHopeless)) {
+        interval = intervals.of(k);
+        put();
+      }
       e.profiled = interval.profiled;
       e.identifiable = says_something(e, p);
     }
@@ -265,7 +284,7 @@ Fit Fitting::run() {
     scale_ = rms(*sum, total(rows_));
     break;
   }
-  Search search(problem_, coordinates_, {rows_, scale_, options_.most_iterations}, {});
+  Search search(problem_, coordinates_, {rows_, scale_, options_.most_iterations}, {}, watch());
   Optimum best = search_from_all(search);
   if (options_.loss != Loss::squares) best = refine_robustly(std::move(best));
   keep_residuals(best);

@@ -44,6 +44,12 @@ Point Intervals::moved(std::size_t coordinate, double step) const {
   return point;
 }
 
+Interval Intervals::plain(std::size_t coordinate) const {
+  const double z = optimum_.at.z[coordinate];
+  const double step = uncertainty_.t * uncertainty_.deviation(coordinate);
+  return {limited(coordinate, z - step), limited(coordinate, z + step)};
+}
+
 Interval Intervals::of(std::size_t coordinate) {
   const auto k = static_cast<Eigen::Index>(coordinate);
   const double z = optimum_.at.z[coordinate];
@@ -82,6 +88,7 @@ double Intervals::end(std::size_t coordinate, double step, double ratio) {
     if (at <= inside) return place;  // the bound
     start.z[coordinate] = place;
     const Optimum least = search_.with(coordinate, start);
+    if (least.interrupted) return place;
     const double root =
         least.found ? std::sqrt(std::max(0.0, least.sum - optimum_.sum)) : 10 * wanted;
     if (least.found) start = least.at;

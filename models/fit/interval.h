@@ -24,6 +24,8 @@ class Intervals {
   Intervals(Search& search, const Coordinates& coordinates, const Linear& linear,
             const Uncertainty& uncertainty, const Optimum& optimum);
 
+  // Of a linear problem.
+  Interval plain(std::size_t coordinate) const;
   Interval of(std::size_t coordinate);
 
  private:

@@ -14,6 +14,10 @@ namespace hvp::fit {
 
 namespace {
 
+// Of a point of a profile: its sum of squares is wanted to a hundredth of its rise.
+constexpr int kRoughIterations = 30;
+constexpr double kRoughTolerance = 1e-7;
+
 class Report : public ceres::IterationCallback {
  public:
   Report(const Search::Progress& progress, double to_sum) : progress_(progress), to_sum_(to_sum) {}
@@ -37,8 +41,12 @@ bool bounds(double limit) { return std::isfinite(limit); }
 
 }  // namespace
 
-Search::Search(const Problem& problem, const Coordinates& coordinates, Range range, RobustLoss loss)
-    : coordinates_(coordinates), range_(std::move(range)), z_(coordinates.size(), 0.0) {
+Search::Search(const Problem& problem, const Coordinates& coordinates, Range range, RobustLoss loss,
+               Progress progress)
+    : coordinates_(coordinates),
+      range_(std::move(range)),
+      progress_(std::move(progress)),
+      z_(coordinates.size(), 0.0) {
   silence_ceres();
   own_.resize(problem.stretches());
   problem_.AddParameterBlock(z_.data(), static_cast<int>(z_.size()));
@@ -80,13 +88,17 @@ std::optional<double> Search::sum(const Point& at) {
   return 2 * cost * range_.scale * range_.scale;
 }
 
-Optimum Search::solve(const Progress& progress) {
+Optimum Search::solve() {
   ceres::Solver::Options options;
   options.logging_type = ceres::SILENT;
   options.max_num_iterations = range_.most_iterations;
   // The residuals are of any size and so are the coordinates: only relative changes mean something.
   options.function_tolerance = 1e-14;
   options.parameter_tolerance = 1e-12;
+  if (rough_) {
+    options.max_num_iterations = std::min(options.max_num_iterations, kRoughIterations);
+    options.function_tolerance = kRoughTolerance;
+  }
   options.gradient_tolerance = 0;
   options.max_num_consecutive_invalid_steps = 20;
   options.num_threads = 1;
@@ -103,8 +115,8 @@ Optimum Search::solve(const Progress& progress) {
     options.linear_solver_ordering = ordering;
   }
   const double to_sum = 2 * range_.scale * range_.scale;
-  Report report(progress, to_sum);
-  if (progress) options.callbacks.push_back(&report);
+  Report report(progress_, to_sum);
+  if (progress_) options.callbacks.push_back(&report);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem_, &summary);
   const bool found = summary.IsSolutionUsable() && std::isfinite(summary.final_cost);
@@ -117,9 +129,9 @@ Optimum Search::solve(const Progress& progress) {
 
 // Near a bound the trust region shrinks to almost nothing: what has come to one is held there, and
 // the others are searched on.
-Optimum Search::from(const Point& start, const Progress& progress) {
+Optimum Search::from(const Point& start) {
   put(start);
-  Optimum optimum = solve(progress);
+  Optimum optimum = solve();
   std::vector<int> held;
   for (std::size_t k = 0; k < z_.size(); ++k) {
     if (z_[k] <= coordinates_.low(k) || z_[k] >= coordinates_.high(k)) {
@@ -129,19 +141,22 @@ Optimum Search::from(const Point& start, const Progress& progress) {
   if (!optimum.found || optimum.interrupted || held.empty() || held.size() == z_.size()) {
     return optimum;
   }
-  Optimum next = solve_with(held, progress);
+  Optimum next = solve_with(held);
   return next.found && next.sum <= optimum.sum ? next : optimum;
 }
 
 Optimum Search::with(std::size_t held, const Point& start) {
   put(start);
   if (z_.size() == 1) return own_alone(start);
-  return solve_with({static_cast<int>(held)}, {});
+  rough_ = true;
+  Optimum optimum = solve_with({static_cast<int>(held)});
+  rough_ = false;
+  return optimum;
 }
 
-Optimum Search::solve_with(const std::vector<int>& held, const Progress& progress) {
+Optimum Search::solve_with(const std::vector<int>& held) {
   problem_.SetManifold(z_.data(), new ceres::SubsetManifold(static_cast<int>(z_.size()), held));
-  Optimum optimum = solve(progress);
+  Optimum optimum = solve();
   problem_.SetManifold(z_.data(), nullptr);
   return optimum;
 }
@@ -149,7 +164,7 @@ Optimum Search::solve_with(const std::vector<int>& held, const Progress& progres
 Optimum Search::own_alone(const Point& start) {
   put(start);
   problem_.SetParameterBlockConstant(z_.data());
-  Optimum optimum = solve({});
+  Optimum optimum = solve();
   problem_.SetParameterBlockVariable(z_.data());
   return optimum;
 }

@@ -37,10 +37,11 @@ class Search {
   // What is told of each iteration: its number and Σρ so far. False: stop.
   using Progress = std::function<bool(int, double)>;
 
-  // Keeps references to the problem and its coordinates.
-  Search(const Problem& problem, const Coordinates& coordinates, Range range, RobustLoss loss);
+  // Keeps references to the problem and its coordinates. `progress` hears of every search.
+  Search(const Problem& problem, const Coordinates& coordinates, Range range, RobustLoss loss,
+         Progress progress = {});
 
-  Optimum from(const Point& start, const Progress& progress = {});
+  Optimum from(const Point& start);
   // One coordinate stays where it is.
   Optimum with(std::size_t held, const Point& start);
   // All of them stay.
@@ -53,11 +54,13 @@ class Search {
 
  private:
   void put(const Point& at);
-  Optimum solve(const Progress& progress);
-  Optimum solve_with(const std::vector<int>& held, const Progress& progress);
+  Optimum solve();
+  Optimum solve_with(const std::vector<int>& held);
 
   const Coordinates& coordinates_;
   Range range_;
+  Progress progress_;
+  bool rough_ = false;
   std::vector<double> z_;
   std::vector<std::vector<double>> own_;
   ceres::Problem problem_;
