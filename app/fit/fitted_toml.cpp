@@ -1,6 +1,7 @@
 #include "app/fit/fitted_toml.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -42,8 +43,17 @@ std::string fitted_toml(const FitFigures& figures, const std::vector<FittedSetti
                                   [&](const FittedSetting& s) { return s.parameter == e.name; });
     if (!used) text += fmt::format("# {} = {:.6g} {} ({})\n", e.name, e.value, e.unit, interval(e));
   }
+  // A table stands once, where its first key does.
+  std::vector<FittedSetting> ordered;
+  for (const FittedSetting& of : settings) {
+    const bool first = std::none_of(ordered.begin(), ordered.end(),
+                                    [&](const FittedSetting& s) { return s.table == of.table; });
+    if (!first) continue;
+    std::copy_if(settings.begin(), settings.end(), std::back_inserter(ordered),
+                 [&](const FittedSetting& s) { return s.table == of.table; });
+  }
   std::string table;
-  for (const FittedSetting& s : settings) {
+  for (const FittedSetting& s : ordered) {
     const fit::Estimate* e = find(figures, s.parameter);
     if (s.table != table) text += fmt::format("\n[{}]\n", s.table);
     table = s.table;

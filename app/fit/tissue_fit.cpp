@@ -127,8 +127,7 @@ fit::FrameTouches touches_of_run(const FitRequest& request, const fit::TissueBod
   for (const double node : log.find("node")->values) {
     frames.contact_node.push_back(static_cast<int>(node));
   }
-  return fit::touches_of_frames(body, frames, direction,
-                                request.scenario->contact.search.hand_over_s);
+  return fit::touches_of_frames(body, frames, direction, request.scenario->contact.search);
 }
 
 }  // namespace
@@ -161,10 +160,14 @@ FitOutcome fit_tissue(const FitRequest& request) {
                        log.column("force", "N").values});
   }
   const fit::TissueProblem problem(body, touches);
+  // Of a body with thousands of unknowns an evaluation takes a good part of a second, and the
+  // valley that E, ν and damping share is flat: what changes less does not show in any interval.
+  constexpr double kTolerance = 1e-8;
+  fit::Options options = request.options;
+  options.tolerance = kTolerance;
   for (const std::string& w : problem.warnings()) warnings.push_back(w);
   FitOutcome outcome;
-  outcome.figures =
-      figures_of("tissue", log, problem.unit(), fit::fit(problem, request.options), warnings);
+  outcome.figures = figures_of("tissue", log, problem.unit(), fit::fit(problem, options), warnings);
   const fit::Fit& fit = outcome.figures.fit;
   if (const auto locks = fit::locking_warning(body, fit.parameters)) {
     outcome.figures.warnings.push_back(*locks);

@@ -37,6 +37,9 @@ class Fitting {
 
  private:
   Search::Progress watch();
+  Search::Range range_of(const std::vector<int>& rows) const {
+    return {rows, scale_, options_.most_iterations, options_.tolerance};
+  }
   Point start(int attempt) const;
   Point bare(std::vector<double> z) const;
   Optimum search_from_all(Search& search);
@@ -157,8 +160,7 @@ Optimum Fitting::refine_robustly(Optimum best) {
     const double scale = robust_scale(best);
     if (!(scale > 0)) break;
     loss_ = {options_.loss, constant * scale};
-    Search search(problem_, coordinates_, {rows_, scale_, options_.most_iterations}, loss_,
-                  watch());
+    Search search(problem_, coordinates_, range_of(rows_), loss_, watch());
     Optimum next = search.from(best.at);
     if (!next.found) break;
     next.interrupted = best.interrupted;
@@ -186,12 +188,12 @@ void Fitting::hold_out(const Optimum& best) {
     fit_.warnings.emplace_back("nothing is held out: the rest would be too short to fit");
     return;
   }
-  Search search(problem_, coordinates_, {fitted, scale_, options_.most_iterations}, loss_, watch());
+  Search search(problem_, coordinates_, range_of(fitted), loss_, watch());
   Optimum rest = search.from(best.at);
   if (!rest.found) return;
   if (rows_.size() >= kStretchesToHoldOut) {
     // Where a stretch begins is its own; how it goes on is predicted.
-    Search all(problem_, coordinates_, {rows_, scale_, options_.most_iterations}, loss_, watch());
+    Search all(problem_, coordinates_, range_of(rows_), loss_, watch());
     rest = all.own_alone(rest.at);
   }
   const Linear linear = linearise(problem_, coordinates_, rows_, rest.at, {});
@@ -225,7 +227,7 @@ void Fitting::estimate(const Optimum& best) {
     e.fixed = coordinates_.is_fixed(i);
     fit_.parameters.push_back(std::move(e));
   }
-  Search search(problem_, coordinates_, {rows_, scale_, options_.most_iterations}, loss_, watch());
+  Search search(problem_, coordinates_, range_of(rows_), loss_, watch());
   Intervals intervals(search, coordinates_, linear, uncertainty, best);
   const auto n = static_cast<Eigen::Index>(coordinates_.size());
   fit_.correlations = Eigen::MatrixXd::Identity(n, n);
@@ -277,14 +279,14 @@ void Fitting::keep_residuals(const Optimum& best) {
 }
 
 Fit Fitting::run() {
-  Search trial(problem_, coordinates_, {rows_, 1, options_.most_iterations}, {});
+  Search trial(problem_, coordinates_, range_of(rows_), {});
   for (int attempt = 1; attempt <= std::max(1, options_.starts); ++attempt) {
     const std::optional<double> sum = trial.sum(start(attempt));
     if (!sum || !(*sum > 0) || !std::isfinite(*sum)) continue;
     scale_ = rms(*sum, total(rows_));
     break;
   }
-  Search search(problem_, coordinates_, {rows_, scale_, options_.most_iterations}, {}, watch());
+  Search search(problem_, coordinates_, range_of(rows_), {}, watch());
   Optimum best = search_from_all(search);
   if (options_.loss != Loss::squares) best = refine_robustly(std::move(best));
   keep_residuals(best);

@@ -28,7 +28,9 @@ struct Options {
   int starts = 8;                       // attempts; the first one from Parameter::start
   Loss loss = Loss::squares;
   std::uint64_t seed = 1;
-  int most_iterations = 200;                     // of an attempt
+  int most_iterations = 200;  // of an attempt
+  // A search ends where an iteration changes the sum of squares by less than this share.
+  double tolerance = 1e-14;
   std::function<bool(const Attempt&)> progress;  // false: stop, with the best so far
 };
 

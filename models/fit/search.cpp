@@ -93,11 +93,11 @@ Optimum Search::solve() {
   options.logging_type = ceres::SILENT;
   options.max_num_iterations = range_.most_iterations;
   // The residuals are of any size and so are the coordinates: only relative changes mean something.
-  options.function_tolerance = 1e-14;
+  options.function_tolerance = range_.tolerance;
   options.parameter_tolerance = 1e-12;
   if (rough_) {
     options.max_num_iterations = std::min(options.max_num_iterations, kRoughIterations);
-    options.function_tolerance = kRoughTolerance;
+    options.function_tolerance = std::max(range_.tolerance, kRoughTolerance);
   }
   options.gradient_tolerance = 0;
   options.max_num_consecutive_invalid_steps = 20;

@@ -33,6 +33,7 @@ class Search {
     std::vector<int> rows;  // of each stretch that count
     double scale = 1;       // of the residuals, so that sums are near one
     int most_iterations = 200;
+    double tolerance = 1e-14;  // of the sum, from one iteration to the next
   };
   // What is told of each iteration: its number and Σρ so far. False: stop.
   using Progress = std::function<bool(int, double)>;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "models/collision/contact_settings.h"
 #include "models/fit/tissue_problem.h"
 
 namespace hvp::fit {
@@ -23,7 +24,8 @@ struct FrameTouches {
 
 // The touches of a run whose tip moves along `direction`, which points into the body. The node's
 // own way is that of collision::HandOver: contact is found late, and for `hand_over_s`
-// (contact.hand_over) the node is on its way from where it was to beneath the tip. Sideways it is
+// (contact.hand_over) the node is on its way from where it was to its place by the tip. That place
+// is found again from the first frame of the touch (collision::ContactSearch). Sideways the node is
 // taken to stay where it is, as contact.grip = "offset" has it where the tip moves along the
 // surface's normal.
 //
@@ -34,6 +36,7 @@ struct FrameTouches {
 // Throws InputError: columns of unequal length, a node that is not in the mesh, no touch of enough
 // frames.
 FrameTouches touches_of_frames(const TissueBody& body, const TouchedFrames& frames,
-                               const Eigen::Vector3d& direction, double hand_over_s);
+                               const Eigen::Vector3d& direction,
+                               const collision::ContactSettings& contact);
 
 }  // namespace hvp::fit

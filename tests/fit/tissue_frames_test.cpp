@@ -13,6 +13,8 @@
 namespace hvp::fit {
 namespace {
 
+const collision::ContactSettings kSnap{.grip = collision::Grip::snap, .hand_over_s = 0.03};
+
 const Eigen::Vector3d kDown(0, 0, -1);
 constexpr std::int64_t kPeriod = 2'000'000'000;  // ps
 constexpr std::int64_t kHandOver = 30'000'000'000;
@@ -82,7 +84,7 @@ void expect_no_residuals(const TissueBody& body, const FrameTouches& touches) {
 TEST(TissueFrames, TouchOfARunIsReproducedFromItsFirstFrameOn) {
   const TissueBody body = soft_block(2, damped_newmark());
   const int node = node_near(body, {0.05, 0.05, 0.1});
-  const FrameTouches touches = touches_of_frames(body, run(body, node, 20, 120, 160), kDown, 0.03);
+  const FrameTouches touches = touches_of_frames(body, run(body, node, 20, 120, 160), kDown, kSnap);
   ASSERT_EQ(touches.logs.size(), 1u);
   EXPECT_EQ(touches.logs[0].time.size(), 100u);
   EXPECT_TRUE(touches.warnings.empty());
@@ -101,13 +103,13 @@ TEST(TissueFrames, StaticBodiesGiveEveryTouch) {
     frames.contact_node.push_back(again.contact_node[i]);
     frames.force.push_back(again.force[i]);
   }
-  const FrameTouches touches = touches_of_frames(body, frames, kDown, 0.03);
+  const FrameTouches touches = touches_of_frames(body, frames, kDown, kSnap);
   ASSERT_EQ(touches.logs.size(), 2u);
   expect_no_residuals(body, touches);
 
   TissueBody heavy = body;
   heavy.dynamics = damped_newmark();
-  const FrameTouches first = touches_of_frames(heavy, frames, kDown, 0.03);
+  const FrameTouches first = touches_of_frames(heavy, frames, kDown, kSnap);
   EXPECT_EQ(first.logs.size(), 1u);
   EXPECT_EQ(first.warnings.size(), 1u);
 }
@@ -118,14 +120,14 @@ TEST(TissueFrames, RunsThatSayNothingAreRefused) {
   const TouchedFrames frames = run(body, node, 20, 120, 160);
   TouchedFrames nothing = frames;
   std::fill(nothing.contact_node.begin(), nothing.contact_node.end(), -1);
-  EXPECT_THROW(touches_of_frames(body, nothing, kDown, 0.03), InputError);
+  EXPECT_THROW(touches_of_frames(body, nothing, kDown, kSnap), InputError);
   TouchedFrames other = frames;
   other.contact_node[50] = 1000;
-  EXPECT_THROW(touches_of_frames(body, other, kDown, 0.03), InputError);
+  EXPECT_THROW(touches_of_frames(body, other, kDown, kSnap), InputError);
   TouchedFrames shorter = frames;
   shorter.force.pop_back();
-  EXPECT_THROW(touches_of_frames(body, shorter, kDown, 0.03), InputError);
-  EXPECT_THROW(touches_of_frames(body, frames, Eigen::Vector3d::Zero(), 0.03), InputError);
+  EXPECT_THROW(touches_of_frames(body, shorter, kDown, kSnap), InputError);
+  EXPECT_THROW(touches_of_frames(body, frames, Eigen::Vector3d::Zero(), kSnap), InputError);
 }
 
 }  // namespace
