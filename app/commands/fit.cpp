@@ -79,12 +79,14 @@ FitRequest request_of(const FitArguments& a) {
 }
 
 std::string title_of(const FitFigures& figures) {
+  constexpr std::size_t kLongest = 80;
   std::string title = fmt::format("{} of {}", figures.model, figures.log);
+  const char* before = ": ";
   for (const fit::Estimate& e : figures.fit.parameters) {
-    if (e.fixed || !e.identifiable) continue;
-    title += fmt::format("{} {} {:.4g}{}{}", title.size() > 40 ? "," : ":", e.name, e.value,
-                         e.unit.empty() ? "" : " ", e.unit);
-    if (title.size() > 90) break;
+    if (e.fixed || !e.identifiable || title.size() > kLongest) continue;
+    title +=
+        fmt::format("{}{} {:.4g}{}{}", before, e.name, e.value, e.unit.empty() ? "" : " ", e.unit);
+    before = ", ";
   }
   return title;
 }
