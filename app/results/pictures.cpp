@@ -168,10 +168,15 @@ PictureOutcome draw_stability_map(const std::filesystem::path& csv,
 
 PictureOutcome draw_fit(const std::filesystem::path& csv, const std::filesystem::path& png,
                         const FitPictureLabels& labels) {
+  return draw_fit(csv, png, labels, PictureTools::of_this_process());
+}
+
+PictureOutcome draw_fit(const std::filesystem::path& csv, const std::filesystem::path& png,
+                        const FitPictureLabels& labels, const PictureTools& tools) {
   return carry_out({{"--fit", csv.string(), png.string(), labels.x, labels.y, labels.unit},
                     {png},
                     png.filename().string() + " was not drawn"},
-                   PictureTools::of_this_process());
+                   tools);
 }
 
 }  // namespace hvp::results

@@ -47,5 +47,7 @@ struct FitPictureLabels {
 };
 PictureOutcome draw_fit(const std::filesystem::path& csv, const std::filesystem::path& png,
                         const FitPictureLabels& labels);
+PictureOutcome draw_fit(const std::filesystem::path& csv, const std::filesystem::path& png,
+                        const FitPictureLabels& labels, const PictureTools& tools);
 
 }  // namespace hvp::results

@@ -183,7 +183,10 @@ TEST_F(DrawInputTest, WrongNumberOfArguments) {
     LaunchedProgram child(HVP_DRAW_PROGRAM, arguments, {});
     const auto result = child.wait(std::chrono::seconds(60));
     EXPECT_EQ(result.exit_status, 2);
-    EXPECT_EQ(result.errors, "usage: hvp-draw RUN_DIRECTORY | --stability-map IN.csv OUT.png\n");
+    EXPECT_EQ(
+        result.errors,
+        "usage: hvp-draw RUN_DIRECTORY | --stability-map IN.csv OUT.png | --fit IN.csv OUT.png "
+        "X_LABEL Y_LABEL UNIT\n");
   }
 }
 

@@ -12,8 +12,10 @@
 
 #include "app/draw/axis_ticks.h"
 #include "app/draw/decimation.h"
+#include "app/draw/fit_series.h"
 #include "app/draw/loop_series.h"
 #include "app/draw/stability_map.h"
+#include "models/config/input_error.h"
 #include "tests/app/sample_loop.h"
 #include "tests/app/sample_run.h"
 #include "tests/app/scratch_directory.h"
@@ -159,6 +161,22 @@ TEST(StabilityMap, IsReadWithItsTitleOrWithout) {
   map = read_stability_map(path);
   EXPECT_EQ(map.title, "a wall, 1 kHz");
   EXPECT_EQ(map.runs_N_m.size(), 2U);
+}
+
+TEST(FitSeries, RowsOfEmptyFieldsPartTwoStretches) {
+  const ScratchDirectory scratch;
+  const auto path = scratch.path() / "fit.csv";
+  std::ofstream(path) << "# a device\nx,observed,modelled,residual\n0,1,2,-1\n,,,\n1,3,3,0\n";
+  const FitSeries series = read_fit(path);
+  EXPECT_EQ(series.title, "a device");
+  EXPECT_EQ(series.x, (std::vector<double>{0, 0, 1}));
+  EXPECT_EQ(series.observed[2], 3);
+  EXPECT_TRUE(std::isnan(series.modelled[1]));
+  EXPECT_EQ(series.residual[0], -1);
+  for (const char* rows : {"", ",,,\n", "1,1,1,0\n0,1,1,0\n", "0,1,1\n", "0,x,1,1\n"}) {
+    std::ofstream(path) << "x,observed,modelled,residual\n" << rows;
+    EXPECT_THROW(read_fit(path), InputError) << rows;
+  }
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // hvp-draw under a real Xvfb. The build adds this file only where Xvfb is installed.
 
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -194,6 +195,28 @@ TEST_F(DrawRenderTest, AMapFillsWhatIsStable) {
   const double filled = picture.count(is_pale_blue);
   ASSERT_TRUE(draw_map(1000).drawn);
   EXPECT_NEAR(Picture(file("map.png")).count(is_pale_blue) / filled, 0.5, 0.05);
+}
+
+TEST_F(DrawRenderTest, AFitHasTheModelOverTheLogAndWhatIsLeftOver) {
+  const auto draw = [&](double left) {
+    std::ofstream csv(file("fit.csv"));
+    csv << "# Sample\nx,observed,modelled,residual\n";
+    for (int i = 0; i < 200; ++i) {
+      const double model = std::sin(0.05 * i);
+      const double rest = i % 2 == 0 ? left : -left;
+      csv << 0.01 * i << ',' << model + rest << ',' << model << ',' << rest << '\n';
+    }
+    csv.close();
+    return draw_fit(file("fit.csv"), file("fit.png"), {"time (s)", "force", "N"}, tools());
+  };
+  const auto outcome = draw(0.01);
+  ASSERT_TRUE(outcome.drawn) << outcome.reason;
+  EXPECT_EQ(outcome.files, std::vector<std::string>{"fit.png"});
+  const Picture picture(file("fit.png"));
+  EXPECT_GT(picture.count(is_orange), 1000);
+  EXPECT_GT(picture.count(is_blue), 5000);
+  ASSERT_TRUE(draw(0).drawn);
+  EXPECT_LT(Picture(file("fit.png")).count(is_blue), 5000);
 }
 
 TEST_F(DrawRenderTest, BrokenResultsAreAReason) {

@@ -67,7 +67,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Wrong{
             {},
-            "expected a command: run, explain, device, stability, solve, mesh, export, reference"},
+            "expected a command: run, explain, device, stability, fit, solve, mesh, export, reference"},
         Wrong{{"rum"}, "unknown command rum; did you mean run?"},
         Wrong{{"simulate"}, "unknown command simulate; there is run, explain"},
         Wrong{{"--versoin"}, "unknown option --versoin; did you mean --version?"},
