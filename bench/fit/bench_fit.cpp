@@ -10,8 +10,8 @@
 #include <benchmark/benchmark.h>
 
 #include "models/fit/device_problem.h"
-#include "models/fit/fit.h"
 #include "models/fit/device_twin.h"
+#include "models/fit/fit.h"
 
 namespace hvp::fit {
 namespace {

@@ -65,9 +65,9 @@ TEST_P(WrongUsage, IsOneLineAndStatusTwo) {
 INSTANTIATE_TEST_SUITE_P(
     CommandLine, WrongUsage,
     ::testing::Values(
-        Wrong{
-            {},
-            "expected a command: run, explain, device, stability, fit, solve, mesh, export, reference"},
+        Wrong{{},
+              "expected a command: run, explain, device, stability, fit, solve, mesh, export, "
+              "reference"},
         Wrong{{"rum"}, "unknown command rum; did you mean run?"},
         Wrong{{"simulate"}, "unknown command simulate; there is run, explain"},
         Wrong{{"--versoin"}, "unknown option --versoin; did you mean --version?"},
