@@ -1,4 +1,5 @@
 #include <charconv>
+#include <cstdio>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -137,7 +138,10 @@ int fit_command(const FitArguments& arguments) {
     results::write_through_part_file(arguments.out, fitted_toml(outcome.figures, outcome.settings));
   }
   if (!arguments.plot.empty() && !draw(outcome, arguments.plot)) return kFailed;
-  if (results::interrupted() != 0) results::end_as_interrupted();
+  if (results::interrupted() != 0) {
+    std::fflush(stdout);
+    results::end_as_interrupted();
+  }
   return outcome.figures.fit.converged ? kHeld : kNotHeld;
 }
 

@@ -1,7 +1,10 @@
+#include <chrono>
 #include <cmath>
+#include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -258,6 +261,18 @@ TEST_F(FitCommand, AnswersAreTheSameBytesAgain) {
   press("tissue.csv", 2e-3, 3);
   const std::vector<std::string> arguments = {"tissue.csv", "--model", "qlv", "--json"};
   EXPECT_EQ(fit(arguments).out, fit(arguments).out);
+}
+
+TEST_F(FitCommand, AnInterruptionLeavesTheBestSoFar) {
+  press("tissue.csv", 2e-3, 3);
+  Program program(place_.path(), {"fit", "tissue.csv", "--model", "qlv", "--starts", "1000",
+                                  "--out", "fitted.toml"});
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));
+  program.signal(SIGINT);
+  const Ended ended = program.wait();
+  EXPECT_EQ(ended.signal, SIGINT);
+  EXPECT_THAT(ended.out, HasSubstr("stopped before the end"));
+  EXPECT_THAT(read(place_.path() / "fitted.toml"), HasSubstr("stopped before the end"));
 }
 
 TEST_F(FitCommand, WrongInputEndsInOneLine) {
