@@ -61,7 +61,10 @@ FitRequest request_of(const FitArguments& a) {
     arguments.scenario = a.scenario;
     request.scenario = load(arguments).scenario;
   }
-  for (const std::string& text : a.fixed) request.options.fixed.insert(fixed_value(text));
+  for (const std::string& text : a.fixed) {
+    if (request.options.fixed.insert(fixed_value(text)).second) continue;
+    throw InputError(fmt::format("--fix {}: it is fixed twice", files::one_line(text)));
+  }
   request.options.hold_out = a.hold_out;
   request.options.starts = a.starts;
   request.options.loss = a.loss == "huber"    ? fit::Loss::huber
@@ -108,10 +111,13 @@ std::string plot_csv(const FitOutcome& outcome) {
   return text;
 }
 
+std::filesystem::path samples_beside(std::filesystem::path png) {
+  return png.replace_extension(".fit.csv");
+}
+
 // The picture's samples stay beside it.
 bool draw(const FitOutcome& outcome, const std::filesystem::path& png) {
-  std::filesystem::path csv = png;
-  csv.replace_extension(".csv");
+  const std::filesystem::path csv = samples_beside(png);
   results::write_through_part_file(csv, plot_csv(outcome));
   const FitPlot& p = outcome.plot;
   const results::PictureOutcome drawn = results::draw_fit(csv, png, {p.x_label, p.y_label, p.unit});
@@ -137,7 +143,8 @@ int fit_command(const FitArguments& arguments) {
   if (!arguments.out.empty()) {
     results::write_through_part_file(arguments.out, fitted_toml(outcome.figures, outcome.settings));
   }
-  if (!arguments.plot.empty() && !draw(outcome, arguments.plot)) return kFailed;
+  const bool draws = !arguments.plot.empty() && results::interrupted() == 0;
+  if (draws && !draw(outcome, arguments.plot)) return kFailed;
   if (results::interrupted() != 0) {
     std::fflush(stdout);
     results::end_as_interrupted();

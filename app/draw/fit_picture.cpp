@@ -32,12 +32,22 @@ struct Panel {
   Range range;
 };
 
+// Of a share there is none.
+Unit unit_of(double largest, const std::string& symbol, double preferred) {
+  if (symbol.empty()) return {1.0, ""};
+  return unit_for(largest, symbol, preferred);
+}
+
+std::string with(const std::string& label, const Unit& unit) {
+  return unit.name.empty() ? label : fmt::format("{} ({})", label, unit.name);
+}
+
 Panel panel_of(double low, double high, Range range, const std::string& symbol) {
   const double largest = std::max(std::abs(range.least), std::abs(range.largest));
   const double slack = range.size() > 0 ? 0.06 * range.size() : std::max(0.1 * largest, 1e-12);
   return {low,
           high,
-          unit_for(largest, symbol, symbol == "N" ? 1.0 : 1e-3),
+          unit_of(largest, symbol, symbol == "N" ? 1.0 : 1e-3),
           {range.least - slack, range.largest + slack}};
 }
 
@@ -81,11 +91,11 @@ double rms(const std::vector<double>& values) {
 
 std::string figures(const FitSeries& series, const FitLabels& labels) {
   const double left = rms(series.residual);
-  const Unit unit = unit_for(left, labels.unit, 1.0);
+  const Unit unit = unit_of(left, labels.unit, 1.0);
   const auto samples = std::count_if(series.residual.begin(), series.residual.end(),
                                      [](double v) { return std::isfinite(v); });
-  return fmt::format("{} samples · {} {} rms left over", samples, four_digits(left / unit.size),
-                     unit.name);
+  return fmt::format("{} samples · {}{} rms left over", samples, four_digits(left / unit.size),
+                     unit.name.empty() ? "" : " " + unit.name);
 }
 
 void paint(Canvas& canvas, const FitSeries& series, const FitLabels& labels) {
@@ -99,7 +109,7 @@ void paint(Canvas& canvas, const FitSeries& series, const FitLabels& labels) {
   values.include(range_of(series.modelled));
   const Panel above = panel_of(390.0, 862.0, values, labels.unit);
   const Axes top = axes_of(above, x);
-  draw_frame(canvas, top, ticks, fmt::format("{} ({})", labels.y, above.unit.name), 8);
+  draw_frame(canvas, top, ticks, with(labels.y, above.unit), 8);
   draw_values(canvas, top, series, series.observed, above.unit, kObserved, 5.0);
   draw_values(canvas, top, series, series.modelled, above.unit, kModelled, 2.0);
   Legend legend(canvas, top.high + Point(0.0, 18.0));
@@ -110,7 +120,7 @@ void paint(Canvas& canvas, const FitSeries& series, const FitLabels& labels) {
 
   const Panel below = panel_of(110.0, 350.0, range_of(series.residual), labels.unit);
   const Axes foot = axes_of(below, x);
-  draw_frame(canvas, foot, ticks, fmt::format("left over ({})", below.unit.name), 5);
+  draw_frame(canvas, foot, ticks, with("left over", below.unit), 5);
   draw_values(canvas, foot, series, series.residual, below.unit, kResidual, 1.5);
   draw_x_axis(canvas, foot, ticks, labels.x);
 }

@@ -53,11 +53,12 @@ void add_settings(FitOutcome& outcome, bool told, link::Direction direction) {
   const auto add = [&](const char* key, std::string value, std::string parameter) {
     outcome.settings.push_back({"bus", key, std::move(value), std::move(parameter)});
   };
+  const std::string of_bandwidth = (of_read ? prefix_of_read : prefix_of_write) + "bandwidth";
   const char* const kinds[] = {"pci-32/33", "pci-32/66", "pci-64/66", "pci-x-133"};
-  add("kind", fmt::format("\"{}\"", kinds[static_cast<std::size_t>(pci.kind)]), "");
-  add("burst_bytes", fmt::format("{}", pci.burst_bytes), "");
-  add("overhead_clocks", fmt::format("{}", pci.overhead_clocks), "");
-  add("read_wait_clocks", fmt::format("{}", pci.read_wait_clocks), "");
+  add("kind", fmt::format("\"{}\"", kinds[static_cast<std::size_t>(pci.kind)]), of_bandwidth);
+  add("burst_bytes", fmt::format("{}", pci.burst_bytes), of_bandwidth);
+  add("overhead_clocks", fmt::format("{}", pci.overhead_clocks), of_bandwidth);
+  add("read_wait_clocks", fmt::format("{}", pci.read_wait_clocks), of_bandwidth);
   if (of_read) {
     add("read_latency", toml_quantity(pci.read_latency_s, "s"), prefix_of_read + "latency");
   }

@@ -1,3 +1,7 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+
 #include <fmt/format.h>
 
 #include "app/fit/fit_request.h"
@@ -55,6 +59,60 @@ Columns columns_of(const files::Log& log) {
   return c;
 }
 
+// Whether what the axis moved forwards and what it moved back are of one size at all, steps smaller
+// than `step` left out: friction and offset are told apart by nothing else.
+bool reverses(const std::vector<double>& position, double step) {
+  constexpr double kShare = 0.02;
+  double forwards = 0;
+  double back = 0;
+  double last = position.front();
+  for (const double p : position) {
+    if (std::abs(p - last) < step) continue;
+    (p > last ? forwards : back) += std::abs(p - last);
+    last = p;
+  }
+  return std::min(forwards, back) > kShare * std::max(forwards, back);
+}
+
+void mark(fit::Fit& fit, FitFigures& figures, const std::vector<std::string>& names,
+          const std::string& remedy) {
+  std::string all;
+  for (fit::Estimate& e : fit.parameters) {
+    if (std::find(names.begin(), names.end(), e.name) == names.end()) continue;
+    e.identifiable = false;
+    e.remedy = remedy;
+    all += (all.empty() ? "" : ", ") + e.name;
+  }
+  figures.warnings.push_back(fmt::format("this log does not give {}: {}", all, remedy));
+}
+
+// What no covariance shows: two numbers of which the log has only one, and units that are wrong.
+void look_again(const fit::DeviceProblem& problem, const Columns& columns, bool mass_known,
+                FitFigures& figures) {
+  fit::Fit& fit = figures.fit;
+  constexpr double kSteps = 5;
+  const double seen = std::max(kSteps * fit.residual_rms, 0.0);
+  if (!reverses(columns.position->values, seen)) {
+    mark(fit, figures, {"coulomb", "offset"},
+         "a motion that reverses, friction alone or offset alone");
+  }
+  if (columns.kind == fit::DeviceCommand::current && !mass_known) {
+    mark(fit, figures, {problem.mass_name(), "damping", "coulomb", "offset", "motor_constant"},
+         "values are for a motor constant of one: weigh it, or --fix motor_constant=…");
+  }
+  const double mass = estimate(fit, problem.mass_name()).value;
+  if (columns.motion == fit::DeviceMotionKind::linear && (mass > 20 || mass < 1e-3)) {
+    figures.warnings.push_back(
+        fmt::format("a device of {:.3g} kg: are the columns in the units that they name?", mass));
+  }
+  const auto [least, most] =
+      std::minmax_element(columns.position->values.begin(), columns.position->values.end());
+  if (columns.motion == fit::DeviceMotionKind::linear && *most - *least > 2) {
+    figures.warnings.push_back(
+        fmt::format("a stroke of {:.3g} m: is the position in mm?", *most - *least));
+  }
+}
+
 std::vector<FittedSetting> settings_of(const fit::Fit& fit, const Columns& columns, bool lag) {
   std::vector<FittedSetting> settings;
   if (columns.motion == fit::DeviceMotionKind::rotary) return settings;
@@ -69,8 +127,8 @@ std::vector<FittedSetting> settings_of(const fit::Fit& fit, const Columns& colum
   if (current) {
     // N/A at a lever of a metre is N·m/A.
     add("device.motor", "torque_constant", "motor_constant", "N m/A");
-    settings.push_back({"device.motor", "transmission", "[1, 1, 1]", ""});
-    settings.push_back({"device.motor", "lever", "\"1 m\"", ""});
+    settings.push_back({"device.motor", "transmission", "[1, 1, 1]", "motor_constant"});
+    settings.push_back({"device.motor", "lever", "\"1 m\"", "motor_constant"});
   }
   return settings;
 }
@@ -96,6 +154,10 @@ FitOutcome fit_device(const FitRequest& request) {
   FitOutcome outcome;
   outcome.figures =
       figures_of("device", log, problem.unit(), fit::fit(problem, fitting), problem.warnings());
+  const std::map<std::string, double>& known = request.options.fixed;
+  look_again(problem, columns,
+             known.count("motor_constant") > 0 || known.count(problem.mass_name()) > 0,
+             outcome.figures);
   const fit::Fit& fit = outcome.figures.fit;
   outcome.settings = settings_of(fit, columns, settings.lag);
   outcome.plot = {"time (s)", columns.position->quantity, columns.position->unit, {}, {}, {}};

@@ -36,6 +36,10 @@ std::vector<FittedSetting> settings_of(const fit::WakeUpFit& fitted) {
 
 FitOutcome fit_host(const FitRequest& request) {
   model_settings<Settings>(request.overrides);
+  if (!request.options.fixed.empty()) {
+    throw InputError(fmt::format("--fix {}: a distribution is fitted as a whole",
+                                 files::one_line(request.options.fixed.begin()->first)));
+  }
   const std::string name = request.log.filename().string();
   fit::WakeUpHistogram histogram;
   try {
@@ -51,7 +55,7 @@ FitOutcome fit_host(const FitRequest& request) {
   outcome.figures = figures_of("host", log, "", fitted.fit, histogram.warnings);
   outcome.figures.samples = histogram.count();
   outcome.settings = settings_of(fitted);
-  outcome.plot = {"latency (us)", "share", "", {}, {}, {}};
+  outcome.plot = {"latency (us)", "share of the latencies", "", {}, {}, {}};
   const std::vector<double>& left = fitted.fit.residuals.front();
   const auto all = static_cast<double>(histogram.count() + histogram.overflows);
   for (std::size_t i = 0; i < left.size() && i < histogram.bins.size(); ++i) {

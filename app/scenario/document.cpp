@@ -46,7 +46,7 @@ void set_file(Node& node, int file) {
   for (Node& member : node.members) set_file(member, file);
 }
 
-Node parse_file(std::string_view text, const std::filesystem::path& file_name) {
+Node parse_file(std::string_view text, const std::filesystem::path& file_name, bool included) {
   const std::string name = name_of(file_name);
   if (text.size() > kLargestFile) {
     throw SourceError(fmt::format("{}: is too large: expected at most 1 MiB", name));
@@ -58,7 +58,9 @@ Node parse_file(std::string_view text, const std::filesystem::path& file_name) {
     throw SourceError(fmt::format("{}:{}:{}: TOML syntax: {}", name, error.line, error.column,
                                   one_line(error.message, 400)));
   }
-  if (root.keys.empty()) {
+  // A file of hvp fit may hold nothing but what it says of values that have no key.
+  const bool comments = text.find('#') != std::string_view::npos;
+  if (root.keys.empty() && !(included && comments)) {
     throw SourceError(fmt::format("{}: is empty: expected TOML tables", name));
   }
   return root;
@@ -85,10 +87,10 @@ Document Document::of_text(std::string_view text, const std::filesystem::path& f
   Document document;
   std::vector<Node> over;  // the last include first
   for (auto file = includes.rbegin(); file != includes.rend(); ++file) {
-    over.push_back(document.stack(read_text(*file), *file, {}));
+    over.push_back(document.stack(read_text(*file), *file, {}, true));
   }
   document.scenario_ = document.files_.size();
-  document.root_ = document.stack(text, file_name, {});
+  document.root_ = document.stack(text, file_name, {}, false);
   for (auto node = over.rbegin(); node != over.rend(); ++node) {
     lay_over(std::move(*node), document.root_);
   }
@@ -96,8 +98,9 @@ Document Document::of_text(std::string_view text, const std::filesystem::path& f
   return document;
 }
 
-Node Document::stack(std::string_view text, const std::filesystem::path& file, Chain above) {
-  Node own = parse_file(text, file);
+Node Document::stack(std::string_view text, const std::filesystem::path& file, Chain above,
+                     bool included) {
+  Node own = parse_file(text, file, included);
   set_file(own, static_cast<int>(files_.size()));
   above.push_back(files_.size());
   files_.push_back(file);
@@ -170,12 +173,12 @@ Node Document::stack_named(const Named& named, const Chain& above) {
   } catch (const InputError& error) {
     throw wrong(name_of(file) + ": " + error.what());
   }
-  return stack(text, file, above);
+  return stack(text, file, above, true);
 }
 
 void Document::put_text_under(std::string_view table, std::string_view text,
                               const std::filesystem::path& file_name) {
-  Node lower = parse_file(text, file_name);
+  Node lower = parse_file(text, file_name, false);
   set_file(lower, static_cast<int>(files_.size()));
   Node wrapped;
   wrapped.add(table, std::move(lower));

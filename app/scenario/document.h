@@ -85,7 +85,8 @@ class Document {
                           const std::vector<std::string>& overrides,
                           const std::vector<std::filesystem::path>& includes);
   // The file's keys over those of all files below it.
-  Node stack(std::string_view text, const std::filesystem::path& file, Chain above);
+  // `included`: it may consist of comments.
+  Node stack(std::string_view text, const std::filesystem::path& file, Chain above, bool included);
   // What it names, and no longer has: that which counts most first.
   std::vector<Named> take_named(Node& own) const;
   Node stack_named(const Named& named, const Chain& above);

@@ -47,6 +47,7 @@ class Fitting {
   void hold_out(const Optimum& best);
   void estimate(const Optimum& best);
   void keep_residuals(const Optimum& best);
+  double residual_rms_at(const Point& at) const;
   double robust_scale(const Optimum& at) const;
 
   const Problem& problem_;
@@ -124,18 +125,19 @@ Optimum Fitting::search_from_all(Search& search) {
   const Optimum& best = found.front();
   const double exact = kExact * scale_;
   const double same = best.sum * kSameOptimum / total(rows_) + total(rows_) * exact * exact;
+  double last_sum = 0;
   for (const Optimum& o : found) {
     if (o.sum - best.sum <= same) {
       ++fit_.starts.reached;
       continue;
     }
     std::vector<Starts::Other>& others = fit_.starts.others;
-    const double r = rms(o.sum, total(rows_));
-    if (!others.empty() && r <= others.back().rms * (1 + 1e-4)) {
+    if (!others.empty() && o.sum <= last_sum * (1 + 1e-4)) {
       ++others.back().times;
-    } else {
-      others.push_back({r, coordinates_.values(o.at.z.data()), 1});
+      continue;
     }
+    last_sum = o.sum;
+    others.push_back({residual_rms_at(o.at), coordinates_.values(o.at.z.data()), 1});
   }
   return best;
 }
@@ -266,14 +268,19 @@ void Fitting::estimate(const Optimum& best) {
   }
 }
 
-void Fitting::keep_residuals(const Optimum& best) {
-  const Linear linear = linearise(problem_, coordinates_, rows_, best.at, {});
+double Fitting::residual_rms_at(const Point& at) const {
   double sum = 0;
-  for (const Eigen::VectorXd& r : linear.residuals) {
+  for (const Eigen::VectorXd& r : linearise(problem_, coordinates_, rows_, at, {}).residuals) {
     sum += r.squaredNorm();
+  }
+  return rms(sum, total(rows_));
+}
+
+void Fitting::keep_residuals(const Optimum& best) {
+  for (const Eigen::VectorXd& r : linearise(problem_, coordinates_, rows_, best.at, {}).residuals) {
     fit_.residuals.emplace_back(r.begin(), r.end());
   }
-  fit_.residual_rms = rms(sum, total(rows_));
+  fit_.residual_rms = residual_rms_at(best.at);
   fit_.own = best.at.own;
   fit_.converged = best.converged && !best.interrupted;
 }

@@ -1,6 +1,8 @@
 #include "models/fit/warnings.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 
 #include <fmt/format.h>
 
@@ -10,13 +12,26 @@ namespace {
 
 constexpr double kUnexplained = 0.3;  // of the signal
 
+// As an rms: 1.4826 times the median of |r|.
+double without_outliers(const Fit& fit) {
+  std::vector<double> sizes;
+  for (const std::vector<double>& stretch : fit.residuals) {
+    for (const double r : stretch) sizes.push_back(std::abs(r));
+  }
+  if (sizes.empty()) return 0;
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return 1.4826 * *middle;
+}
+
 }  // namespace
 
 std::vector<std::string> warnings_of(const Fit& fit, const Problem& problem,
                                      const Options& options) {
   std::vector<std::string> w;
   if (fit.interrupted) {
-    w.emplace_back("stopped before the end: the best values so far, without intervals");
+    w.emplace_back(
+        "stopped before the end: the best values so far, with intervals as of a linear problem");
   } else if (!fit.converged) {
     w.push_back(fmt::format("not converged in {} iterations", options.most_iterations));
   }
@@ -40,9 +55,10 @@ std::vector<std::string> warnings_of(const Fit& fit, const Problem& problem,
     }
   }
   const double signal = problem.signal_rms();
-  if (signal > 0 && fit.residual_rms > kUnexplained * signal) {
+  const double left = options.loss == Loss::squares ? fit.residual_rms : without_outliers(fit);
+  if (signal > 0 && left > kUnexplained * signal) {
     w.push_back(fmt::format("the model does not explain the log: {:.0f} % of it is left over",
-                            100 * fit.residual_rms / signal));
+                            100 * left / signal));
   }
   if (!fit.whiteness.white()) {
     w.push_back(

@@ -7,8 +7,10 @@
 #include <thread>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include "models/fit/device_twin.h"
 #include "models/fit/qlv_twin.h"
 #include "tests/app/cli/program.h"
 #include "tests/app/scratch_directory.h"
@@ -19,6 +21,7 @@ namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class FitCommand : public ::testing::Test {
  protected:
@@ -263,6 +266,38 @@ TEST_F(FitCommand, AnswersAreTheSameBytesAgain) {
   EXPECT_EQ(fit(arguments).out, fit(arguments).out);
 }
 
+TEST_F(FitCommand, APictureLeavesTheLogAsItIs) {
+  press("tissue.csv", 2e-3, 3);
+  const std::string before = read(place_.path() / "tissue.csv");
+  const Ended ended =
+      fit({"tissue.csv", "--model", "qlv", "--starts", "1", "--plot", "tissue.png"});
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_EQ(read(place_.path() / "tissue.csv"), before);
+  EXPECT_TRUE(std::filesystem::exists(place_.path() / "tissue.fit.csv"));
+}
+
+// A motion that never reverses has friction and offset in one number.
+TEST_F(FitCommand, OneWayMotionGivesNeitherFrictionNorOffset) {
+  const fit::DeviceTwin twin;
+  std::vector<double> command = fit::busy_command(3000, twin.period, 0.4);
+  for (double& c : command) c = 0.6 + c;
+  const fit::DeviceLog log = twin.follow(command);
+  std::string text = "time_ms,force_N,position_mm\n";
+  for (std::size_t i = 0; i < command.size(); ++i) {
+    text += fmt::format("{},{},{}\n", i, command[i], 1e3 * log.position[i]);
+  }
+  write("one-way.csv", text);
+  const Ended ended =
+      fit({"one-way.csv", "--model", "device", "--json", "--starts", "2", "--out", "fitted.toml"});
+  ASSERT_EQ(ended.status, 0) << ended.err;
+  const json fitted = json::parse(ended.out);
+  EXPECT_FALSE(parameter(fitted, "coulomb").at("identifiable"));
+  EXPECT_FALSE(parameter(fitted, "offset").at("identifiable"));
+  EXPECT_TRUE(parameter(fitted, "mass").at("identifiable"));
+  EXPECT_THAT(parameter(fitted, "coulomb").at("remedy").get<std::string>(), HasSubstr("reverses"));
+  EXPECT_THAT(read(place_.path() / "fitted.toml"), Not(HasSubstr("\nforce =")));
+}
+
 TEST_F(FitCommand, AnInterruptionLeavesTheBestSoFar) {
   press("tissue.csv", 2e-3, 3);
   Program program(place_.path(), {"fit", "tissue.csv", "--model", "qlv", "--starts", "1000",
@@ -282,6 +317,7 @@ TEST_F(FitCommand, WrongInputEndsInOneLine) {
   expect_refused(fit({"tissue.csv", "--model", "qlv", "--fix", "stiffness=3"}), "tau1");
   expect_refused(fit({"tissue.csv", "--model", "qlv", "--fix", "c"}), "NAME=NUMBER");
   expect_refused(fit({"tissue.csv", "--model", "qlv", "--fix", "g1=2"}), "g1");
+  expect_refused(fit({"tissue.csv", "--model", "qlv", "--fix", "c=1", "--fix", "c=2"}), "twice");
   expect_refused(fit({"tissue.csv", "--model", "qlv", "--set", "elastic=glue"}), "fung");
   expect_refused(fit({"tissue.csv", "--model", "qlv", "--out", "fitted.txt"}), ".toml");
   expect_refused(fit({"tissue.csv", "--model", "qlv", "--plot", "none/fit.png"}), "no folder");
