@@ -26,8 +26,8 @@ constexpr Colour kModelled = {213, 94, 0};
 constexpr Colour kResidual = {38, 102, 150};
 
 struct Panel {
-  double low;
-  double high;
+  double low = 0.0;
+  double high = 0.0;
   Unit unit;
   Range range;
 };

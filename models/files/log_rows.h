@@ -63,7 +63,7 @@ class LogRows {
   void take_row(Log& log);
   bool is_empty_row() const;
   void require_fields() const;
-  double value(std::size_t column, const Log& log);
+  double value(std::size_t i, const Log& log);
   // False for a row that says again what the one before did.
   bool goes_on(const Log& log);
   void say_repairs(Log& log) const;

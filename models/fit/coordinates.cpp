@@ -43,7 +43,9 @@ RobustLoss::Value RobustLoss::at(double r) const {
 Coordinates::Coordinates(const std::vector<Parameter>& parameters,
                          const std::map<std::string, double>& fixed)
     : parameters_(parameters), fixed_(parameters.size(), false), given_(parameters.size(), 0.0) {
-  for (const auto& [name, value] : fixed) {
+  for (const auto& one : fixed) {
+    const std::string& name = one.first;
+    const double value = one.second;
     const auto found = std::find_if(parameters_.begin(), parameters_.end(),
                                     [&](const Parameter& p) { return p.name == name; });
     if (found == parameters_.end()) {

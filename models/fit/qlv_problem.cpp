@@ -26,7 +26,7 @@ constexpr double kSteepest = 200;  // q·δ
 template <int Exponentials, class T>
 bool force_of(Elastic elastic, const PressedLog& log, const T* values, T* out) {
   constexpr auto kCount = static_cast<std::size_t>(Exponentials);
-  std::array<Relaxation<T>, kCount> relaxation;
+  std::array<Relaxation<T>, kCount> relaxation{};
   T left(1.0);
   for (std::size_t i = 0; i < kCount; ++i) {
     relaxation[i] = {values[2 + 2 * i], values[3 + 2 * i]};

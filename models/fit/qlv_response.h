@@ -168,9 +168,9 @@ void qlv_response(const PressedLog& log, const Elasticity& elasticity,
   using std::exp;
   T left(1.0);  // G at infinity
   for (const Relaxation<T>& r : relaxation) left -= r.share;
-  std::array<T, Count> held;
+  std::array<T, Count> held{};
   held.fill(T(0.0));
-  std::array<T, Count> decay;
+  std::array<T, Count> decay{};
   decay.fill(T(1.0));
   double decay_of = 0;  // s
 
