@@ -63,7 +63,8 @@ TEST(Strokes, KeepWhatSwingsWithinAColumn) {
   std::vector<double> high(kColumns, -9.0);
   for (std::size_t i = 0; i < lines.front().size(); ++i) {
     const Eigen::Vector2d& p = lines.front()[i];
-    const auto column = static_cast<std::size_t>(p.x() / (kSamples / kColumns));
+    constexpr double kSamplesAColumn = static_cast<double>(kSamples) / kColumns;
+    const auto column = static_cast<std::size_t>(p.x() / kSamplesAColumn);
     low[column] = std::min(low[column], p.y());
     high[column] = std::max(high[column], p.y());
     EXPECT_LT(i == 0 ? -1.0 : lines.front()[i - 1].x(), p.x());
