@@ -257,6 +257,11 @@ void Fitting::estimate(const Optimum& best) {
       e.identifiable = says_something(e, p);
     }
     if (!e.identifiable) e.remedy = p.remedy;
+    if (!fit_.converged || fit_.interrupted) {
+      // Around what is no optimum an interval says nothing.
+      e.identifiable = false;
+      e.remedy = "a search that converges";
+    }
     for (std::size_t j = 0; j < coordinates_.size(); ++j) {
       const double product = uncertainty.deviation(k) * uncertainty.deviation(j);
       const auto row = static_cast<Eigen::Index>(k);

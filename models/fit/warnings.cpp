@@ -31,9 +31,12 @@ std::vector<std::string> warnings_of(const Fit& fit, const Problem& problem,
   std::vector<std::string> w;
   if (fit.interrupted) {
     w.emplace_back(
-        "stopped before the end: the best values so far, with intervals as of a linear problem");
+        "stopped before the end: the best values so far, and no interval means anything");
   } else if (!fit.converged) {
-    w.push_back(fmt::format("not converged in {} iterations", options.most_iterations));
+    w.push_back(
+        fmt::format("not converged in {} iterations: values are the best so far, and no "
+                    "interval means anything",
+                    options.most_iterations));
   }
   const int elsewhere = fit.starts.tried - fit.starts.reached;
   if (elsewhere > 0) {
@@ -50,7 +53,7 @@ std::vector<std::string> warnings_of(const Fit& fit, const Problem& problem,
       w.push_back(
           fmt::format("{} is at its bound, {:g} {}: {}", e.name, e.value, e.unit, p->because));
     }
-    if (!e.identifiable) {
+    if (!e.identifiable && fit.converged && !fit.interrupted) {
       w.push_back(fmt::format("this log does not give {}: {}", e.name, e.remedy));
     }
   }

@@ -190,7 +190,19 @@ TEST(Fit, StoppingGivesTheBestSoFar) {
   EXPECT_TRUE(fitted.interrupted);
   EXPECT_FALSE(fitted.converged);
   EXPECT_EQ(fitted.starts.tried, 1);
+  for (const Estimate& e : fitted.parameters) EXPECT_FALSE(e.identifiable);
   ASSERT_FALSE(fitted.warnings.empty());
+}
+
+TEST(Fit, NothingIsKnownFromASearchThatDidNotConverge) {
+  Options options;
+  options.starts = 1;
+  options.most_iterations = 1;
+  const Fit fitted = fit(decay(0.01, 1), options);
+  EXPECT_FALSE(fitted.converged);
+  for (const Estimate& e : fitted.parameters) EXPECT_FALSE(e.identifiable) << e.name;
+  ASSERT_FALSE(fitted.warnings.empty());
+  EXPECT_NE(fitted.warnings.front().find("not converged"), std::string::npos);
 }
 
 TEST(Fit, AModelThatDoesNotFitHasResidualsThatAreAlike) {
