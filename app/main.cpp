@@ -33,6 +33,8 @@ using hvp::app::kWrongInput;
 using hvp::app::mesh_command;
 using hvp::app::MeshArguments;
 using hvp::app::reference_command;
+using hvp::app::resolve_command;
+using hvp::app::ResolveArguments;
 using hvp::app::run_command;
 using hvp::app::RunArguments;
 using hvp::app::ScenarioArguments;
@@ -261,6 +263,15 @@ int parse_and_run(int argc, char** argv) {
       ->required()
       ->type_name("FOLDER");
   command->callback([&] { status = export_command(exporting); });
+
+  ResolveArguments resolve;
+  command = app.add_subcommand(
+      "resolve", "print every setting of a scenario as it would be run, checked, and run nothing");
+  scenario_arguments(*command, resolve);
+  command->add_flag("--each", resolve.each,
+                    "for each line of the standard input, a JSON array of KEY=VALUE that are laid "
+                    "over it, print one of JSON (docs/json.md)");
+  command->callback([&] { status = resolve_command(resolve); });
 
   command = app.add_subcommand("reference",
                                "print every key of a scenario: unit, range, default, source");

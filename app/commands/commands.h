@@ -27,6 +27,11 @@ struct RunArguments : ScenarioArguments {
 };
 int run_command(const RunArguments& arguments);
 
+struct ResolveArguments : ScenarioArguments {
+  bool each = false;  // for every line of the standard input, with its overrides
+};
+int resolve_command(const ResolveArguments& arguments);
+
 int explain_command(const ScenarioArguments& arguments);
 
 struct DeviceArguments : ScenarioArguments {
@@ -100,6 +105,8 @@ struct LoadedScenario {
   std::filesystem::path device_file;  // that can be opened; empty for a built-in device
 };
 LoadedScenario load(const ScenarioArguments& arguments);
+// Its title stays the scenario's own, whatever --set changes.
+LoadedScenario load_untitled(const ScenarioArguments& arguments);
 // Where `hvp run` writes without --out: runs/thesis, and for a what-if a folder of its own,
 // runs/thesis+frames=300.
 std::filesystem::path results_folder(const ScenarioArguments& arguments);
