@@ -33,6 +33,7 @@ using hvp::app::kWrongInput;
 using hvp::app::mesh_command;
 using hvp::app::MeshArguments;
 using hvp::app::reference_command;
+using hvp::app::ReferenceArguments;
 using hvp::app::resolve_command;
 using hvp::app::ResolveArguments;
 using hvp::app::run_command;
@@ -275,10 +276,14 @@ int parse_and_run(int argc, char** argv) {
 
   command = app.add_subcommand("reference",
                                "print every key of a scenario: unit, range, default, source");
-  bool of_results = false;
-  command->add_flag("--results", of_results,
-                    "every key of summary.json and column of frames.csv instead");
-  command->callback([&] { status = reference_command(of_results); });
+  ReferenceArguments reference;
+  CLI::Option* results = command->add_flag(
+      "--results", reference.results, "every key of summary.json and column of frames.csv instead");
+  command
+      ->add_flag("--json", reference.json,
+                 "keys, effects, figures, columns and flags as one JSON object")
+      ->excludes(results);
+  command->callback([&] { status = reference_command(reference); });
 
   refuse_empty_values(app);
   try {

@@ -95,8 +95,11 @@ struct SolveArguments {
 };
 int solve_command(const SolveArguments& arguments);
 
-// Prints docs/scenario-reference.md, or docs/results-reference.md.
-int reference_command(bool results);
+struct ReferenceArguments {
+  bool results = false;  // docs/results-reference.md in place of docs/scenario-reference.md
+  bool json = false;     // all that is declared, in place of a page
+};
+int reference_command(const ReferenceArguments& arguments);
 
 struct LoadedScenario {
   scenario::Document document;
