@@ -23,6 +23,7 @@ using hvp::app::device_command;
 using hvp::app::DeviceArguments;
 using hvp::app::end_progress;
 using hvp::app::explain_command;
+using hvp::app::ExplainArguments;
 using hvp::app::export_command;
 using hvp::app::ExportArguments;
 using hvp::app::fit_command;
@@ -167,9 +168,13 @@ int parse_and_run(int argc, char** argv) {
                     "also report every frame's time by phase, and the bus' transactions");
   command->callback([&] { status = run_command(run); });
 
-  ScenarioArguments explain;
+  ExplainArguments explain;
   command = app.add_subcommand("explain", "what a scenario builds, how finely, and what it costs");
   scenario_arguments(*command, explain);
+  command->add_flag("--json", explain.json, "as one JSON object");
+  command->add_flag("--measure", explain.measure,
+                    "also what each effect costs in wall-clock time here, by some runs each: "
+                    "minutes");
   command->callback([&] { status = explain_command(explain); });
 
   DeviceArguments device;

@@ -32,7 +32,11 @@ struct ResolveArguments : ScenarioArguments {
 };
 int resolve_command(const ResolveArguments& arguments);
 
-int explain_command(const ScenarioArguments& arguments);
+struct ExplainArguments : ScenarioArguments {
+  bool json = false;
+  bool measure = false;  // each effect's wall-clock time, by runs
+};
+int explain_command(const ExplainArguments& arguments);
 
 struct DeviceArguments : ScenarioArguments {
   bool json = false;
