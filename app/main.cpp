@@ -149,6 +149,11 @@ int parse_and_run(int argc, char** argv) {
   app.set_help_flag("-h,--help", "what a command does and takes");
   app.set_version_flag("--version", "hvp " HVP_VERSION, "the program's version");
   app.footer(
+      "Of many runs, by ./hvp of the checkout, which hands these to Python:\n"
+      "  study    runs over axes, with screening and the price of accuracy\n"
+      "  sweep    one scenario over values of a key\n"
+      "  compare  two runs' settings, times, forces and flags\n"
+      "  report   a page of a run or a study, for a browser\n\n"
       "Exit status: 0 it ran and every budget held; 1 it ran and a budget did not hold;\n"
       "2 the input is wrong; 3 anything else. Ctrl-C ends a run after the frame at hand, with\n"
       "the results of those before, and the program as the signal would have.");
@@ -173,8 +178,8 @@ int parse_and_run(int argc, char** argv) {
   scenario_arguments(*command, explain);
   command->add_flag("--json", explain.json, "as one JSON object");
   command->add_flag("--measure", explain.measure,
-                    "also what each effect costs in wall-clock time here, by some runs each: "
-                    "minutes");
+                    "also what each effect costs in wall-clock time here, by some runs each; "
+                    "half a minute or more");
   command->callback([&] { status = explain_command(explain); });
 
   DeviceArguments device;

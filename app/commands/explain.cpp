@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -59,6 +60,10 @@ void platform_lines(const PlatformParts& platform) {
   const std::size_t processes = platform.processes();
   print("\nThe platform: {} modules, {} process{}\n", platform.modules.size(), processes,
         processes == 1 ? "" : "es");
+  std::size_t width = 0;
+  for (const PlatformModule& module : platform.modules) {
+    width = std::max(width, module.name.size());
+  }
   for (const PlatformModule& module : platform.modules) {
     std::string own;
     for (const PlatformProcess& process : module.processes) {
@@ -67,9 +72,9 @@ void platform_lines(const PlatformParts& platform) {
                          process.name.substr(process.name.rfind('.') + 1));
     }
     if (own.empty()) {
-      print("  {:<18} {}\n", module.name, module.kind);
+      print("  {:<{}} {}\n", module.name, width, module.kind);
     } else {
-      print("  {:<18} {:<20}{}\n", module.name, module.kind, own);
+      print("  {:<{}} {:<16}{}\n", module.name, width, module.kind, own);
     }
   }
 }
@@ -86,10 +91,12 @@ void cost_lines(const EffectCosts& costs) {
           (c.present ? "without " : "with ") + c.path, c.cost.run_s, c.cost.build_s, c.difference_s,
           c.spread_s, c.also.empty() ? "" : fmt::format("; with {}", fmt::join(c.also, ", ")));
   }
-  print("\nNot tried\n");
+  std::string refused;
   for (const EffectCost& c : costs.effects) {
-    if (!c.refused.empty()) print("  {:<31} {}\n", c.path, scenario::one_line(c.refused, 300));
+    if (c.refused.empty()) continue;
+    refused += fmt::format("  {:<31} {}\n", c.path, scenario::one_line(c.refused, 300));
   }
+  if (!refused.empty()) print("\nNot tried\n{}", refused);
 }
 
 nlohmann::ordered_json costs_json(const EffectCosts& costs) {

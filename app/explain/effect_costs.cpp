@@ -94,12 +94,17 @@ std::vector<config::Effect> effects_of(const Scene& scene) {
   return config::survey_effects(scene.scenario()).effects();
 }
 
-// Of the scenario: few, or more where those are over in no time.
+// Of the scenario: few, or more where those are over in no time; all where it needs them, as a
+// fault in a later frame does.
 int frames_to_time(const VariedScene& varied, const std::string& folder) {
-  const Built whole = build(varied, {});
-  const int all = whole.scene->scenario().frames;
+  const int all = build(varied, {}).scene->scenario().frames;
   const int few = std::min(all, kFewFrames);
-  const Built built = build(varied, {fmt::format("frames={}", few)});
+  Built built;
+  try {
+    built = build(varied, {fmt::format("frames={}", few)});
+  } catch (const InputError&) {
+    return all;
+  }
   const double wall_s = timed_run(*built.scene, folder).wall_s;
   const double wanted = few * std::max(1.0, kLongEnough_s / std::max(wall_s, 1e-4));
   return static_cast<int>(std::min<double>(all, wanted));
@@ -142,14 +147,14 @@ class Measurement {
   }
 
   // What of the other effects is not as it was; refuses where the effect itself is.
-  static std::vector<std::string> changed_with(const config::Effect& effect,
+  static std::vector<std::string> changed_with(const std::string& path,
                                                const std::vector<config::Effect>& before,
                                                const std::vector<config::Effect>& after) {
     std::vector<std::string> also;
     bool changed = false;
     for (std::size_t i = 0; i < before.size(); ++i) {
       if (before[i].present == after[i].present) continue;
-      if (before[i].path == effect.path) {
+      if (before[i].path == path) {
         changed = true;
       } else {
         also.push_back(before[i].path);
@@ -164,15 +169,27 @@ class Measurement {
     cost.path = effect.path;
     cost.present = effect.present;
     cost.setting = effect.path + (effect.present ? "=false" : "=true");
+    try_setting(effects, cost);
+    if (effect.present && !cost.refused.empty()) {
+      // An effect that is a list is out when that is empty.
+      EffectCost emptied = cost;
+      emptied.setting = effect.path + "=[]";
+      try_setting(effects, emptied);
+      if (emptied.refused.empty()) return emptied;
+    }
+    return cost;
+  }
+
+  void try_setting(const std::vector<config::Effect>& effects, EffectCost& cost) {
+    cost.refused.clear();
     try {
       const Built built = build(varied_, {frames_, cost.setting});
-      cost.also = changed_with(effect, effects, effects_of(*built.scene));
+      cost.also = changed_with(cost.path, effects, effects_of(*built.scene));
       time_pairs(*built.scene, cost);
       cost.cost.build_s = built.build_s;
     } catch (const std::exception& e) {
       cost.refused = e.what();
     }
-    return cost;
   }
 
   // Side by side, so that a machine that is busy for a while is so for both.
