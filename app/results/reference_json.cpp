@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "app/results/design_report.h"
 #include "app/results/figure_list.h"
 #include "app/results/frames_csv.h"
 #include "app/results/keys_json.h"
@@ -71,6 +72,7 @@ std::string reference_json(std::string_view version) {
   j["effects"] = keys.effects();
   j["figures"] = figures_of_declaration<Outcome>();
   j["figure_tables"] = listed(declared_figures<Outcome>(), Which::tables);
+  j["device_figures"] = figures_of_declaration<DesignReport>();
   j["stability_figures"] = figures_of_declaration<app::StabilityFigures>();
   j["performance_figures"] = figures_of_declaration<Performance>();
   j["columns"] = ordered_json::array();
