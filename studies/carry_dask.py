@@ -10,6 +10,7 @@ import functools
 import logging
 import queue
 from collections.abc import Iterator, Sequence
+from concurrent.futures import CancelledError
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -89,10 +90,13 @@ class DaskCarrier:
 
     def _look(self, client: Client) -> None:
         if client.status != "running":
-            raise StudyError(
-                f"the scheduler at {self.scheduler} is gone; what was finished is in the store, "
-                "and the same command goes on from there"
-            )
+            raise self._gone()
+
+    def _gone(self) -> StudyError:
+        return StudyError(
+            f"the scheduler at {self.scheduler} is gone; what was finished is in the store, "
+            "and the same command goes on from there"
+        )
 
     def _record(self, task: Task, future: Future[Record]) -> Record:
         try:
@@ -102,7 +106,11 @@ class DaskCarrier:
             return Record(task.address, "crashed", -1, "every worker that ran it was killed")
         except StudyError:
             raise
+        except CancelledError as error:
+            raise self._gone() from error
         except (OSError, TimeoutError) as error:
+            if future.status != "error":  # the task had none: its result did not come through
+                raise self._gone() from error
             raise StudyError(f"a worker of {self.scheduler}: {error}") from error
         except (ImportError, RuntimeError) as error:
             # Dask's words for a task that the scheduler or a worker could not even read.

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from studies.carry import carry_out
 from studies.carry_dask import DaskCarrier
 from studies.errors import FAILED, StudyError
 from studies.point import Point
@@ -205,6 +206,16 @@ def test_death_of_worker_driver_and_scheduler_costs_no_finished_run(
     assert len(counted.executions()) == before
     alone = Session(counted.program, Store(tmp_path / "alone"), workers=1).run(points)
     assert [bare(record) for record in records] == [bare(record) for record in alone]
+
+
+def test_a_task_that_is_handed_out_again_finds_its_record(
+    counted: Counted, scenarios: Path, tmp_path: Path
+) -> None:
+    """As Dask does with those of a worker that died before anybody had fetched the result."""
+    point = Point(scenarios / "wall.toml", ("frames=20", "wall.stiffness=100 N/m"))
+    (task,) = Session(counted.program, Store(tmp_path / "store")).missing([point])
+    assert carry_out(task) == carry_out(task)
+    assert len(counted.executions()) == 1
 
 
 def test_workers_that_would_do_something_else_are_found(
