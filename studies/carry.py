@@ -13,7 +13,7 @@ from typing import Protocol
 from studies.point import Point
 from studies.record import Record
 from studies.store import Store
-from studies.worker import execute
+from studies.worker import end_all, execute
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,15 @@ class Task:
     address: str
     time_limit_s: float | None = None
     retries: int = 1  # of a run that crashed
+    again: bool = False  # whether one that has crashed before is tried again
+
+    def is_to_be_tried(self, known: Record) -> bool:
+        """Whether a record that the store has does not answer the task."""
+        if known.status == "timed out" and (
+            self.time_limit_s is None or self.time_limit_s > known.wall_s
+        ):
+            return True
+        return known.failed and self.again
 
 
 class Carrier(Protocol):
@@ -42,18 +51,19 @@ class Carrier(Protocol):
 def carry_out(task: Task) -> Record:
     """Run a task, unless the store has its record by now, and store the record that it gives.
 
-    A run that crashed or had no end is not stored: the next study tries it again.
+    One that crashes every time is stored too, so that nobody waits for it again unasked.
     """
     store = Store(task.store)
-    known = store.get(task.address)
-    if known is not None:
-        return known
-    for attempt in range(1 + task.retries):
-        record, files = execute(task.program, task.point, task.address, task.time_limit_s)
-        if record.status not in ("crashed", "timed out") or attempt == task.retries:
-            break
-    if record.status not in ("crashed", "timed out"):
-        store.put(record, files)
+    with store.claim(task.address):
+        known = store.get(task.address)
+        if known is not None and not task.is_to_be_tried(known):
+            return known
+        for attempt in range(1 + task.retries):
+            record, files = execute(task.program, task.point, task.address, task.time_limit_s)
+            if record.status != "crashed" or attempt == task.retries:
+                break
+        if record.done or record.failed:
+            store.put(record, files)
     return record
 
 
@@ -73,5 +83,10 @@ class LocalPool:
                     for future in done:
                         yield future.result()
             except BaseException:
+                # What is under way is kept; who cannot wait for it interrupts once more.
                 pool.shutdown(wait=False, cancel_futures=True)
+                try:
+                    wait(pending)
+                except KeyboardInterrupt:
+                    end_all()
                 raise

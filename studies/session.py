@@ -24,6 +24,7 @@ class Session:
     workers: int = os.cpu_count() or 1
     time_limit_s: float | None = None
     retries: int = 1  # of a run that crashed
+    again: bool = False  # whether runs that have crashed before are tried again
     carrier: Carrier | None = None  # this machine's processors, unless said otherwise
 
     def addresses(self, points: Sequence[Point]) -> list[str | Refused]:
@@ -51,11 +52,13 @@ class Session:
         for point, address in zip(points, addresses, strict=True):
             if isinstance(address, Refused):
                 continue
-            known = self.store.get(address)
+            if address in records or address in wanted:
+                continue
+            known = self._known(point, address)
             if known is not None:
                 records[address] = known
             else:
-                wanted.setdefault(address, point)
+                wanted[address] = point
         total = len(records) + len(wanted)
         if progress:
             progress(len(records), total)
@@ -77,20 +80,28 @@ class Session:
         wanted = {
             address: point
             for point, address in zip(points, addresses, strict=True)
-            if not isinstance(address, Refused) and self.store.get(address) is None
+            if not isinstance(address, Refused) and self._known(point, address) is None
         }
         return self._tasks(wanted)
 
+    def _known(self, point: Point, address: str) -> Record | None:
+        """What the store has, where that answers the point."""
+        known = self.store.get(address)
+        if known is None or self._task(point, address).is_to_be_tried(known):
+            return None
+        return known
+
     def _tasks(self, wanted: Mapping[str, Point]) -> list[Task]:
-        return [
-            Task(
-                self.program.path,
-                self.program.fingerprint,
-                self.store.folder,
-                point,
-                address,
-                self.time_limit_s,
-                self.retries,
-            )
-            for address, point in wanted.items()
-        ]
+        return [self._task(point, address) for address, point in wanted.items()]
+
+    def _task(self, point: Point, address: str) -> Task:
+        return Task(
+            self.program.path,
+            self.program.fingerprint,
+            self.store.folder,
+            point,
+            address,
+            self.time_limit_s,
+            self.retries,
+            self.again,
+        )
