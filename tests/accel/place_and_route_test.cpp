@@ -1,4 +1,4 @@
-// Delays against place-and-route of ECP5: studies/critical_path.
+// Delays against place-and-route of ECP5: tables/critical_path.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -33,7 +33,7 @@ double median(std::vector<double> values) {
 
 // Speed grade 6 of measured.csv.
 std::vector<Measured> measured() {
-  std::ifstream file(HVP_SOURCE_DIR "/studies/critical_path/measured.csv");
+  std::ifstream file(HVP_SOURCE_DIR "/tables/critical_path/measured.csv");
   std::string line;
   std::getline(file, line);
   EXPECT_EQ(line, "design,device,grade,seed,set,path_ns,logic_ns,routing_ns,multipliers_used");
@@ -130,7 +130,7 @@ TEST(PlaceAndRoute, DesignsThatWereNotFittedAreWithinTheStatedError) {
 
 // What a path takes on speed grade 8, of that on 6.
 double fast_factor() {
-  std::ifstream file(HVP_SOURCE_DIR "/studies/critical_path/elements.csv");
+  std::ifstream file(HVP_SOURCE_DIR "/tables/critical_path/elements.csv");
   const std::string key = "grade_8_factor,";
   for (std::string line; std::getline(file, line);) {
     if (line.starts_with(key)) return std::stod(line.substr(key.size()));
@@ -148,7 +148,7 @@ TEST(PlaceAndRoute, AnIndependentRunOfFigure510) {
 
 // The device files have what the fit gave.
 TEST(PlaceAndRoute, TheDeviceFilesHaveTheFittedElements) {
-  std::ifstream file(HVP_SOURCE_DIR "/studies/critical_path/elements.csv");
+  std::ifstream file(HVP_SOURCE_DIR "/tables/critical_path/elements.csv");
   std::map<std::string, double> ns;
   std::string line;
   std::getline(file, line);

@@ -1,0 +1,1 @@
+"""Questions that take more than one run of hvp: sweeps, screening, accuracy, reports."""

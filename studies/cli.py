@@ -1,0 +1,53 @@
+"""The command line of what is Python here. `./hvp` hands study, sweep, compare and report to it."""
+
+import argparse
+import signal
+import sys
+from collections.abc import Sequence
+from typing import NoReturn
+
+from studies import errors
+from studies.commands import COMMANDS
+
+
+class _Parser(argparse.ArgumentParser):
+    """One line for wrong usage, as the program itself prints."""
+
+    def error(self, message: str) -> NoReturn:
+        print(f"{self.prog}: {message}; {self.prog} --help lists what it takes", file=sys.stderr)
+        sys.exit(errors.WRONG_INPUT)
+
+
+def parser() -> argparse.ArgumentParser:
+    """Every command with its arguments; its function is in `run`."""
+    top: argparse.ArgumentParser = _Parser(
+        prog="hvp", description="Questions that take more than one run."
+    )
+    subparsers = top.add_subparsers(dest="command", required=True)
+    for add in COMMANDS:
+        add(subparsers)
+    return top
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Run a command; returns the exit status."""
+    chosen = parser().parse_args(arguments)
+    try:
+        status: int = chosen.run(chosen)
+        sys.stdout.flush()
+    except errors.InputError as error:
+        print(error, file=sys.stderr)
+        return errors.WRONG_INPUT
+    except errors.StudyError as error:
+        print(f"hvp: {error}", file=sys.stderr)
+        return errors.FAILED
+    except OSError as error:
+        where = f"{error.filename}: " if error.filename else ""
+        print(f"hvp: {where}{error.strerror or error}", file=sys.stderr)
+        return errors.FAILED
+    except KeyboardInterrupt:
+        # As the program does: a shell's loop ends too.
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        signal.raise_signal(signal.SIGINT)
+        return 128 + signal.SIGINT
+    return status

@@ -1,0 +1,96 @@
+"""Brings the points of a study to their records: from the store, or by running them."""
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+
+from studies.carry import Carrier, LocalPool, Task
+from studies.point import Point
+from studies.program import Program, Refused
+from studies.record import Record
+from studies.store import Store
+
+# Called with how many records there are and how many there will be.
+Progress = Callable[[int, int], None]
+
+
+@dataclass
+class Session:
+    """A program, a store, and how runs are carried out: one a core unless said otherwise."""
+
+    program: Program
+    store: Store
+    workers: int = os.cpu_count() or 1
+    time_limit_s: float | None = None
+    retries: int = 1  # of a run that crashed
+    carrier: Carrier | None = None  # this machine's processors, unless said otherwise
+
+    def addresses(self, points: Sequence[Point]) -> list[str | Refused]:
+        """Where each point's record is stored, or why there cannot be one."""
+        found: list[str | Refused] = []
+        for (scenario, includes), group in groupby(points, lambda p: (p.scenario, p.includes)):
+            members = list(group)
+            each = [point.settings for point in members]
+            for point, resolved in zip(
+                members, self.program.resolve(scenario, each, includes), strict=True
+            ):
+                if isinstance(resolved, Refused):
+                    found.append(resolved)
+                else:
+                    found.append(
+                        self.program.address(resolved, point.command, *point.arguments, *point.keep)
+                    )
+        return found
+
+    def run(self, points: Sequence[Point], progress: Progress | None = None) -> list[Record]:
+        """The record of each point, in their order. What stops it loses nothing that is done."""
+        records: dict[str, Record] = {}
+        wanted: dict[str, Point] = {}
+        addresses = self.addresses(points)
+        for point, address in zip(points, addresses, strict=True):
+            if isinstance(address, Refused):
+                continue
+            known = self.store.get(address)
+            if known is not None:
+                records[address] = known
+            else:
+                wanted.setdefault(address, point)
+        total = len(records) + len(wanted)
+        if progress:
+            progress(len(records), total)
+        carrier = self.carrier or LocalPool(self.workers)
+        for record in carrier.carry(self._tasks(wanted)):
+            records[record.address] = record
+            if progress:
+                progress(len(records), total)
+        return [
+            Record("", "refused", 2, address.message)
+            if isinstance(address, Refused)
+            else records[address]
+            for address in addresses
+        ]
+
+    def missing(self, points: Sequence[Point]) -> list[Task]:
+        """What has to be run for them: each once, and nothing that the store has."""
+        addresses = self.addresses(points)
+        wanted = {
+            address: point
+            for point, address in zip(points, addresses, strict=True)
+            if not isinstance(address, Refused) and self.store.get(address) is None
+        }
+        return self._tasks(wanted)
+
+    def _tasks(self, wanted: Mapping[str, Point]) -> list[Task]:
+        return [
+            Task(
+                self.program.path,
+                self.program.fingerprint,
+                self.store.folder,
+                point,
+                address,
+                self.time_limit_s,
+                self.retries,
+            )
+            for address, point in wanted.items()
+        ]

@@ -1,0 +1,59 @@
+"""Records by their addresses: what has been run once is not run again.
+
+A record is a file, written beside its name and renamed, so that a killed study leaves no half of
+one. Two hex digits make a folder, as a study may have a hundred thousand.
+"""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+from studies.errors import StudyError
+from studies.record import Record
+
+DEFAULT_STORE = Path("studies-out") / "store"
+
+
+class Store:
+    """A folder of records."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def get(self, address: str) -> Record | None:
+        """The record, or nothing. Throws StudyError for a file that is none."""
+        path = self._path(address)
+        try:
+            record = Record.from_json(path.read_text(encoding="utf-8"))
+        except FileNotFoundError:
+            return None
+        except ValueError as error:
+            raise StudyError(f"{path}: no record of a run: {error}; remove it") from error
+        if record.address != address:
+            raise StudyError(f"{path}: the record of another run; remove it")
+        return record
+
+    def put(self, record: Record, files: Mapping[str, bytes] | None = None) -> None:
+        """Store a record, and first the files that are kept with it."""
+        path = self._path(record.address)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        for name, data in (files or {}).items():
+            _write(self.file(record.address, name), data)
+        _write(path, record.to_json().encode())
+
+    def file(self, address: str, name: str) -> Path:
+        """Where a file is that was kept with a record."""
+        return self._path(address).with_suffix(f".{name}")
+
+    def _path(self, address: str) -> Path:
+        return self.folder / address[:2] / f"{address[2:]}.json"
+
+
+def _write(path: Path, data: bytes) -> None:
+    beside = path.with_name(f"{path.name}.{os.getpid()}.part")
+    try:
+        beside.write_bytes(data)
+        beside.replace(path)
+    except OSError:
+        beside.unlink(missing_ok=True)
+        raise

@@ -1,0 +1,38 @@
+"""Tables on a terminal."""
+
+from collections.abc import Sequence
+
+from studies.point import Value
+
+DIGITS = 4
+
+
+def cell(value: Value) -> str:
+    """A value as a table shows it: four digits, and nothing for what was not measured."""
+    if value is None:
+        return "-"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.{DIGITS}g}"
+    return str(value)
+
+
+def text_table(header: Sequence[str], rows: Sequence[Sequence[Value]]) -> str:
+    """Columns as wide as they need, numbers to the right."""
+    cells = [[cell(value) for value in row] for row in rows]
+    widths = [
+        max([len(name), *(len(row[column]) for row in cells)]) for column, name in enumerate(header)
+    ]
+    numeric = [
+        all(isinstance(row[column], int | float | None) for row in rows)
+        for column in range(len(header))
+    ]
+
+    def line(texts: Sequence[str]) -> str:
+        return "  ".join(
+            text.rjust(width) if right else text.ljust(width)
+            for text, width, right in zip(texts, widths, numeric, strict=True)
+        ).rstrip()
+
+    return "\n".join([line(header), line(["-" * width for width in widths]), *map(line, cells)])

@@ -1,0 +1,97 @@
+"""Runs one point as a process of its own and makes a record of what it wrote."""
+
+import json
+import os
+import subprocess
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from studies.errors import StudyError
+from studies.point import Point
+from studies.record import Record, Status, flatten
+
+_MAKES_FILES = "run"
+
+
+def command_of(program: Path, point: Point, out: Path | None = None) -> list[str]:
+    """The words of the command line that runs a point."""
+    command = [str(program), point.command, str(point.scenario)]
+    for include in point.includes:
+        command += ["--include", str(include)]
+    for override in point.settings:
+        command += ["--set", override]
+    command += point.arguments
+    if point.command == _MAKES_FILES:
+        if out is not None:
+            command += ["--out", str(out)]
+    else:
+        command.append("--json")
+    return [*command, "--quiet"]
+
+
+def execute(
+    program: Path, point: Point, address: str, time_limit_s: float | None = None
+) -> tuple[Record, dict[str, bytes]]:
+    """Run a point. Returns its record and the files that it keeps."""
+    with tempfile.TemporaryDirectory(prefix="hvp-study-") as folder:
+        out = Path(folder) / "run"
+        started = time.monotonic()
+        try:
+            done = subprocess.run(
+                command_of(program, point, out),
+                capture_output=True,
+                timeout=time_limit_s,
+                stdin=subprocess.DEVNULL,
+                check=False,
+            )
+        except subprocess.TimeoutExpired:
+            return Record(
+                address,
+                "timed out",
+                -1,
+                f"no end within {time_limit_s:g} s",
+                wall_s=time_limit_s or 0,
+            ), {}
+        wall = time.monotonic() - started
+        status = _status(done.returncode)
+        error = done.stderr.decode(errors="replace").strip().splitlines()
+        message = error[-1] if error else ""
+        if status not in ("held", "not held"):
+            if done.returncode < 0:
+                message = f"ended by signal {-done.returncode}; {message}".rstrip("; ")
+            return Record(address, status, done.returncode, message, wall_s=wall), {}
+        if point.command == _MAKES_FILES:
+            document = json.loads((out / "summary.json").read_bytes())
+        else:
+            document = json.loads(done.stdout)
+        kept = {name: (out / name).read_bytes() for name in point.keep if (out / name).exists()}
+        return Record(
+            address,
+            status,
+            done.returncode,
+            message,
+            verdict=str(document.get("verdict", "")),
+            flags=_flags(document),
+            metrics=flatten(document),
+            wall_s=wall,
+        ), kept
+
+
+def _status(exit_status: int) -> Status:
+    known: dict[int, Status] = {0: "held", 1: "not held", 2: "refused"}
+    return known.get(exit_status, "crashed")
+
+
+def _flags(document: dict[str, Any]) -> list[str]:
+    stability = document.get("stability", {})
+    flags: Sequence[Any] = stability.get("flags", []) if isinstance(stability, dict) else []
+    return [flag["name"] if isinstance(flag, dict) else str(flag) for flag in flags]
+
+
+def check_program(program: Path) -> None:
+    """Throws StudyError where it is none that can be started."""
+    if not os.access(program, os.X_OK):
+        raise StudyError(f"{program}: no program that can be started")
