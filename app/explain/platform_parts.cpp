@@ -41,16 +41,17 @@ std::string process_kind(const sc_core::sc_object& object) {
 
 void add_modules(const std::vector<sc_core::sc_object*>& objects, json& modules) {
   for (const sc_core::sc_object* object : objects) {
+    const std::vector<sc_core::sc_object*>& within = object->get_child_objects();
     if (dynamic_cast<const sc_core::sc_module*>(object) != nullptr) {
       json processes = json::array();
-      for (const sc_core::sc_object* child : object->get_child_objects()) {
+      for (const sc_core::sc_object* child : within) {
         const std::string kind = process_kind(*child);
         if (!kind.empty()) processes.push_back({{"name", child->name()}, {"kind", kind}});
       }
       modules.push_back(
           {{"name", object->name()}, {"kind", class_of(*object)}, {"processes", processes}});
     }
-    add_modules(object->get_child_objects(), modules);
+    add_modules(within, modules);
   }
 }
 
