@@ -27,7 +27,7 @@ using nlohmann::json;
 constexpr int kRuns = 3;
 constexpr int kFewFrames = 300;
 // Shorter runs are timed badly.
-constexpr double kLongEnough_s = 0.25;
+constexpr double kLongEnough = 0.25;  // s
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -106,7 +106,7 @@ int frames_to_time(const VariedScene& varied, const std::string& folder) {
     return all;
   }
   const double wall_s = timed_run(*built.scene, folder).wall_s;
-  const double wanted = few * std::max(1.0, kLongEnough_s / std::max(wall_s, 1e-4));
+  const double wanted = few * std::max(1.0, kLongEnough / std::max(wall_s, 1e-4));
   return static_cast<int>(std::min<double>(all, wanted));
 }
 

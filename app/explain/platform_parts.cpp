@@ -41,16 +41,17 @@ std::string process_kind(const sc_core::sc_object& object) {
 
 void add_modules(const std::vector<sc_core::sc_object*>& objects, json& modules) {
   for (const sc_core::sc_object* object : objects) {
+    const std::vector<sc_core::sc_object*>& within = object->get_child_objects();
     if (dynamic_cast<const sc_core::sc_module*>(object) != nullptr) {
       json processes = json::array();
-      for (const sc_core::sc_object* child : object->get_child_objects()) {
+      for (const sc_core::sc_object* child : within) {
         const std::string kind = process_kind(*child);
         if (!kind.empty()) processes.push_back({{"name", child->name()}, {"kind", kind}});
       }
       modules.push_back(
           {{"name", object->name()}, {"kind", class_of(*object)}, {"processes", processes}});
     }
-    add_modules(object->get_child_objects(), modules);
+    add_modules(within, modules);
   }
 }
 
@@ -59,7 +60,9 @@ std::string look_at_platform(Scene& scene) {
   if (scene.has_body()) {
     soft.emplace(vp::SoftBody{scene.body(), scene.computation(), scene.contacts()});
   }
-  // A waveform's file is only opened by a simulation.
+  // A waveform's file is only written by a simulation, and that it is not need not be said.
+  sc_core::sc_report_handler::set_actions(
+      "trace file closed before any cycles were traced, file not written", sc_core::SC_DO_NOTHING);
   const vp::Platform platform(platform_settings(scene, "engine"), soft, nullptr);
   json modules = json::array();
   add_modules(sc_core::sc_get_top_level_objects(), modules);
