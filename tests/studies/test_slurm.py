@@ -101,6 +101,8 @@ def test_one_task_a_run_up_to_what_slurm_takes(session: Session, points: list[Po
 def test_wrong_shares_and_files_end_with_a_line(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="expected I/N with 0 <= I < N"):
         read_share(tmp_path / "x", 2, 2)
+    with pytest.raises(InputError, match="x: not there"):
+        read_share(tmp_path / "x", 0, 1)
     (tmp_path / "x").write_text("{}\n")
     with pytest.raises(InputError, match="x:1: expected a point as --slurm writes it"):
         read_share(tmp_path / "x", 0, 1)
