@@ -7,6 +7,7 @@ death of a carrier, or of who waits for it, loses nothing that was finished.
 from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Protocol
 
@@ -75,10 +76,16 @@ class LocalPool:
 
     def carry(self, tasks: Sequence[Task]) -> Iterator[Record]:
         """As Carrier says. What ends it early cancels what has not begun."""
+        rest = iter(tasks)
         with ThreadPoolExecutor(self.workers) as pool:
-            pending: set[Future[Record]] = {pool.submit(carry_out, task) for task in tasks}
+            pending: set[Future[Record]] = set()
             try:
-                while pending:
+                while True:
+                    # No more than keeps them busy: waiting costs time with each that is waited for.
+                    for task in islice(rest, 2 * self.workers - len(pending)):
+                        pending.add(pool.submit(carry_out, task))
+                    if not pending:
+                        return
                     done, pending = wait(pending, return_when=FIRST_COMPLETED)
                     for future in done:
                         yield future.result()

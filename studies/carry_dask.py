@@ -9,6 +9,7 @@ asked died, costs no second run of what was finished.
 import functools
 import logging
 import queue
+import sys
 from collections.abc import Iterator, Sequence
 from concurrent.futures import CancelledError
 from dataclasses import dataclass, replace
@@ -42,6 +43,8 @@ class DaskCarrier:
         if not tasks:
             return
         client = self._connect()
+        if not client.scheduler_info()["workers"]:
+            print(f"{self.scheduler} has no workers yet: waiting for one", file=sys.stderr)
         try:
             yield from self._carry(client, [_anywhere(task) for task in tasks])
         finally:

@@ -11,7 +11,7 @@ from studies.text_table import cell
 
 _INDENT = "  "
 _LEAST_NAME = 34  # columns, of a key; values that leave less have lines of their own
-_LONG_TABLE = 8  # settings: more that only some runs have are one line
+_LONG_TABLE = 4  # settings: more that only some runs have are one line
 _DIGITS = 4
 _ALL_DIGITS = 17
 _PS_US = 1e-6

@@ -38,6 +38,8 @@ def read_share(points: Path, share: int, shares: int) -> list[Task]:
     """The tasks of one share: every so manieth, as neighbours often cost alike."""
     if not 0 <= share < shares:
         raise InputError(f"--share {share}/{shares}: expected I/N with 0 <= I < N")
+    if not points.is_file():
+        raise InputError(f"{points}: not there; expected the points that --slurm wrote")
     tasks = []
     with points.open(encoding="utf-8") as lines:
         for number, line in enumerate(lines):

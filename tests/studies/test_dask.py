@@ -240,13 +240,14 @@ def test_workers_that_would_do_something_else_are_found(
 
 
 def test_a_cluster_that_knows_nothing_of_studies_is_told_what_it_needs(
-    cluster: Cluster, session: Session, scenarios: Path
+    cluster: Cluster, session: Session, scenarios: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     cluster.environment = {key: value for key, value in ENVIRONMENT.items() if key != "PYTHONPATH"}
     cluster.scheduler()
     session.carrier = DaskCarrier(cluster.address, connect_s=5)
     with pytest.raises(StudyError, match="have to be started with PYTHONPATH="):
         session.run([Point(scenarios / "wall.toml", ("frames=20",))])
+    assert capsys.readouterr().err == f"{cluster.address} has no workers yet: waiting for one\n"
 
 
 def test_no_scheduler_is_one_line(session: Session, scenarios: Path) -> None:

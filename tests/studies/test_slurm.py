@@ -1,5 +1,6 @@
 """The Slurm array, its script run by bash with the indices that Slurm would give its tasks."""
 
+import argparse
 import os
 import subprocess
 from dataclasses import replace
@@ -8,6 +9,8 @@ from pathlib import Path
 import pytest
 
 from studies.carry import LocalPool
+from studies.carry_dask import DaskCarrier
+from studies.commands.scale_options import add_scale_options, carrier_of, export_array
 from studies.errors import InputError
 from studies.point import Point
 from studies.program import Program
@@ -98,6 +101,8 @@ def test_one_task_a_run_up_to_what_slurm_takes(session: Session, points: list[Po
 def test_wrong_shares_and_files_end_with_a_line(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="expected I/N with 0 <= I < N"):
         read_share(tmp_path / "x", 2, 2)
+    with pytest.raises(InputError, match="x: not there"):
+        read_share(tmp_path / "x", 0, 1)
     (tmp_path / "x").write_text("{}\n")
     with pytest.raises(InputError, match="x:1: expected a point as --slurm writes it"):
         read_share(tmp_path / "x", 0, 1)
@@ -105,3 +110,33 @@ def test_wrong_shares_and_files_end_with_a_line(tmp_path: Path) -> None:
 
 def test_local_pool_runs_nothing_for_nothing() -> None:
     assert list(LocalPool(1).carry([])) == []
+
+
+def options(*words: str) -> argparse.Namespace:
+    parser = argparse.ArgumentParser()
+    add_scale_options(parser)
+    return parser.parse_args(words)
+
+
+def test_options_say_who_runs(
+    session: Session, points: list[Point], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert carrier_of(options()) is None
+    assert carrier_of(options("--scheduler", "tcp://x:1")) == DaskCarrier("tcp://x:1")
+    for words, expected in {
+        ("--array-size", "3"): "expected --slurm FILE.sh with it",
+        ("--slurm", "x.sh", "--array-size", "0"): "expected one task or more",
+        ("--slurm", "x.sh", "--scheduler", "tcp://x:1"): "expected without --scheduler",
+    }.items():
+        with pytest.raises(InputError, match=expected):
+            carrier_of(options(*words))
+    script = tmp_path / "a.sh"
+    chosen = options("--slurm", str(script), "--array-size", "2")
+    assert carrier_of(chosen) is None
+    assert export_array(chosen, session, points) == 0
+    assert capsys.readouterr().out == f"{script}: {POINTS} runs in 2 tasks; sbatch {script}\n"
+    session.run(points)
+    script.unlink()
+    assert export_array(chosen, session, points) == 0
+    assert capsys.readouterr().out == "Nothing is left to run: the store has every point\n"
+    assert not script.exists()
