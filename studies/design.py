@@ -4,7 +4,6 @@ import itertools
 import json
 import math
 import os
-import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import qmc
 
+from studies.axis import as_quantity
 from studies.errors import InputError
 from studies.expression import Expression
 from studies.point import Point, Value
@@ -19,7 +19,6 @@ from studies.study_file import MOST_POINTS, Axis, Design, Study
 
 # A setting of an axis: what tables show, and KEY=VALUE for each of its keys.
 Setting = tuple[Value, tuple[str, ...]]
-_QUANTITY = re.compile(r"\s*([-+]?[0-9.]+(?:[eE][-+]?\d+)?)\s*(.*?)\s*")
 
 
 def points_of(study: Study, file: Path) -> list[Point]:
@@ -135,12 +134,9 @@ def _ranged(axis: Axis, place: float, file: Path) -> Setting:
 
 def _number(axis: Axis, end: Value, file: Path) -> tuple[float, str]:
     if isinstance(end, str):
-        match = _QUANTITY.fullmatch(end)
-        try:
-            if match:
-                return float(match[1]), match[2]
-        except ValueError:
-            pass
+        quantity = as_quantity(end)
+        if quantity is not None:
+            return quantity
     elif not isinstance(end, bool) and end is not None:
         return float(end), ""
     raise InputError(f"{file}: axis '{axis.label}': expected a number in a range, found '{end}'")

@@ -2,6 +2,11 @@
 
 import sys
 import time
+from collections.abc import Sequence
+
+from studies.point import Point
+from studies.record import Record
+from studies.session import Session
 
 
 class ProgressLine:
@@ -43,3 +48,18 @@ def _readable(seconds: float) -> str:
     if seconds < hour:
         return f"{seconds / minute:.0f} min"
     return f"{seconds / hour:.1f} h"
+
+
+def run_with_progress(
+    session: Session, points: Sequence[Point], quiet: bool = False
+) -> list[Record]:
+    """The records of the points, with a line of progress; says what an interruption has left."""
+    progress = ProgressLine(quiet)
+    try:
+        return session.run(points, progress)
+    except KeyboardInterrupt:
+        progress.end()
+        print(f"{progress.done} of {progress.total} runs are kept; the same command goes on")
+        raise
+    finally:
+        progress.end()

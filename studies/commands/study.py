@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 from studies.commands.scale_options import add_scale_options, carrier_of, export_array
 from studies.design import points_of
 from studies.errors import FAILED, HELD, InputError
-from studies.nearest import nearest
+from studies.metrics import check_metric
 from studies.point import Point
 from studies.program import Program, find_program
-from studies.progress import ProgressLine
+from studies.progress import run_with_progress
 from studies.record import Record
 from studies.session import Session
 from studies.store import DEFAULT_STORE, Store
@@ -79,14 +79,7 @@ def _run(arguments: argparse.Namespace) -> int:
         session.workers = arguments.jobs
     if arguments.slurm is not None:
         return export_array(arguments, session, points)
-    progress = ProgressLine(arguments.quiet)
-    try:
-        records = session.run(points, progress)
-    except KeyboardInterrupt:
-        progress.end()
-        print(f"{progress.done} of {progress.total} runs are kept; the same command goes on")
-        raise
-    progress.end()
+    records = run_with_progress(session, points, arguments.quiet)
     return _report(arguments, Results(study, program, points, records))
 
 
@@ -117,18 +110,11 @@ def _report(arguments: argparse.Namespace, results: Results) -> int:
 
 
 def _check_metrics(study: Study, file: Path, program: Program) -> None:
-    declared = program.figures(study.command)
-    patterns = [name for name in declared if "<" in name or "*" in name]
+    known = program.figures(study.command)
     for where, metrics in (("metrics", study.metrics), *(("plot", p.y) for p in study.plot)):
         for metric in metrics:
-            stem = metric.split(".", maxsplit=1)[0]
-            if metric in declared or any(p.split(".", maxsplit=1)[0] == stem for p in patterns):
-                continue
             line = line_of(file.read_text(encoding="utf-8"), (where,))
-            hint = nearest(metric, declared)
-            raise InputError(
-                f"{file}:{line}: {where}: no figure '{metric}' of hvp {study.command}{hint}"
-            )
+            check_metric(f"{file}:{line}: {where}", metric, known)
 
 
 def _table(study: Study, points: list[Point]) -> str:
