@@ -93,7 +93,7 @@ class LocalPool:
                 # What is under way is kept; who cannot wait for it interrupts once more.
                 pool.shutdown(wait=False, cancel_futures=True)
                 try:
-                    wait(pending)
+                    wait([future for future in pending if not future.cancelled()])
                 except KeyboardInterrupt:
                     end_all()
                 raise
