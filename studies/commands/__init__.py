@@ -4,10 +4,11 @@ import argparse
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from studies.commands.search import add_search
 from studies.commands.sweep import add_sweep
 
 if TYPE_CHECKING:
     Subparsers = argparse._SubParsersAction[argparse.ArgumentParser]
 
 # What adds a command to the command line, in the order of `--help`.
-COMMANDS: list[Callable[["Subparsers"], None]] = [add_sweep]
+COMMANDS: list[Callable[["Subparsers"], None]] = [add_sweep, add_search]
