@@ -23,6 +23,7 @@ using hvp::app::device_command;
 using hvp::app::DeviceArguments;
 using hvp::app::end_progress;
 using hvp::app::explain_command;
+using hvp::app::ExplainArguments;
 using hvp::app::export_command;
 using hvp::app::ExportArguments;
 using hvp::app::fit_command;
@@ -33,6 +34,9 @@ using hvp::app::kWrongInput;
 using hvp::app::mesh_command;
 using hvp::app::MeshArguments;
 using hvp::app::reference_command;
+using hvp::app::ReferenceArguments;
+using hvp::app::resolve_command;
+using hvp::app::ResolveArguments;
 using hvp::app::run_command;
 using hvp::app::RunArguments;
 using hvp::app::ScenarioArguments;
@@ -145,6 +149,11 @@ int parse_and_run(int argc, char** argv) {
   app.set_help_flag("-h,--help", "what a command does and takes");
   app.set_version_flag("--version", "hvp " HVP_VERSION, "the program's version");
   app.footer(
+      "Of many runs, by ./hvp of the checkout, which hands these to Python:\n"
+      "  study    runs over axes, with screening and the price of accuracy\n"
+      "  sweep    one scenario over values of a key\n"
+      "  compare  two runs' settings, times, forces and flags\n"
+      "  report   a page of a run or a study, for a browser\n\n"
       "Exit status: 0 it ran and every budget held; 1 it ran and a budget did not hold;\n"
       "2 the input is wrong; 3 anything else. Ctrl-C ends a run after the frame at hand, with\n"
       "the results of those before, and the program as the signal would have.");
@@ -164,9 +173,13 @@ int parse_and_run(int argc, char** argv) {
                     "also report every frame's time by phase, and the bus' transactions");
   command->callback([&] { status = run_command(run); });
 
-  ScenarioArguments explain;
+  ExplainArguments explain;
   command = app.add_subcommand("explain", "what a scenario builds, how finely, and what it costs");
   scenario_arguments(*command, explain);
+  command->add_flag("--json", explain.json, "as one JSON object");
+  command->add_flag("--measure", explain.measure,
+                    "also what each effect costs in wall-clock time here, by some runs each; "
+                    "half a minute or more");
   command->callback([&] { status = explain_command(explain); });
 
   DeviceArguments device;
@@ -262,12 +275,25 @@ int parse_and_run(int argc, char** argv) {
       ->type_name("FOLDER");
   command->callback([&] { status = export_command(exporting); });
 
+  ResolveArguments resolve;
+  command = app.add_subcommand(
+      "resolve", "print every setting of a scenario as it would be run, checked, and run nothing");
+  scenario_arguments(*command, resolve);
+  command->add_flag("--each", resolve.each,
+                    "for each line of the standard input, a JSON array of KEY=VALUE that are laid "
+                    "over it, print one of JSON (docs/json.md)");
+  command->callback([&] { status = resolve_command(resolve); });
+
   command = app.add_subcommand("reference",
                                "print every key of a scenario: unit, range, default, source");
-  bool of_results = false;
-  command->add_flag("--results", of_results,
-                    "every key of summary.json and column of frames.csv instead");
-  command->callback([&] { status = reference_command(of_results); });
+  ReferenceArguments reference;
+  CLI::Option* results = command->add_flag(
+      "--results", reference.results, "every key of summary.json and column of frames.csv instead");
+  command
+      ->add_flag("--json", reference.json,
+                 "keys, effects, figures, columns and flags as one JSON object")
+      ->excludes(results);
+  command->callback([&] { status = reference_command(reference); });
 
   refuse_empty_values(app);
   try {

@@ -193,3 +193,32 @@ build() { # preset target…
   export CCACHE_BASEDIR=$top CCACHE_NOHASHDIR=1
   locked "$build/$1" configure_and_build "$@"
 }
+
+# A virtual environment $build/NAME with what the files list, made where it is missing or they have
+# changed. Only whole ones get a stamp.
+make_python_environment() { # name requirements…
+  local folder=$build/$1 listed=$build/$1-requirements file
+  local -a options=()
+  for file in "${@:2}"; do options+=(-r "$file"); done
+  cat "${@:2}" >"$listed"
+  ! cmp -s "$listed" "$folder/requirements" || return 0
+  say "making a virtual environment with the Python packages of ${*:2}: $folder"
+  rm -rf "$folder"
+  if python3 -m venv "$folder" >&2 &&
+    "$folder/bin/pip" --quiet --disable-pip-version-check install "${options[@]}" >&2; then
+    cp "$listed" "$folder/requirements"
+  else
+    rm -rf "$folder"
+    return 1
+  fi
+}
+
+# The same; waits for another hvp, and ends the program where it fails.
+python_environment() { # name requirements…
+  mkdir -p "$build" 2>/dev/null || true
+  [[ -w $build ]] || fail "cannot write to $build; set HVP_BUILD_DIR to a directory for the builds"
+  # A finished one is taken without waiting.
+  ! cat "${@:2}" | cmp -s - "$build/$1/requirements" || return 0
+  locked "$build" make_python_environment "$@" ||
+    fail "the Python packages could not be installed; the lines above say why"
+}

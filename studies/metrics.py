@@ -1,9 +1,9 @@
 """The figures that a table shows of each run: their names checked, their units known."""
 
-import difflib
 from collections.abc import Mapping, Sequence
 
 from studies.errors import InputError
+from studies.nearest import nearest
 from studies.point import Value
 from studies.program import Figure
 from studies.record import Record
@@ -20,9 +20,7 @@ def check_metric(where: str, name: str, known: Mapping[str, Figure]) -> Figure:
         return known[name]
     if name in known or any(key.startswith(f"{name}[") for key in known):
         raise InputError(f"{where}: {name}: is a list, expected a figure with one value a run")
-    near = difflib.get_close_matches(name, known, 1, 0.0)
-    hint = f"; did you mean {near[0]}?" if near else ""
-    raise InputError(f"{where}: unknown figure {name}{hint}")
+    raise InputError(f"{where}: unknown figure {name}{nearest(name, known)}")
 
 
 def columns_of(metrics: Sequence[str], known: Mapping[str, Figure]) -> list[Column]:

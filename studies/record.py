@@ -1,7 +1,8 @@
 """What is known of a point once it has been run: a line of every table."""
 
 import json
-from dataclasses import asdict, dataclass, field
+import sys
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal
 
 from studies.point import Value
@@ -29,6 +30,11 @@ class Record:
     wall_s: float = 0.0
 
     @property
+    def failed(self) -> bool:
+        """Whether it has no figures through no fault of its input."""
+        return self.status in ("crashed", "timed out")
+
+    @property
     def done(self) -> bool:
         """Whether it has figures."""
         return self.status in ("held", "not held")
@@ -41,7 +47,9 @@ class Record:
     def from_json(text: str) -> "Record":
         """Inverse of to_json. Throws ValueError for what is none."""
         try:
-            return Record(**json.loads(text))
+            record = Record(**json.loads(text))
+            names = {sys.intern(name): value for name, value in record.metrics.items()}
+            return replace(record, metrics=names)
         except (TypeError, AttributeError) as error:
             raise ValueError(str(error)) from error
 
@@ -55,4 +63,4 @@ def flatten(value: Any, path: str = "") -> dict[str, Value]:
         return flat
     if isinstance(value, list):
         return {}
-    return {path: value}
+    return {sys.intern(path): value}  # ten thousand records have the same names

@@ -95,6 +95,14 @@ class Search:
         )
 
 
+def is_search(path: Path) -> bool:
+    """Whether a study's file is one of a search: it has [search]."""
+    try:
+        return "search" in tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False  # whoever reads the study says what is wrong
+
+
 def read_search(path: Path, known: Mapping[str, Figure]) -> Search:
     """Read a file; `known` are the figures there are. Throws InputError with the line."""
     try:

@@ -1,16 +1,15 @@
 """Brings the points of a study to their records: from the store, or by running them."""
 
 import os
-from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
+from studies.carry import Carrier, LocalPool, Task
 from studies.point import Point
 from studies.program import Program, Refused
 from studies.record import Record
 from studies.store import Store
-from studies.worker import execute
 
 # Called with how many records there are and how many there will be.
 Progress = Callable[[int, int], None]
@@ -25,6 +24,8 @@ class Session:
     workers: int = os.cpu_count() or 1
     time_limit_s: float | None = None
     retries: int = 1  # of a run that crashed
+    again: bool = False  # whether runs that have crashed before are tried again
+    carrier: Carrier | None = None  # this machine's processors, unless said otherwise
 
     def addresses(self, points: Sequence[Point]) -> list[str | Refused]:
         """Where each point's record is stored, or why there cannot be one."""
@@ -51,29 +52,21 @@ class Session:
         for point, address in zip(points, addresses, strict=True):
             if isinstance(address, Refused):
                 continue
-            known = self.store.get(address)
+            if address in records or address in wanted:
+                continue
+            known = self._known(point, address)
             if known is not None:
                 records[address] = known
             else:
-                wanted.setdefault(address, point)
+                wanted[address] = point
         total = len(records) + len(wanted)
         if progress:
             progress(len(records), total)
-        with ThreadPoolExecutor(self.workers) as pool:
-            pending: dict[Future[Record], str] = {
-                pool.submit(self._carry_out, point, address): address
-                for address, point in wanted.items()
-            }
-            try:
-                while pending:
-                    done, _ = wait(pending, return_when=FIRST_COMPLETED)
-                    for future in done:
-                        records[pending.pop(future)] = future.result()
-                        if progress:
-                            progress(len(records), total)
-            except BaseException:
-                pool.shutdown(wait=False, cancel_futures=True)
-                raise
+        carrier = self.carrier or LocalPool(self.workers)
+        for record in carrier.carry(self._tasks(wanted)):
+            records[record.address] = record
+            if progress:
+                progress(len(records), total)
         return [
             Record("", "refused", 2, address.message)
             if isinstance(address, Refused)
@@ -81,11 +74,34 @@ class Session:
             for address in addresses
         ]
 
-    def _carry_out(self, point: Point, address: str) -> Record:
-        for attempt in range(1 + self.retries):
-            record, files = execute(self.program.path, point, address, self.time_limit_s)
-            if record.status not in ("crashed", "timed out") or attempt == self.retries:
-                break
-        if record.status not in ("crashed", "timed out"):
-            self.store.put(record, files)
-        return record
+    def missing(self, points: Sequence[Point]) -> list[Task]:
+        """What has to be run for them: each once, and nothing that the store has."""
+        addresses = self.addresses(points)
+        wanted = {
+            address: point
+            for point, address in zip(points, addresses, strict=True)
+            if not isinstance(address, Refused) and self._known(point, address) is None
+        }
+        return self._tasks(wanted)
+
+    def _known(self, point: Point, address: str) -> Record | None:
+        """What the store has, where that answers the point."""
+        known = self.store.get(address)
+        if known is None or self._task(point, address).is_to_be_tried(known):
+            return None
+        return known
+
+    def _tasks(self, wanted: Mapping[str, Point]) -> list[Task]:
+        return [self._task(point, address) for address, point in wanted.items()]
+
+    def _task(self, point: Point, address: str) -> Task:
+        return Task(
+            self.program.path,
+            self.program.fingerprint,
+            self.store.folder,
+            point,
+            address,
+            self.time_limit_s,
+            self.retries,
+            self.again,
+        )

@@ -4,8 +4,10 @@ A record is a file, written beside its name and renamed, so that a killed study 
 one. Two hex digits make a folder, as a study may have a hundred thousand.
 """
 
+import contextlib
+import fcntl
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from studies.errors import StudyError
@@ -40,6 +42,19 @@ class Store:
         for name, data in (files or {}).items():
             _write(self.file(record.address, name), data)
         _write(path, record.to_json().encode())
+
+    @contextlib.contextmanager
+    def claim(self, address: str) -> Iterator[None]:
+        """Keep others from running what is being run; waits for one that does.
+
+        The lock goes with who holds it, however that ends.
+        """
+        # Few enough to lie about, and so many that two runs seldom meet at one.
+        folder = self.folder / "locks"
+        folder.mkdir(parents=True, exist_ok=True)
+        with (folder / address[:3]).open("ab") as file:
+            fcntl.flock(file, fcntl.LOCK_EX)
+            yield
 
     def file(self, address: str, name: str) -> Path:
         """Where a file is that was kept with a record."""

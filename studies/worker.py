@@ -1,7 +1,9 @@
 """Runs one point as a process of its own and makes a record of what it wrote."""
 
+import contextlib
 import json
 import os
+import signal
 import subprocess
 import tempfile
 import time
@@ -9,7 +11,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from studies.errors import StudyError
 from studies.point import Point
 from studies.record import Record, Status, flatten
 
@@ -40,21 +41,11 @@ def execute(
         out = Path(folder) / "run"
         started = time.monotonic()
         try:
-            done = subprocess.run(
-                command_of(program, point, out),
-                capture_output=True,
-                timeout=time_limit_s,
-                stdin=subprocess.DEVNULL,
-                check=False,
-            )
+            done = _run(command_of(program, point, out), time_limit_s)
         except subprocess.TimeoutExpired:
-            return Record(
-                address,
-                "timed out",
-                -1,
-                f"no end within {time_limit_s:g} s",
-                wall_s=time_limit_s or 0,
-            ), {}
+            limit = time_limit_s or 0.0
+            message = f"no end within {limit:g} s"
+            return Record(address, "timed out", -1, message, wall_s=limit), {}
         wall = time.monotonic() - started
         status = _status(done.returncode)
         error = done.stderr.decode(errors="replace").strip().splitlines()
@@ -80,6 +71,45 @@ def execute(
         ), kept
 
 
+_running: set[subprocess.Popen[bytes]] = set()
+
+
+def _run(command: list[str], time_limit_s: float | None) -> subprocess.CompletedProcess[bytes]:
+    """Run a program with what it starts itself. Throws TimeoutExpired once all of that has ended.
+
+    It is a session of its own, so that a terminal's Ctrl-C does not end it: what is under way when
+    a study is interrupted is finished and kept.
+    """
+    process = subprocess.Popen(
+        command,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+    )
+    _running.add(process)
+    try:
+        output, error = process.communicate(timeout=time_limit_s)
+    except BaseException:
+        _end(process)
+        process.communicate()
+        raise
+    finally:
+        _running.discard(process)
+    return subprocess.CompletedProcess(command, process.returncode, output, error)
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+
+
+def end_all() -> None:
+    """End every run of this process at once."""
+    for process in list(_running):
+        _end(process)
+
+
 def _status(exit_status: int) -> Status:
     known: dict[int, Status] = {0: "held", 1: "not held", 2: "refused"}
     return known.get(exit_status, "crashed")
@@ -89,9 +119,3 @@ def _flags(document: dict[str, Any]) -> list[str]:
     stability = document.get("stability", {})
     flags: Sequence[Any] = stability.get("flags", []) if isinstance(stability, dict) else []
     return [flag["name"] if isinstance(flag, dict) else str(flag) for flag in flags]
-
-
-def check_program(program: Path) -> None:
-    """Throws StudyError where it is none that can be started."""
-    if not os.access(program, os.X_OK):
-        raise StudyError(f"{program}: no program that can be started")

@@ -27,7 +27,16 @@ struct RunArguments : ScenarioArguments {
 };
 int run_command(const RunArguments& arguments);
 
-int explain_command(const ScenarioArguments& arguments);
+struct ResolveArguments : ScenarioArguments {
+  bool each = false;  // for every line of the standard input, with its overrides
+};
+int resolve_command(const ResolveArguments& arguments);
+
+struct ExplainArguments : ScenarioArguments {
+  bool json = false;
+  bool measure = false;  // each effect's wall-clock time, by runs
+};
+int explain_command(const ExplainArguments& arguments);
 
 struct DeviceArguments : ScenarioArguments {
   bool json = false;
@@ -90,8 +99,11 @@ struct SolveArguments {
 };
 int solve_command(const SolveArguments& arguments);
 
-// Prints docs/scenario-reference.md, or docs/results-reference.md.
-int reference_command(bool results);
+struct ReferenceArguments {
+  bool results = false;  // docs/results-reference.md in place of docs/scenario-reference.md
+  bool json = false;     // all that is declared, in place of a page
+};
+int reference_command(const ReferenceArguments& arguments);
 
 struct LoadedScenario {
   scenario::Document document;
@@ -100,6 +112,8 @@ struct LoadedScenario {
   std::filesystem::path device_file;  // that can be opened; empty for a built-in device
 };
 LoadedScenario load(const ScenarioArguments& arguments);
+// Its title stays the scenario's own, whatever --set changes.
+LoadedScenario load_untitled(const ScenarioArguments& arguments);
 // Where `hvp run` writes without --out: runs/thesis, and for a what-if a folder of its own,
 // runs/thesis+frames=300.
 std::filesystem::path results_folder(const ScenarioArguments& arguments);

@@ -1,156 +1,142 @@
+#include <algorithm>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include <fmt/format.h>
 
 #include "app/commands/commands.h"
 #include "app/commands/terminal.h"
+#include "app/explain/effect_costs.h"
+#include "app/explain/explanation.h"
+#include "app/explain/explanation_json.h"
 #include "app/results/engine_text.h"
+#include "app/results/interruption.h"
 #include "app/results/number_text.h"
 #include "app/results/several_text.h"
 #include "app/results/spectrum_text.h"
 #include "app/scenario/message.h"
-#include "app/scene/frame_cost.h"
-#include "models/config/effects.h"
-#include "models/plant/kinematics_measures.h"
 
 namespace hvp::app {
 
 namespace {
-
-void fidelity_line(const char* part, const char* level, const std::string& what) {
-  print("  {:<12} {:<14} {}\n", part, level, what);
-}
 
 // What is listed below with the constants that these stand for.
 bool draws_bus_times(const Scenario& s) {
   return s.bus.read_latencies || (s.bus.pcie && s.bus.pcie->root_complex_latencies);
 }
 
-// Who makes the forces, and of what.
-void numbers_lines(const Scene& scene) {
-  const Scenario& s = scene.scenario();
-  if (s.timing_only()) {
-    fidelity_line("numbers", vp::name(s.fidelity.numbers),
-                  fmt::format("timing only: all {} iterations a solve, the probe against the "
-                              "undeformed body; no words, forces or deformation",
-                              s.solver.iterations));
-  } else if (scene.has_board()) {
-    fidelity_line(
-        "numbers", vp::name(s.fidelity.numbers),
-        fmt::format("{}-bit matrix, {}-bit vectors", s.solver.matrix_bits, s.solver.vector_bits));
-  } else {
-    fidelity_line("numbers", "double", "of the host");
-  }
-}
-
-// What the joints are worth where the probes go.
-void workspace_lines(const Scene& scene) {
-  const plant::DeviceSettings& d = scene.scenario().device;
-  if (!d.kinematics) return;
+void workspace_lines(const Explanation& e) {
+  if (e.workspace.empty()) return;
   print("\nThe device over its way\n");
-  const std::unique_ptr<plant::Kinematics> kinematics = plant::make_kinematics(*d.kinematics);
-  const auto line = [&](const Eigen::Vector3d& tip) {
+  for (const WorkspacePoint& point : e.workspace) {
+    const Eigen::Vector3d& tip = point.tip;
     print("  at ({:.4g}, {:.4g}, {:.4g}) mm", 1e3 * tip.x(), 1e3 * tip.y(), 1e3 * tip.z());
-    if (d.encoder && d.encoder->at == plant::Encoder::At::joints) {
-      const auto step = plant::resolution(*kinematics, d.encoder->joints.step(), tip);
-      if (step)
-        print(", read in steps of {} to {}", results::readable_length((*step)[2]),
-              results::readable_length((*step)[0]));
+    if (point.steps) {
+      print(", read in steps of {} to {}", results::readable_length((*point.steps)[0]),
+            results::readable_length((*point.steps)[1]));
     }
-    if (d.motor && d.amplifier) {
-      const Eigen::Vector3d torque =
-          d.amplifier->current_limit_A * d.motor->torque_constant_N_m_A * d.motor->transmission;
+    if (point.limited) {
       print(", at most");
-      for (int i = 0; i < 3; ++i) {
-        const auto force = plant::force_limit(*kinematics, torque, tip, Eigen::Vector3d::Unit(i));
+      for (const std::optional<double>& force : point.force_limit) {
         if (force) print(" {}", results::newtons(*force));
       }
       print(" along x, y, z");
     }
     print("\n");
-  };
-  for (const plant::Trajectory& probe : scene.scenario().probes) {
-    line(probe.start);
-    for (const plant::Segment& stroke : probe.motion) line(stroke.to);
   }
 }
 
-// A force acts at a node: how far that is from where the scenario wants it.
-void point_loads(const Scene& scene) {
-  const mesh::TetMesh& mesh = scene.body().mesh();
-  const std::vector<fem::PointLoad>& points = scene.scenario().loads.points;
-  if (!points.empty()) print("\nPoint loads\n");
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3d& node =
-        mesh.nodes[static_cast<std::size_t>(fem::nearest_node(mesh, points[i].position))];
+void load_lines(const Explanation& e) {
+  if (!e.loads.empty()) print("\nPoint loads\n");
+  for (const PlacedLoad& load : e.loads) {
     print("  loads.point[{}] at ({:.4g}, {:.4g}, {:.4g}) mm, a node {:.3g} mm from its position\n",
-          i, 1e3 * node.x(), 1e3 * node.y(), 1e3 * node.z(),
-          1e3 * (node - points[i].position).norm());
+          load.index, 1e3 * load.node.x(), 1e3 * load.node.y(), 1e3 * load.node.z(),
+          1e3 * load.off);
   }
 }
 
-void frame_cost(const Scene& scene) {
-  for (const FrameStep& step : frame_steps(scene)) {
-    print("  {:<34} {:>10}\n", step.what, results::readable_time(step.ps));
+void platform_lines(const PlatformParts& platform) {
+  const std::size_t processes = platform.processes();
+  print("\nThe platform: {} modules, {} process{}\n", platform.modules.size(), processes,
+        processes == 1 ? "" : "es");
+  std::size_t width = 0;
+  for (const PlatformModule& module : platform.modules) {
+    width = std::max(width, module.name.size());
+  }
+  for (const PlatformModule& module : platform.modules) {
+    std::string own;
+    for (const PlatformProcess& process : module.processes) {
+      // Its name within the module.
+      own += fmt::format("{} {} {}", own.empty() ? "" : ",", process.kind,
+                         process.name.substr(process.name.rfind('.') + 1));
+    }
+    if (own.empty()) {
+      print("  {:<{}} {}\n", module.name, width, module.kind);
+    } else {
+      print("  {:<{}} {:<16}{}\n", module.name, width, module.kind, own);
+    }
   }
 }
 
-}  // namespace
+void cost_lines(const EffectCosts& costs) {
+  print("\nWall-clock time on this machine (runs of {} frames, medians of {})\n", costs.frames,
+        costs.runs);
+  print("  {:<31} {:>12} {:>12} {:>20}\n", "", "s/simulated s", "to build", "the effect's own");
+  print("  {:<31} {:>12.4g} {:>10.3f} s\n", "the scenario", costs.scenario.run_s,
+        costs.scenario.build_s);
+  for (const EffectCost& c : costs.effects) {
+    if (!c.refused.empty()) continue;
+    print("  {:<31} {:>12.4g} {:>10.3f} s {:>+10.3g} ± {:.2g} s{}\n",
+          (c.present ? "without " : "with ") + c.path, c.cost.run_s, c.cost.build_s, c.difference_s,
+          c.spread_s, c.also.empty() ? "" : fmt::format("; with {}", fmt::join(c.also, ", ")));
+  }
+  std::string refused;
+  for (const EffectCost& c : costs.effects) {
+    if (c.refused.empty()) continue;
+    refused += fmt::format("  {:<31} {}\n", c.path, scenario::one_line(c.refused, 300));
+  }
+  if (!refused.empty()) print("\nNot tried\n{}", refused);
+}
 
-int explain_command(const ScenarioArguments& arguments) {
-  const LoadedScenario loaded = load(arguments);
-  const Progress progress = make_progress(arguments.quiet);
-  const Scene scene = build_scene(loaded, progress);
-  end_progress(arguments.quiet);
+nlohmann::ordered_json costs_json(const EffectCosts& costs) {
+  using nlohmann::ordered_json;
+  ordered_json effects = ordered_json::array();
+  for (const EffectCost& c : costs.effects) {
+    ordered_json one = {{"path", c.path}, {"built", c.present}, {"setting", c.setting}};
+    if (c.refused.empty()) {
+      one.update({{"wall_s_per_s", c.cost.run_s},
+                  {"build_s", c.cost.build_s},
+                  {"difference_s_per_s", c.difference_s},
+                  {"spread_s_per_s", c.spread_s},
+                  {"also", c.also}});
+    } else {
+      one["refused"] = c.refused;
+    }
+    effects.push_back(std::move(one));
+  }
+  return {{"frames", costs.frames},
+          {"runs", costs.runs},
+          {"wall_s_per_s", costs.scenario.run_s},
+          {"build_s", costs.scenario.build_s},
+          {"effects", effects}};
+}
+
+void print_explanation(const Scene& scene, const Explanation& e) {
   const Scenario& s = scene.scenario();
   if (!s.title.empty()) print("{}\n", scenario::one_line(s.title, 1000));
   print("\nParts and their fidelity\n");
-  if (scene.has_board()) {
-    fidelity_line("accelerator", vp::name(s.fidelity.accelerator),
-                  fmt::format("{}, {}{} clocks a solve{}", scene.board_name(),
-                              s.solver.stop_residual > 0 && !s.timing_only() ? "at most " : "",
-                              scene.solve_cycles().total(),
-                              vp::has_engine(s.fidelity.accelerator)
-                                  ? " by the closed form; a run prints the engine's"
-                                  : ""));
-  } else {
-    fidelity_line("accelerator", "absent",
-                  scene.has_body() ? fmt::format("the host solves: {}", host::name(s.host.solver))
-                                   : "the host renders a wall");
+  for (const ExplainedPart& part : e.parts) {
+    print("  {:<12} {:<14} {}\n", part.part, part.level, part.what);
   }
-  fidelity_line("bus", vp::name(s.fidelity.bus),
-                fmt::format("{} bytes a data phase, {:g} ns a clock", s.bus.pci.width_bytes(),
-                            static_cast<double>(s.bus.pci.clock_period_ps()) * 1e-3));
-  if (s.bus.pcie) {
-    const link::Pcie& link = *s.bus.pcie;
-    fidelity_line(
-        "link", vp::name(s.fidelity.bus),
-        fmt::format("PCIe Gen{} x{}, {:.3g} GB/s raw, {:.3g} GB/s for packets; the solver "
-                    "board's alone",
-                    static_cast<int>(link.generation) + 1, link.lanes, link.raw_rate() * 1e-9,
-                    link.tlp_rate() * 1e-9));
-  }
-  if (scene.has_board()) {
-    fidelity_line("transfer", vp::name(s.transfer.method),
-                  fmt::format("b and U, {}; the end by {}",
-                              s.transfer.packed ? "packed" : "one element a word",
-                              link::name(s.transfer.notification)));
-  }
-  fidelity_line("host", vp::name(s.fidelity.host),
-                scene.has_body()
-                    ? fmt::format("servo at {:g} Hz, collision and graphics at {:g} Hz, {}",
-                                  1 / s.budget.period_s, s.host.graphics.rate_hz,
-                                  s.host.cores == 1 ? "on one core" : "a core each")
-                    : fmt::format("servo at {:g} Hz", 1 / s.budget.period_s));
-  numbers_lines(scene);
   print("\nEffects\n");
-  for (const config::Effect& effect : config::survey_effects(s).effects()) {
+  for (const config::Effect& effect : e.effects) {
     print("  {:<31} {:<8} {}\n", effect.path, effect.present ? "built" : "absent", effect.cost);
   }
-  workspace_lines(scene);
-  if (!scene.has_body()) return kHeld;
-  point_loads(scene);
+  platform_lines(e.platform);
+  workspace_lines(e);
+  if (!scene.has_body()) return;
+  load_lines(e);
   if (scene.spectrum()) {
     print("\nSpectrum of the system without contact\n{}",
           results::spectrum_text(*scene.spectrum()));
@@ -158,10 +144,48 @@ int explain_command(const ScenarioArguments& arguments) {
   print("\nWhat a frame's large steps cost (the bus without waits{}{})\n",
         s.bus.posted_writes ? ", and as if nothing were posted" : "",
         draws_bus_times(s) ? ", latencies that are drawn at their constants" : "");
-  frame_cost(scene);
-  if (!scene.has_board()) return kHeld;
+  for (const FrameStep& step : e.steps) {
+    print("  {:<34} {:>10}\n", step.what, results::readable_time(step.ps));
+  }
+  if (!scene.has_board()) return;
   print("{}{}{}", results::clocks_text(scene), results::several_text(scene),
         results::resources_text(scene));
+}
+
+std::optional<EffectCosts> measure(const ExplainArguments& arguments, const Progress& progress) {
+  return measure_effects(
+      [&arguments](const std::vector<std::string>& overrides) {
+        ExplainArguments changed = arguments;
+        changed.overrides.insert(changed.overrides.end(), overrides.begin(), overrides.end());
+        return std::make_unique<Scene>(build_scene(load(changed), {}));
+      },
+      progress);
+}
+
+}  // namespace
+
+int explain_command(const ExplainArguments& arguments) {
+  const LoadedScenario loaded = load(arguments);
+  const Progress progress = make_progress(arguments.quiet);
+  Scene scene = build_scene(loaded, progress);
+  Explanation explanation;
+  try {
+    explanation = explain(scene);
+  } catch (const InputError& e) {
+    throw loaded.document.complete(e);
+  }
+  std::optional<EffectCosts> costs;
+  if (arguments.measure) costs = measure(arguments, progress);
+  end_progress(arguments.quiet);
+  if (arguments.measure && !costs) results::end_as_interrupted();
+  if (arguments.json) {
+    nlohmann::ordered_json told = explanation_json(scene, explanation);
+    if (costs) told["measured"] = costs_json(*costs);
+    print("{}\n", told.dump(2));
+    return kHeld;
+  }
+  print_explanation(scene, explanation);
+  if (costs) cost_lines(*costs);
   return kHeld;
 }
 

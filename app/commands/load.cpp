@@ -82,6 +82,12 @@ std::filesystem::path results_folder(const ScenarioArguments& arguments) {
 }
 
 LoadedScenario load(const ScenarioArguments& arguments) {
+  LoadedScenario loaded = load_untitled(arguments);
+  loaded.scenario.title = title_of(loaded.scenario.title, changes_of(arguments));
+  return loaded;
+}
+
+LoadedScenario load_untitled(const ScenarioArguments& arguments) {
   LoadedScenario loaded{
       scenario::Document::load(arguments.scenario, arguments.overrides, arguments.includes),
       {},
@@ -89,7 +95,6 @@ LoadedScenario load(const ScenarioArguments& arguments) {
       {}};
   devices::put_device_under(loaded.document);
   scenario::read(loaded.document, loaded.scenario);
-  loaded.scenario.title = title_of(loaded.scenario.title, changes_of(arguments));
   scenario::resolve_files(loaded.document, loaded.scenario);
   const accel::Architecture& accelerator = loaded.scenario.accelerator;
   loaded.device = devices::find(loaded.document, accelerator);

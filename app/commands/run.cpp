@@ -12,10 +12,12 @@
 
 #include "app/commands/commands.h"
 #include "app/commands/terminal.h"
+#include "app/results/figures_json.h"
 #include "app/results/flag_json.h"
 #include "app/results/interruption.h"
 #include "app/results/launched_program.h"
 #include "app/results/part_file.h"
+#include "app/results/performance.h"
 #include "app/results/pictures.h"
 #include "app/results/report.h"
 #include "app/results/results_folder.h"
@@ -122,22 +124,23 @@ int run_command(const RunArguments& arguments) {
   const Clock::time_point drawn = Clock::now();
   end_progress(arguments.quiet);
 
-  nlohmann::ordered_json performance;
-  performance["build_scene_s"] = seconds(start, built);
-  performance["simulate_s"] = simulate_s;
-  performance["remedy_s"] = outcome.remedy_search_s;
+  const double simulated_s = to_seconds(outcome.simulated);
   const double frames_per_s =
       static_cast<double>(outcome.verdict.frames()) / std::max(simulate_s, 1e-9);
-  performance["frames_per_s"] = frames_per_s;
-  performance["draw_s"] = seconds(simulated, drawn);
-  performance["simulated_s"] = to_seconds(outcome.simulated);
-  performance["peak_memory_mb"] = peak_memory_mb();
-  results::write_through_part_file(out / "performance.json", performance.dump(2) + "\n");
+  const results::Performance performance{.build_scene_s = seconds(start, built),
+                                         .simulate_s = simulate_s,
+                                         .remedy_s = outcome.remedy_search_s,
+                                         .frames_per_s = frames_per_s,
+                                         .draw_s = seconds(simulated, drawn),
+                                         .simulated_s = simulated_s,
+                                         .peak_memory_mb = peak_memory_mb()};
+  results::write_through_part_file(out / "performance.json",
+                                   results::figures_json(performance).dump(2) + "\n");
 
   print("{}", results::report(scene, outcome));
   if (arguments.details) print("{}", results::details_text(outcome.latency));
   print("\nResults in {} ({:.3g} s simulated in {:.2f} s, {:.0f} frames a second", out.string(),
-        to_seconds(outcome.simulated), simulate_s, frames_per_s);
+        simulated_s, simulate_s, frames_per_s);
   if (outcome.remedy) print(", remedies tried in {:.1f} s", outcome.remedy_search_s);
   if (!pictures.files.empty()) print(", drawn in {:.1f} s", seconds(simulated, drawn));
   print(")\n");

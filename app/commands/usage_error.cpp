@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <string_view>
 #include <vector>
 
@@ -21,6 +22,9 @@ std::string unknown(std::string_view what, const std::string& name,
   if (!near.empty()) return fmt::format("{} {}; did you mean {}?", what, shown, near);
   return fmt::format("{} {}; there is {}", what, shown, fmt::join(valid, ", "));
 }
+
+// What the entry of the checkout runs in place of this program.
+constexpr std::array<std::string_view, 4> kOfTheCheckout = {"study", "sweep", "compare", "report"};
 
 std::vector<std::string> command_names(const CLI::App& app) {
   std::vector<std::string> names;
@@ -55,6 +59,9 @@ std::string describe_usage_error(const CLI::App& app, const CLI::ParseError& err
     if (rest.empty()) {
       return fmt::format("expected a command: {} (hvp --help describes them)",
                          fmt::join(command_names(app), ", "));
+    }
+    if (std::ranges::find(kOfTheCheckout, rest[0]) != kOfTheCheckout.end()) {
+      return fmt::format("{0} is run by ./hvp {0} …", rest[0]);
     }
     if (!rest[0].starts_with("-")) return unknown("unknown command", rest[0], command_names(app));
     const std::string name = rest[0].substr(0, rest[0].find('='));

@@ -43,32 +43,42 @@ void remove_other_surfaces(const fs::path& directory, const std::string& kept) {
   }
 }
 
+// What comes along, by the name that it has there.
+std::string device_name() { return std::string(kStem) + ".device.toml"; }
+
+std::string surface_name(const std::string& file) {
+  std::string extension = fs::path(file).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return kStem + extension;
+}
+
 }  // namespace
 
-void write_resolved_scenario(const fs::path& directory, const app::Scenario& scenario,
-                             const fs::path& device) {
+std::string resolved_text(const app::Scenario& scenario, const fs::path& device) {
   app::Scenario resolved = scenario;
   // All that it says stands there, and what was taken out of it is to stay out.
   resolved.device.model.clear();
-  const std::string device_name = std::string(kStem) + ".device.toml";
+  if (!device.empty()) resolved.accelerator.device = device_name();
+  config::File& surface = resolved.object.mesh.surface;
+  if (!surface.empty()) surface = config::File(surface_name(surface.path));
+  return scenario::resolved(resolved);
+}
+
+void write_resolved_scenario(const fs::path& directory, const app::Scenario& scenario,
+                             const fs::path& device) {
   if (!device.empty()) {
-    resolved.accelerator.device = device_name;
-    copy_through_part_file(device, directory / device_name);
+    copy_through_part_file(device, directory / device_name());
   } else {
     std::error_code ignored;
-    fs::remove(directory / device_name, ignored);  // of an earlier run
+    fs::remove(directory / device_name(), ignored);  // of an earlier run
   }
-  config::File& surface = resolved.object.mesh.surface;
-  if (!surface.empty()) {
-    const fs::path from = surface.path;
-    std::string extension = from.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    surface = config::File(kStem + extension);
-    copy_through_part_file(from, directory / surface.written);
-  }
-  remove_other_surfaces(directory, surface.written);
-  write_through_part_file(directory / (std::string(kStem) + ".toml"), scenario::resolved(resolved));
+  const config::File& surface = scenario.object.mesh.surface;
+  const std::string surface_copy = surface.empty() ? "" : surface_name(surface.path);
+  if (!surface.empty()) copy_through_part_file(surface.path, directory / surface_copy);
+  remove_other_surfaces(directory, surface_copy);
+  write_through_part_file(directory / (std::string(kStem) + ".toml"),
+                          resolved_text(scenario, device));
 }
 
 }  // namespace hvp::results

@@ -1,10 +1,15 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "app/scene/scenario.h"
 
 namespace hvp::results {
+
+// The text of scenario.resolved.toml, without writing anything: the files that come along have the
+// names that they would have there.
+std::string resolved_text(const app::Scenario& scenario, const std::filesystem::path& device);
 
 // scenario.resolved.toml: every parameter with the value it had, a scenario of its own that
 // gives the same run again. A surface file comes along as scenario.resolved.stl (or its other

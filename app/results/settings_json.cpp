@@ -6,13 +6,10 @@ namespace hvp::results {
 
 using nlohmann::ordered_json;
 
-namespace {
-// A number where there is no unit to state.
 ordered_json quantity_json(double value, config::Dimension dimension) {
   if (dimension == config::Dimension::dimensionless) return value;
   return scenario::format_quantity(value, dimension);
 }
-}  // namespace
 
 ordered_json& SettingsJson::put(std::string_view name) {
   return (*stack_.back())[std::string(name)];

@@ -45,6 +45,9 @@ class SettingsJson : public config::Visitor {
   std::vector<nlohmann::ordered_json*> stack_;
 };
 
+// A text with its unit, or a number where there is no unit to state.
+nlohmann::ordered_json quantity_json(double value, config::Dimension dimension);
+
 template <class Part>
 nlohmann::ordered_json settings_json(const Part& part) {
   Part copy = part;  // declare() takes what it may also fill

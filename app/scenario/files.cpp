@@ -19,27 +19,30 @@ std::filesystem::path openable_file(const Document& document, std::string_view k
   return resolved;
 }
 
-void FileResolver::file(std::string_view name, config::File& file, config::Note) {
-  if (file.empty()) return;
-  file.path = openable_file(document_, joined(path_.back(), key_text(name)), file.written).string();
+void FileVisitor::file(std::string_view name, config::File& file, config::Note) {
+  if (!file.empty()) found(joined(path_.back(), key_text(name)), file);
 }
 
-bool FileResolver::begin_effect(std::string_view name, bool& present, const config::EffectNote&) {
+bool FileVisitor::begin_effect(std::string_view name, bool& present, const config::EffectNote&) {
   if (present) enter(name);
   return present;
 }
 
-bool FileResolver::begin_list(std::string_view name, std::size_t&, config::Note) {
+bool FileVisitor::begin_list(std::string_view name, std::size_t&, config::Note) {
   enter(name);
   return false;
 }
 
-void FileResolver::begin_item(std::size_t index) {
+void FileVisitor::begin_item(std::size_t index) {
   path_.push_back(fmt::format("{}[{}]", path_.back(), index));
 }
 
-void FileResolver::enter(std::string_view name) {
+void FileVisitor::enter(std::string_view name) {
   path_.push_back(joined(path_.back(), key_text(name)));
+}
+
+void FileResolver::found(const std::string& key, config::File& file) {
+  file.path = openable_file(document_, key, file.written).string();
 }
 
 }  // namespace hvp::scenario

@@ -4,11 +4,13 @@ import argparse
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from studies.commands.search import add_search
+from studies.commands.compare import add_compare
+from studies.commands.study import add_study
 from studies.commands.sweep import add_sweep
+from studies.commands.task import add_task
 
 if TYPE_CHECKING:
     Subparsers = argparse._SubParsersAction[argparse.ArgumentParser]
 
 # What adds a command to the command line, in the order of `--help`.
-COMMANDS: list[Callable[["Subparsers"], None]] = [add_sweep, add_search]
+COMMANDS: list[Callable[["Subparsers"], None]] = [add_study, add_sweep, add_compare, add_task]

@@ -13,7 +13,7 @@ from studies.metrics import FLAGS, MESSAGE, check_metric
 from studies.plot import draw_chart, drawable
 from studies.point import Value
 from studies.program import Program, find_program
-from studies.progress import progress_line
+from studies.progress import run_with_progress
 from studies.results import Column, write_results
 from studies.session import Session
 from studies.store import DEFAULT_STORE, Store
@@ -63,7 +63,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError(f"--plot {picture}: expected a name that ends in .png, .pdf or .svg")
 
     session = Session(program, Store(arguments.store), arguments.jobs, arguments.time_limit)
-    records = session.run(sweep.points(), progress_line())
+    records = run_with_progress(session, sweep.points())
     reason = refused_alike(records)
     if reason is not None:
         raise InputError(reason)

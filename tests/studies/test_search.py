@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from studies.cli import main
 from studies.errors import InputError
-from studies.program import Figure
+from studies.program import Figure, Program
 from studies.record import Record
 from studies.search import Choice, Found, find, judge, neighbours
 from studies.search_file import Constraint, Search, read_search
@@ -141,7 +142,7 @@ def test_what_has_no_figure_keeps_no_bound(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ('metric = "cost"', 'metric = "cots"', ":12: .*did you mean cost"),
+        ('metric = "cost"', 'metric = "cots"', ":12: .*did you mean 'cost'"),
         ("at_most = 10", "", ":15: .*expected at_most, at_least"),
         ("trials = 4", "trials = 0", ":10: .*expected 1 to"),
         ("trials = 4", "trails = 4", ":10: .*unknown key"),
@@ -156,3 +157,25 @@ def test_a_wrong_file_is_named_with_its_line(
     text = SPACE.format(values=[1], trials=4, objectives=COST).replace(old, new)
     with pytest.raises(InputError, match=message):
         _read(tmp_path, text)
+
+
+def test_a_study_with_a_search_is_one(
+    program: Program,
+    scenarios: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("HVP_PROGRAM", str(program.path))
+    text = FILE.format(scenario=scenarios / "thesis-static.toml", trials=12)
+    Path("small.toml").write_text(text, encoding="utf-8")
+    assert main(["study", "small.toml", "--jobs", "2"]) == 0
+    shown = capsys.readouterr().out
+    assert "found       accelerator.device = EP2S60, solver.iterations = 120" in shown
+    assert "12 of 12 combinations" in shown
+    assert (tmp_path / "studies-out/small/results.csv").read_text().count("\n") == 13
+    Path("small.toml").write_text(text.replace("at_most = 0", "at_most = -1"), encoding="utf-8")
+    assert main(["study", "small.toml"]) == 1
+    assert "nothing that keeps every bound" in capsys.readouterr().out
+    assert main(["study", "small.toml", "--dry-run"]) == 2

@@ -100,7 +100,7 @@ def test_time_grows_by_the_clocks_of_an_iteration(
         (["solver.iteratons=1,2"], 'did you mean "iterations"'),
         (
             ["solver.iterations=20", "--metrics", "deadline.wrst_us"],
-            "did you mean deadline.worst_us",
+            "did you mean 'deadline.worst_us'",
         ),
         (["solver.iterations=20", "--plot", "x.xyz"], "expected a name that ends in .png"),
         (["solver.iterations=20", "solver.iterations=30"], "expected one axis a key"),

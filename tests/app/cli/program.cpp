@@ -10,6 +10,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tests/app/scratch_directory.h"
+
 namespace hvp::cli {
 
 namespace {
@@ -21,7 +23,8 @@ void redirect(const fs::path& file, int descriptor) {
 }
 }  // namespace
 
-Program::Program(const fs::path& folder, const std::vector<std::string>& arguments) {
+Program::Program(const fs::path& folder, const std::vector<std::string>& arguments,
+                 const fs::path& input) {
   std::string name = (fs::temp_directory_path() / "hvp-output-XXXXXX").string();
   if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("mkdtemp failed");
   output_ = name;
@@ -34,6 +37,11 @@ Program::Program(const fs::path& folder, const std::vector<std::string>& argumen
   if (pid_ < 0) throw std::runtime_error("fork failed");
   if (pid_ == 0) {
     if (::chdir(folder.c_str()) != 0) ::_exit(126);
+    if (!input.empty()) {
+      const int opened = ::open(input.c_str(), O_RDONLY);
+      if (opened < 0 || ::dup2(opened, STDIN_FILENO) < 0) ::_exit(126);
+      ::close(opened);
+    }
     redirect(output_ / "out", STDOUT_FILENO);
     redirect(output_ / "err", STDERR_FILENO);
     ::execv(argv[0], argv.data());
@@ -83,8 +91,20 @@ Ended Program::wait() {
   return ended;
 }
 
+std::string Program::out() const {
+  const fs::path file = output_ / "out";
+  return fs::exists(file) ? read(file) : std::string();
+}
+
 Ended hvp(const fs::path& folder, const std::vector<std::string>& arguments) {
   return Program(folder, arguments).wait();
+}
+
+Ended hvp_reading(const std::string& input, const fs::path& folder,
+                  const std::vector<std::string>& arguments) {
+  const ScratchDirectory place;
+  write(place.path() / "input", input);
+  return Program(folder, arguments, place.path() / "input").wait();
 }
 
 std::string read(const fs::path& file) {

@@ -19,7 +19,9 @@ struct Ended {
 // A started program; the destructor kills one that still runs.
 class Program {
  public:
-  Program(const std::filesystem::path& folder, const std::vector<std::string>& arguments);
+  // `input`: a file or pipe that is its standard input; empty: this process' own.
+  Program(const std::filesystem::path& folder, const std::vector<std::string>& arguments,
+          const std::filesystem::path& input = {});
   ~Program();
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
@@ -30,6 +32,8 @@ class Program {
   std::vector<pid_t> children() const;
   bool ended();
   Ended wait();
+  // What it has printed so far.
+  std::string out() const;
 
  private:
   void reap(int options);
@@ -41,6 +45,9 @@ class Program {
 };
 
 Ended hvp(const std::filesystem::path& folder, const std::vector<std::string>& arguments);
+// With a text as its standard input.
+Ended hvp_reading(const std::string& input, const std::filesystem::path& folder,
+                  const std::vector<std::string>& arguments);
 
 std::string read(const std::filesystem::path& file);
 void write(const std::filesystem::path& file, const std::string& text);

@@ -22,8 +22,8 @@ TEST(Usage, HelpNamesEveryCommandAndTheExitStatus) {
   const ScratchDirectory place;
   const Ended ended = hvp(place.path(), {"--help"});
   EXPECT_EQ(ended.status, 0);
-  for (const char* word :
-       {"run", "explain", "solve", "mesh", "export", "reference", "Exit status"}) {
+  for (const char* word : {"run", "explain", "solve", "mesh", "export", "resolve", "reference",
+                           "study", "sweep", "compare", "report", "Exit status"}) {
     EXPECT_THAT(ended.out, HasSubstr(word));
   }
   EXPECT_EQ(ended.err, "");
@@ -31,7 +31,8 @@ TEST(Usage, HelpNamesEveryCommandAndTheExitStatus) {
 
 TEST(Usage, EveryCommandHasHelp) {
   const ScratchDirectory place;
-  for (const char* command : {"run", "explain", "solve", "mesh", "export", "reference"}) {
+  for (const char* command :
+       {"run", "explain", "solve", "mesh", "export", "resolve", "reference"}) {
     const Ended ended = hvp(place.path(), {command, "--help"});
     EXPECT_EQ(ended.status, 0);
     EXPECT_THAT(ended.out, HasSubstr(std::string("Usage: hvp ") + command));
@@ -67,9 +68,16 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Wrong{{},
               "expected a command: run, explain, device, stability, fit, solve, mesh, export, "
-              "reference"},
+              "resolve, reference"},
         Wrong{{"rum"}, "unknown command rum; did you mean run?"},
         Wrong{{"simulate"}, "unknown command simulate; there is run, explain"},
+        Wrong{{"study", "axes.toml"}, "hvp: study is run by ./hvp study …"},
+        Wrong{{"sweep"}, "hvp: sweep is run by ./hvp sweep …"},
+        Wrong{{"compare", "a", "b", "--json"}, "hvp: compare is run by ./hvp compare …"},
+        Wrong{{"report", "runs/x"}, "hvp: report is run by ./hvp report …"},
+        Wrong{{"reference", "--json", "--results"}, "reference: --results excludes --json"},
+        Wrong{{"resolve"}, "resolve: scenario is required"},
+        Wrong{{"resolve", "none.toml", "--each"}, "none.toml: no such file"},
         Wrong{{"--versoin"}, "unknown option --versoin; did you mean --version?"},
         Wrong{{"--set", "a=b", "run", "x.toml"},
               "--set belongs behind the command: hvp run … --set"},

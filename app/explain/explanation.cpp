@@ -1,0 +1,135 @@
+#include "app/explain/explanation.h"
+
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "models/plant/kinematics_measures.h"
+
+namespace hvp::app {
+
+namespace {
+
+ExplainedPart accelerator(const Scene& scene) {
+  const Scenario& s = scene.scenario();
+  if (!scene.has_board()) {
+    return {"accelerator", "absent",
+            scene.has_body() ? fmt::format("the host solves: {}", host::name(s.host.solver))
+                             : "the host renders a wall"};
+  }
+  return {"accelerator", vp::name(s.fidelity.accelerator),
+          fmt::format("{}, {}{} clocks a solve{}", scene.board_name(),
+                      s.solver.stop_residual > 0 && !s.timing_only() ? "at most " : "",
+                      scene.solve_cycles().total(),
+                      vp::has_engine(s.fidelity.accelerator)
+                          ? " by the closed form; a run prints the engine's"
+                          : "")};
+}
+
+// Who makes the forces, and of what.
+ExplainedPart numbers(const Scene& scene) {
+  const Scenario& s = scene.scenario();
+  if (s.timing_only()) {
+    return {"numbers", vp::name(s.fidelity.numbers),
+            fmt::format("timing only: all {} iterations a solve, the probe against the "
+                        "undeformed body; no words, forces or deformation",
+                        s.solver.iterations)};
+  }
+  if (!scene.has_board()) return {"numbers", "double", "of the host"};
+  return {"numbers", vp::name(s.fidelity.numbers),
+          fmt::format("{}-bit matrix, {}-bit vectors", s.solver.matrix_bits, s.solver.vector_bits)};
+}
+
+std::vector<ExplainedPart> explained_parts(const Scene& scene) {
+  const Scenario& s = scene.scenario();
+  std::vector<ExplainedPart> parts = {
+      accelerator(scene),
+      {"bus", vp::name(s.fidelity.bus),
+       fmt::format("{} bytes a data phase, {:g} ns a clock", s.bus.pci.width_bytes(),
+                   static_cast<double>(s.bus.pci.clock_period_ps()) * 1e-3)}};
+  if (s.bus.pcie) {
+    const link::Pcie& link = *s.bus.pcie;
+    parts.push_back(
+        {"link", vp::name(s.fidelity.bus),
+         fmt::format("PCIe Gen{} x{}, {:.3g} GB/s raw, {:.3g} GB/s for packets; the solver "
+                     "board's alone",
+                     static_cast<int>(link.generation) + 1, link.lanes, link.raw_rate() * 1e-9,
+                     link.tlp_rate() * 1e-9)});
+  }
+  if (scene.has_board()) {
+    parts.push_back({"transfer", vp::name(s.transfer.method),
+                     fmt::format("b and U, {}; the end by {}",
+                                 s.transfer.packed ? "packed" : "one element a word",
+                                 link::name(s.transfer.notification))});
+  }
+  parts.push_back({"host", vp::name(s.fidelity.host),
+                   scene.has_body()
+                       ? fmt::format("servo at {:g} Hz, collision and graphics at {:g} Hz, {}",
+                                     1 / s.budget.period_s, s.host.graphics.rate_hz,
+                                     s.host.cores == 1 ? "on one core" : "a core each")
+                       : fmt::format("servo at {:g} Hz", 1 / s.budget.period_s)});
+  parts.push_back(numbers(scene));
+  return parts;
+}
+
+WorkspacePoint workspace_point(const plant::DeviceSettings& d, const plant::Kinematics& kinematics,
+                               const Eigen::Vector3d& tip) {
+  WorkspacePoint point;
+  point.tip = tip;
+  if (d.encoder && d.encoder->at == plant::Encoder::At::joints) {
+    const auto step = plant::resolution(kinematics, d.encoder->joints.step(), tip);
+    if (step) point.steps = {(*step)[2], (*step)[0]};
+  }
+  point.limited = d.motor && d.amplifier;
+  if (!point.limited) return point;
+  const Eigen::Vector3d torque =
+      d.amplifier->current_limit_A * d.motor->torque_constant_N_m_A * d.motor->transmission;
+  for (int i = 0; i < 3; ++i) {
+    const auto force = plant::force_limit(kinematics, torque, tip, Eigen::Vector3d::Unit(i));
+    if (force) point.force_limit[static_cast<std::size_t>(i)] = *force;
+  }
+  return point;
+}
+
+// Where the probes go.
+std::vector<WorkspacePoint> workspace(const Scene& scene) {
+  std::vector<WorkspacePoint> points;
+  const plant::DeviceSettings& d = scene.scenario().device;
+  if (!d.kinematics) return points;
+  const std::unique_ptr<plant::Kinematics> kinematics = plant::make_kinematics(*d.kinematics);
+  for (const plant::Trajectory& probe : scene.scenario().probes) {
+    points.push_back(workspace_point(d, *kinematics, probe.start));
+    for (const plant::Segment& stroke : probe.motion) {
+      points.push_back(workspace_point(d, *kinematics, stroke.to));
+    }
+  }
+  return points;
+}
+
+std::vector<PlacedLoad> placed_loads(const Scene& scene) {
+  const mesh::TetMesh& mesh = scene.body().mesh();
+  const std::vector<fem::PointLoad>& points = scene.scenario().loads.points;
+  std::vector<PlacedLoad> placed;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3d& node =
+        mesh.nodes[static_cast<std::size_t>(fem::nearest_node(mesh, points[i].position))];
+    placed.push_back({i, node, (node - points[i].position).norm()});
+  }
+  return placed;
+}
+
+}  // namespace
+
+Explanation explain(Scene& scene) {
+  Explanation e;
+  e.parts = explained_parts(scene);
+  e.effects = config::survey_effects(scene.scenario()).effects();
+  e.platform = platform_parts(scene);
+  e.workspace = workspace(scene);
+  if (!scene.has_body()) return e;
+  e.loads = placed_loads(scene);
+  e.steps = frame_steps(scene);
+  return e;
+}
+
+}  // namespace hvp::app

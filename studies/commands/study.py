@@ -1,0 +1,149 @@
+"""`hvp study STUDY.toml`: a base scenario, axes, a table."""
+
+import argparse
+import shlex
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from studies.commands import search
+from studies.commands.scale_options import add_scale_options, carrier_of, export_array
+from studies.design import points_of
+from studies.errors import FAILED, HELD, InputError
+from studies.metrics import check_metric
+from studies.point import Point
+from studies.program import Program, find_program
+from studies.progress import run_with_progress
+from studies.record import Record
+from studies.search_file import is_search
+from studies.session import Session
+from studies.store import DEFAULT_STORE, Store
+from studies.study_file import Study, load, reference_page
+from studies.study_results import Results, outcome_words, write_all
+from studies.text_table import text_table
+from studies.toml_lines import line_of
+from studies.worker import command_of
+
+if TYPE_CHECKING:
+    from studies.commands import Subparsers
+
+_MOST_ROWS = 40  # on a terminal; results.csv has all
+
+
+def add_study(subparsers: "Subparsers") -> None:
+    """Declare the command."""
+    parser = subparsers.add_parser(
+        "study", help="run a scenario over axes of its keys: a table, pictures, a report"
+    )
+    parser.add_argument("study", type=Path, nargs="?", metavar="STUDY.toml")
+    parser.add_argument(
+        "--out", type=Path, metavar="FOLDER", help="in place of studies-out/<study>"
+    )
+    parser.add_argument(
+        "--store", type=Path, default=DEFAULT_STORE, metavar="FOLDER", help="where runs are kept"
+    )
+    parser.add_argument("--jobs", type=int, metavar="N", help="runs at once; one a core")
+    parser.add_argument(
+        "--retry", action="store_true", help="try runs again that have crashed every time"
+    )
+    parser.add_argument("--dry-run", action="store_true", help="list the points, run nothing")
+    parser.add_argument("--quiet", action="store_true", help="no progress on the terminal")
+    parser.add_argument("--reference", action="store_true", help="print docs/study-reference.md")
+    add_scale_options(parser)
+    parser.set_defaults(run=_run)
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    if arguments.reference:
+        print(reference_page(), end="")
+        return HELD
+    if arguments.study is None:
+        raise InputError("hvp study: expected STUDY.toml, or screen or accuracy with a scenario")
+    if arguments.jobs is not None and arguments.jobs < 1:
+        raise InputError(f"--jobs {arguments.jobs}: expected one or more")
+    file: Path = arguments.study
+    if is_search(file):
+        return search.run(arguments)
+    study = load(file)
+    points = points_of(study, file)
+    if arguments.dry_run:
+        print(_table(study, points))
+        print(f"\n{len(points)} points")
+        return HELD
+    program = find_program()
+    _check_metrics(study, file, program)
+    session = Session(
+        program,
+        Store(arguments.store.absolute()),
+        time_limit_s=study.time_limit_s,
+        retries=study.retries,
+        again=arguments.retry,
+        carrier=carrier_of(arguments),
+    )
+    if arguments.jobs is not None:
+        session.workers = arguments.jobs
+    if arguments.slurm is not None:
+        return export_array(arguments, session, points)
+    records = run_with_progress(session, points, arguments.quiet)
+    return _report(arguments, Results(study, program, points, records))
+
+
+def _report(arguments: argparse.Namespace, results: Results) -> int:
+    file: Path = arguments.study
+    folder = arguments.out or Path("studies-out") / file.stem
+    commands = [f"./hvp study {shlex.quote(str(file))}"]
+    files = write_all(folder, results, file.stem, commands)
+    print(_result_table(results))
+    print(f"\n{outcome_words(results.records)}")
+    refused = [record.message for record in results.records if record.status == "refused"]
+    for message in list(dict.fromkeys(refused))[:3]:
+        print(f"  refused: {message}")
+    print(f"{', '.join(path.name for path in files)} in {folder}")
+    failed = [
+        (point, record)
+        for point, record in zip(results.points, results.records, strict=True)
+        if record.status in ("crashed", "timed out")
+    ]
+    if failed:
+        print(f"{len(failed)} runs without an end; --retry tries them again. Each by itself:")
+    for point, record in failed[:10]:
+        print(f"  {record.status}: {record.message}")
+        print(f"    {shlex.join(['./hvp', *command_of(results.program.path, point)[1:]])}")
+    if refused and len(refused) == len(results.records):
+        raise InputError(f"{file}: every point was refused: {refused[0]}")
+    return FAILED if failed else HELD
+
+
+def _check_metrics(study: Study, file: Path, program: Program) -> None:
+    known = program.figures(study.command)
+    for where, metrics in (("metrics", study.metrics), *(("plot", p.y) for p in study.plot)):
+        for metric in metrics:
+            line = line_of(file.read_text(encoding="utf-8"), (where,))
+            check_metric(f"{file}:{line}: {where}", metric, known)
+
+
+def _table(study: Study, points: list[Point]) -> str:
+    labels = [axis.label for axis in study.axis]
+    shown = points[:_MOST_ROWS]
+    text = text_table(labels, [[point.columns[label] for label in labels] for point in shown])
+    return text + (f"\n… {len(points) - len(shown)} more" if len(points) > len(shown) else "")
+
+
+def _result_table(results: Results) -> str:
+    labels = [axis.label for axis in results.study.axis]
+    units = {column.name: column.heading for column in results.columns()}
+    header = [*labels, *(units.get(name, name) for name in results.metrics), "outcome", "flags"]
+    rows = [
+        [
+            *(point.columns[label] for label in labels),
+            *(record.metrics.get(name) for name in results.metrics),
+            _outcome(record),
+            len(record.flags),
+        ]
+        for point, record in list(zip(results.points, results.records, strict=True))[:_MOST_ROWS]
+    ]
+    more = len(results.records) - len(rows)
+    return text_table(header, rows) + (f"\n… {more} more in results.csv" if more > 0 else "")
+
+
+def _outcome(record: Record) -> str:
+    return record.verdict or record.status

@@ -1,0 +1,154 @@
+#include <csignal>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include <gmock/gmock.h>
+
+#include "tests/app/cli/program.h"
+#include "tests/app/scratch_directory.h"
+
+namespace hvp::cli {
+namespace {
+
+using nlohmann::json;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class ExplainJson : public ::testing::Test {
+ protected:
+  ExplainJson() { write(place_.path() / "s.toml", kSmallScene); }
+
+  json with(const std::vector<std::string>& settings, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments = {"explain", "s.toml", "--json"};
+    for (const std::string& setting : settings) {
+      arguments.insert(arguments.end(), {"--set", setting});
+    }
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Ended ended = hvp(place_.path(), arguments);
+    EXPECT_EQ(ended.status, 0) << ended.err;
+    EXPECT_THAT(names(place_.path()), ElementsAre("s.toml"));
+    return json::parse(ended.out);
+  }
+  static std::vector<std::string> modules(const json& told) {
+    std::vector<std::string> names;
+    for (const json& module : told.at("platform").at("modules")) names.push_back(module.at("name"));
+    return names;
+  }
+
+  ScratchDirectory place_;
+};
+
+TEST_F(ExplainJson, NamesTheModulesThatAreBuiltAndNoOthers) {
+  const json told = with({});
+  EXPECT_THAT(modules(told),
+              ElementsAre("bus", "accelerator", "daq", "access", "servo", "collision"));
+  EXPECT_EQ(told.at("platform").at("processes"), 3);
+  const json& servo = told.at("platform").at("modules").at(4);
+  EXPECT_EQ(servo.at("kind"), "ServoProcess");
+  EXPECT_EQ(servo.at("processes"), json::array({{{"name", "servo.run"}, {"kind", "thread"}}}));
+}
+
+TEST_F(ExplainJson, AnEffectBringsItsModuleAndProcess) {
+  const json told = with({"fidelity.bus=approximately-timed", "bus.traffic=true"});
+  EXPECT_THAT(modules(told), Contains("traffic"));
+  EXPECT_EQ(told.at("platform").at("processes"), 4);
+}
+
+TEST_F(ExplainJson, LooksAtAWaveformWithoutWritingOne) {
+  EXPECT_THAT(modules(with({"fidelity.accelerator=cycle-accurate", "output.waveform=true"})),
+              Contains("waveform"));
+}
+
+TEST_F(ExplainJson, AWallHasNeitherBoardNorFrameSteps) {
+  write(place_.path() / "s.toml",
+        "[wall]\n[probe]\nstart = ['0 mm', '0 mm', '1 mm']\n[[probe.motion]]\nphase = 'press'\n"
+        "to = ['0 mm', '0 mm', '-1 mm']\nduration = '20 ms'\n");
+  const json told = with({});
+  EXPECT_THAT(modules(told), ElementsAre("bus", "daq", "access", "servo"));
+  EXPECT_TRUE(told.at("frame").is_null());
+  EXPECT_TRUE(told.at("accelerator").is_null());
+  EXPECT_TRUE(told.at("mesh").is_null());
+}
+
+TEST_F(ExplainJson, AFrameIsTheSumOfItsSteps) {
+  const json frame = with({"dynamics=true", "refinement=true"}).at("frame");
+  std::int64_t all = 0;
+  std::int64_t awaited = 0;
+  for (const json& step : frame.at("steps")) {
+    const std::int64_t ps = step.at("ps").get<std::int64_t>() * step.at("times").get<int>();
+    all += ps;
+    if (!step.at("after_force").get<bool>()) awaited += ps;
+  }
+  EXPECT_LT(awaited, all);
+  EXPECT_DOUBLE_EQ(frame.at("frame_us").get<double>(), static_cast<double>(all) / 1e6);
+  EXPECT_DOUBLE_EQ(frame.at("latency_us").get<double>(), static_cast<double>(awaited) / 1e6);
+}
+
+// By the names that a run's summary has, and with its values.
+TEST_F(ExplainJson, AgreesWithTheSummaryOfARun) {
+  const json told = with({"frames=2"});
+  ASSERT_LE(hvp(place_.path(), {"run", "s.toml", "--set", "frames=2", "--out", "out"}).status, 1);
+  const json summary = json::parse(read(place_.path() / "out/summary.json"));
+  for (const char* key : {"title", "solver", "accelerator", "resources", "mesh", "condition"}) {
+    EXPECT_EQ(told.at(key), summary.at(key)) << key;
+  }
+}
+
+TEST_F(ExplainJson, TimesEveryEffectOrSaysWhyNot) {
+  const json told = with({"frames=10"}, {"--measure"});
+  const json& measured = told.at("measured");
+  EXPECT_EQ(measured.at("frames"), 10);
+  EXPECT_GT(measured.at("wall_s_per_s"), 0);
+  ASSERT_EQ(measured.at("effects").size(), told.at("effects").size());
+  for (std::size_t i = 0; i < told.at("effects").size(); ++i) {
+    const json& effect = measured.at("effects").at(i);
+    EXPECT_EQ(effect.at("path"), told.at("effects").at(i).at("path"));
+    EXPECT_EQ(effect.at("built"), told.at("effects").at(i).at("built"));
+    EXPECT_NE(effect.contains("refused"), effect.contains("difference_s_per_s")) << effect;
+    if (effect.at("path") == "reference") {
+      EXPECT_EQ(effect.at("setting"), "reference=false");
+    }
+    if (effect.at("path") == "dynamics") {
+      EXPECT_GT(effect.at("wall_s_per_s"), 0);
+    }
+    if (effect.at("path") == "device.friction") {
+      EXPECT_THAT(effect.at("refused").get<std::string>(), HasSubstr("[device.dynamics] too"));
+    }
+  }
+}
+
+TEST_F(ExplainJson, AFaultIsTakenOutWithItsList) {
+  const json told = with({"frames=10", "fault[0]={kind='lost-interrupt', frame=1}"}, {"--measure"});
+  for (const json& effect : told.at("measured").at("effects")) {
+    if (effect.at("path") != "fault") continue;
+    EXPECT_EQ(effect.at("setting"), "fault=[]");
+    EXPECT_FALSE(effect.contains("refused")) << effect;
+  }
+}
+
+// Between two runs, or in the middle of one: the first process only looks at the platform.
+TEST_F(ExplainJson, EndsAsTheSignalWouldWhileItMeasures) {
+  Program program(place_.path(), {"explain", "s.toml", "--json", "--measure"});
+  std::set<pid_t> seen;
+  while (seen.size() < 4 && !program.ended()) {
+    for (const pid_t child : program.children()) seen.insert(child);
+  }
+  program.signal(SIGTERM);
+  const Ended ended = program.wait();
+  EXPECT_EQ(ended.signal, SIGTERM);
+  EXPECT_EQ(ended.out, "");
+}
+
+TEST(Explain, HasASectionOfThePlatform) {
+  const ScratchDirectory place;
+  write(place.path() / "s.toml", kSmallScene);
+  const Ended ended = hvp(place.path(), {"explain", "s.toml"});
+  EXPECT_THAT(ended.out, HasSubstr("\nThe platform: 6 modules, 3 processes\n"));
+  EXPECT_THAT(ended.out, ::testing::ContainsRegex("collision +CollisionProcess +thread run\n"));
+  EXPECT_THAT(ended.out, Not(HasSubstr("Wall-clock time")));
+}
+
+}  // namespace
+}  // namespace hvp::cli
