@@ -1,0 +1,103 @@
+"""Tables of results as files: results.csv, and results.parquet with units and meanings."""
+
+import csv
+import io
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import pyarrow as pa  # type: ignore[import-untyped]
+import pyarrow.parquet as pq  # type: ignore[import-untyped]
+
+from studies.point import Value
+
+CSV = "results.csv"
+PARQUET = "results.parquet"
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column: its name, its unit (empty for a ratio, a count or a text) and what it means."""
+
+    name: str
+    unit: str = ""
+    help: str = ""
+
+    @property
+    def heading(self) -> str:
+        """Name and unit, for people: no unit twice where the name ends with it."""
+        return f"{self.name} [{self.unit}]" if self.unit else self.name
+
+
+def write_results(
+    folder: Path, rows: Sequence[Mapping[str, Value]], columns: Sequence[Column]
+) -> list[Path]:
+    """Write both files, each beside its name and renamed; a row may lack what it does not have.
+
+    Equal rows give equal bytes. Returns the files.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    files = {CSV: _csv(rows, columns), PARQUET: _parquet(rows, columns)}
+    written = []
+    for name, data in files.items():
+        path = folder / name
+        write_whole(path, data)
+        written.append(path)
+    return written
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Write a file so that there is never half of one under its name."""
+    beside = path.with_name(f"{path.name}.{os.getpid()}.part")
+    try:
+        beside.write_bytes(data)
+        beside.replace(path)
+    except OSError:
+        beside.unlink(missing_ok=True)
+        raise
+
+
+def _csv(rows: Sequence[Mapping[str, Value]], columns: Sequence[Column]) -> bytes:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([column.name for column in columns])
+    for row in rows:
+        writer.writerow([_csv_cell(row.get(column.name)) for column in columns])
+    return text.getvalue().encode()
+
+
+def _csv_cell(value: Value) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, bool):  # as the program's own files have it
+        return "true" if value else "false"
+    return repr(value) if isinstance(value, float) else str(value)
+
+
+def _parquet(rows: Sequence[Mapping[str, Value]], columns: Sequence[Column]) -> bytes:
+    arrays = []
+    fields = []
+    for column in columns:
+        values = [row.get(column.name) for row in rows]
+        kind = _kind(values)
+        if kind == pa.string():
+            values = [None if value is None else _csv_cell(value) for value in values]
+        arrays.append(pa.array(values, type=kind))
+        metadata = {"unit": column.unit, "help": column.help}
+        fields.append(pa.field(column.name, kind, metadata=metadata))
+    sink = io.BytesIO()
+    pq.write_table(pa.table(arrays, schema=pa.schema(fields)), sink, compression="zstd")
+    return sink.getvalue()
+
+
+def _kind(values: Sequence[Value]) -> pa.DataType:
+    """The narrowest type that holds all of a column; text where numbers and texts are mixed."""
+    kinds = {type(value) for value in values if value is not None}
+    if kinds == {bool}:
+        return pa.bool_()
+    if kinds == {int}:
+        return pa.int64()
+    if kinds and kinds <= {int, float}:
+        return pa.float64()
+    return pa.string()
