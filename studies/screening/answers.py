@@ -41,7 +41,7 @@ class Answers:
 
     @cached_property
     def tip(self) -> pd.DataFrame:
-        """Where the tip was by frames, m: what the hand meant it to be without [device.dynamics]."""
+        """Where the tip was by frames, m; without [device.dynamics] where it was meant to be."""
         kind = "tip_" if "tip_x_m" in self.frames else ""
         return self.frames[[f"{kind}{axis}_m" for axis in "xyz"]]
 
@@ -124,8 +124,14 @@ class Influence:
         return worst
 
 
-def influence(base: Answers, other: Answers) -> Influence:
-    """Of what `other` has else than `base`, on each answer."""
+def influence(
+    base: Answers, other: Answers, measured_flags: frozenset[str] = frozenset()
+) -> Influence:
+    """Of what `other` has else than `base`, on each answer.
+
+    `measured_flags` are raised by what measures accuracy: without it they are not answered, or by
+    other means, which is no change of theirs.
+    """
     lost: list[str] = []
 
     def lose(answer: str, had: object, has: object) -> bool:
@@ -171,7 +177,11 @@ def influence(base: Answers, other: Answers) -> Influence:
         accuracy=_largest(accuracies),
         stability=_largest(stabilities),
         condition=_spectral(base, other, lost),
-        flags=_flag_changes(base.record.flags, other.record.flags),
+        flags=tuple(
+            flag
+            for flag in _flag_changes(base.record.flags, other.record.flags)
+            if "accuracy" not in lost or flag[1:] not in measured_flags
+        ),
         lost=tuple(lost),
         unshared=len(base.frames.index.symmetric_difference(other.frames.index)),
         same_frames=base.frames.equals(other.frames),

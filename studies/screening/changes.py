@@ -149,6 +149,11 @@ def effort(level: str) -> int:
     return _EFFORT.index(level) if level in _EFFORT else len(_EFFORT)
 
 
+def has_table(path: str, settings: Mapping[str, Any]) -> bool:
+    """Whether a resolved scenario has an effect's table."""
+    return _value(path, settings) is not None
+
+
 def _needs_present(effect: Mapping[str, Any], key: str) -> bool:
     return any(need["key"] == key and "present" in need["values"] for need in effect["needs"])
 

@@ -26,7 +26,8 @@ class Exercise:
         """One line."""
         return (
             f"{self.frames} frames, {self.contact} in contact, {self.moving} with the tip moving, "
-            f"{self.reversals} reversals of its motion, {self.late} late, {self.struck} faults struck"
+            f"{self.reversals} reversals of its motion, {self.late} late, "
+            f"{self.struck} faults struck"
         )
 
 

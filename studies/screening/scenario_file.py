@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 def scenario_text(base: Path, folder: Path, comment: str, overrides: Sequence[str]) -> str:
-    """TOML for a file in `folder`, with `base` by its relative path and KEY=VALUE as for `--set`."""
+    """TOML for a file in `folder`: `base` by its relative path, and KEY=VALUE as for `--set`."""
     lines = [f"# {line}" for line in comment.splitlines()]
     relative = os.path.relpath(base.resolve(), folder.resolve())
     lines += ["", f"base = {json.dumps(relative)}"]

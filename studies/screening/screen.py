@@ -26,6 +26,7 @@ from studies.screening.changes import (
     Choices,
     changes_of,
     effort,
+    has_table,
     is_less,
     with_needs,
 )
@@ -125,6 +126,30 @@ class Screener:
             self._recommend(base, ones),
         )
 
+    def settings_of(self, changes: Sequence[Change]) -> list[str]:
+        """The scenario's overrides and changes for a file of its own.
+
+        An effect that an override has brought and a change takes away again is not named: a file
+        cannot leave out what its base does not have.
+        """
+        (resolved,) = self.session.program.resolve(self.scenario, [()])
+        own = tomllib.loads(resolved.text) if isinstance(resolved, Resolved) else {}
+        gone = [c.key for c in changes if c.kind == "off" and not has_table(c.key, own)]
+        return [
+            setting
+            for setting in (*self.overrides, *unique(changes))
+            if not any(setting.startswith((f"{key}=", f"{key}.", f"{key}[")) for key in gone)
+        ]
+
+    @property
+    def _measured_flags(self) -> frozenset[str]:
+        """Flags that the tolerances of [reference] raise, as these are declared."""
+        reference = self.session.program.reference
+        helps = [key["help"] for key in reference["keys"] if key["effect"] == "reference"]
+        return frozenset(
+            flag["name"] for flag in reference["flags"] if any(flag["name"] in h for h in helps)
+        )
+
     def point(self, changes: Iterable[Change] = (), name: str = "") -> Point:
         """The scenario under changes."""
         return Point(
@@ -181,7 +206,7 @@ class Screener:
         if not record.done:
             return One(change, record)
         run = read_answers(self.session.store, record)
-        found = influence(before, run)
+        found = influence(before, run, self._measured_flags)
         idle = not_exercised(change.key, (exercise(before), exercise(run)))
         return One(change, record, found, idle if found.score(self.tolerances) == 0 else "")
 
@@ -193,8 +218,7 @@ class Screener:
         ]
         records = self.session.run([self.point([a.change, b.change]) for a, b in both])
         return [
-            self._pair(base, a, b, record)
-            for (a, b), record in zip(both, records, strict=True)
+            self._pair(base, a, b, record) for (a, b), record in zip(both, records, strict=True)
         ]
 
     def _pair(self, base: Answers, a: One, b: One, record: Record) -> Pair:
@@ -250,7 +274,7 @@ class Screener:
                     rejected[change.name] = record.message
                     continue
                 run = read_answers(self.session.store, record)
-                moved = influence(base, run)
+                moved = influence(base, run, self._measured_flags)
                 if moved.score(self.tolerances) > 1:
                     rejected[change.name] = "with the others, moves an answer beyond its tolerance"
                     continue
