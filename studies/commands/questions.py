@@ -4,12 +4,13 @@ import argparse
 from collections.abc import Callable
 from typing import Any
 
-from studies.commands import screen
+from studies.commands import accuracy, screen
 
 # A word after `study`: its arguments, what runs it, and a line of help.
 QUESTIONS: dict[
     str, tuple[Callable[[argparse.ArgumentParser], None], Callable[[argparse.Namespace], int], str]
 ] = {
+    "accuracy": (accuracy.declare, accuracy.run, "what accuracy costs in time"),
     "screen": (screen.declare, screen.run, "which effects and fidelity levels the answers need"),
 }
 
