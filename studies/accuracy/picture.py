@@ -7,6 +7,7 @@ from typing import Any
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
 from studies.accuracy.design import ERROR, FORCE_ERROR, Design, front
 from studies.results import write_whole
@@ -82,6 +83,9 @@ def draw(
             axis.axvline(budget_us / 1000, color="black", linestyle="--", label="budget")
             axis.set_xscale("log")
             axis.set_yscale("log")
+            axis.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            axis.xaxis.set_major_formatter(ScalarFormatter())
+            axis.xaxis.set_minor_formatter(NullFormatter())
             axis.set_xlabel("worst latency of a frame [ms]")
             axis.set_title(f"error of {what} against the true model", fontsize=9)
             axis.grid(color="#E4E4E4")
