@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from studies.commands.compare import add_compare
+from studies.commands.report import add_report
 from studies.commands.scenario_studies import add_scenario_studies
 from studies.commands.study import add_study
 from studies.commands.sweep import add_sweep
@@ -19,5 +20,6 @@ COMMANDS: list[Callable[["Subparsers"], None]] = [
     add_scenario_studies,
     add_sweep,
     add_compare,
+    add_report,
     add_task,
 ]
