@@ -1,5 +1,8 @@
 """The ten questions: each answer has the shape that it has to have, not only a run behind it."""
 
+# ruff: noqa: PLR2004 -- figures that the scenarios and the theory have, each said where it stands
+
+import itertools
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -45,7 +48,7 @@ def column(rows: Sequence[Row], name: str) -> list[Any]:
 
 
 def falls(some: Sequence[float]) -> bool:
-    return all(after <= before for before, after in zip(some, some[1:], strict=False))
+    return all(after <= before for before, after in itertools.pairwise(some))
 
 
 def test_there_are_ten_each_with_file_text_and_answer() -> None:
