@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from studies.commands.compare import add_compare
+from studies.commands.questions import add_questions
 from studies.commands.report import add_report
 from studies.commands.scenario_studies import add_scenario_studies
 from studies.commands.study import add_study
@@ -21,5 +22,6 @@ COMMANDS: list[Callable[["Subparsers"], None]] = [
     add_sweep,
     add_compare,
     add_report,
+    add_questions,
     add_task,
 ]
