@@ -157,5 +157,5 @@ def test_no_run_is_refused(program: Program, tmp_path: Path) -> None:
 
 def test_a_boundary_leaves_shared_faces_out() -> None:
     faces = boundary(np.array([[0, 1, 2, 3], [1, 2, 3, 4]]))
-    assert len(faces) == 6  # noqa: PLR2004
+    assert len(faces) == 6
     assert not any(set(face) == {1, 2, 3} for face in faces)

@@ -1,7 +1,5 @@
 """The axes of a sweep as they are written, its table and its picture."""
 
-# ruff: noqa: PLR2004  laws and exact values are numbers
-
 import csv
 from itertools import pairwise
 from pathlib import Path
