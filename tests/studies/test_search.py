@@ -2,6 +2,7 @@
 
 # ruff: noqa: PLR2004  laws and exact values are numbers
 
+import dataclasses
 from pathlib import Path
 
 import pytest
@@ -136,6 +137,8 @@ def test_what_has_no_figure_keeps_no_bound(tmp_path: Path) -> None:
     refused = judge(search, (0, 0), Record("", "refused", 2, "too small"))
     unmeasured = judge(search, (0, 0), Record("", "held", 0, metrics={"cost": 1.0, "time": None}))
     assert not refused.feasible
+    free = dataclasses.replace(search, constraints=())
+    assert not judge(free, (0, 0), Record("", "refused", 2, "too small")).feasible
     assert not unmeasured.feasible
 
 
@@ -174,6 +177,8 @@ def test_a_study_with_a_search_is_one(
     shown = capsys.readouterr().out
     assert "found       accelerator.device = EP2S60, solver.iterations = 120" in shown
     assert "12 of 12 combinations" in shown
+    assert "accelerator.device = LFE5U-25F" in shown  # just below
+    assert "cannot hold this system" in shown
     assert (tmp_path / "studies-out/small/results.csv").read_text().count("\n") == 13
     Path("small.toml").write_text(text.replace("at_most = 0", "at_most = -1"), encoding="utf-8")
     assert main(["study", "small.toml"]) == 1
