@@ -184,3 +184,17 @@ def test_a_study_with_a_search_is_one(
     assert main(["study", "small.toml"]) == 1
     assert "nothing that keeps every bound" in capsys.readouterr().out
     assert main(["study", "small.toml", "--dry-run"]) == 2
+
+
+def test_after_few_proposals_steps_go_on_to_the_bound(session: Session, tmp_path: Path) -> None:
+    model = _Model(session.program, session.store)
+    search = _read(tmp_path, SPACE.format(values=list(range(12)), trials=4, objectives=COST))
+    assert sorted(neighbours(search, (0, 5))) == [(0, 4), (0, 6), (1, 5)]
+    found = find(search, model)
+    assert found.proposals == 4
+    assert found.steps > 0
+    x, y = found.best[0].choice
+    # Within the bound x + y/2 >= 10, and neither key can be smaller.
+    assert x + 0.5 * y >= 10
+    assert x - 1 + 0.5 * y < 10
+    assert y == 0 or x + 0.5 * (y - 1) < 10
