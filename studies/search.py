@@ -98,11 +98,10 @@ def find(search: Search, session: Session, progress: Callable[[int], None] | Non
 
 def judge(search: Search, choice: Choice, record: Record) -> Tried:
     """What a record says of a point: figures that are missing violate what asks for them."""
-    figures: dict[str, Value] = {}
+    # How large a device is stands in its table, also where nothing fits on it.
+    figures: dict[str, Value] = {**size(_device(search, choice, record), search.scenario)}
     if record.done:
-        figures = dict(record.metrics)
-        figures |= size(_device(search, choice, record), search.scenario)
-        figures["flags"] = len(record.flags)
+        figures |= record.metrics | {"flags": len(record.flags)}
     objectives = []
     for objective in search.objectives:
         value = figures.get(objective.metric)
@@ -110,7 +109,7 @@ def judge(search: Search, choice: Choice, record: Record) -> Tried:
         objectives.append(_WORST if number is None else -number if objective.largest else number)
     known = [figures.get(one.metric) is not None for one in search.objectives]
     violations = [_violation(one, figures) for one in search.constraints]
-    violations.append(0.0 if all(known) else _NO_RESULT)
+    violations.append(0.0 if record.done and all(known) else _NO_RESULT)
     return Tried(choice, record, figures, tuple(objectives), tuple(violations))
 
 

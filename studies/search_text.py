@@ -7,7 +7,7 @@ from studies.metrics import FLAGS, MESSAGE, STATUS, columns_of, row_of
 from studies.point import Value
 from studies.program import Figure
 from studies.results import Column
-from studies.search import Found, Tried, neighbours
+from studies.search import Found, Tried
 from studies.search_file import Search
 from studies.text_table import cell
 
@@ -101,18 +101,12 @@ def _just_below(found: Found) -> list[Tried]:
     nearest: dict[tuple[float, ...], Tried] = {}
     for one in found.tried.values():
         better = one.objectives < best.objectives
-        if one.feasible or not one.record.done or not better:
+        if one.feasible or not better:
             continue
         known = nearest.get(one.objectives)
         if known is None or one.rank < known.rank:
             nearest[one.objectives] = one
-    closest = sorted(nearest.values(), key=lambda one: one.objectives, reverse=True)[:_JUST_BELOW]
-    refused = [
-        found.tried[step]
-        for step in neighbours(found.search, best.choice)
-        if step in found.tried and not found.tried[step].record.done
-    ]
-    return closest + refused[: _JUST_BELOW - len(closest)]
+    return sorted(nearest.values(), key=lambda one: one.objectives, reverse=True)[:_JUST_BELOW]
 
 
 def _why(found: Found, tried: Tried) -> str:

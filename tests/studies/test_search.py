@@ -1,5 +1,8 @@
 """Searches against the whole of small spaces, and their files."""
 
+# ruff: noqa: PLR2004  laws and exact values are numbers
+
+import dataclasses
 from pathlib import Path
 
 import pytest
@@ -134,6 +137,8 @@ def test_what_has_no_figure_keeps_no_bound(tmp_path: Path) -> None:
     refused = judge(search, (0, 0), Record("", "refused", 2, "too small"))
     unmeasured = judge(search, (0, 0), Record("", "held", 0, metrics={"cost": 1.0, "time": None}))
     assert not refused.feasible
+    free = dataclasses.replace(search, constraints=())
+    assert not judge(free, (0, 0), Record("", "refused", 2, "too small")).feasible
     assert not unmeasured.feasible
 
 
@@ -172,8 +177,24 @@ def test_a_study_with_a_search_is_one(
     shown = capsys.readouterr().out
     assert "found       accelerator.device = EP2S60, solver.iterations = 120" in shown
     assert "12 of 12 combinations" in shown
+    assert "accelerator.device = LFE5U-25F" in shown  # just below
+    assert "cannot hold this system" in shown
     assert (tmp_path / "studies-out/small/results.csv").read_text().count("\n") == 13
     Path("small.toml").write_text(text.replace("at_most = 0", "at_most = -1"), encoding="utf-8")
     assert main(["study", "small.toml"]) == 1
     assert "nothing that keeps every bound" in capsys.readouterr().out
     assert main(["study", "small.toml", "--dry-run"]) == 2
+
+
+def test_after_few_proposals_steps_go_on_to_the_bound(session: Session, tmp_path: Path) -> None:
+    model = _Model(session.program, session.store)
+    search = _read(tmp_path, SPACE.format(values=list(range(12)), trials=4, objectives=COST))
+    assert sorted(neighbours(search, (0, 5))) == [(0, 4), (0, 6), (1, 5)]
+    found = find(search, model)
+    assert found.proposals == 4
+    assert found.steps > 0
+    x, y = found.best[0].choice
+    # Within the bound x + y/2 >= 10, and neither key can be smaller.
+    assert x + 0.5 * y >= 10
+    assert x - 1 + 0.5 * y < 10
+    assert y == 0 or x + 0.5 * (y - 1) < 10
