@@ -137,12 +137,35 @@ def test_a_closed_loop_keeps_its_device_and_hand(
 
 def test_what_a_run_did_not_exercise_is_not_called_idle(kept: Session, scenarios: Path) -> None:
     # Forty frames end before the probe arrives.
-    found = screen(kept, scenarios / "thesis.toml", *SMALL, "frames=40", "reference=false")
+    settings = (*SMALL, "frames=40", "reference=false", "contact.fresh=true")
+    found = screen(kept, scenarios / "thesis.toml", *settings)
     assert found.exercised.contact == 0
     idle = {one.change.name: one.idle for one in found.ones if one.idle}
-    assert idle["contact.fresh on"] == "no frame in contact"
-    assert found.recommendation.rejected["dynamics off"].startswith(("not exercised", "moves"))
-    assert "dynamics off" not in [c.name for c in found.recommendation.changes]
+    assert idle["contact.fresh off"] == "no frame in contact"
+    assert found.recommendation.rejected["contact.fresh off"].startswith("not exercised")
+    assert "contact.fresh off" not in [c.name for c in found.recommendation.changes]
+
+
+def test_what_can_go_alone_but_not_together(kept: Session, scenarios: Path) -> None:
+    settings = (
+        *("frames=300", "fidelity.host=loosely-timed"),
+        *("host.jitter=true", "host.wake_up=true"),
+    )
+    others = ",".join(f"{answer}=any" for answer in ANSWERS if answer != "latency")
+    found = screen(kept, scenarios / "wall-in-hand.toml", *settings, tolerances=others)
+    alone = {o.change.name: o.influence for o in found.ones if o.change.kind == "off"}
+    tolerance = 0.0
+    for name in ("host.jitter off", "host.wake_up off"):
+        moved = alone[name]
+        assert moved is not None and moved.latency is not None and moved.p99 is not None
+        tolerance = max(tolerance, moved.latency, moved.p99)
+    # Without both nothing is left of the latency.
+    assert tolerance < 1
+    told = f"{others},latency={tolerance}"
+    best = screen(kept, scenarios / "wall-in-hand.toml", *settings, tolerances=told).recommendation
+    gone = {"host.jitter off", "host.wake_up off"} & {c.name for c in best.changes}
+    assert len(gone) == 1
+    assert best.influence.score(read_tolerances([told])) <= 1
 
 
 def test_occasions() -> None:
