@@ -93,7 +93,8 @@ class LocalPool:
                 # What is under way is kept; who cannot wait for it interrupts once more.
                 pool.shutdown(wait=False, cancel_futures=True)
                 try:
-                    wait(pending)
+                    # Of one that was cancelled before a thread took it, nobody ever hears again.
+                    wait([future for future in pending if not future.cancelled()])
                 except KeyboardInterrupt:
                     end_all()
                 raise

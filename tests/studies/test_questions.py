@@ -1,7 +1,5 @@
 """The ten questions: each answer has the shape that it has to have, not only a run behind it."""
 
-# ruff: noqa: PLR2004 -- figures that the scenarios and the theory have, each said where it stands
-
 import itertools
 from collections.abc import Callable, Sequence
 from typing import Any

@@ -1,4 +1,6 @@
+#include <csignal>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include <gmock/gmock.h>
 
@@ -95,9 +97,9 @@ TEST_F(ExplainJson, AgreesWithTheSummaryOfARun) {
 }
 
 TEST_F(ExplainJson, TimesEveryEffectOrSaysWhyNot) {
-  const json told = with({}, {"--measure"});
+  const json told = with({"frames=10"}, {"--measure"});
   const json& measured = told.at("measured");
-  EXPECT_EQ(measured.at("frames"), 40);
+  EXPECT_EQ(measured.at("frames"), 10);
   EXPECT_GT(measured.at("wall_s_per_s"), 0);
   ASSERT_EQ(measured.at("effects").size(), told.at("effects").size());
   for (std::size_t i = 0; i < told.at("effects").size(); ++i) {
@@ -124,6 +126,19 @@ TEST_F(ExplainJson, AFaultIsTakenOutWithItsList) {
     EXPECT_EQ(effect.at("setting"), "fault=[]");
     EXPECT_FALSE(effect.contains("refused")) << effect;
   }
+}
+
+// Between two runs, or in the middle of one: the first process only looks at the platform.
+TEST_F(ExplainJson, EndsAsTheSignalWouldWhileItMeasures) {
+  Program program(place_.path(), {"explain", "s.toml", "--json", "--measure"});
+  std::set<pid_t> seen;
+  while (seen.size() < 4 && !program.ended()) {
+    for (const pid_t child : program.children()) seen.insert(child);
+  }
+  program.signal(SIGTERM);
+  const Ended ended = program.wait();
+  EXPECT_EQ(ended.signal, SIGTERM);
+  EXPECT_EQ(ended.out, "");
 }
 
 TEST(Explain, HasASectionOfThePlatform) {
