@@ -1,4 +1,7 @@
-"""A question's file: the scenario, what is fixed, the axes, and the points that follow."""
+"""A question's file: the scenario, what is fixed, the axes, and the points that follow.
+
+A study file; besides, the values of an axis may be choices, of several settings with a name.
+"""
 
 import itertools
 import tomllib
@@ -49,7 +52,7 @@ def read_question(name: str) -> Question:
     if command not in get_args(Command):
         raise InputError(f"{name}.toml: command: expected one of {', '.join(get_args(Command))}")
     scenario = (FOLDER / document["scenario"]).resolve()
-    fixed = tuple(f"{item['key']}={_toml(item['value'])}" for item in document.get("set", []))
+    fixed = tuple(document.get("set", []))
     axes = [_choices(axis) for axis in document["axis"]]
     points = []
     for combination in itertools.product(*axes):
