@@ -8,6 +8,7 @@ from typing import NoReturn
 
 from studies import errors
 from studies.commands import COMMANDS
+from studies.commands.scenario_studies import SCENARIO_STUDIES
 
 
 class _Parser(argparse.ArgumentParser):
@@ -31,7 +32,11 @@ def parser() -> argparse.ArgumentParser:
 
 def main(arguments: Sequence[str]) -> int:
     """Run a command; returns the exit status."""
-    chosen = parser().parse_args(arguments)
+    words = list(arguments)
+    # Studies that need no file have a name in its place.
+    if words[:1] == ["study"] and words[1:2] and words[1] in SCENARIO_STUDIES:
+        words[:2] = [f"study-{words[1]}"]
+    chosen = parser().parse_args(words)
     try:
         status: int = chosen.run(chosen)
         sys.stdout.flush()

@@ -27,6 +27,9 @@ def points_of(study: Study, file: Path) -> list[Point]:
     constraints = [
         Expression(item.that, [axis.label for axis in study.axis]) for item in study.constraint
     ]
+    fixed = [
+        item if isinstance(item, str) else _override(item.key, item.value) for item in study.set
+    ]
     points = []
     for combination in settings:
         columns = {
@@ -37,7 +40,7 @@ def points_of(study: Study, file: Path) -> list[Point]:
                 continue
         except ValueError as error:
             raise InputError(f"{file}: constraint: {error}") from error
-        overrides = [*study.set, *(text for _, texts in combination for text in texts)]
+        overrides = [*fixed, *(text for _, texts in combination for text in texts)]
         points.append(
             Point(
                 _beside(file, study.scenario),

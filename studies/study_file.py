@@ -86,6 +86,13 @@ class Constraint(_Table):
     that: str = Field(description='a comparison of axes, such as "rows * columns <= 64"')
 
 
+class Fixed(_Table):
+    """A key that has one value in every point."""
+
+    key: str = Field(description="a key of the scenario, as `--set` names it")
+    value: Item | list[Any] = Field(description="its value")
+
+
 class Picture(_Table):
     """What is drawn of the results."""
 
@@ -104,7 +111,9 @@ class Study(_Table):
     include: list[str] = Field(default=[], description="files of a few keys that are laid over it")
     command: Command = Field(default="run", description="which command of hvp runs a point")
     arguments: list[str] = Field(default=[], description="more of its command line, a word each")
-    set: list[str] = Field(default=[], description="KEY=VALUE for every point, as `--set` takes it")
+    set: list[str | Fixed] = Field(
+        default=[], description="KEY=VALUE for every point, as `--set` takes it; or as `[[set]]`"
+    )
     metrics: list[str] = Field(
         default=[], description="figures of docs/results-reference.md that tables and plots show"
     )
@@ -171,7 +180,8 @@ def _refusal(text: str, file: Path, error: ValidationError) -> InputError:
     """The first thing that is wrong, by its line."""
     described = []
     for item in error.errors():
-        location = item["loc"]
+        # The forms of an item of `set` are no part of its name.
+        location = tuple(part for part in item["loc"] if part not in ("str", Fixed.__name__))
         key = ".".join(str(part) for part in location if isinstance(part, str)) or "study"
         message = item["msg"].removeprefix("Value error, ")
         if item["type"] == "extra_forbidden":
@@ -189,6 +199,7 @@ def _known(location: tuple[int | str, ...]) -> list[str]:
         "axis": Axis,
         "design": Design,
         "constraint": Constraint,
+        "set": Fixed,
         "plot": Picture,
     }
     table = Study if len(location) == 1 else tables.get(str(location[0]), Study)
@@ -205,6 +216,7 @@ def reference_page() -> str:
     ]
     for heading, table in (
         ("The study", Study),
+        ("`[[set]]`", Fixed),
         ("`[[axis]]`", Axis),
         ("`[design]`", Design),
         ("`[[constraint]]`", Constraint),

@@ -5,6 +5,7 @@ import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from studies.commands import search
 from studies.commands.scale_options import add_scale_options, carrier_of, export_array
 from studies.design import points_of
 from studies.errors import FAILED, HELD, InputError
@@ -13,6 +14,7 @@ from studies.point import Point
 from studies.program import Program, find_program
 from studies.progress import run_with_progress
 from studies.record import Record
+from studies.search_file import is_search
 from studies.session import Session
 from studies.store import DEFAULT_STORE, Store
 from studies.study_file import Study, load, reference_page
@@ -59,6 +61,8 @@ def _run(arguments: argparse.Namespace) -> int:
     if arguments.jobs is not None and arguments.jobs < 1:
         raise InputError(f"--jobs {arguments.jobs}: expected one or more")
     file: Path = arguments.study
+    if is_search(file):
+        return search.run(arguments)
     study = load(file)
     points = points_of(study, file)
     if arguments.dry_run:

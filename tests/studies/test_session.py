@@ -114,9 +114,10 @@ def test_two_sessions_on_one_store_share_the_work(
         "import sys; from pathlib import Path; from studies.program import Program\n"
         "from studies.point import Point; from studies.session import Session\n"
         "from studies.store import Store\n"
-        f"points = [Point(Path('{scenarios}/wall.toml'), ('frames=20', f'wall.stiffness=\"{{k}} N/m\"'))"
-        " for k in range(100, 108)]\n"
-        f"session = Session(Program(Path('{slow.path}')), Store(Path('{tmp_path}/store')), workers=2)\n"
+        f"wall = Path('{scenarios}/wall.toml')\n"
+        "points = [Point(wall, ('frames=20', f'wall.stiffness={k!r} N/m')) for k in range(9, 17)]\n"
+        f"program, store = Program(Path('{slow.path}')), Store(Path('{tmp_path}/store'))\n"
+        "session = Session(program, store, workers=2)\n"
         "print([r.status for r in session.run(points)].count('held'))\n"
     )
     both = [
@@ -212,7 +213,7 @@ def test_an_end_in_the_middle_loses_nothing(
     if sent == signal.SIGINT:
         assert "the same command goes on" in said
     time.sleep(0.3)  # what a killed study has left under way
-    kept = len([path for path in (tmp_path / "store").glob("??/*.json")])
+    kept = len(list((tmp_path / "store").glob("??/*.json")))
     before = _runs(tmp_path)
     assert 4 <= kept < 24
     subprocess.run(command, env=environment, check=True, capture_output=True, timeout=120)

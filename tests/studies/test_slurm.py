@@ -82,7 +82,7 @@ def test_tasks_refuse_what_has_changed_since(
     scenario = points[0].scenario
     scenario.write_text(scenario.read_text().replace("[wall]", '[wall]\ndamping = "1 N s/m"'))
     done = run_task(script, 0)
-    assert done.returncode == 3  # noqa: PLR2004
+    assert done.returncode == 3
     assert "has changed since the array was written" in done.stderr
     assert done.stderr.count("\n") == 1
     assert not (tmp_path / "store").exists()
@@ -92,7 +92,7 @@ def test_one_task_a_run_up_to_what_slurm_takes(session: Session, points: list[Po
     tasks = session.missing(points)
     script = points[0].scenario.with_name("study.sh")
     assert write_array(script, tasks) == POINTS
-    assert write_array(script, tasks * 300) == 1000  # noqa: PLR2004
+    assert write_array(script, tasks * 300) == 1000
     assert write_array(script, tasks, 50) == POINTS
     with pytest.raises(InputError, match="nothing is left to run"):
         write_array(script, [])

@@ -33,7 +33,11 @@
     return [traces, layout];
   }
   const config = { displaylogo: false, responsive: true, scrollZoom: false };
-  const draw = (plot) => Plotly.react(plot.element, ...themed(plot.figure), config);
+  const buttons = (figure) => (figure.layout.scene
+    ? [["toImage", "resetCameraDefault3d"]]
+    : [["toImage", "zoom2d", "pan2d", "zoomIn2d", "zoomOut2d", "autoScale2d"]]);
+  const draw = (plot) => Plotly.react(
+    plot.element, ...themed(plot.figure), { ...config, modeBarButtons: buttons(plot.figure) });
   const redraw = () => Promise.all(plots.map(draw));
 
   /* Theme: the system's until the button is pressed. */

@@ -1,0 +1,60 @@
+"""`python -m studies questions [NAME…] [--check]`: the pages of docs/questions/."""
+
+import argparse
+import sys
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from studies.errors import HELD, NOT_HELD
+from studies.plot import draw_chart
+from studies.program import find_program
+from studies.questions.page import PAGES, PICTURES, answer, index, page
+from studies.questions.question_file import NAMES, read_question
+from studies.results import write_whole
+from studies.session import Session
+from studies.store import Store
+
+if TYPE_CHECKING:
+    from studies.commands import Subparsers
+
+
+def add_questions(subparsers: "Subparsers") -> None:
+    """Declare the command."""
+    parser = subparsers.add_parser(
+        "questions", help="write the pages of docs/questions/ from runs, or check them"
+    )
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(NAMES)}")
+    parser.add_argument("--check", action="store_true", help="write nothing, say what is stale")
+    parser.add_argument("--store", type=Path, help="a folder of records that is kept")
+    parser.set_defaults(run=_run)
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    names = arguments.names or NAMES
+    questions = [read_question(name) for name in names]
+    made = {}
+    with tempfile.TemporaryDirectory(prefix="hvp-questions-") as folder:
+        session = Session(find_program(), Store(arguments.store or Path(folder)))
+        for question in questions:
+            records = session.run(question.points)
+            made[question.name] = (question, answer(question, records))
+    files = {PAGES / f"{name}.md": page(*its) for name, its in made.items()}
+    if not arguments.names:
+        files[PAGES / "README.md"] = index(made)
+    if arguments.check:
+        stale = [
+            path
+            for path, text in files.items()
+            if not path.is_file() or path.read_text(encoding="utf-8") != text
+        ]
+        for path in stale:
+            print(f"{path}: stale: python -m studies questions renews it", file=sys.stderr)
+        return NOT_HELD if stale else HELD
+    PAGES.mkdir(parents=True, exist_ok=True)
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    for path, text in files.items():
+        write_whole(path, text.encode())
+    for name, (_, its) in made.items():
+        draw_chart(PICTURES / f"{name}.png", its.chart)
+    return HELD

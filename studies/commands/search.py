@@ -1,0 +1,55 @@
+"""`hvp study STUDY.toml` with [search]: the best point of a space, by objectives and bounds."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from studies.device_size import FIGURES
+from studies.errors import FAILED, HELD, NOT_HELD, InputError
+from studies.program import Figure, find_program
+from studies.results import write_results, write_whole
+from studies.search import find
+from studies.search_file import read_search
+from studies.search_text import table, words
+from studies.session import Session
+from studies.store import Store
+from studies.sweep import refused_alike
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Carry it out; returns the exit status: 1 where nothing keeps every bound."""
+    program = find_program()
+    file: Path = arguments.study
+    for option in ("scheduler", "slurm", "array_size", "dry_run"):
+        if getattr(arguments, option):
+            name = option.replace("_", "-")
+            raise InputError(f"--{name}: not of a search, as each run follows from those before it")
+    flags = Figure("flags", "", "how many flags the run raised")
+    known = program.figures() | FIGURES | {flags.name: flags}
+    search = read_search(file, known)
+    session = Session(program, Store(arguments.store.absolute()), again=arguments.retry)
+    if arguments.jobs is not None:
+        session.workers = arguments.jobs
+    found = find(
+        search, session, _progress if sys.stderr.isatty() and not arguments.quiet else None
+    )
+    records = [tried.record for tried in found.tried.values()]
+    reason = refused_alike(records)
+    if reason is not None:
+        raise InputError(f"{file}: {reason}")
+    text = words(found, known)
+    print(text)
+    out = arguments.out or Path("studies-out") / file.stem
+    columns, rows = table(found, known)
+    files = write_results(out, rows, columns)
+    files.append(out / "search.txt")
+    write_whole(files[-1], f"{text}\n".encode())
+    print("\nResults in " + ", ".join(str(file) for file in files))
+    if found.best:
+        return HELD
+    crashed = all(record.status in ("crashed", "timed out") for record in records)
+    return FAILED if crashed else NOT_HELD
+
+
+def _progress(points: int) -> None:
+    print(f"\r\033[K{points} points\r", end="", file=sys.stderr, flush=True)

@@ -1,0 +1,1 @@
+"""Which effects and fidelity levels of a scenario its answers need."""

@@ -1,0 +1,130 @@
+"""What a search has found, in words and as a table."""
+
+from collections import Counter
+from collections.abc import Mapping
+
+from studies.metrics import FLAGS, MESSAGE, STATUS, columns_of, row_of
+from studies.point import Value
+from studies.program import Figure
+from studies.results import Column
+from studies.search import Found, Tried, neighbours
+from studies.search_file import Search
+from studies.text_table import cell
+
+_JUST_BELOW = 3
+_WITHIN = Column("within", "", "every bound of the search holds")
+
+
+def metrics(search: Search) -> list[str]:
+    """The figures that the search looks at, objectives first."""
+    names = [one.metric for one in search.objectives] + [one.metric for one in search.constraints]
+    return [name for name in dict.fromkeys(names) if name != FLAGS.name]
+
+
+def table(found: Found, known: Mapping[str, Figure]) -> tuple[list[Column], list[dict[str, Value]]]:
+    """A row a point, in the order in which they were tried."""
+    names = metrics(found.search)
+    columns = [
+        *(Column(one.key, "", "an axis of the search") for one in found.search.dimensions),
+        _WITHIN,
+        STATUS,
+        *columns_of(names, known),
+        FLAGS,
+        MESSAGE,
+    ]
+    rows = [
+        found.search.point(tried.choice).columns
+        | row_of(tried.record, names)
+        | {name: tried.figures.get(name) for name in names}
+        | {_WITHIN.name: tried.feasible}
+        for tried in found.tried.values()
+    ]
+    return columns, rows
+
+
+def words(found: Found, known: Mapping[str, Figure]) -> str:
+    """What was found, what was tried, and what stands just below."""
+    lines = [found.search.title, ""]
+    if found.best:
+        lines += _block("found", [_point(found, one, known) for one in found.best])
+    else:
+        nearest = min(found.tried.values(), key=lambda tried: tried.rank)
+        lines += _block("found", ["nothing that keeps every bound"])
+        lines += _block("nearest", [_point(found, nearest, known), f"but {_why(found, nearest)}"])
+    lines += _block("bounds", [one.text for one in found.search.constraints] or ["none"])
+    lines += _block("tried", _tried(found))
+    if found.best:
+        below = _just_below(found)
+        text = [f"{_axes(found.search, one)}: {_why(found, one)}" for one in below]
+        lines += _block("just below", text or ["nothing that was tried would be better"])
+    return "\n".join(lines)
+
+
+def _block(name: str, lines: list[str]) -> list[str]:
+    return [f"  {name if number == 0 else '':<12}{line}" for number, line in enumerate(lines)]
+
+
+def _axes(search: Search, tried: Tried) -> str:
+    return ", ".join(
+        f"{one.key} = {cell(one.values[number])}"
+        for one, number in zip(search.dimensions, tried.choice, strict=True)
+    )
+
+
+def _point(found: Found, tried: Tried, known: Mapping[str, Figure]) -> str:
+    figures = [
+        f"{name} {cell(tried.figures.get(name))} {known[name].unit}".rstrip()
+        for name in metrics(found.search)
+    ]
+    return f"{_axes(found.search, tried)}: {', '.join(figures)}"
+
+
+def _tried(found: Found) -> list[str]:
+    tried = found.tried.values()
+    ran = Counter(one.record.status for one in tried)
+    kept = sum(one.feasible for one in tried)
+    failed = sum(one.record.done and not one.feasible for one in tried)
+    what = [f"{kept} keep every bound", f"{failed} do not"]
+    what += [f"{ran[name]} {name}" for name in ("refused", "crashed", "timed out") if ran[name]]
+    count = f"{len(tried)} of {found.search.combinations} combinations: {', '.join(what)}"
+    if not found.proposals:
+        return [count, "that is all there are: nothing else can be better"]
+    method = "TPE" if len(found.search.objectives) == 1 else "NSGA-II"
+    how = f"{found.proposals} proposals by {method} (seed {found.search.seed})"
+    sure = "all there are" if found.complete else "no step on one axis from there is better"
+    return [count, f"{how}, then {found.steps} rounds of neighbours: {sure}"]
+
+
+def _just_below(found: Found) -> list[Tried]:
+    """What would be better and does not do: of each value of the objectives the nearest to it."""
+    best = found.best[0]
+    nearest: dict[tuple[float, ...], Tried] = {}
+    for one in found.tried.values():
+        better = one.objectives < best.objectives
+        if one.feasible or not one.record.done or not better:
+            continue
+        known = nearest.get(one.objectives)
+        if known is None or one.rank < known.rank:
+            nearest[one.objectives] = one
+    closest = sorted(nearest.values(), key=lambda one: one.objectives, reverse=True)[:_JUST_BELOW]
+    refused = [
+        found.tried[step]
+        for step in neighbours(found.search, best.choice)
+        if step in found.tried and not found.tried[step].record.done
+    ]
+    return closest + refused[: _JUST_BELOW - len(closest)]
+
+
+def _why(found: Found, tried: Tried) -> str:
+    if not tried.record.done:
+        return f"{tried.record.status}: {tried.record.message}"
+    reasons = []
+    for one, violation in zip(found.search.constraints, tried.violations, strict=False):
+        if violation > 0:
+            value = tried.figures.get(one.metric)
+            reasons.append(
+                f"{one.metric} is {cell(value)}, not {one.text.removeprefix(one.metric).strip()}"
+                if value is not None
+                else f"{one.metric} was not measured"
+            )
+    return "; ".join(reasons) or "it lacks a figure that is asked for"

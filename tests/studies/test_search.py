@@ -1,0 +1,179 @@
+"""Searches against the whole of small spaces, and their files."""
+
+from pathlib import Path
+
+import pytest
+
+from studies.cli import main
+from studies.errors import InputError
+from studies.program import Figure, Program
+from studies.record import Record
+from studies.search import Choice, Found, find, judge, neighbours
+from studies.search_file import Constraint, Search, read_search
+from studies.search_text import words
+from studies.session import Session
+
+KNOWN = {
+    name: Figure(name, "", "") for name in ("deadline.worst_us", "deadline.misses", "cost", "time")
+} | {"device.logic_cells": Figure("device.logic_cells", "", "")}
+
+FILE = """
+scenario = "{scenario}"
+[[set]]
+key = "frames"
+value = 20
+[[axis]]
+key = "accelerator.device"
+values = ["LFE5U-25F", "EP2S60", "EP2S180"]
+[[axis]]
+key = "solver.iterations"
+values = [60, 120, 240, 280]
+[search]
+trials = {trials}
+seed = 3
+[[search.objective]]
+metric = "device.logic_cells"
+[[search.objective]]
+metric = "deadline.worst_us"
+direction = "maximise"
+[[search.constraint]]
+metric = "deadline.misses"
+at_most = 0
+"""
+
+
+def _read(folder: Path, text: str) -> Search:
+    (folder / "search.toml").write_text(text, encoding="utf-8")
+    return read_search(folder / "search.toml", KNOWN)
+
+
+def _choices(found: Found) -> list[Choice]:
+    return [one.choice for one in found.best]
+
+
+def test_the_smallest_device_that_holds(session: Session, scenarios: Path, tmp_path: Path) -> None:
+    scenario = scenarios / "thesis-static.toml"
+    whole = find(_read(tmp_path, FILE.format(scenario=scenario, trials=12)), session)
+    assert whole.complete
+    assert whole.proposals == 0
+    # 1070 clocks an iteration at 100 MHz: 120 are within 2 ms, 240 are not; the LFE5U-25F is
+    # refused, and the EP2S180 no better than the EP2S60.
+    assert _choices(whole) == [(1, 1)]
+    assert "that is all there are" in words(whole, KNOWN)
+
+    searched = find(_read(tmp_path, FILE.format(scenario=scenario, trials=6)), session)
+    assert searched.proposals == 6
+    assert _choices(searched) == _choices(whole)
+
+
+class _Model(Session):
+    """Answers by a formula in place of runs, with a corner that is refused."""
+
+    runs = 0
+
+    def run(self, points, progress=None):  # type: ignore[no-untyped-def]  # noqa: ARG002
+        self.runs += len(points)
+        return [self.answer(point) for point in points]
+
+    @staticmethod
+    def answer(point) -> Record:  # type: ignore[no-untyped-def]
+        x, y = point.columns["x"], point.columns["y"]
+        if x + y < 4:
+            return Record("", "refused", 2, "too small")
+        return Record("", "held", 0, metrics={"cost": 3.0 * x + y, "time": 100.0 / (x + 0.5 * y)})
+
+
+SPACE = """
+scenario = "s.toml"
+[[axis]]
+key = "x"
+values = {values}
+[[axis]]
+key = "y"
+values = {values}
+[search]
+trials = {trials}
+{objectives}
+[[search.constraint]]
+metric = "time"
+at_most = 10
+"""
+COST = '[[search.objective]]\nmetric = "cost"\n'
+TIME = '[[search.objective]]\nmetric = "time"\n'
+
+
+@pytest.mark.parametrize("objectives", [COST, COST + TIME])
+def test_a_search_ends_where_no_step_is_better_and_as_the_whole_space(
+    objectives: str, session: Session, tmp_path: Path
+) -> None:
+    model = _Model(session.program, session.store)
+    values = list(range(12))
+    text = SPACE.format(values=values, trials=40, objectives=objectives)
+    search = _read(tmp_path, text)
+    found = find(search, model)
+    assert model.runs == len(found.tried) < 144
+    whole = find(_read(tmp_path, text.replace("trials = 40", "trials = 144")), model)
+    if objectives == COST:
+        assert found.best[0].objectives == whole.best[0].objectives
+    for best in found.best:
+        for step in neighbours(search, best.choice):
+            assert not (found.tried[step].feasible and found.tried[step].dominates(best))
+    again = find(search, model)
+    assert list(again.tried) == list(found.tried)
+
+
+def test_a_bound_is_violated_by_how_far_off_it_is() -> None:
+    assert Constraint("a", at_most=10).violation(15) == 0.5
+    assert Constraint("a", at_most=10).violation(10) == 0
+    assert Constraint("a", at_least=10).violation(5) == 0.5
+    assert Constraint("a", at_most=0).violation(3) == 3
+
+
+def test_what_has_no_figure_keeps_no_bound(tmp_path: Path) -> None:
+    search = _read(tmp_path, SPACE.format(values=[1], trials=1, objectives=COST))
+    refused = judge(search, (0, 0), Record("", "refused", 2, "too small"))
+    unmeasured = judge(search, (0, 0), Record("", "held", 0, metrics={"cost": 1.0, "time": None}))
+    assert not refused.feasible
+    assert not unmeasured.feasible
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('metric = "cost"', 'metric = "cots"', ":12: .*did you mean 'cost'"),
+        ("at_most = 10", "", ":15: .*expected at_most, at_least"),
+        ("trials = 4", "trials = 0", ":10: .*expected 1 to"),
+        ("trials = 4", "trails = 4", ":10: .*unknown key"),
+        ("values = [1]", "values = []", "expected a list"),
+        ('scenario = "s.toml"', "", "scenario: expected a text"),
+        ("[search]", "[search", ":9: "),
+    ],
+)
+def test_a_wrong_file_is_named_with_its_line(
+    old: str, new: str, message: str, tmp_path: Path
+) -> None:
+    text = SPACE.format(values=[1], trials=4, objectives=COST).replace(old, new)
+    with pytest.raises(InputError, match=message):
+        _read(tmp_path, text)
+
+
+def test_a_study_with_a_search_is_one(
+    program: Program,
+    scenarios: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("HVP_PROGRAM", str(program.path))
+    text = FILE.format(scenario=scenarios / "thesis-static.toml", trials=12)
+    Path("small.toml").write_text(text, encoding="utf-8")
+    assert main(["study", "small.toml", "--jobs", "2"]) == 0
+    shown = capsys.readouterr().out
+    assert "found       accelerator.device = EP2S60, solver.iterations = 120" in shown
+    assert "12 of 12 combinations" in shown
+    assert (tmp_path / "studies-out/small/results.csv").read_text().count("\n") == 13
+    Path("small.toml").write_text(text.replace("at_most = 0", "at_most = -1"), encoding="utf-8")
+    assert main(["study", "small.toml"]) == 1
+    assert "nothing that keeps every bound" in capsys.readouterr().out
+    assert main(["study", "small.toml", "--dry-run"]) == 2

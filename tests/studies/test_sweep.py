@@ -1,0 +1,115 @@
+"""The axes of a sweep as they are written, its table and its picture."""
+
+import csv
+from itertools import pairwise
+from pathlib import Path
+
+import pyarrow.parquet as pq  # type: ignore[import-untyped]
+import pytest
+
+from studies.axis import parse_axis
+from studies.cli import main
+from studies.errors import InputError
+from studies.program import Program
+from studies.sweep import Sweep
+
+QUICK = ("--set", "frames=20", "--jobs", "2")
+
+
+@pytest.mark.parametrize(
+    ("argument", "texts"),
+    [
+        ("a.b=1,2,3", ("1", "2", "3")),
+        ("a.b=pci-32/33, pci-64/66", ("pci-32/33", "pci-64/66")),
+        ("a=[1, 2],[3, 4]", ("[1, 2]", "[3, 4]")),
+        ("a=\"x,y\",'['", ('"x,y"', "'['")),
+        ("a=1:3:3", ("1", "2", "3")),
+        ("a=1:1000:4:log", ("1", "10", "100", "1000")),
+        ("a=0.5:2ms:4", ("0.5 ms", "1 ms", "1.5 ms", "2 ms")),
+        ("a=0.5 ms:1 ms:2", ("0.5 ms", "1 ms")),
+    ],
+)
+def test_values_are_split_and_ranges_counted(argument: str, texts: tuple[str, ...]) -> None:
+    assert parse_axis(argument).texts == texts
+
+
+def test_a_range_of_whole_numbers_has_none_twice() -> None:
+    assert parse_axis("a=1:3:5", whole_numbers=True).texts == ("1", "2", "3")
+
+
+def test_values_are_numbers_where_they_can_be() -> None:
+    assert parse_axis("a=1,2.5,true,EP2S60").values == (1, 2.5, True, "EP2S60")
+    axis = parse_axis("a=1 ms,2 ms")
+    assert (axis.places, axis.unit) == ((1.0, 2.0), "ms")
+    assert parse_axis("a=1 ms,2 us").places == ("1 ms", "2 us")
+
+
+@pytest.mark.parametrize("argument", ["a", "=1", "a=1,,2", "a=[1,2", "a=1 ms:2 s:3", "a=0:1:3:log"])
+def test_what_is_no_axis_is_refused(argument: str) -> None:
+    with pytest.raises(InputError, match="expected"):
+        parse_axis(argument)
+
+
+def test_a_product_has_every_combination_and_zip_pairs() -> None:
+    axes = (parse_axis("a=1,2"), parse_axis("b=3,4"))
+    product = [point.overrides for point in Sweep(Path("s"), axes).points()]
+    assert product == [("a=1", "b=3"), ("a=1", "b=4"), ("a=2", "b=3"), ("a=2", "b=4")]
+    zipped = [point.overrides for point in Sweep(Path("s"), axes, zipped=True).points()]
+    assert zipped == [("a=1", "b=3"), ("a=2", "b=4")]
+    with pytest.raises(InputError, match="as many values"):
+        Sweep(Path("s"), (axes[0], parse_axis("b=1,2,3")), zipped=True).choices()
+
+
+@pytest.fixture
+def folder(tmp_path: Path, program: Program, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A current folder of the test's own, with the program to be found."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("HVP_PROGRAM", str(program.path))
+    return tmp_path
+
+
+def test_time_grows_by_the_clocks_of_an_iteration(
+    folder: Path, scenarios: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scenario = str(scenarios / "thesis-static.toml")
+    words = ["sweep", scenario, "solver.iterations=20,40,60", "accelerator.device=EP2S60,LFE5U-25F"]
+    assert main([*words, *QUICK, "--out", "out"]) == 0
+    shown = capsys.readouterr().out
+    assert "deadline.worst_us [µs]" in shown
+    assert "3 without figures: " in shown
+    with (folder / "out/results.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["status"] for row in rows] == ["held", "refused"] * 3
+    worst = [float(row["deadline.worst_us"]) for row in rows if row["status"] == "held"]
+    # 1070 clocks an iteration at 100 MHz.
+    assert [b - a for a, b in pairwise(worst)] == pytest.approx([214, 214])
+    schema = pq.read_schema(folder / "out/results.parquet")
+    assert schema.field("deadline.worst_us").metadata[b"unit"].decode() == "µs"
+    assert (folder / "out/sweep.png").read_bytes().startswith(b"\x89PNG")
+
+    before = {path: path.read_bytes() for path in (folder / "out").iterdir()}
+    assert main([*words, *QUICK, "--out", "out"]) == 0
+    assert {path: path.read_bytes() for path in (folder / "out").iterdir()} == before
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["solver.iteratons=1,2"], 'did you mean "iterations"'),
+        (
+            ["solver.iterations=20", "--metrics", "deadline.wrst_us"],
+            "did you mean 'deadline.worst_us'",
+        ),
+        (["solver.iterations=20", "--plot", "x.xyz"], "expected a name that ends in .png"),
+        (["solver.iterations=20", "solver.iterations=30"], "expected one axis a key"),
+    ],
+)
+@pytest.mark.usefixtures("folder")
+def test_wrong_input_is_one_line(
+    scenarios: Path, words: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["sweep", str(scenarios / "thesis-static.toml"), *words, *QUICK]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.count("\n") == 1
+    assert not Path("studies-out/sweep-thesis-static").exists()
