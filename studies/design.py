@@ -27,6 +27,9 @@ def points_of(study: Study, file: Path) -> list[Point]:
     constraints = [
         Expression(item.that, [axis.label for axis in study.axis]) for item in study.constraint
     ]
+    fixed = [
+        item if isinstance(item, str) else _override(item.key, item.value) for item in study.set
+    ]
     points = []
     for combination in settings:
         columns = {
@@ -37,7 +40,7 @@ def points_of(study: Study, file: Path) -> list[Point]:
                 continue
         except ValueError as error:
             raise InputError(f"{file}: constraint: {error}") from error
-        overrides = [*study.set, *(text for _, texts in combination for text in texts)]
+        overrides = [*fixed, *(text for _, texts in combination for text in texts)]
         points.append(
             Point(
                 _beside(file, study.scenario),
@@ -78,6 +81,8 @@ def _designed(study: Study, file: Path) -> Iterator[tuple[Setting, ...]]:
 
 
 def _levels(axis: Axis, file: Path) -> list[Setting]:
+    if axis.choice:
+        return _chosen(axis)
     if axis.values:
         return [_listed(axis, value) for value in axis.values]
     if axis.steps < 1:
@@ -97,13 +102,28 @@ def _sampled(axes: Sequence[Axis], design: Design, file: Path) -> Iterator[tuple
     else:
         sampler = qmc.LatinHypercube(len(axes), rng=np.random.default_rng(design.seed))
         sample = sampler.random(design.samples)
+    chosen = {axis.label: _chosen(axis) for axis in axes if axis.choice}
     for row in sample:
         yield tuple(
-            _listed(axis, axis.values[min(int(place * len(axis.values)), len(axis.values) - 1)])
+            chosen[axis.label][min(int(place * len(axis.choice)), len(axis.choice) - 1)]
+            if axis.choice
+            else _listed(
+                axis, axis.values[min(int(place * len(axis.values)), len(axis.values) - 1)]
+            )
             if axis.values
             else _ranged(axis, float(place), file)
             for axis, place in zip(axes, row, strict=True)
         )
+
+
+def _chosen(axis: Axis) -> list[Setting]:
+    found: list[Setting] = []
+    texts: tuple[str, ...] = ()
+    for choice in axis.choice:
+        texts = (*texts, *choice.set) if axis.cumulative else tuple(choice.set)
+        # Of a key that is set twice the last value counts, as on a command line.
+        found.append((choice.name, tuple({text.split("=", 1)[0]: text for text in texts}.values())))
+    return found
 
 
 def _listed(axis: Axis, value: Any) -> Setting:

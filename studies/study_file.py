@@ -21,6 +21,13 @@ class _Table(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, populate_by_name=True)
 
 
+class Choice(_Table):
+    """A value of an axis by its name, and what it sets."""
+
+    name: str = Field(description="what it is called in tables")
+    set: list[str] = Field(description="KEY=VALUE, as `--set` takes it")
+
+
 class Axis(_Table):
     """What is varied: one key of the scenario, or several that change together."""
 
@@ -32,6 +39,12 @@ class Axis(_Table):
     values: list[Item | list[Any]] = Field(
         default=[],
         description="the values; of `keys` a list of a value each. Quantities have their unit",
+    )
+    choice: list[Choice] = Field(
+        default=[], description="values that set keys of their own, as `[[axis.choice]]`"
+    )
+    cumulative: bool = Field(
+        default=False, description="whether a choice keeps what those before it have set: a ladder"
     )
     start: Item | None = Field(
         default=None,
@@ -50,6 +63,14 @@ class Axis(_Table):
 
     @model_validator(mode="after")
     def _check(self) -> "Axis":
+        if self.choice:
+            if self.key or self.keys or self.values or self.start is not None:
+                raise ValueError("expected `choice` without `key`, `values` and `from`")
+            if not self.name:
+                raise ValueError("expected `name` beside `choice`")
+            return self
+        if self.cumulative:
+            raise ValueError("expected `cumulative` beside `choice` only")
         if bool(self.key) == bool(self.keys):
             raise ValueError("expected either `key` or `keys`")
         if bool(self.values) == (self.start is not None):
@@ -86,6 +107,13 @@ class Constraint(_Table):
     that: str = Field(description='a comparison of axes, such as "rows * columns <= 64"')
 
 
+class Fixed(_Table):
+    """A key that has one value in every point."""
+
+    key: str = Field(description="a key of the scenario, as `--set` names it")
+    value: Item | list[Any] = Field(description="its value")
+
+
 class Picture(_Table):
     """What is drawn of the results."""
 
@@ -104,7 +132,9 @@ class Study(_Table):
     include: list[str] = Field(default=[], description="files of a few keys that are laid over it")
     command: Command = Field(default="run", description="which command of hvp runs a point")
     arguments: list[str] = Field(default=[], description="more of its command line, a word each")
-    set: list[str] = Field(default=[], description="KEY=VALUE for every point, as `--set` takes it")
+    set: list[str | Fixed] = Field(
+        default=[], description="KEY=VALUE for every point, as `--set` takes it; or as `[[set]]`"
+    )
     metrics: list[str] = Field(
         default=[], description="figures of docs/results-reference.md that tables and plots show"
     )
@@ -171,7 +201,8 @@ def _refusal(text: str, file: Path, error: ValidationError) -> InputError:
     """The first thing that is wrong, by its line."""
     described = []
     for item in error.errors():
-        location = item["loc"]
+        # The forms of an item of `set` are no part of its name.
+        location = tuple(part for part in item["loc"] if part not in ("str", Fixed.__name__))
         key = ".".join(str(part) for part in location if isinstance(part, str)) or "study"
         message = item["msg"].removeprefix("Value error, ")
         if item["type"] == "extra_forbidden":
@@ -189,9 +220,12 @@ def _known(location: tuple[int | str, ...]) -> list[str]:
         "axis": Axis,
         "design": Design,
         "constraint": Constraint,
+        "set": Fixed,
         "plot": Picture,
     }
     table = Study if len(location) == 1 else tables.get(str(location[0]), Study)
+    if "choice" in location[:-1]:
+        table = Choice
     return [field.alias or name for name, field in table.model_fields.items()]
 
 
@@ -205,7 +239,9 @@ def reference_page() -> str:
     ]
     for heading, table in (
         ("The study", Study),
+        ("`[[set]]`", Fixed),
         ("`[[axis]]`", Axis),
+        ("`[[axis.choice]]`", Choice),
         ("`[design]`", Design),
         ("`[[constraint]]`", Constraint),
         ("`[[plot]]`", Picture),

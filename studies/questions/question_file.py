@@ -1,17 +1,12 @@
-"""A question's file: the scenario, what is fixed, the axes, and the points that follow.
+"""The studies behind the questions, in the order of their list."""
 
-A study file; besides, the values of an axis may be choices, of several settings with a name.
-"""
-
-import itertools
-import tomllib
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast, get_args
 
+from studies.design import points_of
 from studies.errors import InputError
-from studies.point import Command, Point, Value
+from studies.point import Command, Point
+from studies.study_file import load
 
 FOLDER = Path(__file__).resolve().parent
 
@@ -46,43 +41,14 @@ def read_question(name: str) -> Question:
     """One of NAMES. Throws InputError for another name."""
     if name not in NAMES:
         raise InputError(f"hvp questions: {name}: expected one of {', '.join(NAMES)}")
-    text = (FOLDER / f"{name}.toml").read_text(encoding="utf-8")
-    document = tomllib.loads(text)
-    command = document.get("command", "run")
-    if command not in get_args(Command):
-        raise InputError(f"{name}.toml: command: expected one of {', '.join(get_args(Command))}")
-    scenario = (FOLDER / document["scenario"]).resolve()
-    fixed = tuple(document.get("set", []))
-    axes = [_choices(axis) for axis in document["axis"]]
-    points = []
-    for combination in itertools.product(*axes):
-        columns: dict[str, Value] = {}
-        overrides = list(fixed)
-        for column, value, settings in combination:
-            columns[column] = value
-            overrides += settings
-        points.append(Point(scenario, tuple(overrides), columns, command=cast(Command, command)))
+    file = FOLDER / f"{name}.toml"
+    study = load(file)
+    points = points_of(study, file)
     return Question(
-        name, document["title"], scenario, command, tuple(document["metrics"]), tuple(points)
+        name,
+        study.title,
+        points[0].scenario,
+        study.command,
+        tuple(study.metrics),
+        tuple(points),
     )
-
-
-def _choices(axis: Mapping[str, Any]) -> list[tuple[str, Value, tuple[str, ...]]]:
-    """Of an axis: its name, the value in tables, and what is set for it."""
-    name = axis["name"]
-    if "choice" not in axis:
-        return [(name, value, (f"{axis['key']}={_toml(value)}",)) for value in axis["values"]]
-    found: list[tuple[str, Value, tuple[str, ...]]] = []
-    settings: tuple[str, ...] = ()
-    for choice in axis["choice"]:
-        own = tuple(choice["set"])
-        # A ladder keeps what the rungs below have set; the last of two wins.
-        settings = settings + own if axis.get("cumulative") else own
-        latest = {setting.split("=", 1)[0]: setting for setting in settings}
-        found.append((name, choice["name"], tuple(latest.values())))
-    return found
-
-
-def _toml(value: Value) -> str:
-    """As `--set` takes it: text without quotes."""
-    return str(value).lower() if isinstance(value, bool) else str(value)

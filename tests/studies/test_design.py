@@ -30,6 +30,15 @@ def test_a_point_is_set_as_the_command_line_takes_it() -> None:
     assert point.scenario == Path("s.toml")
 
 
+def test_fixed_keys_are_words_or_tables() -> None:
+    text = '[[set]]\nkey = "x"\nvalue = false\n[[set]]\nkey = "y"\nvalue = "2 ms"\n'
+    study = parse('scenario = "s.toml"\n' + text + AXIS.format("a", "[1]"), FILE)
+    (point,) = points_of(study, FILE)
+    assert point.overrides == ("x=false", 'y="2 ms"', "a=1")
+    with pytest.raises(InputError, match=r"study.toml:2: set: |study.toml:4: set.value: "):
+        parse('scenario = "s.toml"\n[[set]]\nkey = "x"\n' + AXIS.format("a", "[1]"), FILE)
+
+
 def test_zip_takes_the_axes_side_by_side_and_wants_equal_lengths() -> None:
     design = '[design]\nkind = "zip"\n'
     text = AXIS.format("a", "[1, 2]") + AXIS.format("b", "[3, 4]")
