@@ -129,11 +129,12 @@ def _device(search: Search, choice: Choice, record: Record) -> str:
 
 
 def neighbours(search: Search, choice: Choice) -> list[Choice]:
-    """One step up or down on one axis each."""
+    """One step on one axis each: numbers up or down, names to any other, as they have no order."""
     found = []
     for axis, dimension in enumerate(search.dimensions):
-        for number in (choice[axis] - 1, choice[axis] + 1):
-            if 0 <= number < len(dimension.values):
+        for number in range(len(dimension.values)):
+            away = abs(number - choice[axis])
+            if away == 1 or (away > 1 and dimension.named):
                 found.append((*choice[:axis], number, *choice[axis + 1 :]))
     return found
 
@@ -179,7 +180,7 @@ def _suggest(search: Search, trial: Trial) -> Choice:
     choice = []
     for dimension in search.dimensions:
         places = range(len(dimension.values))
-        if any(isinstance(value, str) for value in dimension.values):
+        if dimension.named:
             choice.append(trial.suggest_categorical(dimension.key, list(places)))
         else:
             choice.append(trial.suggest_int(dimension.key, 0, places[-1]))

@@ -17,10 +17,15 @@ _MOST_TRIALS = 100_000
 
 @dataclass(frozen=True)
 class Dimension:
-    """A key and what it may be, in the order in which neighbours stand."""
+    """A key and what it may be; numbers in the order in which neighbours stand."""
 
     key: str
     values: tuple[Value, ...]
+
+    @property
+    def named(self) -> bool:
+        """Whether its values are names, which have no order, and not numbers."""
+        return any(isinstance(value, str) for value in self.values)
 
     def override(self, number: int) -> str:
         """As `--set` takes it."""

@@ -12,7 +12,7 @@ from studies.errors import InputError
 from studies.program import Figure, Program
 from studies.record import Record
 from studies.search import Choice, Found, find, judge, neighbours
-from studies.search_file import Constraint, Search, read_search
+from studies.search_file import Constraint, Dimension, Search, read_search
 from studies.search_text import words
 from studies.session import Session
 
@@ -190,6 +190,8 @@ def test_after_few_proposals_steps_go_on_to_the_bound(session: Session, tmp_path
     model = _Model(session.program, session.store)
     search = _read(tmp_path, SPACE.format(values=list(range(12)), trials=4, objectives=COST))
     assert sorted(neighbours(search, (0, 5))) == [(0, 4), (0, 6), (1, 5)]
+    named = Dimension("device", ("a", "b", "c", "d"))
+    assert neighbours(dataclasses.replace(search, dimensions=(named,)), (0,)) == [(1,), (2,), (3,)]
     found = find(search, model)
     assert found.proposals == 4
     assert found.steps > 0
