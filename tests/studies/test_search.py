@@ -1,7 +1,5 @@
 """Searches against the whole of small spaces, and their files."""
 
-# ruff: noqa: PLR2004  laws and exact values are numbers
-
 import dataclasses
 from pathlib import Path
 
