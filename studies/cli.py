@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from studies import errors
-from studies.commands import COMMANDS
-from studies.commands.scenario_studies import SCENARIO_STUDIES
+from studies.commands import COMMANDS, add_command
 
 
 class _Parser(argparse.ArgumentParser):
@@ -19,24 +18,27 @@ class _Parser(argparse.ArgumentParser):
         sys.exit(errors.WRONG_INPUT)
 
 
-def parser() -> argparse.ArgumentParser:
-    """Every command with its arguments; its function is in `run`."""
+def parser(words: Sequence[str] = ()) -> argparse.ArgumentParser:
+    """The command line: the command that the words begin with whole, the others by their names."""
     top: argparse.ArgumentParser = _Parser(
         prog="hvp", description="Questions that take more than one run."
     )
-    subparsers = top.add_subparsers(dest="command", required=True)
-    for add in COMMANDS:
-        add(subparsers)
+    subparsers = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for name, (_, _, text) in COMMANDS.items():
+        if words[:1] == [name]:
+            add_command(name, subparsers)
+        else:
+            subparsers.add_parser(name, help=text)
     return top
 
 
 def main(arguments: Sequence[str]) -> int:
     """Run a command; returns the exit status."""
     words = list(arguments)
-    # Studies that need no file have a name in its place.
-    if words[:1] == ["study"] and words[1:2] and words[1] in SCENARIO_STUDIES:
-        words[:2] = [f"study-{words[1]}"]
-    chosen = parser().parse_args(words)
+    # Two words that are a command of their own.
+    if " ".join(words[:2]) in COMMANDS and len(words) > 1:
+        words[:2] = [" ".join(words[:2])]
+    chosen = parser(words).parse_args(words)
     try:
         status: int = chosen.run(chosen)
         sys.stdout.flush()

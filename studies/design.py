@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.stats import qmc
 
 from studies.axis import as_quantity
 from studies.errors import InputError
@@ -94,6 +93,9 @@ def _levels(axis: Axis, file: Path) -> list[Setting]:
 
 
 def _sampled(axes: Sequence[Axis], design: Design, file: Path) -> Iterator[tuple[Setting, ...]]:
+    # Most of a second that only those wait for who sample.
+    from scipy.stats import qmc  # noqa: PLC0415
+
     sampler: qmc.QMCEngine
     if design.kind == "sobol":
         sampler = qmc.Sobol(len(axes), rng=np.random.default_rng(design.seed))

@@ -1,27 +1,28 @@
 """A module a command: its arguments, and what it does with them."""
 
 import argparse
-from collections.abc import Callable
+import importlib
 from typing import TYPE_CHECKING
-
-from studies.commands.compare import add_compare
-from studies.commands.questions import add_questions
-from studies.commands.report import add_report
-from studies.commands.scenario_studies import add_scenario_studies
-from studies.commands.study import add_study
-from studies.commands.sweep import add_sweep
-from studies.commands.task import add_task
 
 if TYPE_CHECKING:
     Subparsers = argparse._SubParsersAction[argparse.ArgumentParser]
 
-# What adds a command to the command line, in the order of `--help`.
-COMMANDS: list[Callable[["Subparsers"], None]] = [
-    add_study,
-    add_scenario_studies,
-    add_sweep,
-    add_compare,
-    add_report,
-    add_questions,
-    add_task,
-]
+# Command: its module here, what adds it to the command line, and its line of `--help`, in that
+# page's order. A module is imported where its command is called: pandas, SciPy and matplotlib
+# take a second and a half together, and most commands need one of them or none.
+COMMANDS: dict[str, tuple[str, str, str]] = {
+    "study": ("study", "add_study", "run a scenario over axes of its keys"),
+    "study screen": ("screen", "add_screen", "which effects and fidelity levels the answers need"),
+    "study accuracy": ("accuracy", "add_accuracy", "what accuracy costs in time"),
+    "sweep": ("sweep", "add_sweep", "run a scenario with every value of a key"),
+    "compare": ("compare", "add_compare", "what differs between runs"),
+    "report": ("report", "add_report", "a run as one page for a browser"),
+    "questions": ("questions", "add_questions", "write the pages of docs/questions/ from runs"),
+    "task": ("task", "add_task", "run a share of what --slurm has written"),
+}
+
+
+def add_command(name: str, subparsers: "Subparsers") -> None:
+    """Add one with its arguments."""
+    module, function, _ = COMMANDS[name]
+    getattr(importlib.import_module(f"studies.commands.{module}"), function)(subparsers)

@@ -5,6 +5,7 @@ import platform
 import tomllib
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pandas as pd
 
@@ -28,6 +29,9 @@ from studies.results import CSV, Column, write_results, write_whole
 from studies.session import Session
 from studies.store import DEFAULT_STORE, Store
 from studies.text_table import text_table
+
+if TYPE_CHECKING:
+    from studies.commands import Subparsers
 
 SETTINGS = (
     "solver.method",
@@ -217,3 +221,10 @@ def _ladder_text(rungs: Sequence[Rung]) -> str:
 def _ladder_csv(rungs: Sequence[Rung]) -> str:
     frame = pd.DataFrame(_ladder_rows(rungs), columns=list(_LADDER_HEADER))
     return str(frame.to_csv(index=False))
+
+
+def add_accuracy(subparsers: "Subparsers") -> None:
+    """Declare the command."""
+    parser = subparsers.add_parser("study accuracy", help="what accuracy costs in time")
+    declare(parser)
+    parser.set_defaults(run=run)

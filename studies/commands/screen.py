@@ -3,6 +3,7 @@
 import argparse
 import platform
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pandas as pd
 
@@ -24,6 +25,9 @@ from studies.screening.tables import (
 from studies.screening.timing import Cost, measure
 from studies.session import Session
 from studies.store import DEFAULT_STORE, Store
+
+if TYPE_CHECKING:
+    from studies.commands import Subparsers
 
 RECOMMENDED = "recommended.toml"
 
@@ -132,3 +136,12 @@ def _report(
         commands=[command],
         versions={"hvp": version, "python": platform.python_version()},
     )
+
+
+def add_screen(subparsers: "Subparsers") -> None:
+    """Declare the command."""
+    parser = subparsers.add_parser(
+        "study screen", help="which effects and fidelity levels the answers need"
+    )
+    declare(parser)
+    parser.set_defaults(run=run)

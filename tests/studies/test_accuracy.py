@@ -133,7 +133,7 @@ def test_a_wall_has_the_ladder_alone(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setenv("HVP_PROGRAM", str(program.path))
-    command = ["study-accuracy", str(scenarios / "wall.toml"), "--set", "frames=100"]
+    command = ["study", "accuracy", str(scenarios / "wall.toml"), "--set", "frames=100"]
     command += ["--store", str(tmp_path / "store"), "--out", str(tmp_path / "out")]
     assert main(command) == WRONG_INPUT
     said = capsys.readouterr()

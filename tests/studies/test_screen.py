@@ -206,7 +206,7 @@ def test_the_command_writes_what_it_prints(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setenv("HVP_PROGRAM", str(program.path))
-    command = ["study-screen", str(scenarios / "wall-in-hand.toml"), "--set", "frames=300"]
+    command = ["study", "screen", str(scenarios / "wall-in-hand.toml"), "--set", "frames=300"]
     command += ["--store", str(tmp_path / "store"), "--pairs", "0", "--repeats", "1"]
     assert main([*command, "--out", str(tmp_path / "a")]) == 0
     text = capsys.readouterr().out
@@ -227,7 +227,7 @@ def test_a_scenario_that_is_not_there(
 ) -> None:
     monkeypatch.setenv("HVP_PROGRAM", str(program.path))
     assert (
-        main(["study-screen", str(tmp_path / "no.toml"), "--out", str(tmp_path / "out")])
+        main(["study", "screen", str(tmp_path / "no.toml"), "--out", str(tmp_path / "out")])
         == WRONG_INPUT
     )
     assert len(capsys.readouterr().err.splitlines()) == 1
