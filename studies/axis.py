@@ -95,8 +95,11 @@ def _whole(text: str) -> str:
 def _split(argument: str, text: str) -> list[str]:
     """At the commas that stand outside of strings and brackets."""
     parts, depth, quote = [""], 0, ""
+    escaped = False
     for character in text:
-        if quote:
+        if escaped or (quote == '"' and character == "\\"):
+            escaped = not escaped
+        elif quote:
             quote = "" if character == quote else quote
         elif character in "\"'":
             quote = character

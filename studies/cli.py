@@ -39,6 +39,7 @@ def main(arguments: Sequence[str]) -> int:
     if " ".join(words[:2]) in COMMANDS and len(words) > 1:
         words[:2] = [" ".join(words[:2])]
     chosen = parser(words).parse_args(words)
+    chosen.words = list(arguments)
     try:
         status: int = chosen.run(chosen)
         sys.stdout.flush()

@@ -201,9 +201,17 @@ def words(designs: Sequence[Design], device: str) -> list[str]:
             best = min(usable, key=lambda d: d.time_us or 0.0)
             lines.append(
                 f"A displacement error of {target:g} costs at least {_ms(best)} on this device "
-                f"({device}); the cheapest set is {describe(best)}: error {best.error():.2g}, "
+                f"({device}), of {len(designs)} sets with the scenario's other keys; the cheapest "
+                f"is {describe(best)}: error {best.error():.2g}, "
                 f"force {_text(best.error(FORCE_ERROR))}."
             )
+            faster = [d for d in reaching if (d.time_us or 0.0) < (best.time_us or 0.0)]
+            if faster:
+                lines.append(
+                    f"{len(faster)} sets would be faster and are none here, as they do not fit, "
+                    "are late or break down; with another accelerator.partitions or memory some "
+                    "may fit: their rows say what does."
+                )
         elif reaching:
             best = min(reaching, key=lambda d: d.time_us or 0.0)
             lines.append(

@@ -21,6 +21,7 @@ from studies.accuracy.design import (
 )
 from studies.accuracy.ladder import Rung, ladders, resolved_settings
 from studies.accuracy.picture import draw
+from studies.command_line import command_of
 from studies.errors import HELD, InputError
 from studies.point import Value
 from studies.program import find_program
@@ -122,6 +123,8 @@ def _write_design(
     title = f"What accuracy costs: {arguments.scenario.stem} on one {device}"
     draw(out / "accuracy.png", title, designs, shares, budget)
     frame = pd.read_csv(out / CSV, keep_default_na=False, na_values=[""])
+    # What a set is on this device, not how the run ended that gave its figures.
+    frame["status"] = frame["state"]
     best = [designs.index(design) for design in front(designs)]
     plots = [
         Plot(
@@ -137,9 +140,6 @@ def _write_design(
         )
         for y, name in (("displacement_rel", "Displacement"), ("force_rel", "Contact force"))
     ]
-    command = f"hvp study accuracy {arguments.scenario}" + "".join(
-        f' --set "{setting}"' for setting in arguments.settings
-    )
     write_study_report(
         out,
         title=title,
@@ -148,7 +148,7 @@ def _write_design(
         helps={column.name: column.help for column in COLUMNS},
         plots=plots,
         words=answer,
-        commands=[command + (" --full" if arguments.full else "")],
+        commands=[command_of(arguments, "study accuracy")],
         versions={"hvp": study.session.program.version, "python": platform.python_version()},
     )
     print("\n".join(answer))

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from studies.errors import HELD
+from studies.errors import HELD, InputError
 from studies.program import find_program
 from studies.report.run_page import write_run_report
 
@@ -27,5 +27,7 @@ def add_report(subparsers: "Subparsers") -> None:
 def _run(arguments: argparse.Namespace) -> int:
     folder: Path = arguments.folder
     out: Path = arguments.out or folder / "report.html"
+    if out.suffix.lower() not in (".html", ".htm"):
+        raise InputError(f"--out {out}: expected a name that ends in .html")
     print(f"Report in {write_run_report(folder, out, find_program())}")
     return HELD

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
+from studies.command_line import command_of
 from studies.errors import HELD, InputError
 from studies.point import Point
 from studies.program import find_program
@@ -120,11 +121,6 @@ def _report(
     out: Path, arguments: argparse.Namespace, found: Screening, words: list[str], version: str
 ) -> None:
     frame = pd.read_csv(out / CSV, keep_default_na=False, na_values=[""])
-    command = f"hvp study screen {arguments.scenario}"
-    for setting in arguments.settings:
-        command += f' --set "{setting}"'
-    for tolerance in arguments.tolerance:
-        command += f" --tolerance {tolerance}"
     write_study_report(
         out,
         title=f"Screening of {arguments.scenario.name}",
@@ -133,7 +129,7 @@ def _report(
         helps={column.name: column.help for column in COLUMNS},
         plots=[Plot("worst", "force", title="What a change does to latency and to force")],
         words=[*words, f"Exercised: {found.exercised.words()}."],
-        commands=[command],
+        commands=[command_of(arguments, "study screen")],
         versions={"hvp": version, "python": platform.python_version()},
     )
 

@@ -5,6 +5,7 @@ import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from studies.command_line import command_of as command_line
 from studies.commands import search
 from studies.commands.scale_options import add_scale_options, carrier_of, export_array
 from studies.design import points_of
@@ -84,13 +85,15 @@ def _run(arguments: argparse.Namespace) -> int:
     if arguments.slurm is not None:
         return export_array(arguments, session, points)
     records = run_with_progress(session, points, arguments.quiet)
+    if all(record.status == "refused" for record in records):
+        raise InputError(f"{file}: every point was refused: {records[0].message}")
     return _report(arguments, Results(study, program, points, records))
 
 
 def _report(arguments: argparse.Namespace, results: Results) -> int:
     file: Path = arguments.study
     folder = arguments.out or Path("studies-out") / file.stem
-    commands = [f"./hvp study {shlex.quote(str(file))}"]
+    commands = [command_line(arguments, "study")]
     files = write_all(folder, results, file.stem, commands)
     print(_result_table(results))
     print(f"\n{outcome_words(results.records)}")
@@ -108,8 +111,6 @@ def _report(arguments: argparse.Namespace, results: Results) -> int:
     for point, record in failed[:10]:
         print(f"  {record.status}: {record.message}")
         print(f"    {shlex.join(['./hvp', *command_of(results.program.path, point)[1:]])}")
-    if refused and len(refused) == len(results.records):
-        raise InputError(f"{file}: every point was refused: {refused[0]}")
     return FAILED if failed else HELD
 
 

@@ -57,6 +57,8 @@ def run(arguments: argparse.Namespace) -> int:
         check_metric("--metrics", name, known)
     if arguments.jobs < 1:
         raise InputError(f"--jobs: expected 1 or more, got {arguments.jobs}")
+    if arguments.time_limit is not None and not arguments.time_limit > 0:
+        raise InputError(f"--time-limit: expected more than 0 s, got {arguments.time_limit:g}")
     out = arguments.out or Path("studies-out") / f"sweep-{arguments.scenario.stem}"
     picture = arguments.plot or out / "sweep.png"
     if not drawable(picture):

@@ -159,7 +159,7 @@ def recommendation_words(
         if i.lost:
             words.append(f"It no longer answers: {', '.join(i.lost)}, which was not asked for.")
     words.append(f"Tolerances: {kept}.")
-    if "scenario" in costs and "recommended" in costs:
+    if "scenario" in costs and "recommended" in costs and best.changes:
         a, b = costs["scenario"], costs["recommended"]
         words.append(
             f"Measured on this machine: {a.wall_s:.3g} s ({a.least_s:.3g} to {a.most_s:.3g}) "

@@ -210,7 +210,8 @@ def test_the_command_writes_what_it_prints(
     command += ["--store", str(tmp_path / "store"), "--pairs", "0", "--repeats", "1"]
     assert main([*command, "--out", str(tmp_path / "a")]) == 0
     text = capsys.readouterr().out
-    assert "Recommended: the scenario as it is" in text and "times as fast" in text
+    # What is as it was is no faster, whatever two runs of it took.
+    assert "Recommended: the scenario as it is" in text and "times as fast" not in text
     assert main([*command, "--out", str(tmp_path / "b"), "--repeats", "0"]) == 0
     files = {"results.csv", "results.parquet", "report.html", "recommended.toml"}
     assert {path.name for path in (tmp_path / "b").iterdir()} == files
