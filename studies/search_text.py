@@ -12,7 +12,7 @@ from studies.search_file import Search
 from studies.text_table import cell
 
 _JUST_BELOW = 3
-_WITHIN = Column("within", "", "every bound of the search holds")
+WITHIN = Column("within", "", "every bound of the search holds")
 
 
 def metrics(search: Search) -> list[str]:
@@ -26,7 +26,7 @@ def table(found: Found, known: Mapping[str, Figure]) -> tuple[list[Column], list
     names = metrics(found.search)
     columns = [
         *(Column(one.key, "", "an axis of the search") for one in found.search.dimensions),
-        _WITHIN,
+        WITHIN,
         STATUS,
         *columns_of(names, known),
         FLAGS,
@@ -36,7 +36,7 @@ def table(found: Found, known: Mapping[str, Figure]) -> tuple[list[Column], list
         found.search.point(tried.choice).columns
         | row_of(tried.record, names)
         | {name: tried.figures.get(name) for name in names}
-        | {_WITHIN.name: tried.feasible}
+        | {WITHIN.name: tried.feasible}
         for tried in found.tried.values()
     ]
     return columns, rows

@@ -115,7 +115,7 @@ def chart(
     return Chart(
         title,
         Column(first.key, first.unit).heading,
-        [_panel(columns, lines) for columns in columns_of(_numeric(metrics, records), known)],
+        [_panel(columns, lines) for columns in columns_of(numeric(metrics, records), known)],
         legend=", ".join(axis.key for axis in others),
         log_x=len(numbers) == len(places) and spans_decades(numbers),
         crosses=tuple(
@@ -125,7 +125,7 @@ def chart(
     )
 
 
-def _numeric(metrics: Sequence[str], records: Sequence[Record]) -> list[str]:
+def numeric(metrics: Sequence[str], records: Sequence[Record]) -> list[str]:
     """What can be drawn: numbers, or at the least yes and no where nothing else is asked for."""
 
     def kinds(name: str) -> set[type]:

@@ -4,13 +4,16 @@ import argparse
 import sys
 from pathlib import Path
 
+from studies.command_line import command_of
 from studies.device_size import FIGURES
 from studies.errors import FAILED, HELD, NOT_HELD, InputError
 from studies.program import Figure, find_program
+from studies.report.study_page import Plot
+from studies.report.table_page import write_table_report
 from studies.results import write_results, write_whole
 from studies.search import find
 from studies.search_file import read_search
-from studies.search_text import table, words
+from studies.search_text import WITHIN, table, words
 from studies.session import Session
 from studies.store import Store
 from studies.sweep import refused_alike
@@ -44,6 +47,27 @@ def run(arguments: argparse.Namespace) -> int:
     files = write_results(out, rows, columns)
     files.append(out / "search.txt")
     write_whole(files[-1], f"{text}\n".encode())
+    numbers = [
+        column.name
+        for column in columns
+        if any(type(row.get(column.name)) in (int, float) for row in rows)
+    ]
+    # What is wanted, and the bound that comes last: between these the choice is.
+    axes = {one.key for one in search.dimensions}
+    measures = [name for name in numbers if name not in axes]
+    pair = [measures[0], measures[-1]] if len(measures) > 1 else []
+    files.append(
+        write_table_report(
+            out,
+            title=search.title or file.stem,
+            columns=columns,
+            rows=rows,
+            plots=[Plot(pair[0], pair[1], colour=WITHIN.name, log_x=True)] if pair else [],
+            words=[" ".join(line.split()) for line in text.splitlines()[1:] if line.strip()],
+            command=command_of(arguments, "study"),
+            program=program,
+        )
+    )
     print("\nResults in " + ", ".join(str(file) for file in files))
     if found.best:
         return HELD

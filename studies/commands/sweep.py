@@ -8,16 +8,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from studies.axis import parse_axis
+from studies.command_line import command_of
 from studies.errors import FAILED, HELD, WRONG_INPUT, InputError
 from studies.metrics import FLAGS, MESSAGE, check_metric
 from studies.plot import draw_chart, drawable
 from studies.point import Value
 from studies.program import Program, find_program
 from studies.progress import run_with_progress
+from studies.report.study_page import Plot
+from studies.report.table_page import write_table_report
 from studies.results import Column, write_results
 from studies.session import Session
 from studies.store import DEFAULT_STORE, Store
-from studies.sweep import DEFAULT_METRICS, Sweep, chart, measured, refused_alike, table
+from studies.study_results import outcome_words
+from studies.sweep import DEFAULT_METRICS, Sweep, chart, measured, numeric, refused_alike, table
 from studies.text_table import text_table
 
 if TYPE_CHECKING:
@@ -77,6 +81,25 @@ def run(arguments: argparse.Namespace) -> int:
     if drawn.panels:
         draw_chart(picture, drawn)
         files.append(picture)
+    files.append(
+        write_table_report(
+            out,
+            title=_title(arguments, sweep),
+            columns=columns,
+            rows=rows,
+            plots=[
+                Plot(
+                    sweep.axes[0].key,
+                    name,
+                    colour=sweep.axes[1].key if len(sweep.axes) > 1 and not sweep.zipped else None,
+                )
+                for name in numeric(metrics, records)
+            ],
+            words=[outcome_words(records)],
+            command=command_of(arguments, "sweep"),
+            program=program,
+        )
+    )
     print("\nResults in " + ", ".join(str(file) for file in files))
     statuses = {record.status for record in records}
     if statuses & {"crashed", "timed out"}:
