@@ -154,7 +154,8 @@ TEST(ReferenceJson, DeclaresEveryFigureOfADevice) {
 }
 
 TEST(ReferenceJson, TellsOfEveryFlagWhatItMeansAndWhatHelps) {
-  for (const json& flag : reference().at("flags")) {
+  const json flags = reference().at("flags");
+  for (const json& flag : flags) {
     EXPECT_NE(flag.at("name"), "");
     EXPECT_NE(flag.at("meaning"), "") << flag;
     EXPECT_NE(flag.at("remedy"), "") << flag;
