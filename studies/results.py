@@ -2,7 +2,6 @@
 
 import csv
 import io
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +10,7 @@ import pyarrow as pa  # type: ignore[import-untyped]
 import pyarrow.parquet as pq  # type: ignore[import-untyped]
 
 from studies.point import Value
+from studies.whole_file import write_whole
 
 CSV = "results.csv"
 PARQUET = "results.parquet"
@@ -45,17 +45,6 @@ def write_results(
         write_whole(path, data)
         written.append(path)
     return written
-
-
-def write_whole(path: Path, data: bytes) -> None:
-    """Write a file so that there is never half of one under its name."""
-    beside = path.with_name(f"{path.name}.{os.getpid()}.part")
-    try:
-        beside.write_bytes(data)
-        beside.replace(path)
-    except OSError:
-        beside.unlink(missing_ok=True)
-        raise
 
 
 def _csv(rows: Sequence[Mapping[str, Value]], columns: Sequence[Column]) -> bytes:

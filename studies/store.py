@@ -6,12 +6,12 @@ one. Two hex digits make a folder, as a study may have a hundred thousand.
 
 import contextlib
 import fcntl
-import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from studies.errors import StudyError
 from studies.record import Record
+from studies.whole_file import write_whole
 
 DEFAULT_STORE = Path("studies-out") / "store"
 
@@ -40,8 +40,8 @@ class Store:
         path = self._path(record.address)
         path.parent.mkdir(parents=True, exist_ok=True)
         for name, data in (files or {}).items():
-            _write(self.file(record.address, name), data)
-        _write(path, record.to_json().encode())
+            write_whole(self.file(record.address, name), data)
+        write_whole(path, record.to_json().encode())
 
     @contextlib.contextmanager
     def claim(self, address: str) -> Iterator[None]:
@@ -62,13 +62,3 @@ class Store:
 
     def _path(self, address: str) -> Path:
         return self.folder / address[:2] / f"{address[2:]}.json"
-
-
-def _write(path: Path, data: bytes) -> None:
-    beside = path.with_name(f"{path.name}.{os.getpid()}.part")
-    try:
-        beside.write_bytes(data)
-        beside.replace(path)
-    except OSError:
-        beside.unlink(missing_ok=True)
-        raise

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
 from studies.accuracy.design import ERROR, FORCE_ERROR, Design, front
-from studies.results import write_whole
+from studies.whole_file import write_whole
 
 _MARKERS = {"fits": "o", "late": "^", "breaks down": "X", "does not fit": "s"}
 _DPI = 110

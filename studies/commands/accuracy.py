@@ -26,10 +26,11 @@ from studies.errors import HELD, InputError
 from studies.point import Value
 from studies.program import find_program
 from studies.report.study_page import Plot, write_study_report
-from studies.results import CSV, Column, write_results, write_whole
+from studies.results import CSV, Column, write_results
 from studies.session import Session
 from studies.store import DEFAULT_STORE, Store
 from studies.text_table import text_table
+from studies.whole_file import write_whole
 
 if TYPE_CHECKING:
     from studies.commands import Subparsers

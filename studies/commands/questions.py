@@ -11,9 +11,9 @@ from studies.plot import draw_chart
 from studies.program import find_program
 from studies.questions.page import PAGES, PICTURES, answer, index, page
 from studies.questions.question_file import NAMES, read_question
-from studies.results import write_whole
 from studies.session import Session
 from studies.store import Store
+from studies.whole_file import write_whole
 
 if TYPE_CHECKING:
     from studies.commands import Subparsers

@@ -12,7 +12,7 @@ from studies.errors import HELD, InputError
 from studies.point import Point
 from studies.program import find_program
 from studies.report.study_page import Plot, write_study_report
-from studies.results import CSV, write_results, write_whole
+from studies.results import CSV, write_results
 from studies.screening.answers import ANSWERS, DEFAULT_TOLERANCE
 from studies.screening.scenario_file import scenario_text
 from studies.screening.screen import DEFAULT_PAIRS, Screener, Screening
@@ -26,6 +26,7 @@ from studies.screening.tables import (
 from studies.screening.timing import Cost, measure
 from studies.session import Session
 from studies.store import DEFAULT_STORE, Store
+from studies.whole_file import write_whole
 
 if TYPE_CHECKING:
     from studies.commands import Subparsers

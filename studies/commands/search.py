@@ -10,13 +10,14 @@ from studies.errors import FAILED, HELD, NOT_HELD, InputError
 from studies.program import Figure, find_program
 from studies.report.study_page import Plot
 from studies.report.table_page import write_table_report
-from studies.results import write_results, write_whole
+from studies.results import write_results
 from studies.search import find
 from studies.search_file import read_search
 from studies.search_text import WITHIN, table, words
 from studies.session import Session
 from studies.store import Store
 from studies.sweep import refused_alike
+from studies.whole_file import write_whole
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -7,7 +7,6 @@ import base64
 import gzip
 import json
 import math
-import os
 import re
 from functools import cache
 from importlib import resources
@@ -39,18 +38,6 @@ def render(template: str, data: dict[str, Any], **values: Any) -> str:
         number=number,
         **values,
     )
-
-
-def write_whole(path: Path, text: str) -> Path:
-    """Written beside its name and renamed."""
-    beside = path.with_name(f"{path.name}.{os.getpid()}.part")
-    try:
-        beside.write_text(text, encoding="utf-8", newline="\n")
-        beside.replace(path)
-    except OSError:
-        beside.unlink(missing_ok=True)
-        raise
-    return path
 
 
 def plain(text: str) -> str:

@@ -9,8 +9,9 @@ from studies.program import Figure, Program
 from studies.record import flatten
 from studies.report import timeline
 from studies.report.body import read_body
-from studies.report.page import render, write_whole
+from studies.report.page import render
 from studies.report.run_folder import RunFolder
+from studies.whole_file import write_whole
 
 # What a reader asks for first. Their meanings and units are the program's own.
 KEY = (

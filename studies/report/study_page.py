@@ -7,8 +7,9 @@ from typing import Any
 
 import pandas as pd
 
-from studies.report.page import number, render, write_whole
+from studies.report.page import number, render
 from studies.report.plots import Plot, figure, is_number, name, shown, values
+from studies.whole_file import write_whole
 
 __all__ = ["Plot", "write_study_report"]
 
