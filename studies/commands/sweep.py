@@ -76,6 +76,9 @@ def run(arguments: argparse.Namespace) -> int:
     metrics = asked or measured(DEFAULT_METRICS, records)
     columns, rows = table(sweep, records, metrics, known)
     print(_text(columns, rows))
+    for name in asked:
+        if not measured([name], records):
+            print(f"{name}: no run has this figure")
     files = write_results(out, rows, columns)
     drawn = chart(_title(arguments, sweep), sweep, records, metrics, known)
     if drawn.panels:
