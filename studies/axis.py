@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,24 +32,33 @@ class Axis:
     @property
     def unit(self) -> str:
         """The unit that all values have; empty where they have none, or not the same."""
-        units = {quantity[1] if (quantity := as_quantity(text)) else "" for text in self.texts}
-        return units.pop() if len(units) == 1 else ""
+        return places(self.texts)[1]
 
     @property
     def places(self) -> tuple[float | str, ...]:
         """Where the values stand on a plot's axis: numbers in `unit`, or names."""
-        quantities = [as_quantity(text) for text in self.texts]
-        if all(quantity is not None for quantity in quantities):
-            known = [quantity for quantity in quantities if quantity is not None]
-            if len({unit for _, unit in known}) == 1:
-                return tuple(number for number, _ in known)
-        return tuple(str(value) for value in self.values)
+        found, _ = places(self.texts)
+        return tuple(map(str, self.values) if isinstance(found[0], str) else found)
 
 
 def as_quantity(text: str) -> tuple[float, str] | None:
     """A number with or without a unit: "2 ms" is (2.0, "ms")."""
     match = _QUANTITY.fullmatch(text.strip().strip("\"'").strip())
     return (float(match[1]), match[2] or "") if match else None
+
+
+def places(values: Sequence[Value]) -> tuple[list[float | str], str]:
+    """Where values stand on a plot's axis, and the axis' unit: numbers where each has the same
+    unit, or none; names otherwise."""
+    found = [
+        None if isinstance(value, bool) or value is None else as_quantity(str(value))
+        for value in values
+    ]
+    known = [quantity for quantity in found if quantity is not None]
+    units = {unit for _, unit in known}
+    if len(known) == len(found) and len(units) == 1:
+        return [number for number, _ in known], units.pop()
+    return [str(value) for value in values], ""
 
 
 def parse_axis(argument: str, whole_numbers: bool = False) -> Axis:

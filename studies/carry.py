@@ -4,6 +4,7 @@ A carrier only carries. What has been run is in the store before anybody hears o
 death of a carrier, or of who waits for it, loses nothing that was finished.
 """
 
+import sys
 from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
@@ -15,6 +16,9 @@ from studies.point import Point
 from studies.record import Record
 from studies.store import Store
 from studies.worker import end_all, execute
+
+_ONCE_MORE = "Ctrl-C once more ends them without keeping them"
+_END_S = 5.0
 
 
 @dataclass(frozen=True)
@@ -77,24 +81,36 @@ class LocalPool:
     def carry(self, tasks: Sequence[Task]) -> Iterator[Record]:
         """As Carrier says. What ends it early cancels what has not begun."""
         rest = iter(tasks)
-        with ThreadPoolExecutor(self.workers) as pool:
-            pending: set[Future[Record]] = set()
-            try:
-                while True:
-                    # No more than keeps them busy: waiting costs time with each that is waited for.
-                    for task in islice(rest, 2 * self.workers - len(pending)):
-                        pending.add(pool.submit(carry_out, task))
-                    if not pending:
-                        return
-                    done, pending = wait(pending, return_when=FIRST_COMPLETED)
-                    for future in done:
-                        yield future.result()
-            except BaseException:
-                # What is under way is kept; who cannot wait for it interrupts once more.
-                pool.shutdown(wait=False, cancel_futures=True)
-                try:
-                    # Of one that was cancelled before a thread took it, nobody ever hears again.
-                    wait([future for future in pending if not future.cancelled()])
-                except KeyboardInterrupt:
-                    end_all()
-                raise
+        pool = ThreadPoolExecutor(self.workers)
+        pending: set[Future[Record]] = set()
+        try:
+            while True:
+                # No more than keeps them busy: waiting costs time with each that is waited for.
+                for task in islice(rest, 2 * self.workers - len(pending)):
+                    pending.add(pool.submit(carry_out, task))
+                if not pending:
+                    break
+                done, pending = wait(pending, return_when=FIRST_COMPLETED)
+                for future in done:
+                    yield future.result()
+        except BaseException as reason:
+            # An interruption finds the program here, or at what it does with a record.
+            _finish(pool, pending, isinstance(reason, KeyboardInterrupt | GeneratorExit))
+            raise
+        pool.shutdown()
+
+
+def _finish(pool: ThreadPoolExecutor, pending: set[Future[Record]], interrupted: bool) -> None:
+    """What is under way is kept; who cannot wait for it interrupts once more."""
+    under_way: list[Future[Record]] = []
+    try:
+        pool.shutdown(wait=False, cancel_futures=True)
+        # Of one that was cancelled before a thread took it, nobody ever hears again.
+        under_way = [future for future in pending if not future.done()]
+        if under_way and interrupted:
+            print(f"\nfinishing {len(under_way)} under way; {_ONCE_MORE}", file=sys.stderr)
+        wait(under_way)
+    except KeyboardInterrupt:
+        end_all()
+        # Nor for ever: one may be waiting for another study's run.
+        wait(under_way, timeout=_END_S)

@@ -26,9 +26,7 @@ def points_of(study: Study, file: Path) -> list[Point]:
     constraints = [
         Expression(item.that, [axis.label for axis in study.axis]) for item in study.constraint
     ]
-    fixed = [
-        item if isinstance(item, str) else _override(item.key, item.value) for item in study.set
-    ]
+    fixed = fixed_of(study)
     points = []
     for combination in settings:
         columns = {
@@ -42,12 +40,12 @@ def points_of(study: Study, file: Path) -> list[Point]:
         overrides = [*fixed, *(text for _, texts in combination for text in texts)]
         points.append(
             Point(
-                _beside(file, study.scenario),
+                beside(file, study.scenario),
                 tuple(overrides),
                 columns,
                 study.command,
                 tuple(study.arguments),
-                tuple(_beside(file, include) for include in study.include),
+                tuple(beside(file, include) for include in study.include),
             )
         )
     if not points:
@@ -55,7 +53,14 @@ def points_of(study: Study, file: Path) -> list[Point]:
     return points
 
 
-def _beside(file: Path, name: str) -> Path:
+def fixed_of(study: Study) -> list[str]:
+    """What is set in every point, KEY=VALUE."""
+    return [
+        item if isinstance(item, str) else _override(item.key, item.value) for item in study.set
+    ]
+
+
+def beside(file: Path, name: str) -> Path:
     """A file that the study names: from the study's folder, in as few words as there are."""
     return Path(os.path.normpath(file.parent / name))
 
@@ -67,7 +72,7 @@ def _designed(study: Study, file: Path) -> Iterator[tuple[Setting, ...]]:
             raise InputError(f"{file}: design.samples: expected how many points are sampled")
         yield from _sampled(study.axis, design, file)
         return
-    levels = [_levels(axis, file) for axis in study.axis]
+    levels = [levels_of(axis, file) for axis in study.axis]
     sizes = [len(level) for level in levels]
     if design.kind == "zip":
         if len(set(sizes)) != 1:
@@ -79,7 +84,8 @@ def _designed(study: Study, file: Path) -> Iterator[tuple[Setting, ...]]:
     yield from itertools.product(*levels)
 
 
-def _levels(axis: Axis, file: Path) -> list[Setting]:
+def levels_of(axis: Axis, file: Path) -> list[Setting]:
+    """The values of an axis and what each sets. Throws InputError."""
     if axis.choice:
         return _chosen(axis)
     if axis.values:

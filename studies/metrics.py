@@ -1,5 +1,6 @@
 """The figures that a table shows of each run: their names checked, their units known."""
 
+import re
 from collections.abc import Mapping, Sequence
 
 from studies.errors import InputError
@@ -14,18 +15,32 @@ STATUS = Column("status", "", "held, not held, refused, crashed or timed out")
 MESSAGE = Column("message", "", "why there are no figures")
 
 
+def declared_name(name: str) -> str:
+    """The name as it is declared: of every entry of a list."""
+    return re.sub(r"\[[^]]*\]", "[]", name)
+
+
+def figure_of(name: str, known: Mapping[str, Figure]) -> Figure | None:
+    """The declaration of a figure, also of one in a list: resources[M4K].used."""
+    return known.get(name) or known.get(declared_name(name))
+
+
 def check_metric(where: str, name: str, known: Mapping[str, Figure]) -> Figure:
     """The declared figure of that name. Throws InputError with the nearest name."""
     if name in known and "[]" not in name:
         return known[name]
-    if name in known or any(key.startswith(f"{name}[") for key in known):
+    of_list = figure_of(name, known)
+    if of_list and "[]" not in name and f"{of_list.name.rpartition('.')[0]}.type" in known:
+        return of_list
+    if of_list or any(key.startswith(f"{name}[") for key in known):
         raise InputError(f"{where}: {name}: is a list, expected a figure with one value a run")
     raise InputError(f"{where}: unknown figure {name}{nearest(name, known)}")
 
 
 def columns_of(metrics: Sequence[str], known: Mapping[str, Figure]) -> list[Column]:
     """The column of each figure."""
-    return [Column(name, known[name].unit, known[name].help) for name in metrics]
+    figures = [(name, figure_of(name, known)) for name in metrics]
+    return [Column(name, of.unit if of else "", of.help if of else "") for name, of in figures]
 
 
 def row_of(record: Record, metrics: Sequence[str]) -> dict[str, Value]:

@@ -22,6 +22,7 @@ _WIDTH_IN = 7.5
 _PANEL_IN = 2.6
 _DPI = 110
 _FEW_TICKS = 12
+_MOST_TICKS = 60
 _MANY_DECADES = 10.0
 
 Place = float | str
@@ -111,20 +112,20 @@ def spans_decades(values: Sequence[float | None]) -> bool:
     return bool(known) and min(known) > 0 and max(known) > _MANY_DECADES * min(known)
 
 
-def _names(chart: Chart) -> list[Place] | None:
-    """The x axis' places in their order where they are names; None where they are numbers."""
+def _names(chart: Chart) -> dict[Place, float] | None:
+    """Where the x axis' places stand where they are names; None where they are numbers."""
     places: list[Place] = [x for panel in chart.panels for line in panel.lines for x in line.x]
     places += chart.crosses
     if all(not isinstance(place, str) for place in places):
         return None
-    return list(dict.fromkeys(places))
+    return {place: float(at) for at, place in enumerate(dict.fromkeys(places))}
 
 
-def _at(place: Place, names: list[Place] | None) -> float:
-    return float(names.index(place)) if names is not None else float(place)
+def _at(place: Place, names: dict[Place, float] | None) -> float:
+    return names[place] if names is not None else float(place)
 
 
-def _draw_panel(axis: Axes, panel: Panel, chart: Chart, names: list[Place] | None) -> None:
+def _draw_panel(axis: Axes, panel: Panel, chart: Chart, names: dict[Place, float] | None) -> None:
     for number, line in enumerate(panel.lines):
         y = [math.nan if value is None else float(value) for value in line.y]
         axis.plot(
@@ -169,11 +170,13 @@ def _draw_panel(axis: Axes, panel: Panel, chart: Chart, names: list[Place] | Non
         axis.ticklabel_format(axis="y", useOffset=False)
 
 
-def _x_axis(axis: Axes, chart: Chart, names: list[Place] | None) -> None:
+def _x_axis(axis: Axes, chart: Chart, names: dict[Place, float] | None) -> None:
     axis.set_xlabel(chart.x_label)
     if names is not None:
-        long = sum(len(str(name)) for name in names) > _FEW_TICKS * 6
-        axis.set_xticks(range(len(names)), [str(name) for name in names])
+        # Of more than can be read, some: a tick costs milliseconds, each time it is laid out.
+        ticks = list(names.items())[:: math.ceil(len(names) / _MOST_TICKS)]
+        long = sum(len(str(name)) for name, _ in ticks) > _FEW_TICKS * 6
+        axis.set_xticks([at for _, at in ticks], [str(name) for name, _ in ticks])
         axis.tick_params(axis="x", rotation=30 if long else 0)
         return
     if chart.log_x:

@@ -4,7 +4,8 @@ import hashlib
 import json
 import os
 import subprocess
-from collections.abc import Sequence
+import tempfile
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -69,24 +70,23 @@ class Program:
 
     def resolve(
         self, scenario: Path, each: Sequence[Sequence[str]], includes: Sequence[Path] = ()
-    ) -> list[Resolved | Refused]:
-        """The scenario under each list of overrides. Throws InputError for the file itself."""
-        lines = "".join(json.dumps(list(overrides)) + "\n" for overrides in each)
+    ) -> Iterator[Resolved | Refused]:
+        """The scenario under each list of overrides, as they come: ten thousand of them are more
+        than is kept of their runs. Throws InputError for the file itself."""
         command = [str(self.path), "resolve", str(scenario), "--each"]
         for include in includes:
             command += ["--include", str(include)]
-        done = subprocess.run(command, input=lines, capture_output=True, text=True, check=False)
-        if done.returncode != 0:
-            raise _failure(done)
-        results: list[Resolved | Refused] = []
-        for line in done.stdout.splitlines():
-            answer = json.loads(line)
-            if "error" in answer:
-                results.append(Refused(answer["error"]))
-            else:
-                files = tuple(Path(file["path"]) for file in answer["files"])
-                results.append(Resolved(answer["scenario"], files))
-        return results
+        with tempfile.TemporaryFile("w+") as lines, tempfile.TemporaryFile("w+") as errors:
+            lines.writelines(json.dumps(list(overrides)) + "\n" for overrides in each)
+            lines.seek(0)
+            with subprocess.Popen(
+                command, stdin=lines, stdout=subprocess.PIPE, stderr=errors, text=True
+            ) as process:
+                assert process.stdout is not None
+                yield from map(_resolved, process.stdout)
+            if process.returncode != 0:
+                errors.seek(0)
+                raise _failure(process.returncode, errors.read())
 
     def address(self, resolved: Resolved, *what: str) -> str:
         """Where a run's record is stored: what it depends on, hashed."""
@@ -101,7 +101,7 @@ class Program:
             [str(self.path), *arguments], capture_output=True, text=True, check=False
         )
         if done.returncode != 0:
-            raise _failure(done)
+            raise _failure(done.returncode, done.stderr)
         return done.stdout
 
 
@@ -113,10 +113,17 @@ def find_program() -> Program:
     return Program(Path(name).resolve())
 
 
-def _failure(done: subprocess.CompletedProcess[str]) -> Exception:
-    lines = done.stderr.strip().splitlines()
-    line = lines[-1] if lines else f"hvp ended with status {done.returncode}"
-    return InputError(line) if done.returncode == 2 else StudyError(line.removeprefix("hvp: "))  # noqa: PLR2004
+def _resolved(line: str) -> Resolved | Refused:
+    answer = json.loads(line)
+    if "error" in answer:
+        return Refused(answer["error"])
+    return Resolved(answer["scenario"], tuple(Path(file["path"]) for file in answer["files"]))
+
+
+def _failure(status: int, error: str) -> Exception:
+    lines = error.strip().splitlines()
+    line = lines[-1] if lines else f"hvp ended with status {status}"
+    return InputError(line) if status == 2 else StudyError(line.removeprefix("hvp: "))  # noqa: PLR2004
 
 
 def _sha256(path: Path) -> str:

@@ -5,8 +5,8 @@ import time
 from collections.abc import Sequence
 
 from studies.point import Point
-from studies.record import Record
 from studies.session import Session
+from studies.store import Records
 
 
 class ProgressLine:
@@ -50,9 +50,7 @@ def _readable(seconds: float) -> str:
     return f"{seconds / hour:.1f} h"
 
 
-def run_with_progress(
-    session: Session, points: Sequence[Point], quiet: bool = False
-) -> list[Record]:
+def run_with_progress(session: Session, points: Sequence[Point], quiet: bool = False) -> Records:
     """The records of the points, with a line of progress; says what an interruption has left."""
     progress = ProgressLine(quiet)
     try:

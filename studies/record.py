@@ -55,12 +55,23 @@ class Record:
 
 
 def flatten(value: Any, path: str = "") -> dict[str, Value]:
-    """The scalars of nested tables by their dotted names; lists are left out."""
+    """The scalars of nested tables by their dotted names.
+
+    Of lists those are taken whose entries are each of a type, as resources[M4K].used; the others
+    are distributions, or as long as the run.
+    """
     if isinstance(value, dict):
         flat: dict[str, Value] = {}
         for key, item in value.items():
             flat |= flatten(item, f"{path}.{key}" if path else key)
         return flat
     if isinstance(value, list):
-        return {}
+        typed = [item for item in value if isinstance(item, dict) and "type" in item]
+        return {
+            name: figure
+            for item in typed
+            for name, figure in flatten(
+                {key: of for key, of in item.items() if key != "type"}, f"{path}[{item['type']}]"
+            ).items()
+        }
     return {sys.intern(path): value}  # ten thousand records have the same names

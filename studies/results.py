@@ -33,12 +33,20 @@ class Column:
 def write_results(
     folder: Path, rows: Sequence[Mapping[str, Value]], columns: Sequence[Column]
 ) -> list[Path]:
-    """Write both files, each beside its name and renamed; a row may lack what it does not have.
+    """The same of rows; one may lack what it does not have."""
+    cells = {column.name: [row.get(column.name) for row in rows] for column in columns}
+    return write_columns(folder, cells, columns)
 
-    Equal rows give equal bytes. Returns the files.
+
+def write_columns(
+    folder: Path, cells: Mapping[str, Sequence[Value]], columns: Sequence[Column]
+) -> list[Path]:
+    """Write both files, each beside its name and renamed; `cells` has those of each column.
+
+    Equal cells give equal bytes. Returns the files.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    files = {CSV: _csv(rows, columns), PARQUET: _parquet(rows, columns)}
+    files = {CSV: _csv(cells, columns), PARQUET: _parquet(cells, columns)}
     written = []
     for name, data in files.items():
         path = folder / name
@@ -47,12 +55,12 @@ def write_results(
     return written
 
 
-def _csv(rows: Sequence[Mapping[str, Value]], columns: Sequence[Column]) -> bytes:
+def _csv(cells: Mapping[str, Sequence[Value]], columns: Sequence[Column]) -> bytes:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([column.name for column in columns])
-    for row in rows:
-        writer.writerow([_csv_cell(row.get(column.name)) for column in columns])
+    for row in zip(*(cells[column.name] for column in columns), strict=True):
+        writer.writerow(map(_csv_cell, row))
     return text.getvalue().encode()
 
 
@@ -64,11 +72,11 @@ def _csv_cell(value: Value) -> str:
     return repr(value) if isinstance(value, float) else str(value)
 
 
-def _parquet(rows: Sequence[Mapping[str, Value]], columns: Sequence[Column]) -> bytes:
+def _parquet(cells: Mapping[str, Sequence[Value]], columns: Sequence[Column]) -> bytes:
     arrays = []
     fields = []
     for column in columns:
-        values = [row.get(column.name) for row in rows]
+        values = cells[column.name]
         kind = _kind(values)
         if kind == pa.string():
             values = [None if value is None else _csv_cell(value) for value in values]

@@ -11,7 +11,8 @@ from optuna.trial import Trial
 from studies.device_size import size
 from studies.point import Value
 from studies.record import Record
-from studies.search_file import Constraint, Search
+from studies.search_space import Search
+from studies.search_tables import Bound
 from studies.session import Session
 
 Choice = tuple[int, ...]
@@ -113,7 +114,7 @@ def judge(search: Search, choice: Choice, record: Record) -> Tried:
     return Tried(choice, record, figures, tuple(objectives), tuple(violations))
 
 
-def _violation(constraint: Constraint, figures: dict[str, Value]) -> float:
+def _violation(constraint: Bound, figures: dict[str, Value]) -> float:
     value = figures.get(constraint.metric)
     return _NO_RESULT if value is None else constraint.violation(value)
 
@@ -124,7 +125,7 @@ def _device(search: Search, choice: Choice, record: Record) -> str:
             return str(dimension.values[number])
     for override in reversed(search.overrides):
         if override.startswith(f"{_DEVICE}="):
-            return override.partition("=")[2]
+            return override.partition("=")[2].strip('"')
     return str(record.metrics.get("board.device", ""))
 
 

@@ -8,7 +8,7 @@ from studies.point import Value
 from studies.program import Figure
 from studies.results import Column
 from studies.search import Found, Tried
-from studies.search_file import Search
+from studies.search_space import Search
 from studies.text_table import cell
 
 _JUST_BELOW = 3
@@ -60,6 +60,30 @@ def words(found: Found, known: Mapping[str, Figure]) -> str:
     return "\n".join(lines)
 
 
+def plan(search: Search) -> str:
+    """What would be tried, and how many points at most."""
+    wanted = [f"{one.metric}, {one.direction}d" for one in search.objectives]
+    axes = [
+        f"{one.key}: {', '.join(cell(value) for value in one.values)}" for one in search.dimensions
+    ]
+    count = [f"all {search.combinations} combinations"]
+    if search.combinations > search.trials:
+        count = [
+            f"{search.trials} proposals by {search.method} (seed {search.seed}), then the "
+            "neighbours of the best until none is better:",
+            f"at most the {search.combinations} combinations that there are",
+        ]
+    return "\n".join(
+        [
+            *(search.title, ""),
+            *_block("wanted", wanted),
+            *_block("bounds", [one.text for one in search.constraints] or ["none"]),
+            *_block("axes", axes),
+            *_block("tries", count),
+        ]
+    )
+
+
 def _block(name: str, lines: list[str]) -> list[str]:
     return [f"  {name if number == 0 else '':<12}{line}" for number, line in enumerate(lines)]
 
@@ -73,8 +97,8 @@ def _axes(search: Search, tried: Tried) -> str:
 
 def _point(found: Found, tried: Tried, known: Mapping[str, Figure]) -> str:
     figures = [
-        f"{name} {cell(tried.figures.get(name))} {known[name].unit}".rstrip()
-        for name in metrics(found.search)
+        f"{column.name} {cell(tried.figures.get(column.name))} {column.unit}".rstrip()
+        for column in columns_of(metrics(found.search), known)
     ]
     return f"{_axes(found.search, tried)}: {', '.join(figures)}"
 
@@ -89,8 +113,7 @@ def _tried(found: Found) -> list[str]:
     count = f"{len(tried)} of {found.search.combinations} combinations: {', '.join(what)}"
     if not found.proposals:
         return [count, "that is all there are: nothing else can be better"]
-    method = "TPE" if len(found.search.objectives) == 1 else "NSGA-II"
-    how = f"{found.proposals} proposals by {method} (seed {found.search.seed})"
+    how = f"{found.proposals} proposals by {found.search.method} (seed {found.search.seed})"
     sure = "all there are" if found.complete else "no step on one axis from there is better"
     return [count, f"{how}, then {found.steps} rounds of neighbours: {sure}"]
 

@@ -9,7 +9,7 @@ from studies.carry import Carrier, LocalPool, Task
 from studies.point import Point
 from studies.program import Program, Refused
 from studies.record import Record
-from studies.store import Store
+from studies.store import Records, Store
 
 # Called with how many records there are and how many there will be.
 Progress = Callable[[int, int], None]
@@ -44,35 +44,48 @@ class Session:
                     )
         return found
 
-    def run(self, points: Sequence[Point], progress: Progress | None = None) -> list[Record]:
+    def run(self, points: Sequence[Point], progress: Progress | None = None) -> Records:
         """The record of each point, in their order. What stops it loses nothing that is done."""
-        records: dict[str, Record] = {}
+        done: set[str] = set()
+        without: dict[str, Record] = {}  # those that have no figures, which the store may lack
         wanted: dict[str, Point] = {}
         addresses = self.addresses(points)
         for point, address in zip(points, addresses, strict=True):
-            if isinstance(address, Refused):
-                continue
-            if address in records or address in wanted:
+            if isinstance(address, Refused) or address in done or address in wanted:
                 continue
             known = self._known(point, address)
-            if known is not None:
-                records[address] = known
-            else:
+            if known is None:
                 wanted[address] = point
-        total = len(records) + len(wanted)
+                continue
+            done.add(address)
+            if not known.done:
+                without[address] = known
+        total = len(done) + len(wanted)
         if progress:
-            progress(len(records), total)
+            progress(len(done), total)
         carrier = self.carrier or LocalPool(self.workers)
-        for record in carrier.carry(self._tasks(wanted)):
-            records[record.address] = record
+        try:
+            for record in carrier.carry(self._tasks(wanted)):
+                done.add(record.address)
+                if not record.done:
+                    without[record.address] = record
+                if progress:
+                    progress(len(done), total)
+        except KeyboardInterrupt:
+            # What was under way is kept too.
             if progress:
-                progress(len(records), total)
-        return [
-            Record("", "refused", 2, address.message)
-            if isinstance(address, Refused)
-            else records[address]
-            for address in addresses
-        ]
+                late = [a for a in wanted if a not in done and self.store.get(a) is not None]
+                progress(len(done) + len(late), total)
+            raise
+        return Records(
+            self.store,
+            [
+                Record("", "refused", 2, address.message)
+                if isinstance(address, Refused)
+                else without.get(address, address)
+                for address in addresses
+            ],
+        )
 
     def missing(self, points: Sequence[Point]) -> list[Task]:
         """What has to be run for them: each once, and nothing that the store has."""

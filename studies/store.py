@@ -6,8 +6,9 @@ one. Two hex digits make a folder, as a study may have a hundred thousand.
 
 import contextlib
 import fcntl
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import overload
 
 from studies.errors import StudyError
 from studies.record import Record
@@ -62,3 +63,42 @@ class Store:
 
     def _path(self, address: str) -> Path:
         return self.folder / address[:2] / f"{address[2:]}.json"
+
+
+class Records(Sequence[Record]):
+    """Records in the order of their points, read again each time that one is asked for.
+
+    The figures of ten thousand runs are in the store, not in memory; who wants them more than once
+    makes a list. `of` has an address, or the record itself where the store has none.
+    """
+
+    def __init__(self, store: Store, of: Sequence[str | Record]) -> None:
+        self._store = store
+        self._of = of
+
+    def __len__(self) -> int:
+        return len(self._of)
+
+    @overload
+    def __getitem__(self, index: int) -> Record: ...
+    @overload
+    def __getitem__(self, index: slice) -> "Records": ...
+    def __getitem__(self, index: int | slice) -> "Record | Records":
+        """Throws StudyError where somebody has removed the record meanwhile."""
+        if isinstance(index, slice):
+            return Records(self._store, self._of[index])
+        found = self._of[index]
+        if isinstance(found, Record):
+            return found
+        record = self._store.get(found)
+        if record is None:
+            raise StudyError(
+                f"{self._store.folder}: the record of {found} was removed meanwhile; "
+                "the same command runs it again"
+            )
+        return record
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Sequence) and list(self) == list(other)
+
+    __hash__ = None  # type: ignore[assignment]

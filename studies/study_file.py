@@ -2,14 +2,16 @@
 
 import tomllib
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from studies.errors import InputError
 from studies.expression import Expression
+from studies.file_table import FileTable
 from studies.nearest import nearest
 from studies.point import Command
+from studies.search_tables import SearchTable
 from studies.toml_lines import line_of
 
 MOST_POINTS = 1_000_000
@@ -17,18 +19,14 @@ _LARGEST_FILE = 1 << 20
 Item = bool | int | float | str
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, populate_by_name=True)
-
-
-class Choice(_Table):
+class Choice(FileTable):
     """A value of an axis by its name, and what it sets."""
 
     name: str = Field(description="what it is called in tables")
     set: list[str] = Field(description="KEY=VALUE, as `--set` takes it")
 
 
-class Axis(_Table):
+class Axis(FileTable):
     """What is varied: one key of the scenario, or several that change together."""
 
     key: str = Field(default="", description="a key of the scenario, as `--set` names it")
@@ -90,7 +88,7 @@ class Axis(_Table):
         return self.name or self.key or " ".join(self.keys)
 
 
-class Design(_Table):
+class Design(FileTable):
     """Which points of the axes are run."""
 
     kind: Literal["product", "zip", "latin-hypercube", "sobol"] = Field(
@@ -101,20 +99,20 @@ class Design(_Table):
     seed: int = Field(default=1, ge=0, description="of a sampler")
 
 
-class Constraint(_Table):
+class Constraint(FileTable):
     """Points for which it does not hold are not run."""
 
     that: str = Field(description='a comparison of axes, such as "rows * columns <= 64"')
 
 
-class Fixed(_Table):
+class Fixed(FileTable):
     """A key that has one value in every point."""
 
     key: str = Field(description="a key of the scenario, as `--set` names it")
     value: Item | list[Any] = Field(description="its value")
 
 
-class Picture(_Table):
+class Picture(FileTable):
     """What is drawn of the results."""
 
     x: str = Field(description="an axis")
@@ -124,7 +122,7 @@ class Picture(_Table):
     colour: str = Field(default="", description="an axis that tells the lines apart")
 
 
-class Study(_Table):
+class Study(FileTable):
     """A base scenario, axes, and what is asked of each run."""
 
     title: str = Field(default="", description="one line for the report")
@@ -144,6 +142,9 @@ class Study(_Table):
     design: Design = Field(default=Design(), description="which points")
     constraint: list[Constraint] = Field(default=[], description="which of them are left out")
     plot: list[Picture] = Field(default=[], description="pictures")
+    search: SearchTable | None = Field(
+        default=None, description="looks for the best point in place of running all"
+    )
 
 
 def load(file: Path) -> Study:
@@ -216,55 +217,16 @@ def _refusal(text: str, file: Path, error: ValidationError) -> InputError:
 
 
 def _known(location: tuple[int | str, ...]) -> list[str]:
-    tables: dict[str, type[_Table]] = {
-        "axis": Axis,
-        "design": Design,
-        "constraint": Constraint,
-        "set": Fixed,
-        "plot": Picture,
-    }
-    table = Study if len(location) == 1 else tables.get(str(location[0]), Study)
-    if "choice" in location[:-1]:
-        table = Choice
+    """The keys of the table that a location is in."""
+    table: type[BaseModel] = Study
+    for part in location[:-1]:
+        field = table.model_fields.get(str(part))
+        table = (_table_of(field.annotation) if field else None) or table
     return [field.alias or name for name, field in table.model_fields.items()]
 
 
-def reference_page() -> str:
-    """docs/study-reference.md."""
-    lines = [
-        "# Study reference",
-        "",
-        "Written from the declarations in `studies/study_file.py` by `./hvp study --reference`; "
-        "do not edit. What studies are for stands in [studies.md](studies.md).",
-    ]
-    for heading, table in (
-        ("The study", Study),
-        ("`[[set]]`", Fixed),
-        ("`[[axis]]`", Axis),
-        ("`[[axis.choice]]`", Choice),
-        ("`[design]`", Design),
-        ("`[[constraint]]`", Constraint),
-        ("`[[plot]]`", Picture),
-    ):
-        lines += ["", f"## {heading}", "", (table.__doc__ or "").strip(), ""]
-        lines += ["| key | default | what it is |", "|---|---|---|"]
-        properties = table.model_json_schema(by_alias=True)["properties"]
-        required = table.model_json_schema(by_alias=True).get("required", [])
-        for name, field in table.model_fields.items():
-            key = field.alias or name
-            schema = properties[key]
-            default = "required" if key in required else _default(field.default)
-            choices = schema.get("enum")
-            text = str(field.description)
-            if choices:
-                text = f"{', '.join(f'`{choice}`' for choice in choices)}: {text}"
-            lines.append(f"| `{key}` | {default} | {text} |")
-    return "\n".join(lines) + "\n"
-
-
-def _default(value: Any) -> str:
-    if value is None or value in ("", []):
-        return ""
-    if isinstance(value, BaseModel):
-        return ""
-    return f"`{str(value).lower() if isinstance(value, bool) else value}`"
+def _table_of(kind: Any) -> type[BaseModel] | None:
+    """The table that a type has in it: itself, or that of a list's items."""
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        return kind
+    return next(filter(None, map(_table_of, get_args(kind))), None)

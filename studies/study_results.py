@@ -1,19 +1,24 @@
 """What a study leaves behind: a table in files, on the terminal, as pictures and as a page."""
 
 import re
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import pandas as pd
 
-from studies.plot import Chart, Line, Panel, draw_chart, spans_decades
+from studies.axis import places
+from studies.metrics import figure_of
+from studies.plot import draw_chart
 from studies.point import Command, Point, Value
 from studies.program import Figure, Program
 from studies.record import Record
 from studies.report.study_page import Plot, write_study_report
-from studies.results import Column, write_results
+from studies.results import Column, write_columns
 from studies.study_file import Picture, Study
+from studies.study_picture import chart
 
 _DEFAULT: dict[Command, tuple[str, ...]] = {
     "run": (
@@ -26,6 +31,7 @@ _DEFAULT: dict[Command, tuple[str, ...]] = {
     "stability": ("stiffness_max", "stiffness_linear", "delay_us"),
 }
 _MOST_PANELS = 3
+_BUDGET = "deadline.budget_us"
 _FIXED = (
     Column("status", "", "held, not held, refused, crashed or timed out"),
     Column("message", "", "why there are no figures"),
@@ -49,8 +55,7 @@ class Results:
         """What tables show first: what the study asks for, or what its command usually is for."""
         if self.study.metrics:
             return tuple(self.study.metrics)
-        there = {name for record in self.records for name in record.metrics}
-        return tuple(name for name in _DEFAULT[self.study.command] if name in there)
+        return tuple(name for name in _DEFAULT[self.study.command] if name in self._figures)
 
     def columns(self) -> list[Column]:
         """Axes, outcome, the metrics asked for, then every other figure that a run has."""
@@ -60,8 +65,7 @@ class Results:
             for axis in self.study.axis
         ]
         taken = {column.name for column in (*axes, *_FIXED, _ADDRESS)}
-        others = sorted({name for record in self.records for name in record.metrics})
-        names = dict.fromkeys((*self.metrics, *others))
+        names = dict.fromkeys((*self._asked, *sorted(self._figures)))
         return [
             *axes,
             *_FIXED,
@@ -69,24 +73,59 @@ class Results:
             _ADDRESS,
         ]
 
-    def rows(self) -> list[dict[str, Value]]:
-        """A row a point."""
+    @cached_property
+    def cells(self) -> dict[str, list[Value]]:
+        """Those of each column, a point each. Each record is read once for them."""
+        cells: dict[str, list[Value]] = {
+            name: self._figures.get(name, [None] * len(self.points)) for name in self._asked
+        }
+        axes: dict[str, list[Value]] = {
+            axis.label: [point.columns[axis.label] for point in self.points]
+            for axis in self.study.axis
+        }
+        return cells | self._figures | axes | self._read[1]
+
+    @property
+    def ends(self) -> list[tuple[str, bool]]:
+        """How each run ended, and whether it raised flags."""
+        cells = self.cells
         return [
-            {
-                **record.metrics,
-                **point.columns,
-                "status": record.status,
-                "message": record.message,
-                "verdict": record.verdict,
-                "flags": " ".join(record.flags),
-                "address": record.address,
-            }
-            for point, record in zip(self.points, self.records, strict=True)
+            (str(status), bool(flags))
+            for status, flags in zip(cells["status"], cells["flags"], strict=True)
         ]
+
+    @property
+    def _asked(self) -> list[str]:
+        """What is shown, whether a run has it or not."""
+        return [*self.metrics, *(name for picture in self.study.plot for name in picture.y)]
+
+    @property
+    def _figures(self) -> dict[str, list[Value]]:
+        return self._read[0]
+
+    @cached_property
+    def _read(self) -> tuple[dict[str, list[Value]], dict[str, list[Value]]]:
+        """Figures by their names, and how the runs ended."""
+        figures: dict[str, list[Value]] = {}
+        ends: dict[str, list[Value]] = {column.name: [] for column in (*_FIXED, _ADDRESS)}
+        for row, record in enumerate(self.records):
+            for name, value in record.metrics.items():
+                if name not in figures:
+                    figures[name] = [None] * len(self.points)
+                figures[name][row] = value
+            for name, value in (
+                ("status", record.status),
+                ("message", record.message),
+                ("verdict", record.verdict),
+                ("flags", " ".join(record.flags)),
+                (_ADDRESS.name, record.address),
+            ):
+                ends[name].append(value)
+        return figures, ends
 
 
 def _column(name: str, figures: dict[str, Figure]) -> Column:
-    figure = figures.get(name)
+    figure = figure_of(name, figures)
     if figure is None:  # of a table whose names are the scenario's
         figure = next(
             (
@@ -108,35 +147,40 @@ def _matches(pattern: str, name: str) -> bool:
 
 def write_all(folder: Path, results: Results, name: str, commands: list[str]) -> list[Path]:
     """results.csv, results.parquet, pictures and report.html. Returns the files."""
-    columns, rows = results.columns(), results.rows()
-    written = write_results(folder, rows, columns)
-    frame = pd.DataFrame(rows, columns=[column.name for column in columns])
+    columns, cells = results.columns(), results.cells
+    written = write_columns(folder, cells, columns)
+    names = [column.name for column in columns]
     units = {column.name: column.unit for column in columns if column.unit}
     pictures = results.study.plot or _default_pictures(results)
-    budget = "deadline.budget_us"
-    for index, picture in enumerate(pictures, start=1):
+    shown = [(picture, picture.y or results.metrics[:_MOST_PANELS]) for picture in pictures]
+    for index, (picture, metrics) in enumerate(shown, start=1):
         path = folder / ("plot.png" if len(pictures) == 1 else f"plot-{index}.png")
-        draw_chart(path, _chart(results, picture, units))
+        draw_chart(path, chart(results.study.title, picture, metrics, cells, units))
         written.append(path)
     plots = [
         Plot(
             x=picture.x,
             y=metric,
             colour=picture.colour or None,
-            budget=_one_value(results.records, budget) if metric == "deadline.worst_us" else None,
+            budget=_one_value(cells.get(_BUDGET, [])) if metric == "deadline.worst_us" else None,
         )
-        for picture in pictures
-        for metric in picture.y or results.metrics[:_MOST_PANELS]
+        for picture, metrics in shown
+        for metric in metrics
     ]
+    shown_cells: dict[str, Sequence[Value]] = {name: cells[name] for name in names}
+    for axis in results.study.axis:  # sorted and drawn as numbers, where they are
+        numbers, unit = places(cells[axis.label])
+        if unit:
+            shown_cells[axis.label], units[axis.label] = numbers, unit
     written.append(
         write_study_report(
             folder,
             title=results.study.title or name,
-            frame=frame,
+            frame=pd.DataFrame(shown_cells, columns=names),
             units=units,
             helps={column.name: column.help for column in columns},
             plots=plots,
-            words=[outcome_words(results.records)],
+            words=[outcome_words(results.ends)],
             commands=commands,
             versions={"hvp": results.program.version.removeprefix("hvp ")},
         )
@@ -144,18 +188,19 @@ def write_all(folder: Path, results: Results, name: str, commands: list[str]) ->
     return written
 
 
-def outcome_words(records: Sequence[Record]) -> str:
-    """How the runs ended, counted."""
+def outcome_words(ends: Iterable[tuple[str, bool]]) -> str:
+    """How the runs ended, counted: the status of each, and whether it raised flags."""
+    of = Counter(ends)
     counts = {
-        "held every budget": sum(r.status == "held" and not r.flags for r in records),
-        "held every budget with flags": sum(r.status == "held" and bool(r.flags) for r in records),
-        "did not": sum(r.status == "not held" for r in records),
-        "were refused": sum(r.status == "refused" for r in records),
-        "crashed": sum(r.status == "crashed" for r in records),
-        "had no end in time": sum(r.status == "timed out" for r in records),
+        "held every budget": of["held", False],
+        "held every budget with flags": of["held", True],
+        "did not": of["not held", False] + of["not held", True],
+        "were refused": of["refused", False],
+        "crashed": of["crashed", False],
+        "had no end in time": of["timed out", False],
     }
     said = ", ".join(f"{count} {what}" for what, count in counts.items() if count)
-    return f"Of {len(records)} points {said}."
+    return f"Of {of.total()} points {said}."
 
 
 def _default_pictures(results: Results) -> list[Picture]:
@@ -165,51 +210,7 @@ def _default_pictures(results: Results) -> list[Picture]:
     return [Picture(x=axes[0], colour=axes[1] if len(axes) > 1 else "")]
 
 
-def _one_value(records: Sequence[Record], metric: str) -> float | None:
-    found = {record.metrics.get(metric) for record in records if record.done}
+def _one_value(column: Iterable[Value]) -> float | None:
+    found = set(column) - {None}
     value = found.pop() if len(found) == 1 else None
-    return float(value) if isinstance(value, int | float) else None
-
-
-def _chart(results: Results, picture: Picture, units: dict[str, str]) -> Chart:
-    """Points without figures are crosses on the x axis."""
-    pairs = list(zip(results.points, results.records, strict=True))
-    done = [(point, record) for point, record in pairs if record.done]
-    groups = list(dict.fromkeys(_text(p.columns.get(picture.colour)) for p, _ in done))
-    panels = []
-    for metric in picture.y or results.metrics[:_MOST_PANELS]:
-        lines = []
-        for group in groups:
-            of_group = [
-                (_place(point.columns[picture.x]), _number(record.metrics.get(metric)))
-                for point, record in done
-                if _text(point.columns.get(picture.colour)) == group
-            ]
-            lines.append(Line(group, [x for x, _ in of_group], [y for _, y in of_group]))
-        log = spans_decades([y for line in lines for y in line.y])
-        unit = units.get(metric)
-        panels.append(Panel(f"{metric} [{unit}]" if unit else metric, lines, log=log))
-    crosses = [_place(point.columns[picture.x]) for point, record in pairs if not record.done]
-    places = [_place(point.columns[picture.x]) for point, _ in pairs]
-    numbers = [place for place in places if not isinstance(place, str)]
-    return Chart(
-        results.study.title or picture.x,
-        picture.x,
-        panels,
-        legend=picture.colour,
-        log_x=len(numbers) == len(places) and spans_decades(numbers),
-        crosses=tuple(dict.fromkeys(crosses)),
-        crosses_name="no figures",
-    )
-
-
-def _text(value: Value) -> str:
-    return "" if value is None else str(value)
-
-
-def _place(value: Value) -> float | str:
-    return value if isinstance(value, int | float) and not isinstance(value, bool) else str(value)
-
-
-def _number(value: Value) -> float | None:
     return float(value) if isinstance(value, int | float) else None

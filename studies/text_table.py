@@ -7,14 +7,14 @@ from studies.point import Value
 DIGITS = 4
 
 
-def cell(value: Value) -> str:
-    """A value as a table shows it: four digits, and nothing for what was not measured."""
+def cell(value: Value, digits: int = DIGITS) -> str:
+    """A value as a table shows it; a dash for what was not measured."""
     if value is None:
         return "-"
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        return f"{value:.{DIGITS}g}"
+        return f"{value:.{digits}g}"
     return str(value)
 
 

@@ -7,34 +7,33 @@ from collections.abc import Sequence
 def line_of(text: str, location: Sequence[int | str]) -> int:
     """The line of a key, or of the nearest table around it that the text has; from 1.
 
-    `location` is a path of names and indices, as ("axis", 1, "key").
+    `location` is a path of names and indices, as ("axis", 1, "choice", 0, "set").
     """
-    names = [part for part in location if isinstance(part, str)]
-    if not names:
-        return 1
-    index = next((part for part in location if isinstance(part, int)), 0)
-    table_line, last = 1, 0
     lines = text.splitlines()
-    is_table = len(location) > 1 or _header(lines, names[0], 0) is not None
-    if is_table:
-        start = _header(lines, names[0], index)
-        if start is not None:
-            table_line = last = start
-    key = names[1] if is_table and len(names) > 1 else names[0]
-    if is_table and len(names) == 1:
-        return table_line
-    for number, line in enumerate(lines[last:], start=last + 1):
-        if re.match(rf"\s*[\"']?{re.escape(key)}[\"']?\s*(=|\.)", line):
-            return number
-        if is_table and number > last and re.match(r"\s*\[", line):
+    tables: list[str] = []
+    begin = 0
+    rest = list(location)
+    while rest:
+        index = rest[1] if len(rest) > 1 and isinstance(rest[1], int) else None
+        headers = _headers(lines, [*tables, str(rest[0])], begin)
+        if len(headers) <= (index or 0):
             break
-    return table_line
+        begin = headers[index or 0]
+        tables.append(str(rest[0]))
+        rest = rest[1:] if index is None else rest[2:]
+    for number, line in enumerate(lines[begin:], start=begin + 1):
+        if not rest or (tables and re.match(r"\s*\[", line)):
+            break
+        if re.match(rf"\s*[\"']?{re.escape(str(rest[0]))}[\"']?\s*(=|\.)", line):
+            return number
+    return begin or 1
 
 
-def _header(lines: Sequence[str], name: str, index: int) -> int | None:
-    found = [
+def _headers(lines: Sequence[str], names: Sequence[str], begin: int) -> list[int]:
+    """The lines below one that begin a table of that name."""
+    name = r"\s*\.\s*".join(map(re.escape, names))
+    return [
         number
-        for number, line in enumerate(lines, start=1)
-        if re.match(rf"\s*\[\[?\s*{re.escape(name)}\s*\]", line)
+        for number, line in enumerate(lines[begin:], start=begin + 1)
+        if re.match(rf"\s*\[\[?\s*{name}\s*\]", line)
     ]
-    return found[index] if index < len(found) else None

@@ -1,5 +1,6 @@
 """Files that are there whole or not at all."""
 
+import contextlib
 import os
 from pathlib import Path
 
@@ -10,7 +11,9 @@ def write_whole(path: Path, data: bytes | str) -> Path:
     try:
         beside.write_bytes(data.encode() if isinstance(data, str) else data)
         beside.replace(path)
-    except OSError:
-        beside.unlink(missing_ok=True)
+    except OSError as error:
+        with contextlib.suppress(OSError):  # nor can it be removed where it could not be made
+            beside.unlink()
+        error.filename = error.filename or str(path)  # a full disk has none
         raise
     return path

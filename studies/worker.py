@@ -5,14 +5,17 @@ import json
 import os
 import signal
 import subprocess
-import tempfile
+import threading
 import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from studies.errors import StudyError
+from studies.guardian import guarded_environment
 from studies.point import Point
 from studies.record import Record, Status, flatten
+from studies.scratch import scratch_folder
 
 _MAKES_FILES = "run"
 
@@ -36,9 +39,12 @@ def command_of(program: Path, point: Point, out: Path | None = None) -> list[str
 def execute(
     program: Path, point: Point, address: str, time_limit_s: float | None = None
 ) -> tuple[Record, dict[str, bytes]]:
-    """Run a point. Returns its record and the files that it keeps."""
-    with tempfile.TemporaryDirectory(prefix="hvp-study-") as folder:
-        out = Path(folder) / "run"
+    """Run a point. Returns its record and the files that it keeps.
+
+    Throws EndedError after end_all(), StudyError where there is no room for what it writes.
+    """
+    with scratch_folder() as folder:
+        out = folder / "run"
         started = time.monotonic()
         try:
             done = _run(command_of(program, point, out), time_limit_s)
@@ -51,6 +57,8 @@ def execute(
         error = done.stderr.decode(errors="replace").strip().splitlines()
         message = error[-1] if error else ""
         if status not in ("held", "not held"):
+            if f"cannot write {folder}" in message:  # a full disk here is no fault of the run
+                raise StudyError(message.removeprefix("hvp: "))
             if done.returncode < 0:
                 message = f"ended by signal {-done.returncode}; {message}".rstrip("; ")
             return Record(address, status, done.returncode, message, wall_s=wall), {}
@@ -71,11 +79,17 @@ def execute(
         ), kept
 
 
+class EndedError(Exception):
+    """The run was ended because nobody waits for it any more: that says nothing of the run."""
+
+
 _running: set[subprocess.Popen[bytes]] = set()
+_ending = threading.Event()
 
 
 def _run(command: list[str], time_limit_s: float | None) -> subprocess.CompletedProcess[bytes]:
-    """Run a program with what it starts itself. Throws TimeoutExpired once all of that has ended.
+    """Run a program with what it starts itself. Throws TimeoutExpired once all of that has ended,
+    and EndedError after end_all().
 
     It is a session of its own, so that a terminal's Ctrl-C does not end it: what is under way when
     a study is interrupted is finished and kept.
@@ -85,9 +99,12 @@ def _run(command: list[str], time_limit_s: float | None) -> subprocess.Completed
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
+        env=guarded_environment(),
         start_new_session=True,
     )
     _running.add(process)
+    if _ending.is_set():  # it may have begun too late for end_all() to know of it
+        _end(process)
     try:
         output, error = process.communicate(timeout=time_limit_s)
     except BaseException:
@@ -96,6 +113,8 @@ def _run(command: list[str], time_limit_s: float | None) -> subprocess.Completed
         raise
     finally:
         _running.discard(process)
+    if _ending.is_set():
+        raise EndedError
     return subprocess.CompletedProcess(command, process.returncode, output, error)
 
 
@@ -105,7 +124,8 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 
 
 def end_all() -> None:
-    """End every run of this process at once."""
+    """End every run of this process at once, and whatever begins later: it is about to end."""
+    _ending.set()
     for process in list(_running):
         _end(process)
 

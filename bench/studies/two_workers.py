@@ -33,8 +33,8 @@ def seconds(program: Program, workers: int, runs: int) -> tuple[float, float]:
         began = time.monotonic()
         records = session.run(points)
         took = time.monotonic() - began
-    assert all(record.done for record in records), "every run has figures"
-    return took, max(record.wall_s for record in records)
+        assert all(record.done for record in records), "every run has figures"
+        return took, max(record.wall_s for record in records)
 
 
 def main() -> int:

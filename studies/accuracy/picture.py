@@ -7,8 +7,9 @@ from typing import Any
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, ScalarFormatter
 
+from studies.accuracy.answer import short
 from studies.accuracy.design import ERROR, FORCE_ERROR, Design, front
 from studies.whole_file import write_whole
 
@@ -27,8 +28,8 @@ def draw(
     style: Any = {"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}
     with mpl.rc_context(style):
         figure = Figure(figsize=(10, 5), layout="constrained")
-        most = max([1.0, *(share for share in shares if share is not None)])
-        scale = mpl.colors.Normalize(0, most)
+        known = [share for share in shares if share is not None] or [0.0, 1.0]
+        scale = mpl.colors.Normalize(min(known), max(known))
         for axis, error, what in zip(
             figure.subplots(1, 2, sharex=True),
             (ERROR, FORCE_ERROR),
@@ -49,7 +50,7 @@ def draw(
                         look: dict[str, Any] = (
                             {"c": [c[2] for c in chosen], "cmap": "viridis", "norm": scale}
                             if filled
-                            else {"facecolors": "none", "edgecolors": "#666666"}
+                            else {"facecolors": "none"}
                         )
                         axis.scatter(
                             [(c[0] or 0) / 1000 for c in chosen],
@@ -57,6 +58,8 @@ def draw(
                             marker=marker,
                             s=34,
                             label=state,
+                            edgecolors="#333333",
+                            linewidths=0.6,
                             **look,
                         )
             best = front(designs, error)
@@ -86,6 +89,7 @@ def draw(
             axis.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
             axis.xaxis.set_major_formatter(ScalarFormatter())
             axis.xaxis.set_minor_formatter(NullFormatter())
+            axis.yaxis.set_major_formatter(FuncFormatter(lambda error, _: short(error)))
             axis.set_xlabel("worst latency of a frame [ms]")
             axis.set_title(f"error of {what} against the true model", fontsize=9)
             axis.grid(color="#E4E4E4")

@@ -9,17 +9,31 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
+from studies.accuracy.answer import TARGETS, counted, words
+from studies.accuracy.between import refine
 from studies.accuracy.design import (
     BUDGET,
     ERROR,
     FORCE_ERROR,
+    NO_CONTACT,
+    UNMEASURED,
     Design,
     DesignStudy,
     front,
+)
+from studies.accuracy.grid import (
+    ITERATIONS,
+    MATRIX_BITS,
+    MEMORY,
+    METHOD,
+    NODES,
+    PASSES,
+    SCALING,
+    VECTOR_BITS,
     grid,
-    words,
 )
 from studies.accuracy.ladder import Rung, ladders, resolved_settings
+from studies.accuracy.partitions import KEY as PARTITIONS
 from studies.accuracy.picture import draw
 from studies.command_line import command_of
 from studies.errors import HELD, InputError
@@ -36,19 +50,27 @@ if TYPE_CHECKING:
     from studies.commands import Subparsers
 
 SETTINGS = (
-    "solver.method",
-    "solver.iterations",
-    "solver.matrix_bits",
-    "solver.vector_bits",
-    "solver.matrix_scaling",
-    "refinement.passes",
-    "object.mesh.nodes",
+    METHOD,
+    ITERATIONS,
+    MATRIX_BITS,
+    VECTOR_BITS,
+    SCALING,
+    PASSES,
+    NODES,
+    PARTITIONS,
+    MEMORY,
 )
 COLUMNS = (
     *(Column(name, "", "as the scenario has it where empty") for name in SETTINGS),
-    Column("state", "", "fits, late, breaks down, does not fit, refused, crashed or timed out"),
+    Column(
+        "state",
+        "",
+        "fits, late, breaks down, does not fit, not measured, refused, crashed or timed out",
+    ),
     Column("status", "", "of the run; of one on a larger device where it does not fit"),
-    Column("message", "", "why it does not fit or was refused; flags of a breakdown"),
+    Column(
+        "message", "", "why it does not fit, was not measured or was refused; flags of a breakdown"
+    ),
     Column("worst_us", "us", "worst latency of a frame"),
     Column("displacement_rel", "", "error against the true model, accuracy.displacement_rel"),
     Column("force_rel", "", "likewise of the contact force"),
@@ -56,9 +78,16 @@ COLUMNS = (
     Column("frames", "", "compared with the true model"),
     Column("front", "", "on the Pareto front of time and displacement error"),
     Column("flags", "", "what the run flagged"),
+    Column("tried", "", "partitions that were tried: 1 to that"),
     Column("address", "", "of the run's record in the store"),
 )
 LADDER = "simulator.csv"
+_READING = (
+    "A symbol for each state; colour is the share that the fullest kind of resource has of the "
+    "scenario's device, more than 1 where a set does not fit it: such a set is drawn where a "
+    "larger device would have it. Only what fits, is in time and has the scenario's mesh is on the "
+    "front."
+)
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -76,7 +105,13 @@ def run(arguments: argparse.Namespace) -> int:
     """Both curves; without a board the simulator's alone, and exit 2."""
     for name, least in (("jobs", 0), ("repeats", 1)):
         if getattr(arguments, name) < least:
-            raise InputError(f"--{name}: expected {least} or more")
+            raise InputError(
+                f"--{name}: expected {least} or more, found {getattr(arguments, name)}"
+            )
+    out: Path = arguments.out or Path("studies-out") / f"accuracy-{arguments.scenario.stem}"
+    for name, folder in (("out", out), ("store", arguments.store)):
+        if folder.exists() and not folder.is_dir():
+            raise InputError(f"--{name}: {folder}: expected a folder, found a file")
     program = find_program()
     session = Session(program, Store(arguments.store))
     if arguments.jobs:
@@ -92,8 +127,7 @@ def run(arguments: argparse.Namespace) -> int:
     study = DesignStudy(session, scenario, settings)
     if board:
         nodes = has.get("object", {}).get("mesh", {}).get("nodes")
-        designs = study.run(grid(arguments.full, nodes), "refinement" in has)
-    out: Path = arguments.out or Path("studies-out") / f"accuracy-{scenario.stem}"
+        designs = refine(study, study.run(grid(arguments.full, nodes)), TARGETS)
     out.mkdir(parents=True, exist_ok=True)
     if board:
         _write_design(out, arguments, study, designs, has["accelerator"]["device"])
@@ -125,21 +159,29 @@ def _write_design(
     draw(out / "accuracy.png", title, designs, shares, budget)
     frame = pd.read_csv(out / CSV, keep_default_na=False, na_values=[""])
     # What a set is on this device, not how the run ended that gave its figures.
-    frame["status"] = frame["state"]
-    best = [designs.index(design) for design in front(designs)]
+    frame["status"] = frame["state"].replace(UNMEASURED, f"{UNMEASURED}: {NO_CONTACT}")
+    best = {
+        error: [designs.index(design) for design in front(designs, error)]
+        for error in (ERROR, FORCE_ERROR)
+    }
     plots = [
         Plot(
             "worst_us",
             y,
-            colour="state",
+            colour="share",
+            symbol="state",
             title=name,
+            help=_READING,
             log_x=True,
             log_y=True,
             budget_x=budget,
-            front=best if y == "displacement_rel" else None,
+            front=best[error],
             mark=0,
         )
-        for y, name in (("displacement_rel", "Displacement"), ("force_rel", "Contact force"))
+        for error, y, name in (
+            (ERROR, "displacement_rel", "Displacement"),
+            (FORCE_ERROR, "force_rel", "Contact force"),
+        )
     ]
     write_study_report(
         out,
@@ -153,13 +195,8 @@ def _write_design(
         versions={"hvp": study.session.program.version, "python": platform.python_version()},
     )
     print("\n".join(answer))
-    counts = {
-        s: sum(d.state == s for d in designs) for s in dict.fromkeys(d.state for d in designs)
-    }
-    print(
-        f"{len(designs)} sets: " + ", ".join(f"{n} {state}" for state, n in counts.items()) + ".\n"
-    )
-    shown = [table[0], *(table[i] for i in best if i)]
+    print(f"{len(designs)} sets: {counted(designs)}.\n")
+    shown = [table[0], *(table[i] for i in best[ERROR] if i)]
     names = (*SETTINGS, "state", "worst_us", "displacement_rel", "force_rel", "share")
     print("The scenario's own, and the Pareto front of what fits and is in time:\n")
     print(text_table(names, [tuple(row.get(name) for name in names) for row in shown]) + "\n")
@@ -180,6 +217,7 @@ def _rows(designs: Sequence[Design], shares: Sequence[float | None]) -> list[dic
             "frames": design.record.metrics.get("accuracy.frames"),
             "front": design in best,
             "flags": " ".join(design.record.flags),
+            "tried": design.tried or None,
             "address": design.record.address,
         }
         for design, share in zip(designs, shares, strict=True)

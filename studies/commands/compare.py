@@ -2,7 +2,6 @@
 
 import argparse
 import json
-import re
 import shutil
 from collections.abc import Callable
 from dataclasses import asdict
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from studies.comparison import Comparison, Names, Row, compare
 from studies.comparison_text import comparison_text
 from studies.errors import HELD, InputError, StudyError
+from studies.metrics import figure_of
 from studies.program import find_program
 from studies.run_folder import RunFolder, read_run
 
@@ -53,15 +53,10 @@ def declared_units() -> Callable[[str], str]:
     Runs can be compared all the same then: names say their units where these are not SI.
     """
     try:
-        declared = {_pattern(key): figure.unit for key, figure in find_program().figures().items()}
+        declared = find_program().figures()
     except (StudyError, InputError, OSError):
         declared = {}
-    return lambda key: declared.get(_pattern(key), "")
-
-
-def _pattern(key: str) -> str:
-    """The name as it is declared: of every entry of a list."""
-    return re.sub(r"\[[^]]*\]", "[]", key)
+    return lambda key: figure.unit if (figure := figure_of(key, declared)) else ""
 
 
 def as_json(comparison: Comparison) -> dict[str, Any]:

@@ -7,8 +7,11 @@ from pathlib import Path
 from studies.carry import Carrier
 from studies.errors import HELD, InputError
 from studies.point import Point
+from studies.program import Program
 from studies.session import Session
 from studies.slurm import LARGEST_ARRAY, write_array
+from studies.store import Store
+from studies.study_file import Study
 
 
 def add_scale_options(parser: argparse.ArgumentParser) -> None:
@@ -42,6 +45,21 @@ def carrier_of(arguments: argparse.Namespace) -> Carrier | None:
     from studies.carry_dask import DaskCarrier  # noqa: PLC0415
 
     return DaskCarrier(arguments.scheduler)
+
+
+def session_of(arguments: argparse.Namespace, study: Study, program: Program) -> Session:
+    """How the runs of a study's file are carried out. Throws InputError."""
+    session = Session(
+        program,
+        Store(arguments.store.absolute()),
+        time_limit_s=study.time_limit_s,
+        retries=study.retries,
+        again=arguments.retry,
+        carrier=carrier_of(arguments),
+    )
+    if arguments.jobs is not None:
+        session.workers = arguments.jobs
+    return session
 
 
 def export_array(arguments: argparse.Namespace, session: Session, points: Sequence[Point]) -> int:

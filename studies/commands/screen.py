@@ -8,16 +8,18 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from studies.command_line import command_of
-from studies.errors import HELD, InputError
+from studies.errors import HELD, InputError, StudyError
 from studies.point import Point
 from studies.program import find_program
 from studies.report.study_page import Plot, write_study_report
 from studies.results import CSV, write_results
 from studies.screening.answers import ANSWERS, DEFAULT_TOLERANCE
+from studies.screening.found import Screening
 from studies.screening.scenario_file import scenario_text
-from studies.screening.screen import DEFAULT_PAIRS, Screener, Screening
+from studies.screening.screen import DEFAULT_PAIRS, Screener
 from studies.screening.tables import (
     COLUMNS,
+    RECOMMENDED,
     recommendation_words,
     rows,
     screening_text,
@@ -30,8 +32,6 @@ from studies.whole_file import write_whole
 
 if TYPE_CHECKING:
     from studies.commands import Subparsers
-
-RECOMMENDED = "recommended.toml"
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -77,9 +77,13 @@ def run(arguments: argparse.Namespace) -> int:
     recommended = out / RECOMMENDED
     comment = "What the scenario's answers need, by `hvp study screen`."
     write_whole(recommended, scenario_text(scenario, out, comment, overrides).encode())
+    try:
+        screener.verify(recommended, best)
+    except StudyError:
+        recommended.unlink()  # so that nobody takes it for one
+        raise
     costs: dict[str, Cost] = {}
     if arguments.repeats:
-        # The written file is what is timed, so that it is known to run.
         points = {"scenario": screener.point(), "recommended": Point(recommended)}
         points |= {
             one.change.name: screener.point([one.change]) for one in found.ones if one.record.done

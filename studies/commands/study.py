@@ -1,24 +1,22 @@
 """`hvp study STUDY.toml`: a base scenario, axes, a table."""
 
 import argparse
-import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from studies.command_line import command_of as command_line
+from studies.command_line import shell_line
 from studies.commands import search
-from studies.commands.scale_options import add_scale_options, carrier_of, export_array
+from studies.commands.scale_options import add_scale_options, export_array, session_of
 from studies.design import points_of
 from studies.errors import FAILED, HELD, InputError
 from studies.metrics import check_metric
 from studies.point import Point
 from studies.program import Program, find_program
 from studies.progress import run_with_progress
-from studies.record import Record
-from studies.search_file import is_search
-from studies.session import Session
-from studies.store import DEFAULT_STORE, Store
-from studies.study_file import Study, load, reference_page
+from studies.store import DEFAULT_STORE
+from studies.study_file import Study, load
+from studies.study_reference import reference_page
 from studies.study_results import Results, outcome_words, write_all
 from studies.text_table import text_table
 from studies.toml_lines import line_of
@@ -62,9 +60,9 @@ def _run(arguments: argparse.Namespace) -> int:
     if arguments.jobs is not None and arguments.jobs < 1:
         raise InputError(f"--jobs {arguments.jobs}: expected one or more")
     file: Path = arguments.study
-    if is_search(file):
-        return search.run(arguments)
     study = load(file)
+    if study.search is not None:
+        return search.run(arguments, study)
     points = points_of(study, file)
     if arguments.dry_run:
         print(_table(study, points))
@@ -72,22 +70,14 @@ def _run(arguments: argparse.Namespace) -> int:
         return HELD
     program = find_program()
     _check_metrics(study, file, program)
-    session = Session(
-        program,
-        Store(arguments.store.absolute()),
-        time_limit_s=study.time_limit_s,
-        retries=study.retries,
-        again=arguments.retry,
-        carrier=carrier_of(arguments),
-    )
-    if arguments.jobs is not None:
-        session.workers = arguments.jobs
+    session = session_of(arguments, study, program)
     if arguments.slurm is not None:
         return export_array(arguments, session, points)
     records = run_with_progress(session, points, arguments.quiet)
-    if all(record.status == "refused" for record in records):
-        raise InputError(f"{file}: every point was refused: {records[0].message}")
-    return _report(arguments, Results(study, program, points, records))
+    results = Results(study, program, points, records)
+    if set(results.cells["status"]) == {"refused"}:
+        raise InputError(f"{file}: every point was refused: {results.cells['message'][0]}")
+    return _report(arguments, results)
 
 
 def _report(arguments: argparse.Namespace, results: Results) -> int:
@@ -96,21 +86,18 @@ def _report(arguments: argparse.Namespace, results: Results) -> int:
     commands = [command_line(arguments, "study")]
     files = write_all(folder, results, file.stem, commands)
     print(_result_table(results))
-    print(f"\n{outcome_words(results.records)}")
-    refused = [record.message for record in results.records if record.status == "refused"]
+    print(f"\n{outcome_words(results.ends)}")
+    ends = list(zip(results.points, results.cells["status"], results.cells["message"], strict=True))
+    refused = [message for _, status, message in ends if status == "refused"]
     for message in list(dict.fromkeys(refused))[:3]:
         print(f"  refused: {message}")
     print(f"{', '.join(path.name for path in files)} in {folder}")
-    failed = [
-        (point, record)
-        for point, record in zip(results.points, results.records, strict=True)
-        if record.status in ("crashed", "timed out")
-    ]
+    failed = [end for end in ends if end[1] in ("crashed", "timed out")]
     if failed:
         print(f"{len(failed)} runs without an end; --retry tries them again. Each by itself:")
-    for point, record in failed[:10]:
-        print(f"  {record.status}: {record.message}")
-        print(f"    {shlex.join(['./hvp', *command_of(results.program.path, point)[1:]])}")
+    for point, status, message in failed[:10]:
+        print(f"  {status}: {message}")
+        print(f"    {shell_line(command_of(results.program.path, point)[1:])}")
     return FAILED if failed else HELD
 
 
@@ -133,18 +120,14 @@ def _result_table(results: Results) -> str:
     labels = [axis.label for axis in results.study.axis]
     units = {column.name: column.heading for column in results.columns()}
     header = [*labels, *(units.get(name, name) for name in results.metrics), "outcome", "flags"]
+    cells = results.cells
     rows = [
         [
-            *(point.columns[label] for label in labels),
-            *(record.metrics.get(name) for name in results.metrics),
-            _outcome(record),
-            len(record.flags),
+            *(cells[name][row] for name in (*labels, *results.metrics)),
+            cells["verdict"][row] or cells["status"][row],
+            len(str(cells["flags"][row]).split()),
         ]
-        for point, record in list(zip(results.points, results.records, strict=True))[:_MOST_ROWS]
+        for row in range(min(len(results.points), _MOST_ROWS))
     ]
-    more = len(results.records) - len(rows)
+    more = len(results.points) - len(rows)
     return text_table(header, rows) + (f"\n… {more} more in results.csv" if more > 0 else "")
-
-
-def _outcome(record: Record) -> str:
-    return record.verdict or record.status

@@ -69,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError(f"--plot {picture}: expected a name that ends in .png, .pdf or .svg")
 
     session = Session(program, Store(arguments.store), arguments.jobs, arguments.time_limit)
-    records = run_with_progress(session, sweep.points())
+    records = list(run_with_progress(session, sweep.points()))
     reason = refused_alike(records)
     if reason is not None:
         raise InputError(reason)
@@ -98,7 +98,7 @@ def run(arguments: argparse.Namespace) -> int:
                 )
                 for name in numeric(metrics, records)
             ],
-            words=[outcome_words(records)],
+            words=[outcome_words((r.status, bool(r.flags)) for r in records)],
             command=command_of(arguments, "sweep"),
             program=program,
         )

@@ -26,7 +26,7 @@ ANSWERS: Mapping[str, Callable[[Sequence[Row]], Answer]] = {
     "effects-ladder": loop.effects_ladder,
 }
 
-_MADE = "<!-- Made by `python -m studies questions`: do not edit. -->"
+_MADE = "<!-- Made by `./hvp questions`: do not edit. -->"
 
 
 def answer(question: Question, records: Sequence[Record]) -> Answer:
@@ -51,7 +51,7 @@ def page(question: Question, made: Answer) -> str:
             "",
             "<!-- not run: writes into the checkout -->",
             "```sh",
-            f"python -m studies questions {question.name}",
+            f"./hvp questions {question.name}",
             "```",
             "",
             f"![{made.chart.title}](../images/questions/{question.name}.png)",

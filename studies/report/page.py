@@ -16,6 +16,8 @@ from typing import Any
 import jinja2
 from markupsafe import Markup
 
+from studies.text_table import cell
+
 _TEMPLATES = Path(__file__).parent / "templates"
 _LINK = re.compile(r"\[([^\]]*)\]\([^)]*\)")
 
@@ -31,7 +33,7 @@ def render(template: str, data: dict[str, Any], **values: Any) -> str:
     )
     return environment.get_template(template).render(
         style=_asset("style.css"),
-        scripts=_asset("page.js"),
+        scripts=[_asset("page.js"), _asset("print.js")],
         plotly=_plotly(),
         data=_embedded(data),
         plain=plain,
@@ -47,13 +49,7 @@ def plain(text: str) -> str:
 
 def number(value: Any, digits: int = 6) -> str:
     """A value for a reader."""
-    if value is None or (isinstance(value, float) and math.isnan(value)):
-        return "-"
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, float):
-        return f"{value:.{digits}g}"
-    return str(value)
+    return cell(None if isinstance(value, float) and math.isnan(value) else value, digits)
 
 
 def _embedded(data: dict[str, Any]) -> Markup:

@@ -10,6 +10,8 @@ import pandas as pd
 # Okabe and Ito's colours for colour-blind readers, without those that vanish on white or black.
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f")
 SYMBOLS = ("circle", "square", "diamond", "triangle-up", "triangle-down", "pentagon", "star")
+# Between two designs of a front there is none: what is reached is that of the faster one.
+_STEPS = {"color": "ink", "width": 2, "dash": "dot", "shape": "hv"}
 # More kinds than these are told apart by a scale, or not at all.
 MOST_KINDS = 14
 
@@ -18,9 +20,10 @@ MOST_KINDS = 14
 class Plot:
     """Two columns against each other, a point a row.
 
-    `colour` is a third column: numbers make a scale, words make a trace and a symbol each. `budget`
+    `colour` is a third column: numbers make a scale, words make a trace and a symbol each. `symbol`
+    is a column of words that make a trace and a symbol each beside a `colour` of numbers. `budget`
     is a line at that y and `budget_x` one at that x. `front` are the positions (0, 1, …) of the
-    rows that a line joins in their order, the Pareto front, and `mark` the position of the
+    rows that steps join in their order, the Pareto front, and `mark` the position of the
     scenario's own row. `line` joins the rows of each trace in their order. A row without x or y is
     counted below the plot: the table has it.
     """
@@ -28,6 +31,7 @@ class Plot:
     x: str
     y: str
     colour: str | None = None
+    symbol: str | None = None
     title: str = ""
     budget: float | None = None
     log_x: bool = False
@@ -70,12 +74,16 @@ def shown(frame: pd.DataFrame, plot: Plot) -> list[int]:
     ]
 
 
-def figure(frame: pd.DataFrame, plot: Plot, units: dict[str, str], id_: str) -> dict[str, Any]:
-    """A plot as plotly.js takes it."""
-    rows = shown(frame, plot)
+def figure(
+    frame: pd.DataFrame, plot: Plot, units: dict[str, str], id_: str, every: int = 1
+) -> dict[str, Any]:
+    """A plot as plotly.js takes it: of its points one in `every`, with all that stand out."""
+    apart = {plot.mark, *(plot.front or ())}
+    rows = [row for row in shown(frame, plot) if row % every == 0 or row in apart]
     x, y = values(frame, plot.x), values(frame, plot.y)
     labels = _labels(frame)
     traces: list[dict[str, Any]] = []
+    legend: list[dict[str, Any]] = []
 
     def trace(of: list[int], **more: Any) -> dict[str, Any]:
         return {
@@ -88,36 +96,45 @@ def figure(frame: pd.DataFrame, plot: Plot, units: dict[str, str], id_: str) -> 
         }
 
     colours = values(frame, plot.colour) if plot.colour else [None] * len(x)
+    statuses = values(frame, "status") if "status" in frame.columns else ["held"] * len(x)
+    kinds = values(frame, plot.symbol) if plot.symbol else [None] * len(x)
     known = {row: colours[row] for row in rows if colours[row] is not None}
     scale = plot.colour and known and not plot.line and all(map(is_number, known.values()))
-    if scale and len(set(known.values())) > len(COLOURS):
-        marker = {
-            "color": [colours[row] for row in rows],
-            "colorscale": "Viridis",
-            "showscale": True,
-            "colorbar": {"title": {"text": _escaped(name(plot.colour or "", units))}},
-            "symbol": [_symbol(frame, row) for row in rows],
-            "size": 9,
-        }
-        traces.append(trace(rows, marker=marker, name=_escaped(plot.y), showlegend=False))
+    scale = scale and (plot.symbol is not None or len(set(known.values())) > len(COLOURS))
+    if scale:
+        for index, kind in enumerate(dict.fromkeys(kinds[row] for row in rows)):
+            of = [row for row in rows if kinds[row] == kind]
+            good = SYMBOLS[index % len(SYMBOLS)]
+            marker = {
+                "color": [colours[row] for row in of],
+                "coloraxis": "coloraxis",
+                "symbol": good if plot.symbol else _symbols([statuses[row] for row in of]),
+                "size": 9,
+                # One end of every scale is near the paper, light or dark.
+                "line": {"width": 1, "color": "ink"},
+            }
+            label = _escaped(plot.y if plot.symbol is None else str(kind))
+            traces.append(trace(of, marker=marker, name=label, legendgroup=label, showlegend=False))
+            if plot.symbol is not None:
+                legend.append(_legend_entry(label, good, index))
     else:
-        kinds = list(dict.fromkeys(colours[row] for row in rows))
-        for index, kind in enumerate(kinds):
+        groups = list(dict.fromkeys(colours[row] for row in rows))
+        for index, kind in enumerate(groups):
             of = [row for row in rows if colours[row] == kind]
             marker = {
                 "color": COLOURS[index % len(COLOURS)],
-                "symbol": [_symbol(frame, row, SYMBOLS[index % len(SYMBOLS)]) for row in of],
+                "symbol": _symbols([statuses[row] for row in of], SYMBOLS[index % len(SYMBOLS)]),
                 "size": 9,
             }
             label = _escaped(plot.y if plot.colour is None else f"{plot.colour} = {kind}")
             traces.append(
-                trace(of, marker=marker, name=label, showlegend=len(kinds) > 1)
+                trace(of, marker=marker, name=label, showlegend=len(groups) > 1)
                 | ({"line": {"color": marker["color"]}} if plot.line else {})
             )
     inside = set(rows)
     if plot.front is not None:
         of = [int(row) for row in plot.front if int(row) in inside]
-        front = {"mode": "lines", "line": {"color": "ink", "width": 2, "dash": "dot"}}
+        front = {"mode": "lines", "line": _STEPS}
         traces.append(trace(of) | front | {"name": "Pareto front"})
     if plot.mark is not None and plot.mark in inside:
         ring = {
@@ -129,7 +146,20 @@ def figure(frame: pd.DataFrame, plot: Plot, units: dict[str, str], id_: str) -> 
         traces.append(
             trace([plot.mark], marker=ring) | {"mode": "markers", "name": "the scenario as it is"}
         )
-    return {"id": id_, "data": traces, "layout": _layout(frame, plot, units)}
+    traces += legend
+    layout = _layout(frame, plot, units)
+    if scale:
+        title = {"text": _escaped(name(plot.colour or "", units)), "side": "right"}
+        layout["coloraxis"] = {"colorscale": "Viridis", "colorbar": {"title": title}}
+    return {"id": id_, "data": traces, "layout": layout}
+
+
+def _legend_entry(label: str, symbol: str, rank: int) -> dict[str, Any]:
+    """The legend's line of a trace that a scale colours. plotly.js would draw that trace's own with
+    the first number of its colours, which is no colour."""
+    marker = {"symbol": symbol, "size": 9, "color": "ink"}
+    entry = {"type": "scatter", "mode": "markers", "x": [None], "y": [None], "marker": marker}
+    return entry | {"name": label, "legendgroup": label, "legendrank": rank, "hoverinfo": "skip"}
 
 
 def _layout(frame: pd.DataFrame, plot: Plot, units: dict[str, str]) -> dict[str, Any]:
@@ -138,6 +168,8 @@ def _layout(frame: pd.DataFrame, plot: Plot, units: dict[str, str]) -> dict[str,
             "title": {"text": _escaped(name(column, units))},
             "type": "log" if log else _axis_type(frame, column),
             "automargin": True,
+            "exponentformat": "e",  # not "10n" of what has a unit already, or none
+            **({} if not log else _QUANTITY if units.get(column) else _RATIO),
         }
 
     dashed = {"color": "bad", "width": 2, "dash": "dash"}
@@ -163,6 +195,11 @@ def _layout(frame: pd.DataFrame, plot: Plot, units: dict[str, str]) -> dict[str,
     }
 
 
+# Ticks of logarithmic axes, whole and not as digits between powers: 200, 500; 1e-2.
+_QUANTITY = {"tickformat": ",~f", "nticks": 5}
+_RATIO = {"tickformat": "~e"}
+
+
 def _axis_type(frame: pd.DataFrame, column: str) -> str:
     there = [value for value in values(frame, column) if value is not None]
     return "linear" if there and all(map(is_number, there)) else "category"
@@ -174,19 +211,21 @@ def _fits(value: Any, log: bool) -> bool:
     return not log or (is_number(value) and value > 0)
 
 
-def _symbol(frame: pd.DataFrame, row: int, good: str = "circle") -> str:
-    """A cross for what did not hold, whatever its colour: it is shown, and shown as such."""
-    status = str(frame["status"].iloc[row]) if "status" in frame.columns else "held"
-    return good if status == "held" else f"{good}-open" if status == "not held" else "x"
+def _symbols(statuses: Sequence[Any], good: str = "circle") -> str | list[str]:
+    """A cross for what did not hold, whatever its colour: it is shown, and shown as such. One word
+    where all are alike: of ten thousand points it is a tenth of the page."""
+    kinds = {"held": good, "not held": f"{good}-open"}
+    symbols = [kinds.get(str(status), "x") for status in statuses]
+    return symbols[0] if len(set(symbols)) == 1 else symbols
 
 
 def _labels(frame: pd.DataFrame) -> list[str]:
-    """What hovering says of a row: its number, how it ended and its flags."""
+    """What hovering says of a row: its number, its flags, how it ended unless it held."""
     labels = [f"row {row + 1}" for row in range(len(frame))]
     for column in ("status", "flags", "message"):
         if column in frame.columns:
             for row, value in enumerate(values(frame, column)):
-                if value not in (None, "", []):
+                if value not in (None, "", [], "held"):
                     labels[row] += f"<br>{_escaped(str(value))}"
     return labels
 

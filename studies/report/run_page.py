@@ -1,16 +1,19 @@
 """The report of a run: verdict, times, body, accuracy, flags, settings."""
 
 import platform
+from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from studies.command_line import shell_line
+from studies.metrics import columns_of
 from studies.program import Figure, Program
 from studies.record import flatten
 from studies.report import timeline
 from studies.report.body import read_body
 from studies.report.page import render
-from studies.report.run_folder import RunFolder
+from studies.run_folder import read_run
 from studies.whole_file import write_whole
 
 # What a reader asks for first. Their meanings and units are the program's own.
@@ -25,7 +28,7 @@ KEY = (
 
 def write_run_report(run: Path, out: Path, program: Program) -> Path:
     """Write one file, the same bytes for the same run. Throws InputError for what is no run."""
-    folder = RunFolder(run)
+    folder = read_run(run)
     summary = folder.summary
     figures = program.figures()
     deadline = summary["deadline"]
@@ -35,7 +38,7 @@ def write_run_report(run: Path, out: Path, program: Program) -> Path:
     spans = spans or timeline.path_of(summary.get("attribution") or [])
     frames, group = timeline.frames(folder)
     body = read_body(run, worst)
-    flat = flatten(summary)
+    flat = flatten(dict(summary))
     parts = [
         ("verdict", "Verdict"), ("frames", "Frames"), ("worst", "Worst frame"),
         ("attribution", "Attribution"), ("body", "Body"), ("accuracy", "Accuracy"),
@@ -64,6 +67,7 @@ def write_run_report(run: Path, out: Path, program: Program) -> Path:
         latency_picture=folder.picture("latency.png"),
         body_picture=folder.picture("deformation.png"),
         settings=folder.settings,
+        command=shell_line(["run", str(folder.scenario_file)]),
         versions={
             "hvp, of this page": program.version,
             "Python": platform.python_version(),
@@ -73,7 +77,7 @@ def write_run_report(run: Path, out: Path, program: Program) -> Path:
     return write_whole(out, page)
 
 
-def _standing(summary: dict[str, Any]) -> str:
+def _standing(summary: Mapping[str, Any]) -> str:
     if not summary.get("held"):
         return "bad"
     return "warn" if summary["stability"]["flags"] or summary.get("partial") else "good"
@@ -82,19 +86,13 @@ def _standing(summary: dict[str, Any]) -> str:
 def _rows(
     flat: dict[str, Any], figures: dict[str, Figure], keys: list[str]
 ) -> list[dict[str, Any]]:
-    unknown = Figure("", "", "")
     return [
-        {
-            "key": key,
-            "value": flat[key],
-            "unit": figures.get(key, unknown).unit,
-            "help": figures.get(key, unknown).help,
-        }
-        for key in keys
+        {"key": column.name, "value": flat[column.name], "unit": column.unit, "help": column.help}
+        for column in columns_of(keys, figures)
     ]
 
 
-def _flags(summary: dict[str, Any], program: Program) -> list[dict[str, str]]:
+def _flags(summary: Mapping[str, Any], program: Program) -> list[dict[str, str]]:
     known = {flag["name"]: flag for flag in program.reference["flags"]}
     return [
         {"name": name, "meaning": "", "remedy": ""} | known.get(name, {})

@@ -1,5 +1,6 @@
 """The report of a study: its answer in words, its plots, its table, how it was made."""
 
+import math
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,8 +14,11 @@ from studies.whole_file import write_whole
 
 __all__ = ["Plot", "write_study_report"]
 
-# A browser takes a second or two for so many rows; results.csv has all of them.
+# A browser takes a second or two for so many cells, and a page of 5 MB has room for them beside
+# plotly.js and the points; results.csv has all.
 MOST_ROWS = 2000
+MOST_CELLS = 20_000
+MOST_DRAWN = 30_000  # points, of all plots together
 # Rows that have no figures, only a message.
 FAILED = ("refused", "crashed", "timed out")
 
@@ -52,8 +56,10 @@ def write_study_report(  # noqa: PLR0913
     drawn: list[_Shown] = []
     for index, plot in enumerate(plots, start=1):
         id_ = f"plot-{index}"
-        figures.append(figure(frame, plot, units, id_))
-        drawn.append(_shown(frame, plot, units, id_))
+        every = math.ceil(len(frame) * len(plots) / MOST_DRAWN) or 1
+        figures.append(figure(frame, plot, units, id_, every))
+        drawn.append(_shown(frame, plot, units, id_, every))
+    table_rows = min(len(frame), MOST_ROWS, max(MOST_CELLS // max(len(frame.columns), 1), 1))
     columns = [
         {
             "name": name(str(column), units),
@@ -74,8 +80,8 @@ def write_study_report(  # noqa: PLR0913
         words=words,
         plots=drawn,
         columns=columns,
-        rows=_rows(frame),
-        rows_left_out=max(0, len(frame) - MOST_ROWS),
+        rows=_rows(frame.head(table_rows)),
+        rows_left_out=len(frame) - table_rows,
         statuses=statuses,
         counts=_counts(frame),
         commands=commands,
@@ -96,7 +102,7 @@ def _rows(frame: pd.DataFrame) -> list[dict[str, Any]]:
                 {"text": _text(column[row]), "exact": _exact(column[row])} for column in columns
             ],
         }
-        for row in range(min(len(frame), MOST_ROWS))
+        for row in range(len(frame))
     ]
 
 
@@ -113,7 +119,7 @@ def _exact(value: Any) -> str | None:
     return None
 
 
-def _shown(frame: pd.DataFrame, plot: Plot, units: dict[str, str], id_: str) -> _Shown:
+def _shown(frame: pd.DataFrame, plot: Plot, units: dict[str, str], id_: str, every: int) -> _Shown:
     rows = set(shown(frame, plot))
     title = plot.title or f"{plot.y} over {plot.x}"
     alt = (
@@ -121,7 +127,10 @@ def _shown(frame: pd.DataFrame, plot: Plot, units: dict[str, str], id_: str) -> 
         + (f", coloured by {name(plot.colour, units)}" if plot.colour else "")
         + ". The table below has the same figures."
     )
-    return _Shown(id_, title, plot.help, alt, _left_out(frame, plot, rows))
+    left_out = _left_out(frame, plot, rows)
+    if every > 1:
+        left_out += f" One point in {every} is drawn; results.csv has all {len(rows)}."
+    return _Shown(id_, title, plot.help, alt, left_out.strip())
 
 
 def _left_out(frame: pd.DataFrame, plot: Plot, rows: set[int]) -> str:
@@ -129,12 +138,16 @@ def _left_out(frame: pd.DataFrame, plot: Plot, rows: set[int]) -> str:
     if not missing:
         return ""
     status = values(frame, "status") if "status" in frame else ["without a value"] * len(frame)
-    kinds = Counter(str(status[row]) for row in missing)
-    how = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
-    why = " that a logarithmic axis can show" if plot.log_x or plot.log_y else ""
-    return (
-        f"{len(missing)} of {len(frame)} rows have no point{why} here ({how}); the table has them."
+    x, y = values(frame, plot.x), values(frame, plot.y)
+    # Only a figure that is there can be one that a logarithm has no place for.
+    kinds = Counter(
+        str(status[row])
+        if x[row] is None or y[row] is None
+        else f"{status[row]}, not more than 0 on a logarithmic axis"
+        for row in missing
     )
+    how = "; ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
+    return f"{len(missing)} of {len(frame)} rows have no point here ({how}); the table has them."
 
 
 def _counts(frame: pd.DataFrame) -> str:

@@ -3,8 +3,8 @@
 from typing import Any
 
 from studies.errors import InputError
-from studies.report.plots import COLOURS
-from studies.report.run_folder import RunFolder, Span
+from studies.report.plots import COLOURS, values
+from studies.run_folder import RunFolder, Span
 
 # A part has one colour in every plot.
 PARTS = {"fpga": 0, "bus": 1, "host": 2, "daq": 3, "device": 4}
@@ -20,21 +20,23 @@ def colour(part: str) -> str:
 
 def frames(run: RunFolder) -> tuple[dict[str, Any], int]:
     """Latency over frames, missed ones apart, and how many frames a point stands for."""
-    table = run.columns("frame", "latency_us", "in_time", "force_N")
+    table = run.frames
+    if table is None:
+        raise InputError(f"{run.path / 'frames.csv'}: expected a file of a run; there is none")
     try:
         number = [int(value) for value in table["frame"]]
-        latency = [float(value) if value else None for value in table["latency_us"]]
-        force = [float(value) if value else None for value in table.get("force_N", [])]
-        in_time = table["in_time"]
+        in_time = [int(value) == 1 for value in table["in_time"]]
     except (KeyError, ValueError) as error:
         raise InputError(f"{run.path / 'frames.csv'}: damaged: {error}") from None
+    latency = values(table, "latency_us")
+    force = values(table, "force_N") if "force_N" in table else []
     group = -(-len(number) // MOST_FRAMES) if number else 1
     kept = [
         max(range(at, min(at + group, len(number))), key=lambda row: latency[row] or 0.0)
         for at in range(0, len(number), group)
     ]
     kind = "scattergl" if len(kept) > 4000 else "scatter"  # noqa: PLR2004
-    late = [row for row in kept if in_time[row] != "1"]
+    late = [row for row in kept if not in_time[row]]
 
     def points(rows: list[int], name: str, **more: Any) -> dict[str, Any]:
         return {

@@ -3,11 +3,14 @@
 import io
 import json
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pandas as pd
 
 from studies.record import Record
@@ -19,6 +22,7 @@ KEEP = ("frames.csv", "summary.json")
 # What tolerances are given for. An answer without one (None) is not asked for.
 ANSWERS = ("latency", "misses", "force", "displacement", "accuracy", "stability", "condition")
 DEFAULT_TOLERANCE = 0.01
+_PORT = re.compile(r"(?:probe\d+_)?port_J")
 
 Tolerances = Mapping[str, float | None]
 
@@ -35,15 +39,24 @@ class Answers:
 
     @cached_property
     def force(self) -> pd.DataFrame | None:
-        """The force on the probe by frames, N; nothing where nobody computed one."""
-        force = self.frames[["fx_N", "fy_N", "fz_N"]]
+        """The force on each probe by frames, N, three columns a probe; nothing without one."""
+        force = self._of_probes("f{}_N")
         return None if force.isna().to_numpy().any() else force
 
     @cached_property
     def tip(self) -> pd.DataFrame:
-        """Where the tip was by frames, m; without [device.dynamics] where it was meant to be."""
-        kind = "tip_" if "tip_x_m" in self.frames else ""
-        return self.frames[[f"{kind}{axis}_m" for axis in "xyz"]]
+        """Where each tip was by frames, m; without [device.dynamics] where it was meant to be."""
+        return self._of_probes("tip_{}_m" if self.closed else "{}_m")
+
+    @property
+    def ports(self) -> list[str]:
+        """The columns of the energy that went through each probe's port, J."""
+        return [name for name in self.frames.columns if _PORT.fullmatch(name)]
+
+    def _of_probes(self, name: str) -> pd.DataFrame:
+        """The columns x, y, z of a name of the first probe and of the others (probe1_ and on)."""
+        column = re.compile(r"(?:probe\d+_)?" + name.format("[xyz]"))
+        return self.frames[[c for c in self.frames.columns if column.fullmatch(c)]]
 
     @property
     def closed(self) -> bool:
@@ -84,8 +97,9 @@ class Influence:
     """How far one run's answers are from another one's; None where neither run has the answer.
 
     Relative, but for `misses` (a share of the frames) and `accuracy` (a difference of errors, which
-    are relative themselves). `lost` are answers that the other run no longer gives, `unshared` the
-    frames that only one of both has.
+    are relative themselves); of several probes the one that differs most, relative to the largest
+    of all. `lost` are answers that the other run no longer gives, `verdict` is its own where one of
+    both held the budgets and one did not, `unshared` the frames that only one of both has.
     """
 
     latency: float | None = None
@@ -98,16 +112,29 @@ class Influence:
     stability: float | None = None
     condition: float | None = None
     flags: tuple[str, ...] = ()
+    verdict: str = ""
     lost: tuple[str, ...] = ()
     unshared: int = 0
     same_frames: bool = field(default=False)
 
     def score(self, tolerances: Tolerances) -> float:
         """The largest influence in units of its tolerance; beyond 1 an answer is not kept."""
+        return math.inf if self._turned(tolerances) else self.size(tolerances)
+
+    def why(self, tolerances: Tolerances) -> str:
+        """Why an answer is not kept, in words."""
+        return self._turned(tolerances) or "moves an answer beyond its tolerance"
+
+    def _turned(self, tolerances: Tolerances) -> str:
+        """What no tolerance can be given for: an answer lost, another verdict, other flags."""
         asked = [answer for answer in ANSWERS if tolerances[answer] is not None]
-        if any(answer in self.lost for answer in asked) or ("stability" in asked and self.flags):
-            return math.inf
-        return self.size(tolerances)
+        if gone := [answer for answer in asked if answer in self.lost]:
+            return f"no longer answers {' and '.join(gone)}"
+        if "misses" in asked and self.verdict:
+            return f"the budgets are then {self.verdict}"
+        if "stability" in asked and self.flags:
+            return f"changes flags: {' '.join(self.flags)}"
+        return ""
 
     def size(self, tolerances: Tolerances) -> float:
         """As the score, without what is lost and the flags."""
@@ -156,6 +183,8 @@ def influence(
 
     shared = base.frames.index.intersection(other.frames.index)
     force = _force(base, other, shared) if lose("force", base.force, other.force) else None
+    if force is None and base.force is not None and "force" not in lost and len(base.frames):
+        lost.append("force")  # no frame, or not the probes, in common
     load = relative("latency", "load.worst_us", least_us)
     worst = relative("latency", "deadline.worst_us", least_us)
     accuracies = [
@@ -182,6 +211,7 @@ def influence(
             for flag in _flag_changes(base.record.flags, other.record.flags)
             if "accuracy" not in lost or flag[1:] not in measured_flags
         ),
+        verdict="" if other.record.status == base.record.status else other.record.status,
         lost=tuple(lost),
         unshared=len(base.frames.index.symmetric_difference(other.frames.index)),
         same_frames=base.frames.equals(other.frames),
@@ -213,13 +243,26 @@ def _share(base: Answers, other: Answers, part: str) -> float | None:
 def _force(base: Answers, other: Answers, shared: pd.Index) -> tuple[float, float] | None:
     if base.force is None or other.force is None or not len(shared):
         return None
-    own = base.force.loc[shared].to_numpy()
-    change = np.linalg.norm(other.force.loc[shared].to_numpy() - own, axis=1)
-    largest = float(np.linalg.norm(base.force.to_numpy(), axis=1).max())
+    own, theirs = base.force.loc[shared].to_numpy(), other.force.loc[shared].to_numpy()
+    if own.shape != theirs.shape:
+        return None
+    change = lengths(theirs - own)
+    largest = largest_length(base.force.to_numpy())
     return (
         _relative(float(change.max()), largest),
-        _relative(float(np.sqrt(np.mean(change**2))), largest),
+        _relative(float(np.sqrt(np.mean(change**2, axis=0)).max()), largest),
     )
+
+
+def lengths(vectors: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Of each probe's three components, a row a frame."""
+    each: npt.NDArray[Any] = np.linalg.norm(vectors.reshape(len(vectors), -1, 3), axis=2)
+    return each
+
+
+def largest_length(vectors: npt.NDArray[Any]) -> float:
+    """Of all frames and probes."""
+    return float(lengths(vectors).max())
 
 
 def _spectral(base: Answers, other: Answers, lost: list[str]) -> float | None:
@@ -231,18 +274,19 @@ def _spectral(base: Answers, other: Answers, lost: list[str]) -> float | None:
 def _tip(base: Answers, other: Answers, shared: pd.Index) -> float | None:
     if not (base.closed and other.closed) or not len(shared):
         return None
-    own = base.tip.loc[shared].to_numpy()
-    change = np.linalg.norm(other.tip.loc[shared].to_numpy() - own, axis=1)
-    return _relative(float(change.max()), float(np.ptp(own, axis=0).max()))
+    own, theirs = base.tip.loc[shared].to_numpy(), other.tip.loc[shared].to_numpy()
+    if own.shape != theirs.shape:
+        return None
+    return _relative(largest_length(theirs - own), float(np.ptp(own, axis=0).max()))
 
 
 def _port(base: Answers, other: Answers) -> float | None:
-    if "port_J" not in base.frames or "port_J" not in other.frames:
+    if not base.ports or base.ports != other.ports or not (len(base.frames) and len(other.frames)):
         return None
-    own, theirs = base.frames["port_J"], other.frames["port_J"]
-    scale = float(own.abs().max())
-    lowest = abs(float(theirs.min()) - float(own.min()))
-    return _relative(max(lowest, abs(float(theirs.iloc[-1]) - float(own.iloc[-1]))), scale)
+    own, theirs = base.frames[base.ports], other.frames[other.ports]
+    lowest = (theirs.min() - own.min()).abs().max()
+    last = (theirs.iloc[-1] - own.iloc[-1]).abs().max()
+    return _relative(float(max(lowest, last)), float(own.abs().to_numpy().max()))
 
 
 def _flag_changes(had: list[str], has: list[str]) -> tuple[str, ...]:

@@ -2,12 +2,9 @@
 
 import tomllib
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
-from itertools import combinations
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from studies.errors import InputError, StudyError
 from studies.point import Point
@@ -16,76 +13,24 @@ from studies.record import Record
 from studies.screening.answers import (
     KEEP,
     Answers,
-    Influence,
     Tolerances,
     influence,
     read_answers,
 )
 from studies.screening.changes import (
     Change,
-    Choices,
     changes_of,
     effort,
     has_table,
     is_less,
     with_needs,
 )
-from studies.screening.exercise import Exercise, exercise, not_exercised
+from studies.screening.exercise import exercise, not_exercised
+from studies.screening.found import One, Recommendation, Screening
+from studies.screening.pairs import pairs_of
 from studies.session import Session
 
 DEFAULT_PAIRS = 6  # so many changes are paired: 15 runs
-
-
-@dataclass(frozen=True)
-class One:
-    """A single change: its run, its influence, and why that may say nothing."""
-
-    change: Change
-    record: Record
-    influence: Influence | None = None
-    idle: str = ""  # why it was not exercised
-
-    def matters(self, tolerances: Tolerances) -> bool:
-        """Whether it moves an answer beyond its tolerance."""
-        return self.influence is not None and self.influence.score(tolerances) > 1
-
-
-@dataclass(frozen=True)
-class Pair:
-    """Two changes at once: what they do beyond the sum of what each does.
-
-    `latency` and `p99` relative to the scenario's own, `force` the largest difference of a frame
-    relative to the run's largest; None where a run of the three does not have it.
-    """
-
-    changes: tuple[Change, Change]
-    record: Record
-    latency: float | None = None
-    p99: float | None = None
-    force: float | None = None
-
-
-@dataclass(frozen=True)
-class Recommendation:
-    """The least that keeps every answer, verified by a run of it as a whole."""
-
-    changes: tuple[Change, ...]
-    run: Answers
-    influence: Influence
-    rejected: dict[str, str] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class Screening:
-    """All that was found of a scenario."""
-
-    base: Answers
-    exercised: Exercise
-    choices: Choices
-    ones: list[One]
-    pairs: list[Pair]
-    unpaired: list[str]
-    recommendation: Recommendation
 
 
 @dataclass
@@ -115,7 +60,7 @@ class Screener:
             ),
             key=lambda one: -one.influence.size(self.tolerances) if one.influence else 0.0,
         )
-        found = self._pairs(base, mattering[:pairs])
+        found = pairs_of(self.session, base, mattering[:pairs], self.point)
         return Screening(
             base,
             exercise(base),
@@ -125,6 +70,22 @@ class Screener:
             [one.change.name for one in mattering[pairs:]],
             self._recommend(base, ones),
         )
+
+    def verify(self, file: Path, best: Recommendation) -> None:
+        """Run what was written, and hold it to what was judged: the file is what is recommended.
+
+        Throws StudyError where its run is refused, is another one, or leaves a tolerance.
+        """
+        (record,) = self.session.run([Point(file, keep=KEEP)])
+        if not record.done:
+            raise StudyError(f"{file}: {record.status}: {record.message}")
+        run = read_answers(self.session.store, record)
+        moved = influence(best.run, run)
+        if not moved.same_frames or moved.flags or record.status != best.run.record.status:
+            raise StudyError(f"{file}: its run is not the one that was judged: not verified")
+        base = self._base()
+        if influence(base, run, self._measured_flags).score(self.tolerances) > 1:
+            raise StudyError(f"{file}: an answer is beyond its tolerance: not verified")
 
     def settings_of(self, changes: Sequence[Change]) -> list[str]:
         """The scenario's overrides and changes for a file of its own.
@@ -168,7 +129,7 @@ class Screener:
         return read_answers(self.session.store, record)
 
     def _singles(self, base: Answers, changes: Sequence[Change]) -> list[One]:
-        records = self.session.run([self.point([change]) for change in changes])
+        records = list(self.session.run([self.point([change]) for change in changes]))
         tried = list(changes)
         reference, settings = self.session.program.reference, self._settings()
         again = [i for i, record in enumerate(records) if record.status == "refused"]
@@ -210,31 +171,6 @@ class Screener:
         idle = not_exercised(change.key, (exercise(before), exercise(run)))
         return One(change, record, found, idle if found.score(self.tolerances) == 0 else "")
 
-    def _pairs(self, base: Answers, ones: Sequence[One]) -> list[Pair]:
-        both = [
-            (a, b)
-            for a, b in combinations(ones, 2)
-            if not {c.key for c in _all(a.change)} & {c.key for c in _all(b.change)}
-        ]
-        records = self.session.run([self.point([a.change, b.change]) for a, b in both])
-        return [
-            self._pair(base, a, b, record) for (a, b), record in zip(both, records, strict=True)
-        ]
-
-    def _pair(self, base: Answers, a: One, b: One, record: Record) -> Pair:
-        changes = (a.change, b.change)
-        if not record.done:
-            return Pair(changes, record)
-        store = self.session.store
-        runs = [base, *(read_answers(store, r) for r in (a.record, b.record, record))]
-        return Pair(
-            changes,
-            record,
-            _interaction(runs, "deadline.worst_us"),
-            _interaction(runs, "deadline.p99_us"),
-            _force_interaction(runs),
-        )
-
     def _recommend(self, base: Answers, ones: Sequence[One]) -> Recommendation:
         """Takes away as long as every answer stays within its tolerance, least influence first.
 
@@ -249,7 +185,7 @@ class Screener:
             if one.idle:
                 rejected[one.change.name] = f"not exercised: {one.idle}"
             elif one.influence is not None and one.matters(self.tolerances):
-                rejected[one.change.name] = "moves an answer beyond its tolerance"
+                rejected[one.change.name] = one.influence.why(self.tolerances)
             else:
                 candidates.append(one)
         candidates.sort(
@@ -276,7 +212,7 @@ class Screener:
                 run = read_answers(self.session.store, record)
                 moved = influence(base, run, self._measured_flags)
                 if moved.score(self.tolerances) > 1:
-                    rejected[change.name] = "with the others, moves an answer beyond its tolerance"
+                    rejected[change.name] = f"with the others, {moved.why(self.tolerances)}"
                     continue
                 taken.append(change)
                 candidates.remove(one)
@@ -290,34 +226,5 @@ def unique(changes: Iterable[Change]) -> list[str]:
     return list(dict.fromkeys(setting for change in changes for setting in change.overrides))
 
 
-def _all(change: Change) -> tuple[Change, ...]:
-    return (change, *change.along)
-
-
 def _score(one: One, tolerances: Tolerances) -> float:
     return one.influence.score(tolerances) if one.influence else float("inf")
-
-
-def _interaction(runs: Sequence[Answers], name: str) -> float | None:
-    values = [run.figure(name) for run in runs]
-    base, a, b, both = values
-    if base is None or a is None or b is None or both is None:
-        return None
-    scale = base or runs[0].figure("deadline.budget_us") or 1.0
-    return (both - a - b + base) / scale
-
-
-def _force_interaction(runs: Sequence[Answers]) -> float | None:
-    forces = [run.force for run in runs]
-    if any(force is None for force in forces):
-        return None
-    shared = runs[0].frames.index
-    for run in runs[1:]:
-        shared = shared.intersection(run.frames.index)
-    if not len(shared):
-        return None
-    base, a, b, both = (force.loc[shared].to_numpy() for force in forces if force is not None)
-    largest = float(np.linalg.norm(base, axis=1).max())
-    if largest == 0:
-        return None
-    return float(np.linalg.norm(both - a - b + base, axis=1).max()) / largest

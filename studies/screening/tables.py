@@ -8,7 +8,7 @@ from studies.point import Value
 from studies.results import Column
 from studies.screening.answers import Influence, Tolerances
 from studies.screening.changes import Change
-from studies.screening.screen import One, Screening
+from studies.screening.found import One, Screening
 from studies.screening.timing import Cost
 from studies.text_table import text_table
 
@@ -32,6 +32,7 @@ COLUMNS = (
     Column("unshared_frames", "", "frames that only one of both runs has: not compared"),
     Column("address", "", "of the run's record in the store"),
 )
+RECOMMENDED = "recommended.toml"
 TIMING_COLUMNS = ("change", "wall_s", "least_s", "most_s", "simulate_s", "per_simulated_s")
 _SHOWN = ("worst", "p99", "misses", "force", "displacement", "accuracy", "stability")
 _PER_CENT = 100
@@ -155,7 +156,7 @@ def recommendation_words(
             )
             if value is not None
         )
-        words.append(f"Run as a whole it differs by: {moved} (shares).")
+        words.append(f"Run as a whole, from {RECOMMENDED}, it differs by: {moved} (shares).")
         if i.lost:
             words.append(f"It no longer answers: {', '.join(i.lost)}, which was not asked for.")
     words.append(f"Tolerances: {kept}.")
@@ -200,6 +201,7 @@ def _table(ones: list[One], costs: Mapping[str, Cost]) -> str:
         along = f" (with {', '.join(c.name for c in one.change.along)})" if one.change.along else ""
         notes = " ".join(
             [
+                *([one.influence.verdict] if one.influence and one.influence.verdict else []),
                 *([str(figures["flags"])] if figures.get("flags") else []),
                 *([f"loses {figures['lost']}"] if figures.get("lost") else []),
                 *(["no frame differs"] if one.influence and one.influence.same_frames else []),

@@ -9,7 +9,14 @@ from typing import Any
 import pytest
 from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.support.ui import WebDriverWait
+
+# plotly.js warns by console.trace, which no log of the driver has.
+_KEEP_TRACES = """
+    window.traced = [];
+    console.trace = (...words) => window.traced.push(words.join(" "));
+"""
 
 
 class Browser:
@@ -37,6 +44,27 @@ class Browser:
         """What a script returns."""
         return self.driver.execute_script(script, *arguments)
 
+    def tree(self) -> list[tuple[str, str]]:
+        """Role and name of everything that a screen reader is told of, in its order."""
+        nodes = self.driver.execute_cdp_cmd("Accessibility.getFullAXTree", {})["nodes"]
+        return [
+            (node["role"]["value"], node.get("name", {}).get("value", "").strip())
+            for node in nodes
+            if not node["ignored"]
+        ]
+
+    def press(self, *keys: str) -> None:
+        """Keys, for what has the focus."""
+        ActionChains(self.driver).send_keys(*keys).perform()
+
+    def width(self, px: int | None) -> None:
+        """Of the page; None for the window's."""
+        if px is None:
+            self.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+            return
+        size = {"width": px, "height": 1000, "deviceScaleFactor": 0, "mobile": False}
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+
     def media(self, kind: str, scheme: str) -> None:
         """As which medium and in which colours pages are shown."""
         features = [{"name": "prefers-color-scheme", "value": scheme}]
@@ -46,7 +74,8 @@ class Browser:
 
     def complaints(self) -> list[str]:
         """What the console says that is worse than a note; advice on a renderer's speed is one."""
-        return [
+        traced: list[str] = self.run("return window.traced")
+        return traced + [
             entry["message"]
             for entry in self.log("browser")
             if entry["level"] in ("SEVERE", "WARNING") and entry["source"] != "rendering"
@@ -82,6 +111,7 @@ def start() -> Iterator[Browser]:
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
     chrome = webdriver.Chrome(options=options, service=Service(driver))
+    chrome.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": _KEEP_TRACES})
     try:
         yield Browser(chrome)
     finally:

@@ -2,9 +2,12 @@
 
 import os
 import signal
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from browser import Browser, start
+from pages import table, write_run_page, write_study_page
 
 from studies.program import Program
 from studies.session import Session
@@ -32,3 +35,27 @@ def scenarios() -> Path:
 def session(program: Program, tmp_path: Path) -> Session:
     """A session with an empty store."""
     return Session(program, Store(tmp_path / "store"), workers=2)
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    """One for all pages."""
+    yield from start()
+
+
+@pytest.fixture(scope="session")
+def study_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A study's page, beside its results.csv."""
+    return write_study_page(tmp_path_factory.mktemp("study"), table())
+
+
+@pytest.fixture(scope="session")
+def run_page(program: Program, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run's page, in the run's folder."""
+    return write_run_page(program, tmp_path_factory.mktemp("run") / "run")
+
+
+@pytest.fixture(scope="session")
+def kept(program: Program, tmp_path_factory: pytest.TempPathFactory) -> Session:
+    """A session whose runs the tests of screening share."""
+    return Session(program, Store(tmp_path_factory.mktemp("screen") / "store"), workers=2)

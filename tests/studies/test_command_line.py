@@ -10,10 +10,14 @@ from studies.cli import main
 from studies.command_line import repeating
 
 
-def test_a_command_is_quoted_and_says_nothing_of_where() -> None:
-    words = ["study", "screen", "s p.toml", "--set", 'title="a b"', "--out", "x", "--pairs", "0"]
-    line = repeating([*words, "--store=y", "--jobs", "2", "--quiet"])
-    assert shlex.split(line) == ["./hvp", *words[:5], "--pairs", "0"]
+def test_a_command_is_quoted_and_runs_where_it_was_called(monkeypatch: pytest.MonkeyPatch) -> None:
+    words = ["study", "screen", "s p.toml", "--set", 'title="a b"', "--out", "x", "--store=y"]
+    monkeypatch.setenv("HVP_COMMAND", "../the checkout/hvp")
+    line = repeating([*words, "--jobs", "2", "--quiet"])
+    assert shlex.split(line) == ["../the checkout/hvp", *words]
+    assert shlex.split(repeating(["sweep", "--jobs=2", "--pairs", "0"]))[1:] == [
+        *("sweep", "--pairs", "0")
+    ]
 
 
 def test_a_report_is_not_written_over_something_else(

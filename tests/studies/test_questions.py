@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from studies.errors import InputError
+from studies.errors import InputError, StudyError
 from studies.program import Program
-from studies.questions import loop, numbers
+from studies.questions import loop, numbers, thesis_tables
 from studies.questions.answer import Row, line, rows_of, where
 from studies.questions.page import ANSWERS, answer, index, page
 from studies.questions.question_file import FOLDER, NAMES, Question, read_question
@@ -97,6 +97,9 @@ def test_words_have_two_floors(ask: Ask) -> None:
     per_bit = (true[12, 24] / true[18, 24]) ** (1 / 6)
     assert 1.8 < per_bit < 2.4
     assert true[18, 16] > 0.8 * true[14, 16]
+    # Blocks hold whole words: memory rises in steps, with either word.
+    blocks = {(row["matrix bits"], row["vector bits"]): row[numbers.MEMORY] for row in rows}
+    assert blocks[10, 16] == blocks[12, 16] < blocks[14, 16] < blocks[18, 16] < blocks[18, 24]
     # The solver's own error is of the vectors alone, a factor of two a bit as well.
     for matrix in (10, 12, 14, 18):
         assert own[matrix, 16] == pytest.approx(own[18, 16], rel=0.1)
@@ -121,6 +124,29 @@ def test_iterations_cost_alike_and_warm_starts_need_fewer(ask: Ask) -> None:
         assert 0.05 < warm[2][numbers.TRUE] < 0.08
     cg, pcg = (where(rows, method=m, start="zero")[2] for m in ("CG", "Jacobi-PCG"))
     assert pcg[numbers.ROUNDED] < cg[numbers.ROUNDED]
+
+
+def test_runs_from_zero_are_held_to_the_tables_of_the_thesis(ask: Ask) -> None:
+    # Tables 4.1 and 4.2 as the thesis prints them.
+    counts = (30, 40, 50, 60, 70, 80)
+    for method, printed in (
+        ("CG", (2.6e-2, 2.2e-2, 1.9e-2, 1.6e-2, 9.8e-3, 5.1e-3)),
+        ("Jacobi-PCG", (1.7e-2, 1.1e-2, 2.4e-3, 1.3e-3, 1.0e-3, 9.0e-4)),
+    ):
+        assert thesis_tables.thesis(method) == dict(zip(counts, printed, strict=True))
+    rows = ask("iterations", iterations=[30, 60, 80])
+    facts = numbers.held_to_the_thesis(rows)
+    assert float(facts["cg_of_thesis"].split()[0]) > 2  # what the page says: no repetition
+    for by in (0.1, 10):
+        wrong = [row | {numbers.ROUNDED: row[numbers.ROUNDED] * by} for row in rows]
+        warm = [row for row in rows if row["start"] == "warm"]
+        with pytest.raises(StudyError, match="expected between"):
+            numbers.held_to_the_thesis([*(r for r in wrong if r["start"] == "zero"), *warm])
+
+
+def test_a_page_without_the_thesis_row_is_no_anchor() -> None:
+    with pytest.raises(StudyError, match=r"expected a row thesis, MG below Table 4\.1"):
+        thesis_tables._row("Table 4.1", "thesis, MG")
 
 
 def test_dma_decides_and_not_the_link(ask: Ask) -> None:

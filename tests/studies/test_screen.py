@@ -15,21 +15,15 @@ from studies.program import Program
 from studies.screening.answers import ANSWERS, Answers, influence
 from studies.screening.changes import changes_of, with_needs
 from studies.screening.exercise import Exercise, exercise, not_exercised
+from studies.screening.found import Screening
 from studies.screening.scenario_file import scenario_text
-from studies.screening.screen import Screener, Screening
+from studies.screening.screen import Screener
 from studies.session import Session
-from studies.store import Store
 
 WIDE = {"least": 0.01, "most": 0.1}
 FRAMES = 400
 # Few clocks a solve, as the cycle-accurate level is tried too.
 SMALL = ("object.mesh.nodes=60", "solver.iterations=15")
-
-
-@pytest.fixture(scope="module")
-def kept(program: Program, tmp_path_factory: pytest.TempPathFactory) -> Session:
-    """A session whose runs the module's tests share."""
-    return Session(program, Store(tmp_path_factory.mktemp("screen") / "store"), workers=2)
 
 
 def screen(kept: Session, scenario: Path, *settings: str, tolerances: str = "") -> Screening:

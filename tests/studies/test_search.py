@@ -1,6 +1,7 @@
 """Searches against the whole of small spaces, and their files."""
 
 import dataclasses
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -10,9 +11,12 @@ from studies.errors import InputError
 from studies.program import Figure, Program
 from studies.record import Record
 from studies.search import Choice, Found, find, judge, neighbours
-from studies.search_file import Constraint, Dimension, Search, read_search
+from studies.search_picture import axes_of, chart
+from studies.search_space import Dimension, Search, check_metrics, search_of
+from studies.search_tables import Bound
 from studies.search_text import words
 from studies.session import Session
+from studies.study_file import load
 
 KNOWN = {
     name: Figure(name, "", "") for name in ("deadline.worst_us", "deadline.misses", "cost", "time")
@@ -44,8 +48,11 @@ at_most = 0
 
 
 def _read(folder: Path, text: str) -> Search:
-    (folder / "search.toml").write_text(text, encoding="utf-8")
-    return read_search(folder / "search.toml", KNOWN)
+    file = folder / "search.toml"
+    file.write_text(text, encoding="utf-8")
+    search = search_of(load(file), file)
+    check_metrics(search, file, KNOWN)
+    return search
 
 
 def _choices(found: Found) -> list[Choice]:
@@ -124,10 +131,10 @@ def test_a_search_ends_where_no_step_is_better_and_as_the_whole_space(
 
 
 def test_a_bound_is_violated_by_how_far_off_it_is() -> None:
-    assert Constraint("a", at_most=10).violation(15) == 0.5
-    assert Constraint("a", at_most=10).violation(10) == 0
-    assert Constraint("a", at_least=10).violation(5) == 0.5
-    assert Constraint("a", at_most=0).violation(3) == 3
+    assert Bound(metric="a", at_most=10).violation(15) == 0.5
+    assert Bound(metric="a", at_most=10).violation(10) == 0
+    assert Bound(metric="a", at_least=10).violation(5) == 0.5
+    assert Bound(metric="a", at_most=0).violation(3) == 3
 
 
 def test_what_has_no_figure_keeps_no_bound(tmp_path: Path) -> None:
@@ -144,12 +151,17 @@ def test_what_has_no_figure_keeps_no_bound(tmp_path: Path) -> None:
     ("old", "new", "message"),
     [
         ('metric = "cost"', 'metric = "cots"', ":12: .*did you mean 'cost'"),
-        ("at_most = 10", "", ":15: .*expected at_most, at_least"),
-        ("trials = 4", "trials = 0", ":10: .*expected 1 to"),
-        ("trials = 4", "trails = 4", ":10: .*unknown key"),
-        ("values = [1]", "values = []", "expected a list"),
-        ('scenario = "s.toml"', "", "scenario: expected a text"),
-        ("[search]", "[search", ":9: "),
+        ("at_most = 10", "", ":14: .*expected `at_most`, `at_least`"),
+        ("trials = 4", "trials = 0", ":10: search.trials: .*greater than or equal to 1"),
+        ("trials = 4", "trails = 4", ":10: search.trails: unknown key; did you mean 'trials'"),
+        ("values = [1]", "values = []", ":3: axis: expected either `values` or"),
+        ('scenario = "s.toml"', "", "scenario: is missing"),
+        ("[search]", "[search", "line 9"),
+        ("[search]", '[[constraint]]\nthat = "x < y"\n[search]', ":9: constraint: has no place"),
+        ("[search]", 'metrics = ["cost"]\n[search]', ":9: axis.metrics: unknown key"),
+        ('metric = "cost"', 'metric = "cost"\ndirection = "up"', ":13: search.objective.direction"),
+        (COST, "", ":9: search.objective: is missing"),
+        ("at_most = 10", "at_most = true", ":16: search.constraint.at_most"),
     ],
 )
 def test_a_wrong_file_is_named_with_its_line(
@@ -178,17 +190,26 @@ def test_a_study_with_a_search_is_one(
     assert "accelerator.device = LFE5U-25F" in shown  # just below
     assert "cannot hold this system" in shown
     assert (tmp_path / "studies-out/small/results.csv").read_text().count("\n") == 13
+    assert (tmp_path / "studies-out/small/plot.png").read_bytes()[1:4] == b"PNG"
+    assert '"name": "Pareto front"' in (tmp_path / "studies-out/small/report.html").read_text()
     Path("small.toml").write_text(text.replace("at_most = 0", "at_most = -1"), encoding="utf-8")
     assert main(["study", "small.toml"]) == 1
     assert "nothing that keeps every bound" in capsys.readouterr().out
-    assert main(["study", "small.toml", "--dry-run"]) == 2
+    monkeypatch.delenv("HVP_PROGRAM")
+    assert main(["study", "small.toml", "--dry-run"]) == 0
+    shown = capsys.readouterr().out
+    assert "all 12 combinations" in shown
+    assert "deadline.worst_us, maximised" in shown
+    assert "solver.iterations: 60, 120, 240, 280" in shown
 
 
 def test_after_few_proposals_steps_go_on_to_the_bound(session: Session, tmp_path: Path) -> None:
     model = _Model(session.program, session.store)
     search = _read(tmp_path, SPACE.format(values=list(range(12)), trials=4, objectives=COST))
     assert sorted(neighbours(search, (0, 5))) == [(0, 4), (0, 6), (1, 5)]
-    named = Dimension("device", ("a", "b", "c", "d"))
+    named = Dimension("device", ("a", "b", "c", "d"), (("device=a",),) * 4)
+    assert named.named
+    assert not Dimension("rate", ("1 kHz", "2 kHz"), (("rate=1 kHz",), ("rate=2 kHz",))).named
     assert neighbours(dataclasses.replace(search, dimensions=(named,)), (0,)) == [(1,), (2,), (3,)]
     found = find(search, model)
     assert found.proposals == 4
@@ -198,3 +219,47 @@ def test_after_few_proposals_steps_go_on_to_the_bound(session: Session, tmp_path
     assert x + 0.5 * y >= 10
     assert x - 1 + 0.5 * y < 10
     assert y == 0 or x + 0.5 * (y - 1) < 10
+
+
+def test_a_picture_has_every_point_with_figures_and_the_front(
+    session: Session, tmp_path: Path
+) -> None:
+    text = SPACE.format(values=list(range(12)), trials=144, objectives=COST + TIME)
+    found = find(_read(tmp_path, text), _Model(session.program, session.store))
+    pair = axes_of(found)
+    assert pair == ("cost", "time")
+    drawn = chart(found, pair, KNOWN)
+    within, outside, front = drawn.panels[0].lines
+    assert len(within.x) + len(outside.x) == 144 - 10  # x + y < 4 is refused
+    assert all(y is not None and y <= 10 for y in within.y)
+    assert all(y is not None and y > 10 for y in outside.y)
+    assert front.joined
+    # Of the front more costs are less time, and none of it is alone.
+    pairs = list(zip(front.x, front.y, strict=True))
+    assert len(pairs) == len(found.best) > 2
+    assert all(a[0] < b[0] and a[1] > b[1] for a, b in pairwise(pairs))  # type: ignore[operator]
+    (limit,) = drawn.panels[0].limits
+    assert limit.at == 10
+    single = find(_read(tmp_path, text.replace(TIME, "")), _Model(session.program, session.store))
+    assert axes_of(single) == ("cost", "time")
+    assert [line.name for line in chart(single, ("cost", "time"), KNOWN).panels[0].lines] == [
+        "within the bounds",
+        "outside",
+        "found",
+    ]
+
+
+def test_a_search_takes_every_form_of_an_axis(tmp_path: Path) -> None:
+    text = (
+        'scenario = "s.toml"\ninclude = ["more.toml"]\nset = ["a=1"]\n'
+        '[[axis]]\nkey = "k"\nfrom = "1 N/m"\nto = "4 N/m"\nsteps = 4\n'
+        '[[axis]]\nname = "way"\n[[axis.choice]]\nname = "one"\nset = ["b=1", "c=2"]\n'
+        '[[axis.choice]]\nname = "other"\nset = ["b=3"]\n[search]\n' + COST
+    )
+    search = _read(tmp_path, text)
+    assert search.combinations == 8
+    assert [one.named for one in search.dimensions] == [False, True]
+    point = search.point((3, 0))
+    assert point.overrides == ("a=1", 'k="4.0 N/m"', "b=1", "c=2")
+    assert point.columns == {"k": "4.0 N/m", "way": "one"}
+    assert point.includes == (tmp_path / "more.toml",)

@@ -1,14 +1,14 @@
 """What has been run is not run again; what cannot be run is said."""
 
-import os
+import re
 import signal
-import stat
 import subprocess
 import sys
 import time
 from pathlib import Path
 
 import pytest
+from study_process import StudyProcess, counting, runs, wait_until
 
 from studies.errors import StudyError
 from studies.point import Point
@@ -20,29 +20,13 @@ from studies.store import Store
 FEW = ("frames=20",)
 
 
-def _counting(program: Program, folder: Path, then: str = "") -> Program:
-    """The program behind one that writes a line for each run."""
-    script = folder / "hvp"
-    script.write_text(
-        f'#!/bin/sh\n[ "$1" = run ] && {{ echo run >> "{folder}/runs"; {then}\n}}\n'
-        f'exec "{program.path}" "$@"\n'
-    )
-    script.chmod(script.stat().st_mode | stat.S_IXUSR)
-    return Program(script)
-
-
-def _runs(folder: Path) -> int:
-    log = folder / "runs"
-    return len(log.read_text().splitlines()) if log.exists() else 0
-
-
 def _points(scenarios: Path, *stiffness: int) -> list[Point]:
     wall = scenarios / "wall.toml"
     return [Point(wall, (*FEW, f'wall.stiffness="{k} N/m"'), {"K": k}) for k in stiffness]
 
 
 def test_a_point_is_run_once(program: Program, scenarios: Path, tmp_path: Path) -> None:
-    counted = _counting(program, tmp_path)
+    counted = counting(program, tmp_path)
     session = Session(counted, Store(tmp_path / "store"), workers=2)
     # Two of the three are the same run, written in another way.
     points = [
@@ -52,16 +36,16 @@ def test_a_point_is_run_once(program: Program, scenarios: Path, tmp_path: Path) 
     records = session.run(points)
     assert [record.status for record in records] == ["held", "held", "held"]
     assert records[0] == records[2] != records[1]
-    assert _runs(tmp_path) == 2
+    assert runs(tmp_path) == 2
     assert session.run(points) == records
-    assert _runs(tmp_path) == 2
+    assert runs(tmp_path) == 2
     assert records[0].metrics["deadline.frames"] == 20
 
 
 def test_another_program_is_another_run(program: Program, scenarios: Path, tmp_path: Path) -> None:
     store = Store(tmp_path / "store")
     first = Session(program, store).addresses(_points(scenarios, 100))
-    assert Session(_counting(program, tmp_path), store).addresses(_points(scenarios, 100)) != first
+    assert Session(counting(program, tmp_path), store).addresses(_points(scenarios, 100)) != first
 
 
 def test_a_refused_point_says_why_and_runs_nothing(session: Session, scenarios: Path) -> None:
@@ -73,23 +57,23 @@ def test_a_refused_point_says_why_and_runs_nothing(session: Session, scenarios: 
 def test_a_crash_is_tried_again_then_kept_apart(
     program: Program, scenarios: Path, tmp_path: Path
 ) -> None:
-    crashing = _counting(program, tmp_path, "kill -SEGV $$")
+    crashing = counting(program, tmp_path, "kill -SEGV $$")
     session = Session(crashing, Store(tmp_path / "store"), retries=2)
     (record,) = session.run(_points(scenarios, 100))
     assert record.status == "crashed"
     assert "signal 11" in record.message
-    assert _runs(tmp_path) == 3
+    assert runs(tmp_path) == 3
     assert session.run(_points(scenarios, 100)) == [record]
-    assert _runs(tmp_path) == 3
+    assert runs(tmp_path) == 3
     session.again = True
     session.run(_points(scenarios, 100))
-    assert _runs(tmp_path) == 6
+    assert runs(tmp_path) == 6
 
 
 def test_a_run_without_an_end_is_ended_with_what_it_started(
     program: Program, scenarios: Path, tmp_path: Path
 ) -> None:
-    endless = _counting(program, tmp_path, f'sleep 60 & echo $! > "{tmp_path}/child"; wait')
+    endless = counting(program, tmp_path, f'sleep 60 & echo $! > "{tmp_path}/child"; wait')
     session = Session(endless, Store(tmp_path / "store"), time_limit_s=0.5)
     (record,) = session.run(_points(scenarios, 100))
     assert (record.status, record.message) == ("timed out", "no end within 0.5 s")
@@ -100,16 +84,16 @@ def test_a_run_without_an_end_is_ended_with_what_it_started(
     assert not child.exists() or child.read_text().split()[2] == "Z"
     # The same limit does not try again, a longer one does.
     assert session.run(_points(scenarios, 100)) == [record]
-    assert _runs(tmp_path) == 1
+    assert runs(tmp_path) == 1
     session.time_limit_s = 0.6
     session.run(_points(scenarios, 100))
-    assert _runs(tmp_path) == 2
+    assert runs(tmp_path) == 2
 
 
 def test_two_sessions_on_one_store_share_the_work(
     program: Program, scenarios: Path, tmp_path: Path
 ) -> None:
-    slow = _counting(program, tmp_path, "sleep 0.2")
+    slow = counting(program, tmp_path, "sleep 0.2")
     code = (
         "import sys; from pathlib import Path; from studies.program import Program\n"
         "from studies.point import Point; from studies.session import Session\n"
@@ -130,7 +114,7 @@ def test_two_sessions_on_one_store_share_the_work(
         for _ in range(2)
     ]
     assert [process.communicate(timeout=60)[0] for process in both] == ["8\n", "8\n"]
-    assert _runs(tmp_path) == 8
+    assert runs(tmp_path) == 8
 
 
 def test_a_record_is_what_it_was_and_a_foreign_file_is_named(tmp_path: Path) -> None:
@@ -176,51 +160,31 @@ def test_a_full_disk_leaves_no_half_of_a_record(tmp_path: Path) -> None:
 def test_an_end_in_the_middle_loses_nothing(
     program: Program, scenarios: Path, tmp_path: Path, sent: signal.Signals
 ) -> None:
-    counted = _counting(program, tmp_path, "sleep 0.1")
-    study = tmp_path / "study.toml"
-    study.write_text(
-        f'scenario = "{scenarios}/wall.toml"\nset = ["frames=20"]\n'
-        '[[axis]]\nkey = "wall.stiffness"\nfrom = "100 N/m"\nto = "1000 N/m"\nsteps = 24\n'
-    )
-    command = [
-        sys.executable,
-        "-m",
-        "studies",
-        "study",
-        str(study),
-        "--jobs",
-        "2",
-        "--out",
-        str(tmp_path / "out"),
-        "--store",
-        str(tmp_path / "store"),
-    ]
-    environment = {
-        **os.environ,
-        "HVP_PROGRAM": str(counted.path),
-        "PYTHONPATH": str(Path(__file__).parents[2]),
-    }
-    first = subprocess.Popen(
-        command, stdout=subprocess.PIPE, text=True, env=environment, start_new_session=True
-    )
-    deadline = time.monotonic() + 60
-    while _runs(tmp_path) < 6 and time.monotonic() < deadline:
-        time.sleep(0.01)
+    counted = counting(program, tmp_path, "sleep 0.1")
+    study = StudyProcess(tmp_path, counted, scenarios / "wall.toml", points=24)
+    first = study.start()
+    wait_until(lambda: runs(tmp_path) >= 6)
     first.send_signal(sent)
     said, _ = first.communicate(timeout=60)
     assert first.returncode == -sent
     assert not (tmp_path / "out").exists()
     if sent == signal.SIGINT:
         assert "the same command goes on" in said
-    time.sleep(0.3)  # what a killed study has left under way
-    kept = len(list((tmp_path / "store").glob("??/*.json")))
-    before = _runs(tmp_path)
+    kept = study.kept()
+    before = runs(tmp_path)
     assert 4 <= kept < 24
-    subprocess.run(command, env=environment, check=True, capture_output=True, timeout=120)
-    assert _runs(tmp_path) - before == 24 - kept
+    study.finish()
+    assert runs(tmp_path) - before == 24 - kept
     # The same files as of a study that nobody touched, by one worker.
-    alone = [*command[:-4], "--out", str(tmp_path / "alone"), "--store", str(tmp_path / "other")]
-    alone[alone.index("--jobs") + 1] = "1"
-    subprocess.run(alone, env=environment, check=True, capture_output=True, timeout=120)
-    for name in ("results.csv", "results.parquet", "report.html", "plot.png"):
+    StudyProcess(tmp_path, counted, scenarios / "wall.toml", points=24).finish(
+        "--jobs", "1", "--out", str(tmp_path / "alone"), "--store", str(tmp_path / "other")
+    )
+    for name in ("results.csv", "results.parquet", "plot.png"):
         assert (tmp_path / "out" / name).read_bytes() == (tmp_path / "alone" / name).read_bytes()
+    # The page but for its command, which says where.
+    pages = [(tmp_path / folder / "report.html").read_text() for folder in ("out", "alone")]
+    for folder, store, page in zip(("out", "alone"), ("store", "other"), pages, strict=True):
+        where = f"--out {tmp_path}/{folder} --store {tmp_path}/{store}"
+        assert page.count(where) == 1
+    same = [re.sub("--out .* --store .*", "", page) for page in pages]
+    assert same[0] == same[1]

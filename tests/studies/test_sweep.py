@@ -9,7 +9,7 @@ import pytest
 
 from studies.axis import parse_axis
 from studies.cli import main
-from studies.errors import InputError
+from studies.errors import WRONG_INPUT, InputError
 from studies.program import Program
 from studies.sweep import Sweep
 
@@ -113,3 +113,24 @@ def test_wrong_input_is_one_line(
     assert message in error
     assert error.count("\n") == 1
     assert not Path("studies-out/sweep-thesis-static").exists()
+
+
+def test_what_a_design_takes_is_a_figure_by_its_type(
+    program: Program,
+    scenarios: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setenv("HVP_PROGRAM", str(program.path))
+    where = ["--store", str(tmp_path / "store"), "--out", str(tmp_path / "out"), *QUICK]
+    command = ["sweep", str(scenarios / "thesis-static.toml"), "solver.matrix_bits=8,12", *where]
+    assert main([*command, "--metrics", "resources[M4K].used"]) == 0
+    with (tmp_path / "out" / "results.csv").open(encoding="utf-8") as file:
+        used = [int(row["resources[M4K].used"]) for row in csv.DictReader(file)]
+    # 8 bits leave more words in a block than 12.
+    assert 0 < used[0] < used[1]
+    capsys.readouterr()
+    for name in ("resources[].used", "latency.by_part[fpga].worst_us"):
+        assert main([*command, "--metrics", name]) == WRONG_INPUT
+        assert f"{name}: is a list" in capsys.readouterr().err

@@ -1,9 +1,11 @@
 "use strict";
-/* What every report does: theme, plots from the embedded figures, zoom by keys, tables. */
+/* What every report does: theme, plots from the embedded figures, moved by keys, tables. */
 (() => {
   const data = JSON.parse(document.getElementById("data").textContent);
   const root = document.documentElement;
   const plots = [];
+  const PAPER_PX = 660;  // as wide as the text of a page of A4 or letter with this style's margins
+  let printing = false;
   const of = (name) => getComputedStyle(root).getPropertyValue(name).trim();
 
   /* Colours of plotly's own parts; a trace that says "ink" has the text's colour. */
@@ -11,6 +13,7 @@
   function themed(figure) {
     const ink = of("--ink"), line = of("--line"), paper = of("--paper");
     const layout = structuredClone(figure.layout);
+    if (printing && !layout.scene) layout.width = PAPER_PX;
     Object.assign(layout, { paper_bgcolor: paper, plot_bgcolor: paper, font: { color: ink, size: 13 } });
     layout.legend = Object.assign({ orientation: "h", y: -0.22 }, layout.legend);
     layout.hoverlabel = { bgcolor: of("--panel"), font: { color: ink } };
@@ -36,9 +39,26 @@
   const buttons = (figure) => (figure.layout.scene
     ? [["toImage", "resetCameraDefault3d"]]
     : [["toImage", "zoom2d", "pan2d", "zoomIn2d", "zoomOut2d", "autoScale2d"]]);
-  const draw = (plot) => Plotly.react(
-    plot.element, ...themed(plot.figure), { ...config, modeBarButtons: buttons(plot.figure) });
+  /* A plot says what it shows in words: its drawing's own letters and icons are no text. */
+  async function draw(plot) {
+    await Plotly.react(
+      plot.element, ...themed(plot.figure), { ...config, modeBarButtons: buttons(plot.figure) });
+    const drawings = [...plot.element.querySelectorAll("svg, canvas"), document.getElementById("js-plotly-tester")];
+    for (const drawing of drawings.filter(Boolean)) drawing.setAttribute("aria-hidden", "true");
+    for (const bar of plot.element.querySelectorAll("[role=toolbar]")) {
+      bar.setAttribute("aria-label", `Tools of the plot: ${plot.element.dataset.name}`);
+    }
+  }
   const redraw = () => Promise.all(plots.map(draw));
+
+  /* The page is printed before the next animation frame, in which WebGL would draw or change its size. */
+  function print_bodies() {
+    for (const { element, figure } of plots) {
+      if (!figure.layout.scene) continue;
+      element._fullLayout.scene._scene.glplot.redraw();
+      element.style.zoom = Math.min(1, PAPER_PX / element.clientWidth);
+    }
+  }
 
   /* Theme: the system's until the button is pressed. */
   const system = matchMedia("(prefers-color-scheme: dark)");
@@ -54,10 +74,18 @@
   });
   system.addEventListener("change", () => { named(); redraw(); });
   let before;
-  addEventListener("beforeprint", () => { before = root.dataset.theme; root.dataset.theme = "light"; redraw(); });
-  addEventListener("afterprint", () => {
-    if (before) root.dataset.theme = before; else delete root.dataset.theme;
+  addEventListener("beforeprint", () => {
+    before = root.dataset.theme;
+    root.dataset.theme = "light";
+    printing = true;
     redraw();
+    print_bodies();
+  });
+  addEventListener("afterprint", () => {
+    printing = false;
+    for (const { element } of plots) element.style.zoom = "";
+    if (before) root.dataset.theme = before; else delete root.dataset.theme;
+    redraw().then(() => plots.forEach((plot) => Plotly.Plots.resize(plot.element)));
   });
 
   /* Zoom and shift of the x axis, by keys and by buttons. */
@@ -73,6 +101,26 @@
     const shift = how === "left" ? -half / 2 : how === "right" ? half / 2 : 0;
     Plotly.relayout(element, { "xaxis.range": [middle + shift - wide, middle + shift + wide] });
   }
+  /* Turns a body about its upright axis and up and down, and goes nearer; the eye is relative to the body. */
+  const TURN = Math.PI / 18;
+  const steepest = 1.45;  // from the horizon; at the pole there is no left and right
+  function turn(element, how) {
+    if (how === "all") {
+      Plotly.relayout(element, { "scene.camera": data.body.figure.layout.scene.camera });
+      return;
+    }
+    const { x, y, z } = element._fullLayout.scene._scene.getCamera().eye;
+    const flat = Math.hypot(x, y);
+    const far = Math.hypot(flat, z) * ({ in: 0.8, out: 1.25 }[how] || 1);
+    const about = Math.atan2(y, x) + ({ left: -TURN, right: TURN }[how] || 0);
+    const up = Math.atan2(z, flat) + ({ up: TURN, down: -TURN }[how] || 0);
+    const tilt = Math.max(-steepest, Math.min(steepest, up));
+    const across = far * Math.cos(tilt);
+    Plotly.relayout(element, {
+      "scene.camera.eye": { x: across * Math.cos(about), y: across * Math.sin(about), z: far * Math.sin(tilt) },
+    });
+  }
+  const solid = { ArrowUp: "up", ArrowDown: "down" };
   const keys = { "+": "in", "=": "in", "-": "out", ArrowLeft: "left", ArrowRight: "right", 0: "all" };
   for (const control of document.querySelectorAll("button[data-move]")) {
     control.addEventListener("click", () => {
@@ -176,12 +224,13 @@
       const plot = { element, figure };
       plots.push(plot);
       await draw(plot);
-      if (figure.layout.scene) continue;
       element.tabIndex = 0;
+      const [act, known] = figure.layout.scene ? [turn, { ...keys, ...solid }] : [move, keys];
       element.addEventListener("keydown", (event) => {
-        if (!(event.key in keys) || event.ctrlKey || event.metaKey || event.altKey) return;
+        if (event.target !== element || !(event.key in known)) return;
+        if (event.ctrlKey || event.metaKey || event.altKey) return;
         event.preventDefault();
-        move(element, keys[event.key]);
+        act(element, known[event.key]);
       });
     }
     root.dataset.ready = "yes";
