@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <regex>
 #include <stdexcept>
 #include <string>
 #include <systemc>
@@ -31,6 +32,8 @@ using hvp::app::FitArguments;
 using hvp::app::kFailed;
 using hvp::app::kHeld;
 using hvp::app::kWrongInput;
+using hvp::app::linux_command;
+using hvp::app::LinuxArguments;
 using hvp::app::mesh_command;
 using hvp::app::MeshArguments;
 using hvp::app::reference_command;
@@ -40,6 +43,8 @@ using hvp::app::ResolveArguments;
 using hvp::app::run_command;
 using hvp::app::RunArguments;
 using hvp::app::ScenarioArguments;
+using hvp::app::serve_command;
+using hvp::app::ServeArguments;
 using hvp::app::solve_command;
 using hvp::app::SolveArguments;
 using hvp::app::stability_command;
@@ -116,6 +121,45 @@ void fit_arguments(CLI::App& command, FitArguments& a) {
   command.add_flag("--quiet", a.quiet, "no progress on the terminal");
 }
 
+void linux_arguments(CLI::App& command, LinuxArguments& a) {
+  scenario_arguments(command, a);
+  command
+      .add_option(
+          "--kernel", a.kernel,
+          "a User-Mode Linux with time-travel and PCI over virtio, in place of the one that "
+          "driver/linux/kernel/build.sh has built")
+      ->type_name("FILE");
+  command.add_option("--initrd", a.initrd, "its first file system, in place of the one built")
+      ->type_name("FILE");
+  command
+      .add_option("--script", a.script,
+                  "what the init of that is to run, with the guest's shell; its status counts")
+      ->type_name("FILE");
+  command.add_option("--out", a.out, "folder for the results in place of runs/<scenario>-linux")
+      ->type_name("FOLDER");
+  command.add_option("--memory", a.memory, "the guest's, 64M by default")
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            const bool right = std::regex_match(text, std::regex("[1-9][0-9]{0,5}[MG]"));
+            return right ? std::string() : "expected a size such as 64M, found " + text;
+          },
+          ""))
+      ->type_name("SIZE");
+  command
+      .add_option("--kernel-argument", a.kernel_arguments,
+                  "one more word of the kernel's command line; as often as wanted")
+      ->allow_extra_args(false)
+      ->type_name("WORD");
+  command
+      .add_option("--patience", a.patience_s,
+                  "seconds of wall-clock time without a word of the guest after which the run "
+                  "ends, 60 by default")
+      ->check(CLI::Range(1.0, 86400.0))
+      ->type_name("S");
+  command.add_flag("--trace-registers", a.trace_registers,
+                   "also log every access to the board, in registers.log");
+}
+
 // An empty file name, folder or value means nothing.
 void refuse_empty_values(CLI::App& app) {
   const CLI::Validator given(
@@ -167,8 +211,10 @@ int parse_and_run(int argc, char** argv) {
       ->add_option("--out", run.out,
                    "folder for the results in place of runs/<scenario>, with what --set changes")
       ->type_name("FOLDER");
-  command->add_flag("--trace-registers", run.trace_registers,
-                    "also log every access to the board, in registers.log");
+  command->add_flag(
+      "--trace-registers", run.trace_registers,
+      "also log every access to the board, in registers.log, and as a waveform with the "
+      "interrupt, in registers.vcd");
   command->add_flag("--details", run.details,
                     "also report every frame's time by phase, and the bus' transactions");
   command->callback([&] { status = run_command(run); });
@@ -208,6 +254,23 @@ int parse_and_run(int argc, char** argv) {
       ->check(CLI::Range(40, 10'000'000))
       ->type_name("N");
   command->callback([&] { status = stability_command(stability); });
+
+  ServeArguments serve;
+  command = app.add_subcommand(
+      "serve",
+      "give the board of a scenario to another program, as a PCI device (docs/vfio-user.md)");
+  scenario_arguments(*command, serve);
+  command->add_option("--vfio-user", serve.socket, "listen on a Unix socket at this path")
+      ->required()
+      ->type_name("SOCKET");
+  command->add_flag("--once", serve.once, "end when the first client has gone");
+  command->callback([&] { status = serve_command(serve); });
+
+  LinuxArguments linux_run;
+  command = app.add_subcommand(
+      "linux", "a Linux kernel as the board's host, on simulated time, in place of the scenario's");
+  linux_arguments(*command, linux_run);
+  command->callback([&] { status = linux_command(linux_run); });
 
   FitArguments fit;
   command = app.add_subcommand(

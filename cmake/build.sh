@@ -222,3 +222,12 @@ python_environment() { # name requirements…
   locked "$build" make_python_environment "$@" ||
     fail "the Python packages could not be installed; the lines above say why"
 }
+
+# What tables/driver_layers.py runs: the suite of the driver's tests, the board in two processes, and
+# the guest.
+build_driver_layers() {
+  build release hvp hvp-servo hvp-driver-suite driver_suite_in_process || return 1
+  "$top/driver/linux/guest.sh" "$build/linux" plain \
+    "$build/release/driver/linux/guest/hvp-servo" \
+    "$build/release/tests/driver/suite/hvp-driver-suite" >&2
+}

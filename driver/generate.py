@@ -193,12 +193,27 @@ def read_map(top: AddrmapNode) -> Map:
     return Map(description, tuple(registers), tuple(apertures), encodings)
 
 
-def c_header(top: AddrmapNode, the_map: Map, *, linux_kernel: bool) -> str:
-    """PeakRDL's masks and struct, with the enumerations, which it leaves out, put behind them."""
+# A kernel has these under other names.
+C_INCLUDES = "#include <stdint.h>\n#include <assert.h>\n"
+EITHER_INCLUDES = f"""#ifdef __KERNEL__
+#include <linux/build_bug.h>
+#include <linux/stddef.h>
+#include <linux/types.h>
+#else
+{C_INCLUDES}#endif
+"""
+
+
+def c_header(top: AddrmapNode, the_map: Map) -> str:
+    """PeakRDL's masks and struct for a program and for a kernel, with the enumerations, which it
+    leaves out, put behind them."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "hvp_registers.h"
-        CHeaderExporter().export(top, str(path), reuse_typedefs=False, linux_kernel=linux_kernel)
+        CHeaderExporter().export(top, str(path), reuse_typedefs=False)
         text = path.read_text(encoding="utf-8")
+    if text.count(C_INCLUDES) != 1:
+        refuse("the C header has changed its form: not its two includes")
+    text = text.replace(C_INCLUDES, EITHER_INCLUDES)
     lines = []
     for name, entries in the_map.encodings.items():
         lines += [f"// enumeration - {name}", f"enum hvp_{name} {{"]
@@ -406,24 +421,14 @@ class Exit(IntEnum):
 def main() -> Exit:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--check", action="store_true", help="say what is stale, write nothing")
-    parser.add_argument(
-        "--linux-kernel",
-        type=Path,
-        metavar="HEADER",
-        help="write the C header for use inside the kernel to HEADER, and nothing else",
-    )
     arguments = parser.parse_args()
 
     top = compile_description()
     the_map = read_map(top)
-    if arguments.linux_kernel:
-        text = c_header(top, the_map, linux_kernel=True)
-        arguments.linux_kernel.write_text(text, encoding="utf-8")
-        return Exit.FRESH
 
     stale = False
     for name, text in {
-        "driver/generated/hvp_registers.h": c_header(top, the_map, linux_kernel=False),
+        "driver/generated/hvp_registers.h": c_header(top, the_map),
         "vp/fpga/register_table.h": cpp_table(the_map),
         "docs/registers.md": reference_page(the_map),
     }.items():

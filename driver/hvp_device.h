@@ -11,6 +11,7 @@ enum {
   STATE_CLOSED,
   STATE_OPEN,
   STATE_CONFIGURED,
+  STATE_CHECKING,  // load_done was commanded, and the wait for it interrupted
   STATE_LOADED,
   STATE_RUNNING,
   STATE_LOST,
@@ -34,6 +35,19 @@ static inline bool hvp_between(uint32_t value, uint32_t least, uint32_t most) {
   return value >= least && value <= most;
 }
 
+// All that the board interrupts for, as bits of INTERRUPT_STATUS and of INTERRUPT_ENABLE.
+#define HVP_INTERRUPTS (HVP__INTERRUPT_ENABLE__DONE_bm | HVP__INTERRUPT_ENABLE__ERROR_bm)
+static_assert(HVP__INTERRUPT_ENABLE__DONE_bm == HVP__INTERRUPT_STATUS__DONE_bm &&
+                  HVP__INTERRUPT_ENABLE__ERROR_bm == HVP__INTERRUPT_STATUS__ERROR_bm,
+              "INTERRUPT_ENABLE masks INTERRUPT_STATUS bit by bit");
+
+// Each keeps interrupts_on with what INTERRUPT_ENABLE holds then. Enables nothing where nobody
+// waits for an interrupt, and writes only what hvp_irq() or a reset took away.
+void hvp_enable_interrupts(struct hvp_device* device);
+void hvp_disable_interrupts(struct hvp_device* device);
+// The command that resets the board, and with it the enables.
+void hvp_write_reset(struct hvp_device* device);
+
 // Until the board reports the end of a command, or timeout_ns have passed. Keeps STATUS in
 // last_status, takes the interrupt down and returns what the board reported.
 hvp_status hvp_await_end(struct hvp_device* device, uint64_t timeout_ns);
@@ -42,6 +56,12 @@ hvp_status hvp_await_end(struct hvp_device* device, uint64_t timeout_ns);
 // vain. `late` says whether the time is up.
 hvp_status hvp_sleep(struct hvp_device* device, uint64_t begin, uint64_t timeout_ns, bool looked,
                      bool* late);
+
+// Before the first look of a wait.
+static inline void hvp_begin_wait(struct hvp_device* device) {
+  device->timed_out = false;
+  device->caller_error = 0;
+}
 
 // The board has ended: an interrupt that was waited for in vain was lost.
 static inline void hvp_count_lost_interrupt(struct hvp_device* device) {
@@ -60,7 +80,7 @@ hvp_status hvp_prepare_list(struct hvp_device* device);
 // b into its segments; it has 3·nodes elements.
 void hvp_fill_segments(struct hvp_device* device, const int32_t* b);
 // U out of its segments.
-void hvp_empty_segments(const struct hvp_device* device, int32_t* u);
+void hvp_empty_segments(struct hvp_device* device, int32_t* u);
 // The doorbell, and until its completion record is there.
 void hvp_run_list(struct hvp_device* device);
 hvp_status hvp_await_record(struct hvp_device* device, uint64_t timeout_ns);

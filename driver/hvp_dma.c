@@ -58,8 +58,36 @@ static bool dma_is_sane(const struct hvp_dma* dma) {
          segments_are_sane(dma->to_host, dma->to_host_count);
 }
 
-static void sync_memory(const struct hvp_device* device, bool to_device) {
-  if (device->dma.sync != NULL) device->dma.sync(device->dma.context, to_device);
+static void hand_over(const struct hvp_device* device, hvp_area area, struct hvp_segment part,
+                      hvp_owner owner) {
+  if (device->dma.sync != NULL) device->dma.sync(device->dma.context, area, &part, owner);
+}
+
+static void hand_over_record(const struct hvp_device* device, hvp_owner owner) {
+  const struct hvp_dma* dma = &device->dma;
+  const struct hvp_segment record = {dma->record, dma->record_address,
+                                     HVP_RECORD_WORDS * (uint32_t)sizeof(uint32_t)};
+  hand_over(device, HVP_AREA_RECORD, record, owner);
+}
+
+static void hand_over_list(const struct hvp_device* device, size_t descriptors, hvp_owner owner) {
+  const struct hvp_dma* dma = &device->dma;
+  const struct hvp_segment list = {
+      dma->list, dma->list_address,
+      (uint32_t)(descriptors * HVP_DESCRIPTOR_WORDS * sizeof(uint32_t))};
+  hand_over(device, HVP_AREA_LIST, list, owner);
+}
+
+// Of the segments, the first `bytes`.
+static void hand_over_segments(const struct hvp_device* device, hvp_area area,
+                               const struct hvp_segment* segments, uint32_t bytes,
+                               hvp_owner owner) {
+  for (uint32_t left = bytes; left > 0U; ++segments) {
+    struct hvp_segment part = *segments;
+    if (part.bytes > left) part.bytes = left;
+    hand_over(device, area, part, owner);
+    left -= part.bytes;
+  }
 }
 
 // Descriptors for `bytes` behind `words`; returns where the next ones go.
@@ -87,8 +115,10 @@ hvp_status hvp_prepare_list(struct hvp_device* device) {
   const size_t second = segments_for(dma->to_host, dma->to_host_count, to_host);
   if (first == 0U || second == 0U) return HVP_ERROR_ARGUMENT;
 
+  hand_over_list(device, first + second, HVP_OWNER_PROCESSOR);
   uint32_t* behind = describe(dma->list, dma->to_board, to_board, 0U, HVP_OFFSET(B));
   (void)describe(behind, dma->to_host, to_host, DESCRIPTOR_TO_HOST, HVP_OFFSET(U));
+  hand_over_list(device, first + second, HVP_OWNER_DEVICE);
   device->bytes_to_board = to_board;
   device->bytes_to_host = to_host;
 
@@ -136,6 +166,8 @@ void hvp_fill_segments(struct hvp_device* device, const int32_t* b) {
   const size_t n = (size_t)3 * device->nodes;
   const size_t per_word = hvp_elements_per_word(device, rhs_bits(device));
   const struct hvp_segment* segment = device->dma.to_board;
+  hand_over_segments(device, HVP_AREA_TO_BOARD, segment, device->bytes_to_board,
+                     HVP_OWNER_PROCESSOR);
   size_t word = 0;
   for (size_t i = 0; i < n; i += per_word) {
     if (word == segment->bytes >> 2U) {
@@ -145,12 +177,15 @@ void hvp_fill_segments(struct hvp_device* device, const int32_t* b) {
     hvp_store_word(&segment->memory[word], hvp_pack_word(b, n, i, per_word));
     ++word;
   }
+  hand_over_segments(device, HVP_AREA_TO_BOARD, device->dma.to_board, device->bytes_to_board,
+                     HVP_OWNER_DEVICE);
 }
 
-void hvp_empty_segments(const struct hvp_device* device, int32_t* u) {
+void hvp_empty_segments(struct hvp_device* device, int32_t* u) {
   const size_t n = (size_t)3 * device->nodes;
   const size_t per_word = hvp_elements_per_word(device, vector_bits(device));
   const struct hvp_segment* segment = device->dma.to_host;
+  hand_over_segments(device, HVP_AREA_TO_HOST, segment, device->bytes_to_host, HVP_OWNER_PROCESSOR);
   size_t word = 0;
   for (size_t i = 0; i < n;) {
     if (word == segment->bytes >> 2U) {
@@ -160,29 +195,36 @@ void hvp_empty_segments(const struct hvp_device* device, int32_t* u) {
     i = hvp_unpack_word(hvp_load_word(&segment->memory[word]), u, n, i, per_word);
     ++word;
   }
+  hand_over_segments(device, HVP_AREA_TO_HOST, device->dma.to_host, device->bytes_to_host,
+                     HVP_OWNER_DEVICE);
 }
 
 void hvp_run_list(struct hvp_device* device) {
   // Job numbers begin anew after a reset: an old record must not pass for the new one.
+  hand_over_record(device, HVP_OWNER_PROCESSOR);
   for (size_t k = 0; k < HVP_RECORD_WORDS; ++k) hvp_store_word(&device->dma.record[k], 0U);
-  sync_memory(device, true);
+  hand_over_record(device, HVP_OWNER_DEVICE);
   hvp_write_register(device, HVP_OFFSET(CONTROL), HVP__CONTROL__RUN_LIST_bm);
   device->done_pending = false;
 }
 
-static uint32_t record_word(const struct hvp_device* device, size_t k) {
-  return hvp_load_word(&device->dma.record[k]);
+// The completion record, if it is this job's. The board writes its job last, and so the rest is
+// read after it.
+static bool read_record(const struct hvp_device* device, uint32_t* record) {
+  const uint32_t* words = device->dma.record;
+  hand_over_record(device, HVP_OWNER_PROCESSOR);
+  const bool there = hvp_load_word(&words[RECORD_JOB]) == device->job;
+  if (there) {
+    hand_over_record(device, HVP_OWNER_PROCESSOR);
+    for (size_t k = 0; k < HVP_RECORD_WORDS; ++k) record[k] = hvp_load_word(&words[k]);
+  }
+  hand_over_record(device, HVP_OWNER_DEVICE);
+  return there;
 }
 
-static bool record_is_there(const struct hvp_device* device) {
-  sync_memory(device, false);
-  return record_word(device, RECORD_JOB) == device->job;
-}
-
-static hvp_status take_record(struct hvp_device* device, bool line_is_up) {
+static hvp_status take_record(struct hvp_device* device, const uint32_t* record, bool line_is_up) {
   hvp_count_lost_interrupt(device);
-  sync_memory(device, false);
-  const uint32_t status = record_word(device, RECORD_STATUS);
+  const uint32_t status = record[RECORD_STATUS];
   if ((status & HVP__STATUS__ERROR_bm) != 0U) return hvp_take_end(device, status);
   if ((status & HVP__STATUS__DONE_bm) == 0U) return HVP_ERROR_STALE_RESULT;
   if (line_is_up) {
@@ -196,8 +238,8 @@ static hvp_status take_record(struct hvp_device* device, bool line_is_up) {
     device->last_status = status;
     device->done_pending = true;
   }
-  if (record_word(device, RECORD_BYTES_TO_BOARD) != device->bytes_to_board ||
-      record_word(device, RECORD_BYTES_TO_HOST) != device->bytes_to_host) {
+  if (record[RECORD_BYTES_TO_BOARD] != device->bytes_to_board ||
+      record[RECORD_BYTES_TO_HOST] != device->bytes_to_host) {
     return HVP_ERROR_SHORT_TRANSFER;
   }
   return HVP_OK;
@@ -210,17 +252,18 @@ hvp_status hvp_await_record(struct hvp_device* device, uint64_t timeout_ns) {
   const bool line = bus->wait_interrupt != NULL && !bus->interrupts_after_writes;
   const bool polls_memory = bus->wait_interrupt == NULL && bus->pause != NULL;
   const uint64_t begin = bus->now_ns(bus->context);
-  device->timed_out = false;
+  uint32_t record[HVP_RECORD_WORDS];
+  hvp_begin_wait(device);
   for (bool looked = false;; looked = true) {
     bool late;
     const hvp_status slept = hvp_sleep(device, begin, timeout_ns, looked, &late);
     if (slept != HVP_OK) return slept;
-    if (!line && record_is_there(device)) return take_record(device, false);
+    if (!line && read_record(device, record)) return take_record(device, record, false);
     if (polls_memory && !late) continue;
     // This read is answered behind everything that the board has written before.
     const uint32_t status = hvp_read_register(device, HVP_OFFSET(STATUS));
     if (status == HVP_ALL_ONES) return HVP_ERROR_BUS;
-    if (record_is_there(device)) return take_record(device, line);
+    if (read_record(device, record)) return take_record(device, record, line);
     if ((status & HVP__STATUS__ERROR_bm) != 0U) return hvp_take_end(device, status);
     if ((status & HVP__STATUS__DONE_bm) != 0U) {
       (void)hvp_take_end(device, status);

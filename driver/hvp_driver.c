@@ -46,12 +46,17 @@ hvp_status hvp_bus_errors(const struct hvp_device* device) {
 hvp_status hvp_sleep(struct hvp_device* device, uint64_t begin, uint64_t timeout_ns, bool looked,
                      bool* late) {
   const struct hvp_bus* bus = &device->bus;
+  hvp_enable_interrupts(device);
   if (bus->wait_interrupt == NULL && bus->pause != NULL && looked) bus->pause(bus->context);
   const uint64_t elapsed = bus->now_ns(bus->context) - begin;
   *late = elapsed >= timeout_ns;
   if (bus->wait_interrupt != NULL && !*late) {
     const int outcome = bus->wait_interrupt(bus->context, timeout_ns - elapsed);
-    if (outcome < 0) return HVP_ERROR_BUS;
+    if (outcome < 0) {
+      device->caller_error = outcome;
+      return HVP_ERROR_INTERRUPTED;
+    }
+    if (outcome != HVP_INTERRUPT && outcome != HVP_INTERRUPT_TIMED_OUT) return HVP_ERROR_BUS;
     *late = outcome == HVP_INTERRUPT_TIMED_OUT;
     device->timed_out = *late;
   }
@@ -77,7 +82,7 @@ void hvp_clear_done(struct hvp_device* device) {
 
 hvp_status hvp_await_end(struct hvp_device* device, uint64_t timeout_ns) {
   const uint64_t begin = device->bus.now_ns(device->bus.context);
-  device->timed_out = false;
+  hvp_begin_wait(device);
   for (bool looked = false;; looked = true) {
     bool late;
     const hvp_status slept = hvp_sleep(device, begin, timeout_ns, looked, &late);
@@ -139,6 +144,7 @@ hvp_status hvp_open(struct hvp_device* device, const struct hvp_bus* bus, uint32
       bus->write_block == NULL || bus->now_ns == NULL) {
     return HVP_ERROR_ARGUMENT;
   }
+  if ((bus->lock == NULL) != (bus->unlock == NULL)) return HVP_ERROR_ARGUMENT;
   if (scratch_words < HVP_MIN_SCRATCH_WORDS) return HVP_ERROR_ARGUMENT;
   *device = (struct hvp_device){.bus = *bus, .scratch = scratch, .scratch_words = scratch_words};
 
@@ -160,7 +166,7 @@ hvp_status hvp_open(struct hvp_device* device, const struct hvp_bus* bus, uint32
 hvp_status hvp_reset(struct hvp_device* device) {
   if (device == NULL) return HVP_ERROR_ARGUMENT;
   if (device->state == STATE_CLOSED) return HVP_ERROR_STATE;
-  hvp_write_register(device, HVP_OFFSET(CONTROL), HVP__CONTROL__RESET_bm);
+  hvp_write_reset(device);
   device->state = STATE_OPEN;
   device->format = 0U;
   device->method = 0U;
@@ -176,17 +182,14 @@ hvp_status hvp_reset(struct hvp_device* device) {
   const uint32_t status = hvp_read_register(device, HVP_OFFSET(STATUS));
   if (status == HVP_ALL_ONES) return HVP_ERROR_BUS;
   if (status != 0U) return HVP_ERROR_BOARD;
-  if (device->bus.wait_interrupt != NULL) {
-    hvp_write_register(device, HVP_OFFSET(INTERRUPT_ENABLE),
-                       HVP__INTERRUPT_ENABLE__DONE_bm | HVP__INTERRUPT_ENABLE__ERROR_bm);
-  }
+  hvp_enable_interrupts(device);
   return hvp_bus_errors(device);
 }
 
 hvp_status hvp_close(struct hvp_device* device) {
   if (device == NULL) return HVP_ERROR_ARGUMENT;
   if (device->state == STATE_CLOSED) return HVP_ERROR_STATE;
-  hvp_write_register(device, HVP_OFFSET(INTERRUPT_ENABLE), 0U);
+  hvp_disable_interrupts(device);
   device->state = STATE_CLOSED;
   return HVP_OK;
 }

@@ -1,125 +1,17 @@
 #ifndef HVP_DRIVER_H
 #define HVP_DRIVER_H
 
-#ifdef __KERNEL__
-#include <linux/stddef.h>
-#include <linux/types.h>
-#else
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-#endif
+#include "driver/hvp_bus.h"
+#include "driver/hvp_status.h"
 
 // The driver of the solver board: loads a matrix K, changes single rows of it, sends b, starts a
 // solve of K·U = b, waits for it and fetches U. docs/driver.md shows a frame; docs/registers.md is
 // the board. It reaches the board through the call-backs of struct hvp_bus only and allocates
-// nothing. One thread owns a device handle; two boards are two handles.
+// nothing. One thread owns a device handle, and beside it an interrupt's handler may call
+// hvp_irq(); two boards are two handles.
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-// What every function returns; hvp_status_text() says it in words. Those from HVP_ERROR_BAD_SIZE on
-// were reported by the board, or are what it would report: the driver checks first.
-typedef enum hvp_status {
-  HVP_OK = 0,
-  HVP_ERROR_ARGUMENT,      // a null pointer, a wrong count, a setting that no board has
-  HVP_ERROR_STATE,         // not now: see the order of calls in docs/driver.md
-  HVP_ERROR_RANGE,         // a value does not fit the configured word length; nothing was written
-  HVP_ERROR_CAPABILITY,    // more than this board can do
-  HVP_ERROR_NO_DEVICE,     // no solver board answers at this address
-  HVP_ERROR_VERSION,       // a register map this driver does not know
-  HVP_ERROR_BUS,           // the bus reported a failure, or the board stopped answering
-  HVP_ERROR_TIMEOUT,       // the board is still busy: wait again, or hvp_reset()
-  HVP_ERROR_DATA,          // a word was damaged on the bus: what was sent or read is not to be used
-  HVP_ERROR_STALE_RESULT,  // the results on the board, or the completion record, are another job's
-  HVP_ERROR_SHORT_TRANSFER,  // the engine moved another number of bytes than it was asked to
-  HVP_ERROR_SATURATED,       // the solve reached the limits of its words, and was not to
-  HVP_ERROR_BAD_SIZE,
-  HVP_ERROR_BAD_MATRIX,
-  HVP_ERROR_BAD_SETTING,
-  HVP_ERROR_NOT_LOADED,
-  HVP_ERROR_BAD_NODE,
-  HVP_ERROR_BAD_ROW,
-  HVP_ERROR_BAD_DESCRIPTOR,
-  HVP_ERROR_DMA,             // the host's memory did not answer the board
-  HVP_ERROR_ILLEGAL_ACCESS,  // someone made an access that the register map does not allow
-  HVP_ERROR_BOARD,           // a fault of the board's own, or a code this driver does not know
-  HVP_STATUS_COUNT
-} hvp_status;
-
-const char* hvp_status_text(hvp_status status);
-// As it is written in the code: "HVP_ERROR_TIMEOUT".
-const char* hvp_status_name(hvp_status status);
-
-// How wait_interrupt ended; a negative number is a failure of the bus.
-enum { HVP_INTERRUPT = 0, HVP_INTERRUPT_TIMED_OUT = 1 };
-
-// What a bus has recorded: bits of take_errors.
-enum {
-  HVP_BUS_MASTER_ABORT = 1,  // nobody answered an access: a write was lost, a read was all ones
-  HVP_BUS_PARITY = 2,        // a word was damaged on its way, to the board or from it
-};
-
-// The way to one board. Offsets are bytes from the start of its BAR, multiples of four. The driver
-// gives and takes values; a call-back knows the bus, which is little-endian, and its host: on one
-// of the other byte order it turns each word, in a block too. Writes may be posted but must arrive
-// in order and before a later read is answered. No call-back may unwind (throw, longjmp) through
-// the driver.
-struct hvp_bus {
-  void* context;
-  uint32_t (*read32)(void* context, uint32_t offset);
-  void (*write32)(void* context, uint32_t offset, uint32_t value);
-  // `count` consecutive words, as one burst where the bus can.
-  void (*read_block)(void* context, uint32_t offset, uint32_t* words, size_t count);
-  void (*write_block)(void* context, uint32_t offset, const uint32_t* words, size_t count);
-  // Blocks until the board's interrupt line is up; at once if it is up already. The line is a
-  // level that the driver takes down by writing INTERRUPT_STATUS. Null where there is no
-  // interrupt: the driver then polls STATUS.
-  int (*wait_interrupt)(void* context, uint64_t timeout_ns);
-  // A clock that never runs backwards and moves on while registers are read.
-  uint64_t (*now_ns)(void* context);
-  // Optional, without wait_interrupt: lets time pass between two polls. Null: a poll follows the
-  // other, and with DMA it is STATUS that is polled, whose reads take time, not the record.
-  void (*pause)(void* context);
-  // The board's interrupts follow its writes to memory, as messages do. False: they may overtake
-  // them, as a wire does; the driver then reads STATUS, which pushes the writes ahead of itself.
-  bool interrupts_after_writes;
-  // What went wrong on the bus since the last call, and forgets it: for PCI the error bits of the
-  // bridge's status register. Optional. Without it a lost write, a block of ones and a damaged word
-  // look like any other.
-  uint32_t (*take_errors)(void* context);
-};
-
-// A run of the host's memory that the board reaches at one address. Both are multiples of four
-// bytes. Words are little-endian in memory on every host: the driver sees to it, and nothing on the
-// way may turn them.
-struct hvp_segment {
-  uint32_t* memory;
-  uint64_t bus_address;
-  uint32_t bytes;
-};
-
-// Words of a descriptor and of the completion record (DMA_LIST_LOW, DMA_RECORD_LOW in
-// docs/registers.md).
-#define HVP_DESCRIPTOR_WORDS 8U
-#define HVP_RECORD_WORDS 8U
-
-// Memory for the board's DMA engine, in use until hvp_use_dma() is called again or hvp_close(). The
-// segments of a direction together hold b, or U, of the largest matrix that will be loaded.
-struct hvp_dma {
-  const struct hvp_segment* to_board;
-  size_t to_board_count;
-  const struct hvp_segment* to_host;
-  size_t to_host_count;
-  uint32_t* list;  // HVP_DESCRIPTOR_WORDS for each segment
-  uint64_t list_address;
-  uint32_t* record;  // HVP_RECORD_WORDS
-  uint64_t record_address;
-  // Optional, where memory is not coherent or loads are reordered: to_device is true before the
-  // board reads what the processor wrote, false before the processor reads what the board wrote.
-  void* context;
-  void (*sync)(void* context, bool to_device);
-};
 
 // The smallest scratch area: one burst of settings.
 #define HVP_MIN_SCRATCH_WORDS 16U
@@ -160,6 +52,8 @@ struct hvp_device {
   uint32_t job;
   uint32_t last_status;
   uint32_t error_detail;
+  int caller_error;
+  bool interrupts_on;  // what INTERRUPT_ENABLE holds; under the bus' lock, where it has one
   struct hvp_statistics statistics;
   bool timed_out;  // the wait that has ended last
   bool reject_saturated;
@@ -276,11 +170,13 @@ const struct hvp_capability* hvp_capability_of(const struct hvp_device* device);
 hvp_status hvp_configure(struct hvp_device* device, const struct hvp_solver_config* config);
 
 // Sends the whole matrix and has the board check it.
+// HVP_ERROR_INTERRUPTED while it does so: call again, with the same matrix; nothing is sent twice.
 hvp_status hvp_load_matrix(struct hvp_device* device, const struct hvp_matrix* matrix);
 
 // The same in pieces, for a process that has other things to do in between: begin; then continue,
 // a burst each, until *complete; then end, which has the board check the matrix. The matrix has to
-// stay where it is. Nothing but these, hvp_reset() and hvp_close() may be called meanwhile.
+// stay where it is. Nothing but these, hvp_reset() and hvp_close() may be called meanwhile. An end
+// that returned HVP_ERROR_INTERRUPTED is called again.
 hvp_status hvp_begin_load(struct hvp_device* device, struct hvp_load* load,
                           const struct hvp_matrix* matrix);
 hvp_status hvp_continue_load(struct hvp_device* device, struct hvp_load* load, bool* complete);
@@ -316,7 +212,8 @@ hvp_status hvp_write_initial_guess(struct hvp_device* device, const int32_t* u, 
 hvp_status hvp_start(struct hvp_device* device);
 
 // Until the job has ended, or timeout_ns have passed. The status register is read before a
-// time-out is reported, so that a lost interrupt costs time only.
+// time-out is reported, so that a lost interrupt costs time only. HVP_ERROR_INTERRUPTED: the bus'
+// wait_interrupt gave up for a reason of the caller's; the job goes on, wait again.
 hvp_status hvp_wait(struct hvp_device* device, uint64_t timeout_ns);
 
 // HVP_ERROR_BUS or HVP_ERROR_DATA where the bus says that it went wrong: the board still has U, and
@@ -339,6 +236,24 @@ struct hvp_statistics hvp_statistics_of(const struct hvp_device* device);
 // The number that goes with the last error which the board reported: see ERROR in
 // docs/registers.md. No access to the board.
 uint32_t hvp_error_detail(const struct hvp_device* device);
+
+// The negative number with which wait_interrupt ended the last wait; 0 if that was not interrupted.
+// No access to the board.
+int hvp_caller_error(const struct hvp_device* device);
+
+// What an interrupt was.
+enum {
+  HVP_IRQ_NONE = 0,  // another board's, or no longer there: nothing was touched
+  HVP_IRQ_MINE = 1,  // wake whoever is in wait_interrupt; wait_interrupt returns for it once
+};
+
+// The top half: from an interrupt's handler, beside the thread that owns the device, at any time
+// but during hvp_open(). Sleeps nowhere. A level (`line`), which may be shared and must be down
+// when the handler returns: reads INTERRUPT_STATUS, and where it was this board disables its
+// interrupts, which the driver enables again when it next starts a job or waits. A message: touches
+// nothing. Nothing either before hvp_open(), after hvp_close(), while a line is masked, or if the
+// board is gone. driver/hvp_irq.c says why no interrupt is lost.
+int hvp_irq(struct hvp_device* device, bool line);
 
 #ifdef __cplusplus
 }

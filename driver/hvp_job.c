@@ -44,6 +44,7 @@ hvp_status hvp_start(struct hvp_device* device) {
     hvp_write_register(device, HVP_OFFSET(CONTROL), HVP__CONTROL__START_bm);
   }
   device->state = STATE_RUNNING;
+  hvp_enable_interrupts(device);
   return hvp_bus_errors(device);
 }
 
@@ -52,8 +53,10 @@ hvp_status hvp_wait(struct hvp_device* device, uint64_t timeout_ns) {
   if (device->state != STATE_RUNNING) return HVP_ERROR_STATE;
   const hvp_status status =
       device->uses_dma ? hvp_await_record(device, timeout_ns) : hvp_await_end(device, timeout_ns);
-  // After a time-out, and after an error that came in between, the job runs on.
-  if (status == HVP_ERROR_TIMEOUT || status == HVP_ERROR_BUS) return status;
+  // After these, and after an error that came in between, the job runs on.
+  if (status == HVP_ERROR_TIMEOUT || status == HVP_ERROR_INTERRUPTED || status == HVP_ERROR_BUS) {
+    return status;
+  }
   if ((device->last_status & HVP__STATUS__BUSY_bm) == 0U) device->state = STATE_LOADED;
   if (status == HVP_OK && device->reject_saturated && (hvp_last_flags(device) & SATURATION) != 0U) {
     return HVP_ERROR_SATURATED;
@@ -112,4 +115,8 @@ struct hvp_statistics hvp_statistics_of(const struct hvp_device* device) {
 
 uint32_t hvp_error_detail(const struct hvp_device* device) {
   return device == NULL ? 0U : device->error_detail;
+}
+
+int hvp_caller_error(const struct hvp_device* device) {
+  return device == NULL ? 0 : device->caller_error;
 }

@@ -48,6 +48,7 @@ hvp_status hvp_begin_load(struct hvp_device* device, struct hvp_load* load,
   if (status != HVP_OK) return status;
 
   device->state = STATE_CONFIGURED;
+  device->nodes = matrix->nodes;
   *load = (struct hvp_load){.matrix = matrix};
   const int32_t size[2] = {(int32_t)matrix->nodes, (int32_t)matrix->blocks};
   hvp_write_elements(device, HVP_OFFSET(NODES), size, 2U, 32U);
@@ -85,20 +86,35 @@ hvp_status hvp_continue_load(struct hvp_device* device, struct hvp_load* load, b
   return status;
 }
 
+// What a board is left in whose check of a matrix ended so, before its answer is looked at.
+static int state_after_check(hvp_status status) {
+  switch (status) {
+    case HVP_ERROR_INTERRUPTED:
+      return STATE_CHECKING;
+    case HVP_ERROR_TIMEOUT:
+    case HVP_ERROR_BUS:
+    case HVP_ERROR_DATA:
+      return STATE_LOST;
+    default:
+      return STATE_CONFIGURED;
+  }
+}
+
 hvp_status hvp_end_load(struct hvp_device* device, const struct hvp_load* load) {
   if (device == NULL || load == NULL || load->matrix == NULL) return HVP_ERROR_ARGUMENT;
-  if (device->state != STATE_CONFIGURED) return HVP_ERROR_STATE;
-  hvp_clear_done(device);
-  hvp_write_register(device, HVP_OFFSET(CONTROL), HVP__CONTROL__LOAD_DONE_bm);
-  // A board that has not heard of it would be waited for in vain.
-  hvp_status status = hvp_bus_errors(device);
-  if (status == HVP_OK) status = hvp_await_end(device, HVP_LOAD_TIMEOUT_NS);
-  if (status == HVP_ERROR_TIMEOUT || status == HVP_ERROR_BUS || status == HVP_ERROR_DATA) {
-    device->state = STATE_LOST;
+  hvp_status status = HVP_OK;
+  if (device->state == STATE_CONFIGURED) {
+    hvp_clear_done(device);
+    hvp_write_register(device, HVP_OFFSET(CONTROL), HVP__CONTROL__LOAD_DONE_bm);
+    // A board that has not heard of it would be waited for in vain.
+    status = hvp_bus_errors(device);
+  } else if (device->state != STATE_CHECKING) {
+    return HVP_ERROR_STATE;
   }
+  if (status == HVP_OK) status = hvp_await_end(device, HVP_LOAD_TIMEOUT_NS);
+  device->state = state_after_check(status);
   if (status != HVP_OK) return status;
   if ((device->last_status & HVP__STATUS__MATRIX_LOADED_bm) == 0U) return HVP_ERROR_BOARD;
-  device->nodes = load->matrix->nodes;
   if (device->uses_dma) {
     status = hvp_prepare_list(device);
     if (status != HVP_OK) return status;
@@ -108,7 +124,8 @@ hvp_status hvp_end_load(struct hvp_device* device, const struct hvp_load* load) 
 }
 
 hvp_status hvp_load_matrix(struct hvp_device* device, const struct hvp_matrix* matrix) {
-  struct hvp_load load;
+  struct hvp_load load = {.matrix = matrix};
+  if (device != NULL && device->state == STATE_CHECKING) return hvp_end_load(device, &load);
   hvp_status status = hvp_begin_load(device, &load, matrix);
   bool complete = false;
   while (status == HVP_OK && !complete) status = hvp_continue_load(device, &load, &complete);

@@ -1,4 +1,8 @@
-#include "driver/hvp_driver.h"
+#include "driver/hvp_status.h"
+
+#ifdef __KERNEL__
+#include <linux/stddef.h>
+#endif
 
 const char* hvp_status_text(hvp_status status) {
   switch (status) {
@@ -20,6 +24,8 @@ const char* hvp_status_text(hvp_status status) {
       return "the bus failed or the board stopped answering";
     case HVP_ERROR_TIMEOUT:
       return "the board is still busy: wait again or reset it";
+    case HVP_ERROR_INTERRUPTED:
+      return "the wait was interrupted and the board goes on: call again";
     case HVP_ERROR_DATA:
       return "a word was damaged on the bus";
     case HVP_ERROR_STALE_RESULT:
@@ -65,6 +71,7 @@ const char* hvp_status_name(hvp_status status) {
       "HVP_ERROR_VERSION",
       "HVP_ERROR_BUS",
       "HVP_ERROR_TIMEOUT",
+      "HVP_ERROR_INTERRUPTED",
       "HVP_ERROR_DATA",
       "HVP_ERROR_STALE_RESULT",
       "HVP_ERROR_SHORT_TRANSFER",

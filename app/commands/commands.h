@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "app/scenario/document.h"
+#include "app/scene/loaded_scenario.h"
 #include "app/scene/scene.h"
 
 // One function a command. Each returns the exit status and throws InputError for wrong input.
@@ -13,10 +13,7 @@ namespace hvp::app {
 
 enum ExitStatus { kHeld = 0, kNotHeld = 1, kWrongInput = 2, kFailed = 3 };
 
-struct ScenarioArguments {
-  std::filesystem::path scenario;
-  std::vector<std::filesystem::path> includes;  // laid over it
-  std::vector<std::string> overrides;           // --set key=value, over both
+struct ScenarioArguments : ScenarioSource {
   bool quiet = false;
 };
 
@@ -26,6 +23,19 @@ struct RunArguments : ScenarioArguments {
   bool details = false;  // the report has times by phase and by bus transaction
 };
 int run_command(const RunArguments& arguments);
+
+struct LinuxArguments : ScenarioArguments {
+  std::filesystem::path kernel;  // empty: the one that driver/linux/kernel/build.sh has built
+  std::filesystem::path initrd;  // likewise
+  std::filesystem::path script;  // empty: none
+  std::filesystem::path out;     // empty: runs/<scenario>-linux
+  std::string memory = "64M";    // the guest's
+  std::vector<std::string> kernel_arguments;
+  double patience_s = 60;  // of wall-clock time without a word of the guest
+  bool trace_registers = false;
+};
+// Exit status 3 where the guest did not end as it should, or its script failed.
+int linux_command(const LinuxArguments& arguments);
 
 struct ResolveArguments : ScenarioArguments {
   bool each = false;  // for every line of the standard input, with its overrides
@@ -99,21 +109,19 @@ struct SolveArguments {
 };
 int solve_command(const SolveArguments& arguments);
 
+struct ServeArguments : ScenarioArguments {
+  std::filesystem::path socket;
+  bool once = false;  // ends with its first client
+};
+int serve_command(const ServeArguments& arguments);
+
 struct ReferenceArguments {
   bool results = false;  // docs/results-reference.md in place of docs/scenario-reference.md
   bool json = false;     // all that is declared, in place of a page
 };
 int reference_command(const ReferenceArguments& arguments);
 
-struct LoadedScenario {
-  scenario::Document document;
-  Scenario scenario;
-  accel::Device device;
-  std::filesystem::path device_file;  // that can be opened; empty for a built-in device
-};
 LoadedScenario load(const ScenarioArguments& arguments);
-// Its title stays the scenario's own, whatever --set changes.
-LoadedScenario load_untitled(const ScenarioArguments& arguments);
 // Where `hvp run` writes without --out: runs/thesis, and for a what-if a folder of its own,
 // runs/thesis+frames=300.
 std::filesystem::path results_folder(const ScenarioArguments& arguments);

@@ -9,11 +9,7 @@
 #include <unistd.h>
 
 #include "app/commands/commands.h"
-#include "app/devices/devices.h"
-#include "app/devices/haptic_devices.h"
-#include "app/scenario/files.h"
 #include "app/scenario/message.h"
-#include "app/scenario/reader.h"
 #include "models/config/input_error.h"
 #include "models/fixed/kernel.h"
 
@@ -84,21 +80,6 @@ std::filesystem::path results_folder(const ScenarioArguments& arguments) {
 LoadedScenario load(const ScenarioArguments& arguments) {
   LoadedScenario loaded = load_untitled(arguments);
   loaded.scenario.title = title_of(loaded.scenario.title, changes_of(arguments));
-  return loaded;
-}
-
-LoadedScenario load_untitled(const ScenarioArguments& arguments) {
-  LoadedScenario loaded{
-      scenario::Document::load(arguments.scenario, arguments.overrides, arguments.includes),
-      {},
-      {},
-      {}};
-  devices::put_device_under(loaded.document);
-  scenario::read(loaded.document, loaded.scenario);
-  scenario::resolve_files(loaded.document, loaded.scenario);
-  const accel::Architecture& accelerator = loaded.scenario.accelerator;
-  loaded.device = devices::find(loaded.document, accelerator);
-  loaded.device_file = devices::openable(loaded.document, accelerator.device);
   return loaded;
 }
 

@@ -106,7 +106,8 @@ FramesCsv::FramesCsv(const std::filesystem::path& path, vp::Picoseconds budget, 
 }
 
 void FramesCsv::closed(const vp::Frame& f, const vp::CriticalPath& path) {
-  const collision::Touch& touch = f.touch();
+  // A host that is another program has probes of its own.
+  const collision::Touch touch = f.touches.empty() ? collision::Touch{} : f.touch();
   fmt::memory_buffer line;
   const auto out = std::back_inserter(line);
   fmt::format_to(out, "{},{},{},{},{},{},{},{},{},{},{},", f.number, microseconds(f.time),

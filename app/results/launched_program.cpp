@@ -95,9 +95,10 @@ bool drain(int descriptor, std::string& kept) {
 // Between fork and exec only what is safe after a signal may be called: another thread may have
 // held any lock.
 [[noreturn]] void become(const char* program, char* const* arguments, char* const* environment,
-                         int output, int errors, int report, pid_t parent) {
+                         int output, int errors, int report, bool own_group, pid_t parent) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(127);
+  if (own_group) setpgid(0, 0);
   const rlimit no_core = {0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
   sigset_t none;
@@ -118,8 +119,8 @@ bool drain(int descriptor, std::string& kept) {
 }  // namespace
 
 LaunchedProgram::LaunchedProgram(const std::filesystem::path& program,
-                                 const std::vector<std::string>& arguments,
-                                 const Options& options) {
+                                 const std::vector<std::string>& arguments, const Options& options)
+    : own_group_(options.own_group) {
   std::vector<std::string> words = {program.string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<std::string> variables = environment_with(options.environment);
@@ -133,7 +134,10 @@ LaunchedProgram::LaunchedProgram(const std::filesystem::path& program,
   if (pid_ < 0) throw std::system_error(errno, std::generic_category(), "cannot fork");
   if (pid_ == 0)
     become(words[0].c_str(), argv.data(), envp.data(), output.write_end, errors.write_end,
-           options.report_pipe ? report.write_end : -1, parent);
+           options.report_pipe ? report.write_end : -1, options.own_group, parent);
+  started_ = pid_;
+  // Whoever of the two is first: its group is there when the constructor returns.
+  if (options.own_group) setpgid(pid_, pid_);
   output_ = output.take_read_end();
   errors_ = errors.take_read_end();
   report_ = report.take_read_end();
@@ -141,7 +145,7 @@ LaunchedProgram::LaunchedProgram(const std::filesystem::path& program,
 
 LaunchedProgram::~LaunchedProgram() {
   if (pid_ > 0) {
-    kill(pid_, SIGTERM);
+    send(SIGTERM);
     Result ignored;
     reap_or_kill(Clock::now() + kTimeToEnd, ignored);
   }
@@ -149,6 +153,8 @@ LaunchedProgram::~LaunchedProgram() {
   close(errors_);
   close(report_);
 }
+
+void LaunchedProgram::send(int signal) const { kill(own_group_ ? -pid_ : pid_, signal); }
 
 void LaunchedProgram::reap_or_kill(Clock::time_point deadline, Result& result) {
   int status = 0;
@@ -161,7 +167,7 @@ void LaunchedProgram::reap_or_kill(Clock::time_point deadline, Result& result) {
     }
     if (Clock::now() >= deadline) {
       result.timed_out = true;
-      kill(pid_, SIGKILL);
+      send(SIGKILL);
       while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
       }
       break;
@@ -182,7 +188,7 @@ LaunchedProgram::Result LaunchedProgram::wait(std::chrono::milliseconds limit) {
   while ((output_open || errors_open) && Clock::now() < deadline) {
     if (interrupted() != 0) {
       result.interrupted = true;
-      kill(pid_, SIGTERM);
+      send(SIGTERM);
       reap_or_kill(Clock::now() + kTimeToEnd, result);
       return result;
     }

@@ -18,6 +18,8 @@ class LaunchedProgram {
   struct Options {
     std::vector<std::pair<std::string, std::string>> environment;  // set on top of the parent's
     bool report_pipe = false;  // the program may write to descriptor kReportDescriptor
+    // It leads a process group: what it starts ends with it.
+    bool own_group = false;
   };
   static constexpr int kReportDescriptor = 3;
 
@@ -40,14 +42,22 @@ class LaunchedProgram {
   // Waits until the program ends and kills it when it does not within the limit.
   Result wait(std::chrono::milliseconds limit);
 
+  // For somebody who reads its output while it runs, in place of wait(); and its number.
+  int output() const { return output_; }
+  int errors() const { return errors_; }
+  pid_t process() const { return started_; }
+
   // The first line that the program writes to the report descriptor; nothing when it ends or
   // the limit passes before.
   std::optional<std::string> report_line(std::chrono::milliseconds limit);
 
  private:
+  void send(int signal) const;
   void reap_or_kill(std::chrono::steady_clock::time_point deadline, Result& result);
 
-  pid_t pid_ = -1;
+  pid_t pid_ = -1;  // until it was reaped
+  pid_t started_ = -1;
+  bool own_group_;
   int output_ = -1;
   int errors_ = -1;
   int report_ = -1;

@@ -27,7 +27,8 @@ constexpr std::array kResultNames = {
     std::string_view("registers.log"),   std::string_view("scenario.resolved.toml"),
     std::string_view("deformation.pvd"), std::string_view("deformation.png"),
     std::string_view("latency.png"),     std::string_view("loop.png"),
-    std::string_view("engine.vcd"),      std::string_view("engine.part.vcd")};
+    std::string_view("engine.vcd"),      std::string_view("engine.part.vcd"),
+    std::string_view("registers.vcd"),   std::string_view("registers.part.vcd")};
 
 [[noreturn]] void refuse(std::string_view option, const fs::path& folder, std::string_view why) {
   throw InputError(fmt::format("{} {}: {}", option, folder.string(), why));

@@ -31,8 +31,9 @@ void blank_date(std::fstream& file) {
 
 }  // namespace
 
-WaveformFile::WaveformFile(const std::filesystem::path& folder)
-    : part_(folder / "engine.part.vcd"), path_(folder / "engine.vcd") {}
+WaveformFile::WaveformFile(const std::filesystem::path& folder, std::string_view name)
+    : part_(folder / fmt::format("{}.part.vcd", name)),
+      path_(folder / fmt::format("{}.vcd", name)) {}
 
 WaveformFile::~WaveformFile() {
   if (finished_) return;

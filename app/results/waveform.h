@@ -2,16 +2,17 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "app/results/unfinished_file.h"
 
 namespace hvp::results {
 
-// engine.vcd, written beside under another name by SystemC's tracer, which opens and closes it.
-// One that is not finished is removed.
+// <name>.vcd, written beside under another name by SystemC's tracer, which opens and closes it. One
+// that is not finished is removed.
 class WaveformFile {
  public:
-  explicit WaveformFile(const std::filesystem::path& folder);
+  WaveformFile(const std::filesystem::path& folder, std::string_view name);
   ~WaveformFile();
   WaveformFile(const WaveformFile&) = delete;
   WaveformFile& operator=(const WaveformFile&) = delete;

@@ -11,7 +11,7 @@
 #include "app/results/frames_csv.h"
 #include "app/results/interruption.h"
 #include "app/results/part_file.h"
-#include "app/results/register_log.h"
+#include "app/results/register_trace.h"
 #include "app/results/resolved_scenario.h"
 #include "app/results/results_folder.h"
 #include "app/results/summary.h"
@@ -222,8 +222,8 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   const std::filesystem::path& directory = options.directory;
   results::write_resolved_scenario(directory, s, options.device);
 
-  std::optional<results::RegisterLog> registers;
-  if (options.trace_registers) registers.emplace(directory / "registers.log");
+  std::optional<results::RegisterTrace> registers;
+  if (options.trace_registers) registers.emplace(directory);
   std::optional<AccuracyTracker> accuracy;
   if (s.reference) accuracy.emplace(scene, *s.reference);
   std::optional<DeformationRecorder> deformation;
@@ -235,10 +235,11 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   const std::optional<host::RoundingEstimate> rounding = estimate_rounding(scene);
 
   std::optional<results::WaveformFile> waveform;
-  if (s.output.waveform) waveform.emplace(directory);
+  if (s.output.waveform) waveform.emplace(directory, "engine");
   vp::Platform platform(
       platform_settings(scene, waveform ? waveform->tracer_file() : std::string()),
       soft_body(scene), registers ? &*registers : nullptr);
+  if (registers && platform.board() != nullptr) registers->watch(*platform.board());
   results::FramesCsv frames(directory / "frames.csv", platform.verdict().budget(),
                             s.timing_only() ? results::Columns::times : results::Columns::all,
                             probe_columns_of(s));

@@ -8,8 +8,9 @@
 #include <fmt/format.h>
 
 #include "app/devices/devices.h"
-#include "app/scene/samples.h"
+#include "app/scene/loaded_scenario.h"
 #include "app/scene/size_check.h"
+#include "app/scene/within.h"
 #include "models/accel/critical_path.h"
 #include "models/config/input_error.h"
 #include "models/mesh/generate.h"
@@ -19,16 +20,6 @@
 namespace hvp::app {
 
 namespace {
-
-// Runs a part's step; what it throws names the part's own key, which is completed here.
-template <class Step>
-auto within(const std::string& table, const Step& step) {
-  try {
-    return step();
-  } catch (const InputError& e) {
-    throw InputError(e.key().empty() ? table : table + "." + e.key(), e.what());
-  }
-}
 
 void tell(const Progress& progress, std::string_view what) {
   if (progress) progress(what);
@@ -54,13 +45,6 @@ std::vector<int> anchored_nodes(const Scenario& s, const mesh::TetMesh& mesh) {
   throw InputError("wall", "the scenario has a wall and no body: expected one with [object]");
 }
 
-// What effects draw from the user's own files.
-template <class Distribution>
-void load_samples(std::optional<Distribution>& effect, const char* table) {
-  if (!effect || effect->kind != random::TimeDistribution::Kind::measured) return;
-  within(table, [&] { effect->take(read_samples(effect->samples_file.path)); });
-}
-
 }  // namespace
 
 std::unique_ptr<fem::Body> make_body(const Scenario& s, const Progress& progress) {
@@ -83,7 +67,7 @@ Scene::Scene(const Scenario& scenario, accel::Device device, const Progress& pro
              Limits limits)
     : scenario_(scenario), device_(std::move(device)) {
   if (scenario_.wall) {
-    load_all_samples();
+    take_samples(scenario_);
   } else {
     build_body(progress, limits);
   }
@@ -91,20 +75,10 @@ Scene::Scene(const Scenario& scenario, accel::Device device, const Progress& pro
 
 void Scene::refuse_wall() { refuse_body_of_wall(); }
 
-void Scene::load_all_samples() {
-  load_samples(scenario_.host.jitter, "host.jitter");
-  load_samples(scenario_.host.wake_up, "host.wake_up");
-  load_samples(scenario_.host.interrupt_latencies, "host.interrupt_latencies");
-  load_samples(scenario_.bus.read_latencies, "bus.read_latencies");
-  if (scenario_.bus.pcie) {
-    load_samples(scenario_.bus.pcie->root_complex_latencies, "bus.pcie.root_complex_latencies");
-  }
-}
-
 void Scene::build_body(const Progress& progress, Limits limits) {
   if (limits == Limits::refused) require_plausible_size(scenario_, device_, progress);
   body_ = make_body(scenario_, progress);
-  load_all_samples();
+  take_samples(scenario_);
   const Scenario& s = scenario_;
   quality_ = mesh::measure(body_->mesh());
   computation_ = within("solver", [&] {

@@ -64,7 +64,6 @@ class Scene {
     return *part;
   }
   [[noreturn]] static void refuse_wall();
-  void load_all_samples();
   void build_body(const Progress& progress, Limits limits);
   void require_fit() const;
   void require_room_in_registers() const;

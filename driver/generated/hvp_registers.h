@@ -8,8 +8,14 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#ifdef __KERNEL__
+#include <linux/build_bug.h>
+#include <linux/stddef.h>
+#include <linux/types.h>
+#else
 #include <stdint.h>
 #include <assert.h>
+#endif
 
 // reg - hvp.ID
 #define HVP__ID__MAGIC_bm 0xffffffff

@@ -281,7 +281,8 @@ bool ScriptedBoard::line_is_up() const {
 
 int ScriptedBoard::wait_interrupt(std::uint64_t timeout_ns) {
   log_.emplace_back("wait");
-  if (bus_fails) return -5;
+  if (bus_fails) return HVP_INTERRUPT_BUS_FAILED;
+  if (gives_up_with < 0) return gives_up_with;
   if (spurious_interrupts > 0) {
     --spurious_interrupts;
     return HVP_INTERRUPT;

@@ -47,6 +47,7 @@ class ScriptedBoard {
   bool loses_interrupts = false;
   int spurious_interrupts = 0;  // the line of a shared interrupt, so often
   bool bus_fails = false;       // wait_interrupt reports a failure
+  int gives_up_with = 0;        // the caller's own number, if wait_interrupt is interrupted
   bool dead = false;            // nobody answers: reads give ones
   // Of lists.
   bool loses_record = false;

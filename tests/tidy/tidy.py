@@ -121,7 +121,7 @@ def key_of(source: Source, build: Path) -> str | None:
 # Of what the last commits changed, the newest first: some four minutes of two cores.
 RECENT_COMMITS = 100
 RECENT_SOURCES = 60
-SHARES = 10
+SHARES = 20
 
 
 def git(*arguments: str) -> list[str]:

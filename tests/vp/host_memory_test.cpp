@@ -88,6 +88,52 @@ TEST_F(HostMemoryOnBus, TheWindowOfMessagesTakesNothingElse) {
   });
 }
 
+TEST_F(HostMemoryOnBus, RangesOfAnotherHost) {
+  run([this](test::Stimulus& board) {
+    std::array<std::uint8_t, 8> low{};
+    std::array<std::uint8_t, 8> next{};
+    std::array<std::uint8_t, 8> fixed = {1, 2, 3, 4, 5, 6, 7, 8};
+    constexpr std::uint64_t kAt = 0xf'0000'0000;
+    memory_->map(kAt + 8, next);
+    memory_->map(kAt, low);
+    memory_->map(kAt + 32, fixed, false);
+    const std::array<std::uint8_t, 8> sent = {9, 10, 11, 12, 13, 14, 15, 16};
+    EXPECT_EQ(board.write(kAt + 4, sent.data(), 8), tlm::TLM_OK_RESPONSE);  // across both
+    EXPECT_EQ(low[7], 12);
+    EXPECT_EQ(next[0], 13);
+    EXPECT_EQ(board.write(kAt + 12, sent.data(), 8), kRefused);  // half of it is nowhere
+    EXPECT_EQ(next[4], 0);
+    std::array<std::uint8_t, 8> got{};
+    EXPECT_EQ(board.read(kAt + 32, got.data(), 8), tlm::TLM_OK_RESPONSE);
+    EXPECT_EQ(got, fixed);
+    EXPECT_EQ(board.write(kAt + 32, sent.data(), 8), kRefused);
+    EXPECT_FALSE(memory_->unmap(kAt + 4, 64));  // would tear one apart
+    EXPECT_TRUE(memory_->unmap(kAt, 16));
+    EXPECT_EQ(board.read(kAt, got.data(), 8), kRefused);
+    EXPECT_EQ(board.read(kAt + 32, got.data(), 8), tlm::TLM_OK_RESPONSE);
+    memory_->answer_if([] { return false; });
+    EXPECT_EQ(board.read(kAt + 32, got.data(), 8), kRefused);
+  });
+}
+
+TEST(HostMemory, RefusesRangesThatOverlap) {
+  HostMemory memory("memory", 16);
+  std::array<std::uint8_t, 16> range{};
+  for (const std::uint64_t address : {std::uint64_t{0}, std::uint64_t{15}, kMessageAddress,
+                                      kMessageAddress - 15, ~std::uint64_t{0} - 14}) {
+    EXPECT_THROW(memory.map(address, range), std::invalid_argument) << address;
+  }
+  EXPECT_THROW(memory.map(64, {}), std::invalid_argument);
+  memory.map(64, range);
+  EXPECT_THROW(memory.map(49, range), std::invalid_argument);
+  memory.map(48, range);
+  memory.map(~std::uint64_t{0} - 15, range);
+  EXPECT_FALSE(memory.unmap(0, ~std::uint64_t{0}));  // all but the last byte of all
+  EXPECT_THROW(memory.map(~std::uint64_t{0} - 15, range), std::invalid_argument);
+  EXPECT_TRUE(memory.unmap(~std::uint64_t{0} - 15, 16));
+  memory.map(~std::uint64_t{0} - 15, range);
+}
+
 TEST(HostMemory, DoesNotReachIntoTheWindowOfMessages) {
   EXPECT_THROW(HostMemory("memory", kMessageAddress + 1), std::invalid_argument);
 }

@@ -1,5 +1,7 @@
 #include "vp/board/board_assembly.h"
 
+#include <utility>
+
 #include "models/config/input_error.h"
 #include "vp/bus/memory_map.h"
 
@@ -15,7 +17,8 @@ BoardAssembly::BoardAssembly(const PlatformSettings& settings, Numbers numbers,
   memory_ = std::make_unique<HostMemory>("memory", memory_bytes);
 }
 
-void BoardAssembly::connect(BusAssembly& buses, InterruptIf& host) {
+void BoardAssembly::connect(BusAssembly& buses, InterruptIf& host,
+                            std::function<bool()> messages_enabled) {
   Accelerator::require_supported(settings_.fidelity.accelerator, settings_.solver);
   InterruptIf& hears = settings_.faults.empty() ? host : inject(host);
   buses.at_solver_board([this](auto& bus) {
@@ -25,11 +28,10 @@ void BoardAssembly::connect(BusAssembly& buses, InterruptIf& host) {
     bus.attach_memory(memory_->from_bus);
   });
   InterruptIf& line = buses.line_to(hears);
-  if (settings_.transfer.notification == link::Notification::msi) {
-    memory_->interrupt.bind(hears);
-  } else {
-    accelerator_.interrupt.bind(line);
-  }
+  const bool messages = settings_.transfer.notification == link::Notification::msi;
+  if (messages) memory_->interrupt.bind(hears);
+  if (!messages || messages_enabled) accelerator_.interrupt.bind(line);
+  if (messages_enabled) accelerator_.messages_if(std::move(messages_enabled));
   if (settings_.waveform) trace();
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 
 #include "vp/board/faults.h"
@@ -26,7 +27,9 @@ class BoardAssembly {
   // Puts the board on its bus; its interrupts end at `host`. Once, after all modules of the host
   // and the buses are built. Throws InputError with the keys "method" and "waveform" where the
   // accelerator's level does not have them.
-  void connect(BusAssembly& buses, InterruptIf& host);
+  // `messages_enabled`: of a host that decides while it runs whether interrupts are messages; it
+  // hears of the line otherwise.
+  void connect(BusAssembly& buses, InterruptIf& host, std::function<bool()> messages_enabled = {});
 
   Accelerator& accelerator() { return accelerator_; }
   const Accelerator& accelerator() const { return accelerator_; }

@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "models/config/input_error.h"
 #include "vp/main_stack.h"
@@ -27,8 +28,8 @@ BoardSide::BoardSide(const PlatformSettings& settings, const Workload& workload,
       board_(make_board(settings, workload, ledger, register_trace)),
       device_(settings, session, ledger) {}
 
-void BoardSide::connect(InterruptIf& host) {
-  if (board_ != nullptr) board_->connect(buses_, host);
+void BoardSide::connect(InterruptIf& host, std::function<bool()> messages_enabled) {
+  if (board_ != nullptr) board_->connect(buses_, host, std::move(messages_enabled));
   device_.connect(buses_);
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -35,7 +36,7 @@ class BoardSide {
   tlm::tlm_target_socket<>& from_host() { return buses_.from_host(); }
   // The board's interrupts end at `host`. Once, after every other module is built. Throws as
   // BoardAssembly::connect() does.
-  void connect(InterruptIf& host);
+  void connect(InterruptIf& host, std::function<bool()> messages_enabled = {});
   // Waits until nothing that was posted is under way; in the caller's process.
   void drain() { buses_.drain(); }
 

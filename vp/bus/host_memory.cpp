@@ -1,6 +1,8 @@
 #include "vp/bus/host_memory.h"
 
+#include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <stdexcept>
 
 namespace hvp::vp {
@@ -27,26 +29,84 @@ HostMemory::HostMemory(const sc_core::sc_module_name& name, std::size_t bytes)
       interrupt("interrupt"),
       bytes_(outside_the_window(bytes)) {
   from_bus.register_b_transport(this, &HostMemory::b_transport);
+  if (bytes > 0) ranges_.push_back({0, bytes_, true});
+}
+
+void HostMemory::map(std::uint64_t address, std::span<std::uint8_t> memory, bool writable) {
+  if (memory.empty()) throw std::invalid_argument("a range of memory without a byte");
+  const std::uint64_t last = address + (memory.size() - 1);
+  if (last < address) throw std::invalid_argument("a range of memory beyond the last address");
+  const std::uint64_t last_message = kMessageAddress + kMessageBytes - 1;
+  if (address <= last_message && last >= kMessageAddress) {
+    throw std::invalid_argument("a range of memory reaches into the window of messages");
+  }
+  const auto next = std::ranges::upper_bound(ranges_, address, {}, &Range::address);
+  const bool behind = next != ranges_.end() && next->address <= last;
+  const bool before = next != ranges_.begin() &&
+                      address - std::prev(next)->address < std::prev(next)->memory.size();
+  if (behind || before) throw std::invalid_argument("a range of memory overlaps another one");
+  ranges_.insert(next, {address, memory, writable});
+}
+
+bool HostMemory::unmap(std::uint64_t address, std::uint64_t bytes) {
+  const auto inside = [=](const Range& range) {
+    return range.address >= address && range.address - address < bytes &&
+           range.memory.size() <= bytes - (range.address - address);
+  };
+  const auto outside = [=](const Range& range) {
+    if (range.address >= address) return range.address - address >= bytes;
+    return address - range.address >= range.memory.size();
+  };
+  const bool clean = std::ranges::all_of(
+      ranges_, [&](const Range& range) { return inside(range) || outside(range); });
+  if (clean) std::erase_if(ranges_, inside);
+  return clean;
+}
+
+const HostMemory::Range* HostMemory::range_at(std::uint64_t address) const {
+  const auto next = std::ranges::upper_bound(ranges_, address, {}, &Range::address);
+  if (next == ranges_.begin()) return nullptr;
+  const Range& range = *std::prev(next);
+  return address - range.address < range.memory.size() ? &range : nullptr;
+}
+
+// All of it or nothing.
+bool HostMemory::move(tlm::tlm_generic_payload& transaction) {
+  const std::uint64_t first = transaction.get_address();
+  const std::size_t length = transaction.get_data_length();
+  unsigned char* const data = transaction.get_data_ptr();
+  const auto each_part = [&](const auto& visit) {
+    for (std::size_t done = 0; done < length;) {
+      if (first + done < first) return false;
+      const Range* const range = range_at(first + done);
+      if (range == nullptr || (transaction.is_write() && !range->writable)) return false;
+      const std::size_t at = first + done - range->address;
+      const std::size_t part = std::min(length - done, range->memory.size() - at);
+      visit(range->memory.data() + at, data + done, part);
+      done += part;
+    }
+    return true;
+  };
+  if (!each_part([](auto...) {})) return false;
+  return each_part([&](std::uint8_t* memory, unsigned char* words, std::size_t part) {
+    if (transaction.is_write()) {
+      std::memcpy(memory, words, part);
+    } else if (transaction.is_read()) {
+      std::memcpy(words, memory, part);
+    }
+  });
 }
 
 void HostMemory::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& /*delay*/) {
-  const std::uint64_t address = transaction.get_address();
   const std::size_t length = transaction.get_data_length();
   unsigned char* const data = transaction.get_data_ptr();
   if (!plain(transaction)) {
     transaction.set_response_status(tlm::TLM_BURST_ERROR_RESPONSE);
-  } else if (take_message(transaction)) {
-    transaction.set_response_status(tlm::TLM_OK_RESPONSE);
-  } else if (address > bytes_.size() || length > bytes_.size() - address) {
-    transaction.set_response_status(tlm::TLM_ADDRESS_ERROR_RESPONSE);
-  } else {
-    if (transaction.is_write()) {
-      std::memcpy(bytes_.data() + address, data, length);
-    } else if (transaction.is_read()) {
-      std::memcpy(data, bytes_.data() + address, length);
-    }
+  } else if ((!allowed_ || allowed_()) && (take_message(transaction) || move(transaction))) {
     transaction.set_response_status(tlm::TLM_OK_RESPONSE);
     return;
+  } else {
+    transaction.set_response_status(tlm::TLM_ADDRESS_ERROR_RESPONSE);
   }
   if (transaction.is_read() && data != nullptr) std::memset(data, 0xff, length);
 }

@@ -1,6 +1,7 @@
 #include "vp/fpga/accelerator.h"
 
 #include <cmath>
+#include <utility>
 
 #include <spdlog/spdlog.h>
 
@@ -157,6 +158,13 @@ void Accelerator::reset() {
   drive_interrupt_line(*commanding_tag_);
 }
 
+void Accelerator::power_on() {
+  Tag none;
+  Tag* const commanding = std::exchange(commanding_tag_, &none);
+  reset();
+  commanding_tag_ = commanding;
+}
+
 void Accelerator::raise(BoardError error) {
   if (bank_.get(field::kInterruptStatusError) == 0) {
     bank_.set(field::kErrorCode, static_cast<std::uint32_t>(error.code));
@@ -183,8 +191,10 @@ void Accelerator::drive_interrupt_line(const Tag& tag) {
       (bank_.get(Register::interrupt_status) & bank_.get(Register::interrupt_enable)) != 0;
   if (up == line_up_) return;
   line_up_ = up;
-  if (dma_ != nullptr && dma_->sends_messages()) {
-    if (up) dma_->send_message(tag);
+  const bool message =
+      dma_ != nullptr && dma_->sends_messages() && (!messages_enabled_ || messages_enabled_());
+  if (up && message) {
+    dma_->send_message(tag);
     return;
   }
   if (interrupt.size() == 0) return;

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 #include <systemc>
+#include <utility>
 
 #include <tlm_utils/simple_target_socket.h>
 
@@ -70,10 +72,17 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   DmaEngine* dma() { return dma_.get(); }
   // Of the last job that ended, for a host that finds out by looking.
   const JobEnd& job_end() const { return job_end_; }
+  // A board whose host decides whether its interrupts are messages: asked when one is to be raised.
+  // Where not, the line is.
+  void messages_if(std::function<bool()> enabled) { messages_enabled_ = std::move(enabled); }
+  // As after power-on, by itself: no software asked for it.
+  void power_on();
   // Faults of the board's own happen as the plan says, from now on.
   void inject(FaultPlan& plan);
 
   const RegisterBank& bank() const { return bank_; }
+  // The interrupt request; a reference, for whoever traces it.
+  const bool& line_up() const { return line_up_; }
   std::int64_t illegal_accesses() const { return illegal_accesses_; }
   // Of all jobs.
   std::int64_t saturations() const { return saturations_; }
@@ -176,6 +185,7 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   Tag* commanding_tag_ = nullptr;
   Picoseconds wait_states_ = 0;
   bool line_up_ = false;
+  std::function<bool()> messages_enabled_;
   std::int64_t illegal_accesses_ = 0;
   std::int64_t saturations_ = 0;
   std::int64_t wraps_ = 0;

@@ -77,6 +77,8 @@ class RegisterBank {
 
   // ---- The board's side. Access rights do not apply.
   std::uint32_t get(Register reg) const { return value_[index(reg)]; }
+  // The same, as somebody who traces it needs it.
+  const std::uint32_t& stored(Register reg) const { return value_[index(reg)]; }
   void set(Register reg, std::uint32_t value) { value_[index(reg)] = value; }
   std::uint32_t get(Field field) const { return (get(field.reg) & field.mask()) >> field.low; }
   // Bits of `value` beyond the field's width are dropped.

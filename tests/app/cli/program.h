@@ -30,6 +30,7 @@ class Program {
   void signal(int number);
   // The programs that it has started and that still run.
   std::vector<pid_t> children() const;
+  pid_t pid() const { return pid_; }
   bool ended();
   Ended wait();
   // What it has printed so far.

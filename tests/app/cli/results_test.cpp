@@ -300,9 +300,39 @@ TEST_F(Results, RegisterLogHasEveryAccess) {
   EXPECT_EQ(bytes + 40 * (4 + 12 + 12), summary().at("bus").at("bytes").get<std::int64_t>());
 }
 
+// How often a wire of a VCD file changes to this value, or to any.
+std::int64_t changes(const std::string& vcd, const std::string& wire, const std::string& value) {
+  std::string code;
+  std::int64_t count = 0;
+  std::istringstream stream(vcd);
+  for (std::string line; std::getline(stream, line);) {
+    std::istringstream words(line);
+    std::string kind, type, width, id, name;
+    if (words >> kind >> type >> width >> id >> name && kind == "$var" && name == wire) code = id;
+    if (code.empty() || line.size() != 1 + code.size() || !line.ends_with(code)) continue;
+    if (value.empty() || line.starts_with(value)) ++count;
+  }
+  return count;
+}
+
+TEST_F(Results, TheWaveformHasEveryAccessAndInterrupt) {
+  run({"--trace-registers"});
+  const std::string vcd = file("registers.vcd");
+  const auto accesses = static_cast<std::int64_t>(lines(file("registers.log")).size()) - 1;
+  // Its first value is dumped too; the access with which the run ends is not.
+  EXPECT_EQ(changes(vcd, "toggle", ""), 1 + accesses - 1);
+  // One for K's check and one a solve.
+  EXPECT_EQ(changes(vcd, "interrupt", "1"), 41);
+  EXPECT_EQ(changes(vcd, "interrupt", "0"), 41 + 1);
+  EXPECT_EQ(changes(vcd, "refused", "1"), 0);
+  run({"--trace-registers"});
+  EXPECT_TRUE(file("registers.vcd") == vcd);
+}
+
 TEST_F(Results, NothingIsLoggedUnlessAskedFor) {
   run();
   EXPECT_THROW(file("registers.log"), std::runtime_error);
+  EXPECT_THROW(file("registers.vcd"), std::runtime_error);
 }
 
 // A log that is no terminal gets no progress, so that --quiet changes nothing there.

@@ -22,8 +22,8 @@ TEST(Usage, HelpNamesEveryCommandAndTheExitStatus) {
   const ScratchDirectory place;
   const Ended ended = hvp(place.path(), {"--help"});
   EXPECT_EQ(ended.status, 0);
-  for (const char* word : {"run", "explain", "solve", "mesh", "export", "resolve", "reference",
-                           "study", "sweep", "compare", "report", "Exit status"}) {
+  for (const char* word : {"run", "explain", "serve", "solve", "mesh", "export", "resolve",
+                           "reference", "study", "sweep", "compare", "report", "Exit status"}) {
     EXPECT_THAT(ended.out, HasSubstr(word));
   }
   EXPECT_EQ(ended.err, "");
@@ -32,7 +32,7 @@ TEST(Usage, HelpNamesEveryCommandAndTheExitStatus) {
 TEST(Usage, EveryCommandHasHelp) {
   const ScratchDirectory place;
   for (const char* command :
-       {"run", "explain", "solve", "mesh", "export", "resolve", "reference"}) {
+       {"run", "explain", "serve", "solve", "mesh", "export", "resolve", "reference"}) {
     const Ended ended = hvp(place.path(), {command, "--help"});
     EXPECT_EQ(ended.status, 0);
     EXPECT_THAT(ended.out, HasSubstr(std::string("Usage: hvp ") + command));
@@ -66,9 +66,10 @@ TEST_P(WrongUsage, IsOneLineAndStatusTwo) {
 INSTANTIATE_TEST_SUITE_P(
     CommandLine, WrongUsage,
     ::testing::Values(
-        Wrong{{},
-              "expected a command: run, explain, device, stability, fit, solve, mesh, export, "
-              "resolve, reference"},
+        Wrong{
+            {},
+            "expected a command: run, explain, device, stability, serve, linux, fit, solve, mesh, "
+            "export, resolve, reference"},
         Wrong{{"rum"}, "unknown command rum; did you mean run?"},
         Wrong{{"simulate"}, "unknown command simulate; there is run, explain"},
         Wrong{{"study", "axes.toml"}, "hvp: study is run by ./hvp study …"},
@@ -90,6 +91,10 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{{"run", "a.toml", "--out"}, "--out: 1 required FOLDER missing"},
         Wrong{{"run", "a.toml", "--set"}, "--set: 1 required KEY=VALUE missing"},
         Wrong{{"export", "a.toml"}, "export: --out is required"},
+        Wrong{{"serve"}, "serve: scenario is required"},
+        Wrong{{"serve", "a.toml"}, "serve: --vfio-user is required"},
+        Wrong{{"serve", "a.toml", "--vfio-user", ""}, "serve: --vfio-user: expected a value"},
+        Wrong{{"serve", "a.toml", "--vfio-usr", "b"}, "did you mean --vfio-user?"},
         Wrong{{"solve"}, "solve: --matrix is required"},
         Wrong{{"solve", "--matrix", "a.mtx"}, "solve: --rhs is required"},
         Wrong{{"solve", "--matrx", "a.mtx"}, "did you mean --matrix?"},

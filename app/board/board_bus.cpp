@@ -1,0 +1,112 @@
+#include "app/board/board_bus.h"
+
+#include <algorithm>
+#include <array>
+#include <span>
+
+#include "models/time/picoseconds.h"
+#include "vp/bus/host_memory.h"
+
+namespace hvp::app {
+
+namespace {
+
+using vp::Command;
+using vp::ConfigSpace;
+using vp::Picoseconds;
+
+// A day. Picoseconds of longer waits would leave 64 bits before long.
+constexpr std::uint64_t kLongestWaitNs = std::uint64_t{86'400} * 1'000'000'000;
+
+// The COMMAND register, and what it switches on.
+constexpr std::uint64_t kCommandAt = 4;
+constexpr std::uint8_t kMemorySpaceAndMaster = 6;
+
+BoardBus& self(void* context) { return *static_cast<BoardBus*>(context); }
+
+std::span<std::uint8_t> bytes_of(std::uint32_t* words, std::size_t count) {
+  return {reinterpret_cast<std::uint8_t*>(words), 4 * count};
+}
+
+}  // namespace
+
+BoardBus::BoardBus(vp::BoardFunction& function, const vp::Transfer& transfer, bool reports_errors)
+    : function_(function), poll_interval_(to_picoseconds(transfer.poll_interval_s)) {
+  function.host().listen(*this);
+  bus_.context = this;
+  bus_.read32 = [](void* context, std::uint32_t offset) noexcept {
+    std::uint32_t value = 0;
+    self(context).function_.host().access(Command::read, offset, bytes_of(&value, 1));
+    return value;
+  };
+  bus_.write32 = [](void* context, std::uint32_t offset, std::uint32_t value) noexcept {
+    self(context).function_.host().access(Command::write, offset, bytes_of(&value, 1));
+  };
+  bus_.read_block = [](void* context, std::uint32_t offset, std::uint32_t* words,
+                       std::size_t count) noexcept {
+    self(context).function_.host().access(Command::read, offset, bytes_of(words, count));
+  };
+  bus_.write_block = [](void* context, std::uint32_t offset, const std::uint32_t* words,
+                        std::size_t count) noexcept {
+    // A write only reads them.
+    self(context).function_.host().access(Command::write, offset,
+                                          bytes_of(const_cast<std::uint32_t*>(words), count));
+  };
+  if (transfer.notification == link::Notification::polling) {
+    bus_.pause = [](void* context) noexcept {
+      self(context).let_pass(self(context).poll_interval_);
+    };
+  } else {
+    bus_.wait_interrupt = [](void* context, std::uint64_t timeout_ns) noexcept {
+      return self(context).wait_interrupt(timeout_ns);
+    };
+  }
+  bus_.interrupts_after_writes = transfer.notification == link::Notification::msi;
+  bus_.now_ns = [](void*) noexcept { return static_cast<std::uint64_t>(vp::now_ps() / 1000); };
+  if (!reports_errors) return;
+  bus_.take_errors = [](void* context) noexcept { return self(context).take_errors(); };
+}
+
+void BoardBus::enumerate() {
+  const std::array<std::uint8_t, 1> command = {kMemorySpaceAndMaster};
+  function_.config().write(kCommandAt, command);
+  // No effect where the function has no messages.
+  const std::array<std::uint8_t, 4> address = {0, 0, 0xe0, 0xfe};
+  static_assert(vp::kMessageAddress == 0xfee0'0000);
+  function_.config().write(ConfigSpace::kMessageAt + 4, address);
+  const std::array<std::uint8_t, 1> enable = {1};
+  function_.config().write(ConfigSpace::kMessageAt + 2, enable);
+}
+
+bool BoardBus::take_interrupt() {
+  const bool up = function_.host().line_is_up() || message_;
+  message_ = false;
+  return up;
+}
+
+int BoardBus::wait_interrupt(std::uint64_t timeout_ns) {
+  const Picoseconds late =
+      vp::now_ps() + static_cast<Picoseconds>(std::min(timeout_ns, kLongestWaitNs)) * 1000;
+  while (!take_interrupt()) {
+    if (function_.host().run_until(late)) {
+      return take_interrupt() ? HVP_INTERRUPT : HVP_INTERRUPT_TIMED_OUT;
+    }
+  }
+  return HVP_INTERRUPT;
+}
+
+std::uint32_t BoardBus::take_errors() {
+  vp::BusErrors& noted = function_.bus_errors();
+  std::uint32_t errors = 0;
+  if (noted.master_abort) errors |= HVP_BUS_MASTER_ABORT;
+  if (noted.parity) errors |= HVP_BUS_PARITY;
+  noted = {};
+  return errors;
+}
+
+void BoardBus::let_pass(Picoseconds time) {
+  const Picoseconds end = vp::now_ps() + time;
+  while (!function_.host().run_until(end)) continue;
+}
+
+}  // namespace hvp::app

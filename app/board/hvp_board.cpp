@@ -1,0 +1,218 @@
+#include "app/board/hvp_board.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "app/board/board_bus.h"
+#include "app/board/outside_board.h"
+#include "app/results/register_trace.h"
+#include "app/results/results_folder.h"
+#include "app/scene/loaded_scenario.h"
+#include "vp/frame/critical_path.h"
+#include "vp/frame/observer.h"
+#include "vp/function/board_function.h"
+
+using hvp::vp::Command;
+using hvp::vp::Picoseconds;
+
+// The last job that is over.
+class LastJob : public hvp::vp::FrameObserver {
+ public:
+  void closed(const hvp::vp::Frame& frame, const hvp::vp::CriticalPath& path) override {
+    const auto ps = [](Picoseconds time) { return static_cast<std::uint64_t>(time); };
+    job = {.number = static_cast<std::uint64_t>(frame.number),
+           .begin_ps = ps(frame.born),
+           .end_ps = ps(frame.born + frame.latency()),
+           .host_ps = ps(path.time(hvp::vp::Part::host)),
+           .bus_ps = ps(path.time(hvp::vp::Part::bus)),
+           .fpga_ps = ps(path.time(hvp::vp::Part::fpga))};
+  }
+
+  std::optional<hvp_board_job> job;
+};
+
+struct hvp_board {
+  hvp_board(const hvp::vp::PlatformSettings& settings, const char* folder)
+      : trace(traced(folder)),
+        function(settings, trace.get()),
+        bus(function, settings.transfer, !settings.faults.empty()) {
+    function.ledger().add_observer(last_job);
+    if (trace != nullptr) trace->watch(function.accelerator());
+    bus.enumerate();
+  }
+
+  static std::unique_ptr<hvp::results::RegisterTrace> traced(const char* folder) {
+    if (folder == nullptr) return nullptr;
+    hvp::results::create_folder(folder, "hvp_board_options.trace");
+    return std::make_unique<hvp::results::RegisterTrace>(folder);
+  }
+
+  LastJob last_job;
+  std::unique_ptr<hvp::results::RegisterTrace> trace;
+  hvp::vp::BoardFunction function;
+  hvp::app::BoardBus bus;
+};
+
+namespace {
+
+bool a_board_was_open = false;
+
+// "Simulation stopped by user" and its like are nobody's business.
+// stdout is the program's: warnings go to stderr, a line each, without a date.
+void be_quiet() {
+  auto log =
+      std::make_shared<spdlog::logger>("hvp", std::make_shared<spdlog::sinks::stderr_sink_st>());
+  log->set_pattern("%l: %v");
+  spdlog::set_default_logger(std::move(log));
+  sc_core::sc_report_handler::set_actions("/OSCI/SystemC", sc_core::SC_INFO,
+                                          sc_core::SC_DO_NOTHING);
+}
+
+std::unique_ptr<hvp_board> open_board(const char* scenario, const hvp_board_options& options) {
+  if (scenario == nullptr) throw std::invalid_argument("hvp_board_open: no scenario file");
+  if (a_board_was_open) {
+    throw std::invalid_argument("hvp_board_open: a process has one board, and it had one");
+  }
+  hvp::app::ScenarioSource source;
+  source.scenario = scenario;
+  for (std::size_t i = 0; i < options.override_count; ++i) {
+    source.overrides.emplace_back(options.overrides[i]);
+  }
+  const hvp::app::LoadedScenario loaded = hvp::app::load_untitled(source);
+  const hvp::vp::PlatformSettings settings = hvp::app::outside_board(loaded);
+  be_quiet();
+  a_board_was_open = true;
+  return std::make_unique<hvp_board>(settings, options.trace);
+}
+
+// What a C++ part throws ends here: no C frame is unwound.
+template <class Result, class Action>
+Result caught(Result otherwise, const Action& action) noexcept {
+  try {
+    return action();
+  } catch (...) {
+    return otherwise;
+  }
+}
+
+void say(std::string_view what, char* why, std::size_t why_bytes) {
+  if (why == nullptr || why_bytes == 0) return;
+  const std::size_t length = std::min(what.size(), why_bytes - 1);
+  std::memcpy(why, what.data(), length);
+  why[length] = '\0';
+}
+
+}  // namespace
+
+hvp_board* hvp_board_open(const char* scenario, const hvp_board_options* options, char* why,
+                          std::size_t why_bytes) {
+  say("", why, why_bytes);
+  try {
+    return open_board(scenario, options == nullptr ? hvp_board_options{} : *options).release();
+  } catch (const std::exception& e) {
+    say(e.what(), why, why_bytes);
+  } catch (...) {
+    say("hvp_board_open: failed", why, why_bytes);
+  }
+  return nullptr;
+}
+
+void hvp_board_close(hvp_board* board) {
+  if (board != nullptr && board->trace != nullptr) {
+    caught(false, [board] {
+      board->trace->finish();
+      return true;
+    });
+  }
+  delete board;
+}
+
+const hvp_bus* hvp_board_bus(hvp_board* board) { return &board->bus.bus(); }
+
+bool hvp_board_map(hvp_board* board, std::uint64_t bus_address, void* memory, std::size_t bytes) {
+  hvp::vp::HostMemory* const host = board->function.memory();
+  if (host == nullptr || memory == nullptr) return false;
+  return caught(false, [&] {
+    host->map(bus_address, {static_cast<std::uint8_t*>(memory), bytes});
+    return true;
+  });
+}
+
+bool hvp_board_unmap(hvp_board* board, std::uint64_t bus_address, std::uint64_t bytes) {
+  hvp::vp::HostMemory* const host = board->function.memory();
+  return host != nullptr && host->unmap(bus_address, bytes);
+}
+
+void hvp_board_read(hvp_board* board, std::uint64_t offset, void* data, std::size_t bytes) {
+  caught(false, [&] {
+    return board->function.host().access(Command::read, offset,
+                                         {static_cast<std::uint8_t*>(data), bytes});
+  });
+}
+
+void hvp_board_write(hvp_board* board, std::uint64_t offset, const void* data, std::size_t bytes) {
+  // A write only reads them.
+  auto* const words = const_cast<std::uint8_t*>(static_cast<const std::uint8_t*>(data));
+  caught(false, [&] {
+    return board->function.host().access(Command::write, offset, {words, bytes});
+  });
+}
+
+std::uint32_t hvp_board_config_read(hvp_board* board, std::uint32_t offset, std::size_t bytes) {
+  std::array<std::uint8_t, 4> data{};
+  const std::span<std::uint8_t> part = std::span(data).first(std::min<std::size_t>(bytes, 4));
+  board->function.config().read(offset, part);
+  std::uint32_t value = 0;
+  for (std::size_t i = part.size(); i > 0; --i) value = value << 8U | part[i - 1];
+  return value;
+}
+
+void hvp_board_config_write(hvp_board* board, std::uint32_t offset, std::uint32_t value,
+                            std::size_t bytes) {
+  std::array<std::uint8_t, 4> data{};
+  const std::span<std::uint8_t> part = std::span(data).first(std::min<std::size_t>(bytes, 4));
+  for (std::size_t i = 0; i < part.size(); ++i) part[i] = static_cast<std::uint8_t>(value >> 8 * i);
+  caught(false, [&] {
+    board->function.config().write(offset, part);
+    return true;
+  });
+}
+
+std::uint64_t hvp_board_now_ps(const hvp_board* /*board*/) {
+  return static_cast<std::uint64_t>(hvp::vp::now_ps());
+}
+
+bool hvp_board_next_event_ps(const hvp_board* /*board*/, std::uint64_t* when_ps) {
+  const std::optional<Picoseconds> next = hvp::vp::BoardSide::next_event();
+  if (next) *when_ps = static_cast<std::uint64_t>(*next);
+  return next.has_value();
+}
+
+bool hvp_board_run_until_ps(hvp_board* board, std::uint64_t time_ps) {
+  return caught(
+      false, [&] { return board->function.host().run_until(static_cast<Picoseconds>(time_ps)); });
+}
+
+bool hvp_board_interrupt(hvp_board* board) { return board->bus.take_interrupt(); }
+
+bool hvp_board_last_job(hvp_board* board, hvp_board_job* job) {
+  return caught(false, [&] {
+    board->function.host().frames().finish();
+    if (board->last_job.job) *job = *board->last_job.job;
+    return board->last_job.job.has_value();
+  });
+}
+
+// SystemC's library has a main of its own that calls this; it is not used.
+int sc_main(int /*argc*/, char** /*argv*/) { return 1; }

@@ -1,0 +1,44 @@
+#include "app/board/outside_board.h"
+
+#include "models/config/input_error.h"
+#include "models/time/picoseconds.h"
+
+namespace hvp::app {
+
+namespace {
+
+void require_board(const Scenario& s) {
+  if (s.wall) {
+    throw InputError("wall", "the scenario has a wall and no board: expected one with [object]");
+  }
+  if (s.host.solver != host::SolvedBy::board) {
+    throw InputError("host.solver", "the host solves and there is no board: expected \"board\"");
+  }
+  if (s.timing_only()) {
+    throw InputError("fidelity.numbers",
+                     "a board without numbers has nothing to tell another program: expected "
+                     "\"fixed\"");
+  }
+  if (s.bus.graphics_traffic) {
+    throw InputError("bus.graphics_traffic",
+                     "pictures are drawn by the host of hvp run, and this one is another program: "
+                     "expected a scenario without them");
+  }
+}
+
+}  // namespace
+
+vp::PlatformSettings outside_board(const LoadedScenario& loaded) try {
+  require_board(loaded.scenario);
+  Scenario s = loaded.scenario;
+  take_samples(s);
+  vp::PlatformSettings settings(s);
+  settings.period = to_picoseconds(s.budget.period_s);
+  settings.budget = settings.period;
+  settings.solver = s.solver;
+  return settings;
+} catch (const InputError& e) {
+  throw loaded.document.complete(e);
+}
+
+}  // namespace hvp::app

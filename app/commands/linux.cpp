@@ -1,0 +1,135 @@
+#include <chrono>
+#include <fstream>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "app/board/outside_board.h"
+#include "app/commands/commands.h"
+#include "app/commands/terminal.h"
+#include "app/linux/guest.h"
+#include "app/linux/guest_error.h"
+#include "app/linux/guest_results.h"
+#include "app/results/interruption.h"
+#include "app/results/number_text.h"
+#include "app/results/register_trace.h"
+#include "app/results/results_folder.h"
+#include "vp/function/board_function.h"
+
+namespace hvp::app {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+namespace fs = std::filesystem;
+
+// Where driver/linux/kernel/build.sh puts what it makes: build/linux, beside this program's own
+// folder (build/release/app/hvp).
+fs::path built(std::string_view name) {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  return program.parent_path().parent_path().parent_path() / "linux" / name;
+}
+
+void expect_file(std::string_view option, const fs::path& file, int access, bool own) {
+  std::error_code ignored;
+  if (fs::is_regular_file(file, ignored) && ::access(file.c_str(), access) == 0) return;
+  if (own) {
+    throw InputError(
+        fmt::format("no file {}: expected one that driver/linux/kernel/build.sh has "
+                    "built, or {}",
+                    file.string(), option));
+  }
+  throw InputError(fmt::format("{} {}: expected a file that can be {}", option, file.string(),
+                               (access & X_OK) != 0 ? "run" : "read"));
+}
+
+guest::GuestSettings guest_settings(const LinuxArguments& arguments) {
+  guest::GuestSettings settings;
+  settings.kernel = arguments.kernel.empty() ? built("plain/linux") : arguments.kernel;
+  settings.initrd = arguments.initrd.empty() ? built("plain/initramfs.cpio.gz") : arguments.initrd;
+  settings.script = arguments.script;
+  settings.memory = arguments.memory;
+  settings.arguments = arguments.kernel_arguments;
+  settings.patience =
+      std::chrono::milliseconds(static_cast<std::int64_t>(arguments.patience_s * 1000));
+  expect_file("--kernel", settings.kernel, R_OK | X_OK, arguments.kernel.empty());
+  expect_file("--initrd", settings.initrd, R_OK, arguments.initrd.empty());
+  if (!settings.script.empty()) expect_file("--script", settings.script, R_OK, false);
+  settings.kernel = fs::absolute(settings.kernel);
+  return settings;
+}
+
+std::string frames_text(const guest::GuestFigures& figures) {
+  const vp::Verdict& v = figures.verdict;
+  if (v.frames() == 0) return "no job was solved";
+  std::string text =
+      fmt::format("{} frames, {} a period of {}: worst {}, median {}; {}", v.frames(),
+                  v.force_in_time() && v.load_held() ? "all within" : "not all within",
+                  results::readable_time(v.budget()), results::readable_time(v.worst_latency()),
+                  results::readable_time(v.percentile(0.5)),
+                  v.misses() == 0 ? std::string("no miss") : fmt::format("{} late", v.misses()));
+  text += "\n  worst frame   ";
+  const char* separator = "";
+  for (const vp::Attribution& a : v.attribution()) {
+    text += fmt::format("{}{} {} {}", separator, vp::name(a.part), vp::name(a.phase),
+                        results::readable_time(a.time));
+    separator = ", ";
+  }
+  return text;
+}
+
+}  // namespace
+
+int linux_command(const LinuxArguments& arguments) {
+  check_kernel("HVP_KERNEL");
+  const guest::GuestSettings chosen = guest_settings(arguments);
+  const LoadedScenario loaded = load(arguments);
+  fs::path out = arguments.out;
+  if (out.empty()) (out = results_folder(arguments)) += "-linux";
+  const vp::PlatformSettings board_settings = outside_board(loaded);
+  results::create_folder(out, "--out");
+  const results::FolderLock lock(out);
+  const results::DeferredInterruption deferred;
+
+  const Clock::time_point start = Clock::now();
+  std::optional<results::RegisterTrace> registers;
+  if (arguments.trace_registers) registers.emplace(out);
+  vp::BoardFunction board(board_settings, registers ? &*registers : nullptr);
+  if (registers) registers->watch(board.accelerator());
+  guest::GuestResults results(out, loaded.scenario, loaded.device_file, board);
+  guest::GuestSettings settings = chosen;
+  std::ofstream console(out / "console.log", std::ios::trunc);
+  settings.print = [&](std::string_view line) {
+    // Whoever looks on sees a guest that hangs up to where it does.
+    console << line << std::endl;
+    if (arguments.quiet) return;
+    print("{}\n", line);
+    std::fflush(stdout);
+  };
+  guest::Guest::End end;
+  guest::GuestFigures figures;
+  {
+    guest::Guest guest(board, settings);
+    end = guest.run();
+    figures = results.finish(loaded.scenario, guest.counts(), guest.first_access());
+  }
+  if (registers) registers->finish();
+
+  print("\n{}\n\nResults in {} ({:.3g} s simulated in {:.2f} s)\n", frames_text(figures),
+        out.string(), to_seconds(figures.simulated),
+        std::chrono::duration<double>(Clock::now() - start).count());
+  if (end.interrupted) {
+    std::fflush(stdout);
+    complain("hvp: interrupted: the results are of the frames before");
+    results::end_as_interrupted();
+  }
+  if (!chosen.script.empty() && end.script_status.value_or(-1) != 0) {
+    throw guest::GuestError(end.script_status
+                                ? fmt::format("the script ended with status {}", *end.script_status)
+                                : std::string("the guest ended before its script did"));
+  }
+  return figures.held() ? kHeld : kNotHeld;
+}
+
+}  // namespace hvp::app

@@ -1,0 +1,308 @@
+#include "app/linux/board_device.h"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "app/linux/guest_error.h"
+#include "app/linux/guest_time.h"
+#include "vp/bus/memory_map.h"
+
+namespace hvp::guest {
+
+using vhost::Request;
+
+namespace {
+
+// A level that nobody takes away is told of again after this: time has to go on, as it does for a
+// processor that enters its handler again.
+constexpr vp::Picoseconds kLineAgain = 1'000'000;
+
+}  // namespace
+
+BoardDevice::BoardDevice(vp::OutsideHost& host, vp::HostMemory* memory, Calendar& calendar,
+                         Stream stream)
+    : host_(host), memory_(memory), calendar_(calendar), stream_(std::move(stream)) {
+  host_.listen(*this);
+}
+
+BoardDevice::~BoardDevice() { unshare_memory(); }
+
+void BoardDevice::serve() {
+  std::array<std::uint8_t, vhost::kHeaderBytes> head{};
+  std::vector<Descriptor> descriptors;
+  stream_.receive(head, &descriptors);
+  const vhost::Header header = vhost::parse_header(head);
+  std::array<std::uint8_t, vhost::kLongestPayload> room{};
+  const std::span<std::uint8_t> payload = std::span(room).first(header.size);
+  stream_.receive(payload, &descriptors);
+  const std::uint64_t number = answer(header, payload, descriptors);
+  const auto request = static_cast<Request>(header.request);
+  const bool asks = request == Request::get_features || request == Request::get_protocol_features ||
+                    request == Request::get_ring_base;
+  if (asks || header.needs_reply) stream_.send(vhost::compose_reply(header.request, number));
+}
+
+std::uint64_t BoardDevice::answer(const vhost::Header& header,
+                                  std::span<const std::uint8_t> payload,
+                                  std::vector<Descriptor>& descriptors) {
+  switch (static_cast<Request>(header.request)) {
+    case Request::get_features:
+      return vhost::kFeatures;
+    case Request::get_protocol_features:
+      return vhost::kProtocolFeatures;
+    case Request::set_features:
+    case Request::set_protocol_features:
+    case Request::set_owner:
+    case Request::reset_owner:
+    case Request::set_ring_kick:  // in band, both
+    case Request::set_ring_call:
+    case Request::set_ring_error:
+      return 0;
+    case Request::set_memory_table:
+      share_memory(payload, descriptors);
+      return 0;
+    case Request::set_ring_size: {
+      const vhost::RingState state = vhost::parse_ring_state(payload);
+      ring(state.ring).set_size(state.number);
+      return 0;
+    }
+    case Request::set_ring_base: {
+      const vhost::RingState state = vhost::parse_ring_state(payload);
+      ring(state.ring).set_base(state.number);
+      return 0;
+    }
+    case Request::get_ring_base:
+      return std::uint64_t{ring(vhost::parse_ring_state(payload).ring).next()} << 32U |
+             vhost::parse_ring_state(payload).ring;
+    case Request::set_ring_addresses: {
+      const vhost::RingAddresses addresses = vhost::parse_ring_addresses(payload);
+      ring(addresses.ring)
+          .set_addresses(guest_memory_.from_user(addresses.descriptors),
+                         guest_memory_.from_user(addresses.used),
+                         guest_memory_.from_user(addresses.available));
+      return 0;
+    }
+    case Request::set_ring_enable: {
+      const vhost::RingState state = vhost::parse_ring_state(payload);
+      ring(state.ring).enable(state.number != 0);
+      return 0;
+    }
+    case Request::set_back_channel:
+      if (descriptors.empty()) throw GuestError("vhost-user: a back channel without a descriptor");
+      back_channel_ = stream_.beside(std::move(descriptors.front()));
+      return 0;
+    case Request::ring_kick:
+      kicked(vhost::parse_ring_state(payload).ring);
+      return 0;
+  }
+  throw GuestError(fmt::format("vhost-user: a request {} that is not answered", header.request));
+}
+
+Virtqueue& BoardDevice::ring(std::uint32_t number) {
+  if (number < kRings) return rings_[number];
+  throw GuestError(fmt::format("vhost-user: ring {}, expected 0 or 1", number));
+}
+
+void BoardDevice::share_memory(std::span<const std::uint8_t> payload,
+                               std::vector<Descriptor>& descriptors) {
+  const std::vector<vhost::Region> regions = vhost::parse_memory_table(payload);
+  if (regions.size() != descriptors.size()) {
+    throw GuestError(fmt::format("vhost-user: {} regions of memory with {} descriptors",
+                                 regions.size(), descriptors.size()));
+  }
+  if (!operations_.empty()) throw GuestError("vhost-user: memory changes during an access");
+  unshare_memory();
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    mappings_.emplace_back(descriptors[i].number(), regions[i].offset, regions[i].size);
+    guest_memory_.add(regions[i], mappings_.back().bytes());
+    if (memory_ == nullptr) continue;
+    try {
+      memory_->map(regions[i].guest, mappings_.back().bytes());
+    } catch (const std::invalid_argument& e) {
+      throw GuestError(fmt::format("the guest's memory at {:#x}: {}", regions[i].guest, e.what()));
+    }
+  }
+}
+
+void BoardDevice::unshare_memory() {
+  if (memory_ != nullptr) memory_->unmap(0, ~std::uint64_t{0});
+  guest_memory_.clear();
+  mappings_.clear();
+}
+
+void BoardDevice::kicked(std::uint32_t number) {
+  if (&ring(number) == &rings_[kCommands]) {
+    take_commands();
+    hold();
+  } else if (line_up_ && line_told_) {
+    // Its handler is done with the last one, and the level is still there: a new edge, as soon as
+    // what it has written has arrived.
+    line_told_ = false;
+    line_again_ = vp::now_ps() + kLineAgain;
+  }
+  tell();
+}
+
+void BoardDevice::take_commands() {
+  while (auto chain = rings_[kCommands].pop(guest_memory_)) {
+    unreclaimed_ += static_cast<std::uint32_t>(chain->entries);
+    Operation operation{.chain = std::move(*chain), .command = {}};
+    operation.command = pci::parse(operation.chain.sent, operation.chain.room_bytes, vp::kBarBytes);
+    operations_.push_back(std::move(operation));
+  }
+  if (unreclaimed_ >= rings_[kCommands].size() && !counts_.overrun) {
+    counts_.overrun = true;
+    spdlog::warn(
+        "the guest writes {} times without a pause: its kernel loses what does not go "
+        "into its ring (docs/linux.md)",
+        unreclaimed_);
+  }
+}
+
+// The guest stands in its access: simulated time goes on until reads have their answers.
+void BoardDevice::hold() {
+  advance();
+  const vp::Picoseconds latest = to_ps(calendar_.latest(now_ns()));
+  while (reads_outstanding() || operations_.size() > kMostPosted) {
+    const bool reached = host_.run_until(latest);
+    advance();
+    if (!reached) continue;
+    if (reads_outstanding()) ++counts_.polled;
+    break;
+  }
+  while (!whole_ns()) {
+    host_.run_until(to_ps(now_ns()));
+    advance();
+  }
+  if (now_ns() > calendar_.told()) calendar_.run(now_ns());
+  if (unreclaimed_ > rings_[kCommands].size() / 2) give_back();
+}
+
+void BoardDevice::advance() {
+  begin();
+  finish();
+}
+
+void BoardDevice::begin() {
+  bool all_ended = true;
+  for (Operation& operation : operations_) {
+    if (!operation.begun) {
+      const bool config = operation.command.operation == pci::Operation::config_read ||
+                          operation.command.operation == pci::Operation::config_write;
+      if (config && !all_ended) return;
+      operation.begun = true;
+      if (config) {
+        make_config(operation);
+      } else if (operation.command.bar != 0 || operation.command.data.empty()) {
+        operation.ended = true;  // nothing is there
+      } else {
+        const bool reads = operation.command.reads();
+        ++(reads ? counts_.reads : counts_.writes);
+        host_.post({reads ? vp::Command::read : vp::Command::write, operation.command.address,
+                    operation.command.data, [&operation] { operation.ended = true; }});
+      }
+    }
+    all_ended = all_ended && operation.ended;
+  }
+}
+
+void BoardDevice::make_config(Operation& operation) {
+  pci::Command& command = operation.command;
+  if (command.reads()) {
+    host_.config().read(command.address, command.data);
+  } else {
+    host_.config().write(command.address, command.data);
+  }
+  operation.ended = true;
+}
+
+// In order: an answer goes back at once. A write goes back when the guest waits: its kernel takes a
+// microsecond for each that it finds while it polls for an answer.
+void BoardDevice::finish() {
+  while (!operations_.empty() && operations_.front().ended) {
+    const Operation& done = operations_.front();
+    if (done.command.reads()) {
+      rings_[kCommands].push(guest_memory_, done.chain.head, fill(done.chain, done.command.data));
+    } else {
+      written_.push_back(done.chain.head);
+    }
+    operations_.pop_front();
+  }
+}
+
+bool BoardDevice::reads_outstanding() const {
+  return std::ranges::any_of(operations_, [](const Operation& o) { return o.command.reads(); });
+}
+
+void BoardDevice::give_back() {
+  for (const std::uint16_t head : written_) rings_[kCommands].push(guest_memory_, head, 0);
+  written_.clear();
+  call(kCommands);
+}
+
+bool BoardDevice::settle() {
+  advance();
+  bool told = tell();
+  if (!written_.empty() && !reads_outstanding()) {
+    give_back();
+    told = true;
+  }
+  unreclaimed_ = 0;
+  for (const Operation& operation : operations_) {
+    unreclaimed_ += static_cast<std::uint32_t>(operation.chain.entries);
+  }
+  return told;
+}
+
+void BoardDevice::message(const vp::ConfigSpace::Message& message) {
+  untold_.push_back(pci::compose_message(message.address, message.data));
+}
+
+void BoardDevice::line(bool up) {
+  line_up_ = up;
+  line_told_ = false;
+  line_again_ = 0;
+}
+
+std::optional<vp::Picoseconds> BoardDevice::due() const {
+  if (!line_up_ || line_told_ || !host_.idle()) return std::nullopt;
+  return line_again_;
+}
+
+bool BoardDevice::tell() {
+  if (const auto at = due(); at && *at <= vp::now_ps()) {
+    line_told_ = true;
+    untold_.push_back(pci::compose_line());
+  }
+  bool told = false;
+  while (!untold_.empty()) {
+    const auto chain = rings_[kInterrupts].pop(guest_memory_);
+    if (!chain) break;  // its kernel is not through with those before
+    const pci::Interrupt bytes = untold_.front();
+    untold_.pop_front();
+    rings_[kInterrupts].push(guest_memory_, chain->head, fill(*chain, bytes));
+    ++counts_.interrupts;
+    told = true;
+  }
+  if (told) call(kInterrupts);
+  return told;
+}
+
+// The guest takes the call at this time, which it asks for, and answers.
+void BoardDevice::call(std::uint32_t number) {
+  if (!back_channel_) throw GuestError("the guest's kernel has no back channel for interrupts");
+  back_channel_.send(vhost::compose_call(number));
+  for (;;) {
+    const std::array sources = {back_channel_.number(), calendar_.number()};
+    if (stream_.wait_readable(sources) == 0) break;
+    calendar_.serve(now_ns());
+  }
+  vhost::NumberMessage answer{};
+  back_channel_.receive(answer);
+}
+
+}  // namespace hvp::guest

@@ -1,0 +1,150 @@
+#include "app/linux/guest.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "app/linux/guest_error.h"
+#include "app/linux/guest_time.h"
+
+namespace hvp::guest {
+
+namespace {
+
+// CONFIG_UML_PCI_OVER_VIRTIO_DEVICE_ID of driver/linux/kernel/base.config.
+constexpr int kDeviceId = 1234;
+// A kernel without a timer that nothing has woken for so long is not woken any more.
+constexpr vp::Picoseconds kLongestSleep = vp::Picoseconds{60} * 1'000'000'000'000;
+// A wait that ends later by the guest's own timer is a sleep of its programs. Its kernel waits for
+// less where it polls (udelay(1)) and where it reads its clock (256 ns).
+constexpr std::uint64_t kSleep = 10'000;  // ns
+constexpr std::string_view kStatusFile = "status";
+
+}  // namespace
+
+Guest::Guest(vp::BoardFunction& board, const GuestSettings& settings)
+    : board_(board),
+      calendar_socket_(folder_.path() / "calendar"),
+      device_socket_(folder_.path() / "board"),
+      process_({.kernel = settings.kernel,
+                .arguments = arguments(settings),
+                .folder = folder_.path(),
+                .patience = settings.patience,
+                .print = settings.print}) {}
+
+std::vector<std::string> Guest::arguments(const GuestSettings& settings) const {
+  const std::string folder = folder_.path().string();
+  std::vector<std::string> words = {
+      "mem=" + settings.memory,
+      "time-travel=ext:" + folder + "/calendar",
+      fmt::format("virtio_uml.device={}/board:{}", folder, kDeviceId),
+      // Its own files, which would be in the user's home.
+      "uml_dir=" + folder + "/",
+      "umid=guest",
+      "con0=fd:0,fd:1",
+      "noreboot",
+      "panic=-1",
+  };
+  if (!settings.initrd.empty()) {
+    words.push_back("initrd=" + std::filesystem::absolute(settings.initrd).string());
+  }
+  if (!settings.script.empty()) {
+    words.push_back("hvp.script=" + std::filesystem::absolute(settings.script).string());
+    words.push_back("hvp.status=" + (folder_.path() / kStatusFile).string());
+  }
+  words.insert(words.end(), settings.arguments.begin(), settings.arguments.end());
+  return words;
+}
+
+const BoardDevice::Counts& Guest::counts() const {
+  static const BoardDevice::Counts kNone;
+  return device_ ? device_->counts() : kNone;
+}
+
+Guest::End Guest::run() {
+  End end;
+  try {
+    for (;;) {
+      if (calendar_.connected() && calendar_.waiting()) {
+        sleep();
+      } else {
+        serve();
+      }
+    }
+  } catch (const GuestGone&) {
+    judge_end();
+  } catch (const GuestInterrupted&) {
+    end.interrupted = true;
+  }
+  std::ifstream file(folder_.path() / kStatusFile);
+  if (int status = 0; file >> status) end.script_status = status;
+  return end;
+}
+
+// The guest runs: whatever it says next.
+void Guest::serve() {
+  std::vector<int> sources = {calendar_.connected() ? calendar_.number()
+                                                    : calendar_socket_.number()};
+  if (calendar_.connected())
+    sources.push_back(device_ ? device_->number() : device_socket_.number());
+  const std::size_t which = process_.wait_readable(sources);
+  if (!calendar_.connected()) {
+    calendar_ = Calendar(calendar_socket_.accept(process_));
+  } else if (which == 0) {
+    calendar_.serve(now_ns());
+    if (calendar_.waiting()) told_ = false;
+  } else if (!device_) {
+    device_ = std::make_unique<BoardDevice>(board_.host(), board_.memory(), calendar_,
+                                            device_socket_.accept(process_));
+  } else {
+    device_->serve();
+    if (!first_access_ && device_->counts().reads + device_->counts().writes > 0) {
+      first_access_ = vp::now_ps();
+    }
+  }
+}
+
+// The guest waits: simulated time goes on until it wants to run, or the board has something for it.
+void Guest::sleep() {
+  if (device_ && device_->settle()) told_ = true;
+  const std::uint64_t wanted = calendar_.requested().value_or(Calendar::kNever);
+  const bool has_timer = wanted < Calendar::kNever;
+  const vp::Picoseconds latest = has_timer ? to_ps(wanted) : vp::now_ps() + kLongestSleep;
+  const vp::Picoseconds due =
+      device_ ? std::max(device_->due().value_or(latest), vp::now_ps()) : latest;
+  const bool reached = board_.host().run_until(std::min(latest, due));
+  if (device_) device_->advance();
+  while (!whole_ns()) {
+    board_.host().run_until(to_ps(now_ns()));
+    if (device_) device_->advance();
+  }
+  if (!reached || due < latest) return;
+  if (!has_timer) {
+    throw GuestError(
+        fmt::format("the guest sleeps without a timer, and nothing of the board has "
+                    "woken it for {} s of simulated time",
+                    kLongestSleep / 1'000'000'000'000));
+  }
+  const bool slept = wanted - calendar_.waits_since() > kSleep;
+  if (slept && !told_) board_.host().frames().woke(vp::now_ps());
+  calendar_.run(now_ns());
+}
+
+void Guest::judge_end() {
+  const std::optional<int> status = process_.wait_for_end();
+  if (process_.panic()) throw GuestError("the guest's kernel panicked: " + *process_.panic());
+  if (!calendar_.connected()) {
+    throw GuestError(
+        "the guest's kernel ended before it asked for the time: expected one with "
+        "UML_TIME_TRAVEL_SUPPORT");
+  }
+  if (!status) throw GuestError("the guest's kernel has closed a connection and goes on");
+  if (*status != 0) {
+    throw GuestError(*status < 0 ? "the guest's kernel was killed by a signal"
+                                 : fmt::format("the guest's kernel ended with status {}", *status));
+  }
+}
+
+}  // namespace hvp::guest

@@ -1,0 +1,129 @@
+#include "app/linux/guest_results.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/results/driver_figures.h"
+#include "app/results/figures_json.h"
+#include "app/results/part_file.h"
+#include "app/results/resolved_scenario.h"
+#include "app/results/results_folder.h"
+
+namespace hvp::guest {
+
+namespace {
+
+// What the board still does when its host has gone takes less.
+constexpr vp::Picoseconds kLongestRest = 1'000'000'000'000;
+
+void let_finish(vp::BoardFunction& board) {
+  const vp::Picoseconds latest = vp::now_ps() + kLongestRest;
+  while ((!board.host().idle() || board.ledger().holds()) && vp::now_ps() < latest) {
+    const std::optional<vp::Picoseconds> next = vp::BoardSide::next_event();
+    if (!next) break;
+    board.host().run_until(std::min(*next, latest));
+  }
+}
+
+results::TraceSettings traced(const app::Scenario& s, const vp::Verdict& verdict) {
+  return {s.output.trace_frames, std::llround(s.output.trace_bytes), verdict.budget()};
+}
+
+}  // namespace
+
+bool GuestFigures::held() const {
+  return verdict.frames() == 0 || (verdict.force_in_time() && verdict.load_held());
+}
+
+void GuestFigures::report(config::Figures& f) const {
+  f.text("title", title, "the scenario's own line");
+  f.truth("held", held(), "no frame was late");
+  f.table("deadline", "The latency of a frame: from its birth until its job's last access.", [&] {
+    verdict.report_deadline(f);
+    f.truth("held", verdict.force_in_time(), "there are no misses");
+    verdict.report_lateness(f);
+  });
+  f.table("latency", "Of all frames.", latency);
+  f.table("jitter", "What moves the latency from frame to frame.",
+          [&] { latency.report_jitter(f); });
+  f.table("load", "From a frame's birth until its job's last access.",
+          [&] { verdict.report_load(f); });
+  verdict.report_attribution(f);
+  results::report_faults(f, faults);
+  f.table("board", "What the board counted.", [&] {
+    f.count("illegal_accesses", illegal_accesses, "that its registers refused");
+    f.count("saturations", saturations, "words that reached their limit");
+    f.count("wraps", wraps, "words that lost their high bits");
+    f.count("breakdowns", breakdowns, "solves that a direction without curvature ended");
+  });
+  f.table("bus", "Of the PCI bus, set-up, which loads K, included.", [&] {
+    f.count("transactions", bus_transactions, "of all masters");
+    f.count("bytes", bus_bytes, "of their data");
+    f.time("busy_us", bus_busy, "how long one of them had it");
+  });
+  f.table("guest", "What the kernel did.", [&] {
+    f.count("reads", accesses.reads, "of the board's BAR, a block as one");
+    f.count("writes", accesses.writes, "likewise");
+    f.count("polled_reads", accesses.polled,
+            "reads whose end it saw up to a microsecond later, because a timer of its own was due");
+    f.count("interrupts", accesses.interrupts, "that it was told of");
+    f.truth("lost_writes", accesses.overrun, "its kernel may have lost writes");
+    f.value("first_access_us",
+            first_access ? config::FigureValue(static_cast<double>(*first_access) / 1e6)
+                         : config::FigureValue(),
+            config::kMicroseconds, "from power-up; null where it made none");
+  });
+  f.time("set_up_us", set_up, "from power-up until the first frame is born");
+  f.time("simulated_us", simulated, "from power-up until the kernel ended");
+}
+
+GuestResults::GuestResults(const std::filesystem::path& folder, const app::Scenario& scenario,
+                           const std::filesystem::path& device_file, vp::BoardFunction& board)
+    : folder_((results::remove_earlier_results(folder), folder)),
+      board_(board),
+      verdict_(to_picoseconds(scenario.budget.period_s), to_picoseconds(scenario.budget.period_s)),
+      frames_(folder / "frames.csv", verdict_.budget(), results::Columns::times),
+      trace_(folder / "trace.json", board.session(), traced(scenario, verdict_)) {
+  results::write_resolved_scenario(folder, scenario, device_file);
+  vp::Ledger& ledger = board_.ledger();
+  ledger.add_observer(verdict_);
+  ledger.add_observer(latency_);
+  ledger.add_observer(frames_);
+  ledger.add_observer(trace_);
+  if (scenario.output.trace_frames > 0) ledger.add_tenure_sink(trace_);
+}
+
+GuestFigures GuestResults::finish(const app::Scenario& scenario,
+                                  const BoardDevice::Counts& accesses,
+                                  std::optional<vp::Picoseconds> first_access) {
+  const vp::Picoseconds end = vp::now_ps();
+  let_finish(board_);
+  board_.host().frames().finish();
+  frames_.finish();
+  trace_.finish();
+  const vp::Accelerator& accelerator = board_.accelerator();
+  const vp::PciBus& bus = board_.side().buses().pci();
+  GuestFigures figures{.title = scenario.title,
+                       .verdict = verdict_,
+                       .latency = results::latency_figures(verdict_, latency_, host::Host{}),
+                       .faults = {},
+                       .accesses = accesses,
+                       .first_access = first_access,
+                       .set_up = board_.session().begin,
+                       .simulated = end,
+                       .illegal_accesses = accelerator.illegal_accesses(),
+                       .saturations = accelerator.saturations(),
+                       .wraps = accelerator.wraps(),
+                       .breakdowns = accelerator.breakdowns(),
+                       .bus_busy = bus.busy(),
+                       .bus_transactions = bus.transactions(),
+                       .bus_bytes = bus.bytes_moved()};
+  if (const vp::FaultPlan* faults = board_.side().board()->faults()) {
+    figures.faults = faults->records();
+  }
+  results::write_through_part_file(folder_ / "summary.json",
+                                   results::figures_json(figures).dump(2) + "\n");
+  return figures;
+}
+
+}  // namespace hvp::guest

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+// The messages of vhost-user that a kernel with virtio_uml sends and takes, as bytes: QEMU's
+// docs/interop/vhost-user.rst, and the subset of arch/um/drivers/vhost_user.h in Linux 6.1. No
+// socket and no clock. Whatever is wrong with a message throws GuestError.
+namespace hvp::guest::vhost {
+
+enum class Request : std::uint32_t {
+  get_features = 1,
+  set_features = 2,
+  set_owner = 3,
+  reset_owner = 4,
+  set_memory_table = 5,
+  set_ring_size = 8,
+  set_ring_addresses = 9,
+  set_ring_base = 10,
+  get_ring_base = 11,
+  set_ring_kick = 12,
+  set_ring_call = 13,
+  set_ring_error = 14,
+  get_protocol_features = 15,
+  set_protocol_features = 16,
+  set_ring_enable = 18,
+  set_back_channel = 21,  // SET_SLAVE_REQ_FD
+  ring_kick = 35,         // VRING_KICK, in band
+};
+
+inline constexpr std::size_t kHeaderBytes = 12;
+inline constexpr std::size_t kMostRegions = 8;  // VHOST_MEMORY_BASELINE_NREGIONS
+// That of a memory table with all its regions; no other message is as long.
+inline constexpr std::size_t kLongestPayload = 8 + 32 * kMostRegions;
+
+// VIRTIO_F_VERSION_1, and vhost-user's own features can be asked for.
+inline constexpr std::uint64_t kFeatures = (1ULL << 32U) | (1ULL << 30U);
+// Answers to every request, a channel of our own, and kicks and calls as messages: with those a
+// kernel on simulated time stands still until it has been answered.
+inline constexpr std::uint64_t kProtocolFeatures = (1U << 3U) | (1U << 5U) | (1U << 14U);
+
+struct Header {
+  std::uint32_t request = 0;
+  std::uint32_t size = 0;  // of the payload, bytes; at most kLongestPayload
+  bool is_reply = false;
+  bool needs_reply = false;
+};
+Header parse_header(std::span<const std::uint8_t, kHeaderBytes> bytes);
+
+struct Region {
+  std::uint64_t guest;   // address in the guest's memory
+  std::uint64_t size;    // bytes
+  std::uint64_t user;    // what the addresses of rings are counted in
+  std::uint64_t offset;  // in the file that comes with it
+};
+struct RingState {
+  std::uint32_t ring;
+  std::uint32_t number;
+};
+struct RingAddresses {
+  std::uint32_t ring;
+  std::uint64_t descriptors, used, available;
+};
+
+// Payloads. Each takes its own length only. A memory table may have room for more regions than it
+// has.
+std::uint64_t parse_number(std::span<const std::uint8_t> payload);
+RingState parse_ring_state(std::span<const std::uint8_t> payload);
+RingAddresses parse_ring_addresses(std::span<const std::uint8_t> payload);
+std::vector<Region> parse_memory_table(std::span<const std::uint8_t> payload);
+
+// Both ways a message with one number is as long.
+using NumberMessage = std::array<std::uint8_t, kHeaderBytes + 8>;
+NumberMessage compose_reply(std::uint32_t request, std::uint64_t number);
+// On the back channel: the ring has used entries. To be answered.
+NumberMessage compose_call(std::uint32_t ring);
+
+}  // namespace hvp::guest::vhost

@@ -1,0 +1,46 @@
+#include "app/scene/loaded_scenario.h"
+
+#include <optional>
+
+#include "app/devices/devices.h"
+#include "app/devices/haptic_devices.h"
+#include "app/scenario/files.h"
+#include "app/scenario/reader.h"
+#include "app/scene/samples.h"
+#include "app/scene/within.h"
+
+namespace hvp::app {
+
+namespace {
+
+template <class Distribution>
+void take(std::optional<Distribution>& effect, const char* table) {
+  if (!effect || effect->kind != random::TimeDistribution::Kind::measured) return;
+  within(table, [&] { effect->take(read_samples(effect->samples_file.path)); });
+}
+
+}  // namespace
+
+LoadedScenario load_untitled(const ScenarioSource& source) {
+  LoadedScenario loaded{
+      scenario::Document::load(source.scenario, source.overrides, source.includes), {}, {}, {}};
+  devices::put_device_under(loaded.document);
+  scenario::read(loaded.document, loaded.scenario);
+  scenario::resolve_files(loaded.document, loaded.scenario);
+  const accel::Architecture& accelerator = loaded.scenario.accelerator;
+  loaded.device = devices::find(loaded.document, accelerator);
+  loaded.device_file = devices::openable(loaded.document, accelerator.device);
+  return loaded;
+}
+
+void take_samples(Scenario& scenario) {
+  take(scenario.host.jitter, "host.jitter");
+  take(scenario.host.wake_up, "host.wake_up");
+  take(scenario.host.interrupt_latencies, "host.interrupt_latencies");
+  take(scenario.bus.read_latencies, "bus.read_latencies");
+  if (scenario.bus.pcie) {
+    take(scenario.bus.pcie->root_complex_latencies, "bus.pcie.root_complex_latencies");
+  }
+}
+
+}  // namespace hvp::app

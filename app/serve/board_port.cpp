@@ -1,0 +1,112 @@
+#include "app/serve/board_port.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <vector>
+
+namespace hvp::serve {
+
+namespace {
+
+// Events that lie closer together than this are simulated without a look at the socket between
+// them, which costs as much as some of them do.
+constexpr vp::Picoseconds kPiece = 20'000'000;  // 20 us
+
+}  // namespace
+
+BoardPort::BoardPort(const vp::PlatformSettings& settings)
+    : board_(settings), has_messages_(settings.transfer.notification == link::Notification::msi) {
+  board_.host().listen(*this);
+  if (vp::HostMemory* const memory = board_.memory()) {
+    memory->answer_if([this] {
+      if (look_at_memory_) look_at_memory_();
+      return board_.config().may_master();
+    });
+  }
+  vp::BoardSide::step_to(0);
+}
+
+void BoardPort::tell(Interrupts* interrupts) {
+  interrupts_ = interrupts;
+  if (interrupts_ != nullptr) interrupts_->line(line_is_up());
+}
+
+bool BoardPort::busy() { return board_.accelerator().bank().get(vp::field::kStatusBusy) != 0; }
+
+bool BoardPort::has_work() {
+  const std::optional<vp::Picoseconds> next = vp::BoardSide::next_event();
+  return next && *next <= (busy() ? last_access_ + kLongest : awake_until_);
+}
+
+void BoardPort::advance() {
+  const std::optional<vp::Picoseconds> next = vp::BoardSide::next_event();
+  if (!next) return;
+  const bool was_busy = busy();
+  board_.host().run_until(std::max(*next, vp::now_ps() + kPiece));
+  if (was_busy) awake_until_ = std::min(vp::now_ps() + kSettle, last_access_ + kLongest);
+}
+
+void BoardPort::accessed() {
+  last_access_ = vp::now_ps();
+  awake_until_ = last_access_ + kSettle;
+}
+
+// What the bus has noted is in the function's status register, the only one that a client sees.
+void BoardPort::show_errors() {
+  vp::BusErrors& errors = board_.bus_errors();
+  if (errors.master_abort) board_.config().note(vp::ConfigSpace::Error::master_abort);
+  if (errors.parity) board_.config().note(vp::ConfigSpace::Error::parity);
+  errors = {};
+}
+
+void BoardPort::read_config(std::uint64_t offset, std::span<std::uint8_t> data) {
+  show_errors();
+  board_.config().read(offset, data);
+}
+
+void BoardPort::write_config(std::uint64_t offset, std::span<const std::uint8_t> data) {
+  show_errors();
+  board_.config().write(offset, data);
+  accessed();
+}
+
+bool BoardPort::read_bar(std::uint64_t offset, std::span<std::uint8_t> data) {
+  const bool answered = board_.host().access(vp::Command::read, offset, data);
+  accessed();
+  return answered;
+}
+
+bool BoardPort::write_bar(std::uint64_t offset, std::span<const std::uint8_t> data) {
+  std::vector<std::uint8_t> copy(data.begin(), data.end());
+  const bool answered = board_.host().access(vp::Command::write, offset, copy);
+  accessed();
+  return answered;
+}
+
+std::uint64_t BoardPort::bar_bytes() const { return vp::kBarBytes; }
+
+void BoardPort::map(std::uint64_t address, std::span<std::uint8_t> memory, bool writable) {
+  if (vp::HostMemory* const host = board_.memory()) host->map(address, memory, writable);
+}
+
+void BoardPort::unmap(std::uint64_t address, std::uint64_t bytes) {
+  if (vp::HostMemory* const host = board_.memory()) host->unmap(address, bytes);
+}
+
+// By the function's own capability, as software asks for it.
+void BoardPort::reset() {
+  constexpr std::size_t kControl = vp::ConfigSpace::kFeaturesAt + 4;
+  constexpr std::array<std::uint8_t, 1> kInitiate = {1};
+  write_config(kControl, kInitiate);
+}
+
+void BoardPort::message(const vp::ConfigSpace::Message& /*message*/) {
+  if (interrupts_ != nullptr) interrupts_->message();
+}
+
+void BoardPort::line(bool up) {
+  if (interrupts_ != nullptr) interrupts_->line(up);
+}
+
+}  // namespace hvp::serve

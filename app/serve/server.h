@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include <signal.h>
+
+#include "app/serve/board_port.h"
+#include "app/serve/connection.h"
+#include "app/serve/file_descriptor.h"
+#include "app/serve/listening_socket.h"
+#include "app/serve/session.h"
+
+namespace hvp::serve {
+
+// Serves one client after the other, and the simulation in between. A client that comes while
+// another one is served is refused.
+class Server {
+ public:
+  // Keeps references.
+  Server(BoardPort& board, ListeningSocket& socket) : board_(board), socket_(socket) {}
+
+  // Until a signal was noted (results::interrupted()), or with `once` until the first client that
+  // agreed on a version has gone. The caller defers interruptions.
+  void run(bool once);
+
+ private:
+  struct Client {
+    Client(FileDescriptor socket, FunctionPort& function)
+        : connection(std::move(socket)), session(function) {}
+    Connection connection;
+    Session session;
+  };
+
+  void wait(const sigset_t& while_waiting);
+  void let_in();
+  void serve();
+  void let_go(const char* why);
+
+  BoardPort& board_;
+  ListeningSocket& socket_;
+  std::unique_ptr<Client> client_;
+  bool served_ = false;   // somebody who has gone
+  bool knocked_ = false;  // what the last wait has seen
+  bool has_spoken_ = false;
+};
+
+}  // namespace hvp::serve

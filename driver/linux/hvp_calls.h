@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: GPL-2.0-only OR Apache-2.0 */
+#ifndef HVP_CALLS_H
+#define HVP_CALLS_H
+
+#include "hvp_module.h"
+#include "hvp_ioctl.h"
+
+/**
+ * union hvp_call - a program's structure, whichever call it is for
+ * @head: the begin of each
+ * @info: of %HVP_IOC_INFO
+ * @config: of %HVP_IOC_CONFIGURE
+ * @matrix: of %HVP_IOC_LOAD
+ * @constraint: of %HVP_IOC_CONSTRAIN
+ * @row: of %HVP_IOC_RESTORE
+ * @vector: of %HVP_IOC_WRITE_RHS, %HVP_IOC_WRITE_GUESS and %HVP_IOC_READ_SOLUTION
+ * @wait: of %HVP_IOC_WAIT
+ * @solve: of %HVP_IOC_SOLVE
+ * @result: of %HVP_IOC_READ_RESULT
+ * @statistics: of %HVP_IOC_STATISTICS
+ */
+union hvp_call {
+	struct hvp_ioc_head head;
+	struct hvp_ioc_info info;
+	struct hvp_ioc_config config;
+	struct hvp_ioc_matrix matrix;
+	struct hvp_ioc_constraint constraint;
+	struct hvp_ioc_row row;
+	struct hvp_ioc_vector vector;
+	struct hvp_ioc_wait wait;
+	struct hvp_ioc_solve solve;
+	struct hvp_ioc_result result;
+	struct hvp_ioc_statistics statistics;
+};
+
+/*
+ * Each fills in its structure and says by *status what the core said. What it returns is 0, or an
+ * errno where it did not come to ask the core.
+ */
+
+/* hvp_matrix_calls.c */
+int hvp_call_load(struct hvp_board *board, union hvp_call *call, hvp_status *status);
+int hvp_call_constrain(struct hvp_board *board, union hvp_call *call, hvp_status *status);
+int hvp_call_restore(struct hvp_board *board, union hvp_call *call, hvp_status *status);
+
+/* hvp_job_calls.c */
+int hvp_call_write_rhs(struct hvp_board *board, union hvp_call *call, hvp_status *status);
+int hvp_call_write_guess(struct hvp_board *board, union hvp_call *call, hvp_status *status);
+int hvp_call_start(struct hvp_board *board, union hvp_call *call, hvp_status *status);
+int hvp_call_wait(struct hvp_board *board, union hvp_call *call, hvp_status *status);
+int hvp_call_read_solution(struct hvp_board *board, union hvp_call *call, hvp_status *status);
+int hvp_call_read_result(struct hvp_board *board, union hvp_call *call, hvp_status *status);
+int hvp_call_solve(struct hvp_board *board, union hvp_call *call, hvp_status *status);
+
+/* hvp_calls.c */
+bool hvp_call_exists(unsigned int command);
+int hvp_call(struct hvp_board *board, unsigned int command, union hvp_call *call,
+	     hvp_status *status);
+
+#endif

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: GPL-2.0-only OR Apache-2.0
+/*
+ * Memory for the board's DMA engine.
+ *
+ * b and U are pages of the kernel's own under a streaming mapping that stays for as long as the
+ * board does. A program may map those pages; each keeps its page alive, so that a board may be
+ * taken away under it, which memory from dma_alloc_coherent() does not survive. And they are in the
+ * cache, which is what the core wants where DMA is not coherent: it packs and unpacks a word at a
+ * time.
+ *
+ * The list and the record are coherent: the list is written once a matrix, and the record is eight
+ * words that are looked at while the board may still write them, where a cache line would only be
+ * in the way.
+ */
+#include <linux/dma-mapping.h>
+#include <linux/mm.h>
+#include <linux/slab.h>
+
+#include "hvp_module.h"
+
+/* Each direction has one segment. */
+#define LIST_WORDS   (2 * HVP_DESCRIPTOR_WORDS)
+#define SHARED_BYTES ((LIST_WORDS + HVP_RECORD_WORDS) * sizeof(u32))
+
+static void sync_segment(struct hvp_board *board, const struct hvp_segment *part,
+			 enum dma_data_direction direction, hvp_owner owner)
+{
+	struct device *dev = &board->function->dev;
+
+	/* A part lies within a mapping: the DMA layer takes any address of one. */
+	if (owner == HVP_OWNER_PROCESSOR)
+		dma_sync_single_for_cpu(dev, part->bus_address, part->bytes, direction);
+	else
+		dma_sync_single_for_device(dev, part->bus_address, part->bytes, direction);
+}
+
+static void engine_sync(void *context, hvp_area area, const struct hvp_segment *part,
+			hvp_owner owner)
+{
+	switch (area) {
+	case HVP_AREA_TO_BOARD:
+		sync_segment(context, part, DMA_TO_DEVICE, owner);
+		break;
+	case HVP_AREA_TO_HOST:
+		sync_segment(context, part, DMA_FROM_DEVICE, owner);
+		break;
+	case HVP_AREA_LIST:
+	case HVP_AREA_RECORD:
+		/* Coherent, but the processor may still reorder what it reads and writes. */
+		if (owner == HVP_OWNER_PROCESSOR)
+			dma_rmb();
+		else
+			dma_wmb();
+		break;
+	}
+}
+
+struct mapped_pages {
+	struct hvp_board *board;
+	struct hvp_segment *segment;
+	enum dma_data_direction direction;
+};
+
+static void free_pages_of(void *context)
+{
+	const struct mapped_pages *pages = context;
+
+	dma_unmap_single(&pages->board->function->dev, pages->segment->bus_address,
+			 pages->segment->bytes, pages->direction);
+	free_pages_exact(pages->segment->memory, pages->segment->bytes);
+}
+
+static int map_pages(struct hvp_board *board, struct hvp_segment *segment, size_t bytes,
+		     enum dma_data_direction direction)
+{
+	struct device *dev = &board->function->dev;
+	struct mapped_pages *pages;
+	dma_addr_t address;
+
+	pages = devm_kmalloc(dev, sizeof(*pages), GFP_KERNEL);
+	if (!pages)
+		return -ENOMEM;
+	segment->memory = alloc_pages_exact(bytes, GFP_KERNEL | __GFP_ZERO);
+	if (!segment->memory)
+		return -ENOMEM;
+	address = dma_map_single(dev, segment->memory, bytes, direction);
+	if (dma_mapping_error(dev, address)) {
+		free_pages_exact(segment->memory, bytes);
+		return -ENOMEM;
+	}
+	segment->bus_address = address;
+	segment->bytes = bytes;
+	*pages = (struct mapped_pages){.board = board, .segment = segment, .direction = direction};
+	return devm_add_action_or_reset(dev, free_pages_of, pages);
+}
+
+/**
+ * hvp_engine_make() - make and map the memory for the largest matrix that the board takes
+ * @board: whose capability is known
+ *
+ * It goes with the function's driver.
+ *
+ * Return: 0 or -ENOMEM.
+ */
+int hvp_engine_make(struct hvp_board *board)
+{
+	struct hvp_engine_memory *engine = &board->engine;
+	int ret;
+
+	engine->shared = dmam_alloc_coherent(&board->function->dev, SHARED_BYTES,
+					     &engine->shared_address, GFP_KERNEL);
+	if (!engine->shared)
+		return -ENOMEM;
+	ret = map_pages(board, &engine->to_board, PAGE_ALIGN(board->vector_bytes), DMA_TO_DEVICE);
+	if (!ret)
+		ret = map_pages(board, &engine->to_host, PAGE_ALIGN(board->vector_bytes),
+				DMA_FROM_DEVICE);
+	engine->usable = !ret;
+	return ret;
+}
+
+/**
+ * hvp_engine_use() - have the engine move b and U from now on
+ * @board: between two jobs
+ *
+ * Return: what hvp_use_dma() says.
+ */
+hvp_status hvp_engine_use(struct hvp_board *board)
+{
+	const struct hvp_engine_memory *engine = &board->engine;
+	const struct hvp_dma dma = {
+		.to_board = &engine->to_board,
+		.to_board_count = 1,
+		.to_host = &engine->to_host,
+		.to_host_count = 1,
+		.list = engine->shared,
+		.list_address = engine->shared_address,
+		.record = engine->shared + LIST_WORDS,
+		.record_address = engine->shared_address + LIST_WORDS * sizeof(u32),
+		.context = board,
+		.sync = engine_sync,
+	};
+
+	return hvp_use_dma(&board->device, &dma);
+}
+
+/**
+ * hvp_engine_give() - hand over what a program may have written to the pages of b
+ * @board: whose job is about to start
+ */
+void hvp_engine_give(struct hvp_board *board)
+{
+	if (board->engine.mapped)
+		sync_segment(board, &board->engine.to_board, DMA_TO_DEVICE, HVP_OWNER_DEVICE);
+}
+
+/**
+ * hvp_engine_take() - let a program read from the pages of U
+ * @board: whose job has ended
+ */
+void hvp_engine_take(struct hvp_board *board)
+{
+	if (board->engine.mapped)
+		sync_segment(board, &board->engine.to_host, DMA_FROM_DEVICE, HVP_OWNER_PROCESSOR);
+}
+
+/**
+ * hvp_engine_map() - show a segment's pages to a program
+ * @board: that is there
+ * @segment: one of @board's engine
+ * @area: of the program's memory, from the segment's begin
+ *
+ * Return: 0, -EINVAL for more than the segment has, or what vm_insert_page() says.
+ */
+int hvp_engine_map(struct hvp_board *board, const struct hvp_segment *segment,
+		   struct vm_area_struct *area)
+{
+	const size_t bytes = area->vm_end - area->vm_start;
+	size_t at;
+
+	if (bytes > segment->bytes)
+		return -EINVAL;
+	for (at = 0; at < bytes; at += PAGE_SIZE) {
+		struct page *page = virt_to_page((u8 *)segment->memory + at);
+		const int ret = vm_insert_page(area, area->vm_start + at, page);
+
+		if (ret)
+			return ret;
+	}
+	WRITE_ONCE(board->engine.mapped, true);
+	return 0;
+}

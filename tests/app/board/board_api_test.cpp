@@ -1,0 +1,203 @@
+// The board in a program that knows neither SystemC nor C++: through its C calls alone.
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "app/board/hvp_board.h"
+
+namespace {
+
+constexpr const char* kScenario = HVP_SCENARIOS "/thesis.toml";
+
+const std::array<std::int32_t, 2> kRowBegin = {0, 1};
+const std::array<std::int32_t, 1> kColumn = {0};
+const std::array<std::int32_t, 9> kValue = {64, 0, 0, 0, 32, 0, 0, 0, 16};
+
+class BoardApi : public testing::Test {
+ protected:
+  void open(std::vector<const char*> overrides = {}) {
+    const hvp_board_options options = {overrides.data(), overrides.size(), nullptr};
+    board = hvp_board_open(kScenario, &options, why.data(), why.size());
+    ASSERT_NE(board, nullptr) << why.data();
+    EXPECT_STREQ(why.data(), "");
+  }
+  std::string refusal(const char* scenario, std::vector<const char*> overrides = {}) {
+    const hvp_board_options options = {overrides.data(), overrides.size(), nullptr};
+    board = hvp_board_open(scenario, &options, why.data(), why.size());
+    EXPECT_EQ(board, nullptr);
+    return why.data();
+  }
+  void load() {
+    ASSERT_EQ(hvp_open(&device, hvp_board_bus(board), scratch.data(), scratch.size()), HVP_OK);
+    hvp_solver_config config{};
+    config.method = HVP_METHOD_JACOBI_PCG;
+    config.iterations = 4;
+    config.matrix_bits = 12;
+    config.vector_bits = 16;
+    config.coefficient_bits = 16;
+    config.dynamic_scaling = true;
+    ASSERT_EQ(hvp_configure(&device, &config), HVP_OK);
+    const hvp_matrix k = {1, 1, kRowBegin.data(), kColumn.data(), kValue.data()};
+    ASSERT_EQ(hvp_load_matrix(&device, &k), HVP_OK);
+  }
+  void solve() {
+    ASSERT_EQ(hvp_solve(&device, b.data(), u.data(), u.size(), 1'000'000), HVP_OK);
+    EXPECT_EQ(u, (std::array<std::int32_t, 3>{10, 20, 40}));
+  }
+  void TearDown() override { hvp_board_close(board); }
+
+  std::array<char, 256> why{};
+  hvp_board* board = nullptr;
+  hvp_device device{};
+  std::array<std::uint32_t, 16> scratch{};
+  std::array<std::int32_t, 3> b = {640, 640, 640};
+  std::array<std::int32_t, 3> u{};
+};
+
+TEST_F(BoardApi, SolvesAndSaysWhatAJobTook) {
+  open();
+  load();
+  for (std::uint64_t n = 0; n < 3; ++n) {
+    const std::uint64_t began = hvp_board_now_ps(board);
+    solve();
+    const std::uint64_t ended = hvp_board_now_ps(board);
+    hvp_board_job job{};
+    ASSERT_TRUE(hvp_board_last_job(board, &job));
+    EXPECT_EQ(job.number, n);
+    EXPECT_EQ(job.begin_ps, began);
+    EXPECT_EQ(job.end_ps, ended);
+    EXPECT_EQ(job.host_ps + job.bus_ps + job.fpga_ps, ended - began);
+    EXPECT_GT(job.fpga_ps, 0U);
+    hvp_result result{};
+    ASSERT_EQ(hvp_read_result(&device, &result), HVP_OK);
+    // The thesis' board: 100 MHz.
+    EXPECT_EQ(job.fpga_ps, 10'000 * result.cycles);
+  }
+}
+
+TEST_F(BoardApi, IsEnumerated) {
+  open();
+  EXPECT_EQ(hvp_board_config_read(board, 0, 4), 0x4850'1172U);
+  EXPECT_EQ(hvp_board_config_read(board, 4, 2), 6U);
+  std::uint32_t id = 0;
+  hvp_board_read(board, 0, &id, 4);
+  EXPECT_EQ(id, 0x4856'5031U);
+  hvp_board_config_write(board, 4, 0, 2);
+  hvp_board_read(board, 0, &id, 4);
+  EXPECT_EQ(id, 0xffff'ffffU);
+  EXPECT_EQ(hvp_board_config_read(board, 0, 3), 0x00ff'ffffU);
+  EXPECT_EQ(hvp_board_config_read(board, 0, 0), 0U);
+}
+
+TEST_F(BoardApi, TimeIsTheHosts) {
+  open();
+  EXPECT_EQ(hvp_board_now_ps(board), 0U);
+  EXPECT_TRUE(hvp_board_run_until_ps(board, 5'000'000));
+  EXPECT_EQ(hvp_board_now_ps(board), 5'000'000U);
+  std::uint64_t when = 0;
+  EXPECT_FALSE(hvp_board_next_event_ps(board, &when));
+  load();
+  ASSERT_EQ(hvp_write_rhs(&device, b.data(), b.size()), HVP_OK);
+  ASSERT_EQ(hvp_start(&device), HVP_OK);
+  ASSERT_TRUE(hvp_board_next_event_ps(board, &when));
+  EXPECT_FALSE(hvp_board_interrupt(board));
+  EXPECT_FALSE(hvp_board_run_until_ps(board, when + 1'000'000));  // stops at the interrupt
+  EXPECT_EQ(hvp_board_now_ps(board), when);
+  EXPECT_TRUE(hvp_board_interrupt(board));
+}
+
+TEST_F(BoardApi, WaitingEndsWithTheTimeOut) {
+  open();
+  load();
+  ASSERT_EQ(hvp_write_rhs(&device, b.data(), b.size()), HVP_OK);
+  ASSERT_EQ(hvp_start(&device), HVP_OK);
+  const std::uint64_t began = hvp_board_now_ps(board);
+  EXPECT_EQ(hvp_wait(&device, 1), HVP_ERROR_TIMEOUT);
+  EXPECT_GE(hvp_board_now_ps(board), began + 1'000);
+  EXPECT_EQ(hvp_wait(&device, 1'000'000), HVP_OK);
+}
+
+TEST_F(BoardApi, PollsWithoutInterrupts) {
+  open({"transfer.notification=polling"});
+  load();
+  solve();
+}
+
+TEST_F(BoardApi, MovesDataByItself) {
+  open({"transfer.method=dma", "transfer.notification=msi"});
+  std::vector<std::uint32_t> memory(1024);
+  constexpr std::uint64_t kAt = 0x1'2340'0000;
+  ASSERT_TRUE(hvp_board_map(board, kAt, memory.data(), 4 * memory.size()));
+  EXPECT_FALSE(hvp_board_map(board, kAt + 64, memory.data(), 4));
+  EXPECT_FALSE(hvp_board_map(board, 0xfee0'0000, memory.data(), 4));
+  EXPECT_FALSE(hvp_board_map(board, 0, nullptr, 4));
+  load();
+  const hvp_segment to_board = {memory.data() + 256, kAt + 1024, 1024};
+  const hvp_segment to_host = {memory.data() + 512, kAt + 2048, 1024};
+  hvp_dma dma{};
+  dma.to_board = &to_board;
+  dma.to_board_count = 1;
+  dma.to_host = &to_host;
+  dma.to_host_count = 1;
+  dma.list = memory.data();
+  dma.list_address = kAt;
+  dma.record = memory.data() + 128;
+  dma.record_address = kAt + 512;
+  ASSERT_EQ(hvp_use_dma(&device, &dma), HVP_OK);
+  solve();
+  EXPECT_FALSE(hvp_board_unmap(board, kAt + 4, 8));
+  EXPECT_TRUE(hvp_board_unmap(board, kAt, 4096));
+  EXPECT_EQ(hvp_solve(&device, b.data(), u.data(), u.size(), 1'000'000), HVP_ERROR_DMA);
+}
+
+TEST_F(BoardApi, AMemoryIsOfNoUseToABoardThatIsNoMaster) {
+  open();
+  std::array<std::uint32_t, 4> memory{};
+  EXPECT_FALSE(hvp_board_map(board, 0, memory.data(), sizeof memory));
+  EXPECT_FALSE(hvp_board_unmap(board, 0, 16));
+}
+
+TEST_F(BoardApi, RefusesInOneLine) {
+  EXPECT_EQ(refusal(nullptr), "hvp_board_open: no scenario file");
+  EXPECT_NE(refusal("nowhere.toml").find("nowhere.toml"), std::string::npos);
+  const std::string wall = refusal(HVP_SCENARIOS "/wall.toml");
+  EXPECT_NE(wall.find("wall.toml"), std::string::npos);
+  EXPECT_NE(wall.find("no board"), std::string::npos);
+  EXPECT_NE(refusal(kScenario, {"host.solver=cg"}).find("the host solves"), std::string::npos);
+  EXPECT_NE(refusal(kScenario, {"fidelity.numbers=none"}).find("numbers"), std::string::npos);
+  EXPECT_NE(refusal(kScenario, {"bus.kind=isa"}).find("bus.kind"), std::string::npos);
+  std::array<char, 8> small{};
+  EXPECT_EQ(hvp_board_open("nowhere.toml", nullptr, small.data(), small.size()), nullptr);
+  EXPECT_EQ(std::string(small.data()).size(), 7U);
+  EXPECT_EQ(hvp_board_open("nowhere.toml", nullptr, nullptr, 0), nullptr);
+  open();  // nothing of all that stands in the way
+  std::array<char, 256> second{};
+  EXPECT_EQ(hvp_board_open(kScenario, nullptr, second.data(), second.size()), nullptr);
+  EXPECT_STREQ(second.data(), "hvp_board_open: a process has one board, and it had one");
+}
+
+TEST_F(BoardApi, WritesWhatItDidIntoAFolder) {
+  const std::string folder = testing::TempDir() + "board_api_trace";
+  const hvp_board_options options = {nullptr, 0, folder.c_str()};
+  board = hvp_board_open(kScenario, &options, why.data(), why.size());
+  ASSERT_NE(board, nullptr) << why.data();
+  load();
+  solve();
+  hvp_board_close(board);
+  board = nullptr;
+  std::ifstream log(folder + "/registers.log");
+  const std::string text((std::istreambuf_iterator<char>(log)), {});
+  EXPECT_NE(text.find(" write CONTROL 4 0x00000001 ok\n"), std::string::npos) << text;
+  EXPECT_TRUE(std::ifstream(folder + "/registers.vcd").good());
+  std::filesystem::remove_all(folder);
+}
+
+TEST_F(BoardApi, NothingCanBeClosed) { hvp_board_close(nullptr); }
+
+}  // namespace

@@ -1,0 +1,298 @@
+"""`hvp linux`: a kernel boots on simulated time, drives the board, and ends well or in one line.
+
+usage: linux_test.py PROGRAM GUEST SERVO [--runs N]
+
+PROGRAM is hvp, GUEST a folder with `linux` and `initramfs.cpio.gz` (driver/linux/guest.sh), SERVO
+what makes the same frames in the board's own process. Every run has a hard limit.
+"""
+
+import argparse
+import contextlib
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from frames_file import Output, write_frames
+
+TOP = Path(__file__).resolve().parents[2]
+LIMIT_S = 240
+SCENARIO = TOP / "scenarios" / "thesis.toml"
+OVERRIDES = ("transfer.method=dma", "transfer.notification=msi")
+# The clock of a kernel on simulated time has steps of 256 ns, and reading it takes one.
+CLOCK_NS = 256
+
+
+class WrongError(Exception):
+    pass
+
+
+def expect(what: str, wanted: object, found: object) -> None:
+    if wanted != found:
+        raise WrongError(f"{what}: expected {wanted!r}, found {found!r}")
+
+
+def expect_in(what: str, part: str, text: str) -> None:
+    if part not in text:
+        raise WrongError(f"{what}: expected {part!r} in {text!r}")
+
+
+@dataclass
+class Guest:
+    program: Path
+    folder: Path
+    servo: Path
+    work: Path  # of this case
+    runs: int
+
+    def command(self, *words: str, script: str = "", kernel: Path | None = None) -> list[str]:
+        command = [str(self.program), "linux", str(SCENARIO), "--out", str(self.work / "out")]
+        for override in OVERRIDES:
+            command += ["--set", override]
+        command += ["--kernel", str(kernel or self.folder / "linux")]
+        command += ["--initrd", str(self.folder / "initramfs.cpio.gz"), *words]
+        if script:
+            (self.work / "script").write_text(script)
+            command += ["--script", str(self.work / "script")]
+        return command
+
+    def run(
+        self, *words: str, script: str = "", kernel: Path | None = None, status: int = 0
+    ) -> subprocess.CompletedProcess[str]:
+        done = subprocess.run(
+            self.command(*words, script=script, kernel=kernel),
+            capture_output=True,
+            text=True,
+            timeout=LIMIT_S,
+            env={**os.environ, "TMPDIR": str(self.work)},
+            check=False,
+        )
+        if done.returncode != status:
+            raise WrongError(
+                f"status {done.returncode}, expected {status}\n{done.stdout}\n{done.stderr}"
+            )
+        expect("what is left of a run", [], [p.name for p in self.work.glob("hvp-linux-*")])
+        return done
+
+    def refused(self, line: str, *words: str, script: str = "", kernel: Path | None = None) -> None:
+        done = self.run(*words, script=script, kernel=kernel, status=3)
+        said = done.stderr.splitlines()
+        expect("lines of the error", 1, len(said))
+        expect_in("the error", line, said[0])
+
+    def summary(self) -> dict[str, object]:
+        summary = json.loads((self.work / "out" / "summary.json").read_text())
+        assert isinstance(summary, dict)
+        return summary
+
+    def servo_run(self, frames: int) -> Output:
+        write_frames(self.work / "frames", frames)
+        script = f"hvp-servo /dev/hvp0 /host{self.work}/frames /host{self.work}/u\n"
+        self.run(script=script)
+        return Output(self.work / "u")
+
+
+def boots_and_enumerates(guest: Guest) -> None:
+    script = """cd /sys/bus/pci/devices/0000:00:00.0
+cat vendor device class
+head -n 1 resource
+dd if=config bs=1 skip=4 count=2 2>/dev/null | hexdump -e '"%04x\\n"'
+"""
+    said = guest.run(script=script).stdout
+    bar = "0x00000000f0000000 0x00000000f1ffffff 0x0000000000040200"
+    for line in ("0x1172", "0x4850", "0x120000", bar, "by DMA, msi"):
+        expect_in("the console", line, said)
+    expect_in("the console's file", bar, (guest.work / "out" / "console.log").read_text())
+    expect("frames", 0, guest.summary()["deadline"]["frames"])  # type: ignore[index]
+
+
+def solves_as_in_process(guest: Guest) -> None:
+    frames = 1000
+    out = guest.servo_run(frames)
+    subprocess.run(
+        [guest.servo, SCENARIO, guest.work / "frames", guest.work / "here"],
+        check=True,
+        timeout=LIMIT_S,
+    )
+    expect("frames", frames, len(out.solutions))
+    expect("U", True, Output(guest.work / "here").solutions == out.solutions)
+    summary = guest.summary()
+    expect("frames of the ledger", frames, summary["deadline"]["frames"])  # type: ignore[index]
+    expect("deadlines", True, summary["held"])
+    with (guest.work / "out" / "frames.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    expect("lines of frames.csv", frames, len(rows))
+    for row, (_, woken, _, ended, _) in zip(rows[1:], out.times[1:], strict=True):
+        seen = (ended - woken) / 1000
+        latency = float(row["latency_us"])
+        # Two readings of a clock that takes 256 ns each, and one in between.
+        if abs(seen - latency) > 4 * CLOCK_NS / 1000:
+            raise WrongError(
+                f"frame {row['frame']}: {latency} us in the ledger, {seen} us in the guest"
+            )
+
+
+@contextlib.contextmanager
+def load() -> Iterator[None]:
+    """Other programs that want every processor."""
+    busy = [
+        subprocess.Popen([sys.executable, "-c", "while True: pass"])
+        for _ in range(2 * (os.cpu_count() or 1))
+    ]
+    try:
+        yield
+    finally:
+        for process in busy:
+            process.kill()
+            process.wait()
+
+
+def repeats_itself(guest: Guest) -> None:
+    files = ("u", "out/frames.csv", "out/summary.json", "out/trace.json")
+
+    def once() -> list[bytes]:
+        guest.servo_run(40)
+        return [(guest.work / name).read_bytes() for name in files]
+
+    first = once()
+    for run in range(1, guest.runs):
+        with load() if run % 2 else contextlib.nullcontext():
+            for name, before, now in zip(files, first, once(), strict=True):
+                expect(f"{name} of run {run} is that of the first", True, before == now)
+
+
+def a_script_that_fails(guest: Guest) -> None:
+    guest.refused("hvp: the script ended with status 7", script="exit 7\n")
+
+
+def a_kernel_without_init(guest: Guest) -> None:
+    guest.refused("the guest's kernel panicked: ", "--kernel-argument", "rdinit=/none")
+
+
+def a_guest_that_hangs(guest: Guest) -> None:
+    guest.refused(
+        "nothing was heard of the guest for 3 s", "--patience", "3", script="while :; do :; done\n"
+    )
+
+
+STRANGE = {
+    "dies": "the guest's kernel ended before it asked for the time",
+    "half-a-time": "",
+    "unknown-time": "the guest's calendar asks for 99",
+    "past": "the guest wants to run at 1 ns, and it is 1000 ns",
+    "sleeps-for-ever": "the guest sleeps without a timer",
+    "silent": "nothing was heard of the guest for 3 s",
+    "four-gigabytes": "a payload of 4294967295 bytes",
+    "rubbish": "vhost-user: ",
+    "half-a-message": "",
+    "leaves": "the guest's kernel has closed a connection and goes on",
+    "no-descriptor": "1 regions of memory with 0 descriptors",
+    "short-memory": "is not in its file",
+    "ring-outside": "where it has no memory",
+    "ring-too-long": "where it has no memory",
+}
+
+
+def strange_kernels(guest: Guest) -> None:
+    kernel = Path(__file__).with_name("strange_kernel.py")
+    for how, line in STRANGE.items():
+        words = ("--patience", "3", "--kernel-argument", f"strange={how}")
+        if line:
+            guest.refused(line, *words, kernel=kernel)
+        else:  # it goes in the middle of a message, which is an end as any other
+            guest.run(*words, kernel=kernel)
+
+
+def wrong_words(guest: Guest) -> None:
+    for words, line in (
+        (("--memory", "lots"), "expected a size such as 64M"),
+        (("--patience", "0"), "--patience"),
+        (("--script", "/none"), "--script /none: expected a file that can be read"),
+    ):
+        done = guest.run(*words, status=2)
+        expect_in("the error", line, done.stderr)
+    done = guest.run(kernel=Path("/etc/passwd"), status=2)
+    expect_in("the error", "expected a file that can be run", done.stderr)
+
+
+def nothing_is_left_when_killed(guest: Guest) -> None:
+    command = guest.command(script="while :; do :; done\n")
+    mark = str(guest.work)
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, env={**os.environ, "TMPDIR": str(guest.work)}
+    ) as process:
+        assert process.stdout is not None
+        running = any(b"by DMA, msi" in line for line in process.stdout)
+        expect("the guest runs", True, running and bool(guests_of(mark)))
+        process.send_signal(signal.SIGKILL)
+        process.wait(timeout=LIMIT_S)
+    deadline = time.monotonic() + LIMIT_S
+    while time.monotonic() < deadline:
+        left = [p.name for p in guest.work.glob("hvp-linux-*")]
+        if not left and not guests_of(mark):
+            return
+        time.sleep(0.05)
+    raise WrongError("a guest or its folder is left")
+
+
+def guests_of(mark: str) -> list[str]:
+    found = []
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
+        with contextlib.suppress(OSError):
+            line = path.read_bytes()
+            if mark.encode() in line and b"time-travel=ext" in line:
+                found.append(path.parent.name)
+    return found
+
+
+CASES: tuple[Callable[[Guest], None], ...] = (
+    boots_and_enumerates,
+    solves_as_in_process,
+    repeats_itself,
+    a_script_that_fails,
+    a_kernel_without_init,
+    a_guest_that_hangs,
+    strange_kernels,
+    wrong_words,
+    nothing_is_left_when_killed,
+)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("program", type=Path)
+    parser.add_argument("guest", type=Path)
+    parser.add_argument("servo", type=Path)
+    parser.add_argument("--runs", type=int, default=4, help="of repeats_itself")
+    parser.add_argument("--case", help="one alone")
+    arguments = parser.parse_args()
+    failed = 0
+    for case in CASES:
+        if arguments.case not in (None, case.__name__):
+            continue
+        with tempfile.TemporaryDirectory() as work:
+            guest = Guest(
+                arguments.program.resolve(),
+                arguments.guest.resolve(),
+                arguments.servo.resolve(),
+                Path(work),
+                arguments.runs,
+            )
+            try:
+                case(guest)
+                print(f"ok      {case.__name__}", flush=True)
+            except (WrongError, subprocess.SubprocessError, OSError) as error:
+                failed += 1
+                print(f"FAILED  {case.__name__}: {error}", flush=True)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

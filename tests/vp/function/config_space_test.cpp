@@ -1,0 +1,191 @@
+// The configuration space as an operating system goes through it: without a clock.
+#include "vp/function/config_space.h"
+
+#include <array>
+#include <cstdint>
+#include <stdexcept>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace hvp::vp {
+namespace {
+
+constexpr std::uint32_t kBar = 0x0200'0000;
+constexpr std::uint8_t kCommand = 0x04;
+constexpr std::uint8_t kStatus = 0x06;
+
+class Space : public ConfigSpace {
+ public:
+  explicit Space(bool messages = true) : ConfigSpace({.bar_bytes = kBar, .messages = messages}) {}
+
+  std::uint64_t get(std::uint64_t offset, std::size_t bytes) const {
+    std::array<std::uint8_t, 8> data{};
+    read(offset, std::span(data).first(bytes));
+    std::uint64_t value = 0;
+    for (std::size_t i = bytes; i > 0; --i) value = value << 8U | data.at(i - 1);
+    return value;
+  }
+  void set(std::uint64_t offset, std::uint64_t value, std::size_t bytes) {
+    std::array<std::uint8_t, 8> data{};
+    for (std::size_t i = 0; i < bytes; ++i) {
+      data.at(i) = static_cast<std::uint8_t>(value >> 8 * i);
+    }
+    write(offset, std::span(data).first(bytes));
+  }
+  // Where the list of capabilities has this one; 0: nowhere.
+  std::uint8_t capability(std::uint8_t id) const {
+    for (auto at = static_cast<std::uint8_t>(get(0x34, 1)); at != 0;
+         at = static_cast<std::uint8_t>(get(at + 1U, 1))) {
+      if (get(at, 1) == id) return at;
+    }
+    return 0;
+  }
+};
+
+TEST(ConfigSpace, SaysWhatItIs) {
+  const Space space;
+  EXPECT_EQ(space.get(0, 4), 0x4850'1172U);
+  EXPECT_EQ(space.get(8, 4), 0x1200'0002U);  // class, and the register map's major version
+  EXPECT_EQ(space.get(0x0e, 1), 0U);         // type 0, one function
+  EXPECT_EQ(space.get(0x2c, 4), 0x4850'1172U);
+  EXPECT_EQ(space.get(0x3d, 1), 1U);  // INTA#
+  EXPECT_EQ(space.get(kStatus, 2) & 0x10U, 0x10U);
+}
+
+TEST(ConfigSpace, TheBarSaysItsSize) {
+  Space space;
+  EXPECT_EQ(space.get(0x10, 4), 0U);
+  space.set(0x10, 0xffff'ffff, 4);
+  EXPECT_EQ((~space.get(0x10, 4) + 1) & 0xffff'ffff, kBar);
+  space.set(0x10, 0xe200'1000, 4);
+  EXPECT_EQ(space.bar(), 0xe200'0000U);
+  for (std::uint64_t other = 0x14; other <= 0x24; other += 4) {
+    space.set(other, 0xffff'ffff, 4);
+    EXPECT_EQ(space.get(other, 4), 0U) << other;
+  }
+}
+
+// Every byte by every size of access gives the same bytes.
+TEST(ConfigSpace, SizesOfAccessAgree) {
+  const Space space;
+  for (std::uint64_t at = 0; at < ConfigSpace::kBytes; at += 8) {
+    const std::uint64_t whole = space.get(at, 8);
+    for (const std::size_t bytes : {1U, 2U, 4U}) {
+      std::uint64_t assembled = 0;
+      for (std::uint64_t part = 0; part < 8; part += bytes) {
+        assembled |= space.get(at + part, bytes) << 8 * part;
+      }
+      EXPECT_EQ(assembled, whole) << at << " by " << bytes;
+    }
+  }
+}
+
+TEST(ConfigSpace, WhatIsNoAccessReadsOnesAndWritesNothing) {
+  Space space;
+  std::vector<std::uint8_t> three(3, 0);
+  space.read(4, three);
+  EXPECT_EQ(three, std::vector<std::uint8_t>(3, 0xff));
+  EXPECT_EQ(space.get(kCommand + 1U, 2), 0xffffU);
+  EXPECT_EQ(space.get(256, 4), 0xffff'ffffU);
+  EXPECT_EQ(space.get(~std::uint64_t{3}, 4), 0xffff'ffffU);
+  space.set(kCommand - 1U, 0xffff'ffff, 4);
+  EXPECT_EQ(space.get(kCommand, 2), 0U);
+  std::vector<std::uint8_t> none;
+  space.write(4, none);
+  space.read(4, none);
+}
+
+TEST(ConfigSpace, CommandSwitchesMemoryAndMastering) {
+  Space space;
+  EXPECT_FALSE(space.decodes());
+  EXPECT_FALSE(space.may_master());
+  space.set(kCommand, 0xffff, 2);
+  EXPECT_EQ(space.get(kCommand, 2), 0x0546U);  // no I/O space, no special cycles
+  EXPECT_TRUE(space.decodes());
+  EXPECT_TRUE(space.may_master());
+  EXPECT_FALSE(space.may_raise_line());
+  space.set(kCommand, 0x6, 1);
+  EXPECT_EQ(space.get(kCommand, 2), 0x0506U);  // a byte leaves the other one
+}
+
+TEST(ConfigSpace, ErrorsAreClearedByAOne) {
+  Space space;
+  space.note(ConfigSpace::Error::parity);
+  space.note(ConfigSpace::Error::master_abort);
+  EXPECT_EQ(space.get(kStatus, 2), 0xa010U);
+  space.set(kStatus, 0x8000, 2);
+  EXPECT_EQ(space.get(kStatus, 2), 0x2010U);
+  space.set(kStatus, 0x0010, 2);  // read-only
+  EXPECT_EQ(space.get(kStatus, 2), 0x2010U);
+}
+
+TEST(ConfigSpace, MessagesAreThereWhereTheBoardSendsThem) {
+  EXPECT_EQ(Space(false).capability(0x05), 0U);
+  Space space;
+  const std::uint8_t msi = space.capability(0x05);
+  ASSERT_NE(msi, 0U);
+  EXPECT_EQ(space.get(msi + 2U, 2), 0x0180U);  // 64 bits of address, a mask, one message
+  space.set(msi + 4U, 0xfee0'0000, 4);
+  space.set(msi + 8U, 1, 4);
+  space.set(msi + 12U, 0x4021, 2);
+  space.set(msi + 2U, 0xffff, 2);
+  EXPECT_EQ(space.get(msi + 2U, 2), 0x0181U);
+  EXPECT_TRUE(space.messages_enabled());
+  EXPECT_EQ(space.message().address, 0x1'fee0'0000U);
+  EXPECT_EQ(space.message().data, 0x4021U);
+  EXPECT_FALSE(space.message_masked());
+  space.set(msi + 16U, 0xffff'ffff, 4);
+  EXPECT_EQ(space.get(msi + 16U, 4), 1U);
+  EXPECT_TRUE(space.message_masked());
+  space.show_pending(true);
+  EXPECT_EQ(space.get(msi + 20U, 4), 1U);
+  space.set(kCommand, 0x6, 2);
+  EXPECT_FALSE(space.may_raise_line());
+}
+
+TEST(ConfigSpace, LeavingD3HotIsAReset) {
+  Space space;
+  int resets = 0;
+  space.on_reset([&resets] { ++resets; });
+  const std::uint8_t power = space.capability(0x01);
+  ASSERT_NE(power, 0U);
+  space.set(kCommand, 0x6, 2);
+  space.set(power + 4U, 1, 2);  // D1, which it has not
+  EXPECT_TRUE(space.in_d0());
+  space.set(power + 4U, 3, 2);
+  EXPECT_EQ(space.get(power + 4U, 2), 3U);
+  EXPECT_FALSE(space.decodes());
+  EXPECT_FALSE(space.may_master());
+  EXPECT_EQ(space.get(0, 2), 0x1172U);  // its configuration space still answers
+  EXPECT_EQ(resets, 0);
+  space.set(power + 4U, 0, 2);
+  EXPECT_EQ(resets, 1);
+  EXPECT_EQ(space.get(kCommand, 2), 0U);
+}
+
+TEST(ConfigSpace, AFunctionLevelResetForgetsAll) {
+  Space space;
+  int resets = 0;
+  space.on_reset([&resets] { ++resets; });
+  const std::uint8_t features = space.capability(0x13);
+  ASSERT_NE(features, 0U);
+  EXPECT_EQ(space.get(features + 3U, 1), 3U);
+  const Space fresh;
+  space.set(0x10, 0xe200'0000, 4);
+  space.set(kCommand, 0x6, 2);
+  space.set(features + 4U, 1, 1);
+  EXPECT_EQ(resets, 1);
+  for (std::uint64_t at = 0; at < ConfigSpace::kBytes; at += 4) {
+    EXPECT_EQ(space.get(at, 4), fresh.get(at, 4)) << at;
+  }
+}
+
+TEST(ConfigSpace, ABarIsAPowerOfTwo) {
+  EXPECT_THROW(ConfigSpace({.bar_bytes = 0, .messages = false}), std::invalid_argument);
+  EXPECT_THROW(ConfigSpace({.bar_bytes = 8, .messages = false}), std::invalid_argument);
+  EXPECT_THROW(ConfigSpace({.bar_bytes = 48, .messages = false}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace hvp::vp

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+
+namespace hvp::vp {
+
+// What the board's function can do beyond its BAR.
+struct FunctionSettings {
+  std::uint32_t bar_bytes = 0;  // a power of two
+  bool messages = false;        // it has the capability MSI
+};
+
+// The configuration space of the board's PCI function as software sees it, without a clock: a
+// header of type 0 (PCI 3.0 §6.1), power management (PCI Power Management 1.2 §3.2), one message
+// with 64 bits of address and a mask (PCI 3.0 §6.8.1), and a reset of the function (PCI Advanced
+// Features ECN of 2006).
+//
+// An access has 1, 2, 4 or 8 bytes at a multiple of its size. One of another kind, or one beyond
+// the 256 bytes, reads all ones and writes nothing, as where no function answers.
+class ConfigSpace {
+ public:
+  static constexpr std::size_t kBytes = 256;
+  static constexpr std::size_t kPowerAt = 0x40;
+  static constexpr std::size_t kMessageAt = 0x50;
+  static constexpr std::size_t kFeaturesAt = 0x70;
+
+  struct Message {
+    std::uint64_t address;
+    std::uint16_t data;
+  };
+  // Errors that the function notes in its status register (PCI 3.0 §6.2.3).
+  enum class Error : std::uint16_t { master_abort = 1U << 13U, parity = 1U << 15U };
+
+  // Throws std::invalid_argument for a BAR of another size than a power of two from 16 bytes on.
+  explicit ConfigSpace(const FunctionSettings& settings);
+
+  void read(std::uint64_t offset, std::span<std::uint8_t> data) const;
+  void write(std::uint64_t offset, std::span<const std::uint8_t> data);
+  // The state after power-on.
+  void reset();
+
+  // What software asks of the function: a reset, by the capability or by leaving D3hot. The
+  // configuration space has been reset already. And any other change of what is below.
+  void on_reset(std::function<void()> reset) { on_reset_ = std::move(reset); }
+  void on_change(std::function<void()> change) { on_change_ = std::move(change); }
+
+  // Whether accesses to the BAR are answered: COMMAND's memory space, in D0.
+  bool decodes() const;
+  // Whether the function may go onto the bus by itself: COMMAND's bus master, in D0.
+  bool may_master() const;
+  // Whether it may raise INTA#: no MSI, and not disabled in COMMAND.
+  bool may_raise_line() const;
+  bool messages_enabled() const;
+  bool message_masked() const;
+  bool in_d0() const;
+  Message message() const;
+  std::uint32_t bar() const;
+
+  // STATUS' interrupt bit: what the function would raise, whatever COMMAND says.
+  void show_line(bool up);
+  void show_pending(bool pending);
+  void note(Error error);
+
+ private:
+  std::uint16_t half(std::size_t at) const;
+  std::uint32_t word(std::size_t at) const;
+  void put(std::size_t at, std::uint32_t value, std::size_t bytes);
+  void allow(std::size_t at, std::uint32_t mask, std::size_t bytes);
+
+  bool has_messages_;
+  std::array<std::uint8_t, kBytes> value_{};
+  std::array<std::uint8_t, kBytes> initial_{};
+  std::array<std::uint8_t, kBytes> writable_{};
+  std::array<std::uint8_t, kBytes> cleared_by_one_{};
+  std::function<void()> on_reset_;
+  std::function<void()> on_change_;
+};
+
+}  // namespace hvp::vp

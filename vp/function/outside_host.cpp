@@ -1,0 +1,159 @@
+#include "vp/function/outside_host.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "vp/bus/memory_map.h"
+#include "vp/main_stack.h"
+
+namespace hvp::vp {
+
+namespace {
+
+constexpr std::size_t kStackBytes = 1 << 20;  // a bus and a solve run on it
+// No access takes so long: a day.
+constexpr Picoseconds kForever = Picoseconds{86'400} * 1'000'000'000'000;
+
+FunctionSettings function_of(const PlatformSettings& settings) {
+  return {.bar_bytes = kBarBytes,
+          .messages = settings.transfer.notification == link::Notification::msi};
+}
+
+}  // namespace
+
+OutsideHost::OutsideHost(const sc_core::sc_module_name& name, const PlatformSettings& settings,
+                         BoardSide& side, Session& session, Ledger& ledger)
+    : sc_module(name),
+      side_(side),
+      session_(session),
+      config_(function_of(settings)),
+      access_("access"),
+      frames_(ledger, session, access_.tag()),
+      posted_("posted") {
+  if (side.board() == nullptr) throw std::invalid_argument("a host without a board");
+  access_.to_bus.bind(side.from_host());
+  side.connect(*this, [this] { return config_.messages_enabled(); });
+  if (HostMemory* const memory = side.board()->memory()) {
+    memory->answer_if([this] { return config_.may_master(); });
+  }
+  frames_.watch(side.board()->accelerator().job_end());
+  config_.on_change([this] { update_interrupts(); });
+  config_.on_reset([this] { reset_function(); });
+  SC_HAS_PROCESS(OutsideHost);
+  SC_THREAD(serve);
+  set_stack_size(kStackBytes);
+}
+
+void OutsideHost::post(Access access) {
+  accesses_.push_back(std::move(access));
+  posted_.notify(sc_core::SC_ZERO_TIME);
+}
+
+void OutsideHost::serve() {
+  for (;;) {
+    while (accesses_.empty()) wait(posted_);
+    make(accesses_.front());
+    const std::function<void()> ended = std::move(accesses_.front().ended);
+    accesses_.pop_front();
+    if (ended) ended();
+    something_happened();
+  }
+}
+
+void OutsideHost::make(const Access& access) {
+  const bool inside = access.offset <= kBarBytes && access.data.size() <= kBarBytes - access.offset;
+  if (access.data.empty() || !inside || !config_.decodes()) {
+    if (access.command == Command::read) std::ranges::fill(access.data, std::uint8_t{0xff});
+    return;
+  }
+  frames_.before(step_of(access.command, access.offset, access.data));
+  begin_faults();
+  const std::uint64_t address = kSolverBase + access.offset;
+  if (access.command == Command::read) {
+    access_.read(address, access.data.data(), access.data.size());
+  } else {
+    access_.write(address, access.data.data(), access.data.size());
+  }
+}
+
+// Frame n is born at begin + n·T only where somebody keeps that time; the plan counts frames.
+void OutsideHost::begin_faults() {
+  if (faults_begun_ || !session_.begun) return;
+  faults_begun_ = true;
+  if (FaultPlan* const faults = side_.board()->faults()) faults->begin(session_.begin);
+}
+
+bool OutsideHost::run_until(Picoseconds time) {
+  happened_ = false;
+  running_ = true;
+  while (!happened_ && (now_ps() < time || sc_core::sc_pending_activity_at_current_time())) {
+    if (now_ps() < time) {
+      sc_core::sc_start(to_sc_time(time - now_ps()), sc_core::SC_RUN_TO_TIME);
+    } else {
+      sc_core::sc_start(sc_core::SC_ZERO_TIME);
+    }
+  }
+  running_ = false;
+  return_to_main_stack();
+  return !happened_;
+}
+
+bool OutsideHost::access(Command command, std::uint64_t offset, std::span<std::uint8_t> data) {
+  bool ended = false;
+  post({command, offset, data, [&ended] { ended = true; }});
+  while (!ended) {
+    if (run_until(now_ps() + kForever)) return false;
+  }
+  return true;
+}
+
+// Ends run_until() with this delta cycle.
+void OutsideHost::something_happened() {
+  if (!running_ || happened_) return;
+  happened_ = true;
+  sc_core::sc_pause();
+}
+
+void OutsideHost::interrupt(const Tag& tag) {
+  frames_.heard(tag);
+  if (!config_.messages_enabled()) {
+    board_line_ = true;
+  } else if (config_.message_masked()) {
+    pending_ = true;
+  } else if (listener_ != nullptr) {
+    listener_->message(config_.message());
+    something_happened();
+  }
+  update_interrupts();
+}
+
+void OutsideHost::lowered() {
+  board_line_ = false;
+  update_interrupts();
+}
+
+// What the host sees follows the board and the function's settings, whichever changed.
+void OutsideHost::update_interrupts() {
+  if (pending_ && config_.messages_enabled() && !config_.message_masked()) {
+    pending_ = false;
+    if (listener_ != nullptr) listener_->message(config_.message());
+    something_happened();
+  }
+  config_.show_pending(pending_);
+  config_.show_line(board_line_);
+  const bool shown = board_line_ && config_.may_raise_line();
+  if (shown == line_shown_) return;
+  line_shown_ = shown;
+  if (listener_ != nullptr) listener_->line(shown);
+  something_happened();
+}
+
+void OutsideHost::reset_function() {
+  pending_ = false;
+  side_.board()->accelerator().power_on();
+  board_line_ = false;
+  update_interrupts();
+}
+
+}  // namespace hvp::vp
