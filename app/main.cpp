@@ -264,6 +264,12 @@ int parse_and_run(int argc, char** argv) {
       ->required()
       ->type_name("SOCKET");
   command->add_flag("--once", serve.once, "end when the first client has gone");
+  CLI::Option* trace = command->add_flag(
+      "--trace-registers", serve.trace_registers,
+      "also log every access to the board, in registers.log, and as a waveform, in registers.vcd");
+  command->add_option("--out", serve.out, "folder for these in place of runs/<scenario>-serve")
+      ->needs(trace)
+      ->type_name("FOLDER");
   command->callback([&] { status = serve_command(serve); });
 
   LinuxArguments linux_run;

@@ -112,6 +112,8 @@ int solve_command(const SolveArguments& arguments);
 struct ServeArguments : ScenarioArguments {
   std::filesystem::path socket;
   bool once = false;  // ends with its first client
+  bool trace_registers = false;
+  std::filesystem::path out;  // of the trace; empty: runs/<scenario>-serve
 };
 int serve_command(const ServeArguments& arguments);
 

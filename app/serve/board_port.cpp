@@ -15,8 +15,9 @@ constexpr vp::Picoseconds kPiece = 20'000'000;  // 20 us
 
 }  // namespace
 
-BoardPort::BoardPort(const vp::PlatformSettings& settings)
-    : board_(settings), has_messages_(settings.transfer.notification == link::Notification::msi) {
+BoardPort::BoardPort(const vp::PlatformSettings& settings, results::RegisterTrace* registers)
+    : board_(settings, registers),
+      has_messages_(settings.transfer.notification == link::Notification::msi) {
   board_.host().listen(*this);
   if (vp::HostMemory* const memory = board_.memory()) {
     memory->answer_if([this] {
@@ -24,6 +25,7 @@ BoardPort::BoardPort(const vp::PlatformSettings& settings)
       return board_.config().may_master();
     });
   }
+  if (registers != nullptr) registers->watch(board_.accelerator());
   vp::BoardSide::step_to(0);
 }
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include "app/results/register_trace.h"
 #include "app/serve/function_port.h"
 #include "app/serve/interrupts.h"
 #include "vp/function/board_function.h"
@@ -22,7 +23,9 @@ class BoardPort : public FunctionPort, private vp::InterruptListener {
   static constexpr vp::Picoseconds kSettle = 1'000'000'000;        // 1 ms
   static constexpr vp::Picoseconds kLongest = 10'000'000'000'000;  // 10 s
 
-  explicit BoardPort(const vp::PlatformSettings& settings);
+  // `registers`: what is told of every access; null: nobody.
+  explicit BoardPort(const vp::PlatformSettings& settings,
+                     results::RegisterTrace* registers = nullptr);
 
   // Who is told of interrupts; null: nobody.
   void tell(Interrupts* interrupts);

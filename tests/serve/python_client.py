@@ -39,6 +39,7 @@ DONE = 2
 SHIFT = 10
 LOAD = (300, -200, 100)
 TIMEOUT_S = 60.0
+TRACE_FILES = {"registers.log", "registers.vcd"}
 MEMORY = 0x2_0000_0000
 
 
@@ -125,6 +126,24 @@ class Client(unittest.TestCase):
             job = struct.unpack("<8I", memory[128:160])[7]
             self.assertEqual(job, 1)
             client.unshare(MEMORY)
+
+    def test_its_accesses_are_traced(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            path, out = Path(folder) / "board", Path(folder) / "out"
+            with (
+                Served(HVP, [SCENARIO, "--trace-registers", "--out", str(out)], path),
+                VfioUser(path) as client,
+            ):
+                client.write32(ITERATIONS, 17)
+                self.assertEqual(client.read32(ITERATIONS), 17)
+            log = (out / "registers.log").read_text().splitlines()
+            written, read = (line.split() for line in log[-2:])
+            for words, command in ((written, "write"), (read, "read")):
+                self.assertIn(command, words)
+                self.assertIn("ITERATIONS", words)
+            waveform = (out / "registers.vcd").read_text()
+            self.assertIn("$enddefinitions", waveform)
+            self.assertEqual({p.name for p in out.iterdir()}, TRACE_FILES)
 
     def test_a_second_client_is_refused(self) -> None:
         with tempfile.TemporaryDirectory() as folder:

@@ -94,6 +94,8 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{{"serve"}, "serve: scenario is required"},
         Wrong{{"serve", "a.toml"}, "serve: --vfio-user is required"},
         Wrong{{"serve", "a.toml", "--vfio-user", ""}, "serve: --vfio-user: expected a value"},
+        Wrong{{"serve", "a.toml", "--vfio-user", "b", "--out", "c"},
+              "serve: --out requires --trace-registers"},
         Wrong{{"serve", "a.toml", "--vfio-usr", "b"}, "did you mean --vfio-user?"},
         Wrong{{"solve"}, "solve: --matrix is required"},
         Wrong{{"solve", "--matrix", "a.mtx"}, "solve: --rhs is required"},
