@@ -197,7 +197,8 @@ int parse_and_run(int argc, char** argv) {
       "  study    runs over axes, with screening and the price of accuracy\n"
       "  sweep    one scenario over values of a key\n"
       "  compare  two runs' settings, times, forces and flags\n"
-      "  report   a page of a run or a study, for a browser\n\n"
+      "  report   a page of a run or a study, for a browser\n"
+      "  questions  the pages of docs/questions/, written anew from runs\n\n"
       "Exit status: 0 it ran and every budget held; 1 it ran and a budget did not hold;\n"
       "2 the input is wrong; 3 anything else. Ctrl-C ends a run after the frame at hand, with\n"
       "the results of those before, and the program as the signal would have.");

@@ -9,9 +9,10 @@ from studies.program import Figure
 from studies.results import Column
 from studies.search import Found, Tried
 from studies.search_space import Search
-from studies.text_table import cell
+from studies.text_table import cell, count_of
 
 _JUST_BELOW = 3
+_MOST_REASONS = 3
 WITHIN = Column("within", "", "every bound of the search holds")
 
 
@@ -47,6 +48,9 @@ def words(found: Found, known: Mapping[str, Figure]) -> str:
     lines = [found.search.title, ""]
     if found.best:
         lines += _block("found", [_point(found, one, known) for one in found.best])
+    elif not any(one.record.done for one in found.tried.values()):
+        lines += _block("found", ["nothing: no point was measured"])
+        lines += _block("why", _reasons(found))
     else:
         nearest = min(found.tried.values(), key=lambda tried: tried.rank)
         lines += _block("found", ["nothing that keeps every bound"])
@@ -110,12 +114,29 @@ def _tried(found: Found) -> list[str]:
     failed = sum(one.record.done and not one.feasible for one in tried)
     what = [f"{kept} keep every bound", f"{failed} do not"]
     what += [f"{ran[name]} {name}" for name in ("refused", "crashed", "timed out") if ran[name]]
-    count = f"{len(tried)} of {found.search.combinations} combinations: {', '.join(what)}"
+    count = (
+        f"{len(tried)} of {count_of(found.search.combinations, 'combination')}: {', '.join(what)}"
+    )
+    unmeasured = ran["crashed"] + ran["timed out"]
+    if not found.proposals and unmeasured:
+        return [count, f"that is all there are; of {unmeasured} nothing is known"]
     if not found.proposals:
         return [count, "that is all there are: nothing else can be better"]
     how = f"{found.proposals} proposals by {found.search.method} (seed {found.search.seed})"
     sure = "all there are" if found.complete else "no step on one axis from there is better"
-    return [count, f"{how}, then {found.steps} rounds of neighbours: {sure}"]
+    if not any(one.record.done for one in tried):
+        sure = "nothing was measured there either"
+    elif unmeasured:
+        sure += f" of what was measured; of {unmeasured} nothing is known"
+    return [count, f"{how}, then {count_of(found.steps, 'round')} of neighbours: {sure}"]
+
+
+def _reasons(found: Found) -> list[str]:
+    """Why points have no figures, each reason once, with how often."""
+    reasons = Counter(
+        f"{one.record.status}: {one.record.message}".rstrip(": ") for one in found.tried.values()
+    )
+    return [f"{count} {reason}" for reason, count in reasons.most_common(_MOST_REASONS)]
 
 
 def _just_below(found: Found) -> list[Tried]:

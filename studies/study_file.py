@@ -1,6 +1,8 @@
 """STUDY.toml: what a study asks, declared once, for reading and for docs/study-reference.md."""
 
+import json
 import tomllib
+from collections import Counter
 from pathlib import Path
 from typing import Any, Literal, get_args
 
@@ -71,6 +73,8 @@ class Axis(FileTable):
             raise ValueError("expected `cumulative` beside `choice` only")
         if bool(self.key) == bool(self.keys):
             raise ValueError("expected either `key` or `keys`")
+        if "values" in self.model_fields_set and not self.values:
+            raise ValueError("expected one value or more in `values`")
         if bool(self.values) == (self.start is not None):
             raise ValueError("expected either `values` or a range with `from` and `to`")
         if (self.start is None) != (self.to is None):
@@ -182,6 +186,8 @@ def parse(text: str, file: Path) -> Study:
         if label in labels[:index]:
             where = line_of(text, ("axis", index))
             raise InputError(f"{file}:{where}: axis: expected one axis called '{label}'")
+    if study.design.kind == "product":
+        _refuse_equal_values(study, text, file)
     for index, constraint in enumerate(study.constraint):
         try:
             Expression(constraint.that, labels)
@@ -196,6 +202,16 @@ def parse(text: str, file: Path) -> Study:
                 hint = nearest(found, labels)
                 raise InputError(f"{file}:{where}: plot.{key}: no axis '{found}'{hint}")
     return study
+
+
+def _refuse_equal_values(study: Study, text: str, file: Path) -> None:
+    """Of every combination they would be the same runs twice."""
+    for index, axis in enumerate(study.axis):
+        counts = Counter(map(json.dumps, axis.values))
+        twice = next((value for value, count in counts.items() if count > 1), None)
+        if twice is not None:
+            where = line_of(text, ("axis", index, "values"))
+            raise InputError(f"{file}:{where}: axis.values: {twice} stands there twice")
 
 
 def _refusal(text: str, file: Path, error: ValidationError) -> InputError:

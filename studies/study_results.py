@@ -19,6 +19,7 @@ from studies.report.study_page import Plot, write_study_report
 from studies.results import Column, write_columns
 from studies.study_file import Picture, Study
 from studies.study_picture import chart
+from studies.text_table import count_of
 
 _DEFAULT: dict[Command, tuple[str, ...]] = {
     "run": (
@@ -117,7 +118,7 @@ class Results:
                 ("status", record.status),
                 ("message", record.message),
                 ("verdict", record.verdict),
-                ("flags", " ".join(record.flags)),
+                ("flags", " ".join(record.flags) if record.done else None),
                 (_ADDRESS.name, record.address),
             ):
                 ends[name].append(value)
@@ -200,7 +201,7 @@ def outcome_words(ends: Iterable[tuple[str, bool]]) -> str:
         "had no end in time": of["timed out", False],
     }
     said = ", ".join(f"{count} {what}" for what, count in counts.items() if count)
-    return f"Of {of.total()} points {said}."
+    return f"Of {count_of(of.total(), 'point')} {said}."
 
 
 def _default_pictures(results: Results) -> list[Picture]:

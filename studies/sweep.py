@@ -61,13 +61,16 @@ class Sweep:
         ]
 
 
-def refused_alike(records: Sequence[Record]) -> str | None:
-    """The line that refuses every point for the same reason, if one does: the key is wrong then,
-    and not one of its values."""
+def all_refused(records: Sequence[Record]) -> str | None:
+    """Why, in one line, where every point was refused. For the same reason, it is the first one's:
+    the key is wrong then, and not one of its values."""
+    if not records or any(record.status != "refused" for record in records):
+        return None
+    first = records[0].message
     reasons = {re.sub(r"(--set [^=]*)=.*?: ", r"\1: ", record.message) for record in records}
-    if len(reasons) == 1 and all(record.status == "refused" for record in records):
-        return records[0].message
-    return None
+    if len(reasons) == 1:
+        return first
+    return f"each of {len(records)} points was refused, the first: {first}"
 
 
 def measured(metrics: Sequence[str], records: Sequence[Record]) -> list[str]:

@@ -18,6 +18,11 @@ def cell(value: Value, digits: int = DIGITS) -> str:
     return str(value)
 
 
+def count_of(number: int, noun: str) -> str:
+    """How many: 1 run, 2 runs."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
 def text_table(header: Sequence[str], rows: Sequence[Sequence[Value]]) -> str:
     """Columns as wide as they need, numbers to the right."""
     cells = [[cell(value) for value in row] for row in rows]

@@ -79,9 +79,20 @@ void platform_lines(const PlatformParts& platform) {
   }
 }
 
+// What else a line of the table is of.
+std::string beside(const EffectCost& cost) {
+  std::string text;
+  if (!cost.setting.starts_with(cost.path + '=')) text += "; by " + cost.setting;
+  if (!cost.along.empty()) text += fmt::format("; beside {}", fmt::join(cost.along, ", "));
+  if (!cost.also.empty()) text += fmt::format("; with {}", fmt::join(cost.also, ", "));
+  return text;
+}
+
 void cost_lines(const EffectCosts& costs) {
-  print("\nWall-clock time on this machine (runs of {} frames, medians of {})\n", costs.frames,
-        costs.runs);
+  print(
+      "\nWall-clock time on this machine (runs of {} frames, medians of {}; an effect's own is the "
+      "median of {} pairs of runs)\n",
+      costs.frames, costs.runs, costs.runs);
   print("  {:<31} {:>12} {:>12} {:>20}\n", "", "s/simulated s", "to build", "the effect's own");
   print("  {:<31} {:>12.4g} {:>10.3f} s\n", "the scenario", costs.scenario.run_s,
         costs.scenario.build_s);
@@ -89,7 +100,7 @@ void cost_lines(const EffectCosts& costs) {
     if (!c.refused.empty()) continue;
     print("  {:<31} {:>12.4g} {:>10.3f} s {:>+10.3g} ± {:.2g} s{}\n",
           (c.present ? "without " : "with ") + c.path, c.cost.run_s, c.cost.build_s, c.difference_s,
-          c.spread_s, c.also.empty() ? "" : fmt::format("; with {}", fmt::join(c.also, ", ")));
+          c.spread_s, beside(c));
   }
   std::string refused;
   for (const EffectCost& c : costs.effects) {
@@ -103,7 +114,8 @@ nlohmann::ordered_json costs_json(const EffectCosts& costs) {
   using nlohmann::ordered_json;
   ordered_json effects = ordered_json::array();
   for (const EffectCost& c : costs.effects) {
-    ordered_json one = {{"path", c.path}, {"built", c.present}, {"setting", c.setting}};
+    ordered_json one = {
+        {"path", c.path}, {"built", c.present}, {"setting", c.setting}, {"along", c.along}};
     if (c.refused.empty()) {
       one.update({{"wall_s_per_s", c.cost.run_s},
                   {"build_s", c.cost.build_s},

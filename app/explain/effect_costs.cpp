@@ -90,8 +90,8 @@ Built build(const VariedScene& varied, const std::vector<std::string>& overrides
   return built;
 }
 
-std::vector<config::Effect> effects_of(const Scene& scene) {
-  return config::survey_effects(scene.scenario()).effects();
+config::EffectSurvey survey_of(const Scene& scene) {
+  return config::survey_effects(scene.scenario());
 }
 
 // Of the scenario: few, or more where those are over in no time; all where it needs them, as a
@@ -127,10 +127,11 @@ class Measurement {
       std::array<double, kRuns> rates{};
       for (double& rate : rates) rate = timed_run(*base_.scene, folder_.path()).rate();
       costs.scenario = {median(rates), base_.build_s};
-      const std::vector<config::Effect> effects = effects_of(*base_.scene);
+      const config::EffectSurvey survey = survey_of(*base_.scene);
+      const std::vector<config::Effect>& effects = survey.effects();
       for (std::size_t i = 0; i < effects.size(); ++i) {
         tell(fmt::format("timing {} ({} of {})", effects[i].path, i + 1, effects.size()));
-        costs.effects.push_back(cost_of(effects[i], effects));
+        costs.effects.push_back(cost_of(effects[i], survey));
         if (results::interrupted() != 0) return std::nullopt;
       }
       return costs;
@@ -164,28 +165,44 @@ class Measurement {
     return also;
   }
 
-  EffectCost cost_of(const config::Effect& effect, const std::vector<config::Effect>& effects) {
+  EffectCost cost_of(const config::Effect& effect, const config::EffectSurvey& survey) {
     EffectCost cost;
     cost.path = effect.path;
     cost.present = effect.present;
     cost.setting = effect.path + (effect.present ? "=false" : "=true");
-    try_setting(effects, cost);
+    if (!effect.present) cost.along = survey.to_bring(effect);
+    try_setting(cost);
+    if (!cost.refused.empty() && !effect.belongs_to.empty()) {
+      // One that a value of another key implies has no setting of its own.
+      EffectCost implied = cost;
+      std::erase(implied.along, effect.belongs_to);
+      implied.setting = effect.belongs_to;
+      try_setting(implied);
+      if (implied.refused.empty()) return implied;
+    }
     if (effect.present && !cost.refused.empty()) {
       // An effect that is a list is out when that is empty.
       EffectCost emptied = cost;
       emptied.setting = effect.path + "=[]";
-      try_setting(effects, emptied);
+      try_setting(emptied);
       if (emptied.refused.empty()) return emptied;
     }
     return cost;
   }
 
-  void try_setting(const std::vector<config::Effect>& effects, EffectCost& cost) {
+  void try_setting(EffectCost& cost) {
     cost.refused.clear();
     try {
-      const Built built = build(varied_, {frames_, cost.setting});
-      cost.also = changed_with(cost.path, effects, effects_of(*built.scene));
-      time_pairs(*built.scene, cost);
+      std::vector<std::string> settings = {frames_};
+      settings.insert(settings.end(), cost.along.begin(), cost.along.end());
+      Built own;
+      if (!cost.along.empty()) own = build(varied_, settings);
+      Scene& without = cost.along.empty() ? *base_.scene : *own.scene;
+      settings.push_back(cost.setting);
+      const Built built = build(varied_, settings);
+      cost.also =
+          changed_with(cost.path, survey_of(without).effects(), survey_of(*built.scene).effects());
+      time_pairs(without, *built.scene, cost);
       cost.cost.build_s = built.build_s;
     } catch (const std::exception& e) {
       cost.refused = e.what();
@@ -193,11 +210,11 @@ class Measurement {
   }
 
   // Side by side, so that a machine that is busy for a while is so for both.
-  void time_pairs(Scene& scene, EffectCost& cost) {
+  void time_pairs(Scene& before_it, Scene& scene, EffectCost& cost) {
     std::array<double, kRuns> rates{};
     std::array<double, kRuns> differences{};
     for (std::size_t i = 0; i < kRuns; ++i) {
-      const double before = timed_run(*base_.scene, folder_.path()).rate();
+      const double before = timed_run(before_it, folder_.path()).rate();
       rates[i] = timed_run(scene, folder_.path()).rate();
       differences[i] = cost.present ? before - rates[i] : rates[i] - before;
     }

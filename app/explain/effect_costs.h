@@ -22,8 +22,11 @@ struct WallCost {
 // What an effect costs on this machine.
 struct EffectCost {
   std::string path;
-  bool present = false;           // in the scenario, which is then run without it; else with it
-  std::string setting;            // "dynamics=false": what is laid over the scenario
+  bool present = false;  // in the scenario, which is then run without it; else with it
+  std::string setting;   // "dynamics=false": what is laid over the scenario
+  // What it needs beside it and the scenario has not: laid over the scenario too, with the effect
+  // and in the runs without it.
+  std::vector<std::string> along;
   std::vector<std::string> also;  // other effects that come or go with it
   std::string refused;            // why that could not be tried; empty: it was
   WallCost cost;                  // of the scenario under that setting

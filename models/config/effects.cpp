@@ -45,13 +45,15 @@ void EffectSurvey::choice_index(std::string_view name, std::size_t& index,
 }
 
 void EffectSurvey::enter(std::string_view name, bool there) {
-  levels_.push_back({path_of(name), levels_.back().there && there, levels_.back().why_not});
+  levels_.push_back({path_of(name), levels_.back().there && there, levels_.back().why_not,
+                     levels_.back().belongs_to});
 }
 
 bool EffectSurvey::add(std::string_view name, bool present, const EffectNote& note) {
   const bool there = levels_.back().there && (present || note.implied);
   values_.insert_or_assign(path_of(name), Value{std::string(there ? kPresent : "absent")});
-  effects_.push_back({path_of(name), there, std::string(note.help), note.cost, note.needs});
+  effects_.push_back({path_of(name), there, std::string(note.help), note.cost, note.needs,
+                      levels_.back().belongs_to});
   return there;
 }
 
@@ -77,14 +79,59 @@ void EffectSurvey::list_is_effect(std::string_view name, bool present, const Eff
 
 bool EffectSurvey::begin_condition(const Condition& condition) {
   Level level{levels_.back().path, levels_.back().there && condition.holds(),
-              levels_.back().why_not};
+              levels_.back().why_not, levels_.back().belongs_to};
   if (!condition.holds() && !condition.why_not_beside.empty()) {
     level.why_not = "not beside [" + std::string(condition.key) + "]: " + condition.why_not_beside;
+  } else if (!condition.holds() && !condition.values.empty()) {
+    level.belongs_to = path_of(condition.key) + '=' + condition.values.front();
   }
   levels_.push_back(std::move(level));
   return true;
 }
 void EffectSurvey::end_condition() { levels_.pop_back(); }
+
+const Effect* EffectSurvey::find(std::string_view path) const {
+  const auto found = std::ranges::find(effects_, path, &Effect::path);
+  return found == effects_.end() ? nullptr : &*found;
+}
+
+std::vector<std::string> EffectSurvey::to_bring(const Effect& effect) const {
+  std::vector<std::string> settings;
+  bring(effect, settings);
+  return settings;
+}
+
+void EffectSurvey::bring(const Effect& effect, std::vector<std::string>& settings) const {
+  const auto set = [&settings](std::string setting) {
+    if (std::ranges::find(settings, setting) == settings.end()) {
+      settings.push_back(std::move(setting));
+    }
+  };
+  const auto bring_other = [&](const Effect* other) {
+    if (other == nullptr || other->present) return;
+    std::string setting = other->path + "=true";
+    if (std::ranges::find(settings, setting) != settings.end()) return;
+    bring(*other, settings);
+    set(std::move(setting));
+  };
+  if (!effect.belongs_to.empty()) set(effect.belongs_to);
+  for (std::size_t dot = effect.path.find('.'); dot != std::string::npos;
+       dot = effect.path.find('.', dot + 1)) {
+    bring_other(find(std::string_view(effect.path).substr(0, dot)));
+  }
+  for (const Need& need : effect.needs) {
+    if (need.values.front() == kPresent) {
+      bring_other(find(need.key));
+      continue;
+    }
+    const auto value = values_.find(std::string(need.key));
+    if (value != values_.end() &&
+        std::ranges::find(need.values, value->second.text) != need.values.end()) {
+      continue;
+    }
+    set(std::string(need.key) + '=' + std::string(need.values.front()));
+  }
+}
 
 void EffectSurvey::require_needs() const {
   for (const Effect& effect : effects_) {

@@ -18,6 +18,8 @@ struct Effect {
   std::string help;
   std::string cost;
   std::vector<Need> needs;
+  // KEY=VALUE, as --set takes it, beside which alone it may be there; empty: beside any.
+  std::string belongs_to = {};
 };
 
 // All effects that a declaration has, those of absent effects included, and the values of the
@@ -32,6 +34,10 @@ class EffectSurvey : public QuietVisitor {
   // In the order of their declaration.
   const std::vector<Effect>& effects() const& { return effects_; }
   std::vector<Effect> effects() && { return std::move(effects_); }
+  // What has to be set, KEY=VALUE as --set takes it, before an effect that is absent can be there:
+  // by its own needs and by those of the effects that it needs or stands in. Empty where nothing
+  // has to be. Whether the scenario takes all of it is for the scenario to say.
+  std::vector<std::string> to_bring(const Effect& effect) const;
   // Throws InputError, its key the effect, for the first effect that is present and needs what is
   // not there; std::logic_error for a need of a key that is not declared.
   void require_needs() const;
@@ -61,10 +67,13 @@ class EffectSurvey : public QuietVisitor {
     std::string path;
     bool there = true;
     std::string why_not = {};
+    std::string belongs_to = {};
   };
   std::string path_of(std::string_view name) const;
   bool add(std::string_view name, bool present, const EffectNote& note);
   void enter(std::string_view name, bool there);
+  const Effect* find(std::string_view path) const;
+  void bring(const Effect& effect, std::vector<std::string>& settings) const;
   void note(std::string_view name, Value value);
 
   std::vector<Level> levels_ = {{}};

@@ -1,6 +1,6 @@
 """How far each fidelity level is from the finest one, and what it costs in wall-clock time."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -8,7 +8,7 @@ from typing import Any
 from studies.point import Point
 from studies.program import Resolved
 from studies.screening.answers import KEEP, Influence, influence, read_answers
-from studies.screening.changes import effort, fidelity_keys
+from studies.screening.changes import Change, effort, fidelity_keys, has_table, with_needs
 from studies.screening.timing import Cost, measure
 from studies.session import Session
 
@@ -26,15 +26,26 @@ class Rung:
 
 
 def ladders(
-    session: Session, scenario: Path, overrides: tuple[str, ...], repeats: int
+    session: Session,
+    scenario: Path,
+    overrides: tuple[str, ...],
+    settings: Mapping[str, Any],
+    repeats: int,
 ) -> list[Rung]:
-    """Every part's levels, with the other parts as the scenario has them, the finest first."""
+    """Every part's levels, with the other parts as the scenario has them, the finest first.
+
+    Effects of the scenario that one of the levels cannot have are left out at all of that part's.
+    `settings` is the resolved scenario.
+    """
     reference: Mapping[str, Any] = session.program.reference
     points: dict[tuple[str, str], Point] = {}
+    without: dict[str, tuple[Change, ...]] = {}
     for key in fidelity_keys(reference):
+        left = without[key["path"]] = _in_the_way(key, reference, settings)
         for level in sorted(key["choices"], key=effort, reverse=True):
+            words = [text for change in left for text in change.overrides]
             setting = f"{key['path']}={level}"
-            points[key["path"], level] = Point(scenario, (*overrides, setting), keep=KEEP)
+            points[key["path"], level] = Point(scenario, (*overrides, *words, setting), keep=KEEP)
     records = dict(zip(points, session.run(list(points.values())), strict=True))
     costs = measure(
         session.program,
@@ -56,11 +67,28 @@ def ladders(
                 part,
                 level,
                 level == first,
+                _without(without[key_path]),
                 influence=influence(base, run),
                 cost=costs.get(f"{key_path} {level}"),
             )
         )
     return rungs
+
+
+def _in_the_way(
+    key: Mapping[str, Any], reference: Mapping[str, Any], settings: Mapping[str, Any]
+) -> tuple[Change, ...]:
+    """The scenario's effects that some level of the part refuses, switched off."""
+    present = [e["path"] for e in reference["effects"] if has_table(e["path"], settings)]
+    left: dict[str, Change] = {}
+    for level in key["choices"]:
+        change = with_needs(Change("level", key["path"], level), reference, present, settings)
+        left |= {other.key: other for other in change.along}
+    return tuple(left.values())
+
+
+def _without(left: Sequence[Change]) -> str:
+    return f"without {', '.join(change.key for change in left)}" if left else ""
 
 
 def resolved_settings(

@@ -37,6 +37,7 @@ from studies.accuracy.partitions import KEY as PARTITIONS
 from studies.accuracy.picture import draw
 from studies.command_line import command_of
 from studies.errors import HELD, InputError
+from studies.option_paths import check_folder
 from studies.point import Value
 from studies.program import find_program
 from studies.report.study_page import Plot, write_study_report
@@ -109,9 +110,8 @@ def run(arguments: argparse.Namespace) -> int:
                 f"--{name}: expected {least} or more, found {getattr(arguments, name)}"
             )
     out: Path = arguments.out or Path("studies-out") / f"accuracy-{arguments.scenario.stem}"
-    for name, folder in (("out", out), ("store", arguments.store)):
-        if folder.exists() and not folder.is_dir():
-            raise InputError(f"--{name}: {folder}: expected a folder, found a file")
+    check_folder("--out", out)
+    check_folder("--store", arguments.store, written=False)
     program = find_program()
     session = Session(program, Store(arguments.store))
     if arguments.jobs:
@@ -131,7 +131,7 @@ def run(arguments: argparse.Namespace) -> int:
     out.mkdir(parents=True, exist_ok=True)
     if board:
         _write_design(out, arguments, study, designs, has["accelerator"]["device"])
-    rungs = ladders(session, scenario, settings, arguments.repeats)
+    rungs = ladders(session, scenario, settings, has, arguments.repeats)
     text = _ladder_text(rungs)
     write_whole(out / LADDER, _ladder_csv(rungs).encode())
     print(f"{text}\nWritten to {out}")
@@ -234,7 +234,7 @@ def _ladder_rows(rungs: Sequence[Rung]) -> list[tuple[Value, ...]]:
             rung.influence.p99 if rung.influence else None,
             rung.influence.force if rung.influence else None,
             rung.cost.per_simulated_s if rung.cost else None,
-            rung.message or _loses(rung),
+            "; ".join(filter(None, (rung.message, _loses(rung)))),
         )
         for rung in rungs
     ]

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from studies.errors import HELD, NOT_HELD, InputError
+from studies.option_paths import check_folder
 from studies.plot import draw_chart
 from studies.program import find_program
 from studies.questions.page import PAGES, PICTURES, answer, index, page
@@ -45,6 +46,10 @@ def _run(arguments: argparse.Namespace) -> int:
     questions = [read_question(name) for name in names]
     if arguments.wall is not None and arguments.wall < 1:
         raise InputError(f"--wall: expected 1 or more, found {arguments.wall}")
+    if arguments.store:
+        check_folder("--store", arguments.store, written=False)
+    if arguments.wall is not None:
+        check_folder("--out", arguments.out)
     made = {}
     with tempfile.TemporaryDirectory(prefix="hvp-questions-") as folder:
         session = Session(find_program(), Store(arguments.store or Path(folder)))

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from studies.errors import HELD, InputError
+from studies.option_paths import check_file
 from studies.program import find_program
 from studies.report.run_page import write_run_report
 
@@ -29,5 +30,7 @@ def _run(arguments: argparse.Namespace) -> int:
     out: Path = arguments.out or folder / "report.html"
     if out.suffix.lower() not in (".html", ".htm"):
         raise InputError(f"--out {out}: expected a name that ends in .html")
+    if arguments.out:
+        check_file("--out", out)
     print(f"Report in {write_run_report(folder, out, find_program())}")
     return HELD

@@ -6,12 +6,14 @@ from pathlib import Path
 
 from studies.carry import Carrier
 from studies.errors import HELD, InputError
+from studies.option_paths import check_file, check_folder
 from studies.point import Point
 from studies.program import Program
 from studies.session import Session
 from studies.slurm import LARGEST_ARRAY, write_array
 from studies.store import Store
 from studies.study_file import Study
+from studies.text_table import count_of
 
 
 def add_scale_options(parser: argparse.ArgumentParser) -> None:
@@ -37,6 +39,8 @@ def carrier_of(arguments: argparse.Namespace) -> Carrier | None:
             raise InputError("--array-size: expected --slurm FILE.sh with it")
         if arguments.array_size < 1:
             raise InputError(f"--array-size {arguments.array_size}: expected one task or more")
+    if arguments.slurm is not None:
+        check_file("--slurm", arguments.slurm)
     if arguments.scheduler is None:
         return None
     if arguments.slurm is not None:
@@ -49,6 +53,7 @@ def carrier_of(arguments: argparse.Namespace) -> Carrier | None:
 
 def session_of(arguments: argparse.Namespace, study: Study, program: Program) -> Session:
     """How the runs of a study's file are carried out. Throws InputError."""
+    check_folder("--store", arguments.store, written=False)
     session = Session(
         program,
         Store(arguments.store.absolute()),
@@ -69,5 +74,6 @@ def export_array(arguments: argparse.Namespace, session: Session, points: Sequen
         print("Nothing is left to run: the store has every point")
         return HELD
     size = write_array(arguments.slurm, tasks, arguments.array_size)
-    print(f"{arguments.slurm}: {len(tasks)} runs in {size} tasks; sbatch {arguments.slurm}")
+    counts = f"{count_of(len(tasks), 'run')} in {count_of(size, 'task')}"
+    print(f"{arguments.slurm}: {counts}; sbatch {arguments.slurm}")
     return HELD

@@ -9,6 +9,7 @@ import pandas as pd
 
 from studies.command_line import command_of
 from studies.errors import HELD, InputError, StudyError
+from studies.option_paths import check_folder
 from studies.point import Point
 from studies.program import find_program
 from studies.report.study_page import Plot, write_study_report
@@ -63,12 +64,14 @@ def run(arguments: argparse.Namespace) -> int:
     for name in ("jobs", "pairs", "repeats"):
         if getattr(arguments, name) < 0:
             raise InputError(f"--{name}: expected 0 or more, found {getattr(arguments, name)}")
+    scenario: Path = arguments.scenario
+    out: Path = arguments.out or Path("studies-out") / f"screen-{scenario.stem}"
+    check_folder("--out", out)
+    check_folder("--store", arguments.store, written=False)
     program = find_program()
     session = Session(program, Store(arguments.store))
     if arguments.jobs:
         session.workers = arguments.jobs
-    scenario: Path = arguments.scenario
-    out: Path = arguments.out or Path("studies-out") / f"screen-{scenario.stem}"
     screener = Screener(session, scenario, tuple(arguments.settings), tolerances)
     found = screener.screen(arguments.pairs)
     best = found.recommendation

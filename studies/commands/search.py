@@ -8,6 +8,7 @@ from studies.command_line import command_of
 from studies.commands.scale_options import session_of
 from studies.device_size import FIGURES
 from studies.errors import FAILED, HELD, NOT_HELD, InputError
+from studies.option_paths import check_folder
 from studies.plot import draw_chart
 from studies.program import Figure, find_program
 from studies.report.study_page import Plot
@@ -18,7 +19,7 @@ from studies.search_picture import axes_of, chart
 from studies.search_space import check_metrics, search_of
 from studies.search_text import WITHIN, plan, table, words
 from studies.study_file import Study
-from studies.sweep import refused_alike
+from studies.sweep import all_refused
 from studies.whole_file import write_whole
 
 
@@ -37,17 +38,18 @@ def run(arguments: argparse.Namespace, study: Study) -> int:
     flags = Figure("flags", "", "how many flags the run raised")
     known = program.figures() | FIGURES | {flags.name: flags}
     check_metrics(search, file, known)
+    out = arguments.out or Path("studies-out") / file.stem
+    check_folder("--out", out)
     session = session_of(arguments, study, program)
     found = find(
         search, session, _progress if sys.stderr.isatty() and not arguments.quiet else None
     )
     records = [tried.record for tried in found.tried.values()]
-    reason = refused_alike(records)
+    reason = all_refused(records)
     if reason is not None:
         raise InputError(f"{file}: {reason}")
     text = words(found, known)
     print(text)
-    out = arguments.out or Path("studies-out") / file.stem
     columns, rows = table(found, known)
     files = write_results(out, rows, columns)
     files.append(out / "search.txt")
@@ -73,8 +75,7 @@ def run(arguments: argparse.Namespace, study: Study) -> int:
     print("\nResults in " + ", ".join(str(file) for file in files))
     if found.best:
         return HELD
-    crashed = all(record.status in ("crashed", "timed out") for record in records)
-    return FAILED if crashed else NOT_HELD
+    return NOT_HELD if any(record.done for record in records) else FAILED
 
 
 def _progress(points: int) -> None:

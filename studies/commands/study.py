@@ -11,6 +11,7 @@ from studies.commands.scale_options import add_scale_options, export_array, sess
 from studies.design import points_of
 from studies.errors import FAILED, HELD, InputError
 from studies.metrics import check_metric
+from studies.option_paths import check_folder
 from studies.point import Point
 from studies.program import Program, find_program
 from studies.progress import run_with_progress
@@ -18,7 +19,8 @@ from studies.store import DEFAULT_STORE
 from studies.study_file import Study, load
 from studies.study_reference import reference_page
 from studies.study_results import Results, outcome_words, write_all
-from studies.text_table import text_table
+from studies.sweep import all_refused
+from studies.text_table import count_of, text_table
 from studies.toml_lines import line_of
 from studies.worker import command_of
 
@@ -31,7 +33,10 @@ _MOST_ROWS = 40  # on a terminal; results.csv has all
 def add_study(subparsers: "Subparsers") -> None:
     """Declare the command."""
     parser = subparsers.add_parser(
-        "study", help="run a scenario over axes of its keys: a table, pictures, a report"
+        "study",
+        help="run a scenario over axes of its keys: a table, pictures, a report",
+        epilog="Of a scenario, without a file of a study: hvp study screen (which effects and "
+        "fidelity levels its answers need), hvp study accuracy (what accuracy costs in time).",
     )
     parser.add_argument("study", type=Path, nargs="?", metavar="STUDY.toml")
     parser.add_argument(
@@ -66,17 +71,19 @@ def _run(arguments: argparse.Namespace) -> int:
     points = points_of(study, file)
     if arguments.dry_run:
         print(_table(study, points))
-        print(f"\n{len(points)} points")
+        print(f"\n{count_of(len(points), 'point')}")
         return HELD
     program = find_program()
     _check_metrics(study, file, program)
+    check_folder("--out", arguments.out or Path("studies-out") / file.stem)
     session = session_of(arguments, study, program)
     if arguments.slurm is not None:
         return export_array(arguments, session, points)
     records = run_with_progress(session, points, arguments.quiet)
     results = Results(study, program, points, records)
-    if set(results.cells["status"]) == {"refused"}:
-        raise InputError(f"{file}: every point was refused: {results.cells['message'][0]}")
+    reason = all_refused(results.records)
+    if reason is not None:
+        raise InputError(f"{file}: {reason}")
     return _report(arguments, results)
 
 
@@ -94,7 +101,8 @@ def _report(arguments: argparse.Namespace, results: Results) -> int:
     print(f"{', '.join(path.name for path in files)} in {folder}")
     failed = [end for end in ends if end[1] in ("crashed", "timed out")]
     if failed:
-        print(f"{len(failed)} runs without an end; --retry tries them again. Each by itself:")
+        count = count_of(len(failed), "run")
+        print(f"{count} without an end; --retry tries again. Each by itself:")
     for point, status, message in failed[:10]:
         print(f"  {status}: {message}")
         print(f"    {shell_line(command_of(results.program.path, point)[1:])}")
@@ -125,7 +133,7 @@ def _result_table(results: Results) -> str:
         [
             *(cells[name][row] for name in (*labels, *results.metrics)),
             cells["verdict"][row] or cells["status"][row],
-            len(str(cells["flags"][row]).split()),
+            None if cells["flags"][row] is None else len(str(cells["flags"][row]).split()),
         ]
         for row in range(min(len(results.points), _MOST_ROWS))
     ]

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 from studies.axis import parse_axis
 from studies.command_line import command_of
-from studies.errors import FAILED, HELD, WRONG_INPUT, InputError
+from studies.errors import FAILED, HELD, InputError
 from studies.metrics import FLAGS, MESSAGE, check_metric
+from studies.option_paths import check_file, check_folder, folder_name
 from studies.plot import draw_chart, drawable
 from studies.point import Value
 from studies.program import Program, find_program
@@ -21,7 +22,7 @@ from studies.results import Column, write_results
 from studies.session import Session
 from studies.store import DEFAULT_STORE, Store
 from studies.study_results import outcome_words
-from studies.sweep import DEFAULT_METRICS, Sweep, chart, measured, numeric, refused_alike, table
+from studies.sweep import DEFAULT_METRICS, Sweep, all_refused, chart, measured, numeric, table
 from studies.text_table import text_table
 
 if TYPE_CHECKING:
@@ -42,7 +43,9 @@ def add_sweep(subparsers: "Subparsers") -> None:
     parser.add_argument("--metrics", metavar="NAME,…", help="figures of summary.json")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="settings")
     parser.add_argument("--include", action="append", default=[], type=Path, metavar="FILE")
-    parser.add_argument("--out", type=Path, metavar="DIR", help="default studies-out/sweep-NAME")
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="default studies-out/sweep-SCENARIO+KEY"
+    )
     parser.add_argument("--plot", type=Path, metavar="FILE", help="default sweep.png in DIR")
     parser.add_argument("--store", type=Path, default=DEFAULT_STORE, metavar="DIR")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, metavar="N")
@@ -63,14 +66,20 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError(f"--jobs: expected 1 or more, got {arguments.jobs}")
     if arguments.time_limit is not None and not arguments.time_limit > 0:
         raise InputError(f"--time-limit: expected more than 0 s, got {arguments.time_limit:g}")
-    out = arguments.out or Path("studies-out") / f"sweep-{arguments.scenario.stem}"
+    # Another question is another folder.
+    asked_of = [arguments.scenario.stem, *arguments.settings, *(axis.key for axis in sweep.axes)]
+    out = arguments.out or Path("studies-out") / f"sweep-{folder_name(asked_of)}"
+    check_folder("--out", out)
+    check_folder("--store", arguments.store, written=False)
     picture = arguments.plot or out / "sweep.png"
     if not drawable(picture):
         raise InputError(f"--plot {picture}: expected a name that ends in .png, .pdf or .svg")
+    if arguments.plot:
+        check_file("--plot", picture)
 
     session = Session(program, Store(arguments.store), arguments.jobs, arguments.time_limit)
     records = list(run_with_progress(session, sweep.points()))
-    reason = refused_alike(records)
+    reason = all_refused(records)
     if reason is not None:
         raise InputError(reason)
     metrics = asked or measured(DEFAULT_METRICS, records)
@@ -104,10 +113,8 @@ def run(arguments: argparse.Namespace) -> int:
         )
     )
     print("\nResults in " + ", ".join(str(file) for file in files))
-    statuses = {record.status for record in records}
-    if statuses & {"crashed", "timed out"}:
-        return FAILED
-    return WRONG_INPUT if statuses == {"refused"} else HELD
+    ended = {record.status for record in records}
+    return FAILED if ended & {"crashed", "timed out"} else HELD
 
 
 def _sweep_of(arguments: argparse.Namespace, program: Program) -> Sweep:
@@ -116,6 +123,10 @@ def _sweep_of(arguments: argparse.Namespace, program: Program) -> Sweep:
         parse_axis(text, whole_numbers=text.partition("=")[0].strip() in whole)
         for text in arguments.axes
     )
+    for axis in () if arguments.zip else axes:
+        for text, count in Counter(axis.texts).items():
+            if count > 1:
+                raise InputError(f"{axis.key}: {text} stands there twice; with --zip it may")
     keys = [axis.key for axis in axes]
     for key in keys:
         if keys.count(key) > 1:

@@ -10,6 +10,7 @@ import pandas as pd
 
 from studies.report.page import number, render
 from studies.report.plots import Plot, figure, is_number, name, shown, values
+from studies.text_table import count_of
 from studies.whole_file import write_whole
 
 __all__ = ["Plot", "write_study_report"]
@@ -123,7 +124,7 @@ def _shown(frame: pd.DataFrame, plot: Plot, units: dict[str, str], id_: str, eve
     rows = set(shown(frame, plot))
     title = plot.title or f"{plot.y} over {plot.x}"
     alt = (
-        f"{title}: {len(rows)} points, {name(plot.y, units)} over {name(plot.x, units)}"
+        f"{title}: {count_of(len(rows), 'point')}, {name(plot.y, units)} over {name(plot.x, units)}"
         + (f", coloured by {name(plot.colour, units)}" if plot.colour else "")
         + ". The table below has the same figures."
     )

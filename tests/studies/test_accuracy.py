@@ -1,5 +1,6 @@
 """What accuracy costs: the front, the words, what does not fit, and the simulator's ladders."""
 
+import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -29,14 +30,14 @@ from studies.accuracy.grid import (
     grid,
     overrides_of,
 )
-from studies.accuracy.ladder import ladders
+from studies.accuracy.ladder import ladders, resolved_settings
 from studies.accuracy.partitions import KEY as PARTITIONS
 from studies.accuracy.partitions import fastest
 from studies.accuracy.picture import draw
 from studies.cli import main
 from studies.errors import WRONG_INPUT, InputError
 from studies.point import Point, Value
-from studies.program import Program
+from studies.program import Program, Resolved
 from studies.record import Record
 from studies.session import Session
 
@@ -287,8 +288,11 @@ def test_a_scenario_that_does_not_fit_is_a_design_as_well(
 
 
 def test_ladders_start_at_the_finest_level(session: Session, scenarios: Path) -> None:
-    settings = ("object.mesh.nodes=60", "frames=60", "reference=false")
-    rungs = ladders(session, scenarios / "thesis.toml", settings, 1)
+    settings = ("object.mesh.nodes=60", "frames=60")
+    resolved = resolved_settings(session, scenarios / "thesis.toml", settings)
+    assert isinstance(resolved, Resolved)
+    has = tomllib.loads(resolved.text)
+    rungs = ladders(session, scenarios / "thesis.toml", settings, has, 1)
     finest = {rung.part: rung.level for rung in rungs if rung.finest}
     assert finest == {
         "accelerator": "cycle-accurate",
@@ -306,6 +310,9 @@ def test_ladders_start_at_the_finest_level(session: Session, scenarios: Path) ->
     assert slowest is not None and fastest is not None
     lost = by_level["numbers", "none"].influence
     assert lost is not None and "force" in lost.lost
+    # Without numbers there is nothing to compare: that part's levels go without the comparison.
+    assert [rung.message for rung in rungs if rung.part == "numbers"] == ["without reference"] * 2
+    assert not any(rung.message for rung in rungs if rung.part != "numbers")
 
 
 def test_a_wall_has_the_ladder_alone(

@@ -154,7 +154,7 @@ def test_what_has_no_figure_keeps_no_bound(tmp_path: Path) -> None:
         ("at_most = 10", "", ":14: .*expected `at_most`, `at_least`"),
         ("trials = 4", "trials = 0", ":10: search.trials: .*greater than or equal to 1"),
         ("trials = 4", "trails = 4", ":10: search.trails: unknown key; did you mean 'trials'"),
-        ("values = [1]", "values = []", ":3: axis: expected either `values` or"),
+        ("values = [1]", "values = []", ":3: axis: expected one value or more"),
         ('scenario = "s.toml"', "", "scenario: is missing"),
         ("[search]", "[search", "line 9"),
         ("[search]", '[[constraint]]\nthat = "x < y"\n[search]', ":9: constraint: has no place"),
@@ -263,3 +263,24 @@ def test_a_search_takes_every_form_of_an_axis(tmp_path: Path) -> None:
     assert point.overrides == ("a=1", 'k="4.0 N/m"', "b=1", "c=2")
     assert point.columns == {"k": "4.0 N/m", "way": "one"}
     assert point.includes == (tmp_path / "more.toml",)
+
+
+class _Crashing(_Model):
+    """Nothing ends."""
+
+    @staticmethod
+    def answer(point) -> Record:  # type: ignore[no-untyped-def]  # noqa: ARG004
+        return Record("", "crashed", -11, "signal 11")
+
+
+@pytest.mark.parametrize("trials", [3, 100])
+def test_of_what_was_not_measured_nothing_is_claimed(
+    session: Session, tmp_path: Path, trials: int
+) -> None:
+    text = SPACE.format(values="[0, 1, 2]", trials=trials, objectives=COST)
+    nothing = find(_read(tmp_path, text), _Crashing(session.program, session.store))
+    said = words(nothing, KNOWN)
+    assert "nothing: no point was measured" in said
+    assert f"{len(nothing.tried)} crashed: signal 11" in said
+    for certain in ("nearest", "nothing else can be better", "is better"):
+        assert certain not in said

@@ -43,6 +43,8 @@ def test_reads_every_table() -> None:
         (('scenario = "s.toml"', ""), 1, "scenario: is missing"),
         (("steps = 4", "step = 4"), 12, "axis.step: unknown key; did you mean 'steps'?"),
         (("values = [15, 30]", "values = 15"), 6, "axis.values: "),
+        (("values = [15, 30]", "values = []"), 4, "axis: expected one value or more in `values`"),
+        (("values = [15, 30]", "values = [15, 30, 15]"), 6, "axis.values: 15 stands there twice"),
         (("values = [15, 30]", ""), 4, "expected either `values` or a range"),
         (('to = "4 ms"', ""), 8, "expected both `from` and `to`"),
         (('kind = "product"', 'kind = "grid"'), 15, "design.kind: "),
