@@ -346,8 +346,8 @@ def folder(program: Program, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     [
         (["--jobs", "-1"], "--jobs: expected 0 or more, found -1"),
         (["--repeats", "0"], "--repeats: expected 1 or more, found 0"),
-        (["--out", __file__], f"--out: {__file__}: expected a folder, found a file"),
-        (["--store", __file__], f"--store: {__file__}: expected a folder, found a file"),
+        (["--out", __file__], f"--out {__file__}: expected a folder, found the file"),
+        (["--store", __file__], f"--store {__file__}: expected a folder, found the file"),
         (["--set", "frames"], "--set frames: expected KEY=VALUE, such as object.mesh.nodes=300"),
         (["--set", "frames=0"], "--set frames=0: out of range: expected from 1 to"),
         (["--set", "fidelity.numbers=none"], "reference: nobody computes numbers: expected"),
