@@ -216,6 +216,10 @@ int parse_and_run(int argc, char** argv) {
       "--trace-registers", run.trace_registers,
       "also log every access to the board, in registers.log, and as a waveform with the "
       "interrupt, in registers.vcd");
+  command->add_flag(
+      "--record-jobs", run.record_jobs,
+      "also write what the board was asked and what it answered, jobs.hvpf and jobs.hvpu, for "
+      "hvp-servo in a guest (docs/linux.md)");
   command->add_flag("--details", run.details,
                     "also report every frame's time by phase, and the bus' transactions");
   command->callback([&] { status = run_command(run); });

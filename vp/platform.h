@@ -40,6 +40,9 @@ class Platform {
   void add_tenure_sink(TenureSink& sink) { ledger_.add_tenure_sink(sink); }
   void add_observer(FrameObserver& observer) { ledger_.add_observer(observer); }
 
+  // Who is told of the board's jobs; before the run. Keeps a reference.
+  void observe_jobs(JobObserver& observer) { host_.observe_jobs(observer); }
+
   // Asked before every frame: where it says true, the run ends there.
   void stop_when(std::function<bool()> asked) { host_.servo().stop_when(std::move(asked)); }
 

@@ -7,7 +7,7 @@ namespace hvp::app {
 
 namespace {
 
-void require_board(const Scenario& s) {
+void require_words(const Scenario& s) {
   if (s.wall) {
     throw InputError("wall", "the scenario has a wall and no board: expected one with [object]");
   }
@@ -19,18 +19,24 @@ void require_board(const Scenario& s) {
                      "a board without numbers has nothing to tell another program: expected "
                      "\"fixed\"");
   }
+}
+
+}  // namespace
+
+void require_board_with_words(const LoadedScenario& loaded) try {
+  require_words(loaded.scenario);
+} catch (const InputError& e) {
+  throw loaded.document.complete(e);
+}
+
+vp::PlatformSettings outside_board(const LoadedScenario& loaded) try {
+  require_words(loaded.scenario);
+  Scenario s = loaded.scenario;
   if (s.bus.graphics_traffic) {
     throw InputError("bus.graphics_traffic",
                      "pictures are drawn by the host of hvp run, and this one is another program: "
                      "expected a scenario without them");
   }
-}
-
-}  // namespace
-
-vp::PlatformSettings outside_board(const LoadedScenario& loaded) try {
-  require_board(loaded.scenario);
-  Scenario s = loaded.scenario;
   take_samples(s);
   vp::PlatformSettings settings(s);
   settings.period = to_picoseconds(s.budget.period_s);

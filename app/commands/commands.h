@@ -20,7 +20,8 @@ struct ScenarioArguments : ScenarioSource {
 struct RunArguments : ScenarioArguments {
   std::filesystem::path out;  // empty: runs/<scenario>
   bool trace_registers = false;
-  bool details = false;  // the report has times by phase and by bus transaction
+  bool record_jobs = false;  // settings, matrix, b and U of each job, for another host
+  bool details = false;      // the report has times by phase and by bus transaction
 };
 int run_command(const RunArguments& arguments);
 

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include "app/board/outside_board.h"
 #include "app/commands/commands.h"
 #include "app/commands/terminal.h"
 #include "app/results/figures_json.h"
@@ -89,6 +90,7 @@ int run_command(const RunArguments& arguments) {
   if (out.empty()) out = results_folder(arguments);
   const Progress progress = make_progress(arguments.quiet);
 
+  if (arguments.record_jobs) require_board_with_words(loaded);
   Scene scene = build_scene(loaded, progress);
   const Clock::time_point built = Clock::now();
   results::create_folder(out, "--out");
@@ -104,8 +106,8 @@ int run_command(const RunArguments& arguments) {
     const Rerun again = [&arguments](const std::string& changed) {
       return flags_of_run(arguments, changed);
     };
-    outcome =
-        run(scene, {out, loaded.device_file, arguments.trace_registers, progress, rebuild, again});
+    outcome = run(scene, {out, loaded.device_file, arguments.trace_registers, arguments.record_jobs,
+                          progress, rebuild, again});
   } catch (const InputError& e) {
     throw loaded.document.complete(e);
   } catch (const Interrupted& e) {

@@ -24,6 +24,12 @@ void PartStream::write(std::string_view text) {
   stream_.write(text.data(), static_cast<std::streamsize>(text.size()));
 }
 
+void PartStream::overwrite(std::size_t at, std::string_view text) {
+  stream_.seekp(static_cast<std::streamoff>(at));
+  write(text);
+  stream_.seekp(0, std::ios::end);
+}
+
 void PartStream::finish() {
   stream_.close();
   if (!stream_)

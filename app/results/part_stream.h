@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <fstream>
 #include <string_view>
@@ -19,6 +20,8 @@ class PartStream {
   PartStream& operator=(const PartStream&) = delete;
 
   void write(std::string_view text);
+  // Over what was written from that byte on.
+  void overwrite(std::size_t at, std::string_view text);
   // Throws std::runtime_error where the disk would not take it all.
   void finish();
 

@@ -6,10 +6,12 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include "app/remedy/recorder.h"
 #include "app/results/frames_csv.h"
 #include "app/results/interruption.h"
+#include "app/results/job_record.h"
 #include "app/results/part_file.h"
 #include "app/results/register_trace.h"
 #include "app/results/resolved_scenario.h"
@@ -240,6 +242,10 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
       platform_settings(scene, waveform ? waveform->tracer_file() : std::string()),
       soft_body(scene), registers ? &*registers : nullptr);
   if (registers && platform.board() != nullptr) registers->watch(*platform.board());
+  std::optional<results::JobRecord> jobs;
+  if (options.record_jobs) {
+    platform.observe_jobs(jobs.emplace(directory, platform.verdict().period()));
+  }
   results::FramesCsv frames(directory / "frames.csv", platform.verdict().budget(),
                             s.timing_only() ? results::Columns::times : results::Columns::all,
                             probe_columns_of(s));
@@ -284,6 +290,12 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   frames.finish();
   trace.finish();
   if (registers) registers->finish();
+  if (jobs) {
+    jobs->finish();
+    if (jobs->ended_early()) {
+      spdlog::warn("jobs.hvpf has the first {} jobs: {}", jobs->jobs(), *jobs->ended_early());
+    }
+  }
   if (deformation) deformation->finish();
   platform.close_waveform();
   if (waveform) waveform->finish();

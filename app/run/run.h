@@ -20,6 +20,7 @@ struct RunOptions {
   std::filesystem::path directory;  // is there and may be written into
   std::filesystem::path device;     // the device's file; empty for a built-in one
   bool trace_registers = false;
+  bool record_jobs = false;  // of a scenario whose board has words (require_board_with_words())
   Progress progress;
   // For the remedies of flags; without them none is tried.
   Rebuild rebuild;

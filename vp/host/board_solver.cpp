@@ -48,12 +48,8 @@ hvp_status BoardSolver::make(Piece piece, bool& complete) {
     case Piece::open:
       seen_ = {};
       return open();
-    case Piece::configure: {
-      hvp_solver_config config = driver_config(settings_);
-      config.reject_saturated = reject_saturated_;
-      config.one_a_word = !port_.transfer().packed;
-      return hvp_configure(&device_, &config);
-    }
+    case Piece::configure:
+      return configure();
     case Piece::begin_load: {
       const fixed::QuantisedMatrix& k = computation_.quantised();
       matrix_ = {static_cast<std::uint32_t>(k.block_rows()),
@@ -63,8 +59,11 @@ hvp_status BoardSolver::make(Piece piece, bool& complete) {
     }
     case Piece::load:
       return hvp_continue_load(&device_, &load_, &complete);
-    case Piece::end_load:
-      return hvp_end_load(&device_, &load_);
+    case Piece::end_load: {
+      const hvp_status status = hvp_end_load(&device_, &load_);
+      if (status == HVP_OK && observer_ != nullptr) observer_->loaded(matrix_);
+      return status;
+    }
     case Piece::guess:
       // Whatever the board had been told of a contact went with its matrix.
       computation_.set_contact({});
@@ -78,12 +77,23 @@ hvp_status BoardSolver::open() {
   return status == HVP_OK && dma_ ? hvp_use_dma(&device_, &dma_->dma()) : status;
 }
 
+hvp_status BoardSolver::configure() {
+  hvp_solver_config config = driver_config(settings_);
+  config.reject_saturated = reject_saturated_;
+  config.one_a_word = !port_.transfer().packed;
+  const hvp_status status = hvp_configure(&device_, &config);
+  if (status == HVP_OK && observer_ != nullptr) observer_->configured(config);
+  return status;
+}
+
 // The board's next job starts from the last solution that was used.
 hvp_status BoardSolver::write_guess() {
   guess_is_stale_ = false;
   if (settings_.start == fixed::Start::zero) return HVP_OK;
   computation_.scaling().displacement_words(computation_.displacement(), u_);
-  return hvp_write_initial_guess(&device_, u_.data(), u_.size());
+  const hvp_status status = hvp_write_initial_guess(&device_, u_.data(), u_.size());
+  if (status == HVP_OK && observer_ != nullptr) observer_->guessed(u_);
+  return status;
 }
 
 // Nodes that were let go get their rows back before others are taken, so that the board's matrix
@@ -99,6 +109,8 @@ hvp_status BoardSolver::move_contact(std::span<const int> nodes) {
     if (contains(present, node) || status != HVP_OK) continue;
     status = hvp_constrain_node(&device_, static_cast<std::uint32_t>(node),
                                 computation_.diagonal_word());
+    if (status != HVP_OK || observer_ == nullptr) continue;
+    observer_->constrained(static_cast<std::uint32_t>(node), computation_.diagonal_word());
   }
   computation_.set_contact(nodes);
   return status;
@@ -117,8 +129,11 @@ hvp_status BoardSolver::restore_node(int node, std::span<const int> nodes) {
       std::fill_n(row_.begin() + static_cast<std::ptrdiff_t>(9 * i), 9, 0);
     }
   }
-  return hvp_restore_node(&device_, static_cast<std::uint32_t>(node), row_.data(),
-                          static_cast<std::uint32_t>(row_.size() / 9));
+  const auto number = static_cast<std::uint32_t>(node);
+  const hvp_status status =
+      hvp_restore_node(&device_, number, row_.data(), static_cast<std::uint32_t>(row_.size() / 9));
+  if (status == HVP_OK && observer_ != nullptr) observer_->restored(number, row_);
+  return status;
 }
 
 // What the board is to solve next, in the time that this takes the host.
@@ -176,17 +191,20 @@ hvp_status BoardSolver::start() {
     const hvp_status status = write_guess();
     if (status != HVP_OK) return status;
   }
+  if (observer_ != nullptr) observer_->started(b_);
   const hvp_status status = hvp_write_rhs(&device_, b_.data(), b_.size());
   return status == HVP_OK ? hvp_start(&device_) : status;
 }
 
 hvp_status BoardSolver::receive() {
-  const hvp_status status = wait();
+  hvp_status status = wait();
   // The job left a U that is not to be used, nor to be started from.
   if (status == HVP_ERROR_SATURATED) guess_is_stale_ = true;
   if (status != HVP_OK) return status;
   work_.spend(Phase::driver, work_.costs().driver_s(u_.size()));
-  return read();
+  status = read();
+  if (status == HVP_OK && observer_ != nullptr) observer_->solved(u_, hvp_last_flags(&device_));
+  return status;
 }
 
 // STATUS that nobody answered is read again.

@@ -32,6 +32,7 @@ class BoardSolver : public FrameSolver {
   hvp_status begin(std::uint32_t& flags) override;
   hvp_status end(std::uint32_t& flags) override;
   void finish(std::uint32_t& flags) override;
+  void observe(JobObserver& observer) override { observer_ = &observer; }
   hvp_status close() override { return hvp_close(&device_); }
   Mended take_mended() override { return std::exchange(mended_, {}); }
   std::int64_t take_clamped_words() override { return std::exchange(clamped_words_, 0); }
@@ -40,6 +41,7 @@ class BoardSolver : public FrameSolver {
   enum class Piece { open, configure, begin_load, load, end_load, guess };
 
   hvp_status open();
+  hvp_status configure();
   hvp_status make(Piece piece, bool& complete);
   hvp_status restore_node(int node, std::span<const int> nodes);
   bool next();
@@ -58,6 +60,7 @@ class BoardSolver : public FrameSolver {
   bool reject_saturated_;
   Phase phase_;  // of what the host computes around the solves
 
+  JobObserver* observer_ = nullptr;
   std::optional<DmaMemory> dma_;
   hvp_device device_{};
   hvp_load load_{};

@@ -63,6 +63,7 @@ class BodyRendering : public Rendering {
   void recover(std::int64_t frame, Picoseconds until) override { health_.recover(frame, until); }
   // Tells the plan what the driver has noticed.
   void report_to(FaultPlan& faults) override { health_.report_to(faults); }
+  void observe_jobs(JobObserver& observer) override { solver_->observe(observer); }
   ServoCounts& counts() override { return health_.counts(); }
 
  private:

@@ -7,6 +7,7 @@
 #include "models/host/costs.h"
 #include "vp/frame/frame_tag.h"
 #include "vp/frame/ledger.h"
+#include "vp/host/job_observer.h"
 #include "vp/host/local_time.h"
 
 namespace hvp::vp {
@@ -70,6 +71,9 @@ class FrameSolver {
   // What is left to do once the force is out.
   virtual void finish(std::uint32_t& flags) = 0;
   virtual hvp_status close() = 0;
+
+  // Who is told of the board's jobs; a solver without a board has none.
+  virtual void observe(JobObserver& /*observer*/) {}
 
   // What went wrong since the last call and was put right.
   virtual Mended take_mended() { return {}; }

@@ -30,6 +30,9 @@ class HostAssembly {
   // Binds both sides to each other. Throws as BoardSide::connect() does.
   void connect();
 
+  // Before the run. Keeps a reference.
+  void observe_jobs(JobObserver& observer) { rendering_->observe_jobs(observer); }
+
   ServoProcess& servo() { return servo_; }
   const ServoProcess& servo() const { return servo_; }
   // Null where there is no body.

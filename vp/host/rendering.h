@@ -4,6 +4,7 @@
 
 #include "vp/frame/frame.h"
 #include "vp/frame/frame_tag.h"
+#include "vp/host/job_observer.h"
 #include "vp/host/loop_health.h"
 
 namespace hvp::vp {
@@ -50,6 +51,7 @@ class Rendering {
   virtual void recover(std::int64_t /*frame*/, Picoseconds /*until*/) {}
 
   virtual void report_to(FaultPlan& /*faults*/) {}
+  virtual void observe_jobs(JobObserver& /*observer*/) {}
   virtual ServoCounts& counts() = 0;
 };
 
