@@ -45,7 +45,7 @@ class Output:
     def __init__(self, path: Path) -> None:
         data = path.read_bytes()
         words = struct.unpack(f"<{len(data) // 4}i", data)
-        size = RECORD_WORDS + 3 * NODES
+        size = RECORD_WORDS + 3 * words[2]
         if (len(words) - HEAD_WORDS) % size != 0:
             raise ValueError(f"{path}: {len(data)} bytes are not whole frames")
         self.times: list[tuple[int, ...]] = []  # due, woken, started, ended, read

@@ -92,11 +92,14 @@ class Guest:
         assert isinstance(summary, dict)
         return summary
 
-    def servo_run(self, frames: int) -> Output:
-        write_frames(self.work / "frames", frames)
-        script = f"hvp-servo /dev/hvp0 /host{self.work}/frames /host{self.work}/u\n"
+    def solve(self, frames: Path) -> Output:
+        script = f"hvp-servo /dev/hvp0 /host{frames} /host{self.work}/u\n"
         self.run(script=script)
         return Output(self.work / "u")
+
+    def servo_run(self, frames: int) -> Output:
+        write_frames(self.work / "frames", frames)
+        return self.solve(self.work / "frames")
 
 
 def boots_and_enumerates(guest: Guest) -> None:
@@ -137,6 +140,19 @@ def solves_as_in_process(guest: Guest) -> None:
             raise WrongError(
                 f"frame {row['frame']}: {latency} us in the ledger, {seen} us in the guest"
             )
+
+
+def solves_as_a_run_did(guest: Guest) -> None:
+    frames = 1000
+    jobs = guest.work / "run"
+    command = [guest.program, "run", SCENARIO, "--record-jobs", "--out", jobs]
+    command += ["--set", f"frames={frames}", "--set", "output.pictures=false"]
+    subprocess.run(command, check=True, timeout=LIMIT_S, stdout=subprocess.DEVNULL)
+    out = guest.solve(jobs / "jobs.hvpf")
+    wanted = Output(jobs / "jobs.hvpu")
+    expect("jobs", frames, len(out.solutions))
+    expect("U", True, wanted.solutions == out.solutions)
+    expect("most of them touch the body", True, sum(map(any, wanted.solutions)) > frames / 2)
 
 
 @contextlib.contextmanager
@@ -255,6 +271,7 @@ def guests_of(mark: str) -> list[str]:
 CASES: tuple[Callable[[Guest], None], ...] = (
     boots_and_enumerates,
     solves_as_in_process,
+    solves_as_a_run_did,
     repeats_itself,
     a_script_that_fails,
     a_kernel_without_init,
