@@ -1,7 +1,10 @@
 #include <chrono>
+#include <cmath>
 #include <fstream>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include "app/board/outside_board.h"
@@ -60,6 +63,22 @@ guest::GuestSettings guest_settings(const LinuxArguments& arguments) {
   return settings;
 }
 
+// Scenarios have effects of a host that is simulated; a kernel is one by itself.
+std::vector<std::string> not_counted(const Scenario& s) {
+  std::vector<std::string> all = {s.guest ? "what the guest's processor does between its calls"
+                                          : "the time of the guest's processor"};
+  const host::Host& host = s.host;
+  const auto add = [&all](bool there, const char* key) {
+    if (there) all.emplace_back(key);
+  };
+  add(host.jitter.has_value(), "host.jitter");
+  add(host.wake_up.has_value(), "host.wake_up");
+  add(host.interrupt_latencies && !s.guest, "host.interrupt_latencies");
+  add(host.delay.has_value(), "host.delay");
+  add(host.cores == 1, "host.cores");
+  return all;
+}
+
 std::string frames_text(const guest::GuestFigures& figures) {
   const vp::Verdict& v = figures.verdict;
   if (v.frames() == 0) return "no job was solved";
@@ -76,6 +95,7 @@ std::string frames_text(const guest::GuestFigures& figures) {
                         results::readable_time(a.time));
     separator = ", ";
   }
+  text += fmt::format("\n  not counted   {}", fmt::join(figures.guest.not_counted, ", "));
   return text;
 }
 
@@ -93,12 +113,16 @@ int linux_command(const LinuxArguments& arguments) {
   const results::DeferredInterruption deferred;
 
   const Clock::time_point start = Clock::now();
+  results::remove_earlier_results(out);
   std::optional<results::RegisterTrace> registers;
   if (arguments.trace_registers) registers.emplace(out);
   vp::BoardFunction board(board_settings, registers ? &*registers : nullptr);
+  const Scenario& s = loaded.scenario;
+  if (s.guest) board.host().take_interrupts_late(s.host, s.seed);
   if (registers) registers->watch(board.accelerator());
-  guest::GuestResults results(out, loaded.scenario, loaded.device_file, board);
+  guest::GuestResults results(out, s, loaded.device_file, board);
   guest::GuestSettings settings = chosen;
+  if (s.guest) settings.system_call_ns = std::llround(1e9 * s.guest->system_call_s);
   std::ofstream console(out / "console.log", std::ios::trunc);
   settings.print = [&](std::string_view line) {
     // Whoever looks on sees a guest that hangs up to where it does.
@@ -112,7 +136,14 @@ int linux_command(const LinuxArguments& arguments) {
   {
     guest::Guest guest(board, settings);
     end = guest.run();
-    figures = results.finish(loaded.scenario, guest.counts(), guest.first_access());
+    std::vector<std::string> missing = not_counted(s);
+    if (settings.system_call_ns > 0 && !guest.system_calls_take_time()) {
+      missing.emplace_back("guest.system_call");
+      spdlog::warn(
+          "guest.system_call: the kernel took no time for a system call; expected one with "
+          "driver/linux/kernel/patches/system-call-time.patch");
+    }
+    figures = results.finish(s, {guest.counts(), guest.first_access(), std::move(missing)});
   }
   if (registers) registers->finish();
 

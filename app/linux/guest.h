@@ -27,6 +27,7 @@ struct GuestSettings {
   std::string memory = "64M";          // as the kernel's option mem= takes it
   std::vector<std::string> arguments;  // further ones of the kernel
   std::chrono::milliseconds patience{60'000};
+  std::int64_t system_call_ns = 0;              // that a system call takes; 0: none
   std::function<void(std::string_view)> print;  // each line of its console
 };
 
@@ -47,6 +48,9 @@ class Guest {
   End run();
 
   const BoardDevice::Counts& counts() const;
+  // Whether it took the time for a system call that it was told to take; one without the patch does
+  // not know of it.
+  bool system_calls_take_time() const { return system_calls_take_time_; }
   // Simulated time when the kernel first asked for the board; none: it never did.
   std::optional<vp::Picoseconds> first_access() const { return first_access_; }
 
@@ -64,6 +68,8 @@ class Guest {
   GuestProcess process_;
   Calendar calendar_;
   std::unique_ptr<BoardDevice> device_;
+  std::int64_t system_call_ns_;
+  bool system_calls_take_time_ = false;
   bool told_ = false;  // of something of the board's, since the guest began to wait
   std::optional<vp::Picoseconds> first_access_;
 };

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "app/results/driver_figures.h"
 #include "app/results/figures_json.h"
 #include "app/results/part_file.h"
@@ -62,15 +65,17 @@ void GuestFigures::report(config::Figures& f) const {
     f.time("busy_us", bus_busy, "how long one of them had it");
   });
   f.table("guest", "What the kernel did.", [&] {
-    f.count("reads", accesses.reads, "of the board's BAR, a block as one");
-    f.count("writes", accesses.writes, "likewise");
-    f.count("polled_reads", accesses.polled,
+    f.count("reads", guest.accesses.reads, "of the board's BAR, a block as one");
+    f.count("writes", guest.accesses.writes, "likewise");
+    f.count("polled_reads", guest.accesses.polled,
             "reads whose end it saw up to a microsecond later, because a timer of its own was due");
-    f.count("interrupts", accesses.interrupts, "that it was told of");
-    f.truth("lost_writes", accesses.overrun, "its kernel may have lost writes");
+    f.count("interrupts", guest.accesses.interrupts, "that it was told of");
+    f.text("not_counted", fmt::format("{}", fmt::join(guest.not_counted, ", ")),
+           "what the frames' times are without");
+    f.truth("lost_writes", guest.accesses.overrun, "its kernel may have lost writes");
     f.value("first_access_us",
-            first_access ? config::FigureValue(static_cast<double>(*first_access) / 1e6)
-                         : config::FigureValue(),
+            guest.first_access ? config::FigureValue(static_cast<double>(*guest.first_access) / 1e6)
+                               : config::FigureValue(),
             config::kMicroseconds, "from power-up; null where it made none");
   });
   f.time("set_up_us", set_up, "from power-up until the first frame is born");
@@ -79,7 +84,7 @@ void GuestFigures::report(config::Figures& f) const {
 
 GuestResults::GuestResults(const std::filesystem::path& folder, const app::Scenario& scenario,
                            const std::filesystem::path& device_file, vp::BoardFunction& board)
-    : folder_((results::remove_earlier_results(folder), folder)),
+    : folder_(folder),
       board_(board),
       verdict_(to_picoseconds(scenario.budget.period_s), to_picoseconds(scenario.budget.period_s)),
       frames_(folder / "frames.csv", verdict_.budget(), results::Columns::times),
@@ -93,9 +98,7 @@ GuestResults::GuestResults(const std::filesystem::path& folder, const app::Scena
   if (scenario.output.trace_frames > 0) ledger.add_tenure_sink(trace_);
 }
 
-GuestFigures GuestResults::finish(const app::Scenario& scenario,
-                                  const BoardDevice::Counts& accesses,
-                                  std::optional<vp::Picoseconds> first_access) {
+GuestFigures GuestResults::finish(const app::Scenario& scenario, const GuestFacts& guest) {
   const vp::Picoseconds end = vp::now_ps();
   let_finish(board_);
   board_.host().frames().finish();
@@ -107,8 +110,7 @@ GuestFigures GuestResults::finish(const app::Scenario& scenario,
                        .verdict = verdict_,
                        .latency = results::latency_figures(verdict_, latency_, host::Host{}),
                        .faults = {},
-                       .accesses = accesses,
-                       .first_access = first_access,
+                       .guest = guest,
                        .set_up = board_.session().begin,
                        .simulated = end,
                        .illegal_accesses = accelerator.illegal_accesses(),

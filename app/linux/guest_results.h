@@ -19,6 +19,15 @@
 
 namespace hvp::guest {
 
+// What the guest leaves behind for the results.
+struct GuestFacts {
+  BoardDevice::Counts accesses;
+  // Simulated time when its kernel first asked for the board; none: it never did.
+  std::optional<vp::Picoseconds> first_access;
+  // Keys and other words: what the frames' times are without.
+  std::vector<std::string> not_counted;
+};
+
 // The figures of a run whose host is a Linux kernel, as far as `hvp run` has them: those of times,
 // of the board and of its bus. What a scenario's host computes, forces and errors among it, is the
 // guest's own here.
@@ -27,8 +36,7 @@ struct GuestFigures {
   vp::Verdict verdict{0, 0};
   results::LatencyFigures latency;
   std::vector<vp::FaultRecord> faults;
-  BoardDevice::Counts accesses;
-  std::optional<vp::Picoseconds> first_access;
+  GuestFacts guest;
   vp::Picoseconds set_up = 0;     // from power-up until the first frame is born
   vp::Picoseconds simulated = 0;  // from power-up
   std::int64_t illegal_accesses = 0;
@@ -49,13 +57,12 @@ struct GuestFigures {
 // scenario.resolved.toml.
 class GuestResults {
  public:
-  // The folder is there; what an earlier run left there goes. Keeps a reference to the board.
+  // The folder is there, without what an earlier run left in it. Keeps a reference to the board.
   GuestResults(const std::filesystem::path& folder, const app::Scenario& scenario,
                const std::filesystem::path& device_file, vp::BoardFunction& board);
 
   // After the run: writes the files.
-  GuestFigures finish(const app::Scenario& scenario, const BoardDevice::Counts& accesses,
-                      std::optional<vp::Picoseconds> first_access);
+  GuestFigures finish(const app::Scenario& scenario, const GuestFacts& guest);
 
  private:
   std::filesystem::path folder_;

@@ -123,6 +123,14 @@ void Scenario::declare(config::Visitor& v) {
     v.table("transfer", transfer, {"how the driver moves a frame's data and hears of the end"});
   });
   v.table("host", host, {"the host PC"}, body);
+  v.when(body, [&] {
+    v.effect("guest", guest,
+             {"of `hvp linux` alone, whose host is a kernel: its system calls and interrupts take "
+              "time, an interrupt as long as in `[host]`",
+              "with `hvp linux`: a wait before each system call and each interrupt; else nothing",
+              {config::need_board("nothing of the board's interrupts the host"),
+               config::need_timed_host(), config::need_numbers()}});
+  });
   v.table("device", device, {"the haptic device"});
   v.effect("hand", hand,
            {"who holds the device: a spring and a damper between the intended motion, [probe], and "

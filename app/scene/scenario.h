@@ -13,6 +13,7 @@
 #include "models/fem/loads.h"
 #include "models/fem/material.h"
 #include "models/fixed/settings.h"
+#include "models/host/guest_costs.h"
 #include "models/host/reference_run.h"
 #include "models/host/refinement.h"
 #include "models/mesh/mesh_settings.h"
@@ -92,6 +93,7 @@ struct Scenario : vp::SystemSettings {
   Contact contact;
   fixed::Settings solver;
   std::optional<host::Refinement> refinement;
+  std::optional<host::GuestCosts> guest;
   std::optional<host::Reference> reference;
   std::optional<sparse::SpectrumSettings> spectrum;
   Output output;

@@ -155,6 +155,59 @@ def solves_as_a_run_did(guest: Guest) -> None:
     expect("most of them touch the body", True, sum(map(any, wanted.solutions)) > frames / 2)
 
 
+def shortest(guest: Guest, *settings: str) -> tuple[int, Output]:
+    """Of 30 frames, in ps; some read the clock once or twice more, which takes 256 ns."""
+    words = [word for setting in settings for word in ("--set", setting)]
+    write_frames(guest.work / "frames", 30)
+    script = f"hvp-servo /dev/hvp0 /host{guest.work}/frames /host{guest.work}/u\n"
+    guest.run(*words, script=script)
+    with (guest.work / "out" / "frames.csv").open() as file:
+        times = [round(1e6 * float(row["latency_us"])) for row in csv.DictReader(file)]
+    return min(times), Output(guest.work / "u")
+
+
+def system_calls_and_interrupts_take_time(guest: Guest) -> None:
+    # From its wake-up to its job's end hvp-servo makes three calls and is woken by an interrupt.
+    # With bursts there is one more, to read U, and one that sends b: its writes are posted, and the
+    # next call begins while they are on the bus, for 2.38 us.
+    posted_ns = 2380
+    for calls, method, notification in (
+        (3, "dma", "msi"),
+        (3, "dma", "intx"),
+        (4, "bursts", "intx"),
+    ):
+        board = (f"transfer.method={method}", f"transfer.notification={notification}")
+        ideal, wanted = shortest(guest, *board)
+        for call_ns, interrupt_ns in ((0, 0), (0, 7000), (1300, 0), (170, 5000), (9000, 1_000_000)):
+            took, found = shortest(
+                guest,
+                *board,
+                f"guest.system_call={call_ns} ns",
+                f"host.interrupt_latency={interrupt_ns} ns",
+            )
+            added = 1000 * (calls * call_ns + interrupt_ns)
+            if method == "bursts":
+                added += 1000 * max(0, call_ns - posted_ns)
+            what = f"{board}, calls of {call_ns} ns, interrupts of {interrupt_ns} ns"
+            expect(what, added, took - ideal)
+            expect("U", True, found.solutions == wanted.solutions)
+    guest.run("--set", "guest.system_call=1 us", "--set", "host.jitter.mean=1 us")
+    left_out = "what the guest's processor does between its calls, host.jitter"
+    expect("what is not counted", left_out, guest.summary()["guest"]["not_counted"])  # type: ignore[index]
+    done = guest.run("--set", "guest.system_call=2 us", "--kernel-argument", "system_call_ns=0")
+    expect_in("a kernel that takes none", "guest.system_call: the kernel took no time", done.stderr)
+
+
+def traces_registers(guest: Guest) -> None:
+    write_frames(guest.work / "frames", 3)
+    script = f"hvp-servo /dev/hvp0 /host{guest.work}/frames /host{guest.work}/u\n"
+    for _ in range(2):  # over the files of the first
+        guest.run("--trace-registers", script=script)
+    log = (guest.work / "out" / "registers.log").read_text()
+    expect("doorbells", 3, log.count(" write CONTROL 4 0x00000008 ok"))
+    expect_in("the waveform", "$enddefinitions", (guest.work / "out" / "registers.vcd").read_text())
+
+
 @contextlib.contextmanager
 def load() -> Iterator[None]:
     """Other programs that want every processor."""
@@ -272,6 +325,8 @@ CASES: tuple[Callable[[Guest], None], ...] = (
     boots_and_enumerates,
     solves_as_in_process,
     solves_as_a_run_did,
+    system_calls_and_interrupts_take_time,
+    traces_registers,
     repeats_itself,
     a_script_that_fails,
     a_kernel_without_init,

@@ -30,6 +30,7 @@ OutsideHost::OutsideHost(const sc_core::sc_module_name& name, const PlatformSett
       config_(function_of(settings)),
       access_("access"),
       frames_(ledger, session, access_.tag()),
+      ledger_(ledger),
       posted_("posted") {
   if (side.board() == nullptr) throw std::invalid_argument("a host without a board");
   access_.to_bus.bind(side.from_host());
@@ -115,15 +116,41 @@ void OutsideHost::something_happened() {
   sc_core::sc_pause();
 }
 
+void OutsideHost::take_interrupts_late(const host::Host& host, std::int64_t seed) {
+  late_.emplace(host, seed, ledger_,
+                [this](const Tag& tag, const LateInterrupts::Message& message) {
+                  frames_.heard(tag);
+                  tell(message);
+                });
+}
+
+void OutsideHost::tell(const LateInterrupts::Message& message) {
+  if (message) {
+    if (listener_ == nullptr) return;
+    listener_->message(*message);
+  } else if (listener_ != nullptr) {
+    listener_->line(true);
+  }
+  something_happened();
+}
+
+void OutsideHost::raised(const Tag& tag, const LateInterrupts::Message& message) {
+  if (late_) {
+    late_->raise(tag, message);
+  } else {
+    tell(message);
+  }
+}
+
 void OutsideHost::interrupt(const Tag& tag) {
-  frames_.heard(tag);
+  tag_ = tag;
+  if (!late_) frames_.heard(tag);
   if (!config_.messages_enabled()) {
     board_line_ = true;
   } else if (config_.message_masked()) {
     pending_ = true;
-  } else if (listener_ != nullptr) {
-    listener_->message(config_.message());
-    something_happened();
+  } else {
+    raised(tag, config_.message());
   }
   update_interrupts();
 }
@@ -137,20 +164,25 @@ void OutsideHost::lowered() {
 void OutsideHost::update_interrupts() {
   if (pending_ && config_.messages_enabled() && !config_.message_masked()) {
     pending_ = false;
-    if (listener_ != nullptr) listener_->message(config_.message());
-    something_happened();
+    raised(tag_, config_.message());
   }
   config_.show_pending(pending_);
   config_.show_line(board_line_);
   const bool shown = board_line_ && config_.may_raise_line();
   if (shown == line_shown_) return;
   line_shown_ = shown;
-  if (listener_ != nullptr) listener_->line(shown);
+  if (shown) {
+    raised(tag_, std::nullopt);
+    return;
+  }
+  if (late_) late_->forget_line();
+  if (listener_ != nullptr) listener_->line(false);
   something_happened();
 }
 
 void OutsideHost::reset_function() {
   pending_ = false;
+  if (late_) late_->forget_all();
   side_.board()->accelerator().power_on();
   board_line_ = false;
   update_interrupts();

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <optional>
 #include <span>
 #include <systemc>
 
@@ -12,6 +13,7 @@
 #include "vp/frame/session.h"
 #include "vp/function/config_space.h"
 #include "vp/function/job_frames.h"
+#include "vp/function/late_interrupts.h"
 #include "vp/host/board_access.h"
 
 namespace hvp::vp {
@@ -51,6 +53,9 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   ConfigSpace& config() { return config_; }
   const ConfigSpace& config() const { return config_; }
   void listen(InterruptListener& listener) { listener_ = &listener; }
+  // From now on the listener is told of an interrupt when this host's handler runs, the scenario's
+  // [host] interrupt_latency after it was raised. Before the simulation begins.
+  void take_interrupts_late(const host::Host& host, std::int64_t seed);
 
   // From outside any process; those before it are made first.
   void post(Access access);
@@ -73,6 +78,8 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
  private:
   void serve();
   void make(const Access& access);
+  void tell(const LateInterrupts::Message& message);
+  void raised(const Tag& tag, const LateInterrupts::Message& message);
   void begin_faults();
   void update_interrupts();
   void reset_function();
@@ -83,9 +90,12 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   ConfigSpace config_;
   BoardAccess access_;
   JobFrames frames_;
+  Ledger& ledger_;
   InterruptListener* listener_ = nullptr;
+  std::optional<LateInterrupts> late_;
   std::deque<Access> accesses_;
   sc_core::sc_event posted_;
+  Tag tag_;                  // of the last interrupt
   bool board_line_ = false;  // what the board does
   bool line_shown_ = false;  // what the host sees of it
   bool pending_ = false;     // a message that is masked

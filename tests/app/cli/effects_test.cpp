@@ -205,6 +205,7 @@ const std::map<std::string, Parts> kAdded = {
     {"host.wake_up", kNothing},
     {"host.interrupt_latencies", kNothing},
     {"host.delay", kNothing},
+    {"guest", kNothing},
     {"contact.fresh", kNothing},
     {"hand", kNothing},
     {"device.encoder", kNothing},
