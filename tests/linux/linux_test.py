@@ -237,6 +237,11 @@ def repeats_itself(guest: Guest) -> None:
                 expect(f"{name} of run {run} is that of the first", True, before == now)
 
 
+def lives_on(guest: Guest) -> None:
+    """Reset, suspend, unbinding, other parameters; some of the suite's cases are late by intent."""
+    guest.run(script=(TOP / "tests" / "driver" / "linux" / "lifecycle.sh").read_text(), status=1)
+
+
 def a_script_that_fails(guest: Guest) -> None:
     guest.refused("hvp: the script ended with status 7", script="exit 7\n")
 
@@ -328,6 +333,7 @@ CASES: tuple[Callable[[Guest], None], ...] = (
     system_calls_and_interrupts_take_time,
     traces_registers,
     repeats_itself,
+    lives_on,
     a_script_that_fails,
     a_kernel_without_init,
     a_guest_that_hangs,
