@@ -28,7 +28,7 @@ def grid(full: bool, nodes: int | None) -> list[dict[str, Value]]:
     iterations = (8, *_ITERATIONS, 240) if full else _ITERATIONS
     points: list[dict[str, Value]] = [{}]
     points += [_columns(*chosen) for chosen in product(methods, iterations, _WORDS, (0, 2))]
-    scaled = product(["cg"], iterations if full else (30, 60), _WORDS)
+    scaled = product(["cg"], iterations if full else (30, 60), _WORDS, (0, 2))
     points += [_columns(*chosen) | {SCALING: "diagonal"} for chosen in scaled]
     if nodes:
         sizes = (nodes // 4, nodes // 2, 2 * nodes) if full else (nodes // 2,)

@@ -6,6 +6,8 @@ unless the line before it says otherwise:
 
     <!-- exit 2 -->                 it shows an error and exits with that status
     <!-- not run: takes an hour --> it is only read, for the reason given
+    <!-- in the step linux: takes a kernel --> it is run with --step linux, as all blocks are of
+                                    a document that has such a one; else it is only read
 """
 
 import argparse
@@ -24,6 +26,7 @@ LONGEST_BLOCK_S = 900
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)[^)]*\)")
 EXIT = re.compile(r"<!-- exit (\d+) -->")
 NOT_RUN = re.compile(r"<!-- not run: .+ -->")
+IN_STEP = re.compile(r"<!-- in the step (\w+): .+ -->")
 
 
 @dataclass(frozen=True)
@@ -31,6 +34,7 @@ class Block:
     line: int
     script: str
     status: int | None  # None: not run
+    step: str  # the one that it is run in; empty: in any
 
 
 def documents() -> list[Path]:
@@ -58,7 +62,13 @@ def shell_blocks(text: str) -> Iterator[Block]:
                 marker = stripped
         elif stripped == "```":
             if language == "sh":
-                yield Block(start, "\n".join(script) + "\n", expected_status(marker))
+                in_step = IN_STEP.fullmatch(marker)
+                yield Block(
+                    start,
+                    "\n".join(script) + "\n",
+                    expected_status(marker),
+                    in_step.group(1) if in_step else "",
+                )
             language, marker = None, ""
         else:
             script.append(line)
@@ -107,7 +117,7 @@ def run_block(block: Block, directory: Path) -> str | None:
     return f"exit {run.returncode}, expected {block.status}\n{block.script}{run.stdout}"
 
 
-def check(document: Path, build: Path) -> int:
+def check(document: Path, build: Path, step: str) -> int:
     failures = 0
     name = document.relative_to(TOP)
     for link in broken_links(document):
@@ -117,7 +127,7 @@ def check(document: Path, build: Path) -> int:
         directory = Path(scratch)
         lay_out(directory, build)
         for block in shell_blocks(document.read_text()):
-            if block.status is None:
+            if block.status is None or block.step not in ("", step):
                 continue
             started = time.monotonic()
             fault = run_block(block, directory)
@@ -132,9 +142,19 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--build", type=Path, required=True, help="stands in for build/")
     parser.add_argument("document", type=Path, nargs="*", help="default: all of them")
+    parser.add_argument("--step", default="", help="documents with blocks of this step alone")
     arguments = parser.parse_args()
     chosen = [path.resolve() for path in arguments.document] or documents()
-    failures = sum(check(document, arguments.build.resolve()) for document in chosen)
+    step = arguments.step
+    if step:
+        chosen = [
+            path
+            for path in chosen
+            if any(block.step == step for block in shell_blocks(path.read_text()))
+        ]
+        if not chosen:
+            parser.error(f"--step {step}: no document has a block of that step")
+    failures = sum(check(document, arguments.build.resolve(), step) for document in chosen)
     print(f"{len(chosen)} documents, {failures} faults")
     return 1 if failures else 0
 
