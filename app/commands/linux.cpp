@@ -38,9 +38,8 @@ void expect_file(std::string_view option, const fs::path& file, int access, bool
   std::error_code ignored;
   if (fs::is_regular_file(file, ignored) && ::access(file.c_str(), access) == 0) return;
   if (own) {
-    throw InputError(
-        fmt::format("no file {}: expected one that ./hvp linux has built, or {}",
-                    file.string(), option));
+    throw InputError(fmt::format("no file {}: expected one that ./hvp linux has built, or {}",
+                                 file.string(), option));
   }
   throw InputError(fmt::format("{} {}: expected a file that can be {}", option, file.string(),
                                (access & X_OK) != 0 ? "run" : "read"));

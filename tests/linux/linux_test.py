@@ -145,7 +145,7 @@ def solves_as_in_process(guest: Guest) -> None:
 def solves_as_a_run_did(guest: Guest) -> None:
     frames = 1000
     jobs = guest.work / "run"
-    command = [guest.program, "run", SCENARIO, "--record-jobs", "--out", jobs]
+    command = [str(guest.program), "run", str(SCENARIO), "--record-jobs", "--out", str(jobs)]
     command += ["--set", f"frames={frames}", "--set", "output.pictures=false"]
     subprocess.run(command, check=True, timeout=LIMIT_S, stdout=subprocess.DEVNULL)
     out = guest.solve(jobs / "jobs.hvpf")
