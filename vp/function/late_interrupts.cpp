@@ -8,19 +8,20 @@
 
 namespace hvp::vp {
 
-LateInterrupts::LateInterrupts(const host::Host& host, std::int64_t seed, Ledger& ledger, Told told)
-    : latency_(to_picoseconds(host.interrupt_latency_s)),
+LateInterrupts::LateInterrupts(const sc_core::sc_module_name& name, const host::Host& host,
+                               std::int64_t seed, Ledger& ledger, Told told)
+    : sc_module(name),
+      latency_(to_picoseconds(host.interrupt_latency_s)),
       ledger_(ledger),
       told_(std::move(told)),
-      due_("interrupt_is_due") {
+      due_("due") {
   if (host.interrupt_latencies) {
     draws_.emplace(*host.interrupt_latencies, seed, "host.interrupt_latencies");
   }
-  sc_core::sc_spawn_options options;
-  options.spawn_method();
-  options.dont_initialize();
-  options.set_sensitivity(&due_);
-  sc_core::sc_spawn([this] { deliver(); }, "late_interrupts", &options);
+  SC_HAS_PROCESS(LateInterrupts);
+  SC_METHOD(deliver);
+  sensitive << due_;
+  dont_initialize();
 }
 
 void LateInterrupts::raise(const Tag& tag, const Message& message) {

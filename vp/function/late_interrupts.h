@@ -16,16 +16,15 @@ namespace hvp::vp {
 // The time between a function's interrupt and the host's handler: [host] interrupt_latency, or what
 // [host.interrupt_latencies] draws for the interrupts of a job. One overtakes none. Each is a span
 // of its frame, host interrupt, which ends when the handler runs.
-class LateInterrupts {
+class LateInterrupts : public sc_core::sc_module {
  public:
   // Nothing but `told` of a line that has gone up.
   using Message = std::optional<ConfigSpace::Message>;
   using Told = std::function<void(const Tag& tag, const Message& message)>;
 
   // `told` is called at its time, from within the simulation. Keeps a reference.
-  LateInterrupts(const host::Host& host, std::int64_t seed, Ledger& ledger, Told told);
-  LateInterrupts(const LateInterrupts&) = delete;
-  LateInterrupts& operator=(const LateInterrupts&) = delete;
+  LateInterrupts(const sc_core::sc_module_name& name, const host::Host& host, std::int64_t seed,
+                 Ledger& ledger, Told told);
 
   // An interrupt of now.
   void raise(const Tag& tag, const Message& message);

@@ -117,7 +117,7 @@ void OutsideHost::something_happened() {
 }
 
 void OutsideHost::take_interrupts_late(const host::Host& host, std::int64_t seed) {
-  late_.emplace(host, seed, ledger_,
+  late_.emplace("late_interrupts", host, seed, ledger_,
                 [this](const Tag& tag, const LateInterrupts::Message& message) {
                   frames_.heard(tag);
                   tell(message);

@@ -24,7 +24,7 @@ class Late : public ::testing::Test {
  protected:
   void start(const host::Host& host) {
     interrupts.emplace(
-        host, 1, ledger, [this](const Tag& tag, const LateInterrupts::Message& message) {
+        "late", host, 1, ledger, [this](const Tag& tag, const LateInterrupts::Message& message) {
           heard.push_back({now_ps(), tag, message ? std::optional(message->data) : std::nullopt});
         });
   }
