@@ -38,7 +38,7 @@ void LateInterrupts::forget_line() {
 
 void LateInterrupts::deliver() {
   while (!under_way_.empty() && under_way_.front().due <= now_ps()) {
-    UnderWay one = std::move(under_way_.front());
+    UnderWay one = under_way_.front();
     under_way_.pop_front();
     follow(one.tag, one.raised);
     told_(one.tag, one.message);

@@ -35,8 +35,8 @@ class LateInterrupts : public sc_core::sc_module {
 
  private:
   struct UnderWay {
-    Picoseconds raised;
-    Picoseconds due;
+    Picoseconds raised = 0;
+    Picoseconds due = 0;
     Tag tag;
     Message message;
   };
