@@ -223,11 +223,19 @@ python_environment() { # name requirements…
     fail "the Python packages could not be installed; the lines above say why"
 }
 
-# What tables/driver_layers.py runs: the suite of the driver's tests, the board in two processes, and
-# the guest.
-build_driver_layers() {
-  build release hvp hvp-servo hvp-driver-suite driver_suite_in_process || return 1
-  "$top/driver/linux/guest.sh" "$build/linux" plain \
+# What `hvp linux` boots: build/linux/VARIANT (driver/linux/kernel/build.sh).
+build_guest() { # variant
+  build release hvp hvp-servo hvp-driver-suite || return 1
+  "$top/driver/linux/guest.sh" "$build/linux" "$1" \
     "$build/release/driver/linux/guest/hvp-servo" \
     "$build/release/tests/driver/suite/hvp-driver-suite" >&2
+}
+
+# What tables/driver_layers.py runs: the suite of the driver's tests, the board in two processes, the
+# guest, and in that a way to the registers beside the driver.
+build_driver_layers() {
+  build release driver_suite_in_process driver_suite_over_socket || return 1
+  build_guest plain || return 1
+  "$top/driver/linux/build.sh" "$build/linux/plain/tree" "$build/linux/plain/registers" \
+    "$top/tests/driver/linux/registers" >&2
 }

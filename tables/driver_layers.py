@@ -116,10 +116,8 @@ class Layers:
                         if serving.poll() is not None:
                             raise SystemExit(f"driver_layers.py: {' '.join(command)} ended")
                         time.sleep(0.01)
-                    program = self._program("tests/driver/suite/hvp-driver-suite")
-                    return read_cases(
-                        run([program, f"vfio-user:{socket}", *suite], LAYERS[1]), LAYERS[1]
-                    )
+                    program = self._program("tests/serve/driver_suite_over_socket")
+                    return read_cases(run([program, str(socket), *suite], LAYERS[1]), LAYERS[1])
                 finally:
                     serving.terminate()
 
@@ -128,8 +126,12 @@ class Layers:
             said = Path(folder) / "said"
             script = Path(folder) / "script"
             words = " ".join(suite)
-            script.write_text(f"hvp-driver-suite /dev/hvp0 {words} >/host{said}\ntrue\n")
             plain = self.build / "linux" / "plain"
+            script.write_text(
+                f"insmod /host{plain}/registers/hvp_registers.ko || exit 1\n"
+                f"hvp-driver-suite /dev/hvp0 --registers /dev/hvp-registers {words} >/host{said}\n"
+                "true\n"
+            )
             command = [self._program("app/hvp"), "linux", SCENARIO, *sets, "--quiet"]
             command += ["--kernel", str(plain / "linux")]
             command += ["--initrd", str(plain / "initramfs.cpio.gz")]

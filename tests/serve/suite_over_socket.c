@@ -107,6 +107,7 @@ int main(int argc, char** argv) {
                               .peek = peek,
                               .poke = poke,
                               .interrupt_wait = interrupt_wait,
-                              .dma = dma};
+                              .dma = dma,
+                              .time_runs_on = true};
   return suite_main(&board, argc - 2, argv + 2);
 }

@@ -77,6 +77,11 @@ int32_t problem_residual(const struct problem* p, const int32_t* u);
 bool case_use_dma(struct suite_case* c);
 // Configured, and loaded with the problem's matrix. False: the case has failed.
 bool case_load(struct suite_case* c, const struct problem* p);
+// A job as long as any: it takes milliseconds of the board. It is under way on return. False: the
+// case has failed.
+bool case_begin_longest_job(struct suite_case* c, struct problem* p);
+#define NEEDS_TIME_TO_WAIT(c) \
+  if ((c)->board->time_runs_on) SKIP(c, "the job may end before the next call here")
 // Solved within what the words allow; keeps U's hash. False: the case has failed.
 bool case_solve(struct suite_case* c, const struct problem* p, int32_t* u);
 void case_hash(struct suite_case* c, const int32_t* u, size_t n);

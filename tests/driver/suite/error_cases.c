@@ -99,9 +99,8 @@ static void illegal_access_in_a_job(struct suite_case* c) {
   struct problem p;
   int32_t u[UNKNOWNS];
   POKES(c);
-  if (!loaded(c, &p)) return;
-  EXPECT_OK(c, hvp_client_write_rhs(c->client, p.b, UNKNOWNS));
-  EXPECT_OK(c, hvp_client_start(c->client));
+  NEEDS_TIME_TO_WAIT(c);
+  if (!case_begin_longest_job(c, &p)) return;
   poke(c, AT(METHOD), 1U);
   poke(c, AT(ID), 1U);
   EXPECT_STATUS(c, hvp_client_wait(c->client, LONG_NS), HVP_ERROR_ILLEGAL_ACCESS);

@@ -1,10 +1,32 @@
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "tests/driver/suite/suite.h"
 
 // The suite on a board that has an address: a device file, as in a Linux guest.
+//   hvp-driver-suite ADDRESS [--registers FILE] …
+// FILE has the board's BAR, a word at its offset: tests/driver/linux/registers.
+
+static int registers = -1;
+
+static uint32_t peek(void* context, uint32_t offset) {
+  uint32_t value = 0xffffffffU;
+  (void)context;
+  if (pread(registers, &value, sizeof value, (off_t)offset) != (ssize_t)sizeof value) {
+    perror("a register cannot be read");
+  }
+  return value;
+}
+
+static void poke(void* context, uint32_t offset, uint32_t value) {
+  (void)context;
+  if (pwrite(registers, &value, sizeof value, (off_t)offset) != (ssize_t)sizeof value) {
+    perror("a register cannot be written");
+  }
+}
 
 static hvp_status open_address(void* context, struct hvp_client** client) {
   return hvp_client_open(client, context);
@@ -24,5 +46,17 @@ int main(int argc, char** argv) {
   }
   (void)hvp_client_close(client);
   struct suite_board board = {.context = argv[1], .open = open_address};
-  return suite_main(&board, argc - 2, argv + 2);
+  board.time_runs_on = strncmp(argv[1], "vfio-user:", 10) == 0;
+  int used = 2;
+  if (argc > 3 && strcmp(argv[2], "--registers") == 0) {
+    registers = open(argv[3], O_RDWR | O_CLOEXEC);
+    if (registers < 0) {
+      perror(argv[3]);
+      return 2;
+    }
+    board.peek = peek;
+    board.poke = poke;
+    used = 4;
+  }
+  return suite_main(&board, argc - used, argv + used);
 }

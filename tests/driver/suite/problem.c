@@ -80,6 +80,18 @@ bool case_load(struct suite_case* c, const struct problem* p) {
          case_status(c, "load", __LINE__, hvp_client_load_matrix(c->client, &matrix), HVP_OK);
 }
 
+bool case_begin_longest_job(struct suite_case* c, struct problem* p) {
+  problem_make(p);
+  struct hvp_solver_config config = problem_config();
+  const struct hvp_matrix matrix = problem_matrix(p);
+  config.iterations = 65535U;  // what the register holds
+  return case_status(c, "configure", __LINE__, hvp_client_configure(c->client, &config), HVP_OK) &&
+         case_status(c, "load", __LINE__, hvp_client_load_matrix(c->client, &matrix), HVP_OK) &&
+         case_status(c, "write_rhs", __LINE__, hvp_client_write_rhs(c->client, p->b, UNKNOWNS),
+                     HVP_OK) &&
+         case_status(c, "start", __LINE__, hvp_client_start(c->client), HVP_OK);
+}
+
 // U is rounded to a word, and so is each product on the way: a few of them in b.
 enum { TOLERANCE = 4 };
 

@@ -17,6 +17,8 @@ struct suite_board {
   void (*interrupt_wait)(void* context, int number);
   // Memory that the board reaches, for a client over a bus.
   const struct hvp_dma* (*dma)(void* context);
+  // Simulated time does not wait for the program: a job may end between any two of its calls.
+  bool time_runs_on;
   // What the board does wrong in one of its first jobs (docs/faults.md: "stuck-busy"), or null.
   const char* fault;
 };

@@ -9,29 +9,15 @@
 
 // Waits: too short, interrupted, by poll(), and what a reset does to them.
 
-// A job that takes long beside a wait of SHORT_NS; it is under way on return. False: the case has
-// failed.
+// Short beside the longest job.
 #define SHORT_NS ((uint64_t)1000)
-
-static bool begin_long_job(struct suite_case* c, struct problem* p) {
-  problem_make(p);
-  struct hvp_solver_config config = problem_config();
-  const struct hvp_matrix matrix = problem_matrix(p);
-  config.iterations = 2000U;
-  return case_status(c, "configure", __LINE__, hvp_client_configure(c->client, &config), HVP_OK) &&
-         case_status(c, "load", __LINE__, hvp_client_load_matrix(c->client, &matrix), HVP_OK) &&
-         case_status(c, "write_rhs", __LINE__, hvp_client_write_rhs(c->client, p->b, UNKNOWNS),
-                     HVP_OK) &&
-         case_status(c, "start", __LINE__, hvp_client_start(c->client), HVP_OK);
-}
 
 static void time_out(struct suite_case* c) {
   struct problem p;
   int32_t u[UNKNOWNS];
-  if (!begin_long_job(c, &p)) return;
-  const hvp_status status = hvp_client_wait(c->client, SHORT_NS);
-  if (status == HVP_OK) SKIP(c, "the job ends in less than a wait takes here");
-  EXPECT_STATUS(c, status, HVP_ERROR_TIMEOUT);
+  NEEDS_TIME_TO_WAIT(c);
+  if (!case_begin_longest_job(c, &p)) return;
+  EXPECT_STATUS(c, hvp_client_wait(c->client, SHORT_NS), HVP_ERROR_TIMEOUT);
   EXPECT(c, errno == ETIMEDOUT);
   // The job goes on, and nothing else is allowed.
   EXPECT_STATUS(c, hvp_client_write_rhs(c->client, p.b, UNKNOWNS), HVP_ERROR_STATE);
@@ -43,7 +29,7 @@ static void time_out(struct suite_case* c) {
 
 static void no_time_at_all(struct suite_case* c) {
   struct problem p;
-  if (!begin_long_job(c, &p)) return;
+  if (!case_begin_longest_job(c, &p)) return;
   const hvp_status status = hvp_client_wait(c->client, 0U);
   EXPECT(c, status == HVP_ERROR_TIMEOUT || status == HVP_OK);
   if (status == HVP_ERROR_TIMEOUT) EXPECT_OK(c, hvp_client_wait(c->client, LONG_NS));
@@ -53,7 +39,7 @@ static void no_time_at_all(struct suite_case* c) {
 static void reset_ends_a_job(struct suite_case* c) {
   struct problem p;
   int32_t u[UNKNOWNS];
-  if (!begin_long_job(c, &p)) return;
+  if (!case_begin_longest_job(c, &p)) return;
   EXPECT_OK(c, hvp_client_reset(c->client));
   EXPECT_STATUS(c, hvp_client_wait(c->client, LONG_NS), HVP_ERROR_STATE);
   if (!case_load(c, &p)) return;
@@ -63,7 +49,7 @@ static void reset_ends_a_job(struct suite_case* c) {
 static void close_ends_a_job(struct suite_case* c) {
   struct problem p;
   int32_t u[UNKNOWNS];
-  if (!begin_long_job(c, &p)) return;
+  if (!case_begin_longest_job(c, &p)) return;
   EXPECT_OK(c, hvp_client_close(c->client));
   c->client = NULL;
   EXPECT_OK(c, c->board->open(c->board->context, &c->client));
@@ -83,7 +69,7 @@ static void interrupted_by_the_bus(struct suite_case* c) {
   struct problem p;
   if (c->board->interrupt_wait == NULL) SKIP(c, "nothing here gives up a wait");
   if (!hvp_client_info_of(c->client)->interrupts) SKIP(c, "the driver polls");
-  if (!begin_long_job(c, &p)) return;
+  if (!case_begin_longest_job(c, &p)) return;
   // The system's numbers come through; one of the call-back's own is an interruption.
   static const int numbers[] = {-EINTR, -ECANCELED, -100000};
   static const int errors[] = {EINTR, ECANCELED, EINTR};
@@ -102,18 +88,11 @@ static void count_signal(int number) {
   ++signals;
 }
 
-// The longest job there is, so that a timer of a millisecond ends in it.
+// By a timer of a millisecond, which ends in the longest job.
 static void interrupted_by_a_signal(struct suite_case* c) {
   struct problem p;
-  problem_make(&p);
   if (hvp_client_descriptor(c->client) < 0) SKIP(c, "no system call waits here");
   if (!hvp_client_info_of(c->client)->interrupts) SKIP(c, "the driver polls");
-  struct hvp_solver_config config = problem_config();
-  const struct hvp_matrix matrix = problem_matrix(&p);
-  config.iterations = 65535U;
-  EXPECT_OK(c, hvp_client_configure(c->client, &config));
-  EXPECT_OK(c, hvp_client_load_matrix(c->client, &matrix));
-  EXPECT_OK(c, hvp_client_write_rhs(c->client, p.b, UNKNOWNS));
   // Without SA_RESTART, so that the wait returns.
   struct sigaction before;
   struct sigaction action;
@@ -122,7 +101,7 @@ static void interrupted_by_a_signal(struct suite_case* c) {
   EXPECT(c, sigaction(SIGALRM, &action, &before) == 0);
   const struct itimerval timer = {.it_value = {.tv_usec = 1000}};
   signals = 0;
-  EXPECT_OK(c, hvp_client_start(c->client));
+  if (!case_begin_longest_job(c, &p)) return;
   EXPECT(c, setitimer(ITIMER_REAL, &timer, NULL) == 0);
   const hvp_status status = hvp_client_wait(c->client, LONG_NS);
   const int error = errno;
