@@ -156,6 +156,9 @@ void linux_arguments(CLI::App& command, LinuxArguments& a) {
                   "ends, 60 by default")
       ->check(CLI::Range(1.0, 86400.0))
       ->type_name("S");
+  command.add_flag("--gdb", a.gdb,
+                   "a kernel with types and lines, stopped before its first instruction until gdb "
+                   "lets it go on, which may take any time");
   command.add_flag("--trace-registers", a.trace_registers,
                    "also log every access to the board, in registers.log");
 }

@@ -33,6 +33,7 @@ struct LinuxArguments : ScenarioArguments {
   std::string memory = "64M";    // the guest's
   std::vector<std::string> kernel_arguments;
   double patience_s = 60;  // of wall-clock time without a word of the guest
+  bool gdb = false;        // the kernel waits for a debugger, and nobody loses patience with it
   bool trace_registers = false;
 };
 // Exit status 3 where the guest did not end as it should, or its script failed.

@@ -47,18 +47,33 @@ void expect_file(std::string_view option, const fs::path& file, int access, bool
 
 guest::GuestSettings guest_settings(const LinuxArguments& arguments) {
   guest::GuestSettings settings;
-  settings.kernel = arguments.kernel.empty() ? built("plain/linux") : arguments.kernel;
-  settings.initrd = arguments.initrd.empty() ? built("plain/initramfs.cpio.gz") : arguments.initrd;
+  const fs::path variant = built(arguments.gdb ? "debug" : "plain");
+  settings.kernel = arguments.kernel.empty() ? variant / "linux" : arguments.kernel;
+  settings.initrd = arguments.initrd.empty() ? variant / "initramfs.cpio.gz" : arguments.initrd;
   settings.script = arguments.script;
   settings.memory = arguments.memory;
   settings.arguments = arguments.kernel_arguments;
   settings.patience =
       std::chrono::milliseconds(static_cast<std::int64_t>(arguments.patience_s * 1000));
+  if (arguments.gdb) {
+    settings.patience.reset();
+    settings.hold = true;
+  }
   expect_file("--kernel", settings.kernel, R_OK | X_OK, arguments.kernel.empty());
   expect_file("--initrd", settings.initrd, R_OK, arguments.initrd.empty());
   if (!settings.script.empty()) expect_file("--script", settings.script, R_OK, false);
   settings.kernel = fs::absolute(settings.kernel);
   return settings;
+}
+
+// How a debugger gets at a kernel that waits for it. What knows the kernel's types, and the module
+// once it is loaded, lies beside a kernel of ours.
+std::string gdb_text(pid_t process, const fs::path& kernel) {
+  const fs::path commands = kernel.parent_path() / "guest.gdb";
+  std::error_code ignored;
+  std::string text = fmt::format("the kernel waits for a debugger: gdb -p {}", process);
+  if (fs::exists(commands, ignored)) text += fmt::format(" -x {}", commands.string());
+  return text;
 }
 
 // Scenarios have effects of a host that is simulated; a kernel is one by itself.
@@ -133,6 +148,10 @@ int linux_command(const LinuxArguments& arguments) {
   guest::GuestFigures figures;
   {
     guest::Guest guest(board, settings);
+    if (settings.hold) {
+      print("{}\n", gdb_text(guest.process(), settings.kernel));
+      std::fflush(stdout);
+    }
     end = guest.run();
     std::vector<std::string> missing = not_counted(s);
     if (settings.system_call_ns > 0 && !guest.system_calls_take_time()) {

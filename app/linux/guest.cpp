@@ -33,6 +33,7 @@ Guest::Guest(vp::BoardFunction& board, const GuestSettings& settings)
                 .arguments = arguments(settings),
                 .folder = folder_.path(),
                 .patience = settings.patience,
+                .hold = settings.hold,
                 .print = settings.print}),
       system_call_ns_(settings.system_call_ns) {}
 

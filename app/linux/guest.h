@@ -26,7 +26,8 @@ struct GuestSettings {
   std::filesystem::path script;        // that the initrd's init is to run; empty: none
   std::string memory = "64M";          // as the kernel's option mem= takes it
   std::vector<std::string> arguments;  // further ones of the kernel
-  std::chrono::milliseconds patience{60'000};
+  std::optional<std::chrono::milliseconds> patience{60'000};  // none: it may be silent for ever
+  bool hold = false;  // stopped before its first instruction, until a debugger lets it go on
   std::int64_t system_call_ns = 0;              // that a system call takes; 0: none
   std::function<void(std::string_view)> print;  // each line of its console
 };
@@ -47,6 +48,7 @@ class Guest {
   // panicked, hung, sleeps for ever, or said what it may not.
   End run();
 
+  pid_t process() const { return process_.number(); }
   const BoardDevice::Counts& counts() const;
   // Whether it took the time for a system call that it was told to take; one without the patch does
   // not know of it.

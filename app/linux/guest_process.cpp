@@ -33,7 +33,8 @@ constexpr std::string_view kPanic = "Kernel panic - not syncing: ";
 GuestProcess::GuestProcess(const Settings& settings)
     : patience_(settings.patience),
       print_(settings.print),
-      program_(settings.kernel, settings.arguments, {.environment = {}, .own_group = true}),
+      program_(settings.kernel, settings.arguments,
+               {.environment = {}, .own_group = true, .hold = settings.hold}),
       consoles_{{program_.output(), {}}, {program_.errors(), {}}} {
   start_keeper(settings.folder);
 }
@@ -100,7 +101,10 @@ void GuestProcess::relay(Console& console) {
 }
 
 std::size_t GuestProcess::wait_readable(std::span<const int> descriptors) {
-  Clock::time_point deadline = Clock::now() + patience_;
+  const auto deadline_from_now = [this] {
+    return patience_ ? Clock::now() + *patience_ : Clock::time_point::max();
+  };
+  Clock::time_point deadline = deadline_from_now();
   std::vector<pollfd> sources;
   for (;;) {
     if (results::interrupted() != 0) throw GuestInterrupted();
@@ -116,12 +120,12 @@ std::size_t GuestProcess::wait_readable(std::span<const int> descriptors) {
     if (ready <= 0) {
       if (Clock::now() < deadline) continue;
       throw GuestError(fmt::format("nothing was heard of the guest for {} s",
-                                   std::chrono::duration<double>(patience_).count()));
+                                   std::chrono::duration<double>(*patience_).count()));
     }
     for (std::size_t i = 0; i < consoles_.size(); ++i) {
       if (sources[descriptors.size() + i].revents == 0) continue;
       relay(consoles_[i]);
-      deadline = Clock::now() + patience_;
+      deadline = deadline_from_now();
     }
     for (std::size_t i = 0; i < descriptors.size(); ++i) {
       if (sources[i].revents != 0) return i;

@@ -32,8 +32,10 @@ class GuestProcess {
     std::filesystem::path kernel;
     std::vector<std::string> arguments;
     std::filesystem::path folder;
-    // Of wall-clock time, for which it may be silent: no message, nothing printed.
-    std::chrono::milliseconds patience{60'000};
+    // Of wall-clock time, for which it may be silent: no message, nothing printed. None: any time.
+    std::optional<std::chrono::milliseconds> patience{60'000};
+    // It is stopped before its first instruction, until a debugger lets it go on.
+    bool hold = false;
     // Each line that it prints, without its end.
     std::function<void(std::string_view)> print;
   };
@@ -50,6 +52,7 @@ class GuestProcess {
   // Waits for its end, and hands on what it still prints. Its exit status; -1 for a signal, and
   // none where it does not end.
   std::optional<int> wait_for_end();
+  pid_t number() const { return program_.process(); }
   // What it panicked of, in its own words, where it did.
   const std::optional<std::string>& panic() const { return panic_; }
 
@@ -63,7 +66,7 @@ class GuestProcess {
   void print(Console& console);
   void start_keeper(const std::filesystem::path& folder);
 
-  std::chrono::milliseconds patience_;
+  std::optional<std::chrono::milliseconds> patience_;
   std::function<void(std::string_view)> print_;
   results::LaunchedProgram program_;
   std::vector<Console> consoles_;

@@ -12,6 +12,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <sys/prctl.h>
+#include <sys/ptrace.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -95,7 +96,8 @@ bool drain(int descriptor, std::string& kept) {
 // Between fork and exec only what is safe after a signal may be called: another thread may have
 // held any lock.
 [[noreturn]] void become(const char* program, char* const* arguments, char* const* environment,
-                         int output, int errors, int report, bool own_group, pid_t parent) {
+                         int output, int errors, int report, bool own_group, bool hold,
+                         pid_t parent) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(127);
   if (own_group) setpgid(0, 0);
@@ -112,6 +114,11 @@ bool drain(int descriptor, std::string& kept) {
     fcntl(report, F_SETFD, 0);
   else if (report >= 0)
     dup2(report, LaunchedProgram::kReportDescriptor);
+  if (hold) {
+    // Where only a parent may trace, any debugger may.
+    prctl(PR_SET_PTRACER, PR_SET_PTRACER_ANY);
+    ptrace(PTRACE_TRACEME, 0, nullptr, nullptr);
+  }
   execve(program, arguments, environment);
   _exit(127);
 }
@@ -134,13 +141,26 @@ LaunchedProgram::LaunchedProgram(const std::filesystem::path& program,
   if (pid_ < 0) throw std::system_error(errno, std::generic_category(), "cannot fork");
   if (pid_ == 0)
     become(words[0].c_str(), argv.data(), envp.data(), output.write_end, errors.write_end,
-           options.report_pipe ? report.write_end : -1, options.own_group, parent);
+           options.report_pipe ? report.write_end : -1, options.own_group, options.hold, parent);
   started_ = pid_;
   // Whoever of the two is first: its group is there when the constructor returns.
   if (options.own_group) setpgid(pid_, pid_);
   output_ = output.take_read_end();
   errors_ = errors.take_read_end();
   report_ = report.take_read_end();
+  if (options.hold) hold_at_start();
+}
+
+// A traced program stops when it has become itself; from then on it is a stopped one, not a traced
+// one. One that could not be executed has ended, which whoever waits for it sees.
+void LaunchedProgram::hold_at_start() const {
+  siginfo_t change{};
+  while (waitid(P_PID, static_cast<id_t>(pid_), &change, WSTOPPED | WEXITED | WNOWAIT) < 0 &&
+         errno == EINTR) {
+  }
+  if (change.si_code == CLD_TRAPPED || change.si_code == CLD_STOPPED) {
+    ptrace(PTRACE_DETACH, pid_, nullptr, SIGSTOP);
+  }
 }
 
 LaunchedProgram::~LaunchedProgram() {

@@ -20,6 +20,8 @@ class LaunchedProgram {
     bool report_pipe = false;  // the program may write to descriptor kReportDescriptor
     // It leads a process group: what it starts ends with it.
     bool own_group = false;
+    // It is stopped before its first instruction, until a debugger lets it go on.
+    bool hold = false;
   };
   static constexpr int kReportDescriptor = 3;
 
@@ -53,6 +55,7 @@ class LaunchedProgram {
 
  private:
   void send(int signal) const;
+  void hold_at_start() const;
   void reap_or_kill(std::chrono::steady_clock::time_point deadline, Result& result);
 
   pid_t pid_ = -1;  // until it was reaped

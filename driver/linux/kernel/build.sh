@@ -5,6 +5,8 @@
 # kasan, lockdep, debug. Each gets
 #   FOLDER/VARIANT/linux   the kernel, a program of the host
 #   FOLDER/VARIANT/tree    what a module is built against (make -C)
+# and debug, beside them, guest.gdb, commands for gdb, and vmlinux: the kernel under the name by which
+# the kernel's own commands for gdb look for it.
 # Nothing is done for one whose sources and settings are what they were. Ends with 2 for a wrong
 # word, with 3 for what fails.
 set -euo pipefail
@@ -32,7 +34,7 @@ version() { dpkg-query -W -f='${Version}' "$package"; }
 key() { # variant
   printf '%s %s\n' "$package" "$(version)"
   gcc --version | head -n 1
-  (cd "$here" && sha256sum build.sh base.config "$1.config" patches/*.patch)
+  (cd "$here" && sha256sum build.sh guest.gdb base.config "$1.config" patches/*.patch)
 }
 
 is_built() { # variant
@@ -125,8 +127,14 @@ build_kernel() { # variant
   } >>"$log" 2>&1 || give_up "$1" "$log"
   check_config "$1"
   say "kernel $1: compiling with $HVP_JOBS jobs"
-  in_tree -j "$HVP_JOBS" linux modules 2>&1 | follow "$1" "$log" || give_up "$1" "$log"
+  local -a targets=(linux modules)
+  ! grep -qx CONFIG_GDB_SCRIPTS=y "$tree/.config" || targets+=(scripts_gdb)
+  in_tree -j "$HVP_JOBS" "${targets[@]}" 2>&1 | follow "$1" "$log" || give_up "$1" "$log"
   mv "$tree/linux" "$fresh/linux"
+  if [[ -e $tree/vmlinux-gdb.py ]]; then
+    ln "$fresh/linux" "$fresh/vmlinux"
+    cp -p "$here/guest.gdb" "$fresh/guest.gdb"
+  fi
   # A module needs the headers, the settings and the programs in scripts/.
   find "$tree" -path "$tree/scripts" -prune -o \( -name '*.o' -o -name '*.a' -o -name 'vmlinux*' -o -name '.*.cmd' \) -type f -print0 |
     xargs -0 rm -f
