@@ -1,4 +1,4 @@
-// A driver's first solve, on a board that is not there yet (docs/board-library.md).
+// A driver's first solve, on a board that is not there yet (docs/first-driver.md).
 #include <stdio.h>
 
 #include "app/board/hvp_board.h"
