@@ -537,6 +537,19 @@ TEST(DeviceGone, TakesTheFrameInFlightWithIt) {
   expect_nothing_lost(run);
 }
 
+// It waits for its job until after the last tick: those in between have no force either.
+TEST(SeveralFaults, TicksThatTheLastFrameTakesWithItAreHeld) {
+  SmallScene scene;
+  prepare(scene, {at(FaultKind::stuck_busy, kAt)});
+  scene.settings.frames = kAt + 4;
+  scene.settings.host.timeout_s = 10 * 1e-12 * static_cast<double>(scene.settings.period);
+  const Simulated run(scene);
+  EXPECT_EQ(run.log.frames.back().number, kAt);
+  EXPECT_EQ(run.platform.verdict().skipped_ticks(), 3);
+  EXPECT_EQ(run.platform.servo().counts().held_frames, 1);
+  EXPECT_EQ(run.platform.servo().counts().longest_hold, 4);
+}
+
 // Eight set-ups: frame 25 and 1, 3, 7, 15, 31, 63, 127 frames later.
 TEST(DeviceGone, ForGoodIsGivenUp) {
   SmallScene scene;

@@ -35,8 +35,10 @@ void LoopHealth::loop_begins(Picoseconds now) {
 }
 
 // What went wrong before says more than that a lost board cannot be closed.
-void LoopHealth::closed(hvp_status status, std::int64_t frame) {
-  if (counts_.last_error == HVP_OK) note(status, frame);
+void LoopHealth::closed(hvp_status status, std::int64_t ticks) {
+  if (counts_.last_error == HVP_OK) note(status, ticks);
+  // Those that the last frame took with it.
+  count_ticks_without_force(ticks);
 }
 
 void LoopHealth::solve_ended(const SolveEnd& end, std::uint32_t& flags) {
@@ -44,8 +46,9 @@ void LoopHealth::solve_ended(const SolveEnd& end, std::uint32_t& flags) {
   if ((flags & bit(stability::Flag::saturation)) != 0) {
     notice(FaultKind::saturated_solve, end.frame);
   }
-  count_ticks_without_force(end);
+  count_ticks_without_force(end.status == HVP_OK ? end.frame : end.frame + 1);
   if (end.status == HVP_OK) {
+    last_solved_ = end.frame;
     // What was only late is in the frame's latency.
     notice(FaultKind::late_dma, end.frame);
     return;
@@ -82,13 +85,9 @@ void LoopHealth::count_mended(std::int64_t frame) {
   if (mended.damaged > 0) notice(FaultKind::corrupted_word, frame);
 }
 
-void LoopHealth::count_ticks_without_force(const SolveEnd& end) {
-  const std::int64_t until = end.status == HVP_OK ? end.frame : end.frame + 1;
-  // The ticks that had none since the last solved frame.
-  if (until - last_solved_ > 1) {
-    counts_.longest_hold = std::max(counts_.longest_hold, until - last_solved_ - 1);
-  }
-  if (end.status == HVP_OK) last_solved_ = end.frame;
+// The ticks before `until` that had none since the last solved frame.
+void LoopHealth::count_ticks_without_force(std::int64_t until) {
+  counts_.longest_hold = std::max(counts_.longest_hold, until - last_solved_ - 1);
 }
 
 // A piece after the other.

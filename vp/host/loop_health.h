@@ -60,8 +60,8 @@ class LoopHealth {
   void set_up_failed(hvp_status status, int failed);
   // The first frame is born now.
   void loop_begins(Picoseconds now);
-  // After the last frame.
-  void closed(hvp_status status, std::int64_t frame);
+  // After the last frame: how the board was left, and how many ticks there were.
+  void closed(hvp_status status, std::int64_t ticks);
 
   // The solver can take a frame, or why it cannot.
   hvp_status solver_status() const { return recovery_.ready() ? HVP_OK : recovery_.status(); }
@@ -83,7 +83,7 @@ class LoopHealth {
  private:
   void fail(const SolveEnd& end);
   void count_mended(std::int64_t frame);
-  void count_ticks_without_force(const SolveEnd& end);
+  void count_ticks_without_force(std::int64_t until);
   void note(hvp_status status, std::int64_t frame);
   void count(hvp_status status, std::int64_t frame, std::int64_t times);
   void notice(FaultKind kind, std::int64_t frame) {
