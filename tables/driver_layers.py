@@ -107,6 +107,7 @@ class Layers:
             socket = Path(folder) / "board"
             hvp = self._program("app/hvp")
             command = [hvp, "serve", SCENARIO, *sets, "--quiet", "--vfio-user", str(socket)]
+            # Of the socket's coming, not of the line that says so: what scripts wait for.
             with subprocess.Popen(
                 command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
             ) as serving:

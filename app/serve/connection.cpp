@@ -15,6 +15,10 @@ namespace {
 // stands still.
 constexpr int kPatienceMs = 10'000;
 
+// What it sends after the last reply is waited for so long, so often.
+constexpr int kLastWaitMs = 50;
+constexpr int kLastReads = 1000;
+
 }  // namespace
 
 std::optional<Message> Connection::receive() {
@@ -82,6 +86,15 @@ void Connection::send(std::span<const std::uint8_t> bytes) {
     }
     pollfd ready{.fd = socket_.number(), .events = POLLOUT, .revents = 0};
     if (::poll(&ready, 1, kPatienceMs) == 0) throw Broken("the client takes no replies");
+  }
+}
+
+void Connection::finish() {
+  ::shutdown(socket_.number(), SHUT_WR);
+  std::array<char, 65536> rest{};
+  pollfd ready{.fd = socket_.number(), .events = POLLIN, .revents = 0};
+  for (int i = 0; i < kLastReads && ::poll(&ready, 1, kLastWaitMs) == 1; ++i) {
+    if (::recv(socket_.number(), rest.data(), rest.size(), MSG_DONTWAIT) <= 0) return;
   }
 }
 

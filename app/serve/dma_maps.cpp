@@ -55,7 +55,11 @@ void DmaMaps::map(const DmaMap& command, std::vector<FileDescriptor> files) {
   if (ranges_.size() >= kMostMaps) throw Refused(ENOSPC, "too many ranges of memory");
   if (overlaps(address, bytes)) throw Refused(EEXIST, "memory over other memory");
   Range range{bytes, {}};
-  if (files.empty()) {
+  if (files.empty() && (flags & kWritable) == 0) {
+    // A virtual machine's ROM, which no driver gives to the board.
+    spdlog::debug("memory at {:#x}, {} bytes, is read only and comes without a file", address,
+                  bytes);
+  } else if (files.empty()) {
     spdlog::warn("memory at {:#x}, {} bytes, comes without a file: the board cannot reach it",
                  address, bytes);
   } else {
@@ -90,7 +94,8 @@ void DmaMaps::unmap(const DmaUnmap& command) {
   if (first != ranges_.begin() && cut(std::prev(first), address)) {
     throw Refused(EINVAL, "a part of a range of memory");
   }
-  if (first == end) throw Refused(ENOENT, "memory that is not there");
+  // As the kernel's VFIO has it: QEMU unmaps whatever a virtual IOMMU may have had mapped.
+  if (first == end) return;
   if (last_of(std::prev(end)->first, std::prev(end)->second.bytes) > last) {
     throw Refused(EINVAL, "a part of a range of memory");
   }

@@ -2,11 +2,14 @@
 
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
+#include <unistd.h>
 
 #include "models/config/input_error.h"
 
@@ -51,6 +54,16 @@ int bind_privately(const FileDescriptor& socket, const sockaddr_un& address) {
   return error;
 }
 
+// A file of this process alone, which is not there before and goes with the object.
+struct OwnFile {
+  explicit OwnFile(fs::path where) : path(std::move(where)) { ::unlink(path.c_str()); }
+  ~OwnFile() { ::unlink(path.c_str()); }
+  OwnFile(const OwnFile&) = delete;
+  OwnFile& operator=(const OwnFile&) = delete;
+
+  fs::path path;
+};
+
 void remove_stale(const fs::path& path, const sockaddr_un& address) {
   struct stat status {};
   if (::lstat(path.c_str(), &status) != 0) return;
@@ -66,20 +79,28 @@ void remove_stale(const fs::path& path, const sockaddr_un& address) {
 
 }  // namespace
 
+// It comes to its path when it listens: whoever waits for a file there is not refused.
 ListeningSocket::ListeningSocket(const fs::path& path) : path_(path), socket_(new_socket()) {
   const sockaddr_un address = address_of(path);
-  int error = bind_privately(socket_, address);
-  if (error == EADDRINUSE) {
-    remove_stale(path, address);
-    error = bind_privately(socket_, address);
+  const fs::path parent = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  const FileDescriptor folder(::open(parent.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
+  if (!folder) throw wrong(path, std::strerror(errno));
+  // By the descriptor, so that a path which is long enough for a socket stays so.
+  const OwnFile hidden(fmt::format("/proc/self/fd/{}/.hvp-{}", folder.number(), ::getpid()));
+  if (const int error = bind_privately(socket_, address_of(hidden.path)); error != 0) {
+    throw wrong(path, std::strerror(error));
   }
-  if (error != 0) throw wrong(path, std::strerror(error));
   struct stat status {};
-  if (::lstat(path.c_str(), &status) == 0) {
+  if (::lstat(hidden.path.c_str(), &status) == 0) {
     device_ = status.st_dev;
     inode_ = status.st_ino;
   }
   if (::listen(socket_.number(), kWaiting) != 0) throw wrong(path, std::strerror(errno));
+  if (::link(hidden.path.c_str(), path.c_str()) != 0) {
+    if (errno != EEXIST) throw wrong(path, std::strerror(errno));
+    remove_stale(path, address);
+    if (::link(hidden.path.c_str(), path.c_str()) != 0) throw wrong(path, std::strerror(errno));
+  }
   // The program's folder may change no more than the path does.
   path_ = fs::absolute(path);
 }

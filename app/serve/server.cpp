@@ -50,7 +50,10 @@ void Server::run(bool once) {
     }
     if (knocked_) let_in();
   }
-  if (client_) let_go("");
+  if (client_) {
+    client_->connection.finish();
+    let_go("");
+  }
 }
 
 void Server::wait(const sigset_t& while_waiting) {

@@ -9,6 +9,8 @@
 #include <linux/ktime.h>
 #include <linux/sched/signal.h>
 
+#include "driver/generated/hvp_registers.h"
+
 #include "hvp_module.h"
 
 static u32 bar_read32(void *context, u32 offset)
@@ -195,8 +197,16 @@ irqreturn_t hvp_bar_interrupt(int irq, void *context)
 
 	if (hvp_board_lost(board))
 		return IRQ_NONE;
-	if (hvp_irq(&board->device, !board->by_message) == HVP_IRQ_NONE)
+	if (hvp_irq(&board->device, !board->by_message) == HVP_IRQ_NONE) {
+		/*
+		 * To a virtual machine a line is up until the next access to the BAR. The one
+		 * with which the core looked at the line came before the board was masked, so
+		 * that it may have been raised once more: without an access for that it stays up.
+		 */
+		if (!board->by_message)
+			bar_read32(board, offsetof(hvp_t, INTERRUPT_STATUS));
 		return IRQ_NONE;
+	}
 	atomic_inc(&board->interrupts);
 	set_bit(HVP_BOARD_INTERRUPT, &board->flags);
 	wake_up_all(&board->wait);

@@ -74,7 +74,7 @@ TEST(DmaMaps, UnmapTakesWholeRanges) {
   EXPECT_EQ(client.unmap(2 * kPage, kPage).error, EINVAL);
   EXPECT_EQ(client.unmap(3 * kPage, kPage).error, EINVAL);
   EXPECT_EQ(client.unmap(3 * kPage, 8 * kPage).error, EINVAL);
-  EXPECT_EQ(client.unmap(6 * kPage, kPage).error, ENOENT);
+  EXPECT_EQ(client.unmap(6 * kPage, kPage).error, 0);
   EXPECT_EQ(client.unmap(6 * kPage, 0).error, EINVAL);
   EXPECT_EQ(client.unmap(6 * kPage, ~std::uint64_t{0}).error, EINVAL);
   EXPECT_EQ(client.unmap(6 * kPage, kPage, 1).error, ENOTSUP);

@@ -48,15 +48,19 @@ int main(int argc, char** argv) {
   struct suite_board board = {.context = argv[1], .open = open_address};
   board.time_runs_on = strncmp(argv[1], "vfio-user:", 10) == 0;
   int used = 2;
-  if (argc > 3 && strcmp(argv[2], "--registers") == 0) {
-    registers = open(argv[3], O_RDWR | O_CLOEXEC);
+  if (argc > used && strcmp(argv[used], "--time-runs-on") == 0) {
+    board.time_runs_on = true;
+    ++used;
+  }
+  if (argc > used + 1 && strcmp(argv[used], "--registers") == 0) {
+    registers = open(argv[used + 1], O_RDWR | O_CLOEXEC);
     if (registers < 0) {
-      perror(argv[3]);
+      perror(argv[used + 1]);
       return 2;
     }
     board.peek = peek;
     board.poke = poke;
-    used = 4;
+    used += 2;
   }
   return suite_main(&board, argc - used, argv + used);
 }

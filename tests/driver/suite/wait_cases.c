@@ -108,7 +108,9 @@ static void interrupted_by_a_signal(struct suite_case* c) {
   const struct itimerval none = {.it_value = {.tv_usec = 0}};
   (void)setitimer(ITIMER_REAL, &none, NULL);
   (void)sigaction(SIGALRM, &before, NULL);
-  if (status == HVP_OK && signals == 0) SKIP(c, "the job ends in less than a millisecond here");
+  if (status == HVP_OK && (signals == 0 || c->board->time_runs_on)) {
+    SKIP(c, "the job ends before the signal tells here");
+  }
   EXPECT_STATUS(c, status, HVP_ERROR_INTERRUPTED);
   EXPECT(c, error == EINTR);
   is_over(c, &p);
