@@ -79,15 +79,37 @@ void PcieLink::advance(std::int64_t time_ps) {
   now_ = std::max(now_, time_ps);
 }
 
+void PcieLink::look_ahead() const {
+  const auto copy_ring = [](const auto& from, auto& to, std::size_t first, std::size_t count) {
+    for (std::size_t k = first; k < first + count; ++k) to[k % to.size()] = from[k % from.size()];
+  };
+  const auto copy_credits = [&](const Ring& from, Ring& to) {
+    copy_ring(from.entries, to.entries, from.first, from.count);
+    to.first = from.first;
+    to.count = from.count;
+    to.units = from.units;
+  };
+  for (std::size_t i = 0; i < state_.wires.size(); ++i) {
+    const Wire& from = state_.wires[i];
+    Wire& to = ahead_.wires[i];
+    static_cast<WireState&>(to) = from;
+    copy_credits(from.posted, to.posted);
+    copy_credits(from.nonposted, to.nonposted);
+    copy_ring(from.completions, to.completions, from.first, from.count);
+  }
+  ahead_.initiators = state_.initiators;
+  ahead_.tags = state_.tags;
+}
+
 std::int64_t PcieLink::forecast(int initiator) const {
-  ahead_ = state_;
+  look_ahead();
   while (of(ahead_, initiator).completed == kNever && step(ahead_, kNever)) {
   }
   return of(ahead_, initiator).completed;
 }
 
 std::int64_t PcieLink::forecast_sent(int initiator) const {
-  ahead_ = state_;
+  look_ahead();
   while (of(ahead_, initiator).sent == kNever && step(ahead_, kNever)) {
   }
   return of(ahead_, initiator).sent;

@@ -106,7 +106,7 @@ class PcieLink {
     std::int64_t bytes = 0;
     std::int64_t ready = 0;
   };
-  struct Wire {
+  struct WireState {
     std::int64_t free = 0;
     std::int64_t fraction = 0;  // of a picosecond, in the byte time's denominator
     std::int64_t position = 0;  // bytes sent
@@ -115,12 +115,14 @@ class PcieLink {
     std::int64_t next_skip = 0;
     std::int64_t flit_fill = 0;
     int last_slot = 0;
+    std::size_t first = 0;  // completion
+    std::size_t count = 0;
+    Traffic traffic;
+  };
+  struct Wire : WireState {
     Ring posted;
     Ring nonposted;
     std::vector<Completion> completions;
-    std::size_t first = 0;
-    std::size_t count = 0;
-    Traffic traffic;
   };
   struct State {
     std::array<Wire, 2> wires;
@@ -148,6 +150,8 @@ class PcieLink {
   // The earliest time at which `units` more may go, of `capacity`.
   static std::int64_t credit(const Ring& ring, std::int64_t units, std::int64_t capacity);
   static void take(Ring& ring, std::int64_t now, Credit credit);
+  // Makes `ahead_` the state of now. Of what goes round that which is there, which is little of it.
+  void look_ahead() const;
 
   std::int64_t ready(const State& s, std::size_t wire, int slot) const;
   Start next(const State& s, std::size_t wire) const;

@@ -87,11 +87,20 @@ void PcieBus::from_board_transport(tlm::tlm_generic_payload& transaction, sc_cor
   }
 }
 
+const link::Cost& PcieBus::processor_write_cost(std::int64_t bytes) {
+  return write_cost_.of(bytes,
+                        [this](std::int64_t n) { return formulas_.processor_write(n, true); });
+}
+
+const link::Cost& PcieBus::processor_read_cost(std::int64_t bytes) {
+  return read_cost_.of(bytes, [this](std::int64_t n) { return formulas_.processor_read(n); });
+}
+
 void PcieBus::processor_write(tlm::tlm_generic_payload& transaction) {
   Tag none;
   Tag& tag = tag_of(transaction, none);
   const std::int64_t bytes = bytes_of(transaction);
-  const link::Cost cost = formulas_.processor_write(bytes, true);
+  const link::Cost cost = processor_write_cost(bytes);
   const Picoseconds began = now_ps();
   PostedWrite& write = down_.post(transaction, tag);
   write.phase = processors_phase(transaction);
@@ -105,7 +114,7 @@ void PcieBus::processor_write(tlm::tlm_generic_payload& transaction) {
 
 void PcieBus::arrived_at_board(PostedWrite& write) {
   const auto bytes = static_cast<std::int64_t>(write.data.size());
-  account(write.tag, write.phase, write.began, formulas_.processor_write(bytes, true).latency_ps);
+  account(write.tag, write.phase, write.began, processor_write_cost(bytes).latency_ps);
   reach_target(to_target_.of(write));
 }
 
@@ -136,7 +145,7 @@ void PcieBus::processor_read(tlm::tlm_generic_payload& transaction) {
   read_over_.notify();
   up_.wait_until_delivered(behind);
   wait(to_sc_time(from_port_));
-  const link::Cost cost = formulas_.processor_read(bytes);
+  const link::Cost& cost = processor_read_cost(bytes);
   count(kProcessor, cost, bytes);
   account(tag, processors_phase(transaction), began, cost.latency_ps);
 }

@@ -64,6 +64,21 @@ class PcieBus : public sc_core::sc_module, public InterruptIf {
   Picoseconds busy(link::PcieSide sender) const { return timing_.busy(sender); }
 
  private:
+  // What a transaction of so many bytes costs, worked out anew where it is another number than the
+  // time before: the formulas take as long as a register's access does otherwise.
+  class Remembered {
+   public:
+    template <class Formula>
+    const link::Cost& of(std::int64_t bytes, const Formula& formula) {
+      if (bytes != bytes_) cost_ = formula(bytes);
+      bytes_ = bytes;
+      return cost_;
+    }
+
+   private:
+    std::int64_t bytes_ = -1;
+    link::Cost cost_;
+  };
   struct Window {
     std::uint64_t base;
     std::uint64_t size;
@@ -84,6 +99,8 @@ class PcieBus : public sc_core::sc_module, public InterruptIf {
 
   void from_host_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
   void from_board_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
+  const link::Cost& processor_write_cost(std::int64_t bytes);
+  const link::Cost& processor_read_cost(std::int64_t bytes);
   void processor_write(tlm::tlm_generic_payload& transaction);
   void processor_read(tlm::tlm_generic_payload& transaction);
   void board_write(tlm::tlm_generic_payload& transaction);
@@ -99,6 +116,8 @@ class PcieBus : public sc_core::sc_module, public InterruptIf {
 
   link::Pcie link_;
   link::PcieInterconnect formulas_;
+  Remembered write_cost_;
+  Remembered read_cost_;
   bool untimed_;
   Picoseconds to_port_;    // from the processor to the root port
   Picoseconds from_port_;  // and back

@@ -43,12 +43,12 @@ PostedWrite& PostedPath::push(std::uint64_t address, const std::uint8_t* data, s
   write.due = now_ps();
   ledger_.hold(tag);
   ++posted_;
-  changed_.notify();
+  pushed_.notify();
   return write;
 }
 
 PostedWrite& PostedPath::post(const tlm::tlm_generic_payload& transaction, const Tag& tag) {
-  while (writes_.count() >= kPlacesOfWrites) wait(changed_);
+  while (writes_.count() >= kPlacesOfWrites) wait(one_delivered_);
   return push(transaction.get_address(), transaction.get_data_ptr(), transaction.get_data_length(),
               tag);
 }
@@ -62,7 +62,7 @@ PostedWrite& PostedPath::post_message(std::uint64_t code, const Tag& tag) {
 
 void PostedPath::send() {
   while (true) {
-    while (on_their_way_ == writes_.count()) wait(changed_);
+    while (on_their_way_ == writes_.count()) wait(pushed_);
     PostedWrite& write = writes_.at(on_their_way_);
     const Picoseconds first = write.due;
     const auto bytes = static_cast<std::int64_t>(write.data.size());
@@ -77,13 +77,13 @@ void PostedPath::send() {
     left_(write);
     ++on_their_way_;
     ++sent_;
-    changed_.notify();
+    one_left_.notify();
   }
 }
 
 void PostedPath::deliver() {
   while (true) {
-    while (on_their_way_ == 0) wait(changed_);
+    while (on_their_way_ == 0) wait(one_left_);
     PostedWrite& write = writes_.front();
     wait_until(write.due);
     const Tag held = write.tag;
@@ -92,16 +92,16 @@ void PostedPath::deliver() {
     writes_.pop();
     --on_their_way_;
     ++delivered_;
-    changed_.notify();
+    one_delivered_.notify();
   }
 }
 
 void PostedPath::wait_until_left(std::int64_t count) {
-  while (sent_ < count) wait(changed_);
+  while (sent_ < count) wait(one_left_);
 }
 
 void PostedPath::wait_until_delivered(std::int64_t count) {
-  while (delivered_ < count) wait(changed_);
+  while (delivered_ < count) wait(one_delivered_);
 }
 
 }  // namespace hvp::vp

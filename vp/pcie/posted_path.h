@@ -53,7 +53,10 @@ class PostedPath : public sc_core::sc_module {
   std::int64_t posted_ = 0;
   std::int64_t sent_ = 0;
   std::int64_t delivered_ = 0;
-  sc_core::sc_event changed_;
+  // Each wakes those alone who wait for it: a wake-up is a tenth of a microsecond of wall time.
+  sc_core::sc_event pushed_;
+  sc_core::sc_event one_left_;
+  sc_core::sc_event one_delivered_;
 };
 
 }  // namespace hvp::vp
