@@ -32,15 +32,34 @@ results::TraceSettings traced(const app::Scenario& s, const vp::Verdict& verdict
   return {s.output.trace_frames, std::llround(s.output.trace_bytes), verdict.budget()};
 }
 
+vp::BusUse all_use(const vp::BusAssembly& buses) {
+  vp::BusUse all;
+  for (const vp::BusUse& use : buses.pcie() ? buses.pcie()->uses() : buses.pci().uses()) {
+    all.busy += use.busy;
+    all.bytes += use.bytes;
+    all.transactions += use.transactions;
+  }
+  return all;
+}
+
 }  // namespace
 
 bool GuestFigures::held() const {
   return verdict.frames() == 0 || (verdict.force_in_time() && verdict.load_held());
 }
 
+std::string_view GuestFigures::verdict_word() const {
+  if (verdict.frames() == 0) return "no job was solved";
+  if (!held()) return "not held";
+  const bool faulty =
+      std::ranges::any_of(faults, [](const vp::FaultRecord& r) { return r.injected > 0; });
+  return faulty ? "held, with faults" : "held; the guest's own work not counted";
+}
+
 void GuestFigures::report(config::Figures& f) const {
   f.text("title", title, "the scenario's own line");
   f.truth("held", held(), "no frame was late");
+  f.text("verdict", verdict_word(), "what that is called");
   f.table("deadline", "The latency of a frame: from its birth until its job's last access.", [&] {
     verdict.report_deadline(f);
     f.truth("held", verdict.force_in_time(), "there are no misses");
@@ -59,10 +78,10 @@ void GuestFigures::report(config::Figures& f) const {
     f.count("wraps", wraps, "words that lost their high bits");
     f.count("breakdowns", breakdowns, "solves that a direction without curvature ended");
   });
-  f.table("bus", "Of the PCI bus, set-up, which loads K, included.", [&] {
-    f.count("transactions", bus_transactions, "of all masters");
-    f.count("bytes", bus_bytes, "of their data");
-    f.time("busy_us", bus_busy, "how long one of them had it");
+  f.table("bus", "Of the bus that the board is on, set-up, which loads K, included.", [&] {
+    f.count("transactions", bus.transactions, "of all that use it");
+    f.count("bytes", bus.bytes, "of their data");
+    f.time("busy_us", bus.busy, "how long one of them had it, or its direction of a link");
   });
   f.table("guest", "What the kernel did.", [&] {
     f.count("reads", guest.accesses.reads, "of the board's BAR, a block as one");
@@ -105,7 +124,6 @@ GuestFigures GuestResults::finish(const app::Scenario& scenario, const GuestFact
   frames_.finish();
   trace_.finish();
   const vp::Accelerator& accelerator = board_.accelerator();
-  const vp::PciBus& bus = board_.side().buses().pci();
   GuestFigures figures{.title = scenario.title,
                        .verdict = verdict_,
                        .latency = results::latency_figures(verdict_, latency_, host::Host{}),
@@ -117,9 +135,7 @@ GuestFigures GuestResults::finish(const app::Scenario& scenario, const GuestFact
                        .saturations = accelerator.saturations(),
                        .wraps = accelerator.wraps(),
                        .breakdowns = accelerator.breakdowns(),
-                       .bus_busy = bus.busy(),
-                       .bus_transactions = bus.transactions(),
-                       .bus_bytes = bus.bytes_moved()};
+                       .bus = all_use(board_.side().buses())};
   if (const vp::FaultPlan* faults = board_.side().board()->faults()) {
     figures.faults = faults->records();
   }

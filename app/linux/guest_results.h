@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "app/linux/board_device.h"
@@ -12,6 +13,7 @@
 #include "app/results/trace.h"
 #include "app/scene/scenario.h"
 #include "models/config/figures.h"
+#include "vp/bus/bus_use.h"
 #include "vp/fault/fault_plan.h"
 #include "vp/frame/latency_statistics.h"
 #include "vp/frame/verdict.h"
@@ -43,12 +45,12 @@ struct GuestFigures {
   std::int64_t saturations = 0;
   std::int64_t wraps = 0;
   std::int64_t breakdowns = 0;
-  vp::Picoseconds bus_busy = 0;
-  std::int64_t bus_transactions = 0;
-  std::int64_t bus_bytes = 0;
+  vp::BusUse bus;  // of all that use it
 
   // Deadline and load of every frame, where there were some.
   bool held() const;
+  // What that is called; never a PASS, as forces and the guest's own work are in no figure.
+  std::string_view verdict_word() const;
   // All of summary.json.
   void report(config::Figures& f) const;
 };

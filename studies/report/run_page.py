@@ -32,6 +32,7 @@ def write_run_report(run: Path, out: Path, program: Program) -> Path:
     summary = folder.summary
     figures = program.figures()
     deadline = summary["deadline"]
+    guest = summary.get("guest")
     worst = deadline.get("worst_frame")
     spans = folder.spans(worst) if worst is not None else []
     traced = bool(spans)
@@ -67,7 +68,8 @@ def write_run_report(run: Path, out: Path, program: Program) -> Path:
         latency_picture=folder.picture("latency.png"),
         body_picture=folder.picture("deformation.png"),
         settings=folder.settings,
-        command=shell_line(["run", str(folder.scenario_file)]),
+        command=shell_line(["linux" if guest else "run", str(folder.scenario_file)]),
+        guest=guest,
         versions={
             "hvp, of this page": program.version,
             "Python": platform.python_version(),
@@ -80,7 +82,13 @@ def write_run_report(run: Path, out: Path, program: Program) -> Path:
 def _standing(summary: Mapping[str, Any]) -> str:
     if not summary.get("held"):
         return "bad"
-    return "warn" if summary["stability"]["flags"] or summary.get("partial") else "good"
+    return "warn" if _raised(summary) or summary.get("partial") else "good"
+
+
+def _raised(summary: Mapping[str, Any]) -> list[str]:
+    """Of a guest, whose numbers nobody looks at, there are none."""
+    raised: list[str] = summary.get("stability", {}).get("flags", [])
+    return raised
 
 
 def _rows(
@@ -96,5 +104,5 @@ def _flags(summary: Mapping[str, Any], program: Program) -> list[dict[str, str]]
     known = {flag["name"]: flag for flag in program.reference["flags"]}
     return [
         {"name": name, "meaning": "", "remedy": ""} | known.get(name, {})
-        for name in summary["stability"]["flags"]
+        for name in _raised(summary)
     ]

@@ -1,5 +1,6 @@
 """Pages in a real browser: no complaint, no network, the table's figures, filters that filter."""
 
+import json
 import shutil
 from pathlib import Path
 
@@ -92,6 +93,30 @@ def test_the_same_run_is_the_same_bytes(run_page: Path, program: Program, tmp_pa
     moved = data.replace(command, f"run {again}/scenario.resolved.toml".encode())
     assert (tmp_path / "again.html").read_bytes() == moved
     assert len(data) < LARGEST_BYTES
+
+
+def test_a_guests_run_says_what_it_is_without(
+    run_page: Path, program: Program, tmp_path: Path
+) -> None:
+    run = tmp_path / "guest"
+    shutil.copytree(run_page.parent, run)
+    summary = json.loads((run / "summary.json").read_text(encoding="utf-8"))
+    of_a_guest = (
+        "title",
+        "held",
+        "verdict",
+        "deadline",
+        "latency",
+        "jitter",
+        "load",
+        "attribution",
+    )
+    kept = {key: summary[key] for key in of_a_guest} | {"guest": {"not_counted": "its processor"}}
+    (run / "summary.json").write_text(json.dumps(kept), encoding="utf-8")
+    page = write_run_report(run, tmp_path / "report.html", program).read_text(encoding="utf-8")
+    for words in ("Not counted: its processor.", "hvp linux ", "Not looked for"):
+        assert words in page, words
+    assert "None was raised" not in page
 
 
 def test_no_run_is_refused(program: Program, tmp_path: Path) -> None:
