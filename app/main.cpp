@@ -160,7 +160,8 @@ void linux_arguments(CLI::App& command, LinuxArguments& a) {
                    "a kernel with types and lines, stopped before its first instruction until gdb "
                    "lets it go on, which may take any time");
   command.add_flag("--trace-registers", a.trace_registers,
-                   "also log every access to the board, in registers.log");
+                   "also log every access to the board, in registers.log, and as a waveform with "
+                   "the interrupt, in registers.vcd");
 }
 
 // An empty file name, folder or value means nothing.

@@ -89,9 +89,9 @@ std::unique_ptr<hvp_board> open_board(const char* scenario, const hvp_board_opti
   for (std::size_t i = 0; i < options.override_count; ++i) {
     source.overrides.emplace_back(options.overrides[i]);
   }
+  be_quiet();
   const hvp::app::LoadedScenario loaded = hvp::app::load_untitled(source);
   const hvp::vp::PlatformSettings settings = hvp::app::outside_board(loaded);
-  be_quiet();
   a_board_was_open = true;
   return std::make_unique<hvp_board>(settings, options.trace);
 }
@@ -130,10 +130,11 @@ hvp_board* hvp_board_open(const char* scenario, const hvp_board_options* options
 
 void hvp_board_close(hvp_board* board) {
   if (board != nullptr && board->trace != nullptr) {
-    caught(false, [board] {
+    try {
       board->trace->finish();
-      return true;
-    });
+    } catch (const std::exception& error) {
+      spdlog::error("{}", error.what());
+    }
   }
   delete board;
 }
@@ -200,6 +201,9 @@ bool hvp_board_next_event_ps(const hvp_board* /*board*/, std::uint64_t* when_ps)
 }
 
 bool hvp_board_run_until_ps(hvp_board* board, std::uint64_t time_ps) {
+  // Eleven days: what follows has to have room in 64 bits.
+  constexpr std::uint64_t kLatest = 1'000'000'000'000'000'000;
+  if (time_ps > kLatest) return false;
   return caught(
       false, [&] { return board->function.host().run_until(static_cast<Picoseconds>(time_ps)); });
 }

@@ -7,7 +7,7 @@
 
 #include "driver/hvp_driver.h"
 
-// The board of a scenario in a program of your own (docs/board-library.md): a driver that is being
+// The board of a scenario in a program of your own (docs/first-driver.md): a driver that is being
 // written runs here, in simulated time, before there is a board. No thread is started and none of
 // the functions is to be called from two. SystemC elaborates once in a process, so that a process
 // has one board, once.
@@ -59,7 +59,8 @@ void hvp_board_config_write(struct hvp_board* board, uint32_t offset, uint32_t v
 uint64_t hvp_board_now_ps(const struct hvp_board* board);
 // When something is due next; false where all waits for the host.
 bool hvp_board_next_event_ps(const struct hvp_board* board, uint64_t* when_ps);
-// Simulates up to this time; returns earlier, with false, when an interrupt was raised or lowered.
+// Simulates up to this time; returns earlier, with false, when an interrupt was raised or lowered,
+// and at once for a time beyond 10^18, eleven days.
 bool hvp_board_run_until_ps(struct hvp_board* board, uint64_t time_ps);
 // Whether INTA# is up, or a message has come since the last call.
 bool hvp_board_interrupt(struct hvp_board* board);

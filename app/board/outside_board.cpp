@@ -1,5 +1,7 @@
 #include "app/board/outside_board.h"
 
+#include <spdlog/spdlog.h>
+
 #include "models/config/input_error.h"
 #include "models/time/picoseconds.h"
 
@@ -21,6 +23,18 @@ void require_words(const Scenario& s) {
   }
 }
 
+// What a scenario says of its own host and another one does in its own way.
+void warn_of_the_hosts_way(const Scenario& s) {
+  using Method = vp::Transfer::Method;
+  const bool words =
+      s.transfer.method == Method::programmed_io || s.transfer.method == Method::write_combined_io;
+  if (words && !s.bus.pcie) {
+    spdlog::warn(
+        "transfer.method: how b and U are moved is the other program's to say; a block is a burst "
+        "here");
+  }
+}
+
 }  // namespace
 
 void require_board_with_words(const LoadedScenario& loaded) try {
@@ -37,6 +51,7 @@ vp::PlatformSettings outside_board(const LoadedScenario& loaded) try {
                      "pictures are drawn by the host of hvp run, and this one is another program: "
                      "expected a scenario without them");
   }
+  warn_of_the_hosts_way(s);
   take_samples(s);
   vp::PlatformSettings settings(s);
   settings.period = to_picoseconds(s.budget.period_s);

@@ -34,6 +34,15 @@ fs::path built(std::string_view name) {
   return program.parent_path().parent_path().parent_path() / "linux" / name;
 }
 
+// The kernel's command line is words.
+void expect_one_word(std::string_view what, const fs::path& path) {
+  if (path.native().find_first_of(" \t\n\"") == std::string::npos) return;
+  throw InputError(
+      fmt::format("{} {}: expected a path without blanks and quotes, which a kernel's "
+                  "command line cannot have",
+                  what, path.string()));
+}
+
 void expect_file(std::string_view option, const fs::path& file, int access, bool own) {
   std::error_code ignored;
   if (fs::is_regular_file(file, ignored) && ::access(file.c_str(), access) == 0) return;
@@ -63,6 +72,14 @@ guest::GuestSettings guest_settings(const LinuxArguments& arguments) {
   expect_file("--initrd", settings.initrd, R_OK, arguments.initrd.empty());
   if (!settings.script.empty()) expect_file("--script", settings.script, R_OK, false);
   settings.kernel = fs::absolute(settings.kernel);
+  for (const auto& [option, file] :
+       {std::pair("--initrd", settings.initrd), std::pair("--script", settings.script)}) {
+    if (!file.empty()) expect_one_word(option, fs::absolute(file));
+  }
+  std::error_code error;
+  const fs::path temporary = fs::temp_directory_path(error);
+  if (error) throw InputError("TMPDIR: expected a folder that is there, for the guest's sockets");
+  expect_one_word("TMPDIR", temporary);
   return settings;
 }
 
@@ -78,8 +95,9 @@ std::string gdb_text(pid_t process, const fs::path& kernel) {
 
 // Scenarios have effects of a host that is simulated; a kernel is one by itself.
 std::vector<std::string> not_counted(const Scenario& s) {
-  std::vector<std::string> all = {s.guest ? "what the guest's processor does between its calls"
-                                          : "the time of the guest's processor"};
+  std::vector<std::string> all = {
+      s.guest ? "what the guest's processor does between its calls"
+              : "the time of the guest's processor, its calls and interrupts ([guest])"};
   const host::Host& host = s.host;
   const auto add = [&all](bool there, const char* key) {
     if (there) all.emplace_back(key);
@@ -89,7 +107,20 @@ std::vector<std::string> not_counted(const Scenario& s) {
   add(host.interrupt_latencies && !s.guest, "host.interrupt_latencies");
   add(host.delay.has_value(), "host.delay");
   add(host.cores == 1, "host.cores");
+  add(s.transfer.notification == link::Notification::polling, "transfer.notification");
   return all;
+}
+
+std::string misses_text(const vp::Verdict& v) {
+  if (v.misses() == 0) return "no miss";
+  std::string text;
+  if (const std::int64_t late = v.misses() - v.unsolved(); late > 0) {
+    text = fmt::format("{} late", late);
+  }
+  if (v.unsolved() > 0) {
+    text += fmt::format("{}{} whose job did not end", text.empty() ? "" : ", ", v.unsolved());
+  }
+  return text;
 }
 
 std::string frames_text(const guest::GuestFigures& figures) {
@@ -99,14 +130,21 @@ std::string frames_text(const guest::GuestFigures& figures) {
       fmt::format("{} frames, {} a period of {}: worst {}, median {}; {}", v.frames(),
                   v.force_in_time() && v.load_held() ? "all within" : "not all within",
                   results::readable_time(v.budget()), results::readable_time(v.worst_latency()),
-                  results::readable_time(v.percentile(0.5)),
-                  v.misses() == 0 ? std::string("no miss") : fmt::format("{} late", v.misses()));
+                  results::readable_time(v.percentile(0.5)), misses_text(v));
   text += "\n  worst frame   ";
   const char* separator = "";
   for (const vp::Attribution& a : v.attribution()) {
     text += fmt::format("{}{} {} {}", separator, vp::name(a.part), vp::name(a.phase),
                         results::readable_time(a.time));
     separator = ", ";
+  }
+  for (const vp::FaultRecord& fault : figures.faults) {
+    text +=
+        fmt::format("\n  fault         {}: {}", vp::name(fault.fault.kind),
+                    fault.injected == 0
+                        ? std::string("did not happen")
+                        : fmt::format("{}, first in frame {}; who noticed is the driver's to say",
+                                      results::counted(fault.injected, "time"), fault.first_frame));
   }
   text += fmt::format("\n  not counted   {}", fmt::join(figures.guest.not_counted, ", "));
   return text;
@@ -145,6 +183,7 @@ int linux_command(const LinuxArguments& arguments) {
     std::fflush(stdout);
   };
   guest::Guest::End end;
+  std::optional<guest::GuestError> failed;
   guest::GuestFigures figures;
   {
     guest::Guest guest(board, settings);
@@ -152,7 +191,12 @@ int linux_command(const LinuxArguments& arguments) {
       print("{}\n", gdb_text(guest.process(), settings.kernel));
       std::fflush(stdout);
     }
-    end = guest.run();
+    // What there was before is there to be looked at.
+    try {
+      end = guest.run();
+    } catch (const guest::GuestError& error) {
+      failed = error;
+    }
     std::vector<std::string> missing = not_counted(s);
     if (settings.system_call_ns > 0 && !guest.system_calls_take_time()) {
       missing.emplace_back("guest.system_call");
@@ -171,6 +215,11 @@ int linux_command(const LinuxArguments& arguments) {
     std::fflush(stdout);
     complain("hvp: interrupted: the results are of the frames before");
     results::end_as_interrupted();
+  }
+  if (failed) throw guest::GuestError(*failed);
+  if (end.module_status) {
+    throw guest::GuestError(
+        fmt::format("the module did not load: insmod ended with status {}", *end.module_status));
   }
   if (!chosen.script.empty() && end.script_status.value_or(-1) != 0) {
     throw guest::GuestError(end.script_status

@@ -22,6 +22,8 @@ constexpr vp::Picoseconds kLongestSleep = vp::Picoseconds{60} * 1'000'000'000'00
 // less where it polls (udelay(1)) and where it reads its clock (256 ns).
 constexpr std::uint64_t kSleep = 10'000;  // ns
 constexpr std::string_view kStatusFile = "status";
+// Behind the status where it is not the script's (driver/linux/guest/init).
+constexpr std::string_view kModule = "insmod";
 
 }  // namespace
 
@@ -55,8 +57,8 @@ std::vector<std::string> Guest::arguments(const GuestSettings& settings) const {
   }
   if (!settings.script.empty()) {
     words.push_back("hvp.script=" + std::filesystem::absolute(settings.script).string());
-    words.push_back("hvp.status=" + (folder_.path() / kStatusFile).string());
   }
+  words.push_back("hvp.status=" + (folder_.path() / kStatusFile).string());
   if (settings.system_call_ns > 0) {
     words.push_back(fmt::format("system_call_ns={}", settings.system_call_ns));
   }
@@ -74,7 +76,9 @@ Guest::End Guest::run() {
   try {
     for (;;) {
       if (calendar_.connected() && calendar_.waiting()) {
+        const auto began = std::chrono::steady_clock::now();
         sleep();
+        process_.forgive(std::chrono::steady_clock::now() - began);
       } else {
         serve();
       }
@@ -85,7 +89,11 @@ Guest::End Guest::run() {
     end.interrupted = true;
   }
   std::ifstream file(folder_.path() / kStatusFile);
-  if (int status = 0; file >> status) end.script_status = status;
+  std::string of;
+  if (int status = 0; file >> status) {
+    file >> of;
+    (of == kModule ? end.module_status : end.script_status) = status;
+  }
   return end;
 }
 
@@ -106,6 +114,7 @@ void Guest::serve() {
                                             device_socket_.accept(process_));
   } else {
     device_->serve();
+    process_.did_something();
     if (!first_access_ && device_->counts().reads + device_->counts().writes > 0) {
       first_access_ = vp::now_ps();
     }
@@ -149,7 +158,7 @@ void Guest::judge_end() {
   if (!calendar_.connected()) {
     throw GuestError(
         "the guest's kernel ended before it asked for the time: expected one with "
-        "UML_TIME_TRAVEL_SUPPORT");
+        "UML_TIME_TRAVEL_SUPPORT, and --memory enough for it");
   }
   if (!status) throw GuestError("the guest's kernel has closed a connection and goes on");
   if (*status != 0) {

@@ -43,6 +43,7 @@ class Guest {
     bool interrupted = false;  // by the user
     // What the script ended with; none: there was no script, or it did not end.
     std::optional<int> script_status;
+    std::optional<int> module_status;  // what insmod ended with, where that failed
   };
   // Simulates until the kernel has ended. Throws GuestError where it did not end as it should: it
   // panicked, hung, sleeps for ever, or said what it may not.

@@ -18,8 +18,6 @@ namespace hvp::guest {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 // In pieces, between which an interruption is noticed.
 constexpr std::chrono::milliseconds kLongestWait{200};
 // For a kernel that has said its last word.
@@ -34,7 +32,11 @@ GuestProcess::GuestProcess(const Settings& settings)
     : patience_(settings.patience),
       print_(settings.print),
       program_(settings.kernel, settings.arguments,
-               {.environment = {}, .own_group = true, .hold = settings.hold}),
+               {.environment = {},
+                .own_group = true,
+                .hold = settings.hold,
+                // What a kernel has of its memory hangs on where its program lies.
+                .same_addresses = true}),
       consoles_{{program_.output(), {}}, {program_.errors(), {}}} {
   start_keeper(settings.folder);
 }
@@ -101,13 +103,13 @@ void GuestProcess::relay(Console& console) {
 }
 
 std::size_t GuestProcess::wait_readable(std::span<const int> descriptors) {
-  const auto deadline_from_now = [this] {
-    return patience_ ? Clock::now() + *patience_ : Clock::time_point::max();
-  };
-  Clock::time_point deadline = deadline_from_now();
   std::vector<pollfd> sources;
   for (;;) {
     if (results::interrupted() != 0) throw GuestInterrupted();
+    if (patience_ && Clock::now() - heard_at_ > *patience_) {
+      throw GuestError(fmt::format("nothing was heard of the guest for {} s",
+                                   std::chrono::duration<double>(*patience_).count()));
+    }
     sources.clear();
     for (const int number : descriptors) sources.push_back({number, POLLIN, 0});
     for (const Console& console : consoles_) {
@@ -117,15 +119,11 @@ std::size_t GuestProcess::wait_readable(std::span<const int> descriptors) {
     if (ready < 0 && errno != EINTR) {
       throw std::system_error(errno, std::generic_category(), "cannot wait for the guest");
     }
-    if (ready <= 0) {
-      if (Clock::now() < deadline) continue;
-      throw GuestError(fmt::format("nothing was heard of the guest for {} s",
-                                   std::chrono::duration<double>(*patience_).count()));
-    }
+    if (ready <= 0) continue;
     for (std::size_t i = 0; i < consoles_.size(); ++i) {
       if (sources[descriptors.size() + i].revents == 0) continue;
       relay(consoles_[i]);
-      deadline = deadline_from_now();
+      did_something();
     }
     for (std::size_t i = 0; i < descriptors.size(); ++i) {
       if (sources[i].revents != 0) return i;
@@ -135,7 +133,7 @@ std::size_t GuestProcess::wait_readable(std::span<const int> descriptors) {
 }
 
 std::optional<int> GuestProcess::wait_for_end() {
-  const Clock::time_point deadline = Clock::now() + kTimeToEnd;
+  const auto deadline = Clock::now() + kTimeToEnd;
   while ((consoles_[0].open || consoles_[1].open) && Clock::now() < deadline) {
     std::array<pollfd, 2> sources{};
     for (std::size_t i = 0; i < 2; ++i) {

@@ -32,7 +32,8 @@ class GuestProcess {
     std::filesystem::path kernel;
     std::vector<std::string> arguments;
     std::filesystem::path folder;
-    // Of wall-clock time, for which it may be silent: no message, nothing printed. None: any time.
+    // Of wall-clock time, for which it may do nothing that counts (did_something()) and print
+    // nothing; what the simulation takes is not the guest's. None: any time.
     std::optional<std::chrono::milliseconds> patience{60'000};
     // It is stopped before its first instruction, until a debugger lets it go on.
     bool hold = false;
@@ -44,6 +45,11 @@ class GuestProcess {
   ~GuestProcess();
   GuestProcess(const GuestProcess&) = delete;
   GuestProcess& operator=(const GuestProcess&) = delete;
+
+  // It has done something else than wait for its own timers.
+  void did_something() { heard_at_ = Clock::now(); }
+  // So much of the time since then was not the guest's.
+  void forgive(std::chrono::steady_clock::duration time) { heard_at_ += time; }
 
   // Until one of these descriptors can be read, or was closed at its other end; its place. What the
   // guest prints is handed on meanwhile. Throws GuestError when nothing was heard of the guest for
@@ -57,6 +63,8 @@ class GuestProcess {
   const std::optional<std::string>& panic() const { return panic_; }
 
  private:
+  using Clock = std::chrono::steady_clock;
+
   struct Console {
     int descriptor;
     std::string line;
@@ -67,6 +75,7 @@ class GuestProcess {
   void start_keeper(const std::filesystem::path& folder);
 
   std::optional<std::chrono::milliseconds> patience_;
+  Clock::time_point heard_at_ = Clock::now();
   std::function<void(std::string_view)> print_;
   results::LaunchedProgram program_;
   std::vector<Console> consoles_;

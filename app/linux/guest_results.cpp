@@ -71,7 +71,7 @@ void GuestFigures::report(config::Figures& f) const {
   f.table("load", "From a frame's birth until its job's last access.",
           [&] { verdict.report_load(f); });
   verdict.report_attribution(f);
-  results::report_faults(f, faults);
+  results::report_faults(f, faults, false);
   f.table("board", "What the board counted.", [&] {
     f.count("illegal_accesses", illegal_accesses, "that its registers refused");
     f.count("saturations", saturations, "words that reached their limit");

@@ -43,14 +43,15 @@ void report_driver(config::Figures& f, const vp::ServoCounts& c) {
   f.frame("given_up_frame", c.given_up_at, "where the board was given up, or null");
 }
 
-void report_faults(config::Figures& f, const std::vector<vp::FaultRecord>& faults) {
+void report_faults(config::Figures& f, const std::vector<vp::FaultRecord>& faults,
+                   bool driver_is_known) {
   f.list("faults", "One entry for each `[[fault]]` ([faults.md](faults.md)).", faults,
          [&](const vp::FaultRecord& r) {
            f.text("kind", vp::name(r.fault.kind), "what it is");
            f.count("injected", r.injected, "how often");
-           f.count("noticed", r.noticed, "by the driver");
+           f.when(driver_is_known, [&] { f.count("noticed", r.noticed, "by the driver"); });
            f.count("corrected", r.corrected, "by the bus, at the cost of time");
-           f.count("unnoticed", r.unnoticed(), "by nobody");
+           f.when(driver_is_known, [&] { f.count("unnoticed", r.unnoticed(), "by nobody"); });
            f.count("first_frame", r.injected > 0 ? std::optional(r.first_frame) : std::nullopt,
                    "in which it was injected, or null");
          });

@@ -11,6 +11,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
+#include <sys/personality.h>
 #include <sys/prctl.h>
 #include <sys/ptrace.h>
 #include <sys/resource.h>
@@ -96,11 +97,11 @@ bool drain(int descriptor, std::string& kept) {
 // Between fork and exec only what is safe after a signal may be called: another thread may have
 // held any lock.
 [[noreturn]] void become(const char* program, char* const* arguments, char* const* environment,
-                         int output, int errors, int report, bool own_group, bool hold,
-                         pid_t parent) {
+                         int output, int errors, int report,
+                         const LaunchedProgram::Options& options, pid_t parent) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(127);
-  if (own_group) setpgid(0, 0);
+  if (options.own_group) setpgid(0, 0);
   const rlimit no_core = {0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
   sigset_t none;
@@ -114,7 +115,8 @@ bool drain(int descriptor, std::string& kept) {
     fcntl(report, F_SETFD, 0);
   else if (report >= 0)
     dup2(report, LaunchedProgram::kReportDescriptor);
-  if (hold) {
+  if (options.same_addresses) personality(ADDR_NO_RANDOMIZE);
+  if (options.hold) {
     // Where only a parent may trace, any debugger may.
     prctl(PR_SET_PTRACER, PR_SET_PTRACER_ANY);
     ptrace(PTRACE_TRACEME, 0, nullptr, nullptr);
@@ -141,7 +143,7 @@ LaunchedProgram::LaunchedProgram(const std::filesystem::path& program,
   if (pid_ < 0) throw std::system_error(errno, std::generic_category(), "cannot fork");
   if (pid_ == 0)
     become(words[0].c_str(), argv.data(), envp.data(), output.write_end, errors.write_end,
-           options.report_pipe ? report.write_end : -1, options.own_group, options.hold, parent);
+           options.report_pipe ? report.write_end : -1, options, parent);
   started_ = pid_;
   // Whoever of the two is first: its group is there when the constructor returns.
   if (options.own_group) setpgid(pid_, pid_);

@@ -22,6 +22,8 @@ class LaunchedProgram {
     bool own_group = false;
     // It is stopped before its first instruction, until a debugger lets it go on.
     bool hold = false;
+    // Its addresses are the same each time.
+    bool same_addresses = false;
   };
   static constexpr int kReportDescriptor = 3;
 

@@ -92,7 +92,7 @@ void PcieLink::look_ahead() const {
   for (std::size_t i = 0; i < state_.wires.size(); ++i) {
     const Wire& from = state_.wires[i];
     Wire& to = ahead_.wires[i];
-    static_cast<WireState&>(to) = from;
+    static_cast<WireState&>(to) = static_cast<const WireState&>(from);
     copy_credits(from.posted, to.posted);
     copy_credits(from.nonposted, to.nonposted);
     copy_ring(from.completions, to.completions, from.first, from.count);

@@ -11,6 +11,7 @@ import contextlib
 import csv
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -250,10 +251,47 @@ def a_kernel_without_init(guest: Guest) -> None:
     guest.refused("the guest's kernel panicked: ", "--kernel-argument", "rdinit=/none")
 
 
-def a_guest_that_hangs(guest: Guest) -> None:
-    guest.refused(
-        "nothing was heard of the guest for 3 s", "--patience", "3", script="while :; do :; done\n"
+def jobs_without_a_pause_are_as_long_as_each(guest: Guest) -> None:
+    # The kernel's own tick of 10 ms, and another program's timer, come while jobs are under way.
+    script = (
+        "(while :; do usleep 700; done) &\n" + "hvp-driver-suite /dev/hvp0 --case fifty-jobs\n" * 8
     )
+    guest.run(script=script)
+    with (guest.work / "out" / "frames.csv").open() as file:
+        times = [float(row["latency_us"]) for row in csv.DictReader(file)]
+    expect("jobs", True, len(times) >= 8 * 50)
+    # Each is born at its first access or, between two of them, at a timer's wake-up.
+    if max(times) - min(times) > 4 * CLOCK_NS / 1000:
+        raise WrongError(f"jobs of {min(times)} to {max(times)} us")
+
+
+def a_job_that_does_not_end_is_a_miss(guest: Guest) -> None:
+    words = ("--set", "fault[0].kind=stuck-busy", "--set", "fault[0].frame=5")
+    said = guest.run(*words, script="hvp-driver-suite /dev/hvp0 --fault stuck-busy\n", status=1)
+    expect_in("the terminal", "1 whose job did not end", said.stdout)
+    expect_in("the terminal", "stuck-busy: 1 time, first in frame 5", said.stdout)
+    summary = guest.summary()
+    expect("held", False, summary["held"])
+    expect("misses", 1, summary["deadline"]["misses"])  # type: ignore[index]
+
+
+def a_guest_that_hangs(guest: Guest) -> None:
+    jobs = "hvp-driver-suite /dev/hvp0 --case fifty-jobs\n"
+    line = "nothing was heard of the guest for 3 s"
+    # One that computes for ever, and one that sleeps while simulated time goes on.
+    for last in ("while :; do :; done\n", "mkfifo /tmp/f; cat /tmp/f\n"):
+        guest.refused(line, "--patience", "3", "--trace-registers", script=jobs + last)
+        expect("jobs of before", 50, guest.summary()["deadline"]["frames"])  # type: ignore[index]
+        expect_in("the log", "CONTROL", (guest.work / "out" / "registers.log").read_text())
+
+
+def has_the_same_memory_each_time(guest: Guest) -> None:
+    consoles = set()
+    for _ in range(3):
+        guest.run(script="head -n 2 /proc/meminfo\n")
+        console = (guest.work / "out" / "console.log").read_text()
+        consoles.add(re.sub(r"hvp-linux-\w+", "", console))
+    expect("different consoles", 1, len(consoles))
 
 
 STRANGE = {
@@ -292,6 +330,10 @@ def wrong_words(guest: Guest) -> None:
     ):
         done = guest.run(*words, status=2)
         expect_in("the error", line, done.stderr)
+    (guest.work / "a script").write_text("true\n")
+    done = guest.run("--script", str(guest.work / "a script"), status=2)
+    expect_in("the error", "expected a path without blanks", done.stderr)
+    guest.refused("insmod ended with status", "--kernel-argument", "hvp.timeout_ms=0")
     done = guest.run(kernel=Path("/etc/passwd"), status=2)
     expect_in("the error", "expected a file that can be run", done.stderr)
 
@@ -336,7 +378,10 @@ CASES: tuple[Callable[[Guest], None], ...] = (
     lives_on,
     a_script_that_fails,
     a_kernel_without_init,
+    jobs_without_a_pause_are_as_long_as_each,
+    a_job_that_does_not_end_is_a_miss,
     a_guest_that_hangs,
+    has_the_same_memory_each_time,
     strange_kernels,
     wrong_words,
     nothing_is_left_when_killed,

@@ -78,6 +78,8 @@ void JobFrames::open() {
 // everything in its own memory, the frame ends when the host heard of it.
 void JobFrames::close() {
   follow_the_board();
+  // The host has gone on without it, whatever its driver calls that.
+  if (started_ && !followed_) ledger_.frame(tag_.frame).status = HVP_ERROR_TIMEOUT;
   if (tag_.cause == kBirth) {
     ledger_.extend(tag_, Part::host, Phase::driver, now_ps(), now_ps());
   }
@@ -88,7 +90,10 @@ void JobFrames::close() {
 }
 
 void JobFrames::finish() {
-  if (tag_.frame >= 0) close();
+  if (tag_.frame >= 0) {
+    follow_the_board();
+    if (followed_) close();
+  }
   ledger_.finish();
 }
 

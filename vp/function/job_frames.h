@@ -36,9 +36,12 @@ class JobFrames {
   // The host has heard of the end, by an interrupt for this tag's work.
   void heard(const Tag& tag) { heard_ = tag; }
   // The host's own clock has woken it, for a period that begins: the next job's frame is born here
-  // and not at its first access, if no frame was since.
-  void woke(Picoseconds time) { woke_ = time; }
-  // No job follows.
+  // and not at its first access, if no frame was since. Where the host still waits for a job it is
+  // another's period, or the clock's own.
+  void woke(Picoseconds time) {
+    if (!waits_for_a_job()) woke_ = time;
+  }
+  // No job follows. One that is not over is no frame.
   void finish();
 
   // Jobs so far, the open one included.
@@ -47,6 +50,10 @@ class JobFrames {
  private:
   void open();
   void close();
+  // As far as the host can know.
+  bool waits_for_a_job() const {
+    return tag_.frame >= 0 && started_ && !followed_ && heard_.frame != tag_.frame;
+  }
   std::optional<Phase> follow_the_board();
   void account_for_host(Phase phase);
   Picoseconds last_end() const;

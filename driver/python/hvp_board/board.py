@@ -69,6 +69,12 @@ class Statistics:
     lost_acknowledgements: int
 
 
+def _nanoseconds(timeout: float) -> int:
+    if not timeout >= 0.0:
+        raise ValueError(f"timeout {timeout}: expected a time in seconds")
+    return int(min(timeout * NS, 2**63 - 1))
+
+
 def _copy(kind: Any, structure: Any) -> Any:
     return kind(**{name: getattr(structure, name) for name in kind.__dataclass_fields__})
 
@@ -167,9 +173,7 @@ class Board:
     def wait(self, timeout: float) -> None:
         """Until the job has ended, or so many seconds have passed: BoardError with
         Status.ERROR_TIMEOUT. A signal whose handler returns does not end it."""
-        if not timeout >= 0.0:
-            raise ValueError(f"timeout {timeout}: expected a time in seconds")
-        self._repeat(lib.hvp_client_wait, min(int(timeout * NS), 2**63 - 1))
+        self._repeat(lib.hvp_client_wait, _nanoseconds(timeout))
 
     def read_solution(self) -> Words:
         """U, as an array of [nodes, 3]."""
@@ -187,9 +191,11 @@ class Board:
 
     def solve(self, b: ArrayLike, timeout: float) -> Words:
         """write_rhs, start, wait, read_solution."""
+        # No job is begun that would not be waited for.
+        longest = _nanoseconds(timeout)
         self.write_rhs(b)
         self.start()
-        self.wait(timeout)
+        self._repeat(lib.hvp_client_wait, longest)
         return self.read_solution()
 
     def _open(self) -> Any:

@@ -43,5 +43,5 @@ expect 'the parameters' 'N Y N 100 250' "$(tr '\n' ' ' <"$folder/script.said" | 
 
 printf 'exit 0\n' >"$folder/script"
 boot hvp.timeout_ms=0
-expect 'the status where the module refuses' 22 "$(<"$folder/status")"
+expect 'the status where the module refuses' '22 insmod' "$(<"$folder/status")"
 printf 'ok\n'

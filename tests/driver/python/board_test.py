@@ -159,6 +159,16 @@ def test_a_time_out_is_an_error_with_its_status(scripted: ScriptedBoard) -> None
         assert "busy" in str(caught.value)
 
 
+@pytest.mark.parametrize("timeout", [-1.0, float("nan"), "1"])
+def test_a_wrong_time_begins_no_job(scripted: ScriptedBoard, timeout: float) -> None:
+    b = np.ones(6, dtype=np.int32)
+    with loaded(scripted) as board:
+        with pytest.raises((ValueError, TypeError)):
+            board.solve(b, timeout=timeout)
+        assert scripted.read32(RESULT_JOB) == 0
+        assert np.array_equal(board.solve(b, timeout=float("inf")).reshape(-1), 2 * b)
+
+
 def test_an_error_of_the_board_has_its_detail(scripted: ScriptedBoard) -> None:
     with loaded(scripted) as board:
         scripted.error = 3
