@@ -147,6 +147,7 @@ void JobRecord::solved(std::span<const std::int32_t> u, std::uint32_t flags) {
 
 void JobRecord::finish() {
   if (!job_.empty()) end("a job failed");
+  if (jobs_ == 0) end("no job was solved");
   const std::string count = bytes_of(jobs_);
   frames_.overwrite(kCountInFrames, count);
   solutions_.overwrite(kCountInSolutions, count);

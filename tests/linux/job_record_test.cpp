@@ -112,6 +112,11 @@ TEST_F(JobRecord, EndsBeforeAFaultAndSaysSo) {
   EXPECT_EQ(words("jobs.hvpu").at(3), 300U);
 }
 
+TEST_F(JobRecord, SaysWhenThereWasNoJob) {
+  const Ended ended = run({"", "pinch.toml", {"frames=50"}, 0});
+  EXPECT_THAT(ended.err, HasSubstr("jobs.hvpf has the first 0 jobs: no job was solved"));
+}
+
 TEST_F(JobRecord, NeedsABoardWithWords) {
   for (const auto& [name, setting, line] :
        {std::tuple("wall.toml", "title=wall", "wall: the scenario has a wall and no board"),

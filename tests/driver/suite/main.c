@@ -33,6 +33,10 @@ static hvp_status open_address(void* context, struct hvp_client** client) {
 }
 
 int main(int argc, char** argv) {
+  if (argc == 2 && strcmp(argv[1], "--list") == 0) {
+    suite_list();
+    return 0;
+  }
   if (argc < 2) {
     (void)fprintf(stderr, "expected an address: %s\n", hvp_client_schemes());
     return 2;
