@@ -53,7 +53,10 @@ void JobFrames::before(Step step) {
     if (is_open) close();
     open();
   }
-  if (tag_.frame < 0) return;
+  if (tag_.frame < 0) {
+    woke_ = -1;  // it waited for a matrix
+    return;
+  }
   if (const auto waited = follow_the_board()) account_for_host(*waited);
   account_for_host(Phase::driver);
   started_ = started_ || step == Step::start;
