@@ -30,16 +30,19 @@ endfunction()
 hvp_precompile(models HEADERS ${models_headers} DEPENDS Eigen3::Eigen fmt::fmt)
 hvp_precompile(systemc HEADERS ${models_headers} ${systemc_headers}
   DEPENDS Eigen3::Eigen fmt::fmt hvp_systemc)
+hvp_precompile(app HEADERS ${models_headers} DEPENDS Eigen3::Eigen fmt::fmt OPTIONS ${HVP_LIGHT_OPTIONS})
+hvp_precompile(app_systemc HEADERS ${models_headers} <nlohmann/json.hpp> ${systemc_headers}
+  DEPENDS Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json hvp_systemc OPTIONS ${HVP_LIGHT_OPTIONS})
 
 # The kinds of the tests' own sources, once GoogleTest is found.
 macro(hvp_precompile_tests)
   hvp_precompile(tests HEADERS ${tests_headers}
-    DEPENDS Eigen3::Eigen fmt::fmt GTest::gtest OPTIONS ${HVP_TEST_OPTIONS})
+    DEPENDS Eigen3::Eigen fmt::fmt GTest::gtest OPTIONS ${HVP_LIGHT_OPTIONS})
   hvp_precompile(tests_systemc HEADERS ${tests_headers} ${systemc_headers}
-    DEPENDS Eigen3::Eigen fmt::fmt hvp_systemc GTest::gtest OPTIONS ${HVP_TEST_OPTIONS})
+    DEPENDS Eigen3::Eigen fmt::fmt hvp_systemc GTest::gtest OPTIONS ${HVP_LIGHT_OPTIONS})
   hvp_precompile(tests_json HEADERS ${tests_headers} <nlohmann/json.hpp>
     DEPENDS Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json GTest::gtest
-    OPTIONS ${HVP_TEST_OPTIONS})
+    OPTIONS ${HVP_LIGHT_OPTIONS})
 endmacro()
 
 # Whether a target links another one, itself or through what it links.

@@ -16,7 +16,7 @@ namespace hvp::devices {
 namespace {
 
 constexpr std::string_view kTable = "device";
-constexpr std::string_view kKey = "device.model";
+constexpr std::string_view kDeviceKey = "device.model";
 
 const scenario::Node* named_model(const scenario::Document& document) {
   const scenario::Node* device = document.root().find(kTable);
@@ -37,7 +37,8 @@ void put_device_under(scenario::Document& document) {
   if (model == nullptr || model->text.empty() || model->is_table() || model->is_array()) return;
   const std::string name = model->text;
   if (names_file(name)) {
-    document.put_file_under(kTable, scenario::openable_file(document, std::string(kKey), name));
+    document.put_file_under(kTable,
+                            scenario::openable_file(document, std::string(kDeviceKey), name));
     return;
   }
   const auto files = embedded_haptic_devices();
@@ -51,7 +52,7 @@ void put_device_under(scenario::Document& document) {
                                     fmt::join(names, ", "), scenario::in_quotes(name));
   const std::string_view close = scenario::nearest(name, names);
   if (!close.empty()) message += fmt::format("; did you mean \"{}\"?", close);
-  throw scenario::SourceError(std::string(kKey), document.locate(kKey) + message);
+  throw scenario::SourceError(std::string(kDeviceKey), document.locate(kDeviceKey) + message);
 }
 
 }  // namespace hvp::devices

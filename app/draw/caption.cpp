@@ -10,7 +10,7 @@ namespace {
 
 using Point = Canvas::Point;
 
-constexpr double kLeft = 40.0;
+constexpr double kMargin = 40.0;
 constexpr Colour kHeld = {20, 122, 74};
 constexpr Colour kReserved = {158, 96, 0};  // held, but for something
 
@@ -34,9 +34,9 @@ Colour colour_of(const Caption& caption) {
 
 void draw_caption(Canvas& canvas, const Caption& caption, const std::string& what,
                   const std::string& figures) {
-  const double width = kPictureWidth - 2 * kLeft;
+  const double width = kPictureWidth - 2 * kMargin;
   const auto line = [&](double y, const std::string& words, const TextStyle& text) {
-    canvas.text({kLeft, y}, cut_to(canvas, words, text, width), text);
+    canvas.text({kMargin, y}, cut_to(canvas, words, text, width), text);
   };
   line(970.0, caption.title.empty() ? what : what + ": " + caption.title,
        {.size = 26, .bold = true});

@@ -19,13 +19,13 @@ namespace {
 
 using Point = Canvas::Point;
 
-constexpr double kLeft = 130.0;
-constexpr double kRight = 1365.0;
+constexpr double kFitLeft = 130.0;
+constexpr double kFitRight = 1365.0;
 constexpr Colour kObserved = {150, 160, 170};
 constexpr Colour kModelled = {213, 94, 0};
 constexpr Colour kResidual = {38, 102, 150};
 
-struct Panel {
+struct FitPanel {
   double low = 0.0;
   double high = 0.0;
   Unit unit;
@@ -42,7 +42,7 @@ std::string with(const std::string& label, const Unit& unit) {
   return unit.name.empty() ? label : fmt::format("{} ({})", label, unit.name);
 }
 
-Panel panel_of(double low, double high, Range range, const std::string& symbol) {
+FitPanel panel_of(double low, double high, Range range, const std::string& symbol) {
   const double largest = std::max(std::abs(range.least), std::abs(range.largest));
   const double slack = range.size() > 0 ? 0.06 * range.size() : std::max(0.1 * largest, 1e-12);
   return {low,
@@ -51,16 +51,16 @@ Panel panel_of(double low, double high, Range range, const std::string& symbol) 
           {range.least - slack, range.largest + slack}};
 }
 
-Axes axes_of(const Panel& panel, const Range& x) {
-  return {{kLeft, panel.low},
-          {kRight, panel.high},
+Axes axes_of(const FitPanel& panel, const Range& x) {
+  return {{kFitLeft, panel.low},
+          {kFitRight, panel.high},
           {x.least, panel.range.least / panel.unit.size},
           {x.largest, panel.range.largest / panel.unit.size}};
 }
 
 void draw_values(Canvas& canvas, const Axes& axes, const FitSeries& series,
                  const std::vector<double>& values, const Unit& unit, Colour colour, double width) {
-  constexpr int kColumns = static_cast<int>(kRight - kLeft) * kSupersampling;
+  constexpr int kColumns = static_cast<int>(kFitRight - kFitLeft) * kSupersampling;
   for (auto& stroke : strokes(series.x, values, axes.data_low.x(), axes.data_high.x(), kColumns)) {
     for (Point& p : stroke) p = axes.at(p.x(), p.y() / unit.size);
     canvas.polyline(stroke, colour, width);
@@ -107,7 +107,7 @@ void paint(Canvas& canvas, const FitSeries& series, const FitLabels& labels) {
 
   Range values = range_of(series.observed);
   values.include(range_of(series.modelled));
-  const Panel above = panel_of(390.0, 862.0, values, labels.unit);
+  const FitPanel above = panel_of(390.0, 862.0, values, labels.unit);
   const Axes top = axes_of(above, x);
   draw_frame(canvas, top, ticks, with(labels.y, above.unit), 8);
   draw_values(canvas, top, series, series.observed, above.unit, kObserved, 5.0);
@@ -118,7 +118,7 @@ void paint(Canvas& canvas, const FitSeries& series, const FitLabels& labels) {
   p = legend.entry("log");
   canvas.line(p - Point(12.0, 0.0), p + Point(12.0, 0.0), kObserved, 5.0);
 
-  const Panel below = panel_of(110.0, 350.0, range_of(series.residual), labels.unit);
+  const FitPanel below = panel_of(110.0, 350.0, range_of(series.residual), labels.unit);
   const Axes foot = axes_of(below, x);
   draw_frame(canvas, foot, ticks, with("left over", below.unit), 5);
   draw_values(canvas, foot, series, series.residual, below.unit, kResidual, 1.5);

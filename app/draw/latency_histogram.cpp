@@ -106,11 +106,11 @@ void draw_line(Canvas& canvas, const Axes& axes, const Mark& mark) {
 // On its preferred side, or on the other one where a line or the picture's edge is in the way.
 void draw_name(Canvas& canvas, const Axes& axes, const Mark& mark,
                const std::vector<Mark>& higher) {
-  constexpr double kGap = 6.0;
-  const double width = canvas.text_width(mark.name, mark.text) + 2.0 * kGap;
+  constexpr double kPadding = 6.0;
+  const double width = canvas.text_width(mark.name, mark.text) + 2.0 * kPadding;
   const Point at(axes.at(mark.us, 0.0).x(), axes.high.y() + mark.above);
   const auto fits = [&](double from, double to) {
-    return from >= kLeftEdge && to <= axes.high.x() + kGap &&
+    return from >= kLeftEdge && to <= axes.high.x() + kPadding &&
            std::none_of(higher.begin(), higher.end(), [&](const Mark& other) {
              const double x = axes.at(other.us, 0.0).x();
              return x > from && x < to;
@@ -122,7 +122,8 @@ void draw_name(Canvas& canvas, const Axes& axes, const Mark& mark,
   if (text.horizontal == Align::low ? !right_fits && left_fits : !left_fits && right_fits) {
     text.horizontal = text.horizontal == Align::low ? Align::high : Align::low;
   }
-  canvas.text(at + Point(text.horizontal == Align::low ? kGap : -kGap, 0.0), mark.name, text);
+  canvas.text(at + Point(text.horizontal == Align::low ? kPadding : -kPadding, 0.0), mark.name,
+              text);
 }
 
 void draw_marks(Canvas& canvas, const Axes& axes, std::vector<Mark> lowest_first) {

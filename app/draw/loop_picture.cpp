@@ -20,8 +20,8 @@ namespace {
 
 using Point = Canvas::Point;
 
-constexpr double kLeft = 120.0;
-constexpr double kRight = 1365.0;
+constexpr double kLoopLeft = 120.0;
+constexpr double kLoopRight = 1365.0;
 constexpr double kTop = 862.0;     // of the first panel
 constexpr double kHeight = 230.0;  // of a panel
 constexpr double kPitch = 270.0;   // from panel to panel
@@ -46,7 +46,7 @@ struct Line {
   std::vector<const std::vector<double>*> of_probe;
 };
 
-struct Panel {
+struct LoopPanel {
   std::string label;  // up the side, before the unit
   std::string symbol;
   double preferred_unit;
@@ -77,7 +77,7 @@ Line line_of(const LoopSeries& loop, const char* name, Colour colour, double wid
   return line;
 }
 
-Range plotted_range(const Panel& panel) {
+Range plotted_range(const LoopPanel& panel) {
   Range range;
   bool first = !panel.from_zero;
   for (const Line& line : panel.lines) {
@@ -91,7 +91,7 @@ Range plotted_range(const Panel& panel) {
   return range;
 }
 
-Axes axes_of(const Panel& panel, double top, const Range& range, const TimeAxis& time,
+Axes axes_of(const LoopPanel& panel, double top, const Range& range, const TimeAxis& time,
              const Unit& unit) {
   const double largest = std::max(std::abs(range.least), std::abs(range.largest));
   // What stands still is a flat line, however its last digits differ.
@@ -99,8 +99,8 @@ Axes axes_of(const Panel& panel, double top, const Range& range, const TimeAxis&
       std::max({range.size(), 1e-3 * largest, largest > 0.0 ? 0.0 : panel.preferred_unit});
   const double slack = 0.5 * (size - range.size()) + 0.06 * size;
   const double words = panel.active.empty() ? 0.0 : size * kWords / (kHeight - kWords);
-  return {{kLeft, top - kHeight},
-          {kRight, top},
+  return {{kLoopLeft, top - kHeight},
+          {kLoopRight, top},
           {time.from_s / time.unit.size, (range.least - slack) / unit.size},
           {time.to_s / time.unit.size, (range.largest + slack + words) / unit.size}};
 }
@@ -114,14 +114,14 @@ void shade(Canvas& canvas, const Axes& axes, const Stretch& stretch, const TimeA
 
 void draw_values(Canvas& canvas, const Axes& axes, const std::vector<double>& values,
                  const TimeAxis& time, const Unit& unit, Colour colour, double width) {
-  constexpr int kColumns = static_cast<int>(kRight - kLeft) * kSupersampling;
+  constexpr int kColumns = static_cast<int>(kLoopRight - kLoopLeft) * kSupersampling;
   for (auto& stroke : strokes(time.time_s, values, time.from_s, time.to_s, kColumns)) {
     for (Point& p : stroke) p = axes.at(p.x() / time.unit.size, p.y() / unit.size);
     canvas.polyline(stroke, colour, width);
   }
 }
 
-void draw_lines(Canvas& canvas, const Axes& axes, const Panel& panel, const TimeAxis& time,
+void draw_lines(Canvas& canvas, const Axes& axes, const LoopPanel& panel, const TimeAxis& time,
                 const Unit& unit) {
   for (const Line& line : panel.lines) {
     for (std::size_t i = line.of_probe.size(); i-- > 0;) {
@@ -131,7 +131,7 @@ void draw_lines(Canvas& canvas, const Axes& axes, const Panel& panel, const Time
   }
 }
 
-void draw_legend(Canvas& canvas, const Axes& axes, const Panel& panel) {
+void draw_legend(Canvas& canvas, const Axes& axes, const LoopPanel& panel) {
   Legend legend(canvas, axes.high + Point(0.0, 18.0));
   for (auto line = panel.lines.rbegin(); line != panel.lines.rend(); ++line) {
     if (line->of_probe.empty()) continue;
@@ -142,7 +142,7 @@ void draw_legend(Canvas& canvas, const Axes& axes, const Panel& panel) {
 }
 
 // Over the longest stretch, inside the panel.
-void name_active(Canvas& canvas, const Axes& axes, const Panel& panel, const TimeAxis& time) {
+void name_active(Canvas& canvas, const Axes& axes, const LoopPanel& panel, const TimeAxis& time) {
   if (panel.active.empty()) return;
   const Stretch longest = *std::max_element(
       panel.active.begin(), panel.active.end(),
@@ -158,7 +158,7 @@ void name_active(Canvas& canvas, const Axes& axes, const Panel& panel, const Tim
 }
 
 // Returns its axes.
-Axes draw_panel(Canvas& canvas, const Panel& panel, double top, const TimeAxis& time) {
+Axes draw_panel(Canvas& canvas, const LoopPanel& panel, double top, const TimeAxis& time) {
   const Range range = plotted_range(panel);
   const double largest = std::max(std::abs(range.least), std::abs(range.largest));
   const Unit unit = unit_for(largest, panel.symbol, panel.preferred_unit);
@@ -230,14 +230,14 @@ void paint(Canvas& canvas, const LoopSeries& loop, const Caption& caption) {
   const std::size_t axis = main_axis(loop.probes.front());
   const char name = "xyz"[axis];
   const TimeAxis time = time_axis(loop.time_s);
-  const double pixel_s = (time.to_s - time.from_s) / (kRight - kLeft);
+  const double pixel_s = (time.to_s - time.from_s) / (kLoopRight - kLoopLeft);
   const std::vector<double> active = fed_in(loop);
   draw_caption(canvas, caption, "Closed loop", figures(loop, axis, -range_of(active).least));
 
   const auto line = [&](const char* what, Colour colour, double width, auto values) {
     return line_of(loop, what, colour, width, values);
   };
-  const std::vector<Panel> panels = {
+  const std::vector<LoopPanel> panels = {
       {fmt::format("position {}", name),
        "m",
        1e-3,
@@ -270,7 +270,7 @@ void paint(Canvas& canvas, const LoopSeries& loop, const Caption& caption) {
             [](const ProbeSeries& p) -> auto& { return p.port_J; })},
        stretches_below(time.time_s, active, 0.0, pixel_s)}};
   double top = kTop;
-  for (const Panel& panel : panels) {
+  for (const LoopPanel& panel : panels) {
     const Axes axes = draw_panel(canvas, panel, top, time);
     if (&panel == &panels.back()) {
       draw_x_axis(canvas, axes, time.ticks, fmt::format("time ({})", time.unit.name));
@@ -278,7 +278,7 @@ void paint(Canvas& canvas, const LoopSeries& loop, const Caption& caption) {
     top -= kPitch;
   }
   if (loop.probes.size() > 1)
-    canvas.text({kLeft, kTop + 18.0}, "thin: further probes", {.colour = style::kSoftInk});
+    canvas.text({kLoopLeft, kTop + 18.0}, "thin: further probes", {.colour = style::kSoftInk});
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace hvp::app {
 
 namespace {
 
-struct Settings {
+struct BusFitSettings {
   link::Direction direction = link::Direction::read;
 
   void declare(config::Visitor& v) {
@@ -87,7 +87,7 @@ FitPlot plot_of(const fit::Fit& fit, const fit::TransferLog& log, bool told) {
 }  // namespace
 
 FitOutcome fit_bus(const FitRequest& request) {
-  const auto settings = model_settings<Settings>(request.overrides);
+  const auto settings = model_settings<BusFitSettings>(request.overrides);
   FitRequest asked = request;
   asked.reading.over_time = false;
   const files::Log log = asked.read({"size", "time", "write", "began"});

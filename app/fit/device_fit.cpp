@@ -14,7 +14,7 @@ namespace hvp::app {
 
 namespace {
 
-struct Settings {
+struct DeviceFitSettings {
   double window_s = 0.25;
   bool lag = false;
 
@@ -136,7 +136,7 @@ std::vector<FittedSetting> settings_of(const fit::Fit& fit, const Columns& colum
 }  // namespace
 
 FitOutcome fit_device(const FitRequest& request) {
-  const auto settings = model_settings<Settings>(request.overrides);
+  const auto settings = model_settings<DeviceFitSettings>(request.overrides);
   const files::Log log = longest_stretch(
       request.read({"force", "torque", "current", "position", "travel", "displacement", "angle"}));
   const Columns columns = columns_of(log);

@@ -7,7 +7,7 @@ namespace hvp::app {
 
 namespace {
 
-struct Settings : fit::HandOptions {
+struct HandFitSettings : fit::HandOptions {
   void declare(config::Visitor& v) {
     v.quantity("window", window, config::Dimension::time, config::between(0.05, 60),
                {"each has a position and a velocity of its own to begin with",
@@ -21,7 +21,7 @@ struct Settings : fit::HandOptions {
 }  // namespace
 
 FitOutcome fit_hand(const FitRequest& request) {
-  const auto settings = model_settings<Settings>(request.overrides);
+  const auto settings = model_settings<HandFitSettings>(request.overrides);
   const files::Log log =
       longest_stretch(request.read({"force", "position", "displacement", "intended"}));
   const files::LogColumn& position =

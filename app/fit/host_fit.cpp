@@ -16,7 +16,7 @@ namespace {
 constexpr std::uintmax_t kLargestFile = std::uintmax_t{64} << 20U;
 
 // There is none.
-struct Settings {
+struct HostFitSettings {
   void declare(config::Visitor& /*v*/) {}
 };
 
@@ -35,7 +35,7 @@ std::vector<FittedSetting> settings_of(const fit::WakeUpFit& fitted) {
 }  // namespace
 
 FitOutcome fit_host(const FitRequest& request) {
-  model_settings<Settings>(request.overrides);
+  model_settings<HostFitSettings>(request.overrides);
   if (!request.options.fixed.empty()) {
     throw InputError(fmt::format("--fix {}: a distribution is fitted as a whole",
                                  files::one_line(request.options.fixed.begin()->first)));

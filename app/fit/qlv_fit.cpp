@@ -7,7 +7,7 @@ namespace hvp::app {
 
 namespace {
 
-struct Settings : fit::QlvSettings {
+struct QlvFitSettings : fit::QlvSettings {
   void declare(config::Visitor& v) {
     v.choice("elastic", elastic, {{"fung", fit::Elastic::fung}, {"power", fit::Elastic::power}},
              {"the elastic force over depth: Fung's exponential, or a power law"});
@@ -25,7 +25,7 @@ const files::LogColumn& travel_of(const files::Log& log) {
 }  // namespace
 
 FitOutcome fit_qlv(const FitRequest& request) {
-  const auto settings = model_settings<Settings>(request.overrides);
+  const auto settings = model_settings<QlvFitSettings>(request.overrides);
   const files::Log log = request.read({"force", "travel", "displacement", "depth", "position"});
   const fit::QlvProblem problem(settings,
                                 {log.time, travel_of(log).values, log.column("force", "N").values});

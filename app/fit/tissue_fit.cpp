@@ -33,7 +33,7 @@ struct ContactSettings {
   }
 };
 
-struct Settings {
+struct TissueFitSettings {
   std::vector<ContactSettings> contacts = {{}};
   bool frames = false;
 
@@ -133,7 +133,7 @@ fit::FrameTouches touches_of_run(const FitRequest& request, const fit::TissueBod
 }  // namespace
 
 FitOutcome fit_tissue(const FitRequest& request) {
-  const auto settings = model_settings<Settings>(request.overrides);
+  const auto settings = model_settings<TissueFitSettings>(request.overrides);
   const fit::TissueBody body = body_of(request);
   std::vector<fit::TissueLog> touches;
   files::Log log;

@@ -12,8 +12,8 @@ namespace {
 
 using Out = std::back_insert_iterator<std::string>;
 
-constexpr double kNoEnergy = 1e-12;    // J; rounding, far below what registers resolve
-constexpr double kLeastShare = 0.005;  // of the stiffness, for a line of its own
+constexpr double kNoEnergy = 1e-12;               // J; rounding, far below what registers resolve
+constexpr double kLeastShareOfStiffness = 0.005;  // of the stiffness, for a line of its own
 
 std::string joules(double energy) {
   const double size = std::abs(energy);
@@ -84,7 +84,7 @@ std::string stiffness_text(const std::optional<StiffnessBudget>& budget) {
                  "force is {} late\n",
                  budget->stable_N_m, budget->passive_N_m, time(budget->delay_s));
   for (const StiffnessBudget::Share& share : budget->shares) {
-    if (share.cost_N_m < kLeastShare * budget->stable_N_m) continue;
+    if (share.cost_N_m < kLeastShareOfStiffness * budget->stable_N_m) continue;
     fmt::format_to(out, "  {:<22} {:>10}  costs {:>8.4g} N/m\n",
                    fmt::format("{} {}", share.part, share.phase), time(share.time_s),
                    share.cost_N_m);

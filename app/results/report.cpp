@@ -22,7 +22,7 @@ namespace {
 using Out = std::back_insert_iterator<std::string>;
 
 constexpr int kBarWidth = 30;
-constexpr double kLeastShare = 0.005;  // of the worst frame, for a line of its own
+constexpr double kLeastShareOfFrame = 0.005;  // of the worst frame, for a line of its own
 
 std::string counted_passes(int passes) {
   return fmt::format("{} pass{}", passes, passes == 1 ? "" : "es");
@@ -207,7 +207,7 @@ void attribution_lines(Out out, const Outcome& o) {
     // The report fits a screen; summary.json has every phase. One line is not folded into one.
     const bool more = i + 1 < lines.size() && lines[i + 1].time > 0;
     if (static_cast<double>(a.time) <
-            kLeastShare * static_cast<double>(o.verdict.worst_latency()) &&
+            kLeastShareOfFrame * static_cast<double>(o.verdict.worst_latency()) &&
         (rests > 0 || more)) {
       rest += a.time;
       ++rests;

@@ -9,6 +9,7 @@
 
 #include "app/scenario/message.h"
 #include "app/scenario/override.h"
+#include "app/scenario/quantity.h"
 #include "app/scenario/syntax.h"
 #include "models/files/regular_file.h"
 
@@ -35,12 +36,6 @@ std::string read_text(const std::filesystem::path& file) {
 }
 
 // A line of a scenario can be pasted: key = "value".
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
 void set_file(Node& node, int file) {
   node.origin.file = file;
   for (Node& member : node.members) set_file(member, file);

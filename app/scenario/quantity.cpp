@@ -20,12 +20,6 @@ using config::Dimension;
 // No quantity anybody writes is longer; the bound keeps long multiplication short.
 constexpr std::size_t kLongestText = 200;
 
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
 std::string expected(Dimension dimension) {
   const DimensionUnits& units = units_table(dimension);
   if (dimension == Dimension::dimensionless) return "expected a number such as 0.5";
@@ -87,6 +81,12 @@ std::optional<std::string> format_binary(double value) {
 }
 
 }  // namespace
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
 
 double parse_quantity(std::string_view text, Dimension dimension) {
   const std::string_view body = trimmed(text);

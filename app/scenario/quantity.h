@@ -20,6 +20,9 @@ double parse_quantity(std::string_view text, config::Dimension dimension);
 // (std::invalid_argument otherwise).
 std::string format_quantity(double value, config::Dimension dimension);
 
+// The text without blanks and tabs at both ends.
+std::string_view trimmed(std::string_view text);
+
 // "a time", "an acceleration"; and a text that is one: "2 ms".
 std::string_view dimension_name(config::Dimension dimension);
 std::string_view dimension_example(config::Dimension dimension);

@@ -9,12 +9,11 @@
 
 #include "models/config/input_error.h"
 #include "models/fem/direct_solver.h"
+#include "models/index.h"
 
 namespace hvp::app {
 
 namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 // e_i with 2^(2·e_i)·a_ii between 1/2 and 2.
 std::vector<int> scaling_exponents(const sparse::BlockMatrix& a) {

@@ -10,12 +10,11 @@
 #include "models/accel/bits.h"
 #include "models/accel/partition.h"
 #include "models/accel/symmetric.h"
+#include "models/index.h"
 
 namespace hvp::accel {
 
 namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 // The bank that is asked most decides; fewer than three rows at once take the package again.
 int served_clocks(const Architecture& a, const std::vector<int>& reads) {

@@ -5,7 +5,12 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "models/fixed/settings.h"
+
 namespace hvp::accel {
+
+// The width of A·d and of what is summed from it, as the solver has it.
+inline constexpr int kProductBits = fixed::Settings::kProductBits;
 
 // Bits that a number of at least 0 takes: 0 for 0, 4 for 8.
 constexpr int bits_of(std::int64_t number) {

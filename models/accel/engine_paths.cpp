@@ -12,7 +12,6 @@ namespace hvp::accel {
 
 namespace {
 
-constexpr int kProductBits = fixed::Settings::kProductBits;
 // Vectors and tables that the host reads beside the matrix memories.
 constexpr int kHostMemories = 12;
 constexpr int kHostAddressBits = 20;

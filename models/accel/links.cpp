@@ -5,14 +5,9 @@
 #include <cstddef>
 
 #include "models/accel/bits.h"
+#include "models/index.h"
 
 namespace hvp::accel {
-
-namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
-
-}  // namespace
 
 Links::Links(const Several& s, double engine_clock_hz)
     : topology_(s.topology),

@@ -7,7 +7,6 @@ namespace hvp::accel {
 
 namespace {
 
-constexpr int kProductBits = fixed::Settings::kProductBits;
 constexpr int kScalarBits = 64;
 // States, counters of nodes, iterations and passes, exponents and shifts: registers of the
 // sequencer, each with its next value's logic.

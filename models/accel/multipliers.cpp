@@ -15,7 +15,6 @@ using fixed::Method;
 // §6.1: multipliers of the vector unit beside those of SpMxV, for 16-bit vectors and two nodes a
 // clock.
 constexpr int kVectorMultipliers = 21;
-constexpr int kProductBits = fixed::Settings::kProductBits;
 
 int pieces(int bits, int operand) { return static_cast<int>(ceil_div(bits - 1, operand - 1)); }
 

@@ -12,12 +12,11 @@
 #include <metis.h>
 
 #include "models/config/input_error.h"
+#include "models/index.h"
 
 namespace hvp::accel {
 
 namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 // Neighbours of each node, itself left out, as METIS takes them. A graph has its edges both ways,
 // even where a file's matrix has a zero on one side.

@@ -9,12 +9,11 @@
 
 #include "models/accel/bank_conflicts.h"
 #include "models/accel/partition.h"
+#include "models/index.h"
 
 namespace hvp::accel {
 
 namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 

@@ -10,12 +10,11 @@
 #include "models/accel/partition.h"
 #include "models/config/input_error.h"
 #include "models/fixed/settings.h"
+#include "models/index.h"
 
 namespace hvp::accel {
 
 namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 std::int64_t rounded_up(double clocks) { return static_cast<std::int64_t>(std::ceil(clocks)); }
 

@@ -11,8 +11,6 @@ namespace {
 
 using fixed::Method;
 
-constexpr int kProductBits = fixed::Settings::kProductBits;
-
 class Engine {
  public:
   Engine(const Architecture& a, const WordLengths& w, const SystemSize& s) : a_(a), w_(w), s_(s) {}

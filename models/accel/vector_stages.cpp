@@ -12,8 +12,6 @@ namespace hvp::accel {
 
 namespace {
 
-constexpr int kProductBits = fixed::Settings::kProductBits;
-
 VectorStage stage(std::string_view name, std::initializer_list<Step> steps) {
   VectorStage s{name, {}, static_cast<int>(steps.size())};
   std::ranges::copy(steps, s.steps.begin());

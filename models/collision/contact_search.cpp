@@ -7,14 +7,13 @@
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
+#include "models/index.h"
 
 namespace hvp::collision {
 
 namespace {
 
 constexpr std::size_t kLargestPatches = std::size_t{1} << 22;  // 16 MiB
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
@@ -26,10 +25,10 @@ ContactSearch::ContactSearch(const mesh::TetMesh& mesh, std::span<const int> anc
       throw InputError(
           fmt::format("anchored node {}; the mesh has {} nodes", node, surface_.nodes()));
     }
-    anchored_[index(node)] = 1;
+    anchored_[at(node)] = 1;
   }
   const auto& nodes = surface_.surface_nodes();
-  if (std::none_of(nodes.begin(), nodes.end(), [&](int n) { return anchored_[index(n)] == 0; })) {
+  if (std::none_of(nodes.begin(), nodes.end(), [&](int n) { return anchored_[at(n)] == 0; })) {
     throw InputError(
         fmt::format("all {} surface nodes are anchored; nothing can be touched", nodes.size()));
   }
@@ -47,13 +46,13 @@ void ContactSearch::find_patches() {
   for (int centre = 0; centre < surface_.nodes(); ++centre) {
     const std::size_t begin = patch_.size();
     if (touchable(centre)) {
-      seen_from[index(centre)] = centre;
+      seen_from[at(centre)] = centre;
       patch_.push_back(centre);
       for (std::size_t next = begin; next < patch_.size(); ++next) {
         for (const int triangle : surface_.ring(patch_[next])) {
-          for (const int node : surface_.triangles()[index(triangle)]) {
-            if (seen_from[index(node)] == centre || anchored_[index(node)] != 0) continue;
-            seen_from[index(node)] = centre;
+          for (const int node : surface_.triangles()[at(triangle)]) {
+            if (seen_from[at(node)] == centre || anchored_[at(node)] != 0) continue;
+            seen_from[at(node)] = centre;
             const Eigen::Vector3d apart =
                 surface_.rest_position(node) - surface_.rest_position(centre);
             if (apart.squaredNorm() <= square) patch_.push_back(node);
@@ -69,12 +68,12 @@ void ContactSearch::find_patches() {
                         settings_.patch_radius, patch_.size() - begin, centre, kLargestPatches));
       }
     }
-    patch_begin_[index(centre) + 1] = static_cast<int>(patch_.size());
+    patch_begin_[at(centre) + 1] = static_cast<int>(patch_.size());
   }
 }
 
 bool ContactSearch::touchable(int node) const {
-  return node >= 0 && node < surface_.nodes() && anchored_[index(node)] == 0 &&
+  return node >= 0 && node < surface_.nodes() && anchored_[at(node)] == 0 &&
          surface_.on_surface(node);
 }
 
@@ -86,8 +85,8 @@ std::span<const int> ContactSearch::patch(int node) const {
     const auto& nodes = surface_.surface_nodes();
     return {&*std::lower_bound(nodes.begin(), nodes.end(), node), 1};
   }
-  const std::size_t begin = index(patch_begin_[index(node)]);
-  return {patch_.data() + begin, index(patch_begin_[index(node) + 1]) - begin};
+  const std::size_t begin = at(patch_begin_[at(node)]);
+  return {patch_.data() + begin, at(patch_begin_[at(node) + 1]) - begin};
 }
 
 Eigen::Vector3d ContactSearch::prescribed_displacement(const Contact& contact,
@@ -117,7 +116,7 @@ Pass ContactSearch::start(const Eigen::Vector3d& tip, SearchCost& cost) const {
   if (touch.signed_distance > 0.0) return {};
   int node = -1;
   double nearest = std::numeric_limits<double>::infinity();
-  for (const int corner : surface_.triangles()[index(touch.triangle)]) {
+  for (const int corner : surface_.triangles()[at(touch.triangle)]) {
     if (!is_free(corner)) continue;
     ++cost.nodes;
     const double squared = (surface_.position(corner) - tip).squaredNorm();
@@ -137,7 +136,7 @@ Pass ContactSearch::proceed(const Touch& touch, std::span<const double> displace
                             SearchCost& cost) {
   const Eigen::Vector3d& tip = touch.tip;
   const Contact& present = touch.contact;
-  const auto u = [&](int node) { return Eigen::Vector3d(&displacement[3 * index(node)]); };
+  const auto u = [&](int node) { return Eigen::Vector3d(&displacement[3 * at(node)]); };
   const std::span<const int> moving = patch(present.node);
 
   // Every node is judged at its undragged place, the contact node and those that it drags along
@@ -171,7 +170,7 @@ void ContactSearch::require_touchable(const Contact& present) const {
 
 // Neither anchored nor any probe's.
 bool ContactSearch::is_free(int node) const {
-  return anchored_[index(node)] == 0 &&
+  return anchored_[at(node)] == 0 &&
          std::ranges::none_of(passes_, [node](const Pass& p) { return p.contact.node == node; });
 }
 

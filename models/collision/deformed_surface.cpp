@@ -29,7 +29,7 @@ DeformedSurface::DeformedSurface(const mesh::TetMesh& mesh)
   find_neighbours();
   check_outward();
   rest_normal_.assign(rest_.size(), Eigen::Vector3d::Zero());
-  for (const int node : surface_nodes_) rest_normal_[index(node)] = corner_normal(node);
+  for (const int node : surface_nodes_) rest_normal_[at(node)] = corner_normal(node);
 }
 
 void DeformedSurface::check_indices() const {
@@ -48,7 +48,7 @@ void DeformedSurface::check_indices() const {
     }
   }
   for (int node = 0; node < nodes(); ++node) {
-    if (!rest_[index(node)].allFinite()) {
+    if (!rest_[at(node)].allFinite()) {
       throw InputError(fmt::format("node {} is not at a finite position", node));
     }
   }
@@ -57,13 +57,13 @@ void DeformedSurface::check_indices() const {
 void DeformedSurface::find_rings() {
   ring_begin_.assign(rest_.size() + 1, 0);
   for (const auto& triangle : triangles_) {
-    for (const int node : triangle) ++ring_begin_[index(node) + 1];
+    for (const int node : triangle) ++ring_begin_[at(node) + 1];
   }
   for (std::size_t i = 1; i < ring_begin_.size(); ++i) ring_begin_[i] += ring_begin_[i - 1];
-  ring_.resize(index(ring_begin_.back()));
+  ring_.resize(at(ring_begin_.back()));
   std::vector<int> next(ring_begin_.begin(), ring_begin_.end() - 1);
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
-    for (const int node : triangles_[t]) ring_[index(next[index(node)]++)] = static_cast<int>(t);
+    for (const int node : triangles_[t]) ring_[at(next[at(node)]++)] = static_cast<int>(t);
   }
   for (int node = 0; node < nodes(); ++node) {
     if (on_surface(node)) surface_nodes_.push_back(node);
@@ -95,18 +95,18 @@ void DeformedSurface::find_neighbours() {
           "by boundary triangles; a closed, consistently wound surface has once each",
           side.from, side.to, same_end - same_begin, end - begin));
     }
-    neighbour_[index(side.triangle)][index(side.corner)] = begin->triangle;
+    neighbour_[at(side.triangle)][at(side.corner)] = begin->triangle;
   }
 }
 
 void DeformedSurface::check_outward() const {
   // Six times the volume, summed as tetrahedra over one node so that a body far from the
   // origin does not lose it to cancellation.
-  const Eigen::Vector3d& apex = rest_[index(triangles_.front()[0])];
+  const Eigen::Vector3d& apex = rest_[at(triangles_.front()[0])];
   double volume = 0.0;
   for (const auto& t : triangles_) {
-    volume += area_vector(rest_[index(t[0])], rest_[index(t[1])], rest_[index(t[2])])
-                  .dot(rest_[index(t[0])] - apex);
+    volume +=
+        area_vector(rest_[at(t[0])], rest_[at(t[1])], rest_[at(t[2])]).dot(rest_[at(t[0])] - apex);
   }
   if (!(volume > 0.0)) {
     throw InputError(fmt::format(
@@ -121,29 +121,28 @@ void DeformedSurface::update(std::span<const double> displacement) {
                                  rest_.size(), 3 * rest_.size()));
   }
   for (const int node : surface_nodes_) {
-    const Eigen::Vector3d u(&displacement[3 * index(node)]);
+    const Eigen::Vector3d u(&displacement[3 * at(node)]);
     if (!u.allFinite()) throw InputError(fmt::format("node {}'s displacement is not finite", node));
-    position_[index(node)] = rest_[index(node)] + u;
+    position_[at(node)] = rest_[at(node)] + u;
   }
   tree_.refit(triangles_, position_);
 }
 
 Eigen::Vector3d DeformedSurface::face_normal(int triangle) const {
-  const auto& t = triangles_[index(triangle)];
-  return unit_or_zero(
-      area_vector(position_[index(t[0])], position_[index(t[1])], position_[index(t[2])]));
+  const auto& t = triangles_[at(triangle)];
+  return unit_or_zero(area_vector(position_[at(t[0])], position_[at(t[1])], position_[at(t[2])]));
 }
 
 Eigen::Vector3d DeformedSurface::corner_normal(int node) const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  const Eigen::Vector3d& apex = position_[index(node)];
+  const Eigen::Vector3d& apex = position_[at(node)];
   for (const int triangle : ring(node)) {
-    const auto& t = triangles_[index(triangle)];
+    const auto& t = triangles_[at(triangle)];
     const std::size_t k = t[0] == node ? 0 : t[1] == node ? 1 : 2;
-    const Eigen::Vector3d u = position_[index(t[(k + 1) % 3])] - apex;
-    const Eigen::Vector3d v = position_[index(t[(k + 2) % 3])] - apex;
+    const Eigen::Vector3d u = position_[at(t[(k + 1) % 3])] - apex;
+    const Eigen::Vector3d v = position_[at(t[(k + 2) % 3])] - apex;
     const Eigen::Vector3d cross =
-        area_vector(apex, position_[index(t[(k + 1) % 3])], position_[index(t[(k + 2) % 3])]);
+        area_vector(apex, position_[at(t[(k + 1) % 3])], position_[at(t[(k + 2) % 3])]);
     // atan2 keeps its digits at angles near 0 and π, where acos loses half of them.
     sum += std::atan2(cross.norm(), u.dot(v)) * unit_or_zero(cross);
   }
@@ -152,9 +151,9 @@ Eigen::Vector3d DeformedSurface::corner_normal(int node) const {
 
 Eigen::Vector3d DeformedSurface::feature_normal(int triangle, Feature feature) const {
   const auto across = [&](std::size_t side) {
-    return unit_or_zero(face_normal(triangle) + face_normal(neighbour_[index(triangle)][side]));
+    return unit_or_zero(face_normal(triangle) + face_normal(neighbour_[at(triangle)][side]));
   };
-  const auto& t = triangles_[index(triangle)];
+  const auto& t = triangles_[at(triangle)];
   switch (feature) {
     case Feature::face:
       return face_normal(triangle);
@@ -180,9 +179,9 @@ SurfacePoint DeformedSurface::closest(const Eigen::Vector3d& p) const {
   double limit = std::numeric_limits<double>::infinity();
   tree_.search(p, limit, found.cost, [&](int triangle, double& best) {
     ++found.cost.triangles;
-    const auto& t = triangles_[index(triangle)];
+    const auto& t = triangles_[at(triangle)];
     const TrianglePoint here =
-        closest_point(p, position_[index(t[0])], position_[index(t[1])], position_[index(t[2])]);
+        closest_point(p, position_[at(t[0])], position_[at(t[1])], position_[at(t[2])]);
     if (here.squared_distance < best ||
         (here.squared_distance == best && triangle < found.triangle)) {
       best = here.squared_distance;
@@ -195,7 +194,7 @@ SurfacePoint DeformedSurface::closest(const Eigen::Vector3d& p) const {
   found.normal = feature_normal(found.triangle, found.feature);
   if (found.normal.isZero(0.0)) {
     // Folded flat or shrunk to nothing: the resting surface still knows where outside is.
-    found.normal = rest_normal_[index(triangles_[index(found.triangle)][0])];
+    found.normal = rest_normal_[at(triangles_[at(found.triangle)][0])];
   }
   const double distance = std::sqrt(limit);
   found.signed_distance = (p - found.point).dot(found.normal) < 0.0 ? -distance : distance;
@@ -203,13 +202,13 @@ SurfacePoint DeformedSurface::closest(const Eigen::Vector3d& p) const {
 }
 
 std::span<const int> DeformedSurface::ring(int node) const {
-  const std::size_t begin = index(ring_begin_[index(node)]);
-  return {ring_.data() + begin, index(ring_begin_[index(node) + 1]) - begin};
+  const std::size_t begin = at(ring_begin_[at(node)]);
+  return {ring_.data() + begin, at(ring_begin_[at(node) + 1]) - begin};
 }
 
 Eigen::Vector3d DeformedSurface::normal(int node) const {
   const Eigen::Vector3d n = corner_normal(node);
-  return n.isZero(0.0) ? rest_normal_[index(node)] : n;
+  return n.isZero(0.0) ? rest_normal_[at(node)] : n;
 }
 
 double DeformedSurface::update_flops() const {

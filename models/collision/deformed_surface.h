@@ -8,6 +8,7 @@
 
 #include "models/collision/box_tree.h"
 #include "models/collision/triangle.h"
+#include "models/index.h"
 #include "models/mesh/tet_mesh.h"
 
 namespace hvp::collision {
@@ -51,24 +52,21 @@ class DeformedSurface {
   const std::vector<std::array<int, 3>>& triangles() const { return triangles_; }
   // Ascending.
   const std::vector<int>& surface_nodes() const { return surface_nodes_; }
-  bool on_surface(int node) const {
-    return ring_begin_[index(node) + 1] > ring_begin_[index(node)];
-  }
+  bool on_surface(int node) const { return ring_begin_[at(node) + 1] > ring_begin_[at(node)]; }
   // The triangles around a surface node, ascending.
   std::span<const int> ring(int node) const;
 
-  const Eigen::Vector3d& rest_position(int node) const { return rest_[index(node)]; }
+  const Eigen::Vector3d& rest_position(int node) const { return rest_[at(node)]; }
   // Of a surface node; other nodes stay at their rest positions.
-  const Eigen::Vector3d& position(int node) const { return position_[index(node)]; }
+  const Eigen::Vector3d& position(int node) const { return position_[at(node)]; }
   // Pseudo-normal of a surface node, length one, at rest and as displaced.
-  const Eigen::Vector3d& rest_normal(int node) const { return rest_normal_[index(node)]; }
+  const Eigen::Vector3d& rest_normal(int node) const { return rest_normal_[at(node)]; }
   Eigen::Vector3d normal(int node) const;
 
   // Additions, minima and maxima of one update.
   double update_flops() const;
 
  private:
-  static std::size_t index(int i) { return static_cast<std::size_t>(i); }
   void check_indices() const;
   void find_rings();
   void find_neighbours();

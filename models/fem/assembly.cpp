@@ -8,11 +8,10 @@
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
+#include "models/index.h"
 
 namespace hvp::fem {
 namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // Elements around each node in compressed rows, ascending.
 struct ElementsOfNodes {
@@ -26,11 +25,11 @@ ElementsOfNodes elements_of_nodes(const mesh::TetMesh& mesh) {
   result.begin.assign(nodes + 1, 0);
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
     for (const int node : mesh.tetrahedra[e]) {
-      if (node < 0 || index(node) >= nodes) {
+      if (node < 0 || at(node) >= nodes) {
         throw InputError(
             fmt::format("tetrahedron {} names node {}; the mesh has {} nodes", e, node, nodes));
       }
-      ++result.begin[index(node) + 1];
+      ++result.begin[at(node) + 1];
     }
   }
   for (std::size_t i = 0; i < nodes; ++i) {
@@ -44,7 +43,7 @@ ElementsOfNodes elements_of_nodes(const mesh::TetMesh& mesh) {
   std::vector<int> next(result.begin.begin(), result.begin.end() - 1);
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
     for (const int node : mesh.tetrahedra[e]) {
-      result.element[index(next[index(node)]++)] = static_cast<int>(e);
+      result.element[at(next[at(node)]++)] = static_cast<int>(e);
     }
   }
   return result;
@@ -56,15 +55,15 @@ sparse::BlockMatrix stiffness_pattern(const mesh::TetMesh& mesh) {
   const ElementsOfNodes around = elements_of_nodes(mesh);
   const int nodes = static_cast<int>(mesh.nodes.size());
   sparse::BlockMatrix result;
-  result.row_begin.reserve(index(nodes) + 1);
-  result.column.reserve(16 * index(nodes));
-  std::vector<int> seen_from(index(nodes), -1);
+  result.row_begin.reserve(at(nodes) + 1);
+  result.column.reserve(16 * at(nodes));
+  std::vector<int> seen_from(at(nodes), -1);
   for (int i = 0; i < nodes; ++i) {
     const std::size_t first = result.column.size();
-    for (int k = around.begin[index(i)]; k < around.begin[index(i) + 1]; ++k) {
-      for (const int j : mesh.tetrahedra[index(around.element[index(k)])]) {
-        if (seen_from[index(j)] == i) continue;
-        seen_from[index(j)] = i;
+    for (int k = around.begin[at(i)]; k < around.begin[at(i) + 1]; ++k) {
+      for (const int j : mesh.tetrahedra[at(around.element[at(k)])]) {
+        if (seen_from[at(j)] == i) continue;
+        seen_from[at(j)] = i;
         result.column.push_back(j);
       }
     }
@@ -86,7 +85,7 @@ sparse::BlockMatrix assemble_stiffness(const mesh::TetMesh& mesh, const Material
     for (int a = 0; a < 4; ++a) {
       for (int b = 0; b < 4; ++b) {
         const std::array<double, 9> block = stiffness_block(geometry, lambda, mu, a, b);
-        double* sum = k.block(static_cast<std::size_t>(k.find(node[index(a)], node[index(b)])));
+        double* sum = k.block(static_cast<std::size_t>(k.find(node[at(a)], node[at(b)])));
         for (std::size_t i = 0; i < 9; ++i) sum[i] += block[i];
       }
     }
@@ -100,11 +99,11 @@ sparse::BlockMatrix assemble_mass(const mesh::TetMesh& mesh, const Material& mat
   sparse::BlockMatrix m = stiffness_pattern(mesh);
   if (kind == MassKind::lumped) {
     const int nodes = m.block_rows();
-    m.column.resize(index(nodes));
-    m.value.assign(9 * index(nodes), 0.0);
+    m.column.resize(at(nodes));
+    m.value.assign(9 * at(nodes), 0.0);
     for (int i = 0; i < nodes; ++i) {
-      m.column[index(i)] = i;
-      m.row_begin[index(i) + 1] = i + 1;
+      m.column[at(i)] = i;
+      m.row_begin[at(i) + 1] = i + 1;
     }
   }
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
@@ -114,7 +113,7 @@ sparse::BlockMatrix assemble_mass(const mesh::TetMesh& mesh, const Material& mat
       for (int b = 0; b < 4; ++b) {
         if (kind == MassKind::lumped && a != b) continue;
         const double factor = mass_factor(geometry, material, kind, a, b);
-        double* sum = m.block(static_cast<std::size_t>(m.find(node[index(a)], node[index(b)])));
+        double* sum = m.block(static_cast<std::size_t>(m.find(node[at(a)], node[at(b)])));
         for (std::size_t i = 0; i < 3; ++i) sum[4 * i] += factor;
       }
     }

@@ -11,20 +11,19 @@
 
 #include "models/config/input_error.h"
 #include "models/fem/assembly.h"
+#include "models/index.h"
 
 namespace hvp::fem {
 namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // The connected parts of the mesh: a part's number for every node, by its lowest node.
 std::vector<int> parts_of(const mesh::TetMesh& mesh) {
   std::vector<int> parent(mesh.nodes.size());
   std::iota(parent.begin(), parent.end(), 0);
   const auto root = [&parent](int i) {
-    while (parent[index(i)] != i) {
-      parent[index(i)] = parent[index(parent[index(i)])];
-      i = parent[index(i)];
+    while (parent[at(i)] != i) {
+      parent[at(i)] = parent[at(parent[at(i)])];
+      i = parent[at(i)];
     }
     return i;
   };
@@ -32,10 +31,10 @@ std::vector<int> parts_of(const mesh::TetMesh& mesh) {
     for (std::size_t a = 1; a < 4; ++a) {
       const int x = root(tet[0]);
       const int y = root(tet[a]);
-      parent[index(std::max(x, y))] = std::min(x, y);
+      parent[at(std::max(x, y))] = std::min(x, y);
     }
   }
-  for (int i = 0; i < static_cast<int>(parent.size()); ++i) parent[index(i)] = root(i);
+  for (int i = 0; i < static_cast<int>(parent.size()); ++i) parent[at(i)] = root(i);
   return parent;
 }
 
@@ -44,12 +43,12 @@ void expect_no_rigid_body_modes(const mesh::TetMesh& mesh, const std::vector<cha
   std::vector<std::vector<int>> held_in_part(mesh.nodes.size());
   int parts = 0;
   for (int i = 0; i < static_cast<int>(part.size()); ++i) {
-    if (part[index(i)] == i) ++parts;
-    if (held[index(i)]) held_in_part[index(part[index(i)])].push_back(i);
+    if (part[at(i)] == i) ++parts;
+    if (held[at(i)]) held_in_part[at(part[at(i)])].push_back(i);
   }
   for (int i = 0; i < static_cast<int>(part.size()); ++i) {
-    if (part[index(i)] != i) continue;
-    const std::vector<int>& nodes = held_in_part[index(i)];
+    if (part[at(i)] != i) continue;
+    const std::vector<int>& nodes = held_in_part[at(i)];
     const int modes = remaining_rigid_body_modes(mesh, nodes);
     if (modes == 0) continue;
     const std::string where =
@@ -76,16 +75,16 @@ const std::vector<std::pair<std::string_view, AnchorTreatment>>& anchor_treatmen
 
 int remaining_rigid_body_modes(const mesh::TetMesh& mesh, std::span<const int> held_nodes) {
   if (held_nodes.empty()) return 6;
-  const Eigen::Vector3d& origin = mesh.nodes[index(held_nodes[0])];
+  const Eigen::Vector3d& origin = mesh.nodes[at(held_nodes[0])];
   Eigen::Vector3d farthest = Eigen::Vector3d::Zero();
   for (const int node : held_nodes) {
-    const Eigen::Vector3d arm = mesh.nodes[index(node)] - origin;
+    const Eigen::Vector3d arm = mesh.nodes[at(node)] - origin;
     if (arm.squaredNorm() > farthest.squaredNorm()) farthest = arm;
   }
   if (farthest.squaredNorm() == 0) return 3;
   double widest = 0;
   for (const int node : held_nodes) {
-    const Eigen::Vector3d arm = mesh.nodes[index(node)] - origin;
+    const Eigen::Vector3d arm = mesh.nodes[at(node)] - origin;
     widest = std::max(widest, arm.cross(farthest).norm());
   }
   // A distance from the line below 1e-6 of its length would leave a hinge that double precision
@@ -108,7 +107,7 @@ Body::Body(mesh::TetMesh mesh, const Material& material, std::span<const int> an
   active_of_node_.assign(mesh_.nodes.size(), -1);
   for (int i = 0; i < static_cast<int>(mesh_.nodes.size()); ++i) {
     if (treatment_ == AnchorTreatment::removed && held(i)) continue;
-    active_of_node_[index(i)] = active_nodes();
+    active_of_node_[at(i)] = active_nodes();
     node_of_active_.push_back(i);
   }
   stiffness_ = reduce(full_stiffness_);
@@ -120,11 +119,11 @@ void Body::hold(std::span<const int> anchored, const Loads& loads) {
   held_displacement_.assign(3 * mesh_.nodes.size(), 0.0);
   anchored_.assign(anchored.begin(), anchored.end());
   for (const int node : anchored_) {
-    if (node < 0 || index(node) >= mesh_.nodes.size()) {
+    if (node < 0 || at(node) >= mesh_.nodes.size()) {
       throw InputError(
           fmt::format("anchored node {} is not in the mesh of {} nodes", node, mesh_.nodes.size()));
     }
-    held_[index(node)] = 1;
+    held_[at(node)] = 1;
   }
   std::vector<int> source(mesh_.nodes.size(), -1);
   for (std::size_t i = 0; i < loads.prescribed.size(); ++i) {
@@ -141,9 +140,9 @@ void Body::hold(std::span<const int> anchored, const Loads& loads) {
                                         mesh_.nodes.size()));
     }
     for (const int node : nodes) {
-      double* displacement = &held_displacement_[3 * index(node)];
-      const int earlier = source[index(node)];
-      if (held_[index(node)] && earlier < 0) {
+      double* displacement = &held_displacement_[3 * at(node)];
+      const int earlier = source[at(node)];
+      if (held_[at(node)] && earlier < 0) {
         throw InputError(key, fmt::format("node {} is anchored and has a prescribed displacement; "
                                           "expected regions that do not overlap",
                                           node));
@@ -154,8 +153,8 @@ void Body::hold(std::span<const int> anchored, const Loads& loads) {
                                           "here and in prescribed[{}]",
                                           node, earlier));
       }
-      held_[index(node)] = 1;
-      source[index(node)] = static_cast<int>(i);
+      held_[at(node)] = 1;
+      source[at(node)] = static_cast<int>(i);
       std::copy_n(prescribed.displacement.data(), 3, displacement);
     }
   }
@@ -174,10 +173,10 @@ sparse::BlockMatrix Body::reduce(const sparse::BlockMatrix& full) const {
   const double mean = sum / entries;
   sparse::BlockMatrix result = full;
   for (int i = 0; i < result.block_rows(); ++i) {
-    for (int k = result.row_begin[index(i)]; k < result.row_begin[index(i) + 1]; ++k) {
-      const int j = result.column[index(k)];
+    for (int k = result.row_begin[at(i)]; k < result.row_begin[at(i) + 1]; ++k) {
+      const int j = result.column[at(k)];
       if (!held(i) && !held(j)) continue;
-      double* block = result.block(index(k));
+      double* block = result.block(at(k));
       std::fill_n(block, 9, 0.0);
       if (i == j) block[0] = block[4] = block[8] = mean;
     }
@@ -188,11 +187,11 @@ sparse::BlockMatrix Body::reduce(const sparse::BlockMatrix& full) const {
 void Body::move_prescribed_to_load() {
   std::vector<double> elastic(held_displacement_.size());
   full_stiffness_.multiply(held_displacement_, elastic);
-  load_.assign(index(stiffness_.rows()), 0.0);
+  load_.assign(at(stiffness_.rows()), 0.0);
   for (int a = 0; a < active_nodes(); ++a) {
-    const std::size_t node = index(node_of_active_[index(a)]);
+    const std::size_t node = at(node_of_active_[at(a)]);
     for (std::size_t r = 0; r < 3; ++r) {
-      double& f = load_[3 * index(a) + r];
+      double& f = load_[3 * at(a) + r];
       if (held_[node]) {
         const double diagonal =
             stiffness_.block(static_cast<std::size_t>(stiffness_.find(a, a)))[0];
@@ -211,7 +210,7 @@ sparse::BlockMatrix Body::mass(MassKind kind) const {
 std::vector<double> Body::initial_displacement() const {
   std::vector<double> u(load_.size());
   for (std::size_t a = 0; a < node_of_active_.size(); ++a) {
-    std::copy_n(&held_displacement_[3 * index(node_of_active_[a])], 3, &u[3 * a]);
+    std::copy_n(&held_displacement_[3 * at(node_of_active_[a])], 3, &u[3 * a]);
   }
   return u;
 }
@@ -220,7 +219,7 @@ void Body::expand(std::span<const double> u_active, std::span<double> u_full) co
   assert(u_active.size() == load_.size() && u_full.size() == held_displacement_.size());
   std::copy(held_displacement_.begin(), held_displacement_.end(), u_full.begin());
   for (std::size_t a = 0; a < node_of_active_.size(); ++a) {
-    const std::size_t node = index(node_of_active_[a]);
+    const std::size_t node = at(node_of_active_[a]);
     if (!held_[node]) std::copy_n(&u_active[3 * a], 3, &u_full[3 * node]);
   }
 }

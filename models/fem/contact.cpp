@@ -7,14 +7,9 @@
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
+#include "models/index.h"
 
 namespace hvp::fem {
-namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
-
 const std::vector<std::pair<std::string_view, ContactDiagonal>>& contact_diagonal_names() {
   static const std::vector<std::pair<std::string_view, ContactDiagonal>> names = {
       {"average", ContactDiagonal::average}, {"one", ContactDiagonal::one}};
@@ -73,15 +68,15 @@ template <class Displacement>
 void ContactConstraint::move_columns(std::span<const double> f, std::span<const int> patch,
                                      const Displacement& displacement, std::span<double> b) const {
   check(patch);
-  assert(f.size() == index(a_.rows()) && b.size() == f.size());
+  assert(f.size() == at(a_.rows()) && b.size() == f.size());
   std::copy(f.begin(), f.end(), b.begin());
   for (std::size_t i = 0; i < patch.size(); ++i) {
     const Eigen::Vector3d& u = displacement(i);
-    const std::size_t node = index(patch[i]);
+    const std::size_t node = at(patch[i]);
     for (int k = a_.row_begin[node]; k < a_.row_begin[node + 1]; ++k) {
       // A is symmetric: block (j, c) is block (c, j) transposed, so one row is all it takes.
-      const double* block = a_.block(index(k));
-      double* target = &b[3 * index(a_.column[index(k)])];
+      const double* block = a_.block(at(k));
+      double* target = &b[3 * at(a_.column[at(k)])];
       for (std::size_t r = 0; r < 3; ++r) {
         target[r] -= block[r] * u[0] + block[3 + r] * u[1] + block[6 + r] * u[2];
       }
@@ -89,7 +84,7 @@ void ContactConstraint::move_columns(std::span<const double> f, std::span<const 
   }
   for (std::size_t i = 0; i < patch.size(); ++i) {
     const Eigen::Vector3d& u = displacement(i);
-    for (int r = 0; r < 3; ++r) b[3 * index(patch[i]) + index(r)] = diagonal_ * u[r];
+    for (int r = 0; r < 3; ++r) b[3 * at(patch[i]) + at(r)] = diagonal_ * u[r];
   }
 }
 
@@ -101,10 +96,10 @@ sparse::BlockMatrix ContactConstraint::modified_matrix(std::span<const int> patc
   check(patch);
   sparse::BlockMatrix result = a_;
   for (const int node : patch) {
-    for (int k = a_.row_begin[index(node)]; k < a_.row_begin[index(node) + 1]; ++k) {
-      const int neighbour = a_.column[index(k)];
+    for (int k = a_.row_begin[at(node)]; k < a_.row_begin[at(node) + 1]; ++k) {
+      const int neighbour = a_.column[at(k)];
       const std::ptrdiff_t mirror = result.find(neighbour, node);
-      std::fill_n(result.block(index(k)), 9, 0.0);
+      std::fill_n(result.block(at(k)), 9, 0.0);
       if (mirror >= 0) std::fill_n(result.block(static_cast<std::size_t>(mirror)), 9, 0.0);
     }
     double* block = result.block(static_cast<std::size_t>(result.find(node, node)));
@@ -116,15 +111,15 @@ sparse::BlockMatrix ContactConstraint::modified_matrix(std::span<const int> patc
 Eigen::Vector3d ContactConstraint::reaction_of(std::span<const double> u, std::span<const double> f,
                                                int node) const {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
-  for (int k = a_.row_begin[index(node)]; k < a_.row_begin[index(node) + 1]; ++k) {
-    const double* block = a_.block(index(k));
-    const double* v = &u[3 * index(a_.column[index(k)])];
+  for (int k = a_.row_begin[at(node)]; k < a_.row_begin[at(node) + 1]; ++k) {
+    const double* block = a_.block(at(k));
+    const double* v = &u[3 * at(a_.column[at(k)])];
     for (int r = 0; r < 3; ++r) {
       const double* row = block + 3 * r;
       force[r] += row[0] * v[0] + row[1] * v[1] + row[2] * v[2];
     }
   }
-  for (int r = 0; r < 3; ++r) force[r] -= f[3 * index(node) + index(r)];
+  for (int r = 0; r < 3; ++r) force[r] -= f[3 * at(node) + at(r)];
   return force;
 }
 
@@ -157,7 +152,7 @@ double ContactConstraint::blocks_of(std::span<const int> patch) const {
   check(patch);
   double blocks = 0;
   for (const int node : patch) {
-    blocks += a_.row_begin[index(node) + 1] - a_.row_begin[index(node)];
+    blocks += a_.row_begin[at(node) + 1] - a_.row_begin[at(node)];
   }
   return blocks;
 }
@@ -179,17 +174,17 @@ double ContactConstraint::reaction_flops(std::span<const int> patch) const {
 }
 
 std::vector<int> contact_patch(const mesh::TetMesh& mesh, int node, double radius) {
-  if (node < 0 || index(node) >= mesh.nodes.size()) {
+  if (node < 0 || at(node) >= mesh.nodes.size()) {
     throw InputError(fmt::format("the contact node is {}; expected 0 to {}", node,
                                  static_cast<std::ptrdiff_t>(mesh.nodes.size()) - 1));
   }
-  const Eigen::Vector3d& centre = mesh.nodes[index(node)];
+  const Eigen::Vector3d& centre = mesh.nodes[at(node)];
   // A node on the rim belongs to the patch whatever the last bit of its coordinates.
   const double reach = radius * (1 + 1e-9);
   std::vector<int> patch = {node};
   for (const auto& triangle : mesh.boundary) {
     for (const int corner : triangle) {
-      if ((mesh.nodes[index(corner)] - centre).norm() <= reach) patch.push_back(corner);
+      if ((mesh.nodes[at(corner)] - centre).norm() <= reach) patch.push_back(corner);
     }
   }
   std::sort(patch.begin(), patch.end());

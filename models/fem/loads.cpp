@@ -10,11 +10,10 @@
 
 #include "models/config/input_error.h"
 #include "models/fem/element.h"
+#include "models/index.h"
 
 namespace hvp::fem {
 namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 void expect_finite(const Eigen::Vector3d& value, const std::string& key) {
   if (value.allFinite()) return;
@@ -37,7 +36,7 @@ double longest_edge_at(const mesh::TetMesh& mesh, int node) {
     if (std::find(t.begin(), t.end(), node) == t.end()) continue;
     for (std::size_t a = 0; a < 4; ++a) {
       for (std::size_t b = 0; b < a; ++b) {
-        longest = std::max(longest, (mesh.nodes[index(t[a])] - mesh.nodes[index(t[b])]).norm());
+        longest = std::max(longest, (mesh.nodes[at(t[a])] - mesh.nodes[at(t[b])]).norm());
       }
     }
   }
@@ -101,18 +100,17 @@ void expect_loads_on_free_nodes(const mesh::TetMesh& mesh, const Loads& loads,
                                 const std::vector<char>& held) {
   for (std::size_t i = 0; i < loads.points.size(); ++i) {
     const int node = nearest_node(mesh, loads.points[i].position);
-    if (!held[index(node)]) continue;
+    if (!held[at(node)]) continue;
     throw InputError(fmt::format("point[{}].position", i),
                      fmt::format("the node that is nearest to it, at {}, is held, where a force "
                                  "moves nothing; expected a place where the body is free",
-                                 millimetres(mesh.nodes[index(node)])));
+                                 millimetres(mesh.nodes[at(node)])));
   }
   for (std::size_t i = 0; i < loads.pressures.size(); ++i) {
     const std::vector<int> triangles = mesh::select_boundary(loads.pressures[i].region, mesh);
     const bool free = std::any_of(triangles.begin(), triangles.end(), [&](int triangle) {
-      const auto& corners = mesh.boundary[index(triangle)];
-      return std::any_of(corners.begin(), corners.end(),
-                         [&](int node) { return !held[index(node)]; });
+      const auto& corners = mesh.boundary[at(triangle)];
+      return std::any_of(corners.begin(), corners.end(), [&](int node) { return !held[at(node)]; });
     });
     if (free) continue;
     throw InputError(
@@ -126,13 +124,13 @@ void expect_loads_on_free_nodes(const mesh::TetMesh& mesh, const Loads& loads,
 void add_pressure(const mesh::TetMesh& mesh, std::span<const int> triangles, double pressure_pa,
                   std::span<double> f) {
   for (const int triangle : triangles) {
-    const auto& corner = mesh.boundary[index(triangle)];
-    const Eigen::Vector3d& origin = mesh.nodes[index(corner[0])];
+    const auto& corner = mesh.boundary[at(triangle)];
+    const Eigen::Vector3d& origin = mesh.nodes[at(corner[0])];
     const Eigen::Vector3d twice_area =
-        (mesh.nodes[index(corner[1])] - origin).cross(mesh.nodes[index(corner[2])] - origin);
+        (mesh.nodes[at(corner[1])] - origin).cross(mesh.nodes[at(corner[2])] - origin);
     const Eigen::Vector3d share = -pressure_pa / 6 * twice_area;
     for (const int node : corner) {
-      for (int r = 0; r < 3; ++r) f[3 * index(node) + index(r)] += share[r];
+      for (int r = 0; r < 3; ++r) f[3 * at(node) + at(r)] += share[r];
     }
   }
 }
@@ -147,7 +145,7 @@ std::vector<double> assemble_loads(const mesh::TetMesh& mesh, const Material& ma
       const Eigen::Vector3d share =
           material.density_kg_m3 * volume / 4 * loads.gravity->acceleration;
       for (const int node : mesh.tetrahedra[e]) {
-        for (int r = 0; r < 3; ++r) f[3 * index(node) + index(r)] += share[r];
+        for (int r = 0; r < 3; ++r) f[3 * at(node) + at(r)] += share[r];
       }
     }
   }
@@ -156,16 +154,16 @@ std::vector<double> assemble_loads(const mesh::TetMesh& mesh, const Material& ma
     expect_finite(point.position, fmt::format("point[{}].position", i));
     expect_finite(point.force, fmt::format("point[{}].force", i));
     const int node = nearest_node(mesh, point.position);
-    const double distance = (mesh.nodes[index(node)] - point.position).norm();
+    const double distance = (mesh.nodes[at(node)] - point.position).norm();
     const double longest = longest_edge_at(mesh, node);
     if (!(distance <= longest)) {
       throw InputError(
           fmt::format("point[{}].position", i),
           fmt::format("lies off the body: the nearest node is {:.4g} mm away, at {}, and the "
                       "elements there are {:.4g} mm long; expected no more",
-                      1e3 * distance, millimetres(mesh.nodes[index(node)]), 1e3 * longest));
+                      1e3 * distance, millimetres(mesh.nodes[at(node)]), 1e3 * longest));
     }
-    for (int r = 0; r < 3; ++r) f[3 * index(node) + index(r)] += point.force[r];
+    for (int r = 0; r < 3; ++r) f[3 * at(node) + at(r)] += point.force[r];
   }
   for (std::size_t i = 0; i < loads.pressures.size(); ++i) {
     const SurfacePressure& load = loads.pressures[i];

@@ -13,24 +13,23 @@
 #include "models/fem/direct_solver.h"
 #include "models/fem/loads.h"
 #include "models/fem/structured_box.h"
+#include "models/index.h"
 
 namespace hvp::fem {
 namespace {
 
 constexpr double kSlenderness = 5;  // length over height
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
 // Holds single components: their rows and columns are cleared but for the diagonal.
 void hold_components(sparse::BlockMatrix& a, const std::vector<char>& held) {
   for (int i = 0; i < a.block_rows(); ++i) {
-    for (int k = a.row_begin[index(i)]; k < a.row_begin[index(i) + 1]; ++k) {
-      const int j = a.column[index(k)];
-      double* block = a.block(index(k));
+    for (int k = a.row_begin[at(i)]; k < a.row_begin[at(i) + 1]; ++k) {
+      const int j = a.column[at(k)];
+      double* block = a.block(at(k));
       for (std::size_t r = 0; r < 3; ++r) {
         for (std::size_t c = 0; c < 3; ++c) {
           const bool diagonal = i == j && r == c;
-          if (!diagonal && (held[3 * index(i) + r] || held[3 * index(j) + c])) {
+          if (!diagonal && (held[3 * at(i) + r] || held[3 * at(j) + c])) {
             block[3 * r + c] = 0;
           }
         }
@@ -56,7 +55,7 @@ double cantilever_ratio(double poisson_ratio, int cells) {
 
   // x runs along the beam and z is the direction of the force. Bending is symmetric about y = 0
   // (no v there) and antisymmetric about z = 0 (no u, no v there).
-  std::vector<char> held(index(k.rows()), 0);
+  std::vector<char> held(at(k.rows()), 0);
   for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
     const Eigen::Vector3d& x = mesh.nodes[i];
     if (x.x() == 0) held[3 * i] = held[3 * i + 1] = held[3 * i + 2] = 1;
@@ -66,17 +65,17 @@ double cantilever_ratio(double poisson_ratio, int cells) {
   hold_components(k, held);
 
   // A uniform shear traction on the end; a quarter of the force on a quarter of the beam.
-  std::vector<double> f(index(k.rows()), 0.0);
+  std::vector<double> f(at(k.rows()), 0.0);
   double face_area = 0;
   std::vector<double> share(mesh.nodes.size(), 0.0);
   for (const auto& triangle : mesh.boundary) {
-    const Eigen::Vector3d& a = mesh.nodes[index(triangle[0])];
-    const Eigen::Vector3d& b = mesh.nodes[index(triangle[1])];
-    const Eigen::Vector3d& c = mesh.nodes[index(triangle[2])];
+    const Eigen::Vector3d& a = mesh.nodes[at(triangle[0])];
+    const Eigen::Vector3d& b = mesh.nodes[at(triangle[1])];
+    const Eigen::Vector3d& c = mesh.nodes[at(triangle[2])];
     if (std::min({a.x(), b.x(), c.x()}) < kSlenderness) continue;
     const double area = (b - a).cross(c - a).norm() / 2;
     face_area += area;
-    for (const int node : triangle) share[index(node)] += area / 3;
+    for (const int node : triangle) share[at(node)] += area / 3;
   }
   const double quarter_force = 0.25;
   for (std::size_t i = 0; i < share.size(); ++i) {

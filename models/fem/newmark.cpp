@@ -9,19 +9,18 @@
 
 #include "models/config/input_error.h"
 #include "models/fem/direct_solver.h"
+#include "models/index.h"
 
 namespace hvp::fem {
 namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // Row i of A·x for block row i.
 void multiply_row(const sparse::BlockMatrix& a, std::span<const double> x, std::size_t row,
                   double* sum) {
   sum[0] = sum[1] = sum[2] = 0;
   for (int k = a.row_begin[row]; k < a.row_begin[row + 1]; ++k) {
-    const double* block = a.block(index(k));
-    const double* v = &x[3 * index(a.column[index(k)])];
+    const double* block = a.block(at(k));
+    const double* v = &x[3 * at(a.column[at(k)])];
     for (std::size_t r = 0; r < 3; ++r) {
       sum[r] += block[3 * r] * v[0] + block[3 * r + 1] * v[1] + block[3 * r + 2] * v[2];
     }
@@ -31,7 +30,7 @@ void multiply_row(const sparse::BlockMatrix& a, std::span<const double> x, std::
 // xᵀA·x
 double quadratic_form(const sparse::BlockMatrix& a, std::span<const double> x) {
   double total = 0;
-  for (std::size_t i = 0; i < index(a.block_rows()); ++i) {
+  for (std::size_t i = 0; i < at(a.block_rows()); ++i) {
     double row[3];
     multiply_row(a, x, i, row);
     total += x[3 * i] * row[0] + x[3 * i + 1] * row[1] + x[3 * i + 2] * row[2];
@@ -41,14 +40,14 @@ double quadratic_form(const sparse::BlockMatrix& a, std::span<const double> x) {
 
 // M's diagonal, or empty where M has an entry off it.
 std::vector<double> diagonal_if_lumped(const sparse::BlockMatrix& m) {
-  std::vector<double> diagonal(index(m.rows()), 0.0);
+  std::vector<double> diagonal(at(m.rows()), 0.0);
   for (int i = 0; i < m.block_rows(); ++i) {
-    for (int k = m.row_begin[index(i)]; k < m.row_begin[index(i) + 1]; ++k) {
-      const double* block = m.block(index(k));
+    for (int k = m.row_begin[at(i)]; k < m.row_begin[at(i) + 1]; ++k) {
+      const double* block = m.block(at(k));
       for (std::size_t r = 0; r < 3; ++r) {
         for (std::size_t c = 0; c < 3; ++c) {
-          if (m.column[index(k)] == i && r == c) {
-            diagonal[3 * index(i) + r] = block[4 * r];
+          if (m.column[at(k)] == i && r == c) {
+            diagonal[3 * at(i) + r] = block[4 * r];
           } else if (block[3 * r + c] != 0) {
             return {};
           }
@@ -85,20 +84,20 @@ Newmark::Newmark(const sparse::BlockMatrix& stiffness, const sparse::BlockMatrix
   const double stiffness_scale = 1 + damping * dynamics_.rayleigh_stiffness;
   for (double& entry : effective_.value) entry *= stiffness_scale;
   for (int i = 0; i < mass_.block_rows(); ++i) {
-    for (int k = mass_.row_begin[index(i)]; k < mass_.row_begin[index(i) + 1]; ++k) {
-      const std::ptrdiff_t at = effective_.find(i, mass_.column[index(k)]);
-      if (at < 0) {
+    for (int k = mass_.row_begin[at(i)]; k < mass_.row_begin[at(i) + 1]; ++k) {
+      const std::ptrdiff_t found = effective_.find(i, mass_.column[at(k)]);
+      if (found < 0) {
         throw InputError(
             fmt::format("the mass matrix couples nodes {} and {}, which the "
                         "stiffness matrix does not",
-                        i, mass_.column[index(k)]));
+                        i, mass_.column[at(k)]));
       }
-      double* sum = effective_.block(static_cast<std::size_t>(at));
-      for (std::size_t e = 0; e < 9; ++e) sum[e] += mass_scale * mass_.block(index(k))[e];
+      double* sum = effective_.block(static_cast<std::size_t>(found));
+      for (std::size_t e = 0; e < 9; ++e) sum[e] += mass_scale * mass_.block(at(k))[e];
     }
   }
   for (std::vector<double>* state : {&u_, &v_, &a_, &v_tilde_, &a_tilde_, &inertia_}) {
-    state->assign(index(stiffness_.rows()), 0.0);
+    state->assign(at(stiffness_.rows()), 0.0);
   }
 }
 
@@ -128,7 +127,7 @@ void Newmark::rhs(std::span<const double> f, std::span<double> f_hat) const {
     std::fill(f_hat.begin(), f_hat.end(), 0.0);
   }
   if (lumped_.empty()) {
-    for (std::size_t i = 0; i < index(mass_.block_rows()); ++i) {
+    for (std::size_t i = 0; i < at(mass_.block_rows()); ++i) {
       double inertial[3];
       multiply_row(mass_, inertia_, i, inertial);
       for (std::size_t r = 0; r < 3; ++r) {
@@ -145,9 +144,9 @@ void Newmark::rhs(std::span<const double> f, std::span<double> f_hat) const {
 // f̂ −= matrix[:, node]·x; block (j, i) of a symmetric matrix is block (i, j) transposed.
 void Newmark::subtract_column(const sparse::BlockMatrix& matrix, int node, const Eigen::Vector3d& x,
                               std::span<double> f_hat) const {
-  for (int k = matrix.row_begin[index(node)]; k < matrix.row_begin[index(node) + 1]; ++k) {
-    const double* block = matrix.block(index(k));
-    double* target = &f_hat[3 * index(matrix.column[index(k)])];
+  for (int k = matrix.row_begin[at(node)]; k < matrix.row_begin[at(node) + 1]; ++k) {
+    const double* block = matrix.block(at(k));
+    double* target = &f_hat[3 * at(matrix.column[at(k)])];
     for (std::size_t r = 0; r < 3; ++r) {
       target[r] -= block[r] * x[0] + block[3 + r] * x[1] + block[6 + r] * x[2];
     }
@@ -164,11 +163,11 @@ void Newmark::hold(const Hold& hold, std::span<double> f_hat) {
     Eigen::Vector3d elastic;   // what K multiplies
     Eigen::Vector3d inertial;  // what M multiplies
     for (int r = 0; r < 3; ++r) {
-      const std::size_t at = 3 * index(node) + index(r);
-      const double q = (u[r] - u_[at]) / hold.elapsed_s - (v_tilde_[at] + v_of_u * u[r]);
-      const double p = -(a_tilde_[at] + a_of_u * u[r]);
-      v_tilde_[at] += q;
-      a_tilde_[at] += p;
+      const std::size_t dof = 3 * at(node) + at(r);
+      const double q = (u[r] - u_[dof]) / hold.elapsed_s - (v_tilde_[dof] + v_of_u * u[r]);
+      const double p = -(a_tilde_[dof] + a_of_u * u[r]);
+      v_tilde_[dof] += q;
+      a_tilde_[dof] += p;
       elastic[r] = dynamics_.rayleigh_stiffness * q;
       inertial[r] = dynamics_.rayleigh_mass * q + p;
     }
@@ -218,7 +217,7 @@ double Newmark::hold_flops(const Hold& hold) const {
   if (hold.elapsed_s == 0) return 0;
   double flops = 0;
   for (const int node : hold.nodes) {
-    const auto row = index(node);
+    const auto row = at(node);
     if (dynamics_.rayleigh_stiffness != 0) {
       flops += 18.0 * (stiffness_.row_begin[row + 1] - stiffness_.row_begin[row]);
     }

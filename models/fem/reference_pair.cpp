@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <cassert>
 
-namespace hvp::fem {
+#include "models/index.h"
 
-namespace {
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-}  // namespace
+namespace hvp::fem {
 
 ReferencePair::ReferencePair(DirectSolver& one, DirectSolver& other) : one_(one), other_(other) {
   one.require_regular();
@@ -20,13 +18,13 @@ ReferencePair::ReferencePair(DirectSolver& one, DirectSolver& other) : one_(one)
            std::equal(l.row, l.row + l.begin[rows], m.row) &&
            std::equal(one.permutation(), one.permutation() + rows, other.permutation());
   if (!alike_) return;
-  factor_.reserve(2 * index(l.begin[rows]));
+  factor_.reserve(2 * at(l.begin[rows]));
   static_assert(__STDCPP_DEFAULT_NEW_ALIGNMENT__ >= 16);  // as Substitution asks
   for (int k = 0; k < l.begin[rows]; ++k) {
     factor_.push_back(l.value[k]);
     factor_.push_back(m.value[k]);
   }
-  scratch_.resize(2 * index(rows));
+  scratch_.resize(2 * at(rows));
 }
 
 void ReferencePair::solve(const System& one, const System& other) {
@@ -40,7 +38,7 @@ void ReferencePair::solve(const System& one, const System& other) {
   assert(one.x.size() == rows && other.x.size() == rows);
   const int* place = one_.permutation();
   for (std::size_t i = 0; i < rows; ++i) {
-    double* const entry = &scratch_[2 * index(place[i])];
+    double* const entry = &scratch_[2 * at(place[i])];
     entry[0] = one.f[i];
     entry[1] = other.f[i];
   }
@@ -53,7 +51,7 @@ void ReferencePair::solve(const System& one, const System& other) {
   }
   one_.substitution_.backward_both(both, scratch_.data());
   for (std::size_t i = 0; i < rows; ++i) {
-    const double* const entry = &scratch_[2 * index(place[i])];
+    const double* const entry = &scratch_[2 * at(place[i])];
     one.x[i] = entry[0];
     other.x[i] = entry[1];
   }

@@ -5,13 +5,13 @@
 #include <queue>
 #include <utility>
 
+#include "models/index.h"
+
 namespace hvp::fem {
 
 namespace {
 
 constexpr int kWidest = 4;  // columns of a panel: their entries of x stay in registers
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 // Two doubles in one register, of every processor that has such; in memory two doubles.
 struct __attribute__((may_alias)) Pair {

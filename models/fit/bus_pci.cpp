@@ -15,7 +15,7 @@ constexpr int kLongestBurst = 4096;
 constexpr int kMostOverhead = 64;
 constexpr int kLeastOverhead = 2;
 constexpr int kMostWaits = 16;
-constexpr double kLongestLatency = 1e-3;  // s
+constexpr double kLongestBusLatency = 1e-3;  // s
 
 constexpr double kAsGood = 0.005;   // of the bandwidth
 constexpr double kNotEqual = 0.05;  // likewise: to be told
@@ -79,7 +79,7 @@ std::vector<link::Pci> all(const link::Pci& base, bool reads) {
 
 void set_latency(const char* name, const Link& measured, double& latency,
                  std::vector<std::string>& warnings) {
-  latency = std::clamp(measured.latency_s, 0.0, kLongestLatency);
+  latency = std::clamp(measured.latency_s, 0.0, kLongestBusLatency);
   if (latency == measured.latency_s) return;
   warnings.push_back(fmt::format("{}_latency: {:g} us measured, {:g} us is the most that [bus] has",
                                  name, measured.latency_s * 1e6, latency * 1e6));

@@ -15,10 +15,11 @@ namespace hvp::fit {
 
 namespace {
 
-constexpr std::size_t kFewest = 10;
-constexpr double kLongest = 10;  // s
+constexpr std::size_t kFewestTransfers = 10;
+constexpr double kLongestTransfer = 10;  // s
 
-void check_column(const std::vector<double>& values, const char* column, std::size_t rows) {
+void check_transfer_column(const std::vector<double>& values, const char* column,
+                           std::size_t rows) {
   if (values.size() != rows) {
     throw InputError(fmt::format("{}: {} values beside {} sizes; expected one a transfer", column,
                                  values.size(), rows));
@@ -31,9 +32,9 @@ void check_column(const std::vector<double>& values, const char* column, std::si
 
 void check(const TransferLog& log) {
   const std::size_t rows = log.bytes.size();
-  check_column(log.bytes, "bytes", rows);
-  check_column(log.seconds, "time", rows);
-  if (!log.begun.empty()) check_column(log.begun, "begun", rows);
+  check_transfer_column(log.bytes, "bytes", rows);
+  check_transfer_column(log.seconds, "time", rows);
+  if (!log.begun.empty()) check_transfer_column(log.begun, "begun", rows);
   if (!log.direction.empty() && log.direction.size() != rows) {
     throw InputError(fmt::format("direction: {} values beside {} sizes; expected one a transfer",
                                  log.direction.size(), rows));
@@ -43,11 +44,11 @@ void check(const TransferLog& log) {
       throw InputError(
           fmt::format("bytes: {:g} in row {}; expected a size above zero", log.bytes[i], i + 1));
     }
-    if (!(log.seconds[i] > 0) || log.seconds[i] > kLongest) {
+    if (!(log.seconds[i] > 0) || log.seconds[i] > kLongestTransfer) {
       throw InputError(
           fmt::format("time: {:g} s in row {}; expected above zero and at most {:g} s, "
                       "is it in us?",
-                      log.seconds[i], i + 1, kLongest));
+                      log.seconds[i], i + 1, kLongestTransfer));
     }
   }
 }
@@ -71,9 +72,9 @@ std::shared_ptr<const BusProblem::Group> group(const TransferLog& log,
       result->prefix.empty()
           ? std::string()
           : " of direction " + result->prefix.substr(0, result->prefix.size() - 1);
-  if (rows.size() < kFewest) {
-    throw InputError(
-        fmt::format("bytes: {} transfers{}; expected at least {}", rows.size(), of, kFewest));
+  if (rows.size() < kFewestTransfers) {
+    throw InputError(fmt::format("bytes: {} transfers{}; expected at least {}", rows.size(), of,
+                                 kFewestTransfers));
   }
   const auto times = std::minmax_element(result->seconds.begin(), result->seconds.end());
   if (*times.first == *times.second) {

@@ -15,9 +15,9 @@ namespace hvp::fit {
 namespace {
 
 // Of all parameters, and of the velocity in front; the position in front only adds.
-constexpr int kParameters = 7;
-constexpr int kVelocity = kParameters;
-using Jet = ceres::Jet<double, kParameters + 1>;
+constexpr int kDeviceParameters = 7;
+constexpr int kVelocity = kDeviceParameters;
+using DeviceJet = ceres::Jet<double, kDeviceParameters + 1>;
 
 // A delay of whole samples and of a part of one. The part begins at 0 or ends at a whole sample:
 // both give the same motion, with the same derivatives.
@@ -64,10 +64,11 @@ double arrived_with(const DeviceLog& log, std::size_t sample, double lag, double
 }
 
 // With two derivatives on the way, where it takes many steps, instead of all.
-Jet arrived_with(const DeviceLog& log, std::size_t sample, const Jet& lag, const Jet& delay) {
+DeviceJet arrived_with(const DeviceLog& log, std::size_t sample, const DeviceJet& lag,
+                       const DeviceJet& delay) {
   using Two = ceres::Jet<double, 2>;
   const Two g = arrived(log, sample, Two(lag.a, 0), Two(delay.a, 1));
-  Jet all(g.a);
+  DeviceJet all(g.a);
   all.v = g.v[0] * lag.v + g.v[1] * delay.v;
   return all;
 }
@@ -87,12 +88,12 @@ class DeviceCost final : public ceres::CostFunction {
         residuals[i] = log_.position[first_ + i] - (begins + x);
       });
     }
-    Jet values[kParameters];
+    DeviceJet values[kDeviceParameters];
     for (std::size_t i = 0; i < layout_.count; ++i) {
-      values[i] = Jet(blocks[0][i], static_cast<int>(i));
+      values[i] = DeviceJet(blocks[0][i], static_cast<int>(i));
     }
-    const Jet velocity(blocks[1][1], kVelocity);
-    return follow(values, velocity, [&](std::size_t i, const Jet& x) {
+    const DeviceJet velocity(blocks[1][1], kVelocity);
+    return follow(values, velocity, [&](std::size_t i, const DeviceJet& x) {
       residuals[i] = log_.position[first_ + i] - (begins + x.a);
       if (jacobians[0] != nullptr) {
         double* const row = jacobians[0] + i * layout_.count;

@@ -19,7 +19,7 @@ std::string rounded(double x) {
 }
 
 // What is the same in words and what not.
-struct Kind {
+struct AxisKind {
   const char* mass;
   const char* mass_unit;
   const char* damping_unit;
@@ -28,14 +28,12 @@ struct Kind {
   const char* expected;
   double lightest, heaviest;
 };
-constexpr Kind kLinear{"mass", "kg", "N·s/m", "N", "N/A", "N (or A) and m", 1e-7, 1000};
+constexpr AxisKind kLinearAxis{"mass", "kg", "N·s/m", "N", "N/A", "N (or A) and m", 1e-7, 1000};
 // The rotor of the smallest motors has some 1e-9 kg·m².
-constexpr Kind kRotary{"inertia", "kg·m²", "N·m·s/rad", "N·m", "N·m/A", "N·m (or A) and rad",
-                       1e-10,     100};
+constexpr AxisKind kRotaryAxis{
+    "inertia", "kg·m²", "N·m·s/rad", "N·m", "N·m/A", "N·m (or A) and rad", 1e-10, 100};
 
-constexpr double kFactor = 5;  // between a start and the starts drawn
-
-Parameter mass(const Kind& kind, const DeviceSecondOpinion& opinion, double scale) {
+Parameter mass(const AxisKind& kind, const DeviceSecondOpinion& opinion, double scale) {
   const double start = opinion.mass * scale;
   if (!(start >= kind.lightest && start <= kind.heaviest)) {
     throw InputError("a regression gives " + std::string(kind.mass) + " = " + rounded(start) + " " +
@@ -51,14 +49,14 @@ Parameter mass(const Kind& kind, const DeviceSecondOpinion& opinion, double scal
   p.high = kind.heaviest;
   p.because = "no haptic device is lighter or heavier";
   p.logarithmic = true;
-  p.draw_low = std::max(p.low, start / kFactor);
-  p.draw_high = std::min(p.high, start * kFactor);
+  p.draw_low = std::max(p.low, start / kDrawFactor);
+  p.draw_high = std::min(p.high, start * kDrawFactor);
   p.matters = 0.1 * scale * opinion.command / opinion.acceleration;
   p.remedy = "a motion with acceleration: fast reversals or steps of force";
   return p;
 }
 
-Parameter damping(const Kind& kind, const DeviceSecondOpinion& opinion, double scale) {
+Parameter damping(const AxisKind& kind, const DeviceSecondOpinion& opinion, double scale) {
   const double typical = scale * opinion.command / opinion.velocity;
   Parameter p;
   p.name = "damping";
@@ -74,7 +72,7 @@ Parameter damping(const Kind& kind, const DeviceSecondOpinion& opinion, double s
   return p;
 }
 
-Parameter coulomb(const Kind& kind, const DeviceSecondOpinion& opinion, double scale) {
+Parameter coulomb(const AxisKind& kind, const DeviceSecondOpinion& opinion, double scale) {
   const double typical = scale * opinion.command;
   Parameter p;
   p.name = "coulomb";
@@ -90,7 +88,7 @@ Parameter coulomb(const Kind& kind, const DeviceSecondOpinion& opinion, double s
   return p;
 }
 
-Parameter offset(const Kind& kind, const DeviceSecondOpinion& opinion, double scale) {
+Parameter offset(const AxisKind& kind, const DeviceSecondOpinion& opinion, double scale) {
   const double typical = scale * opinion.command;
   Parameter p;
   p.name = "offset";
@@ -106,7 +104,7 @@ Parameter offset(const Kind& kind, const DeviceSecondOpinion& opinion, double sc
   return p;
 }
 
-Parameter motor_constant(const Kind& kind, double scale) {
+Parameter motor_constant(const AxisKind& kind, double scale) {
   Parameter p;
   p.name = "motor_constant";
   p.unit = kind.motor_unit;
@@ -115,8 +113,8 @@ Parameter motor_constant(const Kind& kind, double scale) {
   p.start = std::clamp(scale, p.low, p.high);
   p.because = "no motor and drive of a haptic device lies beyond";
   p.logarithmic = true;
-  p.draw_low = std::max(p.low, p.start / kFactor);
-  p.draw_high = std::min(p.high, p.start * kFactor);
+  p.draw_low = std::max(p.low, p.start / kDrawFactor);
+  p.draw_high = std::min(p.high, p.start * kDrawFactor);
   p.matters = 0.1 * scale;
   p.remedy = std::string("a log of forces beside the current, or the ") + kind.mass +
              " weighed, or --fix motor_constant= from the motor's data sheet";
@@ -164,7 +162,7 @@ Parameter delay(const DeviceSecondOpinion& opinion, bool lag, double start_bandw
 std::vector<Parameter> device_parameters(const DeviceSecondOpinion& opinion,
                                          const DeviceLayout& layout, DeviceMotionKind motion,
                                          double scale, double period) {
-  const Kind& kind = motion == DeviceMotionKind::linear ? kLinear : kRotary;
+  const AxisKind& kind = motion == DeviceMotionKind::linear ? kLinearAxis : kRotaryAxis;
   std::vector<Parameter> parameters{mass(kind, opinion, scale), damping(kind, opinion, scale),
                                     coulomb(kind, opinion, scale), offset(kind, opinion, scale)};
   if (layout.motor_constant != DeviceLayout::kNone) {

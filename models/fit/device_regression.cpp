@@ -8,18 +8,13 @@
 #include <vector>
 
 #include "models/config/input_error.h"
+#include "models/fit/device_windows.h"
 #include "models/fit/low_pass.h"
 
 namespace hvp::fit {
 namespace {
 
 using Column = std::vector<double>;
-
-double rms(const Column& x) {
-  double sum = 0;
-  for (const double value : x) sum += value * value;
-  return std::sqrt(sum / static_cast<double>(x.size()));
-}
 
 // x″, x′, sign x′ and where the axis moves, from positions.
 struct Motion {

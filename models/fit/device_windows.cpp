@@ -8,14 +8,8 @@
 namespace hvp::fit {
 namespace {
 
-constexpr double kFewest = 10;
+constexpr double kFewestWindowSamples = 10;
 constexpr double kSlow = 0.3;  // of the velocity's rms
-
-double rms(const std::vector<double>& x) {
-  double sum = 0;
-  for (const double value : x) sum += value * value;
-  return std::sqrt(sum / static_cast<double>(x.size()));
-}
 
 // The fastest of the samples [first, last); where all are slow, the first one behind them that is
 // not; else `first`.
@@ -34,10 +28,17 @@ std::size_t fast_sample(const std::vector<double>& velocities, double slow, std:
 
 }  // namespace
 
+double rms(const std::vector<double>& x) {
+  double sum = 0;
+  for (const double value : x) sum += value * value;
+  return std::sqrt(sum / static_cast<double>(x.size()));
+}
+
 std::vector<std::size_t> device_windows(const std::vector<double>& velocities, double length) {
   const std::size_t samples = velocities.size();
   const auto total = static_cast<double>(samples);
-  const auto window = static_cast<std::size_t>(std::clamp(std::round(length), kFewest, total));
+  const auto window =
+      static_cast<std::size_t>(std::clamp(std::round(length), kFewestWindowSamples, total));
   const std::size_t around = window / 4;
   const double slow = kSlow * rms(velocities);
 

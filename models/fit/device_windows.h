@@ -5,6 +5,9 @@
 
 namespace hvp::fit {
 
+// The root of the mean square of a column that has at least one value.
+double rms(const std::vector<double>& x);
+
 // First samples of windows of about `length` samples, and behind them the end of the log. A window
 // begins where the axis is fast: of one that stands, the velocity in front is no unknown (whatever
 // it is, friction has it stand at once), and as one would stop a search. So the first samples may

@@ -28,7 +28,7 @@ constexpr double kHopeless = 3;
 
 int total(const std::vector<int>& rows) { return std::accumulate(rows.begin(), rows.end(), 0); }
 
-double rms(double sum, int count) { return count > 0 ? std::sqrt(sum / count) : 0; }
+double root_mean(double sum, int count) { return count > 0 ? std::sqrt(sum / count) : 0; }
 
 class Fitting {
  public:
@@ -85,8 +85,8 @@ Search::Progress Fitting::watch() {
   return [this](int iteration, double sum) {
     if (fit_.interrupted) return false;
     const int starts = std::max(1, options_.starts);
-    fit_.interrupted =
-        !options_.progress({std::min(attempt_, starts), starts, iteration, rms(sum, total(rows_))});
+    fit_.interrupted = !options_.progress(
+        {std::min(attempt_, starts), starts, iteration, root_mean(sum, total(rows_))});
     return !fit_.interrupted;
   };
 }
@@ -206,7 +206,7 @@ void Fitting::hold_out(const Optimum& best) {
     sum += linear.residuals[s].tail(held).squaredNorm();
     count += held;
   }
-  if (count > 0) fit_.held_out_rms = rms(sum, count);
+  if (count > 0) fit_.held_out_rms = root_mean(sum, count);
 }
 
 // An interval that is wider than the value, and than what would show, says nothing; nor does one
@@ -278,7 +278,7 @@ double Fitting::residual_rms_at(const Point& at) const {
   for (const Eigen::VectorXd& r : linearise(problem_, coordinates_, rows_, at, {}).residuals) {
     sum += r.squaredNorm();
   }
-  return rms(sum, total(rows_));
+  return root_mean(sum, total(rows_));
 }
 
 void Fitting::keep_residuals(const Optimum& best) {
@@ -295,7 +295,7 @@ Fit Fitting::run() {
   for (int attempt = 1; attempt <= std::max(1, options_.starts); ++attempt) {
     const std::optional<double> sum = trial.sum(start(attempt));
     if (!sum || !(*sum > 0) || !std::isfinite(*sum)) continue;
-    scale_ = rms(*sum, total(rows_));
+    scale_ = root_mean(*sum, total(rows_));
     break;
   }
   Search search(problem_, coordinates_, range_of(rows_), {}, watch());

@@ -13,15 +13,15 @@
 namespace hvp::fit {
 namespace {
 
-enum Index : int { kMass, kStiffness, kDamping, kParameters };
-using Jet = ceres::Jet<double, kParameters>;
+enum Index : int { kMass, kStiffness, kDamping, kHandParameters };
+using HandJet = ceres::Jet<double, kHandParameters>;
 
 // A signal over the window, its value and its derivatives in columns.
-using Signal = Eigen::Matrix<double, Eigen::Dynamic, 1 + kParameters>;
+using Signal = Eigen::Matrix<double, Eigen::Dynamic, 1 + kHandParameters>;
 
-Jet dot(const Signal& a, const Signal& b) {
-  Jet product(a.col(0).dot(b.col(0)));
-  for (int k = 0; k < kParameters; ++k) {
+HandJet dot(const Signal& a, const Signal& b) {
+  HandJet product(a.col(0).dot(b.col(0)));
+  for (int k = 0; k < kHandParameters; ++k) {
     product.v[k] = a.col(1 + k).dot(b.col(0)) + a.col(0).dot(b.col(1 + k));
   }
   return product;
@@ -29,15 +29,15 @@ Jet dot(const Signal& a, const Signal& b) {
 
 // Takes from `signal` what lies along `other`.
 void remove(const Signal& other, Signal& signal) {
-  const Jet share = dot(other, signal) / dot(other, other);
-  for (int k = 0; k < kParameters; ++k) {
+  const HandJet share = dot(other, signal) / dot(other, other);
+  for (int k = 0; k < kHandParameters; ++k) {
     signal.col(1 + k) -= share.v[k] * other.col(0) + share.a * other.col(1 + k);
   }
   signal.col(0) -= share.a * other.col(0);
 }
 
 struct Hand {
-  Jet mass, stiffness, damping;
+  HandJet mass, stiffness, damping;
 };
 
 class HandCost final : public ceres::CostFunction {
@@ -45,7 +45,7 @@ class HandCost final : public ceres::CostFunction {
   HandCost(const HandLog& log, std::size_t degree, std::size_t first, std::size_t last)
       : log_(log), first_(first), samples_(static_cast<Eigen::Index>(last - first)) {
     set_num_residuals(static_cast<int>(samples_));
-    *mutable_parameter_block_sizes() = {kParameters};
+    *mutable_parameter_block_sizes() = {kHandParameters};
     if (!log.intended.empty()) return;
     // The motion that follows a polynomial is, but for how it begins, a polynomial of its degree
     // whatever the hand, and any such polynomial follows one.
@@ -61,32 +61,32 @@ class HandCost final : public ceres::CostFunction {
 
   bool Evaluate(const double* const* blocks, double* residuals, double** jacobians) const override {
     const double* const p = blocks[0];
-    for (int k = 0; k < kParameters; ++k) {
+    for (int k = 0; k < kHandParameters; ++k) {
       if (!std::isfinite(p[k]) || p[k] < 0) return false;
     }
     if (p[kMass] == 0) return false;
-    const Hand hand{Jet(p[kMass], kMass), Jet(p[kStiffness], kStiffness),
-                    Jet(p[kDamping], kDamping)};
+    const Hand hand{HandJet(p[kMass], kMass), HandJet(p[kStiffness], kStiffness),
+                    HandJet(p[kDamping], kDamping)};
     const Signal left = unexplained(hand);
     if (!left.allFinite()) return false;
     Eigen::Map<Eigen::VectorXd>(residuals, samples_) = left.col(0);
     if (jacobians != nullptr && jacobians[0] != nullptr) {
-      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, kParameters, Eigen::RowMajor>>(
-          jacobians[0], samples_, kParameters) = left.rightCols<kParameters>();
+      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, kHandParameters, Eigen::RowMajor>>(
+          jacobians[0], samples_, kHandParameters) = left.rightCols<kHandParameters>();
     }
     return true;
   }
 
  private:
-  using Step = HandStep<Jet>;
+  using Step = HandStep<HandJet>;
 
   Signal unexplained(const Hand& hand) const {
     const Step step = Step::over(log_.period, hand.mass, hand.stiffness, hand.damping);
     Step::Pair forced;  // from rest, by the force and the known intended motion
-    Step::Pair placed{Jet(1), Jet(0)};
-    Step::Pair thrown{Jet(0), Jet(1)};
-    Signal left(samples_, 1 + kParameters), from_place(left), from_speed(left);
-    const auto put = [](const Jet& x, Eigen::Index i, Signal& signal) {
+    Step::Pair placed{HandJet(1), HandJet(0)};
+    Step::Pair thrown{HandJet(0), HandJet(1)};
+    Signal left(samples_, 1 + kHandParameters), from_place(left), from_speed(left);
+    const auto put = [](const HandJet& x, Eigen::Index i, Signal& signal) {
       signal.row(i) << x.a, x.v.transpose();
     };
     for (Eigen::Index i = 0; i < samples_; ++i) {
@@ -123,8 +123,8 @@ class HandCost final : public ceres::CostFunction {
 
   Step::Pair pushed(const Step& step, const Hand& hand, std::size_t sample,
                     const Step::Pair& from) const {
-    Jet begins(log_.force[sample]);
-    Jet slope((log_.force[sample + 1] - log_.force[sample]) / log_.period);
+    HandJet begins(log_.force[sample]);
+    HandJet slope((log_.force[sample + 1] - log_.force[sample]) / log_.period);
     if (!log_.intended.empty()) {
       const double u = log_.intended[sample];
       const double fast = (log_.intended[sample + 1] - u) / log_.period;

@@ -15,7 +15,6 @@
 namespace hvp::fit {
 namespace {
 
-constexpr double kFactor = 5;  // between a start and the starts drawn
 constexpr const char* kRemedy =
     "a force with frequencies around the hand's natural one (1 to 10 Hz), that changes faster than "
     "the intended motion";
@@ -30,8 +29,8 @@ Parameter factor(const char* name, const char* unit, double start, double low, d
   p.high = high;
   p.because = because;
   p.logarithmic = true;
-  p.draw_low = std::max(low, p.start / kFactor);
-  p.draw_high = std::min(high, p.start * kFactor);
+  p.draw_low = std::max(low, p.start / kDrawFactor);
+  p.draw_high = std::min(high, p.start * kDrawFactor);
   p.remedy = kRemedy;
   return p;
 }

@@ -9,6 +9,9 @@
 
 namespace hvp::fit {
 
+// Between a start and the starts that are drawn around it.
+inline constexpr double kDrawFactor = 5;
+
 // A number that a log is asked for.
 struct Parameter {
   std::string name;  // "mass"

@@ -19,12 +19,12 @@ constexpr double kWidestForce = 1e4;  // factor about the start of c
 
 // Where time constants begin, and are drawn from, as shares of the hold: apart, so that every
 // attempt begins with them in order.
-struct Place {
+struct Tau {
   double start;
   double low;
   double high;
 };
-std::vector<Place> places(int exponentials) {
+std::vector<Tau> taus_of(int exponentials) {
   switch (exponentials) {
     case 1:
       return {{0.2, 0.02, 1}};
@@ -90,7 +90,7 @@ Parameter curvature(const QlvSettings& settings, double depth) {
 void add_relaxation(const QlvSettings& settings, const PressedLog& log,
                     std::vector<Parameter>& parameters) {
   const double hold = kHold * log.seconds();
-  const std::vector<Place> taus = places(settings.exponentials);
+  const std::vector<Tau> taus = taus_of(settings.exponentials);
   const auto count = static_cast<double>(taus.size());
   for (std::size_t i = 0; i < taus.size(); ++i) {
     parameters.push_back({.name = fmt::format("g{}", i + 1),

@@ -138,15 +138,15 @@ std::vector<double> qlv_force(const QlvSettings& settings, const PressedLog& log
 NormalisedRelaxation normalised_relaxation(const PressedLog& log, const std::vector<double>& force,
                                            double offset) {
   constexpr double kNear = 0.01;  // of the stroke
-  constexpr std::size_t kFewest = 10;
+  constexpr std::size_t kFewestSeen = 10;
   const double reached = log.deepest() - kNear * log.stroke();
   const auto end_of_ramp = std::find_if(log.depth.begin(), log.depth.end(),
                                         [&](double depth) { return depth >= reached; });
   const auto begin = static_cast<std::size_t>(end_of_ramp - log.depth.begin());
-  if (log.depth.size() - begin < kFewest) {
+  if (log.depth.size() - begin < kFewestSeen) {
     throw InputError(
         fmt::format("travel: {} samples at its far end; expected a hold of at least {}",
-                    log.depth.size() - begin, kFewest));
+                    log.depth.size() - begin, kFewestSeen));
   }
   NormalisedRelaxation result;
   for (std::size_t i = begin; i < force.size(); ++i) {

@@ -5,11 +5,10 @@
 
 #include "models/fit/tissue_factors.h"
 #include "models/fit/tissue_response.h"
+#include "models/index.h"
 
 namespace hvp::fit {
 namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // Field 0 is the body's motion, the others its derivatives by E, ν, α, β.
 enum Field : std::size_t { kMotion, kYoung, kPoisson, kAlpha, kBeta, kFields };
@@ -30,7 +29,7 @@ class Integration {
         factors_(system,
                  {of_stiffness_ * material_.value.lambda, of_stiffness_ * material_.value.mu},
                  of_mass_) {
-    const std::size_t n = index(system.unknowns());
+    const std::size_t n = at(system.unknowns());
     for (auto* state : {&u_, &v_, &a_, &v_tilde_, &a_tilde_, &momentum_, &next_})
       state->assign(n, {});
   }
@@ -129,8 +128,8 @@ class Integration {
       };
       if (system_.lumped) add(system_.diagonal[i], momentum_[i]);
       double strained = 0;  // K_λ·(u + β·u̇)
-      for (std::size_t k = index(system_.row_begin[i]); k < index(system_.row_begin[i + 1]); ++k) {
-        const std::size_t j = index(system_.column[k]);
+      for (std::size_t k = at(system_.row_begin[i]); k < at(system_.row_begin[i + 1]); ++k) {
+        const std::size_t j = at(system_.column[k]);
         if (!system_.lumped) add(system_.mass[k], momentum_[j]);
         if constexpr (Fields > 1) {
           strained += system_.stiffness[k].lambda * (u_[j][kMotion] + beta_ * v_[j][kMotion]);
@@ -145,7 +144,7 @@ class Integration {
     const double w = before.u + beta_ * before.v;
     const double inertia = before.a + alpha_ * before.v;
     for (const TissueSystem::Coupling& to : system_.coupling) {
-      FieldRow<Fields>& rhs = next_[index(to.row)];
+      FieldRow<Fields>& rhs = next_[at(to.row)];
       rhs[kYoung] += by_young_ * to.mass * inertia;
       rhs[kPoisson] +=
           by_poisson_ * to.mass * inertia - by_poisson_lambda_ * to.stiffness.lambda * w;
@@ -159,8 +158,7 @@ class Integration {
     const double w = now.u + beta_ * now.v;
     const double inertia = now.a + alpha_ * now.v;
     for (const TissueSystem::Coupling& to : system_.coupling) {
-      next_[index(to.row)][kMotion] -=
-          combine(material_.value, to.stiffness) * w + to.mass * inertia;
+      next_[at(to.row)][kMotion] -= combine(material_.value, to.stiffness) * w + to.mass * inertia;
     }
   }
 
@@ -185,7 +183,7 @@ class Integration {
         combine(material_.value, system_.contact_stiffness) * (now.u + beta_ * now.v) +
         system_.contact_mass * (now.a + alpha_ * now.v);
     for (const TissueSystem::Coupling& to : system_.coupling) {
-      const std::size_t i = index(to.row);
+      const std::size_t i = at(to.row);
       const double stiffness = combine(material_.value, to.stiffness);
       for (std::size_t f = 0; f < Fields; ++f) {
         force[f] +=
@@ -203,7 +201,7 @@ class Integration {
                    system_.contact_stiffness.mu * before.v};
     double momentum = system_.contact_mass * before.v;
     for (const TissueSystem::Coupling& to : system_.coupling) {
-      const std::size_t i = index(to.row);
+      const std::size_t i = at(to.row);
       const double w = u_[i][kMotion] + beta_ * v_[i][kMotion];
       strained.lambda += to.stiffness.lambda * w;
       strained.mu += to.stiffness.mu * w;

@@ -6,24 +6,23 @@
 #include <cstddef>
 
 #include "models/fit/tissue_factors.h"
+#include "models/index.h"
 
 namespace hvp::fit {
 namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // wᵀ·K_λ·w and wᵀ·K_μ·w over all nodes, the contact's displacement being one.
 LamePair quadratic_form(const TissueSystem& system, const std::vector<FieldRow<1>>& w) {
   LamePair sum = system.contact_stiffness;
   for (const TissueSystem::Coupling& to : system.coupling) {
-    const double twice = 2 * w[index(to.row)][0];
+    const double twice = 2 * w[at(to.row)][0];
     sum.lambda += twice * to.stiffness.lambda;
     sum.mu += twice * to.stiffness.mu;
   }
   for (std::size_t i = 0; i < w.size(); ++i) {
     LamePair row;
-    for (std::size_t k = index(system.row_begin[i]); k < index(system.row_begin[i + 1]); ++k) {
-      const double x = w[index(system.column[k])][0];
+    for (std::size_t k = at(system.row_begin[i]); k < at(system.row_begin[i + 1]); ++k) {
+      const double x = w[at(system.column[k])][0];
       row.lambda += system.stiffness[k].lambda * x;
       row.mu += system.stiffness[k].mu * x;
     }
@@ -72,9 +71,9 @@ std::optional<TissueForce> static_force(const TissueSystem& system, const Tissue
   const Lame material = lame(values.young_modulus, values.poisson_ratio);
   const TissueFactors factors(system, material.value, 0);
   if (!factors.positive_definite()) return std::nullopt;
-  std::vector<FieldRow<1>> w(index(system.unknowns()), FieldRow<1>{});
+  std::vector<FieldRow<1>> w(at(system.unknowns()), FieldRow<1>{});
   for (const TissueSystem::Coupling& to : system.coupling) {
-    w[index(to.row)][0] = -combine(material.value, to.stiffness);
+    w[at(to.row)][0] = -combine(material.value, to.stiffness);
   }
   factors.solve(w);
   // The form is stationary at w, so k is exact to the square of the solve's rounding.
@@ -93,15 +92,15 @@ double lowest_frequency(const TissueSystem& system, double young_modulus, double
   const TissueFactors factors(system, lame(young_modulus, poisson_ratio).value, 0);
   if (!factors.positive_definite()) return 0;
   constexpr int kMostIterations = 200;
-  std::vector<FieldRow<1>> x(index(system.unknowns()));
+  std::vector<FieldRow<1>> x(at(system.unknowns()));
   for (std::size_t i = 0; i < x.size(); ++i) x[i][0] = 1 + 0.5 * std::sin(static_cast<double>(i));
   double eigenvalue = 0;
   std::vector<FieldRow<1>> weighted(x.size());
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
     for (std::size_t i = 0; i < x.size(); ++i) {
       double sum = 0;
-      for (std::size_t k = index(system.row_begin[i]); k < index(system.row_begin[i + 1]); ++k) {
-        sum += system.mass[k] * x[index(system.column[k])][0];
+      for (std::size_t k = at(system.row_begin[i]); k < at(system.row_begin[i + 1]); ++k) {
+        sum += system.mass[k] * x[at(system.column[k])][0];
       }
       weighted[i][0] = sum;
     }

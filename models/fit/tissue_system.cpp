@@ -9,11 +9,10 @@
 
 #include "models/config/input_error.h"
 #include "models/fem/body.h"
+#include "models/index.h"
 
 namespace hvp::fit {
 namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 fem::Body make_body(const TissueBody& body, double young_modulus, double poisson_ratio) {
   const fem::Material material{.young_modulus_pa = young_modulus,
@@ -76,7 +75,7 @@ TissueSystem::TissueSystem(const TissueBody& body, std::span<const int> contact,
   if (contact.empty()) throw InputError("the contact has no node; expected at least one");
   std::vector<int> active;
   for (const int node : contact) {
-    if (node < 0 || index(node) >= body.mesh.nodes.size()) {
+    if (node < 0 || at(node) >= body.mesh.nodes.size()) {
       throw InputError(fmt::format("contact_node is {}; expected 0 to {}", node,
                                    static_cast<std::ptrdiff_t>(body.mesh.nodes.size()) - 1));
     }
@@ -104,16 +103,16 @@ void TissueSystem::reduce(const Assembled& full, std::span<const int> contact,
                           const Eigen::Vector3d& direction) {
   const sparse::BlockMatrix& k = full.both;
   std::vector<int> free;
-  std::vector<char> touched(index(k.block_rows()), 0);
-  for (const int node : contact) touched[index(node)] = 1;
+  std::vector<char> touched(at(k.block_rows()), 0);
+  for (const int node : contact) touched[at(node)] = 1;
   for (int i = 0; i < k.block_rows(); ++i) {
-    if (touched[index(i)] == 0) free.push_back(i);
+    if (touched[at(i)] == 0) free.push_back(i);
   }
   const std::vector<int> order = sparse_order(k.submatrix(free));
   const std::size_t n = 3 * order.size();
-  std::vector<int> place(index(k.block_rows()), -1);  // a node's first unknown; −1: touched
+  std::vector<int> place(at(k.block_rows()), -1);  // a node's first unknown; −1: touched
   for (std::size_t i = 0; i < order.size(); ++i) {
-    place[index(free[index(order[i])])] = static_cast<int>(3 * i);
+    place[at(free[at(order[i])])] = static_cast<int>(3 * i);
   }
 
   struct Entry {
@@ -124,18 +123,18 @@ void TissueSystem::reduce(const Assembled& full, std::span<const int> contact,
   std::vector<Entry> row;
   row_begin.assign(1, 0);
   diagonal.assign(lumped ? n : 0, 0.0);
-  for (std::size_t at = 0; at < n; ++at) {
-    const int node = free[index(order[at / 3])];
-    const std::size_t r = at % 3;
+  for (std::size_t unknown = 0; unknown < n; ++unknown) {
+    const int node = free[at(order[unknown / 3])];
+    const std::size_t r = unknown % 3;
     row.clear();
-    Coupling to_contact{static_cast<int>(at), {}, 0};
-    for (int b = k.row_begin[index(node)]; b < k.row_begin[index(node) + 1]; ++b) {
-      const int other = k.column[index(b)];
+    Coupling to_contact{static_cast<int>(unknown), {}, 0};
+    for (int b = k.row_begin[at(node)]; b < k.row_begin[at(node) + 1]; ++b) {
+      const int other = k.column[at(b)];
       for (std::size_t c = 0; c < 3; ++c) {
-        const LamePair value = full.stiffness(index(b), 3 * r + c);
+        const LamePair value = full.stiffness(at(b), 3 * r + c);
         const double kg = full.mass_entry(node, other, 3 * r + c);
-        if (touched[index(other)] == 0) {
-          row.push_back({place[index(other)] + static_cast<int>(c), value, kg});
+        if (touched[at(other)] == 0) {
+          row.push_back({place[at(other)] + static_cast<int>(c), value, kg});
         } else {
           const double share = direction[static_cast<Eigen::Index>(c)];
           to_contact.stiffness.lambda += value.lambda * share;
@@ -149,7 +148,7 @@ void TissueSystem::reduce(const Assembled& full, std::span<const int> contact,
       column.push_back(entry.column);
       stiffness.push_back(entry.stiffness);
       mass.push_back(entry.mass);
-      if (lumped && entry.column == static_cast<int>(at)) diagonal[at] = entry.mass;
+      if (lumped && entry.column == static_cast<int>(unknown)) diagonal[unknown] = entry.mass;
     }
     row_begin.push_back(static_cast<int>(column.size()));
     if (to_contact.stiffness.lambda != 0 || to_contact.stiffness.mu != 0 || to_contact.mass != 0) {
@@ -158,13 +157,13 @@ void TissueSystem::reduce(const Assembled& full, std::span<const int> contact,
   }
 
   for (const int node : contact) {
-    for (int b = k.row_begin[index(node)]; b < k.row_begin[index(node) + 1]; ++b) {
-      const int other = k.column[index(b)];
-      if (touched[index(other)] == 0) continue;
+    for (int b = k.row_begin[at(node)]; b < k.row_begin[at(node) + 1]; ++b) {
+      const int other = k.column[at(b)];
+      if (touched[at(other)] == 0) continue;
       for (std::size_t e = 0; e < 9; ++e) {
         const double share = direction[static_cast<Eigen::Index>(e / 3)] *
                              direction[static_cast<Eigen::Index>(e % 3)];
-        const LamePair value = full.stiffness(index(b), e);
+        const LamePair value = full.stiffness(at(b), e);
         contact_stiffness.lambda += value.lambda * share;
         contact_stiffness.mu += value.mu * share;
         contact_mass += full.mass_entry(node, other, e) * share;

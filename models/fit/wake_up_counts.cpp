@@ -10,7 +10,7 @@ namespace hvp::fit {
 
 namespace {
 
-constexpr std::int64_t kFewest = 100;
+constexpr std::int64_t kFewestLatencies = 100;
 constexpr std::size_t kFewestBins = 3;
 
 }  // namespace
@@ -22,9 +22,9 @@ WakeUpCounts wake_up_counts(const WakeUpHistogram& histogram) {
     counts.bins.push_back(bin);
     counts.total += bin.count;
   }
-  if (counts.total < kFewest) {
+  if (counts.total < kFewestLatencies) {
     throw InputError(
-        fmt::format("count: {} latencies; expected at least {}", counts.total, kFewest));
+        fmt::format("count: {} latencies; expected at least {}", counts.total, kFewestLatencies));
   }
   if (counts.bins.size() < kFewestBins) {
     throw InputError(

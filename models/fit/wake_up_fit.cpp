@@ -168,14 +168,14 @@ random::TimeDistribution distribution_of(const Found& found, const WakeUpCounts&
 // Hall & Hausman 1974).
 template <int Count>
 Eigen::Matrix<double, Count, Count> covariance(const Deviance& deviance, const Found& found) {
-  using Jet = ceres::Jet<double, Count>;
-  std::array<Jet, 2> u{};
-  for (std::size_t k = 0; k < Count; ++k) u[k] = Jet(found.u[k], static_cast<int>(k));
-  const std::array<Jet, 2> p = deviance.values(u.data());
+  using FitJet = ceres::Jet<double, Count>;
+  std::array<FitJet, 2> u{};
+  for (std::size_t k = 0; k < Count; ++k) u[k] = FitJet(found.u[k], static_cast<int>(k));
+  const std::array<FitJet, 2> p = deviance.values(u.data());
   Eigen::Matrix<double, Count, Count> information;
   information.setZero();
   for (const WakeUpHistogram::Bin& bin : deviance.counts.bins) {
-    const Jet share = deviance.log_share(p, bin);
+    const FitJet share = deviance.log_share(p, bin);
     information += static_cast<double>(bin.count) * share.v * share.v.transpose();
   }
   return information.inverse();

@@ -17,7 +17,7 @@ namespace hvp::fit {
 
 namespace {
 
-constexpr double kLongest = 1;                          // s
+constexpr double kLongestLatency = 1;                   // s
 constexpr std::int64_t kMostCount = 1'000'000'000'000;  // of a cell: no sum overflows
 
 struct Row {
@@ -110,9 +110,9 @@ void Reading::row(std::string_view line) {
                     "each processor, or a header latency_us,count",
                     line_, shown(line)));
   }
-  if (!(*latency >= 0) || *latency * unit_ > kLongest) {
+  if (!(*latency >= 0) || *latency * unit_ > kLongestLatency) {
     throw InputError(fmt::format("latency: {:g} us in line {}; expected from zero to {:g} s",
-                                 *latency * unit_ * 1e6, line_, kLongest));
+                                 *latency * unit_ * 1e6, line_, kLongestLatency));
   }
   Row row{.latency = *latency, .counts = {}, .line = line_};
   for (std::size_t i = 1; i < found.size(); ++i) {

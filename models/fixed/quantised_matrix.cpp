@@ -9,12 +9,11 @@
 
 #include "models/config/input_error.h"
 #include "models/fixed/word.h"
+#include "models/index.h"
 
 namespace hvp::fixed {
 
 namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 void require_node(const QuantisedMatrix& matrix, int node) {
   if (node >= 0 && node < matrix.block_rows()) return;

@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "models/fixed/word.h"
+#include "models/index.h"
 
 namespace hvp::fixed {
 
@@ -15,8 +16,6 @@ constexpr int kInverseBits = 18;
 // Words of the inverse blocks are a little shorter than 32 bits, so that the three products of a
 // row's sum fit 64.
 constexpr int kBlockLimitBits = 30;
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 // numerator / denominator to nearest, ties away from zero; denominator > 0.
 Int128 nearest(Int128 numerator, Int128 denominator) {

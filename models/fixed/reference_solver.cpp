@@ -6,12 +6,11 @@
 #include <string>
 
 #include "models/config/input_error.h"
+#include "models/index.h"
 
 namespace hvp::fixed {
 
 namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 // The three sums of a block row, exact.
 std::array<std::int64_t, 3> block_row_sums(const QuantisedMatrix& matrix, int row,

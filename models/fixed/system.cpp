@@ -10,12 +10,11 @@
 
 #include "models/config/input_error.h"
 #include "models/fixed/word.h"
+#include "models/index.h"
 
 namespace hvp::fixed {
 
 namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 std::vector<double> diagonal_scale(const sparse::BlockMatrix& matrix) {
   std::vector<double> scale(at(matrix.rows()));

@@ -10,6 +10,7 @@
 #include "models/config/input_error.h"
 #include "models/fixed/word.h"
 #include "models/host/costs.h"
+#include "models/index.h"
 
 namespace hvp::host {
 
@@ -17,8 +18,6 @@ namespace {
 
 using stability::Flag;
 using stability::Flags;
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 // A unit that much finer than the range's is beyond what double precision tells apart.
 constexpr int kFinest = -64;

@@ -10,8 +10,6 @@ namespace hvp::link {
 
 namespace {
 
-constexpr std::int64_t kWordBytes = 4;
-
 Cost sum(const std::vector<TransferStep>& steps) {
   Cost total;
   for (const TransferStep& step : steps) total += step.cost;

@@ -8,8 +8,6 @@ namespace hvp::link {
 
 namespace {
 
-constexpr int kWordBytes = 4;
-
 std::int64_t words_of(std::int64_t bytes) { return (bytes + kWordBytes - 1) / kWordBytes; }
 
 Cost repeated(const Cost& one, std::int64_t times) {

@@ -7,6 +7,9 @@
 
 namespace hvp::link {
 
+// The bytes of a register, a descriptor's word and a message.
+inline constexpr std::int64_t kWordBytes = 4;
+
 // What an operation between processor, memory and board takes, nobody else on the bus.
 struct Cost {
   std::int64_t latency_ps = 0;    // until its data are where they go

@@ -12,7 +12,6 @@ namespace hvp::link {
 namespace {
 
 constexpr std::int64_t kPerSecond = 1'000'000'000'000;
-constexpr int kCreditBytes = 16;  // of a data credit: 4 double words
 
 std::int64_t quotient_up(std::int64_t a, std::int64_t b) { return (a + b - 1) / b; }
 

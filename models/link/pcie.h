@@ -8,6 +8,9 @@
 
 namespace hvp::link {
 
+// The bytes of a data credit: four double words (PCI Express Base Specification, section 2.6.1).
+inline constexpr int kCreditBytes = 16;
+
 // How the limits of dllp_limit() become bytes.
 enum class DllpAccounting {
   published,     // 8 bytes in `limit` bytes of the link, as pcie-bench's model has it

@@ -7,12 +7,6 @@
 
 namespace hvp::link {
 
-namespace {
-
-constexpr int kCreditBytes = 16;
-
-}  // namespace
-
 PcieLink::PcieLink(const Pcie& link, std::span<const PcieSide> initiators)
     : link_(link),
       byte_(byte_time(link.generation, link.lanes,

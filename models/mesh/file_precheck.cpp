@@ -19,7 +19,7 @@ namespace hvp::mesh {
 namespace {
 
 // A message quotes the file, whose bytes need be no text: it stays one printable line.
-[[noreturn]] void refuse(std::string message) {
+[[noreturn]] void refuse_file(std::string message) {
   std::replace_if(
       message.begin(), message.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
   throw InputError("surface", message);
@@ -48,7 +48,7 @@ std::vector<std::string_view> words(std::string_view line) {
 
 void check_triangle_count(std::uint64_t count, std::string_view what) {
   if (count > kMostTriangles) {
-    refuse(
+    refuse_file(
         fmt::format("the file declares {} {}; at most {} are read", count, what, kMostTriangles));
   }
 }
@@ -73,35 +73,36 @@ SurfaceFormat check_stl(std::string_view bytes) {
     declared = count;
     if (bytes.size() == kHeader + kTriangle * std::size_t{count}) {
       check_triangle_count(count, "triangles");
-      if (count == 0) refuse("the file declares 0 triangles");
+      if (count == 0) refuse_file("the file declares 0 triangles");
       return SurfaceFormat::stl_binary;
     }
   }
   if (find_word(bytes.substr(0, 5), "solid") == 0 && bytes.find('\0') == std::string_view::npos) {
     if (find_word(bytes, "endsolid") == std::string_view::npos) {
-      refuse("the text STL file ends without \"endsolid\"; it is cut off");
+      refuse_file("the text STL file ends without \"endsolid\"; it is cut off");
     }
     std::size_t vertices = 0;
     for (std::size_t at = find_word(bytes, "vertex"); at != std::string_view::npos;
          at = find_word(bytes, "vertex", at + 6)) {
       ++vertices;
     }
-    if (vertices == 0) refuse("the text STL file holds no triangles");
+    if (vertices == 0) refuse_file("the text STL file holds no triangles");
     if (vertices % 3 != 0) {
-      refuse(fmt::format("the text STL file has {} vertices; expected three for each triangle",
-                         vertices));
+      refuse_file(fmt::format("the text STL file has {} vertices; expected three for each triangle",
+                              vertices));
     }
     check_triangle_count(vertices / 3, "triangles");
     return SurfaceFormat::stl_text;
   }
   if (!declared) {
-    refuse(
+    refuse_file(
         fmt::format("the file is neither a text STL file (it does not start with \"solid\") "
                     "nor a binary one ({} bytes; its header alone has {})",
                     bytes.size(), kHeader));
   }
-  refuse(fmt::format("the binary STL file declares {} triangles, which take {} bytes; it has {}",
-                     *declared, kHeader + kTriangle * std::size_t{*declared}, bytes.size()));
+  refuse_file(
+      fmt::format("the binary STL file declares {} triangles, which take {} bytes; it has {}",
+                  *declared, kHeader + kTriangle * std::size_t{*declared}, bytes.size()));
 }
 
 // Size of a PLY scalar type by either of its names; 0 for a name that is none.
@@ -116,7 +117,7 @@ std::size_t ply_size(std::string_view type) {
 
 void check_ply(std::string_view bytes) {
   std::string_view rest = bytes;
-  if (next_line(rest) != "ply") refuse("the file does not start with \"ply\"");
+  if (next_line(rest) != "ply") refuse_file("the file does not start with \"ply\"");
   bool binary = false;
   bool ended = false;
   std::uint64_t items = 0;    // lines that a text file needs at least
@@ -132,41 +133,43 @@ void check_ply(std::string_view bytes) {
     } else if (line[0] == "format" && line.size() >= 2) {
       binary = line[1] != "ascii";
     } else if (line[0] == "element") {
-      if (line.size() != 3) refuse("the PLY header has an element without a name or count");
+      if (line.size() != 3) refuse_file("the PLY header has an element without a name or count");
       const auto [end, error] =
           std::from_chars(line[2].data(), line[2].data() + line[2].size(), current);
       if (error != std::errc{} || end != line[2].data() + line[2].size()) {
-        refuse(fmt::format("the PLY header has an element count that is no number: \"{:.40}\"",
-                           line[2]));
+        refuse_file(fmt::format("the PLY header has an element count that is no number: \"{:.40}\"",
+                                line[2]));
       }
       // Three vertices a triangle would be the most; the rest is not looked at.
       if (current > 3 * std::uint64_t{kMostTriangles}) {
-        refuse(fmt::format("the PLY header declares {} items of \"{:.40}\"; at most {} are read",
-                           current, line[1], 3 * std::uint64_t{kMostTriangles}));
+        refuse_file(
+            fmt::format("the PLY header declares {} items of \"{:.40}\"; at most {} are read",
+                        current, line[1], 3 * std::uint64_t{kMostTriangles}));
       }
       if (line[1] == "vertex") vertices = current;
       if (line[1] == "face") faces = current;
       items += current;
     } else if (line[0] == "property" && line.size() >= 3) {
       const std::size_t size = ply_size(line[1] == "list" ? line[2] : line[1]);
-      if (size == 0) refuse("the PLY header has a property of unknown type");
+      if (size == 0) refuse_file("the PLY header has a property of unknown type");
       least += size * current;
     }
   }
-  if (!ended) refuse("the PLY header ends without \"end_header\"; the file is cut off");
+  if (!ended) refuse_file("the PLY header ends without \"end_header\"; the file is cut off");
   if (vertices == 0 || faces == 0) {
-    refuse(fmt::format("the PLY file declares {} vertices and {} faces", vertices, faces));
+    refuse_file(fmt::format("the PLY file declares {} vertices and {} faces", vertices, faces));
   }
   check_triangle_count(faces, "faces");
   if (binary && rest.size() < least) {
-    refuse(fmt::format("the PLY header declares items of {} bytes at least; {} follow it", least,
-                       rest.size()));
+    refuse_file(fmt::format("the PLY header declares items of {} bytes at least; {} follow it",
+                            least, rest.size()));
   }
   if (!binary) {
     std::uint64_t lines = 0;
     while (!rest.empty()) lines += words(next_line(rest)).empty() ? 0 : 1;
     if (lines < items) {
-      refuse(fmt::format("the PLY header declares {} items; {} lines follow it", items, lines));
+      refuse_file(
+          fmt::format("the PLY header declares {} items; {} lines follow it", items, lines));
     }
   }
 }
@@ -180,7 +183,7 @@ bool is_finite_number(std::string_view word) {
 
 void check_obj(std::string_view bytes) {
   if (bytes.find('\0') != std::string_view::npos)
-    refuse("the OBJ file holds bytes that are no text");
+    refuse_file("the OBJ file holds bytes that are no text");
   std::uint64_t vertices = 0;
   std::uint64_t faces = 0;
   std::uint64_t number = 0;
@@ -191,46 +194,47 @@ void check_obj(std::string_view bytes) {
     if (line.empty()) continue;
     if (line[0] == "v") {
       ++vertices;
-      if (line.size() < 4) refuse(fmt::format("line {}: a vertex needs three coordinates", number));
+      if (line.size() < 4)
+        refuse_file(fmt::format("line {}: a vertex needs three coordinates", number));
       for (std::size_t i = 1; i < 4; ++i) {
         // VTK's reader takes what is no number for one.
         if (!is_finite_number(line[i])) {
-          refuse(fmt::format("line {}: the coordinate \"{:.40}\" is not a finite number", number,
-                             line[i]));
+          refuse_file(fmt::format("line {}: the coordinate \"{:.40}\" is not a finite number",
+                                  number, line[i]));
         }
       }
     }
     if (line[0] != "f") continue;
     ++faces;
     if (line.size() < 4)
-      refuse(fmt::format("line {}: a face needs three corners at least", number));
+      refuse_file(fmt::format("line {}: a face needs three corners at least", number));
     for (std::size_t i = 1; i < line.size(); ++i) {
       if (line[i] == "\\") break;  // continued on the next line; VTK checks the rest
       std::int64_t index = 0;
       const auto [end, error] =
           std::from_chars(line[i].data(), line[i].data() + line[i].size(), index);
       if (error != std::errc{} || (end != line[i].data() + line[i].size() && *end != '/')) {
-        refuse(fmt::format("line {}: a face with the corner \"{:.40}\"", number, line[i]));
+        refuse_file(fmt::format("line {}: a face with the corner \"{:.40}\"", number, line[i]));
       }
       const auto count = static_cast<std::int64_t>(vertices);
       if (index == 0 || index > count || index < -count) {
-        refuse(fmt::format("line {}: a face with the vertex {} where {} stand before it", number,
-                           index, vertices));
+        refuse_file(fmt::format("line {}: a face with the vertex {} where {} stand before it",
+                                number, index, vertices));
       }
     }
   }
   if (vertices == 0 || faces == 0) {
-    refuse(fmt::format("the OBJ file holds {} vertices and {} faces", vertices, faces));
+    refuse_file(fmt::format("the OBJ file holds {} vertices and {} faces", vertices, faces));
   }
   check_triangle_count(faces, "faces");
 }
 
 void check_vtk_xml(std::string_view bytes, std::string_view type) {
   if (bytes.find("<VTKFile") == std::string_view::npos) {
-    refuse("the file holds no <VTKFile>; expected VTK's XML format");
+    refuse_file("the file holds no <VTKFile>; expected VTK's XML format");
   }
   if (bytes.find("</VTKFile>") == std::string_view::npos) {
-    refuse("the file ends without </VTKFile>; it is cut off");
+    refuse_file("the file ends without </VTKFile>; it is cut off");
   }
   // NumberOfPoints, NumberOfPolys, NumberOfTuples, …: the readers allocate what these promise.
   constexpr std::string_view kCount = "NumberOf";
@@ -244,13 +248,13 @@ void check_vtk_xml(std::string_view bytes, std::string_view type) {
     const auto [end, error] =
         std::from_chars(attribute.data() + digits, attribute.data() + attribute.size(), count);
     if (error != std::errc{} || count > 3 * std::uint64_t{kMostTriangles}) {
-      refuse(fmt::format("the file declares {} = {:.24}; at most {} are read",
-                         attribute.substr(0, equals), attribute.substr(digits),
-                         3 * kMostTriangles));
+      refuse_file(fmt::format("the file declares {} = {:.24}; at most {} are read",
+                              attribute.substr(0, equals), attribute.substr(digits),
+                              3 * kMostTriangles));
     }
   }
   if (bytes.find(fmt::format("<{}", type)) == std::string_view::npos) {
-    refuse(fmt::format("the file holds no <{}>, which its extension promises", type));
+    refuse_file(fmt::format("the file holds no <{}>, which its extension promises", type));
   }
 }
 
@@ -261,12 +265,12 @@ SurfaceFormat precheck(std::string_view extension, std::string_view bytes) {
   std::transform(lower.begin(), lower.end(), lower.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (lower != ".stl" && lower != ".ply" && lower != ".obj" && lower != ".vtp" && lower != ".vtu") {
-    refuse(
+    refuse_file(
         fmt::format("files ending in \"{}\" are not read; expected .stl, .ply, .obj, .vtp or "
                     ".vtu",
                     lower));
   }
-  if (bytes.empty()) refuse("the file is empty");
+  if (bytes.empty()) refuse_file("the file is empty");
   if (lower == ".stl") return check_stl(bytes);
   if (lower == ".ply") {
     check_ply(bytes);

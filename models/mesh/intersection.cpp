@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
+#include "models/index.h"
 #include "models/mesh/predicates.h"
 
 namespace hvp::mesh {
@@ -18,8 +19,6 @@ namespace {
 
 using Eigen::Vector3d;
 using Triangle = std::array<int, 3>;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 struct Box {
   Vector3d low;

@@ -7,6 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include "models/index.h"
+
 namespace hvp::mesh {
 
 namespace {
@@ -18,8 +20,6 @@ constexpr double kGoodSine = 0.30901699437494742;
 constexpr int kSweeps = 3;
 constexpr int kHalvings = 3;
 constexpr double kFirstStep = 0.2;  // of the star's shortest edge at the node
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // The smallest sine of the six dihedral angles, sin θ = 3·V·l / (2·A₁·A₂) for the edge of length
 // l between faces of areas A₁ and A₂; not positive for an inverted tetrahedron.

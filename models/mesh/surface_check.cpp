@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
+#include "models/index.h"
 #include "models/mesh/intersection.h"
 
 namespace hvp::mesh {
@@ -24,10 +25,6 @@ using Edge = std::pair<int, int>;
 // left but rounding of single-precision coordinates.
 constexpr double kNoVolume = 1e-9;
 constexpr double kNoArea = 1e-14;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-[[noreturn]] void refuse(const std::string& message) { throw InputError("surface", message); }
 
 double diagonal(const Surface& surface) {
   Vector3d low = surface.points.front();
@@ -154,6 +151,8 @@ void check_fans(const Surface& surface) {
 }
 
 }  // namespace
+
+void refuse(const std::string& message) { throw InputError("surface", message); }
 
 double enclosed_volume(const Surface& surface) {
   if (surface.points.empty()) return 0.0;

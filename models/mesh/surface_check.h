@@ -1,8 +1,13 @@
 #pragma once
 
+#include <string>
+
 #include "models/mesh/tet_mesh.h"
 
 namespace hvp::mesh {
+
+// Throws InputError with the key "surface".
+[[noreturn]] void refuse(const std::string& message);
 
 // Six times ∫dV would be the sum of det(a, b, c) over the triangles; this is the volume itself in
 // m³, positive for outward normals.

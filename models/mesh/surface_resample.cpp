@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
+#include "models/index.h"
 #include "models/mesh/surface_check.h"
 
 namespace hvp::mesh {
@@ -23,8 +24,6 @@ namespace {
 using Edge = std::pair<int, int>;
 
 constexpr double kVolumeTolerance = 0.05;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // Longest first; equal lengths in the order of their points.
 struct LongerFirst {

@@ -13,12 +13,11 @@
 #include <tetgen.h>
 
 #include "models/config/input_error.h"
+#include "models/index.h"
 
 namespace hvp::mesh {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // tetgenio releases its arrays with delete[], so they are handed over raw.
 void set_points(tetgenio& in, const std::vector<Eigen::Vector3d>& points) {

@@ -32,8 +32,6 @@ namespace hvp::mesh {
 
 namespace {
 
-[[noreturn]] void refuse(const std::string& message) { throw InputError("surface", message); }
-
 // Keeps what VTK would have printed, errors only.
 class CapturingWindow : public vtkOutputWindow {
  public:

@@ -7,7 +7,7 @@
 namespace hvp::plant {
 
 namespace {
-constexpr Picoseconds kNever = std::numeric_limits<Picoseconds>::min();
+constexpr Picoseconds kBeforeAll = std::numeric_limits<Picoseconds>::min();
 constexpr std::size_t kChanges = 8;  // more than are ahead with any output delay below 8 periods
 
 void require_order(const char* what, Picoseconds time, Picoseconds last) {
@@ -17,7 +17,7 @@ void require_order(const char* what, Picoseconds time, Picoseconds last) {
 }
 }  // namespace
 
-Device::Device() : asked_(kNever), driven_(kNever) { ahead_.reserve(kChanges); }
+Device::Device() : asked_(kBeforeAll), driven_(kBeforeAll) { ahead_.reserve(kChanges); }
 
 TipState Device::at(Picoseconds time) {
   require_order("was asked", time, asked_);

@@ -9,7 +9,7 @@
 #include "models/accel/memory.h"
 #include "models/config/input_error.h"
 
-namespace hvp::accel {
+namespace hvp::accel::accel_test {
 namespace {
 
 using fixed::Method;
@@ -272,4 +272,4 @@ TEST(Architecture, PeriodIsWholePicoseconds) {
 }
 
 }  // namespace
-}  // namespace hvp::accel
+}  // namespace hvp::accel::accel_test

@@ -11,7 +11,7 @@
 #include "app/devices/devices.h"
 #include "models/config/input_error.h"
 
-namespace hvp::accel {
+namespace hvp::accel::critical_path_test {
 namespace {
 
 using testing::AllOf;
@@ -226,4 +226,4 @@ TEST(RequireClock, ADeviceWithoutDelaysRefusesNone) {
 }
 
 }  // namespace
-}  // namespace hvp::accel
+}  // namespace hvp::accel::critical_path_test

@@ -12,7 +12,7 @@
 #include "app/scenario/source_error.h"
 #include "tests/app/scratch_directory.h"
 
-namespace hvp::devices {
+namespace hvp::devices::devices_test {
 namespace {
 
 using testing::ElementsAre;
@@ -200,4 +200,4 @@ TEST_F(DeviceOfAScenario, HasWhatTheArchitectureNames) {
 }
 
 }  // namespace
-}  // namespace hvp::devices
+}  // namespace hvp::devices::devices_test

@@ -12,7 +12,7 @@
 #include "models/config/input_error.h"
 #include "tests/accel/lattice.h"
 
-namespace hvp::accel {
+namespace hvp::accel::isolation_test {
 namespace {
 
 using test::lattice;
@@ -92,4 +92,4 @@ TEST(Metis, SaysWhatItNeeds) {
 }
 
 }  // namespace
-}  // namespace hvp::accel
+}  // namespace hvp::accel::isolation_test

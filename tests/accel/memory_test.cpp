@@ -18,7 +18,7 @@
 #include "models/accel/packing.h"
 #include "models/config/input_error.h"
 
-namespace hvp::accel {
+namespace hvp::accel::memory_test {
 namespace {
 
 using fixed::Method;
@@ -348,4 +348,4 @@ TEST(Fit, ARefusalSaysWhatAStructureMisses) {
 }
 
 }  // namespace
-}  // namespace hvp::accel
+}  // namespace hvp::accel::memory_test

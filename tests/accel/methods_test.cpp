@@ -12,7 +12,7 @@
 #include "models/accel/memory.h"
 #include "models/config/input_error.h"
 
-namespace hvp::accel {
+namespace hvp::accel::methods_test {
 namespace {
 
 using fixed::Method;
@@ -330,4 +330,4 @@ TEST(MethodMemory, TheEp2s60TakesOneOfTheTwo) {
 }
 
 }  // namespace
-}  // namespace hvp::accel
+}  // namespace hvp::accel::methods_test

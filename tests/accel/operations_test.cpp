@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hvp::accel {
+namespace hvp::accel::operations_test {
 namespace {
 
 using fixed::Method;
@@ -65,4 +65,4 @@ TEST(Operations, OfNoSolveAreNone) {
 }
 
 }  // namespace
-}  // namespace hvp::accel
+}  // namespace hvp::accel::operations_test

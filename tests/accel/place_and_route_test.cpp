@@ -14,7 +14,7 @@
 #include "models/accel/path_builder.h"
 #include "models/files/csv.h"
 
-namespace hvp::accel {
+namespace hvp::accel::place_and_route_test {
 namespace {
 
 struct Measured {
@@ -175,4 +175,4 @@ TEST(PlaceAndRoute, TheDeviceFilesHaveTheFittedElements) {
 }
 
 }  // namespace
-}  // namespace hvp::accel
+}  // namespace hvp::accel::place_and_route_test

@@ -6,7 +6,7 @@
 
 #include "models/accel/vector_passes.h"
 
-namespace hvp::accel {
+namespace hvp::accel::row_schedule_test {
 namespace {
 
 // One package a block of the row.
@@ -114,4 +114,4 @@ TEST(VectorPasses, OfOneGroupIsItsPipelineAndItsWords) {
 }
 
 }  // namespace
-}  // namespace hvp::accel
+}  // namespace hvp::accel::row_schedule_test

@@ -14,7 +14,7 @@
 #include "models/config/input_error.h"
 #include "tests/accel/lattice.h"
 
-namespace hvp::accel {
+namespace hvp::accel::several_devices_test {
 namespace {
 
 using fixed::Method;
@@ -326,4 +326,4 @@ TEST(Several, UnsplitVectorsNeedAllOfTheProduct) {
 }
 
 }  // namespace
-}  // namespace hvp::accel
+}  // namespace hvp::accel::several_devices_test

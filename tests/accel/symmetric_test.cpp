@@ -13,7 +13,7 @@
 #include "models/accel/packing.h"
 #include "models/config/input_error.h"
 
-namespace hvp::accel {
+namespace hvp::accel::symmetric_test {
 namespace {
 
 Architecture symmetric() {
@@ -114,4 +114,4 @@ TEST(SymmetricStorage, HasNoSeveralDevices) {
 }
 
 }  // namespace
-}  // namespace hvp::accel
+}  // namespace hvp::accel::symmetric_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hvp::accel {
+namespace hvp::accel::variations_test {
 namespace {
 
 TEST(Variations, ChangeOneKeyEach) {
@@ -43,4 +43,4 @@ TEST(Variations, StayWithinWhatAScenarioMaySay) {
 }
 
 }  // namespace
-}  // namespace hvp::accel
+}  // namespace hvp::accel::variations_test

@@ -25,7 +25,7 @@
 #include "tests/app/sample_run.h"
 #include "tests/app/scratch_directory.h"
 
-namespace hvp::results {
+namespace hvp::results::deformation_test {
 namespace {
 
 std::string bytes_of(const std::filesystem::path& path) {
@@ -281,4 +281,4 @@ TEST_F(DeformationTest, HeaderStatesFixedWidthsAndCompressor) {
 }
 
 }  // namespace
-}  // namespace hvp::results
+}  // namespace hvp::results::deformation_test

@@ -20,7 +20,7 @@
 #include "tests/app/sample_run.h"
 #include "tests/app/scratch_directory.h"
 
-namespace hvp::draw {
+namespace hvp::draw::draw_data_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -353,4 +353,4 @@ TEST(Contributions, ASingleSmallOneKeepsItsName) {
 }
 
 }  // namespace
-}  // namespace hvp::draw
+}  // namespace hvp::draw::draw_data_test

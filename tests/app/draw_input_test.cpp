@@ -16,7 +16,7 @@
 #include "tests/app/sample_run.h"
 #include "tests/app/scratch_directory.h"
 
-namespace hvp::results {
+namespace hvp::results::draw_input_test {
 namespace {
 
 std::string bytes_of(const std::filesystem::path& path) {
@@ -191,4 +191,4 @@ TEST_F(DrawInputTest, WrongNumberOfArguments) {
 }
 
 }  // namespace
-}  // namespace hvp::results
+}  // namespace hvp::results::draw_input_test

@@ -20,7 +20,7 @@
 #include "tests/app/sample_run.h"
 #include "tests/app/scratch_directory.h"
 
-namespace hvp::draw {
+namespace hvp::draw::draw_loop_test {
 namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
@@ -181,4 +181,4 @@ TEST(FitSeries, RowsOfEmptyFieldsPartTwoStretches) {
 }
 
 }  // namespace
-}  // namespace hvp::draw
+}  // namespace hvp::draw::draw_loop_test

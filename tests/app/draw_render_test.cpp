@@ -20,7 +20,7 @@
 #include "tests/app/sample_run.h"
 #include "tests/app/scratch_directory.h"
 
-namespace hvp::results {
+namespace hvp::results::draw_render_test {
 namespace {
 
 using Colour = std::array<int, 3>;
@@ -229,4 +229,4 @@ TEST_F(DrawRenderTest, BrokenResultsAreAReason) {
 }
 
 }  // namespace
-}  // namespace hvp::results
+}  // namespace hvp::results::draw_render_test

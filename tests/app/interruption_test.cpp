@@ -12,7 +12,7 @@
 #include "app/results/unfinished_file.h"
 #include "tests/app/scratch_directory.h"
 
-namespace hvp::results {
+namespace hvp::results::interruption_test {
 namespace {
 
 class InterruptionTest : public ::testing::Test {
@@ -101,4 +101,4 @@ TEST_F(InterruptionTest, APartFileIsAlwaysANewOne) {
 }
 
 }  // namespace
-}  // namespace hvp::results
+}  // namespace hvp::results::interruption_test

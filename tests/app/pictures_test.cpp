@@ -16,7 +16,7 @@
 #include "app/results/x_display.h"
 #include "tests/app/scratch_directory.h"
 
-namespace hvp::results {
+namespace hvp::results::pictures_test {
 namespace {
 
 constexpr const char* kLost = ": deformation.png and latency.png were not drawn";
@@ -183,4 +183,4 @@ TEST_F(PicturesTest, AMapIsDrawnInTheSameWay) {
 }
 
 }  // namespace
-}  // namespace hvp::results
+}  // namespace hvp::results::pictures_test

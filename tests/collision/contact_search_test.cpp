@@ -12,7 +12,7 @@
 #include "models/config/input_error.h"
 #include "tests/collision/shapes.h"
 
-namespace hvp::collision {
+namespace hvp::collision::contact_search_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -498,4 +498,4 @@ TEST(SeveralProbes, DoNotHoldOneNode) {
 }
 
 }  // namespace
-}  // namespace hvp::collision
+}  // namespace hvp::collision::contact_search_test

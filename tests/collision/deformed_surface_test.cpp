@@ -13,7 +13,7 @@
 #include "tests/collision/allocations.h"
 #include "tests/collision/shapes.h"
 
-namespace hvp::collision {
+namespace hvp::collision::deformed_surface_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -265,4 +265,4 @@ TEST(DeformedSurface, TriesAFewTrianglesOfManyAndAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace hvp::collision
+}  // namespace hvp::collision::deformed_surface_test

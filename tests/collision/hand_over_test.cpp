@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hvp::collision {
+namespace hvp::collision::hand_over_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -123,4 +123,4 @@ TEST(HandOver, OfNoDurationJumpsAsTheThesisDoes) {
 }
 
 }  // namespace
-}  // namespace hvp::collision
+}  // namespace hvp::collision::hand_over_test

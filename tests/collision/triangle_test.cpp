@@ -6,7 +6,7 @@
 
 #include "tests/collision/shapes.h"
 
-namespace hvp::collision {
+namespace hvp::collision::triangle_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -69,4 +69,4 @@ TEST(ClosestPoint, TreatsATriangleWithoutAreaAsItsSides) {
 }
 
 }  // namespace
-}  // namespace hvp::collision
+}  // namespace hvp::collision::triangle_test

@@ -9,7 +9,7 @@
 #include "tests/driver/driver_on_board.h"
 #include "vp/fpga/packed_words.h"
 
-namespace hvp::test {
+namespace hvp::test::dma_test {
 namespace {
 
 using Log = std::vector<std::string>;
@@ -392,4 +392,4 @@ TEST_F(DriverOnBoard, MemoriesHoldOneElementAWord) {
 }
 
 }  // namespace
-}  // namespace hvp::test
+}  // namespace hvp::test::dma_test

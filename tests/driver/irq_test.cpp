@@ -9,7 +9,7 @@
 
 #include "tests/driver/driver_on_board.h"
 
-namespace hvp::test {
+namespace hvp::test::irq_test {
 namespace {
 
 using vp::Register;
@@ -327,4 +327,4 @@ TEST_F(DriverWithAHandler, HalfALockIsRefused) {
 }
 
 }  // namespace
-}  // namespace hvp::test
+}  // namespace hvp::test::irq_test

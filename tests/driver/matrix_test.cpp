@@ -5,7 +5,7 @@
 #include "tests/driver/driver_on_board.h"
 #include "vp/fpga/packed_words.h"
 
-namespace hvp::test {
+namespace hvp::test::matrix_test {
 namespace {
 
 using Log = std::vector<std::string>;
@@ -183,4 +183,4 @@ TEST_F(DriverOnBoard, SettingsMayChangeBetweenJobsButNotTheMethodOrTheWordLength
 }
 
 }  // namespace
-}  // namespace hvp::test
+}  // namespace hvp::test::matrix_test

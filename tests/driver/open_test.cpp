@@ -5,7 +5,7 @@
 
 #include "tests/driver/driver_on_board.h"
 
-namespace hvp::test {
+namespace hvp::test::open_test {
 namespace {
 
 using Log = std::vector<std::string>;
@@ -227,4 +227,4 @@ TEST(StatusText, EveryStatusHasItsOwn) {
 }
 
 }  // namespace
-}  // namespace hvp::test
+}  // namespace hvp::test::open_test

@@ -7,7 +7,7 @@
 
 #include "tests/driver/driver_on_board.h"
 
-namespace hvp::test {
+namespace hvp::test::register_fuzz_test {
 namespace {
 
 // SplitMix64 (Steele, Lea, Flood, OOPSLA 2014): the same numbers everywhere.
@@ -97,4 +97,4 @@ TEST_F(DriverOnBoard, ComesBackAfterAHundredThousandRandomAccesses) {
 }
 
 }  // namespace
-}  // namespace hvp::test
+}  // namespace hvp::test::register_fuzz_test

@@ -6,7 +6,7 @@
 #include "tests/driver/driver_on_board.h"
 #include "vp/fpga/packed_words.h"
 
-namespace hvp::test {
+namespace hvp::test::solve_test {
 namespace {
 
 using Log = std::vector<std::string>;
@@ -153,4 +153,4 @@ TEST_F(DriverOnBoard, PollsWhereThereIsNoInterrupt) {
 }
 
 }  // namespace
-}  // namespace hvp::test
+}  // namespace hvp::test::solve_test

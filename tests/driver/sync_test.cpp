@@ -9,7 +9,7 @@
 #include "tests/driver/driver_on_board.h"
 #include "vp/fpga/packed_words.h"
 
-namespace hvp::test {
+namespace hvp::test::sync_test {
 namespace {
 
 struct HandOver {
@@ -153,4 +153,4 @@ TEST_F(DriverWithoutCoherence, ARecordThatIsNotThereIsGivenBack) {
 }
 
 }  // namespace
-}  // namespace hvp::test
+}  // namespace hvp::test::sync_test

@@ -7,7 +7,7 @@
 #include "models/stability/flag.h"
 #include "tests/driver/driver_on_board.h"
 
-namespace hvp::test {
+namespace hvp::test::trouble_test {
 namespace {
 
 using Log = std::vector<std::string>;
@@ -259,4 +259,4 @@ TEST_F(DriverOnBoard, ABusThatFailsIsSaidSo) {
 }
 
 }  // namespace
-}  // namespace hvp::test
+}  // namespace hvp::test::trouble_test

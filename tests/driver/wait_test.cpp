@@ -6,7 +6,7 @@
 
 #include "tests/driver/driver_on_board.h"
 
-namespace hvp::test {
+namespace hvp::test::wait_test {
 namespace {
 
 using Log = std::vector<std::string>;
@@ -135,4 +135,4 @@ TEST_F(DriverOnBoard, AnInterruptedLoadThatHangsIsLost) {
 TEST(Driver, CallerErrorOfNothingIsNone) { EXPECT_EQ(hvp_caller_error(nullptr), 0); }
 
 }  // namespace
-}  // namespace hvp::test
+}  // namespace hvp::test::wait_test

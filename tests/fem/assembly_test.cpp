@@ -11,7 +11,7 @@
 #include "models/fem/direct_solver.h"
 #include "tests/fem/box_meshes.h"
 
-namespace hvp::fem {
+namespace hvp::fem::assembly_test {
 namespace {
 
 const Material kTissue{.young_modulus_pa = 1e4, .poisson_ratio = 0.3, .density_kg_m3 = 1000};
@@ -166,4 +166,4 @@ TEST(StructuredBox, FillsTheBox) {
 }
 
 }  // namespace
-}  // namespace hvp::fem
+}  // namespace hvp::fem::assembly_test

@@ -14,7 +14,7 @@
 #include "models/fem/stress.h"
 #include "tests/fem/box_meshes.h"
 
-namespace hvp::fem {
+namespace hvp::fem::body_test {
 namespace {
 
 const Material kTissue{.young_modulus_pa = 1e3, .poisson_ratio = 0.3};
@@ -201,4 +201,4 @@ TEST(Body, ContradictorySupportsAreRefused) {
 }
 
 }  // namespace
-}  // namespace hvp::fem
+}  // namespace hvp::fem::body_test

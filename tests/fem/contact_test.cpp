@@ -13,7 +13,7 @@
 #include "tests/allocation_count.h"
 #include "tests/fem/box_meshes.h"
 
-namespace hvp::fem {
+namespace hvp::fem::contact_test {
 namespace {
 
 const Eigen::Vector3d kPress(0.01, -0.02, -0.1);
@@ -221,4 +221,4 @@ TEST(Contact, RefusesNodesThatAreNotThere) {
 }
 
 }  // namespace
-}  // namespace hvp::fem
+}  // namespace hvp::fem::contact_test

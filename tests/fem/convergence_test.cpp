@@ -12,7 +12,7 @@
 #include "models/fem/contact.h"
 #include "tests/fem/box_meshes.h"
 
-namespace hvp::fem {
+namespace hvp::fem::convergence_test {
 namespace {
 
 using std::numbers::pi;
@@ -195,4 +195,4 @@ TEST(Convergence, PatchOfFixedRadiusConverges) {
 }
 
 }  // namespace
-}  // namespace hvp::fem
+}  // namespace hvp::fem::convergence_test

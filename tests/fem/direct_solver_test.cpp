@@ -13,7 +13,7 @@
 #include "models/fem/condition.h"
 #include "tests/fem/box_meshes.h"
 
-namespace hvp::fem {
+namespace hvp::fem::direct_solver_test {
 namespace {
 
 Body cube(double poisson_ratio) {
@@ -115,4 +115,4 @@ TEST(Condition, EndsOfTheSpectrum) {
 }
 
 }  // namespace
-}  // namespace hvp::fem
+}  // namespace hvp::fem::direct_solver_test

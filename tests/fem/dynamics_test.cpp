@@ -8,7 +8,7 @@
 
 #include "models/config/input_error.h"
 
-namespace hvp::fem {
+namespace hvp::fem::dynamics_test {
 namespace {
 
 // The spectral radius of one step of (3.24) for ü = −Ω²·u with Δt = 1, built from (3.24) itself:
@@ -87,4 +87,4 @@ TEST(Dynamics, RhoInfinityIsTheLimitOfTheSpectralRadius) {
 }
 
 }  // namespace
-}  // namespace hvp::fem
+}  // namespace hvp::fem::dynamics_test

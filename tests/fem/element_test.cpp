@@ -9,7 +9,7 @@
 #include "models/fem/stress.h"
 #include "tests/fem/box_meshes.h"
 
-namespace hvp::fem {
+namespace hvp::fem::element_test {
 namespace {
 
 const Material kTissue{.young_modulus_pa = 7e3, .poisson_ratio = 0.37, .density_kg_m3 = 1050};
@@ -133,4 +133,4 @@ TEST(Material, RefusesWhatIsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace hvp::fem
+}  // namespace hvp::fem::element_test

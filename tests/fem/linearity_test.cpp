@@ -7,7 +7,7 @@
 
 #include "tests/fem/box_meshes.h"
 
-namespace hvp::fem {
+namespace hvp::fem::linearity_test {
 namespace {
 
 constexpr double kLimit = 0.1;
@@ -99,4 +99,4 @@ TEST(StrainMeter, AtRestThereIsNoStrain) {
 }
 
 }  // namespace
-}  // namespace hvp::fem
+}  // namespace hvp::fem::linearity_test

@@ -12,7 +12,7 @@
 #include "models/fem/stress.h"
 #include "tests/fem/box_meshes.h"
 
-namespace hvp::fem {
+namespace hvp::fem::loads_test {
 namespace {
 
 const Material kTissue{.young_modulus_pa = 1e3, .poisson_ratio = 0.3, .density_kg_m3 = 1050};
@@ -194,4 +194,4 @@ TEST(Loads, RefusesRegionsThatHoldNothing) {
 }
 
 }  // namespace
-}  // namespace hvp::fem
+}  // namespace hvp::fem::loads_test

@@ -12,7 +12,7 @@
 #include "models/fem/direct_solver.h"
 #include "tests/fem/box_meshes.h"
 
-namespace hvp::fem {
+namespace hvp::fem::locking_test {
 namespace {
 
 // The whole beam, all cells cut alike: the mesh of the independent computation below.
@@ -93,4 +93,4 @@ TEST(Locking, FinerMeshesLockLess) {
 }
 
 }  // namespace
-}  // namespace hvp::fem
+}  // namespace hvp::fem::locking_test

@@ -15,7 +15,7 @@
 #include "tests/allocation_count.h"
 #include "tests/fem/box_meshes.h"
 
-namespace hvp::fem {
+namespace hvp::fem::newmark_test {
 namespace {
 
 // A 5 cm cube of soft tissue on a fixed floor.
@@ -315,4 +315,4 @@ TEST(Newmark, RefusesAStepOfNoLength) {
 }
 
 }  // namespace
-}  // namespace hvp::fem
+}  // namespace hvp::fem::newmark_test

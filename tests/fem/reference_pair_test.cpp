@@ -10,7 +10,7 @@
 #include "tests/allocation_count.h"
 #include "tests/fem/box_meshes.h"
 
-namespace hvp::fem {
+namespace hvp::fem::reference_pair_test {
 namespace {
 
 using Vector = std::vector<double>;
@@ -107,4 +107,4 @@ TEST(ReferencePair, RefusesASingularMatrix) {
 }
 
 }  // namespace
-}  // namespace hvp::fem
+}  // namespace hvp::fem::reference_pair_test

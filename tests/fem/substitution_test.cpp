@@ -12,7 +12,7 @@
 #include "models/fem/assembly.h"
 #include "tests/fem/box_meshes.h"
 
-namespace hvp::fem {
+namespace hvp::fem::substitution_test {
 namespace {
 
 using Vector = std::vector<double>;
@@ -170,4 +170,4 @@ TEST(Substitution, OfABody) {
 }
 
 }  // namespace
-}  // namespace hvp::fem
+}  // namespace hvp::fem::substitution_test

@@ -9,7 +9,7 @@
 
 #include "models/config/input_error.h"
 
-namespace hvp::files {
+namespace hvp::files::csv_table_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -115,4 +115,4 @@ TEST(LineReader, GivesLinesOfAnyLengthAcrossItsBuffer) {
 }
 
 }  // namespace
-}  // namespace hvp::files
+}  // namespace hvp::files::csv_table_test

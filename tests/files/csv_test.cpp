@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-namespace hvp::files {
+namespace hvp::files::csv_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -41,4 +41,4 @@ TEST(CsvDelimiter, IsWhatTheHeaderHasOutsideQuotes) {
 }
 
 }  // namespace
-}  // namespace hvp::files
+}  // namespace hvp::files::csv_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hvp::files {
+namespace hvp::files::decimal_number_test {
 namespace {
 
 TEST(DecimalNumber, IsRoundedOnce) {
@@ -27,4 +27,4 @@ TEST(DecimalNumber, IsNoOtherText) {
 }
 
 }  // namespace
-}  // namespace hvp::files
+}  // namespace hvp::files::decimal_number_test

@@ -14,7 +14,7 @@
 
 #include "models/config/input_error.h"
 
-namespace hvp::files {
+namespace hvp::files::log_table_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -370,4 +370,4 @@ TEST(LogTable, MayBeLong) {
 }
 
 }  // namespace
-}  // namespace hvp::files
+}  // namespace hvp::files::log_table_test

@@ -7,7 +7,7 @@
 
 #include "models/files/log_table.h"
 
-namespace hvp::files {
+namespace hvp::files::recorded_log_test {
 namespace {
 
 TEST(RecordedLog, IsReadWithoutAWarning) {
@@ -30,4 +30,4 @@ TEST(RecordedLog, IsReadWithoutAWarning) {
 }
 
 }  // namespace
-}  // namespace hvp::files
+}  // namespace hvp::files::recorded_log_test

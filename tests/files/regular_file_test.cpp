@@ -14,7 +14,7 @@
 #include "tests/app/scratch_directory.h"
 
 // A reader that waits for a pipe would make these tests run into ctest's time limit.
-namespace hvp::files {
+namespace hvp::files::regular_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -126,4 +126,4 @@ TEST_F(RegularFile, WhatIsNotThereOrCannotBeReadIsRefused) {
 }
 
 }  // namespace
-}  // namespace hvp::files
+}  // namespace hvp::files::regular_file_test

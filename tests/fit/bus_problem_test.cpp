@@ -14,7 +14,7 @@
 #include "models/link/pci.h"
 #include "tests/fit/small_problems.h"
 
-namespace hvp::fit {
+namespace hvp::fit::bus_problem_test {
 namespace {
 
 constexpr double kLatency = 0.9e-6;   // s
@@ -221,4 +221,4 @@ TEST(BusPci, SaysThatItIsNoConventionalPci) {
 }
 
 }  // namespace
-}  // namespace hvp::fit
+}  // namespace hvp::fit::bus_problem_test

@@ -10,7 +10,7 @@
 
 #include "models/fit/device_twin.h"
 
-namespace hvp::fit {
+namespace hvp::fit::device_cost_test {
 namespace {
 
 std::vector<double> truth(const DeviceTwin& twin, const DeviceLayout& layout) {
@@ -203,4 +203,4 @@ TEST(FitDeviceCost, HasNoValueForWhatIsNoAxis) {
 }
 
 }  // namespace
-}  // namespace hvp::fit
+}  // namespace hvp::fit::device_cost_test

@@ -13,7 +13,7 @@
 #include "models/fit/device_twin.h"
 #include "models/fit/device_windows.h"
 
-namespace hvp::fit {
+namespace hvp::fit::device_log_test {
 namespace {
 
 TEST(FitDeviceWindows, BeginWhereTheAxisIsFast) {
@@ -115,4 +115,4 @@ TEST(FitDevice, RefusesSmoothColumnsSwapped) {
 }
 
 }  // namespace
-}  // namespace hvp::fit
+}  // namespace hvp::fit::device_log_test

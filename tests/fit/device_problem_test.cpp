@@ -12,7 +12,7 @@
 #include "models/fit/device_twin.h"
 #include "models/fit/fit.h"
 
-namespace hvp::fit {
+namespace hvp::fit::device_problem_test {
 namespace {
 
 struct Solved {
@@ -244,4 +244,4 @@ TEST(FitDevice, ASecondOpinionIsNear) {
 }
 
 }  // namespace
-}  // namespace hvp::fit
+}  // namespace hvp::fit::device_problem_test

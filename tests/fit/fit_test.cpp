@@ -7,7 +7,7 @@
 #include "models/config/input_error.h"
 #include "tests/fit/small_problems.h"
 
-namespace hvp::fit {
+namespace hvp::fit::fit_test {
 namespace {
 
 using test::Curve;
@@ -280,4 +280,4 @@ TEST(Fit, UnknownsOfStretchesAreEliminated) {
 }
 
 }  // namespace
-}  // namespace hvp::fit
+}  // namespace hvp::fit::fit_test

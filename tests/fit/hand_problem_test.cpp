@@ -14,7 +14,7 @@
 #include "models/fit/fit.h"
 #include "models/plant/linear_axis.h"
 
-namespace hvp::fit {
+namespace hvp::fit::hand_problem_test {
 namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
@@ -208,4 +208,4 @@ TEST(FitHand, RefusesWhatNoFitMakesSenseOf) {
 }
 
 }  // namespace
-}  // namespace hvp::fit
+}  // namespace hvp::fit::hand_problem_test

@@ -9,7 +9,7 @@
 #include "models/fit/fit.h"
 #include "tests/fit/nist_problem.h"
 
-namespace hvp::fit {
+namespace hvp::fit::nist_test {
 namespace {
 
 using test::NistProblem;
@@ -84,4 +84,4 @@ INSTANTIATE_TEST_SUITE_P(Nist, NistTest, testing::ValuesIn(test::nist_names()),
                          [](const auto& set) { return set.param; });
 
 }  // namespace
-}  // namespace hvp::fit
+}  // namespace hvp::fit::nist_test

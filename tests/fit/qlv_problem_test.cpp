@@ -12,7 +12,7 @@
 #include "models/fit/fit.h"
 #include "models/fit/qlv_twin.h"
 
-namespace hvp::fit {
+namespace hvp::fit::qlv_problem_test {
 namespace {
 
 constexpr double kNoise = 5e-3;  // N rms, what real records have
@@ -235,4 +235,4 @@ TEST(QlvProblem, RefusesWhatIsNoIndentation) {
 }
 
 }  // namespace
-}  // namespace hvp::fit
+}  // namespace hvp::fit::qlv_problem_test

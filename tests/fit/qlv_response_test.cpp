@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hvp::fit {
+namespace hvp::fit::qlv_response_test {
 namespace {
 
 constexpr double kContact = 0.43e-3;  // m, within a piece
@@ -146,4 +146,4 @@ TEST(QlvResponse, OnlyTheLoadedPartOfAPieceCounts) {
 }
 
 }  // namespace
-}  // namespace hvp::fit
+}  // namespace hvp::fit::qlv_response_test

@@ -16,7 +16,7 @@
 // Six records of a rigid indenter in meat, of others and licensed: they are not in the tree. The
 // tests of the same code on records that they make themselves are in qlv_problem_test.cpp.
 
-namespace hvp::fit {
+namespace hvp::fit::real_tissue_test {
 namespace {
 
 constexpr std::array kSpecimens{"ff1b", "ff1c", "ff1d", "rdg1a", "rdg1b", "rdg2d"};
@@ -148,4 +148,4 @@ TEST_F(RealTissue, FourSpecimensPredictHowTheOtherTwoRelax) {
 }
 
 }  // namespace
-}  // namespace hvp::fit
+}  // namespace hvp::fit::real_tissue_test

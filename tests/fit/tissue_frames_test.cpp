@@ -10,7 +10,7 @@
 #include "models/fem/linear_tissue.h"
 #include "tests/fit/tissue_record.h"
 
-namespace hvp::fit {
+namespace hvp::fit::tissue_frames_test {
 namespace {
 
 const collision::ContactSettings kSnap{.grip = collision::Grip::snap, .hand_over_s = 0.03};
@@ -131,4 +131,4 @@ TEST(TissueFrames, RunsThatSayNothingAreRefused) {
 }
 
 }  // namespace
-}  // namespace hvp::fit
+}  // namespace hvp::fit::tissue_frames_test

@@ -12,7 +12,7 @@
 #include "models/config/input_error.h"
 #include "tests/fit/tissue_record.h"
 
-namespace hvp::fit {
+namespace hvp::fit::tissue_problem_test {
 namespace {
 
 const Eigen::Vector3d kDown(0, 0, -1);
@@ -199,4 +199,4 @@ TEST(TissueProblem, RefusesNoLogAndAnUnstableRule) {
 }
 
 }  // namespace
-}  // namespace hvp::fit
+}  // namespace hvp::fit::tissue_problem_test

@@ -10,7 +10,7 @@
 #include "models/fem/contact.h"
 #include "tests/fit/tissue_record.h"
 
-namespace hvp::fit {
+namespace hvp::fit::tissue_response_test {
 namespace {
 
 const Eigen::Vector3d kDown(0.3, -0.2, -1);
@@ -179,4 +179,4 @@ TEST(TissueSystem, RefusesContactsThatCannotMove) {
 }
 
 }  // namespace
-}  // namespace hvp::fit
+}  // namespace hvp::fit::tissue_response_test

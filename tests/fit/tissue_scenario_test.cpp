@@ -6,7 +6,7 @@
 #include "models/fem/material.h"
 #include "tests/fit/tissue_record.h"
 
-namespace hvp::fit {
+namespace hvp::fit::tissue_scenario_test {
 namespace {
 
 std::vector<Estimate> estimates() {
@@ -54,4 +54,4 @@ TEST(TissueScenario, LockingIsWarnedOfWhereItIs) {
 }
 
 }  // namespace
-}  // namespace hvp::fit
+}  // namespace hvp::fit::tissue_scenario_test

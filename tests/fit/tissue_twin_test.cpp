@@ -5,7 +5,7 @@
 #include "tests/fit/tissue_record.h"
 
 // The platform's body is recorded, with noise, and found again.
-namespace hvp::fit {
+namespace hvp::fit::tissue_twin_test {
 namespace {
 
 const Eigen::Vector3d kDown(0, 0, -1);
@@ -86,4 +86,4 @@ TEST(TissueTwin, TwoContactsOfAStaticBodyGiveModulusAndRatio) {
 }
 
 }  // namespace
-}  // namespace hvp::fit
+}  // namespace hvp::fit::tissue_twin_test

@@ -12,7 +12,7 @@
 #include "models/fit/wake_up_mass.h"
 #include "models/random/distribution.h"
 
-namespace hvp::fit {
+namespace hvp::fit::wake_up_fit_test {
 namespace {
 
 using random::TimeDistribution;
@@ -199,4 +199,4 @@ TEST(WakeUpFit, WhateverTheShapeTheScenarioTakesTheResult) {
 }
 
 }  // namespace
-}  // namespace hvp::fit
+}  // namespace hvp::fit::wake_up_fit_test

@@ -9,7 +9,7 @@
 #include "models/config/input_error.h"
 #include "models/fit/wake_up_fit.h"
 
-namespace hvp::fit {
+namespace hvp::fit::wake_up_histogram_test {
 namespace {
 
 // In the form that cyclictest(8) of rt-tests prints.
@@ -114,4 +114,4 @@ TEST(WakeUpHistogram, DamagedFilesAreReadOrRefused) {
 }
 
 }  // namespace
-}  // namespace hvp::fit
+}  // namespace hvp::fit::wake_up_histogram_test

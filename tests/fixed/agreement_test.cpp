@@ -12,7 +12,7 @@
 #include "tests/fixed/elastic_box.h"
 #include "tests/fixed/random_systems.h"
 
-namespace hvp::fixed {
+namespace hvp::fixed::agreement_test {
 namespace {
 
 using test::Contest;
@@ -232,4 +232,4 @@ TEST(AgreementTest, NothingIsAllocatedInASolveOrAnUpdate) {
 }
 
 }  // namespace
-}  // namespace hvp::fixed
+}  // namespace hvp::fixed::agreement_test

@@ -17,7 +17,7 @@
 #include "models/mesh/region.h"
 #include "tests/fixed/elastic_box.h"
 
-namespace hvp::fixed {
+namespace hvp::fixed::contact_test {
 namespace {
 
 using Factor = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>;
@@ -191,4 +191,4 @@ TEST(DynamicContact, SolutionOfTheRoundedSystemToTheLastPlaces) {
 }
 
 }  // namespace
-}  // namespace hvp::fixed
+}  // namespace hvp::fixed::contact_test

@@ -11,7 +11,7 @@
 #include "tests/fixed/elastic_box.h"
 #include "tests/fixed/record.h"
 
-namespace hvp::fixed {
+namespace hvp::fixed::flipped_bits_test {
 namespace {
 
 using test::difference;
@@ -238,4 +238,4 @@ TEST(FlippedBit, OfWhatAPassWritesIsNoticed) {
 }
 
 }  // namespace
-}  // namespace hvp::fixed
+}  // namespace hvp::fixed::flipped_bits_test

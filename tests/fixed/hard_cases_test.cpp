@@ -9,7 +9,7 @@
 #include "tests/fixed/elastic_box.h"
 #include "tests/fixed/small_systems.h"
 
-namespace hvp::fixed {
+namespace hvp::fixed::hard_cases_test {
 namespace {
 
 using stability::Flag;
@@ -197,4 +197,4 @@ TEST(HardCase, FuzzedSystemsNeverFailInSilence) {
 }
 
 }  // namespace
-}  // namespace hvp::fixed
+}  // namespace hvp::fixed::hard_cases_test

@@ -8,7 +8,7 @@
 #include "tests/fixed/contest.h"
 #include "tests/fixed/elastic_box.h"
 
-namespace hvp::fixed {
+namespace hvp::fixed::kernels_test {
 namespace {
 
 using test::difference;
@@ -96,4 +96,4 @@ TEST(ChosenKernel, GivesTheReferencesWords) {
 }
 
 }  // namespace
-}  // namespace hvp::fixed
+}  // namespace hvp::fixed::kernels_test

@@ -9,7 +9,7 @@
 #include "models/fixed/system.h"
 #include "tests/fixed/elastic_box.h"
 
-namespace hvp::fixed {
+namespace hvp::fixed::methods_test {
 namespace {
 
 using stability::Flag;
@@ -199,4 +199,4 @@ TEST(System, DiagonalScalingMakesTheDiagonalEqual) {
 }
 
 }  // namespace
-}  // namespace hvp::fixed
+}  // namespace hvp::fixed::methods_test

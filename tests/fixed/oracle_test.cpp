@@ -11,7 +11,7 @@
 #include "tests/fixed/elastic_box.h"
 #include "tests/fixed/small_systems.h"
 
-namespace hvp::fixed {
+namespace hvp::fixed::oracle_test {
 namespace {
 
 using test::Words;
@@ -244,4 +244,4 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{Method::jacobi_pcg, true, 12, 2}, Case{Method::jacobi_pcg, false, 16, 1}));
 
 }  // namespace
-}  // namespace hvp::fixed
+}  // namespace hvp::fixed::oracle_test

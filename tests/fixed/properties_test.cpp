@@ -11,7 +11,7 @@
 #include "tests/fixed/elastic_box.h"
 #include "tests/fixed/small_systems.h"
 
-namespace hvp::fixed {
+namespace hvp::fixed::properties_test {
 namespace {
 
 using stability::Flag;
@@ -446,4 +446,4 @@ TEST(Solver, ASecondSolveDoesNotRememberTheFirst) {
 }
 
 }  // namespace
-}  // namespace hvp::fixed
+}  // namespace hvp::fixed::properties_test

@@ -10,7 +10,7 @@
 #include "models/fixed/word.h"
 #include "tests/fixed/elastic_box.h"
 
-namespace hvp::fixed {
+namespace hvp::fixed::quantised_matrix_test {
 namespace {
 
 sparse::BlockMatrix small_body() {
@@ -152,4 +152,4 @@ TEST(QuantisedMatrix, RefusesContactsThatCannotBe) {
 }
 
 }  // namespace
-}  // namespace hvp::fixed
+}  // namespace hvp::fixed::quantised_matrix_test

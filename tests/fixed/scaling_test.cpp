@@ -8,7 +8,7 @@
 
 #include "models/config/input_error.h"
 
-namespace hvp::fixed {
+namespace hvp::fixed::scaling_test {
 namespace {
 
 TEST(Scaling, UnitsFollowFromRangeAndShift) {
@@ -147,4 +147,4 @@ TEST(Settings, HeadroomMustLeaveAValue) {
 }
 
 }  // namespace
-}  // namespace hvp::fixed
+}  // namespace hvp::fixed::scaling_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hvp::fixed {
+namespace hvp::fixed::start_guess_test {
 namespace {
 
 TEST(StartGuess, LiesOnTheLineThroughTheLastTwo) {
@@ -38,4 +38,4 @@ TEST(StartGuess, ClampsAndCounts) {
 }
 
 }  // namespace
-}  // namespace hvp::fixed
+}  // namespace hvp::fixed::start_guess_test

@@ -12,7 +12,7 @@
 #include "tests/fixed/double_cg.h"
 #include "tests/fixed/elastic_box.h"
 
-namespace hvp::fixed {
+namespace hvp::fixed::thesis_tables_test {
 namespace {
 
 using stability::Flag;
@@ -232,4 +232,4 @@ TEST(ThesisTables, WarmStartPays) {
 }
 
 }  // namespace
-}  // namespace hvp::fixed
+}  // namespace hvp::fixed::thesis_tables_test

@@ -14,7 +14,7 @@
 #include "models/fixed/kernel.h"
 #include "tables/hard_cases/cost.h"
 
-namespace hvp::tables {
+namespace hvp::tables::cases_test {
 
 void PrintTo(const Case& hard_case, std::ostream* out) { *out << hard_case.name; }
 
@@ -118,4 +118,4 @@ TEST(HardCaseRefined, IsTheSameWithEveryKernel) {
 }
 
 }  // namespace
-}  // namespace hvp::tables
+}  // namespace hvp::tables::cases_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hvp::tables {
+namespace hvp::tables::constant_load_test {
 namespace {
 
 using fixed::Method;
@@ -51,4 +51,4 @@ TEST(ConstantLoad, DynamicCgDoesNotDrift) {
 }
 
 }  // namespace
-}  // namespace hvp::tables
+}  // namespace hvp::tables::constant_load_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hvp::fixed {
+namespace hvp::fixed::remedy_test {
 namespace {
 
 using stability::Flag;
@@ -117,4 +117,4 @@ TEST(Remedy, MovesTheRangeBothWays) {
 TEST(Remedy, HasNothingForNoFlag) { EXPECT_FALSE(next_remedy(Flags{}, Plan{})); }
 
 }  // namespace
-}  // namespace hvp::fixed
+}  // namespace hvp::fixed::remedy_test

@@ -6,7 +6,7 @@
 #include "models/mesh/quality.h"
 #include "tables/hard_cases/bodies.h"
 
-namespace hvp::tables {
+namespace hvp::tables::slivers_test {
 namespace {
 
 // Single tetrahedra are flat, not the mesh: each has dihedral angles under 1° and over 179°, all
@@ -40,4 +40,4 @@ TEST(Slivers, LeaveTheBoundaryAlone) {
 }
 
 }  // namespace
-}  // namespace hvp::tables
+}  // namespace hvp::tables::slivers_test

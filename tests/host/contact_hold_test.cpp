@@ -11,7 +11,7 @@
 #include "models/host/frame_computation.h"
 #include "models/host/reference_run.h"
 
-namespace hvp::host {
+namespace hvp::host::contact_hold_test {
 namespace {
 
 using collision::Contact;
@@ -169,4 +169,4 @@ TEST(ContactHold, ANodeThatBothLetGoFadesOnce) {
 }
 
 }  // namespace
-}  // namespace hvp::host
+}  // namespace hvp::host::contact_hold_test

@@ -14,7 +14,7 @@
 #include "models/mesh/generate.h"
 #include "models/mesh/region.h"
 
-namespace hvp::host {
+namespace hvp::host::diagonal_scaling_test {
 namespace {
 
 constexpr double kPeriod = 2e-3;
@@ -72,4 +72,4 @@ TEST(DiagonalScaling, TakesMostOfTheMatrixRoundingAway) {
 }
 
 }  // namespace
-}  // namespace hvp::host
+}  // namespace hvp::host::diagonal_scaling_test

@@ -9,7 +9,7 @@
 #include "models/fem/body.h"
 #include "models/fem/structured_box.h"
 
-namespace hvp::host {
+namespace hvp::host::host_solve_test {
 namespace {
 
 std::vector<int> floor_of(int nodes) {
@@ -138,4 +138,4 @@ TEST(HostSolve, OperationsOfTriangularSolvesAreCounted) {
 }
 
 }  // namespace
-}  // namespace hvp::host
+}  // namespace hvp::host::host_solve_test

@@ -16,7 +16,7 @@
 #include "models/host/reference_run.h"
 #include "tests/host/hold.h"
 
-namespace hvp::host {
+namespace hvp::host::host_test {
 namespace {
 
 // A cube of 6 cm on its floor, 48 active nodes; a node in the middle of its top is touched.
@@ -364,4 +364,4 @@ TEST(FrameComputation, CountsNothingWhoseOperationsDependOnNumbers) {
 }
 
 }  // namespace
-}  // namespace hvp::host
+}  // namespace hvp::host::host_test

@@ -22,7 +22,7 @@
 #include "models/mesh/region.h"
 #include "tests/host/hold.h"
 
-namespace hvp::host {
+namespace hvp::host::refinement_test {
 namespace {
 
 using stability::Flag;
@@ -450,4 +450,4 @@ TEST(Refinement, AFailedSolveLeavesTheLastSolution) {
 }
 
 }  // namespace
-}  // namespace hvp::host
+}  // namespace hvp::host::refinement_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hvp::host {
+namespace hvp::host::shared_core_test {
 namespace {
 
 constexpr SharedCore::Settings kSwitch{.context_switch = 4, .section = 0, .section_every = 1};
@@ -122,4 +122,4 @@ TEST(SharedCore, ACoreThatWasIdleForAMomentIsNotSwitched) {
 }
 
 }  // namespace
-}  // namespace hvp::host
+}  // namespace hvp::host::shared_core_test

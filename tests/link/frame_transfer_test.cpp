@@ -8,7 +8,7 @@
 #include "models/link/pci_arbiter.h"
 #include "models/link/pcie_link.h"
 
-namespace hvp::link {
+namespace hvp::link::frame_transfer_test {
 namespace {
 
 // Thesis §6.2.4: 500 nodes, 16-bit words.
@@ -208,4 +208,4 @@ TEST(FrameTransfer, EnginesTakeThePlansTime) {
 }
 
 }  // namespace
-}  // namespace hvp::link
+}  // namespace hvp::link::frame_transfer_test

@@ -9,7 +9,7 @@
 #include "models/config/input_error.h"
 #include "tests/allocation_count.h"
 
-namespace hvp::link {
+namespace hvp::link::pci_arbiter_test {
 namespace {
 
 constexpr std::int64_t kClock = 30'000;  // ps at 33 MHz
@@ -329,4 +329,4 @@ TEST(PciArbiter, TooManyMastersAreRefused) {
 }
 
 }  // namespace
-}  // namespace hvp::link
+}  // namespace hvp::link::pci_arbiter_test

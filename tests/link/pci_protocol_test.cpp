@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hvp::link {
+namespace hvp::link::pci_protocol_test {
 namespace {
 
 Pci bus(PciKind kind) {
@@ -67,4 +67,4 @@ TEST(PciClocks, PciXSplitsADelayedReadInsteadOfRetrying) {
 }
 
 }  // namespace
-}  // namespace hvp::link
+}  // namespace hvp::link::pci_protocol_test

@@ -4,7 +4,7 @@
 
 #include "models/config/input_error.h"
 
-namespace hvp::link {
+namespace hvp::link::pci_test {
 namespace {
 
 Pci bus(PciKind kind, int burst_bytes) {
@@ -74,4 +74,4 @@ TEST(Pci, BurstMustHoldWholeDataPhases) {
 }
 
 }  // namespace
-}  // namespace hvp::link
+}  // namespace hvp::link::pci_test

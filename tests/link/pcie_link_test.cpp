@@ -9,7 +9,7 @@
 #include "models/config/input_error.h"
 #include "tests/allocation_count.h"
 
-namespace hvp::link {
+namespace hvp::link::pcie_link_test {
 namespace {
 
 constexpr std::int64_t kNs = 1'000;
@@ -198,4 +198,4 @@ TEST(PcieLink, WrongNumbersOfInitiatorsAreRefused) {
 }
 
 }  // namespace
-}  // namespace hvp::link
+}  // namespace hvp::link::pcie_link_test

@@ -7,7 +7,7 @@
 
 #include "models/config/input_error.h"
 
-namespace hvp::link {
+namespace hvp::link::pcie_test {
 namespace {
 
 Pcie link(PcieGeneration generation, int lanes) {
@@ -188,4 +188,4 @@ TEST(Pcie, SizesThatDoNotExistAreRefused) {
 }
 
 }  // namespace
-}  // namespace hvp::link
+}  // namespace hvp::link::pcie_test

@@ -12,7 +12,7 @@
 #include "models/link/pcie.h"
 #include "models/link/pcie_link.h"
 
-namespace hvp::link {
+namespace hvp::link::read_latencies_test {
 namespace {
 
 constexpr std::int64_t kNs = 1'000;
@@ -163,4 +163,4 @@ TEST(RequestTimes, ThePacketEngineTakesWhatTheFormulaTakes) {
 }
 
 }  // namespace
-}  // namespace hvp::link
+}  // namespace hvp::link::read_latencies_test

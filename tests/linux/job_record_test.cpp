@@ -15,7 +15,7 @@
 // `hvp run --record-jobs`: another host, which knows nothing of bodies and contacts, has the jobs
 // of the record solved, and gets the U of the run, bit for bit. That host is servo_in_process here,
 // and a kernel in linux_test.py.
-namespace hvp::cli {
+namespace hvp::cli::job_record_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -130,4 +130,4 @@ TEST_F(JobRecord, NeedsABoardWithWords) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::job_record_test

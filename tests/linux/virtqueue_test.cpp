@@ -11,7 +11,7 @@
 #include "app/linux/bytes.h"
 #include "app/linux/guest_error.h"
 
-namespace hvp::guest {
+namespace hvp::guest::virtqueue_test {
 namespace {
 
 constexpr std::uint64_t kBase = 0x10'0000;
@@ -144,4 +144,4 @@ TEST(GuestMemory, IsWhatTheGuestGaveAndNoMore) {
 }
 
 }  // namespace
-}  // namespace hvp::guest
+}  // namespace hvp::guest::virtqueue_test

@@ -12,7 +12,7 @@
 #include "models/mesh/surface_reader.h"
 #include "tests/mesh/surfaces.h"
 
-namespace hvp::mesh {
+namespace hvp::mesh::bean_test {
 namespace {
 
 const std::string kBean = HVP_SURFACES "/bean.stl";
@@ -65,4 +65,4 @@ TEST(Bean, SaysWhoMadeIt) {
 }
 
 }  // namespace
-}  // namespace hvp::mesh
+}  // namespace hvp::mesh::bean_test

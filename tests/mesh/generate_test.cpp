@@ -13,7 +13,7 @@
 #include "models/mesh/surface_check.h"
 #include "tests/mesh/surfaces.h"
 
-namespace hvp::mesh {
+namespace hvp::mesh::generate_test {
 namespace {
 
 using testing::euler_characteristic;
@@ -196,4 +196,4 @@ TEST(Generate, SaysWhatItDoes) {
 }
 
 }  // namespace
-}  // namespace hvp::mesh
+}  // namespace hvp::mesh::generate_test

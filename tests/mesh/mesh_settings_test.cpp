@@ -5,7 +5,7 @@
 
 #include "tests/mesh/surfaces.h"
 
-namespace hvp::mesh {
+namespace hvp::mesh::mesh_settings_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -29,4 +29,4 @@ TEST(MeshSettings, ASurfaceNeedsAFile) {
 }
 
 }  // namespace
-}  // namespace hvp::mesh
+}  // namespace hvp::mesh::mesh_settings_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hvp::mesh {
+namespace hvp::mesh::quality_test {
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
@@ -80,4 +80,4 @@ TEST(Quality, HistogramHasALineABin) {
 TEST(Quality, OfNothing) { EXPECT_EQ(measure({}).tetrahedra, 0U); }
 
 }  // namespace
-}  // namespace hvp::mesh
+}  // namespace hvp::mesh::quality_test

@@ -9,7 +9,7 @@
 #include "models/mesh/surface_resample.h"
 #include "tests/mesh/surfaces.h"
 
-namespace hvp::mesh {
+namespace hvp::mesh::resample_test {
 namespace {
 
 using testing::euler_characteristic;
@@ -57,4 +57,4 @@ TEST(CollapseShortEdges, KeepsABoxExactly) {
 }
 
 }  // namespace
-}  // namespace hvp::mesh
+}  // namespace hvp::mesh::resample_test

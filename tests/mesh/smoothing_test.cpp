@@ -8,7 +8,7 @@
 #include "models/mesh/quality.h"
 #include "models/mesh/tetgen_run.h"
 
-namespace hvp::mesh {
+namespace hvp::mesh::smoothing_test {
 namespace {
 
 TEST(Smooth, OpensAnglesAndLeavesTheBoundary) {
@@ -44,4 +44,4 @@ TEST(Smooth, MovesANodeIntoTheOpen) {
 }
 
 }  // namespace
-}  // namespace hvp::mesh
+}  // namespace hvp::mesh::smoothing_test

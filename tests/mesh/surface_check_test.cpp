@@ -9,7 +9,7 @@
 #include "models/mesh/parametric_surface.h"
 #include "tests/mesh/surfaces.h"
 
-namespace hvp::mesh {
+namespace hvp::mesh::surface_check_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -204,4 +204,4 @@ TEST(ParametricSphere, IsAConvexTriangulationOfAllItsPoints) {
 }
 
 }  // namespace
-}  // namespace hvp::mesh
+}  // namespace hvp::mesh::surface_check_test

@@ -20,7 +20,7 @@
 #include "tests/mesh/surface_files.h"
 #include "tests/mesh/surfaces.h"
 
-namespace hvp::mesh {
+namespace hvp::mesh::surface_reader_test {
 namespace {
 
 using ::testing::AnyOf;
@@ -232,4 +232,4 @@ TEST(ReadSurface, NothingReachesTheTerminal) {
 }
 
 }  // namespace
-}  // namespace hvp::mesh
+}  // namespace hvp::mesh::surface_reader_test

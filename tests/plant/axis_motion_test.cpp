@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hvp::plant {
+namespace hvp::plant::axis_motion_test {
 namespace {
 
 constexpr double kExact = 1e-12;  // relative
@@ -174,4 +174,4 @@ TEST(AxisMotion, WithoutHoldGoesTheWayOfAForceThatBegins) {
 }
 
 }  // namespace
-}  // namespace hvp::plant
+}  // namespace hvp::plant::axis_motion_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hvp::plant {
+namespace hvp::plant::daq_test {
 namespace {
 
 TEST(RegisterFormat, CountsNanometresAndMicronewtons) {
@@ -56,4 +56,4 @@ TEST(RegisterFormat, SaturatesAndSaysSo) {
 }
 
 }  // namespace
-}  // namespace hvp::plant
+}  // namespace hvp::plant::daq_test

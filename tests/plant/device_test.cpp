@@ -8,7 +8,7 @@
 
 #include "models/plant/prescribed_path.h"
 
-namespace hvp::plant {
+namespace hvp::plant::device_test {
 namespace {
 
 // A mass of 1 kg that can move along x: x and v are polynomials while the force is constant.
@@ -88,4 +88,4 @@ TEST(PrescribedPath, FollowsItsTrajectoryWhateverTheForce) {
 }
 
 }  // namespace
-}  // namespace hvp::plant
+}  // namespace hvp::plant::device_test

@@ -7,7 +7,7 @@
 
 #include "models/plant/moving_device.h"
 
-namespace hvp::plant {
+namespace hvp::plant::energy_test {
 namespace {
 
 constexpr Picoseconds kMillisecond = 1'000'000'000;
@@ -125,4 +125,4 @@ TEST(Energy, LeavesWithAHandThatLetsGo) {
 }
 
 }  // namespace
-}  // namespace hvp::plant
+}  // namespace hvp::plant::energy_test

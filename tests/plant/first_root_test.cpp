@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hvp::plant {
+namespace hvp::plant::first_root_test {
 namespace {
 
 // Π (1 − s/root).
@@ -54,4 +54,4 @@ TEST(FirstRoot, OfASeries) {
 }
 
 }  // namespace
-}  // namespace hvp::plant
+}  // namespace hvp::plant::first_root_test

@@ -10,7 +10,7 @@
 #include "models/plant/kinematics_encoder.h"
 #include "tests/plant/kinematics_cases.h"
 
-namespace hvp::plant {
+namespace hvp::plant::kinematics_measures_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -122,4 +122,4 @@ TEST(JointEncoder, ReadsTheWrongPlaceWhereTheCounterIsTooNarrow) {
 }
 
 }  // namespace
-}  // namespace hvp::plant
+}  // namespace hvp::plant::kinematics_measures_test

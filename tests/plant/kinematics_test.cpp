@@ -13,7 +13,7 @@
 #include "models/plant/kinematics_settings.h"
 #include "tests/plant/kinematics_cases.h"
 
-namespace hvp::plant {
+namespace hvp::plant::kinematics_test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -196,4 +196,4 @@ TEST(KinematicsSettings, MakeWhatTheyName) {
 }
 
 }  // namespace
-}  // namespace hvp::plant
+}  // namespace hvp::plant::kinematics_test

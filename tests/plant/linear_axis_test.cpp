@@ -9,7 +9,7 @@
 
 #include "models/plant/axis_series.h"
 
-namespace hvp::plant {
+namespace hvp::plant::linear_axis_test {
 namespace {
 
 constexpr double kExact = 1e-12;  // relative
@@ -225,4 +225,4 @@ TEST(LinearAxis, RefusesAMotionThatCannotBeFollowed) {
 }
 
 }  // namespace
-}  // namespace hvp::plant
+}  // namespace hvp::plant::linear_axis_test

@@ -7,7 +7,7 @@
 
 #include "models/plant/moving_device.h"
 
-namespace hvp::plant {
+namespace hvp::plant::loop_quality_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -144,4 +144,4 @@ TEST(LoopQuality, SaysWhatWasClampedAndWhereTheDeviceCouldNotGo) {
 }
 
 }  // namespace
-}  // namespace hvp::plant
+}  // namespace hvp::plant::loop_quality_test

@@ -10,7 +10,7 @@
 #include "models/plant/prescribed_path.h"
 #include "tests/allocation_count.h"
 
-namespace hvp::plant {
+namespace hvp::plant::moving_device_test {
 namespace {
 
 Trajectory press() {
@@ -207,4 +207,4 @@ TEST(PrescribedPath, HasNoForceAndNoEnergy) {
 }
 
 }  // namespace
-}  // namespace hvp::plant
+}  // namespace hvp::plant::moving_device_test

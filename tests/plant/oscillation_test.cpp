@@ -6,7 +6,7 @@
 
 #include "models/plant/loop_quality.h"
 
-namespace hvp::plant {
+namespace hvp::plant::oscillation_test {
 namespace {
 
 using std::numbers::pi;
@@ -80,4 +80,4 @@ TEST(LoopQuality, SaysThatTheTipIsOutOfReach) {
 }
 
 }  // namespace
-}  // namespace hvp::plant
+}  // namespace hvp::plant::oscillation_test

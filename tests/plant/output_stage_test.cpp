@@ -10,7 +10,7 @@
 #include "models/config/input_error.h"
 #include "models/plant/serial_arm.h"
 
-namespace hvp::plant {
+namespace hvp::plant::output_stage_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -195,4 +195,4 @@ TEST(Amplifier, HasNoLagWithoutABandwidth) {
 }
 
 }  // namespace
-}  // namespace hvp::plant
+}  // namespace hvp::plant::output_stage_test

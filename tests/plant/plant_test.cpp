@@ -8,7 +8,7 @@
 #include "models/config/input_error.h"
 #include "models/config/quiet_visitor.h"
 
-namespace hvp::plant {
+namespace hvp::plant::plant_test {
 namespace {
 
 // Reads a choice, and notes the ranges and whether each key says what it is and where its default
@@ -116,4 +116,4 @@ TEST(Plant, ItsAxesHaveTheirMassAndWeight) {
 }
 
 }  // namespace
-}  // namespace hvp::plant
+}  // namespace hvp::plant::plant_test

@@ -9,7 +9,7 @@
 
 #include "models/config/input_error.h"
 
-namespace hvp::plant {
+namespace hvp::plant::trajectory_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -202,4 +202,4 @@ TEST(Trajectory, RefusesATimeThatIsNone) {
 }
 
 }  // namespace
-}  // namespace hvp::plant
+}  // namespace hvp::plant::trajectory_test

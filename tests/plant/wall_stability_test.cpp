@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hvp::plant {
+namespace hvp::plant::wall_stability_test {
 namespace {
 
 constexpr LinearAxis kDevice{.mass = 0.1, .damping = 1};
@@ -101,4 +101,4 @@ TEST(WallStability, AMicrosecondCostsWhatIsKnown) {
 }
 
 }  // namespace
-}  // namespace hvp::plant
+}  // namespace hvp::plant::wall_stability_test

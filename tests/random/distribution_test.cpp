@@ -10,7 +10,7 @@
 
 #include "models/config/input_error.h"
 
-namespace hvp::random {
+namespace hvp::random::distribution_test {
 namespace {
 
 using Kind = TimeDistribution::Kind;
@@ -238,4 +238,4 @@ TEST(TimeDistribution, RefusesWhatIsMissingOrLeavesNoRoom) {
 }
 
 }  // namespace
-}  // namespace hvp::random
+}  // namespace hvp::random::distribution_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hvp::random {
+namespace hvp::random::elementary_test {
 namespace {
 
 constexpr double kUlp = 0x1p-52;
@@ -31,4 +31,4 @@ TEST(Elementary, ExponentialIsWithinFourUnitsOfTheLibrarys) {
 }
 
 }  // namespace
-}  // namespace hvp::random
+}  // namespace hvp::random::elementary_test

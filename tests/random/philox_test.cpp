@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hvp::random {
+namespace hvp::random::philox_test {
 namespace {
 
 using Words = std::array<std::uint32_t, 4>;
@@ -17,4 +17,4 @@ TEST(Philox, GivesTheAuthorsKnownAnswers) {
 }
 
 }  // namespace
-}  // namespace hvp::random
+}  // namespace hvp::random::philox_test

@@ -6,7 +6,7 @@
 #include "tests/serve/session_client.h"
 #include "tests/vp/small_scene.h"
 
-namespace hvp::serve {
+namespace hvp::serve::board_port_test {
 namespace {
 
 using vp::now_ps;
@@ -51,4 +51,4 @@ TEST(BoardPort, WithoutEventsNothingMoves) {
 }
 
 }  // namespace
-}  // namespace hvp::serve
+}  // namespace hvp::serve::board_port_test

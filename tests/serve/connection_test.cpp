@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 
-namespace hvp::serve {
+namespace hvp::serve::connection_test {
 namespace {
 
 // What came since the last message was read: a virtual machine's monitor does not survive a
@@ -29,4 +29,4 @@ TEST(Connection, WhoIsInTheMiddleOfARequestFindsAnEnd) {
 }
 
 }  // namespace
-}  // namespace hvp::serve
+}  // namespace hvp::serve::connection_test

@@ -4,7 +4,7 @@
 
 #include "tests/serve/session_client.h"
 
-namespace hvp::serve {
+namespace hvp::serve::dma_maps_test {
 namespace {
 
 using test::memfd;
@@ -129,4 +129,4 @@ TEST(DmaMaps, MemoryThatIsCutOffIsNoCrash) {
 }
 
 }  // namespace
-}  // namespace hvp::serve
+}  // namespace hvp::serve::dma_maps_test

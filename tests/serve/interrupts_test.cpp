@@ -4,7 +4,7 @@
 
 #include "tests/serve/session_client.h"
 
-namespace hvp::serve {
+namespace hvp::serve::interrupts_test {
 namespace {
 
 using test::SessionClient;
@@ -129,4 +129,4 @@ TEST(Interrupts, ABoardWithoutMessagesHasNone) {
 }
 
 }  // namespace
-}  // namespace hvp::serve
+}  // namespace hvp::serve::interrupts_test

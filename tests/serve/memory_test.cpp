@@ -16,7 +16,7 @@
 #include "tests/vp/small_scene.h"
 #include "vp/host/driver_config.h"
 
-namespace hvp::serve {
+namespace hvp::serve::memory_test {
 namespace {
 
 using test::RawClient;
@@ -205,4 +205,4 @@ TEST(ServedMemory, AClientThatNeverAcknowledgesHarmsNobody) {
 }
 
 }  // namespace
-}  // namespace hvp::serve
+}  // namespace hvp::serve::memory_test

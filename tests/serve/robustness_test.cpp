@@ -7,7 +7,7 @@
 
 #include "tests/serve/served_program.h"
 
-namespace hvp::serve {
+namespace hvp::serve::robustness_test {
 namespace {
 
 using test::RawClient;
@@ -207,4 +207,4 @@ TEST(ServeScenario, WithoutABoardIsRefusedByItsKey) {
 }
 
 }  // namespace
-}  // namespace hvp::serve
+}  // namespace hvp::serve::robustness_test

@@ -7,7 +7,7 @@
 
 #include "tests/serve/session_client.h"
 
-namespace hvp::serve {
+namespace hvp::serve::session_test {
 namespace {
 
 using test::bytes_of;
@@ -227,4 +227,4 @@ TEST(Message, AHeaderSaysHowMuchFollows) {
 }
 
 }  // namespace
-}  // namespace hvp::serve
+}  // namespace hvp::serve::session_test

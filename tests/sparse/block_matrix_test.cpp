@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hvp::sparse {
+namespace hvp::sparse::block_matrix_test {
 namespace {
 
 // Block rows 0, 1, 2 with columns {0, 2}, {1}, {0, 2}; entries 1, 2, 3 …
@@ -53,4 +53,4 @@ TEST(BlockMatrix, SubmatrixKeepsTheListedNodes) {
 }
 
 }  // namespace
-}  // namespace hvp::sparse
+}  // namespace hvp::sparse::block_matrix_test

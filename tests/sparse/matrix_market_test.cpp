@@ -8,7 +8,7 @@
 
 #include "models/config/input_error.h"
 
-namespace hvp::sparse {
+namespace hvp::sparse::matrix_market_test {
 namespace {
 
 BlockMatrix symmetric_example() {
@@ -139,4 +139,4 @@ TEST(MatrixMarket, BadFilesAreRefusedWithTheLine) {
 }
 
 }  // namespace
-}  // namespace hvp::sparse
+}  // namespace hvp::sparse::matrix_market_test

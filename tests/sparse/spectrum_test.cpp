@@ -9,7 +9,7 @@
 
 #include "models/sparse/matrix_market.h"
 
-namespace hvp::sparse {
+namespace hvp::sparse::spectrum_test {
 namespace {
 
 BlockMatrix dense(const Eigen::MatrixXd& a) {
@@ -138,4 +138,4 @@ TEST(Spectrum, OfStructuresFromPublicCollections) {
 }
 
 }  // namespace
-}  // namespace hvp::sparse
+}  // namespace hvp::sparse::spectrum_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hvp::stability {
+namespace hvp::stability::flag_test {
 namespace {
 
 TEST(Flag, EachHasANameOfItsOwnAMeaningAndARemedy) {
@@ -40,4 +40,4 @@ TEST(Flags, AreASetThatFitsARegister) {
 }
 
 }  // namespace
-}  // namespace hvp::stability
+}  // namespace hvp::stability::flag_test

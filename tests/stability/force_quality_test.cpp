@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hvp::stability {
+namespace hvp::stability::force_quality_test {
 namespace {
 
 constexpr double kPeriod = 2e-3;
@@ -145,4 +145,4 @@ TEST(ForceQuality, ATipThatMovesOrAnotherContactIsNoRest) {
 }
 
 }  // namespace
-}  // namespace hvp::stability
+}  // namespace hvp::stability::force_quality_test

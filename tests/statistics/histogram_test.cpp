@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hvp::statistics {
+namespace hvp::statistics::histogram_test {
 namespace {
 
 TEST(Histogram, PercentilesAreWithinAPartInSixtyFour) {
@@ -87,4 +87,4 @@ TEST(Histogram, OctavesHoldEveryTimeOnce) {
 }
 
 }  // namespace
-}  // namespace hvp::statistics
+}  // namespace hvp::statistics::histogram_test

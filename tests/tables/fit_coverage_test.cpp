@@ -6,7 +6,7 @@
 
 #include "tables/fit/twins.h"
 
-namespace hvp::tables {
+namespace hvp::tables::fit_coverage_test {
 namespace {
 
 class FitCoverage : public ::testing::TestWithParam<std::size_t> {};
@@ -28,4 +28,4 @@ INSTANTIATE_TEST_SUITE_P(Twins, FitCoverage, ::testing::Range<std::size_t>(0, tw
                          });
 
 }  // namespace
-}  // namespace hvp::tables
+}  // namespace hvp::tables::fit_coverage_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hvp::tables {
+namespace hvp::tables::text_test {
 namespace {
 
 TEST(Text, NumbersHaveTwoDigitsAsInTheThesis) {
@@ -25,4 +25,4 @@ TEST(Text, TablesHaveAHeadAndALineBelowIt) {
 }
 
 }  // namespace
-}  // namespace hvp::tables
+}  // namespace hvp::tables::text_test

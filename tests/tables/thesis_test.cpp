@@ -7,7 +7,7 @@
 
 #include "tables/thesis/experiment.h"
 
-namespace hvp::tables {
+namespace hvp::tables::thesis_test {
 namespace {
 
 using fixed::Method;
@@ -114,4 +114,4 @@ TEST(ThesisTables, FewerSynchronisationsFewerDigits) {
 }
 
 }  // namespace
-}  // namespace hvp::tables
+}  // namespace hvp::tables::thesis_test

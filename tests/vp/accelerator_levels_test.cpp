@@ -17,7 +17,7 @@
 #include "vp/fpga/accelerator.h"
 #include "vp/pci/pci_bus.h"
 
-namespace hvp::vp {
+namespace hvp::vp::accelerator_levels_test {
 namespace {
 
 using fixed::Method;
@@ -380,4 +380,4 @@ INSTANTIATE_TEST_SUITE_P(Engines, AcceleratorLevels,
                          kLevelName);
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::accelerator_levels_test

@@ -17,7 +17,7 @@
 #include "tests/vp/small_scene.h"
 #include "tests/vp/stimulus.h"
 
-namespace hvp::vp {
+namespace hvp::vp::accelerator_test {
 namespace {
 
 using test::BoardMaster;
@@ -482,4 +482,4 @@ TEST_F(AcceleratorTest, SeveralDevicesGiveTheSameWordsAndTakeTheirLinks) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::accelerator_test

@@ -7,7 +7,7 @@
 #include "vp/frame/latency_statistics.h"
 #include "vp/platform.h"
 
-namespace hvp::vp {
+namespace hvp::vp::allocation_test {
 namespace {
 
 // Counts what lies between the ends of two frames.
@@ -123,4 +123,4 @@ TEST(Allocation, NoneInAClosedLoop) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::allocation_test

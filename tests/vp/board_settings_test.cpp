@@ -12,7 +12,7 @@
 
 #include "vp/host/driver_config.h"
 
-namespace hvp::vp {
+namespace hvp::vp::board_settings_test {
 namespace {
 
 using fixed::Method;
@@ -204,4 +204,4 @@ TEST(BoardSettings, EveryRegisterIsToBlameForItself) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::board_settings_test

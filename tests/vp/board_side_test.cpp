@@ -24,7 +24,7 @@
 #include "vp/host/driver_config.h"
 #include "vp/host/driver_port.h"
 
-namespace hvp::vp {
+namespace hvp::vp::board_side_test {
 namespace {
 
 using test::kNs;
@@ -195,4 +195,4 @@ TEST(BoardSide, TheDeviceIsReadAndDriven) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::board_side_test

@@ -7,7 +7,7 @@
 #include "tests/vp/small_scene.h"
 #include "vp/platform.h"
 
-namespace hvp::vp {
+namespace hvp::vp::bus_meter_test {
 namespace {
 
 // What the frames' transactions took, from the ledger.
@@ -123,4 +123,4 @@ TEST(BusMeter, KnowsEachDirectionOfALink) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::bus_meter_test

@@ -9,7 +9,7 @@
 #include "models/plant/wall_stability.h"
 #include "vp/platform.h"
 
-namespace hvp::vp {
+namespace hvp::vp::closed_loop_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -188,4 +188,4 @@ TEST_P(Edge, OfStabilityIsThatOfTheEigenvalues) {
 INSTANTIATE_TEST_SUITE_P(OneInAHundred, Edge, ::testing::Values(0.99, 1.01));
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::closed_loop_test

@@ -8,7 +8,7 @@
 #include "tests/vp/small_scene.h"
 #include "tests/vp/stimulus.h"
 
-namespace hvp::vp {
+namespace hvp::vp::collision_process_test {
 namespace {
 
 using test::kMs;
@@ -134,4 +134,4 @@ TEST(CollisionProcess, TicksThatPassEntirelyAreSkipped) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::collision_process_test

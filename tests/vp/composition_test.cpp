@@ -13,7 +13,7 @@
 #include "tests/vp/small_scene.h"
 #include "vp/platform.h"
 
-namespace hvp::vp {
+namespace hvp::vp::composition_test {
 namespace {
 
 using test::SmallScene;
@@ -158,4 +158,4 @@ TEST(Composition, TwoProcessesGiveTheSameFrames) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::composition_test

@@ -9,7 +9,7 @@
 #include "vp/fpga/packed_words.h"
 #include "vp/platform.h"
 
-namespace hvp::vp {
+namespace hvp::vp::contact_matrix_test {
 namespace {
 
 using test::SmallScene;
@@ -116,4 +116,4 @@ TEST(ContactMatrix, SingleNode) { slide_and_compare(0, 1); }
 TEST(ContactMatrix, Patch) { slide_and_compare(0.021, 5); }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::contact_matrix_test

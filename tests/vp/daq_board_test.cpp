@@ -7,7 +7,7 @@
 #include "models/plant/prescribed_path.h"
 #include "tests/vp/stimulus.h"
 
-namespace hvp::vp {
+namespace hvp::vp::daq_board_test {
 namespace {
 
 using test::kNs;
@@ -152,4 +152,4 @@ TEST(DaqBoard, OtherAccessesAreRefused) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::daq_board_test

@@ -10,7 +10,7 @@
 #include "tests/vp/stimulus.h"
 #include "vp/platform.h"
 
-namespace hvp::vp {
+namespace hvp::vp::deadline_test {
 namespace {
 
 using test::FrameLog;
@@ -131,4 +131,4 @@ TEST_F(Deadline, TicksWithoutAFrameAreCountedAndMiss) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::deadline_test

@@ -9,7 +9,7 @@
 #include "tests/vp/small_scene.h"
 #include "vp/platform.h"
 
-namespace hvp::vp {
+namespace hvp::vp::device_test {
 namespace {
 
 using test::SmallScene;
@@ -80,4 +80,4 @@ TEST(HapticDevice, WhereItIsIsWhatIsRead) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::device_test

@@ -20,7 +20,7 @@
 #include "vp/fpga/accelerator.h"
 #include "vp/pci/pci_bus.h"
 
-namespace hvp::vp {
+namespace hvp::vp::dma_engine_test {
 namespace {
 
 using test::BoardMaster;
@@ -515,4 +515,4 @@ TEST_F(DmaEngineTest, WithoutAMemoryEveryTransferFails) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::dma_engine_test

@@ -14,7 +14,7 @@
 #include "vp/latency_draws.h"
 #include "vp/platform.h"
 
-namespace hvp::vp {
+namespace hvp::vp::drawn_latencies_test {
 namespace {
 
 using test::kNs;
@@ -280,4 +280,4 @@ TEST_P(DrawnRootComplex, EachRequestOfTheBoardHasItsOwn) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::drawn_latencies_test

@@ -13,7 +13,7 @@
 #include "vp/host/driver_port.h"
 #include "vp/pci/pci_bus.h"
 
-namespace hvp::vp {
+namespace hvp::vp::driver_on_bus_test {
 namespace {
 
 using test::kNs;
@@ -226,4 +226,4 @@ TEST_F(DriverOnBus, NobodyAnswersAtAnEmptyAddress) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::driver_on_bus_test

@@ -10,7 +10,7 @@
 
 #include "models/config/input_error.h"
 
-namespace hvp::vp {
+namespace hvp::vp::fault_plan_test {
 namespace {
 
 constexpr Picoseconds kPeriod = 2'000'000'000;
@@ -167,4 +167,4 @@ TEST(FaultPlan, FrameZeroIsBeforeSetUp) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::fault_plan_test

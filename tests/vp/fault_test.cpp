@@ -15,7 +15,7 @@
 #include "tests/vp/expected_frame.h"
 #include "vp/platform.h"
 
-namespace hvp::vp {
+namespace hvp::vp::fault_test {
 namespace {
 
 using test::FrameLog;
@@ -679,4 +679,4 @@ TEST(SeveralFaults, RandomMixesAlwaysEnd) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::fault_test

@@ -13,7 +13,7 @@
 #include "tests/vp/small_scene.h"
 #include "vp/platform.h"
 
-namespace hvp::vp {
+namespace hvp::vp::frame_test {
 namespace {
 
 using test::compute;
@@ -249,4 +249,4 @@ TEST(Frame, DriverTakesTimeForEachWordThatItPacksAndUnpacks) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::frame_test

@@ -11,7 +11,7 @@
 #include "vp/pci/graphics_master.h"
 #include "vp/platform.h"
 
-namespace hvp::vp {
+namespace hvp::vp::graphics_traffic_test {
 namespace {
 
 using test::kNs;
@@ -105,4 +105,4 @@ TEST(GraphicsTraffic, PicturesLongerThanAFrameFillItAndNoMore) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::graphics_traffic_test

@@ -9,7 +9,7 @@
 
 #include "tests/vp/stimulus.h"
 
-namespace hvp::vp {
+namespace hvp::vp::host_memory_test {
 namespace {
 
 constexpr std::size_t kBytes = 4096;
@@ -139,4 +139,4 @@ TEST(HostMemory, DoesNotReachIntoTheWindowOfMessages) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::host_memory_test

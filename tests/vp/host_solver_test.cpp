@@ -5,7 +5,7 @@
 #include "tests/vp/expected_frame.h"
 #include "vp/platform.h"
 
-namespace hvp::vp {
+namespace hvp::vp::host_solver_test {
 namespace {
 
 using test::kUs;
@@ -126,4 +126,4 @@ TEST(HostSolver, ForcesAreThoseOfTheTrueModel) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::host_solver_test

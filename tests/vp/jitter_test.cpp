@@ -6,7 +6,7 @@
 #include "tests/vp/expected_frame.h"
 #include "vp/platform.h"
 
-namespace hvp::vp {
+namespace hvp::vp::jitter_test {
 namespace {
 
 using test::kUs;
@@ -111,4 +111,4 @@ TEST(Jitter, SetUpIsNoFrameAndDrawsNothing) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::jitter_test

@@ -10,7 +10,7 @@
 
 #include "tests/vp/path_of.h"
 
-namespace hvp::vp {
+namespace hvp::vp::latency_statistics_test {
 namespace {
 
 // Host, bus and board in a row; a wait beside the board and a bus transaction after the force,
@@ -126,4 +126,4 @@ TEST_F(Statistics, JitterIsBetweenNeighbours) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::latency_statistics_test

@@ -8,7 +8,7 @@
 #include "tests/vp/path_of.h"
 #include "vp/frame/verdict.h"
 
-namespace hvp::vp {
+namespace hvp::vp::ledger_test {
 namespace {
 
 // A frame whose board and host work side by side: the host's own wait is a span, but the path
@@ -231,4 +231,4 @@ TEST(Verdict, ForgetsTheExactLatenciesOfALongRunThatNeverRepeatsOne) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::ledger_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hvp::vp {
+namespace hvp::vp::mailbox_test {
 namespace {
 
 void put(Mailbox<int>& box, int value, Picoseconds now) {
@@ -57,4 +57,4 @@ TEST(Mailbox, BuffersAreUsedAgain) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::mailbox_test

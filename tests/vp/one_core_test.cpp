@@ -6,7 +6,7 @@
 #include "tests/vp/expected_frame.h"
 #include "vp/platform.h"
 
-namespace hvp::vp {
+namespace hvp::vp::one_core_test {
 namespace {
 
 using test::kMs;
@@ -115,4 +115,4 @@ TEST(OneCore, TicksAtTheSameInstantAreTheServos) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::one_core_test

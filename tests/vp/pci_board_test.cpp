@@ -10,7 +10,7 @@
 #include "vp/pci/pci_bus.h"
 #include "vp/pci/traffic_master.h"
 
-namespace hvp::vp {
+namespace hvp::vp::pci_board_test {
 namespace {
 
 using test::kNs;
@@ -213,4 +213,4 @@ TEST(PciBoard, TheProcessorGetsTheBusBetweenTwoBurstsOfADma) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::pci_board_test

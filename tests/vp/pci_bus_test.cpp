@@ -8,7 +8,7 @@
 #include "tests/vp/expected_time.h"
 #include "tests/vp/stimulus.h"
 
-namespace hvp::vp {
+namespace hvp::vp::pci_bus_test {
 namespace {
 
 using test::kNs;
@@ -197,4 +197,4 @@ TEST(PciBus, WaitStatesOfATargetKeepTheBus) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::pci_bus_test

@@ -11,7 +11,7 @@
 #include "vp/pci/traffic_master.h"
 #include "vp/platform.h"
 
-namespace hvp::vp {
+namespace hvp::vp::pci_masters_test {
 namespace {
 
 using test::kNs;
@@ -196,4 +196,4 @@ TEST(PciMasters, TrafficIsAModuleAndAProcessOfItsOwnAndIsWaitedFor) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::pci_masters_test

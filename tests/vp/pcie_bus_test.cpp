@@ -21,7 +21,7 @@
 #include "vp/bus/host_memory.h"
 #include "vp/platform.h"
 
-namespace hvp::vp {
+namespace hvp::vp::pcie_bus_test {
 namespace {
 
 using link::PcieGeneration;
@@ -488,4 +488,4 @@ TEST_P(OnPcie, AFrameByDmaAndAMessageHasAPathWithoutAGap) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::pcie_bus_test

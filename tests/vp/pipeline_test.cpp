@@ -7,7 +7,7 @@
 #include "tests/vp/expected_frame.h"
 #include "vp/platform.h"
 
-namespace hvp::vp {
+namespace hvp::vp::pipeline_test {
 namespace {
 
 using test::FrameLog;
@@ -144,4 +144,4 @@ TEST(Pipeline, AFailedFrameIsHandedOutBeforeTheBoardIsBroughtBack) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::pipeline_test

@@ -17,7 +17,7 @@
 #include "vp/pci/traffic_master.h"
 #include "vp/platform.h"
 
-namespace hvp::vp {
+namespace hvp::vp::posted_writes_test {
 namespace {
 
 using test::kNs;
@@ -419,4 +419,4 @@ TEST(PostedWrites, ApproximatelyTimedNothingIsLostEither) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::posted_writes_test

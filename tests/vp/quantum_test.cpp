@@ -17,7 +17,7 @@
 #include "tests/vp/stimulus.h"
 #include "vp/host/local_time.h"
 
-namespace hvp::vp {
+namespace hvp::vp::quantum_test {
 namespace {
 
 using test::kMs;
@@ -217,4 +217,4 @@ TEST(LocalTime, RunsAheadOfTheKernelUntilTheQuantumIsOverOrSomebodySynchronises)
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::quantum_test

@@ -8,7 +8,7 @@
 #include "tests/vp/stimulus.h"
 #include "vp/platform.h"
 
-namespace hvp::vp {
+namespace hvp::vp::recovery_test {
 namespace {
 
 using test::FrameLog;
@@ -135,4 +135,4 @@ TEST(Recovery, BoardThatRefusesItsSettingsEndsTheRun) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::recovery_test

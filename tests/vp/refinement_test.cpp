@@ -4,7 +4,7 @@
 #include "tests/vp/expected_frame.h"
 #include "vp/platform.h"
 
-namespace hvp::vp {
+namespace hvp::vp::refinement_test {
 namespace {
 
 using test::compute;
@@ -139,4 +139,4 @@ TEST(RefinedFrame, WithoutItsTableThereIsNone) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::refinement_test

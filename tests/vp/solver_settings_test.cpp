@@ -25,7 +25,7 @@
 #include "vp/host/driver_port.h"
 #include "vp/pci/pci_bus.h"
 
-namespace hvp::vp {
+namespace hvp::vp::solver_settings_test {
 namespace {
 
 using fixed::Method;
@@ -510,4 +510,4 @@ TEST_F(SolverSettings, WhatTheBoardRefusesIsSaidWithItsRegister) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::solver_settings_test

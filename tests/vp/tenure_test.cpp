@@ -16,7 +16,7 @@
 #include "vp/pcie/pcie_bus.h"
 #include "vp/platform.h"
 
-namespace hvp::vp {
+namespace hvp::vp::tenure_test {
 namespace {
 
 using test::kMs;
@@ -261,4 +261,4 @@ TEST(Tenures, OfALinkPacketByPacketToo) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::tenure_test

@@ -11,7 +11,7 @@
 #include "tests/vp/small_scene.h"
 #include "vp/platform.h"
 
-namespace hvp::vp {
+namespace hvp::vp::timing_only_test {
 namespace {
 
 using test::SmallScene;
@@ -164,4 +164,4 @@ TEST(TimingOnlyEngine, CycleAccurateIsRefused) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::timing_only_test

@@ -17,7 +17,7 @@
 #include "tests/vp/small_scene.h"
 #include "vp/host/dma_memory.h"
 
-namespace hvp::vp {
+namespace hvp::vp::transfer_test {
 namespace {
 
 using link::Notification;
@@ -332,4 +332,4 @@ TEST(TransferSettings, TooManySegmentsAreRefused) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::transfer_test

@@ -1,10 +1,15 @@
 #pragma once
 
+#include <cstdint>
 #include <tlm>
 
 #include "vp/frame/frame_tag.h"
 
 namespace hvp::vp {
+
+inline std::int64_t bytes_of(const tlm::tlm_generic_payload& transaction) {
+  return static_cast<std::int64_t>(transaction.get_data_length());
+}
 
 // What a bus calls a transaction in the ledger: a block is more than a word of four bytes.
 Phase processors_phase(const tlm::tlm_generic_payload& transaction);

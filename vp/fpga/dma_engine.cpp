@@ -11,7 +11,7 @@ namespace hvp::vp {
 
 namespace {
 
-constexpr std::size_t kStackBytes = 1 << 18;
+constexpr std::size_t kEngineStackBytes = 1 << 18;
 constexpr std::uint32_t kToHost = 1;
 constexpr std::uint32_t kDescriptorBytes = 4 * kDescriptorWords;
 
@@ -44,7 +44,7 @@ DmaEngine::DmaEngine(const sc_core::sc_module_name& name, const MasterSettings& 
   }
   SC_HAS_PROCESS(DmaEngine);
   SC_THREAD(run);
-  set_stack_size(kStackBytes);
+  set_stack_size(kEngineStackBytes);
 }
 
 DmaEngine::~DmaEngine() { payload_.clear_extension(&extension_); }

@@ -6,14 +6,6 @@
 
 namespace hvp::vp {
 
-namespace {
-
-[[noreturn]] void broken(const Frame& frame, const std::string& what) {
-  throw std::logic_error("frame " + std::to_string(frame.number) + ": " + what);
-}
-
-}  // namespace
-
 void CriticalPath::follow(const Frame& frame) {
   spans_.clear();
   attribution_.clear();

@@ -126,6 +126,10 @@ struct Frame {
   Picoseconds latency() const { return spans[static_cast<std::size_t>(force_at_motor)].end - born; }
 };
 
+// Throws std::logic_error: the record of a frame contradicts itself, which no input can bring
+// about.
+[[noreturn]] void broken(const Frame& frame, const std::string& what);
+
 // What a frame was solved to; valid while it is looked at.
 struct Solution {
   fem::Hold hold;                        // what contact prescribed

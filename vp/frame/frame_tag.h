@@ -69,4 +69,9 @@ inline sc_core::sc_time to_sc_time(Picoseconds ps) {
   return sc_core::sc_time::from_value(static_cast<sc_dt::uint64>(ps));
 }
 
+// Returns at once where the time has come already.
+inline void wait_until(Picoseconds time) {
+  if (time > now_ps()) sc_core::wait(to_sc_time(time - now_ps()));
+}
+
 }  // namespace hvp::vp

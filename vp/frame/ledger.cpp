@@ -10,10 +10,6 @@ namespace hvp::vp {
 namespace {
 // A frame of today's host has about 40 spans.
 constexpr std::size_t kSpansReserved = 256;
-
-[[noreturn]] void broken(const Frame& frame, const std::string& what) {
-  throw std::logic_error("frame " + std::to_string(frame.number) + ": " + what);
-}
 }  // namespace
 
 void Ledger::take(const Tenure& tenure) const {

@@ -91,7 +91,7 @@ ConfigSpace::ConfigSpace(const FunctionSettings& settings) : has_messages_(setti
 
   put(kCapabilities, kPowerAt, 1);
   put(kPowerAt, kPowerId, 1);
-  put(kPowerAt + 1, has_messages_ ? kMessageAt : kFeaturesAt, 1);
+  put(kPowerAt + 1, static_cast<std::uint32_t>(has_messages_ ? kMessageAt : kFeaturesAt), 1);
   put(kPowerAt + 2, 3, 2);
   allow(kPowerState, kPowerStateBits, 2);
   if (has_messages_) {

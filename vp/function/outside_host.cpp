@@ -11,7 +11,7 @@ namespace hvp::vp {
 
 namespace {
 
-constexpr std::size_t kStackBytes = 1 << 20;  // a bus and a solve run on it
+constexpr std::size_t kHostStackBytes = 1 << 20;  // a bus and a solve run on it
 // No access takes so long: a day.
 constexpr Picoseconds kForever = Picoseconds{86'400} * 1'000'000'000'000;
 
@@ -43,7 +43,7 @@ OutsideHost::OutsideHost(const sc_core::sc_module_name& name, const PlatformSett
   config_.on_reset([this] { reset_function(); });
   SC_HAS_PROCESS(OutsideHost);
   SC_THREAD(serve);
-  set_stack_size(kStackBytes);
+  set_stack_size(kHostStackBytes);
 }
 
 void OutsideHost::post(Access access) {

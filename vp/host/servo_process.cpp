@@ -5,7 +5,7 @@
 namespace hvp::vp {
 
 namespace {
-constexpr std::size_t kStackBytes = 1 << 20;  // the C driver runs on it
+constexpr std::size_t kServoStackBytes = 1 << 20;  // the C driver runs on it
 }  // namespace
 
 ServoProcess::ServoProcess(const sc_core::sc_module_name& name, const ServoSettings& settings,
@@ -25,7 +25,7 @@ ServoProcess::ServoProcess(const sc_core::sc_module_name& name, const ServoSetti
       daq_(access, rendering.probes(), settings.daq_read_bytes) {
   SC_HAS_PROCESS(ServoProcess);
   SC_THREAD(run);
-  set_stack_size(kStackBytes);
+  set_stack_size(kServoStackBytes);
 }
 
 void ServoProcess::run() {

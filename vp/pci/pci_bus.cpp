@@ -12,10 +12,6 @@ using link::Direction;
 
 constexpr std::size_t kPlacesToMemory = 64;
 
-std::int64_t bytes_of(const tlm::tlm_generic_payload& transaction) {
-  return static_cast<std::int64_t>(transaction.get_data_length());
-}
-
 Direction direction_of(const tlm::tlm_generic_payload& transaction) {
   return transaction.is_read() ? Direction::read : Direction::write;
 }

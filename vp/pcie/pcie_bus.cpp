@@ -14,10 +14,6 @@ constexpr std::int64_t kWordBytes = 4;
 constexpr std::uint64_t kAssert = 1;
 constexpr std::uint64_t kDeassert = 0;
 
-std::int64_t bytes_of(const tlm::tlm_generic_payload& transaction) {
-  return static_cast<std::int64_t>(transaction.get_data_length());
-}
-
 }  // namespace
 
 PcieBus::PcieBus(const sc_core::sc_module_name& name, const link::Pcie& link, Timing level,

@@ -11,10 +11,6 @@ namespace {
 using link::Direction;
 using link::PcieSide;
 
-void wait_until(Picoseconds time) {
-  if (time > now_ps()) sc_core::wait(to_sc_time(time - now_ps()));
-}
-
 PcieSide other(PcieSide side) { return side == PcieSide::root ? PcieSide::device : PcieSide::root; }
 
 }  // namespace

@@ -11,10 +11,6 @@ namespace {
 constexpr std::size_t kPlaces = 256;
 constexpr std::size_t kPlacesOfWrites = 64;  // the others are left to messages, which cannot wait
 
-void wait_until(Picoseconds time) {
-  if (time > now_ps()) sc_core::wait(to_sc_time(time - now_ps()));
-}
-
 }  // namespace
 
 PostedPath::PostedPath(const sc_core::sc_module_name& name, PcieTiming& timing,

@@ -5,14 +5,13 @@
 #include <string>
 
 #include "models/config/input_error.h"
+#include "models/index.h"
 
 namespace hvp::fixed::fast {
 
 namespace {
 
 using stability::Flag;
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 double square(double value) { return value * value; }
 

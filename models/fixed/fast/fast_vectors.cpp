@@ -3,12 +3,11 @@
 #include <cstdint>
 
 #include "models/fixed/fast/fast_solver.h"
+#include "models/index.h"
 
 namespace hvp::fixed::fast {
 
 namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 constexpr std::uint64_t kLargestSum = (std::uint64_t{1} << 31) - 1;
 

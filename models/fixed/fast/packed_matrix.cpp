@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "models/fixed/fast/arithmetic.h"
+#include "models/index.h"
 
 namespace hvp::fixed::fast {
 
@@ -22,8 +23,6 @@ constexpr std::size_t kVectorNodes = 16;
 std::size_t paired_words(std::size_t steps) {
   return kQuadWords * (steps / kQuadSteps) + kPairedStep * (steps % kQuadSteps);
 }
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 // In which step of its row a block is read: the diagonal one first, the others in their order.
 std::size_t step_of(const QuantisedMatrix& matrix, int row, int block) {

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "models/fixed/fast/arithmetic.h"
+#include "models/index.h"
 
 namespace hvp::fixed::fast {
 
@@ -15,8 +16,6 @@ using Row = std::array<Int128, 3>;
 
 // Words of the inverse blocks have 30 bits, so that three products fit 64.
 constexpr int kBlockBits = 30;
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 Row cross(const Row& a, const Row& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};

@@ -6,7 +6,7 @@
 #include "tests/app/scratch_directory.h"
 
 // The verdicts: what the exit status, the terminal and the summary say of a budget.
-namespace hvp::cli {
+namespace hvp::cli::budget_test {
 namespace {
 
 using nlohmann::json;
@@ -96,4 +96,4 @@ TEST(Budget, OfFramesWithoutASolutionIsStatusOne) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::budget_test

@@ -11,7 +11,7 @@
 #include "tests/app/cli/program.h"
 #include "tests/app/scratch_directory.h"
 
-namespace hvp::cli {
+namespace hvp::cli::bus_scenarios_test {
 namespace {
 
 using nlohmann::json;
@@ -155,4 +155,4 @@ TEST(BusScenarios, MissesGoFromNoneToManyWithTheSpreadOfTheWakeUps) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::bus_scenarios_test

@@ -11,7 +11,7 @@
 #include "tests/app/scratch_directory.h"
 
 // Device, hand and wall as a user meets them: `hvp run` and `hvp stability`.
-namespace hvp::cli {
+namespace hvp::cli::closed_loop_test {
 namespace {
 
 using nlohmann::json;
@@ -261,4 +261,4 @@ TEST_F(LoopCommands, WhatCannotBeIsRefusedInALine) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::closed_loop_test

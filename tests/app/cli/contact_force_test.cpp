@@ -9,7 +9,7 @@
 #include "tests/app/scratch_directory.h"
 
 // The force that a user feels, frame by frame, over the whole range of what could spoil it.
-namespace hvp::cli {
+namespace hvp::cli::contact_force_test {
 namespace {
 
 using nlohmann::json;
@@ -181,4 +181,4 @@ TEST(ContactForce, OfABodyPressedThroughIsFlagged) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::contact_force_test

@@ -6,7 +6,7 @@
 #include "tests/app/scratch_directory.h"
 
 // `hvp device`: the accelerator of a scenario.
-namespace hvp::cli {
+namespace hvp::cli::device_test {
 namespace {
 
 using nlohmann::json;
@@ -157,4 +157,4 @@ TEST_F(Device, RefusesAWrongScenarioAsEveryCommandDoes) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::device_test

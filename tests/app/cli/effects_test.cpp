@@ -18,7 +18,7 @@
 #include "tests/vp/child_output.h"
 #include "vp/platform.h"
 
-namespace hvp::cli {
+namespace hvp::cli::effects_test {
 namespace {
 
 using config::Effect;
@@ -322,4 +322,4 @@ INSTANTIATE_TEST_SUITE_P(Of, OneEffect, ::testing::Range(std::size_t{0}, declare
                          });
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::effects_test

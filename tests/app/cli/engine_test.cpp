@@ -7,7 +7,7 @@
 #include "tests/app/scratch_directory.h"
 
 // What a run says of the engine that timed its board.
-namespace hvp::cli {
+namespace hvp::cli::engine_test {
 namespace {
 
 using nlohmann::json;
@@ -122,4 +122,4 @@ TEST_F(Engine, AWaveformThatCannotBeIsRefusedByName) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::engine_test

@@ -7,7 +7,7 @@
 #include "tests/app/cli/program.h"
 #include "tests/app/scratch_directory.h"
 
-namespace hvp::cli {
+namespace hvp::cli::explain_test {
 namespace {
 
 using nlohmann::json;
@@ -164,4 +164,4 @@ TEST(Explain, HasASectionOfThePlatform) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::explain_test

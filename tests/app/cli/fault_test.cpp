@@ -11,7 +11,7 @@
 #include "tests/app/cli/program.h"
 #include "tests/app/scratch_directory.h"
 
-namespace hvp::cli {
+namespace hvp::cli::fault_test {
 namespace {
 
 using nlohmann::json;
@@ -111,4 +111,4 @@ TEST(Faults, AHeldForceIsNotInTime) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::fault_test

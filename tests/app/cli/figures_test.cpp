@@ -7,7 +7,7 @@
 
 // The figures that the thesis' experiment has to meet: thesis sections 4.2 and 6.2.4 and
 // Tables 4.1, 6.2, with the bounds that independent computations gave.
-namespace hvp::cli {
+namespace hvp::cli::figures_test {
 namespace {
 
 using nlohmann::json;
@@ -141,4 +141,4 @@ TEST(Figures, Refined) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::figures_test

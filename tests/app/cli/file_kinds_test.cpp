@@ -8,7 +8,7 @@
 
 // Whatever a command reads, it reads regular files only: a pipe or a device in the place of one may
 // never end. A command that waits for one runs into ctest's time limit.
-namespace hvp::cli {
+namespace hvp::cli::file_kinds_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -99,4 +99,4 @@ INSTANTIATE_TEST_SUITE_P(
         Reader{"rhs", {"solve", "--matrix", "A.mtx", "--rhs", "FILE"}, "a Matrix Market file"}));
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::file_kinds_test

@@ -16,7 +16,7 @@
 #include "tests/app/scratch_directory.h"
 
 // `hvp fit` as a user meets it, on logs that the platform and the models themselves make.
-namespace hvp::cli {
+namespace hvp::cli::fit_test {
 namespace {
 
 using nlohmann::json;
@@ -334,4 +334,4 @@ TEST_F(FitCommand, WrongInputEndsInOneLine) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::fit_test

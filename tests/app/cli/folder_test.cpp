@@ -9,7 +9,7 @@
 #include "tests/app/scratch_directory.h"
 
 // Where results go: --out, and what an earlier or a killed run left there.
-namespace hvp::cli {
+namespace hvp::cli::folder_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -189,4 +189,4 @@ TEST(EarlierResults, AreKeptWhereTheScenarioContradictsItself) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::folder_test

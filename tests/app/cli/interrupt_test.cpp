@@ -12,7 +12,7 @@
 #include "tests/app/scratch_directory.h"
 
 // Ctrl-C and TERM, sent where the program is known to be by what it has written.
-namespace hvp::cli {
+namespace hvp::cli::interrupt_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -201,4 +201,4 @@ TEST(InterruptIgnored, StaysIgnored) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::interrupt_test

@@ -9,7 +9,7 @@
 #include "tests/app/scratch_directory.h"
 
 // `hvp reference --json` against what the program takes and writes.
-namespace hvp::cli {
+namespace hvp::cli::reference_json_test {
 namespace {
 
 using nlohmann::json;
@@ -163,4 +163,4 @@ TEST(ReferenceJson, TellsOfEveryFlagWhatItMeansAndWhatHelps) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::reference_json_test

@@ -7,7 +7,7 @@
 
 // A remedy that is printed is run, as printed: the scenario with it raises none of the flags that
 // it was found for, and fits its device.
-namespace hvp::cli {
+namespace hvp::cli::remedy_test {
 namespace {
 
 using nlohmann::json;
@@ -218,4 +218,4 @@ TEST(WhatIf, HasAFolderAndATitleOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::remedy_test

@@ -4,7 +4,7 @@
 #include "tests/app/scratch_directory.h"
 
 // The same scenario gives the same bytes, whoever runs it and where.
-namespace hvp::cli {
+namespace hvp::cli::repeat_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -89,4 +89,4 @@ TEST(Repeat, TheResolvedScenarioBringsItsDevice) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::repeat_test

@@ -9,7 +9,7 @@
 #include "tests/app/cli/program.h"
 #include "tests/app/scratch_directory.h"
 
-namespace hvp::cli {
+namespace hvp::cli::resolve_test {
 namespace {
 
 using nlohmann::json;
@@ -156,4 +156,4 @@ TEST_F(Resolve, RefusesALineOfMoreThanAMebibyte) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::resolve_test

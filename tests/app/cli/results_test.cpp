@@ -13,7 +13,7 @@
 #include "tests/app/scratch_directory.h"
 
 // What is in the result files, and that they agree with each other.
-namespace hvp::cli {
+namespace hvp::cli::results_test {
 namespace {
 
 using nlohmann::json;
@@ -415,4 +415,4 @@ TEST(SharedBus, AttributionOfDelayedReadsAddsUp) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::results_test

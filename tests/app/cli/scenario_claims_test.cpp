@@ -15,7 +15,7 @@
 
 // Every figure that a scenario's comment states under "What to look at" is asserted here, beside
 // the words that state it; a figure that is not, or words that are not there, fail.
-namespace hvp::cli {
+namespace hvp::cli::scenario_claims_test {
 namespace {
 
 using nlohmann::json;
@@ -543,4 +543,4 @@ INSTANTIATE_TEST_SUITE_P(Comments, ScenarioClaims, ::testing::ValuesIn(all_scena
                          });
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::scenario_claims_test

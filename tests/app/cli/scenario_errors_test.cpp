@@ -6,7 +6,7 @@
 #include "tests/app/cli/program.h"
 #include "tests/app/scratch_directory.h"
 
-namespace hvp::cli {
+namespace hvp::cli::scenario_errors_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -363,4 +363,4 @@ TEST(ScenarioErrors, AnUnreachableNodeCountSaysWhatIsNear) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::scenario_errors_test

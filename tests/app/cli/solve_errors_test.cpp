@@ -3,7 +3,7 @@
 #include "tests/app/cli/linear_systems.h"
 
 // What `hvp solve` refuses: status 2, one line, and nothing written.
-namespace hvp::cli {
+namespace hvp::cli::solve_errors_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -127,4 +127,4 @@ TEST(SolveErrors, ShowSmallNumbers) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::solve_errors_test

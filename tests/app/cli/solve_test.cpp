@@ -6,7 +6,7 @@
 #include "tests/app/cli/linear_systems.h"
 
 // `hvp solve` on systems whose solution is known.
-namespace hvp::cli {
+namespace hvp::cli::solve_test {
 namespace {
 
 using nlohmann::json;
@@ -349,4 +349,4 @@ TEST(Structures, WorkOrSayWhyTheyDoNot) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::solve_test

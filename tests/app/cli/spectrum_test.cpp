@@ -6,7 +6,7 @@
 #include "tests/app/cli/linear_systems.h"
 
 // The effect [spectrum]: bounds of eigenvalues, where a run asks for them.
-namespace hvp::cli {
+namespace hvp::cli::spectrum_test {
 namespace {
 
 using nlohmann::json;
@@ -94,4 +94,4 @@ TEST_F(SpectrumOfARun, FlagsAMatrixThatRoundingMadeIndefinite) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::spectrum_test

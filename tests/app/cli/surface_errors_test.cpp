@@ -6,7 +6,7 @@
 #include "tests/app/cli/program.h"
 #include "tests/app/scratch_directory.h"
 
-namespace hvp::cli {
+namespace hvp::cli::surface_errors_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -148,4 +148,4 @@ TEST(Surface, EitherWindingIsAccepted) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::surface_errors_test

@@ -6,7 +6,7 @@
 #include "tests/app/scratch_directory.h"
 
 // A user's words may hold what a terminal would obey. None of it arrives there.
-namespace hvp::cli {
+namespace hvp::cli::terminal_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -94,4 +94,4 @@ TEST(Terminal, AnErrorIsOneLineAndNotObeyed) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::terminal_test

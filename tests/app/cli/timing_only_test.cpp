@@ -10,7 +10,7 @@
 #include "tests/app/scratch_directory.h"
 
 // fidelity.numbers = "none": the times of a run without its numbers.
-namespace hvp::cli {
+namespace hvp::cli::timing_only_test {
 namespace {
 
 using nlohmann::json;
@@ -102,4 +102,4 @@ TEST_F(TimingOnlyRun, IsExplained) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::timing_only_test

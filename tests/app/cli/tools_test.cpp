@@ -6,7 +6,7 @@
 #include "tests/app/scratch_directory.h"
 
 // The commands beside `run`.
-namespace hvp::cli {
+namespace hvp::cli::tools_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -116,4 +116,4 @@ TEST(Reference, IsTheWholePage) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::tools_test

@@ -16,7 +16,7 @@
 // trace.json, checked as a viewer reads it: lanes have names, slices nest, each frame's flow leads
 // along its critical path, cores and buses have one user at a time and add up to what summary.json
 // says of them, and the file keeps to its bound.
-namespace hvp::cli {
+namespace hvp::cli::trace_test {
 namespace {
 
 using nlohmann::json;
@@ -533,4 +533,4 @@ TEST_F(Trace, BoundsThatHoldNothingAreRefused) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::trace_test

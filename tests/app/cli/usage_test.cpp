@@ -3,7 +3,7 @@
 #include "tests/app/cli/program.h"
 #include "tests/app/scratch_directory.h"
 
-namespace hvp::cli {
+namespace hvp::cli::usage_test {
 namespace {
 
 using ::testing::EndsWith;
@@ -136,4 +136,4 @@ TEST(Usage, AControlCharacterDoesNotBreakTheLine) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::usage_test

@@ -6,7 +6,7 @@
 #include "tests/app/scratch_directory.h"
 
 // What a verdict is called: never more than what was measured.
-namespace hvp::cli {
+namespace hvp::cli::verdict_test {
 namespace {
 
 using nlohmann::json;
@@ -179,4 +179,4 @@ TEST(ErrorBudget, NeedsAReference) {
 }
 
 }  // namespace
-}  // namespace hvp::cli
+}  // namespace hvp::cli::verdict_test

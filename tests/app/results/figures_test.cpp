@@ -13,7 +13,7 @@
 #include "app/results/figures_json.h"
 #include "app/results/outcome.h"
 
-namespace hvp::results {
+namespace hvp::results::figures_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -152,4 +152,4 @@ TEST(Figures, ARunsListIsWhatItsSummaryHas) {
 }
 
 }  // namespace
-}  // namespace hvp::results
+}  // namespace hvp::results::figures_test

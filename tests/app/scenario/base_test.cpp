@@ -11,7 +11,7 @@
 #include "tests/app/scenario/read_toy.h"
 #include "tests/app/scratch_directory.h"
 
-namespace hvp::scenario {
+namespace hvp::scenario::base_test {
 namespace {
 
 // Files of their own, of which s.toml is read.
@@ -172,4 +172,4 @@ TEST_F(Base, ThatGoesRoundOrOnAndOnIsRefused) {
 }
 
 }  // namespace
-}  // namespace hvp::scenario
+}  // namespace hvp::scenario::base_test

@@ -9,7 +9,7 @@
 
 #include "tests/app/scenario/read_toy.h"
 
-namespace hvp::scenario {
+namespace hvp::scenario::document_test {
 namespace {
 
 std::string load_error(const std::filesystem::path& file) {
@@ -163,4 +163,4 @@ TEST(Complete, AddsThePlaceOnce) {
 }
 
 }  // namespace
-}  // namespace hvp::scenario
+}  // namespace hvp::scenario::document_test

@@ -9,7 +9,7 @@
 #include "app/scenario/writer.h"
 #include "tests/app/scenario/read_toy.h"
 
-namespace hvp::scenario {
+namespace hvp::scenario::files_test {
 namespace {
 
 TEST(FileParameters, StartFromTheScenariosFolder) {
@@ -55,4 +55,4 @@ TEST(FileParameters, ThatAreMissingAreReported) {
 }
 
 }  // namespace
-}  // namespace hvp::scenario
+}  // namespace hvp::scenario::files_test

@@ -10,7 +10,7 @@
 #include "tests/app/scenario/read_toy.h"
 #include "tests/app/scratch_directory.h"
 
-namespace hvp::scenario {
+namespace hvp::scenario::include_test {
 namespace {
 
 // Files of their own, of which s.toml is read.
@@ -188,4 +188,4 @@ TEST_F(Included, MayComeTwice) {
 }
 
 }  // namespace
-}  // namespace hvp::scenario
+}  // namespace hvp::scenario::include_test

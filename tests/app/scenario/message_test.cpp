@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hvp::scenario {
+namespace hvp::scenario::message_test {
 namespace {
 
 TEST(Message, WhatATerminalWouldObeyIsEscaped) {
@@ -49,4 +49,4 @@ TEST(Message, ACutFallsBetweenCharacters) {
 }
 
 }  // namespace
-}  // namespace hvp::scenario
+}  // namespace hvp::scenario::message_test

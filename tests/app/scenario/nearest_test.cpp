@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hvp::scenario {
+namespace hvp::scenario::nearest_test {
 namespace {
 
 TEST(EditDistance, IsTheNumberOfSingleCorrections) {
@@ -43,4 +43,4 @@ TEST(Nearest, IsQuickForAbsurdNames) {
 }
 
 }  // namespace
-}  // namespace hvp::scenario
+}  // namespace hvp::scenario::nearest_test

@@ -2,7 +2,7 @@
 
 #include "tests/app/scenario/read_toy.h"
 
-namespace hvp::scenario {
+namespace hvp::scenario::override_test {
 namespace {
 
 using toy::error_of;
@@ -114,4 +114,4 @@ TEST(Override, FileErrorsComeFirst) {
 }
 
 }  // namespace
-}  // namespace hvp::scenario
+}  // namespace hvp::scenario::override_test

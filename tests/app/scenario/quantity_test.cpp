@@ -12,7 +12,7 @@
 #include "app/scenario/unit_table.h"
 #include "models/config/input_error.h"
 
-namespace hvp::scenario {
+namespace hvp::scenario::quantity_test {
 namespace {
 
 using config::Dimension;
@@ -180,4 +180,4 @@ TEST(Units, AreUniqueWithinADimension) {
 }
 
 }  // namespace
-}  // namespace hvp::scenario
+}  // namespace hvp::scenario::quantity_test

@@ -4,7 +4,7 @@
 
 #include "tests/app/scenario/read_toy.h"
 
-namespace hvp::scenario {
+namespace hvp::scenario::reader_test {
 namespace {
 
 using toy::error_of;
@@ -218,4 +218,4 @@ INSTANTIATE_TEST_SUITE_P(
              "\"cg\"?"}));
 
 }  // namespace
-}  // namespace hvp::scenario
+}  // namespace hvp::scenario::reader_test

@@ -7,7 +7,7 @@
 
 #include "tests/app/scenario/toy_scene.h"
 
-namespace hvp::scenario {
+namespace hvp::scenario::reference_test {
 namespace {
 
 TEST(Outline, ListsTablesInOrderWithEffectsAndLists) {
@@ -63,4 +63,4 @@ TEST(ReferencePage, IsWellFormed) {
 }
 
 }  // namespace
-}  // namespace hvp::scenario
+}  // namespace hvp::scenario::reference_test

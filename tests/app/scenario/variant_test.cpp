@@ -14,7 +14,7 @@
 #include "models/config/input_error.h"
 
 // Keys that belong to some values of another key only.
-namespace hvp::scenario {
+namespace hvp::scenario::variant_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -231,4 +231,4 @@ TEST(Variant, TheReferenceSaysWhatBelongsTo) {
 }
 
 }  // namespace
-}  // namespace hvp::scenario
+}  // namespace hvp::scenario::variant_test

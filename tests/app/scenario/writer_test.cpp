@@ -8,7 +8,7 @@
 
 #include "tests/app/scenario/read_toy.h"
 
-namespace hvp::scenario {
+namespace hvp::scenario::writer_test {
 namespace {
 
 using toy::read_scene;
@@ -116,4 +116,4 @@ TEST(Writer, KeepsAnEmptyListEmpty) {
 }
 
 }  // namespace
-}  // namespace hvp::scenario
+}  // namespace hvp::scenario::writer_test

@@ -8,7 +8,7 @@
 #include "models/config/input_error.h"
 #include "tests/app/scratch_directory.h"
 
-namespace hvp::app {
+namespace hvp::app::samples_test {
 namespace {
 
 std::vector<double> samples(const std::string& text) {
@@ -57,4 +57,4 @@ TEST(Samples, RefusalsNameTheLine) {
 }
 
 }  // namespace
-}  // namespace hvp::app
+}  // namespace hvp::app::samples_test

@@ -15,7 +15,7 @@
 #include "vp/fpga/engine/cycle_engine.h"
 #include "vp/fpga/engine/phase_engine.h"
 
-namespace hvp::vp::engine {
+namespace hvp::vp::engine::agreement_test {
 namespace {
 
 using accel::Architecture;
@@ -212,4 +212,4 @@ TEST(Agreement, OfLoadsAndNodeUpdatesIsExact) {
 }
 
 }  // namespace
-}  // namespace hvp::vp::engine
+}  // namespace hvp::vp::engine::agreement_test

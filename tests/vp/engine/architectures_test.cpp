@@ -19,7 +19,7 @@
 #include "tests/vp/engine/levels.h"
 #include "vp/fpga/engine/phase_clocks.h"
 
-namespace hvp::vp::engine {
+namespace hvp::vp::engine::architectures_test {
 namespace {
 
 using accel::Architecture;
@@ -331,4 +331,4 @@ TEST(AgreementOverArchitectures, OfSolvesThatFollowEachOtherAndAReset) {
 }
 
 }  // namespace
-}  // namespace hvp::vp::engine
+}  // namespace hvp::vp::engine::architectures_test

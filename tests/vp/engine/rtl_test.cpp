@@ -9,7 +9,7 @@
 #include "tests/vp/engine/engine_systems.h"
 #include "vp/fpga/rtl/rtl_spmxv.h"
 
-namespace hvp::vp::rtl {
+namespace hvp::vp::rtl::rtl_test {
 namespace {
 
 void solve_beside(engine::CycleEngine& engine, std::vector<std::unique_ptr<RtlSpmxv>>& rtl,
@@ -99,4 +99,4 @@ TEST(Rtl, IsForTheThesisSubBlockOnly) {
 }
 
 }  // namespace
-}  // namespace hvp::vp::rtl
+}  // namespace hvp::vp::rtl::rtl_test

@@ -13,7 +13,7 @@
 #include "tests/vp/engine/engine_systems.h"
 #include "vp/fpga/engine/engine_trace.h"
 
-namespace hvp::vp::engine {
+namespace hvp::vp::engine::trace_test {
 namespace {
 
 // Value changes by full name, as (time, value); IEEE 1364 section 18.
@@ -160,4 +160,4 @@ TEST(Trace, ShowsTheJobsOfItsWindowWithReadableNumbers) {
 }
 
 }  // namespace
-}  // namespace hvp::vp::engine
+}  // namespace hvp::vp::engine::trace_test

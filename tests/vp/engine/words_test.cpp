@@ -11,7 +11,7 @@
 #include "tests/vp/engine/engine_systems.h"
 #include "vp/fpga/engine/cycle_engine.h"
 
-namespace hvp::vp::engine {
+namespace hvp::vp::engine::words_test {
 namespace {
 
 using fixed::Settings;
@@ -329,4 +329,4 @@ TEST(Words, WhatTheEngineCannotDoIsRefusedByKey) {
 }
 
 }  // namespace
-}  // namespace hvp::vp::engine
+}  // namespace hvp::vp::engine::words_test

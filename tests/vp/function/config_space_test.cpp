@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hvp::vp {
+namespace hvp::vp::config_space_test {
 namespace {
 
 constexpr std::uint32_t kBar = 0x0200'0000;
@@ -188,4 +188,4 @@ TEST(ConfigSpace, ABarIsAPowerOfTwo) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::config_space_test

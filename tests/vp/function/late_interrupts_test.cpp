@@ -9,7 +9,7 @@
 #include "tests/vp/expected_time.h"
 #include "vp/frame/frame_tag.h"
 
-namespace hvp::vp {
+namespace hvp::vp::late_interrupts_test {
 namespace {
 
 using test::kUs;
@@ -128,4 +128,4 @@ TEST_F(Late, AFrameThatHasGoneGetsNoSpan) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::late_interrupts_test

@@ -18,7 +18,7 @@
 #include "tests/vp/stimulus.h"
 #include "vp/host/driver_config.h"
 
-namespace hvp::vp {
+namespace hvp::vp::outside_host_test {
 namespace {
 
 using test::kUs;
@@ -318,4 +318,4 @@ TEST(OutsideHost, AResetOfTheFunctionForgetsTheMatrix) {
 }
 
 }  // namespace
-}  // namespace hvp::vp
+}  // namespace hvp::vp::outside_host_test

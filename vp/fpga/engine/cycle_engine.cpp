@@ -5,14 +5,9 @@
 #include <string>
 
 #include "models/config/input_error.h"
+#include "models/index.h"
 
 namespace hvp::vp::engine {
-
-namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
-
-}  // namespace
 
 void require_supported(const accel::Architecture& architecture) {
   if (architecture.vector_clocks() >= 1) return;

@@ -6,14 +6,13 @@
 
 #include "models/accel/bits.h"
 #include "models/config/input_error.h"
+#include "models/index.h"
 
 namespace hvp::vp::engine {
 
 namespace {
 
 using accel::ceil_div;
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 int packages_of(const accel::Architecture& a, int blocks) {
   const int needed = ceil_div(3 * blocks, a.package);

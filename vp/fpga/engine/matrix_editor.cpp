@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
+#include "models/index.h"
+
 namespace hvp::vp::engine {
 
 namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 // Reciprocals that P⁻¹ of a node takes: a block is symmetric, so that six of nine are different.
 int divisions_a_node(fixed::Method method) {

@@ -5,11 +5,11 @@
 #include <deque>
 #include <vector>
 
+#include "models/index.h"
+
 namespace hvp::vp::engine {
 
 namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 // A partition on its way through its rows.
 class RowStream {

@@ -2,13 +2,9 @@
 
 #include <algorithm>
 
+#include "models/index.h"
+
 namespace hvp::vp::engine {
-
-namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
-
-}  // namespace
 
 SpmxvBlock::SpmxvBlock(const sc_core::sc_module_name& name, const accel::Architecture& architecture,
                        EngineClock& clock)

@@ -4,12 +4,11 @@
 
 #include "models/fixed/start_guess.h"
 #include "models/fixed/word.h"
+#include "models/index.h"
 
 namespace hvp::vp::engine {
 
 namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 void track(std::uint64_t& largest, std::int64_t value) {
   largest = std::max(largest, fixed::magnitude(value));

@@ -9,6 +9,7 @@ using sc_core::sc_time_stamp;
 #include <verilated.h>
 
 #include "models/config/input_error.h"
+#include "models/index.h"
 
 namespace hvp::vp::rtl {
 
@@ -23,8 +24,6 @@ constexpr int kSumBits = 48;
 constexpr int kNodeBits = 10;
 constexpr int kPackageBits = 11;
 constexpr std::uint64_t kWordMask = (std::uint64_t{1} << kVectorBits) - 1;
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 std::int64_t sign_extended(std::uint64_t value, int bits) {
   const int unused = 64 - bits;
