@@ -129,7 +129,7 @@ double frame_seconds(ThesisScene& scene, bool referenced) {
   const sparse::BlockMatrix rounded = fixed::dequantise(scene.computation.system());
   if (referenced) reference.emplace(scene, rounded);
   vp::Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
-  results::FramesCsv frames(file, platform.session(), scene.settings.budget);
+  results::FramesCsv frames(file, scene.settings.budget);
   vp::LatencyStatistics latency;
   platform.add_observer(latency);
   platform.add_observer(frames);

@@ -56,7 +56,7 @@ double frame_seconds(ThesisScene& scene, const Case& c) {
   scene.settings.transfer.method = c.method;
   scene.settings.frames = kFrames;
   vp::Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
-  results::FramesCsv frames(folder.path / "frames.csv", platform.session(), scene.settings.budget,
+  results::FramesCsv frames(folder.path / "frames.csv", scene.settings.budget,
                             results::Columns::times);
   results::Trace trace(folder.path / "trace.json", platform.session(),
                        {c.traced_frames, std::numeric_limits<std::int64_t>::max(),
