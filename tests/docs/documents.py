@@ -1,8 +1,8 @@
 """Runs the commands that the documents show and follows the links between them.
 
 Every ```sh block of README.md, CONTRIBUTING.md and docs/*.md is run by bash, block after block,
-in one scratch directory a document, where the checkout's files are at hand. A block must exit 0
-unless the line before it says otherwise:
+in one scratch directory a document, where the checkout's files are at hand; documents run side by
+side. A block must exit 0 unless the line before it says otherwise:
 
     <!-- exit 2 -->                 it shows an error and exits with that status
     <!-- not run: takes an hour --> it is only read, for the reason given
@@ -18,7 +18,9 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 TOP = Path(__file__).resolve().parents[2]
@@ -117,12 +119,14 @@ def run_block(block: Block, directory: Path) -> str | None:
     return f"exit {run.returncode}, expected {block.status}\n{block.script}{run.stdout}"
 
 
-def check(document: Path, build: Path, step: str) -> int:
+def check(build: Path, step: str, document: Path) -> int:
+    """The number of faults; what is printed of a document stands together."""
     failures = 0
+    lines: list[str] = []
     name = document.relative_to(TOP)
     for link in broken_links(document):
         failures += 1
-        print(f"{name}: the link to {link} leads nowhere")
+        lines.append(f"{name}: the link to {link} leads nowhere")
     with tempfile.TemporaryDirectory(prefix="hvp-documents-") as scratch:
         directory = Path(scratch)
         lay_out(directory, build)
@@ -131,10 +135,11 @@ def check(document: Path, build: Path, step: str) -> int:
                 continue
             started = time.monotonic()
             fault = run_block(block, directory)
-            print(f"{name}:{block.line}: {time.monotonic() - started:.1f} s", flush=True)
+            lines.append(f"{name}:{block.line}: {time.monotonic() - started:.1f} s")
             if fault:
                 failures += 1
-                print(fault, flush=True)
+                lines.append(fault)
+    print("\n".join(lines), flush=True)
     return failures
 
 
@@ -143,6 +148,7 @@ def main() -> int:
     parser.add_argument("--build", type=Path, required=True, help="stands in for build/")
     parser.add_argument("document", type=Path, nargs="*", help="default: all of them")
     parser.add_argument("--step", default="", help="documents with blocks of this step alone")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="documents at once")
     arguments = parser.parse_args()
     chosen = [path.resolve() for path in arguments.document] or documents()
     step = arguments.step
@@ -154,7 +160,10 @@ def main() -> int:
         ]
         if not chosen:
             parser.error(f"--step {step}: no document has a block of that step")
-    failures = sum(check(document, arguments.build.resolve(), step) for document in chosen)
+    # The longest pages first, so that none of them is left for the end.
+    chosen.sort(key=lambda path: -path.stat().st_size)
+    with ThreadPoolExecutor(arguments.jobs) as pool:
+        failures = sum(pool.map(partial(check, arguments.build.resolve(), step), chosen))
     print(f"{len(chosen)} documents, {failures} faults")
     return 1 if failures else 0
 

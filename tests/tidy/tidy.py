@@ -1,8 +1,8 @@
 """Runs clang-tidy over the project's own sources and remembers what it found clean.
 
 A source is analysed again when its compile command, its checks, clang-tidy, or any file it
-includes has changed. The includes are those that ninja recorded when it compiled the source.
-Precompiled headers are left out: a header that misses an include is found here.
+includes has changed. Nothing is compiled: the build is one that was configured with a source at a
+time and without precompiled headers, so that a header which misses an include is found here.
 
 From nothing that would be most of an hour, for sources that nobody has touched. So, without --all,
 of those that were never found clean here these are analysed: what the last commits changed, and a
@@ -24,13 +24,14 @@ from pathlib import Path
 
 TOP = Path(__file__).resolve().parents[2]
 TIDY = "clang-tidy-14"
+SCAN = "clang-scan-deps-14"
 
 
 @dataclass(frozen=True)
 class Source:
     path: Path
     command: str
-    includes: tuple[Path, ...] | None  # None: not compiled, so not known
+    includes: tuple[Path, ...] | None  # None: it could not be scanned
 
 
 @dataclass(frozen=True)
@@ -41,42 +42,38 @@ class Finding:
     output: str
 
 
-def recorded_includes(build: Path) -> dict[str, list[Path]]:
-    """Files that each object was made from, by the object's path in the build directory."""
-    listing = subprocess.run(
-        ["ninja", "-C", str(build), "-t", "deps"], check=True, capture_output=True, text=True
-    ).stdout
+def scanned_includes(folder: Path, jobs: int) -> dict[str, list[Path]]:
+    """Files that each object is made from, by its path, as clang-scan-deps reads them."""
+    command = [SCAN, "-compilation-database", str(folder / "compile_commands.json")]
+    command += ["-format=make", "-j", str(jobs)]
+    # Sources that a build generates are not there and are said so; the others are scanned.
+    rules = subprocess.run(command, check=False, capture_output=True, text=True).stdout
     includes: dict[str, list[Path]] = {}
-    current: list[Path] = []
-    for line in listing.splitlines():
-        if line.startswith("    "):
-            # What a precompiled header was made from is named beside it.
-            if "/cmake_pch." not in line:
-                current.append(build / line.strip())
-        elif ": #deps " in line:
-            current = includes.setdefault(line.partition(": #deps ")[0], [])
+    for rule in rules.replace("\\\n", " ").splitlines():
+        target, _, files = rule.partition(": ")
+        if files:
+            includes[target.strip()] = [Path(name) for name in shlex.split(files)]
     return includes
 
 
-# Options that put a precompiled header before a source. clang-tidy does without, so that a header
-# which misses an include is found.
-PRECOMPILED = re.compile(r"(-Xclang )?-include(-pch)? (-Xclang )?\S*/cmake_pch\S* ")
+# The compiler's cache is no part of what a source is compiled with.
+LAUNCHER = re.compile(r"^env \S+ \S*ccache ")
 
 
 def write_commands(build: Path) -> Path:
-    """The folder of a compile_commands.json without precompiled headers."""
+    """The folder of a compile_commands.json for clang's tools."""
     folder = build / "tidy"
     folder.mkdir(exist_ok=True)
     commands = json.loads((build / "compile_commands.json").read_text())
     for entry in commands:
-        entry["command"] = PRECOMPILED.sub("", entry["command"])
+        entry["command"] = LAUNCHER.sub("", entry["command"])
     (folder / "compile_commands.json").write_text(json.dumps(commands, indent=1))
     return folder
 
 
-def own_sources(build: Path, commands: Path) -> list[Source]:
+def own_sources(build: Path, commands: Path, jobs: int) -> list[Source]:
     """Sources of the checkout that the build compiles, without generated ones."""
-    includes = recorded_includes(build)
+    includes = scanned_includes(commands, jobs)
     sources = {}
     for entry in json.loads((commands / "compile_commands.json").read_text()):
         path = Path(entry["file"]).resolve()
@@ -167,7 +164,7 @@ def analyse(source: Source, key: str | None, commands: Path) -> Finding:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--build", type=Path, required=True, help="a build made with clang")
+    parser.add_argument("--build", type=Path, required=True, help="a build that is configured for clang")
     parser.add_argument("--stamps", type=Path, required=True, help="where clean sources are noted")
     parser.add_argument("--all", action="store_true", help="every source that has no stamp")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
@@ -177,10 +174,14 @@ def main() -> int:
     stamps.mkdir(parents=True, exist_ok=True)
 
     commands = write_commands(build)
-    sources = own_sources(build, commands)
+    sources = own_sources(build, commands, arguments.jobs)
     if not sources:
         print(f"no source of {TOP} is built in {build}")
         return 1
+    for source in sources:
+        if source.includes is None:
+            print(f"left out: {source.path.relative_to(TOP)}: it includes what a build generates")
+    sources = [source for source in sources if source.includes is not None]
     keys = [key_of(source, build) for source in sources]
     due = [
         (source, key)
