@@ -5,6 +5,7 @@
 
 #include "models/fem/contact.h"
 #include "models/fixed/kernel.h"
+#include "models/index.h"
 #include "tables/hard_cases/scene.h"
 
 namespace hvp::tables {
@@ -13,8 +14,6 @@ namespace {
 
 using stability::Flag;
 using stability::Flags;
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 std::unique_ptr<fixed::Solver> solver_for(fixed::Settings settings, int passes) {
   // A pass solves for an increment.

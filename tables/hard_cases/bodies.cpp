@@ -11,6 +11,7 @@
 #include "models/fem/assembly.h"
 #include "models/fem/element.h"
 #include "models/fem/material.h"
+#include "models/index.h"
 #include "models/mesh/generate.h"
 #include "models/mesh/region.h"
 
@@ -20,8 +21,6 @@ namespace {
 
 using Eigen::Vector3d;
 using Tetrahedron = std::array<int, 4>;
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 double determinant(const mesh::TetMesh& mesh, const Tetrahedron& t) {
   return mesh::jacobian_determinant(mesh.nodes[at(t[0])], mesh.nodes[at(t[1])],

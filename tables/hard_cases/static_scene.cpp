@@ -5,6 +5,7 @@
 #include "models/config/input_error.h"
 #include "models/fem/contact.h"
 #include "models/fem/direct_solver.h"
+#include "models/index.h"
 #include "tables/hard_cases/accuracy.h"
 #include "tables/hard_cases/board.h"
 #include "tables/hard_cases/scene.h"
@@ -14,8 +15,6 @@ namespace hvp::tables {
 namespace {
 
 using Vector = std::vector<double>;
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 // The same problem with the constraint in the matrix and its columns in the load.
 Problem constrained(const Problem& problem) {
