@@ -60,7 +60,7 @@ def declared_units() -> Callable[[str], str]:
 
 
 def as_json(comparison: Comparison) -> dict[str, Any]:
-    """Everything, as docs/compare.md describes it."""
+    """Everything, as docs/reports.md describes it."""
     return {
         "same": comparison.same,
         "runs": [_run_json(run) for run in comparison.runs],

@@ -151,8 +151,7 @@ std::string accelerator_page() {
 
 The thesis' figures beside what `models/accel` gives for the same design: 500 nodes with 36
 non-zeros a row (§5.4), PL1 = 3, PL2 = 8, plain CG, 12-bit matrix, 16-bit vectors, 100 MHz. Table 6.3
-depends on the machine that measures it: `--measure` prints it too, [accelerator.md](accelerator.md) has
-one recorded.
+depends on the machine that measures it: `--measure` prints it too ([accelerator.md](accelerator.md)).
 
 <!-- not run: writes into the checkout -->
 ```sh
