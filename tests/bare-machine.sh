@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Proves on a bare Debian 12 what the README promises: makes a minimal system in a folder, puts a
-# clean clone of the last commit into it and runs the two commands there. Takes root, debootstrap
-# and about an hour; the machine's own package sources are used.
+# clean clone of the last commit into it and runs the two commands there, with no compiler cache and
+# packages to be fetched. At the end it prints how long each took, in wall-clock and processor time.
+# Takes root, debootstrap and about an hour; the machine's own package sources are used.
 #   tests/bare-machine.sh FOLDER                       the README's two commands
 #   tests/bare-machine.sh FOLDER './hvp device …' …    others, each by a shell in the clone
 # FOLDER/base.tar.gz, made once, is the untouched minimal system; FOLDER/machine is made anew.
@@ -9,7 +10,7 @@ set -euo pipefail
 top=$(dirname -- "$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")")
 folder=$(readlink -f -- "${1:?a folder for the machine}")
 commands=("${@:2}")
-((${#commands[@]})) || commands=('./hvp run scenarios/thesis.toml' './hvp test')
+((${#commands[@]})) || commands=('./hvp run scenarios/thesis-refined.toml' './hvp test')
 machine=$folder/machine
 
 debian_sources() { # format
@@ -65,13 +66,19 @@ in_machine='
   exec chroot "$machine" /usr/bin/env -i "${@:2}"
 '
 failed=0
+figures=()
+TIMEFORMAT='%R %U %S'
 for command in "${commands[@]}"; do
   printf '== bare machine: %s\n' "$command"
-  started=$SECONDS status=0
-  unshare --mount --pid --fork --kill-child bash -c "$in_machine" bash "$machine" \
+  status=0
+  { time unshare --mount --pid --fork --kill-child bash -c "$in_machine" bash "$machine" \
     HOME=/root PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin TERM=dumb \
-    "${environment[@]}" bash -c "cd /src/hvp && $command" || status=$?
-  printf '== bare machine: exit %d after %d s: %s\n' "$status" $((SECONDS - started)) "$command"
+    "${environment[@]}" bash -c "cd /src/hvp && $command" 2>&3; } 3>&2 2>"$folder/time" || status=$?
+  read -r wall user system <"$folder/time"
+  figures+=("$(printf '%8.0f s %8.0f s   exit %d   %s' "$wall" \
+    "$(awk "BEGIN { print $user + $system }")" "$status" "$command")")
   ((status == 0)) || failed=1
 done
+printf '\n== bare machine, %d cores\n%10s %10s\n' "$(nproc)" wall processor
+printf '%s\n' "${figures[@]}"
 exit "$failed"
