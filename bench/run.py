@@ -19,7 +19,11 @@ from pathlib import Path
 
 LARGEST_CHANGE = 1.5
 LONGEST_S = 1200
-OWN_MAIN = ("bench_frame", "bench_platform", "bench_speed")  # print a table; how often is their argument
+OWN_MAIN = (
+    "bench_frame",
+    "bench_platform",
+    "bench_speed",
+)  # print a table; how often is their argument
 # A kernel's boot is no moment, and needs a guest that the step `linux` builds and tries.
 NOT_FOR_A_MOMENT = ("bench_linux",)
 

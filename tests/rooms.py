@@ -81,7 +81,9 @@ def beneath(room: str) -> set[str]:
 
 def own(room: str) -> set[str]:
     return {f"tests/{room}"} | {
-        f"{house}{room}" for house in ("models/", "vp/", "app/", "") if (TOP / house / room).is_dir()
+        f"{house}{room}"
+        for house in ("models/", "vp/", "app/", "")
+        if (TOP / house / room).is_dir()
     }
 
 

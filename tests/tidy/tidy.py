@@ -164,7 +164,9 @@ def analyse(source: Source, key: str | None, commands: Path) -> Finding:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--build", type=Path, required=True, help="a build that is configured for clang")
+    parser.add_argument(
+        "--build", type=Path, required=True, help="a build that is configured for clang"
+    )
     parser.add_argument("--stamps", type=Path, required=True, help="where clean sources are noted")
     parser.add_argument("--all", action="store_true", help="every source that has no stamp")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)

@@ -216,7 +216,8 @@ class OfDrawn : public link::CompleterTimes {
   OfDrawn(const random::Source& source, std::int64_t frame, std::uint32_t first)
       : source_(source), frame_(frame), first_(first) {}
   std::int64_t ps(std::int64_t request) const override {
-    return drawn_latencies_test::ps(source_.time_s(frame_, first_ + static_cast<std::uint32_t>(request)));
+    return drawn_latencies_test::ps(
+        source_.time_s(frame_, first_ + static_cast<std::uint32_t>(request)));
   }
 
  private:
