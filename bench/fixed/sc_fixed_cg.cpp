@@ -8,6 +8,7 @@
 
 #include "models/fixed/fast/arithmetic.h"
 #include "models/fixed/reference_machine.h"
+#include "models/index.h"
 
 namespace hvp::fixed::bench {
 
@@ -44,8 +45,6 @@ Scalar inner_product(const std::vector<One>& a, const std::vector<Other>& b) {
   for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
   return sum;
 }
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 }  // namespace
 

@@ -7,13 +7,13 @@
 #include <array>
 #include <map>
 
+#include "models/index.h"
+
 namespace hvp::fixed::test {
 
 namespace {
 
 using Block = Eigen::Matrix3d;
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 // Kuhn's subdivision: one tetrahedron for each order in which the axes are walked.
 constexpr std::array<std::array<int, 3>, 6> kAxisOrders = {

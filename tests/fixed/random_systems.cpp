@@ -4,11 +4,11 @@
 #include <cmath>
 #include <set>
 
+#include "models/index.h"
+
 namespace hvp::fixed::test {
 
 namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 template <typename T, std::size_t N>
 T one_of(Random& random, const T (&values)[N]) {

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "models/index.h"
+
 namespace hvp::cli {
 
 namespace {
@@ -24,8 +26,6 @@ std::vector<std::string> content(const std::filesystem::path& file) {
   }
   return result;
 }
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 }  // namespace
 
