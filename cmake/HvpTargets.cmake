@@ -1,5 +1,5 @@
 # One library a room: hvp_library(fem SOURCES a.cpp b.cpp DEPENDS hvp_sparse Eigen3::Eigen)
-# gives the target hvp_fem, whose headers are included as "fem/element.h" from models/
+# gives the target hvp_fem, whose headers are included as "fem/assembly.h" from models/
 # or by their path from the top of the tree.
 include(GoogleTest)
 

@@ -10,8 +10,8 @@
 #endif
 
 // A status as one of Linux's error numbers, positive; 0 for HVP_OK. It says less than the status,
-// which the device file gives beside it (driver/linux/hvp_ioctl.h). What interrupted a wait is
-// EINTR here; a kernel returns what hvp_caller_error() says instead.
+// which the device file gives beside it (driver/linux/hvp_ioctl.h). An interrupted wait is EINTR
+// here; a kernel returns hvp_caller_error() instead.
 static inline int hvp_errno_of(hvp_status status) {
   switch (status) {
     case HVP_OK:

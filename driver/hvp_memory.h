@@ -3,20 +3,20 @@
 
 #include "driver/hvp_bus.h"
 
-// Words of memory that the board reaches by itself: descriptors, b, U and the completion record.
+// Accesses to words of memory that the board reaches: descriptors, b, U and the completion record.
 // They are little-endian there, whatever the host's byte order; every access of the driver to such
 // memory is one of these two. Registers and the board's memories go through the call-backs, which
-// are given values.
+// take values.
 
-// Whether a word in memory is turned. The driver's tests ask for the reverse of what the compiler
-// says, and turn the board's view of memory with it, to be a host of the other byte order.
+// True if the bytes of a word in memory are swapped. The driver's tests invert the compiler's
+// answer, and with it the board's view of memory, to act as a host of the other byte order.
 #if (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__) != defined(HVP_OTHER_BYTE_ORDER)
 #define HVP_TURNED(word) __builtin_bswap32(word)
 #else
 #define HVP_TURNED(word) (word)
 #endif
 
-// One access to memory: the board may write at any time.
+// Exactly one access to memory, because the board may write at any time.
 static inline uint32_t hvp_load_word(const volatile uint32_t* memory) {
   const uint32_t word = *memory;
   return HVP_TURNED(word);

@@ -1,8 +1,8 @@
 #ifndef HVP_PCI_H
 #define HVP_PCI_H
 
-// How the board says what it is in its PCI configuration space (PCI 3.0 §6.2.1), for the model
-// that shows it and for the operating system's driver that looks for it.
+// The board's identity in its PCI configuration space (PCI 3.0 §6.2.1), for the model that shows it
+// and for the operating system's driver that searches for it.
 
 // The board's FPGA is Altera's, and Altera lends its vendor number to designs on its parts; there
 // is no number of this board's own.

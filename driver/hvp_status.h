@@ -5,10 +5,10 @@
 extern "C" {
 #endif
 
-// What every function of the driver returns; hvp_status_text() says it in words. Those from
-// HVP_ERROR_BAD_SIZE on were reported by the board, or are what it would report: the driver checks
-// first. A kernel hands the numbers to programs (driver/linux/hvp_ioctl.h): they stay, and a new
-// one goes to the end.
+// The result of every function of the driver; hvp_status_text() says it in words. The errors from
+// HVP_ERROR_BAD_SIZE on are the board's; the driver also returns them for its own checks
+// beforehand. A kernel hands the numbers to programs (driver/linux/hvp_ioctl.h), so that they must
+// not change, and a new one goes to the end.
 typedef enum hvp_status {
   HVP_OK = 0,
   HVP_ERROR_ARGUMENT,      // a null pointer, a wrong count, a setting that no board has
@@ -38,7 +38,7 @@ typedef enum hvp_status {
 } hvp_status;
 
 const char* hvp_status_text(hvp_status status);
-// As it is written in the code: "HVP_ERROR_TIMEOUT".
+// The name in the code: "HVP_ERROR_TIMEOUT".
 const char* hvp_status_name(hvp_status status);
 
 #ifdef __cplusplus

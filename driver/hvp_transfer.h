@@ -8,13 +8,13 @@
 
 #define HVP_OFFSET(name) ((uint32_t)offsetof(hvp_t, name))
 
-// What a read returns when nobody answers.
+// The result of a read that no target answers.
 #define HVP_ALL_ONES 0xffffffffU
 
 uint32_t hvp_read_register(const struct hvp_device* device, uint32_t offset);
 void hvp_write_register(const struct hvp_device* device, uint32_t offset, uint32_t value);
 
-// Whether all of them are signed words of `bits` bits, 2 to 32.
+// True if all elements are signed words of `bits` bits, 2 to 32.
 bool hvp_elements_fit(const int32_t* elements, size_t n, uint32_t bits);
 
 // Elements of at most 16 bits travel two in a word unless the board was told otherwise (FORMAT and
@@ -22,7 +22,7 @@ bool hvp_elements_fit(const int32_t* elements, size_t n, uint32_t bits);
 static inline size_t hvp_elements_per_word(const struct hvp_device* device, uint32_t bits) {
   return bits <= 16U && !device->one_a_word ? 2U : 1U;
 }
-// Words that n elements take.
+// The number of words for n elements.
 static inline size_t hvp_words_of(size_t n, size_t per_word) {
   return per_word == 2U ? (n + 1U) >> 1U : n;
 }
@@ -31,16 +31,16 @@ uint32_t hvp_pack_word(const int32_t* elements, size_t n, size_t i, size_t per_w
 // The elements of a word that begins with element i of n; returns the next i.
 size_t hvp_unpack_word(uint32_t word, int32_t* elements, size_t n, size_t i, size_t per_word);
 
-// Packs and writes; in as few bursts as the scratch area allows. `elements` must fit.
+// Packs and writes elements, in as few bursts as the scratch area allows. `elements` must fit.
 void hvp_write_elements(struct hvp_device* device, uint32_t offset, const int32_t* elements,
                         size_t n, uint32_t bits);
 
-// One burst of it, from element `first` on, with which a burst of the same array may begin. Returns
-// the element that comes next.
+// Writes one such burst, from element `first` on, which must be the begin of a burst of the same
+// array. Returns the next element.
 size_t hvp_write_burst(struct hvp_device* device, uint32_t offset, const int32_t* elements,
                        size_t n, size_t first, uint32_t bits);
 
-// Reads and unpacks.
+// Reads and unpacks elements.
 void hvp_read_elements(struct hvp_device* device, uint32_t offset, int32_t* elements, size_t n,
                        uint32_t bits);
 

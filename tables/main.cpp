@@ -5,14 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "tables/accelerator/page.h"
-#include "tables/buses/page.h"
-#include "tables/devices/page.h"
-#include "tables/fit/page.h"
-#include "tables/hard_cases/page.h"
-#include "tables/partitions/page.h"
-#include "tables/pc/page.h"
-#include "tables/thesis/page.h"
+#include "tables/pages.h"
 
 namespace {
 

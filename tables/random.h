@@ -4,12 +4,13 @@
 
 namespace hvp::tables {
 
-// Numbers that are the same with every library and compiler (SplitMix64, Steele et al. 2014).
+// A generator whose numbers are the same with every library and compiler (SplitMix64, Steele et al.
+// 2014).
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
   double symmetric() { return 2 * uniform() - 1; }
-  // Nearly normal: the sum of twelve uniform numbers, variance one.
+  // An approximately normal number: the sum of twelve uniform numbers, with variance one.
   double normal() {
     double sum = -6;
     for (int i = 0; i < 12; ++i) sum += uniform();

@@ -3,13 +3,13 @@
 #include <string>
 #include <vector>
 
-// Markdown, as the pages of figures in docs/ are written.
+// Helpers to write Markdown for the pages of figures in docs/.
 namespace hvp::tables {
 
-// Two significant digits, as the thesis prints its tables: 3.7e-2. Zero is 0.
+// Writes two significant digits, as in the thesis' tables: 3.7e-2. Zero is 0.
 std::string scientific(double value);
 
-// Rows of cells, the first of them the heads of the columns, with a line of dashes below it.
+// A table in Markdown: the column heads, a line of dashes and the rows.
 class MarkdownTable {
  public:
   explicit MarkdownTable(std::vector<std::string> heads);

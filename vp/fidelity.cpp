@@ -1,32 +1,41 @@
 #include "vp/fidelity.h"
 
+#include <initializer_list>
+#include <string_view>
+#include <utility>
+#include <vector>
+
 namespace hvp::vp {
 
+namespace {
+
+template <class Level>
+std::vector<std::pair<std::string_view, Level>> named(std::initializer_list<Level> levels) {
+  std::vector<std::pair<std::string_view, Level>> options;
+  for (const Level level : levels) options.emplace_back(name(level), level);
+  return options;
+}
+
+}  // namespace
+
 void Fidelity::declare(config::Visitor& v, const config::Condition& body) {
-  const auto timing = [&v](std::string_view part, Timing& level, std::string_view help) {
-    v.choice(part, level, {{"untimed", Timing::untimed}, {"loosely-timed", Timing::loosely_timed}},
-             {help, "the level that answers whether a budget holds"});
-  };
   v.when(body, [&] {
     v.choice("accelerator", accelerator,
-             {{"untimed", Timing::untimed},
-              {"loosely-timed", Timing::loosely_timed},
-              {"approximately-timed", Timing::approximately_timed},
-              {"cycle-accurate", Timing::cycle_accurate}},
+             named({Timing::untimed, Timing::loosely_timed, Timing::approximately_timed,
+                    Timing::cycle_accurate}),
              {"loosely-timed: a closed form of clocks; approximately-timed: an event a phase, its "
               "stalls from conflicts; cycle-accurate: every clock of the engine; untimed: no time",
               "the level that answers whether a budget holds"});
   });
-  v.choice("bus", bus,
-           {{"untimed", Timing::untimed},
-            {"loosely-timed", Timing::loosely_timed},
-            {"approximately-timed", Timing::approximately_timed}},
+  v.choice("bus", bus, named({Timing::untimed, Timing::loosely_timed, Timing::approximately_timed}),
            {"loosely-timed: latency and bursts; approximately-timed: arbitration, clock edges and "
             "other masters; untimed: no time",
             "the level that answers whether a budget holds"});
-  timing("host", host, "loosely-timed: annotated costs; untimed: no time");
+  v.choice("host", host, named({Timing::untimed, Timing::loosely_timed}),
+           {"loosely-timed: annotated costs; untimed: no time",
+            "the level that answers whether a budget holds"});
   v.when(body, [&] {
-    v.choice("numbers", numbers, {{"fixed", Numbers::fixed}, {"none", Numbers::none}},
+    v.choice("numbers", numbers, named({Numbers::fixed, Numbers::none}),
              {"fixed: bit-true fixed point; none: timing only, the same accesses and costs while "
               "nobody computes words, forces or deformations",
               "thesis section 4.2"});

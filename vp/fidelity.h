@@ -4,8 +4,8 @@
 
 namespace hvp::vp {
 
-// How finely a part that is there is modelled. Levels that a part does not have are not listed,
-// so that asking for one is an error.
+// The levels of detail at which a part's time is modelled. A part's key lists only the levels that
+// the part has, so that any other is an error.
 enum class Timing { untimed, loosely_timed, approximately_timed, cycle_accurate };
 enum class Numbers {
   fixed,  // bit-true words
@@ -19,13 +19,13 @@ struct Fidelity {
   Timing host = Timing::loosely_timed;
   Numbers numbers = Numbers::fixed;
 
-  // `body`: where there is one, and not a wall.
+  // `body` is the condition that the scene has a body, not a wall.
   void declare(config::Visitor& v,
                const config::Condition& body = config::not_beside("wall", false, {}));
 };
 
 const char* name(Timing level);
-// Of an accelerator: something else than a closed form says how long a solve takes.
+// True if an engine, not the closed form, determines how long the accelerator's solves take.
 bool has_engine(Timing level);
 const char* name(Numbers level);
 

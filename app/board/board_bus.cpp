@@ -15,10 +15,10 @@ using vp::Command;
 using vp::ConfigSpace;
 using vp::Picoseconds;
 
-// A day. Picoseconds of longer waits would leave 64 bits before long.
+// The longest wait is a day; longer ones in picoseconds would soon exceed 64 bits.
 constexpr std::uint64_t kLongestWaitNs = std::uint64_t{86'400} * 1'000'000'000;
 
-// The COMMAND register, and what it switches on.
+// The COMMAND register and the bits that enable memory space and bus mastering.
 constexpr std::uint64_t kCommandAt = 4;
 constexpr std::uint8_t kMemorySpaceAndMaster = 6;
 
@@ -48,7 +48,7 @@ BoardBus::BoardBus(vp::BoardFunction& function, const vp::Transfer& transfer, bo
   };
   bus_.write_block = [](void* context, std::uint32_t offset, const std::uint32_t* words,
                         std::size_t count) noexcept {
-    // A write only reads them.
+    // A write only reads the data.
     self(context).function_.host().access(Command::write, offset,
                                           bytes_of(const_cast<std::uint32_t*>(words), count));
   };
@@ -70,7 +70,7 @@ BoardBus::BoardBus(vp::BoardFunction& function, const vp::Transfer& transfer, bo
 void BoardBus::enumerate() {
   const std::array<std::uint8_t, 1> command = {kMemorySpaceAndMaster};
   function_.config().write(kCommandAt, command);
-  // No effect where the function has no messages.
+  // No effect if the function has no messages.
   const std::array<std::uint8_t, 4> address = {0, 0, 0xe0, 0xfe};
   static_assert(vp::kMessageAddress == 0xfee0'0000);
   function_.config().write(ConfigSpace::kMessageAt + 4, address);

@@ -3,14 +3,14 @@
 #include <cstdint>
 
 #include "driver/hvp_driver.h"
-#include "vp/function/board_function.h"
+#include "vp/function/outside_host.h"
 #include "vp/host/transfer.h"
 
 namespace hvp::app {
 
-// What the driver reaches the board of a BoardFunction through, for a program that is no process of
-// SystemC: its call-backs let simulated time go on. They throw nothing, so that no C frame is ever
-// unwound.
+// The bus by which the driver reaches the board of a BoardFunction from a program that is not a
+// SystemC process. Its call-backs advance simulated time. They throw nothing, so that no C frame is
+// ever unwound.
 class BoardBus : public vp::InterruptListener {
  public:
   // Keeps a reference and listens to the function.
@@ -18,12 +18,12 @@ class BoardBus : public vp::InterruptListener {
   BoardBus(const BoardBus&) = delete;
   BoardBus& operator=(const BoardBus&) = delete;
 
-  // Valid as long as this object.
+  // Valid as long as this BoardBus exists.
   const hvp_bus& bus() const { return bus_; }
-  // Memory space and mastering on, and messages where the function has them: what an operating
-  // system does before a driver is asked.
+  // Enables memory space and bus mastering, and messages if the function has them, as an operating
+  // system does before the driver starts.
   void enumerate();
-  // Whether INTA# is up, or a message has come since the last call.
+  // True if INTA# is up, or a message has arrived since the last call.
   bool take_interrupt();
 
   // InterruptListener

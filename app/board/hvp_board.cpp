@@ -16,17 +16,16 @@
 
 #include "app/board/board_bus.h"
 #include "app/board/outside_board.h"
-#include "app/results/register_trace.h"
+#include "app/results/board_records.h"
 #include "app/results/results_folder.h"
 #include "app/scene/loaded_scenario.h"
-#include "vp/frame/critical_path.h"
-#include "vp/frame/observer.h"
-#include "vp/function/board_function.h"
+#include "vp/frame/ledger.h"
+#include "vp/function/outside_host.h"
 
 using hvp::vp::Command;
 using hvp::vp::Picoseconds;
 
-// The last job that is over.
+// The last finished job.
 class LastJob : public hvp::vp::FrameObserver {
  public:
   void closed(const hvp::vp::Frame& frame, const hvp::vp::CriticalPath& path) override {
@@ -68,8 +67,8 @@ namespace {
 
 bool a_board_was_open = false;
 
-// "Simulation stopped by user" and its like are nobody's business.
-// stdout is the program's: warnings go to stderr, a line each, without a date.
+// SystemC's messages such as "Simulation stopped by user" are suppressed. Standard output is the
+// program's own: warnings go to stderr, one line each, without a date.
 void be_quiet() {
   auto log =
       std::make_shared<spdlog::logger>("hvp", std::make_shared<spdlog::sinks::stderr_sink_st>());
@@ -96,7 +95,7 @@ std::unique_ptr<hvp_board> open_board(const char* scenario, const hvp_board_opti
   return std::make_unique<hvp_board>(settings, options.trace);
 }
 
-// What a C++ part throws ends here: no C frame is unwound.
+// Catches exceptions of the C++ parts, so that no C frame is unwound.
 template <class Result, class Action>
 Result caught(Result otherwise, const Action& action) noexcept {
   try {
@@ -163,7 +162,7 @@ void hvp_board_read(hvp_board* board, std::uint64_t offset, void* data, std::siz
 }
 
 void hvp_board_write(hvp_board* board, std::uint64_t offset, const void* data, std::size_t bytes) {
-  // A write only reads them.
+  // A write only reads the data.
   auto* const words = const_cast<std::uint8_t*>(static_cast<const std::uint8_t*>(data));
   caught(false, [&] {
     return board->function.host().access(Command::write, offset, {words, bytes});
@@ -201,7 +200,7 @@ bool hvp_board_next_event_ps(const hvp_board* /*board*/, std::uint64_t* when_ps)
 }
 
 bool hvp_board_run_until_ps(hvp_board* board, std::uint64_t time_ps) {
-  // Eleven days: what follows has to have room in 64 bits.
+  // Eleven days, so that later times still fit into 64 bits.
   constexpr std::uint64_t kLatest = 1'000'000'000'000'000'000;
   if (time_ps > kLatest) return false;
   return caught(
@@ -218,5 +217,5 @@ bool hvp_board_last_job(hvp_board* board, hvp_board_job* job) {
   });
 }
 
-// SystemC's library has a main of its own that calls this; it is not used.
+// SystemC's library has a main of its own that calls sc_main; it is not used.
 int sc_main(int /*argc*/, char** /*argv*/) { return 1; }

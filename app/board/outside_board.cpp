@@ -23,7 +23,7 @@ void require_words(const Scenario& s) {
   }
 }
 
-// What a scenario says of its own host and another one does in its own way.
+// Warns of settings of the scenario's own host that the other program decides itself.
 void warn_of_the_hosts_way(const Scenario& s) {
   using Method = vp::Transfer::Method;
   const bool words =

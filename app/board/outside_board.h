@@ -5,14 +5,14 @@
 
 namespace hvp::app {
 
-// Throws InputError, complete with file and line, where the scenario has no board ([wall], a host
-// that solves) or one without words (`fidelity.numbers`).
+// Throws InputError, complete with file and line, if the scenario has no board ([wall], a host that
+// solves) or a board without words (`fidelity.numbers`).
 void require_board_with_words(const LoadedScenario& loaded);
 
-// What vp::BoardFunction is built from: a scenario's board and what is around it, for a host of
-// another program. Nothing is meshed or assembled, as that host brings the system to be solved.
-// Throws as require_board_with_words(), and for what only the host of `hvp run` gives: pictures on
-// the bus.
+// The settings from which vp::BoardFunction is built for a host in another program: the scenario's
+// board and its surroundings. Nothing is meshed or assembled, as that host brings the system to be
+// solved. Throws as require_board_with_words() does, and if the scenario has an effect that only
+// the host of `hvp run` provides: pictures on the bus.
 vp::PlatformSettings outside_board(const LoadedScenario& loaded);
 
 }  // namespace hvp::app

@@ -1,3 +1,4 @@
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -6,22 +7,23 @@
 #include <fmt/format.h>
 
 #include "app/commands/commands.h"
-#include "app/commands/terminal.h"
 #include "app/explain/effect_costs.h"
 #include "app/explain/explanation.h"
-#include "app/explain/explanation_json.h"
-#include "app/results/engine_text.h"
-#include "app/results/interruption.h"
 #include "app/results/number_text.h"
-#include "app/results/several_text.h"
-#include "app/results/spectrum_text.h"
+#include "app/results/part_files.h"
+#include "app/results/scene_figures.h"
 #include "app/scenario/message.h"
 
 namespace hvp::app {
 
 namespace {
 
-// What is listed below with the constants that these stand for.
+struct ExplainArguments : ScenarioArguments {
+  bool json = false;
+  bool measure = false;  // each effect's wall-clock time, by runs
+};
+
+// True if the listed times contain constants in place of latencies that are drawn.
 bool draws_bus_times(const Scenario& s) {
   return s.bus.read_latencies || (s.bus.pcie && s.bus.pcie->root_complex_latencies);
 }
@@ -67,7 +69,7 @@ void platform_lines(const PlatformParts& platform) {
   for (const PlatformModule& module : platform.modules) {
     std::string own;
     for (const PlatformProcess& process : module.processes) {
-      // Its name within the module.
+      // The name within the module.
       own += fmt::format("{} {} {}", own.empty() ? "" : ",", process.kind,
                          process.name.substr(process.name.rfind('.') + 1));
     }
@@ -79,7 +81,7 @@ void platform_lines(const PlatformParts& platform) {
   }
 }
 
-// What else a line of the table is of.
+// The other settings and effects of a line in the table.
 std::string beside(const EffectCost& cost) {
   std::string text;
   if (!cost.setting.starts_with(cost.path + '=')) text += "; by " + cost.setting;
@@ -174,8 +176,6 @@ std::optional<EffectCosts> measure(const ExplainArguments& arguments, const Prog
       progress);
 }
 
-}  // namespace
-
 int explain_command(const ExplainArguments& arguments) {
   const LoadedScenario loaded = load(arguments);
   const Progress progress = make_progress(arguments.quiet);
@@ -199,6 +199,20 @@ int explain_command(const ExplainArguments& arguments) {
   print_explanation(scene, explanation);
   if (costs) cost_lines(*costs);
   return kHeld;
+}
+
+}  // namespace
+
+void add_explain(CLI::App& app, int& status) {
+  const auto arguments = std::make_shared<ExplainArguments>();
+  CLI::App* command =
+      app.add_subcommand("explain", "what a scenario builds, how finely, and what it costs");
+  add_scenario_arguments(*command, *arguments);
+  command->add_flag("--json", arguments->json, "as one JSON object");
+  command->add_flag("--measure", arguments->measure,
+                    "also what each effect costs in wall-clock time here, by some runs each; "
+                    "half a minute or more");
+  command->callback([arguments, &status] { status = explain_command(*arguments); });
 }
 
 }  // namespace hvp::app

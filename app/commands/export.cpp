@@ -1,3 +1,4 @@
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -6,10 +7,9 @@
 #include <fmt/format.h>
 
 #include "app/commands/commands.h"
-#include "app/commands/terminal.h"
-#include "app/results/mesh_file.h"
-#include "app/results/part_file.h"
+#include "app/results/part_files.h"
 #include "app/results/results_folder.h"
+#include "app/results/vtu_files.h"
 #include "models/config/input_error.h"
 #include "models/host/frame_computation.h"
 #include "models/sparse/matrix_market.h"
@@ -18,6 +18,10 @@ namespace hvp::app {
 
 namespace {
 
+struct ExportArguments : ScenarioArguments {
+  std::filesystem::path out;
+};
+
 void write_matrix(const std::filesystem::path& path, const sparse::BlockMatrix& matrix,
                   const std::string& comment) {
   std::ostringstream text;
@@ -25,13 +29,11 @@ void write_matrix(const std::filesystem::path& path, const sparse::BlockMatrix& 
   results::write_through_part_file(path, text.str());
 }
 
-}  // namespace
-
 int export_command(const ExportArguments& arguments) {
   const LoadedScenario loaded = load(arguments);
   const Scenario& scenario = loaded.scenario;
   const Progress progress = make_progress(arguments.quiet);
-  // Not a Scene: what other tools are given need not fit the device.
+  // No Scene is built, as a system for other tools need not fit the device.
   std::unique_ptr<fem::Body> body;
   std::optional<host::FrameComputation> step;
   try {
@@ -63,6 +65,19 @@ int export_command(const ExportArguments& arguments) {
   print("K.mtx, M.mtx, {}b.mtx and mesh.vtu in {}: {} nodes, {} in the system\n",
         step ? "A.mtx, " : "", out.string(), body->mesh().nodes.size(), body->active_nodes());
   return kHeld;
+}
+
+}  // namespace
+
+void add_export(CLI::App& app, int& status) {
+  const auto arguments = std::make_shared<ExportArguments>();
+  CLI::App* command =
+      app.add_subcommand("export", "write K, M, b (Matrix Market) and the mesh, for other tools");
+  add_scenario_arguments(*command, *arguments);
+  command->add_option("--out", arguments->out, "folder to write into")
+      ->required()
+      ->type_name("FOLDER");
+  command->callback([arguments, &status] { status = export_command(*arguments); });
 }
 
 }  // namespace hvp::app

@@ -1,16 +1,21 @@
+#include <CLI/CLI.hpp>
 #include <charconv>
+#include <cstdint>
 #include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
 #include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "app/commands/commands.h"
-#include "app/commands/terminal.h"
 #include "app/fit/fit_request.h"
-#include "app/results/figures_json.h"
-#include "app/results/interruption.h"
+#include "app/results/figures.h"
 #include "app/results/number_text.h"
-#include "app/results/part_file.h"
+#include "app/results/part_files.h"
 #include "app/results/pictures.h"
 #include "models/files/one_line.h"
 
@@ -18,7 +23,27 @@ namespace hvp::app {
 
 namespace {
 
-// "mass=0.1"
+struct FitArguments {
+  std::filesystem::path log;
+  std::string model;
+  std::filesystem::path out;   // a table for a scenario; empty: none
+  std::filesystem::path plot;  // a picture; empty: none
+  bool json = false;
+  bool quiet = false;
+  double hold_out = 0.2;
+  int starts = 8;
+  std::string loss = "squares";
+  std::uint64_t seed = 1;
+  std::vector<std::string> fixed;     // --fix NAME=VALUE
+  std::vector<std::string> columns;   // --column QUANTITY_UNIT=NAME
+  std::optional<double> sample_rate;  // Hz
+  std::optional<double> count_size;   // of a position in counts
+  std::string count_unit = "rad";
+  std::vector<std::string> overrides;  // --set KEY=VALUE, of the model
+  std::filesystem::path scenario;      // of a body
+};
+
+// Parses "mass=0.1".
 std::pair<std::string, double> fixed_value(const std::string& text) {
   const std::size_t equals = text.find('=');
   double value = 0;
@@ -32,7 +57,7 @@ std::pair<std::string, double> fixed_value(const std::string& text) {
   return {text.substr(0, equals), value};
 }
 
-// Before the fit, not after it.
+// Checks an output file before the fit, so that no result is lost.
 void require_writable(const char* option, const std::filesystem::path& file,
                       std::string_view ending) {
   if (file.empty()) return;
@@ -115,7 +140,7 @@ std::filesystem::path samples_beside(std::filesystem::path png) {
   return png.replace_extension(".fit.csv");
 }
 
-// The picture's samples stay beside it.
+// The samples stay beside the picture.
 bool draw(const FitOutcome& outcome, const std::filesystem::path& png) {
   const std::filesystem::path csv = samples_beside(png);
   results::write_through_part_file(csv, plot_csv(outcome));
@@ -125,8 +150,7 @@ bool draw(const FitOutcome& outcome, const std::filesystem::path& png) {
   return drawn.drawn;
 }
 
-}  // namespace
-
+// Returns status 1 if the search did not converge.
 int fit_command(const FitArguments& arguments) {
   require_writable("--out", arguments.out, ".toml");
   require_writable("--plot", arguments.plot, ".png");
@@ -150,6 +174,70 @@ int fit_command(const FitArguments& arguments) {
     results::end_as_interrupted();
   }
   return outcome.figures.fit.converged ? kHeld : kNotHeld;
+}
+
+}  // namespace
+
+void add_fit(CLI::App& app, int& status) {
+  const auto arguments = std::make_shared<FitArguments>();
+  CLI::App* command = app.add_subcommand(
+      "fit", "parameters of a device, a hand, tissue, a bus or a host from a log, with intervals");
+  command
+      ->add_option("log", arguments->log,
+                   "a CSV file whose columns are named time_s, force_N, travel_mm …")
+      ->required()
+      ->type_name("LOG.csv");
+  command->add_option("--model", arguments->model, "device, hand, qlv, tissue, bus or host")
+      ->required()
+      ->type_name("NAME");
+  command->add_option("--out", arguments->out, "write a table that a scenario takes with `include`")
+      ->type_name("FILE.toml");
+  command->add_flag("--json", arguments->json, "as one JSON object");
+  command
+      ->add_option("--plot", arguments->plot,
+                   "draw log, model and what is left over; samples beside it")
+      ->type_name("FILE.png");
+  command
+      ->add_option("--hold-out", arguments->hold_out,
+                   "share of the log that another fit has to predict, 0.2 by default")
+      ->check(CLI::Range(0.0, 0.9))
+      ->type_name("SHARE");
+  command->add_option("--fix", arguments->fixed, "a parameter's value is known; as often as wanted")
+      ->allow_extra_args(false)
+      ->type_name("NAME=VALUE");
+  command
+      ->add_option("--column", arguments->columns,
+                   "a quantity is in a column of another name, or number; as often as wanted")
+      ->allow_extra_args(false)
+      ->type_name("QUANTITY_UNIT=NAME");
+  command->add_option("--rate", arguments->sample_rate, "samples a second, of a log without a time")
+      ->check(CLI::Range(1e-3, 1e8))
+      ->type_name("HZ");
+  command->add_option("--count", arguments->count_size, "what a count of position_counts is")
+      ->check(CLI::Range(1e-12, 1e3))
+      ->type_name("SIZE");
+  command->add_option("--count-unit", arguments->count_unit, "its unit, rad by default")
+      ->check(CLI::IsMember({"m", "rad"}))
+      ->type_name("UNIT");
+  command->add_option("--starts", arguments->starts, "searches from different places, 8 by default")
+      ->check(CLI::Range(1, 1000))
+      ->type_name("N");
+  command
+      ->add_option("--loss", arguments->loss,
+                   "squares, or huber or cauchy, for which outliers weigh less; of a bus cauchy")
+      ->check(CLI::IsMember({"squares", "huber", "cauchy"}))
+      ->type_name("NAME");
+  command->add_option("--seed", arguments->seed, "of the searches' places, 1 by default")
+      ->type_name("N");
+  command
+      ->add_option("--set", arguments->overrides,
+                   "gives a setting of the model another value, such as elastic")
+      ->allow_extra_args(false)
+      ->type_name("KEY=VALUE");
+  command->add_option("--scenario", arguments->scenario, "whose body the log is of: model tissue")
+      ->type_name("FILE.toml");
+  command->add_flag("--quiet", arguments->quiet, "no progress on the terminal");
+  command->callback([arguments, &status] { status = fit_command(*arguments); });
 }
 
 }  // namespace hvp::app

@@ -1,6 +1,12 @@
+#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
+#include <memory>
+#include <regex>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -9,32 +15,43 @@
 
 #include "app/board/outside_board.h"
 #include "app/commands/commands.h"
-#include "app/commands/terminal.h"
 #include "app/linux/guest.h"
 #include "app/linux/guest_error.h"
 #include "app/linux/guest_results.h"
-#include "app/results/interruption.h"
+#include "app/results/board_records.h"
 #include "app/results/number_text.h"
-#include "app/results/register_trace.h"
+#include "app/results/part_files.h"
 #include "app/results/results_folder.h"
-#include "vp/function/board_function.h"
+#include "vp/function/outside_host.h"
 
 namespace hvp::app {
 
 namespace {
 
+struct LinuxArguments : ScenarioArguments {
+  std::filesystem::path kernel;  // empty: the one that driver/linux/kernel/build.sh has built
+  std::filesystem::path initrd;  // likewise
+  std::filesystem::path script;  // empty: none
+  std::filesystem::path out;     // empty: runs/<scenario>-linux
+  std::string memory = "64M";    // the guest's
+  std::vector<std::string> kernel_arguments;
+  double patience_s = 60;  // of wall-clock time without a word of the guest
+  bool gdb = false;        // the kernel waits for a debugger, and nobody loses patience with it
+  bool trace_registers = false;
+};
+
 using Clock = std::chrono::steady_clock;
 namespace fs = std::filesystem;
 
-// Where driver/linux/kernel/build.sh puts what it makes: build/linux, beside this program's own
-// folder (build/release/app/hvp).
+// The output of driver/linux/kernel/build.sh: build/linux, beside this program's own folder
+// (build/release/app/hvp).
 fs::path built(std::string_view name) {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   return program.parent_path().parent_path().parent_path() / "linux" / name;
 }
 
-// The kernel's command line is words.
+// Blanks separate the words of the kernel's command line.
 void expect_one_word(std::string_view what, const fs::path& path) {
   if (path.native().find_first_of(" \t\n\"") == std::string::npos) return;
   throw InputError(
@@ -83,8 +100,8 @@ guest::GuestSettings guest_settings(const LinuxArguments& arguments) {
   return settings;
 }
 
-// How a debugger gets at a kernel that waits for it. What knows the kernel's types, and the module
-// once it is loaded, lies beside a kernel of ours.
+// Tells how to attach a debugger to the waiting kernel. A kernel of ours has a script beside it
+// that loads the kernel's types, and those of the module once it is loaded.
 std::string gdb_text(pid_t process, const fs::path& kernel) {
   const fs::path commands = kernel.parent_path() / "guest.gdb";
   std::error_code ignored;
@@ -93,7 +110,7 @@ std::string gdb_text(pid_t process, const fs::path& kernel) {
   return text;
 }
 
-// Scenarios have effects of a host that is simulated; a kernel is one by itself.
+// Lists the effects of a simulated host that the scenario has and a run with a kernel lacks.
 std::vector<std::string> not_counted(const Scenario& s) {
   std::vector<std::string> all = {
       s.guest ? "what the guest's processor does between its calls"
@@ -150,8 +167,7 @@ std::string frames_text(const guest::GuestFigures& figures) {
   return text;
 }
 
-}  // namespace
-
+// Returns status 3 if the guest did not end properly or its script failed.
 int linux_command(const LinuxArguments& arguments) {
   check_kernel("HVP_KERNEL");
   const guest::GuestSettings chosen = guest_settings(arguments);
@@ -176,7 +192,7 @@ int linux_command(const LinuxArguments& arguments) {
   if (s.guest) settings.system_call_ns = std::llround(1e9 * s.guest->system_call_s);
   std::ofstream console(out / "console.log", std::ios::trunc);
   settings.print = [&](std::string_view line) {
-    // Whoever looks on sees a guest that hangs up to where it does.
+    // Each line is flushed, so that an observer sees how far a hanging guest came.
     console << line << std::endl;
     if (arguments.quiet) return;
     print("{}\n", line);
@@ -191,7 +207,7 @@ int linux_command(const LinuxArguments& arguments) {
       print("{}\n", gdb_text(guest.process(), settings.kernel));
       std::fflush(stdout);
     }
-    // What there was before is there to be looked at.
+    // Results up to a failure are written all the same.
     try {
       end = guest.run();
     } catch (const guest::GuestError& error) {
@@ -227,6 +243,59 @@ int linux_command(const LinuxArguments& arguments) {
                                 : std::string("the guest ended before its script did"));
   }
   return figures.held() ? kHeld : kNotHeld;
+}
+
+}  // namespace
+
+void add_linux(CLI::App& app, int& status) {
+  const auto arguments = std::make_shared<LinuxArguments>();
+  CLI::App* command = app.add_subcommand(
+      "linux", "a Linux kernel as the board's host, on simulated time, in place of the scenario's");
+  add_scenario_arguments(*command, *arguments);
+  command
+      ->add_option(
+          "--kernel", arguments->kernel,
+          "a User-Mode Linux with time-travel and PCI over virtio, in place of the one that "
+          "driver/linux/kernel/build.sh has built")
+      ->type_name("FILE");
+  command
+      ->add_option("--initrd", arguments->initrd,
+                   "its first file system, in place of the one built")
+      ->type_name("FILE");
+  command
+      ->add_option("--script", arguments->script,
+                   "what the init of that is to run, with the guest's shell; its status counts")
+      ->type_name("FILE");
+  command
+      ->add_option("--out", arguments->out,
+                   "folder for the results in place of runs/<scenario>-linux")
+      ->type_name("FOLDER");
+  command->add_option("--memory", arguments->memory, "the guest's, 64M by default")
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            const bool right = std::regex_match(text, std::regex("[1-9][0-9]{0,5}[MG]"));
+            return right ? std::string() : "expected a size such as 64M, found " + text;
+          },
+          ""))
+      ->type_name("SIZE");
+  command
+      ->add_option("--kernel-argument", arguments->kernel_arguments,
+                   "one more word of the kernel's command line; as often as wanted")
+      ->allow_extra_args(false)
+      ->type_name("WORD");
+  command
+      ->add_option("--patience", arguments->patience_s,
+                   "seconds of wall-clock time without a word of the guest after which the run "
+                   "ends, 60 by default")
+      ->check(CLI::Range(1.0, 86400.0))
+      ->type_name("S");
+  command->add_flag("--gdb", arguments->gdb,
+                    "a kernel with types and lines, stopped before its first instruction until gdb "
+                    "lets it go on, which may take any time");
+  command->add_flag("--trace-registers", arguments->trace_registers,
+                    "also log every access to the board, in registers.log, and as a waveform with "
+                    "the interrupt, in registers.vcd");
+  command->callback([arguments, &status] { status = linux_command(*arguments); });
 }
 
 }  // namespace hvp::app

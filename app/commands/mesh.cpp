@@ -1,9 +1,13 @@
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <string>
+
 #include <fmt/format.h>
 
 #include "app/commands/commands.h"
-#include "app/commands/terminal.h"
-#include "app/results/mesh_file.h"
 #include "app/results/results_folder.h"
+#include "app/results/vtu_files.h"
 #include "app/scenario/message.h"
 #include "app/scenario/quantity.h"
 #include "app/scenario/toml_text.h"
@@ -14,6 +18,15 @@
 namespace hvp::app {
 
 namespace {
+
+struct MeshArguments {
+  std::string surface;  // a file, "sphere" or "box"
+  std::string unit;     // of a file; empty: the default, like size
+  std::string size;     // of a sphere or box
+  int nodes = 500;
+  std::filesystem::path out;
+  bool quiet = false;
+};
 
 constexpr int kMostNodes = 1'000'000;  // as object.mesh.nodes
 
@@ -50,7 +63,7 @@ mesh::MeshSettings settings_of(const MeshArguments& a) {
   return s;
 }
 
-// Before the work whose result would be lost.
+// Checks the output file before the work, so that no result is lost.
 void check_out(const std::filesystem::path& out) {
   if (out.empty()) return;
   if (out.extension() != ".vtu") {
@@ -62,12 +75,10 @@ void check_out(const std::filesystem::path& out) {
   if (out.has_parent_path()) results::create_folder(out.parent_path(), "--out");
 }
 
-// The file comes first, as in a compiler's messages, and once.
+// Puts the file in front, as in a compiler's messages, unless the message names it already.
 std::string about_surface(const std::string& surface, const std::string& message) {
   return message.find(surface) == std::string::npos ? surface + ": " + message : message;
 }
-
-}  // namespace
 
 int mesh_command(const MeshArguments& arguments) {
   const Progress progress = make_progress(arguments.quiet);
@@ -101,6 +112,32 @@ int mesh_command(const MeshArguments& arguments) {
     print("\n{}\n", arguments.out.string());
   }
   return kHeld;
+}
+
+}  // namespace
+
+void add_mesh(CLI::App& app, int& status) {
+  const auto arguments = std::make_shared<MeshArguments>();
+  CLI::App* command =
+      app.add_subcommand("mesh", "fill a surface with tetrahedra and show their quality");
+  command
+      ->add_option("surface", arguments->surface,
+                   "a file (STL, PLY, OBJ, VTP or VTU), or the word sphere or box")
+      ->required()
+      ->type_name("SURFACE");
+  command->add_option("--nodes", arguments->nodes, "how many nodes are wanted, 500 by default")
+      ->type_name("N");
+  command
+      ->add_option("--unit", arguments->unit, "length of one unit of the file, \"1 mm\" by default")
+      ->type_name("LENGTH");
+  command
+      ->add_option("--size", arguments->size,
+                   "radius of the sphere, \"50 mm\" by default, or edge of the box, \"100 mm\"")
+      ->type_name("LENGTH");
+  command->add_option("--out", arguments->out, "write the mesh into this file, for ParaView")
+      ->type_name("FILE.vtu");
+  command->add_flag("--quiet", arguments->quiet, "no progress on the terminal");
+  command->callback([arguments, &status] { status = mesh_command(*arguments); });
 }
 
 }  // namespace hvp::app

@@ -1,13 +1,21 @@
 #include "app/scenario/reference.h"
 
+#include <CLI/CLI.hpp>
+#include <memory>
+
 #include <fmt/format.h>
 
 #include "app/commands/commands.h"
-#include "app/commands/terminal.h"
-#include "app/results/reference_json.h"
-#include "app/results/results_reference.h"
+#include "app/results/reference.h"
 
 namespace hvp::app {
+
+namespace {
+
+struct ReferenceArguments {
+  bool results = false;  // docs/results-reference.md in place of docs/scenario-reference.md
+  bool json = false;     // all that is declared, in place of a page
+};
 
 int reference_command(const ReferenceArguments& arguments) {
   if (arguments.json) {
@@ -17,6 +25,22 @@ int reference_command(const ReferenceArguments& arguments) {
   print("{}", arguments.results ? results::results_reference_page()
                                 : scenario::reference_page(Scenario{}));
   return kHeld;
+}
+
+}  // namespace
+
+void add_reference(CLI::App& app, int& status) {
+  const auto arguments = std::make_shared<ReferenceArguments>();
+  CLI::App* command = app.add_subcommand(
+      "reference", "print every key of a scenario: unit, range, default, source");
+  CLI::Option* results =
+      command->add_flag("--results", arguments->results,
+                        "every key of summary.json and column of frames.csv instead");
+  command
+      ->add_flag("--json", arguments->json,
+                 "keys, effects, figures, columns and flags as one JSON object")
+      ->excludes(results);
+  command->callback([arguments, &status] { status = reference_command(*arguments); });
 }
 
 }  // namespace hvp::app

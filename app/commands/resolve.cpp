@@ -1,4 +1,6 @@
+#include <CLI/CLI.hpp>
 #include <cstdio>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
@@ -9,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "app/commands/commands.h"
-#include "app/results/resolved_scenario.h"
+#include "app/results/results_folder.h"
 #include "app/scenario/files.h"
 #include "app/scenario/message.h"
 #include "models/config/input_error.h"
@@ -18,15 +20,19 @@ namespace hvp::app {
 
 namespace {
 
+struct ResolveArguments : ScenarioArguments {
+  bool each = false;  // for every line of the standard input, with its overrides
+};
+
 using nlohmann::json;
 using nlohmann::ordered_json;
 
 constexpr std::size_t kLongestLine = 1U << 20U;
 
-// As it is: the bytes are those of the file that a run writes.
+// Writes the text unchanged: its bytes equal those of the file that a run writes.
 void write_out(std::string_view text) {
   const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
-  // Somebody waits for this answer before they ask on.
+  // The reader waits for this answer before it sends the next line.
   if (!written || std::fflush(stdout) != 0) {
     throw std::runtime_error("cannot write to standard output");
   }
@@ -39,7 +45,7 @@ InputError wrong_line(int number, const std::string& found) {
       number, found));
 }
 
-// Without its end; nothing where there is none any more.
+// Returns a line without its line break, or nothing at the end of the input.
 std::optional<std::string> next_line(int number) {
   std::string line;
   int c = std::getc(stdin);
@@ -79,19 +85,17 @@ ordered_json answer(const ScenarioArguments& arguments) {
 }
 
 void answer_each(const ScenarioArguments& arguments) {
-  // What no line can put right is said before the first one.
+  // Errors that no line can correct are reported before the first line is read.
   scenario::Document::load(arguments.scenario, arguments.overrides, arguments.includes);
   for (int number = 1; const std::optional<std::string> line = next_line(number); ++number) {
     ScenarioArguments changed = arguments;
     for (std::string& text : overrides_of(*line, number)) {
       changed.overrides.push_back(std::move(text));
     }
-    // In ASCII, so that it needs no agreement about characters; a path may be no UTF-8.
+    // The output is ASCII, so that it needs no agreement on an encoding; a path need not be UTF-8.
     write_out(answer(changed).dump(-1, ' ', true, json::error_handler_t::replace) + '\n');
   }
 }
-
-}  // namespace
 
 int resolve_command(const ResolveArguments& arguments) {
   if (arguments.each) {
@@ -101,6 +105,19 @@ int resolve_command(const ResolveArguments& arguments) {
   const LoadedScenario loaded = load(arguments);
   write_out(results::resolved_text(loaded.scenario, loaded.device_file));
   return kHeld;
+}
+
+}  // namespace
+
+void add_resolve(CLI::App& app, int& status) {
+  const auto arguments = std::make_shared<ResolveArguments>();
+  CLI::App* command = app.add_subcommand(
+      "resolve", "print every setting of a scenario as it would be run, checked, and run nothing");
+  add_scenario_arguments(*command, *arguments);
+  command->add_flag("--each", arguments->each,
+                    "for each line of the standard input, a JSON array of KEY=VALUE that are laid "
+                    "over it, print one of JSON (docs/json.md)");
+  command->callback([arguments, &status] { status = resolve_command(*arguments); });
 }
 
 }  // namespace hvp::app

@@ -1,10 +1,13 @@
 #include "app/run/run.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include <fmt/format.h>
@@ -12,13 +15,11 @@
 
 #include "app/board/outside_board.h"
 #include "app/commands/commands.h"
-#include "app/commands/terminal.h"
-#include "app/results/figures_json.h"
-#include "app/results/flag_json.h"
-#include "app/results/interruption.h"
+#include "app/results/figures.h"
+#include "app/results/flags.h"
 #include "app/results/launched_program.h"
-#include "app/results/part_file.h"
-#include "app/results/performance.h"
+#include "app/results/outcome.h"
+#include "app/results/part_files.h"
 #include "app/results/pictures.h"
 #include "app/results/report.h"
 #include "app/results/results_folder.h"
@@ -26,6 +27,13 @@
 namespace hvp::app {
 
 namespace {
+
+struct RunArguments : ScenarioArguments {
+  std::filesystem::path out;  // empty: runs/<scenario>
+  bool trace_registers = false;
+  bool record_jobs = false;  // settings, matrix, b and U of each job, for another host
+  bool details = false;      // the report has times by phase and by bus transaction
+};
 
 using Clock = std::chrono::steady_clock;
 
@@ -35,7 +43,7 @@ double seconds(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double>(to - from).count();
 }
 
-// The same run with one more override, as its user would start it.
+// Runs the same command with one more override in a process of its own, and returns its flags.
 std::optional<stability::Flags> flags_of_run(const RunArguments& arguments,
                                              const std::string& changed) {
   using nlohmann::json;
@@ -67,7 +75,7 @@ std::optional<stability::Flags> flags_of_run(const RunArguments& arguments,
       }
     }
   } catch (const std::exception&) {
-    // What could not be tried is not printed.
+    // A remedy that could not be tried is not reported.
   }
   std::error_code ignored;
   std::filesystem::remove_all(folder, ignored);
@@ -79,8 +87,6 @@ double peak_memory_mb() {
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) / 1024;
 }
-
-}  // namespace
 
 int run_command(const RunArguments& arguments) {
   const Clock::time_point start = Clock::now();
@@ -161,6 +167,30 @@ int run_command(const RunArguments& arguments) {
     results::end_as_interrupted();
   }
   return outcome.held() ? kHeld : kNotHeld;
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, int& status) {
+  const auto arguments = std::make_shared<RunArguments>();
+  CLI::App* command =
+      app.add_subcommand("run", "simulate a scenario and say whether its budgets held");
+  add_scenario_arguments(*command, *arguments);
+  command
+      ->add_option("--out", arguments->out,
+                   "folder for the results in place of runs/<scenario>, with what --set changes")
+      ->type_name("FOLDER");
+  command->add_flag(
+      "--trace-registers", arguments->trace_registers,
+      "also log every access to the board, in registers.log, and as a waveform with the "
+      "interrupt, in registers.vcd");
+  command->add_flag(
+      "--record-jobs", arguments->record_jobs,
+      "also write what the board was asked and what it answered, jobs.hvpf and jobs.hvpu, for "
+      "hvp-servo in a guest (docs/linux.md)");
+  command->add_flag("--details", arguments->details,
+                    "also report every frame's time by phase, and the bus' transactions");
+  command->callback([arguments, &status] { status = run_command(*arguments); });
 }
 
 }  // namespace hvp::app

@@ -1,17 +1,27 @@
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <optional>
 
 #include "app/board/outside_board.h"
 #include "app/commands/commands.h"
-#include "app/commands/terminal.h"
-#include "app/results/interruption.h"
-#include "app/results/register_trace.h"
+#include "app/results/board_records.h"
+#include "app/results/part_files.h"
 #include "app/results/results_folder.h"
 #include "app/serve/server.h"
 
 namespace hvp::app {
+
+namespace {
+
+struct ServeArguments : ScenarioArguments {
+  std::filesystem::path socket;
+  bool once = false;  // ends with its first client
+  bool trace_registers = false;
+  std::filesystem::path out;  // of the trace; empty: runs/<scenario>-serve
+};
 
 namespace fs = std::filesystem;
 
@@ -27,7 +37,7 @@ int serve_command(const ServeArguments& arguments) {
     results::create_folder(out, "--out");
     lock.emplace(out);
   }
-  // From the socket's first moment on a signal ends the program so that the socket goes with it.
+  // From here on a signal ends the program properly, so that the socket is removed.
   const results::DeferredInterruption deferred;
   {
     serve::ListeningSocket socket(arguments.socket);
@@ -50,6 +60,27 @@ int serve_command(const ServeArguments& arguments) {
     results::end_as_interrupted();
   }
   return kHeld;
+}
+
+}  // namespace
+
+void add_serve(CLI::App& app, int& status) {
+  const auto arguments = std::make_shared<ServeArguments>();
+  CLI::App* command = app.add_subcommand(
+      "serve",
+      "give the board of a scenario to another program, as a PCI device (docs/vfio-user.md)");
+  add_scenario_arguments(*command, *arguments);
+  command->add_option("--vfio-user", arguments->socket, "listen on a Unix socket at this path")
+      ->required()
+      ->type_name("SOCKET");
+  command->add_flag("--once", arguments->once, "end when the first client has gone");
+  CLI::Option* trace = command->add_flag(
+      "--trace-registers", arguments->trace_registers,
+      "also log every access to the board, in registers.log, and as a waveform, in registers.vcd");
+  command->add_option("--out", arguments->out, "folder for these in place of runs/<scenario>-serve")
+      ->needs(trace)
+      ->type_name("FOLDER");
+  command->callback([arguments, &status] { status = serve_command(*arguments); });
 }
 
 }  // namespace hvp::app

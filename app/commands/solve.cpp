@@ -1,24 +1,28 @@
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <optional>
 #include <sstream>
+#include <string>
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "app/commands/commands.h"
-#include "app/commands/terminal.h"
 #include "app/devices/devices.h"
-#include "app/results/part_file.h"
+#include "app/results/part_files.h"
 #include "app/results/results_folder.h"
 #include "app/results/solve_json.h"
 #include "app/scenario/document.h"
 #include "app/scenario/message.h"
 #include "app/scenario/reader.h"
-#include "app/solve/solve_remedy.h"
 #include "app/solve/system_solve.h"
 #include "models/accel/critical_path.h"
 #include "models/config/input_error.h"
@@ -30,9 +34,18 @@ namespace hvp::app {
 
 namespace {
 
+struct SolveArguments {
+  std::filesystem::path matrix;
+  std::filesystem::path rhs;
+  std::filesystem::path solution = "solution.mtx";
+  std::vector<std::string> overrides;  // --set key=value
+  std::optional<double> tolerance;     // of error_rel; given: exit 1 beyond it
+  std::string kernel;                  // in place of the environment's HVP_KERNEL
+};
+
 namespace fs = std::filesystem;
 
-// Forty bytes an entry leave room for a few hundred thousand nodes.
+// The largest file: at forty bytes an entry it suffices for a few hundred thousand nodes.
 constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 30U;
 
 std::string option(const char* name, const fs::path& file) {
@@ -47,7 +60,7 @@ std::istringstream open(const char* name, const fs::path& file) {
   }
 }
 
-// What a reader throws names the file and the line.
+// Reads a file with a reader whose errors name the file and the line.
 template <class Read>
 auto read(const char* name, const fs::path& file, const Read& read_from) {
   std::istringstream stream = open(name, file);
@@ -70,7 +83,7 @@ LinearSystem read_system(const SolveArguments& a) {
   return system;
 }
 
-// Before the work whose result would be lost.
+// Checks the output file before the work, so that no result is lost.
 void check_solution_file(const SolveArguments& a) {
   const fs::path& file = a.solution;
   std::error_code error;
@@ -108,8 +121,8 @@ SolveTask task_of(const SolveArguments& a, const scenario::Document& document) {
   return task;
 }
 
-// A system that is too large is solved all the same: then the clock is that of the largest that
-// fits.
+// Refuses a clock that the FPGA does not reach. A system that does not fit is solved all the same;
+// the clock is then that of the largest system that fits.
 void require_clock(const SolveTask& task, const LinearSystem& system,
                    const scenario::Document& document) {
   const accel::Architecture& architecture = task.settings.accelerator;
@@ -129,8 +142,6 @@ void choose_kernel(const std::string& kernel) {
   if (!kernel.empty()) setenv("HVP_KERNEL", kernel.c_str(), 1);
   check_kernel(kernel.empty() ? "HVP_KERNEL" : "--kernel " + kernel);
 }
-
-}  // namespace
 
 int solve_command(const SolveArguments& arguments) {
   const auto document = scenario::Document::of_overrides(arguments.overrides);
@@ -153,6 +164,42 @@ int solve_command(const SolveArguments& arguments) {
   results::write_through_part_file(arguments.solution, text.str());
   print("{}", results::solve_json(system, task, solution));
   return arguments.tolerance && !(solution.error <= *arguments.tolerance) ? kNotHeld : kHeld;
+}
+
+}  // namespace
+
+void add_solve(CLI::App& app, int& status) {
+  const auto arguments = std::make_shared<SolveArguments>();
+  CLI::App* command =
+      app.add_subcommand("solve",
+                         "the accelerator's numbers on any symmetric positive definite "
+                         "system: prints one JSON object");
+  command->add_option("--matrix", arguments->matrix, "the matrix, in Matrix Market form")
+      ->required()
+      ->type_name("A.mtx");
+  command->add_option("--rhs", arguments->rhs, "the right-hand side, likewise")
+      ->required()
+      ->type_name("b.mtx");
+  command
+      ->add_option("--solution,--out", arguments->solution,
+                   "write the solution into this file, solution.mtx by default")
+      ->type_name("x.mtx");
+  command
+      ->add_option("--set", arguments->overrides,
+                   "gives a key of [solver], [refinement], [accelerator] or [spectrum] another "
+                   "value; as often as wanted")
+      ->allow_extra_args(false)
+      ->type_name("KEY=VALUE");
+  command
+      ->add_option("--tolerance", arguments->tolerance,
+                   "exit with 1 where the error exceeds this part of the solution")
+      ->type_name("T");
+  command
+      ->add_option("--kernel", arguments->kernel,
+                   "which implementation computes: reference, portable, avx2 or avx512; all give "
+                   "the same words, and the fastest is the default")
+      ->type_name("NAME");
+  command->callback([arguments, &status] { status = solve_command(*arguments); });
 }
 
 }  // namespace hvp::app

@@ -1,12 +1,14 @@
+#include <CLI/CLI.hpp>
 #include <cmath>
+#include <filesystem>
+#include <memory>
 
 #include <fmt/format.h>
 
 #include "app/commands/commands.h"
-#include "app/commands/terminal.h"
-#include "app/results/figures_json.h"
+#include "app/results/figures.h"
 #include "app/results/number_text.h"
-#include "app/results/part_file.h"
+#include "app/results/part_files.h"
 #include "app/results/pictures.h"
 #include "app/scenario/message.h"
 #include "app/stability/stability_search.h"
@@ -14,6 +16,13 @@
 namespace hvp::app {
 
 namespace {
+
+struct StabilityArguments : ScenarioArguments {
+  bool json = false;
+  std::filesystem::path map;  // a picture; empty: none
+  double push_N = 1;
+  int frames = 2000;  // of each run
+};
 
 constexpr int kDampings = 12;
 
@@ -57,7 +66,7 @@ std::string map_csv(const Scene& scene, const std::vector<StabilityFigures>& map
   return text;
 }
 
-// Before the runs, not after them.
+// Checks the picture's name before the runs, so that no result is lost.
 void require_picture_name(const std::filesystem::path& file) {
   const std::string shown = scenario::one_line(file.string());
   if (file.extension() != ".png") {
@@ -69,8 +78,6 @@ void require_picture_name(const std::filesystem::path& file) {
         fmt::format("--map {}: there is no folder {}", shown, scenario::one_line(folder.string())));
   }
 }
-
-}  // namespace
 
 int stability_command(const StabilityArguments& arguments) {
   const LoadedScenario loaded = load(arguments);
@@ -98,6 +105,29 @@ int stability_command(const StabilityArguments& arguments) {
   } catch (const InputError& e) {
     throw loaded.document.complete(e);
   }
+}
+
+}  // namespace
+
+void add_stability(CLI::App& app, int& status) {
+  const auto arguments = std::make_shared<StabilityArguments>();
+  CLI::App* command = app.add_subcommand(
+      "stability", "the stiffest wall that a scenario's loop holds, by runs and by eigenvalues");
+  add_scenario_arguments(*command, *arguments);
+  command->add_flag("--json", arguments->json, "as one JSON object");
+  command
+      ->add_option("--map", arguments->map,
+                   "also draw the stiffest wall over its damping, and write its figures beside it")
+      ->type_name("FILE.png");
+  command
+      ->add_option("--push", arguments->push_N,
+                   "with how many newtons the device leans on the wall, 1 by default")
+      ->check(CLI::Range(1e-3, 1e3))
+      ->type_name("N");
+  command->add_option("--frames", arguments->frames, "of each run, 2000 by default")
+      ->check(CLI::Range(40, 10'000'000))
+      ->type_name("N");
+  command->callback([arguments, &status] { status = stability_command(*arguments); });
 }
 
 }  // namespace hvp::app

@@ -11,8 +11,7 @@ namespace hvp::app {
 
 namespace {
 
-// Rows of the scene's lengths, as many as there are nodes: each length as often as the scene has
-// it.
+// Row lengths for `nodes` nodes, each length in the same proportion as in the scene.
 accel::Pattern resized(const accel::Pattern& p, int nodes) {
   accel::Pattern result;
   result.blocks_in_row.reserve(static_cast<std::size_t>(nodes));
@@ -32,7 +31,7 @@ Reach reach_of(const Scene& scene, int nodes) {
   return r;
 }
 
-// A clock that the design does not reach gives no times: the highest one does.
+// The scenario's clock, or the highest one where the design does not reach that.
 double clock_in_force(const accel::Architecture& a, const std::optional<accel::CriticalPath>& c) {
   return c ? std::min(a.clock_hz, c->highest_clock_hz) : a.clock_hz;
 }
@@ -50,14 +49,14 @@ std::optional<Reach> largest(const Scene& scene, const accel::WordLengths& words
   const int nodes = accel::largest_mesh_of_board(scene.device(), a, words, scene.board());
   if (nodes == 0) return std::nullopt;
   Reach r = reach_of(scene, nodes);
-  // What devices send each other of a larger mesh depends on its columns, which there are none of.
+  // The words that devices exchange for a larger mesh depend on its columns, which do not exist.
   if (!a.several || a.several->exchange == accel::Exchange::all) {
     take_time(scene, accel::BoardClocks(a, resized(scene.pattern(), nodes)), clock_hz, r);
   }
   return r;
 }
 
-// What the scenario's fidelity, or several devices, would refuse is no neighbour.
+// False for a design that the scenario's fidelity, or several devices, would refuse.
 bool has_model(const Scene& scene, const accel::Design& design) {
   using fixed::Method;
   const bool engine = vp::has_engine(scene.scenario().fidelity.accelerator);

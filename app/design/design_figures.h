@@ -9,12 +9,12 @@
 #include "models/accel/critical_path.h"
 #include "models/accel/memory.h"
 #include "models/accel/operations.h"
-#include "models/accel/packing.h"
+#include "models/accel/partition.h"
 #include "models/accel/variations.h"
 
 namespace hvp::app {
 
-// A design with one number changed, as it came out.
+// The result of a design with one number changed.
 struct WhatIf {
   accel::Variation variation;
   std::int64_t solve_clocks = 0;
@@ -24,19 +24,19 @@ struct WhatIf {
   std::string refused;                // why there is no such design for this mesh; empty: there is
 };
 
-// How far a mesh can be driven.
+// The size of a mesh, and the rates at which it can be solved.
 struct Reach {
-  int nodes = 0;       // in the system
-  int mesh_nodes = 0;  // as object.mesh.nodes has them
+  int nodes = 0;       // of the system
+  int mesh_nodes = 0;  // as object.mesh.nodes counts them
   std::int64_t solve_ps = 0;
-  std::int64_t frame_ps = 0;  // the frame's large steps one after the other, by annotated costs
+  std::int64_t frame_ps = 0;  // the sum of the frame's large steps by annotated costs
 
-  double solve_rate_hz() const;  // solves back to back
+  double solve_rate_hz() const;  // solves without a pause
   double frame_rate_hz() const;
 };
 
-// Everything that `hvp device` prints, of a scene whose mesh may be too large for its device and
-// whose clock may be too fast for it.
+// Everything that `hvp device` prints. The scene's mesh may be too large for its device, and the
+// clock too fast.
 struct DesignFigures {
   accel::SolveCycles cycles;
   std::optional<accel::CriticalPath> clock;  // absent: the device's file has no [timing]
@@ -44,7 +44,7 @@ struct DesignFigures {
   accel::Packing packing;
   accel::OperationRate operations;
   Reach scene;
-  std::optional<Reach> largest;  // the largest mesh of such rows that fits; absent: none does
+  std::optional<Reach> largest;  // the largest mesh with such rows that fits; absent: none fits
   std::vector<WhatIf> what_if;
 
   bool clock_is_reached(const accel::Architecture& a) const {

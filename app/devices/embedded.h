@@ -5,7 +5,7 @@
 
 namespace hvp::devices {
 
-// A file of devices/ or haptic-devices/, as it was when the program was built.
+// A file of devices/ or haptic-devices/ as it was when the program was built.
 struct EmbeddedFile {
   std::string_view name;  // "EP2S60"
   std::string_view text;

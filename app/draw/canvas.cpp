@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <vtkBrush.h>
 #include <vtkContext2D.h>
 #include <vtkContextActor.h>
@@ -18,11 +20,14 @@
 #include <vtkTextProperty.h>
 
 #include "app/draw/picture_window.h"
+#include "app/draw/plot_data.h"
+#include "app/draw/run_files.h"
 
 namespace hvp::draw {
+
 namespace {
 
-// Of dashed lines.
+// Lengths in dashed lines.
 constexpr double kDash = 9.0;
 constexpr double kGap = 6.0;
 
@@ -119,8 +124,8 @@ void Canvas::dashed_line(const Point& from, const Point& to, Colour colour, doub
   }
 }
 
-// One strip of quadrilaterals, as thousands of polygons one by one take seconds; what lies between
-// two segments fills the corner.
+// One strip of quadrilaterals, since thousands of single polygons take seconds; the strip also
+// fills the corners between segments.
 void Canvas::polyline(std::span<const Point> points, Colour colour, double width) {
   if (points.size() == 1) disc(points.front(), width, colour);
   if (points.size() < 2) return;
@@ -140,7 +145,7 @@ void Canvas::polyline(std::span<const Point> points, Colour colour, double width
 void Canvas::dashed_polyline(std::span<const Point> points, Colour colour, double width) {
   if (points.size() == 1) polyline(points, colour, width);
   bool dash = true;
-  double left = kDash;  // of the dash or the gap at hand
+  double left = kDash;  // of the current dash or gap
   std::vector<Point> stroke;
   for (std::size_t i = 1; i < points.size(); ++i) {
     const double length = (points[i] - points[i - 1]).norm();
@@ -216,6 +221,86 @@ void add_page(PictureWindow& window, std::function<void(Canvas&)> paint) {
                           style::kPaper.blue / 255.0);
   add_canvas(*renderer, std::move(paint));
   window.add(*renderer, 0);
+}
+
+using Point = Canvas::Point;
+
+void draw_y_axis(Canvas& canvas, const Axes& axes, int wanted_ticks) {
+  const Ticks y = round_ticks(axes.data_low.y(), axes.data_high.y(), wanted_ticks);
+  for (std::size_t i = 0; i < y.values.size(); ++i) {
+    const Point p = axes.at(axes.data_low.x(), y.values[i]);
+    canvas.line(p, {axes.high.x(), p.y()}, style::kGrid, 1.0);
+    canvas.text(p - Point(10.0, 0.0), y.labels[i],
+                {.size = 18, .colour = style::kSoftInk, .horizontal = Align::high});
+  }
+  canvas.line(axes.low, {axes.high.x(), axes.low.y()}, style::kSoftInk, 1.4);
+  canvas.line(axes.low, {axes.low.x(), axes.high.y()}, style::kSoftInk, 1.4);
+}
+
+void draw_x_axis(Canvas& canvas, const Axes& axes, const Ticks& ticks, const std::string& label) {
+  for (std::size_t i = 0; i < ticks.values.size(); ++i) {
+    const Point p = axes.at(ticks.values[i], axes.data_low.y());
+    canvas.line(p, p - Point(0.0, 6.0), style::kSoftInk, 1.2);
+    canvas.text(p - Point(0.0, 11.0), ticks.labels[i],
+                {.size = 18,
+                 .colour = style::kSoftInk,
+                 .horizontal = Align::centre,
+                 .vertical = Align::high});
+  }
+  canvas.text({0.5 * (axes.low.x() + axes.high.x()), axes.low.y() - 52.0}, label,
+              {.size = 19, .horizontal = Align::centre});
+}
+
+Point Legend::entry(const std::string& words) {
+  const TextStyle text = {.size = 18, .horizontal = Align::high};
+  canvas_.text(next_, words, text);
+  next_.x() -= canvas_.text_width(words, text) + 18.0;
+  const Point sign = next_;
+  next_.x() -= 30.0;
+  return sign;
+}
+
+namespace {
+
+using Point = Canvas::Point;
+
+constexpr double kMargin = 40.0;
+constexpr Colour kHeld = {20, 122, 74};
+constexpr Colour kReserved = {158, 96, 0};  // the budgets are met, with reservations
+
+std::string cut_to(Canvas& canvas, std::string words, const TextStyle& style, double width) {
+  if (canvas.text_width(words, style) <= width) return words;
+  while (!words.empty() && canvas.text_width(words + "…", style) > width) {
+    // Removes a whole character: UTF-8's continuation bytes are 10xxxxxx.
+    do {
+      words.pop_back();
+    } while (!words.empty() && (static_cast<unsigned char>(words.back()) & 0xC0U) == 0x80U);
+  }
+  return words + "…";
+}
+
+Colour colour_of(const Caption& caption) {
+  if (!caption.held) return style::kLate;
+  return caption.verdict == "PASS" ? kHeld : kReserved;
+}
+
+}  // namespace
+
+void draw_caption(Canvas& canvas, const Caption& caption, const std::string& what,
+                  const std::string& figures) {
+  const double width = kPictureWidth - 2 * kMargin;
+  const auto line = [&](double y, const std::string& words, const TextStyle& text) {
+    canvas.text({kMargin, y}, cut_to(canvas, words, text, width), text);
+  };
+  line(970.0, caption.title.empty() ? what : what + ": " + caption.title,
+       {.size = 26, .bold = true});
+  line(939.0, figures, {.size = 19, .colour = style::kSoftInk});
+  if (caption.verdict.empty()) return;
+  line(912.0,
+       caption.flags.empty()
+           ? caption.verdict
+           : fmt::format("{}: {}", caption.verdict, fmt::join(caption.flags, ", ")),
+       {.size = 19, .colour = colour_of(caption), .bold = true});
 }
 
 }  // namespace hvp::draw

@@ -20,9 +20,9 @@ Colour faded(Colour colour, double opacity);
 // CIELAB (D65) of an opaque sRGB colour: {L*, a*, b*}; IEC 61966-2-1 and CIE 15.
 std::array<double, 3> lab_of(Colour colour);
 
-// A sequential map for t in [0, 1] (clamped), light for nothing and dark for most: lightness
-// falls linearly in CIELAB and the steps between neighbours are of one size, so that equal
-// differences of the value look equal, also to the colour-blind and in grey.
+// A sequential colour map for t in [0, 1] (clamped), from light at 0 to dark at 1. Lightness falls
+// linearly in CIELAB and the steps between neighbours are of one size, so that equal differences of
+// the value look equal, also to the colour-blind and in grey.
 Colour sequential_colour(double t);
 
 }  // namespace hvp::draw

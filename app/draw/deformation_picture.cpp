@@ -1,5 +1,3 @@
-#include "app/draw/deformation_picture.h"
-
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -11,11 +9,11 @@
 #include <vtkNew.h>
 #include <vtkRenderer.h>
 
-#include "app/draw/axis_ticks.h"
 #include "app/draw/canvas.h"
-#include "app/draw/caption.h"
 #include "app/draw/deformation_scene.h"
 #include "app/draw/picture_window.h"
+#include "app/draw/pictures.h"
+#include "app/draw/plot_data.h"
 
 namespace hvp::draw {
 namespace {
@@ -26,7 +24,7 @@ using Point = Canvas::Point;
 const Point kSceneLow(30.0, 80.0);
 const Point kSceneHigh(1190.0, 890.0);
 
-// Where the scene's points lie in the picture.
+// The mapping of the scene's points to the picture.
 struct Projection {
   View view;
   Point centre_m;
@@ -112,7 +110,7 @@ void draw_colour_scale(Canvas& canvas, const SceneSizes& sizes) {
   canvas.text({low.x() - 6.0, high.y() + 24.0}, "mm", {.size = 19});
 }
 
-// A bar of a round length; the projection is parallel, so it holds everywhere.
+// A bar of a round length; the projection is parallel, so that it is valid everywhere.
 void draw_length_scale(Canvas& canvas, const Projection& projection) {
   const double wanted_mm = 1e3 * 75.0 / projection.pixels_per_m;
   const Ticks ticks = round_ticks(0.0, wanted_mm, 1);
@@ -156,7 +154,7 @@ void draw_legend(Canvas& canvas, const DeformationStep& step, const SceneSizes& 
   label("shape at rest");
 }
 
-// Beside the tip of an arrow that points up or down, above one that lies.
+// Puts a label beside the tip of an arrow that points up or down, and above a horizontal one.
 void label_arrow(Canvas& canvas, const DeformationStep::Probe& probe, const SceneSizes& sizes,
                  const Projection& projection) {
   const Point tip = projection.at(arrow_tip(probe.place, probe.force_N, sizes));
@@ -168,7 +166,7 @@ void label_arrow(Canvas& canvas, const DeformationStep::Probe& probe, const Scen
     offset = {0.0, 30.0};
   }
   const std::string words = four_digits(probe.force_N.norm()) + " N";
-  // Not beyond the margins, whatever the arrow does.
+  // Keeps the label within the margins.
   const double half = 0.5 * canvas.text_width(words, text);
   Point at = tip + offset;
   at.x() = std::clamp(at.x(), kSceneLow.x() + half, kSceneHigh.x() - half);

@@ -24,7 +24,7 @@
 #include <vtkSphereSource.h>
 
 #include "app/draw/picture_window.h"
-#include "app/draw/surface.h"
+#include "app/draw/view.h"
 
 namespace hvp::draw {
 namespace {
@@ -141,7 +141,7 @@ void add_anchors(vtkRenderer& renderer, const DeformationStep& step,
 
 void add_arrow(vtkRenderer& renderer, const Vector3d& probe, const Vector3d& to,
                const SceneSizes& sizes, double opacity) {
-  // From the probe's surface, or the ghost of its start would show inside the probe.
+  // The arrow starts at the probe's surface, or the ghost of its start would show inside the probe.
   const Vector3d from = probe + 0.98 * sizes.probe_radius * (to - probe).normalized();
   const double thickness = 0.007 * sizes.body;
   const double length = (to - from).norm();
@@ -236,7 +236,7 @@ void build_rest_shape(vtkRenderer& renderer, const DeformationStep& step, const 
   vtkNew<vtkPolyData> rest;
   rest->SetPoints(points);
   rest->SetPolys(cells_of(std::span<const std::array<int, 3>>(triangles)));
-  // Opaque in the colour of a translucent one: on paper alone the two are the same.
+  // Opaque in the colour that a translucent shape has on paper: below it is nothing but paper.
   const auto shell = add_actor(renderer, rest, scene_colour::kRestFill);
   shell->GetProperty()->LightingOff();
   const auto edges = edges_of(triangles);

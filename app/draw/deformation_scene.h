@@ -10,7 +10,7 @@ class vtkRenderer;
 
 namespace hvp::draw {
 
-// Colours of the scene, for its legend too.
+// Colours of the scene and its legend.
 namespace scene_colour {
 inline constexpr Colour kProbe = {74, 124, 142};
 inline constexpr Colour kForce = {206, 62, 40};
@@ -19,10 +19,10 @@ inline constexpr Colour kRest = {120, 126, 134};
 inline constexpr Colour kRestFill = {228, 229, 228};
 }  // namespace scene_colour
 
-// Sizes in metres that the scene and its labels share.
+// Sizes (m) that the scene and its labels share.
 struct SceneSizes {
   double body = 0.0;          // diagonal of the rest shape's bounding box
-  double probe_radius = 0.0;  // as drawn: never too small to see
+  double probe_radius = 0.0;  // as drawn: never too small to be seen
   bool probe_to_scale = true;
   double max_displacement = 0.0;
   double colour_range = 0.0;  // displacement at the dark end of the map; positive
@@ -30,20 +30,21 @@ struct SceneSizes {
 };
 SceneSizes sizes_of(const DeformationStep& step);
 
-// Where the arrow of a force on a probe ends; the probe's centre where there is no force.
+// The end of the arrow of a force on a probe; the probe's centre where there is no force.
 Eigen::Vector3d arrow_tip(const Eigen::Vector3d& probe, const Eigen::Vector3d& force_N,
                           const SceneSizes& sizes);
 
-// The deformed body coloured by displacement with its mesh, the probe, the anchored nodes and
-// the force on the probe. The renderers' camera and lights are the caller's.
+// Adds the deformed body coloured by displacement with its mesh, the probe, the anchored nodes and
+// the force on the probe. The caller sets the renderer's camera and lights.
 void build_scene(vtkRenderer& renderer, const DeformationStep& step, const SceneSizes& sizes);
 
-// The probe and the arrow once more, translucent. In a layer above the scene they show through
-// the body where it hides them.
+// Adds a translucent copy of the probe and the arrow. In a layer above the scene it shows them
+// where the body hides them.
 void build_probe_ghost(vtkRenderer& renderer, const DeformationStep& step, const SceneSizes& sizes);
 
-// The rest shape, flat with its outline as seen in `view`. It belongs into a layer below the
-// scene: where nothing moved the two surfaces coincide, and only what sticks out is to be seen.
+// Adds the rest shape, flat with its outline as seen in `view`. It belongs into a layer below the
+// scene: where nothing moved the two surfaces coincide, and only the rest shape's parts outside the
+// body are visible.
 void build_rest_shape(vtkRenderer& renderer, const DeformationStep& step, const View& view);
 
 }  // namespace hvp::draw

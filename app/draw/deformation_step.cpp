@@ -45,7 +45,7 @@ bool has_known_types_only(const std::filesystem::path& path) {
   return true;
 }
 
-// Reads one file and says its name in every complaint.
+// Reads one file and names it in every error.
 class StepFile {
  public:
   explicit StepFile(const std::filesystem::path& path) : name_(path.filename().string()) {
@@ -84,7 +84,7 @@ class StepFile {
   }
 
   Eigen::Vector3d vector_field(vtkFieldData& data, const char* name) const {
-    // A field array has as many tuples of one component as VTK pleases.
+    // VTK chooses how many tuples of one component a field array has.
     vtkDataArray* found = data.GetArray(name);
     if (found != nullptr && found->GetNumberOfComponents() == 1 && found->GetNumberOfTuples() == 3)
       found->SetNumberOfComponents(3);

@@ -8,7 +8,7 @@
 
 namespace hvp::draw {
 
-// A step of deformation.pvd as the picture needs it. Lengths in metres.
+// The data of a step of deformation.pvd that the picture needs. Lengths in metres.
 struct DeformationStep {
   std::vector<Eigen::Vector3d> rest;
   std::vector<Eigen::Vector3d> displacement;
@@ -21,13 +21,13 @@ struct DeformationStep {
   double probe_radius = 0.0;
   struct Probe {
     Eigen::Vector3d place;
-    Eigen::Vector3d force_N;  // of the body on it
+    Eigen::Vector3d force_N;  // the body's force on the probe
   };
   std::vector<Probe> further_probes;
-  Eigen::Vector3d force_N = Eigen::Vector3d::Zero();  // of the body on the probe
+  Eigen::Vector3d force_N = Eigen::Vector3d::Zero();  // the body's force on the first probe
 };
 
-// The step's file names in the list's order. Throws hvp::InputError when the list cannot be
+// The steps' file names in the list's order. Throws hvp::InputError when the list cannot be
 // read or names no step.
 std::vector<std::string> listed_steps(const std::filesystem::path& list);
 
@@ -35,10 +35,10 @@ std::vector<std::string> listed_steps(const std::filesystem::path& list);
 // one of the arrays, with cells that are not tetrahedra or with numbers that are not finite.
 DeformationStep read_step(const std::filesystem::path& path);
 
-// The contact force of a step in newtons, without the mesh's arrays. Throws as read_step.
+// Reads the contact force of a step in newtons, without the mesh's arrays. Throws as read_step.
 double contact_force_of(const std::filesystem::path& path);
 
-// The listed step with the largest contact force; the last one where no step has any.
+// Reads the listed step with the largest contact force; the last one where no step has any.
 DeformationStep read_deepest_step(const std::filesystem::path& run_directory);
 
 }  // namespace hvp::draw

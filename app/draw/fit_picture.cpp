@@ -1,18 +1,14 @@
-#include "app/draw/fit_picture.h"
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "app/draw/axes.h"
-#include "app/draw/axis_ticks.h"
 #include "app/draw/canvas.h"
-#include "app/draw/caption.h"
-#include "app/draw/decimation.h"
-#include "app/draw/loop_series.h"
 #include "app/draw/picture_window.h"
+#include "app/draw/pictures.h"
+#include "app/draw/plot_data.h"
+#include "app/draw/run_files.h"
 
 namespace hvp::draw {
 namespace {
@@ -32,7 +28,7 @@ struct FitPanel {
   Range range;
 };
 
-// Of a share there is none.
+// A share has no unit.
 Unit unit_of(double largest, const std::string& symbol, double preferred) {
   if (symbol.empty()) return {1.0, ""};
   return unit_for(largest, symbol, preferred);

@@ -1,5 +1,3 @@
-#include "app/draw/latency_picture.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -7,12 +5,10 @@
 
 #include <fmt/format.h>
 
-#include "app/draw/attribution_bars.h"
-#include "app/draw/axes.h"
-#include "app/draw/axis_ticks.h"
 #include "app/draw/canvas.h"
-#include "app/draw/caption.h"
-#include "app/draw/latency_histogram.h"
+#include "app/draw/latency_panels.h"
+#include "app/draw/pictures.h"
+#include "app/draw/plot_data.h"
 
 namespace hvp::draw {
 namespace {
@@ -53,7 +49,7 @@ Statistics statistics_of(const std::vector<FrameRow>& frames) {
 
 std::string microseconds(double us) { return four_digits(us) + " µs"; }
 
-// Returns whether there is any.
+// Returns true if there is any.
 bool shade_contact(Canvas& canvas, const Axes& axes, const std::vector<FrameRow>& frames) {
   bool any = false;
   for (std::size_t i = 0; i < frames.size();) {
@@ -117,7 +113,7 @@ void draw_budget(Canvas& canvas, const Axes& axes, double budget_us, const Frame
   canvas.text(at, label, text);
 }
 
-// What the marks mean, only those that are there.
+// The meaning of the marks that the picture has.
 void draw_legend(Canvas& canvas, const Statistics& statistics, bool any_contact) {
   Legend legend(canvas, {1365.0, 886.0});
   if (any_contact) {

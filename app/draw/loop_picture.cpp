@@ -1,5 +1,3 @@
-#include "app/draw/loop_picture.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -8,12 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "app/draw/axes.h"
-#include "app/draw/axis_ticks.h"
 #include "app/draw/canvas.h"
-#include "app/draw/caption.h"
-#include "app/draw/decimation.h"
 #include "app/draw/picture_window.h"
+#include "app/draw/pictures.h"
+#include "app/draw/plot_data.h"
 
 namespace hvp::draw {
 namespace {
@@ -25,7 +21,7 @@ constexpr double kLoopRight = 1365.0;
 constexpr double kTop = 862.0;     // of the first panel
 constexpr double kHeight = 230.0;  // of a panel
 constexpr double kPitch = 270.0;   // from panel to panel
-constexpr double kWords = 30.0;    // at the top of the energy, for what its stretches mean
+constexpr double kWords = 30.0;  // at the top of the energy's panel, for the words on its stretches
 
 // After Okabe and Ito's palette for the colour-blind.
 constexpr Colour kIntended = {240, 185, 80};
@@ -67,7 +63,7 @@ bool any_value(const std::vector<double>& values) {
   return std::any_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
 }
 
-// Without what no frame has a value of: nobody holds the device.
+// Leaves out a line without any value: no hand grips the device.
 template <class Values>
 Line line_of(const LoopSeries& loop, const char* name, Colour colour, double width, Values values) {
   Line line{name, colour, width, {}};
@@ -94,7 +90,7 @@ Range plotted_range(const LoopPanel& panel) {
 Axes axes_of(const LoopPanel& panel, double top, const Range& range, const TimeAxis& time,
              const Unit& unit) {
   const double largest = std::max(std::abs(range.least), std::abs(range.largest));
-  // What stands still is a flat line, however its last digits differ.
+  // A value that does not move is a flat line, however its last digits differ.
   const double size =
       std::max({range.size(), 1e-3 * largest, largest > 0.0 ? 0.0 : panel.preferred_unit});
   const double slack = 0.5 * (size - range.size()) + 0.06 * size;
@@ -141,7 +137,7 @@ void draw_legend(Canvas& canvas, const Axes& axes, const LoopPanel& panel) {
   }
 }
 
-// Over the longest stretch, inside the panel.
+// Writes the words over the longest stretch, inside the panel.
 void name_active(Canvas& canvas, const Axes& axes, const LoopPanel& panel, const TimeAxis& time) {
   if (panel.active.empty()) return;
   const Stretch longest = *std::max_element(
@@ -183,8 +179,8 @@ Axes draw_panel(Canvas& canvas, const LoopPanel& panel, double top, const TimeAx
   return axes;
 }
 
-// What the least of the ports has absorbed at each time where that is below zero, else zero, as
-// where it is nearer to zero than rounding leaves a sum of such energies.
+// The energy that the least of the ports has absorbed at each time where it is below zero; else,
+// and where it is within the rounding of a sum of such energies, zero.
 std::vector<double> fed_in(const LoopSeries& loop) {
   std::vector<double> out(loop.time_s.size(), 0.0);
   double largest_J = 1e-3;
@@ -216,7 +212,7 @@ std::string figures(const LoopSeries& loop, std::size_t axis, double fed_in_J) {
                      : "the loop feeds no energy in");
 }
 
-// To the end of the last frame.
+// The axis reaches to the end of the last frame.
 TimeAxis time_axis(const std::vector<double>& time_s) {
   const double from = time_s.front();
   const auto frames = static_cast<double>(time_s.size());

@@ -1,6 +1,7 @@
 // hvp-draw RUN_DIRECTORY: draws deformation.png, latency.png and, of a closed loop, loop.png from
 // the results of a run, into the run's directory.
-// hvp-draw --stability-map IN.csv OUT.png: draws how stiff a wall may be at which damping.
+// hvp-draw --stability-map IN.csv OUT.png: draws the largest stable stiffness of a wall
+// over its damping.
 // hvp-draw --fit IN.csv OUT.png X_LABEL Y_LABEL UNIT: draws a log and a model of it.
 // Needs an X display with OpenGL; `hvp` starts one where there is none.
 //
@@ -18,20 +19,13 @@
 
 #include <fmt/format.h>
 
-#include "app/draw/deformation_picture.h"
 #include "app/draw/deformation_step.h"
-#include "app/draw/fit_picture.h"
-#include "app/draw/fit_series.h"
-#include "app/draw/latency_picture.h"
-#include "app/draw/loop_picture.h"
-#include "app/draw/loop_series.h"
 #include "app/draw/picture_window.h"
+#include "app/draw/pictures.h"
 #include "app/draw/run_files.h"
-#include "app/draw/stability_map.h"
-#include "app/draw/stability_picture.h"
+#include "app/draw/series_files.h"
 #include "app/draw/vtk_errors.h"
-#include "app/results/interruption.h"
-#include "app/results/part_file.h"
+#include "app/results/part_files.h"
 #include "models/config/input_error.h"
 
 namespace hvp::draw {

@@ -1,5 +1,3 @@
-#include "app/draw/stability_picture.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,10 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "app/draw/axes.h"
-#include "app/draw/axis_ticks.h"
 #include "app/draw/canvas.h"
-#include "app/draw/caption.h"
+#include "app/draw/pictures.h"
+#include "app/draw/plot_data.h"
 
 namespace hvp::draw {
 namespace {
@@ -77,8 +74,8 @@ struct Word {
   bool below;  // the runs' curve, or above it
 };
 
-// From the word at a place to the nearest of the points; nothing where a run's lies on the wrong
-// side of the word, or none above or below it.
+// The distance of the word at a place from the nearest of the points; absent where a point of the
+// runs' curve is on the wrong side of the word, or no point is above or below it.
 std::optional<double> clearance(const Word& word, const Point& at, const std::vector<Point>& runs,
                                 const std::vector<Point>& all) {
   bool met = false;
@@ -95,7 +92,7 @@ std::optional<double> clearance(const Word& word, const Point& at, const std::ve
   return least > 0.0 ? std::optional(least) : std::nullopt;
 }
 
-// Where the word is furthest from every curve and from the plot's edges; nowhere if it has no room.
+// Writes the word furthest from every curve and from the plot's edges; not at all without room.
 void write_word(Canvas& canvas, const Axes& axes, const std::string& words, bool below,
                 const std::array<Curve, 3>& curves) {
   const TextStyle text = {

@@ -4,12 +4,13 @@
 
 namespace hvp::draw {
 
-// Keeps what VTK would print on stderr, so that the user sees one line of ours instead.
+// Keeps the messages that VTK would print on stderr, so that the user sees one line of ours
+// instead.
 class VtkErrors {
  public:
   // Replaces VTK's output window for the rest of the process.
   static void capture();
-  // Whether VTK reported an error since the last call.
+  // True if VTK reported an error since the last call.
   static bool take();
 };
 

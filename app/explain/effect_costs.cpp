@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "app/results/interruption.h"
+#include "app/results/part_files.h"
 #include "app/run/run.h"
 #include "app/stability/child_process.h"
 #include "models/config/effects.h"
@@ -26,7 +26,7 @@ using nlohmann::json;
 
 constexpr int kRuns = 3;
 constexpr int kFewFrames = 300;
-// Shorter runs are timed badly.
+// The least wall-clock time of a run that can be timed well.
 constexpr double kLongEnough = 0.25;  // s
 
 double seconds_since(Clock::time_point start) {
@@ -38,7 +38,7 @@ double median(std::array<double, kRuns> values) {
   return values[kRuns / 2];
 }
 
-// Where the runs write what nobody reads.
+// A folder for the result files of the runs, which nobody reads.
 class TemporaryFolder {
  public:
   TemporaryFolder() : path_((std::filesystem::temp_directory_path() / "hvp-XXXXXX").string()) {
@@ -94,8 +94,8 @@ config::EffectSurvey survey_of(const Scene& scene) {
   return config::survey_effects(scene.scenario());
 }
 
-// Of the scenario: few, or more where those are over in no time; all where it needs them, as a
-// fault in a later frame does.
+// The number of frames to time: few, or more if these take too little time, or all if the scenario
+// needs them, as with a fault in a later frame.
 int frames_to_time(const VariedScene& varied, const std::string& folder) {
   const int all = build(varied, {}).scene->scenario().frames;
   const int few = std::min(all, kFewFrames);
@@ -136,7 +136,7 @@ class Measurement {
       }
       return costs;
     } catch (const std::exception&) {
-      // A run that was stopped has nothing to tell, which it says in its own way.
+      // After a signal the failure of the stopped run is not reported.
       if (results::interrupted() != 0) return std::nullopt;
       throw;
     }
@@ -147,7 +147,7 @@ class Measurement {
     if (progress_) progress_(what);
   }
 
-  // What of the other effects is not as it was; refuses where the effect itself is.
+  // Lists the other effects that changed. Throws if the effect itself did not change.
   static std::vector<std::string> changed_with(const std::string& path,
                                                const std::vector<config::Effect>& before,
                                                const std::vector<config::Effect>& after) {
@@ -173,7 +173,7 @@ class Measurement {
     if (!effect.present) cost.along = survey.to_bring(effect);
     try_setting(cost);
     if (!cost.refused.empty() && !effect.belongs_to.empty()) {
-      // One that a value of another key implies has no setting of its own.
+      // An effect that the value of another key implies has no setting of its own.
       EffectCost implied = cost;
       std::erase(implied.along, effect.belongs_to);
       implied.setting = effect.belongs_to;
@@ -181,7 +181,7 @@ class Measurement {
       if (implied.refused.empty()) return implied;
     }
     if (effect.present && !cost.refused.empty()) {
-      // An effect that is a list is out when that is empty.
+      // An effect that is a list is removed by an empty list.
       EffectCost emptied = cost;
       emptied.setting = effect.path + "=[]";
       try_setting(emptied);
@@ -209,7 +209,7 @@ class Measurement {
     }
   }
 
-  // Side by side, so that a machine that is busy for a while is so for both.
+  // The runs of a pair follow each other, so that other load on the machine affects both.
   void time_pairs(Scene& before_it, Scene& scene, EffectCost& cost) {
     std::array<double, kRuns> rates{};
     std::array<double, kRuns> differences{};

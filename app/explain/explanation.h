@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,31 +15,32 @@
 
 namespace hvp::app {
 
-// A part of the platform, how finely it is simulated and what it is.
+// A part of the platform and the level of its model.
 struct ExplainedPart {
   std::string part;   // "bus"
   std::string level;  // "loosely-timed", "absent"
   std::string what;
 };
 
-// What the device's joints are worth at a place of the probes' way.
+// The resolution and the force limit of the device at a place of the probes' way.
 struct WorkspacePoint {
   Eigen::Vector3d tip = Eigen::Vector3d::Zero();  // m
-  // The least and the largest step in which encoders at the joints read it, m.
+  // The least and the largest step, in m, with which encoders at the joints resolve the tip's
+  // position.
   std::optional<std::array<double, 2>> steps;
-  // What motor and amplifier can exert along x, y and z, N; absent where nothing limits it.
+  // The limits of motor and amplifier along x, y and z in N; absent along an axis without a limit.
   bool limited = false;
   std::array<std::optional<double>, 3> force_limit = {};
 };
 
-// A force acts at a node, which is so far from where the scenario wants it.
+// A point load and the node at which it acts.
 struct PlacedLoad {
   std::size_t index = 0;  // of loads.point
   Eigen::Vector3d node = Eigen::Vector3d::Zero();
-  double off = 0;  // m
+  double off = 0;  // distance of the node from the wanted place, m
 };
 
-// What `hvp explain` tells of a scene, for a terminal and for a program alike.
+// The content of `hvp explain`, for a terminal and for a program.
 struct Explanation {
   std::vector<ExplainedPart> parts;
   std::vector<config::Effect> effects;
@@ -48,7 +50,12 @@ struct Explanation {
   std::vector<FrameStep> steps;  // empty without a body
 };
 
-// Builds the platform in a process of its own to look at it; throws InputError as it does.
+// Builds the platform in a process of its own to inspect it. Throws InputError as the platform
+// does.
 Explanation explain(Scene& scene);
+
+// The explanation as one JSON object; docs/json.md defines its form. Figures that a run's results
+// contain too have the same names as in summary.json.
+nlohmann::ordered_json explanation_json(const Scene& scene, const Explanation& explanation);
 
 }  // namespace hvp::app

@@ -31,7 +31,7 @@ std::string class_of(const sc_core::sc_object& object) {
                       end == std::string::npos ? end : end - colon - 1);
 }
 
-// Nothing for what is no process.
+// Returns nothing for an object that is not a process.
 std::string process_kind(const sc_core::sc_object& object) {
   const std::string kind = object.kind();
   if (kind == "sc_thread_process" || kind == "sc_cthread_process") return "thread";
@@ -60,7 +60,8 @@ std::string look_at_platform(Scene& scene) {
   if (scene.has_body()) {
     soft.emplace(vp::SoftBody{scene.body(), scene.computation(), scene.contacts()});
   }
-  // A waveform's file is only written by a simulation, and that it is not need not be said.
+  // SystemC's warning that a waveform's file is not written is suppressed, as nothing is simulated
+  // here.
   sc_core::sc_report_handler::set_actions(
       "trace file closed before any cycles were traced, file not written", sc_core::SC_DO_NOTHING);
   const vp::Platform platform(platform_settings(scene, "engine"), soft, nullptr);

@@ -14,21 +14,21 @@ struct PlatformProcess {
   std::string kind;  // "thread" or "method"
 };
 
-// A module, and the processes that are its own; those of modules within stand with these.
+// A module with its own processes. Modules inside it are listed separately with theirs.
 struct PlatformModule {
   std::string name;  // "pcie.down"
-  std::string kind;  // its class: "PcieDirection"
+  std::string kind;  // the class: "PcieDirection"
   std::vector<PlatformProcess> processes;
 };
 
 struct PlatformParts {
-  std::vector<PlatformModule> modules;  // in the order of their construction
+  std::vector<PlatformModule> modules;  // in the order of construction
 
   std::size_t processes() const;
 };
 
-// What the platform of a scene consists of, from the platform itself: it is built, looked at and
-// taken down, in a process of its own. Throws as the platform does.
+// Lists the modules and processes of a scene's platform. The platform is built, inspected and
+// destroyed in a process of its own. Throws as the platform does.
 PlatformParts platform_parts(Scene& scene);
 
 }  // namespace hvp::app

@@ -4,9 +4,7 @@
 #include <fmt/format.h>
 
 #include "app/fit/fit_request.h"
-#include "app/fit/model_settings.h"
 #include "models/config/declaration.h"
-#include "models/fit/bus_pci.h"
 #include "models/fit/bus_problem.h"
 
 namespace hvp::app {
@@ -32,7 +30,7 @@ std::optional<fit::Link> link_of(const fit::Fit& fit, const std::string& prefix)
   return link;
 }
 
-// What the platform's bus would have to be set to.
+// Adds the settings with which the platform's bus has the fitted figures.
 void add_settings(FitOutcome& outcome, bool told, link::Direction direction) {
   const fit::Fit& fit = outcome.figures.fit;
   const bool read = direction == link::Direction::read;
@@ -67,7 +65,7 @@ void add_settings(FitOutcome& outcome, bool told, link::Direction direction) {
   }
 }
 
-// Times over sizes; of both directions, one after the other.
+// The plot of times over sizes, one direction after the other.
 FitPlot plot_of(const fit::Fit& fit, const fit::TransferLog& log, bool told) {
   FitPlot plot{"size (bytes)", "time of a transfer", "s", {}, {}, {}};
   std::vector<std::size_t> order(log.bytes.size());

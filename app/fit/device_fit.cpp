@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 
 #include "app/fit/fit_request.h"
-#include "app/fit/model_settings.h"
 #include "models/config/declaration.h"
 #include "models/config/input_error.h"
 #include "models/fit/device_problem.h"
+#include "models/fit/hand_problem.h"
 
 namespace hvp::app {
 
@@ -35,7 +35,7 @@ struct Columns {
   fit::DeviceCommand kind = fit::DeviceCommand::force;
 };
 
-// The units decide: force or torque, metres or radians.
+// Chooses the columns by their units: force or torque, metres or radians.
 Columns columns_of(const files::Log& log) {
   Columns c;
   for (const char* name : {"position", "travel", "displacement", "angle"}) {
@@ -59,8 +59,8 @@ Columns columns_of(const files::Log& log) {
   return c;
 }
 
-// Whether what the axis moved forwards and what it moved back are of one size at all, steps smaller
-// than `step` left out: friction and offset are told apart by nothing else.
+// True if the axis moved forwards and back by similar amounts, not counting steps below `step`.
+// Friction and offset can be distinguished in no other way.
 bool reverses(const std::vector<double>& position, double step) {
   constexpr double kShare = 0.02;
   double forwards = 0;
@@ -86,7 +86,8 @@ void mark(fit::Fit& fit, FitFigures& figures, const std::vector<std::string>& na
   figures.warnings.push_back(fmt::format("this log does not give {}: {}", all, remedy));
 }
 
-// What no covariance shows: two numbers of which the log has only one, and units that are wrong.
+// Warns of what the covariance does not show: two parameters of which the log determines only one,
+// and wrong units.
 void look_again(const fit::DeviceProblem& problem, const Columns& columns, bool mass_known,
                 FitFigures& figures) {
   fit::Fit& fit = figures.fit;
@@ -125,7 +126,7 @@ std::vector<FittedSetting> settings_of(const fit::Fit& fit, const Columns& colum
   const bool current = columns.kind == fit::DeviceCommand::current;
   if (lag && current) add("device.amplifier", "bandwidth", "bandwidth", "Hz");
   if (current) {
-    // N/A at a lever of a metre is N·m/A.
+    // N/A at a lever of one metre equals N·m/A.
     add("device.motor", "torque_constant", "motor_constant", "N m/A");
     settings.push_back({"device.motor", "transmission", "[1, 1, 1]", "motor_constant"});
     settings.push_back({"device.motor", "lever", "\"1 m\"", "motor_constant"});
@@ -162,6 +163,45 @@ FitOutcome fit_device(const FitRequest& request) {
   outcome.settings = settings_of(fit, columns, settings.lag);
   outcome.plot = {"time (s)", columns.position->quantity, columns.position->unit, {}, {}, {}};
   outcome.plot.add_stretches(log.time, columns.position->values, fit.residuals, problem.first());
+  return outcome;
+}
+
+namespace {
+
+struct HandFitSettings : fit::HandOptions {
+  void declare(config::Visitor& v) {
+    v.quantity("window", window, config::Dimension::time, config::between(0.05, 60),
+               {"each has a position and a velocity of its own to begin with",
+                "two periods of a hand's slowest own motion"});
+    v.quantity("bandwidth", bandwidth, config::Dimension::frequency, config::between(0, 20),
+               {"of an intended motion that is not in the log",
+                "voluntary motion of an arm is mostly below 2 Hz"});
+  }
+};
+
+}  // namespace
+
+FitOutcome fit_hand(const FitRequest& request) {
+  const auto settings = model_settings<HandFitSettings>(request.overrides);
+  const files::Log log =
+      longest_stretch(request.read({"force", "position", "displacement", "intended"}));
+  const files::LogColumn& position =
+      log.column(log.find("displacement") != nullptr ? "displacement" : "position", "m");
+  fit::HandLog hand{log.spacing.period, log.column("force", "N").values, position.values, {}};
+  if (log.find("intended") != nullptr) hand.intended = log.column("intended", "m").values;
+  const fit::HandProblem problem(hand, settings);
+
+  FitOutcome outcome;
+  outcome.figures = figures_of("hand", log, problem.unit(), fit::fit(problem, request.options),
+                               problem.warnings());
+  const fit::Fit& fit = outcome.figures.fit;
+  outcome.settings = {{"hand", "model", "\"custom\"", ""}};
+  for (const auto& [key, unit] :
+       {std::pair{"mass", "kg"}, {"stiffness", "N/m"}, {"damping", "N s/m"}}) {
+    outcome.settings.push_back({"hand", key, toml_quantity(estimate(fit, key).value, unit), key});
+  }
+  outcome.plot = {"time (s)", "position", "m", {}, {}, {}};
+  outcome.plot.add_stretches(log.time, position.values, fit.residuals);
   return outcome;
 }
 

@@ -1,6 +1,15 @@
 #include "app/fit/fit_figures.h"
 
+#include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <optional>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "app/results/number_text.h"
+#include "models/files/one_line.h"
 
 namespace hvp::app {
 
@@ -67,6 +76,101 @@ void FitFigures::report(config::Figures& f) const {
            f.value("row", row, {}, "with each of them, in their order");
          });
   f.value("warnings", warnings, {}, "what to know before trusting the values");
+}
+
+namespace {
+
+// Writes the digits that are significant in view of the interval, and two more.
+std::string digits(double value, double width) {
+  if (value == 0) return "0";
+  const double share = width > 0 ? std::abs(value) / width : 1e6;
+  const int significant = std::clamp(static_cast<int>(std::ceil(std::log10(share + 1))) + 2, 3, 9);
+  return fmt::format("{:.{}g}", value, significant);
+}
+
+std::string line_of(const fit::Estimate& e) {
+  const double width = e.high - e.low;
+  std::string interval = fmt::format("{} to {}", digits(e.low, width), digits(e.high, width));
+  if (e.fixed) interval = "fixed";
+  if (!e.identifiable) interval = "not given by this log";
+  return fmt::format("  {:<20} {:>12}  {:<26} {}\n", e.name, digits(e.value, width), interval,
+                     e.unit);
+}
+
+}  // namespace
+
+std::string fit_text(const FitFigures& figures) {
+  const fit::Fit& fit = figures.fit;
+  std::string text = fmt::format("{} fitted to {}, {}\n\n", figures.model, figures.log,
+                                 results::counted(figures.samples, "sample"));
+  text +=
+      fmt::format("  {:<20} {:>12}  {:<26} {}\n", "parameter", "value", "95 % interval", "unit");
+  for (const fit::Estimate& e : fit.parameters) text += line_of(e);
+  text += fmt::format("\n  left over  {:.4g} {} rms", fit.residual_rms, figures.residual_unit);
+  if (fit.held_out_rms) {
+    text += fmt::format("; {:.4g} {} of what was held out and predicted", *fit.held_out_rms,
+                        figures.residual_unit);
+  }
+  text += fmt::format("\n  starts     {} of {} reached this optimum\n", fit.starts.reached,
+                      fit.starts.tried);
+  if (!figures.warnings.empty()) text += '\n';
+  for (const std::string& warning : figures.warnings) text += fmt::format("  note: {}\n", warning);
+  return text;
+}
+
+namespace {
+
+const fit::Estimate* find(const FitFigures& figures, const std::string& name) {
+  const std::vector<fit::Estimate>& all = figures.fit.parameters;
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const fit::Estimate& e) { return e.name == name; });
+  return found == all.end() ? nullptr : &*found;
+}
+
+std::string interval(const fit::Estimate& e) {
+  if (e.fixed) return "fixed";
+  return fmt::format("95 %: {:.6g} to {:.6g} {}", e.low, e.high, e.unit);
+}
+
+}  // namespace
+
+std::string toml_quantity(double value, std::string_view unit) {
+  return fmt::format("\"{} {}\"", results::shortest(value), unit);
+}
+
+std::string fitted_toml(const FitFigures& figures, const std::vector<FittedSetting>& settings) {
+  std::string text =
+      fmt::format("# {} fitted to {} by hvp fit: {:.4g} {} rms left over{}\n", figures.model,
+                  files::one_line(figures.log), figures.fit.residual_rms, figures.residual_unit,
+                  figures.fit.converged ? "" : ", NOT CONVERGED");
+  for (const std::string& w : figures.warnings) {
+    text += fmt::format("# note: {}\n", files::one_line(w, 1000));
+  }
+  for (const fit::Estimate& e : figures.fit.parameters) {
+    const bool used = std::any_of(settings.begin(), settings.end(),
+                                  [&](const FittedSetting& s) { return s.parameter == e.name; });
+    if (!used) text += fmt::format("# {} = {:.6g} {} ({})\n", e.name, e.value, e.unit, interval(e));
+  }
+  // Each table appears once, at the place of its first key.
+  std::vector<FittedSetting> ordered;
+  for (const FittedSetting& of : settings) {
+    const bool first = std::none_of(ordered.begin(), ordered.end(),
+                                    [&](const FittedSetting& s) { return s.table == of.table; });
+    if (!first) continue;
+    std::copy_if(settings.begin(), settings.end(), std::back_inserter(ordered),
+                 [&](const FittedSetting& s) { return s.table == of.table; });
+  }
+  std::string table;
+  for (const FittedSetting& s : ordered) {
+    const fit::Estimate* e = find(figures, s.parameter);
+    if (s.table != table) text += fmt::format("\n[{}]\n", s.table);
+    table = s.table;
+    const bool given = e == nullptr || e->identifiable;
+    text += fmt::format("{}{} = {}", given ? "" : "# ", s.key, s.value);
+    if (e != nullptr) text += fmt::format("  # {}", given ? interval(*e) : "not given by this log");
+    text += '\n';
+  }
+  return text;
 }
 
 }  // namespace hvp::app

@@ -7,26 +7,27 @@
 #include <vector>
 
 #include "app/fit/fit_figures.h"
-#include "app/fit/fitted_toml.h"
+#include "app/scenario/document.h"
+#include "app/scenario/reader.h"
 #include "app/scene/scenario.h"
 #include "models/files/log_table.h"
 #include "models/fit/fit.h"
 
 namespace hvp::app {
 
-// What `hvp fit` is asked.
+// The request of one `hvp fit`.
 struct FitRequest {
   std::filesystem::path log;
   files::LogOptions reading;           // columns, sample rate, size of a count
-  std::vector<std::string> overrides;  // --set, of the model's own settings
-  std::optional<Scenario> scenario;    // of models that need a body
+  std::vector<std::string> overrides;  // --set, for the model's own settings
+  std::optional<Scenario> scenario;    // for models that need a body
   fit::Options options;
 
-  // The log, of which these quantities are read as far as it has them.
+  // Reads these quantities of the log, as far as it contains them.
   files::Log read(std::vector<std::string> quantities) const;
 };
 
-// A log, its model and the difference, sample by sample; NaN between stretches that are apart.
+// The log, the model and their difference for each sample; NaN separates stretches.
 struct FitPlot {
   std::string x_label;  // "time (s)"
   std::string y_label;  // "force"
@@ -37,7 +38,8 @@ struct FitPlot {
 
   void part();  // the next sample is another stretch's
   void add(double at, double seen, double left);
-  // Residuals of stretches that follow each other along a log from its first sample on.
+  // Adds the residuals of consecutive stretches of a log; `first` is the index of their first
+  // sample.
   void add_stretches(const std::vector<double>& time, const std::vector<double>& seen,
                      const std::vector<std::vector<double>>& left, std::size_t first = 0);
 };
@@ -48,18 +50,18 @@ struct FitOutcome {
   FitPlot plot;
 };
 
-// A model of `hvp fit`: reads the log, fits it and says what its values are in a scenario. Throws
-// InputError for a log that it cannot use.
+// A model of `hvp fit`. `fit` reads the log, fits the model and returns its values as keys of a
+// scenario. Throws InputError for an unsuitable log.
 struct FitModel {
   std::string_view name;
   std::string_view help;
   FitOutcome (*fit)(const FitRequest& request);
 };
 const std::vector<FitModel>& fit_models();
-// Throws InputError with the names that there are.
+// Throws InputError that lists the models if there is none of that name.
 const FitModel& fit_model(std::string_view name);
 
-// The models.
+// Fits of the individual models.
 FitOutcome fit_device(const FitRequest& request);
 FitOutcome fit_hand(const FitRequest& request);
 FitOutcome fit_qlv(const FitRequest& request);
@@ -67,16 +69,24 @@ FitOutcome fit_tissue(const FitRequest& request);
 FitOutcome fit_bus(const FitRequest& request);
 FitOutcome fit_host(const FitRequest& request);
 
-// What all of them have in common: the figures of a fit of a log, with the warnings of the reader
-// and of the model before those of the fit itself.
+// The figures that all models have in common. The warnings of the reader and the model come before
+// those of the fit.
 FitFigures figures_of(std::string_view model, const files::Log& log, std::string_view unit,
                       fit::Fit fit, const std::vector<std::string>& of_model);
 
-// Of a log with gaps the longest stretch without one, with a warning. Throws InputError for a log
-// that is not evenly spaced.
+// Returns the longest stretch without a gap, with a warning if the log has gaps. Throws InputError
+// if the log is not evenly spaced.
 files::Log longest_stretch(files::Log log);
 
-// The value of a parameter; its name is one of the fit's.
+// Returns the estimate of a parameter of the fit. `name` must exist.
 const fit::Estimate& estimate(const fit::Fit& fit, std::string_view name);
+
+// Reads a model's own settings from the overrides of --set.
+template <class Settings>
+Settings model_settings(const std::vector<std::string>& overrides) {
+  Settings settings;
+  scenario::read(scenario::Document::of_overrides(overrides), settings);
+  return settings;
+}
 
 }  // namespace hvp::app

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include "app/fit/fit_request.h"
-#include "app/fit/model_settings.h"
 #include "models/config/declaration.h"
 #include "models/config/input_error.h"
 #include "models/files/one_line.h"
@@ -15,7 +14,7 @@ namespace {
 
 constexpr std::uintmax_t kLargestFile = std::uintmax_t{64} << 20U;
 
-// There is none.
+// This model has no settings.
 struct HostFitSettings {
   void declare(config::Visitor& /*v*/) {}
 };

@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 
 #include "app/fit/fit_request.h"
-#include "app/fit/model_settings.h"
 #include "app/scene/scene.h"
 #include "models/config/declaration.h"
 #include "models/config/input_error.h"
+#include "models/fit/qlv_problem.h"
 #include "models/fit/tissue_frames.h"
 #include "models/fit/tissue_problem.h"
 #include "models/fit/tissue_scenario.h"
@@ -17,7 +17,7 @@ namespace hvp::app {
 
 namespace {
 
-// Where a log was taken.
+// The contact at which a log was measured.
 struct ContactSettings {
   int node = -1;
   Eigen::Vector3d direction = {0, 0, -1};
@@ -46,7 +46,7 @@ struct TissueFitSettings {
   }
 };
 
-// The mesh node that is furthest against the direction, and not anchored.
+// The outermost mesh node against the direction that is not anchored.
 int outermost(const fit::TissueBody& body, const Eigen::Vector3d& direction) {
   int best = -1;
   double height = 0;
@@ -98,7 +98,7 @@ std::vector<FittedSetting> settings_of(const fit::TissueBody& body, const fit::F
   return settings;
 }
 
-// A vector a sample, from the log's columns of its components.
+// Reads a vector for each sample from the columns of its components.
 std::vector<Eigen::Vector3d> vectors_of(const files::Log& log, const std::string& name,
                                         const char* unit) {
   std::vector<Eigen::Vector3d> vectors(log.time.size());
@@ -111,7 +111,7 @@ std::vector<Eigen::Vector3d> vectors_of(const files::Log& log, const std::string
   return vectors;
 }
 
-// The touches of a run's frames.csv, whose columns have the platform's names.
+// Reads the touches in the frames.csv of a run, whose columns have the platform's names.
 fit::FrameTouches touches_of_run(const FitRequest& request, const fit::TissueBody& body,
                                  const Eigen::Vector3d& direction, files::Log& log) {
   FitRequest asked = request;
@@ -160,8 +160,8 @@ FitOutcome fit_tissue(const FitRequest& request) {
                        log.column("force", "N").values});
   }
   const fit::TissueProblem problem(body, touches);
-  // Of a body with thousands of unknowns an evaluation takes a good part of a second, and the
-  // valley that E, ν and damping share is flat: what changes less does not show in any interval.
+  // With thousands of unknowns an evaluation takes a good part of a second, and the valley in E, ν
+  // and damping is flat: smaller changes are invisible in every interval.
   constexpr double kTolerance = 1e-8;
   fit::Options options = request.options;
   options.tolerance = kTolerance;
@@ -182,6 +182,44 @@ FitOutcome fit_tissue(const FitRequest& request) {
                        fit.residuals[s][i]);
     }
     from += touches[s].time.back() - touches[s].time.front();
+  }
+  return outcome;
+}
+
+namespace {
+
+struct QlvFitSettings : fit::QlvSettings {
+  void declare(config::Visitor& v) {
+    v.choice("elastic", elastic, {{"fung", fit::Elastic::fung}, {"power", fit::Elastic::power}},
+             {"the elastic force over depth: Fung's exponential, or a power law"});
+    v.integer("exponentials", exponentials, {1, 3}, {"of the reduced relaxation"});
+  }
+};
+
+const files::LogColumn& travel_of(const files::Log& log) {
+  for (const char* name : {"travel", "displacement", "depth", "position"}) {
+    if (const files::LogColumn* column = log.find(name)) return log.column(column->quantity, "m");
+  }
+  return log.column("travel", "m");
+}
+
+}  // namespace
+
+FitOutcome fit_qlv(const FitRequest& request) {
+  const auto settings = model_settings<QlvFitSettings>(request.overrides);
+  const files::Log log = request.read({"force", "travel", "displacement", "depth", "position"});
+  const fit::QlvProblem problem(settings,
+                                {log.time, travel_of(log).values, log.column("force", "N").values});
+  FitOutcome outcome;
+  outcome.figures = figures_of("qlv", log, problem.unit(), fit::fit(problem, request.options),
+                               problem.warnings());
+  outcome.figures.warnings.emplace_back(
+      "the platform's body is elastic: no key of a scenario stands for these values");
+  outcome.plot = {"time (s)", "force", "N", {}, {}, {}};
+  const fit::PressedLog& pressed = problem.log();
+  const std::vector<double>& left = outcome.figures.fit.residuals.front();
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    outcome.plot.add(pressed.time[i], pressed.force[i], left[i]);
   }
   return outcome;
 }

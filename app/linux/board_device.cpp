@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "app/linux/calendar.h"
 #include "app/linux/guest_error.h"
-#include "app/linux/guest_time.h"
-#include "vp/bus/memory_map.h"
+#include "vp/bus/host_memory.h"
 
 namespace hvp::guest {
 
@@ -17,8 +17,8 @@ using vhost::Request;
 
 namespace {
 
-// A level that nobody takes away is told of again after this: time has to go on, as it does for a
-// processor that enters its handler again.
+// The time after which a level that stays up is reported again. Time has to advance in between, as
+// it does for a processor that enters its handler again.
 constexpr vp::Picoseconds kLineAgain = 1'000'000;
 
 }  // namespace
@@ -139,8 +139,8 @@ void BoardDevice::kicked(std::uint32_t number) {
     take_commands();
     hold();
   } else if (line_up_ && line_told_) {
-    // Its handler is done with the last one, and the level is still there: a new edge, as soon as
-    // what it has written has arrived.
+    // The handler has finished and the level is still up: a new edge follows as soon as the
+    // handler's writes have arrived.
     line_told_ = false;
     line_again_ = vp::now_ps() + kLineAgain;
   }
@@ -163,7 +163,8 @@ void BoardDevice::take_commands() {
   }
 }
 
-// The guest stands in its access: simulated time goes on until reads have their answers.
+// Advances simulated time until the outstanding reads have their answers, while the guest waits in
+// its access.
 void BoardDevice::hold() {
   advance();
   const vp::Picoseconds latest = to_ps(calendar_.latest(now_ns()));
@@ -220,8 +221,8 @@ void BoardDevice::make_config(Operation& operation) {
   operation.ended = true;
 }
 
-// In order: an answer goes back at once. A write goes back when the guest waits: its kernel takes a
-// microsecond for each that it finds while it polls for an answer.
+// Returns operations in order. An answer is returned at once. A write is returned when the guest
+// waits, as its kernel takes a microsecond for each one that it finds while polling for an answer.
 void BoardDevice::finish() {
   while (!operations_.empty() && operations_.front().ended) {
     const Operation& done = operations_.front();
@@ -292,7 +293,7 @@ bool BoardDevice::tell() {
   return told;
 }
 
-// The guest takes the call at this time, which it asks for, and answers.
+// The guest receives the call at the current time, for which it asks, and answers.
 void BoardDevice::call(std::uint32_t number) {
   if (!back_channel_) throw GuestError("the guest's kernel has no back channel for interrupts");
   back_channel_.send(vhost::compose_call(number));

@@ -8,7 +8,6 @@
 
 #include "app/linux/calendar.h"
 #include "app/linux/guest_memory.h"
-#include "app/linux/mapped_file.h"
 #include "app/linux/pci_messages.h"
 #include "app/linux/stream.h"
 #include "app/linux/vhost_user.h"
@@ -18,40 +17,44 @@
 
 namespace hvp::guest {
 
-// The board's PCI function as the guest's virtio device: its accesses become the outside host's,
-// its memory becomes the board's to read and write, and interrupts become messages.
+// The board's PCI function as a virtio device of the guest. The guest's accesses become those of
+// the outside host, the board can read and write the guest's memory, and interrupts become
+// messages.
 //
-// Everything is done while the guest stands still, waiting for its next event or for an answer of
-// ours, so that nothing depends on how fast either program is.
+// Everything happens while the guest waits for its next event or for our answer, so that the result
+// does not depend on the speed of either program.
 //
-// A write is answered at once and made on the bus in its turn, so long as no more than kMostPosted
-// are. A read is answered at its end: simulated time goes on while the guest stands in the access.
-// Where one of the guest's timers is due before that end, the guest polls for the answer, every
-// microsecond (virt-pci.c). The configuration space takes no time, in its turn.
+// A write is answered at once and later made on the bus in its turn, as long as no more than
+// kMostPosted writes are pending. A read is answered at its end: simulated time goes on while the
+// guest waits in the access. If one of the guest's timers is due before that, the guest polls for
+// the answer every microsecond (virt-pci.c). Accesses to the configuration space keep their order
+// but take no time.
 class BoardDevice : public vp::InterruptListener {
  public:
   static constexpr std::size_t kMostPosted = 64;
 
   struct Counts {
     std::int64_t reads = 0;       // of the BAR
-    std::int64_t writes = 0;      // likewise
-    std::int64_t polled = 0;      // reads that a timer cut in on
-    std::int64_t interrupts = 0;  // that the guest was told of
+    std::int64_t writes = 0;      // of the BAR
+    std::int64_t polled = 0;      // reads that a timer interrupted
+    std::int64_t interrupts = 0;  // interrupts of which the guest was told
     bool overrun = false;         // more posted writes than its ring has entries
   };
 
-  // Keeps references. `memory` is null where the board is no master.
+  // Keeps references. `memory` is null if the board is no bus master.
   BoardDevice(vp::OutsideHost& host, vp::HostMemory* memory, Calendar& calendar, Stream stream);
   ~BoardDevice() override;
 
   int number() const { return stream_.number(); }
-  // Takes and answers one message of vhost-user.
+  // Receives and answers one vhost-user message.
   void serve();
-  // The guest waits: gives back what has ended and tells of interrupts. Whether it was told.
+  // Returns finished accesses and reports interrupts to a waiting guest. True if the guest was told
+  // anything.
   bool settle();
-  // What has ended is seen to, and what follows it is begun. After simulated time has gone on.
+  // Completes finished accesses and begins the next ones, after simulated time has advanced.
   void advance();
-  // Simulated time at which settle() has something to tell of, whatever happens; none: nothing.
+  // Returns the simulated time at which settle() will have something to report in any case; none:
+  // no such time is known.
   std::optional<vp::Picoseconds> due() const;
   const Counts& counts() const { return counts_; }
 
@@ -93,13 +96,13 @@ class BoardDevice : public vp::InterruptListener {
   GuestMemory guest_memory_;
   std::vector<MappedFile> mappings_;
   Virtqueue rings_[kRings];
-  std::deque<Operation> operations_;    // in order; they stay where they are
-  std::vector<std::uint16_t> written_;  // heads of writes that were made, not given back yet
-  std::uint32_t unreclaimed_ = 0;       // entries that the guest cannot have taken back yet
+  std::deque<Operation> operations_;    // in order; their addresses are stable
+  std::vector<std::uint16_t> written_;  // heads of finished writes that are not yet returned
+  std::uint32_t unreclaimed_ = 0;       // entries that the guest cannot have reclaimed yet
   std::deque<pci::Interrupt> untold_;
   bool line_up_ = false;
   bool line_told_ = false;
-  vp::Picoseconds line_again_ = 0;  // not told of before
+  vp::Picoseconds line_again_ = 0;  // the line is not reported again before this time
   Counts counts_;
 };
 

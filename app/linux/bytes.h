@@ -8,8 +8,8 @@
 
 namespace hvp::guest {
 
-// A number out of bytes, and into them, in this machine's order: the guest is a program of it. The
-// caller has looked that they are there.
+// Reads and writes a number in bytes, in this machine's byte order, which is also the guest's. The
+// caller has checked the length.
 template <class T>
 T number_at(std::span<const std::uint8_t> bytes, std::size_t at) {
   static_assert(std::is_trivially_copyable_v<T>);

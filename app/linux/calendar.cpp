@@ -33,7 +33,7 @@ Message compose(Operation operation, std::uint32_t sequence, std::uint64_t time)
   return message;
 }
 
-// The date at simulated time 0, that of no run: 1 January 2025, 0:00 UTC.
+// The date at simulated time 0, the same for every run: 1 January 2025, 0:00 UTC.
 constexpr std::uint64_t kDate = std::uint64_t{1'735'689'600} * 1'000'000'000;
 
 }  // namespace

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "app/linux/calendar.h"
 #include "app/linux/guest_error.h"
-#include "app/linux/guest_time.h"
 
 namespace hvp::guest {
 
@@ -16,13 +16,13 @@ namespace {
 
 // CONFIG_UML_PCI_OVER_VIRTIO_DEVICE_ID of driver/linux/kernel/base.config.
 constexpr int kDeviceId = 1234;
-// A kernel without a timer that nothing has woken for so long is not woken any more.
+// A kernel without a timer that nothing has woken for this time counts as asleep for ever.
 constexpr vp::Picoseconds kLongestSleep = vp::Picoseconds{60} * 1'000'000'000'000;
-// A wait that ends later by the guest's own timer is a sleep of its programs. Its kernel waits for
-// less where it polls (udelay(1)) and where it reads its clock (256 ns).
+// A wait that the guest's own timer ends after more than this is a sleep of its programs. The
+// kernel itself waits for less: 1 µs to poll (udelay(1)) and 256 ns to read its clock.
 constexpr std::uint64_t kSleep = 10'000;  // ns
 constexpr std::string_view kStatusFile = "status";
-// Behind the status where it is not the script's (driver/linux/guest/init).
+// Follows the status if that is insmod's and not the script's (driver/linux/guest/init).
 constexpr std::string_view kModule = "insmod";
 
 }  // namespace
@@ -45,7 +45,7 @@ std::vector<std::string> Guest::arguments(const GuestSettings& settings) const {
       "mem=" + settings.memory,
       "time-travel=ext:" + folder + "/calendar",
       fmt::format("virtio_uml.device={}/board:{}", folder, kDeviceId),
-      // Its own files, which would be in the user's home.
+      // The files of the kernel itself, which would otherwise be in the user's home.
       "uml_dir=" + folder + "/",
       "umid=guest",
       "con0=fd:0,fd:1",
@@ -97,7 +97,7 @@ Guest::End Guest::run() {
   return end;
 }
 
-// The guest runs: whatever it says next.
+// Processes messages while the guest runs.
 void Guest::serve() {
   std::vector<int> sources = {calendar_.connected() ? calendar_.number()
                                                     : calendar_socket_.number()};
@@ -121,7 +121,8 @@ void Guest::serve() {
   }
 }
 
-// The guest waits: simulated time goes on until it wants to run, or the board has something for it.
+// Advances simulated time while the guest waits, until it wants to run or the board has something
+// to report.
 void Guest::sleep() {
   if (device_ && device_->settle()) told_ = true;
   const std::uint64_t wanted = calendar_.requested().value_or(Calendar::kNever);
@@ -143,7 +144,8 @@ void Guest::sleep() {
                     kLongestSleep / 1'000'000'000'000));
   }
   const std::uint64_t waited = wanted - calendar_.waits_since();
-  // One of a microsecond is not told from a failed call of a kernel without the patch.
+  // A system call of one microsecond cannot be distinguished from a failed one of a kernel without
+  // the patch.
   if (system_call_ns_ > 0 && std::cmp_equal(waited, system_call_ns_)) {
     system_calls_take_time_ = true;
   }

@@ -4,7 +4,8 @@
 
 namespace hvp::guest {
 
-// The guest, or what it sent, ends the run: one line that says what was found. Exit status 3.
+// A fault of the guest or of its messages that ends the run with exit status 3. what() is one line
+// that describes it.
 class GuestError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };

@@ -3,6 +3,8 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
+#include <string>
 #include <system_error>
 
 #include <fcntl.h>
@@ -12,17 +14,17 @@
 #include <unistd.h>
 
 #include "app/linux/guest_error.h"
-#include "app/results/interruption.h"
+#include "app/results/part_files.h"
 
 namespace hvp::guest {
 
 namespace {
 
-// In pieces, between which an interruption is noticed.
+// Waits are split into pieces of this length, between which an interruption is noticed.
 constexpr std::chrono::milliseconds kLongestWait{200};
-// For a kernel that has said its last word.
+// The time that a kernel has to end after its last message.
 constexpr std::chrono::seconds kTimeToEnd{3};
-// A line that a program prints without an end is cut.
+// Longer lines without a line break are split.
 constexpr std::size_t kLongestLine = 4096;
 constexpr std::string_view kPanic = "Kernel panic - not syncing: ";
 
@@ -35,7 +37,7 @@ GuestProcess::GuestProcess(const Settings& settings)
                {.environment = {},
                 .own_group = true,
                 .hold = settings.hold,
-                // What a kernel has of its memory hangs on where its program lies.
+                // The kernel's memory layout depends on the addresses of its program.
                 .same_addresses = true}),
       consoles_{{program_.output(), {}}, {program_.errors(), {}}} {
   start_keeper(settings.folder);
@@ -49,8 +51,8 @@ GuestProcess::~GuestProcess() {
   }
 }
 
-// The kernel's own processes are traced by it and go on without it, as processes of this machine.
-// So somebody has to end them where this program cannot.
+// Starts the keeper. The kernel's processes are processes of this machine that it traces; they
+// continue without it, and the keeper ends them if this program cannot.
 void GuestProcess::start_keeper(const std::filesystem::path& folder) {
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) {
@@ -62,7 +64,7 @@ void GuestProcess::start_keeper(const std::filesystem::path& folder) {
   keeper_ = fork();
   if (keeper_ < 0) throw std::system_error(errno, std::generic_category(), "cannot fork");
   if (keeper_ > 0) return;
-  // What a terminal sends to all of its programs is not meant for this one.
+  // Signals that a terminal sends to all of its programs must not end the keeper.
   setpgid(0, 0);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_IGN);
   close_range(0, static_cast<unsigned>(watched.number()) - 1, 0);
@@ -147,6 +149,24 @@ std::optional<int> GuestProcess::wait_for_end() {
   const results::LaunchedProgram::Result result = program_.wait(kTimeToEnd);
   if (result.timed_out) return std::nullopt;
   return result.exit_status;
+}
+
+PrivateFolder::PrivateFolder() {
+  std::error_code error;
+  const std::filesystem::path temporary = std::filesystem::temp_directory_path(error);
+  std::string name = (temporary / "hvp-linux-XXXXXX").string();
+  // mkdtemp creates the folder with mode 0700 (POSIX).
+  if (error || mkdtemp(name.data()) == nullptr) {
+    throw std::runtime_error(
+        fmt::format("no folder for the guest's sockets: {}",
+                    error ? error.message() : std::generic_category().message(errno)));
+  }
+  path_ = name;
+}
+
+PrivateFolder::~PrivateFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
 }
 
 }  // namespace hvp::guest

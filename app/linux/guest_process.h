@@ -9,57 +9,84 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <sys/types.h>
+#include <unistd.h>
 
-#include "app/linux/descriptor.h"
 #include "app/results/launched_program.h"
 
 namespace hvp::guest {
 
-// The guest has closed a connection, or ended: to be caught where its end is judged.
+// A file descriptor that is closed with its object.
+class Descriptor {
+ public:
+  Descriptor() = default;
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor() { reset(); }
+  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    if (this != &other) {
+      reset();
+      number_ = std::exchange(other.number_, -1);
+    }
+    return *this;
+  }
+
+  int number() const { return number_; }
+  explicit operator bool() const { return number_ >= 0; }
+  void reset() {
+    if (number_ >= 0) close(number_);
+    number_ = -1;
+  }
+
+ private:
+  int number_ = -1;
+};
+
+// The guest has ended or closed a connection. The exception is caught where the end is judged.
 class GuestGone : public std::exception {};
 // The user has ended the run.
 class GuestInterrupted : public std::exception {};
 
-// A User-Mode Linux, a program as any other, with what it prints. It and everything that it started
-// end with this object, and with this program, however that ends: a process waits beside it for
-// that. `folder` is removed then too.
+// A User-Mode Linux process and its output. The process and all its children end with this object,
+// and also with this program, however that ends: a keeper process waits for that and then removes
+// `folder`.
 class GuestProcess {
  public:
   struct Settings {
     std::filesystem::path kernel;
     std::vector<std::string> arguments;
     std::filesystem::path folder;
-    // Of wall-clock time, for which it may do nothing that counts (did_something()) and print
-    // nothing; what the simulation takes is not the guest's. None: any time.
+    // The wall-clock time for which the guest may neither do something that counts
+    // (did_something()) nor print; the time of the simulation itself is excluded. None: no limit.
     std::optional<std::chrono::milliseconds> patience{60'000};
-    // It is stopped before its first instruction, until a debugger lets it go on.
+    // Stops the guest before its first instruction, until a debugger continues it.
     bool hold = false;
-    // Each line that it prints, without its end.
+    // Receives each line that the guest prints, without its line break.
     std::function<void(std::string_view)> print;
   };
-  // Throws std::system_error where no process can be had.
+  // Throws std::system_error if the process cannot be started.
   explicit GuestProcess(const Settings& settings);
   ~GuestProcess();
   GuestProcess(const GuestProcess&) = delete;
   GuestProcess& operator=(const GuestProcess&) = delete;
 
-  // It has done something else than wait for its own timers.
+  // Notes that the guest did something other than wait for its own timers.
   void did_something() { heard_at_ = Clock::now(); }
-  // So much of the time since then was not the guest's.
+  // Excludes a time that the simulation took from the guest's silence.
   void forgive(std::chrono::steady_clock::duration time) { heard_at_ += time; }
 
-  // Until one of these descriptors can be read, or was closed at its other end; its place. What the
-  // guest prints is handed on meanwhile. Throws GuestError when nothing was heard of the guest for
-  // too long, GuestGone when it ended, and GuestInterrupted.
+  // Waits until one of these descriptors can be read or was closed at its other end, and returns
+  // its index. Output of the guest is passed on meanwhile. Throws GuestError if the guest was
+  // silent for too long, GuestGone if it has ended, and GuestInterrupted.
   std::size_t wait_readable(std::span<const int> descriptors);
-  // Waits for its end, and hands on what it still prints. Its exit status; -1 for a signal, and
-  // none where it does not end.
+  // Waits for the guest's end and passes on its last output. Returns the exit status: -1 after a
+  // signal, none if the guest does not end.
   std::optional<int> wait_for_end();
   pid_t number() const { return program_.process(); }
-  // What it panicked of, in its own words, where it did.
+  // The guest's own message if it panicked.
   const std::optional<std::string>& panic() const { return panic_; }
 
  private:
@@ -81,7 +108,22 @@ class GuestProcess {
   std::vector<Console> consoles_;
   std::optional<std::string> panic_;
   pid_t keeper_ = -1;
-  Descriptor alive_;  // the keeper reads its other end
+  Descriptor alive_;  // the keeper reads the other end
+};
+
+// A private folder in the system's temporary one, removed with its content at the end. Throws
+// std::runtime_error if it cannot be created.
+class PrivateFolder {
+ public:
+  PrivateFolder();
+  ~PrivateFolder();
+  PrivateFolder(const PrivateFolder&) = delete;
+  PrivateFolder& operator=(const PrivateFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
 };
 
 }  // namespace hvp::guest

@@ -6,17 +6,16 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "app/results/driver_figures.h"
-#include "app/results/figures_json.h"
-#include "app/results/part_file.h"
-#include "app/results/resolved_scenario.h"
+#include "app/results/faults.h"
+#include "app/results/figures.h"
+#include "app/results/part_files.h"
 #include "app/results/results_folder.h"
 
 namespace hvp::guest {
 
 namespace {
 
-// What the board still does when its host has gone takes less.
+// The longest time that the board needs to finish after its host has gone.
 constexpr vp::Picoseconds kLongestRest = 1'000'000'000'000;
 
 void let_finish(vp::BoardFunction& board) {

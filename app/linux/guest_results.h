@@ -9,30 +9,29 @@
 
 #include "app/linux/board_device.h"
 #include "app/results/frames_csv.h"
-#include "app/results/latency_figures.h"
+#include "app/results/latency.h"
 #include "app/results/trace.h"
 #include "app/scene/scenario.h"
 #include "models/config/figures.h"
-#include "vp/bus/bus_use.h"
+#include "vp/bus/bus_meter.h"
 #include "vp/fault/fault_plan.h"
 #include "vp/frame/latency_statistics.h"
 #include "vp/frame/verdict.h"
-#include "vp/function/board_function.h"
+#include "vp/function/outside_host.h"
 
 namespace hvp::guest {
 
-// What the guest leaves behind for the results.
+// What the guest itself contributes to the results.
 struct GuestFacts {
   BoardDevice::Counts accesses;
-  // Simulated time when its kernel first asked for the board; none: it never did.
+  // The simulated time at which the kernel first accessed the board; none: it never did.
   std::optional<vp::Picoseconds> first_access;
-  // Keys and other words: what the frames' times are without.
+  // The keys and other items whose time the frames' times do not contain.
   std::vector<std::string> not_counted;
 };
 
-// The figures of a run whose host is a Linux kernel, as far as `hvp run` has them: those of times,
-// of the board and of its bus. What a scenario's host computes, forces and errors among it, is the
-// guest's own here.
+// The figures of a run whose host is a Linux kernel: those of `hvp run` about times, the board and
+// its bus. Forces and errors are missing, as the guest computes them.
 struct GuestFigures {
   std::string title;
   vp::Verdict verdict{0, 0};
@@ -45,25 +44,25 @@ struct GuestFigures {
   std::int64_t saturations = 0;
   std::int64_t wraps = 0;
   std::int64_t breakdowns = 0;
-  vp::BusUse bus;  // of all that use it
+  vp::BusUse bus;  // of all users
 
-  // Deadline and load of every frame, where there were some.
+  // True if every frame met its deadline and the load, and there was at least one frame.
   bool held() const;
-  // What that is called; never a PASS, as forces and the guest's own work are in no figure.
+  // The verdict in words. It is never PASS, as no figure covers forces and the guest's own work.
   std::string_view verdict_word() const;
-  // All of summary.json.
+  // Reports the content of summary.json.
   void report(config::Figures& f) const;
 };
 
-// The result files of such a run: frames.csv without forces, trace.json, summary.json,
+// Writes the result files of such a run: frames.csv without forces, trace.json, summary.json and
 // scenario.resolved.toml.
 class GuestResults {
  public:
-  // The folder is there, without what an earlier run left in it. Keeps a reference to the board.
+  // The folder exists and has no earlier results. Keeps a reference to the board.
   GuestResults(const std::filesystem::path& folder, const app::Scenario& scenario,
                const std::filesystem::path& device_file, vp::BoardFunction& board);
 
-  // After the run: writes the files.
+  // Writes the files after the run and returns the figures.
   GuestFigures finish(const app::Scenario& scenario, const GuestFacts& guest);
 
  private:

@@ -5,14 +5,13 @@
 #include <span>
 #include <vector>
 
-#include "app/linux/descriptor.h"
 #include "app/linux/guest_process.h"
 
 namespace hvp::guest {
 
-// A connection to the guest, of whole messages. Waiting for one serves the guest's console too, and
-// ends as GuestProcess::wait_readable() says; a connection that the guest has closed throws
-// GuestGone.
+// A connection to the guest that carries whole messages. Waiting for a message also serves the
+// guest's console and ends as GuestProcess::wait_readable() does. Throws GuestGone if the guest has
+// closed the connection.
 class Stream {
  public:
   Stream() = default;
@@ -21,13 +20,14 @@ class Stream {
 
   int number() const { return descriptor_.number(); }
   explicit operator bool() const { return static_cast<bool>(descriptor_); }
-  // Another connection to the same guest.
+  // Makes another connection to the same guest.
   Stream beside(Descriptor descriptor) const { return {std::move(descriptor), *process_}; }
   std::size_t wait_readable(std::span<const int> descriptors) const {
     return process_->wait_readable(descriptors);
   }
   void send(std::span<const std::uint8_t> bytes);
-  // Fills `bytes`. Descriptors that come with them are added to `descriptors`, or closed.
+  // Fills `bytes`. Descriptors that come with them are appended to `descriptors`, or closed if it
+  // is null.
   void receive(std::span<std::uint8_t> bytes, std::vector<Descriptor>* descriptors = nullptr);
 
  private:
@@ -35,12 +35,12 @@ class Stream {
   GuestProcess* process_ = nullptr;
 };
 
-// A socket at this path that takes one connection. Throws std::runtime_error.
+// A socket at a path that accepts one connection. Throws std::runtime_error.
 class Listener {
  public:
   explicit Listener(const std::filesystem::path& path);
   int number() const { return descriptor_.number(); }
-  // Nobody else can connect from then on.
+  // Accepts the connection; nobody can connect afterwards.
   Stream accept(GuestProcess& process);
 
  private:

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-// The messages of vhost-user that a kernel with virtio_uml sends and takes, as bytes: QEMU's
-// docs/interop/vhost-user.rst, and the subset of arch/um/drivers/vhost_user.h in Linux 6.1. No
-// socket and no clock. Whatever is wrong with a message throws GuestError.
+// The vhost-user messages that a kernel with virtio_uml exchanges, as bytes: QEMU's
+// docs/interop/vhost-user.rst, and the subset of arch/um/drivers/vhost_user.h in Linux 6.1. This
+// code uses neither socket nor clock. Malformed messages throw GuestError.
 namespace hvp::guest::vhost {
 
 enum class Request : std::uint32_t {
@@ -33,18 +33,18 @@ enum class Request : std::uint32_t {
 
 inline constexpr std::size_t kHeaderBytes = 12;
 inline constexpr std::size_t kMostRegions = 8;  // VHOST_MEMORY_BASELINE_NREGIONS
-// That of a memory table with all its regions; no other message is as long.
+// The payload of a memory table with all regions, the longest message.
 inline constexpr std::size_t kLongestPayload = 8 + 32 * kMostRegions;
 
-// VIRTIO_F_VERSION_1, and vhost-user's own features can be asked for.
+// VIRTIO_F_VERSION_1 and VHOST_USER_F_PROTOCOL_FEATURES.
 inline constexpr std::uint64_t kFeatures = (1ULL << 32U) | (1ULL << 30U);
-// Answers to every request, a channel of our own, and kicks and calls as messages: with those a
-// kernel on simulated time stands still until it has been answered.
+// Acknowledgement of every request, a back channel, and kicks and calls as messages. With these a
+// kernel on simulated time waits until it has been answered.
 inline constexpr std::uint64_t kProtocolFeatures = (1U << 3U) | (1U << 5U) | (1U << 14U);
 
 struct Header {
   std::uint32_t request = 0;
-  std::uint32_t size = 0;  // of the payload, bytes; at most kLongestPayload
+  std::uint32_t size = 0;  // of the payload in bytes; at most kLongestPayload
   bool is_reply = false;
   bool needs_reply = false;
 };
@@ -53,8 +53,8 @@ Header parse_header(std::span<const std::uint8_t, kHeaderBytes> bytes);
 struct Region {
   std::uint64_t guest;   // address in the guest's memory
   std::uint64_t size;    // bytes
-  std::uint64_t user;    // what the addresses of rings are counted in
-  std::uint64_t offset;  // in the file that comes with it
+  std::uint64_t user;    // base of the addresses of rings
+  std::uint64_t offset;  // in the file that comes with the message
 };
 struct RingState {
   std::uint32_t ring;
@@ -65,17 +65,17 @@ struct RingAddresses {
   std::uint64_t descriptors, used, available;
 };
 
-// Payloads. Each takes its own length only. A memory table may have room for more regions than it
-// has.
+// The payloads. Each function accepts exactly the length of its structure; a memory table may have
+// room for more regions than it contains.
 std::uint64_t parse_number(std::span<const std::uint8_t> payload);
 RingState parse_ring_state(std::span<const std::uint8_t> payload);
 RingAddresses parse_ring_addresses(std::span<const std::uint8_t> payload);
 std::vector<Region> parse_memory_table(std::span<const std::uint8_t> payload);
 
-// Both ways a message with one number is as long.
+// Messages with one number have the same length in both directions.
 using NumberMessage = std::array<std::uint8_t, kHeaderBytes + 8>;
 NumberMessage compose_reply(std::uint32_t request, std::uint64_t number);
-// On the back channel: the ring has used entries. To be answered.
+// Tells on the back channel that the ring has used entries. The guest answers.
 NumberMessage compose_call(std::uint32_t ring);
 
 }  // namespace hvp::guest::vhost

@@ -20,7 +20,7 @@ constexpr std::size_t kIndexAt = 2;      // in both rings, behind the flags
 constexpr std::size_t kEntriesAt = 4;
 constexpr std::size_t kUsedBytes = 8;
 
-// The indices are what the two sides meet by: what was written before one is seen after it.
+// The indices synchronise the two sides: what was written before an index is visible after it.
 std::atomic_ref<std::uint16_t> index_of(std::span<std::uint8_t> ring) {
   return std::atomic_ref<std::uint16_t>(
       *reinterpret_cast<std::uint16_t*>(ring.subspan(kIndexAt, 2).data()));

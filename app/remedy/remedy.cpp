@@ -25,7 +25,8 @@ using stability::Flags;
 constexpr int kMostAttempts = 30;
 constexpr int kMostWithAll = 8;
 
-// A touch and a good part of a press; fewer of a large body, which takes longer.
+// The number of frames for a touch and a good part of a press; fewer for a large body, which takes
+// longer to solve.
 std::size_t few_frames(const Scene& scene) {
   constexpr std::size_t kFrames = 256;
   constexpr std::size_t kUnknowns = 1500;
@@ -48,7 +49,7 @@ constexpr std::array kOfWords = {
     Flag::matrix_rounding, Flag::not_converged,      Flag::range_exceeded,
     Flag::wrapped,         Flag::limit_cycle};
 
-// What makes the force wrong, and so which nodes are touched.
+// Flags with which the force is wrong, and therefore also the nodes that are touched.
 constexpr std::array kSevere = {
     Flag::saturation,      Flag::negative_curvature, Flag::zero_diagonal,  Flag::stagnation,
     Flag::scalar_overflow, Flag::divergence,         Flag::range_exceeded, Flag::wrapped};
@@ -62,15 +63,15 @@ struct HandOverTrial {
   int attempts = 0;
 };
 
-// Of the exact solution: the first hand-over, from the scenario's on, whose force neither steps nor
-// rings. Where the scenario's own does not, the solver has made the force do so.
+// The first hand-over time, from the scenario's on, with which the exact solution's force neither
+// steps nor rings. If it is the scenario's own, the solver has made the force do so.
 HandOverTrial calm_hand_over(const Scene& scene, std::span<const Sighting> recording) {
   const double present_s = scene.scenario().contact.search.hand_over_s;
   HandOverTrial trial;
   for (const double hand_over_s : {present_s, 20e-3, 30e-3, 50e-3, 80e-3}) {
     if (hand_over_s < present_s) continue;
     ++trial.attempts;
-    // Nothing of it is solved again.
+    // No frame is solved again by attempt().
     const Replay replay(scene, recording, 1, hand_over_s, Replay::Span::whole);
     if (!of_hand_over(replay.exact_force().flags()).empty()) continue;
     trial.calm_s = hand_over_s;
@@ -133,7 +134,7 @@ class Candidate {
   std::string refusal_;
 };
 
-// With what the device needs for the words; the candidate as it is where nothing makes it fit.
+// The candidate with the settings that make its words fit the device; unchanged where none does.
 Candidate fitting(Candidate candidate, const Rebuild& rebuild) {
   if (candidate.scene() == nullptr || !candidate.scene()->has_board()) return candidate;
   if (candidate.works()) return candidate;
@@ -156,7 +157,7 @@ fixed::Plan plan_of(const Scenario& s) {
   return {s.solver, s.refinement ? s.refinement->passes : 1};
 }
 
-// What the settings need of the device, and what the worst frame takes with them.
+// Adds what the settings need of the device, and the worst frame's times with them.
 void complete(const Scene& scene, const Measured& measured, const Rebuild& rebuild,
               results::TriedRemedy& remedy) {
   constexpr double kReserve = 0.99;
@@ -179,7 +180,7 @@ void complete(const Scene& scene, const Measured& measured, const Rebuild& rebui
 
 class SolverSearch {
  public:
-  // `few` frames are searched with, `all` decide.
+  // The search uses the frames of `few`; those of `all` decide.
   SolverSearch(const Scene& scene, Flags flags, const Replay& few, const Replay& all,
                const Measured& measured, const Rebuild& rebuild)
       : scene_(scene),
@@ -189,7 +190,7 @@ class SolverSearch {
         measured_(measured),
         rebuild_(rebuild) {}
 
-  // On top of what `remedy` has already.
+  // Searches settings in addition to those of `remedy`.
   results::TriedRemedy find(results::TriedRemedy remedy, int most_passes) {
     const fixed::Plan original = plan_of(scene_.scenario());
     const fixed::Attempt attempt = [this](const fixed::Plan& plan) { return trial(few_, plan); };
@@ -208,7 +209,7 @@ class SolverSearch {
       return remedy;
     }
     remedy.left.merge(search.last.flags);
-    // Where it does not do better than before it is none.
+    // A plan that does no better than the present one is no remedy.
     if (search.last.refused || !among(search.last.flags, kOfWords).empty()) {
       if (remedy.left.empty()) remedy.left = flags_;
       return remedy;
@@ -228,7 +229,7 @@ class SolverSearch {
     return {.refused = last_.refused, .flags = last_.flags};
   }
 
-  // What holds for a few frames need not hold for all.
+  // A plan that is enough for a few frames may not be enough for all.
   void go_on_with_all(fixed::Search& search, const fixed::Extent& extent,
                       results::TriedRemedy& remedy) {
     const fixed::Attempt attempt = [this](const fixed::Plan& plan) { return trial(all_, plan); };
@@ -251,7 +252,7 @@ class SolverSearch {
   Replay::Result last_;  // of the last attempt
 };
 
-// Of a run with faults: those that the words raise without them.
+// Of the flags of a run with faults, those that the words raise without the faults.
 Flags caused_by_words(const Scene& scene, std::span<const Sighting> recording, Flags flags) {
   const Replay replay(scene, recording, few_frames(scene),
                       scene.scenario().contact.search.hand_over_s, Replay::Span::first);
@@ -268,7 +269,7 @@ std::optional<results::TriedRemedy> try_remedies(const Scene& scene, Flags flags
   Flags solver = scene.has_board() ? among(flags, kOfWords) : Flags();
   Flags hand_over = of_hand_over(flags);
   if (!scene.scenario().faults.empty()) {
-    // What faults have done to the force no setting takes back.
+    // No setting undoes the effect of faults on the force.
     hand_over = Flags();
     if (!solver.empty()) solver = caused_by_words(scene, recording, solver);
   }
@@ -298,13 +299,13 @@ std::optional<results::TriedRemedy> try_remedies(const Scene& scene, Flags flags
     return remedy;
   }
   const Replay all(scene, recording, recording.size(), hand_over_s, Replay::Span::whole);
-  // What ripples does so for long.
+  // A limit cycle shows only over many frames.
   const std::size_t few = solver.has(Flag::limit_cycle) ? recording.size() : few_frames(scene);
   const Replay first(scene, recording, few, hand_over_s, Replay::Span::first);
   SolverSearch search(scene, solver, first, all, measured, rebuild);
   results::TriedRemedy found = search.find(remedy, fixed::Extent{}.most_passes);
   if (found.settings.empty() || (found.fits && found.in_time)) return found;
-  // Without the time for further passes wider words may do.
+  // Where there is no time for further passes, wider words may be enough.
   const int passes = plan_of(scene.scenario()).passes;
   results::TriedRemedy other = search.find(remedy, passes);
   const bool better = !other.settings.empty() && other.fits && other.in_time &&

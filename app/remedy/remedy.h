@@ -8,18 +8,19 @@
 #include <string>
 #include <vector>
 
-#include "app/remedy/recorder.h"
-#include "app/results/tried_remedy.h"
+#include "app/remedy/replay.h"
+#include "app/results/flags.h"
 #include "app/scene/scene.h"
 #include "models/stability/flag.h"
 
 namespace hvp::app {
 
-// The scenario with further overrides, "solver.method=jacobi-pcg", as `--set` would have them, and
-// with Limits::reported.
+// Builds the scene of the scenario with further overrides, "solver.method=jacobi-pcg", in the form
+// of
+// `--set`, and with Limits::reported.
 using Rebuild = std::function<std::unique_ptr<Scene>(const std::vector<std::string>& overrides)>;
 
-// The run's worst frame, ps, and what it has.
+// Latency and load of the run's worst frame, and their limits, ps.
 struct Measured {
   std::int64_t latency_ps = 0;
   std::int64_t load_ps = 0;
@@ -27,10 +28,10 @@ struct Measured {
   std::int64_t period_ps = 0;  // of the load
 };
 
-// What would take a run's flags away: remedies are followed, the first recorded frames solved again
-// with each, until no flag is left; what was not needed is taken back; all recorded frames decide;
-// and what the words need of the device is added. None where no flag is about the solver or the
-// hand-over, where the host solves or where nothing is computed.
+// Searches a remedy for a run's flags. It adds remedies and solves the first recorded frames again
+// with each, until no flag is left; takes back the remedies that were not needed; decides on all
+// recorded frames; and adds what the words need of the device. Absent where no flag is about the
+// solver or the hand-over, where the host solves or where nothing is computed.
 std::optional<results::TriedRemedy> try_remedies(const Scene& scene, stability::Flags flags,
                                                  std::span<const Sighting> recording,
                                                  const Measured& measured, const Rebuild& rebuild,

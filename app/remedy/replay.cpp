@@ -14,12 +14,26 @@
 
 namespace hvp::app {
 
+Recorder::Recorder(std::int64_t frames) {
+  sightings_.reserve(std::min(kMostFrames, static_cast<std::size_t>(frames)));
+}
+
+void Recorder::solved(const vp::Frame& frame, const vp::Solution& /*solution*/) {
+  touched_ = touched_ || frame.in_contact();
+  if (!touched_ && sightings_.size() == 2) {
+    sightings_[0] = sightings_[1];
+    sightings_.pop_back();
+  }
+  if (sightings_.size() == kMostFrames) return;
+  sightings_.push_back({frame.time, frame.touches});
+}
+
 namespace {
 
-// The displacements of every frame that is solved again are kept: 64 MB.
+// The displacements of every frame that is solved again are kept, in 64 MB at most.
 constexpr std::size_t kMostNumbers = 8'000'000;
 
-// One frame of the board, all its passes.
+// Solves one frame as the board would, with all its passes.
 void solve(host::FrameComputation& computation, host::WordBoard& board,
            std::vector<std::int32_t>& b) {
   computation.begin();
@@ -83,7 +97,7 @@ void Replay::add_force(const Sighting& at, bool fades, std::int64_t frame,
   quality.add(felt);
 }
 
-// As a run has them at set-up.
+// The flags of rounding that a run raises at set-up.
 stability::Flags Replay::rounding_flags(const host::FrameComputation& computation,
                                         bool refined) const {
   stability::Flags flags;
@@ -101,7 +115,7 @@ Replay::Result Replay::attempt(const fixed::Plan& plan) const {
   const Scenario& s = scene_.scenario();
   Result result;
   std::optional<host::Refinement> refinement;
-  // One pass of a scenario that is refined is refined too: it starts from the residual.
+  // With [refinement] a single pass counts as refined too: it starts from the residual.
   const bool refined = plan.passes > 1 || s.refinement.has_value();
   if (refined) {
     refinement = s.refinement.value_or(host::Refinement{});
@@ -146,8 +160,8 @@ Replay::Result Replay::attempt(const fixed::Plan& plan) const {
     result.flags.merge(host::accuracy_flags(s.reference.value_or(host::Reference{}),
                                             of_true.judged(),
                                             (refined ? of_true : of_rounded).typical()));
-    // What the exact force does too is not the solver's doing; frames left out are steps of their
-    // own.
+    // Flags that the exact force has too are not the solver's; frames left out would look like
+    // steps of the force.
     for (const stability::Flag flag : {stability::Flag::limit_cycle, stability::Flag::force_step,
                                        stability::Flag::force_ringing}) {
       if (stride_ == 1 && quality.flags().has(flag) && !exact_force_.flags().has(flag))

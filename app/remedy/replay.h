@@ -6,47 +6,75 @@
 #include <span>
 #include <vector>
 
-#include "app/remedy/recorder.h"
 #include "app/scene/scene.h"
+#include "models/collision/contact.h"
 #include "models/fem/hold.h"
 #include "models/fixed/remedy.h"
 #include "models/host/reference_run.h"
 #include "models/stability/flag.h"
 #include "models/stability/force_quality.h"
+#include "vp/frame/ledger.h"
 
 namespace hvp::app {
 
-// A run's recorded frames, solved again with another plan: the same body, the same probe, the same
-// contacts, in the board's words but without its time. What was found late or lost in the run
-// stays so.
+// The probes' positions and contacts in a frame.
+struct Sighting {
+  Picoseconds time = 0;  // the frame's tick
+  std::vector<collision::Touch> touches;
+
+  const collision::Touch& touch() const { return touches.front(); }
+};
+
+// Records the first frames of contact of a run, so that they can be solved again in another way.
+// Before there is contact it keeps the last two frames, which the hand-over needs.
+class Recorder : public vp::FrameObserver {
+ public:
+  static constexpr std::size_t kMostFrames = 4096;
+
+  explicit Recorder(std::int64_t frames);
+
+  void solved(const vp::Frame& frame, const vp::Solution& solution) override;
+
+  const std::vector<Sighting>& sightings() const { return sightings_; }
+
+ private:
+  std::vector<Sighting> sightings_;
+  bool touched_ = false;
+};
+
+// Solves a run's recorded frames again with another plan: the same body, the same probe, the same
+// contacts, in the board's words but without its time. A contact that the run found late or lost
+// remains late or lost.
 class Replay {
  public:
   enum class Span { first, whole };
-  // The recording's frames are solved in double precision once, with `hand_over_s` in place of the
-  // scenario's, which tells what contact prescribes and what is true; of `first` no more than are
-  // needed. `frames` of them at most are solved again by attempt(): of a static body, which has no
-  // state, so many over all of the recording, of a dynamic one the first.
+  // Solves the recording in double precision once, with `hand_over_s` in place of the scenario's
+  // time, to find the displacements that contact prescribes and the true solutions; with
+  // Span::first only as many frames as are needed. attempt() solves at most `frames` of them again:
+  // of a static body, which has no state, frames spread over all of the recording, of a dynamic one
+  // the first.
   Replay(const Scene& scene, std::span<const Sighting> recording, std::size_t frames,
          double hand_over_s, Span span);
 
-  // What the exact solution's force is like: rounding has no part in it.
+  // The quality of the exact solution's force, to which rounding does not contribute.
   const stability::ForceQuality& exact_force() const { return exact_force_; }
-  // m, of the exact solution's nodes: the largest component.
+  // The largest component of a node's displacement in the exact solution, m.
   double largest_displacement() const { return largest_; }
   std::size_t frames() const { return frames_.size(); }
 
-  // An attempt ends with the first frame whose words are flagged: it has failed.
+  // The result of an attempt, which fails at the first frame whose words raise a flag and ends
+  // there.
   struct Result {
-    bool refused = false;  // there is no such system
+    bool refused = false;  // the plan's words cannot represent the system
     stability::Flags flags;
-    // Of frames in contact: ‖u − u_true‖/‖u_true‖, median and 95 %.
+    // ‖u − u_true‖/‖u_true‖ over the frames in contact, median and 95 %.
     double median = 0;
     double p95 = 0;
   };
   Result attempt(const fixed::Plan& plan) const;
 
  private:
-  // What contact prescribed, and where the exact solution was.
+  // A frame: the displacements that contact prescribed, and the exact solution.
   struct Held {
     Sighting sighting;
     fem::KeptHold kept;

@@ -10,7 +10,7 @@ namespace hvp::app {
 
 namespace {
 
-// Two digits, downwards.
+// Rounds down to two digits.
 double rounded_down(double value) {
   const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
   return std::floor(value / unit) * unit;
@@ -25,7 +25,7 @@ std::optional<results::TriedRemedy> try_wall_remedy(const Scenario& s, stability
   if (!s.wall || (!flags.has(Flag::active_port) && !flags.has(Flag::limit_cycle))) {
     return std::nullopt;
   }
-  // Where damping makes no wall passive: what is left of the stable ones after a margin.
+  // Where damping makes no wall passive, half of the largest stable stiffness.
   const double most = budget.passive_N_m > 0 ? 0.99 * budget.passive_N_m : 0.5 * budget.stable_N_m;
   results::TriedRemedy tried;
   tried.of = flags;

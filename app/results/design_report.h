@@ -10,7 +10,7 @@
 
 namespace hvp::results {
 
-// What `hvp device --json` prints, as it is declared.
+// The declared figures that `hvp device --json` prints.
 struct DesignReport {
   std::string title;
   std::string device;
@@ -29,7 +29,7 @@ struct DesignReport {
 };
 DesignReport design_report(const app::Scene& scene, const app::DesignFigures& figures);
 
-// For a terminal: what `hvp device` prints.
+// The text that `hvp device` prints.
 std::string design_text(const app::Scene& scene, const app::DesignFigures& figures);
 
 }  // namespace hvp::results

@@ -11,12 +11,12 @@ namespace hvp::results {
 
 namespace {
 
-// Without negative zeros.
+// Appends the components, with zero for negative zero.
 void append(std::string& fields, const Eigen::Vector3d& vector) {
   for (const double component : vector) fields += "," + shortest(component + 0.0);
 }
 
-// Of a probe that is not the first one.
+// The fields of a probe that is not the first one.
 std::string further_fields(const collision::Touch& touch, Columns columns) {
   std::string fields = fmt::format(",{}", touch.contact.node);
   append(fields, touch.tip);

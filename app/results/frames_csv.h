@@ -5,34 +5,35 @@
 #include <string>
 #include <vector>
 
-#include "app/results/part_stream.h"
-#include "models/plant/hand.h"
+#include "app/results/part_files.h"
+#include "models/plant/plant.h"
 #include "models/plant/trajectory.h"
-#include "vp/frame/observer.h"
+#include "vp/frame/ledger.h"
 
 namespace hvp::results {
 
-// Timing only, nobody computes forces or words: their fields are empty.
+// `times`: a run for timing only, in which forces and words have empty fields.
 enum class Columns { all, times };
 
-// The columns of frames.csv in their order, with a line of help.
+// A column of frames.csv with a line of help.
 struct FrameColumn {
   std::string name;
   std::string help;
 };
+// All columns in their order.
 std::vector<FrameColumn> frame_columns();
 
-// What frames.csv has more of, behind its other columns: each further probe, and devices with mass.
+// The reason for further columns at the end of a line: further probes, and devices with mass.
 struct ProbeColumns {
   std::vector<plant::Trajectory> probes = std::vector<plant::Trajectory>(1);
-  bool devices = false;             // they have mass
-  bool currents = false;            // and motors
-  std::optional<plant::Hand> hand;  // who intends the motion
+  bool devices = false;             // the devices have mass
+  bool currents = false;            // the devices have motors
+  std::optional<plant::Hand> hand;  // the hand that intends the motion
 };
-// Of probe `index`; its names have the prefix "probe1_" but for the first one's.
+// The columns of probe `index`. Names of further probes have a prefix such as "probe1_".
 std::vector<FrameColumn> probe_columns(const ProbeColumns& of, std::size_t index);
 
-// frames.csv: a line a frame, times since the servo loop began.
+// Writes frames.csv: a line a frame, with times since the servo loop began.
 class FramesCsv : public vp::FrameObserver {
  public:
   FramesCsv(const std::filesystem::path& path, vp::Picoseconds budget,

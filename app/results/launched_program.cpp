@@ -18,7 +18,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "app/results/interruption.h"
+#include "app/results/part_files.h"
 
 extern char** environ;
 
@@ -57,7 +57,7 @@ int milliseconds_until(Clock::time_point deadline) {
   return static_cast<int>(std::clamp<std::int64_t>(left, 0, kLongestWait));
 }
 
-// How long a program that is to end may take to clean up after itself.
+// The time in which a program that is told to end may clean up.
 constexpr auto kTimeToEnd = std::chrono::seconds(3);
 
 // The parent's environment with some variables set anew.
@@ -94,8 +94,8 @@ bool drain(int descriptor, std::string& kept) {
   return true;
 }
 
-// Between fork and exec only what is safe after a signal may be called: another thread may have
-// held any lock.
+// Calls only functions that are safe in a signal handler: at the fork another thread may have owned
+// any lock.
 [[noreturn]] void become(const char* program, char* const* arguments, char* const* environment,
                          int output, int errors, int report,
                          const LaunchedProgram::Options& options, pid_t parent) {
@@ -117,7 +117,7 @@ bool drain(int descriptor, std::string& kept) {
     dup2(report, LaunchedProgram::kReportDescriptor);
   if (options.same_addresses) personality(ADDR_NO_RANDOMIZE);
   if (options.hold) {
-    // Where only a parent may trace, any debugger may.
+    // Lets any debugger trace the program, also where only its parent may.
     prctl(PR_SET_PTRACER, PR_SET_PTRACER_ANY);
     ptrace(PTRACE_TRACEME, 0, nullptr, nullptr);
   }

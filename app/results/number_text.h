@@ -6,27 +6,36 @@
 
 #include "vp/frame/frame.h"
 
-namespace hvp::results {
+namespace hvp::fixed {
+struct SystemSpectrum;
+}
 
-// How numbers stand in every result file and on the terminal.
+// Numbers as text in result files and on the terminal.
+
+namespace hvp::results {
 
 // Picoseconds as microseconds with all six decimals: exact, "1.250000".
 std::string microseconds(vp::Picoseconds time);
 
-// The shortest text that reads back as the same double; "nan" never occurs.
+// The shortest text that reads back as the same double; the value is never a NaN.
 std::string shortest(double value);
 
-// For people: a time with three significant digits and its unit, "1.25 ms", "650 us".
+// The functions below round for a reader on the terminal.
+
+// A time in ms, us or ns: "1.250 ms", "650.0 us", "15 ns".
 std::string readable_time(vp::Picoseconds time);
 
-// For people: "1 frame", "2 frames".
+// "1 frame", "2 frames".
 std::string counted(std::int64_t count, std::string_view what);
 
-// For people: "4.2 %", "0.038 %".
+// "42 %", "4.2 %", "0.038 %".
 std::string percent(double ratio);
 
-// For people: three significant digits and the unit, "1.42 N", "98.1 mN", "52.0 mm".
+// Three significant digits and the unit: "1.42 N", "98.1 mN", "52.0 mm".
 std::string newtons(double force);
 std::string readable_length(double metres);
+
+// A line for each matrix whose spectrum was bounded: κ, the smallest and the largest eigenvalue.
+std::string spectrum_text(const fixed::SystemSpectrum& spectrum);
 
 }  // namespace hvp::results

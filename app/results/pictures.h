@@ -9,16 +9,16 @@ namespace hvp::results {
 
 struct PictureOutcome {
   bool drawn = false;
-  std::vector<std::string> files;  // names of what was drawn, without the folder
+  std::vector<std::string> files;  // names of the pictures, without the folder
   std::string reason;              // one line; empty when drawn
 };
 
-// What drawing needs, apart from the results themselves.
+// The programs and the display that drawing needs.
 struct PictureTools {
   std::filesystem::path draw_program;           // hvp-draw
   std::string display;                          // an X display such as ":0"; empty: none
   std::filesystem::path xvfb;                   // the virtual X server; empty: not installed
-  std::chrono::milliseconds time_limit{60000};  // for hvp-draw, for each try
+  std::chrono::milliseconds time_limit{60000};  // for each start of hvp-draw
 
   // hvp-draw beside the running executable, $DISPLAY, and Xvfb from $PATH.
   static PictureTools of_this_process();
@@ -32,22 +32,29 @@ struct PictureTools {
 PictureOutcome draw_pictures(const std::filesystem::path& run_directory);
 PictureOutcome draw_pictures(const std::filesystem::path& run_directory, const PictureTools& tools);
 
-// Draws the stiffness of a wall over its damping up to which a loop is stable, from a file as
-// app/draw/stability_map.h says, in the same way and with the same failures.
+// Draws the largest stiffness with which a wall's loop is stable over the wall's damping, from a
+// file as draw::read_stability_map() expects it (app/draw/series_files.h), in the same way and with
+// the same failures.
 PictureOutcome draw_stability_map(const std::filesystem::path& csv,
                                   const std::filesystem::path& png);
 PictureOutcome draw_stability_map(const std::filesystem::path& csv,
                                   const std::filesystem::path& png, const PictureTools& tools);
 
-// Draws a log and the model of it, from a file as app/draw/fit_series.h says, likewise.
+// The axes' labels and the unit of a fit's values.
 struct FitPictureLabels {
   std::string x;
   std::string y;
   std::string unit;
 };
+// Draws a log and the model of it, from a file as draw::read_fit() expects it
+// (app/draw/series_files.h), in the same way and with the same failures.
 PictureOutcome draw_fit(const std::filesystem::path& csv, const std::filesystem::path& png,
                         const FitPictureLabels& labels);
 PictureOutcome draw_fit(const std::filesystem::path& csv, const std::filesystem::path& png,
                         const FitPictureLabels& labels, const PictureTools& tools);
+
+// True if an X server listens at a local display (":0", ":0.0", "unix:1"). A display of another
+// machine counts as not reachable: OpenGL through it is too old for VTK.
+bool local_display_answers(const std::string& display);
 
 }  // namespace hvp::results

@@ -2,33 +2,41 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "models/config/figures.h"
-#include "models/fem/linearity.h"
+#include "models/fem/strain.h"
 #include "models/host/deviation.h"
 #include "models/host/rounding_estimate.h"
 
-// How good a run's numbers are.
+namespace hvp::app {
+class Scene;
+}
+
+// The quality of a run's numbers: figures, and their texts for the terminal.
+
 namespace hvp::results {
 
-// How far the run was from double precision; absent where nothing was compared. "Rounded" is the
-// matrix as the board's words have it, everything else the true model.
+struct Outcome;
+
+// The distance from the true model and, "rounded", from the rounded model. Absent values: nothing
+// was compared.
 struct Accuracy {
   struct Quantity {
-    // Of the run's largest: the mean over all frames, and the worst one.
+    // Relative to the run's largest value: the mean over all frames, and the worst frame.
     std::optional<double> mean;
     std::optional<double> worst;
     std::int64_t worst_frame = -1;
     std::optional<double> mean_rounded;
-    // Of the frame's own size, in contact.
+    // Relative to the frame's own value, in contact.
     std::optional<host::Deviation::OfFrame> of_frame;
     std::optional<host::Deviation::OfFrame> of_frame_rounded;
   };
   Quantity displacement;
   Quantity force;
-  std::int64_t frames = 0;      // compared, the body at rest not counted
+  std::int64_t frames = 0;      // frames compared, without those in which the body is at rest
   std::int64_t in_contact = 0;  // frames in contact, compared or not
 
   void report(config::Figures& f) const;
@@ -38,15 +46,15 @@ struct Accuracy {
 struct ErrorBudget {
   std::string_view of;  // "displacement", "force"
   double limit = 0;
-  double p95 = 0;    // of the frames in contact, of their own size
-  double worst = 0;  // of all frames, of the run's largest
+  double p95 = 0;    // over the frames in contact, relative to each frame's own value
+  double worst = 0;  // over all frames, relative to the run's largest value
   bool measured = false;
 
   bool held() const { return measured && p95 <= limit && worst <= limit; }
   void report(config::Figures& f) const;
 };
 
-// How far the body was strained.
+// The largest strain of the body, and the frame that has it.
 struct Strain {
   fem::Strains worst;
   std::int64_t frame = -1;
@@ -54,7 +62,7 @@ struct Strain {
   void report(config::Figures& f) const;
 };
 
-// With [refinement].
+// The figures of refinement, with [refinement].
 struct RefinementFigures {
   int passes = 0;
   double worst_residual = 0;
@@ -62,5 +70,11 @@ struct RefinementFigures {
 
   void report(config::Figures& f) const;
 };
+
+// The terminal's section on the distance from double precision.
+std::string accuracy_text(const app::Scene& scene, const Outcome& outcome);
+
+// The terminal's section on force and strain; empty where no force was computed.
+std::string force_text(const Outcome& outcome);
 
 }  // namespace hvp::results

@@ -7,13 +7,13 @@
 
 #include <fmt/format.h>
 
+#include "app/results/flags.h"
 #include "app/results/number_text.h"
-#include "app/results/report_sections.h"
-#include "app/results/spectrum_text.h"
-#include "app/results/tried_remedy.h"
+#include "app/results/outcome.h"
 #include "app/scenario/message.h"
+#include "app/scene/scene.h"
 #include "driver/hvp_driver.h"
-#include "models/statistics/spread.h"
+#include "models/statistics/histogram.h"
 
 namespace hvp::results {
 
@@ -28,7 +28,7 @@ std::string counted_passes(int passes) {
   return fmt::format("{} pass{}", passes, passes == 1 ? "" : "es");
 }
 
-// Longest solve of the run where an engine counted it, else by the closed form.
+// Clocks of the longest solve of the run where an engine counted it, else by the closed form.
 std::string solve_clocks(const app::Scene& scene, const Outcome& o) {
   const std::int64_t clocks = o.accelerator->solve_cycles();
   const bool by_engine = o.accelerator->engine.has_value();
@@ -93,7 +93,7 @@ void scene_lines(Out out, const app::Scene& scene, const Outcome& o) {
   fmt::format_to(out, "\n");
 }
 
-// What the verdict does not cover.
+// Lists what the verdict does not cover.
 void reservations(Out out, const app::Scene& scene, const Outcome& o) {
   const vp::Fidelity& f = scene.scenario().fidelity;
   std::string parts;
@@ -204,7 +204,7 @@ void attribution_lines(Out out, const Outcome& o) {
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const vp::Attribution& a = lines[i];
     if (a.time == 0) continue;
-    // The report fits a screen; summary.json has every phase. One line is not folded into one.
+    // The report fits a screen, and summary.json has every phase. A single line is not folded.
     const bool more = i + 1 < lines.size() && lines[i + 1].time > 0;
     if (static_cast<double>(a.time) <
             kLeastShareOfFrame * static_cast<double>(o.verdict.worst_latency()) &&

@@ -1,20 +1,25 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
+
+namespace hvp::app {
+struct Scenario;
+}
 
 namespace hvp::results {
 
 // Creates the folder that results go into, as the command line's `option` names it, with the
-// folders above it. Throws InputError where that cannot be: a file stands in its place, or
-// nothing may be written there. To be called before the work whose results would be lost.
+// folders above it. Throws InputError where that is impossible: a file has that name, or nothing
+// may be written there. Call it before the work whose results would be lost.
 void create_folder(const std::filesystem::path& folder, std::string_view option);
 
-// Removes every result file that an earlier run left in the folder, finished or not, and nothing
-// else: what stands in a folder after a run is of that run. Throws std::runtime_error.
+// Removes every result file, finished or not, that an earlier run left in the folder, and nothing
+// else, so that all result files in a folder are of the last run. Throws std::runtime_error.
 void remove_earlier_results(const std::filesystem::path& folder);
 
-// Holds a results folder for one run; it is free again when the process ends, however it does.
+// Locks a results folder for one run; the lock ends with the process, however the process ends.
 class FolderLock {
  public:
   // Throws InputError where another run is writing into the folder.
@@ -26,5 +31,17 @@ class FolderLock {
  private:
   int descriptor_;
 };
+
+// The text of scenario.resolved.toml. Nothing is written; copied files have the names that they
+// would have beside it.
+std::string resolved_text(const app::Scenario& scenario, const std::filesystem::path& device);
+
+// Writes scenario.resolved.toml: every parameter with its value, a complete scenario that
+// gives the same run again. A surface file is copied to scenario.resolved.stl (or its other
+// extension) and a device of the user's own to scenario.resolved.device.toml, because a path would
+// tie the results to a place. `device` is the path of the latter; empty for a built-in device.
+// Throws std::runtime_error.
+void write_resolved_scenario(const std::filesystem::path& directory, const app::Scenario& scenario,
+                             const std::filesystem::path& device);
 
 }  // namespace hvp::results

@@ -1,8 +1,49 @@
 #include "app/results/scene_figures.h"
 
-#include "app/results/summary.h"
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <iterator>
+#include <optional>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "app/results/report.h"
+#include "app/scene/scene.h"
+#include "models/config/effects.h"
+#include "vp/fpga/accelerator.h"
 
 namespace hvp::results {
+
+EngineClocks engine_clocks(const vp::EngineSolve& solve, const accel::SolveCycles& c) {
+  using vp::engine::State;
+  const auto spent = [&solve](std::initializer_list<State> states) {
+    std::int64_t clocks = 0;
+    for (const State state : states) clocks += solve.state[static_cast<std::size_t>(state)];
+    return clocks;
+  };
+  const std::int64_t set_up =
+      spent({State::guess, State::start_product, State::start_residual, State::first_direction});
+  const std::int64_t product = spent({State::product});
+  const std::int64_t update = spent({State::update});
+  const std::int64_t direction = spent({State::direction});
+  const std::int64_t divisions = spent({State::alpha, State::beta});
+  const std::int64_t anew = spent({State::anew_product, State::anew_residual});
+  const std::int64_t waited =
+      solve.clocks - set_up - product - update - direction - divisions - anew;
+  const std::int64_t n = c.iterations;
+  EngineClocks clocks{solve.clocks, c.total(), n, {}};
+  clocks.phases = {
+      {{"wait", "waiting for the copy of U", waited, 0},
+       {"set_up", "set-up", set_up, c.setup},
+       {"product", "product and inner product", product, n * c.sparse_product + c.breakdown},
+       {"update", "solution and residual", update, n * c.update},
+       {"direction", "direction", direction, n * c.direction},
+       {"divisions", "divisions", divisions, n * c.divisions},
+       {"residual_anew", "residuals formed anew", anew, c.replacements * c.replacement}}};
+  return clocks;
+}
 
 SceneFigures scene_figures(const app::Scene& scene) {
   const app::Scenario& s = scene.scenario();
@@ -20,6 +61,14 @@ SceneFigures scene_figures(const app::Scene& scene) {
           .resources = scene.usage().resources,
           .condition = scene.spectrum(),
           .body = body};
+}
+
+std::vector<std::string> effects(const app::Scenario& s) {
+  std::vector<std::string> names;
+  for (const config::Effect& effect : config::survey_effects(s).effects()) {
+    if (effect.present) names.push_back(effect.path);
+  }
+  return names;
 }
 
 void SceneFigures::report_resources(config::Figures& f) const {
@@ -106,6 +155,72 @@ void AcceleratorFigures::report(config::Figures& f) const {
             "([several-devices.md](several-devices.md))");
     f.count("link_cycles", s.link_cycles, "the clocks that their links add to a solve");
   });
+}
+
+std::string clocks_text(const app::Scene& scene) {
+  const fixed::Settings& solver = scene.scenario().solver;
+  const accel::SolveCycles c = scene.solve_cycles();
+  std::string text = fmt::format("\nClocks of a solve: {}\n", display_name(solver.method));
+  const auto row = [&text](std::string_view what, std::int64_t clocks) {
+    fmt::format_to(std::back_inserter(text), "  {:<34} {:>10}\n", what, clocks);
+  };
+  row("set-up", c.setup);
+  row("an iteration", c.iteration());
+  row("  product and inner product", c.sparse_product);
+  row("  solution and residual", c.update);
+  row("  direction", c.direction);
+  row(scene.board().several() ? "  divisions, and sums over links"
+                              : "  divisions that are waited for",
+      c.divisions);
+  if (c.replacements > 0) row("a residual formed anew", c.replacement);
+  row(fmt::format("{}{} iterations", solver.stop_residual > 0 ? "at most " : "", c.iterations),
+      c.total());
+  return text;
+}
+
+std::string resources_text(const app::Scene& scene) {
+  std::string text = fmt::format("\nMemory and multipliers of the {}{}\n",
+                                 scene.board().several() ? "fullest " : "", scene.device().name);
+  for (const accel::Resource& r : scene.usage().resources) {
+    std::string uses;
+    for (const accel::Allocation& a : scene.usage().allocations) {
+      if (a.type != r.type) continue;
+      uses += fmt::format("{}{} {}", uses.empty() ? "  " : ", ", a.use, a.blocks);
+    }
+    fmt::format_to(std::back_inserter(text), "  {:<12} {:>4} of {}{}\n", r.type, r.used,
+                   r.available, uses);
+  }
+  return text;
+}
+
+std::string several_text(const app::Scene& scene) {
+  const std::optional<accel::SeveralDevices>& several = scene.board().several();
+  if (!several) return {};
+  const accel::Architecture& a = scene.scenario().accelerator;
+  const accel::SolveWork work = accel::longest_solve(scene.computation().board_settings());
+  const accel::SeveralCycles c = several->solve(work);
+  std::string text = "\nSeveral devices\n";
+  const auto out = std::back_inserter(text);
+  const std::vector<accel::DeviceShare>& shares = several->shares();
+  for (std::size_t d = 0; d < shares.size(); ++d) {
+    fmt::format_to(out, "  device {:<27} {:>10} nodes' rows; vectors of {} nodes, {} of others'\n",
+                   d + 1, shares[d].pattern.nodes(), shares[d].pattern.nodes_in_vectors(),
+                   shares[d].halo);
+  }
+  const auto row = [&out](const char* what, std::int64_t clocks) {
+    fmt::format_to(out, "  {:<34} {:>10}\n", what, clocks);
+  };
+  row("clocks of links an iteration", c.link_clocks_an_iteration());
+  row("  before the product or behind it", c.solve.sparse_product - c.alone.sparse_product);
+  row("  sums", c.solve.divisions - c.alone.divisions);
+  row("clocks of links a solve", c.link_clocks());
+  fmt::format_to(out, "  {:<34}", "speed-up over one device");
+  for (const accel::Scaling& s : accel::scaling(a, scene.pattern(), work, 8)) {
+    fmt::format_to(out, " {}: {:.2f}", s.devices, s.speed_up);
+  }
+  fmt::format_to(out, "\n  {:<34} {:>10.2f}\n", "  tends to, with free links",
+                 accel::speed_up_limit(a, scene.pattern(), work));
+  return text;
 }
 
 }  // namespace hvp::results

@@ -2,10 +2,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/results/figures_json.h"
-#include "app/results/flag_json.h"
+#include "app/results/figures.h"
+#include "app/results/flags.h"
 #include "app/results/settings_json.h"
-#include "app/results/tried_remedy.h"
 #include "models/accel/memory.h"
 
 namespace hvp::results {
@@ -20,6 +19,19 @@ ordered_json resources(const accel::Usage& usage) {
     list.push_back({{"type", r.type}, {"used", r.used}, {"available", r.available}});
   }
   return list;
+}
+
+// The remedy of a single system: error_rel replaces the figures that only a run has.
+ordered_json remedy_json(const TriedRemedy& r) {
+  ordered_json j = figures_json(r);
+  for (const char* of_a_run :
+       {"frames", "displacement_p95_rel", "latency_us", "load_us", "in_time"}) {
+    j.erase(of_a_run);
+  }
+  j["error_rel"] = r.left.empty() ? ordered_json(r.median) : nullptr;
+  if (!r.left.empty()) j["fits"] = nullptr;
+  j.erase("displacement_median_rel");
+  return j;
 }
 
 }  // namespace
@@ -42,7 +54,7 @@ std::string solve_json(const app::LinearSystem& system, const app::SolveTask& ta
   j["clamped_words"] = s.clamped;
   j["flags"] = flag_names(s.flags);
   j["remedies"] = remedies_json(s.flags);
-  j["remedy"] = s.remedy ? solve_remedy_json(*s.remedy) : ordered_json(nullptr);
+  j["remedy"] = s.remedy ? remedy_json(*s.remedy) : ordered_json(nullptr);
   j["tolerance"] = task.tolerance;
   j["cycles"] = s.board.cycles;
   j["time_us"] = static_cast<double>(s.board.time_ps) / 1e6;

@@ -7,7 +7,7 @@ namespace hvp::app {
 
 namespace {
 
-// Of all probes together.
+// The components of all probes together.
 std::span<const double> components(std::span<const Eigen::Vector3d> v) {
   return {v.front().data(), 3 * v.size()};
 }
@@ -59,7 +59,7 @@ void AccuracyTracker::solved(const vp::Frame& frame, const vp::Solution& solutio
     has_skipped_ = false;
   }
   const bool compared = frame.number % settings_.every_frames == 0;
-  // A static frame stands alone; a dynamic reference has a state that has to follow.
+  // A static frame does not depend on others; a dynamic reference has a state and is stepped.
   if (!compared && !dynamic_) {
     skipped_.keep(hold);
     has_skipped_ = true;

@@ -10,12 +10,12 @@
 #include "models/host/reference_run.h"
 #include "models/sparse/block_matrix.h"
 #include "models/stability/flag.h"
-#include "vp/frame/observer.h"
+#include "vp/frame/ledger.h"
 
 namespace hvp::app {
 
-// The effect [reference]: solves every frame beside the board, once with the true matrix and once
-// with the rounded one, and keeps the deviations.
+// The effect [reference]: solves every frame also in the true model and in the rounded model, and
+// collects the deviations of the run from both.
 class AccuracyTracker : public vp::FrameObserver {
  public:
   AccuracyTracker(const Scene& scene, const host::Reference& settings);
@@ -23,7 +23,7 @@ class AccuracyTracker : public vp::FrameObserver {
   void solved(const vp::Frame& frame, const vp::Solution& solution) override;
 
   results::Accuracy accuracy() const;
-  // matrix_rounding, not_converged and what the rounded matrix is flagged for.
+  // The flags matrix_rounding, not_converged and those of the rounded matrix.
   stability::Flags flags() const;
 
  private:
@@ -37,14 +37,14 @@ class AccuracyTracker : public vp::FrameObserver {
   sparse::BlockMatrix rounded_;
   host::ReferenceRun true_run_;
   host::ReferenceRun rounded_run_;
-  std::optional<host::PairedRuns> both_;  // where there is a rounded model and it can be solved
+  std::optional<host::PairedRuns> both_;  // where there is a rounded model that can be solved
   host::Deviation displacement_, force_;
   host::Deviation displacement_rounded_, force_rounded_;
   fem::KeptHold skipped_;  // of the last frame of a static body, where it was not compared
   bool has_skipped_ = false;
   std::optional<vp::Picoseconds> last_time_;
   double period_s_;
-  std::vector<Eigen::Vector3d> forces_;  // of the frame at hand, a probe each
+  std::vector<Eigen::Vector3d> forces_;  // of the current frame, one a probe
   std::int64_t in_contact_ = 0;
 };
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-#include "models/fem/stress.h"
+#include "models/fem/strain.h"
 
 namespace hvp::app {
 

@@ -3,13 +3,14 @@
 #include <filesystem>
 #include <vector>
 
-#include "app/results/deformation.h"
+#include "app/results/vtu_files.h"
 #include "app/scene/scene.h"
-#include "vp/frame/observer.h"
+#include "vp/frame/ledger.h"
 
 namespace hvp::app {
 
-// Writes the deformation of every so many frames, with strain and stress, for ParaView.
+// Writes the deformation, with strain and stress, for ParaView. The scenario says every how many
+// frames.
 class DeformationRecorder : public vp::FrameObserver {
  public:
   DeformationRecorder(const std::filesystem::path& directory, const Scene& scene);

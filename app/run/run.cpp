@@ -8,23 +8,16 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "app/remedy/recorder.h"
+#include "app/remedy/replay.h"
+#include "app/results/board_records.h"
 #include "app/results/frames_csv.h"
-#include "app/results/interruption.h"
-#include "app/results/job_record.h"
-#include "app/results/part_file.h"
-#include "app/results/register_trace.h"
-#include "app/results/resolved_scenario.h"
+#include "app/results/outcome.h"
+#include "app/results/part_files.h"
 #include "app/results/results_folder.h"
-#include "app/results/summary.h"
 #include "app/results/trace.h"
-#include "app/results/waveform.h"
 #include "app/run/accuracy.h"
-#include "app/run/approach_watch.h"
 #include "app/run/deformation_recorder.h"
-#include "app/run/force_watch.h"
-#include "app/run/loop_watch.h"
-#include "app/run/strain_watch.h"
+#include "app/run/watches.h"
 #include "app/scene/unit_contacts.h"
 #include "driver/hvp_driver.h"
 #include "vp/bus/bus_meter.h"
@@ -35,7 +28,7 @@ namespace hvp::app {
 
 namespace {
 
-// Says how far a long run is.
+// Reports the progress of a long run.
 class ProgressTicker : public vp::FrameObserver {
  public:
   ProgressTicker(const Progress& progress, std::int64_t frames)
@@ -54,7 +47,7 @@ class ProgressTicker : public vp::FrameObserver {
   std::int64_t last_ = -1;
 };
 
-// Of the PCI bus and, where there is one, of each direction of the link.
+// Meters of the PCI bus and, where there is a link, of each of its directions.
 class BusMeters {
  public:
   explicit BusMeters(vp::Platform& platform)
@@ -94,7 +87,7 @@ class BusMeters {
   std::optional<vp::BusMeter> to_host_;
 };
 
-// What is looked at in every run that computes numbers.
+// The observers in every run that computes numbers.
 class BodyWatches {
  public:
   BodyWatches(vp::Platform& platform, Scene& scene)
@@ -122,7 +115,7 @@ class BodyWatches {
   Recorder recorder_;
 };
 
-// What the scenario states, beside what was measured.
+// The budgets that the scenario states, with the measured values.
 std::vector<results::ErrorBudget> error_budgets(const Budget& budget,
                                                 const std::optional<results::Accuracy>& accuracy) {
   std::vector<results::ErrorBudget> budgets;
@@ -153,7 +146,7 @@ std::optional<vp::SoftBody> soft_body(Scene& scene) {
   return vp::SoftBody{scene.body(), scene.computation(), scene.contacts()};
 }
 
-// What was seen before the first frame, or follows from counts.
+// The flags that were raised before the first frame, or follow from counts.
 stability::Flags scene_flags(const Scene& scene, const vp::ServoCounts& counts) {
   stability::Flags flags(counts.flags);
   if (counts.clamped_words > 0) flags.raise(stability::Flag::range_exceeded);
@@ -205,8 +198,8 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
   return o;
 }
 
-// A rounded matrix that is known to be bad, and, where no reference will measure what becomes of
-// it, one that moves a contact along the probe's way too far. Refinement makes rounding good.
+// Flags a rounded matrix that is known to be bad and, where no reference measures its effect, one
+// that moves a contact along the probe's way too far. Refinement corrects the rounding.
 stability::Flags rounding_flags(const Scene& scene, const host::RoundingEstimate& rounding,
                                 bool measured) {
   stability::Flags flags;
@@ -306,7 +299,7 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   if (body) body->fill(outcome);
   outcome.flags.merge(contact->flags());
   if (loop) {
-    // Where nobody computes forces, none moves the device.
+    // For timing only no force is computed, and none moves the device.
     if (!s.timing_only()) {
       outcome.loop = loop->qualities();
       outcome.flags.merge(loop->flags());

@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 
 #include "app/scenario/message.h"
-#include "app/scenario/override.h"
 #include "app/scenario/quantity.h"
 #include "app/scenario/syntax.h"
+#include "app/scenario/tree.h"
 #include "models/files/regular_file.h"
 
 namespace hvp::scenario {
@@ -35,7 +35,6 @@ std::string read_text(const std::filesystem::path& file) {
   }
 }
 
-// A line of a scenario can be pasted: key = "value".
 void set_file(Node& node, int file) {
   node.origin.file = file;
   for (Node& member : node.members) set_file(member, file);
@@ -53,7 +52,7 @@ Node parse_file(std::string_view text, const std::filesystem::path& file_name, b
     throw SourceError(fmt::format("{}:{}:{}: TOML syntax: {}", name, error.line, error.column,
                                   one_line(error.message, 400)));
   }
-  // A file of hvp fit may hold nothing but what it says of values that have no key.
+  // A file of `hvp fit` may consist of comments, if no key stands for its values.
   const bool comments = text.find('#') != std::string_view::npos;
   if (root.keys.empty() && !(included && comments)) {
     throw SourceError(fmt::format("{}: is empty: expected TOML tables", name));
@@ -197,6 +196,7 @@ void Document::apply(const std::string& text) {
   const auto equals = text.find('=');
   try {
     if (text.size() > kLargestFile) throw InputError("is too large");
+    // Blanks around `=` are allowed, as in a line pasted from a scenario: key = "value".
     const std::string key(trimmed(std::string_view(text).substr(0, equals)));
     if (equals == std::string::npos || key.empty()) {
       throw InputError("expected KEY=VALUE, such as object.mesh.nodes=300");
@@ -227,7 +227,7 @@ std::string Document::locate(const Origin& origin, std::string_view key) const {
   return override_prefix(source.text) + (source.key == key ? "" : shown);
 }
 
-// What the scenario says of a key, or of the nearest table around it.
+// Returns the node of a key, or of the nearest table around it.
 const Node& Document::at(std::string_view key) const {
   const Node* place = &root_;
   for (const KeyStep& step : split_key(key)) {

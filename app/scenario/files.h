@@ -7,16 +7,16 @@
 #include <vector>
 
 #include "app/scenario/document.h"
-#include "models/config/quiet_visitor.h"
+#include "models/config/effects.h"
 
 namespace hvp::scenario {
 
-// A file as the scenario writes it -> one that can be opened. Throws SourceError, of the line of
-// `key`, where it is missing or no regular file.
+// Returns a path that can be opened for a file named in the scenario. Throws SourceError with the
+// line of `key` if the file is missing or not regular.
 std::filesystem::path openable_file(const Document& document, std::string_view key,
                                     const std::string& path_in_scenario);
 
-// Goes to every file that a struct's parameters name, with its key. Absent effects have none.
+// Visits every file that a struct's parameters name, with its key. An absent effect has no files.
 class FileVisitor : public config::QuietVisitor {
  public:
   void file(std::string_view name, config::File& file, config::Note) override;
@@ -39,8 +39,8 @@ class FileVisitor : public config::QuietVisitor {
   std::vector<std::string> path_ = {""};
 };
 
-// Gives every file parameter a path that can be opened. Throws SourceError where a file is missing
-// or no regular one.
+// Replaces every file parameter's path by one that can be opened. Throws SourceError if a file is
+// missing or not regular.
 class FileResolver : public FileVisitor {
  public:
   explicit FileResolver(const Document& document) : document_(document) {}
@@ -58,10 +58,10 @@ void resolve_files(const Document& document, Root& root) {
   resolver.visit(root);
 }
 
-// A file beside a scenario that has a part in what it simulates.
+// A file beside the scenario whose content affects the simulation.
 struct NamedFile {
   std::string key;             // "object.mesh.surface"
-  std::filesystem::path path;  // that can be opened
+  std::filesystem::path path;  // can be opened
 };
 
 class FileList : public FileVisitor {
@@ -77,10 +77,10 @@ class FileList : public FileVisitor {
   std::vector<NamedFile> files_;
 };
 
-// Those of a struct whose files are resolved, in the order of declaration.
+// Lists the files of a struct whose paths are resolved, in the order of declaration.
 template <class Root>
 std::vector<NamedFile> files_of(const Root& root) {
-  Root copy = root;  // declare() takes what it may also fill
+  Root copy = root;  // declare() needs a mutable struct
   FileList list;
   list.visit(copy);
   return list.take();

@@ -14,7 +14,7 @@ namespace {
 using config::Dimension;
 using config::Note;
 
-// "time" without its article.
+// The name of a dimension without its article: "time".
 std::string bare_name(Dimension dimension) {
   const std::string_view name = dimension_name(dimension);
   return std::string(name.substr(name.find(' ') + 1));

@@ -8,17 +8,16 @@
 
 namespace hvp::scenario {
 
-// A part's declaration as data: every table, effect and list, with its parameters. Effects and
-// lists are shown with one item and their defaults.
+// One key of a table.
 struct OutlineRow {
   std::string name;
   std::string type;      // "time", "three lengths", "whole number", "one of `a`, `b`" …
-  std::string range;     // empty where anything goes
-  std::string fallback;  // the default as TOML; empty where there is none
+  std::string range;     // empty if any value is admitted
+  std::string fallback;  // the default as TOML; empty if there is none
   std::string help;
   std::string source;
   bool required = false;
-  std::string condition = {};  // "only with `shape` = "sphere"", where it does not always belong
+  std::string condition = {};  // "only with `shape` = "sphere""; empty if the key always belongs
 };
 
 struct OutlineTable {
@@ -30,11 +29,12 @@ struct OutlineTable {
   bool required = false;
   std::string condition = {};
   std::string cost = {};                 // of an effect
-  std::vector<config::Need> needs = {};  // likewise
+  std::vector<config::Need> needs = {};  // of an effect
   std::vector<OutlineRow> rows = {};
 };
 
-// In the order of declaration, a table before the tables in it.
+// A part's declaration as data: every table, effect and list in the order of declaration, a table
+// before its sub-tables. Effects and lists are shown with one item and their defaults.
 using Outline = std::vector<OutlineTable>;
 
 class Describer : public config::Visitor {
@@ -77,8 +77,8 @@ class Describer : public config::Visitor {
 
   Outline outline_;
   struct Open {
-    std::size_t index = 0;                     // into outline_
-    std::vector<std::string> conditions = {};  // of the keys that are being declared
+    std::size_t index = 0;                     // in outline_
+    std::vector<std::string> conditions = {};  // of the keys being declared
   };
   OutlineTable& table() { return outline_[stack_.back().index]; }
   std::string condition() const;

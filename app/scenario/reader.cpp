@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "app/scenario/message.h"
-#include "app/scenario/nearest.h"
 #include "app/scenario/quantity.h"
 #include "app/scenario/toml_text.h"
 
@@ -30,14 +29,14 @@ std::string quantity_example(Dimension dimension) {
   return fmt::format("{} such as \"{}\"", dimension_name(dimension), dimension_example(dimension));
 }
 
-// "; did you mean …?", or what there is.
+// Returns "; did you mean …?", or a list of the valid names.
 std::string suggestion(const std::string& unknown, const std::string& in_table,
                        const std::vector<std::string>& declared, const Outline& outline) {
   const std::vector<std::string_view> names(declared.begin(), declared.end());
   std::vector<std::string> meant;
   const std::string_view close = nearest(unknown, names);
   if (!close.empty()) meant.push_back(fmt::format("\"{}\"", close));
-  // The same name in another table: the key is right and stands in the wrong place.
+  // The same name in another table: the key is valid, but in the wrong place.
   for (const OutlineTable& table : outline) {
     if (meant.size() > 2) break;
     const std::string last = table.path.substr(table.path.rfind('.') + 1);
@@ -90,14 +89,14 @@ const config::Condition* Reader::unmet_condition() const {
   return unmet == conditions.end() ? nullptr : &*unmet;
 }
 
-// The value that the scenario gives a name, or nullptr.
+// Returns the scenario's value of a name, or nullptr.
 const Node* Reader::take(std::string_view name, const Note& note) {
   Level& level = levels_.back();
   level.declared.emplace_back(name);
   const Node* node = find(name);
   if (const config::Condition* unmet = unmet_condition()) {
-    // Where --set, or a scenario over its base, chooses another kind, what was said below of its
-    // own kind goes with that.
+    // An override, or a scenario over its base, that chooses another kind also drops the values
+    // below it that belong to the old kind.
     if (!unmet->why_not_beside.empty()) {
       if (node != nullptr) {
         wrong(*node, key_of(name),
@@ -220,7 +219,7 @@ void Reader::boolean(std::string_view name, bool& value, Note note) {
 
 bool Reader::read_text(const Node& node, const std::string& key, std::string_view expected,
                        std::string& value) {
-  // In an override 2024 may be meant as a text: it is taken as it was typed.
+  // An override such as 2024 may be meant as a text, so it is taken as it was typed.
   const bool typed =
       !node.origin.in_file() && !node.text.empty() && !node.is_table() && !node.is_array();
   if (node.kind != Node::Kind::text && !typed) {

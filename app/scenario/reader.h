@@ -13,18 +13,18 @@
 
 namespace hvp::scenario {
 
-// Fills a declared struct from a document. It goes on after an error with the default in place,
-// and finish() throws the one that stands first: what the scenario says wrongly in the order of
-// its lines, then what it lacks, then what a part's own rule refuses. Those rules only run while
-// nothing is wrong, on values that are all in range.
+// Fills a declared struct from a document. After an error it continues with the default, and
+// finish() throws the first error: wrong keys and values in the order of their lines, then missing
+// keys, then violated rules of a part. Rules are checked only while there is no other error, so
+// that all values are in range.
 class Reader : public config::Visitor {
  public:
   explicit Reader(const Document& document);
 
-  // Throws the first error, a SourceError. `outline` is asked for names that were meant, and
-  // only when there is an unknown key.
+  // Throws the first error, a SourceError. `outline` is called only for an unknown key, to find the
+  // name that was meant.
   void finish(const std::function<Outline()>& outline);
-  // Runs the rule of the part at hand.
+  // Checks a rule of the current part.
   void check(const std::function<void()>& rule) override;
 
   using config::Visitor::integer;
@@ -54,31 +54,31 @@ class Reader : public config::Visitor {
   void end_condition() override { levels_.back().conditions.pop_back(); }
 
  private:
-  // A table that is being read. Without a node it stands at its defaults.
+  // A table that is being read. Without a node, all its keys have their defaults.
   struct Level {
     const Node* node = nullptr;
     std::string path;     // with indices: "contacts[0].shape"
-    std::string generic;  // without: "contacts.shape", as in the outline
-    Origin origin;        // of the nearest table that the scenario has
-    // A name or switch that decides what else belongs here was wrong.
+    std::string generic;  // without indices: "contacts.shape", as in the outline
+    Origin origin;        // of the nearest table that is in the scenario
+    // True if the name or switch that decides which keys belong here was wrong.
     bool uncertain = false;
-    // An item of a default list, or a table that does not belong: it holds what it needs without
-    // being read.
+    // True for an item of a default list and for a table that does not belong: no required key is
+    // missing then.
     bool given = false;
-    // A table that does not belong: what it would have to be is nobody's matter.
+    // True for a table that does not belong: its requirements are not reported.
     bool left_out = false;
     std::vector<std::string> declared = {};
-    std::vector<config::Condition> conditions = {};  // of the keys that are being declared
+    std::vector<config::Condition> conditions = {};  // of the keys being declared
   };
   struct List {
     const Node* node = nullptr;
     std::string path;
     std::string generic;
   };
-  // What finish() needs to say which key was meant.
+  // The data that finish() needs to suggest the key that was meant.
   struct Unknown {
     std::string name;
-    std::string table;  // generic path
+    std::string table;  // without indices
     std::vector<std::string> declared;
   };
   enum class Stage { wrong, missing, refused };
@@ -92,7 +92,7 @@ class Reader : public config::Visitor {
 
   const Node* find(std::string_view name) const;
   const Node* take(std::string_view name, const config::Note& note);
-  // Of the keys that are being declared, one that does not hold; nullptr where all do.
+  // Returns a condition of the current keys that is not met, or nullptr if all are met.
   const config::Condition* unmet_condition() const;
   std::string key_of(std::string_view name) const;
   void wrong(const Node& node, std::string key, std::string message);

@@ -7,7 +7,6 @@
 
 #include "app/scenario/message.h"
 #include "app/scenario/quantity.h"
-#include "app/scenario/unit_table.h"
 
 namespace hvp::scenario {
 namespace {

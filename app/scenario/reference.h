@@ -6,14 +6,15 @@
 
 namespace hvp::scenario {
 
-// The reference page in Markdown: a section a TOML table, a row a key with its type or
-// dimension, range, default, help and the source of the default. Effects are marked as such.
+// The reference page in Markdown: a section for each TOML table, a row for each key with its type
+// or dimension, range, default, help and the default's source. Effects are marked.
 std::string reference_page(const Outline& outline);
 
-// The sections of the tables alone.
+// The sections of the tables, without the page's introduction.
 std::string reference_tables(const Outline& outline);
 
-// From the declaration itself; docs/scenario-reference.md is this of the whole scenario.
+// The reference page of a declared struct. docs/scenario-reference.md is that of the whole
+// scenario.
 template <class Root>
 std::string reference_page(const Root& root) {
   return reference_page(describe(root));

@@ -67,7 +67,7 @@ std::string range_text(const config::Range& range, Dimension dimension) {
 }
 
 std::string range_text(const config::IntegerRange& range) {
-  // A type's own bound says nothing about the parameter.
+  // A bound that merely comes from the type is not shown.
   using Narrow = std::numeric_limits<int>;
   using Wide = std::numeric_limits<std::int64_t>;
   const bool low = range.min != Narrow::min() && range.min != Wide::min();

@@ -8,18 +8,18 @@
 
 namespace hvp::scenario {
 
-// Where a value comes from: a line of a file, or one of the --set overrides.
+// The origin of a value: a line of a file, or one of the --set overrides.
 struct Origin {
   int line = 1;
   int override_index = -1;  // -1: a file
-  int file = 0;             // which of the document's: the less, the more it counts
+  int file = 0;             // index in the document's files, the topmost first
 
   bool in_file() const { return override_index < 0; }
-  // Whether it was laid over the other: an override over files, a scenario over its base.
+  // True if this origin lies over the other: an override over files, a scenario over its base.
   bool over(const Origin& other) const {
     return in_file() == other.in_file() ? in_file() && file < other.file : !in_file();
   }
-  // The scenario first, in its order, then what lies under it; then the overrides in theirs.
+  // Orders origins: the scenario by lines, then the files below it, then the overrides.
   friend bool operator<(const Origin& a, const Origin& b) {
     return std::tie(a.override_index, a.file, a.line) < std::tie(b.override_index, b.file, b.line);
   }
@@ -31,7 +31,7 @@ struct Node {
 
   Kind kind = Kind::table;
   Origin origin;
-  std::string text;  // of a text or date; of any other scalar in an override, as it was typed
+  std::string text;  // of a text or date; in an override also of any other scalar, as it was typed
   std::int64_t integer = 0;
   double number = 0.0;
   bool boolean = false;
@@ -40,18 +40,18 @@ struct Node {
 
   bool is_table() const { return kind == Kind::table; }
   bool is_array() const { return kind == Kind::array; }
-  // The member of a table, or nullptr.
+  // Returns the table's member, or nullptr if there is none.
   const Node* find(std::string_view key) const;
   Node* find(std::string_view key);
   Node& add(std::string_view key, Node member);
   void remove(std::string_view key);
 };
 
-// Lays a table over another: what both have as tables is merged, all else is the upper one's. An
-// upper `name = false` takes the lower one's table of that name out.
+// Lays a table over another. Tables that both have are merged; otherwise the upper value replaces
+// the lower one. An upper `name = false` removes the lower table of that name.
 void lay_over(Node upper, Node& lower);
 
-// For "found …": 2, "abc", a table, a list.
+// Describes a value for a message that ends in "found …": 2, "abc", a table, a list.
 std::string found_text(const Node& node);
 
 // One step of a key such as host.costs[2].time: a name and the indices behind it.
@@ -60,8 +60,12 @@ struct KeyStep {
   std::vector<std::size_t> indices;
 };
 
-// Splits a dotted key. Empty where it is not one (an empty name, a quote, a bracket without a
-// whole number of at most six digits, more than 32 steps).
+// Splits a dotted key into steps. Returns an empty list for a malformed key: an empty name, a
+// quote, a bracket without a whole number of at most six digits, more than 32 steps.
 std::vector<KeyStep> split_key(std::string_view key);
+
+// Puts `value` at `key` of the tree. Throws InputError if the key is malformed, steps into
+// something that is neither a table nor a list, or has an index beyond the list's end.
+void put(Node& root, const std::string& key, Node value);
 
 }  // namespace hvp::scenario

@@ -9,8 +9,8 @@
 
 namespace hvp::scenario {
 
-// Collects a declared struct as TOML. TOML wants a table's own keys before its sub-tables,
-// which a declaration need not keep to, so the text is put together at the end.
+// Writes a declared struct as TOML. TOML requires a table's own keys before its sub-tables; a
+// declaration need not follow that order, so text() assembles the tables at the end.
 class Writer : public config::Visitor {
  public:
   Writer();
@@ -54,16 +54,16 @@ class Writer : public config::Visitor {
 
   Table root_;
   std::vector<Table*> stack_;
-  std::vector<std::string> lists_;  // paths of the lists at hand
+  std::vector<std::string> lists_;  // paths of the open lists
 };
 
-// The text of scenario.resolved.toml: every parameter that belongs to the kinds at hand with its
-// value and unit, absent effects as comments. Reading it gives an equal struct; the same struct
-// gives the same bytes. Paths stand as the scenario wrote them. Every double is finite
-// (std::invalid_argument otherwise).
+// The text of scenario.resolved.toml: every parameter that belongs to the chosen kinds with its
+// value and unit, and absent effects as comments. Reading it gives an equal struct, and equal
+// structs give equal bytes. Paths are those that the scenario names. Throws std::invalid_argument
+// if a double is not finite.
 template <class Root>
 std::string resolved(const Root& root) {
-  Root copy = root;  // declare() takes what it may also fill
+  Root copy = root;  // declare() needs a mutable struct
   Writer writer;
   writer.visit(copy);
   return writer.text();

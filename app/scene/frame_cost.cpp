@@ -21,7 +21,7 @@ MovedVectors moved_over(const link::PcieInterconnect& link, vp::Transfer::Method
           link.processor_read(u).latency_ps};
 }
 
-// Alone on the bus, without doorbells and interrupts.
+// The time of a transfer that is alone on the bus, without doorbells and interrupts.
 MovedVectors moved_vectors(const Scenario& s, int nodes) {
   using Method = vp::Transfer::Method;
   const std::int64_t unknowns = std::int64_t{3} * nodes;

@@ -3,11 +3,10 @@
 #include <optional>
 
 #include "app/devices/devices.h"
-#include "app/devices/haptic_devices.h"
 #include "app/scenario/files.h"
 #include "app/scenario/reader.h"
 #include "app/scene/samples.h"
-#include "app/scene/within.h"
+#include "app/scene/scenario.h"
 
 namespace hvp::app {
 

@@ -10,27 +10,27 @@
 
 namespace hvp::app {
 
-// A scenario as a user names it.
+// The scenario as a user names it.
 struct ScenarioSource {
   std::filesystem::path scenario;
-  std::vector<std::filesystem::path> includes;  // laid over it
-  std::vector<std::string> overrides;           // --set key=value, over both
+  std::vector<std::filesystem::path> includes;  // laid over the scenario
+  std::vector<std::string> overrides;           // --set key=value, laid over both
 };
 
-// It, read and checked, with the text that errors name the lines of.
+// The scenario, read and checked, with the document from which errors take their lines.
 struct LoadedScenario {
   scenario::Document document;
   Scenario scenario;
   accel::Device device;
-  std::filesystem::path device_file;  // that can be opened; empty for a built-in device
+  std::filesystem::path device_file;  // can be opened; empty for a built-in device
 };
 
-// Its title stays the scenario's own, whatever --set changes. Throws InputError, complete with file
-// and line.
+// Loads the scenario without adding the overrides to its title. Throws InputError, complete with
+// file and line.
 LoadedScenario load_untitled(const ScenarioSource& source);
 
-// Reads what effects draw from the user's own files into the scenario. Throws InputError with the
-// full key.
+// Reads the user's files of samples, from which effects draw, into the scenario. Throws InputError
+// with the full key.
 void take_samples(Scenario& scenario);
 
 }  // namespace hvp::app

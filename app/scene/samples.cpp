@@ -12,8 +12,7 @@
 
 #include "app/scenario/message.h"
 #include "models/config/input_error.h"
-#include "models/files/csv_table.h"
-#include "models/files/decimal_number.h"
+#include "models/files/csv.h"
 #include "models/files/regular_file.h"
 
 namespace hvp::app {

@@ -5,11 +5,11 @@
 
 namespace hvp::app {
 
-// Times measured by the user, in s: the first column of a CSV file whose name ends in _s, _ms, _us
-// or _ns. The first line has the names (files::CsvTable); columns beside it do not matter. Throws
-// InputError (key "samples") with the line where a time is missing, is no number, or lies outside
-// 0 to 1 s; where no column has such a name; and for a file without a time or of more than
-// a million.
+// Reads times that the user measured, in s, from the first column of a CSV file whose name ends in
+// _s, _ms, _us or _ns. The first line contains the names (files::CsvTable); other columns are
+// ignored. Throws InputError (key "samples") with the line if a time is missing, not a number, or
+// outside 0 to 1 s; also if no column has such a name, and if the file has no time or more than a
+// million.
 std::vector<double> read_samples(const std::filesystem::path& file);
 
 }  // namespace hvp::app

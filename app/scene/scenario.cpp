@@ -5,7 +5,6 @@
 
 #include "models/config/effects.h"
 #include "models/config/input_error.h"
-#include "models/config/needs.h"
 
 namespace hvp::app {
 
@@ -180,7 +179,7 @@ void require_shown(const WaveformSettings& waveform, int frames) {
                        ": expected less than frames, which is " + std::to_string(frames));
 }
 
-// What the finer levels of the accelerator lack.
+// Refuses what the finer levels of the accelerator do not model.
 void require_engine(const Scenario& s) {
   const std::string level = vp::name(s.fidelity.accelerator);
   const auto lacks = [&level](const std::string& what, const std::string& with) {
@@ -197,7 +196,7 @@ void require_engine(const Scenario& s) {
   }
 }
 
-// Nothing is moved without a board.
+// Refuses transfer settings without a board, as nothing is transferred then.
 void require_plain_transfer(const Scenario& s) {
   if (s.transfer.plain()) return;
   const bool moves = s.transfer.method != vp::Transfer::Method::bursts;
@@ -209,7 +208,7 @@ void require_plain_transfer(const Scenario& s) {
       std::string("there is no board where host.solver is \"") + host::name(s.host.solver) + "\"");
 }
 
-// Where the scenario has nothing that could fail so.
+// Refuses a fault that cannot occur in this scenario.
 void require_possible(const Scenario& s, std::size_t index) {
   const vp::Fault& fault = s.faults[index];
   const auto key = [index](const char* name) {
@@ -258,7 +257,7 @@ void require_possible(const Scenario& s, std::size_t index) {
   }
 }
 
-// A timing-only run has no times that depend on numbers.
+// Refuses settings of a timing-only run whose times would depend on numbers.
 void require_no_numbers(const Scenario& s) {
   if (s.host.solver != host::SolvedBy::board) {
     throw InputError(
@@ -275,8 +274,8 @@ void require_no_numbers(const Scenario& s) {
   }
 }
 
-// Times count picoseconds in 64 bits: 106 days, some of which are kept for set-up and for what is
-// still under way at the end.
+// Refuses a run that is too long to count. Times are picoseconds in 64 bits, 106 days; a part of
+// them is reserved for the set-up and for what is unfinished at the end.
 void require_countable(const Scenario& s) {
   constexpr double kLongest = 9e6;  // s
   const double whole = s.frames * s.budget.period_s;

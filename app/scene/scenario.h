@@ -5,15 +5,16 @@
 #include <string>
 #include <vector>
 
-#include "models/collision/contact_settings.h"
+#include "models/collision/contact.h"
 #include "models/config/declaration.h"
+#include "models/config/input_error.h"
 #include "models/fem/body.h"
 #include "models/fem/contact.h"
-#include "models/fem/dynamics.h"
 #include "models/fem/loads.h"
 #include "models/fem/material.h"
+#include "models/fem/newmark.h"
 #include "models/fixed/settings.h"
-#include "models/host/guest_costs.h"
+#include "models/host/costs.h"
 #include "models/host/reference_run.h"
 #include "models/host/refinement.h"
 #include "models/mesh/mesh_settings.h"
@@ -21,14 +22,14 @@
 #include "models/sparse/spectrum.h"
 #include "vp/platform_settings.h"
 
-// A scenario as it is read: the tables of the parts, put together. docs/scenario-reference.md is
-// made from this declaration.
+// The scenario: the tables of all parts together. docs/scenario-reference.md is generated from this
+// declaration.
 namespace hvp::app {
 
-// [budget]: what has to hold.
+// [budget]: the limits that a run has to meet.
 struct Budget {
   double period_s = 2e-3;
-  // Of |v − v_ref| / |v_ref|; 0: not stated.
+  // The limits on |v − v_ref| / |v_ref|; 0: not stated.
   double displacement_error = 0;
   double force_error = 0;
 
@@ -37,14 +38,14 @@ struct Budget {
   void declare(config::Visitor& v);
 };
 
-// [[object.anchor]]: a region whose nodes are held.
+// [[object.anchor]]: a region whose nodes have the prescribed displacement zero.
 struct Anchor {
   mesh::Region region;
 
   void declare(config::Visitor& v);
 };
 
-// [object]: the soft body.
+// [object]: the deformable body.
 struct Object {
   mesh::MeshSettings mesh;
   fem::Material material;
@@ -63,7 +64,7 @@ struct Contact {
   void declare(config::Visitor& v);
 };
 
-// [output.waveform]: what the cycle-accurate engine does, clock by clock, in engine.vcd.
+// [output.waveform]: records the cycle-accurate engine, clock by clock, in engine.vcd.
 struct WaveformSettings {
   int first_frame = 0;
   int frames = 1;
@@ -83,7 +84,8 @@ struct Output {
   void declare(config::Visitor& v);
 };
 
-// What is simulated stands first; declare() says where it is in the file.
+// All tables of a scenario; those of the platform are in the base class. declare() defines their
+// order in the file.
 struct Scenario : vp::SystemSettings {
   std::string title;
   Budget budget;
@@ -99,15 +101,24 @@ struct Scenario : vp::SystemSettings {
   Output output;
 
   void declare(config::Visitor& v);
-  // One a device and a user; the DAQ board's registers have room for sixteen.
+  // The most probes; each has a device and a user. The DAQ board's registers have room for sixteen.
   static constexpr std::size_t kMostProbes = 8;
   bool timing_only() const { return fidelity.numbers == vp::Numbers::none; }
-  // Throws InputError for an effect that needs what is not there, and for keys that rule each other
-  // out.
+  // Throws InputError if an effect lacks what it needs, and for keys that exclude each other.
   void check() const;
 
  private:
   void declare_refinement(config::Visitor& v);
 };
+
+// Runs a step of a part and completes the key of an InputError with the part's table.
+template <class Step>
+auto within(const std::string& table, const Step& step) {
+  try {
+    return step();
+  } catch (const InputError& e) {
+    throw InputError(e.key().empty() ? table : table + "." + e.key(), e.what());
+  }
+}
 
 }  // namespace hvp::app

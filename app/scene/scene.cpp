@@ -9,8 +9,7 @@
 
 #include "app/devices/devices.h"
 #include "app/scene/loaded_scenario.h"
-#include "app/scene/size_check.h"
-#include "app/scene/within.h"
+#include "app/scene/scenario.h"
 #include "models/accel/critical_path.h"
 #include "models/config/input_error.h"
 #include "models/mesh/generate.h"
@@ -99,7 +98,7 @@ void Scene::build_body(const Progress& progress, Limits limits) {
     if (limits == Limits::refused) require_room_in_registers();
   }
 
-  // A node that is held, by an anchor or by a prescribed displacement, cannot follow the probe.
+  // A node with a prescribed displacement, by an anchor or a load, cannot follow the probe.
   std::vector<int> held;
   for (int node = 0; node < static_cast<int>(body_->mesh().nodes.size()); ++node) {
     if (body_->held(node)) held.push_back(node);
@@ -117,12 +116,12 @@ void Scene::build_body(const Progress& progress, Limits limits) {
 void Scene::require_fit() const {
   if (usage_.fits()) return;
   const accel::WordLengths words = accel::word_lengths(computation_->board_settings());
-  // The device counts the nodes of the system; a scenario states those of the mesh.
+  // The device's limit counts the nodes of the system, the scenario those of the mesh.
   accel::require_board_fit(device_, scenario_.accelerator, words, *board_, devices::all_built_in(),
                            static_cast<int>(quality_.nodes));
 }
 
-// The driver could not tell the board of a larger system.
+// Refuses a system that is too large for the board's registers.
 void Scene::require_room_in_registers() const {
   const vp::Capacity room;
   const sparse::BlockMatrix& matrix = computation_->matrix();
@@ -160,7 +159,7 @@ vp::PlatformSettings platform_settings(const Scene& scene, const std::string& wa
   const Scenario& s = scene.scenario();
   vp::PlatformSettings p(s);
   p.period = to_picoseconds(s.budget.period_s);
-  // A force is due when the next tick comes, with a pipeline so many ticks later.
+  // A force is due at the next tick, or with a pipeline that many ticks later.
   p.budget = (1 + s.host.pipeline_depth) * p.period;
   if (!scene.has_body()) return p;
   p.solver = scene.computation().board_settings();

@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "app/scene/scenario.h"
-#include "models/accel/board_clocks.h"
-#include "models/accel/board_memory.h"
+#include "models/accel/board.h"
+#include "models/accel/device.h"
 #include "models/collision/contact_search.h"
 #include "models/fem/body.h"
 #include "models/fem/locking.h"
@@ -20,21 +20,21 @@ namespace hvp::app {
 
 using Progress = std::function<void(std::string_view)>;
 
-// A scenario with its mathematics done: the body is meshed and assembled, its matrix is in words
-// and is known to fit the device unless Limits::reported was asked for. A wall has neither.
+// A scenario with its mathematics done: the body is meshed and assembled, and its matrix is in
+// words and fits the device (with Limits::reported the fit is not required). A wall has neither
+// body nor matrix.
 class Scene {
  public:
-  // What becomes of a system that the device cannot hold, or a clock that it does not reach.
+  // The treatment of a system that does not fit the device, or whose clock the device cannot reach.
   enum class Limits { refused, reported };
 
-  // `device` is what accelerator.device names. Throws InputError with the full key of what is to
-  // blame.
+  // `device` is the one that accelerator.device names. Throws InputError with the full key of the
+  // setting that is wrong.
   Scene(const Scenario& scenario, accel::Device device, const Progress& progress = {},
         Limits limits = Limits::refused);
 
   const Scenario& scenario() const { return scenario_; }
-  // False where [wall] stands in the body's place. What is asked of the body then throws
-  // InputError.
+  // False if [wall] takes the body's place. The body's accessors then throw InputError.
   bool has_body() const { return body_ != nullptr; }
   const fem::Body& body() const { return of_body(body_); }
   host::FrameComputation& computation() { return of_body(computation_); }
@@ -42,18 +42,18 @@ class Scene {
   collision::ContactSearch& contacts() { return of_body(contacts_); }
   const collision::ContactSearch& contacts() const { return of_body(contacts_); }
   const mesh::Quality& quality() const { return quality_; }
-  // False where the host solves: board() and pattern() then throw InputError, usage() is empty.
+  // False if the host solves. board() and pattern() then throw InputError, and usage() is empty.
   bool has_board() const { return board_.has_value(); }
   const accel::BoardClocks& board() const;
   const accel::Pattern& pattern() const { return board().pattern(); }
   const accel::Device& device() const { return device_; }
-  // "EP2S60", or "2 × EP2S60".
+  // The name of the board: "EP2S60", or "2 × EP2S60".
   std::string board_name() const;
-  // Of one device, the one with the least to spare.
+  // The usage of one device; of several, that of the device with the least to spare.
   const accel::Usage& usage() const { return usage_; }
-  // Of a solve that makes all its iterations.
+  // The clock cycles of a solve that makes all its iterations.
   accel::SolveCycles solve_cycles() const;
-  // Of the system without contact; where the scenario asks for it.
+  // The spectrum of the system without contact, if the scenario asks for it.
   const std::optional<fixed::SystemSpectrum>& spectrum() const { return spectrum_; }
   const std::optional<fem::Locking>& locking() const { return locking_; }
 
@@ -80,11 +80,18 @@ class Scene {
   std::optional<fem::Locking> locking_;
 };
 
-// What the platform is built from. `waveform_file` is where [output.waveform] writes to, if it is
-// there: a file's name without its suffix.
+// The settings from which the platform is built. `waveform_file` is the file, without suffix, to
+// which [output.waveform] writes.
 vp::PlatformSettings platform_settings(const Scene& scene, const std::string& waveform_file = {});
 
-// The elastic body alone, as `hvp export` needs it.
+// Builds the elastic body alone, as `hvp export` needs it.
 std::unique_ptr<fem::Body> make_body(const Scenario& scenario, const Progress& progress);
+
+// Refuses a mesh that is far too large before anything of that size is made. A coarse mesh of the
+// same body and anchors predicts whether the mesh exceeds the device or its registers by a factor
+// of two, or the host's memory if the host factorises the matrix. Closer cases are decided with the
+// mesh itself. Throws InputError with the full key.
+void require_plausible_size(const Scenario& s, const accel::Device& device,
+                            const Progress& progress);
 
 }  // namespace hvp::app

@@ -1,5 +1,3 @@
-#include "app/scene/size_check.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -10,8 +8,8 @@
 #include <unistd.h>
 
 #include "app/devices/devices.h"
-#include "models/accel/board_clocks.h"
-#include "models/accel/board_memory.h"
+#include "app/scene/scene.h"
+#include "models/accel/board.h"
 #include "models/config/input_error.h"
 #include "models/mesh/node_search.h"
 #include "vp/fpga/register_bank.h"
@@ -20,24 +18,24 @@ namespace hvp::app {
 
 namespace {
 
-// Meshed in a few tenths of a second, and fine enough for the rows and the anchored share to be
-// those of a finer mesh within the factor of two.
+// The nodes of the coarse mesh. It takes a few tenths of a second, and its rows and the share of
+// its anchored nodes differ from those of a finer mesh by less than a factor of two.
 constexpr int kCoarse = 500;
 constexpr int kWorthwhile = 10 * kCoarse;
 constexpr double kByFar = 2;
 
-// What a coarse mesh tells of any.
+// The properties of a coarse mesh that predict those of a finer one.
 struct Sample {
   double active = 0;  // nodes of the system, of each node of the mesh
   accel::BoardClocks board;
 };
 
-// Nothing where there is no such mesh, or its rows are none for the architecture: the wanted one
-// may do all the same.
+// Returns nothing if the coarse mesh cannot be made or its rows do not suit the architecture; the
+// wanted mesh may still be possible.
 std::optional<Sample> sample(const Scenario& s, const Progress& progress) {
   Scenario coarse = s;
   coarse.object.mesh.nodes = kCoarse;
-  // What is held counts, what pushes does not.
+  // Prescribed displacements change the size of the system; other loads do not.
   coarse.loads = {};
   coarse.loads.prescribed = s.loads.prescribed;
   try {
@@ -59,7 +57,7 @@ void require_room_on_board(const Scenario& s, const accel::Device& device,
   const accel::WordLengths words = accel::word_lengths(s.solver);
   const int largest = accel::largest_mesh_of_board(device, s.accelerator, words, found->board);
   if (largest == 0) {
-    // Not for want of memory, then.
+    // Something other than memory does not fit then.
     try {
       accel::require_board_fit(device, s.accelerator, words, found->board, devices::all_built_in());
     } catch (const InputError& e) {
@@ -87,12 +85,12 @@ void require_room_on_board(const Scenario& s, const accel::Device& device,
   }
 }
 
-// Measured with the thesis' sphere at 1000, 2000 and 4000 nodes, 7, 20 and 60 MB: a factor of the
-// matrix grows with the nodes to the power of 1.5.
+// The memory of a factor grows with the nodes to the power of 1.5. Measured with the thesis' sphere
+// at 1000, 2000 and 4000 nodes: 7, 20 and 60 MB.
 double factor_bytes(double nodes) { return 235 * std::pow(nodes, 1.5); }
 double nodes_of_factor(double bytes) { return std::pow(bytes / 235, 2.0 / 3.0); }
 
-// Of [reference], true and rounded, and of the host's own solve.
+// The number of factors: those of [reference], true and rounded, and that of the host's own solve.
 int factors(const Scenario& s) {
   return (s.reference ? 2 : 0) + (s.host.solver == host::SolvedBy::cholesky ? 1 : 0);
 }

@@ -12,7 +12,7 @@ namespace {
 constexpr int kPlaces = 64;           // along the probe's way
 constexpr std::size_t kContacts = 8;  // of them
 constexpr double kTouch = 1e-3;       // m
-// Three factorisations of so many nodes take about a second.
+// The most nodes; three factorisations of that size take about a second.
 constexpr int kMostNodes = 4000;
 
 struct Place {
@@ -20,7 +20,7 @@ struct Place {
   double depth = 0;
 };
 
-// The free node of the surface that the tip is nearest to, and how deep the tip is below it.
+// The free surface node nearest to the tip, and the tip's depth below it.
 Place place_of(const collision::ContactSearch& contacts, const Eigen::Vector3d& tip) {
   Place place;
   double nearest = std::numeric_limits<double>::infinity();
@@ -36,7 +36,7 @@ Place place_of(const collision::ContactSearch& contacts, const Eigen::Vector3d& 
   return place;
 }
 
-// The deepest touch of each node, in the order of the way; where it touches none, the nearest.
+// Keeps the deepest touch of each node in the order of the way; without any touch, the nearest one.
 std::vector<Place> touched(const Scene& scene) {
   const plant::Trajectory& probe = scene.scenario().probes.front();
   const std::int64_t end = probe.duration_ps();

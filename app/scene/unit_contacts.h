@@ -8,15 +8,15 @@
 
 namespace hvp::app {
 
-// A few contacts along the probe's way, each as deep as the probe goes there, and the loads alone
-// where there are some. Of a probe that never reaches the body: a touch of 1 mm where it is
-// nearest.
+// Samples a few contacts along the probe's way, each as deep as the probe goes there, and adds the
+// loads alone if there are any. If the probe never reaches the body, the contact is 1 mm deep at
+// the nearest place.
 std::vector<host::UnitContact> unit_contacts(const Scene& scene);
 
-// What the matrix' words do to those contacts. None where no words are computed, or a system is so
-// large that its factors take longer than a run's set-up should.
+// Estimates the error that the rounding of the matrix causes for those contacts. Returns nothing if
+// no words are computed, or if factorising the system would take too long for a run's set-up.
 std::optional<host::RoundingEstimate> estimate_rounding(const Scene& scene);
-// The same of other words for the scene's body.
+// The same estimate for other words of the scene's body.
 std::optional<host::RoundingEstimate> estimate_rounding(const Scene& scene,
                                                         const host::FrameComputation& computation);
 

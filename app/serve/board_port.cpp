@@ -9,8 +9,8 @@ namespace hvp::serve {
 
 namespace {
 
-// Events that lie closer together than this are simulated without a look at the socket between
-// them, which costs as much as some of them do.
+// Events closer together than this are simulated without looking at the socket in between, which
+// costs as much as some of them.
 constexpr vp::Picoseconds kPiece = 20'000'000;  // 20 us
 
 }  // namespace
@@ -54,7 +54,7 @@ void BoardPort::accessed() {
   awake_until_ = last_access_ + kSettle;
 }
 
-// What the bus has noted is in the function's status register, the only one that a client sees.
+// Copies errors of the bus into the function's status register, the only one that a client sees.
 void BoardPort::show_errors() {
   vp::BusErrors& errors = board_.bus_errors();
   if (errors.master_abort) board_.config().note(vp::ConfigSpace::Error::master_abort);
@@ -96,7 +96,7 @@ void BoardPort::unmap(std::uint64_t address, std::uint64_t bytes) {
   if (vp::HostMemory* const host = board_.memory()) host->unmap(address, bytes);
 }
 
-// By the function's own capability, as software asks for it.
+// Resets the function through its own capability, as software does.
 void BoardPort::reset() {
   constexpr std::size_t kControl = vp::ConfigSpace::kFeaturesAt + 4;
   constexpr std::array<std::uint8_t, 1> kInitiate = {1};

@@ -5,34 +5,33 @@
 #include <span>
 #include <utility>
 
-#include "app/results/register_trace.h"
+#include "app/results/board_records.h"
 #include "app/serve/function_port.h"
 #include "app/serve/interrupts.h"
-#include "vp/function/board_function.h"
+#include "vp/function/outside_host.h"
 
 namespace hvp::serve {
 
-// The simulated board behind the protocol, and the rule by which its time passes: with accesses,
-// and, while a client waits, as long as there is something that it may wait for. That is a job or
-// the check of a matrix under way, or what an access has left behind on the bus (posted writes, a
-// message): kSettle after the last access or the end of the job. Effects that go on for ever, such
-// as [bus.traffic], move nothing by themselves, and a board that never ends is given up kLongest
-// after the last access.
+// The simulated board behind the protocol, and the rule by which its time advances. Time advances
+// with accesses, and while a client waits for something: a job, the check of a matrix, or what an
+// access has left on the bus (posted writes, a message). It stops kSettle after the last access or
+// the job's end. Endless effects such as [bus.traffic] do not advance time by themselves, and a
+// board that never finishes is abandoned kLongest after the last access.
 class BoardPort : public FunctionPort, private vp::InterruptListener {
  public:
   static constexpr vp::Picoseconds kSettle = 1'000'000'000;        // 1 ms
   static constexpr vp::Picoseconds kLongest = 10'000'000'000'000;  // 10 s
 
-  // `registers`: what is told of every access; null: nobody.
+  // `registers` records every access; null: no record.
   explicit BoardPort(const vp::PlatformSettings& settings,
                      results::RegisterTrace* registers = nullptr);
 
-  // Who is told of interrupts; null: nobody.
+  // Sets the receiver of interrupts; null: none.
   void tell(Interrupts* interrupts);
 
-  // Whether advance() would do anything.
+  // True if advance() would do anything.
   bool has_work();
-  // A piece of simulated time: until the next event, or some more of them.
+  // Advances simulated time by a step: to the next event, or over several of them.
   void advance();
 
   // FunctionPort
@@ -56,7 +55,7 @@ class BoardPort : public FunctionPort, private vp::InterruptListener {
   void show_errors();
   bool busy();
 
-  // Its parts are asked through members that are not const.
+  // Mutable, because its parts are queried by non-const members.
   mutable vp::BoardFunction board_;
   bool has_messages_;
   std::function<void()> look_at_memory_;

@@ -3,19 +3,131 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "models/config/input_error.h"
 
 namespace hvp::serve {
 
 namespace {
 
-// A client that has a message's worth of replies before it and reads none of them for so long
-// stands still.
+namespace fs = std::filesystem;
+
+// The backlog of the socket: one client is served, and a few more may wait to be refused.
+constexpr int kWaiting = 8;
+
+InputError wrong(const fs::path& path, const std::string& why) {
+  return InputError(fmt::format("--vfio-user {}: {}", path.string(), why));
+}
+
+sockaddr_un address_of(const fs::path& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  const std::string& name = path.native();
+  if (name.size() >= sizeof address.sun_path) {
+    throw wrong(path, fmt::format("a path of {} bytes: a socket's has at most {}", name.size(),
+                                  sizeof address.sun_path - 1));
+  }
+  std::memcpy(address.sun_path, name.data(), name.size());
+  return address;
+}
+
+FileDescriptor new_socket() {
+  FileDescriptor socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (!socket) throw std::runtime_error(fmt::format("socket: {}", std::strerror(errno)));
+  return socket;
+}
+
+// Binds under a umask, so that the socket's file never has the masked permissions, not even for a
+// moment.
+int bind_privately(const FileDescriptor& socket, const sockaddr_un& address) {
+  const mode_t before = ::umask(0177);
+  const int status =
+      ::bind(socket.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  const int error = status == 0 ? 0 : errno;
+  ::umask(before);
+  return error;
+}
+
+// A file that only this process uses. It does not exist at first and is removed with the object.
+struct OwnFile {
+  explicit OwnFile(fs::path where) : path(std::move(where)) { ::unlink(path.c_str()); }
+  ~OwnFile() { ::unlink(path.c_str()); }
+  OwnFile(const OwnFile&) = delete;
+  OwnFile& operator=(const OwnFile&) = delete;
+
+  fs::path path;
+};
+
+void remove_stale(const fs::path& path, const sockaddr_un& address) {
+  struct stat status {};
+  if (::lstat(path.c_str(), &status) != 0) return;
+  if (!S_ISSOCK(status.st_mode)) throw wrong(path, "is there already, and is no socket");
+  const FileDescriptor probe = new_socket();
+  if (::connect(probe.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 ||
+      errno != ECONNREFUSED) {
+    throw wrong(path, errno == EACCES ? "another user's socket"
+                                      : "a server listens there already: expected another path");
+  }
+  ::unlink(path.c_str());
+}
+
+}  // namespace
+
+// The socket gets its path only when it listens, so that a client that waits for the file is not
+// refused.
+ListeningSocket::ListeningSocket(const fs::path& path) : path_(path), socket_(new_socket()) {
+  const sockaddr_un address = address_of(path);
+  const fs::path parent = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  const FileDescriptor folder(::open(parent.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
+  if (!folder) throw wrong(path, std::strerror(errno));
+  // The folder is named by its descriptor, so that the hidden path is not too long for a socket.
+  const OwnFile hidden(fmt::format("/proc/self/fd/{}/.hvp-{}", folder.number(), ::getpid()));
+  if (const int error = bind_privately(socket_, address_of(hidden.path)); error != 0) {
+    throw wrong(path, std::strerror(error));
+  }
+  struct stat status {};
+  if (::lstat(hidden.path.c_str(), &status) == 0) {
+    device_ = status.st_dev;
+    inode_ = status.st_ino;
+  }
+  if (::listen(socket_.number(), kWaiting) != 0) throw wrong(path, std::strerror(errno));
+  if (::link(hidden.path.c_str(), path.c_str()) != 0) {
+    if (errno != EEXIST) throw wrong(path, std::strerror(errno));
+    remove_stale(path, address);
+    if (::link(hidden.path.c_str(), path.c_str()) != 0) throw wrong(path, std::strerror(errno));
+  }
+  // The path is made absolute, as the working folder may change.
+  path_ = fs::absolute(path);
+}
+
+ListeningSocket::~ListeningSocket() {
+  struct stat status {};
+  if (::lstat(path_.c_str(), &status) != 0) return;
+  if (status.st_dev == device_ && status.st_ino == inode_) ::unlink(path_.c_str());
+}
+
+std::optional<FileDescriptor> ListeningSocket::accept() {
+  const int number = ::accept4(socket_.number(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
+  if (number < 0) return std::nullopt;
+  return FileDescriptor(number);
+}
+
+namespace {
+
+// A client that has a message's worth of replies before it and reads none of them for this time has
+// stopped.
 constexpr int kPatienceMs = 10'000;
 
-// What it sends after the last reply is waited for so long, so often.
+// The wait for what the client sends after the last reply: its length and number.
 constexpr int kLastWaitMs = 50;
 constexpr int kLastReads = 1000;
 
@@ -33,8 +145,8 @@ std::optional<Message> Connection::receive() {
   return std::exchange(message_, Message());
 }
 
-// Files come with the first byte that was sent beside them; a message is read to its end and no
-// further, so that none of them are another message's.
+// Files arrive with the first byte that was sent beside them. A message is read exactly to its end,
+// so that none of the files belongs to another message.
 bool Connection::fill(std::span<std::uint8_t> room, std::size_t& filled) {
   while (filled < room.size()) {
     iovec part{.iov_base = room.data() + filled, .iov_len = room.size() - filled};
@@ -66,7 +178,7 @@ void Connection::keep_files(msghdr& message) {
       message_.files.emplace_back(number);
     }
   }
-  // Those that had no room are closed by the kernel.
+  // The kernel closes files for which there was no room.
   if ((message.msg_flags & MSG_CTRUNC) != 0 || message_.files.size() > kMostFiles) {
     throw Broken(fmt::format("a message with more than {} files", kMostFiles));
   }

@@ -1,19 +1,47 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
+#include <span>
 #include <vector>
 
 #include "app/serve/file_descriptor.h"
 #include "app/serve/function_port.h"
 #include "app/serve/message.h"
-#include "app/serve/shared_memory.h"
 
 namespace hvp::serve {
 
-// The memory that a client shares with the board. What comes without a file is noted and not
-// reached: the board's accesses there fail, as those beside all memory do. Likewise what a
-// client has cut off its file since.
+// A mapped part of a client's file.
+//
+// The client may truncate the file at any time, so whole() is checked before each use. If the file
+// is truncated between that check and the access, reads give zeros and writes are lost; without
+// this the system would end the program (SIGBUS).
+class SharedMemory {
+ public:
+  // Throws Refused with the errno if the descriptor is not a regular file (a memfd is one), if the
+  // file ends before that part, or if the offset is no multiple of a page. At most kMostMaps exist
+  // at a time.
+  SharedMemory(FileDescriptor file, std::uint64_t offset, std::uint64_t bytes, bool writable);
+  ~SharedMemory();
+  SharedMemory(SharedMemory&& other) noexcept;
+  SharedMemory& operator=(SharedMemory&&) = delete;
+  SharedMemory(const SharedMemory&) = delete;
+  SharedMemory& operator=(const SharedMemory&) = delete;
+
+  std::span<std::uint8_t> bytes() const { return bytes_; }
+  // True if the file still contains the whole part.
+  bool whole() const;
+
+ private:
+  FileDescriptor file_;
+  std::uint64_t end_;  // in the file
+  std::span<std::uint8_t> bytes_;
+};
+
+// The memory that a client shares with the board. Memory without a file is recorded but not
+// accessible: the board's accesses fail there as they do outside all memory. The same applies to
+// memory that the client has truncated.
 class DmaMaps {
  public:
   // Keeps a reference.
@@ -22,9 +50,9 @@ class DmaMaps {
   DmaMaps(const DmaMaps&) = delete;
   DmaMaps& operator=(const DmaMaps&) = delete;
 
-  // Both throw Refused, and nothing has changed then.
+  // Both functions throw Refused without changing anything.
   void map(const DmaMap& command, std::vector<FileDescriptor> files);
-  // All that lies in the range: none, and one that lies there in part, are refused.
+  // Removes all ranges inside the given one. A range that contains none, or cuts one, is refused.
   void unmap(const DmaUnmap& command);
   void clear();
 

@@ -6,7 +6,7 @@
 
 namespace hvp::serve {
 
-// An open file, closed with its owner.
+// An open file that is closed with its owner.
 class FileDescriptor {
  public:
   FileDescriptor() = default;

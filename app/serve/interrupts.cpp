@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint32_t kDataFlags = kDataNone | kDataBool | kDataEventfd;
 constexpr std::uint32_t kActionFlags = kActionMask | kActionUnmask | kActionTrigger;
 
-// A write to any other file may wait for its reader.
+// A write to any file other than an eventfd may block.
 bool is_eventfd(const FileDescriptor& file) {
   std::array<char, 64> target{};
   const std::string link = fmt::format("/proc/self/fd/{}", file.number());
@@ -82,7 +82,7 @@ void Interrupts::set(const SetInterrupts& command, std::span<const std::uint8_t>
   }
 }
 
-// An index has one interrupt at most.
+// An index has at most one interrupt.
 void Interrupts::assign(std::uint32_t index, std::vector<FileDescriptor> files) {
   if (files.size() > 1) throw Refused(EINVAL, "more files than interrupts");
   if (!files.empty() && !is_eventfd(files.front())) {

@@ -9,18 +9,18 @@
 
 namespace hvp::serve {
 
-// The interrupts of one client: which eventfd is signalled when.
+// The interrupts of one client, each signalled through an eventfd.
 //
-// INTx is a level: it is signalled when it goes up, and is masked with that until the client
-// unmasks it; if it is still up then, it is signalled again. A message is an edge, and is lost
-// where nobody has given an eventfd for it, as one that is sent to no address.
+// INTx is a level: it is signalled when it goes up and is then masked until the client unmasks it;
+// if it is still up, it is signalled again. A message is an edge; it is lost if the client has set
+// no eventfd for it or the message has no address.
 class Interrupts {
  public:
   explicit Interrupts(bool has_messages) : has_messages_(has_messages) {}
 
   // Throws Refused for an index beyond kInterruptIndices.
   InterruptInfo info(std::uint32_t index) const;
-  // `data`: what follows the structure. Throws Refused, and nothing has changed then.
+  // `data` is the data behind the structure. Throws Refused without changing anything.
   void set(const SetInterrupts& command, std::span<const std::uint8_t> data,
            std::vector<FileDescriptor> files);
 

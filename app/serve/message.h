@@ -18,7 +18,7 @@ namespace hvp::serve {
 
 using Bytes = std::vector<std::uint8_t>;
 
-// A command that is answered with an error number of errno.h; the client may go on.
+// A command that is answered with an error number of errno.h. The session continues.
 class Refused : public std::runtime_error {
  public:
   Refused(int error, const std::string& why) : std::runtime_error(why), error_(error) {}
@@ -28,7 +28,8 @@ class Refused : public std::runtime_error {
   int error_;
 };
 
-// Nothing that the client sends from here on has a meaning: it has to go.
+// A violation of the protocol after which nothing of the client can be understood. The session
+// ends.
 class Broken : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -40,13 +41,13 @@ struct Message {
   std::vector<FileDescriptor> files;
 };
 
-// Throws Broken for a header that begins no command of a length that this server takes.
+// Throws Broken if the header does not begin a command of an accepted length.
 Header parse_header(std::span<const std::uint8_t, sizeof(Header)> bytes);
 
 Bytes reply(const Header& command, std::span<const std::uint8_t> body);
 Bytes error_reply(const Header& command, int error);
 
-// Reads a command's body from its beginning. What is not there throws Refused with EINVAL.
+// Reads a command's body field by field. Throws Refused with EINVAL if the body is too short.
 class Fields {
  public:
   explicit Fields(std::span<const std::uint8_t> bytes) : rest_(bytes) {}
@@ -76,5 +77,19 @@ void append(Bytes& to, const T& value) {
   to.resize(at + sizeof value);
   std::memcpy(to.data() + at, &value, sizeof value);
 }
+
+// The result of the version negotiation with a client.
+struct Agreement {
+  std::uint16_t minor = 0;
+  // True if the client may send region_write_multi, which needs minor version 1 and the capability.
+  bool writes_multiple = false;
+};
+
+// Parses the body of a version command, with or without capabilities in JSON. Throws Refused if the
+// major version differs or the capabilities are malformed.
+Agreement agree(std::span<const std::uint8_t> body);
+
+// The body of the reply, with a minor version no higher than the client's.
+Bytes version_reply(const Agreement& agreement);
 
 }  // namespace hvp::serve

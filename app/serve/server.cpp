@@ -11,14 +11,14 @@
 #include <poll.h>
 #include <spdlog/spdlog.h>
 
-#include "app/results/interruption.h"
+#include "app/results/part_files.h"
 
 namespace hvp::serve {
 
 namespace {
 
-// Signals come while the server waits and at no other time: one that came just before would not
-// wake it.
+// Signals are unblocked only while the server waits, as a signal just before the wait would not end
+// it.
 class SignalsOnlyInWaits {
  public:
   SignalsOnlyInWaits() {
@@ -60,7 +60,7 @@ void Server::wait(const sigset_t& while_waiting) {
   std::array<pollfd, 2> files = {
       {{.fd = socket_.number(), .events = POLLIN, .revents = 0},
        {.fd = client_ ? client_->connection.number() : -1, .events = POLLIN, .revents = 0}}};
-  // Nobody waits for the simulation where there is no client.
+  // Without a client nothing waits for the simulation.
   const timespec at_once{};
   const bool simulates = client_ != nullptr && board_.has_work();
   const int ready =
@@ -69,7 +69,7 @@ void Server::wait(const sigset_t& while_waiting) {
     throw std::runtime_error(fmt::format("poll: {}", std::strerror(errno)));
   }
   has_spoken_ = ready > 0 && files[1].revents != 0;
-  // The next one is not refused for one that is about to be found gone.
+  // A new client is not refused for the sake of one that has hung up and is about to be removed.
   knocked_ = ready > 0 && files[0].revents != 0 && (files[1].revents & POLLHUP) == 0;
 }
 
@@ -83,7 +83,7 @@ void Server::let_in() {
     try {
       Connection(std::move(*socket)).send(error_reply(greeting, EBUSY));
     } catch (const Broken&) {
-      // It has gone by itself.
+      // The second client has gone by itself.
     }
     return;
   }
@@ -91,7 +91,7 @@ void Server::let_in() {
   board_.tell(&client_->session.interrupts());
 }
 
-// One message, or what is there of it.
+// Receives a message, or the part of it that has arrived.
 void Server::serve() {
   try {
     std::optional<Message> message = client_->connection.receive();

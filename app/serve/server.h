@@ -9,19 +9,18 @@
 #include "app/serve/board_port.h"
 #include "app/serve/connection.h"
 #include "app/serve/file_descriptor.h"
-#include "app/serve/listening_socket.h"
 #include "app/serve/session.h"
 
 namespace hvp::serve {
 
-// Serves one client after the other, and the simulation in between. A client that comes while
-// another one is served is refused.
+// Serves one client after another and advances the simulation in between. A client that connects
+// while another one is served is refused.
 class Server {
  public:
   // Keeps references.
   Server(BoardPort& board, ListeningSocket& socket) : board_(board), socket_(socket) {}
 
-  // Until a signal was noted (results::interrupted()), or with `once` until the first client that
+  // Returns after a signal (results::interrupted()) or, with `once`, after the first client that
   // agreed on a version has gone. The caller defers interruptions.
   void run(bool once);
 
@@ -41,8 +40,8 @@ class Server {
   BoardPort& board_;
   ListeningSocket& socket_;
   std::unique_ptr<Client> client_;
-  bool served_ = false;   // somebody who has gone
-  bool knocked_ = false;  // what the last wait has seen
+  bool served_ = false;   // a client has agreed on a version and gone
+  bool knocked_ = false;  // the last wait found a new client
   bool has_spoken_ = false;
 };
 

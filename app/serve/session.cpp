@@ -19,7 +19,7 @@ Bytes bytes_of(const T& value) {
   return bytes;
 }
 
-// Configuration space is read in blocks by some: as the accesses that a bus makes of them.
+// Some clients read configuration space in blocks, which are split into the accesses of a bus.
 template <class Byte, class Visit>
 void each_config_access(std::uint64_t offset, std::span<Byte> data, const Visit& visit) {
   while (!data.empty()) {
@@ -36,7 +36,7 @@ void each_config_access(std::uint64_t offset, std::span<Byte> data, const Visit&
 Session::Session(FunctionPort& function)
     : function_(function), interrupts_(function.has_messages()), memory_(function) {}
 
-// The board is quiet before its memory goes.
+// The board has to be quiet before its memory is removed.
 Session::~Session() { function_.reset(); }
 
 Bytes Session::take(Message message) {
@@ -177,7 +177,7 @@ void Session::write(const RegionAccess& access, std::span<const std::uint8_t> da
   }
 }
 
-// Those before one that is refused are made.
+// Writes before a refused one are made.
 Bytes Session::write_multiple(Fields fields) {
   if (!agreement_.writes_multiple) throw Refused(ENOTSUP, "several writes were not agreed");
   const auto count = fields.take<std::uint64_t>();

@@ -4,7 +4,6 @@
 #include <span>
 #include <vector>
 
-#include "app/serve/capabilities.h"
 #include "app/serve/dma_maps.h"
 #include "app/serve/function_port.h"
 #include "app/serve/interrupts.h"
@@ -12,8 +11,8 @@
 
 namespace hvp::serve {
 
-// One client, from its first message to its last: what was agreed, its memory, its interrupts. When
-// it ends the board is as after power-on and has no memory.
+// The session of one client: the negotiated version, its memory and its interrupts. At its end the
+// board is reset to its state after power-on and has no memory.
 class Session {
  public:
   // Keeps a reference.
@@ -22,12 +21,12 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  // Does what the message says. The reply's bytes; none where none is wanted. The message's files
-  // are closed by then, or kept for as long as they are of use. Throws Broken for a message before
-  // the first one's time.
+  // Executes the message and returns the bytes of the reply, none if the client wants no reply. The
+  // message's files are closed, or kept as long as they are needed. Throws Broken if a command
+  // comes before the version is negotiated.
   Bytes take(Message message);
 
-  // Whether a version was agreed.
+  // True after a version was negotiated.
   bool open() const { return open_; }
   Interrupts& interrupts() { return interrupts_; }
 

@@ -5,10 +5,10 @@
 
 #include "driver/hvp_pci.h"
 
-// vfio-user, the protocol by which a virtual machine's monitor has a PCI device that another
-// process models: its numbers and its structures as they go over the socket, in the machine's own
-// byte order. Source: QEMU, docs/interop/vfio-user.rst, version 0.9.2 of that text; the indices and
-// flags are those of <linux/vfio.h>.
+// vfio-user is the protocol by which a virtual machine monitor uses a PCI device that another
+// process models. This header defines its numbers and its structures as they go over the socket, in
+// the machine's own byte order. Source: QEMU, docs/interop/vfio-user.rst, version 0.9.2; the
+// indices and flags are those of <linux/vfio.h>.
 namespace hvp::serve {
 
 inline constexpr std::uint16_t kMajor = 0;
@@ -28,13 +28,13 @@ enum class Request : std::uint16_t {
   region_write_multi = 15,
 };
 
-// In front of every message.
+// The header of every message.
 struct Header {
-  std::uint16_t id = 0;  // the reply has that of its command
+  std::uint16_t id = 0;  // the reply has the id of its command
   std::uint16_t command = 0;
-  std::uint32_t size = 0;  // of the message, the header included
+  std::uint32_t size = 0;  // of the whole message with its header
   std::uint32_t flags = 0;
-  std::uint32_t error = 0;  // of a reply with kErrorFlag: an errno
+  std::uint32_t error = 0;  // an errno, in a reply with kErrorFlag
 };
 inline constexpr std::uint32_t kTypeMask = 0xf;
 inline constexpr std::uint32_t kReplyType = 1;
@@ -49,7 +49,7 @@ struct Version {
 struct DmaMap {
   std::uint32_t argsz = 0;
   std::uint32_t flags = 0;
-  std::uint64_t offset = 0;  // in the file that comes with it
+  std::uint64_t offset = 0;  // in the file that comes with the message
   std::uint64_t address = 0;
   std::uint64_t size = 0;
 };
@@ -115,13 +115,13 @@ inline constexpr std::uint32_t kActionMask = 8;
 inline constexpr std::uint32_t kActionUnmask = 16;
 inline constexpr std::uint32_t kActionTrigger = 32;
 
-// Of region_read, region_write and their replies; data follows.
+// The head of region_read, region_write and their replies; the data follows.
 struct RegionAccess {
   std::uint64_t offset = 0;
   std::uint32_t region = 0;
   std::uint32_t count = 0;
 };
-// One of region_write_multi, behind their number (64 bits); `count` is at most 8.
+// The most bytes of one write in region_write_multi. The writes follow their number (64 bits).
 inline constexpr std::size_t kSmallWrite = 8;
 
 static_assert(sizeof(Header) == 16 && sizeof(Version) == 4 && sizeof(DmaMap) == 32 &&
@@ -129,10 +129,10 @@ static_assert(sizeof(Header) == 16 && sizeof(Version) == 4 && sizeof(DmaMap) == 
               sizeof(InterruptInfo) == 16 && sizeof(SetInterrupts) == 20 &&
               sizeof(RegionAccess) == 16);
 
-// What this server takes, and says in its reply to version.
+// The limits of this server, which its reply to version states.
 inline constexpr std::size_t kLargestTransfer = 1U << 20U;
 inline constexpr std::size_t kMostFiles = 8;
-// Each keeps a file open.
+// Each map keeps a file open.
 inline constexpr std::size_t kMostMaps = 256;
 inline constexpr std::size_t kLargestMessage =
     sizeof(Header) + sizeof(RegionAccess) + kLargestTransfer;

@@ -84,7 +84,7 @@ std::vector<double> exact_solution(const sparse::BlockMatrix& a, std::span<const
   for (std::size_t i = 0; i < x.size(); ++i) x[i] = std::ldexp(x[i], exponent[i]);
   solver.solve(x, x);
   for (std::size_t i = 0; i < x.size(); ++i) x[i] = std::ldexp(x[i], exponent[i]);
-  // Entry by entry: a maximum passes over what is no number.
+  // Compares entry by entry, since a maximum ignores a NaN.
   if (!std::ranges::all_of(x, [](double entry) { return std::isfinite(entry); }) ||
       !std::isfinite(norm(x))) {
     throw InputError(

@@ -10,8 +10,8 @@ namespace hvp::app {
 // A⁻¹·b in double precision, by Cholesky's method. The unknowns are scaled by powers of two
 // first, which costs no digit, so that only what cancellation destroys counts as singular and not
 // units that differ. Throws InputError, with the reason, where A is not positive definite as far
-// as double precision can tell. `equations`: those that the user stated; the others fill the last
-// block.
+// as double precision can tell. `equations` is the number that the user stated; the others fill the
+// last block.
 std::vector<double> exact_solution(const sparse::BlockMatrix& a, std::span<const double> b,
                                    int equations);
 

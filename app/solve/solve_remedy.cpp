@@ -1,9 +1,8 @@
-#include "app/solve/solve_remedy.h"
-
 #include <cstdint>
 #include <utility>
 
 #include "app/devices/devices.h"
+#include "app/solve/system_solve.h"
 #include "models/accel/fit.h"
 #include "models/accel/operations.h"
 #include "models/config/input_error.h"
@@ -14,7 +13,7 @@ namespace hvp::app {
 namespace {
 
 constexpr int kMostAttempts = 40;
-// Products of a matrix entry and a vector entry that a search may take in all: some ten seconds.
+// Products of a matrix entry and a vector entry that a whole search may take: some ten seconds.
 constexpr double kMostWork = 1e10;
 
 SolveTask with_plan(const SolveTask& task, const fixed::Plan& plan) {
@@ -30,7 +29,7 @@ double work_of(const LinearSystem& system, const fixed::Plan& plan) {
   return static_cast<double>(system.matrix.value.size()) * plan.settings.iterations * plan.passes;
 }
 
-// What the device needs for the words, where its present architecture does not hold them.
+// Finds what the words need of the device, where they do not fit its present architecture.
 void make_fit(const SolveTask& task, const SystemSolution& solution, const LinearSystem& system,
               results::TriedRemedy& remedy) {
   remedy.fits = solution.usage.fits();

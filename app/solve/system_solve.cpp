@@ -5,20 +5,44 @@
 #include <limits>
 #include <memory>
 #include <span>
+#include <string>
 
 #include "app/solve/exact_solution.h"
-#include "models/accel/board_clocks.h"
-#include "models/accel/board_memory.h"
+#include "models/accel/board.h"
 #include "models/config/input_error.h"
 #include "models/fem/direct_solver.h"
-#include "models/fixed/kernel.h"
-#include "models/fixed/scaling.h"
+#include "models/fixed/solver.h"
 #include "models/fixed/system.h"
 #include "models/fixed/word.h"
 #include "models/host/reference_run.h"
 #include "models/host/refinement.h"
 
 namespace hvp::app {
+
+SolveSettings::SolveSettings() {
+  solver.method = fixed::Method::jacobi_pcg;
+  solver.start = fixed::Start::zero;
+  accelerator.partitions = 4;
+}
+
+void SolveSettings::choose_preconditioner_memory(const accel::Device& device) {
+  const std::string small = "M512";
+  if (device.memory(small) != nullptr) accelerator.preconditioner_memory = small;
+}
+
+void SolveSettings::declare(config::Visitor& v) {
+  v.table("solver", solver, {"method and words of the fixed-point solver"});
+  v.effect("refinement", refinement,
+           {"the host forms the residual in double precision and the board solves for the "
+            "increment, in several passes"});
+  v.table("accelerator", accelerator, {"the FPGA's micro-architecture"});
+  v.effect("spectrum", spectrum, {"bounds the extreme eigenvalues and the condition number"});
+}
+
+void SolveSettings::check() const {
+  if (solver.start == fixed::Start::zero) return;
+  throw InputError("solver.start", "there is no earlier solution to start from: expected zero");
+}
 
 namespace {
 
@@ -95,7 +119,7 @@ struct Range {
 };
 
 // The least range in which x has its margin and b fits its word. A board cannot know x; the host
-// does here, since the error is to be stated.
+// knows it here, because it computes the error.
 Range fitting_range(const fixed::System& system, std::span<const double> b,
                     std::span<const double> x, const std::optional<Vector>& x_rounded) {
   const std::span<const double> scale = system.scale;
@@ -115,13 +139,13 @@ Range fitting_range(const fixed::System& system, std::span<const double> b,
        std::ldexp(static_cast<double>(fixed::word_limit(s.residual_bits())), s.rhs_shift()));
   const double unit = std::max(unit_for_x, unit_for_b);
   if (!(unit > 0)) return {1.0, "nothing: b is zero"};
-  // The scaling counts the range from the stiffest equation (fixed/scaling.h).
+  // The scaling counts the range from the stiffest equation (fixed/system.h).
   const double least = *std::min_element(scale.begin(), scale.end());
   return {unit * least * static_cast<double>(fixed::word_limit(s.vector_bits)),
           unit_for_b > unit_for_x ? "right-hand side" : "solution"};
 }
 
-// The accelerator with a system in its memory: solves, and keeps count of what that took.
+// The accelerator with a system in its memory: it solves, and counts clocks and iterations.
 class Board {
  public:
   Board(const fixed::System& system, const SolveTask& task)
@@ -192,7 +216,7 @@ void solve_refined(const host::Refinement& refinement, const LinearSystem& given
   }
   refined.finish();
   s.clamped = refined.clamped();
-  // A residual of equations of unlike sizes says less than the error, which is known here.
+  // Where equations differ in size the residual says less than the error, which is known here.
   stability::Flags flags = refined.flags();
   s.flags.merge(flags.without(stability::Flag::not_converged));
   s.x.assign(refined.displacement().begin(), refined.displacement().end());

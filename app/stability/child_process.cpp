@@ -52,7 +52,7 @@ std::string read_all(int descriptor) {
 }  // namespace
 
 std::string in_child(const std::function<std::string()>& work) {
-  // What is buffered would be printed by both.
+  // Flushed, or both processes would print the buffered text.
   std::fflush(nullptr);
   std::array<int, 2> ends{};
   if (::pipe(ends.data()) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
@@ -67,7 +67,7 @@ std::string in_child(const std::function<std::string()>& work) {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     ::close(ends[0]);
     write_all(ends[1], outcome_of(work));
-    // Without the destructors of SystemC's statics, which are the parent's too.
+    // Ends without the destructors of SystemC's static objects, which are the parent's too.
     ::_exit(0);
   }
   ::close(ends[1]);

@@ -7,7 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "app/run/loop_watch.h"
+#include "app/run/watches.h"
 #include "app/scene/unit_contacts.h"
 #include "app/stability/child_process.h"
 #include "models/config/input_error.h"
@@ -19,17 +19,17 @@ namespace hvp::app {
 
 namespace {
 
-// A loop whose displacement gets smaller by less than this from one quarter to the second one after
-// it does not come to rest: the figure of a bisection to 0.1 % (docs/stability.md).
+// A loop comes to rest if its swing in the last quarter is below this part of that in the second.
+// The value is that of a bisection to 0.1 % (docs/stability.md).
 constexpr double kComesToRest = 0.9999;
 constexpr double kRegister = 5e-9;  // m; what the words of position and force may keep moving
 constexpr double kCounts = 1;       // of an encoder, likewise
 
-// Until the first force comes the push alone acts, so that a loop swings wider than it was
-// displaced at first. One that does in the end has left what it is tried for.
+// Until the first force arrives only the push acts, so a stable loop may swing wider than its
+// initial displacement, but at the end by no more than this factor.
 constexpr double kWide = 2;
 
-// How the tip swings along the wall's normal, in quarters of the run.
+// Measures the swing of the tip along the wall's normal in each quarter of the run.
 class TrialWatch : public vp::FrameObserver {
  public:
   TrialWatch(const host::Wall& wall, int frames) : wall_(wall), quarter_(frames / 4) {}
@@ -38,13 +38,13 @@ class TrialWatch : public vp::FrameObserver {
     const double depth = wall_.depth(frame.devices.front().plant.tip.position);
     const std::int64_t quarter = std::min<std::int64_t>(3, frame.number / quarter_);
     quarters_[static_cast<std::size_t>(quarter)].add(depth);
-    // It began inside, and what shrinks stays there.
+    // The tip began in the wall, so a decaying swing stays there.
     left_ = left_ || (quarter >= 2 && depth < 0 && wall_.sides == host::Wall::Sides::one);
     delay_ += frame.born + frame.latency() - frame.latched;
     ++frames_;
   }
 
-  // `displaced`: by how much it was at first, m.
+  // `displaced` is the initial displacement in m.
   Trial trial(double still, double displaced) const {
     const Quarter& before = quarters_[1];
     const Quarter& last = quarters_[3];

@@ -6,40 +6,39 @@
 
 namespace hvp::app {
 
-// How a loop is tried: device and hand begin in equilibrium in the wall, pushed into it by
-// `push_N`, but for a part of the depth by which they are displaced. What is left of that
-// displacement after `frames` says whether the loop is stable. The wall is never left by a loop
-// that is.
+// The settings of a trial. Device and hand start near equilibrium in the wall, into which `push_N`
+// presses them, displaced from it by a part of the depth. The loop is stable if that displacement
+// has decayed after `frames`. A stable loop never leaves the wall.
 struct TrialSettings {
   double push_N = 1;
   int frames = 2000;
 };
 
-// What one run of the platform showed.
+// The result of one trial.
 struct Trial {
   bool stable = false;
-  double growth = 0;       // of the swing about its mean (rms): last quarter over the second
-  double amplitude_m = 0;  // half of peak to peak in the last quarter
-  double delay_s = 0;      // from the latch to the force at the motor, the mean of all frames
+  double growth = 0;  // ratio of the rms swing about its mean, last quarter over second quarter
+  double amplitude_m = 0;  // half of the peak-to-peak swing in the last quarter
+  double delay_s = 0;      // from the latch to the force at the motor, mean of all frames
 };
 
-// Displaced by this part of the depth. Half, so that a stable loop stays in the wall, and one count
-// of an encoder is a small part of it.
+// The initial displacement as a part of the depth. It is half, so that a stable loop stays in the
+// wall, and one encoder count is small beside it.
 inline constexpr double kDisplaced = 0.5;
 
-// Runs the platform of a scenario with a wall of this stiffness (N/m, positive), in a process of
-// its own. The scenario has [wall] and [device.dynamics]; its first probe is tried. A loop that
-// swings on by more than an encoder step either way, or by what the registers' nanometre makes,
-// without getting smaller is not stable; one that sticks is.
+// Runs the platform with a wall of this positive stiffness in a process of its own. The scenario
+// must have [wall] and [device.dynamics]; the trial uses its first probe. A loop is unstable if it
+// keeps swinging, without decaying, by more than an encoder step either way or by more than the
+// registers' resolution of 1 nm causes. A loop that sticks is stable.
 Trial try_wall(const Scene& scene, double stiffness_N_m, const TrialSettings& settings);
 
-// The same of a body whose Young's modulus is so many times the scenario's. The scenario runs its
-// own motion, all of its frames: the loop is stable where no device swings on while its user rests
-// (plant::Oscillation), and somebody rested long enough to see it; throws InputError otherwise.
+// Tries the loop with the scenario's Young's modulus multiplied by `times`. The scenario's own
+// motion is run for all frames. The loop is stable if no device keeps swinging while its user rests
+// (plant::Oscillation). Throws InputError if nobody rests long enough to tell.
 Trial try_body(const Scene& scene, double times);
 
-// Force over depth of the deepest contact along the first probe's way, at rest and with the true
-// matrix, N/m.
+// The contact stiffness in N/m: force over depth of the deepest contact along the first probe's
+// way, at rest and with the true matrix.
 double contact_stiffness(const Scene& scene);
 
 }  // namespace hvp::app

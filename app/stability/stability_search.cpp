@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "app/run/loop_watch.h"
+#include "app/run/watches.h"
 #include "models/config/input_error.h"
 
 namespace hvp::app {
@@ -25,7 +25,7 @@ void require_loop(const Scenario& s) {
   }
 }
 
-// With another damping of the wall.
+// Returns the scene with another damping of the wall.
 Scene damped(const Scene& scene, double damping) {
   Scenario s = scene.scenario();
   s.wall->damping_N_s_m = damping;
@@ -46,7 +46,7 @@ class Search {
       own_N_m_ = contact_stiffness(scene_);
       settings_.largest_N_m = kStiffest * own_N_m_;
     }
-    // A first run tells the delay, by which the eigenvalues make a good guess.
+    // A first run gives the delay with which the eigenvalues predict the result.
     stable(s.wall ? kFirst : own_N_m_);
     const std::optional<plant::WallLoop> loop = wall_loop(
         s, delay_s_, s.wall ? s.wall->direction() : Eigen::Vector3d(Eigen::Vector3d::UnitZ()));
@@ -57,7 +57,8 @@ class Search {
       figures.stiffness_passive = plant::passive_stiffness(*loop, s.device.dynamics->damping_N_s_m);
     }
     bracket(figures.stiffness_linear > 0 ? figures.stiffness_linear : kFirst);
-    // A run of a body takes a hundred times as long, and it has a delay of its own.
+    // The tolerance is larger for a body: a run takes a hundred times as long and has a delay of
+    // its own.
     const double tolerance = s.wall ? settings_.tolerance : 20 * settings_.tolerance;
     while (below_ > 0 && above_ > 0 && above_ - below_ > tolerance * below_) {
       const double middle = std::sqrt(below_ * above_);
@@ -138,7 +139,7 @@ std::vector<StabilityFigures> stability_map(const Scene& scene, const SearchSett
   std::vector<StabilityFigures> map;
   const StabilityFigures undamped = find_stability(damped(scene, 0), settings, progress);
   map.push_back(undamped);
-  // Where the linear loop ends, by doubling and bisection.
+  // Finds the limit of the linear loop by doubling and bisection.
   const auto linear = [&](double damping) {
     const auto loop = wall_loop(damped(scene, damping).scenario(), undamped.delay_s,
                                 scene.scenario().wall->direction());
@@ -152,8 +153,8 @@ std::vector<StabilityFigures> stability_map(const Scene& scene, const SearchSett
     const double middle = 0.5 * (some + none);
     (linear(middle) > 0 ? some : none) = middle;
   }
-  // The bound of passivity ends where the wall is damped as much as the device. At the very end
-  // runs say nothing: what is left of the stiffness is too soft to be leaned on.
+  // The bound of passivity ends where the wall is damped as much as the device. At that end the
+  // remaining stiffness is too small for a trial.
   std::vector<double> dampings = {scene.scenario().device.dynamics->damping_N_s_m};
   for (int i = 1; i < count; ++i) dampings.push_back(kLastDamping * some * i / (count - 1));
   std::ranges::sort(dampings);

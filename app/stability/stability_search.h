@@ -9,15 +9,15 @@
 
 namespace hvp::app {
 
-// The stiffest wall, or body at its contact, that a scenario's loop holds.
+// The stiffest wall, or body at its contact, with which a scenario's loop is stable.
 struct StabilityFigures {
-  double stiffness_max = 0;      // N/m, by runs of the platform; 0: none is stable
-  double left_m = 0;             // what it swings on by then, half of peak to peak
-  double unstable_from = 0;      // the softest that was seen not to be; 0: none was
-  double stiffness_linear = 0;   // by the exact eigenvalues at the runs' own delay
-  double stiffness_passive = 0;  // by Colgate & Schenkel's bound at that delay
-  double encoder_bound = 0;      // 2·f_c/Δ of Abbott & Okamura 2005; 0: not both are there
-  double delay_s = 0;            // from the latch to the force at the motor, mean
+  double stiffness_max = 0;      // N/m, by runs of the platform; 0: no stiffness is stable
+  double left_m = 0;             // half of the remaining peak-to-peak swing at that stiffness
+  double unstable_from = 0;      // the least stiffness found unstable, N/m; 0: none
+  double stiffness_linear = 0;   // N/m, by the exact eigenvalues with the delay of the runs
+  double stiffness_passive = 0;  // N/m, by Colgate & Schenkel's bound with that delay
+  double encoder_bound = 0;  // N/m, 2·f_c/Δ of Abbott & Okamura 2005; 0: no friction or encoder
+  double delay_s = 0;        // from the latch to the force at the motor, mean
   double period_s = 0;
   double damping_N_s_m = 0;     // of the wall
   double young_modulus_Pa = 0;  // of the body at stiffness_max; 0: a wall
@@ -32,14 +32,14 @@ struct SearchSettings {
   double largest_N_m = 1e7;
 };
 
-// Bisects over runs of the platform between a stable and an unstable stiffness: the wall's, or by
-// its Young's modulus the body's at its contact. The scenario has a device with mass; throws
-// InputError otherwise, and as the trials do.
+// Searches the largest stable stiffness by bisection over runs of the platform. The stiffness is
+// the wall's, or that of the body at its contact, changed by Young's modulus. Throws InputError if
+// the scenario has no device with mass, and as the trials do.
 StabilityFigures find_stability(const Scene& scene, const SearchSettings& settings,
                                 const Progress& progress);
 
-// The same for `count` dampings of the wall from none to where no stiffness is stable any more.
-// Throws InputError for a body.
+// Repeats the search for `count` dampings of the wall, from none to the damping at which no
+// stiffness is stable. Throws InputError for a body.
 std::vector<StabilityFigures> stability_map(const Scene& scene, const SearchSettings& settings,
                                             int count, const Progress& progress);
 

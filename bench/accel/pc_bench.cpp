@@ -1,5 +1,5 @@
-// What a PC's core makes of the product that the accelerator is compared with in thesis Table 6.3:
-// double precision, compressed rows, from the caches and from memory, and in blocks of 3 × 3.
+// The product with which thesis Table 6.3 compares the accelerator, on a PC's core: double
+// precision, compressed rows, from the caches and from memory, and in blocks of 3 × 3.
 #include <cstddef>
 #include <vector>
 

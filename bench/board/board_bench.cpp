@@ -1,6 +1,6 @@
-// What it costs a program to have the board in its own process: register accesses, and a job of one
-// node through the driver. SystemC elaborates once in a process: HVP_SCENARIO is another scenario's
-// file than thesis.toml, for instance pcie-msi.toml.
+// The cost of the board in a program's own process: register accesses, and a job of one node
+// through the driver. SystemC elaborates once in a process: HVP_SCENARIO is another scenario's file
+// than thesis.toml, for instance pcie-msi.toml.
 
 #include <array>
 #include <cstdint>

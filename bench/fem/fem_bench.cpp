@@ -1,6 +1,6 @@
-// How the finite elements scale: boxes of 1k to 64k nodes, six tetrahedra a cell. Assembly must
-// grow linearly with the tetrahedra (a small box has fewer of them a node: its surface); the line
-// BigO is the fitted cost of one, RMS how far the fit is off.
+// The scaling of the finite elements: boxes of 1k to 64k nodes, six tetrahedra a cell. Assembly
+// must grow linearly with the tetrahedra (a small box has fewer of them a node: its surface); the
+// line BigO is the fitted cost of one, RMS how far the fit is off.
 
 #include <cstddef>
 #include <vector>

@@ -1,4 +1,4 @@
-// What a fit of a device costs: one evaluation of all residuals and derivatives, and the whole of
+// The cost of a fit of a device: one evaluation of all residuals and derivatives, and the whole of
 // it with eight starts, of logs at 1 kHz. Both should grow with the log's length; `per_sample` (s)
 // shows it. `sticky`: the axis stands most of the time, and each instant at which it stops or
 // breaks loose costs a search.
@@ -10,8 +10,8 @@
 #include <benchmark/benchmark.h>
 
 #include "models/fit/device_problem.h"
-#include "models/fit/device_twin.h"
 #include "models/fit/fit.h"
+#include "models/fit/twins.h"
 
 namespace hvp::fit {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "models/fixed/fast/aligned.h"
+#include "models/fixed/fast/packed_matrix.h"
 
 #ifdef __x86_64__
 #include <immintrin.h>
@@ -56,7 +56,7 @@ __attribute__((target("avx2"))) int read_half_lines(Words words) {
 }
 #endif
 
-// Of the processor, as the benchmarks' rates are: what others do meanwhile does not count.
+// Processor time, as for the benchmarks' rates, so that other programs do not count.
 double seconds_of(std::span<const std::byte> buffer, int times) {
   const std::clock_t start = std::clock();
   for (int i = 0; i < times; ++i) benchmark::DoNotOptimize(read_all(buffer));

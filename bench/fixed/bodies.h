@@ -12,13 +12,13 @@ namespace hvp::fixed::bench {
 inline constexpr int kIterations = 60;   // thesis Table 4.1
 inline constexpr double kPeriod = 2e-3;  // s: 500 Hz
 
-// The stiffness of an elastic box of about so many free nodes (500 … 50000), formed once.
+// The stiffness of an elastic box of about `nodes` free nodes (500 … 50000), assembled once.
 const sparse::BlockMatrix& stiffness(int nodes);
 
-// The thesis' words, from zero.
+// The settings with the thesis' words and a start from zero.
 Settings settings(Method method);
 
-// A right-hand side of full size, the same for everyone.
+// A right-hand side of full size, the same for all benchmarks.
 std::vector<std::int32_t> right_hand_side(const Settings& settings, int rows);
 
 }  // namespace hvp::fixed::bench

@@ -8,9 +8,10 @@
 
 namespace hvp::fixed::bench {
 
-// Conjugate gradients in SystemC's own fixed-point types, as a model is usually written: every
-// word an sc_fixed<> that rounds (SC_RND_INF) and saturates (SC_SAT_SYM) when it is assigned. The
-// thesis' words and rules (Settings' defaults); the same words as every other kernel.
+// Conjugate gradients in SystemC's own fixed-point types, as a model is usually written: every word
+// is an sc_fixed<> that rounds (SC_RND_INF) and saturates (SC_SAT_SYM) when it is assigned. Words
+// and rules are the thesis' (the defaults of Settings), and the results equal those of every other
+// kernel.
 class ScFixedCg {
  public:
   explicit ScFixedCg(const QuantisedMatrix& matrix);
@@ -18,7 +19,7 @@ class ScFixedCg {
   ScFixedCg(const ScFixedCg&) = delete;
   ScFixedCg& operator=(const ScFixedCg&) = delete;
 
-  // From zero; x has the solution's words.
+  // Starts from zero and writes the solution's words to x.
   void solve(std::span<const std::int32_t> b, std::span<std::int32_t> x, int iterations);
 
  private:

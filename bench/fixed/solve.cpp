@@ -12,7 +12,7 @@
 #include "bench/fixed/bodies.h"
 #include "bench/fixed/sc_fixed_cg.h"
 #include "models/fixed/fast/fast_solver.h"
-#include "models/fixed/kernel.h"
+#include "models/fixed/solver.h"
 #include "models/fixed/system.h"
 
 namespace hvp::fixed::bench {
@@ -151,7 +151,7 @@ void add_all() {
   add("quantise/500", [](::benchmark::State& state) {
     for (auto _ : state) ::benchmark::DoNotOptimize(quantise(stiffness(500), 12));
   });
-  // Of the cache that holds the matrix of 500 and 1000 nodes, and of memory.
+  // The bandwidth of the cache that holds the matrix of 500 and 1000 nodes, and of memory.
   for (const int nodes : {500, 1000}) {
     add("bandwidth/matrix/" + std::to_string(nodes), [nodes](::benchmark::State& state) {
       bandwidth(state, packed_bytes(nodes));

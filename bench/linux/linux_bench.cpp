@@ -1,5 +1,5 @@
-// What a Linux kernel on simulated time costs, in wall time, as whole runs of `hvp linux`: from the
-// start until the kernel has booted, loaded the module, solved some frames of the thesis and
+// The cost of a Linux kernel on simulated time, in wall time, as whole runs of `hvp linux`: from
+// the start until the kernel has booted, loaded the module, solved some frames of the thesis and
 // switched off. One frame: the way to a first job. 501: a second of servo frames at 500 Hz more.
 
 #include <cstdlib>

@@ -1,4 +1,4 @@
-// What a frame of 2 ms costs a device with mass: it is asked four times and its force changes
+// The cost of a frame of 2 ms for a device with mass: it is asked four times and its force changes
 // twice, along three axes, in a hand that follows strokes. `reversals` is how often an axis comes
 // to stand or breaks loose in a frame, on average: those cost the search for the instant.
 

@@ -1,4 +1,4 @@
-// What an access costs over the socket of `hvp serve`, in wall time, from the C client.
+// The cost of an access over the socket of `hvp serve`, in wall time, from the C client.
 #include <array>
 #include <csignal>
 #include <cstdio>

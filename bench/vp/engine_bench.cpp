@@ -1,4 +1,4 @@
-// What a solve of the accelerator costs at each level, in wall time: the sphere of
+// The cost of a solve of the accelerator at each level, in wall time: the sphere of
 // scenarios/thesis.toml, 60 iterations. SystemC elaborates once in a process, so that one set of
 // engines serves all benchmarks.
 

@@ -1,9 +1,8 @@
-// What a frame of scenarios/thesis.toml costs in processor time, against the 2 ms that it has: the
+// The cost of a frame of scenarios/thesis.toml in processor time, against its period of 2 ms: the
 // board's solve alone with each kernel, what bandwidth its matrix is read with, and whole frames,
 // frames.csv included, without and with the reference in double precision. The measurements take
 // turns, and the least of each one's times counts; frames are run in a child process each.
-//
-//   bench_frame [REPETITIONS]     5 by default
+// bench_frame [REPETITIONS]     5 by default
 
 #include <algorithm>
 #include <array>
@@ -24,7 +23,7 @@
 #include "bench/fixed/bandwidth.h"
 #include "bench/vp/thesis_scene.h"
 #include "models/fixed/fast/fast_solver.h"
-#include "models/fixed/kernel.h"
+#include "models/fixed/solver.h"
 #include "models/host/deviation.h"
 #include "models/host/reference_run.h"
 #include "vp/frame/latency_statistics.h"
@@ -82,7 +81,7 @@ struct Jobs {
   std::vector<std::vector<std::int32_t>> b, guess;
 };
 
-// Of one solve, the mean over all jobs.
+// The time of one solve, the mean over all jobs.
 double solve_seconds(const Jobs& jobs, fixed::Solver& solver) {
   std::vector<std::int32_t> x;
   const double begin = processor_time();
@@ -93,7 +92,7 @@ double solve_seconds(const Jobs& jobs, fixed::Solver& solver) {
   return (processor_time() - begin) / kFrames;
 }
 
-// What the effect [reference] does beside the board.
+// The work of the effect [reference] beside the board.
 class Reference : public vp::FrameObserver {
  public:
   Reference(const ThesisScene& scene, const sparse::BlockMatrix& rounded)

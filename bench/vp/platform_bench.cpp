@@ -1,9 +1,8 @@
-// What a frame of the whole platform costs in processor time at each level of the accelerator, with
-// the solver that the platform uses: the sphere of scenarios/thesis.toml, dynamic, 60 iterations,
-// the probe in contact. SystemC elaborates once in a process, so that every measurement is a child
-// process; the levels take turns, and the least of each level's times counts.
-//
-//   bench_platform [REPETITIONS]     5 by default
+// The cost of a frame of the whole platform in processor time at each level of the accelerator,
+// with the solver that the platform uses: the sphere of scenarios/thesis.toml, dynamic, 60
+// iterations, the probe in contact. SystemC elaborates once in a process, so that every measurement
+// is a child process; the levels take turns, and the least of each level's times counts.
+// bench_platform [REPETITIONS]     5 by default
 
 #include <algorithm>
 #include <array>

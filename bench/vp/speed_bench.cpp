@@ -28,7 +28,7 @@ namespace hvp::bench {
 namespace {
 
 constexpr std::int64_t kFrames = 20'000;
-// As output.trace_frames has it where a scenario says nothing.
+// The default of output.trace_frames.
 constexpr std::int64_t kTracedFrames = 1'000;
 
 struct Case {

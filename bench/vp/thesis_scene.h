@@ -15,8 +15,8 @@
 #include "models/mesh/region.h"
 #include "vp/platform.h"
 
-// What the benchmarks of the whole platform share: the scene, and a process a measurement, because
-// SystemC elaborates once in a process.
+// The scene of the benchmarks of the whole platform, and a function that runs a measurement in a
+// process of its own, because SystemC elaborates once in a process.
 namespace hvp::bench {
 
 inline mesh::TetMesh sphere() {
@@ -25,7 +25,7 @@ inline mesh::TetMesh sphere() {
   return mesh::generate(settings);
 }
 
-// [dynamics] and [solver] of scenarios/thesis.toml, where they are not the defaults.
+// The values of [dynamics] and [solver] in scenarios/thesis.toml that differ from the defaults.
 inline fem::Dynamics dynamics() {
   fem::Dynamics d;
   d.newmark_gamma = 0.6;
@@ -38,7 +38,7 @@ inline fixed::Settings solver() {
   return s;
 }
 
-// The sphere of scenarios/thesis.toml, dynamic, 60 iterations, the probe in contact.
+// The sphere of scenarios/thesis.toml: dynamic, with 60 iterations and the probe in contact.
 struct ThesisScene {
   explicit ThesisScene(host::Effort effort_asked = host::Effort::computed) : effort(effort_asked) {
     settings.solver = computation.board_settings();
@@ -66,7 +66,7 @@ inline double processor_time() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-// What `measure` returns in a child process; `Result` is copied byte by byte.
+// Runs `measure` in a child process and returns its result, which is copied byte by byte.
 template <class Result, class Measure>
 Result in_a_child(const Measure& measure) {
   std::array<int, 2> ends{};

@@ -1,5 +1,5 @@
-// What the platform itself costs beside the arithmetic it waits for: a frame in the ledger, and a
-// transaction over the bus. SystemC elaborates once in a process, so that one bus serves all
+// The cost of the platform itself beside the arithmetic for which it waits: a frame in the ledger,
+// and a transaction over the bus. SystemC elaborates once in a process, so that one bus serves all
 // repetitions: the program's simulation runs inside the benchmark and goes on where it stopped.
 
 #include <array>

@@ -3,9 +3,9 @@
 
 #include "driver/user/hvp_client.h"
 
-// What the kinds of clients share: the library's own.
+// The declarations that the kinds of clients share, for the library only.
 
-// What a kind of client does; each keeps `detail` and `flags`. `close` frees the client.
+// The calls of one kind of client. Each stores `detail` and `flags`. `close` frees the client.
 struct client_calls {
   hvp_status (*close)(struct hvp_client* client);
   hvp_status (*map)(struct hvp_client* client, struct hvp_client_memory* memory);
@@ -42,7 +42,7 @@ struct hvp_client {
 hvp_status client_open_file(struct hvp_client** client, const char* path);
 hvp_status client_open_vfio_user(struct hvp_client** client, const char* path);
 
-// Says the status by errno too, and returns it.
+// Sets errno for the status, and returns the status.
 hvp_status client_failed(hvp_status status, int error);
 
 #endif

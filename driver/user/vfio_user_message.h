@@ -3,10 +3,10 @@
 
 #include "driver/user/vfio_user_client.h"
 
-// A client's messages. What is returned is 0 or a negative error number; one that the server has
-// replied with leaves the connection standing, any other ends it.
+// A client's messages. The functions return 0 or a negative error number. After an error that the
+// server has replied with the connection is still open; any other ends it.
 
-// A command's bytes: its structure, and data behind it.
+// A command: its structure, and data behind it.
 struct wire_request {
   uint16_t command;
   bool no_reply;
@@ -14,21 +14,22 @@ struct wire_request {
   size_t field_bytes;
   const void* data;
   size_t data_bytes;
-  int file;  // that goes with it; -1: none
+  int file;  // a file sent with it; -1: none
 };
 
-// The reply's structure, and data behind it; what is longer is dropped.
+// Sends a command and receives the reply's structure and the data behind it; longer data is
+// dropped.
 int wire_exchange(struct hvp_vfio_user* client, const struct wire_request* request, void* fields,
                   size_t field_bytes, void* data, size_t data_bytes);
-// A command whose reply has nothing of interest.
+// Sends a command whose reply has no contents.
 int wire_command(struct hvp_vfio_user* client, uint16_t number, const void* fields, size_t bytes,
                  int file);
 int wire_read(struct hvp_vfio_user* client, uint32_t region, uint64_t offset, void* data,
               uint32_t bytes);
-// Posted: nobody waits for it, and a later read follows it.
+// A posted write is not waited for, and a later read follows it.
 int wire_write(struct hvp_vfio_user* client, uint32_t region, uint64_t offset, const void* data,
                uint32_t bytes, bool posted);
-// The connection has ended by this error number, unless it had before.
+// Ends the connection with this error number, unless it had ended before.
 int wire_fail(struct hvp_vfio_user* client, int error);
 
 #endif

@@ -3,8 +3,8 @@
 
 #include <stdint.h>
 
-// What a client sends and gets, in the machine's byte order: QEMU, docs/interop/vfio-user.rst, and
-// <linux/vfio.h>.
+// The messages between client and server, in the machine's byte order: QEMU,
+// docs/interop/vfio-user.rst, and <linux/vfio.h>.
 enum {
   WIRE_VERSION = 1,
   WIRE_DMA_MAP = 2,

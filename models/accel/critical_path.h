@@ -28,30 +28,30 @@ enum class ElementKind {
   block,  // a block's own limit
 };
 
-// A part of a path between two registers.
+// One element of a path between two registers.
 struct Element {
   ElementKind kind = ElementKind::routing;
-  int size = 0;  // as the kind says; 0 where it has none
+  int size = 0;  // as the kind says; 0 if it has none
   double delay_s = 0;
 };
-// "16-bit absolute value", "2x1 multiplexer", …
+// The element's name: "16-bit absolute value", "2x1 multiplexer", …
 std::string text(const Element& element);
 
-// From a register to the next one.
+// A path from a register to the next one.
 struct Path {
   std::string_view name;        // "inner product d'Ad"
   int transfers_per_clock = 1;  // 2 in a double-pumped memory
   std::vector<Element> elements;
 
   double delay_s() const;
-  // The shortest period of the engine's clock that it allows.
+  // The shortest clock period of the engine that the path allows.
   double period_s() const { return transfers_per_clock * delay_s(); }
 };
-// Its elements but the nets, with what each takes: "register 0.10 ns, 2x1 multiplexer 0.38 ns, …,
-// routing 4.53 ns".
+// The path's elements with their delays, the nets summed at the end: "register 0.10 ns, 2x1
+// multiplexer 0.38 ns, …, routing 4.53 ns".
 std::string text(const Path& path);
 
-// What a clock depends on. The device has to have a [timing] table.
+// All that the highest clock depends on. The device has to have a [timing] table.
 struct Clocking {
   const Device& device;
   const Architecture& architecture;
@@ -59,16 +59,16 @@ struct Clocking {
   int nodes = 500;
 };
 
-// The highest clock (thesis Eq. 5.2): 1 / the longest of all paths. Hz.
+// The highest clock in Hz (thesis Eq. 5.2): 1 / the longest of all paths.
 double highest_clock(const Clocking& c);
 
 struct CriticalPath {
   double highest_clock_hz = 0;
-  std::vector<Path> paths;  // all of them, the one that limits the clock first
+  std::vector<Path> paths;  // all paths; the one that limits the clock comes first
 };
 CriticalPath critical_path(const Clocking& c);
 
-// Throws InputError with the key "clock", the path and the highest clock where the architecture's
+// Throws InputError with the key "clock", the path and the highest clock if the architecture's
 // clock is above it. Does nothing for a device without delays.
 void require_clock(const Clocking& c);
 

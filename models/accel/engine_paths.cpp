@@ -3,10 +3,9 @@
 #include <algorithm>
 
 #include "models/accel/bits.h"
-#include "models/accel/memory_blocks.h"
-#include "models/accel/multipliers.h"
+#include "models/accel/memory.h"
+#include "models/accel/multipliers_and_logic.h"
 #include "models/accel/path_builder.h"
-#include "models/accel/vector_stages.h"
 
 namespace hvp::accel {
 

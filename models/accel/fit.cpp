@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "models/accel/critical_path.h"
-#include "models/accel/memory_blocks.h"
-#include "models/accel/multipliers.h"
+#include "models/accel/memory.h"
+#include "models/accel/multipliers_and_logic.h"
 #include "models/config/input_error.h"
 
 namespace hvp::accel {
@@ -24,7 +24,7 @@ std::string setting(const std::string& key, const std::string& value) {
   return "accelerator." + key + " = " + value;
 }
 
-// Whether a system fits and the clock is reached: nothing else is worth a proposal.
+// True if the system fits and the clock is reached: nothing else is worth a proposal.
 bool works(const Device& device, const Architecture& a, const WordLengths& words,
            const Pattern& p) {
   if (!usage(device, a, words, p).fits()) return false;
@@ -147,7 +147,7 @@ Architecture without_choices(Architecture a) {
   return a;
 }
 
-// What to set for another device; none where it does not do.
+// The settings for another device; none if the system does not fit on it either.
 std::optional<Proposal> with_device(const Device& other, const Architecture& a,
                                     const WordLengths& words, const Pattern& p) {
   Proposal proposal{{setting("device", quoted(other.name))}, {}};

@@ -8,7 +8,7 @@ namespace {
 
 using fixed::Method;
 
-// Of the vectors alone, for each component: two for an inner product or an update by a
+// The operations on vectors alone, for each component: two for an inner product or an update by a
 // coefficient, one for an entry of the inverse diagonal, five for a row of an inverse block.
 std::int64_t vector_operations_a_component(Method method) {
   constexpr std::int64_t kCg = 5 * 2;  // dᵀA·d, x, r, rᵀr, d

@@ -8,9 +8,11 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <metis.h>
 
+#include "models/accel/symmetric.h"
 #include "models/config/input_error.h"
 #include "models/index.h"
 
@@ -115,6 +117,54 @@ Balance balance_of(const Architecture& a, const Pattern& p, std::span<const int>
   balance.mean =
       static_cast<double>(std::reduce(packages.begin(), packages.end(), std::int64_t{0})) / parts;
   return balance;
+}
+
+Packing packing(const Architecture& a, const Pattern& whole) {
+  Pattern scratch;
+  const Pattern& p = stored_pattern(a, whole, scratch);
+  Packing packing;
+  for (const int blocks : p.blocks_in_row) {
+    packing.nonzeros += std::int64_t{9} * blocks;
+    packing.stored += std::int64_t{3} * packages_of(a, blocks) * a.package;
+  }
+  packing.balance = balance_of(a, p, deal_rows(a, p, a.partitions), a.partitions);
+  return packing;
+}
+
+Isolation isolation_of(const Pattern& p, std::span<const int> part, int parts) {
+  const std::int64_t nodes = p.nodes();
+  std::vector<std::int64_t> rows(static_cast<std::size_t>(parts), 0);
+  for (const int of_row : part) ++rows[static_cast<std::size_t>(of_row)];
+
+  // The columns that each part touches.
+  std::vector<std::vector<bool>> touched(static_cast<std::size_t>(parts),
+                                         std::vector<bool>(part.size(), false));
+  Isolation found;
+  std::size_t k = 0;
+  for (std::size_t row = 0; row < part.size(); ++row) {
+    for (int i = 0; i < p.blocks_in_row[row]; ++i) {
+      const auto column = static_cast<std::size_t>(p.column[k++]);
+      touched[static_cast<std::size_t>(part[row])][column] = true;
+      found.nonzeros_outside += part[row] != part[column];
+      ++found.nonzeros;
+    }
+  }
+  found.zeros = nodes * nodes - found.nonzeros;
+  std::int64_t inside = 0;
+  std::int64_t inside_touched = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    inside += rows[i] * rows[i];
+    const std::int64_t columns = std::ranges::count(touched[i], true);
+    inside_touched += rows[i] * columns;
+    std::int64_t halo = 0;
+    for (std::size_t node = 0; node < part.size(); ++node) {
+      halo += touched[i][node] && static_cast<std::size_t>(part[node]) != i;
+    }
+    found.largest_halo = std::max(found.largest_halo, static_cast<int>(halo));
+  }
+  found.zeros_outside = nodes * nodes - inside - found.nonzeros_outside;
+  found.zeros_outside_touched = nodes * nodes - inside_touched;
+  return found;
 }
 
 }  // namespace hvp::accel

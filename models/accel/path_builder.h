@@ -1,49 +1,49 @@
 #pragma once
 
 #include "models/accel/critical_path.h"
-#include "models/accel/device_timing.h"
+#include "models/accel/device.h"
 
 namespace hvp::accel {
 
-// Lays one element behind the other and puts a net between them: between logic cells a short one,
-// to and from a multiplier or a memory a longer one. Nothing lies between a logic cell and the
+// Builds a path element by element, with a net before each: a short one between logic cells, a
+// longer one to and from a multiplier or a memory. There is no net between a logic cell and the
 // register in it.
 class PathBuilder {
  public:
-  // `fill`: the part of the device's multipliers that is in use, which makes nets longer.
+  // `fill` is the share of the device's multipliers that is in use; it makes nets longer.
   PathBuilder(const DeviceTiming& timing, double fill);
 
-  // What was begun before is dropped; its storage is used again.
+  // Begins a path and drops the one before, whose storage is used again.
   PathBuilder& begin(std::string_view name);
   PathBuilder& twice_a_clock();
   std::string_view name() const { return path_.name; }
 
-  // Where it starts.
+  // The path's start.
   PathBuilder& from_register();
   PathBuilder& from_multiplier_register();
   PathBuilder& from_memory(bool output_register);
 
   PathBuilder& multiplexer(int ways);
   PathBuilder& shifter(int bits);  // by any number of bits
-  PathBuilder& gates(int inputs);  // a function of so many
+  PathBuilder& gates(int inputs);  // a function of `inputs` bits
   PathBuilder& absolute_value(int bits);
   PathBuilder& adder(int bits);
-  // A word is kept where it is larger than another one.
+  // Keeps the larger of two words.
   PathBuilder& comparator(int bits);
   PathBuilder& multiplier(int bits);
-  // From the block's input register to its output register.
+  // A path inside the block, from its input register to its output register.
   PathBuilder& multiplier_alone(int bits);
 
-  // Where it ends.
+  // The path's end.
   const Path& to_register();
   const Path& to_multiplier();         // its input register
   const Path& to_multiplier_output();  // behind multiplier()
   const Path& to_memory();
-  // A block that is full of registers: its own limit.
+  // A path inside a block that is full of registers: the block's own limit.
   const Path& block(double clock_hz);
 
  private:
-  // decision: logic whose one bit goes to all cells of a word.
+  // `decision` is logic whose single bit goes to all cells of a word.
   enum class At { start, logic, carry, decision, multiplier, memory, block_register };
 
   void net(bool to_block);
@@ -55,7 +55,7 @@ class PathBuilder {
   double nets_;  // factor on every net
   Path path_;
   At at_ = At::start;
-  int chain_bits_ = 0;  // of the carry chains that end here
+  int chain_bits_ = 0;  // bits of the carry chains that end here
 };
 
 }  // namespace hvp::accel

@@ -97,7 +97,7 @@ class Engine {
     }
   }
 
-  // Of every partition, for all nodes, exact; in banks as d.
+  // Exact partial sums of every partition for all nodes, dealt to banks as d is.
   void partial_sums() {
     all_.push_back({"partial sums of A*d", Role::copies,
                     std::int64_t{a_.partitions} * 3 * a_.direction_banks,

@@ -10,7 +10,7 @@
 
 namespace hvp::accel {
 
-// What of the solver's settings decides what is stored and multiplied. CG keeps b and r in vector
+// The solver's settings that decide what is stored and multiplied. CG keeps b and r in vector
 // words; with a preconditioner they have 32 bits, and z and P⁻¹ too (§4.4).
 struct WordLengths {
   int matrix_bits = 12;
@@ -28,26 +28,26 @@ struct WordLengths {
 };
 WordLengths word_lengths(const fixed::Settings& settings);
 
-// How large the system is, in what the engine's structures depend on.
+// The sizes of a system on which the engine's structures depend.
 struct SystemSize {
-  int nodes = 0;              // of the vectors
-  int direction_nodes = 0;    // of the vector that is multiplied: more where devices share the rows
-  std::int64_t packages = 0;  // of the fullest partition
+  int nodes = 0;              // nodes of the vectors
+  int direction_nodes = 0;    // nodes of the multiplied vector: more if devices share the rows
+  std::int64_t packages = 0;  // packages of the fullest partition
   int longest_row = 0;        // blocks
 };
 SystemSize system_size(const Architecture& a, const Pattern& p);
 
-// What a structure is for; the keys matrix_memory, index_memory … choose a memory type for each.
+// The role of a structure; the keys matrix_memory, index_memory … choose a memory type for each.
 enum class Role { matrix, index, copies, vectors, preconditioner, queue };
 
-// What a structure asks of its memory in a clock.
+// The accesses to a structure's memory in a clock.
 enum class Access {
   stream,      // one address; written only while nothing is read
-  read_write,  // one address is read and another one written
-  anywhere,    // so many reads or writes, each of an address of its own
+  read_write,  // one address is read and another one is written
+  anywhere,    // `accesses` reads or writes, each of an address of its own
 };
 
-// Memories of one shape that the engine has, before they are put into blocks.
+// The engine's memories of one shape and use, before they are put into blocks.
 struct Structure {
   std::string use;  // "matrix", "d", "x" …
   Role role = Role::vectors;
@@ -55,7 +55,7 @@ struct Structure {
   std::int64_t depth = 0;  // words of each
   std::int64_t width = 0;  // bits of a word
   Access access = Access::read_write;
-  int accesses = 1;  // of Access::anywhere
+  int accesses = 1;  // a clock, for Access::anywhere
 };
 
 // All structures of the engine (thesis §5.4 and §5.6; vp/fpga/engine has the same ones):
@@ -70,11 +70,12 @@ struct Structure {
 //           instead
 std::vector<Structure> structures(const Architecture& a, const WordLengths& w, const SystemSize& s);
 
-// Bits of an exact sum of a row: a product and a bit for every doubling of the row's length.
+// The bits of an exact sum of a row: those of a product, and one for every doubling of the row's
+// length.
 int row_sum_bits(const WordLengths& w, int longest_row);
 
-// Nodes, of three columns each, that a package touches at most. A row's first package starts with
-// a node's first column; so do all others where whole nodes fill a package.
+// The most nodes, of three columns each, that a package touches. A row's first package starts with
+// a node's first column; so do all others if whole nodes fill a package.
 constexpr int nodes_in_package(int package) {
   return package % 3 == 0 ? package / 3 : (package + 1) / 3 + 1;
 }

@@ -13,22 +13,22 @@
 // adder (forwarded), which is assumed.
 namespace hvp::accel {
 
-// The blocks at and right of the diagonal. Where the columns are not known every row keeps half of
+// The blocks at and right of the diagonal. If the columns are not known, every row keeps half of
 // its neighbours, rounded up.
 Pattern upper_triangle(const Pattern& p);
 
-// The blocks that are stored: all of `p`, or its upper triangle, which is put into `scratch`.
+// The stored blocks: all of `p`, or its upper triangle, which is put into `scratch`.
 const Pattern& stored_pattern(const Architecture& a, const Pattern& p, Pattern& scratch);
 
-// Accesses a clock that a bank of the partial sums has: two ports, at twice the clock where the
-// copies of d are. Two copies help reading only.
+// The accesses a clock that a bank of the partial sums has: two ports, at twice the clock if the
+// copies of d run at it. Two copies help reading only.
 int sum_accesses(const Architecture& a);
 
-// Clocks of a package whose words of d take `direct` clocks and of whose columns `most` lie in one
-// bank: both products, and a read and a write of each sum.
+// The clocks of a package whose words of d take `direct` clocks and of whose columns at most `most`
+// lie in one bank: both products, and a read and a write of each sum.
 int symmetric_package_clocks(const Architecture& a, int direct, int most);
 
-// Clocks of the pass that adds the partitions' sums, L nodes at a time, and clears them.
+// The clocks of the pass that adds the partitions' sums, L nodes at a time, and clears them.
 std::int64_t gathering_clocks(const Architecture& a, int nodes);
 
 }  // namespace hvp::accel

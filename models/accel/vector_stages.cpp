@@ -1,12 +1,11 @@
-#include "models/accel/vector_stages.h"
-
 #include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <limits>
 
 #include "models/accel/bits.h"
-#include "models/accel/multipliers.h"
+#include "models/accel/engine_paths.h"
+#include "models/accel/multipliers_and_logic.h"
 
 namespace hvp::accel {
 

@@ -1,26 +1,53 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
+
+#include "models/config/declaration.h"
 
 namespace hvp::collision {
 
-// Which node follows the probe and how. node = -1: no contact.
+// The node that follows a probe, and its offset. node = -1: no contact.
 //
 // The node's prescribed displacement is tip + offset − rest position: see
 // ContactSearch::prescribed_displacement.
 struct Contact {
-  int node = -1;                                     // of the mesh
+  int node = -1;                                     // node of the mesh
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  // m, along the surface when contact began
 
   bool present() const { return node >= 0; }
   friend bool operator==(const Contact&, const Contact&) = default;
 };
 
-// One probe on the body.
+// The touch of one probe: its tip, its contact and its force.
 struct Touch {
   Eigen::Vector3d tip = Eigen::Vector3d::Zero();  // m
   Contact contact = {};
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  // on the body, N
+};
+
+// The rule for a contact node's offset from the tip.
+enum class Grip {
+  offset,  // the node keeps the sideways distance to the tip that it had when contact began
+  snap,    // the node is at the tip, as thesis §3.7 has it literally
+};
+
+// The effect [contact.fresh]: contact is found anew in every frame, without taking time, instead of
+// the 33 Hz process' last result.
+struct FreshContact {
+  void declare(config::Visitor&) {}
+};
+
+// Rules of contact: scenario table [contact]. docs/collision.md gives the reasons.
+struct ContactSettings {
+  Grip grip = Grip::offset;
+  double hysteresis = 0.05;    // fraction by which another node must be nearer to take over
+  double release_force = 0.0;  // N, pull along the outward normal above which contact ends
+  double patch_radius = 0.0;   // m; 0: a single node
+  double hand_over_s = 30e-3;  // 0: the prescribed displacement jumps
+  std::optional<FreshContact> fresh = {};
+
+  void declare(config::Visitor& v);
 };
 
 }  // namespace hvp::collision

@@ -125,7 +125,7 @@ Pass ContactSearch::start(const Eigen::Vector3d& tip, SearchCost& cost) const {
       node = corner;
     }
   }
-  // A held part does not follow the tip; a free node elsewhere would be dragged to it.
+  // A fixed part does not follow the tip; a free node elsewhere would be dragged to it.
   if (node < 0) return {};
   return {
       .contact = {.node = node, .offset = grip_offset(surface_.position(node), tip, touch.normal)},
@@ -205,8 +205,8 @@ std::span<const Pass> ContactSearch::keep(std::span<const Contact> present,
   return passes_;
 }
 
-// Released in a pass of its own: this U still holds the surface at the tip, so whether the tip
-// touches the body that let go can only be told from the next one.
+// A release takes a pass of its own: this U still has the surface at the tip, so that only the next
+// one tells whether the tip touches the released body.
 template <class Pulls>
 std::span<const Pass> ContactSearch::pass(std::span<const Touch> touches,
                                           std::span<const double> displacement,

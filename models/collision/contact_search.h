@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "models/collision/contact.h"
-#include "models/collision/contact_settings.h"
 #include "models/collision/deformed_surface.h"
 
 namespace hvp::collision {
@@ -16,54 +15,56 @@ enum class ContactEvent {
   started,   // the tip reached the body
   held,      // the same node
   slid,      // another node took over
-  released,  // the tip had begun to pull
+  released,  // contact ended, because the tip pulled
 };
 
-// What a pass decided for one probe.
+// The result of a collision pass for one probe.
 struct Pass {
   Contact contact;
   ContactEvent event = ContactEvent::none;
 };
 
-// The collision half of the 33 Hz process (thesis §6.2.3): once a pass, decides for each probe
-// which node is in contact. No two probes hold one node. The rules and their reasons stand in
-// docs/collision.md. The result is a function of the arguments alone; from one pass to the next
-// nothing is remembered but the cost.
+// The collision half of the 33 Hz process (thesis §6.2.3): each collision pass decides for each
+// probe which node is in contact. No two probes have the same node. docs/collision.md states the
+// rules and their reasons. The result is a function of the arguments alone; only the cost is
+// remembered from one pass to the next.
 class ContactSearch {
  public:
-  // `anchored`: nodes that are held and cannot be touched, in any order. Throws InputError as
-  // DeformedSurface does; for an anchored node that the mesh does not have; where no surface
+  // `anchored` is the nodes that are fixed and cannot be touched, in any order. Throws InputError
+  // as DeformedSurface does; for an anchored node that the mesh does not have; where no surface
   // node is free; for a patch radius that puts more than four million entries into the patches.
   ContactSearch(const mesh::TetMesh& mesh, std::span<const int> anchored,
                 const ContactSettings& settings);
 
-  // `touches`: the probes' centres, the contacts that `displacement` was computed with, and the
-  // forces at them (thesis Fig. 3.5c; a patch's sum), not looked at without a contact.
-  // `displacement`: the last known U, x, y, z of every node, m. Returns a pass for each, until the
-  // next call. Throws InputError for values that are not finite and for a contact that cannot be.
+  // `touches` is the probes' centres, the contacts that `displacement` was computed with, and the
+  // forces at them (thesis Fig. 3.5c; a patch's sum), which are ignored without a contact.
+  // `displacement` is the last known U: x, y, z of every node, m. Returns a Pass for each probe,
+  // valid until the next call. Throws InputError for values that are not finite and for an
+  // impossible contact.
   std::span<const Pass> pass(std::span<const Touch> touches, std::span<const double> displacement);
 
-  // Where nobody computes forces: the tip pulls once it has brought the contact node's prescribed
-  // place off the surface at rest, outwards. To a body at rest with a positive definite compliance
-  // the normal forces have that sign; settings().release_force has nothing to be compared with.
+  // The same for runs that compute no forces. The tip pulls once it has brought the contact node's
+  // prescribed place off the surface at rest, outwards; for a body at rest with a positive definite
+  // compliance the normal force has that sign. settings().release_force is not used.
   std::span<const Pass> pass_without_force(std::span<const Touch> touches,
                                            std::span<const double> displacement);
 
-  // Contacts that are not to be judged by this U: they stay, the surface follows for the picture.
+  // Keeps the contacts, which must not be judged by this U; only the surface follows, for the
+  // picture.
   std::span<const Pass> keep(std::span<const Contact> present,
                              std::span<const double> displacement);
 
-  // The displacement that §3.7 prescribes at the contact node, and at every node of its patch.
+  // The displacement that thesis §3.7 prescribes at the contact node and at every node of its
+  // patch.
   Eigen::Vector3d prescribed_displacement(const Contact& contact, const Eigen::Vector3d& tip) const;
 
   // The nodes that move with `node`, itself included, ascending: free surface nodes that are
-  // reached from it over the surface without leaving the patch radius (straight distances at
-  // rest, so a thin body's far side does not belong). Throws InputError for a node that cannot
-  // be touched.
+  // reached from it over the surface without leaving the patch radius (straight distances at rest;
+  // a thin body's far side does not belong). Throws InputError for a node that cannot be touched.
   std::span<const int> patch(int node) const;
 
-  // Operations of the last pass, an estimate by counting boxes, triangles and nodes tried;
-  // before the first pass those of a search that tries one leaf.
+  // The operations of the last pass, estimated by counting boxes, triangles and nodes tried; before
+  // the first pass those of a search that tries one leaf.
   double pass_flops() const { return pass_flops_; }
 
   bool touchable(int node) const;
@@ -87,10 +88,10 @@ class ContactSearch {
 
   ContactSettings settings_;
   DeformedSurface surface_;
-  std::vector<std::uint8_t> anchored_;  // one a node of the mesh
-  std::vector<int> patch_begin_;        // a node's patch in patch_; without a radius empty
+  std::vector<std::uint8_t> anchored_;  // one for each node of the mesh
+  std::vector<int> patch_begin_;  // begin of each node's patch in patch_; empty without a radius
   std::vector<int> patch_;
-  std::vector<Pass> passes_;  // one a probe
+  std::vector<Pass> passes_;  // one for each probe
   double pass_flops_ = 0.0;
 };
 

@@ -8,9 +8,10 @@ namespace hvp::collision {
 
 namespace {
 
-// What is left of a gap: 1 − 10s³ + 15s⁴ − 6s⁵.
+// The remaining share of a gap: 1 − 10s³ + 15s⁴ − 6s⁵.
 double left(double s) { return 1 - s * s * s * (10 - 15 * s + 6 * s * s); }
-// How far a velocity that ends at zero has led, over velocity and duration: s − 6s³ + 8s⁴ − 3s⁵.
+// The distance that a velocity which ends at zero leads, over velocity and duration: s − 6s³ + 8s⁴
+// − 3s⁵.
 double led(double s) { return s * (1 - s * s * (6 - 8 * s + 3 * s * s)); }
 
 constexpr double kLeftOperations = 8;

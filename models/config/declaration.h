@@ -14,15 +14,15 @@
 #include <utility>
 #include <vector>
 
-// How a part declares its parameters, once. A configuration struct lives with its part and has
-// a member `void declare(config::Visitor& v)` that names every parameter with its dimension,
-// range, help and the source of its default (the default itself is the member's initialiser).
-// Reading a scenario, checking it, writing scenario.resolved.toml and the reference page are
-// four visitors of that one declaration. A rule that ties several parameters together goes into
-// `void check() const`, which throws InputError naming one of the part's own keys.
+// The declaration of a part's parameters, made once. A configuration struct is kept with its part
+// and has a member `void declare(config::Visitor& v)` that names every parameter with its
+// dimension, range, help and the source of its default (the default itself is the member's
+// initialiser). Reading a scenario, checking it, writing scenario.resolved.toml and the reference
+// page are four visitors of that one declaration. A rule that concerns several parameters together
+// goes into `void check() const`, which throws InputError naming one of the part's own keys.
 namespace hvp::config {
 
-// What a quantity measures. Values are held in SI units; a scenario states the unit.
+// The dimension of a quantity. Values are stored in SI units; a scenario states the unit.
 enum class Dimension {
   dimensionless,
   time,              // s
@@ -65,56 +65,56 @@ struct IntegerRange {
   std::int64_t max = std::numeric_limits<std::int64_t>::max();
 };
 
-// One line of help, and where the default comes from (a paper's section, a data sheet, a
-// measurement). A required parameter has no default.
+// One line of help, and the source of the default (a paper's section, a data sheet, a measurement).
+// A required parameter has no default.
 struct Note {
   std::string_view help;
   std::string_view source = {};
   bool required = false;
 };
 
-// In place of a value: an effect is there.
+// Stands for the value of an effect that is present.
 inline constexpr std::string_view kPresent = "present";
 
-// What must stand elsewhere in the scenario for an effect to do anything.
+// A condition elsewhere in the scenario without which an effect does nothing.
 struct Need {
-  std::string_view
-      key;  // of a choice or a whole number: "fidelity.bus"; of an effect, with kPresent
-  std::vector<std::string_view> values;  // of which one is wanted, without quotes
+  std::string_view key;  // key of a choice, a whole number or, with kPresent, an effect
+  std::vector<std::string_view> values;  // one of these is needed; without quotes
   std::string_view why = {};             // "a bus that takes no time has no latencies"
 };
 
-// What an effect declares of itself. `hvp explain`, summary.json and the reference page have it
+// An effect's declaration of itself. `hvp explain`, summary.json and the reference page take it
 // from here, and nothing else lists effects.
 struct EffectNote {
   std::string_view help;
-  // What is built for it and what that takes, in simulated and in real time.
+  // What is built for the effect, and its cost in simulated and in real time.
   std::string cost = {};
   std::vector<Need> needs = {};
-  // It is there without its table too, by a key that is declared before it.
+  // The effect may be present without its table too, because of a key that is declared before it.
   bool implied = false;
 };
 
-// Keys that belong to some values of another key only, such as the radius to a sphere. What a
-// scenario writes although it does not belong is refused, whatever its value.
+// A condition under which keys belong to a table: some values of another key, such as "sphere" for
+// the radius. A key in a scenario that does not belong is refused, whatever its value.
 struct Condition {
   std::string_view key;             // "shape"
-  std::vector<std::string> values;  // as a scenario writes them: "\"sphere\"", "1"
-  std::string found;                // the value at hand, likewise
-  // Where the keys belong unless a table is there: `key` is that table, and this says why.
+  std::vector<std::string> values;  // as in a scenario: "\"sphere\"", "1"
+  std::string found;                // the present value, written the same way
+  // For keys that belong unless a table is present: `key` is that table, and this is the reason.
   std::string why_not_beside = {};
   bool holds() const { return std::find(values.begin(), values.end(), found) != values.end(); }
 };
 
-// Of keys that are for nothing beside another table: "wall", if `there`.
+// The condition of keys that do nothing beside another table, such as "wall"; `there`: that table
+// is present.
 inline Condition not_beside(std::string_view table, bool there, std::string why) {
   return {table, {"absent"}, there ? "present" : "absent", std::move(why)};
 }
 
-// A file. Its path starts from the program's own folder and can be opened once the scenario is
+// A file. Its path is relative to the program's own folder and can be opened once the scenario is
 // loaded.
 struct File {
-  std::string written;  // in the scenario's words; empty: none
+  std::string written;  // as the scenario writes it; empty: none
   std::string path;
 
   File() = default;
@@ -156,7 +156,7 @@ class Visitor {
  public:
   virtual ~Visitor() = default;
 
-  // A whole declaration: where a visit starts.
+  // Visits a whole declaration.
   template <class Root>
   void visit(Root& root) {
     declare_and_check(root);
@@ -168,9 +168,9 @@ class Visitor {
   virtual void integer(std::string_view name, std::int64_t& value, IntegerRange, Note) = 0;
   virtual void boolean(std::string_view name, bool& value, Note) = 0;
   virtual void text(std::string_view name, std::string& value, Note) = 0;
-  // A file; a relative path starts from the scenario's folder. Empty means absent.
+  // A file; a relative path starts from the scenario's folder. An empty one is absent.
   virtual void file(std::string_view name, File& file, Note) = 0;
-  // Several names out of a fixed set are written as one string; `index` is into `names`.
+  // One of several names; `index` is into `names`.
   virtual void choice_index(std::string_view name, std::size_t& index,
                             const std::vector<std::string_view>& names, Note) = 0;
 
@@ -196,7 +196,7 @@ class Visitor {
     value = options[index].second;
   }
 
-  // The same for one that decides which keys follow.
+  // The same for a choice that decides which keys follow.
   template <class Enum>
   Variant<Enum> variant(std::string_view name, Enum& value,
                         const std::vector<std::pair<std::string_view, Enum>>& options, Note note) {
@@ -212,7 +212,7 @@ class Visitor {
     end_condition();
   }
 
-  // A part whose keys stand in the table at hand, among those of the part that includes it.
+  // Declares a part whose keys are in the present table, among those of the part that includes it.
   template <class Part>
   void include(Part& part) {
     part.declare(*this);
@@ -221,8 +221,8 @@ class Visitor {
     }
   }
 
-  // A part that is always there; its table may be left out and then has its defaults. `context` is
-  // what decides elsewhere which of its keys belong.
+  // Declares a part that is always present; its table may be left out and then has its defaults.
+  // `context` decides from elsewhere which of its keys belong.
   template <class Part, class... Context>
   void table(std::string_view name, Part& part, Note note, const Context&... context) {
     begin_table(name, note);
@@ -230,7 +230,8 @@ class Visitor {
     end_table();
   }
 
-  // A part of which there is one, written as a table, or several, written as an array of tables.
+  // Declares a part of which there is one, written as a table, or several, written as an array of
+  // tables.
   template <class Part>
   void one_or_more(std::string_view name, std::vector<Part>& parts, Note note) {
     if (parts.empty()) parts.resize(1);
@@ -242,7 +243,7 @@ class Visitor {
     table(name, parts.front(), note);
   }
 
-  // An effect: it is there if and only if the scenario has its table.
+  // Declares an effect: it is present if and only if the scenario has its table.
   template <class Part>
   void effect(std::string_view name, std::optional<Part>& part, const EffectNote& note) {
     bool present = part.has_value();
@@ -261,14 +262,14 @@ class Visitor {
     end_effect();
   }
 
-  // An effect that is there where its list has an item.
+  // Declares an effect that is present where its list has an item.
   template <class Part>
   void effects(std::string_view name, std::vector<Part>& parts, const EffectNote& note) {
     list(name, parts, {.help = note.help});
     list_is_effect(name, !parts.empty(), note);
   }
 
-  // An array of tables. A list that the scenario has replaces the default one as a whole.
+  // Declares an array of tables. A list in the scenario replaces the default one as a whole.
   template <class Part>
   void list(std::string_view name, std::vector<Part>& parts, Note note) {
     std::size_t count = parts.size();
@@ -293,32 +294,34 @@ class Visitor {
  protected:
   virtual void begin_table(std::string_view name, Note) = 0;
   virtual void end_table() = 0;
-  // Returns whether to go into the part. `present` is set by a reader.
+  // Returns true where the visit is to enter the part. A reader sets `present`.
   virtual bool begin_effect(std::string_view name, bool& present, const EffectNote&) = 0;
   virtual void end_effect() = 0;
-  // Of the list that has ended.
+  // Says that the list that has just ended is an effect.
   virtual void list_is_effect(std::string_view /*name*/, bool /*present*/, const EffectNote&) {}
-  // Whether what there is one or more of is an array of tables.
+  // True where a part of one_or_more() is an array of tables.
   virtual bool is_list(std::string_view /*name*/, std::size_t count) { return count > 1; }
-  // `count` is set by a reader, which returns true where the scenario has the list.
+  // A reader sets `count` and returns true where the scenario has the list.
   virtual bool begin_list(std::string_view name, std::size_t& count, Note) = 0;
   virtual void begin_item(std::size_t index) = 0;
   virtual void end_item() = 0;
   virtual void end_list() = 0;
-  // Returns whether to go on to the keys: a reader does always, to know them, and a writer where
-  // they belong.
+  // Returns true where the visit is to go on to the keys: for a reader always, so that it knows
+  // them, and for a writer where they belong.
   virtual bool begin_condition(const Condition& /*condition*/) { return true; }
   virtual void end_condition() {}
-  // A reader runs the check and completes the key of what it throws; other visitors do nothing.
+  // A reader runs the check and completes the key of the error that it throws; other visitors do
+  // nothing.
   virtual void check(const std::function<void()>& /*rule*/) {}
-  // True for a visitor that is after the declaration: it is shown every effect, an absent one with
-  // its defaults, and one item of every list with its defaults, and changes nothing.
+  // True for a visitor that needs the declaration only: it is shown every effect, an absent one
+  // with its defaults, and one item of every list with its defaults, and changes nothing.
   virtual bool describes_only() const { return false; }
 
  private:
   using Rules = std::vector<std::function<void()>>;
 
-  // The rules run once the whole table is declared: those of included parts first.
+  // Declares a part and then runs its rules, once the whole table is declared: those of included
+  // parts first.
   template <class Part, class... Context>
   void declare_and_check(Part& part, const Context&... context) {
     Rules outer = std::exchange(included_, {});
@@ -333,7 +336,7 @@ class Visitor {
     });
   }
 
-  Rules included_;  // of the table at hand
+  Rules included_;  // of the present table
 };
 
 template <class Enum>

@@ -66,7 +66,7 @@ bool EffectSurvey::begin_effect(std::string_view name, bool& present, const Effe
 }
 void EffectSurvey::end_effect() { levels_.pop_back(); }
 
-// What an item holds is nothing that an effect elsewhere could need.
+// The values in an item are none that an effect elsewhere could need.
 bool EffectSurvey::begin_list(std::string_view name, std::size_t&, Note) {
   enter(name, false);
   return false;

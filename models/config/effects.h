@@ -1,29 +1,76 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
-#include "models/config/quiet_visitor.h"
+#include "models/config/declaration.h"
 
+// The conditions of effects on other parts, in a scenario's keys; the survey of a scenario's
+// effects.
 namespace hvp::config {
 
-// "a", "a or b", "a, b or c".
+inline Need need_timed_bus(std::string_view why) {
+  return {"fidelity.bus", {"loosely-timed", "approximately-timed"}, why};
+}
+
+inline Need need_bus_cycles() { return {"fidelity.bus", {"approximately-timed"}}; }
+
+inline Need need_timed_host() {
+  return {"fidelity.host", {"loosely-timed"}, "the host takes no time"};
+}
+
+inline Need need_board(std::string_view why = "there is no board") {
+  return {"host.solver", {"board"}, why};
+}
+
+inline Need need_numbers() { return {"fidelity.numbers", {"fixed"}, "nobody computes numbers"}; }
+
+// A visitor that does nothing, as a base for one that needs a few things only: it enters tables,
+// but neither effects nor lists.
+class QuietVisitor : public Visitor {
+ public:
+  using Visitor::integer;
+  void quantity(std::string_view, double&, Dimension, Range, Note) override {}
+  void vector(std::string_view, Eigen::Vector3d&, Dimension, Range, Note) override {}
+  void integer(std::string_view, std::int64_t&, IntegerRange, Note) override {}
+  void boolean(std::string_view, bool&, Note) override {}
+  void text(std::string_view, std::string&, Note) override {}
+  void file(std::string_view, File&, Note) override {}
+  void choice_index(std::string_view, std::size_t&, const std::vector<std::string_view>&,
+                    Note) override {}
+
+ protected:
+  void begin_table(std::string_view, Note) override {}
+  void end_table() override {}
+  bool begin_effect(std::string_view, bool&, const EffectNote&) override { return false; }
+  void end_effect() override {}
+  bool begin_list(std::string_view, std::size_t&, Note) override { return false; }
+  void begin_item(std::size_t) override {}
+  void end_item() override {}
+  void end_list() override {}
+};
+
+// Joins items for a message: "a", "a or b", "a, b or c".
 std::string alternatives(const std::vector<std::string>& items);
 
 struct Effect {
   std::string path;      // "bus.pcie"
-  bool present = false;  // in what was visited
+  bool present = false;  // in the visited settings
   std::string help;
   std::string cost;
   std::vector<Need> needs;
-  // KEY=VALUE, as --set takes it, beside which alone it may be there; empty: beside any.
+  // The setting, KEY=VALUE as for --set, without which the effect may not be present; empty: there
+  // is none.
   std::string belongs_to = {};
 };
 
-// All effects that a declaration has, those of absent effects included, and the values of the
-// choices and whole numbers that they may need.
+// Collects all effects of a declaration, absent ones included, and the values of the choices and
+// whole numbers that they may need.
 class EffectSurvey : public QuietVisitor {
  public:
   using QuietVisitor::integer;
@@ -31,15 +78,15 @@ class EffectSurvey : public QuietVisitor {
   void choice_index(std::string_view name, std::size_t& index,
                     const std::vector<std::string_view>& names, Note) override;
 
-  // In the order of their declaration.
+  // The effects in the order of their declaration.
   const std::vector<Effect>& effects() const& { return effects_; }
   std::vector<Effect> effects() && { return std::move(effects_); }
-  // What has to be set, KEY=VALUE as --set takes it, before an effect that is absent can be there:
-  // by its own needs and by those of the effects that it needs or stands in. Empty where nothing
-  // has to be. Whether the scenario takes all of it is for the scenario to say.
+  // The settings, KEY=VALUE as for --set, that are necessary before an absent effect can be
+  // present: for its own needs and for those of the effects that it needs or is part of. Empty
+  // where none is necessary. Whether the scenario accepts all of them is checked by the scenario.
   std::vector<std::string> to_bring(const Effect& effect) const;
-  // Throws InputError, its key the effect, for the first effect that is present and needs what is
-  // not there; std::logic_error for a need of a key that is not declared.
+  // Throws InputError, with the effect as its key, for the first present effect whose need is not
+  // met; std::logic_error for a need of a key that is not declared.
   void require_needs() const;
 
  protected:
@@ -58,11 +105,11 @@ class EffectSurvey : public QuietVisitor {
   struct Value {
     std::string text;
     bool quoted = false;
-    // Another value of the same key as a scenario writes it.
+    // Another value of the same key as in a scenario.
     std::string shown(std::string_view other) const;
   };
 
-  // Where the visit is: inside something absent, neither values nor effects are the scenario's.
+  // The place of the visit. Inside something absent, neither values nor effects are the scenario's.
   struct Level {
     std::string path;
     bool there = true;
@@ -79,12 +126,12 @@ class EffectSurvey : public QuietVisitor {
   std::vector<Level> levels_ = {{}};
   std::vector<Effect> effects_;
   std::map<std::string, Value> values_;
-  std::map<std::string, std::string> left_out_;  // keys, and why
+  std::map<std::string, std::string> left_out_;  // keys, and the reasons
 };
 
 template <class Root>
 EffectSurvey survey_effects(const Root& root) {
-  Root copy = root;  // declare() takes what it may also fill
+  Root copy = root;  // declare() takes a reference that is not const
   EffectSurvey survey;
   survey.visit(copy);
   return survey;

@@ -9,19 +9,19 @@
 #include <variant>
 #include <vector>
 
-// How a part declares its figures, once: the counterpart of config/declaration.h for results. A
-// source of figures has a function `void report(config::Figures& f) const` that names each with its
-// key, unit and a line of help, where its value is at hand. Writing summary.json, the page that
+// The declaration of a part's figures, made once: the counterpart of config/declaration.h for
+// results. A source of figures has a function `void report(config::Figures& f) const` that states
+// the key, the unit, a line of help and the value of each. Writing summary.json, the page that
 // explains it and the list of a study's columns are three visitors of that one declaration.
 //
-// A report() calls the visitor for all its figures, whatever their values: what may be missing is
-// said by `optional`, if_present() and when(), so that a visitor that is after the declaration gets
-// all of it from a source that was only default-constructed.
+// A report() calls the visitor for all its figures, whatever their values. Figures that may be
+// missing are declared with `optional`, if_present() and when(), so that a visitor that needs the
+// declaration only gets all of it from a default-constructed source.
 namespace hvp::config {
 
 inline constexpr std::string_view kMicroseconds = "µs";
 
-// A figure's value in the unit of its key. monostate: there is none, null in summary.json.
+// A figure's value in the unit of its key. monostate: there is none, which is null in summary.json.
 using FigureValue = std::variant<std::monostate, bool, std::int64_t, double, std::string,
                                  std::vector<std::string>, std::vector<double>>;
 
@@ -29,16 +29,17 @@ class Figures {
  public:
   virtual ~Figures() = default;
 
-  // `key` within the table at hand. The unit is that of the value: "µs", "N"; empty: a count, a
-  // ratio, a name. The help is Markdown.
+  // Declares a figure. `key` is within the present table. `unit` is that of the value: "µs", "N";
+  // empty for a count, a ratio or a name. The help is Markdown.
   virtual void value(std::string_view key, const FigureValue& value, std::string_view unit,
                      std::string_view help) = 0;
 
-  // The double next to the exact value, which prints without a tail: 651.34. The key ends in "_us".
+  // A time in µs. Its value is the double nearest to the exact one, which prints without a tail:
+  // 651.34. The key ends in "_us".
   void time(std::string_view key, std::int64_t picoseconds, std::string_view help) {
     value(key, static_cast<double>(picoseconds) / 1e6, kMicroseconds, help);
   }
-  // A mean of times.
+  // A mean of times, in µs.
   void mean_time(std::string_view key, double picoseconds, std::string_view help) {
     value(key, picoseconds / 1e6, kMicroseconds, help);
   }
@@ -46,7 +47,7 @@ class Figures {
                 std::string_view help) {
     value(key, number ? FigureValue(*number) : FigureValue(), unit, help);
   }
-  // A share, or an error of something's size.
+  // A share, or a relative error.
   void ratio(std::string_view key, std::optional<double> number, std::string_view help) {
     quantity(key, number, {}, help);
   }
@@ -67,15 +68,16 @@ class Figures {
     value(key, std::string(words), {}, help);
   }
 
-  // Figures in a table of their own: of a source with report(), or of a function that names them.
-  // A table that is named again goes on.
+  // Figures in a table of their own: of a source with report(), or of a function that declares
+  // them. A table that is named again is continued.
   template <class Part>
   void table(std::string_view key, std::string_view help, const Part& part) {
     begin_table(key, help);
     report(part);
     end_table();
   }
-  // Null where the part is absent. `of` reports it, where it has no report() of its own.
+  // A table that is null where the part is absent. `of` reports the part where it has no report()
+  // of its own.
   template <class Part>
   void table_or_null(std::string_view key, std::string_view help, const std::optional<Part>& part) {
     table_or_null(key, help, part, [this](const Part& p) { p.report(*this); });
@@ -86,7 +88,7 @@ class Figures {
     if (!part && !describes_only()) return value(key, {}, {}, help);
     table(key, help, [&] { present(part, of); });
   }
-  // Left out where the part is absent.
+  // A table that is left out where the part is absent.
   template <class Part>
   void table_if_present(std::string_view key, std::string_view help,
                         const std::optional<Part>& part) {
@@ -103,7 +105,7 @@ class Figures {
     if (belongs || describes_only()) of();
   }
 
-  // A list of tables, one an item. `of` reports an item, where it has no report() of its own.
+  // A list of tables, one for each item. `of` reports an item that has no report() of its own.
   template <class Items>
   void list(std::string_view key, std::string_view help, const Items& items) {
     list(key, help, items, [this](const auto& item) { item.report(*this); });
@@ -124,7 +126,8 @@ class Figures {
     end_list();
   }
 
-  // A table of tables, one an item with the name that `name` gives it; the page calls it <item>.
+  // A table of tables, one for each item, with the names that `name` gives; the page calls them
+  // <item>.
   template <class Items, class Name>
   void tables(std::string_view key, std::string_view help, const Items& items, const Name& name) {
     begin_table(key, help);
@@ -136,7 +139,7 @@ class Figures {
     end_table();
   }
 
-  // Of a part whose figures stand among those of the table at hand.
+  // The figures of a part, among those of the present table.
   template <class Part>
   void report(const Part& part) {
     if constexpr (requires { part.report(*this); }) {
@@ -153,7 +156,7 @@ class Figures {
   virtual void begin_item() = 0;
   virtual void end_item() = 0;
   virtual void end_list() = 0;
-  // True for a visitor that is after the declaration and not the values: it is shown every part and
+  // True for a visitor that needs the declaration and not the values: it is shown every part and
   // one item of every list, default-constructed where there is none.
   virtual bool describes_only() const { return false; }
 

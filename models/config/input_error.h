@@ -6,13 +6,12 @@
 
 namespace hvp {
 
-// Something that came from outside the program is wrong. The command line prints it as one
-// line and exits with status 2.
+// An error in the program's input. The command line prints it as one line and exits with status 2.
 //
 // `key` is the scenario key that is to blame ("object.mesh.nodes"), relative to the part that
-// throws; the scenario reader completes it and finds its line. It is empty where no key is
-// meant. The message states what was found and what was expected, numbers included, and does
-// not repeat the key.
+// throws; the scenario reader completes it and finds its line. It is empty where no key is meant.
+// The message states the value that was found and the values that were expected, numbers included,
+// and does not repeat the key.
 class InputError : public std::runtime_error {
  public:
   explicit InputError(const std::string& message) : std::runtime_error(message) {}

@@ -1,7 +1,9 @@
 #include "models/fem/assembly.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -11,6 +13,119 @@
 #include "models/index.h"
 
 namespace hvp::fem {
+
+namespace {
+
+// Coordinates carry 1e-16 of relative rounding; four digits above that the sign is certain.
+constexpr double kFlatElement = 1e-12;
+
+}  // namespace
+
+const std::vector<std::pair<std::string_view, MassKind>>& mass_kind_names() {
+  static const std::vector<std::pair<std::string_view, MassKind>> names = {
+      {"lumped", MassKind::lumped}, {"consistent", MassKind::consistent}};
+  return names;
+}
+
+ElementGeometry element_geometry(const mesh::TetMesh& mesh, int element) {
+  const auto& corner = mesh.tetrahedra[static_cast<std::size_t>(element)];
+  std::array<Eigen::Vector3d, 4> x;
+  for (std::size_t i = 0; i < 4; ++i) x[i] = mesh.nodes[static_cast<std::size_t>(corner[i])];
+  double longest = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t j = i + 1; j < 4; ++j) longest = std::max(longest, (x[j] - x[i]).norm());
+  }
+
+  ElementGeometry geometry;
+  geometry.det_jacobian = mesh::jacobian_determinant(x[0], x[1], x[2], x[3]);
+  const double det = geometry.det_jacobian;
+  if (!(det > kFlatElement * longest * longest * longest) || !std::isfinite(det)) {
+    throw InputError(fmt::format(
+        "tetrahedron {} (nodes {}, {}, {}, {}) is {}: det J = {:.3g} m³ with a longest edge of "
+        "{:.3g} m; expected det J > {:g} of the edge's cube",
+        element, corner[0], corner[1], corner[2], corner[3], det < 0 ? "inverted" : "degenerate",
+        det, longest, kFlatElement));
+  }
+  const Eigen::Vector3d e1 = x[1] - x[0];
+  const Eigen::Vector3d e2 = x[2] - x[0];
+  const Eigen::Vector3d e3 = x[3] - x[0];
+  geometry.gradient[1] = e2.cross(e3) / det;
+  geometry.gradient[2] = e3.cross(e1) / det;
+  geometry.gradient[3] = e1.cross(e2) / det;
+  geometry.gradient[0] = -(geometry.gradient[1] + geometry.gradient[2] + geometry.gradient[3]);
+  return geometry;
+}
+
+StrainDisplacementMatrix strain_displacement(const ElementGeometry& geometry) {
+  StrainDisplacementMatrix b = StrainDisplacementMatrix::Zero();
+  for (int a = 0; a < 4; ++a) {
+    const Eigen::Vector3d& g = geometry.gradient[static_cast<std::size_t>(a)];
+    b(0, 3 * a) = g.x();
+    b(1, 3 * a + 1) = g.y();
+    b(2, 3 * a + 2) = g.z();
+    b(3, 3 * a) = g.y();  // xy
+    b(3, 3 * a + 1) = g.x();
+    b(4, 3 * a) = g.z();  // xz
+    b(4, 3 * a + 2) = g.x();
+    b(5, 3 * a + 1) = g.z();  // yz
+    b(5, 3 * a + 2) = g.y();
+  }
+  return b;
+}
+
+std::array<double, 9> stiffness_block(const ElementGeometry& geometry, double lambda, double mu,
+                                      int a, int b) {
+  const Eigen::Vector3d& ga = geometry.gradient[static_cast<std::size_t>(a)];
+  const Eigen::Vector3d& gb = geometry.gradient[static_cast<std::size_t>(b)];
+  const double volume = geometry.volume();
+  const double lambda_volume = lambda * volume;
+  const double mu_volume = mu * volume;
+  const double shear = mu_volume * (ga.x() * gb.x() + ga.y() * gb.y() + ga.z() * gb.z());
+  std::array<double, 9> block{};
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      block[static_cast<std::size_t>(3 * i + j)] =
+          lambda_volume * (ga[i] * gb[j]) + mu_volume * (ga[j] * gb[i]) + (i == j ? shear : 0.0);
+    }
+  }
+  return block;
+}
+
+ElementMatrix element_stiffness(const ElementGeometry& geometry, const Material& material) {
+  ElementMatrix k;
+  const double lambda = material.lame_lambda();
+  const double mu = material.lame_mu();
+  for (int a = 0; a < 4; ++a) {
+    for (int b = 0; b < 4; ++b) {
+      const std::array<double, 9> block = stiffness_block(geometry, lambda, mu, a, b);
+      for (int i = 0; i < 9; ++i) {
+        k(3 * a + i / 3, 3 * b + i % 3) = block[static_cast<std::size_t>(i)];
+      }
+    }
+  }
+  return k;
+}
+
+double mass_factor(const ElementGeometry& geometry, const Material& material, MassKind kind, int a,
+                   int b) {
+  const double mass = material.density_kg_m3 * geometry.volume();
+  if (kind == MassKind::lumped) return a == b ? mass / 4 : 0.0;
+  return a == b ? mass / 10 : mass / 20;
+}
+
+ElementMatrix element_mass(const ElementGeometry& geometry, const Material& material,
+                           MassKind kind) {
+  ElementMatrix m = ElementMatrix::Zero();
+  for (int a = 0; a < 4; ++a) {
+    for (int b = 0; b < 4; ++b) {
+      for (int i = 0; i < 3; ++i) {
+        m(3 * a + i, 3 * b + i) = mass_factor(geometry, material, kind, a, b);
+      }
+    }
+  }
+  return m;
+}
+
 namespace {
 
 // Elements around each node in compressed rows, ascending.

@@ -95,8 +95,8 @@ int remaining_rigid_body_modes(const mesh::TetMesh& mesh, std::span<const int> h
 Body::Body(mesh::TetMesh mesh, const Material& material, std::span<const int> anchored,
            AnchorTreatment treatment, const Loads& loads)
     : mesh_(std::move(mesh)), material_(material), treatment_(treatment) {
-  full_stiffness_ = assemble_stiffness(mesh_, material_);
-  full_load_ = assemble_loads(mesh_, material_, loads);
+  const sparse::BlockMatrix full_stiffness = assemble_stiffness(mesh_, material_);
+  const std::vector<double> full_load = assemble_loads(mesh_, material_, loads);
   hold(anchored, loads);
   expect_loads_on_free_nodes(mesh_, loads, held_);
   expect_no_rigid_body_modes(mesh_, held_);
@@ -110,8 +110,8 @@ Body::Body(mesh::TetMesh mesh, const Material& material, std::span<const int> an
     active_of_node_[at(i)] = active_nodes();
     node_of_active_.push_back(i);
   }
-  stiffness_ = reduce(full_stiffness_);
-  move_prescribed_to_load();
+  stiffness_ = reduce(full_stiffness);
+  move_prescribed_to_load(full_stiffness, full_load);
 }
 
 void Body::hold(std::span<const int> anchored, const Loads& loads) {
@@ -184,9 +184,10 @@ sparse::BlockMatrix Body::reduce(const sparse::BlockMatrix& full) const {
   return result;
 }
 
-void Body::move_prescribed_to_load() {
+void Body::move_prescribed_to_load(const sparse::BlockMatrix& full_stiffness,
+                                   std::span<const double> full_load) {
   std::vector<double> elastic(held_displacement_.size());
-  full_stiffness_.multiply(held_displacement_, elastic);
+  full_stiffness.multiply(held_displacement_, elastic);
   load_.assign(at(stiffness_.rows()), 0.0);
   for (int a = 0; a < active_nodes(); ++a) {
     const std::size_t node = at(node_of_active_[at(a)]);
@@ -197,7 +198,7 @@ void Body::move_prescribed_to_load() {
             stiffness_.block(static_cast<std::size_t>(stiffness_.find(a, a)))[0];
         f = diagonal * held_displacement_[3 * node + r];
       } else {
-        f = full_load_[3 * node + r] - elastic[3 * node + r];
+        f = full_load[3 * node + r] - elastic[3 * node + r];
       }
     }
   }

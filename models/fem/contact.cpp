@@ -71,16 +71,7 @@ void ContactConstraint::move_columns(std::span<const double> f, std::span<const 
   assert(f.size() == at(a_.rows()) && b.size() == f.size());
   std::copy(f.begin(), f.end(), b.begin());
   for (std::size_t i = 0; i < patch.size(); ++i) {
-    const Eigen::Vector3d& u = displacement(i);
-    const std::size_t node = at(patch[i]);
-    for (int k = a_.row_begin[node]; k < a_.row_begin[node + 1]; ++k) {
-      // A is symmetric: block (j, c) is block (c, j) transposed, so one row is all it takes.
-      const double* block = a_.block(at(k));
-      double* target = &b[3 * at(a_.column[at(k)])];
-      for (std::size_t r = 0; r < 3; ++r) {
-        target[r] -= block[r] * u[0] + block[3 + r] * u[1] + block[6 + r] * u[2];
-      }
-    }
+    a_.subtract_column(patch[i], displacement(i), b);
   }
   for (std::size_t i = 0; i < patch.size(); ++i) {
     const Eigen::Vector3d& u = displacement(i);

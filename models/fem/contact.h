@@ -12,13 +12,13 @@
 
 namespace hvp::fem {
 
-// What stands on the diagonal of the contact node's rows (thesis §3.7 and its footnote): one, or
-// the average of the diagonal entries of the sparse matrix, which keeps the condition number.
+// The diagonal of the contact nodes' rows (thesis §3.7 and its footnote): one, or the average of
+// the matrix' diagonal entries, which keeps the condition number.
 enum class ContactDiagonal { one, average };
 const std::vector<std::pair<std::string_view, ContactDiagonal>>& contact_diagonal_names();
 
-// Contact as a prescribed displacement (thesis §3.7, Fig. 3.5): of one node, or of a patch of
-// nodes that move by the same u_c, or each by its own. One node's stiffness goes to zero with the
+// Contact as a prescribed displacement (thesis §3.7, Fig. 3.5) of one node, or of a patch of nodes
+// with one displacement u_c or one for each. The stiffness of one node goes to zero with the
 // element size; that of a patch of fixed radius converges. A is K of a static body or Â of a
 // dynamic one.
 //
@@ -37,12 +37,12 @@ class ContactConstraint {
                     std::span<double> b) const;
   void modified_rhs(std::span<const double> f, std::span<const int> patch,
                     const Eigen::Vector3d& u_c, std::span<double> b) const;
-  // Each node of the patch with a displacement of its own.
+  // The same with a displacement for each node of the patch.
   void modified_rhs(std::span<const double> f, std::span<const int> patch,
                     std::span<const Eigen::Vector3d> u, std::span<double> b) const;
 
   // A with the contact's rows and columns cleared and diagonal·I in its diagonal blocks. The
-  // pattern stays A's, cleared blocks are stored as zeros: the board's memory layout does not
+  // pattern stays A's, with zeros in cleared blocks, because the board's memory layout does not
   // move with the contact.
   sparse::BlockMatrix modified_matrix(int node) const;
   sparse::BlockMatrix modified_matrix(std::span<const int> patch) const;
@@ -52,11 +52,11 @@ class ContactConstraint {
   Eigen::Vector3d reaction(std::span<const double> u, std::span<const double> f, int node) const;
   Eigen::Vector3d reaction(std::span<const double> u, std::span<const double> f,
                            std::span<const int> patch) const;
-  // The same; each node's own part goes into `forces`.
+  // The same; each node's part is also stored in `forces`.
   Eigen::Vector3d reaction(std::span<const double> u, std::span<const double> f,
                            std::span<const int> patch, HeldForces& forces) const;
 
-  // Additions and multiplications of one call; the copy of f is not counted.
+  // The additions and multiplications of one call; the copy of f is not counted.
   double modified_rhs_flops(int node) const;
   double modified_rhs_flops(std::span<const int> patch) const;
   double reaction_flops(int node) const;

@@ -4,13 +4,17 @@
 #include <cassert>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
+#include "models/index.h"
 
 namespace hvp::fem {
+
 namespace {
 
 std::size_t index(Eigen::Index i) { return static_cast<std::size_t>(i); }
@@ -172,6 +176,123 @@ void DirectSolver::impose_contact(std::span<const Eigen::Vector3d> u, std::span<
     for (std::size_t i = 0; i < n; ++i) x[i] += contact_force_[c] * column[i];
   }
   for (std::size_t c = 0; c < m; ++c) x[3 * index(contact_[c / 3]) + c % 3] = held(c);
+}
+
+ReferencePair::ReferencePair(DirectSolver& one, DirectSolver& other) : one_(one), other_(other) {
+  one.require_regular();
+  other.require_regular();
+  const int rows = one.rows();
+  if (rows == 0 || other.rows() != rows) return;
+  const TriangularFactor l = one.factor();
+  const TriangularFactor m = other.factor();
+  alike_ = std::equal(l.begin, l.begin + rows + 1, m.begin) &&
+           std::equal(l.row, l.row + l.begin[rows], m.row) &&
+           std::equal(one.permutation(), one.permutation() + rows, other.permutation());
+  if (!alike_) return;
+  factor_.reserve(2 * at(l.begin[rows]));
+  static_assert(__STDCPP_DEFAULT_NEW_ALIGNMENT__ >= 16);  // as Substitution asks
+  for (int k = 0; k < l.begin[rows]; ++k) {
+    factor_.push_back(l.value[k]);
+    factor_.push_back(m.value[k]);
+  }
+  scratch_.resize(2 * at(rows));
+}
+
+void ReferencePair::solve(const System& one, const System& other) {
+  if (!alike_) {
+    one_.solve(one.f, one.x);
+    other_.solve(other.f, other.x);
+    return;
+  }
+  const std::size_t rows = scratch_.size() / 2;
+  assert(one.f.size() == rows && other.f.size() == rows);
+  assert(one.x.size() == rows && other.x.size() == rows);
+  const int* place = one_.permutation();
+  for (std::size_t i = 0; i < rows; ++i) {
+    double* const entry = &scratch_[2 * at(place[i])];
+    entry[0] = one.f[i];
+    entry[1] = other.f[i];
+  }
+  TriangularFactor both = one_.factor();
+  both.value = factor_.data();
+  one_.substitution_.forward_both(both, scratch_.data());
+  for (std::size_t i = 0; i < rows; ++i) {
+    scratch_[2 * i] /= one_.pivot_[i];
+    scratch_[2 * i + 1] /= other_.pivot_[i];
+  }
+  one_.substitution_.backward_both(both, scratch_.data());
+  for (std::size_t i = 0; i < rows; ++i) {
+    const double* const entry = &scratch_[2 * at(place[i])];
+    one.x[i] = entry[0];
+    other.x[i] = entry[1];
+  }
+}
+
+void ReferencePair::solve_with_contact(const System& one, const System& other,
+                                       std::span<const int> patch,
+                                       std::span<const Eigen::Vector3d> u) {
+  one_.prepare_contact(patch);
+  other_.prepare_contact(patch);
+  solve(one, other);
+  one_.impose_contact(u, one.x);
+  other_.impose_contact(u, other.x);
+}
+
+namespace {
+
+constexpr int kMostSteps = 1000;
+
+// Entries in [-1, 1) from a fixed linear congruential sequence (Knuth's MMIX constants): no
+// eigenvector of a real body is orthogonal to it.
+std::vector<double> start_vector(std::size_t size) {
+  std::vector<double> x(size);
+  std::uint64_t state = 1;
+  for (double& entry : x) {
+    state = 6364136223846793005u * state + 1442695040888963407u;
+    entry = static_cast<double>(state >> 11) * 0x1p-52 - 1;
+  }
+  return x;
+}
+
+double dot(const std::vector<double>& x, const std::vector<double>& y) {
+  double sum = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) sum += x[i] * y[i];
+  return sum;
+}
+
+// The largest eigenvalue of the operator `apply(x, y)`: y = A·x.
+template <class Apply>
+double power_iteration(std::size_t size, double tolerance, const Apply& apply) {
+  std::vector<double> x = start_vector(size);
+  std::vector<double> y(size);
+  double value = 0;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const double scale = 1 / std::sqrt(dot(x, x));
+    for (double& entry : x) entry *= scale;
+    apply(x, y);
+    const double previous = value;
+    value = dot(x, y);
+    if (std::abs(value - previous) <= tolerance * std::abs(value)) break;
+    x.swap(y);
+  }
+  return value;
+}
+
+}  // namespace
+
+Spectrum extreme_eigenvalues(const sparse::BlockMatrix& a, const DirectSolver& solver,
+                             double tolerance) {
+  if (!solver.positive_definite()) {
+    throw InputError(fmt::format("the matrix is not positive definite ({} negative eigenvalues)",
+                                 solver.negative_eigenvalues()));
+  }
+  const auto size = static_cast<std::size_t>(a.rows());
+  Spectrum result;
+  result.largest =
+      power_iteration(size, tolerance, [&a](const auto& x, auto& y) { a.multiply(x, y); });
+  result.smallest = 1 / power_iteration(size, tolerance,
+                                        [&solver](const auto& x, auto& y) { solver.solve(x, y); });
+  return result;
 }
 
 }  // namespace hvp::fem

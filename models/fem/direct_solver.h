@@ -12,13 +12,13 @@
 namespace hvp::fem {
 
 // The double-precision solution that every other solver is measured against: a sparse Cholesky
-// factorisation P·A·Pᵀ = L·D·Lᵀ (Eigen's simplicial one with AMD ordering: no BLAS, so the bits
-// do not depend on the machine's libraries). D also tells how many eigenvalues are negative
-// (Sylvester), which matters for a rounded matrix: it may be indefinite and is solved all the
-// same. One thread at a time: the solves share scratch space.
+// factorisation P·A·Pᵀ = L·D·Lᵀ (Eigen's simplicial one with AMD ordering: no BLAS, so the bits do
+// not depend on the machine's libraries). D also tells the number of negative eigenvalues
+// (Sylvester): a rounded matrix may be indefinite and is solved all the same. One thread at a time:
+// the solves share scratch space.
 class DirectSolver {
  public:
-  // Throws InputError where an entry is not finite. A singular matrix does not throw here.
+  // Throws InputError if an entry is not finite. A singular matrix does not throw here.
   explicit DirectSolver(const sparse::BlockMatrix& a);
 
   int rows() const { return rows_; }
@@ -37,11 +37,11 @@ class DirectSolver {
                           std::span<double> x);
   void solve_with_contact(std::span<const double> f, std::span<const int> patch,
                           const Eigen::Vector3d& u_c, std::span<double> x);
-  // Each node of the patch with a displacement of its own, or one for all.
+  // The same with a displacement for each node of the patch, or one for all.
   void solve_with_contact(std::span<const double> f, std::span<const int> patch,
                           std::span<const Eigen::Vector3d> u, std::span<double> x);
 
-  // Non-zeros of L below the diagonal.
+  // The number of non-zeros of L below the diagonal.
   std::size_t factor_nonzeros() const;
 
  private:
@@ -62,11 +62,52 @@ class DirectSolver {
   std::vector<double> pivot_;  // D
   Substitution substitution_;
   mutable std::vector<double> scratch_;     // in the permuted order
-  std::vector<int> contact_;                // nodes that the three members below belong to
+  std::vector<int> contact_;                // the nodes of the three members below
   std::vector<double> contact_columns_;     // W, column by column
   std::vector<double> contact_schur_;       // LU factors of S, row by row
-  std::vector<std::size_t> contact_pivot_;  // row exchanged with row i at step i
+  std::vector<std::size_t> contact_pivot_;  // the row exchanged with row i in step i
   std::vector<double> contact_force_;       // λ
 };
+
+// Two systems that are solved side by side, with a matrix and its rounded counterpart of the same
+// pattern. The bits are those of one after the other, in two thirds of the time, because a
+// substitution mostly waits for its last subtraction. If the patterns differ, they are solved one
+// after the other.
+class ReferencePair {
+ public:
+  // Keeps references to both. Throws InputError if one is singular.
+  ReferencePair(DirectSolver& one, DirectSolver& other);
+
+  // A right-hand side and the place of its solution; they may be the same.
+  struct System {
+    std::span<const double> f;
+    std::span<double> x;
+  };
+  void solve(const System& one, const System& other);
+  // The counterpart of DirectSolver::solve_with_contact() for both.
+  void solve_with_contact(const System& one, const System& other, std::span<const int> patch,
+                          std::span<const Eigen::Vector3d> u);
+
+ private:
+  DirectSolver& one_;
+  DirectSolver& other_;
+  bool alike_ = false;
+  std::vector<double> factor_;   // the values of both L, side by side
+  std::vector<double> scratch_;  // both, in the permuted order, side by side
+};
+
+// The ends of a symmetric positive definite matrix's spectrum.
+struct Spectrum {
+  double smallest = 0;
+  double largest = 0;
+  double condition() const { return largest / smallest; }
+};
+
+// Estimates the ends by power iteration and, with the factorisation, inverse power iteration. Both
+// begin with one fixed vector and end when Rayleigh's quotient changes by less than `tolerance` of
+// itself in a step, after 1000 steps at most. The true ends lie outside the returned interval by a
+// few times the tolerance. Throws InputError if A is not positive definite.
+Spectrum extreme_eigenvalues(const sparse::BlockMatrix& a, const DirectSolver& solver,
+                             double tolerance = 1e-5);
 
 }  // namespace hvp::fem

@@ -7,24 +7,24 @@
 
 namespace hvp::fem {
 
-// A node that contact has let go, and how much of the force that held it last still acts on it:
-// from one, at the moment, to zero.
+// A node that contact has released, and the share of its last contact force that still acts on it:
+// from one, at the release, to zero.
 struct LetGo {
   int node = 0;
   double share = 0;
-  int probe = 0;  // that held it
+  int probe = 0;  // the probe that moved it
 };
 
-// What contact does to a body in one frame. Nodes are active ones.
+// The displacements that contact prescribes to a body in one frame. Nodes are active ones.
 struct Hold {
-  std::span<const int> nodes;                     // held, ascending
+  std::span<const int> nodes;                     // with a prescribed displacement, ascending
   std::span<const Eigen::Vector3d> displacement;  // m, one for each of them
-  std::span<const LetGo> let_go;                  // not held; each once
-  // Time since the state that this frame goes on from, s: held nodes get the velocity of their way
-  // in that time, and no acceleration (Newmark::hold). Zero leaves them what the time integration
-  // makes of it, to the letter of thesis §3.7.
+  std::span<const LetGo> let_go;  // released nodes, none of them in `nodes`; each once
+  // The time since the state from which this frame continues, s. Prescribed nodes get the mean
+  // velocity of their movement in that time, and no acceleration (Newmark::hold). If it is zero,
+  // they keep those of the time integration, to the letter of thesis §3.7.
   double elapsed_s = 0;
-  std::span<const int> probe = {};  // that holds it, one for each node; empty: the first one
+  std::span<const int> probe = {};  // the probe of each node; empty: the first one
 
   bool present() const { return !nodes.empty(); }
   std::size_t probe_of(std::size_t i) const {
@@ -32,7 +32,8 @@ struct Hold {
   }
 };
 
-// A copy of what a Hold looks at. Copying allocates only for more nodes than ever before.
+// A copy of the arrays that a Hold points to. Copying allocates only for more nodes than ever
+// before.
 class KeptHold {
  public:
   void keep(const Hold& hold);
@@ -47,20 +48,20 @@ class KeptHold {
   std::vector<int> probe_;
 };
 
-// The force with which each node was held last, so that it can fade when the node is let go.
+// The last contact force of each node, so that it can fade when the node is released.
 class HeldForces {
  public:
   explicit HeldForces(int nodes)
       : force_(static_cast<std::size_t>(nodes), Eigen::Vector3d::Zero()) {}
 
-  // N, on the body.
+  // The force in N on the body.
   void set(int node, const Eigen::Vector3d& force) {
     force_[static_cast<std::size_t>(node)] = force;
   }
-  // f += share·force at the nodes that were let go.
+  // f += share·force at the released nodes.
   void add_to(std::span<const LetGo> let_go, std::span<double> f) const;
-  // What each probe feels, N: the forces of the nodes that it holds, and what is left of those of
-  // nodes that it let go. Probes beyond `on_probes` are not asked for.
+  // Sums the force of each probe on the body, N: the forces of its contact nodes, and the remaining
+  // share of those of the nodes that it released. Probes beyond `on_probes` are left out.
   void sum(const Hold& hold, std::span<Eigen::Vector3d> on_probes) const;
 
  private:

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
-#include "models/fem/element.h"
+#include "models/fem/assembly.h"
 #include "models/index.h"
 
 namespace hvp::fem {
@@ -20,7 +20,7 @@ void expect_finite(const Eigen::Vector3d& value, const std::string& key) {
   throw InputError(key, fmt::format("({}, {}, {}) is not finite", value.x(), value.y(), value.z()));
 }
 
-// What bodies and their surroundings can be subject to, so that no product leaves double precision.
+// The loads of bodies and their surroundings, limited so that no product exceeds double precision.
 // An ultracentrifuge reaches 1e6 g; a giganewton lifts a ship; beyond a thousand million metres
 // there is no part of any body.
 constexpr config::Range kAcceleration = config::between(-1e7, 1e7);
@@ -29,7 +29,7 @@ constexpr config::Range kPressure = config::between(-1e13, 1e13);
 constexpr config::Range kPosition = config::between(-1e9, 1e9);
 constexpr config::Range kDisplacement = config::between(-1e3, 1e3);
 
-// Of the elements that have the node.
+// The longest edge of all elements that have the node, m.
 double longest_edge_at(const mesh::TetMesh& mesh, int node) {
   double longest = 0;
   for (const auto& t : mesh.tetrahedra) {

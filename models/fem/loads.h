@@ -12,7 +12,7 @@
 
 namespace hvp::fem {
 
-// Body force: table [loads.gravity].
+// The body force of gravity: table [loads.gravity].
 struct Gravity {
   // Standard gravity (CGPM 1901) along −z.
   Eigen::Vector3d acceleration = {0, 0, -9.80665};  // m/s²
@@ -21,7 +21,7 @@ struct Gravity {
 };
 
 // A force at the mesh node nearest to a position; at equal distance the lower node. The position
-// must not be farther from it than the longest edge there is long: nearer is what a mesh can mean.
+// must not be farther from the node than the longest edge there, which is the mesh's resolution.
 struct PointLoad {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m
   Eigen::Vector3d force = Eigen::Vector3d::Zero();     // N
@@ -37,7 +37,7 @@ struct SurfacePressure {
   void declare(config::Visitor& v);
 };
 
-// A displacement that every node of a region is given.
+// A prescribed displacement of every node of a region.
 struct PrescribedDisplacement {
   mesh::Region region;
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  // m
@@ -45,7 +45,7 @@ struct PrescribedDisplacement {
   void declare(config::Visitor& v);
 };
 
-// What acts on the body besides the user: the scenario's table [loads].
+// The loads on the body besides the user's: the scenario's table [loads].
 struct Loads {
   std::optional<Gravity> gravity;
   std::vector<PointLoad> points;
@@ -56,8 +56,8 @@ struct Loads {
 };
 
 // f of thesis (3.15) over all mesh nodes, three components a node, in newtons: ∫ Hᵀf_b dV of
-// gravity, ∫ H_Sᵀf_S dS of pressures, and the point loads. Throws InputError where a pressure's
-// region holds no boundary triangle, a point load lies off the body, or a number is not finite.
+// gravity, ∫ H_Sᵀf_S dS of pressures, and the point loads. Throws InputError if a pressure's region
+// contains no boundary triangle, a point load lies off the body, or a number is not finite.
 std::vector<double> assemble_loads(const mesh::TetMesh& mesh, const Material& material,
                                    const Loads& loads);
 
@@ -68,8 +68,8 @@ void add_pressure(const mesh::TetMesh& mesh, std::span<const int> triangles, dou
 
 int nearest_node(const mesh::TetMesh& mesh, const Eigen::Vector3d& position);
 
-// Throws InputError with the load's key where a point load's node is held, or all nodes of a
-// pressure's triangles are: the support would take the force, and the body nothing of it.
+// Throws InputError with the load's key if the displacement of a point load's node is prescribed,
+// or those of all nodes of a pressure's triangles: the support would take the whole force.
 void expect_loads_on_free_nodes(const mesh::TetMesh& mesh, const Loads& loads,
                                 const std::vector<char>& held);
 

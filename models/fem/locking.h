@@ -9,7 +9,7 @@
 namespace hvp::fem {
 
 // Linear tetrahedra are too stiff in bending, and the more so the closer ν comes to one half:
-// they lock. Above this ratio a run says so and by how much.
+// they lock. Above this ratio a run reports it with a figure.
 inline constexpr double kLockingPoissonRatio = 0.45;
 
 // The tip deflection of a cantilever of square section and length five, divided by Timoshenko's
@@ -20,19 +20,19 @@ inline constexpr double kLockingPoissonRatio = 0.45;
 double cantilever_ratio(double poisson_ratio, int cells);
 inline constexpr int kMostLockingCells = 10;
 
-// How many cubic cells of six tetrahedra as large as the mesh's mean one fit across the body's
-// bounding box where that is thinnest.
+// The number of cubic cells, of six tetrahedra of the mesh's mean volume each, that fit across the
+// body's bounding box in its thinnest direction.
 double cells_across(const mesh::TetMesh& mesh);
 
 struct Locking {
-  int cells = 0;               // of the cantilever that was solved
+  int cells = 0;               // cells of the solved cantilever
   double stiffness_ratio = 0;  // cantilever_ratio at these cells and the material's ν
-  std::string sentence;        // for the terminal
+  std::string sentence;        // the line for the terminal
 };
 
-// Measured where ν > 0.45, absent otherwise. The cantilever has the resolution of the mesh,
-// rounded to an even number of cells and limited to 2 … kMostLockingCells. It stands for bending
-// at this resolution; a body that is only compressed locks less.
+// The locking if ν > 0.45, otherwise nothing. The cantilever has the resolution of the mesh,
+// rounded to an even number of cells and limited to 2 … kMostLockingCells. It stands for bending at
+// this resolution; a body that is only compressed locks less.
 std::optional<Locking> measure_locking(const mesh::TetMesh& mesh, const Material& material);
 
 }  // namespace hvp::fem

@@ -3,18 +3,43 @@
 #include <span>
 #include <vector>
 
-#include "models/fem/dynamics.h"
+#include "models/config/declaration.h"
+#include "models/fem/assembly.h"
 #include "models/fem/hold.h"
 #include "models/sparse/block_matrix.h"
 
 namespace hvp::fem {
 
+// Inertia and damping: the scenario's effect [dynamics]. Without it the body is static.
+//
+// β and γ are in Zienkiewicz's convention, that of thesis (3.24)–(3.29): β here is twice the β of
+// Newmark's and Hughes' books. The average-acceleration rule is β = γ = ½; the textbook's β = ¼
+// is only conditionally stable here.
+struct Dynamics {
+  double newmark_beta = 0.5;
+  double newmark_gamma = 0.5;
+  MassKind mass = MassKind::lumped;
+  double rayleigh_mass = 0.1;        // 1/s, α of C = α·M + β·K, thesis (3.22)
+  double rayleigh_stiffness = 1e-3;  // s, β of (3.22)
+
+  void declare(config::Visitor& v);
+
+  // Throws InputError for parameters that are not stable at every time step: the exact condition
+  // without damping is β ≥ γ ≥ ½. Parameters between that and the sufficient condition (3.29)
+  // are accepted: the highest modes then decay without oscillating, at two different rates.
+  void check() const;
+
+  // The largest ω·Δt at which an undamped mode of angular frequency ω stays bounded:
+  // √(2/(γ − β)) for β < γ, infinity for β ≥ γ. Zero for γ < ½, where energy grows at any step.
+  double critical_frequency() const;
+};
+
 // Newmark's time integration of M·Ü + C·U̇ + K·U = f, thesis §3.6.1, with C = α·M + β·K. One step:
 //
 //   predict();                      // ã, ṽ from the present state, (3.26)
 //   rhs(f, f_hat);                  // f̂ = f − C·ṽ − M·ã
-//   hold(hold, f_hat);              // where nodes are held
-//   … solve Â·u = f̂ …               // (3.27), by whoever solves
+//   hold(hold, f_hat);              // at nodes with a prescribed displacement
+//   … solve Â·u = f̂ …               // (3.27), by some solver
 //   update(u);                      // (3.25)
 //
 // f is the external force at the step's end with the sign of (3.20), not of (3.23). The thesis
@@ -31,17 +56,17 @@ class Newmark {
   const sparse::BlockMatrix& effective_matrix() const { return effective_; }
 
   void predict();
-  // f and f_hat do not overlap.
+  // Forms f̂. f and f_hat do not overlap.
   void rhs(std::span<const double> f, std::span<double> f_hat) const;
-  // A node that is held has no equation of motion: its displacement u' is given, and Newmark's
-  // recursion of its velocity and acceleration neither converges nor, for γ = ½, decays, so that
-  // each jump of its way rings in the force. Its velocity becomes that of its way, (u' −
-  // u)/elapsed, and its acceleration zero:
+  // Sets velocity and acceleration of prescribed nodes. Such a node has no equation of motion: its
+  // displacement u' is given, and Newmark's recursion of its velocity and acceleration neither
+  // converges nor, for γ = ½, decays, so that each jump of u' rings in the force. Its velocity
+  // becomes the mean one, (u' − u)/elapsed, and its acceleration zero:
   //   q = (u' − u)/elapsed − (ṽ + 2γ/(βΔt)·u'),   p = −(ã + 2/(βΔt²)·u'),
   //   ṽ += q,   ã += p,   f̂ −= C·q + M·p,
-  // so that (3.25) and (3.27) stay what they are, and the force A·u' − f̂ at the node is without
-  // inertia of its own. Changes nothing where hold.elapsed_s is zero. Calling it again before
-  // update() is safe: q and p are relative to what is there.
+  // so that (3.25) and (3.27) stay unchanged, and the force A·u' − f̂ at the node has no inertia of
+  // its own. Changes nothing if hold.elapsed_s is zero. It may be called again before update(): q
+  // and p are relative to the present ṽ and ã.
   void hold(const Hold& hold, std::span<double> f_hat);
   void update(std::span<const double> u_next);
 
@@ -50,34 +75,31 @@ class Newmark {
   std::span<const double> acceleration() const { return a_; }  // m/s²
   void set_state(std::span<const double> u, std::span<const double> v, std::span<const double> a);
 
-  // ½·U̇ᵀM·U̇ + ½·UᵀK·U in joules.
+  // The energy ½·U̇ᵀM·U̇ + ½·UᵀK·U in joules.
   double energy() const;
 
   double time_step_s() const { return time_step_; }
 
-  // Additions and multiplications of one call. The sparse products dominate: 18 a block of K
-  // (none without stiffness damping) and, with the consistent mass, 18 a block of M.
+  // The additions and multiplications of one call. The sparse products dominate: 18 for each block
+  // of K (none without stiffness damping) and, with the consistent mass, 18 for each block of M.
   double predict_flops() const;
   double rhs_flops() const;
   double update_flops() const;
   double hold_flops(const Hold& hold) const;
 
  private:
-  void subtract_column(const sparse::BlockMatrix& matrix, int node, const Eigen::Vector3d& x,
-                       std::span<double> f_hat) const;
-
   sparse::BlockMatrix stiffness_;
   sparse::BlockMatrix mass_;
-  std::vector<double> lumped_;  // M's diagonal where M is diagonal, empty otherwise
+  std::vector<double> lumped_;  // M's diagonal if M is diagonal, otherwise empty
   sparse::BlockMatrix effective_;
   Dynamics dynamics_;
   double time_step_;
   std::vector<double> u_, v_, a_;
   std::vector<double> v_tilde_, a_tilde_;
-  std::vector<double> inertia_;  // α·ṽ + ã, what M multiplies in f̂
+  std::vector<double> inertia_;  // α·ṽ + ã, which M multiplies in f̂
 };
 
-// Ü at a given state: M·Ü = f − C·U̇ − K·U. A set-up call: it factorises a consistent M.
+// Ü in a given state: M·Ü = f − C·U̇ − K·U. A set-up call, which factorises a consistent M.
 std::vector<double> consistent_acceleration(const sparse::BlockMatrix& stiffness,
                                             const sparse::BlockMatrix& mass,
                                             const Dynamics& dynamics, std::span<const double> u,

@@ -6,32 +6,32 @@ namespace hvp::fem {
 
 // A sparse unit lower triangular matrix L, its diagonal left out: column j has the entries
 // begin[j] … begin[j+1] - 1, their rows ascend. The pattern is that of a factor: the rows of a
-// column are a subset of those of the column that its first row names, and that one.
+// column are its first row r and a subset of the rows of column r.
 struct TriangularFactor {
   const int* begin = nullptr;
   const int* row = nullptr;
   const double* value = nullptr;
 };
 
-// Solves L·y = b and Lᵀ·x = y in an order that keeps a processor busy: several columns of equal
-// pattern at once forwards, two branches of the elimination tree beside each other backwards, since
-// one column is a chain of subtractions that wait for one another. The bits do not show it: every
-// entry has its terms subtracted one by one, by ascending columns forwards, by ascending rows
-// backwards, as the plain loops over columns do it.
+// Solves L·y = b and Lᵀ·x = y in an order that keeps a processor busy: forwards several columns of
+// equal pattern at once, backwards two branches of the elimination tree side by side, because one
+// column is a chain of subtractions that wait for one another. The bits are those of the plain
+// loops over columns: the terms of every entry are subtracted one by one, by ascending columns
+// forwards and by ascending rows backwards.
 //
 // Two systems of one pattern can be solved in one pass, each with the bits that it has alone.
 class Substitution {
  public:
   Substitution() = default;
-  // `columns` of them; only the pattern of `l` is read.
+  // `l` has `columns` columns; only its pattern is read.
   Substitution(const TriangularFactor& l, int columns);
 
-  // In place; `l` has the pattern that the order was made for.
+  // Both work in place; `l` has the pattern of the constructor's.
   void forward(const TriangularFactor& l, double* x) const;
   void backward(const TriangularFactor& l, double* x) const;
 
-  // Two systems entry by entry side by side: l.value[2k] and x[2i] belong to one, l.value[2k + 1]
-  // and x[2i + 1] to the other. Both arrays are aligned to 16 bytes.
+  // The same for two systems, entry by entry side by side: l.value[2k] and x[2i] belong to one,
+  // l.value[2k + 1] and x[2i + 1] to the other. Both arrays are aligned to 16 bytes.
   void forward_both(const TriangularFactor& l, double* x) const;
   void backward_both(const TriangularFactor& l, double* x) const;
 
@@ -41,11 +41,11 @@ class Substitution {
     int first = 0;
     int width = 0;
   };
-  // So many terms of one column, or of two at once; `from` and `to` say which column starts before
-  // them and which one ends behind them, -1 where none does.
+  // `count` terms of one column, or of two at once. `from` is the column that starts before them,
+  // `to` the one that ends behind them; -1: none.
   struct Stretch {
     struct Lane {
-      int entry = -1;  // the first of them; -1: this lane rests
+      int entry = -1;  // the first term; -1: this lane rests
       int from = -1;
       int to = -1;
     };

@@ -2,53 +2,107 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <vector>
 
+#include "models/fem/body.h"
 #include "models/fem/contact.h"
 #include "models/fem/hold.h"
+#include "models/fem/newmark.h"
 #include "models/sparse/block_matrix.h"
 
 namespace hvp::fem {
 
-// The soft body as the servo loop has it: in every frame a system A·u = f with the contact's nodes
-// held, for whoever solves it, and what follows from the solution.
+// The soft body in the servo loop: in every frame a system A·u = f with the contact's prescribed
+// displacements, which some solver solves, and the results of the solution.
 //
 //   hold(hold);  …A·u = load() is solved…  forces(u, …);  advance(u);
 //
-// Indices and vectors are over active nodes, in m and N. Nothing allocates after construction but
+// Indices and vectors are over active nodes, in m and N. After construction nothing allocates but
 // hold() with more nodes than before.
 class Tissue {
  public:
   virtual ~Tissue() = default;
 
   virtual const sparse::BlockMatrix& system() const = 0;
-  // Whoever has a copy of system() needs it anew when this has changed.
+  // A number that changes with system(): copies of it have to be renewed then.
   virtual std::int64_t revision() const = 0;
-  // Held nodes in system(): b of the modified system, reactions.
+  // The constraint of contact nodes in system(): b of the modified system, reactions.
   virtual const ContactConstraint& constraint() const = 0;
 
-  // What contact prescribes in this frame, and how the forces of nodes let go fade.
+  // Takes what contact prescribes in this frame, with the fading forces of released nodes.
   virtual void hold(const Hold& hold) = 0;
-  // f, for a body with inertia f̂, and what is left of the forces of nodes let go.
+  // f, or f̂ for a body with inertia, with the remaining forces of released nodes.
   virtual std::span<const double> load() const = 0;
-  // The same without those.
+  // The same without the forces of released nodes.
   virtual std::span<const double> external_force() const = 0;
-  // On the body, of each probe: what holds its nodes, and what is left of the forces of those that
-  // it let go.
+  // Gives each probe's force on the body, N: that of its contact nodes, and the remaining forces of
+  // the nodes that it released.
   virtual void forces(std::span<const double> u, std::span<Eigen::Vector3d> of_probes) = 0;
-  // The time step to the next frame's f.
+  // Makes the time step to the next frame's f.
   virtual void advance(std::span<const double> u) = 0;
 
-  // m, before the first frame.
+  // The displacement before the first frame, m.
   virtual std::span<const double> initial_displacement() const = 0;
-  // m/s, of the last advance(); empty for a body without inertia.
+  // The velocity after the last advance(), m/s; empty for a body without inertia.
   virtual std::span<const double> velocity() const = 0;
 
-  // Additions and multiplications: of the last hold(), of forces() with and without the contact at
-  // hand, of advance().
+  // The additions and multiplications of the last hold(), of forces() with the present contact, and
+  // of advance().
   virtual double hold_operations() const = 0;
   virtual double force_operations() const = 0;
   virtual double advance_operations() const = 0;
+};
+
+// A frame's steps are computed, or only their operations are counted.
+enum class Effort { computed, counted };
+
+// A body of linear elasticity, thesis §3.5 and §3.6: A is K, or Newmark's Â with inertia, and never
+// changes. With Effort::counted the body stays in its initial state and the force is zero.
+class LinearTissue final : public Tissue {
+ public:
+  // Keeps a reference to the body. `period_s` is the servo period, Newmark's time step. Throws
+  // InputError for an unstable time integration.
+  LinearTissue(const Body& body, ContactDiagonal diagonal, const std::optional<Dynamics>& dynamics,
+               double period_s, Effort effort);
+  LinearTissue(const LinearTissue&) = delete;
+  LinearTissue& operator=(const LinearTissue&) = delete;
+
+  const sparse::BlockMatrix& system() const override { return matrix_; }
+  std::int64_t revision() const override { return 0; }
+  const ContactConstraint& constraint() const override { return constraint_; }
+
+  void hold(const Hold& hold) override;
+  std::span<const double> load() const override {
+    return held_.hold().let_go.empty() ? f_ : loaded_;
+  }
+  std::span<const double> external_force() const override { return f_; }
+  void forces(std::span<const double> u, std::span<Eigen::Vector3d> of_probes) override;
+  void advance(std::span<const double> u) override;
+
+  std::span<const double> initial_displacement() const override { return initial_; }
+  std::span<const double> velocity() const override;
+
+  double hold_operations() const override { return hold_operations_; }
+  double force_operations() const override;
+  double advance_operations() const override;
+
+ private:
+  void predict();
+
+  const Body& body_;
+  Effort effort_;
+  std::optional<Newmark> newmark_;
+  sparse::BlockMatrix matrix_;
+  ContactConstraint constraint_;
+  KeptHold held_;
+  HeldForces forces_;
+  bool predictors_hold_ = false;  // changed by hold(), not yet used by advance()
+  double hold_operations_ = 0;
+  std::vector<double> initial_;
+  std::vector<double> f_;
+  std::vector<double> loaded_;
 };
 
 }  // namespace hvp::fem

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "models/files/log_units.h"
+#include "models/files/log_columns.h"
 #include "models/files/one_line.h"
 
 namespace hvp::files {

@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "models/config/input_error.h"
-#include "models/files/csv_table.h"
+#include "models/files/csv.h"
 #include "models/files/log_columns.h"
 #include "models/files/log_table.h"
 
 namespace hvp::files {
 
-// Which line a sample stood on. Rows that follow one another take no memory.
+// The line of each sample. Rows that follow one another take no memory.
 class LineOfSample {
  public:
   void add(std::size_t sample, std::size_t line) {
@@ -37,20 +37,20 @@ class LineOfSample {
   std::vector<Begin> begins_;
 };
 
-// The rows of a log, into its columns: what a row alone, or with the one before it, says of itself
-// is refused, repaired and warned of here. See read_log().
+// Reads the rows of a log into its columns. Whatever can be seen in a row alone, or in it and the
+// one before, is refused, repaired or warned of here. See read_log().
 class LogRows {
  public:
   LogRows(std::istream& in, const std::string& name, const LogOptions& options);
 
-  // Reads all of them. The time is the log's first column where has_time().
+  // Reads all rows. The time is the log's first column where has_time().
   void read(Log& log);
   bool has_time() const { return has_time_; }
-  // Where a sample stood.
+  // The line of a sample.
   std::size_t line_of(std::size_t sample) const { return lines_(sample); }
 
  private:
-  // Something repaired again and again: said once.
+  // A repair that is made many times and reported once.
   struct Repair {
     std::size_t times = 0;
     std::size_t first_line = 0;
@@ -64,7 +64,7 @@ class LogRows {
   bool is_empty_row() const;
   void require_fields() const;
   double value(std::size_t i, const Log& log);
-  // False for a row that says again what the one before did.
+  // False for a row that repeats the one before.
   bool goes_on(const Log& log);
   void say_repairs(Log& log) const;
   InputError wrong(const std::string& what) const;
@@ -75,16 +75,16 @@ class LogRows {
   std::vector<double> row_;
   bool has_time_ = false;
   bool just_repeated_ = false;
-  std::size_t first_empty_ = 0;  // line; of the rows that may be the last ones
+  std::size_t first_empty_ = 0;  // line of the first of the empty rows that may be the last ones
   Repair empty_above_;
   Repair comma_;
   Repair repeated_;
   LineOfSample lines_;
 };
 
-// "column 2 (force_N)"
+// A column in messages: "column 2 (force_N)".
 std::string shown(const LogColumn& column);
-// "log.csv:12: what"
+// A message with its place: "log.csv:12: what".
 std::string at_line(const std::string& file, std::size_t line, const std::string& what);
 
 }  // namespace hvp::files

@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
+#include "models/files/log_columns.h"
 #include "models/files/log_rows.h"
-#include "models/files/log_units.h"
 #include "models/files/one_line.h"
 #include "models/files/regular_file.h"
 

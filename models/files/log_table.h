@@ -13,15 +13,16 @@
 namespace hvp::files {
 
 struct LogOptions {
-  // What is read beside the time, such as "force"; empty: every column whose name ends in a unit.
+  // The quantities that are read beside the time, such as "force"; empty: every column whose name
+  // ends in a unit.
   std::vector<std::string> quantities = {};
   // "force_N=Load": the header's column "Load", or column 3 of "force_N=3", is a force in N.
   std::vector<std::string> columns = {};
-  // False: a list, such as one of transfers, in which the time is a quantity as any other.
+  // False: a list, such as one of transfers, in which the time is a quantity like any other.
   bool over_time = true;
-  // 1/s, of a log without a column of the time.
+  // 1/s, for a log without a column of the time.
   std::optional<double> sample_rate = {};
-  // What one count of a column such as position_counts is, in `count_unit`.
+  // The size of one count of a column such as position_counts, in `count_unit`.
   std::optional<double> count_size = {};
   std::string count_unit = "rad";
   std::size_t least_samples = 10;
@@ -29,21 +30,21 @@ struct LogOptions {
 
 struct LogColumn {
   std::string quantity;        // "force"
-  std::string unit;            // "N": SI, of the values
+  std::string unit;            // "N": the values' SI unit
   std::string name;            // in the header
-  std::size_t number = 0;      // in the header, from 1
-  std::vector<double> values;  // one a sample, all finite
+  std::size_t number = 0;      // number in the header, from 1
+  std::vector<double> values;  // one for each sample, all finite
 };
 
-// A log whose samples can be trusted: finite, and over a time that grows.
+// A log with checked samples: finite, and over a time that grows.
 struct Log {
-  std::string file;  // as errors call it
+  std::string file;  // name in errors
   std::size_t samples = 0;
-  std::vector<double> time;  // s; empty of a list
+  std::vector<double> time;  // s; empty for a list
   std::vector<LogColumn> columns;
-  Spacing spacing;                      // of the time; of a list nothing
-  std::vector<std::string> left_aside;  // names of columns
-  // A line each, with the file: what was repaired, and what looks odd.
+  Spacing spacing;                      // of the time; not set for a list
+  std::vector<std::string> left_aside;  // names of the columns that are not read
+  // Warnings, one line each, with the file: repairs, and doubtful values.
   std::vector<std::string> warnings;
 
   const LogColumn* find(std::string_view quantity) const;
@@ -51,7 +52,7 @@ struct Log {
   const LogColumn& column(std::string_view quantity, std::string_view si) const;
 };
 
-// Reads a CSV file (csv_table.h) whose columns are named after quantities and units: time_s,
+// Reads a CSV file (csv.h) whose columns are named after quantities and units: time_s,
 // force_mN, angle_deg, position_counts, bytes, count. A double a value is what it takes of the
 // memory. A file that is separated by semicolons or tabs may have decimal commas.
 //
@@ -66,7 +67,7 @@ struct Log {
 // `columns` names and the header does not have; counts of an unknown size; fewer samples than
 // `least_samples`.
 Log read_log(const std::filesystem::path& file, const LogOptions& options = {});
-// The same of a text; `name` is what errors call it.
+// The same for a text; `name` is the file's name in errors.
 Log read_log(std::istream& in, const std::string& name, const LogOptions& options = {});
 
 }  // namespace hvp::files

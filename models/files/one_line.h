@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-// What a file of a user says, in a message: its bytes need be no text.
+// The text of a user's file in a message. Its bytes need not be text.
 namespace hvp::files {
 
 // The text with every character escaped that a terminal would obey instead of showing it: control

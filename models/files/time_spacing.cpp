@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kNearMedian = 0.2;
 constexpr double kShareNearMedian = 0.8;
-// Of intervals in periods: a sample is missing where there is room for one.
+// In periods: an interval from which on a sample is missing, because there is room for one.
 constexpr double kGap = 1.5;
 // In periods: the error of adding up doubles, and of times with many digits.
 constexpr double kInvisible = 1e-6;
@@ -31,7 +31,7 @@ bool was_ever_even(const std::vector<double>& time, double typical) {
   return static_cast<double>(near) >= kShareNearMedian * static_cast<double>(time.size() - 1);
 }
 
-// How much later a sample is than an even spacing from the stretch's first one has it: small, so
+// The time by which a sample is later than an even spacing from the stretch's first one: small, so
 // that sums over millions of them lose nothing.
 double lateness(const std::vector<double>& time, const Stretch& stretch, double period,
                 std::size_t i) {
@@ -46,7 +46,7 @@ double mean_lateness(const std::vector<double>& time, const Stretch& stretch, do
   return sum / static_cast<double>(stretch.end - stretch.begin);
 }
 
-// From end to end of the longest stretch.
+// The period from end to end of the longest stretch.
 double provisional_period(const std::vector<double>& time, const std::vector<Stretch>& stretches) {
   const Stretch longest = *std::ranges::max_element(
       stretches, {}, [](const Stretch& stretch) { return stretch.end - stretch.begin; });

@@ -2,11 +2,13 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "models/fit/problem.h"
 #include "models/link/direction.h"
+#include "models/link/pci.h"
 
 namespace hvp::fit {
 
@@ -14,18 +16,19 @@ namespace hvp::fit {
 struct TransferLog {
   std::vector<double> bytes;
   std::vector<double> seconds;
-  std::vector<double> begun = {};               // s, when it began; empty: not known
-  std::vector<link::Direction> direction = {};  // empty: not known, all alike
+  std::vector<double> begun = {};  // s, the time at which it began; empty: not known
+  std::vector<link::Direction> direction =
+      {};  // empty: not known, and taken to be the same for all
 };
 
-// A straight line through the times, latency + bytes/bandwidth, for each direction by itself. The
-// parameters are latency (s) and bandwidth (bytes/s), or, where the log has both directions,
-// read_latency, read_bandwidth, write_latency and write_bandwidth.
+// A straight line through the times of transfers, latency + bytes/bandwidth, for each direction by
+// itself. The parameters are latency (s) and bandwidth (bytes/s) or, where the log has both
+// directions, read_latency, read_bandwidth, write_latency and write_bandwidth.
 //
-// What disturbs a transfer makes it longer (interrupts, other masters): fit it with Loss::cauchy.
-// Rows are no even steps in time. They are taken in the order in which they began, or, where that
-// is not known, as they stand; noise that is alike from one transfer to the next widens the
-// intervals then as it would in time, row taking the place of second.
+// Disturbances (interrupts, other masters) only lengthen a transfer: fit this problem with
+// Loss::cauchy. The rows are not evenly spaced in time. They are taken in the order in which they
+// began or, where that is not known, in the order of the log. Noise that is alike from one transfer
+// to the next then widens the intervals as it would in time, with rows in the place of seconds.
 class BusProblem : public Problem {
  public:
   // Throws InputError: fewer than ten transfers of a direction, columns of different lengths,
@@ -41,9 +44,9 @@ class BusProblem : public Problem {
 
   const std::vector<std::string>& warnings() const { return warnings_; }
 
-  // Of one direction, in order.
+  // The transfers of one direction, in order.
   struct Group {
-    std::string prefix;  // of its parameters: "read_" or nothing
+    std::string prefix;  // prefix of its parameters' names: "read_" or nothing
     std::vector<double> bytes;
     std::vector<double> seconds;
   };
@@ -53,5 +56,33 @@ class BusProblem : public Problem {
   std::vector<Parameter> parameters_;
   std::vector<std::string> warnings_;
 };
+
+// The fitted latency and bandwidth of one direction.
+struct Link {
+  double latency_s = 0;
+  double bandwidth = 0;  // bytes/s
+};
+
+// The settings of [bus] that come nearest to a measurement.
+struct NearestPci {
+  link::Pci pci;
+  // The setting's bandwidth divided by the measured one, minus one.
+  std::optional<double> read_deviation;
+  std::optional<double> write_deviation;
+  std::vector<std::string> warnings;
+};
+
+// The bandwidth of transfers of whole bursts, bytes/s, without the latency.
+double read_bandwidth(const link::Pci& pci);
+double write_bandwidth(const link::Pci& pci);
+
+// Finds the PCI settings that come nearest to the measured latencies and bandwidths. The latencies
+// are the measured ones, because a straight line through transfers of whole bursts meets the axis
+// there. The bandwidth has steps: kind, length of bursts, clocks of overhead and of waiting are
+// tried in all combinations. Of those within half a percent of the best, the one is taken that
+// changes the fewest of `base`'s keys, and these by the least. What was not measured stays as in
+// `base`.
+NearestPci nearest_pci(const link::Pci& base, const std::optional<Link>& read,
+                       const std::optional<Link>& write);
 
 }  // namespace hvp::fit

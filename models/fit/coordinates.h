@@ -15,21 +15,23 @@ namespace hvp::fit {
 
 enum class Loss { squares, huber, cauchy };
 
-// Less weight for outliers: the residual r counts as r·weight, with a scale beyond which it is one.
+// A loss that gives outliers less weight. Residuals r are multiplied by a weight, and `scale` is
+// the size beyond which they are outliers.
 struct RobustLoss {
   Loss loss = Loss::squares;
   double scale = 1;
 
   struct Value {
-    double root;  // √ρ, with r's sign: what takes the residual's place in the sum of squares
-    double root_slope;  // its derivative
+    double root;        // √ρ with r's sign, which replaces the residual in the sum of squares
+    double root_slope;  // the derivative of root
     double score;       // ψ = ½·dρ/dr
     double score_slope;
   };
   Value at(double r) const;
 };
 
-// What is searched: the parameters that are not fixed, each as it is or in its logarithm.
+// The coordinates of the search: the parameters that are not fixed, each as it is or in its
+// logarithm.
 class Coordinates {
  public:
   // Throws InputError: an unknown name, a value out of bounds, nothing left to search.
@@ -42,13 +44,14 @@ class Coordinates {
   }
   bool is_fixed(std::size_t parameter) const { return fixed_[parameter]; }
 
-  double inner(std::size_t coordinate, double value) const;  // of a parameter's value
-  double outer(std::size_t coordinate, double inner) const;  // and back
-  double low(std::size_t coordinate) const;                  // of the coordinate
+  double inner(std::size_t coordinate,
+               double value) const;  // the coordinate of a parameter's value
+  double outer(std::size_t coordinate, double inner) const;  // the parameter's value
+  double low(std::size_t coordinate) const;                  // bounds of the coordinate
   double high(std::size_t coordinate) const;
-  // All parameters in their units; `z`: of the coordinates.
+  // All parameters in their units, at the coordinates `z`.
   std::vector<double> values(const double* z) const;
-  // d value/d coordinate at these values.
+  // The derivative of a parameter's value by its coordinate, at these values.
   double slope(std::size_t coordinate, const std::vector<double>& values) const;
 
  private:
@@ -58,8 +61,8 @@ class Coordinates {
   std::vector<double> given_;
 };
 
-// A stretch's residuals as a function of the coordinates and its own unknowns; those at `rows` and
-// beyond are zero, and all are divided by `scale`. `weights` as Problem's.
+// The residuals of a stretch as a function of the coordinates and the stretch's own unknowns. Those
+// at `rows` and beyond are zero, and all are divided by `scale`. `weights` are Problem::weights().
 class StretchCost : public ceres::CostFunction {
  public:
   StretchCost(std::unique_ptr<ceres::CostFunction> model, const std::vector<double>& weights,
@@ -69,13 +72,13 @@ class StretchCost : public ceres::CostFunction {
  private:
   std::unique_ptr<ceres::CostFunction> model_;
   const Coordinates& coordinates_;
-  Eigen::VectorXd roots_;  // of the weights
+  Eigen::VectorXd roots_;  // square roots of the weights
   int rows_;
   double scale_;
   RobustLoss loss_;
 };
 
-// Of the weights of `rows` residuals.
+// The square roots of the weights of `rows` residuals.
 Eigen::VectorXd roots_of(const std::vector<double>& weights, Eigen::Index rows);
 
 }  // namespace hvp::fit

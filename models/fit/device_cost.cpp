@@ -1,5 +1,3 @@
-#include "models/fit/device_cost.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -10,11 +8,13 @@
 #include <ceres/jet.h>
 
 #include "models/fit/device_motion.h"
+#include "models/fit/device_problem.h"
 
 namespace hvp::fit {
 namespace {
 
-// Of all parameters, and of the velocity in front; the position in front only adds.
+// The derivatives are by all parameters and by the initial velocity; the initial position only
+// adds.
 constexpr int kDeviceParameters = 7;
 constexpr int kVelocity = kDeviceParameters;
 using DeviceJet = ceres::Jet<double, kDeviceParameters + 1>;
@@ -31,13 +31,13 @@ struct Delay {
         part(delay - static_cast<double>(whole) * period) {}
 };
 
-// The command of sample `at`; before the log that of its beginning.
+// The command of sample `at`; before the log it is the first one.
 double held(const DeviceLog& log, std::ptrdiff_t at) {
   return log.command[static_cast<std::size_t>(std::max<std::ptrdiff_t>(at, 0))];
 }
 
-// What of the commands has arrived behind the amplifier's lag at a sample. It forgets: e⁻³⁷ is
-// less than rounding.
+// The part of the commands that has passed the amplifier's lag at a sample. Older commands than
+// e⁻³⁷ of the lag are below rounding and left out.
 template <typename T>
 T arrived(const DeviceLog& log, std::size_t sample, const T& lag, const T& delay_s) {
   const double forgets = 37 / (plain(lag) * log.period);
@@ -63,7 +63,7 @@ double arrived_with(const DeviceLog& log, std::size_t sample, double lag, double
   return arrived(log, sample, lag, delay);
 }
 
-// With two derivatives on the way, where it takes many steps, instead of all.
+// The same with its derivatives. Only two of them are carried through its many steps.
 DeviceJet arrived_with(const DeviceLog& log, std::size_t sample, const DeviceJet& lag,
                        const DeviceJet& delay) {
   using Two = ceres::Jet<double, 2>;
@@ -123,7 +123,7 @@ class DeviceCost final : public ceres::CostFunction {
     return axis;
   }
 
-  // Tells how far the axis has come at each sample; false: not with these values.
+  // Passes the axis' position at each sample on; false where there is none for these values.
   template <typename T, typename See>
   bool follow(const T* values, const T& velocity, const See& see) const {
     for (std::size_t i = 0; i < layout_.count; ++i) {

@@ -6,18 +6,112 @@
 
 #include <ceres/jet.h>
 
-#include "models/fit/device_step.h"
-
 namespace hvp::fit {
 
-// The motion of an axis with dry friction as plant::AxisMotion has it, here with derivatives:
+inline double plain(double x) { return x; }
+template <int N>
+double plain(const ceres::Jet<double, N>& x) {
+  return x.a;
+}
+
+// The motion of an axis over a time h in which neither its command nor the direction of its
+// friction changes. The equations are
+//
+//   x″ = −β·x′ + w + d,  d′ = −r·d,
+//
+// where w (m/s²) acts at once and stays, and d (m/s²) is what the motor's force still lacks,
+// negative. Their exact solution is linear:
+//
+//   x(h) = x + xv·v + xw·w + xd·d,  v(h) = vv·v + xv·w + vd·d,  d(h) = dd·d.
+//
+// The factors are divided differences of exp: xv = h·exp[0, −βh], xw = h²·exp[0, 0, −βh], xd =
+// h²·exp[0, −βh, −rh], vd = h·exp[−βh, −rh]. They are computed as series over a fraction of h,
+// which are exact for β = r and β = 0 too, and then doubled. h may be 0 and still have derivatives.
+template <typename T>
+struct DeviceStep {
+  T xv{0}, xw{0}, xd{0};
+  T vv{1}, vd{0};
+  T dd{1};
+
+  // `damping` is β and `lag` r, in 1/s, not negative. `lags`: there is a d at all.
+  static DeviceStep over(const T& h, const T& damping, const T& lag, bool lags);
+
+ private:
+  void series(const T& h, const T& damping, const T& lag, bool lags);
+  void twice(bool lags);
+};
+
+template <typename T>
+DeviceStep<T> DeviceStep<T>::over(const T& h, const T& damping, const T& lag, bool lags) {
+  constexpr double kFastest = 0.5;  // rate·step of the series
+  double rate = plain(damping) * plain(h);
+  if (lags && plain(lag) * plain(h) > rate) rate = plain(lag) * plain(h);
+  int doublings = 0;
+  double share = 1;
+  for (; rate * share > kFastest && doublings < 60; ++doublings) share /= 2;
+  DeviceStep step;
+  step.series(h * share, damping, lag, lags);
+  for (int i = 0; i < doublings; ++i) step.twice(lags);
+  return step;
+}
+
+template <typename T>
+void DeviceStep<T>::series(const T& h, const T& damping, const T& lag, bool lags) {
+  constexpr int kTerms = 14;  // 0.5¹⁴/14! < 1e-15
+  const T a = -damping * h;
+  const T q = -lag * h;
+  T power = T(1);      // aⁿ
+  T lag_power = T(1);  // qⁿ
+  T both = T(1);       // Σ aⁱ·qⁿ⁻ⁱ
+  T one = T(0), two = T(0), both_one = T(0), both_two = T(0), lagged = T(0);
+  double factorial = 1;  // n!
+  for (int n = 0; n < kTerms; ++n) {
+    if (n > 0) {
+      factorial *= n;
+      power = power * a;
+      if (lags) {
+        lag_power = lag_power * q;
+        both = both * q + power;
+      }
+    }
+    const double first = 1 / (factorial * (n + 1));
+    const double second = first / (n + 2);
+    one += power * first;
+    two += power * second;
+    if (!lags) continue;
+    lagged += lag_power * (1 / factorial);
+    both_one += both * first;
+    both_two += both * second;
+  }
+  xv = h * one;
+  xw = h * h * two;
+  vv = T(1) + a * one;
+  if (!lags) return;
+  xd = h * h * both_two;
+  vd = h * both_one;
+  dd = lagged;
+}
+
+template <typename T>
+void DeviceStep<T>::twice(bool lags) {
+  if (lags) {
+    xd = xd + xv * vd + xd * dd;
+    vd = vv * vd + vd * dd;
+    dd = dd * dd;
+  }
+  xw = xw * 2.0 + xv * xv;
+  xv = xv + xv * vv;
+  vv = vv * vv;
+}
+
+// The motion of an axis with dry friction as plant::AxisMotion computes it, here with derivatives:
 //
 //   x″ = κ·g − β·x′ − α_c·sign(x′) + α_o,  g′ = r·(c − g)
 //
-// It is taken apart into stretches of slipping one way and of sticking, within each of which it is
-// linear (DeviceStep). The instants between them are found in doubles and given their derivatives
-// by one step of Newton's; so positions have derivatives wherever they depend smoothly on the
-// parameters. T: double or a ceres::Jet.
+// The motion is divided into stretches of slipping one way and of sticking, within each of which it
+// is linear (DeviceStep). The instants between them are found in doubles and get their derivatives
+// from one step of Newton's method, so that positions have derivatives wherever they depend
+// smoothly on the parameters. T is double or a ceres::Jet.
 template <typename T>
 struct DeviceAxis {
   T gain{1};          // κ: acceleration for a command of 1
@@ -25,7 +119,7 @@ struct DeviceAxis {
   T coulomb{0};       // α_c, m/s², not negative
   T offset{0};        // α_o, m/s²
   T lag{0};           // r, 1/s
-  bool lags = false;  // else g = c at once
+  bool lags = false;  // false: g = c at once
 
   DeviceStep<T> step(const T& h) const { return DeviceStep<T>::over(h, damping, lag, lags); }
 };
@@ -34,8 +128,8 @@ template <typename T>
 struct DeviceState {
   T x{0};
   T v{0};
-  T command{0};   // g: what of the command has arrived
-  int slips = 0;  // 1, −1; 0: it stands
+  T command{0};   // g, the part of the command that has arrived
+  int slips = 0;  // direction, 1 or −1; 0: the axis stands
 };
 
 template <typename T>
@@ -44,11 +138,11 @@ class DeviceMotion {
   explicit DeviceMotion(const DeviceAxis<T>& axis)
       : axis_(axis), plain_(without_derivatives(axis)) {}
 
-  // Goes on by `h`, s, under the command c; `step` is axis.step(h).
+  // Advances the state by `h` (s) under the command c; `step` is axis.step(h).
   void advance(double c, const T& h, const DeviceStep<T>& step, DeviceState<T>& state) const;
 
  private:
-  // Slipping over a time, ended by a reversal or not.
+  // Slipping over a time, whether or not a reversal ends it.
   struct Slide {
     double v, w, d;
     double at(const DeviceStep<double>& s) const { return s.vv * v + s.xv * w + s.vd * d; }
@@ -62,17 +156,19 @@ class DeviceMotion {
             plain(axis.offset), plain(axis.lag),     axis.lags};
   }
 
-  // Stands for h, or (true) until it breaks loose after `stayed`; sets the state then.
+  // Lets the axis stand for h. Returns true where it breaks loose before, after `stayed`, and sets
+  // the state then.
   bool stay(double c, const T& h, const DeviceStep<T>& step, DeviceState<T>& state,
             T& stayed) const;
-  // Slips for h, or (true) until it comes to stand after `slid`; sets the state then.
+  // Lets the axis slip for h. Returns true where it comes to stand before, after `slid`, and sets
+  // the state then.
   bool slide(double c, const T& h, const DeviceStep<T>& step, DeviceState<T>& state, T& slid) const;
   void apply(double c, const DeviceStep<T>& step, DeviceState<T>& state) const;
   // The first time at which the velocity is zero, or −1.
   double comes_to_stand(const Slide& slide, double direction, double h,
                         const DeviceStep<T>& step) const;
-  // Where a function of the step, of opposite signs at `low` and `high`, is zero; `sign`: of it at
-  // `low`.
+  // The root of a function of the step that has opposite signs at `low` and `high`; `sign` is its
+  // sign at `low`.
   template <typename Function>
   double root(const Function& function, double sign, double low, double high) const;
 
@@ -84,7 +180,7 @@ template <typename T>
 void DeviceMotion<T>::advance(double c, const T& h, const DeviceStep<T>& step,
                               DeviceState<T>& state) const {
   if (!axis_.lags) state.command = T(c);
-  // A held command makes three at most; rounding next to an instant may find it again.
+  // A constant command causes at most three events; rounding may find one of them again.
   constexpr int kMostEvents = 12;
   const DeviceStep<T>* part = &step;
   DeviceStep<T> rest;
@@ -119,7 +215,7 @@ bool DeviceMotion<T>::stay(double c, const T& h, const DeviceStep<T>& step, Devi
     return true;
   }
   if (!axis_.lags) return false;
-  // The force goes to the command's monotonically.
+  // The force approaches the command monotonically.
   const T arrives = T(c) + (state.command - c) * step.dd;
   const double end = plain_.gain * plain(arrives) + plain_.offset;
   if (std::abs(end) <= hold) {
@@ -152,8 +248,7 @@ bool DeviceMotion<T>::slide(double c, const T& h, const DeviceStep<T>& step, Dev
     apply(c, step, state);
     return false;
   }
-  // At `end` the velocity is zero for these parameters; by how much later it is for others:
-  // −∂v/∂p / v′.
+  // At `end` the velocity is zero for these parameters. For others it is zero later by −∂v/∂p / v′.
   const T fixed{end};
   DeviceState<T> then = state;
   apply(c, axis_.step(fixed), then);
@@ -212,7 +307,7 @@ double DeviceMotion<T>::comes_to_stand(const Slide& slide, double direction, dou
 template <typename T>
 template <typename Function>
 double DeviceMotion<T>::root(const Function& function, double sign, double low, double high) const {
-  // Regula falsi as in Illinois' method (Dowell & Jarratt 1971), which keeps the root between.
+  // The Illinois variant of regula falsi (Dowell & Jarratt 1971), which keeps the root bracketed.
   double at_low = sign * function(plain_.step(low));
   double at_high = sign * function(plain_.step(high));
   if (at_low <= 0) return low;

@@ -8,10 +8,8 @@
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
-#include "models/fit/interval.h"
-#include "models/fit/linear.h"
 #include "models/fit/search.h"
-#include "models/fit/warnings.h"
+#include "models/fit/uncertainty.h"
 #include "models/random/draws.h"
 
 namespace hvp::fit {
@@ -19,9 +17,10 @@ namespace hvp::fit {
 namespace {
 
 constexpr std::size_t kStretchesToHoldOut = 5;
-// Of the best sum of squares: what makes no difference, half a degree of freedom.
+// Optima whose sums of squares differ by less than this many residual variances, half a degree of
+// freedom, count as the same.
 constexpr double kSameOptimum = 0.5;
-// Of the residuals at the first start: what is left over of a log without noise.
+// Residuals below this share of those at the first start are those of a log without noise.
 constexpr double kExact = 1e-6;
 constexpr double kDecade = 10;
 constexpr double kHopeless = 3;
@@ -79,7 +78,8 @@ Fitting::Fitting(const Problem& problem, const Options& options)
 
 Point Fitting::bare(std::vector<double> z) const { return {std::move(z), own_}; }
 
-// Of every search, those for intervals too: whoever watches can end them all.
+// Every search reports its progress, those for intervals too, so that the caller can end any of
+// them.
 Search::Progress Fitting::watch() {
   if (!options_.progress) return {};
   return [this](int iteration, double sum) {
@@ -194,7 +194,7 @@ void Fitting::hold_out(const Optimum& best) {
   Optimum rest = search.from(best.at);
   if (!rest.found) return;
   if (rows_.size() >= kStretchesToHoldOut) {
-    // Where a stretch begins is its own; how it goes on is predicted.
+    // The initial state of a stretch is fitted; the rest of it is predicted.
     Search all(problem_, coordinates_, range_of(rows_), loss_, watch());
     rest = all.own_alone(rest.at);
   }
@@ -248,7 +248,7 @@ void Fitting::estimate(const Optimum& best) {
         e.high = std::clamp(coordinates_.outer(k, interval.high), e.value, p.high);
       };
       put();
-      // A profile does not give what this is so far from giving.
+      // An interval that is this far from saying something is not profiled.
       if (!fit_.interrupted && says_something(e, p, kHopeless)) {
         interval = intervals.of(k);
         put();
@@ -258,7 +258,7 @@ void Fitting::estimate(const Optimum& best) {
     }
     if (!e.identifiable) e.remedy = p.remedy;
     if (!fit_.converged || fit_.interrupted) {
-      // Around what is no optimum an interval says nothing.
+      // An interval around a point that is no optimum says nothing.
       e.identifiable = false;
       e.remedy = "a search that converges";
     }

@@ -1,5 +1,3 @@
-#include "models/fit/qlv_log.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -7,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
+#include "models/fit/qlv_problem.h"
 
 namespace hvp::fit {
 

@@ -10,9 +10,7 @@
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
-#include "models/fit/qlv_parameters.h"
 #include "models/fit/qlv_response.h"
-#include "models/fit/qlv_scan.h"
 
 namespace hvp::fit {
 
@@ -36,7 +34,7 @@ bool force_of(Elastic elastic, const PressedLog& log, const T* values, T* out) {
   }
   if (left < 0.0) return false;
   T contact = log.direction * values[2 + 2 * kCount];
-  // What was pressed before the record is not known: a contact further out is none.
+  // The load before the record is not known, so that a contact further out counts as none.
   const double first = log.shallowest();
   if (contact < first) contact = T(first);
   const T& offset = values[3 + 2 * kCount];

@@ -6,17 +6,17 @@
 
 #include <ceres/jet.h>
 
-#include "models/fit/qlv_log.h"
+#include "models/fit/qlv_problem.h"
 
 namespace hvp::fit {
 
 // Quasi-linear viscoelasticity (Fung, Biomechanics, 2nd ed. 1993, §7.6): a force is the sum of what
-// is left at a time t of the elastic steps before it,
+// remains at a time t of the elastic steps before it,
 //   F(t) = ∫ G(t − s)·dF_e(δ(s)),   G(t) = 1 − Σgᵢ + Σ gᵢ·e^(−t/τᵢ),
-// with δ the depth behind the contact. Between two samples travel is a straight line, and the
+// with δ the depth behind the contact. Between two samples the travel is a straight line, and the
 // integral over such a piece is exact to rounding. The scalar is double or ceres::Jet.
 
-// The loaded part of a piece: depth behind the contact (m) where it begins and ends, and its
+// The loaded part of a piece: its depths behind the contact (m) at its beginning and end, and its
 // length (s).
 template <class T>
 struct LoadedPiece {
@@ -29,7 +29,7 @@ struct LoadedPiece {
 template <class T>
 T mean_exponential(const T& z) {
   using std::exp;
-  // What the series leaves out is less than 1e-17 of its sum.
+  // The series' truncation error is less than 1e-17 of its sum.
   constexpr double kNear = 0.5;
   constexpr int kTerms = 13;
   if (z > kNear || z < -kNear) return (exp(z) - 1.0) / z;
@@ -47,8 +47,8 @@ struct FungElasticity {
   T force(const T& depth) const { return c * depth * mean_exponential<T>(q * depth); }
 
   // ∫ e^(−(t − s)/τ) dF_e over a piece that ends at t. With dF_e = c·e^(qδ)·δ' the exponent is
-  // linear in time; its slope q·δ' + 1/τ goes through zero where unloading is as fast as
-  // relaxation, and the form that does not overflow is taken on either side.
+  // linear in time. Its slope q·δ' + 1/τ is zero where unloading is as fast as relaxation, and the
+  // form that does not overflow is taken on either side.
   T remaining(const LoadedPiece<T>& piece, const T& tau) const {
     using std::exp;
     const T moved = piece.to - piece.from;
@@ -70,9 +70,9 @@ struct PowerElasticity {
     return depth > 0.0 ? T(c * pow(depth, n)) : T(0.0);
   }
 
-  // As above. δⁿ⁻¹ has a branch point at the contact: near it the integral from there is a series
-  // whose terms are all positive (Kummer's function, DLMF 13.2.2 and 13.2.39), summed until they
-  // are below 1e-17 of it; elsewhere eight points of Gauss' are right to 1e-12.
+  // The same integral. δⁿ⁻¹ has a branch point at the contact. Near it the integral from there is a
+  // series whose terms are all positive (Kummer's function, DLMF 13.2.2 and 13.2.39), summed until
+  // they are below 1e-17 of it; elsewhere Gauss' rule with eight points is right to 1e-12.
   T remaining(const LoadedPiece<T>& piece, const T& tau) const {
     using std::exp;
     const T decay = piece.seconds / tau;
@@ -142,14 +142,15 @@ struct PowerElasticity {
   }
 };
 
-// Of one exponential of G.
+// One exponential of G.
 template <class T>
 struct Relaxation {
   T share;  // g
   T tau;    // s
 };
 
-// Of a piece of travel from depth `from` to `to` behind the contact, negative before it.
+// The loaded part of a piece of travel from depth `from` to `to` behind the contact (negative
+// before it), and in `after` the unloaded time that follows it.
 template <class T>
 LoadedPiece<T> loaded_part(const T& from, const T& to, double seconds, T& after) {
   after = T(0.0);
@@ -159,8 +160,8 @@ LoadedPiece<T> loaded_part(const T& from, const T& to, double seconds, T& after)
   return {from, T(0.0), seconds - after};
 }
 
-// Force (N) at each sample, into `out`. `contact` as PressedLog::depth, m; `offset` in N. Whatever
-// was pressed at the first sample has relaxed.
+// Writes the force (N) at each sample to `out`. `contact` (m) is measured as PressedLog::depth,
+// `offset` is in N. The model assumes that any load at the first sample has relaxed.
 template <class T, class Elasticity, std::size_t Count>
 void qlv_response(const PressedLog& log, const Elasticity& elasticity,
                   const std::array<Relaxation<T>, Count>& relaxation, const T& contact,

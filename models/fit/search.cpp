@@ -14,7 +14,8 @@ namespace hvp::fit {
 
 namespace {
 
-// Of a point of a profile: its sum of squares is wanted to a hundredth of its rise.
+// The tolerance for a point of a profile, whose sum of squares is needed to a hundredth of its
+// rise.
 constexpr int kRoughIterations = 30;
 constexpr double kRoughTolerance = 1e-7;
 
@@ -33,7 +34,7 @@ class Report : public ceres::IterationCallback {
   double to_sum_;
 };
 
-// A start at which the model has no value is one that was tried, and no line on standard error.
+// A start at which the model has no value counts as tried, and prints no line on standard error.
 void silence_ceres() { FLAGS_minloglevel = google::GLOG_FATAL; }
 
 // A logarithm of zero bounds nothing.
@@ -127,8 +128,8 @@ Optimum Search::solve() {
           report.stopped};
 }
 
-// Near a bound the trust region shrinks to almost nothing: what has come to one is held there, and
-// the others are searched on.
+// Near a bound the trust region shrinks to almost nothing: coordinates that have reached a bound
+// are fixed there, and the search goes on with the others.
 Optimum Search::from(const Point& start) {
   put(start);
   Optimum optimum = solve();

@@ -12,10 +12,10 @@
 
 namespace hvp::fit {
 
-// Where a search ended, or is to begin.
+// A point of the search: where one ended, or is to begin.
 struct Point {
-  std::vector<double> z;                 // of the coordinates
-  std::vector<std::vector<double>> own;  // of each stretch
+  std::vector<double> z;                 // the coordinates
+  std::vector<std::vector<double>> own;  // the own unknowns of each stretch
 };
 
 struct Optimum {
@@ -30,25 +30,25 @@ struct Optimum {
 class Search {
  public:
   struct Range {
-    std::vector<int> rows;  // of each stretch that count
-    double scale = 1;       // of the residuals, so that sums are near one
+    std::vector<int> rows;  // the number of rows of each stretch that are fitted
+    double scale = 1;       // divides the residuals, so that sums are near one
     int most_iterations = 200;
-    double tolerance = 1e-14;  // of the sum, from one iteration to the next
+    double tolerance = 1e-14;  // relative change of the sum from one iteration to the next
   };
-  // What is told of each iteration: its number and Σρ so far. False: stop.
+  // Called after each iteration with its number and Σρ so far. A return of false stops the search.
   using Progress = std::function<bool(int, double)>;
 
-  // Keeps references to the problem and its coordinates. `progress` hears of every search.
+  // Keeps references to the problem and its coordinates. `progress` is called in every search.
   Search(const Problem& problem, const Coordinates& coordinates, Range range, RobustLoss loss,
          Progress progress = {});
 
   Optimum from(const Point& start);
-  // One coordinate stays where it is.
+  // Searches with the coordinate `held` fixed.
   Optimum with(std::size_t held, const Point& start);
-  // All of them stay.
+  // Searches for the own unknowns only, with all coordinates fixed.
   Optimum own_alone(const Point& start);
 
-  // Σρ; nothing where the model has no value.
+  // Σρ at a point; empty where the model has no value.
   std::optional<double> sum(const Point& at);
   const Range& range() const { return range_; }
   int residuals() const;

@@ -10,7 +10,7 @@
 
 namespace hvp::fit {
 
-// A row of numbers for each unknown, one for each of the fields that are computed together.
+// One unknown's values in all fields that are computed together.
 template <std::size_t Fields>
 using FieldRow = std::array<double, Fields>;
 
@@ -29,10 +29,11 @@ class TissueFactors {
   }
 
  private:
-  // The columns of a node's three unknowns, which have one pattern below them.
+  // The columns of L that belong to a node's three unknowns, which have the same pattern below
+  // them.
   struct Columns {
-    double in_x_y, in_x_z, in_y_z;  // L between the three
-    std::size_t rows;               // below
+    double in_x_y, in_x_z, in_y_z;  // entries of L between the three
+    std::size_t rows;               // number of rows below
     const int* row;
     const double* x;
     const double* y;
@@ -54,7 +55,7 @@ class TissueFactors {
             value + begin[2]};
   }
 
-  // Eigen computes two fields at a time; of plain loops compilers see that only at times.
+  // Eigen computes two fields at a time; compilers vectorise plain loops only sometimes.
   template <std::size_t Fields>
   using Row = Eigen::Array<double, static_cast<int>(Fields), 1>;
 
@@ -98,5 +99,25 @@ class TissueFactors {
   std::vector<double> inverse_pivot_;
   bool positive_definite_ = false;
 };
+
+inline TissueFactors::TissueFactors(const TissueSystem& system, const LamePair& k, double m) {
+  // The matrix is symmetric, so that its rows are the columns that Eigen expects.
+  const int n = system.unknowns();
+  std::vector<double> value(system.column.size());
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    value[i] = combine(k, system.stiffness[i]) + m * system.mass[i];
+  }
+  const Eigen::Map<const Eigen::SparseMatrix<double>> matrix(
+      n, n, static_cast<Eigen::Index>(value.size()), system.row_begin.data(), system.column.data(),
+      value.data());
+  factors_.compute(matrix);
+  if (factors_.info() != Eigen::Success) return;
+  const Eigen::VectorXd pivots = factors_.vectorD();
+  // As in fem::DirectSolver: a pivot with fewer than two digits left is zero.
+  if (!pivots.allFinite() || !(pivots.minCoeff() > 1e-14 * pivots.maxCoeff())) return;
+  inverse_pivot_.resize(static_cast<std::size_t>(n));
+  for (int i = 0; i < n; ++i) inverse_pivot_[static_cast<std::size_t>(i)] = 1 / pivots[i];
+  positive_definite_ = true;
+}
 
 }  // namespace hvp::fit

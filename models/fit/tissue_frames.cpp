@@ -20,7 +20,7 @@ namespace {
 constexpr double kAside = 1e-6;            // m
 constexpr std::size_t kFewestFrames = 20;  // as checked_log() wants them
 
-// Frames [first, end) in which one node is held.
+// The frames [first, end) in which one node is the contact node.
 struct Run {
   std::size_t first = 0;
   std::size_t end = 0;
@@ -75,9 +75,9 @@ class Way {
   Eigen::Vector3d direction_;
 };
 
-// How far from the tip the node is held (contact.grip = "offset"), as contact with a body at rest
-// begins: it depends on the triangle that was touched, and the tip of the touch's first frame is
-// still over it. Nothing where contact slid there, from a surface that nobody has written down, or
+// The offset of the node from the tip (contact.grip = "offset"), as contact with a body at rest
+// begins. It depends on the triangle that was touched, and the tip of the touch's first frame is
+// still over it. Empty where contact slid there, from a surface that nobody has written down, or
 // where the search finds another node.
 std::optional<Eigen::Vector3d> grip_offset(collision::ContactSearch& search, const TissueBody& body,
                                            const TouchedFrames& frames, const Run& run) {

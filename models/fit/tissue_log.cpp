@@ -1,5 +1,3 @@
-#include "models/fit/tissue_log.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -8,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
+#include "models/fit/tissue_problem.h"
 
 namespace hvp::fit {
 namespace {

@@ -63,7 +63,7 @@ class Integration {
   }
 
  private:
-  // Of the contact, along its direction.
+  // The contact's motion along its direction.
   struct Contact {
     double u = 0;
     double v = 0;
@@ -95,7 +95,7 @@ class Integration {
     }
   }
 
-  // What M multiplies in the right-hand sides of y; see form_rhs().
+  // The vector that M multiplies in the right-hand sides of y; see form_rhs().
   FieldRow<Fields> momentum(std::size_t i) const {
     FieldRow<Fields> p = {};
     const double share = beta_ * of_mass_ / of_stiffness_ - alpha_;
@@ -153,7 +153,7 @@ class Integration {
     }
   }
 
-  // What the contact does to the nodes around it.
+  // The contact's effect on the nodes around it.
   void drive(const Contact& now) {
     const double w = now.u + beta_ * now.v;
     const double inertia = now.a + alpha_ * now.v;

@@ -12,7 +12,6 @@
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
-#include "models/fit/tissue_log.h"
 
 namespace hvp::fit {
 namespace {
@@ -23,7 +22,7 @@ constexpr double kHighestPoisson = 0.499;
 // The range of object.material.young_modulus, Pa.
 constexpr double kSoftest = 1;
 constexpr double kStiffest = 1e13;
-// What a haptic scene presses, from a gel to rubber; beyond it a unit is suspected.
+// The range of materials in a haptic scene, from a gel to rubber; beyond it a unit is suspected.
 constexpr double kSoftTissue = 100;
 constexpr double kRubber = 1e9;
 
@@ -128,7 +127,7 @@ TissueProblem::Touch TissueProblem::make_touch(const TissueLog& log, std::size_t
   return touch;
 }
 
-// That of a body without inertia, by least squares over all logs: F = E·s(ν)·x.
+// The start is that of a body without inertia, by least squares over all logs: F = E·s(ν)·x.
 double TissueProblem::start_of_young_modulus() const {
   double along = 0;
   double square = 0;

@@ -11,30 +11,31 @@
 
 namespace hvp::fit {
 
-// One touch, from before it, or its first moment, to before its end: the body is at rest and
-// unloaded when the log begins.
+// The log of one touch, from before it, or its first moment, to before its end. The body is at rest
+// and unloaded when the log begins.
 struct TissueLog {
-  std::vector<int> nodes;  // of the mesh, ascending, which move together
-  Eigen::Vector3d direction = Eigen::Vector3d(0, 0, -1);  // any length; into the body
+  std::vector<int> nodes;  // nodes of the mesh, ascending, that move together
+  Eigen::Vector3d direction = Eigen::Vector3d(0, 0, -1);  // of any length; into the body
   std::vector<double> time;                               // s, evenly spaced
   std::vector<double> displacement;                       // m, along the direction
-  // N, on the body along the direction: positive where the displacement is. One that has the sign
-  // of the force on the hand is turned round, with a warning.
+  // N, on the body along the direction: positive where the displacement is. A log with the sign of
+  // the force on the hand is reversed, with a warning.
   std::vector<double> force;
 };
 
-// E, ν and Rayleigh's α and β (of a static body the first two) of the platform's finite-element
-// body, from touches. The force is that of a double-precision solution with the servo loop's time
-// integration; see tissue_response.h. One stretch a log, without unknowns of its own.
+// The problem of finding E, ν and Rayleigh's α and β (for a static body only E and ν) of the
+// platform's finite-element body from touches. The force is that of a double-precision solution
+// with the servo loop's time integration (tissue_response.h). Each log is one stretch without
+// unknowns of its own.
 //
 // Parameters: "young_modulus" (Pa, logarithmic), "poisson_ratio", "mass_damping" (1/s),
-// "stiffness_damping" (s). A force is proportional to a function of E and ν where the body is
-// static, so that one contact gives either, and two contacts give both.
+// "stiffness_damping" (s). The force on a static body is proportional to one function of E and ν,
+// so that one contact gives either of them and two contacts give both.
 class TissueProblem final : public Problem {
  public:
   // Throws InputError for a body or a contact that TissueSystem refuses, unstable Newmark settings,
-  // and a log that is too short, not even, not finite, does not move, moves by more than the body
-  // is wide, or whose force is that of no material.
+  // and a log that is too short, not evenly spaced, not finite, does not move, moves by more than
+  // the body's width, or has a force that no material gives.
   TissueProblem(TissueBody body, const std::vector<TissueLog>& logs);
   ~TissueProblem() override;
 
@@ -45,7 +46,7 @@ class TissueProblem final : public Problem {
   std::unique_ptr<ceres::CostFunction> cost(std::size_t stretch) const override;
 
   const TissueBody& body() const { return *body_; }
-  // What was repaired in the logs, and what to beware of.
+  // The repairs of the logs, and cautions.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
@@ -61,5 +62,10 @@ class TissueProblem final : public Problem {
   std::vector<Parameter> parameters_;
   std::vector<std::string> warnings_;
 };
+
+// A checked log in the form that the model takes, with a warning for each thing that was repaired
+// or is doubtful. `name` begins every sentence ("log 2"). Throws InputError as TissueProblem does.
+TissueLog checked_log(const TissueBody& body, TissueLog log, const std::string& name,
+                      std::vector<std::string>& warnings);
 
 }  // namespace hvp::fit

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "models/fem/element.h"
+#include "models/fem/assembly.h"
 #include "models/fem/locking.h"
 
 namespace hvp::fit {

@@ -14,9 +14,8 @@
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
-#include "models/fit/wake_up_counts.h"
+#include "models/fit/wake_up_histogram.h"
 #include "models/fit/wake_up_mass.h"
-#include "models/fit/wake_up_warnings.h"
 
 namespace hvp::fit {
 
@@ -30,8 +29,9 @@ constexpr double kAtBound = 20;         // |u|: within 2e-9 of it
 
 std::size_t parameters_of(Kind kind) { return kind == Kind::exponential ? 1 : 2; }
 
-// What is searched is without bounds: each parameter's place between what [host.wake_up] admits,
-// through the logistic function; the lognormal's and the scales' in their logarithm.
+// The searched variables have no bounds: each is a parameter's place between the bounds of
+// [host.wake_up], through the logistic function; the lognormal's and the scales' in their
+// logarithm.
 struct Place {
   double low;
   double high;
@@ -58,7 +58,7 @@ std::array<Place, 2> places(Kind kind, const WakeUpCounts& counts) {
   if (kind == Kind::exponential) return {scale, scale};
   if (kind == Kind::normal) return {Place{counts.minimum, counts.maximum, false}, scale};
   const double lowest = std::max(counts.minimum, 1e-3 * counts.finest);
-  // Where half of the range is within the spread, so is one of the two bounds, whatever the median.
+  // If half of the range is within the spread, so is one of the two bounds, whatever the median.
   double widest = std::log(kWidestSpread);
   if (counts.minimum > 0) {
     widest = std::min(widest, 0.499 * std::log(counts.maximum / counts.minimum));
@@ -76,7 +76,7 @@ struct Deviance {
   std::array<T, 2> values(const T* u) const {
     return {at[0].value(u[0]), parameters_of(kind) > 1 ? at[1].value(u[1]) : T(0.0)};
   }
-  // ln of a bin's share of what is not cut off.
+  // The logarithm of a bin's share of the times that are not cut off.
   template <class T>
   T log_share(const std::array<T, 2>& p, const WakeUpHistogram::Bin& bin) const {
     return log_mass(kind, counts.minimum, p.data(), bin.from, bin.to) -
@@ -96,7 +96,7 @@ struct Deviance {
   }
 };
 
-// Found by maximum likelihood.
+// The distribution found by maximum likelihood.
 struct Found {
   Kind kind = Kind::exponential;
   std::array<double, 2> u{};

@@ -59,7 +59,7 @@ std::optional<double> unit_of_header(std::string_view line) {
   return std::nullopt;
 }
 
-// What cyclictest prints of its threads while it runs.
+// The lines that cyclictest prints of its threads while it runs.
 bool is_progress(std::string_view line) {
   return line.starts_with("T:") || line.starts_with("policy:");
 }
@@ -207,5 +207,43 @@ std::int64_t WakeUpHistogram::count() const {
 }
 
 WakeUpHistogram read_wake_up_histogram(std::string_view text) { return Reading().read(text); }
+
+namespace {
+
+constexpr std::int64_t kFewestLatencies = 100;
+constexpr std::size_t kFewestBins = 3;
+
+}  // namespace
+
+WakeUpCounts wake_up_counts(const WakeUpHistogram& histogram) {
+  WakeUpCounts counts;
+  for (const WakeUpHistogram::Bin& bin : histogram.bins) {
+    if (bin.count == 0) continue;
+    counts.bins.push_back(bin);
+    counts.total += bin.count;
+  }
+  if (counts.total < kFewestLatencies) {
+    throw InputError(
+        fmt::format("count: {} latencies; expected at least {}", counts.total, kFewestLatencies));
+  }
+  if (counts.bins.size() < kFewestBins) {
+    throw InputError(
+        fmt::format("latency: all in {} bins from {:g} us on; expected at least {}, "
+                    "measure with a finer unit or state a constant",
+                    counts.bins.size(), counts.bins.front().from * 1e6, kFewestBins));
+  }
+  const double end = histogram.bins.back().to;
+  counts.finest = end;
+  for (const WakeUpHistogram::Bin& bin : counts.bins) {
+    counts.finest = std::min(counts.finest, bin.to - bin.from);
+  }
+  if (histogram.overflows > 0 && histogram.longest.value_or(0) >= end) {
+    counts.bins.push_back({end, *histogram.longest + counts.finest, histogram.overflows});
+    counts.total += histogram.overflows;
+  }
+  counts.minimum = counts.bins.front().from;
+  counts.maximum = counts.bins.back().to;
+  return counts;
+}
 
 }  // namespace hvp::fit

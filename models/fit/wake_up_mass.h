@@ -9,8 +9,8 @@
 
 namespace hvp::fit {
 
-// ln of the upper tail of the standard normal distribution, x ≥ 0. Beyond 20 by its asymptotic
-// series (Abramowitz & Stegun 26.2.12), right to 1e-8 there.
+// The logarithm of the standard normal distribution's upper tail, x ≥ 0. Beyond 20 it is the
+// asymptotic series (Abramowitz & Stegun 26.2.12), which is right to 1e-8 there.
 template <class T>
 T log_upper_tail(const T& x) {
   using std::erfc;
@@ -22,7 +22,7 @@ T log_upper_tail(const T& x) {
          log(1.0 - s * (1.0 - 3.0 * s * (1.0 - 5.0 * s)));
 }
 
-// ln P(a < Z < b), a < b, without cancellation in either tail.
+// ln P(a < Z < b) for a < b, without cancellation in either tail.
 template <class T>
 T log_normal_mass(const T& a, const T& b) {
   using std::erf;
@@ -37,9 +37,9 @@ T log_normal_mass(const T& a, const T& b) {
   return log(0.5 * (erf(b * root) - erf(a * root)));
 }
 
-// ln of the share of times between `from` and `to` (s) in the distribution as it is before it is
-// cut off. `p`: the exponential's mean above `minimum`; the normal's mean and deviation; the
-// lognormal's median and σ = ln spread. Times in s.
+// The logarithm of the share of times between `from` and `to` (s) in the distribution before it is
+// cut off. `p` is, in s, the exponential's mean above `minimum`; the normal's mean and deviation;
+// the lognormal's median and σ = ln spread.
 template <class T>
 T log_mass(random::TimeDistribution::Kind kind, double minimum, const T* p, double from,
            double to) {

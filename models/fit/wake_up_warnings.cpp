@@ -1,5 +1,3 @@
-#include "models/fit/wake_up_warnings.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "models/fit/wake_up_fit.h"
 #include "models/fit/wake_up_mass.h"
 
 namespace hvp::fit {
@@ -18,7 +17,7 @@ constexpr double kTailOff = 0.2;     // of the time that 99.9 % are below
 constexpr double kMiddleOff = 0.05;  // of all latencies
 constexpr double kUnlikely = 0.01;
 
-// Before it is cut off.
+// The logarithm of a share of the distribution before it is cut off.
 double log_share(const random::TimeDistribution& d, double from, double to) {
   const bool lognormal = d.kind == random::TimeDistribution::Kind::lognormal;
   const std::array<double, 2> p{lognormal ? d.median_s : d.mean_s,
@@ -31,12 +30,12 @@ double share_below(const random::TimeDistribution& d, double time) {
   return std::exp(log_share(d, d.minimum_s, time) - log_share(d, d.minimum_s, d.maximum_s));
 }
 
-// The upper end that stands for none.
+// A time so long that it replaces an infinite upper end.
 double beyond(const random::TimeDistribution& d) {
   return d.maximum_s + 1e3 * (d.maximum_s - d.minimum_s);
 }
 
-// The time in [low, high] that `above` (falling) has this value at.
+// The time in [low, high] at which `above`, a falling function, has this value.
 template <class Function>
 double where(const Function& above, double value, double low, double high) {
   for (int i = 0; i < 100; ++i) {

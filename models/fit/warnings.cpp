@@ -1,10 +1,10 @@
-#include "models/fit/warnings.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 
 #include <fmt/format.h>
+
+#include "models/fit/fit.h"
 
 namespace hvp::fit {
 
@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kUnexplained = 0.3;  // of the signal
 
-// As an rms: 1.4826 times the median of |r|.
+// A robust rms: 1.4826 times the median of |r|.
 double without_outliers(const Fit& fit) {
   std::vector<double> sizes;
   for (const std::vector<double>& stretch : fit.residuals) {

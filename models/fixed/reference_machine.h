@@ -11,8 +11,8 @@
 
 namespace hvp::fixed {
 
-// A vector of words with one exponent: entry i is worth word[i] · 2^-exponent, in units of A·x
-// for residuals and products, in those of x for x, d and z scaled alike.
+// A vector of words with one exponent: entry i is word[i] · 2^-exponent, in units of A·x for
+// residuals and products, in those of x for x, d and z scaled alike.
 struct ScaledVector {
   std::vector<std::int32_t> word;
   int exponent = 0;
@@ -25,14 +25,36 @@ struct ScaledVector {
   bool all_zero() const { return largest() == 0; }
 };
 
-// An inner product and its exponent: worth word · 2^-exponent.
+// An inner product and its exponent: word · 2^-exponent.
 struct ScaledScalar {
   Int128 word = 0;
   int exponent = 0;
 };
 
-// The registers' rules: how a value becomes a word of the settings. Counts and flags what does
-// not fit, in the report of the solve that runs.
+// The bits of a·2^a_exponent + b·2^b_exponent, rounded up; negative for sums under one half. Both
+// terms are cut to 40 bits of the larger, as an adder behind two shifters would. The sum is
+// taken a little too large, by four units of a word of `word_bits` that it just fills: room for
+// the rounding of the two terms, so that what is scaled by this bound cannot saturate.
+inline int sum_bit_length(std::uint64_t a, int a_exponent, std::uint64_t b, int b_exponent,
+                          int word_bits) {
+  constexpr int kAdderBits = 40;
+  if (a == 0 && b == 0) return 0;
+  const int a_top = bit_length(a) + a_exponent;
+  const int b_top = bit_length(b) + b_exponent;
+  const int top = a == 0 ? b_top : b == 0 ? a_top : std::max(a_top, b_top);
+  const int unit = top - kAdderBits;
+  const auto aligned = [unit](std::uint64_t value, int exponent) {
+    if (value == 0) return std::uint64_t{0};
+    const int left = exponent - unit;
+    if (left >= 0) return value << left;
+    return left > -64 ? (value >> -left) + 1 : std::uint64_t{1};
+  };
+  const std::uint64_t sum = aligned(a, a_exponent) + aligned(b, b_exponent);
+  return bit_length(sum + (sum >> (word_bits - 3))) + unit;
+}
+
+// The rules by which a value becomes a word of the settings. Values that do not fit are counted and
+// flagged in the report of the present solve.
 class ReferenceMachine {
  public:
   ReferenceMachine(const Settings& settings, Report& report)
@@ -76,7 +98,8 @@ class ReferenceMachine {
     return result;
   }
 
-  // The quotient of two scalars as they are, exponents aside. numerator >= 0, denominator > 0.
+  // The quotient of the words of two scalars, without their exponents. numerator >= 0, denominator
+  // > 0.
   Coefficient divide(Int128 numerator, Int128 denominator, int fraction_bits) {
     if (settings_.coefficient_format == CoefficientFormat::own_shift) {
       return ratio(numerator, denominator, settings_.coefficient_bits, settings_.division_rounding);
@@ -99,11 +122,20 @@ class ReferenceMachine {
     return {static_cast<std::int32_t>(mantissa), -fraction_bits};
   }
 
-  // By which power of two a vector is re-scaled whose entries are bounded by
+  // The power of two by which a vector is re-scaled whose entries are bounded by
   // a·2^a_exponent + b·2^b_exponent: up until that has `target_bits` of magnitude, down where it
   // has more than are available. Known before the first word is written, so nothing saturates.
   int rescaling(std::uint64_t a, int a_exponent, std::uint64_t b, int b_exponent, int word_bits,
-                int target_bits, int available_bits) const;
+                int target_bits, int available_bits) const {
+    if (!settings_.dynamic_scaling) return 0;
+    const int bits = sum_bit_length(a, a_exponent, b, b_exponent, word_bits);
+    const int step = settings_.scaling_step;
+    const int unused = target_bits - bits;
+    if (unused >= settings_.scaling_threshold) return unused / step * step;
+    const int excess = bits - available_bits;
+    if (excess > 0 && settings_.scaling_down) return -((excess + step - 1) / step * step);
+    return 0;
+  }
 
  private:
   const Settings& settings_;

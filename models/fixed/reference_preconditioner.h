@@ -17,16 +17,17 @@ class ReferencePreconditioner {
   explicit ReferencePreconditioner(const Settings& settings) : settings_(settings) {}
 
   void load(const QuantisedMatrix& matrix);
-  // After the block row and column of a node changed: only its diagonal block matters.
+  // To be called after the block row and column of a node changed; only its diagonal block matters.
   void update(const QuantisedMatrix& matrix, int node);
 
-  // Nine words a node, row by row; those beside the diagonal are zero for the inverse diagonal.
+  // Nine words for each node, row by row; for the inverse diagonal those beside the diagonal are
+  // zero.
   const std::vector<std::int32_t>& words() const { return words_; }
-  // z = P⁻¹·r drops so many bits: then every sum fits 32 bits.
+  // The number of bits that z = P⁻¹·r drops, so that every sum fits 32 bits.
   int shift() const { return shift_; }
   // The words are P⁻¹ · 2^scale_bits(settings).
   static int scale_bits(const Settings& settings);
-  // Diagonals that rounded to zero, and blocks that are not positive definite.
+  // Flags for diagonal entries that rounded to zero and for blocks that are not positive definite.
   stability::Flags flags() const;
 
  private:

@@ -293,7 +293,7 @@ bool ReferenceSolver::replaces() {
 void ReferenceSolver::form_alpha() {
   alpha_ = machine_.divide(z_r_.word, d_q_.word, settings_.alpha_fraction_bits);
   alpha_.exponent += d_q_.exponent - z_r_.exponent;
-  // As it applies to q, for words of r as they were.
+  // α as it multiplies the words of q, for r before its re-scaling.
   shown_alpha_ = {alpha_.mantissa, alpha_.exponent - q_.exponent + r_.exponent};
 }
 
@@ -425,7 +425,8 @@ void ReferenceSolver::observe(const Job& job, Observer* observer) const {
   observer->iteration(state);
 }
 
-// What the words themselves cannot tell: the true residual, and which flags follow from it.
+// Forms what the words themselves cannot tell: the true residual, and the flags that follow from
+// it.
 void ReferenceSolver::judge(const Job& job) {
   const int rhs_shift = settings_.rhs_shift();
   double rhs = 0;

@@ -65,25 +65,25 @@ class ReferenceSolver final : public Solver {
   ReferencePreconditioner preconditioner_;
   const QuantisedMatrix* matrix_ = nullptr;
 
-  // Bits of magnitude: re-scaling up fills the target, re-scaling down starts beyond what is
-  // available (for d, its word).
+  // Bits of magnitude. Re-scaling up fills the target; re-scaling down starts beyond the available
+  // bits (for d, those of its word).
   int direction_target_;
   int residual_target_;
   int residual_available_;
 
   ScaledVector r_, z_, d_, q_;  // q = A·d
-  ScaledVector w_, n_, v_;      // A·r; A·w; what stands for A·q (IterationState)
-  ScaledVector product_;        // A·x and others, before they are scaled
+  ScaledVector w_, n_, v_;      // A·r; A·w; A·q by recurrence (IterationState)
+  ScaledVector product_;        // A·x and other products, before they are scaled
 
-  // α is worth mantissa · 2^exponent, exponents of vectors included.
+  // α is mantissa · 2^exponent, exponents of vectors included.
   Coefficient alpha_, beta_;
   Coefficient shown_alpha_;
   ScaledScalar z_r_, d_q_;
   bool stopped_ = false;
-  std::vector<std::int32_t> b_;  // as it came, in its word
+  std::vector<std::int32_t> b_;  // the right-hand side, in its word
   double rhs_square_ = 0;        // ‖b‖²
-  double residual_squares_ = 0;  // ‖b - A·x‖² when r was formed last
-  double smallest_ = 0;          // zᵀr so far
+  double residual_squares_ = 0;  // ‖b - A·x‖² when r was last formed
+  double smallest_ = 0;          // the smallest zᵀr so far
   int last_progress_ = 0;        // the iteration that reached it
 };
 

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "models/config/quiet_visitor.h"
+#include "models/config/effects.h"
 #include "models/fixed/word.h"
 
 namespace hvp::fixed {
@@ -64,7 +64,7 @@ double wanted_range(const Extent& extent) {
   const double wanted = kReserve * extent.largest_displacement;
   if (!(wanted > 0)) return 0;
   const double digit = std::pow(10.0, std::floor(std::log10(wanted)) - 1);
-  // What is two digits but for its last bit is that.
+  // A value that has two digits but for its last bit keeps them.
   return std::ceil(wanted / digit - 1e-9) * digit;
 }
 
@@ -128,8 +128,8 @@ constexpr int kManyPasses = 6;
 constexpr int kFewIterations = 320;
 constexpr int kManyIterations = 1280;
 
-// What helps a refinement whose passes do not come closer: it widens the unit of a pass that
-// saturated in the next one, and what the board solves too coarsely it has to solve again.
+// The changes for a refinement whose passes do not come closer. Refinement widens the unit of the
+// pass after one that saturated, and solves again what the board has solved too coarsely.
 constexpr std::array<Change, 5> kForRefinement = {
     more_passes<kFewPasses>, more_iterations<kFewIterations>, wider_matrix,
     more_passes<kManyPasses>, more_iterations<kManyIterations>};

@@ -11,18 +11,18 @@
 
 namespace hvp::fixed {
 
-// How a system is solved, as far as a remedy may change it.
+// The part of a system's solution that a remedy may change.
 struct Plan {
   Settings settings;
-  // Solves of a frame: between them the host forms b - A·x in double precision and the board
+  // The solves of a frame; between them the host forms b - A·x in double precision and the board
   // solves for the increment. 1: no refinement.
   int passes = 1;
 
   friend bool operator==(const Plan&, const Plan&) = default;
 };
 
-// What the host knows of the size of the displacements, for the range that they are given, and what
-// there is time for.
+// The largest displacement that the host knows of, for displacement_range, and the passes for which
+// there is time.
 struct Extent {
   double largest_displacement = 0;  // m; 0: unknown
   int most_passes = 6;
@@ -30,33 +30,34 @@ struct Extent {
 
 // One change of a plan.
 struct Remedy {
-  stability::Flag flag = stability::Flag::count;  // that it is for
+  stability::Flag flag = stability::Flag::count;  // the flag that it treats
   Plan plan;
   std::string change;  // "solver.matrix_bits = 16, solver.vector_bits = 20"
 };
 
-// The remedy for what a solve with that plan has raised. Of several flags the cause is treated
-// before what follows from it, and each flag's remedies are tried in the order in which its text
-// names them (stability::describe): first what costs no time in a frame, then time, then words,
-// which cost the device. Gives the first change that is not in force yet; none where all are, or
-// where no setting of the board helps. Followed again and again it ends after a few dozen steps.
+// The remedy for the flags that a solve with that plan has raised. Of several flags the cause is
+// treated before its consequences. Each flag's remedies are tried in the order in which its text
+// names them (stability::describe): first those that cost no time in a frame, then those that cost
+// time, then wider words, which cost the device. Returns the first change that is not yet in force;
+// none if all are, or if no setting of the board helps. Following it repeatedly ends after a few
+// dozen steps.
 std::optional<Remedy> next_remedy(stability::Flags flags, const Plan& plan,
                                   const Extent& extent = {});
 
-// What a plan has changed of another, as a scenario has it: "solver.iterations = 160".
+// The changes from one plan to another as lines of a scenario: "solver.iterations = 160".
 std::vector<std::string> changes(const Plan& from, const Plan& to);
-// In one line: "solver.iterations = 160, refinement.passes = 2".
+// The same in one line: "solver.iterations = 160, refinement.passes = 2".
 std::string difference(const Plan& from, const Plan& to);
 
-// What an attempt with a plan came to.
+// The outcome of an attempt with a plan.
 struct Trial {
-  bool refused = false;  // there is no such system, or it cannot be solved
+  bool refused = false;  // no such system exists, or it cannot be solved
   stability::Flags flags;
   bool cured() const { return !refused && flags.empty(); }
 };
 using Attempt = std::function<Trial(const Plan&)>;
 
-// Remedies followed until no flag is left.
+// The result of following remedies until no flag is left.
 struct Search {
   Plan plan;  // the last one tried
   Trial last;
@@ -64,16 +65,16 @@ struct Search {
   int attempts = 0;
 };
 
-// Does what next_remedy() says of `first`, what `plan` has come to, and of what that comes to, in
-// `most` attempts at most.
+// Follows next_remedy() from `first`, the outcome of `plan`, attempt by attempt until one is cured,
+// with at most `most` attempts.
 Search follow_remedies(const Plan& plan, const Trial& first, const Extent& extent,
                        const Attempt& attempt, int most);
-// Takes back, one after the other, the changes without which a cured search is cured too: a remedy
-// once taken may not be needed any more after the next one. Changes of the words, which cost the
-// device, are tried first, then what costs time.
+// Takes back, one after the other, the changes without which a cured search stays cured: a later
+// remedy may make an earlier one unnecessary. Changes of the words, which cost the device, are
+// tried first, then those that cost time.
 void take_back(const Plan& original, const Attempt& attempt, Search& search);
-// Of plans with fewer passes, or fewer iterations a pass, down to `least_iterations`, the fastest
-// that is cured too.
+// Replaces the plan by the fastest one that is cured too, among plans with fewer passes, or with
+// fewer iterations a pass, down to `least_iterations`.
 void save_time(int least_iterations, const Attempt& attempt, Search& search);
 
 }  // namespace hvp::fixed

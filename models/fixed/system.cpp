@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -90,6 +91,115 @@ sparse::BlockMatrix dequantise(const System& system) {
     }
   }
   return result;
+}
+
+namespace {
+
+void require_same_size(std::size_t from, std::size_t to) {
+  if (from == to) return;
+  throw InputError("a vector of " + std::to_string(from) + " entries was to fill one of " +
+                   std::to_string(to));
+}
+
+// To nearest, ties away from zero, of a magnitude below 2^31: std::round, which would be a call for
+// every entry.
+std::int32_t rounded(double value) {
+  const auto whole = static_cast<std::int64_t>(value);
+  const double rest = value - static_cast<double>(whole);  // exact
+  return static_cast<std::int32_t>(whole + (rest >= 0.5 ? 1 : 0) - (rest <= -0.5 ? 1 : 0));
+}
+
+// The word of entry i is values[i] · factor(i) / unit.
+template <class Factor>
+int to_words(std::span<const double> values, const Factor& factor, double unit, std::int64_t limit,
+             const char* what, std::span<std::int32_t> words) {
+  require_same_size(values.size(), words.size());
+  const double beyond = static_cast<double>(limit) + 0.5;
+  int clamped = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!std::isfinite(values[i])) {
+      throw InputError(std::string(what) + " " + std::to_string(i) + " is not a finite number");
+    }
+    // Clamped before the conversion: a double beyond 64 bits has no integer.
+    const double scaled = values[i] * factor(i) / unit;
+    if (std::abs(scaled) < beyond) {
+      words[i] = rounded(scaled);
+    } else {
+      words[i] = static_cast<std::int32_t>(scaled < 0 ? -limit : limit);
+      ++clamped;
+    }
+  }
+  return clamped;
+}
+
+double one(std::size_t /*entry*/) { return 1.0; }
+
+// The range that y = S⁻¹·x needs for every |x_i| <= displacement_range.
+double scaled_range(const System& system) {
+  const auto least = std::min_element(system.scale.begin(), system.scale.end());
+  return least == system.scale.end() ? system.settings.displacement_range
+                                     : system.settings.displacement_range / *least;
+}
+
+bool is_scaled(const System& system) {
+  return system.settings.matrix_scaling != MatrixScaling::none;
+}
+
+void require_unit(double unit, const char* what) {
+  if (std::isnormal(unit) && unit > 0) return;
+  throw InputError(std::string("the unit of ") + what + " comes out as " + fmt::to_string(unit) +
+                   "; a finite number above zero was expected");
+}
+
+}  // namespace
+
+Scaling::Scaling(const Settings& settings, double matrix_scale)
+    : Scaling(settings, matrix_scale, settings.displacement_range, {}) {}
+
+Scaling::Scaling(const System& system)
+    : Scaling(system.settings, system.matrix.scale,
+              is_scaled(system) ? scaled_range(system) : system.settings.displacement_range,
+              is_scaled(system) ? system.scale : std::vector<double>()) {}
+
+Scaling::Scaling(const Settings& settings, double matrix_scale, double displacement_range,
+                 std::vector<double> scale)
+    : scale_(std::move(scale)),
+      displacement_unit_(displacement_range /
+                         static_cast<double>(word_limit(settings.vector_bits))),
+      force_unit_(std::ldexp(matrix_scale * displacement_unit_, settings.rhs_shift())),
+      displacement_limit_(word_limit(settings.vector_bits)),
+      force_limit_(word_limit(settings.residual_bits())) {
+  require_unit(displacement_unit_, "displacement");
+  require_unit(force_unit_, "the right-hand side");
+}
+
+int Scaling::right_hand_side(std::span<const double> force, std::span<std::int32_t> words) const {
+  constexpr const char* kWhat = "right-hand side entry";
+  if (scale_.empty()) return to_words(force, one, force_unit_, force_limit_, kWhat, words);
+  require_same_size(force.size(), scale_.size());
+  const auto factor = [this](std::size_t i) { return scale_[i]; };
+  return to_words(force, factor, force_unit_, force_limit_, kWhat, words);
+}
+
+int Scaling::displacement_words(std::span<const double> displacement,
+                                std::span<std::int32_t> words) const {
+  constexpr const char* kWhat = "displacement";
+  if (scale_.empty()) {
+    return to_words(displacement, one, displacement_unit_, displacement_limit_, kWhat, words);
+  }
+  require_same_size(displacement.size(), scale_.size());
+  const auto factor = [this](std::size_t i) { return 1.0 / scale_[i]; };
+  return to_words(displacement, factor, displacement_unit_, displacement_limit_, kWhat, words);
+}
+
+void Scaling::displacements(std::span<const std::int32_t> words,
+                            std::span<double> displacement) const {
+  require_same_size(words.size(), displacement.size());
+  if (!scale_.empty()) require_same_size(words.size(), scale_.size());
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const double unscaled = displacement_unit_ * static_cast<double>(words[i]);
+    displacement[i] = scale_.empty() ? unscaled : scale_[i] * unscaled;
+  }
 }
 
 }  // namespace hvp::fixed

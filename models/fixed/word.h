@@ -1,7 +1,9 @@
 #pragma once
 
 #include <bit>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "models/fixed/settings.h"
 #include "models/fixed/types.h"
@@ -11,15 +13,15 @@
 // magnitude hardware makes them: the thesis' multipliers work on absolute values (§5.5).
 namespace hvp::fixed {
 
-// Largest magnitude of a signed word. The range is symmetric, -2^(bits-1) is not used, so
-// that negating a word never overflows.
+// The largest magnitude of a signed word. The range is symmetric, -2^(bits-1) is not used, so that
+// negating a word never overflows.
 constexpr std::int64_t word_limit(int bits) { return (std::int64_t{1} << (bits - 1)) - 1; }
 
 constexpr std::uint64_t magnitude(std::int64_t value) {
   return value < 0 ? ~static_cast<std::uint64_t>(value) + 1 : static_cast<std::uint64_t>(value);
 }
 
-// Number of bits of the magnitude: 0 for 0, 1 for 1, 2 for 2 and 3.
+// The number of bits of a magnitude: 0 for 0, 1 for 1, 2 for 2 and 3.
 constexpr int bit_length(std::uint64_t value) { return static_cast<int>(std::bit_width(value)); }
 
 constexpr int bit_length(UInt128 value) {
@@ -27,7 +29,7 @@ constexpr int bit_length(UInt128 value) {
   return high != 0 ? 64 + bit_length(high) : bit_length(static_cast<std::uint64_t>(value));
 }
 
-// The nearest admissible value; counts what it clamps.
+// The nearest value within ±limit; adds one to `count` if it clamps.
 constexpr Int128 saturate(Int128 value, Int128 limit, std::int64_t& count) {
   if (value > limit) {
     ++count;
@@ -40,8 +42,8 @@ constexpr Int128 saturate(Int128 value, Int128 limit, std::int64_t& count) {
   return value;
 }
 
-// The low bits of a value as a two's complement word; counts what did not fit the symmetric
-// range, the most negative word included.
+// The low bits of a value as a two's complement word; adds one to `count` if the value is outside
+// the symmetric range, as the most negative word is.
 constexpr Int128 wrap(Int128 value, int bits, std::int64_t& count) {
   const Int128 limit = static_cast<Int128>((UInt128{1} << (bits - 1)) - 1);
   if (value <= limit && value >= -limit) return value;
@@ -50,18 +52,18 @@ constexpr Int128 wrap(Int128 value, int bits, std::int64_t& count) {
   return static_cast<Int128>(static_cast<UInt128>(value) << unused) >> unused;
 }
 
-// Whether a quotient goes up: `twice_rest` is double what the division left.
+// True if a quotient is rounded up: `twice_rest` is twice the remainder of the division.
 constexpr bool rounds_up(UInt128 twice_rest, UInt128 divisor, bool odd, Rounding rounding) {
   if (rounding == Rounding::truncation) return false;
   if (rounding == Rounding::nearest_up) return twice_rest >= divisor;
   return twice_rest > divisor || (twice_rest == divisor && odd);
 }
 
-// What shift() returns at most; it leaves room to add any word without overflow.
+// The largest result of shift(); it leaves room to add any word without overflow.
 inline constexpr std::int64_t kShiftLimit = std::int64_t{1} << 61;
 
-// value · 2^exponent, rounded by `rounding`; clamped to ±kShiftLimit, which is beyond every word,
-// so that the clamping is counted where the word is written.
+// value · 2^exponent, rounded, and clamped to ±kShiftLimit. That is beyond every word, so that the
+// clamping is counted when the word is written.
 constexpr std::int64_t shift(std::int64_t value, int exponent,
                              Rounding rounding = Rounding::nearest_up) {
   const std::uint64_t size = magnitude(value);
@@ -85,7 +87,7 @@ constexpr std::int64_t shift(std::int64_t value, int exponent,
   return value < 0 ? -static_cast<std::int64_t>(result) : static_cast<std::int64_t>(result);
 }
 
-// The same of a scalar; what leaves ±2^100 is clamped there and counted in `count`.
+// The same for a scalar, clamped to ±2^100; adds one to `count` if it clamps.
 constexpr Int128 shift_scalar(Int128 value, int exponent, Rounding rounding, std::int64_t& count) {
   constexpr UInt128 kLimit = UInt128{1} << 100;
   const UInt128 size = value < 0 ? ~static_cast<UInt128>(value) + 1 : static_cast<UInt128>(value);
@@ -97,7 +99,7 @@ constexpr Int128 shift_scalar(Int128 value, int exponent, Rounding rounding, std
     const UInt128 half = UInt128{1} << (-exponent - 1);
     const UInt128 kept = size >> -exponent;
     const UInt128 rest = size & (half | (half - 1));
-    // Twice the rest against twice the half is the rest against the half.
+    // Comparing twice the rest with twice the half is comparing the rest with the half.
     result = rounds_up(rest, half, (kept & 1U) != 0, rounding) ? kept + 1 : kept;
   }
   if (result > kLimit) {
@@ -143,9 +145,8 @@ constexpr Coefficient ratio(Int128 numerator, Int128 denominator, int bits,
   return {static_cast<std::int32_t>(quotient), exponent};
 }
 
-// The quotient in units of 2^-fraction_bits, not yet cut to a word. numerator >= 0,
-// denominator > 0. Modulo 2^128, which is beyond every word by more than a quotient can have:
-// `huge` says that bits were lost.
+// The quotient in units of 2^-fraction_bits, not yet cut to a word. numerator >= 0, denominator >
+// 0. The result is modulo 2^128, far beyond every word; `huge` says that bits were lost.
 constexpr UInt128 fixed_ratio(Int128 numerator, Int128 denominator, int fraction_bits,
                               Rounding rounding, bool& huge) {
   const auto divisor = static_cast<UInt128>(denominator);
@@ -162,6 +163,21 @@ constexpr UInt128 fixed_ratio(Int128 numerator, Int128 denominator, int fraction
   }
   if (rounds_up(rest << 1, divisor, (quotient & 1U) != 0, rounding)) ++quotient;
   return quotient;
+}
+
+// Forms the guess of Start::extrapolated, on the line through the last two solutions: x becomes 2·x
+// − previous, in words of `bits` bits, and previous becomes the old x. A guess beyond its word is
+// clamped whatever Settings::overflow says, because a wrapped one would be the worst guess. Returns
+// the number of clamped words. Both spans have the same length.
+inline std::int64_t extrapolate(std::span<std::int32_t> x, std::span<std::int32_t> previous,
+                                int bits) {
+  std::int64_t clamped = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const std::int64_t line = 2 * std::int64_t{x[i]} - previous[i];
+    previous[i] = x[i];
+    x[i] = static_cast<std::int32_t>(saturate(line, word_limit(bits), clamped));
+  }
+  return clamped;
 }
 
 }  // namespace hvp::fixed

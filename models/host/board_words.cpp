@@ -7,7 +7,8 @@
 namespace hvp::host {
 
 namespace {
-// A touch begins with displacements below any word's unit; after so many frames it has not.
+// At the beginning of a touch, displacements are smaller than the words' unit, which is no fault.
+// After this many such frames in a row the words are too coarse.
 constexpr int kFramesWithoutWords = 16;
 }  // namespace
 
@@ -57,14 +58,14 @@ bool BoardWords::next(std::span<std::int32_t> b) {
   return true;
 }
 
-// Words that are too coarse leave nothing of the load: the board solves A·x = 0 without a flag.
+// Where the words are too coarse the load vanishes: the board solves A·x = 0 without a flag.
 void BoardWords::look_for_words(std::span<const std::int32_t> b) {
   const bool displaced = std::ranges::any_of(
       hold_.displacement, [](const Eigen::Vector3d& u) { return u.squaredNorm() > 0; });
   vanished_ = displaced && std::ranges::all_of(b, [](std::int32_t word) { return word == 0; });
 }
 
-// Where held nodes are is known better than from the board's words.
+// The displacements of contact nodes are known more exactly than the board's words state them.
 void BoardWords::accept(std::span<const std::int32_t> x, stability::Flags flags) {
   flags_.merge(flags);
   if (effort_ == fem::Effort::counted) return;
@@ -79,7 +80,7 @@ void BoardWords::accept(std::span<const std::int32_t> x, stability::Flags flags)
   }
 }
 
-// A word more to scale where every equation has a scale of its own.
+// One operation more per word, where every equation has a scale of its own.
 double BoardWords::conversion() const {
   const int rows = system_.matrix.block_rows() * 3;
   const bool scaled = system_.settings.matrix_scaling != fixed::MatrixScaling::none;

@@ -4,19 +4,19 @@
 #include <vector>
 
 #include "models/fem/contact.h"
-#include "models/fem/linear_tissue.h"
-#include "models/fixed/scaling.h"
+#include "models/fem/tissue.h"
 #include "models/fixed/system.h"
 #include "models/host/frame_method.h"
 
 namespace hvp::host {
 
-// The board solves for u itself, in one pass (thesis Fig. 6.2): the modified force vector goes
-// there in words, U comes back. Counted only, right-hand sides stay as they are.
+// The method in which the board solves for u itself, in one pass (thesis Fig. 6.2): the modified
+// force vector goes there in words, U comes back. Where operations are only counted, right-hand
+// sides stay as they are.
 class BoardWords final : public FrameMethod {
  public:
-  // Keeps references. `diagonal_word` is what the board has on the diagonal of a held node;
-  // `initial` the displacement before the first frame.
+  // Keeps references. `diagonal_word` is the board's word on the diagonal of a contact node;
+  // `initial` is the displacement before the first frame.
   BoardWords(const fem::ContactConstraint& constraint, const fixed::System& system,
              std::int32_t diagonal_word, std::span<const double> initial, fem::Effort effort);
 
@@ -29,7 +29,9 @@ class BoardWords final : public FrameMethod {
   std::int64_t clamped() const override { return clamped_; }
 
   double next_operations() const override { return next_operations_; }
-  double force_operations() const override { return conversion(); }  // of U, out of its words
+  double force_operations() const override {
+    return conversion();
+  }  // the conversion of U from its words
   std::vector<Step> steps() const override;
 
  private:
@@ -49,8 +51,8 @@ class BoardWords final : public FrameMethod {
   double next_operations_ = 0;
   stability::Flags flags_;
   std::int64_t clamped_ = 0;
-  bool vanished_ = false;         // the words of this frame's load
-  int frames_without_words_ = 0;  // in a row, with a contact that is displaced
+  bool vanished_ = false;         // all words of this frame's load are zero
+  int frames_without_words_ = 0;  // in a row, while the contact is displaced
 };
 
 }  // namespace hvp::host

@@ -73,8 +73,8 @@ fem::Hold ContactHold::hold(Picoseconds born, std::span<const collision::Touch> 
   return merged(elapsed);
 }
 
-// In the order of their nodes. A node that another probe has taken over is not let go, and what is
-// left of a force is the last holder's.
+// Merges the probes' nodes in ascending order. A node that another probe has taken over is not
+// released, and a fading force belongs to the probe that last had the node.
 fem::Hold ContactHold::merged(double elapsed_s) {
   std::ranges::sort(held_, {}, &HeldNode::node);
   all_nodes_.clear();
@@ -108,7 +108,7 @@ void ContactHold::keep_tips(Picoseconds born, std::span<const collision::Touch> 
   }
 }
 
-// Where a contact wants its nodes, or would have.
+// The displacement that a contact prescribes, or would prescribe.
 collision::Aim ContactHold::aim(const collision::Contact& contact, const Sight& sight) const {
   collision::Aim aim{sight.born, Eigen::Vector3d::Zero()};
   if (contact.present()) {

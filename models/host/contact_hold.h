@@ -14,17 +14,18 @@
 
 namespace hvp::host {
 
-// What a body does on its own, as change() needs it: of active nodes, m and m/s; `velocity` is
-// empty for a body without mass.
+// The motion of a body as change() needs it: displacement (m) and velocity (m/s) of active nodes;
+// `velocity` is empty for a body without mass.
 struct BodyState {
   std::span<const double> displacement;
   std::span<const double> velocity;
 };
 
-// The contacts that frames are solved with, one for each probe, and where they hold their nodes
-// while these follow the tips and are handed over to the next contact. The servo process' order:
+// The contacts of the frames, one for each probe, and the displacements that they prescribe while
+// their nodes follow the tips and are handed over to the next contact. The servo process calls, in
+// this order:
 //
-//   change(contacts, …)  where they are others than contacts();  hold(…);  keep_tips(…);
+//   change(contacts, …)  where they differ from contacts();  hold(…);  keep_tips(…);
 //   …the frame is solved…  solved(…);
 class ContactHold {
  public:
@@ -33,19 +34,21 @@ class ContactHold {
               Picoseconds hand_over, std::size_t probes = 1);
 
   std::span<const collision::Contact> contacts() const { return contacts_; }
-  // The active nodes that these contacts hold, ascending; a node that two of them want is the
-  // earlier one's. Until the next call.
+  // The active nodes whose displacements these contacts prescribe, ascending; a node of two
+  // contacts belongs to the earlier one. Valid until the next call.
   std::span<const int> nodes_of(std::span<const collision::Contact> contacts);
-  // From the frame that is born then on they are these, whose nodes were asked for last.
+  // Makes these the contacts from the frame that is born then. They are those that nodes_of() was
+  // last called with.
   void change(std::span<const collision::Contact> contacts, Picoseconds born,
               std::span<const collision::Touch> touches, const BodyState& body);
-  // What they prescribe in the frame; until the next call. Only the touches' tips are looked at.
+  // The displacements that the contacts prescribe in the frame; valid until the next call. Only the
+  // touches' tips are read.
   fem::Hold hold(Picoseconds born, std::span<const collision::Touch> touches, Picoseconds period);
   // Additions and multiplications of the last hold().
   double operations() const;
-  // At the end of the frame's preparation.
+  // Stores the tips, at the end of the frame's preparation.
   void keep_tips(Picoseconds born, std::span<const collision::Touch> touches);
-  // The body's state is that of the frame that was born then.
+  // Says that the body's state is now that of the frame that was born then.
   void solved(Picoseconds born) { solved_ = born; }
 
  private:
@@ -56,7 +59,7 @@ class ContactHold {
   struct Probe {
     collision::HandOver hand_over;
     std::vector<int> nodes;
-    std::vector<int> next_nodes;                 // of the contacts that were asked for last
+    std::vector<int> next_nodes;                 // of the contacts in the last call of nodes_of()
     std::array<std::optional<Sight>, 2> sights;  // of the two frames before, the last one first
   };
 
@@ -68,7 +71,7 @@ class ContactHold {
   std::vector<Probe> probes_;
   std::vector<collision::Contact> contacts_;
   std::optional<Picoseconds> solved_;
-  // Of several probes together.
+  // The contact nodes of several probes together.
   struct HeldNode {
     int node;
     int probe;

@@ -5,28 +5,49 @@
 #include <optional>
 
 #include "models/config/declaration.h"
-#include "models/host/host_solve.h"
-#include "models/host/recovery.h"
+#include "models/host/frame_method.h"
 #include "models/host/shared_core.h"
 #include "models/random/distribution.h"
 
 namespace hvp::host {
 
+// When the driver makes an optional check.
+enum class Guard { with_faults, always, never };
+
+// The host's reaction to a board that fails. The scenario's table [host.recovery].
+struct Recovery {
+  Guard bus_errors = Guard::with_faults;
+  Guard hold_saturated = Guard::with_faults;
+  int retries = 1;
+  int attempts = 8;
+  int back_off_frames = 1;
+
+  void declare(config::Visitor& v);
+
+  // The number of frames between the n-th failed set-up in a row and the next one.
+  int back_off(int failed) const;
+};
+
+inline bool guards(Guard guard, bool faults) {
+  return guard == Guard::always || (guard == Guard::with_faults && faults);
+}
+
 // The 33 Hz process: collision detection and drawing (thesis §6.2.3). Table [host.graphics].
 struct Graphics {
   double rate_hz = 33;
   double drawing_s = 10e-3;
-  double triangle_s = 0;  // more of it for each triangle of the surface
-  // On one core: the first so much of every so much of its processor time cannot be preempted.
+  double triangle_s = 0;  // additional time for each triangle of the surface
+  // With one core: the first non_preemptible_s of every non_preemptible_every_s of its processor
+  // time cannot be preempted.
   double non_preemptible_s = 0;
   double non_preemptible_every_s = 1e-3;
 
-  // `cores` of the host that draws.
+  // `cores` is the number of the host's cores.
   void declare(config::Visitor& v, int cores);
   void check() const;
 
   std::int64_t period_ps() const;
-  // Of a picture of a surface of so many triangles.
+  // The drawing time for a surface of so many triangles.
   std::int64_t drawing_ps(std::size_t triangles) const;
 };
 
@@ -37,20 +58,21 @@ struct InterruptLatencies : random::TimeDistribution {
   void declare(config::Visitor& v);
 };
 
-// The scenario's effect [host.delay]: every force is at the motor so much later, whatever the host
-// does meanwhile: it is held back behind the output's converter, in order, however many periods
-// that is.
+// The scenario's effect [host.delay]: every force reaches the motor later by this time, whatever
+// the host does meanwhile. The forces wait behind the output's converter, in order, for any number
+// of periods.
 struct Delay {
   double time_s = 1e-3;
 
   void declare(config::Visitor& v);
 };
 
-// The host PC as arithmetic: what each step of Fig. 6.2 costs. The scenario's table [host].
+// The host PC in numbers: the cost of each step of Fig. 6.2. The scenario's table [host].
 //
 // A step's cost is its floating-point operations over the rate at which the processor sustains
-// sparse products, so that it grows with the mesh as the step does, plus what does not depend on
-// the mesh. The two processes run on a core each (the thesis' Pentium D has two), or share one.
+// sparse products, so that it grows with the mesh as the step does, plus a part that does not
+// depend on the mesh. The two processes have a core each (the thesis' Pentium D has two) or share
+// one.
 struct Host {
   double sustained_rate_flops = 297.88e6;
   double contact_lookup_s = 1e-6;
@@ -61,7 +83,7 @@ struct Host {
   SolvedBy solver = SolvedBy::board;
   double solver_rate_flops = 0;  // 0: sustained_rate_flops
   int pipeline_depth = 0;
-  double quantum_s = 0;  // how far the servo process' time may run ahead in the simulation
+  double quantum_s = 0;  // the most by which the servo process' time runs ahead in the simulation
   int cores = 2;
   double context_switch_s = 3.8e-6;
   std::optional<random::TimeDistribution> jitter;
@@ -71,23 +93,36 @@ struct Host {
   Graphics graphics;
   Recovery recovery;
 
-  // `body`: where there is one, and not a wall.
+  // `body` is the condition that there is a body and not a wall.
   void declare(config::Visitor& v,
                const config::Condition& body = config::not_beside("wall", false, {}));
   void check() const;
 
-  // Where the processes share one core: shared_core.h.
+  // The settings of a core that the processes share (shared_core.h).
   SharedCore::Settings shared_core() const;
-  // Of the driver beside its bus accesses, in a call that packs or unpacks so many vector words.
+  // The driver's own time, without its bus accesses, in a call that packs or unpacks so many vector
+  // words.
   double driver_s(std::size_t words) const;
-  // The rate of the host's own solve over that of its other steps.
+  // The rate of the host's own solve divided by that of its other steps.
   double solver_speed() const;
-  // Time of so many additions and multiplications, in whole picoseconds.
+  // The time of so many additions and multiplications, in whole picoseconds.
   std::int64_t compute_ps(double operations) const;
 };
 
-// Operations to turn `words` numbers from double precision into the board's words, or back:
+// The operations of converting `words` numbers from double precision to the board's words, or back:
 // scale, round, and two comparisons to clamp.
 double conversion_operations(int words);
+
+// The scenario's effect [guest]: the processor times of `hvp linux`. Without it a kernel's
+// instructions take no time, and its interrupts arrive at their exact time. With it, an interrupt
+// takes Host::interrupt_latency_s, or a time that [host.interrupt_latencies] draws.
+struct GuestCosts {
+  // A longer wait of the kernel counts as a sleep of its programs (app/linux/guest.cpp).
+  static constexpr double kLongestSystemCall = 9e-6;
+
+  double system_call_s = 0.17e-6;  // before each call does anything
+
+  void declare(config::Visitor& v);
+};
 
 }  // namespace hvp::host

@@ -9,15 +9,15 @@
 
 namespace hvp::host {
 
-// How far a run's vectors are from a reference, frame by frame. ‖·‖ is the Euclidean norm.
+// The distance of a run's vectors from a reference, frame by frame. ‖·‖ is the Euclidean norm.
 //
-// Two scales, since each hides something: an error of a frame's own size is what is felt in that
-// frame, but says nothing of how small the frame was; an error of the run's largest size flatters
-// every frame that is smaller.
+// There are two scales, because each hides something. An error relative to a frame's own size is
+// what is felt in that frame, but does not say how small the frame was; an error relative to the
+// run's largest size flatters every frame that is smaller.
 class Deviation {
  public:
-  // Of a frame's own size, |v − v_ref| / |v_ref|, over the frames in contact whose reference is not
-  // zero. Percentiles are right within one part in 64.
+  // The error relative to a frame's own size, |v − v_ref| / |v_ref|, over the frames in contact
+  // whose reference is not zero. Percentiles are right within one part in 64.
   struct OfFrame {
     std::int64_t frames = 0;
     double median = 0;
@@ -34,17 +34,18 @@ class Deviation {
            bool in_contact = true);
 
   std::int64_t frames() const { return frames_; }
-  // Of the run's largest ‖v_ref‖: the mean over all frames, in contact or not. Zero frames, or a
-  // reference that is zero throughout, have none.
+  // The error relative to the run's largest ‖v_ref‖: the mean over all frames, in contact or not.
+  // Empty without frames, or where the reference is always zero.
   std::optional<double> relative() const;
-  // The worst frame's ‖v − v_ref‖ likewise, and which it is.
+  // The same for the worst frame, and its number.
   std::optional<double> worst_relative() const;
   std::int64_t worst_frame() const { return worst_frame_; }
 
   std::optional<OfFrame> of_frame() const;
-  // The larger of relative() and the median of a frame's own size. None where there is neither.
+  // The larger of relative() and the median of of_frame(); empty where neither exists.
   std::optional<double> typical() const;
-  // What a tolerance is held against: that, or a third of what 95 % of the frames are within.
+  // The error that is compared with a tolerance: typical(), or a third of the error that 95 % of
+  // the frames do not exceed.
   std::optional<double> judged() const;
 
  private:

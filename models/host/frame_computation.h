@@ -9,10 +9,9 @@
 
 #include "models/fem/body.h"
 #include "models/fem/contact.h"
-#include "models/fem/dynamics.h"
 #include "models/fem/hold.h"
-#include "models/fem/linear_tissue.h"
-#include "models/fixed/scaling.h"
+#include "models/fem/newmark.h"
+#include "models/fem/tissue.h"
 #include "models/fixed/settings.h"
 #include "models/fixed/system.h"
 #include "models/host/frame_method.h"
@@ -23,17 +22,17 @@ namespace hvp::host {
 
 using fem::Effort;
 
-// What the host computes in a frame around the board's solve (thesis Fig. 6.2): a tissue, whose
-// system A·u = f every frame is, and the method by which it is solved. Indices and vectors are over
-// the body's active nodes.
+// The host's computation in a frame around the board's solve (thesis Fig. 6.2): a tissue, whose
+// system A·u = f every frame solves, and the method of that solve. Indices and vectors are over the
+// body's active nodes.
 //
 //   set_contact(patch);          // when the contact has moved
-//   hold(hold);                  // where its nodes are in this frame
+//   hold(hold);                  // the prescribed displacements of its nodes in this frame
 //   begin();  while (method().next(b)) { …the board solves… method().accept(u, flags); }
 //   force();  method().finish();  update();
 //
-// Timing only, the same calls cost the same operations and compute nothing: right-hand sides and
-// words stay as they are, the body stays where it was at the beginning, the force is zero.
+// With timing only, the same calls cost the same operations and compute nothing: right-hand sides
+// and words stay as they are, the body stays in its initial state, the force is zero.
 //
 // Nothing allocates after construction but set_contact.
 class FrameComputation {
@@ -50,22 +49,23 @@ class FrameComputation {
   FrameComputation& operator=(const FrameComputation&) = delete;
 
   const sparse::BlockMatrix& matrix() const { return tissue_.system(); }
-  // The matrix as the board has it, and the settings that the board works with: the static shift
-  // in force, and a start from zero where it solves for increments.
+  // The matrix in the board's words, and the settings of the board's solver: the static shift in
+  // force, and a start from zero where the board solves for increments.
   const fixed::System& system() const { return system_; }
   const fixed::QuantisedMatrix& quantised() const { return system_.matrix; }
   const fixed::Settings& board_settings() const { return board_settings_; }
   const fixed::Scaling& scaling() const { return scaling_; }
-  // What the board puts on the diagonal of a contact node, in matrix words.
+  // The board's word on the diagonal of a contact node.
   std::int32_t diagonal_word() const { return diagonal_word_; }
   bool timing_only() const { return effort_ == Effort::counted; }
   bool dynamic() const { return !tissue_.velocity().empty(); }
 
-  // The nodes that follow the probes, ascending; empty without contact. Nothing holds them yet.
+  // Sets the nodes that follow the probes, ascending; empty without contact. Their displacements
+  // are not prescribed until hold().
   void set_contact(std::span<const int> patch);
   std::span<const int> contact() const { return held_.nodes(); }
 
-  // What contact prescribes in this frame; its nodes are those of set_contact(). Copied.
+  // Sets the prescribed displacements of this frame, for the nodes of set_contact(). Copied.
   void hold(const fem::Hold& hold);
   fem::Hold held() const { return held_.hold(); }
 
@@ -76,10 +76,10 @@ class FrameComputation {
   const RefinedSolve* refined() const { return refined_; }
   const HostSolve* on_host() const { return on_host_; }
 
-  // What each probe applies to the body, N: the forces that hold its nodes, and what is left of
-  // those of nodes that it let go.
+  // The force of each probe on the body, N: the forces at its contact nodes, and the fading forces
+  // of its released nodes.
   void forces(std::span<Eigen::Vector3d> of_probes) { tissue_.forces(displacement(), of_probes); }
-  // Of the first probe.
+  // The force of the first probe.
   Eigen::Vector3d force() {
     Eigen::Vector3d force;
     forces({&force, 1});
@@ -88,20 +88,21 @@ class FrameComputation {
   // Newmark's update with the accepted solution and the next frame's f̂; nothing when static.
   void update() { tissue_.advance(displacement()); }
 
-  // m, as accepted.
+  // The accepted displacement, m.
   std::span<const double> displacement() const { return method_->displacement(); }
-  // m/s, of the last update(); empty for a static body.
+  // The velocity after the last update(), m/s; empty for a static body.
   std::span<const double> velocity() const { return tissue_.velocity(); }
-  // f or f̂ of this frame, N.
+  // f, or f̂ for a body with inertia, of this frame, N.
   std::span<const double> external_force() const { return tissue_.external_force(); }
 
-  // Operations of each call, conversions to and from words included; hold's are the last one's.
+  // The operations of each call, conversions to and from words included; those of hold() are the
+  // last call's.
   double hold_operations() const { return tissue_.hold_operations(); }
   double force_operations() const {
     return method_->force_operations() + tissue_.force_operations();
   }
   double update_operations() const { return tissue_.advance_operations(); }
-  // What every frame runs, in order, priced without contact.
+  // The steps of every frame, in order, with their costs without contact.
   std::vector<Step> steps() const;
 
  private:

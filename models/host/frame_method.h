@@ -10,12 +10,21 @@
 
 namespace hvp::host {
 
-// A step that every frame runs, priced without contact: what `hvp explain` shows and remedies count
-// with.
+// The solver of the frame's system. The scenario's key host.solver.
+enum class SolvedBy {
+  board,     // the FPGA, in fixed point
+  cg,        // the host, conjugate gradients in double precision
+  cholesky,  // the host, with factors of A that were made before the first frame
+};
+
+const char* name(SolvedBy solver);
+
+// A step of every frame, with its cost without contact: `hvp explain` shows it, and remedies count
+// with it.
 struct Step {
   enum class Where {
     host,    // its operations, at the host's rate
-    solver,  // likewise, at the rate of host.solver_rate
+    solver,  // its operations, at the rate of host.solver_rate
     board,   // b goes there, the board solves, U comes back
   };
   std::string what;
@@ -25,8 +34,8 @@ struct Step {
   bool after_force = false;
 };
 
-// How a frame's system A·u = f with held nodes is solved: by the board in one pass or in several,
-// or by the host. One protocol for all of them:
+// The way in which a frame's system A·u = f with prescribed displacements is solved: by the board
+// in one pass or in several, or by the host. All of them follow one protocol:
 //
 //   set_contact(nodes);                       // when the contact has moved
 //   begin(f, hold);
@@ -39,27 +48,27 @@ class FrameMethod {
  public:
   virtual ~FrameMethod() = default;
 
-  // The nodes that are held from now on, ascending.
+  // Sets the contact nodes from now on, ascending.
   virtual void set_contact(std::span<const int> /*nodes*/) {}
-  // `f` and `hold` stay where they are until finish().
+  // The storage of `f` and `hold` must stay valid until finish().
   virtual void begin(std::span<const double> f, const fem::Hold& hold) = 0;
-  // Puts what the board is to solve next into words. False where the solution is there.
+  // Writes the board's next right-hand side in words. False where the solution is complete.
   virtual bool next(std::span<std::int32_t> b) = 0;
-  // Takes the board's solution; `flags` are those of its solve.
+  // Takes the board's solution; `flags` are those of that solve.
   virtual void accept(std::span<const std::int32_t> x, stability::Flags flags) = 0;
   virtual void finish() {}
-  // Instead of finish(): the solve has failed, the last solution stands.
+  // Replaces finish() where the solve has failed: the last solution stays.
   virtual void abandon() {}
 
-  // m.
+  // The displacement, m.
   virtual std::span<const double> displacement() const = 0;
-  // Of this frame, as far as it has come.
+  // The flags of this frame so far.
   virtual stability::Flags flags() const { return {}; }
-  // Words and displacements that did not fit and were clamped, since begin().
+  // The words and displacements that were clamped since begin().
   virtual std::int64_t clamped() const { return 0; }
 
-  // Additions, multiplications, comparisons and conversions of the host: since the last next(),
-  // that one included; before the force and after it.
+  // The host's additions, multiplications, comparisons and conversions: since the last next(), that
+  // call included; before the force; and after it.
   virtual double next_operations() const = 0;
   virtual double force_operations() const { return 0; }
   virtual double finish_operations() const { return 0; }

@@ -80,7 +80,7 @@ void ConjugateGradients::solve(std::span<const double> f, std::span<const Eigen:
 
   double limit = 0;
   if (stop_residual_ > 0) {
-    // b: what is left of f where nothing but the contact is displaced.
+    // b: the rest of f where only the contact is displaced.
     std::fill(d_.begin(), d_.end(), 0.0);
     place_contact(held, d_);
     a_.multiply(d_, q_);

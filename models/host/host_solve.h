@@ -12,30 +12,21 @@
 
 namespace hvp::host {
 
-// Who solves the frame's system. The scenario's key host.solver.
-enum class SolvedBy {
-  board,     // the FPGA, in fixed point
-  cg,        // the host, conjugate gradients in double precision
-  cholesky,  // the host, with factors of A that were made before the first frame
-};
-
-const char* name(SolvedBy solver);
-
-// A frame's system A·u = f with the contact's nodes where they are held, solved by the host in
-// double precision, and the operations that takes. Vectors are over A's rows, in m and N.
+// A solver of a frame's system A·u = f with prescribed displacements of contact nodes, on the host
+// in double precision, that counts its operations. Vectors are over A's rows, in m and N.
 class HostSolve {
  public:
   virtual ~HostSolve() = default;
-  // The nodes (ascending) that are prescribed from now on.
+  // Sets the contact nodes (ascending).
   virtual void move_contact(std::span<const int> nodes) = 0;
-  // `held`: the displacements of the contact's nodes. `u` holds the last solution, from which an
+  // `held` is the displacements of the contact nodes. `u` contains the last solution, from which an
   // iteration starts.
   virtual void solve(std::span<const double> f, std::span<const Eigen::Vector3d> held,
                      std::span<double> u) = 0;
-  // Additions, multiplications and divisions of the last call of each.
+  // The additions, multiplications and divisions of the last call of each function.
   double contact_operations() const { return contact_operations_; }
   double operations() const { return operations_; }
-  // Of a solve without contact that makes all its iterations.
+  // The operations of a solve without contact that makes all its iterations.
   virtual double most_operations() const = 0;
 
  protected:
@@ -47,8 +38,8 @@ class HostSolve {
 // their displacement, so that their rows of residual and direction stay zero.
 class ConjugateGradients : public HostSolve {
  public:
-  // Keeps a reference to the matrix. Ends after `iterations`, or once ‖r‖ <= stop_residual·‖b‖
-  // where that is above zero, b being f with the contact's columns moved to it.
+  // Keeps a reference to the matrix. A solve ends after `iterations`, or once ‖r‖ <=
+  // stop_residual·‖b‖ where that is above zero; b is f with the contact's columns moved to it.
   ConjugateGradients(const sparse::BlockMatrix& a, int iterations, double stop_residual,
                      bool warm_start);
 
@@ -71,9 +62,9 @@ class ConjugateGradients : public HostSolve {
   std::vector<double> r_, d_, q_;
 };
 
-// Factors of A once, two triangular solves a frame. The contact is an update of rank 3 a node
-// (fem/direct_solver.h): when it moves, three solves a node; in each frame the force that holds
-// it in place.
+// Factorises A once and makes two triangular solves a frame. The contact is an update of rank 3 for
+// each node (fem/direct_solver.h): when it moves, three solves a node; in each frame the force that
+// gives the prescribed displacement.
 class Prefactored : public HostSolve {
  public:
   // Throws InputError for a matrix that is not positive definite.
@@ -93,7 +84,7 @@ class Prefactored : public HostSolve {
   std::vector<double> right_hand_side_;
 };
 
-// The host solves each frame, and there is nothing for a board to do.
+// The method in which the host solves each frame and the board has nothing to do.
 class HostMethod final : public FrameMethod {
  public:
   HostMethod(SolvedBy solver, std::unique_ptr<HostSolve> solve, std::span<const double> initial);
@@ -105,7 +96,7 @@ class HostMethod final : public FrameMethod {
   bool next(std::span<std::int32_t> b) override;
   void accept(std::span<const std::int32_t> /*x*/, stability::Flags /*flags*/) override {}
   std::span<const double> displacement() const override { return u_; }
-  // What it does is solve()'s.
+  // Its operations are counted by solve().
   double next_operations() const override { return 0; }
   std::vector<Step> steps() const override;
 

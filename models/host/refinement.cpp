@@ -19,16 +19,18 @@ namespace {
 using stability::Flag;
 using stability::Flags;
 
-// A unit that much finer than the range's is beyond what double precision tells apart.
+// The exponent of a pass' finest unit over the range's; a finer one is beyond double precision.
 constexpr int kFinest = -64;
-// What rounding leaves of a residual that is zero, of ‖A‖∞·‖u‖∞: a few units in the last place.
+// The rounding error of a residual that is zero, as a share of ‖A‖∞·‖u‖∞: a few units in the last
+// place.
 constexpr double kNoise = 0x1p-50;
-// Of a word of x that stays free for an increment larger than the gain foretells.
+// How many times larger than the gain predicts an increment may be and still fit its word of x.
 constexpr double kReserve = 4;
-// Where a pass has no gain of its own yet it takes that of the pass before.
+// A pass that has no gain of its own yet takes this times the gain of the pass before.
 constexpr double kUnknown = 4;
 constexpr double kWiden = 4;
-// What a gain forgets in a frame: a larger one is believed at once, a smaller one within some ten.
+// The factor by which a gain decays in a frame: a larger one is believed at once, a smaller one
+// within some ten frames.
 constexpr double kForget = 0.75;
 
 double square(double v) { return v * v; }
@@ -53,7 +55,8 @@ int ceil_log2(double value) {
   return mantissa == 0.5 ? exponent - 1 : exponent;
 }
 
-// Of a pass' own words: a later pass sees what is left and makes it good.
+// The flags that concern a pass' own words: a later pass sees the remaining residual and repairs
+// it.
 Flags repairable() {
   Flags flags;
   flags.raise(Flag::saturation);
@@ -104,18 +107,6 @@ RefinedSolve::RefinedSolve(const Refinement& refinement, const sparse::BlockMatr
   }
 }
 
-// from −= A[:, node]·u. A is symmetric: block (j, c) is block (c, j) transposed.
-void RefinedSolve::subtract_columns(const Eigen::Vector3d& u, int node,
-                                    std::span<double> from) const {
-  for (int k = matrix_.row_begin[at(node)]; k < matrix_.row_begin[at(node) + 1]; ++k) {
-    const double* block = matrix_.block(at(k));
-    double* target = &from[3 * at(matrix_.column[at(k)])];
-    for (std::size_t r = 0; r < 3; ++r) {
-      target[r] -= block[r] * u[0] + block[3 + r] * u[1] + block[6 + r] * u[2];
-    }
-  }
-}
-
 void RefinedSolve::begin(std::span<const double> f, const fem::Hold& hold) {
   for (std::size_t i = 0; i < f.size(); ++i) {
     if (std::isfinite(f[i])) continue;
@@ -142,8 +133,8 @@ void RefinedSolve::move_contact_to(std::span<const Eigen::Vector3d> displacement
     const Eigen::Vector3d& u_c = displacement[n];
     double* u = &u_[3 * at(node)];
     const Eigen::Vector3d back(u[0] - u_c[0], u[1] - u_c[1], u[2] - u_c[2]);
-    subtract_columns(back, node, product_);
-    subtract_columns(u_c, node, b_);
+    matrix_.subtract_column(node, back, product_);
+    matrix_.subtract_column(node, u_c, b_);
     for (int i = 0; i < 3; ++i) {
       const double scale = scale_.empty() ? 1 : scale_[at(3 * node + i)];
       way_ = std::max(way_, std::abs(back[i]) / (scale * scaling_.displacement_unit()));
@@ -244,7 +235,7 @@ void RefinedSolve::finish() {
   if (converged) flags_ = Flags(flags_.bits() & ~repairable().bits());
   if (!converged) flags_.raise(Flag::not_converged);
   if (clamped_ > 0) flags_.raise(Flag::range_exceeded);
-  // Worse than no solution: what follows from it would be worse still.
+  // A solution that is worse than zero is no start for the next one, which would be worse still.
   const bool diverged = !converged && energy < 0;
   if (diverged) flags_.raise(Flag::divergence);
 

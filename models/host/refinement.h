@@ -7,7 +7,6 @@
 
 #include "models/config/declaration.h"
 #include "models/fem/hold.h"
-#include "models/fixed/scaling.h"
 #include "models/fixed/system.h"
 #include "models/host/frame_method.h"
 #include "models/sparse/block_matrix.h"
@@ -23,55 +22,56 @@ struct Refinement {
   void declare(config::Visitor& v);
 };
 
-// Iterative refinement (Wilkinson 1963, Moler 1967) with the board as inner solver: a pass forms
-// r = f − A·u in double precision, the board solves Ã·Δ = r for the increment, from zero and in
-// its words, and u += Δ. Ã's rounding then costs passes instead of accuracy, as long as
-// ‖I − A·Ã⁻¹‖ < 1. docs/fixed-point.md, section Refinement.
+// Iterative refinement (Wilkinson 1963, Moler 1967) with the board as inner solver: a pass forms r
+// = f − A·u in double precision, the board solves Ã·Δ = r for the increment, from zero and in its
+// words, and u += Δ. The rounding of Ã then costs passes instead of accuracy, as long as ‖I −
+// A·Ã⁻¹‖ < 1. docs/fixed-point.md, section Refinement.
 //
-// Contact (thesis §3.7) is displacements that are known: u has them before the first residual is
-// formed, so that the contact's rows of r and Δ are zero, whatever stands on their diagonal. That
-// is the residual of the modified system.
+// Contact (thesis §3.7) prescribes displacements. u has them before the first residual is formed,
+// so that the contact's rows of r and Δ are zero, whatever stands on their diagonal. That is the
+// residual of the modified system.
 //
 // Each pass has its own unit of a word, a power of two below that of the scenario's
-// displacement_range: the board's arithmetic is linear and knows nothing of it. Vectors are over
+// displacement_range: the board's arithmetic is linear and does not depend on it. Vectors are over
 // A's rows, in m and N. Nothing allocates after construction.
 class RefinedSolve final : public FrameMethod {
  public:
-  // Keeps a reference to the matrix as it was before it was rounded. `system` is what prepare()
-  // made of it; its settings' start says where a solve begins: at the last solution, at zero, or
-  // at 2·(the last one) − (the one before). `initial` is the solution of the time before.
+  // Keeps a reference to `matrix`, which is the matrix before it was rounded. `system` is a result
+  // of prepare(); its settings' start says where a solve begins: at the last solution, at zero, or
+  // at 2·(the last one) − (the one before). `initial` is the solution before the first frame.
   RefinedSolve(const Refinement& refinement, const sparse::BlockMatrix& matrix,
                const fixed::System& system, std::span<const double> initial);
 
   int passes() const { return static_cast<int>(gain_.size()); }
 
-  // The right-hand side f, and the nodes that are held. Throws InputError where an entry of f is
-  // not finite.
+  // Takes the right-hand side f and the prescribed displacements. Throws InputError where an entry
+  // of f is not finite.
   void begin(std::span<const double> f, const fem::Hold& hold) override;
-  // Puts the next pass' residual into the board's words. False where nothing is left to solve:
-  // all passes are through, or the residual is zero.
+  // Writes the next pass' residual in the board's words. False where nothing is left to solve: all
+  // passes are through, or the residual is zero.
   bool next(std::span<std::int32_t> b) override;
   // Adds the board's increment; `flags` are those of its solve.
   void accept(std::span<const std::int32_t> x, stability::Flags flags) override;
-  // What is left of the residual, and where the next solve begins. It needs a product with A,
-  // which is the first pass' of the next solve.
+  // Computes the remaining residual and the start of the next solve. It takes a product with A,
+  // which the first pass of the next solve then uses.
   void finish() override;
-  // Instead of finish(): the solve has failed, the last solution stands.
+  // Replaces finish() where the solve has failed: the last solution stays.
   void abandon() override;
 
   std::span<const double> displacement() const override { return u_; }
   // ‖f − A·u‖ outside the contact after the last finish(), over the largest ‖b‖ so far, where
   // b = f − A[:, c]·u_c is the right-hand side with the contact moved to it.
   double residual() const { return residual_; }
-  // The largest of all solves.
+  // The largest residual() of all solves.
   double worst_residual() const { return worst_residual_; }
-  // Of the solve that finish() ended. What a pass did to its words and a later pass made good
-  // (saturation, stagnation, divergence) is no flag while residual() is within the tolerance.
+  // The flags of the solve that finish() ended. Trouble with the words of one pass that a later
+  // pass repaired (saturation, stagnation, divergence) is no flag while residual() is within the
+  // tolerance.
   stability::Flags flags() const override { return flags_; }
-  // Passes whose increment did not fit its words, and which made the unit wider.
+  // The number of passes whose increment did not fit its words, which made the unit coarser.
   std::int64_t widened() const { return widened_; }
-  // Since begin(): words of residuals, and displacements beyond displacement_range, that were
-  // clamped.
+  // The words of residuals, and displacements beyond displacement_range, that were clamped since
+  // begin().
   std::int64_t clamped() const override { return clamped_; }
 
   double next_operations() const override { return next_operations_; }
@@ -79,13 +79,12 @@ class RefinedSolve final : public FrameMethod {
   std::vector<Step> steps() const override;
 
  private:
-  // Of begin() with its contact, of a residual with or without the product A·u (the first pass has
-  // it from finish()), of accept().
+  // The operations of begin() with its contact, of a residual with or without the product A·u (the
+  // first pass has it from finish()), and of accept().
   double begin_operations() const;
   double residual_operations(bool product) const;
   double accept_operations() const;
   void move_contact_to(std::span<const Eigen::Vector3d> displacement);
-  void subtract_columns(const Eigen::Vector3d& u, int node, std::span<double> from) const;
   void form_residual();
   int exponent_for(double largest) const;
   double conversion() const;
@@ -97,22 +96,22 @@ class RefinedSolve final : public FrameMethod {
   double tolerance_;
   double norm_;  // ‖A‖∞
   double displacement_range_;
-  double displacement_limit_;  // of a word of x
-  double force_limit_;         // of a word of b
+  double displacement_limit_;  // the largest value of a word of x
+  double force_limit_;         // the largest value of a word of b
 
   std::vector<double> u_, product_;  // A·u, where `current_`
   bool current_ = true;
   double next_operations_ = 0;
   double since_next_ = 0;                            // operations of begin() and accept()
   std::vector<double> solution_, solution_product_;  // of the last finish()
-  std::vector<double> guess_, guess_product_;        // where the next solve begins
+  std::vector<double> guess_, guess_product_;        // the start of the next solve
   std::vector<double> f_, b_, r_, increment_;
   std::vector<int> contact_;
   int pass_ = 0;
-  int exponent_ = 0;          // the pass' unit is 2^exponent of that of the range
-  double largest_b_ = 0;      // word of the pass
-  double way_ = 0;            // of the contact since the last solve, in words of the range's unit
-  std::vector<double> gain_;  // largest word of x over that of b, a pass
+  int exponent_ = 0;      // the pass' unit is 2^exponent of that of the range
+  double largest_b_ = 0;  // largest word of b in the pass
+  double way_ = 0;  // motion of the contact since the last solve, in words of the range's unit
+  std::vector<double> gain_;  // of each pass: largest word of x over that of b
   double largest_rhs_ = 0;
   double residual_ = 0;
   double worst_residual_ = 0;

@@ -22,7 +22,7 @@ sparse::BlockMatrix stationary_stiffness(const sparse::BlockMatrix& k, const spa
 
 std::span<const double> components(const Eigen::Vector3d& v) { return {v.data(), 3}; }
 
-// Of one contact; none where the true model does not move.
+// The error of one contact; empty where the true model does not move.
 std::optional<double> error(std::span<const double> value, std::span<const double> reference) {
   Deviation deviation;
   deviation.add(value, reference);

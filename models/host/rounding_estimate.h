@@ -11,25 +11,25 @@
 
 namespace hvp::host {
 
-// Nodes (active, ascending) that are held at one displacement, m. Without nodes: the loads alone.
+// Nodes (active, ascending) with one prescribed displacement, m. Without nodes only the loads act.
 struct UnitContact {
   std::vector<int> nodes;
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
 };
 
-// What the rounding of the matrix to its words does to a body, before a frame is run.
+// The effect of the matrix' rounding to words on a body, before a frame is run.
 struct RoundingEstimate {
-  // Of the matrix that the board has, and of the stiffness that a resting body has with it, to
-  // which an unrefined solve leads.
+  // Whether the board's matrix is positive definite, and whether the stiffness of a resting body
+  // with that matrix is, to which an unrefined solve leads.
   bool positive_definite = false;
   bool resting_positive_definite = false;
   bool definite(bool refined) const {
     return positive_definite && (refined || resting_positive_definite);
   }
   int negative_eigenvalues = 0;
-  int contacts = 0;  // compared
-  // The largest of them, ‖u − u_true‖/‖u_true‖ and the same of the force; none where the rounded
-  // stiffness is singular, or nothing was compared.
+  int contacts = 0;  // number of contacts that were compared
+  // The largest ‖u − u_true‖/‖u_true‖ of all contacts, and the same of the force. Empty where the
+  // rounded stiffness is singular, or nothing was compared.
   struct Error {
     double displacement = 0;
     double force = 0;
@@ -39,11 +39,11 @@ struct RoundingEstimate {
   void report(config::Figures& f) const;
 };
 
-// Solves each contact twice in double precision, with the body's stiffness K and with what the
-// board's words make of it. A is the matrix that is put into words, Ã what they stand for: K of a
-// static body. A dynamic body that rests has f̂ = f + (Â − K)·u, so that Ã·u = f̂ is
-// (K + Ã − A)·u = f, which holds for both: a rounding that is small beside Â may be large beside K.
-// Three factorisations at most.
+// Solves each contact twice in double precision, with the body's stiffness K and with that of the
+// board's words. A is the matrix that is converted to words, Ã the matrix that they stand for: K of
+// a static body. A dynamic body that rests has f̂ = f + (Â − K)·u, so that Ã·u = f̂ is (K + Ã −
+// A)·u = f, which is true of both kinds of body: a rounding that is small beside Â may be large
+// beside K. It takes at most three factorisations.
 RoundingEstimate estimate_rounding(const fem::Body& body, const sparse::BlockMatrix& a,
                                    const sparse::BlockMatrix& rounded,
                                    std::span<const UnitContact> contacts);

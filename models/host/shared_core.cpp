@@ -4,7 +4,7 @@
 
 namespace hvp::host {
 
-// What is left of the section that the other process is in.
+// The rest of the section that the other process is in.
 std::int64_t SharedCore::held_up(std::int64_t progress) const {
   const std::int64_t offset = progress % settings_.section_every;
   if (offset == 0 || offset >= settings_.section) return 0;

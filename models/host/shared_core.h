@@ -5,14 +5,14 @@
 namespace hvp::host {
 
 // One core for two processes: the servo process preempts the collision and graphics process. All
-// times in ps; nothing here waits, whoever simulates asks when.
+// times are in ps; nothing here waits, the simulation asks for the times.
 //
-// Rules. The core that goes directly from one process to the other is switched, which takes
+// Rules. A core that goes directly from one process to the other is switched, which takes
 // `context_switch`; a core that was idle in between is not. The other process' work has sections
-// that nobody preempts: the first `section` of every `section_every` of its own processor time. A
-// preemption loses a switch that is not over. What happens at one instant does not depend on which
-// process is asked first: work that ends then has ended, a section that begins then has not begun,
-// and a process that got the core then has not had it.
+// that cannot be preempted: the first `section` of every `section_every` of its own processor time.
+// A preemption loses a switch that is not over. The result of events at one instant does not depend
+// on which process asks first: work that ends then has ended, a section that begins then has not
+// begun, and a process that got the core then has not used it yet.
 class SharedCore {
  public:
   struct Settings {
@@ -22,7 +22,8 @@ class SharedCore {
   };
   explicit SharedCore(const Settings& settings) : settings_(settings) {}
 
-  // The servo process is ready: until when the other one holds it up, and when it runs.
+  // Called when the servo process is ready: the time until which the other process blocks it, and
+  // the time at which it runs.
   struct Dispatch {
     std::int64_t unblocked;
     std::int64_t runs;
@@ -32,19 +33,19 @@ class SharedCore {
   void servo_sleeps(std::int64_t now);
   bool servo_has_it() const { return servo_; }
 
-  // The other process takes a core that the servo process does not have; its first instruction
-  // comes at the time that is returned.
+  // The other process takes a core that the servo process does not use. Returns the time of its
+  // first instruction.
   std::int64_t other_takes(std::int64_t now);
-  // That instruction, of a new piece of work or of what is left of it.
+  // Called at that instruction, of a new piece of work or of the rest of one.
   void other_begins(std::int64_t now, std::int64_t work);
   void other_resumes(std::int64_t now);
-  // False once it has lost the core or ended.
+  // False once the other process has lost the core or ended.
   bool other_has_it() const { return other_ != Other::away; }
-  // When its work is over if nobody preempts it.
+  // The time at which its work is over if it is not preempted.
   std::int64_t other_ends() const { return since_ + work_ - done_; }
-  // Whether its work is over; it then leaves the core.
+  // True where its work is over; it then leaves the core.
   bool other_done(std::int64_t now);
-  // Processor time that it has had since it began, when it lost the core.
+  // The processor time that it had used since it began, when it lost the core.
   std::int64_t other_progress() const { return done_; }
 
  private:
@@ -53,12 +54,12 @@ class SharedCore {
   std::int64_t held_up(std::int64_t progress) const;
 
   Settings settings_;
-  bool servo_ = true;  // set-up is its own
+  bool servo_ = true;  // set-up belongs to the servo process
   std::int64_t servo_left_ = -1;
   Other other_ = Other::away;
   std::int64_t other_left_ = -1;
   std::int64_t took_ = -1;
-  std::int64_t since_ = 0;  // of the instruction with which it went on
+  std::int64_t since_ = 0;  // time of the instruction with which it went on
   std::int64_t done_ = 0;
   std::int64_t work_ = 0;
 };

@@ -8,20 +8,20 @@
 namespace hvp::host {
 
 // The effect [wall]: a plane with a spring and a damper in the body's place, which the host renders
-// by itself. The field's own benchmark (Colgate & Schenkel 1997; Abbott & Okamura 2005): what a
-// latency does to a loop, without anything else.
+// by itself. It is the field's own benchmark (Colgate & Schenkel 1997; Abbott & Okamura 2005) and
+// shows the effect of a latency on a loop, without anything else.
 //
-//   F = (K·d + B·(d − d_before)/T)·n,   d: how deep the tip is behind the plane, n: its normal
+//   F = (K·d + B·(d − d_before)/T)·n,   d: the tip's depth behind the plane, n: its normal
 //
-// A wall with one side pushes only: F·n ≥ 0, and none outside. One with both holds the tip at its
-// plane, by a spring that pulls too.
+// A wall with one side only pushes: F·n ≥ 0, and no force outside. One with both sides also pulls,
+// so that its spring keeps the tip at the plane.
 struct Wall {
   enum class Sides { one, both };
 
   double stiffness_N_m = 500;
   double damping_N_s_m = 0;
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();    // of the plane, m
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // out of the wall; of any length
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();    // a point of the plane, m
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // points out of the wall; of any length
   Sides sides = Sides::one;
 
   void declare(config::Visitor& v);
@@ -29,11 +29,12 @@ struct Wall {
   void check() const;
 
   Eigen::Vector3d direction() const { return normal.normalized(); }
-  // How deep the tip is in the wall, m; negative before it.
+  // The tip's depth in the wall, m; negative in front of it.
   double depth(const Eigen::Vector3d& tip) const { return direction().dot(point - tip); }
-  // On the tip, N, by its depths in this frame and the one before, which lie period_s apart.
+  // The force on the tip, N, from its depths in this frame and in the one before, which are
+  // period_s apart.
   Eigen::Vector3d force(double depth, double depth_before, double period_s) const;
-  // In its spring, J.
+  // The energy in its spring, J.
   double energy(const Eigen::Vector3d& tip) const {
     const double d = sides == Sides::one ? std::max(0.0, depth(tip)) : depth(tip);
     return 0.5 * stiffness_N_m * d * d;

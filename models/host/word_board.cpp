@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "models/fixed/kernel.h"
-#include "models/fixed/start_guess.h"
+#include "models/fixed/solver.h"
+#include "models/fixed/word.h"
 
 namespace hvp::host {
 

@@ -11,14 +11,14 @@
 namespace hvp::host {
 
 // The board's arithmetic without its bus and its clock: the matrix in words, with the contact's
-// rows and columns cleared as the driver has them cleared, and the solver, which keeps U from one
-// solve to the next.
+// rows and columns cleared as the driver clears them, and the solver, which keeps U from one solve
+// to the next.
 class WordBoard {
  public:
-  // `settings` are those that the board works with (FrameComputation::board_settings()).
+  // `settings` are FrameComputation::board_settings().
   WordBoard(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings);
 
-  // Nodes (active, ascending) that are held; `diagonal` stands on their diagonals.
+  // Sets the contact nodes (active, ascending); `diagonal` is the word on their diagonals.
   void set_contact(std::span<const int> nodes, std::int32_t diagonal);
   fixed::Report solve(std::span<const std::int32_t> b);
   std::span<const std::int32_t> solution() const { return x_; }
@@ -28,7 +28,7 @@ class WordBoard {
   fixed::Settings settings_;
   std::unique_ptr<fixed::Solver> solver_;
   std::vector<int> contact_;
-  std::vector<std::vector<std::int32_t>> rows_;  // of the contact's nodes, as they were
+  std::vector<std::vector<std::int32_t>> rows_;  // the contact's rows before they were cleared
   std::vector<std::int32_t> x_;
   std::vector<std::int32_t> previous_;  // the solution before, for Start::extrapolated
 };

@@ -5,10 +5,10 @@
 
 namespace hvp::link {
 
-// Which way the data of a request go, as its initiator sees it.
+// The direction of a request's data, as its initiator sees it.
 enum class Direction { write, read };
 
-// Times of the bus engines are whole picoseconds. This one never comes.
+// A time that never comes. Times of the bus models are whole picoseconds.
 inline constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
 }  // namespace hvp::link

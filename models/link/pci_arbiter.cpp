@@ -68,7 +68,7 @@ std::int64_t PciArbiter::next_grant() const {
   return first == kNever ? kNever : std::max(first, free_);
 }
 
-// Of the masters whose request the arbiter has seen by this clock.
+// The winner among the masters whose request the arbiter has seen by this clock.
 int PciArbiter::winner(std::int64_t clock) const {
   const bool fixed = clocks_.protocol().arbitration == PciArbitration::fixed_priority;
   for (int step = 0; step < count_; ++step) {

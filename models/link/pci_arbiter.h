@@ -4,23 +4,23 @@
 #include <cstdint>
 
 #include "models/link/direction.h"
-#include "models/link/pci_protocol.h"
+#include "models/link/pci.h"
 
 namespace hvp::link {
 
-// A PCI bus with several masters, exact to the clock: who owns it, when, and for how many data
-// phases. It has no clock of its own: whoever drives it says how far time has come.
+// A PCI bus with several masters, exact to the clock: which of them owns it, when, and for how many
+// data phases. It has no clock of its own; its user says how far time has come.
 //
 //   arbiter.request(master, Direction::read, 64, now);
 //   …wait until arbiter.forecast(master), or until somebody else requests…
 //   arbiter.advance(now);  arbiter.done(master)
 //
-// Rules. A request is seen at the first clock edge that is not before it. Arbitration is hidden
-// behind the running transaction. The winner of simultaneous requests follows from the policy and
-// the masters' numbers, never from the order of the calls: a grant at an instant is decided only
-// once time has passed it. A master asks for its next burst when its last one has released the
-// bus. A burst whose GNT# is gone and whose latency timer has run out ends with the data phase
-// under way (PCI 3.0 §3.5.4), and what is left of it goes on in a later tenure.
+// Rules. A request is seen at the first clock edge at or after it. Arbitration is hidden behind the
+// running transaction. The winner of simultaneous requests follows from the policy and the masters'
+// numbers, never from the order of the calls: a grant at an instant is decided only once time has
+// passed it. A master asks for its next burst when its last one has released the bus. A burst whose
+// GNT# is gone and whose latency timer has run out ends with the present data phase (PCI 3.0
+// §3.5.4), and the rest of it goes on in a later tenure.
 //
 // Value semantics, and nothing allocates: forecast() runs a copy.
 class PciArbiter {
@@ -36,8 +36,8 @@ class PciArbiter {
     std::int64_t waiting_ps = 0;  // REQ# to address phase
   };
 
-  // Told when a master has had the bus, from its address phase to its turnaround: in the order of
-  // time, and not by forecasts.
+  // Gets every tenure of a master, from its address phase to its turnaround, in the order of time.
+  // Forecasts do not call it.
   class Observer {
    public:
     virtual ~Observer() = default;
@@ -49,25 +49,27 @@ class PciArbiter {
 
   void report_to(Observer& observer) { observer_ = &observer; }
 
-  // The master has nothing under way, bytes > 0, and `time_ps` is not before the last advance().
+  // The master has no request under way, bytes > 0, and `time_ps` is not before the last advance().
   void request(int master, Direction direction, std::int64_t bytes, std::int64_t time_ps);
-  // Everything up to this time has happened.
+  // Brings the bus forward to this time.
   void advance(std::int64_t time_ps);
-  // A target keeps the bus until then, although its transaction has just released it. At the time
-  // of the last advance(), before which the bus was released. `master`: for whom it does.
+  // Occupies the bus until `until_ps` for a target whose transaction has just released it. To be
+  // called at the time of the last advance(), by which the bus was released. `master` is the
+  // transaction's.
   void hold(int master, std::int64_t until_ps);
   std::int64_t held_ps() const { return held_ * clocks_.period_ps(); }
-  // For how long somebody owned the bus until then, not before the last advance(); what a target
-  // held it for counts too.
+  // The time for which the bus was owned or occupied until `until_ps`, which is not before the last
+  // advance().
   std::int64_t taken_ps(std::int64_t until_ps) const;
   bool busy(int master) const { return at(master).busy; }
-  // The master's last request has released the bus by the time of the last advance().
+  // True if the master's last request has released the bus by the time of the last advance().
   bool done(int master) const { return !at(master).busy; }
-  // When the last request that is done released the bus.
+  // The time at which the last completed request released the bus.
   std::int64_t completed_ps(int master) const { return at(master).completed * clocks_.period_ps(); }
-  // When the request under way will be done if nobody requests until then; kNever without one.
+  // The time at which the present request will be done if no other one comes; kNever without a
+  // request.
   std::int64_t forecast(int master) const;
-  // The earliest of all forecasts: what a driver waits for.
+  // The earliest of all forecasts, for which a user of the bus waits.
   std::int64_t next_completion() const;
 
   const Statistics& statistics(int master) const { return at(master).statistics; }
@@ -110,7 +112,7 @@ class PciArbiter {
   std::array<Master, kMaxMasters> masters_{};
   int owner_ = -1;
   int last_owner_ = -1;
-  bool retrying_ = false;     // the tenure is an attempt in vain
+  bool retrying_ = false;     // the tenure ends in a retry
   std::int64_t address_ = 0;  // clock of the tenure's address phase
   std::int64_t planned_ = 0;  // its data phases if nothing cuts it
   std::int64_t free_ = 0;     // clock from which the bus is idle

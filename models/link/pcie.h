@@ -11,19 +11,19 @@ namespace hvp::link {
 // The bytes of a data credit: four double words (PCI Express Base Specification, section 2.6.1).
 inline constexpr int kCreditBytes = 16;
 
-// How the limits of dllp_limit() become bytes.
+// The conversion of dllp_limit() to bytes.
 enum class DllpAccounting {
   published,     // 8 bytes in `limit` bytes of the link, as pcie-bench's model has it
   symbol_times,  // 8 bytes in `limit` symbol times, in each of which every lane carries a byte
 };
 
-// Which end of the link asks: the processor reads and writes the device through the root port, the
-// device reads and writes the host's memory.
+// The end of the link that requests: the processor reads and writes the device through the root
+// port, the device reads and writes the host's memory.
 enum class PcieSide { root, device };
 
-// What the side that is read needs for each request of a read, where that differs from one to the
-// next: from the request's arrival until its first completion, in ps. A function of the request's
-// number within the read, from 0, so that it may be asked for again.
+// The completer's time for each request of a read, if requests differ: from the request's arrival
+// until its first completion, in ps. It is a function of the request's number within the read, from
+// 0, so that it may be asked for again.
 class CompleterTimes {
  public:
   virtual ~CompleterTimes() = default;
@@ -60,51 +60,54 @@ struct Pcie {
 
   void declare(config::Visitor& v);
   // Throws InputError for a size that is no power of two, a width that does not exist, or credits
-  // that do not admit one packet.
+  // that are too few for one packet.
   void check() const;
 
   bool flits() const { return generation == PcieGeneration::gen6; }
 
-  // Bytes a second, one direction: behind the encoding (Gen6: 242 of 256 bytes), and what of it is
-  // left to TLPs by Ack, UpdateFC and SKIP. Gen6's data link layer has its place in the flit.
+  // Bytes a second in one direction: raw_rate() behind the encoding (Gen6: 242 of 256 bytes),
+  // tlp_rate() without the share of Ack, UpdateFC and SKIP. Gen6's data link layer has its place in
+  // the flit.
   double raw_rate() const;
   double tlp_rate() const;
-  // Time of TLP bytes back to back, that share included.
+  // The time of TLP bytes back to back, that share included.
   std::int64_t tlp_ps(std::int64_t wire_bytes) const;
-  // Of one transfer on an idle link: Gen6 fills its last flit.
+  // The time of one transfer on an idle link; Gen6 fills its last flit.
   std::int64_t transfer_ps(std::int64_t wire_bytes) const;
-  // Bytes of the link between two Ack DLLPs, or two UpdateFC DLLPs; 0: none.
+  // The bytes of the link between two Ack DLLPs, or two UpdateFC DLLPs; 0: there are none.
   std::int64_t dllp_interval_bytes() const;
 
-  int write_header_bytes() const;  // of a memory write TLP, framing included
+  int write_header_bytes() const;  // header of a memory write TLP, framing included
   int read_header_bytes() const;
   int completion_header_bytes() const;
-  // A message TLP is a header of four double words alone (PCIe 5.0 §2.2.8): INTx.
+  // The bytes of a message TLP, such as INTx: a header of four double words alone (PCIe 5.0
+  // §2.2.8).
   int message_wire_bytes() const;
   std::int64_t packets(std::int64_t bytes) const;      // memory writes
   std::int64_t requests(std::int64_t bytes) const;     // memory reads
-  std::int64_t completions(std::int64_t bytes) const;  // of an aligned block
+  std::int64_t completions(std::int64_t bytes) const;  // completions of an aligned block
   int completion_bytes() const {
     return completions_of_boundary_size ? read_completion_boundary_bytes : max_payload_bytes;
   }
 
-  // Bytes on the wire, and in the direction of the data alone for a read.
+  // Bytes on the wire; completion_wire_bytes() counts the direction of a read's data alone.
   std::int64_t write_wire_bytes(std::int64_t bytes) const;
   std::int64_t request_wire_bytes(std::int64_t bytes) const;
   std::int64_t completion_wire_bytes(std::int64_t bytes) const;
 
-  // Bytes a second of payload in the steady state: the wire's, or what the credits in flight or
-  // the reads in flight allow in a round trip.
+  // Payload in bytes a second in the steady state: the wire's, or that which the credits or the
+  // reads in flight allow in a round trip.
   double write_throughput(std::int64_t bytes_a_write) const;
   double read_throughput(PcieSide requester) const;
 
-  // On an idle link, from the first TLP's start to the last byte's arrival: at the other side for
-  // a posted write, back at the requester for a read.
+  // The time on an idle link from the first TLP's start to the last byte's arrival, at the other
+  // side for a posted write, back at the requester for a read.
   std::int64_t posted_write_ps(std::int64_t bytes) const;
   std::int64_t read_ps(PcieSide requester, std::int64_t bytes) const;
-  // As above with a time of its own for each request; completions keep the order of the requests.
+  // The same with the completer's time for each request; completions keep the order of the
+  // requests.
   std::int64_t read_ps(PcieSide requester, std::int64_t bytes, const CompleterTimes& times) const;
-  // What the side that is read needs between a request's arrival and its first completion.
+  // The completer's time between a request's arrival and its first completion.
   std::int64_t completer_ps(PcieSide requester) const;
   std::int64_t link_ps() const;
   std::int64_t credit_return_ps() const;

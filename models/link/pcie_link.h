@@ -10,21 +10,22 @@
 
 namespace hvp::link {
 
-// A PCI Express link packet by packet: every TLP waits for the wire, for credits and, a read, for a
-// tag; Ack, UpdateFC and SKIP take their places between them; completions come back split. It has
+// A PCI Express link packet by packet: every TLP waits for the wire, for credits and, if it is a
+// read, for a tag. Ack, UpdateFC and SKIP go between them, and completions come back split. It has
 // no clock of its own and is driven as PciArbiter is:
 //
 //   link.request(initiator, Direction::read, 4096, now);
 //   …wait until link.forecast(initiator), or until somebody else requests…
 //   link.advance(now);  link.done(initiator)
 //
-// Rules. Each direction sends one packet after the other; of those that are ready it takes the
-// initiators and the completions in turn, whatever the order of the calls. The receiver's order is
-// the sender's. Completions of one direction are in the order of their requests. Credits for
-// completions are infinite, as root ports and endpoints advertise (PCIe 5.0 §2.6.1).
+// Rules. Each direction sends one packet after the other; of the ready packets it takes those of
+// the initiators and the completions in turn, whatever the order of the calls. Packets arrive in
+// the order in which they were sent. Completions of one direction are in the order of their
+// requests. Credits for completions are infinite, as root ports and endpoints advertise (PCIe 5.0
+// §2.6.1).
 //
-// Nothing allocates after construction: a forecast runs in a second state that is there from the
-// start.
+// Nothing allocates after construction: a forecast runs in a second state that the constructor
+// makes.
 class PcieLink {
  public:
   static constexpr int kMaxInitiators = 8;
@@ -36,8 +37,8 @@ class PcieLink {
     std::int64_t busy_ps = 0;
   };
 
-  // Told of every packet that has left, with the link layer's ahead of it; a completion is its
-  // reader's. In the order of time of each direction, and not by forecasts.
+  // Gets every packet that was sent, with the link layer's packets before it; a completion counts
+  // to its reader. Calls are in the order of time of each direction. Forecasts do not call it.
   class Observer {
    public:
     virtual ~Observer() = default;
@@ -45,32 +46,32 @@ class PcieLink {
                       std::int64_t end_ps) = 0;
   };
 
-  // One initiator an entry: the processor is at the root, a device's DMA channels at the device.
-  // Throws InputError for none or more than kMaxInitiators, and what Pcie::check() throws.
+  // `initiators` has one entry for each: the processor is at the root, a device's DMA channels at
+  // the device. Throws InputError for none or more than kMaxInitiators, and as Pcie::check() does.
   PcieLink(const Pcie& link, std::span<const PcieSide> initiators);
 
   void report_to(Observer& observer) { observer_ = &observer; }
 
-  // The initiator has nothing under way but writes that have been sent, bytes > 0, and `time_ps` is
-  // not before the last advance(). `times`, of a read, is asked until its last completion is back;
-  // without it every request takes what Pcie says.
+  // The initiator has no request under way but writes that have been sent, bytes > 0, and `time_ps`
+  // is not before the last advance(). `times`, for a read, has to exist until its last completion
+  // is back; without it every request takes Pcie::completer_ps().
   void request(int initiator, Direction direction, std::int64_t bytes, std::int64_t time_ps,
                const CompleterTimes* times = nullptr);
-  // As a write's request: a message, a posted packet without data.
+  // Requests a message, a posted packet without data, as a write is requested.
   void message(int initiator, std::int64_t time_ps);
-  // Everything up to this time has happened.
+  // Brings the link forward to this time.
   void advance(std::int64_t time_ps);
   bool busy(int initiator) const { return !done(initiator); }
-  // A write's last byte is at the other side, or a read's is back, by the last advance().
+  // True if a write's last byte is at the other side, or a read's is back, by the last advance().
   bool done(int initiator) const { return now_ >= completed_ps(initiator); }
-  // Of the last request; kNever while it is not known.
+  // The time at which the last request is done; kNever while it is not known.
   std::int64_t completed_ps(int initiator) const { return of(state_, initiator).completed; }
-  // When the last packet of the last request left its sender: a poster may go on. kNever while it
-  // is not known.
+  // The time at which the last packet of the last request left its sender, so that the sender of a
+  // posted write may go on; kNever while it is not known.
   std::int64_t sent_ps(int initiator) const { return of(state_, initiator).sent; }
-  // When the request will be done if nobody requests until then.
+  // The time at which the request will be done if no other one comes.
   std::int64_t forecast(int initiator) const;
-  // When its last packet will leave, likewise.
+  // The time at which its last packet will leave, likewise.
   std::int64_t forecast_sent(int initiator) const;
 
   const Traffic& traffic(PcieSide sender) const { return state_.wires[index(sender)].traffic; }
@@ -83,18 +84,18 @@ class PcieLink {
     std::int64_t requested = 0;
     std::int64_t to_send = 0;  // bytes not yet in a packet
     std::int64_t answers = 0;  // requests without their last completion
-    std::int64_t issued = 0;   // reads so far
-    std::int64_t first = 0;    // of them, the present read's first request
+    std::int64_t issued = 0;   // read requests sent so far
+    std::int64_t first = 0;    // the number of the present read's first request
     const CompleterTimes* times = nullptr;
     std::int64_t answered = 0;
     std::int64_t sent = 0;
     std::int64_t completed = 0;
   };
   struct Credit {
-    std::int64_t returned = 0;  // when it may be used again
+    std::int64_t returned = 0;  // the time at which it may be used again
     std::int64_t units = 0;
   };
-  // What has been sent and not yet given back, the oldest first.
+  // Credits in use, the oldest first.
   struct Ring {
     std::vector<Credit> entries;
     std::size_t first = 0;
@@ -108,7 +109,7 @@ class PcieLink {
   };
   struct WireState {
     std::int64_t free = 0;
-    std::int64_t fraction = 0;  // of a picosecond, in the byte time's denominator
+    std::int64_t fraction = 0;  // fraction of a picosecond, in units of the byte time's denominator
     std::int64_t position = 0;  // bytes sent
     std::int64_t next_ack = 0;
     std::int64_t next_credit = 0;
@@ -127,7 +128,7 @@ class PcieLink {
   struct State {
     std::array<Wire, 2> wires;
     std::vector<Initiator> initiators;
-    std::vector<std::int64_t> tags;  // when each was last given back; initiator by initiator
+    std::vector<std::int64_t> tags;  // the time of each tag's last release; initiator by initiator
   };
   struct Start {
     std::int64_t time = kNever;
@@ -147,10 +148,11 @@ class PcieLink {
   std::int64_t& tag(State& s, int initiator, std::int64_t number) const;
   std::int64_t tag(const State& s, int initiator, std::int64_t number) const;
 
-  // The earliest time at which `units` more may go, of `capacity`.
+  // The earliest time at which `units` more of `capacity` credits are free.
   static std::int64_t credit(const Ring& ring, std::int64_t units, std::int64_t capacity);
   static void take(Ring& ring, std::int64_t now, Credit credit);
-  // Makes `ahead_` the state of now. Of what goes round that which is there, which is little of it.
+  // Copies the present state to `ahead_`; of the rings and completions only the entries in use,
+  // which are few.
   void look_ahead() const;
 
   std::int64_t ready(const State& s, std::size_t wire, int slot) const;

@@ -13,21 +13,22 @@ struct PciReadLatencies : random::TimeDistribution {
 };
 
 // The scenario's effect [bus.pcie.root_complex_latencies]: Pcie::root_complex_latency_s drawn for
-// each read request of the device. Published times are of whole reads of 64 bytes over Gen3 x8, as
-// a device sees them: what Pcie counts for such a read without the root complex is subtracted.
+// each read request of the device. Published times are those of whole reads of 64 bytes over Gen3
+// x8, as a device sees them; Pcie's time of such a read without the root complex is subtracted.
 struct RootComplexLatencies : random::TimeDistribution {
   enum PublishedHost { xeon_e5, xeon_e3 };
 
   RootComplexLatencies();
   void declare(config::Visitor& v);
-  // With the points of the host that is chosen.
+  // The distribution with the points of the chosen host.
   random::TimeDistribution drawn() const;
 };
 
-// Whole reads, s. docs/pcie.md says which points are published and which are assumed.
+// The published times of whole reads, s. docs/pcie.md says which points are published and which are
+// assumed.
 const std::vector<random::Exceedance>& published_reads(RootComplexLatencies::PublishedHost host);
 
-// s: of such a read, all that is not the root complex'.
+// The time of such a read outside of the root complex, s.
 double published_reads_beside_root_complex_s();
 
 }  // namespace hvp::link

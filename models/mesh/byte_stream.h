@@ -10,8 +10,8 @@
 
 #include "models/mesh/tet_mesh.h"
 
-// How surfaces and meshes travel between a process and its child: counts, then coordinates and
-// indices bit for bit.
+// The bytes in which surfaces and meshes go from a child process to its parent: counts, then
+// coordinates and indices bit for bit.
 namespace hvp::mesh {
 
 class ByteWriter {
@@ -54,7 +54,7 @@ class ByteReader {
   std::uint64_t count() {
     std::uint64_t n = 0;
     get(&n, sizeof n);
-    // Every item takes at least one byte; a count beyond that is no count of ours.
+    // Every item takes at least one byte; a larger count is broken.
     if (n > bytes_.size()) throw std::runtime_error("a child process sent a broken result");
     return n;
   }

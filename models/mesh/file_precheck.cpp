@@ -1,5 +1,3 @@
-#include "models/mesh/file_precheck.h"
-
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -13,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
+#include "models/mesh/surface_reader.h"
 
 namespace hvp::mesh {
 
@@ -53,7 +52,7 @@ void check_triangle_count(std::uint64_t count, std::string_view what) {
   }
 }
 
-// Where a word in small letters stands, however it is written there: SOLID is as good as solid.
+// The position of a word, given in small letters, in any case: SOLID is as good as solid.
 std::size_t find_word(std::string_view bytes, std::string_view word, std::size_t from = 0) {
   const auto same = [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; };
   const auto begin = bytes.begin() + static_cast<std::ptrdiff_t>(std::min(from, bytes.size()));

@@ -10,13 +10,13 @@ namespace hvp::mesh {
 // parametric sphere and box are centred on the origin; a surface file keeps its coordinates.
 // Equal settings give equal bits.
 //
-// Forks: call it before threads or a SystemC kernel exist. Throws InputError with the key
-// "nodes" where the count cannot be reached and "surface" where the file or its surface is at
-// fault; the message says what was found.
+// Forks: call it before threads or a SystemC kernel exist. Throws InputError with the key "nodes"
+// if the count cannot be reached and "surface" if the file or its surface is at fault; the message
+// says what was found.
 TetMesh generate(const MeshSettings& settings, const Progress& progress = {});
 
-// The same for a surface at hand, in either winding. It is kept as it is where the count can be
-// reached with it; otherwise its triangles are split or decimated.
+// The same for a given surface, in either winding. The surface is kept if the count can be reached
+// with it; otherwise its triangles are split or decimated.
 TetMesh tetrahedralise(const Surface& surface, int wanted_nodes, const Progress& progress = {});
 
 }  // namespace hvp::mesh

@@ -1,5 +1,3 @@
-#include "models/mesh/intersection.h"
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -12,6 +10,7 @@
 #include "models/config/input_error.h"
 #include "models/index.h"
 #include "models/mesh/predicates.h"
+#include "models/mesh/surface_check.h"
 
 namespace hvp::mesh {
 

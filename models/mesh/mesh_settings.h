@@ -7,13 +7,14 @@
 
 namespace hvp::mesh {
 
-// How large a body may be, and one unit of its file: from what a haptic device still resolves to
-// far beyond what a probe reaches, whose registers count nanometres up to 2 m (models/plant/daq.h).
+// The range of a body's length, and of one unit of its file: from the resolution of a haptic device
+// to far beyond the reach of a probe, whose registers count nanometres up to 2 m
+// (models/plant/daq.h).
 // No product of four such lengths leaves double precision.
 inline constexpr config::Range kBodyLength = config::between(1e-6, 1e3);
 inline constexpr config::Range kUnitLength = config::between(1e-9, 1e3);
 
-// The body's shape and how finely it is meshed: the scenario's table [object.mesh].
+// The body's shape and the resolution of its mesh: the scenario's table [object.mesh].
 struct MeshSettings {
   enum class Shape { sphere, box, surface };
 
@@ -25,7 +26,7 @@ struct MeshSettings {
   int nodes = 500;
 
   void declare(config::Visitor& v);
-  // Throws InputError: no file for shape `surface`.
+  // Throws InputError if shape `surface` has no file.
   void check() const;
 };
 

@@ -6,26 +6,27 @@
 #include "models/mesh/progress.h"
 #include "models/mesh/tet_mesh.h"
 
-// How a wanted number of nodes is met. TetGen keeps the surface and takes a bound on the volume of
-// a tetrahedron; how many nodes come out is known only afterwards.
+// The search for a mesh with a wanted number of nodes. TetGen keeps the surface and takes a bound
+// on the volume of a tetrahedron; the number of nodes is known only afterwards.
 namespace hvp::mesh {
 
-// Of the wanted count: beyond that the count is refused.
+// The accepted deviation from the wanted count, as a share of it.
 inline constexpr double kAcceptedDeviation = 0.10;
 
 // The edge length L for which a body of this volume and area gets `nodes` nodes:
 // n = 2 + 0.703·A/L² + 0.930·V/L³, fitted to TetGen's meshes of a sphere with 100 to 900 points
-// on it; off by 2 % at most there, and only the start of a search.
+// on it; it is off by 2 % at most there, and only the start of a search.
 double edge_length_for(double volume, double area, int nodes);
 
-// The points on a closed surface of this area made of equilateral triangles of this edge.
+// The number of points of a closed surface of this area that is made of equilateral triangles with
+// this edge.
 int points_for(double area, double edge);
 
-// A surface that may do for the wanted count, made when it is tried.
+// A surface that may give the wanted count, made when it is tried.
 struct Candidate {
   std::function<Surface()> surface;
-  double edge = 0.0;  // of the tetrahedra inside, to start from
-  // Whether TetGen's bound on the ratio of circumradius to shortest edge may be loosened.
+  double edge = 0.0;  // edge of the tetrahedra inside, to start from
+  // True if TetGen's bound on the ratio of circumradius to shortest edge may be loosened.
   bool loose_ratio = true;
 };
 

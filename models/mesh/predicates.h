@@ -10,8 +10,8 @@ class Orientation {
  public:
   explicit Orientation(double largest_coordinate);
 
-  // The sign, exactly, of jacobian_determinant(a, b, c, d): +1 where d lies on the side to which
-  // the right-hand normal of the triangle a, b, c points, 0 in its plane.
+  // The sign, exactly, of jacobian_determinant(a, b, c, d): +1 if d lies on the side to which the
+  // right-hand normal of the triangle a, b, c points, 0 in its plane.
   int operator()(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
                  const Eigen::Vector3d& d) const;
 };

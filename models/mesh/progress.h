@@ -5,7 +5,7 @@
 
 namespace hvp::mesh {
 
-// Told in one short line what is being done; may be empty.
+// A function that gets one short line on what is being done; may be empty.
 using Progress = std::function<void(std::string_view)>;
 
 }  // namespace hvp::mesh

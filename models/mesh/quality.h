@@ -9,12 +9,12 @@
 
 namespace hvp::mesh {
 
-// A tetrahedron is a sliver where one of its dihedral angles is below or above these (degrees).
-// Thesis §3.3 warns of angles near 0° and 180°; 5° and 175° are the customary bounds.
+// A tetrahedron is a sliver if one of its dihedral angles is below or above these (degrees). Thesis
+// §3.3 warns of angles near 0° and 180°; 5° and 175° are the customary bounds.
 inline constexpr double kSliverLowAngle = 5.0;
 inline constexpr double kSliverHighAngle = 175.0;
 
-// Dihedral angles in bins of ten degrees, [0, 10) to [170, 180].
+// The number of bins of the histogram of dihedral angles: ten degrees each, [0, 10) to [170, 180].
 inline constexpr std::size_t kDihedralBins = 18;
 
 struct Quality {
@@ -31,7 +31,7 @@ struct Quality {
   // Circumradius over three times the inradius: 1 for the regular tetrahedron.
   double max_radius_ratio = 0.0;
   std::size_t slivers = 0;  // tetrahedra with an angle beyond the two bounds above
-  // Non-zeros in a row of the stiffness matrix: three times (neighbours + 1) of the node.
+  // The non-zeros of a row of the stiffness matrix: three times (neighbours + 1) of its node.
   double mean_row_nonzeros = 0.0;
   std::size_t max_row_nonzeros = 0;
   std::array<std::size_t, kDihedralBins> dihedral_histogram{};
@@ -39,7 +39,7 @@ struct Quality {
 
 Quality measure(const TetMesh& mesh);
 
-// The same figures of each tetrahedron, one value a tetrahedron.
+// Figures of each tetrahedron, one value for each.
 struct ElementShapes {
   std::vector<double> min_dihedral;  // degrees
   std::vector<double> aspect_ratio;  // longest edge over shortest edge

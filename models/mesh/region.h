@@ -8,7 +8,7 @@
 
 namespace hvp::mesh {
 
-// How a scenario names a part of the body: the anchored nodes, a loaded patch, a softer core.
+// A part of the body as a scenario names it: the anchored nodes, or a loaded patch.
 struct Region {
   enum class Kind {
     lowest_fraction,  // a fraction of all nodes: those that lie lowest along `direction`
@@ -29,7 +29,7 @@ struct Region {
   double radius = 0.0;
 
   void declare(config::Visitor& v);
-  // Throws InputError: a direction or normal of length zero, an empty box or sphere.
+  // Throws InputError for a direction or normal of length zero and for an empty box or sphere.
   void check() const;
 };
 

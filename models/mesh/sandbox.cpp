@@ -34,7 +34,7 @@ namespace hvp::mesh {
 
 namespace {
 
-// What travels through the pipe: one byte that says what it is, eight that say how long it is,
+// A message through the pipe: one byte for its kind, eight for its length,
 // then the text. Both ends are the same program, so the byte order is its own.
 enum class Message : char {
   progress = 'p',
@@ -138,7 +138,7 @@ class Child {
     return true;
   }
 
-  // How the child ended, as a sentence without a subject.
+  // The child's end, as a sentence without a subject.
   std::string ending(const SandboxLimits& limits) {
     if (timed_out_) {
       return fmt::format("gave no answer within {} s", kPatience * limits.cpu_seconds);

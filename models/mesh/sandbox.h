@@ -10,7 +10,7 @@ namespace hvp::mesh {
 
 struct SandboxLimits {
   int cpu_seconds = 60;
-  // Address space; not enforced under AddressSanitizer, which reserves terabytes.
+  // The address space; it is not enforced under AddressSanitizer, which reserves terabytes.
   std::size_t memory_bytes = std::size_t{4} << 30;
 };
 

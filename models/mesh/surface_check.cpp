@@ -12,7 +12,6 @@
 
 #include "models/config/input_error.h"
 #include "models/index.h"
-#include "models/mesh/intersection.h"
 
 namespace hvp::mesh {
 

@@ -9,11 +9,11 @@ namespace hvp::mesh {
 // Throws InputError with the key "surface".
 [[noreturn]] void refuse(const std::string& message);
 
-// Six times ∫dV would be the sum of det(a, b, c) over the triangles; this is the volume itself in
-// m³, positive for outward normals.
+// The volume in m³, a sixth of the sum of det(a, b, c) over the triangles; positive for outward
+// normals.
 double enclosed_volume(const Surface& surface);
 
-// m²
+// The area in m².
 double surface_area(const Surface& surface);
 
 // Merges points that coincide exactly, drops triangles that thereby lose a corner, and drops
@@ -21,10 +21,15 @@ double surface_area(const Surface& surface);
 Surface merge_points(const Surface& surface);
 
 // The surface as a mesher needs it: points merged, all triangles wound the same way with outward
-// normals. Throws InputError with the key "surface" where it is not the closed surface of one
-// body: no triangles, coordinates that are no numbers, open or non-manifold edges, sheets that
-// meet in a point, a surface with one side, several shells, triangles without area, no volume,
+// normals. Throws InputError with the key "surface" if it is not the closed surface of one body: no
+// triangles, coordinates that are no numbers, open or non-manifold edges, sheets that meet in a
+// point, a surface with one side, several shells, triangles without area, no volume,
 // self-intersection. The message counts what was found.
 Surface check_surface(const Surface& raw);
+
+// Throws InputError with the key "surface" if triangles of a closed manifold surface cross, overlap
+// or touch other than in a common edge or corner. Exact predicates decide, so that rounding neither
+// invents nor hides a crossing.
+void check_intersections(const Surface& surface);
 
 }  // namespace hvp::mesh

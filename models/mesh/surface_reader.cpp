@@ -7,10 +7,8 @@
 #include "models/config/input_error.h"
 #include "models/files/regular_file.h"
 #include "models/mesh/byte_stream.h"
-#include "models/mesh/file_precheck.h"
 #include "models/mesh/mesh_settings.h"
 #include "models/mesh/sandbox.h"
-#include "models/mesh/vtk_reading.h"
 
 namespace hvp::mesh {
 
@@ -34,7 +32,8 @@ std::string contents_of(const std::string& path) {
 // than so many times its size, fewer than three digits are left.
 constexpr double kFarthest = 1e4;
 
-// Of a surface in metres.
+// Throws InputError for a surface (in metres) that is too far from the origin, too small or too
+// large.
 void check_place(const Surface& surface, double unit_m) {
   if (surface.points.empty()) return;
   Eigen::Vector3d low = surface.points.front();

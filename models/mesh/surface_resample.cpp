@@ -202,7 +202,7 @@ class Collapser {
     return middle + (missing / steepness) * gradient;
   }
 
-  // Where `kept` goes when `gone` is merged into it; nothing where that must not be.
+  // The place of `kept` after `gone` was merged into it; nothing if the merge is not allowed.
   std::optional<Eigen::Vector3d> place_after(int gone, int kept) const {
     const std::set<int> of_gone = neighbours(gone);
     const std::set<int> of_kept = neighbours(kept);

@@ -5,15 +5,15 @@
 namespace hvp::mesh {
 
 // Halves every edge longer than `longest_edge` (m), the longest first, until none is left. The
-// shape stays what it was; long and flat triangles become shorter ones.
+// shape stays unchanged; long and flat triangles become shorter ones.
 Surface split_long_edges(const Surface& surface, double longest_edge);
 
 // Takes points away by collapsing edges, the shortest first, until `wanted_points` are left.
 // `surface` is closed and consistently wound, and so is the result. A smooth patch keeps the
 // volume under it; sharp edges (folds of more than 40°) and their corners stay in place; no
 // collapse turns a triangle's normal by more than 45° or makes a needle of it. Throws InputError
-// with the key "nodes" where the coarse surface intersects itself or the volume changes by more
-// than 5 %; returns more points than wanted where no edge can go.
+// with the key "nodes" if the coarse surface intersects itself or the volume changes by more than 5
+// %; returns more points than wanted if no edge can be collapsed.
 Surface collapse_short_edges(const Surface& surface, int wanted_points);
 
 }  // namespace hvp::mesh

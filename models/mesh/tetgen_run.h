@@ -6,9 +6,9 @@
 namespace hvp::mesh {
 
 struct TetgenOptions {
-  // Largest admissible volume of a tetrahedron in m³; 0: none.
+  // The largest admissible volume of a tetrahedron in m³; 0: no limit.
   double max_volume = 0.0;
-  // Largest admissible ratio of circumradius to shortest edge; 0: no bound. 1.2 stands for the
+  // The largest admissible ratio of circumradius to shortest edge; 0: no bound. 1.2 stands for the
   // switches pYq1.2a… with which the figures for the thesis' sphere were obtained.
   double radius_edge_ratio = 1.2;
 };

@@ -1,5 +1,3 @@
-#include "models/mesh/vtk_reading.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -27,6 +25,7 @@
 
 #include "models/config/input_error.h"
 #include "models/mesh/surface_check.h"
+#include "models/mesh/surface_reader.h"
 
 namespace hvp::mesh {
 

@@ -96,7 +96,7 @@ std::optional<AxisSeries::Change> AxisMotion::change_in(const Piece& piece) cons
 LinearAxis::State AxisMotion::state_in(const Piece& piece, double seconds) const {
   if (seconds <= 0) return piece.state;
   LinearAxis::State state = piece.series.at(seconds / piece.step);
-  // Next to its end rounding may have it slip the other way.
+  // Near the end of slipping, rounding may make it slip the other way.
   if (state.v * piece.direction >= 0) return state;
   state.v = 0;
   return axis_.settled(state, piece.drive);

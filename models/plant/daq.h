@@ -6,19 +6,19 @@
 
 namespace hvp::plant {
 
-// A number as a register carries it.
+// A number in a register's counts.
 struct Counts {
   std::int32_t value = 0;
   // The number did not fit, or was NaN, and `value` is not what was asked for.
   bool saturated = false;
 };
 
-// How a physical quantity travels through the board's 32-bit registers: a signed integer of
-// `counts_per_unit` counts a SI unit.
+// The format of a physical quantity in the board's 32-bit registers: a signed integer of
+// `counts_per_unit` counts per SI unit.
 //
-// This is the transport format of an ideal device, fine enough not to be seen next to anything
-// else: it is neither the encoder's step nor the converter's. Those are effects of the device
-// and round the physical value before it gets here.
+// This is the transport format of an ideal device, whose step is negligible beside everything else.
+// It is neither the encoder's step nor the converter's: those are effects of the device and round
+// the physical value before it gets here.
 struct RegisterFormat {
   double counts_per_unit = 1.0;
 
@@ -33,12 +33,12 @@ inline constexpr RegisterFormat kPosition{1e9};  // 1 nm, ±2.147 m
 inline constexpr RegisterFormat kForce{1e6};     // 1 µN, ±2147 N
 inline constexpr RegisterFormat kCurrent{1e6};   // 1 µA, ±2147 A
 
-// The data acquisition board: scenario table [device.daq]. Two delays. Between the command to
-// sample and a position that can be read lies `sampling_delay`; between the last register write
-// and the force at the motor lies `output_delay`. What is sampled is the position at the moment
-// of the command (the counters latch at once); what is late is the word.
+// The data acquisition board: scenario table [device.daq]. It has two delays. `sampling_delay` lies
+// between the command to sample and a position that can be read; `output_delay` lies between the
+// last register write and the force at the motor. The sampled position is that of the moment of the
+// command (the counters latch at once); only the word is late.
 //
-// The registers' access times belong to the bus. What limits or coarsens the device itself (the
+// The registers' access times belong to the bus. The limits and steps of the device itself (the
 // largest force of motor and amplifier, the encoder's step, the converter's step, friction) are
 // effects with tables of their own beside this one, applied to positions before to_counts and to
 // forces after to_value.

@@ -2,10 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "models/config/effects.h"
 #include "models/config/input_error.h"
-#include "models/config/needs.h"
 #include "models/plant/moving_device.h"
-#include "models/plant/prescribed_path.h"
 
 namespace hvp::plant {
 

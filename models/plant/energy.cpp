@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "models/plant/axis_series.h"
+#include "models/plant/linear_axis.h"
 
 namespace hvp::plant {
 

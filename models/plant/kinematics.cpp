@@ -1,5 +1,6 @@
 #include "models/plant/kinematics.h"
 
+#include <Eigen/LU>
 #include <Eigen/SVD>
 #include <limits>
 
@@ -16,6 +17,24 @@ std::optional<Eigen::Vector3d> Kinematics::regular_joints(const Eigen::Vector3d&
   std::optional<Eigen::Vector3d> q = joints(tip);
   if (q && singular(*q)) q.reset();
   return q;
+}
+
+std::optional<Eigen::Vector3d> resolution(const Kinematics& kinematics, const Eigen::Vector3d& step,
+                                          const Eigen::Vector3d& tip) {
+  const std::optional<Eigen::Vector3d> q = kinematics.regular_joints(tip);
+  if (!q) return std::nullopt;
+  const Eigen::Matrix3d moved = kinematics.jacobian(*q) * step.asDiagonal();
+  return Eigen::JacobiSVD<Eigen::Matrix3d>(moved).singularValues();
+}
+
+std::optional<double> force_limit(const Kinematics& kinematics, const Eigen::Vector3d& torque_limit,
+                                  const Eigen::Vector3d& tip, const Eigen::Vector3d& direction) {
+  const std::optional<Eigen::Vector3d> q = kinematics.regular_joints(tip);
+  if (!q) return std::nullopt;
+  // At a regular pose every direction loads some joint, so that the limit is finite; a joint
+  // without load divides by zero, to infinity.
+  const Eigen::Vector3d torque = kinematics.jacobian(*q).transpose() * direction.normalized();
+  return torque_limit.cwiseQuotient(torque.cwiseAbs()).minCoeff();
 }
 
 }  // namespace hvp::plant

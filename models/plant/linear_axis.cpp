@@ -5,8 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
+#include <stdexcept>
+#include <string>
 
-#include "models/plant/axis_series.h"
+#include "models/plant/polynomial.h"
 
 namespace hvp::plant {
 
@@ -84,6 +87,144 @@ double LinearAxis::spring_energy(const State& state, const Drive& drive) const {
   const double stretched = drive.intended[0] - state.hand_x;
   const double gripped = grip_is_rigid() ? 0 : state.hand_x - state.x;
   return 0.5 * (hand_stiffness * stretched * stretched + grip_stiffness * gripped * gripped);
+}
+
+namespace {
+
+constexpr double kLeftOut = 1e-20;
+constexpr double kMostSteps = 1e5;
+
+constexpr std::array<double, AxisSeries::kMostTerms> kInverse = [] {
+  std::array<double, AxisSeries::kMostTerms> inverse{};
+  for (std::size_t n = 1; n < inverse.size(); ++n) inverse[n] = 1 / static_cast<double>(n);
+  return inverse;
+}();
+
+std::size_t degree(const Polynomial& p) {
+  std::size_t n = p.size() - 1;
+  while (n > 0 && p[n] == 0) --n;
+  return n;
+}
+
+}  // namespace
+
+double AxisSeries::steps(const LinearAxis& axis, double seconds) {
+  const double steps = std::max(1.0, std::ceil(axis.rate() * seconds / kFastest));
+  if (steps <= kMostSteps) return steps;
+  throw std::length_error("a motion at up to " + std::to_string(axis.rate()) + " 1/s over " +
+                          std::to_string(seconds) +
+                          " s is too long to be followed; expected a larger mass, or a softer and "
+                          "less damped device and hand");
+}
+
+std::size_t AxisSeries::count_terms(double rate_times_step, const LinearAxis::Drive& drive) {
+  std::size_t n = 0;
+  double term = 1;
+  while (term >= kLeftOut) {
+    ++n;
+    term *= rate_times_step * kInverse[n];
+  }
+  // A force of degree d moves by degree d + 2.
+  n += std::max(degree(drive.intended), degree(drive.external)) + 2;
+  return std::min(n, kMostTerms);
+}
+
+AxisSeries::AxisSeries(const LinearAxis& axis, double step, std::size_t terms,
+                       const LinearAxis::State& from, const LinearAxis::Drive& drive)
+    : terms_(terms),
+      stuck_(drive.stuck),
+      rigid_(axis.grip_is_rigid()),
+      lags_(axis.lag_rate > 0),
+      external_(drive.external),
+      hand_{} {
+  double scale = 1;
+  for (std::size_t n = 0; n < hand_.size(); ++n) {
+    hand_[n] = axis.hand_stiffness * drive.intended[n];
+    if (n + 1 < hand_.size()) {
+      hand_[n] += axis.hand_damping * static_cast<double>(n + 1) * drive.intended[n + 1];
+    }
+    hand_[n] *= scale;
+    external_[n] *= scale;
+    scale *= step;
+  }
+  x_[0] = from.x;
+  v_[0] = stuck_ ? 0 : from.v;
+  hand_x_[0] = from.hand_x;
+  hand_v_[0] = from.hand_v;
+  force_[0] = from.force;
+  run_force(axis.lag_rate * step, drive.command);
+  if (rigid_) {
+    run_rigid(axis, step);
+  } else {
+    run_with_grip(axis, step);
+  }
+}
+
+void AxisSeries::run_force(double rate_times_step, double command) {
+  double rest = force_[0] - command;
+  for (std::size_t n = 1; n < terms_; ++n) {
+    rest *= -rate_times_step * kInverse[n];
+    force_[n] = rest;
+  }
+}
+
+void AxisSeries::run_rigid(const LinearAxis& axis, double step) {
+  const double per_mass = stuck_ ? 0 : step / (axis.mass + axis.hand_mass);
+  const double stiffness = axis.hand_stiffness * per_mass;
+  const double damping = (axis.damping + axis.hand_damping) * per_mass;
+  for (std::size_t n = 0; n + 1 < terms_; ++n) {
+    double driven = force_[n];
+    if (n < hand_.size()) driven += external_[n] + hand_[n];
+    v_[n + 1] = kInverse[n + 1] * (driven * per_mass - stiffness * x_[n] - damping * v_[n]);
+    x_[n + 1] = step * kInverse[n + 1] * v_[n];
+  }
+}
+
+void AxisSeries::run_with_grip(const LinearAxis& axis, double step) {
+  const double per_mass = stuck_ ? 0 : step / axis.mass;
+  const double per_hand_mass = step / axis.hand_mass;
+  for (std::size_t n = 0; n + 1 < terms_; ++n) {
+    const double grip =
+        axis.grip_stiffness * (hand_x_[n] - x_[n]) + axis.grip_damping * (hand_v_[n] - v_[n]);
+    double driven = force_[n] - axis.damping * v_[n];
+    double hand = -axis.hand_stiffness * hand_x_[n] - axis.hand_damping * hand_v_[n];
+    if (n < hand_.size()) {
+      driven += external_[n];
+      hand += hand_[n];
+    }
+    v_[n + 1] = per_mass * kInverse[n + 1] * (driven + grip);
+    x_[n + 1] = step * kInverse[n + 1] * v_[n];
+    hand_v_[n + 1] = per_hand_mass * kInverse[n + 1] * (hand - grip);
+    hand_x_[n + 1] = step * kInverse[n + 1] * hand_v_[n];
+  }
+}
+
+std::optional<double> AxisSeries::reverses() const {
+  return first_root(std::span(v_).first(terms_));
+}
+
+std::optional<AxisSeries::Change> AxisSeries::pulled_loose(const LinearAxis& axis,
+                                                           double hold) const {
+  Coefficients net;
+  for (std::size_t n = 0; n < terms_; ++n) {
+    net[n] = force_[n];
+    if (n < hand_.size()) net[n] += external_[n] + (rigid_ ? hand_[n] : 0);
+    if (!rigid_) net[n] += axis.grip_stiffness * hand_x_[n] + axis.grip_damping * hand_v_[n];
+  }
+  net[0] -= (rigid_ ? axis.hand_stiffness : axis.grip_stiffness) * x_[0];
+
+  const std::span<double> coefficients = std::span(net).first(terms_);
+  const double at_first = net[0];
+  std::optional<Change> first;
+  for (const double sign : {1.0, -1.0}) {
+    net[0] = at_first - sign * hold;
+    const auto leads =
+        std::find_if(coefficients.begin(), coefficients.end(), [](double c) { return c != 0; });
+    if (leads != coefficients.end() && *leads * sign > 0) return Change{0, sign};
+    const std::optional<double> root = first_root(coefficients);
+    if (root && (!first || *root < first->s)) first = Change{*root, sign};
+  }
+  return first;
 }
 
 }  // namespace hvp::plant

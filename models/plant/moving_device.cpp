@@ -7,7 +7,7 @@
 #include <string>
 
 #include "models/config/input_error.h"
-#include "models/plant/axis_series.h"
+#include "models/plant/linear_axis.h"
 
 namespace hvp::plant {
 

@@ -5,15 +5,34 @@
 #include "models/plant/axis_motion.h"
 #include "models/plant/device.h"
 #include "models/plant/plant.h"
+#include "models/plant/trajectory.h"
 
 namespace hvp::plant {
 
-// A device with mass, free or in a hand, each axis by itself (LinearAxis, AxisMotion).
+// A device whose user moves the tip along the trajectory whatever the force.
+class PrescribedPath : public Device {
+ public:
+  explicit PrescribedPath(const Trajectory& trajectory) : trajectory_(trajectory) {}
+
+ private:
+  void advance(Picoseconds /*from*/, Picoseconds to, const Eigen::Vector3d& /*force*/) override {
+    time_ = to;
+  }
+  TipState state() const override {
+    const ProbeState probe = trajectory_.state_ps(time_);
+    return {probe.position, probe.velocity};
+  }
+
+  Trajectory trajectory_;
+  Picoseconds time_ = 0;
+};
+
+// A device with mass, free or in a hand, with each axis by itself (LinearAxis, AxisMotion).
 //
-// Its motors' commands are constant between their changes, and the intended motion is a polynomial
-// within a stroke, so the motion is exact to rounding. How often it is asked for changes no bit: it
-// is carried on from changes of the force, ends of strokes, the hand's letting go and whole
-// milliseconds only, and from where friction changes in between, found when it is carried on.
+// The motors' commands are constant between their changes, and the intended motion is a polynomial
+// within a stroke, so that the motion is exact to rounding. The times of queries change no bit of
+// it: the motion is carried on only from changes of the force, ends of strokes, the hand's letting
+// go and whole milliseconds, and from changes of friction in between, which are found then.
 class MovingDevice final : public Device {
  public:
   // Throws InputError: a motion too fast to be followed.
@@ -24,7 +43,7 @@ class MovingDevice final : public Device {
  private:
   struct Anchor {
     Picoseconds time = 0;
-    Picoseconds until = 0;  // the motion from `time` on is known until then
+    Picoseconds until = 0;  // end of the known motion from `time` on
     std::array<AxisMotion, 3> axes;
     Energy energy;  // until `time`
   };
@@ -38,10 +57,11 @@ class MovingDevice final : public Device {
   // Finds the motion from the anchor's time on.
   void carry_on(const std::array<LinearAxis::State, 3>& states);
   double since_anchor(Picoseconds time) const { return to_seconds(time - anchor_.time); }
-  // Of all axes: what has flowed until a time and the states then, without what is stored.
+  // The energy that has flowed in all axes until a time, without stored energy; `then` is the
+  // states at that time.
   Energy flowed(Picoseconds time, const std::array<LinearAxis::State, 3>& then) const;
   std::array<LinearAxis::State, 3> states(Picoseconds time) const;
-  // What axis i has stored in that state.
+  // The energy stored in axis i in that state.
   Energy stored(std::size_t i, const LinearAxis::State& state,
                 const LinearAxis::Drive& drive) const;
 
@@ -51,8 +71,8 @@ class MovingDevice final : public Device {
   Eigen::Vector3d push_;    // N
   Trajectory intended_;
   Picoseconds stroke_begins_ = 0;
-  Trajectory::Piece stroke_{};  // of the intended motion, from there on
-  Picoseconds lets_go_;         // the hand; the largest number where it never does
+  Trajectory::Piece stroke_{};  // the intended motion's, from there on
+  Picoseconds lets_go_;         // when the hand lets go; the largest number where it never does
   bool held_;
   Anchor anchor_;
   Eigen::Vector3d command_ = Eigen::Vector3d::Zero();

@@ -4,11 +4,48 @@
 #include <optional>
 
 #include "models/config/declaration.h"
-#include "models/plant/friction.h"
-#include "models/plant/hand.h"
+#include "models/plant/linear_axis.h"
 #include "models/plant/trajectory.h"
 
 namespace hvp::plant {
+
+// The effect [device.friction]: dry friction (Coulomb's) along each axis by itself. A device that
+// slips is opposed by `force_N`; one that stands sticks until the other forces on it are larger
+// than hold(). Friction along each axis is a simplification: a real drive's is in its joints.
+struct Friction {
+  double force_N = 0.26;
+  double static_force_N = 0;  // 0: as large as force_N
+
+  double hold() const { return static_force_N > 0 ? static_force_N : force_N; }
+
+  void declare(config::Visitor& v);
+  // Throws InputError where stiction is smaller than the friction of slipping.
+  void check() const;
+};
+
+// The effect [hand]: a spring and a damper between the intended motion, [probe], and a mass, and a
+// grip between that and the device (LinearAxis). It is the same along each axis.
+struct Hand {
+  enum class Model { spring_damper, arm, custom };
+
+  double mass_kg = 0;
+  double stiffness_N_m = 375;
+  double damping_N_s_m = 4.5;
+  double grip_stiffness_N_m = 0;  // 0: rigid
+  double grip_damping_N_s_m = 0;
+  double lets_go_s = 0;  // the time at which the hand lets go; 0: never
+  Model model = Model::spring_damper;
+
+  // The values of a named model; for `custom` those of the default.
+  static Hand of(Model model);
+
+  void declare(config::Visitor& v);
+  // Throws InputError where the grip has no hand's mass behind it, or only damps.
+  void check() const;
+
+  // Sets the hand's members of an axis.
+  void hold(LinearAxis& axis) const;
+};
 
 // The effect [device.dynamics]: the device is a mass that its motors and the hand move.
 struct DeviceDynamics {
@@ -22,29 +59,29 @@ struct DeviceDynamics {
 // The effect [device.gravity]: the apparent mass has weight.
 struct Gravity {
   Eigen::Vector3d acceleration = {0, 0, -9.80665};  // m/s²
-  double compensated = 0;                           // share of the weight
+  double compensated = 0;                           // the compensated share of the weight
 
   void declare(config::Visitor& v);
 };
 
-// A device with mass and who holds it.
+// A device with mass and the hand that grips it.
 struct Plant {
   DeviceDynamics dynamics{};
   std::optional<Hand> hand{};
   std::optional<Friction> friction{};
   std::optional<Gravity> gravity{};
-  double force_lag_rate = 0;  // 1/s; 0: a force is there at once
+  double force_lag_rate = 0;  // 1/s; 0: no lag
   Trajectory intended{};
 
-  // For programs that study the device by itself: at time 0 its tip is this far from where the
-  // intended motion starts (a hand's mass on a soft grip is not, and nothing moves), and this
-  // force pushes it all the time.
+  // For programs that study the device by itself: the distance of its tip at time 0 from the start
+  // of the intended motion (a hand's mass on a soft grip begins at that start, and nothing moves),
+  // and a force that pushes it all the time.
   Eigen::Vector3d displaced = Eigen::Vector3d::Zero();  // m
   Eigen::Vector3d push = Eigen::Vector3d::Zero();       // N
 
-  // Of an axis (0 to 2), held by the hand where there is one.
+  // Axis i (0 to 2), gripped by the hand where there is one.
   LinearAxis axis(int i) const;
-  // N; of the device, not of the hand, which holds its own.
+  // The weight of the device, N; a hand carries its own.
   Eigen::Vector3d weight() const;
 };
 

@@ -12,7 +12,7 @@ constexpr Eigen::Index kSize = 5;
 using Vector = Eigen::Matrix<double, kSize, 1>;
 using Matrix = Eigen::Matrix<double, kSize, kSize>;
 
-// What a unit of a state, or of a constant command, becomes after so many seconds.
+// The response of a unit of a state, or of a constant command, after so many seconds.
 struct Response {
   Matrix of_state;
   Vector of_command;
@@ -71,7 +71,7 @@ double largest_stable_stiffness(const WallLoop& loop) {
   const auto stable = [&loop](double stiffness) {
     return spectral_radius(loop, stiffness) < 1 + 1e-13;
   };
-  // From below, in steps that a stable range does not lie between.
+  // The search goes upwards in small steps, so that it ends at the first instability.
   double below = 0;
   double above = 1e-3;
   if (!stable(above)) return 0;

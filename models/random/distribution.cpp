@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
-#include "models/random/elementary.h"
 
 namespace hvp::random {
 
@@ -18,7 +17,7 @@ using config::Dimension;
 using Kind = TimeDistribution::Kind;
 
 constexpr double kLongest = 1.0;  // s
-// At least a third of the draws are taken, so that so many in vain do not happen.
+// At least a third of the draws are accepted, so that this many rejections in a row do not happen.
 constexpr std::uint32_t kAttempts = 1000;
 
 std::string microseconds(double seconds) { return fmt::format("{:g} us", seconds * 1e6); }
@@ -167,7 +166,7 @@ Source::Source(TimeDistribution distribution, std::int64_t seed, std::string_vie
   }
 }
 
-// Of the time that this share of all exceeds, in s.
+// The time that this share of all times exceeds, s.
 double Source::published(double share) const {
   const double log_share = natural_log(share);
   std::size_t next = 1;
@@ -221,6 +220,38 @@ double Source::time_s(std::int64_t frame, std::uint32_t draw) const {
     if (attempt(draws_.uniform(frame, draw, n), value)) return value;
   }
   throw std::logic_error("a distribution of which nothing lies within its bounds");
+}
+
+namespace {
+// ln 2 as a sum whose first term has 32 zeros at its end: its product with an exponent is exact.
+constexpr double kLn2High = 0x1.62e42feep-1;
+constexpr double kLn2Low = 0x1.a39ef35793c76p-33;
+constexpr double kSqrtHalf = 0x1.6a09e667f3bcdp-1;
+}  // namespace
+
+// x = 2^k·m with m in [√½, √2), and ln m = 2·artanh((m − 1)/(m + 1)).
+double natural_log(double x) {
+  int exponent = 0;
+  double m = std::frexp(x, &exponent);
+  if (m < kSqrtHalf) {
+    m *= 2;
+    --exponent;
+  }
+  const double s = (m - 1) / (m + 1);  // |s| < 0.172
+  const double square = s * s;
+  double series = 0;
+  for (int power = 23; power >= 3; power -= 2) series = (series + 1.0 / power) * square;
+  const double k = exponent;
+  return k * kLn2High + (2 * s + (2 * s * series + k * kLn2Low));
+}
+
+// x = k·ln 2 + r with |r| ≤ ½·ln 2, and Taylor's series for e^r.
+double exponential(double x) {
+  const double k = std::round(x / (kLn2High + kLn2Low));
+  const double r = (x - k * kLn2High) - k * kLn2Low;
+  double series = 1;
+  for (int n = 14; n >= 1; --n) series = 1 + r / n * series;
+  return std::ldexp(series, static_cast<int>(k));
 }
 
 }  // namespace hvp::random

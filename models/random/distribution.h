@@ -12,34 +12,35 @@
 
 namespace hvp::random {
 
-// One point of a published distribution: this share of the times is longer.
+// One point of a published distribution: the share of the times that are longer than `time_s`.
 struct Exceedance {
   double share = 1;  // 1 at the shortest time, and never 0
   double time_s = 0;
 };
 
-// How a time is distributed: the tables of effects that draw one, such as [host.jitter]. Times in
-// s, none below zero.
+// The distribution of a time, for the tables of effects that draw one, such as [host.jitter]. Times
+// are in s, none below zero.
 struct TimeDistribution {
   enum class Kind { constant, uniform, normal, exponential, lognormal, measured, published };
 
-  // Where the defaults come from, and what a table says of itself; they differ from one to another.
+  // The sources of the defaults, and the texts that differ from one table to another.
   struct Sources {
     std::string_view kind =
         "assumed: no figure published for QuaRC; many short delays, few long ones";
     std::string_view mean = "assumed; real-time extensions lie between 2 and 20 us";
     std::string_view minimum = "nothing ends before now";
     std::string_view maximum = "assumed: half a period at 500 Hz";
-    // What of a measured time the model counts by itself; none: nothing, and there is no such key.
+    // The part of a measured time that the model counts by itself; empty: there is none, and no
+    // such key.
     std::string_view counted = {};
-    // The hosts of which a distribution has been published, in the order of `host`, and where;
-    // none: the table has no such kind.
+    // The hosts with a published distribution, in the order of `host`, and its source; empty: the
+    // table has no such kind.
     std::vector<std::string_view> hosts = {};
     std::string_view host = {};
   };
 
   Kind kind = Kind::exponential;
-  double mean_s = 5e-6;    // constant: the value; exponential: above minimum
+  double mean_s = 5e-6;    // constant: the value; exponential: the mean above minimum
   double deviation_s = 0;  // normal
   double median_s = 0;     // lognormal
   double spread = 0;       // lognormal: e^σ, the geometric standard deviation
@@ -47,13 +48,13 @@ struct TimeDistribution {
   double maximum_s = 1e-3;
   config::File samples_file;  // measured
 
-  double counted_s = 0;  // measured, published: what of each time is subtracted
-  std::size_t host = 0;  // published: which of Sources::hosts
+  double counted_s = 0;  // measured, published: the part of each time that is subtracted
+  std::size_t host = 0;  // published: index into Sources::hosts
 
-  std::vector<double> samples_s;  // what the file holds
-  // published: the shares fall, the times do not; filled by the part whose table it is. Between two
-  // points ln time is linear in ln share, a power law, so that a tail known at two points is one;
-  // beyond the last point every time is the last one's.
+  std::vector<double> samples_s;  // the file's times
+  // published: the points, with falling shares and times that do not fall; filled by the part whose
+  // table it is. Between two points ln time is linear in ln share, a power law, so that a tail
+  // known at two points is one; beyond the last point every time is the last one's.
   std::vector<Exceedance> points;
 
   void declare(config::Visitor& v) { declare(v, Sources{}); }
@@ -61,14 +62,15 @@ struct TimeDistribution {
   // Throws InputError where a parameter is missing, or leaves so little between minimum and maximum
   // that less than a third of the draws would lie there.
   void check() const;
-  // Takes what the file holds. Throws InputError where a time is shorter than what is subtracted.
+  // Takes the file's times. Throws InputError where one is shorter than the part that is
+  // subtracted.
   void take(std::vector<double> samples);
 };
 
 const char* name(TimeDistribution::Kind kind);
 
-// Where an effect draws its times, and, where it is there, of which kind: "at each interrupt,
-// normal".
+// The text that says where an effect draws its times and, where the effect is present, from which
+// kind of distribution: "at each interrupt, normal".
 template <class Distribution>
 std::string drawn(std::string_view where, const std::optional<Distribution>& effect) {
   std::string text(where);
@@ -76,12 +78,12 @@ std::string drawn(std::string_view where, const std::optional<Distribution>& eff
   return text;
 }
 
-// Times for one effect: each a function of what Draws names.
+// The source of one effect's times. Each time is a function of the arguments of Draws alone.
 class Source {
  public:
   Source(TimeDistribution distribution, std::int64_t seed, std::string_view effect);
 
-  // s. `draw` counts the draws of a frame, below 2^16.
+  // The time, s. `draw` counts the draws of a frame, below 2^16.
   double time_s(std::int64_t frame, std::uint32_t draw = 0) const;
 
  private:
@@ -95,5 +97,15 @@ class Source {
   std::vector<double> log_share_;  // of the distribution's points
   std::vector<double> log_time_;
 };
+
+// The natural logarithm and exponential by series in IEEE 754's four operations. A C library's own
+// functions differ in the last bit from one version or processor to the next, and a draw would with
+// them. The error is below 4 units in the last place; tests/random compares.
+
+// The natural logarithm of a positive normal number.
+double natural_log(double x);
+
+// The exponential of a number from −700 to 700.
+double exponential(double x);
 
 }  // namespace hvp::random

@@ -1,13 +1,20 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string_view>
 
 namespace hvp::random {
 
+// Philox4x32-10 (Salmon, Moraes, Dror & Shaw, "Parallel random numbers: as easy as 1, 2, 3",
+// SC'11): a bijection of the counter that the key chooses. It has no state, so that a draw depends
+// only on its counter and key.
+std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter,
+                                    std::array<std::uint32_t, 2> key);
+
 // Uniform numbers for one effect. A number depends on the seed, the effect's name, the frame and
-// which draw of the frame it is; on nothing that was drawn before. An effect that is taken away, or
-// a frame that is skipped, leaves all other draws as they are.
+// the number of the draw in the frame, and on no earlier draw. Without an effect or a frame, all
+// other draws are the same.
 class Draws {
  public:
   Draws(std::int64_t seed, std::string_view effect);
@@ -17,7 +24,7 @@ class Draws {
     double first;
     double second;
   };
-  // `draw` counts the draws of a frame and `attempt` how often one is made again, below 2^16 both.
+  // `draw` counts the draws of a frame and `attempt` the repetitions of one, both below 2^16.
   Pair uniform(std::int64_t frame, std::uint32_t draw = 0, std::uint32_t attempt = 0) const;
 
  private:

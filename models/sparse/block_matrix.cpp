@@ -30,6 +30,18 @@ void BlockMatrix::multiply(std::span<const double> x, std::span<double> y) const
   }
 }
 
+void BlockMatrix::subtract_column(int node, const Eigen::Vector3d& x, std::span<double> y) const {
+  assert(y.size() == static_cast<std::size_t>(rows()));
+  const auto row = static_cast<std::size_t>(node);
+  for (int k = row_begin[row]; k < row_begin[row + 1]; ++k) {
+    const double* a = block(static_cast<std::size_t>(k));
+    double* target = &y[3 * static_cast<std::size_t>(column[static_cast<std::size_t>(k)])];
+    for (std::size_t r = 0; r < 3; ++r) {
+      target[r] -= a[r] * x[0] + a[3 + r] * x[1] + a[6 + r] * x[2];
+    }
+  }
+}
+
 Eigen::SparseMatrix<double> BlockMatrix::to_eigen() const {
   Eigen::SparseMatrix<double, Eigen::RowMajor> result(rows(), rows());
   Eigen::VectorXi row_size(rows());

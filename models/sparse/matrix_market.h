@@ -23,8 +23,8 @@ void write_matrix_market(std::ostream& out, std::span<const double> vector,
 
 struct SquareMatrix {
   BlockMatrix matrix;
-  // Rows in the file. Where that is no multiple of three, `matrix` has one or two more: uncoupled,
-  // with the mean diagonal, so that a zero on the right gives a zero.
+  // The rows in the file. If that is no multiple of three, `matrix` has one or two more rows,
+  // uncoupled and with the mean diagonal, so that a zero on the right gives a zero.
   int rows = 0;
 };
 

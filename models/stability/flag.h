@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string_view>
 
-// The signs of numerical trouble, each with a name, what it means and the remedy that works.
-// A run that raised one never prints an unqualified PASS.
+// The signs of numerical trouble, each with a name, a meaning and a remedy that works. A run that
+// raised one never prints an unqualified PASS.
 namespace hvp::stability {
 
 enum class Flag : std::uint8_t {
@@ -24,20 +24,20 @@ enum class Flag : std::uint8_t {
   wrapped,              // a word lost its high bits: overflow = "wrap"
   force_step,           // the force jumps from one frame to the next
   force_ringing,        // the force turns back and forth from frame to frame
-  limit_cycle,          // the force moves on while the tip rests
-  beyond_linearity,     // strains for which linear elasticity does not hold
+  limit_cycle,          // the force keeps moving while the tip rests
+  beyond_linearity,     // strains for which linear elasticity is not valid
   force_clamped,        // a force does not fit the device's register
-  contact_missed,       // the tip was in the body and nothing was held
+  contact_missed,       // the tip was in the body without a contact
   active_port,          // the loop fed energy into the device
-  force_saturated,      // a force was beyond what converter, amplifier or maker allow
-  device_at_its_limit,  // the device could not go, or be read, where it was
+  force_saturated,      // a force was beyond the limit of converter, amplifier or maker
+  device_at_its_limit,  // the device could not go to, or be read at, its place
   count
 };
 
 struct Description {
   std::string_view name;     // as in summary.json
   std::string_view meaning;  // one sentence
-  std::string_view remedy;   // what to change
+  std::string_view remedy;   // the change that helps
 };
 
 const Description& describe(Flag flag);

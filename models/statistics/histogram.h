@@ -2,13 +2,16 @@
 
 #include <array>
 #include <cstdint>
+#include <string_view>
 #include <vector>
+
+#include "models/config/figures.h"
 
 namespace hvp::statistics {
 
-// How often values occurred, whole numbers from zero on (picoseconds, parts in 10¹²), in a fixed
-// amount of memory: each octave is cut into 64 equal parts, so that a percentile is right within
-// one part in 64. Count, sum and largest value are exact.
+// A histogram of whole numbers from zero on (picoseconds, parts in 10¹²) in a fixed amount of
+// memory: each octave is divided into 64 equal parts, so that a percentile is right within one part
+// in 64. Count, sum and largest value are exact.
 class Histogram {
  public:
   void add(std::int64_t value, std::int64_t times = 1);
@@ -16,11 +19,11 @@ class Histogram {
   std::int64_t count() const { return count_; }
   std::int64_t largest() const { return largest_; }
   double mean() const { return count_ == 0 ? 0 : sum_ / static_cast<double>(count_); }
-  // At least this share of the values is not above it: the upper end of a part, and never more than
-  // the largest value. 0 where there is none.
+  // The value that at least this share of the values does not exceed: the upper end of a part, and
+  // at most the largest value. 0 without values.
   std::int64_t percentile(double share) const;
 
-  // Parts in which something lies: [from, below) holds `count` times.
+  // The parts that are not empty: `count` values lie in [from, below).
   struct Part {
     std::int64_t from;
     std::int64_t below;
@@ -28,7 +31,7 @@ class Histogram {
   };
   std::vector<Part> parts() const;
 
-  // Octaves in which something lies: [from, 2·from) holds `count` times.
+  // The octaves that are not empty: `count` values lie in [from, 2·from).
   struct Octave {
     std::int64_t from;
     std::int64_t count;
@@ -48,5 +51,24 @@ class Histogram {
   std::int64_t largest_ = 0;
   double sum_ = 0;
 };
+
+// The percentiles, the largest value and the mean of times, ps.
+struct Spread {
+  std::int64_t p50 = 0;
+  std::int64_t p99 = 0;
+  std::int64_t worst = 0;
+  double mean = 0;
+
+  void report(config::Figures& f) const;
+};
+
+Spread spread_of(const Histogram& times);
+
+// Reports a list `octaves`: the number of times from from_us to less than twice that; `counted` is
+// the name of that number.
+void report_octaves(config::Figures& f, const std::vector<Histogram::Octave>& octaves,
+                    std::string_view counted);
+// Reports a list `histogram`: the number of frames with a time from from_us to less than below_us.
+void report_histogram(config::Figures& f, const std::vector<Histogram::Part>& parts);
 
 }  // namespace hvp::statistics

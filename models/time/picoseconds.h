@@ -10,13 +10,13 @@ using Picoseconds = std::int64_t;
 
 inline constexpr double kPicosecondsPerSecond = 1e12;
 
-// The nearest, halves away from zero: where a model turns its seconds into the platform's time.
-// Undefined beyond 64 bits and for NaN.
+// The nearest whole number of picoseconds, halves away from zero, with which a model converts its
+// seconds to the platform's time. Undefined beyond 64 bits and for NaN.
 inline Picoseconds to_picoseconds(double seconds) {
   return std::llround(seconds * kPicosecondsPerSecond);
 }
 
-// Of something that happens so often a second.
+// The period of a frequency.
 inline Picoseconds to_period(double hertz) { return std::llround(kPicosecondsPerSecond / hertz); }
 
 inline constexpr double to_seconds(Picoseconds time) { return 1e-12 * static_cast<double>(time); }

@@ -1,5 +1,3 @@
-#include "tables/accelerator/page.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +11,7 @@
 #include "models/accel/critical_path.h"
 #include "models/accel/memory.h"
 #include "models/accel/operations.h"
+#include "tables/pages.h"
 #include "tables/text.h"
 
 namespace hvp::tables {
@@ -90,7 +89,7 @@ std::string table_6_2() {
   return table.text();
 }
 
-// What keeps a device from one partition more.
+// The resources that a device lacks for one more partition.
 std::string limit(const Device& d, Architecture a, const Pattern& p) {
   ++a.partitions;
   std::string types;

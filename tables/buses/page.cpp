@@ -1,5 +1,3 @@
-#include "tables/buses/page.h"
-
 #include <algorithm>
 #include <memory>
 #include <string_view>
@@ -12,6 +10,7 @@
 #include "models/link/frame_transfer.h"
 #include "models/link/pci_arbiter.h"
 #include "models/link/pcie_link.h"
+#include "tables/pages.h"
 #include "tables/text.h"
 
 namespace hvp::tables {

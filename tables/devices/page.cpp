@@ -1,11 +1,10 @@
-#include "tables/devices/page.h"
-
 #include <fmt/format.h>
 
 #include "app/devices/devices.h"
 #include "app/scenario/outline.h"
 #include "app/scenario/quantity.h"
 #include "app/scenario/reference.h"
+#include "tables/pages.h"
 #include "tables/text.h"
 
 namespace hvp::tables {

@@ -1,11 +1,10 @@
-#include "tables/fit/page.h"
-
 #include <cmath>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "tables/fit/twins.h"
+#include "tables/pages.h"
 #include "tables/text.h"
 
 namespace hvp::tables {

@@ -7,11 +7,9 @@
 #include "models/fem/structured_box.h"
 #include "models/fit/bus_problem.h"
 #include "models/fit/device_problem.h"
-#include "models/fit/device_twin.h"
 #include "models/fit/hand_problem.h"
-#include "models/fit/qlv_twin.h"
 #include "models/fit/tissue_problem.h"
-#include "models/fit/tissue_twin.h"
+#include "models/fit/twins.h"
 #include "models/fit/wake_up_fit.h"
 #include "models/plant/linear_axis.h"
 #include "models/random/distribution.h"
@@ -155,7 +153,8 @@ Twin bus() {
           }};
 }
 
-// What the platform itself would draw, in whole microseconds as cyclictest counts them.
+// The wake-up latencies that the platform itself would draw, in whole microseconds as cyclictest
+// counts them.
 Twin host() {
   random::TimeDistribution d;
   d.kind = random::TimeDistribution::Kind::lognormal;

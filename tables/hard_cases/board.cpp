@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "models/fem/contact.h"
-#include "models/fixed/kernel.h"
+#include "models/fixed/solver.h"
 #include "models/index.h"
 #include "tables/hard_cases/scene.h"
 

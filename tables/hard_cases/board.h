@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "models/fixed/remedy.h"
-#include "models/fixed/scaling.h"
 #include "models/fixed/solver.h"
 #include "models/fixed/system.h"
 #include "models/host/refinement.h"
@@ -22,21 +21,21 @@ class Board {
   // Keeps a reference to the matrix. Starts at zero displacement.
   Board(const sparse::BlockMatrix& matrix, const fixed::Plan& plan);
 
-  // As prepare() made it and the contact has changed it.
+  // The system of prepare(), changed by the contact.
   const fixed::System& system() const { return system_; }
 
-  // The nodes that follow, ascending: their rows and columns are cleared, those of the nodes
-  // before are put back.
+  // Sets the contact nodes, in ascending order. Their rows and columns are cleared, and those of
+  // the previous contact nodes are restored.
   void set_contact(const std::vector<int>& contact);
 
-  // A·u = f with the contact at u_c. Returns the flags that came up.
+  // Solves A·u = f with the contact nodes at u_c. Returns the flags that were raised.
   stability::Flags solve(std::span<const double> f, const Eigen::Vector3d& u_c);
 
   std::span<const double> displacement() const { return u_; }
-  int iterations() const { return iterations_; }  // of the last solve, all passes
+  int iterations() const { return iterations_; }  // of all passes of the last solve
 
-  // b of the system with the contact in it: f less the true matrix' columns, and for the contact
-  // what makes the board's diagonal word give u_c.
+  // Computes b of the system with contact: f less the true matrix' columns, and for the contact
+  // nodes the value with which the board's diagonal word gives u_c.
   void modified_load(std::span<const double> f, const Eigen::Vector3d& u_c,
                      std::span<double> b) const;
 
@@ -52,7 +51,7 @@ class Board {
   std::vector<std::int32_t> x_, b_words_;
   std::vector<double> b_, u_;
   std::vector<int> contact_;
-  std::vector<std::vector<std::int32_t>> rows_;  // of the contact's nodes, as they were
+  std::vector<std::vector<std::int32_t>> rows_;  // original rows of the contact nodes
   int iterations_ = 0;
 };
 

@@ -9,7 +9,6 @@
 #include <stdexcept>
 
 #include "models/fem/assembly.h"
-#include "models/fem/element.h"
 #include "models/fem/material.h"
 #include "models/index.h"
 #include "models/mesh/generate.h"

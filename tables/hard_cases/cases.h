@@ -10,23 +10,23 @@
 #include "models/stability/flag.h"
 #include "tables/hard_cases/scene.h"
 
-// The hard cases of the fixed-point solver: what tests/hard_cases/ asserts and what
-// docs/hard-cases.md prints.
+// The hard cases of the fixed-point solver, which tests/hard_cases/ asserts and docs/hard-cases.md
+// prints.
 namespace hvp::tables {
 
-// What a case is to come to.
+// The expected result of a case.
 enum class Ending {
-  converges,  // as it is
-  remedied,   // with what its flags name
-  hopeless,   // in a flag, and no setting of the board helps
-  refused,    // with a message, before anything is solved
+  converges,  // at the first attempt
+  remedied,   // after the remedies that its flags name
+  hopeless,   // raises a flag, and no setting of the board helps
+  refused,    // with an error message before the solve
 };
 
 struct Case {
   std::string name;
   std::string expected;  // a sentence without its full stop
   Ending ending = Ending::converges;
-  // That the first attempt must raise; none where it converges or is refused.
+  // The flag that the first attempt must raise; none if it converges or is refused.
   std::optional<stability::Flag> flag;
   fixed::Plan plan;
   std::function<std::unique_ptr<CaseScene>()> make;  // may throw InputError
@@ -43,19 +43,21 @@ std::vector<Group> hard_cases();
 // from zero, 12-bit matrix and 16-bit vectors.
 fixed::Plan first_plan();
 
-// A case followed to its end: attempt, do what its flags name, attempt again.
+// The history of a case: it is attempted, and after each failure attempted again with the remedy
+// that its flags name.
 struct Trail {
   std::string refusal;
   stability::Flags model;
   CaseOutcome first;
   std::vector<fixed::Remedy> remedies;
-  // The last attempt. Where it converged, with as few iterations and passes as converge with its
-  // words and scaling: a remedy once taken may not be needed any more after the next one.
+  // The plan of the last attempt. If that converged, the plan has the least iterations and passes
+  // with which its words and scaling converge, as a later remedy can make an earlier one
+  // unnecessary.
   fixed::Plan plan;
   CaseOutcome last;
   bool converged = false;
   int attempts = 0;
-  std::unique_ptr<CaseScene> scene;  // none where its model was refused
+  std::unique_ptr<CaseScene> scene;  // none if the model was refused
 };
 
 Trail follow(const Case& hard_case);

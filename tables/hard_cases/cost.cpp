@@ -35,8 +35,8 @@ std::string smallest_device(const accel::WordLengths& words, const accel::Patter
   return "none: " + shortage;
 }
 
-// Of what the method does around the board's solves; the force without contact is the conversion
-// of U.
+// The host's operations around the board's solves. The force without contact is the conversion of
+// U.
 double host_operations(const sparse::BlockMatrix& matrix, const fixed::Plan& plan) {
   const fixed::System system = fixed::prepare(matrix, plan.settings);
   const std::vector<double> initial(static_cast<std::size_t>(matrix.rows()));

@@ -29,7 +29,7 @@ Trail follow(const Case& hard_case) {
   const fixed::Extent extent{.largest_displacement = trail.first.largest_displacement};
   const fixed::Attempt attempt = [&](const fixed::Plan& plan) {
     const CaseOutcome outcome = scene.attempt(plan);
-    // Of plans that are only faster, those that fail are left aside.
+    // Plans that are only faster are dropped if they fail.
     if (!trail.last.converged() || outcome.converged()) trail.last = outcome;
     return trial(outcome);
   };

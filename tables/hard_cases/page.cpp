@@ -1,15 +1,13 @@
-#include "tables/hard_cases/page.h"
-
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "models/fem/condition.h"
 #include "models/fem/direct_solver.h"
 #include "models/stability/flag.h"
 #include "tables/hard_cases/cases.h"
 #include "tables/hard_cases/constant_load.h"
 #include "tables/hard_cases/cost.h"
+#include "tables/pages.h"
 #include "tables/text.h"
 
 namespace hvp::tables {
@@ -128,7 +126,7 @@ std::string remedy_of(const Case& hard_case, const Trail& trail) {
   return "no setting of the board helps; in vain: `" + change + "`";
 }
 
-// Of the system without contact, in double precision.
+// The condition number of the system without contact, in double precision.
 std::string condition_of(const sparse::BlockMatrix& matrix) {
   constexpr double kTwoDigits = 1e-3;
   const fem::DirectSolver solver(matrix);

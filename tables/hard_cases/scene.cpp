@@ -1,6 +1,6 @@
 #include "tables/hard_cases/scene.h"
 
-#include "models/fixed/definiteness.h"
+#include "models/fixed/spectrum.h"
 
 namespace hvp::tables {
 

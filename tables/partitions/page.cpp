@@ -1,15 +1,13 @@
-#include "tables/partitions/page.h"
-
 #include <cstdint>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "models/accel/cycles.h"
-#include "models/accel/isolation.h"
 #include "models/accel/partition.h"
 #include "models/accel/several_devices.h"
 #include "tables/hard_cases/bodies.h"
+#include "tables/pages.h"
 #include "tables/text.h"
 
 namespace hvp::tables {
@@ -23,7 +21,7 @@ constexpr const char* kHead = R"(# Partitions of K
 
 <!-- Made by `./hvp tables partitions > docs/partitions.md`: do not edit. -->
 
-Code: `models/accel/partition.h` (who has which rows), `models/accel/isolation.h` (what a partition does to
+Code: `models/accel/partition.h` (who has which rows, and what a partition does to
 the zeros). What several devices do with their rows is in [several-devices.md](several-devices.md).
 
 <!-- not run: writes into the checkout -->

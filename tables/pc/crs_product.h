@@ -9,7 +9,8 @@
 namespace hvp::tables {
 
 // A sparse matrix in compressed rows of single entries in double precision, as a general-purpose
-// processor multiplies it: what Goumas et al. (PDP 2008), thesis Table 6.3's source, measured.
+// processor multiplies it. Goumas et al. (PDP 2008), the source of thesis Table 6.3, measured this
+// format.
 struct CrsMatrix {
   std::vector<int> row_begin = {0};
   std::vector<int> column;
@@ -22,13 +23,14 @@ struct CrsMatrix {
   void multiply(std::span<const double> x, std::span<double> y) const;
 };
 
-// All entries of all blocks, zeros inside them too: the pattern is the mesh's.
+// Contains all entries of all blocks, zeros included: the pattern is the mesh's.
 CrsMatrix crs_of(const sparse::BlockMatrix& blocks);
 
-// So many copies of the matrix along a diagonal: the same rows in a working set of another size.
+// Repeats the matrix `copies` times along a diagonal: the same rows with a larger working set.
 CrsMatrix repeated(const CrsMatrix& one, int copies);
 
-// The stiffness of thesis §6.2.4's sphere of 500 nodes, its lowest 15 % held and removed.
+// The stiffness of thesis §6.2.4's sphere of 500 nodes. The lowest 15 % of the nodes are anchored
+// and removed.
 sparse::BlockMatrix thesis_stiffness();
 
 }  // namespace hvp::tables

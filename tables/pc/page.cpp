@@ -1,5 +1,3 @@
-#include "tables/pc/page.h"
-
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -12,6 +10,7 @@
 
 #include "models/accel/cycles.h"
 #include "models/accel/operations.h"
+#include "tables/pages.h"
 #include "tables/pc/crs_product.h"
 #include "tables/text.h"
 
@@ -40,7 +39,7 @@ double seconds_of(const CrsMatrix& a, std::vector<double>& x, std::vector<double
   const Clock::time_point begin = Clock::now();
   for (int i = 0; i < products; ++i) {
     a.multiply(x, y);
-    // What the compiler cannot know: the next product needs this one.
+    // The next product depends on this one in a way that the compiler cannot predict.
     x[0] = y[0] == 0 ? 1.0 : x[0];
   }
   return std::chrono::duration<double>(Clock::now() - begin).count();
@@ -71,7 +70,7 @@ std::string cpu_info(const std::string& key) {
   return {};
 }
 
-// Of the first core; empty where the system does not say.
+// The second-level cache of the first core; empty if the system does not report it.
 std::string second_level_cache() {
   std::ifstream file("/sys/devices/system/cpu/cpu0/cache/index2/size");
   std::string size;
@@ -90,7 +89,8 @@ std::string pc_table() {
   const accel::Pattern pattern = accel::pattern_of(stiffness.row_begin, stiffness.column);
   const accel::SolveCycles cycles = accel::solve_cycles(a, pattern, {});
   const accel::OperationRate rate = accel::operation_rate(a, pattern, fixed::Method::cg, cycles);
-  // As the processors' operations are counted, two a non-zero, in the clocks that a product takes.
+  // Operations are counted as for the processors, two for each non-zero, in the clocks of a
+  // product.
   const double useful = 2.0 * static_cast<double>(one.nonzeros()) * a.clock_hz /
                         static_cast<double>(cycles.sparse_product);
 

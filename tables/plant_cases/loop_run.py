@@ -13,7 +13,7 @@ from plant_case import SCENE
 
 REFUSED = 2
 MILLIMETRE = 1e-3
-WINDOW_S = 0.25  # of models/plant/oscillation.h
+WINDOW_S = 0.25  # of models/plant/loop_quality.h
 FELT_M = 0.2e-6
 SETTLES = 0.99
 

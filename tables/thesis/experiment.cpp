@@ -5,9 +5,8 @@
 #include <cstdint>
 
 #include "models/fem/body.h"
-#include "models/fem/condition.h"
 #include "models/fem/direct_solver.h"
-#include "models/fixed/kernel.h"
+#include "models/fixed/solver.h"
 #include "models/fixed/system.h"
 #include "models/fixed/word.h"
 #include "models/mesh/generate.h"

@@ -1,5 +1,3 @@
-#include "tables/thesis/page.h"
-
 #include <algorithm>
 #include <array>
 #include <functional>
@@ -11,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "models/stability/flag.h"
+#include "tables/pages.h"
 #include "tables/text.h"
 #include "tables/thesis/experiment.h"
 
@@ -260,7 +259,7 @@ std::string random_loads_table(Meshes meshes) {
   return table.text();
 }
 
-// Where the thesis' PCG lies below double precision: said by the figures themselves.
+// Lists the figures in which the thesis' PCG lies below double precision.
 std::string below_double(Meshes meshes) {
   std::string each;
   int below = 0;

@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "app/scenario/source_error.h"
+#include "app/scenario/document.h"
 #include "tests/app/scratch_directory.h"
 
 namespace hvp::devices::devices_test {

@@ -1,5 +1,3 @@
-#include "models/accel/isolation.h"
-
 #include <cstddef>
 #include <numeric>
 #include <set>

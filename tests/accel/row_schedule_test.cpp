@@ -1,10 +1,9 @@
 // Rows and groups that compete, with clocks counted by hand. tests/vp/engine holds them to the
 // cycle-accurate engine.
-#include "models/accel/row_schedule.h"
-
 #include <gtest/gtest.h>
 
-#include "models/accel/vector_passes.h"
+#include "models/accel/cycles.h"
+#include "models/accel/product_clocks.h"
 
 namespace hvp::accel::row_schedule_test {
 namespace {

@@ -7,8 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "app/devices/devices.h"
-#include "models/accel/board_clocks.h"
-#include "models/accel/board_memory.h"
+#include "models/accel/board.h"
 #include "models/accel/operations.h"
 #include "models/accel/partition.h"
 #include "models/config/input_error.h"

@@ -7,10 +7,10 @@
 #include <gtest/gtest.h>
 
 #include "app/devices/devices.h"
-#include "models/accel/bank_conflicts.h"
 #include "models/accel/cycles.h"
 #include "models/accel/memory.h"
-#include "models/accel/packing.h"
+#include "models/accel/partition.h"
+#include "models/accel/product_clocks.h"
 #include "models/config/input_error.h"
 
 namespace hvp::accel::symmetric_test {

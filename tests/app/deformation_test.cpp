@@ -1,5 +1,3 @@
-#include "app/results/deformation.h"
-
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -21,7 +19,7 @@
 #include <vtkXMLUnstructuredGridReader.h>
 #include <vtkXMLUtilities.h>
 
-#include "app/results/mesh_file.h"
+#include "app/results/vtu_files.h"
 #include "tests/app/sample_run.h"
 #include "tests/app/scratch_directory.h"
 

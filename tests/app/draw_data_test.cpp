@@ -10,12 +10,10 @@
 
 #include <gtest/gtest.h>
 
-#include "app/draw/axis_ticks.h"
 #include "app/draw/colour_map.h"
 #include "app/draw/deformation_step.h"
-#include "app/draw/latency_bins.h"
+#include "app/draw/plot_data.h"
 #include "app/draw/run_files.h"
-#include "app/draw/surface.h"
 #include "app/draw/view.h"
 #include "tests/app/sample_run.h"
 #include "tests/app/scratch_directory.h"

@@ -10,11 +10,9 @@
 
 #include <gtest/gtest.h>
 
-#include "app/draw/axis_ticks.h"
-#include "app/draw/decimation.h"
-#include "app/draw/fit_series.h"
-#include "app/draw/loop_series.h"
-#include "app/draw/stability_map.h"
+#include "app/draw/plot_data.h"
+#include "app/draw/run_files.h"
+#include "app/draw/series_files.h"
 #include "models/config/input_error.h"
 #include "tests/app/sample_loop.h"
 #include "tests/app/sample_run.h"

@@ -1,15 +1,11 @@
-#include "app/results/interruption.h"
-
 #include <csignal>
 #include <fstream>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "app/results/part_file.h"
-#include "app/results/part_stream.h"
+#include "app/results/part_files.h"
 #include "app/results/pictures.h"
-#include "app/results/unfinished_file.h"
 #include "tests/app/scratch_directory.h"
 
 namespace hvp::results::interruption_test {

@@ -13,7 +13,6 @@
 
 #include <gtest/gtest.h>
 
-#include "app/results/x_display.h"
 #include "tests/app/scratch_directory.h"
 
 namespace hvp::results::pictures_test {

@@ -14,7 +14,7 @@
 
 #include <fmt/format.h>
 
-#include "app/results/deformation.h"
+#include "app/results/vtu_files.h"
 
 namespace hvp::sample {
 namespace {

@@ -1,9 +1,8 @@
-#include "models/collision/triangle.h"
-
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
+#include "models/collision/triangles.h"
 #include "tests/collision/shapes.h"
 
 namespace hvp::collision::triangle_test {

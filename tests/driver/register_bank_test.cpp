@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "models/config/input_error.h"
-#include "vp/fpga/packed_words.h"
 
 namespace {
 

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "vp/fpga/packed_words.h"
+#include "vp/fpga/register_bank.h"
 
 namespace hvp::test {
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/driver/driver_on_board.h"
-#include "vp/fpga/packed_words.h"
+#include "vp/fpga/register_bank.h"
 
 namespace hvp::test::solve_test {
 namespace {

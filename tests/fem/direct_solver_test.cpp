@@ -10,7 +10,6 @@
 #include "models/config/input_error.h"
 #include "models/fem/assembly.h"
 #include "models/fem/body.h"
-#include "models/fem/condition.h"
 #include "tests/fem/box_meshes.h"
 
 namespace hvp::fem::direct_solver_test {

@@ -1,12 +1,11 @@
-#include "models/fem/element.h"
-
 #include <Eigen/Dense>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "models/config/input_error.h"
-#include "models/fem/stress.h"
+#include "models/fem/assembly.h"
+#include "models/fem/strain.h"
 #include "tests/fem/box_meshes.h"
 
 namespace hvp::fem::element_test {

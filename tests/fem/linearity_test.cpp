@@ -1,10 +1,9 @@
-#include "models/fem/linearity.h"
-
 #include <Eigen/Dense>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
+#include "models/fem/strain.h"
 #include "tests/fem/box_meshes.h"
 
 namespace hvp::fem::linearity_test {

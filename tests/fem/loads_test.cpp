@@ -9,7 +9,7 @@
 #include "models/config/input_error.h"
 #include "models/fem/body.h"
 #include "models/fem/direct_solver.h"
-#include "models/fem/stress.h"
+#include "models/fem/strain.h"
 #include "tests/fem/box_meshes.h"
 
 namespace hvp::fem::loads_test {

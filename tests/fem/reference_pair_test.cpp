@@ -1,5 +1,3 @@
-#include "models/fem/reference_pair.h"
-
 #include <cmath>
 #include <vector>
 
@@ -7,6 +5,7 @@
 
 #include "models/config/input_error.h"
 #include "models/fem/body.h"
+#include "models/fem/direct_solver.h"
 #include "tests/allocation_count.h"
 #include "tests/fem/box_meshes.h"
 

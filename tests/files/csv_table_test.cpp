@@ -1,5 +1,3 @@
-#include "models/files/csv_table.h"
-
 #include <cmath>
 #include <sstream>
 #include <string>
@@ -8,6 +6,7 @@
 #include <gmock/gmock.h>
 
 #include "models/config/input_error.h"
+#include "models/files/csv.h"
 
 namespace hvp::files::csv_table_test {
 namespace {

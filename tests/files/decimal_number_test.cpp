@@ -1,6 +1,6 @@
-#include "models/files/decimal_number.h"
-
 #include <gtest/gtest.h>
+
+#include "models/files/csv.h"
 
 namespace hvp::files::decimal_number_test {
 namespace {

@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "models/config/input_error.h"
-#include "models/fit/bus_pci.h"
 #include "models/fit/fit.h"
 #include "models/link/pci.h"
 #include "tests/fit/small_problems.h"

@@ -1,5 +1,3 @@
-#include "models/fit/device_cost.h"
-
 #include <cmath>
 #include <cstddef>
 #include <memory>
@@ -8,7 +6,8 @@
 #include <ceres/gradient_checker.h>
 #include <gtest/gtest.h>
 
-#include "models/fit/device_twin.h"
+#include "models/fit/device_problem.h"
+#include "models/fit/twins.h"
 
 namespace hvp::fit::device_cost_test {
 namespace {

@@ -10,8 +10,7 @@
 
 #include "models/config/input_error.h"
 #include "models/fit/device_problem.h"
-#include "models/fit/device_twin.h"
-#include "models/fit/device_windows.h"
+#include "models/fit/twins.h"
 
 namespace hvp::fit::device_log_test {
 namespace {

@@ -9,8 +9,8 @@
 #include <ceres/ceres.h>
 #include <gtest/gtest.h>
 
-#include "models/fit/device_twin.h"
 #include "models/fit/fit.h"
+#include "models/fit/twins.h"
 
 namespace hvp::fit::device_problem_test {
 namespace {
@@ -210,8 +210,9 @@ TEST(FitDevice, WithoutReversalFrictionAndOffsetAreOne) {
   twin.delay = 1e-3;
   std::vector<double> command;
   for (const double c : busy_command(2000, twin.period, 0.6)) command.push_back(1.2 + c);
-  const DeviceProblem problem(twin.follow(command), {});
-  EXPECT_FALSE(problem.second_opinion().reverses);
+  const DeviceLog log = twin.follow(command);
+  EXPECT_FALSE(device_regression(log, DeviceMotionKind::linear, DeviceCommand::force).reverses);
+  const DeviceProblem problem(log, {});
   ASSERT_EQ(problem.warnings().size(), 1U);
   EXPECT_NE(problem.warnings()[0].find("one way"), std::string::npos);
   // Each window's free start does not hide it: two columns are the same but for their sign.

@@ -10,9 +10,10 @@
 #include <gtest/gtest.h>
 
 #include "models/config/input_error.h"
-#include "models/fit/device_twin.h"
 #include "models/fit/fit.h"
+#include "models/fit/twins.h"
 #include "models/plant/linear_axis.h"
+#include "models/random/draws.h"
 
 namespace hvp::fit::hand_problem_test {
 namespace {

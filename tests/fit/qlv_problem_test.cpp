@@ -10,7 +10,7 @@
 
 #include "models/config/input_error.h"
 #include "models/fit/fit.h"
-#include "models/fit/qlv_twin.h"
+#include "models/fit/twins.h"
 
 namespace hvp::fit::qlv_problem_test {
 namespace {

@@ -7,7 +7,7 @@
 #include "models/collision/hand_over.h"
 #include "models/config/input_error.h"
 #include "models/fem/direct_solver.h"
-#include "models/fem/linear_tissue.h"
+#include "models/fem/tissue.h"
 #include "tests/fit/tissue_record.h"
 
 namespace hvp::fit::tissue_frames_test {

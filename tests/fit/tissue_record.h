@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "models/fit/tissue_twin.h"
+#include "models/fit/twins.h"
 #include "tests/fem/box_meshes.h"
 
 namespace hvp::fit {

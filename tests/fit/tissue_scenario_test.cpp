@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "models/fem/dynamics.h"
 #include "models/fem/material.h"
+#include "models/fem/newmark.h"
 #include "tests/fit/tissue_record.h"
 
 namespace hvp::fit::tissue_scenario_test {

@@ -10,9 +10,9 @@
 
 #include "models/fem/body.h"
 #include "models/fem/newmark.h"
-#include "models/fixed/definiteness.h"
 #include "models/fixed/reference_solver.h"
-#include "models/fixed/scaling.h"
+#include "models/fixed/spectrum.h"
+#include "models/fixed/system.h"
 #include "models/mesh/generate.h"
 #include "models/mesh/region.h"
 #include "tests/fixed/elastic_box.h"

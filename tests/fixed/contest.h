@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "models/fixed/kernel.h"
 #include "models/fixed/reference_solver.h"
+#include "models/fixed/solver.h"
 #include "tests/fixed/record.h"
 
 namespace hvp::fixed::test {

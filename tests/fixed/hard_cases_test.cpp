@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "models/fixed/definiteness.h"
 #include "models/fixed/reference_solver.h"
+#include "models/fixed/spectrum.h"
 #include "tests/fixed/elastic_box.h"
 #include "tests/fixed/small_systems.h"
 

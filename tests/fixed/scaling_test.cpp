@@ -1,5 +1,3 @@
-#include "models/fixed/scaling.h"
-
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -7,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "models/config/input_error.h"
+#include "models/fixed/system.h"
 
 namespace hvp::fixed::scaling_test {
 namespace {

@@ -13,7 +13,7 @@
 
 #include <fmt/format.h>
 
-#include "app/results/flag_json.h"
+#include "app/results/flags.h"
 #include "app/results/settings_json.h"
 #include "models/fixed/reference_solver.h"
 #include "models/fixed/system.h"

@@ -1,8 +1,8 @@
-#include "models/fixed/start_guess.h"
-
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "models/fixed/word.h"
 
 namespace hvp::fixed::start_guess_test {
 namespace {

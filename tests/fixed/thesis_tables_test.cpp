@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "models/fixed/definiteness.h"
 #include "models/fixed/reference_solver.h"
+#include "models/fixed/spectrum.h"
 #include "tests/fixed/double_cg.h"
 #include "tests/fixed/elastic_box.h"
 

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "app/devices/devices.h"
-#include "app/scenario/source_error.h"
+#include "app/scenario/document.h"
 #include "models/accel/fit.h"
 #include "models/accel/memory.h"
 #include "models/config/input_error.h"

@@ -12,7 +12,6 @@
 #include "app/scenario/document.h"
 #include "app/scenario/quantity.h"
 #include "app/scenario/reader.h"
-#include "app/scenario/unit_table.h"
 #include "app/scenario/writer.h"
 #include "tests/app/scenario/toy_scene.h"
 

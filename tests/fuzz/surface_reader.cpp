@@ -20,7 +20,6 @@
 #include <unistd.h>
 
 #include "models/config/input_error.h"
-#include "models/mesh/file_precheck.h"
 #include "models/mesh/surface_check.h"
 
 namespace {

@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "models/fixed/kernel.h"
+#include "models/fixed/solver.h"
 #include "tables/hard_cases/cost.h"
 
 namespace hvp::tables::cases_test {

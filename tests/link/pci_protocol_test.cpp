@@ -1,6 +1,6 @@
-#include "models/link/pci_protocol.h"
-
 #include <gtest/gtest.h>
+
+#include "models/link/pci.h"
 
 namespace hvp::link::pci_protocol_test {
 namespace {

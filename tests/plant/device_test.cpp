@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "models/plant/prescribed_path.h"
+#include "models/plant/moving_device.h"
 
 namespace hvp::plant::device_test {
 namespace {

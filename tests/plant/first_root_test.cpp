@@ -1,10 +1,10 @@
-#include "models/plant/first_root.h"
-
 #include <cmath>
 #include <numeric>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "models/plant/polynomial.h"
 
 namespace hvp::plant::first_root_test {
 namespace {

@@ -1,14 +1,15 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <random>
 #include <vector>
 
-#include "models/plant/five_bar.h"
 #include "models/plant/kinematics.h"
-#include "models/plant/serial_arm.h"
+#include "models/plant/linkages.h"
 
 // The devices that the tests of kinematics try, each with poses all over its workspace.
 namespace hvp::plant {
@@ -82,6 +83,17 @@ inline std::vector<Case> cases() {
                  poses({-1.4, -0.5, -1.2}, {0.5, 1.4, 1.2},
                        [](const Eigen::Vector3d& q) { return outwards(q) && q[1] - q[0] < 1.7; })});
   return all;
+}
+
+// The apparent mass at the tip, kg, symmetric: (J·M⁻¹·Jᵀ)⁻¹ with M the diagonal of the joints'
+// inertias, kg·m² (Khatib 1987). It is empty where the tip is out of reach or at a singular pose.
+inline std::optional<Eigen::Matrix3d> apparent_mass(const Kinematics& kinematics,
+                                                    const Eigen::Vector3d& joint_inertia,
+                                                    const Eigen::Vector3d& tip) {
+  const std::optional<Eigen::Vector3d> q = kinematics.regular_joints(tip);
+  if (!q) return std::nullopt;
+  const Eigen::Matrix3d inverse = kinematics.jacobian(*q).inverse();
+  return Eigen::Matrix3d(inverse.transpose() * joint_inertia.asDiagonal() * inverse);
 }
 
 }  // namespace hvp::plant

@@ -1,5 +1,3 @@
-#include "models/plant/kinematics_measures.h"
-
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -7,7 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "models/plant/kinematics_encoder.h"
+#include "models/plant/encoder.h"
+#include "models/plant/kinematics.h"
 #include "tests/plant/kinematics_cases.h"
 
 namespace hvp::plant::kinematics_measures_test {

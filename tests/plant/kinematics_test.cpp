@@ -8,9 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "models/config/input_error.h"
-#include "models/plant/kinematics_encoder.h"
-#include "models/plant/kinematics_measures.h"
-#include "models/plant/kinematics_settings.h"
+#include "models/plant/encoder.h"
+#include "models/plant/linkages.h"
 #include "tests/plant/kinematics_cases.h"
 
 namespace hvp::plant::kinematics_test {

@@ -7,8 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include "models/plant/axis_series.h"
-
 namespace hvp::plant::linear_axis_test {
 namespace {
 

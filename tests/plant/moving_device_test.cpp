@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "models/config/input_error.h"
-#include "models/plant/prescribed_path.h"
 #include "tests/allocation_count.h"
 
 namespace hvp::plant::moving_device_test {

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "models/config/input_error.h"
-#include "models/plant/serial_arm.h"
+#include "models/plant/linkages.h"
 
 namespace hvp::plant::output_stage_test {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "models/config/effects.h"
 #include "models/config/input_error.h"
-#include "models/config/quiet_visitor.h"
 
 namespace hvp::plant::plant_test {
 namespace {

@@ -21,7 +21,7 @@ from loop_run import LoopRun, run
 from plant_case import ACTIVE, CYCLE, Case
 
 IMBALANCE = 1e-9
-# Of models/plant/loop_energy.cpp.
+# Of models/plant/loop_quality.cpp.
 LEAST_J = 1e-6
 LEAST_SHARE = 1e-3
 

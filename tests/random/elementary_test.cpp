@@ -1,8 +1,8 @@
-#include "models/random/elementary.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
+
+#include "models/random/distribution.h"
 
 namespace hvp::random::elementary_test {
 namespace {

@@ -1,6 +1,6 @@
-#include "models/random/philox.h"
-
 #include <gtest/gtest.h>
+
+#include "models/random/draws.h"
 
 namespace hvp::random::philox_test {
 namespace {

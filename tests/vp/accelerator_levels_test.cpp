@@ -9,7 +9,7 @@
 
 #include "models/config/input_error.h"
 #include "models/fixed/reference_solver.h"
-#include "models/fixed/start_guess.h"
+#include "models/fixed/word.h"
 #include "tests/vp/board_rig.h"
 #include "tests/vp/expected_time.h"
 #include "tests/vp/small_scene.h"

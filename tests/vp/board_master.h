@@ -6,7 +6,6 @@
 
 #include "models/fixed/quantised_matrix.h"
 #include "tests/vp/stimulus.h"
-#include "vp/fpga/packed_words.h"
 #include "vp/fpga/register_bank.h"
 
 namespace hvp::test {

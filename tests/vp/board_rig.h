@@ -12,7 +12,7 @@
 #include "tests/vp/expected_time.h"
 #include "tests/vp/small_scene.h"
 #include "tests/vp/stimulus.h"
-#include "vp/bus/memory_map.h"
+#include "vp/bus/host_memory.h"
 #include "vp/fpga/accelerator.h"
 #include "vp/host/board_access.h"
 #include "vp/host/driver_port.h"

@@ -1,6 +1,6 @@
 // The solver's settings through the driver and the board's registers and out again. The register
 // bank is the real one, the bus between is a function call.
-#include "vp/fpga/board_settings.h"
+#include "vp/fpga/board_registers.h"
 
 #include <array>
 #include <cstdint>

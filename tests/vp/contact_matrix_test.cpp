@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/vp/small_scene.h"
-#include "vp/fpga/packed_words.h"
+#include "vp/fpga/register_bank.h"
 #include "vp/platform.h"
 
 namespace hvp::vp::contact_matrix_test {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "models/plant/prescribed_path.h"
+#include "models/plant/moving_device.h"
 #include "tests/vp/stimulus.h"
 
 namespace hvp::vp::daq_board_test {

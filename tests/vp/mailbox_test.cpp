@@ -1,4 +1,4 @@
-#include "vp/host/mailbox.h"
+#include "vp/host/exchange.h"
 
 #include <vector>
 

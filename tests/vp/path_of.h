@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "vp/frame/critical_path.h"
+#include "vp/frame/ledger.h"
 
 namespace hvp::vp {
 

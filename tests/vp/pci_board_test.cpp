@@ -7,8 +7,8 @@
 
 #include "tests/vp/stimulus.h"
 #include "vp/bus/host_memory.h"
+#include "vp/pci/other_masters.h"
 #include "vp/pci/pci_bus.h"
-#include "vp/pci/traffic_master.h"
 
 namespace hvp::vp::pci_board_test {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "tests/vp/small_scene.h"
 #include "tests/vp/stimulus.h"
-#include "vp/pci/traffic_master.h"
+#include "vp/pci/other_masters.h"
 #include "vp/platform.h"
 
 namespace hvp::vp::pci_masters_test {

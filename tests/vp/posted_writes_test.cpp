@@ -13,8 +13,8 @@
 #include "tests/vp/small_scene.h"
 #include "tests/vp/stimulus.h"
 #include "vp/bus/host_memory.h"
+#include "vp/pci/other_masters.h"
 #include "vp/pci/pci_bus.h"
-#include "vp/pci/traffic_master.h"
 #include "vp/platform.h"
 
 namespace hvp::vp::posted_writes_test {

@@ -15,7 +15,7 @@
 #include "tests/vp/child_output.h"
 #include "tests/vp/small_scene.h"
 #include "tests/vp/stimulus.h"
-#include "vp/host/local_time.h"
+#include "vp/host/board_access.h"
 
 namespace hvp::vp::quantum_test {
 namespace {

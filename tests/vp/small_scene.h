@@ -7,7 +7,7 @@
 
 #include "models/collision/contact_search.h"
 #include "models/fem/body.h"
-#include "models/fem/dynamics.h"
+#include "models/fem/newmark.h"
 #include "models/fem/structured_box.h"
 #include "models/host/frame_computation.h"
 #include "vp/platform.h"

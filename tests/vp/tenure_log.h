@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "vp/frame/tenure.h"
+#include "vp/frame/ledger.h"
 
 namespace hvp::test {
 

@@ -11,8 +11,8 @@
 #include "tests/vp/small_scene.h"
 #include "tests/vp/stimulus.h"
 #include "tests/vp/tenure_log.h"
+#include "vp/pci/other_masters.h"
 #include "vp/pci/pci_bus.h"
-#include "vp/pci/traffic_master.h"
 #include "vp/pcie/pcie_bus.h"
 #include "vp/platform.h"
 

@@ -7,7 +7,7 @@
 namespace hvp::vp {
 
 namespace {
-// Those that change without an access to them.
+// The registers that change without an access to them.
 constexpr std::array kShown = {Register::status, Register::interrupt_status,
                                Register::interrupt_enable, Register::error, Register::job};
 }  // namespace

@@ -9,16 +9,16 @@
 
 namespace hvp::vp {
 
-// What software and the board do to each other as a VCD file (IEEE 1364) that GTKWave and Surfer
-// show: the registers that change by themselves, the interrupt line, and every access with its
-// offset and first word. Without a process: SystemC's tracer looks at them when something happens.
+// A VCD file (IEEE 1364, for GTKWave and Surfer) of what happens between software and the board:
+// the registers that change by themselves, the interrupt line, and every access with its offset and
+// first word. It has no process: SystemC's tracer samples the values after a change.
 class BoardWaveform : public AccessObserver {
  public:
   // Writes `path` with the suffix ".vcd".
   explicit BoardWaveform(const std::string& path);
   // Once, before simulation starts. The accelerator has to outlive close().
   void watch(const Accelerator& accelerator);
-  // The file is whole.
+  // Completes the file.
   void close() { file_.reset(); }
 
   void access(Picoseconds time, Command command, const RegisterBank& bank,
@@ -31,7 +31,7 @@ class BoardWaveform : public AccessObserver {
   };
 
   std::unique_ptr<sc_core::sc_trace_file, Close> file_;
-  // Two accesses of the same kind are told apart by the toggle.
+  // The toggle separates two equal accesses.
   bool toggle_ = false;
   bool write_ = false;
   bool refused_ = false;

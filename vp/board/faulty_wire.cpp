@@ -21,7 +21,7 @@ std::uint32_t word_of(const tlm::tlm_generic_payload& transaction) {
   return word;
 }
 
-// What the driver does with an access, by where it goes.
+// The kind of the driver's access, by its address.
 FaultAccess access_of(const tlm::tlm_generic_payload& transaction) {
   const std::uint64_t offset = transaction.get_address();
   const bool read = transaction.is_read();
@@ -110,7 +110,7 @@ void FaultyWire::corrupt(tlm::tlm_generic_payload& transaction, const Fault& fau
   if (fault.flipped_bits() % 2 != 0) errors_.parity = true;
 }
 
-// As after power-on: what the board was told is gone.
+// Returns the board to its state after power-on, without settings and matrix.
 void FaultyWire::reset_board() {
   Tag none;
   FrameTag extension;

@@ -7,23 +7,22 @@
 #include <tlm_utils/simple_target_socket.h>
 
 #include "models/link/pcie.h"
-#include "vp/fault/bus_errors.h"
 #include "vp/fault/fault_plan.h"
 #include "vp/frame/frame_tag.h"
 
 namespace hvp::vp {
 
-// Between the bus and the solver board: accesses that nobody claims, words that are damaged on the
-// wire. The bus has taken its time when a transaction comes here; a master abort takes as long as
-// the access would have.
+// The connection of bus and solver board with the faults of the bus: accesses that no target claims
+// and words damaged on the wire. The bus has taken its time before a transaction arrives here; a
+// master abort takes as long as the access would have.
 //
-// A damaged word of conventional PCI has the wrong parity where an odd number of its bits is
-// flipped (PCI 3.0 §3.7.1: PAR is even over AD[31:0] and C/BE#). It is used all the same; the
-// bridge remembers. On PCI Express the link's CRC finds every damaged packet, which is sent again;
-// of a write that is refused, being posted, the root port hears nothing.
+// A damaged word of conventional PCI has the wrong parity if an odd number of its bits is flipped
+// (PCI 3.0 §3.7.1: PAR is even over AD[31:0] and C/BE#). It is used nevertheless, and the bridge
+// records the error. On PCI Express the link's CRC finds every damaged packet, which is sent again;
+// the root port does not learn of a refused write, because writes are posted.
 class FaultyWire : public sc_core::sc_module {
  public:
-  // `link`: of PCI Express; null for a bus.
+  // `link` is the board's PCI Express link; null on the PCI bus.
   FaultyWire(const sc_core::sc_module_name& name, FaultPlan& plan, BusErrors& errors,
              const link::Pcie* link = nullptr);
 
@@ -41,6 +40,38 @@ class FaultyWire : public sc_core::sc_module {
   FaultPlan& plan_;
   BusErrors& errors_;
   const link::Pcie* link_;
+};
+
+// The board's interrupt line to the host, on which a request can be lost. It is a module for its
+// place in the hierarchy; it has no process.
+class LossyLine : public sc_core::sc_module, public InterruptIf {
+ public:
+  LossyLine(const sc_core::sc_module_name& name, FaultPlan& plan, InterruptIf& host)
+      : sc_module(name), plan_(plan), host_(host) {}
+
+  void interrupt(const Tag& tag) override {
+    if (plan_.gone(now_ps(), tag.frame)) return;
+    if (plan_.strike(FaultKind::lost_interrupt, tag.frame) != nullptr) return;
+    host_.interrupt(tag);
+  }
+  void lowered() override { host_.lowered(); }
+
+ private:
+  FaultPlan& plan_;
+  InterruptIf& host_;
+};
+
+// The modules that inject the faults of a scenario with [[fault]].
+struct Faults {
+  Faults(const std::vector<Fault>& faults, std::int64_t seed, Picoseconds period, BusErrors& errors,
+         const link::Pcie* link, InterruptIf& host)
+      : plan(faults, seed, period),
+        wire("faulty_wire", plan, errors, link),
+        line("lossy_line", plan, host) {}
+
+  FaultPlan plan;
+  FaultyWire wire;
+  LossyLine line;
 };
 
 }  // namespace hvp::vp

@@ -1,6 +1,9 @@
 #include "vp/bus/bus_meter.h"
 
 #include <algorithm>
+#include <utility>
+
+#include "vp/frame/frame_tag.h"
 
 namespace hvp::vp {
 

@@ -1,19 +1,32 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <string_view>
+#include <vector>
 
-#include "vp/bus/bus_use.h"
-#include "vp/frame/frame_tag.h"
-#include "vp/frame/observer.h"
+#include "vp/frame/frame.h"
+#include "vp/frame/ledger.h"
 
 namespace hvp::vp {
 
-// How much of the time a bus was taken while the servo loop ran: set-up, which loads K, lies before
-// it. Looks once a frame and allocates nothing in the loop.
+// The use of a bus by one initiator since the simulation began, including set-up.
+struct BusUse {
+  std::string_view name;  // processor, board, traffic, graphics
+  Picoseconds busy = 0;   // time that the bus, or the initiator's direction of a link, was taken
+  std::int64_t bytes = 0;
+  std::int64_t transactions = 0;
+};
+
+// The uses of all initiators of a bus, including idle ones.
+using BusUses = std::vector<BusUse>;
+
+// The share of time in which a bus was taken while the servo loop ran; set-up, which loads K, comes
+// before it. Samples once a frame and allocates nothing in the loop.
 class BusMeter : public FrameObserver {
  public:
-  // All since the simulation began. `busy` is the sum over the initiators, of a link that of one
-  // direction; `until_now` is what of it lies before the call, to the picosecond.
+  // All counts are since the simulation began. `busy` is the sum over the initiators, and for a
+  // link that of one direction; `until_now` is its part before the call, exact to the picosecond.
   struct Bus {
     std::function<Picoseconds()> busy;
     std::function<Picoseconds()> until_now;
@@ -24,23 +37,24 @@ class BusMeter : public FrameObserver {
 
   void begun() override;
   void solved(const Frame& frame, const Solution& solution) override;
-  // After the last frame.
+  // To be called after the last frame.
   void ended();
 
-  // Of the servo loop. A transaction under way at its end counts as far as the bus has counted it.
+  // The share in the servo loop. A transaction under way at its end counts as far as the bus has
+  // counted it.
   double share() const;
-  // From one frame's solution to the next one's, where that was most; no less than share().
+  // The largest share between two successive frames' solutions; no less than share().
   double worst_share() const { return worst_share_; }
   Picoseconds time() const { return end_ - begin_; }
-  // Since the loop began; of every initiator.
+  // The use since the loop began, by initiator.
   const BusUses& uses() const { return uses_; }
 
  private:
   Bus bus_;
-  BusUses uses_;  // until ended(): when the loop began
+  BusUses uses_;  // until ended() the use at the loop's begin
   Picoseconds begin_ = 0;
   Picoseconds end_ = 0;
-  Picoseconds last_time_ = -1;  // of the last solution
+  Picoseconds last_time_ = -1;  // the last solution's
   Picoseconds last_busy_ = 0;
   Picoseconds busy_ = 0;
   double worst_share_ = 0;

@@ -14,42 +14,48 @@
 
 namespace hvp::vp {
 
-// Where a message-signalled interrupt is written to: the first address of x86's window for messages
-// to a processor's interrupt controller (Intel SDM volume 3, message address register: FEEh in bits
-// 31 to 20).
+// The boards' base addresses in the host's memory map.
+inline constexpr std::uint64_t kSolverBase = 0x1000'0000;
+inline constexpr std::uint64_t kDaqBase = 0x2000'0000;
+
+// The address of message-signalled interrupts: the first address of x86's window for messages to a
+// processor's interrupt controller (Intel SDM volume 3, message address register: FEEh in bits 31
+// to 20).
 inline constexpr std::uint64_t kMessageAddress = 0xFEE0'0000;
 inline constexpr std::size_t kMessageBytes = 4;
 
-// The host's memory as a board that is bus master sees it, and the window of messages behind it:
-// an aligned write of four bytes to kMessageAddress is an interrupt, for the frame of the
+// The host's memory as a board that is bus master sees it, and the window of messages behind it: an
+// aligned write of four bytes to kMessageAddress is an interrupt, for the frame of the
 // transaction's tag. It takes no time of its own; the bus in front of it does.
 //
-// Anything outside, a read of the window and a write of another size to it end in
+// An access outside, a read of the window and a write of another size to it end in
 // TLM_ADDRESS_ERROR_RESPONSE; a refused read gives all ones.
 //
-// A host of another program gives its own memory, in ranges by their bus addresses. What crosses
-// from one range to the next is a transaction as any other.
+// A host of another program gives its own memory, in ranges by their bus addresses. A transaction
+// may cross from one range to the next.
 class HostMemory : public sc_core::sc_module {
  public:
-  // Bytes at the bus' addresses 0 to `bytes`, zero at first. Throws std::invalid_argument for a
-  // memory that reaches into the window of messages.
+  // Creates memory at the bus addresses 0 to `bytes`, zero at first. Throws std::invalid_argument
+  // for a memory that reaches into the window of messages.
   HostMemory(const sc_core::sc_module_name& name, std::size_t bytes);
 
-  // Memory of somebody else's, at these addresses of the bus, until unmap(); only between
-  // transactions. Throws std::invalid_argument where it overlaps what is there or the window of
-  // messages, or is empty, or reaches beyond the last address.
+  // Maps memory of the caller's at this bus address, until unmap(); only between transactions.
+  // Throws std::invalid_argument if it is empty, overlaps other memory or the window of messages,
+  // or reaches beyond the last address.
   void map(std::uint64_t address, std::span<std::uint8_t> memory, bool writable = true);
-  // All ranges that lie in [address, address + bytes); one that lies there in part is refused:
-  // false, and nothing has changed.
+  // Removes all ranges in [address, address + bytes). Returns false and changes nothing if one lies
+  // there only in part.
   bool unmap(std::uint64_t address, std::uint64_t bytes);
-  // Whether the board may be master, asked at every transaction; where not, nobody answers it.
+  // `allowed` is called at every transaction and says whether the board may be bus master; if not,
+  // no target answers.
   void answer_if(std::function<bool()> allowed) { allowed_ = std::move(allowed); }
 
   tlm_utils::simple_target_socket<HostMemory> from_bus;
-  // Who takes the messages: an edge each, nobody lowers them. Unbound: they are lost.
+  // The receiver of the messages. Each is an edge, which is not lowered. Unbound, messages are
+  // lost.
   sc_core::sc_port<InterruptIf, 1, sc_core::SC_ZERO_OR_MORE_BOUND> interrupt;
 
-  // What the processor sees at once.
+  // The memory's contents, as the processor sees them.
   std::span<std::uint8_t> bytes() { return bytes_; }
   std::span<const std::uint8_t> bytes() const { return bytes_; }
   std::int64_t messages() const { return messages_; }
@@ -64,7 +70,7 @@ class HostMemory : public sc_core::sc_module {
     std::span<std::uint8_t> memory;
     bool writable;
   };
-  // The one that has this address; null: none.
+  // The range with this address; null: none.
   const Range* range_at(std::uint64_t address) const;
 
   std::vector<std::uint8_t> bytes_;

@@ -10,31 +10,32 @@
 
 #include "models/plant/device.h"
 #include "models/plant/device_settings.h"
+#include "vp/frame/frame.h"
 #include "vp/frame/frame_tag.h"
 #include "vp/frame/ledger.h"
-#include "vp/frame/session.h"
 
 namespace hvp::vp {
 
 // The data acquisition board on the PCI bus, and the haptic devices behind it. Registers: a command
-// that latches all positions, the latched positions, and the forces; one block each, three words a
-// device. The counters latch at once; the words can be read after the sampling delay. Forces drive
-// their devices after the output delay, and after the host's own where it has one: `delay`.
+// that latches all positions, the latched positions, and the forces; one block each, of three words
+// for each device. The counters latch at once; the words can be read after the sampling delay.
+// Forces drive their devices after the output delay and the host's own, `delay`.
 class DaqBoard : public sc_core::sc_module {
  public:
-  static constexpr std::uint64_t kLatch = 0x00;  // write 4 bytes: latch now
-  // 12 bytes a device: x, y, z in plant::kPosition, and in plant::kForce. With an ADC the block
-  // that is read goes on with the motors' currents, likewise, in plant::kCurrent.
-  static constexpr std::uint64_t kPosition = 0x100;  // read all
-  static constexpr std::uint64_t kForce = 0x300;     // write all
+  static constexpr std::uint64_t kLatch = 0x00;  // a write of 4 bytes latches
+  // 12 bytes for each device: x, y, z in plant::kPosition, and in plant::kForce. With an ADC the
+  // motors' currents follow the positions, likewise, in plant::kCurrent.
+  static constexpr std::uint64_t kPosition = 0x100;  // read as a whole
+  static constexpr std::uint64_t kForce = 0x300;     // written as a whole
   static constexpr std::uint64_t kSize = 0x400;
   static constexpr std::size_t kMostDevices = 16;
-  // Of the block that is read.
+  // The length of the block that is read.
   static std::size_t read_bytes(const plant::DeviceSettings& settings, std::size_t devices) {
     return (settings.adc ? 24 : 12) * devices;
   }
 
-  // Keeps references to the devices, whose times are the session's, the session and the ledger.
+  // Keeps references to the devices, the session and the ledger. The devices' time is the
+  // session's.
   DaqBoard(const sc_core::sc_module_name& name, const plant::DeviceSettings& settings,
            std::vector<plant::Device*> devices, const Session& session, Ledger& ledger,
            Picoseconds delay = 0);
@@ -46,7 +47,7 @@ class DaqBoard : public sc_core::sc_module {
   void latch(Tag& tag);
   void put_out(const unsigned char* words, const Tag& tag);
 
-  // The frame's record of the devices; null without a frame, or where none has mass.
+  // The frame's records of the devices; null without a frame or if no device has mass.
   DeviceRecord* records(const Tag& tag);
   Eigen::Vector3d read_currents(const plant::PlantState& plant) const;
   plant::Drive driven(const Eigen::Vector3d& force, const Eigen::Vector3d& tip) const;
@@ -63,7 +64,7 @@ class DaqBoard : public sc_core::sc_module {
   Picoseconds output_;
   Picoseconds delay_;
   std::vector<std::int32_t> latched_;
-  std::vector<Eigen::Vector3d> tips_;  // true, at the last latch
+  std::vector<Eigen::Vector3d> tips_;  // true positions at the last latch
   bool moving_;                        // a device has mass
 };
 

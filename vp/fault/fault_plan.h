@@ -6,47 +6,95 @@
 #include <utility>
 #include <vector>
 
+#include "models/config/declaration.h"
 #include "models/random/draws.h"
-#include "vp/fault/fault.h"
 #include "vp/frame/frame.h"
 
 namespace hvp::vp {
 
-// What came of one item of [[fault]].
+enum class FaultKind {
+  lost_interrupt,   // the board's interrupt does not reach the host
+  stuck_busy,       // the job does not end; STATUS.busy stays until a reset
+  saturated_solve,  // the job's b is at the limits of its words
+  master_abort,     // no target claims one access
+  device_gone,      // no target claims any access, and no interrupt comes
+  corrupted_word,   // bits of one word of a block are flipped on the bus
+  late_dma,         // U leaves the board late
+  truncated_dma,    // the last bytes of U stay on the board
+};
+inline constexpr int kFaultKinds = 8;
+
+const char* name(FaultKind kind);
+
+// The access of a frame to the solver board that a fault hits.
+enum class FaultAccess { first, rhs, start, status, acknowledge, solution };
+
+const char* name(FaultAccess access);
+
+// A fault and its time: one item of the scenario's list [[fault]].
+struct Fault {
+  FaultKind kind = FaultKind::lost_interrupt;
+  std::int64_t frame = -1;  // −1: not stated
+  double rate = 0;          // 0: not stated
+  FaultAccess access = FaultAccess::first;
+  int bits = 0;
+  std::int64_t frames = 0;
+  double delay_s = 0;
+  int bytes = 0;
+
+  void declare(config::Visitor& v);
+  // Throws InputError unless exactly one of frame and rate is stated.
+  void check() const;
+
+  std::int64_t delay_ps() const;
+  // The number of flipped bits in a corrupted word.
+  int flipped_bits() const { return bits == 0 ? 1 : bits; }
+};
+
+// The error bits of the bridge's status register, which stay until they are cleared (PCI 3.0
+// §6.2.3): received master abort (bit 13), and master data parity error (bit 8), which its own
+// check of a read or the target's PERR# after a write sets.
+struct BusErrors {
+  bool master_abort = false;
+  bool parity = false;
+};
+
+// The outcome of one item of [[fault]].
 struct FaultRecord {
   Fault fault;
   std::int64_t injected = 0;
-  std::int64_t noticed = 0;    // by the driver, whatever it did then
+  std::int64_t noticed = 0;    // by the driver, whatever followed
   std::int64_t corrected = 0;  // by the bus itself, at the cost of time
   std::int64_t first_frame = -1;
 
   std::int64_t unnoticed() const { return injected - noticed - corrected; }
 };
 
-// Says which fault happens in which frame, and keeps what came of it. A draw is a function of the
-// seed, the kind, the frame and which item of the kind it is for; nothing that happened before
-// changes it. The parts of the board and the bus ask here where the thing would happen.
+// Decides which fault happens in which frame, and records the outcome. A draw is a function of the
+// seed, the kind, the frame and the item's number among those of its kind, and of nothing that
+// happened before. The parts of the board and the bus call it at the place of the fault.
 class FaultPlan {
  public:
   FaultPlan(const std::vector<Fault>& faults, std::int64_t seed, Picoseconds period);
 
-  // Whether a fault of this kind happens here; then it is injected, once a frame an item.
+  // Returns the fault of this kind that happens here and counts it as injected, at most once for
+  // each item and frame; null: none.
   const Fault* strike(FaultKind kind, std::int64_t frame, FaultAccess access = FaultAccess::first);
-  // Which word of a block and which of its bits, for a fault that struck this frame.
+  // The word of a block and its bits that the fault flips in this frame.
   std::uint32_t word(const Fault& fault, std::int64_t frame, std::uint32_t words) const;
   std::uint32_t mask(const Fault& fault, std::int64_t frame) const;
 
-  // When the servo loop begins: frame n is then born at begin + n·T.
+  // The servo loop begins at `begin`, and frame n is born at begin + n·T.
   void begin(Picoseconds begin) { begin_ = begin; }
-  // Whether the board is gone when an access or an interrupt of this frame happens, −1 for set-up
-  // and recovery.
+  // True if the board is gone at an access or an interrupt of this frame; −1 for set-up and
+  // recovery.
   bool gone(Picoseconds now, std::int64_t frame);
-  // Whether it has come back since the last call: it then is as after power-on.
+  // True if the board has come back since the last call, in its state after power-on.
   bool take_return() { return std::exchange(returned_, false); }
 
-  // The driver ended this frame with an error, and nothing of the frame was used.
+  // The driver ended this frame with an error, and the frame's results were not used.
   void notice_failure(std::int64_t frame);
-  // A single thing that it saw, and went on.
+  // The driver noticed a fault of this kind and continued.
   void notice(FaultKind kind, std::int64_t frame);
   // The bus repaired the fault that struck last.
   void correct(const Fault& fault);
@@ -58,9 +106,9 @@ class FaultPlan {
  private:
   static constexpr Picoseconds kNever = std::numeric_limits<Picoseconds>::max();
 
-  // Strikes that are not noticed yet; two frames are in flight at most.
+  // The state of an item. Two frames are in flight at most.
   struct Item {
-    std::uint32_t number = 0;  // among those of its kind
+    std::uint32_t number = 0;  // among the items of its kind
     std::int64_t struck = -1;
     std::array<std::int64_t, 2> open{-1, -1};
   };

@@ -15,86 +15,77 @@
 #include "models/fixed/solver.h"
 #include "vp/fault/fault_plan.h"
 #include "vp/fidelity.h"
-#include "vp/fpga/board_matrix.h"
+#include "vp/fpga/board_registers.h"
 #include "vp/fpga/dma_engine.h"
+#include "vp/fpga/job_timing.h"
 #include "vp/fpga/register_bank.h"
-#include "vp/fpga/timing/job_timing.h"
 #include "vp/frame/frame_tag.h"
 #include "vp/frame/ledger.h"
 
 namespace hvp::vp {
 
-// Sees every access of the board's BAR, legal or not, when it happens.
-class AccessObserver {
- public:
-  virtual ~AccessObserver() = default;
-  // `data` is what was written or read.
-  virtual void access(Picoseconds time, Command command, const RegisterBank& bank,
-                      const AccessResult& outcome, std::uint64_t offset,
-                      std::span<const std::uint8_t> data) = 0;
-};
-
-// When a job had ended, as far as the host can see, and the tag that ends there.
+// The end of a job as the host can observe it, and the tag that ends there.
 struct JobEnd {
   Tag tag;
   Picoseconds time = -1;
 };
 
-// A solve as an engine took it.
+// The clocks of a solve and the work that they were for.
 struct EngineSolve : SolveClocks {
   accel::SolveWork work;
 };
 
 // The solver board (thesis chapter 5, §6.2.1) behind its register bank. The words of a job are
-// those of fixed::Solver. How many iterations it makes is known only when it has been computed, so
-// that this happens when it starts; U, the results and the interrupt appear when its last clock is
-// over, and a reset before that discards them. docs/registers.md is what software sees.
+// those of fixed::Solver. Its number of iterations is known only after its computation, so it is
+// computed when it starts; U, the results and the interrupt appear after its last clock, and a
+// reset before discards them. docs/registers.md describes the board as software sees it.
 //
-// How long a job takes is up to a JobTiming: the closed form, an engine phase by phase, or one of
-// every clock, which does the work beside; words of its that are not the solver's are an internal
-// fault.
+// A JobTiming determines the duration of a job: the closed form, an engine phase by phase, or an
+// engine with every clock, which computes the words too; words that differ from the solver's are an
+// internal fault.
 //
-// Timing only, a job makes all its iterations and no words: U stays as it was. Throws InputError
-// with the key "numbers" where the engine makes the words, cycle-accurate.
+// With timing only, a job makes all its iterations and no words, and U does not change. Throws
+// InputError with the key "numbers" for this at the cycle-accurate level, where the engine makes
+// the words.
 class Accelerator : public sc_core::sc_module, private ListOwner {
  public:
-  // `master`: whether the board is one, and what for.
+  // `master` are the board's functions as bus master.
   Accelerator(const sc_core::sc_module_name& name, const accel::Architecture& architecture,
               Timing level, Ledger& ledger, AccessObserver* observer = nullptr,
               Numbers numbers = Numbers::fixed, const MasterSettings& master = {});
-  // Throws InputError with the key "method" where a level does not have it.
+  // Throws InputError with the key "method" if the level does not support it.
   static void require_supported(Timing level, const fixed::Settings& settings);
 
   tlm_utils::simple_target_socket<Accelerator> from_bus;
   sc_core::sc_port<InterruptIf, 1, sc_core::SC_ZERO_OR_MORE_BOUND> interrupt;
 
-  // Null where the board is no master; its socket to_memory is the board's.
+  // Null if the board is not a bus master. Its socket to_memory is the board's.
   DmaEngine* dma() { return dma_.get(); }
-  // Of the last job that ended, for a host that finds out by looking.
+  // The end of the last job, for a host that polls.
   const JobEnd& job_end() const { return job_end_; }
-  // A board whose host decides whether its interrupts are messages: asked when one is to be raised.
-  // Where not, the line is.
+  // `enabled` is asked when an interrupt is to be raised and returns whether the host takes it as a
+  // message; if not, the board raises the line.
   void messages_if(std::function<bool()> enabled) { messages_enabled_ = std::move(enabled); }
-  // As after power-on, by itself: no software asked for it.
+  // Returns to the state after power-on without a request by software.
   void power_on();
-  // Faults of the board's own happen as the plan says, from now on.
+  // Makes the board's own faults happen as planned, from now on.
   void inject(FaultPlan& plan);
 
   const RegisterBank& bank() const { return bank_; }
-  // The interrupt request; a reference, for whoever traces it.
+  // The state of the interrupt line, as a reference for a tracer.
   const bool& line_up() const { return line_up_; }
   std::int64_t illegal_accesses() const { return illegal_accesses_; }
-  // Of all jobs.
+  // The sums over all jobs.
   std::int64_t saturations() const { return saturations_; }
   std::int64_t wraps() const { return wraps_; }
   std::int64_t breakdowns() const { return breakdowns_; }
-  // Cycle-accurate; null elsewhere.
+  // The cycle-accurate engine; null at other levels.
   const engine::CycleEngine* engine() const { return timing_->engine(); }
   // The frame whose job or update was commanded last, -1 before the first.
   std::int64_t frame() const { return frame_; }
-  // At the levels that have an engine: of all finished jobs the one that took most clocks.
+  // The finished job that took most clocks, at the levels with an engine.
   const std::optional<EngineSolve>& longest_solve() const { return longest_solve_; }
-  // Of the last finished job.
+  // The last finished job's.
   const fixed::Report& report() const { return report_; }
 
  private:
@@ -135,7 +126,7 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   void publish();
   void raise(BoardError error);
   void mirror_status();
-  // `tag`: the work that the line goes up for, if it does.
+  // `tag` is the work for which the line goes up, if it does.
   void drive_interrupt_line(const Tag& tag);
 
   Picoseconds clock_period_;  // 0: untimed
@@ -148,24 +139,24 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   RegisterBank bank_;
   fixed::QuantisedMatrix matrix_;
   fixed::Method loaded_method_ = fixed::Method::cg;
-  // The solver never starts from zero or forms a guess itself: form_guess() has done it.
+  // The solver's start is always U, because form_guess() has formed it.
   fixed::Settings solver_settings_;
   std::unique_ptr<fixed::Solver> solver_;  // for these settings and the loaded matrix
-  std::vector<std::int32_t> row_;          // of a node that gets it back
+  std::vector<std::int32_t> row_;          // the row of a node that is restored
 
-  // Of the job that runs.
+  // The current job's settings, vectors and results.
   fixed::Settings settings_;
   std::vector<std::int32_t> b_;
   std::vector<std::int32_t> u_;
   fixed::Report result_;
   bool fault_ = false;
 
-  // For StartMode::extrapolated: U before the last job, where that had this mode too and nobody
-  // has written to U since.
+  // For StartMode::extrapolated: U before the last job, if that job had this mode too and U was not
+  // written since.
   std::vector<std::int32_t> previous_u_;
   bool has_previous_u_ = false;
 
-  fixed::Report report_;  // of the last finished job
+  fixed::Report report_;  // the last finished job's
 
   std::unique_ptr<JobTiming> timing_;
   std::vector<std::int32_t> written_x_;
@@ -181,7 +172,8 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   Picoseconds started_ = 0;
   Tag job_tag_;
   std::int64_t frame_ = -1;
-  // The transaction that gives a command: whose frame it is, and how long it is held up.
+  // The tag of the transaction that gives a command, and the time for which the transaction is
+  // stalled.
   Tag* commanding_tag_ = nullptr;
   Picoseconds wait_states_ = 0;
   bool line_up_ = false;

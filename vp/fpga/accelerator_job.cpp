@@ -5,12 +5,11 @@
 #include <spdlog/spdlog.h>
 
 #include "models/config/input_error.h"
-#include "models/fixed/kernel.h"
-#include "models/fixed/start_guess.h"
+#include "models/fixed/solver.h"
 #include "models/fixed/word.h"
 #include "vp/fpga/accelerator.h"
-#include "vp/fpga/board_settings.h"
-#include "vp/fpga/packed_words.h"
+#include "vp/fpga/board_registers.h"
+#include "vp/fpga/register_bank.h"
 
 namespace hvp::vp {
 
@@ -47,7 +46,7 @@ void Accelerator::begin_solve(const Tag& tag) {
   }
 }
 
-// What the engine's pipelines have put out is what software reads.
+// The words of the engine's pipelines are those that software reads.
 void Accelerator::take_engine_words() {
   if (fault_) return;
   if (const std::optional<SolveClocks> engine = timing_->solve_clocks()) {
@@ -142,7 +141,7 @@ void Accelerator::list_ended(const BoardError& error, const Tag& tag) {
   end_job(error);
 }
 
-// What software sees of the end of a job or of a load.
+// Ends a job or a load, as far as software sees it.
 void Accelerator::end_job(const BoardError& error) {
   bank_.set(field::kStatusBusy, 0);
   job_end_ = {job_tag_, now_ps()};

@@ -156,7 +156,7 @@ void DmaEngine::run_list() {
   let_go(tag_);
 }
 
-// What the engine was kept from since its last span, by a message before, is in the same span.
+// The span includes the time since the engine's last span in which a message kept it from its work.
 void DmaEngine::let_latency_pass(Picoseconds since) {
   const std::uint64_t generation = generation_;
   if (latency_ > 0) wait(to_sc_time(latency_));
@@ -178,7 +178,7 @@ void DmaEngine::be_late() {
   ledger_.extend(tag_, Part::fpga, Phase::dma_engine, since, now_ps());
 }
 
-// Of a segment of U that is cut short: so many of its last bytes.
+// The number of last bytes that a fault cuts off a segment of U.
 std::uint32_t DmaEngine::missing(std::uint32_t bytes) {
   const Fault* fault =
       faults_ == nullptr ? nullptr : faults_->strike(FaultKind::truncated_dma, tag_.frame);

@@ -9,25 +9,16 @@
 
 #include <tlm_utils/simple_initiator_socket.h>
 
-#include "models/link/frame_transfer.h"
+#include "vp/bus/bus_settings.h"
 #include "vp/fault/fault_plan.h"
-#include "vp/fpga/board_matrix.h"
+#include "vp/fpga/board_registers.h"
 #include "vp/fpga/register_bank.h"
 #include "vp/frame/frame_tag.h"
 #include "vp/frame/ledger.h"
 
 namespace hvp::vp {
 
-// What the board does as master of its bus; nothing by default.
-struct MasterSettings {
-  std::optional<link::DmaEngine> dma;
-  // Its interrupts are writes to kMessageAddress, behind its data, instead of a line.
-  bool messages = false;
-
-  bool present() const { return dma.has_value() || messages; }
-};
-
-// Bytes that a list has moved.
+// The numbers of bytes that a list has moved.
 struct ListBytes {
   std::uint32_t to_board = 0;
   std::uint32_t to_host = 0;
@@ -37,51 +28,53 @@ inline constexpr std::size_t kDescriptorWords = 8;
 inline constexpr std::size_t kRecordWords = 8;
 using CompletionRecord = std::array<std::uint32_t, kRecordWords>;
 
-// Details of dma_failed that are no descriptor's place.
+// The details of dma_failed that are not the index of a descriptor.
 inline constexpr std::uint32_t kListFailed = 0xffff'fffe;
 inline constexpr std::uint32_t kRecordFailed = 0xffff'ffff;
 
-// What the engine needs of the board around it.
+// The board around the engine, as the engine calls it.
 class ListOwner {
  public:
   virtual ~ListOwner() = default;
-  // B is there: the solve starts, for the tag, and DmaEngine::solved() tells of its end.
+  // B has arrived: starts the solve for the tag, whose end DmaEngine::solved() reports.
   virtual void solve_listed(const Tag& tag) = 0;
   virtual CompletionRecord completion(const BoardError& error, const ListBytes& moved) const = 0;
-  // The record is written, or could not be.
+  // The list has ended and its record is written, or could not be written.
   virtual void list_ended(const BoardError& error, const Tag& tag) = 0;
 };
 
-// The board as master: works through a list of descriptors (CONTROL.run_list in docs/registers.md)
-// and sends interrupts as messages. One process, one transaction at a time; every request goes out
-// through to_memory with the job's tag, so that a frame's critical path runs through it. It exists
-// only where a scenario asks for one of the two.
+// The board's bus master: works through a list of descriptors (CONTROL.run_list in
+// docs/registers.md) and sends interrupts as messages. It is one process with one transaction at a
+// time; every request goes out through to_memory with the job's tag, so that a frame's critical
+// path runs through it. It exists only if a scenario asks for one of the two.
 class DmaEngine : public sc_core::sc_module {
  public:
-  // The most descriptors of a list: 32 bytes each, 8 KiB of the board's memory.
+  // The largest number of descriptors in a list: 32 bytes each, 8 KiB of the board's memory.
   static constexpr std::uint32_t kMaxDescriptors = 256;
 
-  // `untimed`: the engine's own latency is left out. Keeps references.
+  // `untimed` leaves out the engine's own latency. Keeps references.
   DmaEngine(const sc_core::sc_module_name& name, const MasterSettings& settings, bool untimed,
             RegisterBank& bank, ListOwner& owner, Ledger& ledger);
   ~DmaEngine() override;
 
-  // Unbound, every transfer fails and messages are lost.
+  // If it is unbound, every transfer fails and messages are lost.
   tlm_utils::simple_initiator_socket_optional<DmaEngine> to_memory;
 
-  // Its faults happen as the plan says, from now on.
+  // Makes the engine's faults happen as planned, from now on.
   void inject(FaultPlan& plan) { faults_ = &plan; }
 
   bool has_lists() const { return settings_.dma.has_value(); }
   bool sends_messages() const { return settings_.messages; }
 
-  // The doorbell: DMA_* are right. The frame is held until the list has ended.
+  // The doorbell, when the registers DMA_* are set. The frame is kept open until the list has
+  // ended.
   void ring(const Tag& tag);
-  // The solve has ended; `tag` ends in its span.
+  // The solve has ended, and its span is the tag's newest.
   void solved(const Tag& tag, const BoardError& error);
-  // An interrupt: goes out when the transaction that is under way has ended.
+  // Sends an interrupt as soon as the current transaction has ended.
   void send_message(const Tag& tag);
-  // Gives everything up. A transaction that is under way ends on the bus, without effect here.
+  // Aborts the list and pending messages. A current transaction ends on the bus, without effect
+  // here.
   void abort();
 
   std::int64_t lists() const { return lists_; }
@@ -121,22 +114,22 @@ class DmaEngine : public sc_core::sc_module {
   bool rung_ = false;
   bool solved_ = false;
   bool message_ = false;
-  std::uint64_t generation_ = 0;  // counts what was given up
+  std::uint64_t generation_ = 0;  // number of aborts
   Picoseconds rung_at_ = 0;
   Picoseconds solved_at_ = 0;
   Picoseconds message_at_ = 0;
   BoardError solve_error_;
-  Tag rung_tag_;     // of the list that waits
-  Tag tag_;          // of the list that runs
-  Tag message_tag_;  // of the message that waits
-  Tag posted_tag_;   // of the message that is under way
+  Tag rung_tag_;     // the waiting list's
+  Tag tag_;          // the current list's
+  Tag message_tag_;  // the waiting message's
+  Tag posted_tag_;   // the message under way's
   ListBytes moved_;
   std::int64_t lists_ = 0;
 
   tlm::tlm_generic_payload payload_;
   FrameTag extension_;
-  std::vector<std::uint32_t> descriptors_;  // of the list that runs, by their place
-  std::vector<std::uint8_t> segment_;       // as long as the longest that B or U can hold
+  std::vector<std::uint32_t> descriptors_;  // the current list's, by index
+  std::vector<std::uint8_t> segment_;       // as long as the longest of B or U
 };
 
 }  // namespace hvp::vp

@@ -54,7 +54,7 @@ bool misaligned(std::uint64_t offset, std::size_t bytes) {
   return bytes == 0 || offset % kWordBytes != 0 || bytes % kWordBytes != 0;
 }
 
-// Whether `written` may not go to the register while the board is busy.
+// True if `written` may not go to the register while the board is busy.
 bool locked(const RegisterInfo& info, std::uint32_t written) {
   const bool as_a_whole = (info.busy_mask & ~info.pulse_mask) != 0;
   return as_a_whole || (info.busy_mask & written) != 0;

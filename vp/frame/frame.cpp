@@ -4,8 +4,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "vp/frame/tenure.h"
-
 namespace hvp::vp {
 
 bool Frame::in_contact() const {
@@ -18,22 +16,6 @@ void broken(const Frame& frame, const std::string& what) {
 }
 
 std::string_view name(Part part) { return kPartNames.at(static_cast<std::size_t>(part)); }
-
-std::string_view name(Resource resource) {
-  switch (resource) {
-    case Resource::core_0:
-      return "core 0";
-    case Resource::core_1:
-      return "core 1";
-    case Resource::bus:
-      return "bus";
-    case Resource::link_to_board:
-      return "link to board";
-    case Resource::link_to_host:
-      return "link to host";
-  }
-  return "";
-}
 
 std::string_view name(Phase phase) { return kPhaseNames.at(static_cast<std::size_t>(phase)); }
 

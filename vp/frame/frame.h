@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "driver/hvp_driver.h"
+#include "driver/hvp_status.h"
 #include "models/collision/contact.h"
 #include "models/fem/hold.h"
 #include "models/plant/device.h"
@@ -18,7 +18,7 @@ namespace hvp::vp {
 
 using hvp::Picoseconds;
 
-// What takes time in a frame, in the order that results have.
+// The parts of the system that take time in a frame, in the order of the results.
 enum class Part : std::uint8_t { host, bus, fpga, daq, device, count };
 inline constexpr auto kParts = static_cast<std::size_t>(Part::count);
 inline constexpr std::array<std::string_view, kParts> kPartNames = {"host", "bus", "fpga", "daq",
@@ -44,7 +44,7 @@ enum class Phase : std::uint8_t {
   to_memory,       // bus: a board's posted write, from its last data phase until memory has it
   dma_engine,      // fpga: the board's DMA engine between its requests
   contact_lookup,  // host: fetch the contact node that the collision process published
-  hold,            // host: where the contact's nodes are held, and what that does to f̂
+  hold,            // host: the contact nodes' prescribed displacements, and their share of f̂
   node_update,     // fpga: clear or restore the rows of the contact node
   form_rhs,        // host: the modified force vector, in the board's words
   solve,           // fpga
@@ -55,12 +55,12 @@ enum class Phase : std::uint8_t {
   driver,          // host: instructions of the driver around its bus accesses
   force,           // host: the contact force out of U
   convert,         // daq: the output's conversion and settling
-  delay,           // host: what a force is held back by [host.delay]
+  delay,           // host: the delay of a force by [host.delay]
   motor,           // device: the force is there
   update,          // host: Newmark's update, after the force is written
   refinement,      // host: the residual in double precision
   recovery,        // host: a board that failed is brought back, bus accesses included
-  bridge_status,   // host: what the bridge has recorded of errors; not over the bus
+  bridge_status,   // host: a read of the errors that the bridge has recorded; not over the bus
   count
 };
 inline constexpr auto kPhases = static_cast<std::size_t>(Phase::count);
@@ -76,11 +76,11 @@ static_assert(!kPhaseNames.back().empty(), "a phase has no name");
 std::string_view name(Part part);
 std::string_view name(Phase phase);
 
-// An index into a frame's spans, or the frame's birth.
+// The index of a span in its frame, or kBirth for the frame's birth.
 using SpanId = int;
 inline constexpr SpanId kBirth = -1;
 
-// What took time in a frame, and which span it had to wait for.
+// One piece of a frame's time, and the span that it had to wait for.
 struct Span {
   Part part;
   Phase phase;
@@ -89,57 +89,67 @@ struct Span {
   SpanId cause;
 };
 
-// A device in a frame: at its latch, and with the force that the frame made.
+// The state of a haptic device at a frame's latch, and the drive that the frame's force gave it.
 struct DeviceRecord {
   plant::PlantState plant;
-  bool read_wrong = false;  // the position read is not the tip's, by more than a step
-  Eigen::Vector3d read_current = Eigen::Vector3d::Zero();  // A, where an ADC reads them
+  bool read_wrong = false;  // the position that was read is more than an encoder step from the tip
+  Eigen::Vector3d read_current =
+      Eigen::Vector3d::Zero();  // motor currents in A, if an ADC reads them
   plant::Drive drive;
 };
 
 // One tick of the servo loop, from its birth at n·T to the force at the motor and the end of the
 // work that belongs to its period. The servo process writes what the frame saw and did, step by
-// step; what took time is the ledger's to write.
+// step; the ledger alone writes spans.
 struct Frame {
   std::int64_t number = 0;
   Picoseconds born = 0;
   Picoseconds time = 0;  // its birth, since the servo loop began
 
-  // A probe each: where its tip was read to be, what it holds, and the force on the body.
+  // One entry for each probe: the position read for its tip, its contact, and the force on the
+  // body.
   std::vector<collision::Touch> touches;
-  // Of each device that has mass: what it did, and what it was told. Empty where none has.
+  // One entry for each device with mass; empty if no device has mass.
   std::vector<DeviceRecord> devices;
-  Picoseconds latched = 0;       // when the positions were
-  Picoseconds contact_age = 0;   // at the lookup, since the pass that found it began; 0: none
-  hvp_status status = HVP_OK;    // else: why the force of an earlier frame is held
-  std::int64_t saturations = 0;  // in its solve
+  Picoseconds latched = 0;  // when the positions were latched
+  Picoseconds contact_age =
+      0;  // at the lookup, from the begin of the pass that found the contact; 0: no contact
+  hvp_status status = HVP_OK;    // else the reason why the frame has a held force
+  std::int64_t saturations = 0;  // clamped words in its solve
   std::uint32_t flags = 0;       // stability::Flags of its solve
 
   std::vector<Span> spans;
-  SpanId force_at_motor = kBirth;  // the span with which the force is there
-  Picoseconds work_done = 0;       // all work of the period is done, the update included
+  SpanId force_at_motor = kBirth;  // the span at whose end the force is at the motor
+  Picoseconds work_done = 0;       // when all work of the period is done, the update included
 
   bool solved() const { return status == HVP_OK; }
   bool in_contact() const;
-  // Of the first probe.
+  // The first probe's.
   const collision::Touch& touch() const { return touches.front(); }
   Picoseconds latency() const { return spans[static_cast<std::size_t>(force_at_motor)].end - born; }
 };
 
-// Throws std::logic_error: the record of a frame contradicts itself, which no input can bring
-// about.
+// Throws std::logic_error, because the record of a frame contradicts itself, which no input can
+// bring about.
 [[noreturn]] void broken(const Frame& frame, const std::string& what);
 
-// What a frame was solved to; valid while it is looked at.
+// The solution of a frame. It is valid only during the call that gets it.
 struct Solution {
-  fem::Hold hold;                        // what contact prescribed
-  std::span<const double> displacement;  // active nodes, m
+  fem::Hold hold;                        // displacements that contact prescribes
+  std::span<const double> displacement;  // of the active nodes, m
 };
 
-// Which part and frame a transaction or an interrupt works for, and what it follows.
+// The frame that a transaction or an interrupt works for, and the span that it follows.
 struct Tag {
   std::int64_t frame = -1;  // −1: set-up, no frame
   SpanId cause = kBirth;
+};
+
+// The begin of the servo loop. Set-up, which loads K, comes before it. The probes' trajectories and
+// all results count time from here.
+struct Session {
+  Picoseconds begin = 0;
+  bool begun = false;
 };
 
 }  // namespace hvp::vp

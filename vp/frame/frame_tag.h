@@ -7,14 +7,15 @@
 
 namespace hvp::vp {
 
-// Rides on every transaction and says for which frame it is. The initiator owns the tag; every
-// part that the transaction passes adds its spans to it.
+// The extension that tells a transaction's frame. The initiator owns the tag, and every part that
+// the transaction passes adds its spans to it.
 struct FrameTag : tlm::tlm_extension<FrameTag> {
   Tag* tag = nullptr;
-  // What the bus is to call a board's own transaction, where its kind does not say it: that a read
-  // fetches a descriptor.
+  // The phase of the board's own transaction, if its kind does not tell it: a read may fetch a
+  // descriptor.
   std::optional<Phase> phase;
-  // Whose work it is where the tag is of no frame, so that it leaves no span: a look in vain.
+  // The frame of a transaction that leaves no span, because its tag has no frame: a poll that found
+  // the job not done.
   std::optional<std::int64_t> unseen_frame;
 
   tlm::tlm_extension_base* clone() const override {
@@ -32,14 +33,14 @@ struct FrameTag : tlm::tlm_extension<FrameTag> {
   }
 };
 
-// The tag of a transaction, or one for no frame where it carries none.
+// The tag of a transaction, or `none` if it carries no tag.
 inline Tag& tag_of(tlm::tlm_generic_payload& transaction, Tag& none) {
   FrameTag* extension = nullptr;
   transaction.get_extension(extension);
   return extension != nullptr && extension->tag != nullptr ? *extension->tag : none;
 }
 
-// The frame whose work a transaction is, with spans or without; −1: none.
+// The frame of a transaction, whether it leaves spans or not; −1: none.
 inline std::int64_t frame_of(tlm::tlm_generic_payload& transaction) {
   FrameTag* extension = nullptr;
   transaction.get_extension(extension);
@@ -48,17 +49,17 @@ inline std::int64_t frame_of(tlm::tlm_generic_payload& transaction) {
   return extension->tag != nullptr ? extension->tag->frame : -1;
 }
 
-// The phase of a board's own transaction, where it is named.
+// The phase that a board's own transaction states.
 inline std::optional<Phase> phase_of(tlm::tlm_generic_payload& transaction) {
   FrameTag* extension = nullptr;
   transaction.get_extension(extension);
   return extension != nullptr ? extension->phase : std::nullopt;
 }
 
-// A request line that says which frame's work raised it: the board's INTA#.
+// An interrupt request line, the board's INTA#, that tells the frame it was raised for.
 class InterruptIf : public virtual sc_core::sc_interface {
  public:
-  // The line went up; once, until it went down again.
+  // The line went up. Called once until it goes down again.
   virtual void interrupt(const Tag& tag) = 0;
   virtual void lowered() = 0;
 };
@@ -69,7 +70,7 @@ inline sc_core::sc_time to_sc_time(Picoseconds ps) {
   return sc_core::sc_time::from_value(static_cast<sc_dt::uint64>(ps));
 }
 
-// Returns at once where the time has come already.
+// Returns at once if the time has passed.
 inline void wait_until(Picoseconds time) {
   if (time > now_ps()) sc_core::wait(to_sc_time(time - now_ps()));
 }

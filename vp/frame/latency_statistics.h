@@ -5,26 +5,25 @@
 #include <deque>
 
 #include "models/statistics/histogram.h"
-#include "vp/frame/observer.h"
+#include "vp/frame/ledger.h"
 
 namespace hvp::vp {
 
-// How the frames' latency was distributed, and what it was made of: by part, by part and phase, and
-// by kind of bus transaction. From the ledger alone, in an amount of memory that does not depend on
-// the number of frames: percentiles are as exact as a Histogram's, counts, means and worst values
-// exact.
+// The distribution of the frames' latency, and its composition by part, by phase and by kind of bus
+// transaction. The ledger is its only source, and its memory does not grow with the number of
+// frames: percentiles are as exact as a Histogram's; counts, means and worst values are exact.
 class LatencyStatistics : public FrameObserver {
  public:
-  // What a part, or one of its phases, added to the critical path. Every frame counts, with zero
-  // where it added nothing, so that the means of all parts sum to the mean latency, and those of a
-  // part's phases to the part's.
+  // The share of a part, or of one of its phases, in the critical path. Every frame counts, with
+  // zero if it has none, so that the means of all parts sum to the mean latency and those of a
+  // part's phases to the part's mean.
   struct PathTime {
     Part part = Part::host;
     Phase phase = Phase::release;
-    std::int64_t frames = 0;  // in which it took time
+    std::int64_t frames = 0;  // frames with a share above zero
     statistics::Histogram times;
   };
-  // Spans of one kind on the bus, each by itself, whether the frame waited for it or not.
+  // The bus spans of one kind, each by itself, whether the frame waited for it or not.
   struct Transactions {
     Phase phase = Phase::bus_read;
     statistics::Histogram times;
@@ -35,12 +34,12 @@ class LatencyStatistics : public FrameObserver {
   std::int64_t frames() const { return latency_.count(); }
   Picoseconds best() const { return best_; }
   const statistics::Histogram& latency() const { return latency_; }
-  // By how much a frame's latency differs from that of the frame before it, whichever is longer.
+  // The absolute difference of the latencies of two successive frames.
   const statistics::Histogram& change() const { return change_; }
   const statistics::Histogram& part(Part part) const {
     return parts_[static_cast<std::size_t>(part)];
   }
-  // In the order in which they first occurred.
+  // In the order of their first occurrence.
   const std::deque<PathTime>& on_path() const { return on_path_; }
   const std::deque<Transactions>& transactions() const { return transactions_; }
 
@@ -58,7 +57,7 @@ class LatencyStatistics : public FrameObserver {
   std::array<statistics::Histogram, kParts> parts_;
   std::array<Index, kParts> path_index_{};
   std::deque<PathTime> on_path_;
-  std::array<Picoseconds, kParts * kPhases> in_frame_{};  // of the entries, zero between frames
+  std::array<Picoseconds, kParts * kPhases> in_frame_{};  // one for each entry; zero between frames
   Index transaction_index_{};
   std::deque<Transactions> transactions_;
 };

@@ -7,6 +7,52 @@
 
 namespace hvp::vp {
 
+void CriticalPath::follow(const Frame& frame) {
+  spans_.clear();
+  attribution_.clear();
+  index_.fill(0);
+  parts_.fill(0);
+  if (frame.force_at_motor == kBirth) broken(frame, "no force reached the motor");
+  for (SpanId id = frame.force_at_motor; id != kBirth;) {
+    if (id < 0 || static_cast<std::size_t>(id) >= frame.spans.size()) {
+      broken(frame, "a span names a cause that is not in the ledger");
+    }
+    const Span& span = frame.spans[static_cast<std::size_t>(id)];
+    spans_.push_back(id);
+    if (spans_.size() > frame.spans.size()) broken(frame, "the causes go round in a circle");
+    const Picoseconds before = span.cause == kBirth
+                                   ? frame.born
+                                   : frame.spans.at(static_cast<std::size_t>(span.cause)).end;
+    if (span.start != before || span.end < span.start) {
+      broken(frame, "span " + std::string(name(span.part)) + "/" + std::string(name(span.phase)) +
+                        " starts at " + std::to_string(span.start) + " ps, its cause ends at " +
+                        std::to_string(before) + " ps");
+    }
+    id = span.cause;
+  }
+  std::reverse(spans_.begin(), spans_.end());
+  for (const SpanId id : spans_) add(frame.spans[static_cast<std::size_t>(id)]);
+}
+
+void CriticalPath::add(const Span& span) {
+  const auto part = static_cast<std::size_t>(span.part);
+  std::uint16_t& index = index_.at(part * kPhases + static_cast<std::size_t>(span.phase));
+  if (index == 0) {
+    attribution_.push_back({span.part, span.phase, 0});
+    index = static_cast<std::uint16_t>(attribution_.size());
+  }
+  attribution_[index - std::size_t{1}].time += span.end - span.start;
+  parts_[part] += span.end - span.start;
+}
+
+Picoseconds CriticalPath::time(Phase phase) const {
+  Picoseconds time = 0;
+  for (const Attribution& a : attribution_) {
+    if (a.phase == phase) time += a.time;
+  }
+  return time;
+}
+
 namespace {
 // A frame of today's host has about 40 spans.
 constexpr std::size_t kSpansReserved = 256;
@@ -126,6 +172,22 @@ void Ledger::hand_on_ready() {
 void Ledger::hand_on(const Frame& frame) {
   path_.follow(frame);
   for (FrameObserver* observer : observers_) observer->closed(frame, path_);
+}
+
+std::string_view name(Resource resource) {
+  switch (resource) {
+    case Resource::core_0:
+      return "core 0";
+    case Resource::core_1:
+      return "core 1";
+    case Resource::bus:
+      return "bus";
+    case Resource::link_to_board:
+      return "link to board";
+    case Resource::link_to_host:
+      return "link to host";
+  }
+  return "";
 }
 
 }  // namespace hvp::vp

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/statistics/spread.h"
+#include "models/statistics/histogram.h"
 
 namespace hvp::vp {
 

@@ -6,17 +6,17 @@
 
 #include "models/config/figures.h"
 #include "models/statistics/histogram.h"
-#include "vp/frame/observer.h"
+#include "vp/frame/ledger.h"
 
 namespace hvp::vp {
 
-// The two verdicts of a run. *Force in time*: the force of frame n is at the motor by
-// n·T + (1 + pipeline depth)·T, and it is of that frame: one that was held because the solve failed
-// is a miss. *Load*: all work that belongs to a period, what follows the force
-// included, fits into T. A tick that had no frame at all is a miss of both.
+// The two verdicts of a run. *Force in time*: the force of frame n is at the motor by n·T + (1 +
+// pipeline depth)·T, and it is that frame's: a held force, after a solve that failed, is a miss.
+// *Load*: all work of a period, including what follows the force, fits into T. A skipped tick
+// misses both.
 class Verdict : public FrameObserver {
  public:
-  // `budget` is the latency that is allowed.
+  // `budget` is the largest latency allowed.
   Verdict(Picoseconds period, Picoseconds budget) : period_(period), budget_(budget) {}
 
   void closed(const Frame& frame, const CriticalPath& path) override;
@@ -36,19 +36,19 @@ class Verdict : public FrameObserver {
   Picoseconds worst_latency() const { return worst_; }
   std::int64_t worst_frame() const { return worst_frame_; }
   Picoseconds worst_load() const { return worst_load_; }
-  // The smallest latency that at least this share of the frames does not exceed. Exact while no
-  // more than kMostLatencies different ones have occurred; after that right within one part in 64,
-  // so that memory does not grow with the run.
+  // The smallest latency that at least this share of the frames does not exceed. It is exact for up
+  // to kMostLatencies different latencies, and above that correct to one part in 64, so that memory
+  // does not grow with the run.
   Picoseconds percentile(double share) const;
   bool exact() const { return exact_; }
   static constexpr std::size_t kMostLatencies = std::size_t{1} << 16;
-  // By how much late forces were late, held ones too.
+  // The lateness of late forces, late held forces included.
   const statistics::Histogram& lateness() const { return lateness_; }
-  // Of each frame's critical path, what the operating system took: from the tick until the release,
+  // The operating system's share in each frame's critical path: from the tick until the release,
   // and from being ready until the process ran.
   const statistics::Histogram& release() const { return release_; }
   const statistics::Histogram& wake_up() const { return wake_up_; }
-  // Of the worst frame, in the order of time; sums to worst_latency() exactly.
+  // The worst frame's, in the order of time. It sums to worst_latency() exactly.
   const std::vector<Attribution>& attribution() const { return attribution_; }
 
   // Tables of summary.json.
@@ -71,7 +71,7 @@ class Verdict : public FrameObserver {
   std::int64_t worst_frame_ = -1;
   Picoseconds worst_load_ = 0;
   bool exact_ = true;
-  std::map<Picoseconds, std::int64_t> latencies_;  // how many frames had it; while exact
+  std::map<Picoseconds, std::int64_t> latencies_;  // number of frames for each latency, while exact
   statistics::Histogram all_latencies_;
   statistics::Histogram lateness_;
   statistics::Histogram release_;

@@ -9,10 +9,10 @@
 
 namespace hvp::vp {
 
-// What the board's function can do beyond its BAR.
+// The capabilities of the board's function beyond its BAR.
 struct FunctionSettings {
   std::uint32_t bar_bytes = 0;  // a power of two
-  bool messages = false;        // it has the capability MSI
+  bool messages = false;        // the function has the capability MSI
 };
 
 // The configuration space of the board's PCI function as software sees it, without a clock: a
@@ -20,8 +20,8 @@ struct FunctionSettings {
 // with 64 bits of address and a mask (PCI 3.0 §6.8.1), and a reset of the function (PCI Advanced
 // Features ECN of 2006).
 //
-// An access has 1, 2, 4 or 8 bytes at a multiple of its size. One of another kind, or one beyond
-// the 256 bytes, reads all ones and writes nothing, as where no function answers.
+// An access has 1, 2, 4 or 8 bytes at a multiple of its size. Any other access, and one beyond the
+// 256 bytes, reads all ones and writes nothing, as if no function answered.
 class ConfigSpace {
  public:
   static constexpr std::size_t kBytes = 256;
@@ -36,24 +36,25 @@ class ConfigSpace {
   // Errors that the function notes in its status register (PCI 3.0 §6.2.3).
   enum class Error : std::uint16_t { master_abort = 1U << 13U, parity = 1U << 15U };
 
-  // Throws std::invalid_argument for a BAR of another size than a power of two from 16 bytes on.
+  // Throws std::invalid_argument unless the BAR's size is a power of two of at least 16 bytes.
   explicit ConfigSpace(const FunctionSettings& settings);
 
   void read(std::uint64_t offset, std::span<std::uint8_t> data) const;
   void write(std::uint64_t offset, std::span<const std::uint8_t> data);
-  // The state after power-on.
+  // Sets the state after power-on.
   void reset();
 
-  // What software asks of the function: a reset, by the capability or by leaving D3hot. The
-  // configuration space has been reset already. And any other change of what is below.
+  // `reset` is called when software resets the function, by the capability or by leaving D3hot; the
+  // configuration space has been reset before. `change` is called after any other change of the
+  // state below.
   void on_reset(std::function<void()> reset) { on_reset_ = std::move(reset); }
   void on_change(std::function<void()> change) { on_change_ = std::move(change); }
 
-  // Whether accesses to the BAR are answered: COMMAND's memory space, in D0.
+  // True if accesses to the BAR are answered: COMMAND's memory space, in D0.
   bool decodes() const;
-  // Whether the function may go onto the bus by itself: COMMAND's bus master, in D0.
+  // True if the function may be bus master: COMMAND's bus master, in D0.
   bool may_master() const;
-  // Whether it may raise INTA#: no MSI, and not disabled in COMMAND.
+  // True if the function may raise INTA#: MSI is off, and COMMAND does not disable the line.
   bool may_raise_line() const;
   bool messages_enabled() const;
   bool message_masked() const;
@@ -61,7 +62,7 @@ class ConfigSpace {
   Message message() const;
   std::uint32_t bar() const;
 
-  // STATUS' interrupt bit: what the function would raise, whatever COMMAND says.
+  // Sets STATUS' interrupt bit: the state of the interrupt, whatever COMMAND says.
   void show_line(bool up);
   void show_pending(bool pending);
   void note(Error error);

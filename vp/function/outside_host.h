@@ -8,17 +8,59 @@
 #include <span>
 #include <systemc>
 
+#include "models/host/costs.h"
 #include "vp/board/board_side.h"
+#include "vp/frame/frame.h"
 #include "vp/frame/ledger.h"
-#include "vp/frame/session.h"
 #include "vp/function/config_space.h"
 #include "vp/function/job_frames.h"
-#include "vp/function/late_interrupts.h"
 #include "vp/host/board_access.h"
+#include "vp/latency_draws.h"
+#include "vp/platform_settings.h"
 
 namespace hvp::vp {
 
-// Who is told of the function's interrupts, at their times, from within the simulation.
+// The delay between a function's interrupt and the host's handler: [host] interrupt_latency, or the
+// draws of [host.interrupt_latencies] for the interrupts of a job. Interrupts keep their order.
+// Each delay is a span of its frame, host interrupt, which ends when the handler runs.
+class LateInterrupts : public sc_core::sc_module {
+ public:
+  // A message, or empty for a line that has gone up.
+  using Message = std::optional<ConfigSpace::Message>;
+  using Told = std::function<void(const Tag& tag, const Message& message)>;
+
+  // `told` is called at its time, from within the simulation. Keeps a reference.
+  LateInterrupts(const sc_core::sc_module_name& name, const host::Host& host, std::int64_t seed,
+                 Ledger& ledger, Told told);
+
+  // Raises an interrupt now.
+  void raise(const Tag& tag, const Message& message);
+  // The line has gone down before its interrupt was delivered.
+  void forget_line();
+  // Drops all interrupts, at a reset.
+  void forget_all() { under_way_.clear(); }
+
+ private:
+  struct UnderWay {
+    Picoseconds raised = 0;
+    Picoseconds due = 0;
+    Tag tag;
+    Message message;
+  };
+
+  void deliver();
+  void follow(Tag& tag, Picoseconds raised);
+
+  Picoseconds latency_;
+  std::optional<LatencyDraws> draws_;
+  Ledger& ledger_;
+  Told told_;
+  std::deque<UnderWay> under_way_;
+  sc_core::sc_event due_;
+};
+
+// A listener to the function's interrupts, which are reported at their times from within the
+// simulation.
 class InterruptListener {
  public:
   virtual ~InterruptListener() = default;
@@ -27,47 +69,49 @@ class InterruptListener {
 };
 
 // A host that is not simulated: a program, or a kernel, that sees the board as a PCI function. It
-// gives accesses to the BAR, which a process makes one after the other with their time on the bus;
-// it reads and writes the configuration space, at once; it hears of interrupts; and it says how far
-// simulated time may go.
+// makes accesses to the BAR, which a process executes in order with their time on the bus; it reads
+// and writes the configuration space without delay; it gets interrupts; and it decides how far
+// simulated time advances.
 //
 // An access to the BAR is a register's word, two of them, or a block of words. One that is not
 // answered (no memory space, not in D0, beyond the BAR) reads all ones, takes no time and has no
-// effect. What is not whole words at a multiple of four is the board's to refuse
+// effect. The board refuses an access that is not whole words at a multiple of four
 // (docs/registers.md).
 class OutsideHost : public sc_core::sc_module, public InterruptIf {
  public:
   struct Access {
     Command command = Command::read;
     std::uint64_t offset = 0;
-    // Stays where it is until `ended`.
+    // The memory has to stay in place until `ended`.
     std::span<std::uint8_t> data;
-    // The answer is there, or the write is done; at that time, from within the simulation.
+    // Called when the answer has arrived or the write is done, at that time from within the
+    // simulation.
     std::function<void()> ended;
   };
 
-  // Keeps references. The side is that of `settings`, not connected yet.
+  // Keeps references. `side` was built with `settings` and is not connected yet.
   OutsideHost(const sc_core::sc_module_name& name, const PlatformSettings& settings,
               BoardSide& side, Session& session, Ledger& ledger);
 
   ConfigSpace& config() { return config_; }
   const ConfigSpace& config() const { return config_; }
   void listen(InterruptListener& listener) { listener_ = &listener; }
-  // From now on the listener is told of an interrupt when this host's handler runs, the scenario's
-  // [host] interrupt_latency after it was raised. Before the simulation begins.
+  // Delays each interrupt to the listener until this host's handler runs, [host] interrupt_latency
+  // after it was raised. To be called before the simulation begins.
   void take_interrupts_late(const host::Host& host, std::int64_t seed);
 
-  // From outside any process; those before it are made first.
+  // Queues an access, to be made after those queued before. Called from outside any process.
   void post(Access access);
   bool idle() const { return accesses_.empty(); }
-  // Simulates up to this time, events at it included, or until something has happened that the
-  // host may want to know: an access has ended, or an interrupt was raised or lowered. Returns
-  // whether the time was reached.
+  // Simulates up to this time, including its events, or until something has happened that may
+  // concern the host: an access has ended, or an interrupt was raised or lowered. Returns true if
+  // the time was reached.
   bool run_until(Picoseconds time);
-  // Both at once, for a host that waits for its answer. False where nothing could answer any more.
+  // Posts an access and simulates until its answer. Returns false if no further event could bring
+  // one.
   bool access(Command command, std::uint64_t offset, std::span<std::uint8_t> data);
 
-  // Whether INTA# is up, as the host sees it.
+  // True if INTA# is up, as the host sees it.
   bool line_is_up() const { return line_shown_; }
   JobFrames& frames() { return frames_; }
 
@@ -95,13 +139,42 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   std::optional<LateInterrupts> late_;
   std::deque<Access> accesses_;
   sc_core::sc_event posted_;
-  Tag tag_;                  // of the last interrupt
-  bool board_line_ = false;  // what the board does
-  bool line_shown_ = false;  // what the host sees of it
-  bool pending_ = false;     // a message that is masked
+  Tag tag_;                  // the last interrupt's
+  bool board_line_ = false;  // the board's state of the line
+  bool line_shown_ = false;  // the host's view of the line
+  bool pending_ = false;     // a masked message is pending
   bool faults_begun_ = false;
   bool running_ = false;
   bool happened_ = false;
+};
+
+// The board's side for a host of another program, built and wired, as the C library hvp-board, `hvp
+// serve` and `hvp linux` use it. SystemC elaborates once in a process, so there is one a process.
+// The host's memory is empty until the host maps some (HostMemory::map()); the scenario's own host
+// and its effects, such as [host] and [hand], have no meaning here.
+class BoardFunction {
+ public:
+  explicit BoardFunction(const PlatformSettings& settings, AccessObserver* register_trace = nullptr)
+      : settings_(settings),
+        side_(settings_, Workload{}, session_, ledger_, register_trace),
+        host_("host", settings_, side_, session_, ledger_) {}
+
+  OutsideHost& host() { return host_; }
+  ConfigSpace& config() { return host_.config(); }
+  // Null if the board is not a bus master.
+  HostMemory* memory() { return side_.board()->memory(); }
+  const Accelerator& accelerator() const { return side_.board()->accelerator(); }
+  BusErrors& bus_errors() { return side_.board()->bus_errors(); }
+  Ledger& ledger() { return ledger_; }
+  const Session& session() const { return session_; }
+  BoardSide& side() { return side_; }
+
+ private:
+  PlatformSettings settings_;
+  Ledger ledger_;
+  Session session_;
+  BoardSide side_;
+  OutsideHost host_;
 };
 
 }  // namespace hvp::vp

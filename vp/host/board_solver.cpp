@@ -136,7 +136,7 @@ hvp_status BoardSolver::restore_node(int node, std::span<const int> nodes) {
   return status;
 }
 
-// What the board is to solve next, in the time that this takes the host.
+// Forms the board's next system, in the time that this takes the host.
 bool BoardSolver::next() {
   host::FrameMethod& method = computation_.method();
   const bool more = method.next(b_);
@@ -176,7 +176,7 @@ hvp_status BoardSolver::end(std::uint32_t& flags) {
   return HVP_OK;
 }
 
-// What is left of the residual is known when the next frame's product is formed: after the force.
+// The remaining residual is known when the next frame's product is formed, after the force.
 void BoardSolver::finish(std::uint32_t& flags) {
   host::FrameMethod& method = computation_.method();
   method.finish();

@@ -13,14 +13,14 @@
 
 namespace hvp::vp {
 
-// The board solves: b in words goes there, U comes back, in several passes where the solution is
-// refined. Reaches the board through the driver alone.
+// A solver of frames on the board: sends b in words and receives U, in several passes with
+// refinement. It reaches the board through the driver alone.
 class BoardSolver : public FrameSolver {
  public:
-  // Keeps references. `settings` are those of the board; `port` is the driver's way to it.
-  // `reject_saturated`: a solve that saturated counts as one that failed.
-  // `memory`: where a DMA engine finds b and leaves U; null where none does. Throws InputError with
-  // the key "transfer.dma.segment_bytes" where that is too much for it.
+  // Keeps references. `settings` are the board's; `port` is the driver's connection to it.
+  // `reject_saturated`: a saturated solve counts as failed. `memory` is the memory from which a DMA
+  // engine reads b and to which it writes U; null without one. Throws InputError with the key
+  // "transfer.dma.segment_bytes" if the engine has too few descriptors.
   BoardSolver(const fixed::Settings& settings, host::FrameComputation& computation,
               const DriverPort& port, const Work& work, bool reject_saturated = false,
               HostMemory* memory = nullptr);
@@ -58,7 +58,7 @@ class BoardSolver : public FrameSolver {
   const DriverPort& port_;
   const Work& work_;
   bool reject_saturated_;
-  Phase phase_;  // of what the host computes around the solves
+  Phase phase_;  // the phase of the host's work around the solves
 
   JobObserver* observer_ = nullptr;
   std::optional<DmaMemory> dma_;
@@ -69,7 +69,7 @@ class BoardSolver : public FrameSolver {
   bool guess_is_stale_ = false;
   Picoseconds deadline_ = 0;
   hvp_statistics seen_{};
-  std::int64_t acknowledged_frame_ = -1;  // whose job was waited for last
+  std::int64_t acknowledged_frame_ = -1;  // the frame whose job was waited for last
   Mended mended_;
   std::vector<std::uint32_t> scratch_;
   std::vector<std::int32_t> b_;

@@ -21,7 +21,7 @@
 
 namespace hvp::vp {
 
-// The body that the user touches; all of it has to outlive the platform.
+// The body that the user touches. All members have to outlive the platform.
 struct SoftBody {
   const fem::Body& body;
   host::FrameComputation& computation;
@@ -32,16 +32,16 @@ struct BodySettings {
   Picoseconds period = 2'000'000'000;
   host::Host costs;
   fixed::Settings solver;
-  bool hold_saturated = false;  // the force of a solve that saturated is not used
+  bool hold_saturated = false;  // a saturated solve gets a held force
 };
 
-// A soft body in finite elements: fetch the contact node, form the modified force vector, send it,
-// solve, receive U, form the force, and Newmark's update after that (thesis §6.2.2). Each step
-// waits for what it costs and adds its span. What goes wrong on the way is LoopHealth's.
+// The rendering of a soft body in finite elements: fetch the contact node, form the modified force
+// vector, send it, solve, receive U, form the force, then Newmark's update (thesis §6.2.2). Each
+// step waits for its cost and adds its span. LoopHealth handles errors.
 class BodyRendering : public Rendering {
  public:
-  // Keeps references. `port`: the driver's way to the board. `memory`: what the board's DMA engine
-  // reaches; null where there is none.
+  // Keeps references. `port` is the driver's connection to the board. `memory` is the memory that
+  // the board's DMA engine reaches; null without one.
   BodyRendering(const BodySettings& settings, const SoftBody& soft, std::size_t probes,
                 BoardAccess& access, const DriverPort& port, const Work& work, Exchange& exchange,
                 HostMemory* memory = nullptr);
@@ -61,7 +61,7 @@ class BodyRendering : public Rendering {
   Solution solution() const override { return {computation_.held(), computation_.displacement()}; }
   bool recovers() const override { return health_.recovers(); }
   void recover(std::int64_t frame, Picoseconds until) override { health_.recover(frame, until); }
-  // Tells the plan what the driver has noticed.
+  // Reports to the plan the faults that the driver notices.
   void report_to(FaultPlan& faults) override { health_.report_to(faults); }
   void observe_jobs(JobObserver& observer) override { solver_->observe(observer); }
   ServoCounts& counts() override { return health_.counts(); }
@@ -81,12 +81,12 @@ class BodyRendering : public Rendering {
   LoopHealth health_;
   host::ContactHold held_;
 
-  ContactReport report_;  // as the frame that senses has found it
+  ContactReport report_;  // as the newest frame has read it
   std::vector<Eigen::Vector3d> forces_;
-  // For the mean force since the last report of the collision process.
+  // The sum for the mean force since the last report of the collision process.
   std::vector<Eigen::Vector3d> force_sum_;
   std::int64_t force_frames_ = 0;
-  // Of a search in this frame.
+  // Scratch of a search in this frame.
   std::vector<collision::Touch> touches_;
   std::vector<double> displacement_;
 };

@@ -39,8 +39,8 @@ void CollisionProcess::run() {
   }
 }
 
-// What was reported last counts once a frame has used it. Until then U says nothing of it, and to
-// find it again would aim the contact anew: as often as passes are faster than frames.
+// The last report counts once a frame has used it. Until then U does not depend on it, and finding
+// it again would aim the contact anew, as often as passes are faster than frames.
 void CollisionProcess::search(const SceneState& scene) {
   std::span<const collision::Pass> passes;
   if (!std::ranges::equal(scene.touches, reported_, {}, &collision::Touch::contact)) {

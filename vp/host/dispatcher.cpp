@@ -64,7 +64,8 @@ void Dispatcher::take_core(Tag& tag) {
   until(dispatch.runs, Phase::context_switch);
 }
 
-// From its waking, or a tick that found it at work, to its sleep or the next such tick.
+// The process' tenure: from its wake-up, or a tick at which it was busy, to its sleep or the next
+// such tick.
 void Dispatcher::servo_ran() const {
   const std::string_view what = runs_for_ < 0 ? "set-up" : "servo process";
   ledger_.take({Resource::core_0, "servo process", what, runs_for_, runs_since_, now_ps()});

@@ -20,7 +20,7 @@ std::size_t segments(const link::DmaEngine& engine, std::size_t bytes) {
   return static_cast<std::size_t>(engine.segments(static_cast<std::int64_t>(bytes)));
 }
 
-// From one segment's beginning to the next one's.
+// The distance between the beginnings of two segments.
 std::size_t stride(const link::DmaEngine& engine, std::size_t longest) {
   const std::size_t bytes = std::min(static_cast<std::size_t>(engine.segment_bytes), longest);
   return (bytes + kLine - 1) / kLine * kLine;

@@ -11,23 +11,24 @@
 
 namespace hvp::vp {
 
-// Where b, U, the descriptors and the completion record lie in the host's memory. As an operating
-// system gives them: in segments that do not lie together, those of b and of U in turn.
+// The places of b, U, the descriptors and the completion record in the host's memory. As an
+// operating system would give them, they are in separate segments, those of b and of U in turn.
 class DmaMemory {
  public:
-  // Bytes that it takes from the memory's beginning. `b_bytes` and `u_bytes` are multiples of 4.
+  // The number of bytes used from the memory's beginning. `b_bytes` and `u_bytes` are multiples of
+  // 4.
   static std::size_t needed(const link::DmaEngine& engine, std::size_t b_bytes,
                             std::size_t u_bytes);
-  // Of what `transfer` makes of so many unknowns; 0 without a DMA engine.
+  // As above, for `transfer` and this number of unknowns; 0 without a DMA engine.
   static std::size_t needed(const Transfer& transfer, const fixed::Settings& solver,
                             std::size_t unknowns);
 
-  // Throws InputError with the key "transfer.dma.segment_bytes" where the board's engine has no
-  // room for so many descriptors. The memory has to outlive it.
+  // Throws InputError with the key "transfer.dma.segment_bytes" if the board's engine has too few
+  // descriptors. The memory has to outlive the object.
   DmaMemory(HostMemory& memory, const link::DmaEngine& engine, std::size_t b_bytes,
             std::size_t u_bytes);
 
-  // What hvp_use_dma() is given; valid as long as this object.
+  // The argument of hvp_use_dma(). It is valid as long as this object.
   const hvp_dma& dma() const { return dma_; }
 
  private:

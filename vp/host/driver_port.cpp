@@ -1,12 +1,68 @@
 #include "vp/host/driver_port.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <vector>
 
 #include "vp/fpga/register_table.h"
-#include "vp/host/word_spans.h"
+#include "vp/frame/ledger.h"
 
 namespace hvp::vp {
+
+// Keeps the ledger small when a block goes over the bus word by word: words that follow each other
+// without a gap become one span, after one span of arbitration for all their waiting. Posted words
+// keep their spans, because others may follow them.
+class WordSpans {
+ public:
+  // The next words follow the tag. Keeps references.
+  WordSpans(Ledger& ledger, Tag& tag) : ledger_(ledger), tag_(tag), before_(tag.cause) {}
+
+  // To be called after each word.
+  void fold();
+
+ private:
+  Ledger& ledger_;
+  Tag& tag_;
+  SpanId before_;  // the cause of the first word that is folded
+};
+
+namespace {
+
+bool is_word(const Span& span) {
+  return span.part == Part::bus &&
+         (span.phase == Phase::bus_read || span.phase == Phase::bus_write);
+}
+
+bool may_be_folded(const Span& span) {
+  return is_word(span) || (span.part == Part::bus && span.phase == Phase::arbitration);
+}
+
+}  // namespace
+
+void WordSpans::fold() {
+  if (tag_.frame < 0 || tag_.cause == before_) return;
+  const std::vector<Span>& spans = ledger_.frame(tag_.frame).spans;
+  const auto at = [&spans](SpanId id) -> const Span& {
+    return spans[static_cast<std::size_t>(id)];
+  };
+  // The chain back to where the block stood, as long as it is the newest of the frame's spans.
+  Picoseconds waited = 0;
+  SpanId first = static_cast<SpanId>(spans.size());
+  for (SpanId id = tag_.cause; id != before_; id = at(id).cause) {
+    if (id != first - 1 || !may_be_folded(at(id))) {
+      before_ = tag_.cause;  // somebody else's stand between: the next words begin anew
+      return;
+    }
+    if (!is_word(at(id))) waited += at(id).end - at(id).start;
+    first = id;
+  }
+  const Span last = at(tag_.cause);
+  const Picoseconds start = at(first).start;
+  ledger_.take_back(tag_, first);
+  tag_.cause = before_;
+  if (waited > 0) ledger_.extend(tag_, Part::bus, Phase::arbitration, start, start + waited);
+  ledger_.extend(tag_, Part::bus, last.phase, start + waited, last.end);
+}
 
 namespace {
 // A day. Picoseconds of longer waits would leave 64 bits before long.
@@ -173,14 +229,14 @@ int DriverPort::wait_interrupt(std::uint64_t timeout_ns) {
     }
     // A request of the same instant counts, whichever process the kernel runs first.
     if (!access_.has_interrupt()) sc_core::wait(sc_core::SC_ZERO_TIME);
-    // What the host does not do meanwhile is a span too, beside the board's.
+    // The host's waiting is a span too, beside the board's.
     const SpanId waited = ledger_.add(tag_, Part::host, Phase::wait, blocked, now_ps());
     if (!access_.has_interrupt()) {
       tag_.cause = waited;
       if (dispatcher_ != nullptr) dispatcher_->wake(tag_);
       return HVP_INTERRUPT_TIMED_OUT;
     }
-    // From here on the frame follows what the board did, if it was for this frame.
+    // From here on the frame follows the board's spans, if the interrupt was for this frame.
     tag_.cause = waited;
     access_.follow_interrupt();
   }

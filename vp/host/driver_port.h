@@ -5,7 +5,7 @@
 #include <systemc>
 
 #include "driver/hvp_driver.h"
-#include "vp/fault/bus_errors.h"
+#include "vp/fault/fault_plan.h"
 #include "vp/fpga/accelerator.h"
 #include "vp/frame/ledger.h"
 #include "vp/host/board_access.h"
@@ -14,27 +14,28 @@
 
 namespace hvp::vp {
 
-// What the driver of the solver board reaches it through: its call-backs, as accesses of the
-// processor and waits of the process that calls the driver. The driver never sees whose frame it
-// works for. Call-backs run in that process and throw nothing, so that no C frame is ever unwound.
+// The port of the solver board's driver: its call-backs as accesses of the processor and as waits
+// of the calling process. The driver does not know which frame it works for. Call-backs run in the
+// calling process and throw nothing, so that no C frame is ever unwound.
 class DriverPort {
  public:
-  // Keeps references. `dispatcher`: what wakes the process that waits for an interrupt; null: it
-  // runs at once. `transfer`: what the driver's blocks become on the bus, and what it waits for.
+  // Keeps references. `dispatcher` wakes the process that waits for an interrupt; null: it runs at
+  // once. `transfer` decides how the driver's blocks go over the bus and how the driver waits.
   DriverPort(BoardAccess& access, Picoseconds interrupt_latency, Ledger& ledger,
              Dispatcher* dispatcher = nullptr, const Transfer& transfer = {});
   DriverPort(const DriverPort&) = delete;
   DriverPort& operator=(const DriverPort&) = delete;
 
-  // What hvp_open() is given; valid as long as this object.
+  // The argument of hvp_open(). It is valid as long as this object.
   const hvp_bus& bus() const { return bus_; }
   const Transfer& transfer() const { return transfer_; }
 
-  // For a host that polls: when the board's last job had ended, so that a frame's critical path
-  // goes through the board and not through the looks in vain.
+  // Gives a polling host the end of the board's last job, so that a frame's critical path goes
+  // through the board and not through polls that found it busy.
   void watch(const JobEnd& job_end) { job_end_ = &job_end; }
-  // From now on the driver can ask for what the bridge has recorded, at the cost of an access to
-  // its configuration space, which does not go over the bus. Before the simulation starts.
+  // Lets the driver read the errors that the bridge has recorded, at the cost of an access to the
+  // bridge's configuration space, which does not go over the bus. To be called before the
+  // simulation starts.
   void report_errors(BusErrors& errors, Picoseconds read_time, Picoseconds clear_time);
 
  private:

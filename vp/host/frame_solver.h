@@ -4,81 +4,61 @@
 #include <span>
 
 #include "driver/hvp_driver.h"
-#include "models/host/costs.h"
-#include "vp/frame/frame_tag.h"
-#include "vp/frame/ledger.h"
-#include "vp/host/job_observer.h"
-#include "vp/host/local_time.h"
+#include "models/time/picoseconds.h"
+#include "vp/frame/servo_counts.h"
 
 namespace hvp::vp {
 
-// Time that the servo process spends at work: spans of the host that follow the tag.
-class Work {
+// An observer of the driver's calls that the servo process makes, and of the U that it gets: all
+// that another host needs to repeat the same jobs. All reported calls have succeeded, except the
+// start of a job.
+class JobObserver {
  public:
-  Work(const host::Host& costs, bool untimed, Tag& tag, LocalTime& time, Ledger& ledger)
-      : costs_(costs), untimed_(untimed), tag_(tag), time_(time), ledger_(ledger) {}
-
-  void spend(Phase phase, double seconds, double operations = 0) const {
-    if (untimed_) return;
-    const Picoseconds start = time_.now();
-    time_.advance(to_picoseconds(seconds) + costs_.compute_ps(operations));
-    // Behind what is still under way the order of the spans would be another.
-    if (ledger_.holds()) time_.synchronise();
-    ledger_.extend(tag_, Part::host, phase, start, time_.now());
-  }
-  Picoseconds now() const { return time_.now(); }
-  const host::Host& costs() const { return costs_; }
-  Tag& tag() const { return tag_; }
-
- private:
-  host::Host costs_;
-  bool untimed_;
-  Tag& tag_;
-  LocalTime& time_;
-  Ledger& ledger_;
+  virtual ~JobObserver() = default;
+  virtual void configured(const hvp_solver_config& config) = 0;
+  virtual void loaded(const hvp_matrix& matrix) = 0;
+  // U from which the next job starts.
+  virtual void guessed(std::span<const std::int32_t> u) = 0;
+  virtual void constrained(std::uint32_t node, std::int32_t diagonal) = 0;
+  // `values` are nine for each block, with the row's blocks in the matrix' order.
+  virtual void restored(std::uint32_t node, std::span<const std::int32_t> values) = 0;
+  virtual void started(std::span<const std::int32_t> b) = 0;
+  // `flags` is hvp_last_flags().
+  virtual void solved(std::span<const std::int32_t> u, std::uint32_t flags) = 0;
 };
 
-// What cost time only.
-struct Mended {
-  int lost_interrupts = 0;
-  int lost_acknowledgements = 0;
-  // The frames that made them, −1: none: the one that is worked on, an earlier one.
-  std::int64_t unacknowledged_here = -1;
-  std::int64_t unacknowledged_before = -1;
-  int aborted = 0;  // accesses that were repeated
-  int damaged = 0;
-};
-
-// Who finds a frame's displacements: the board, behind its driver, or the host itself. All calls
+// A solver of a frame's displacements: the board behind its driver, or the host itself. All calls
 // are made in the servo thread and take simulated time.
 class FrameSolver {
  public:
   virtual ~FrameSolver() = default;
 
-  // Before the first frame, and again after a frame that failed: the solver has the matrix without
-  // contact. A piece at a time, until `done`; after an error the next piece is the first one again.
+  // Makes the next piece of the set-up, after which the solver has the matrix without contact;
+  // before the first frame, and again after a frame that failed. Sets `done` with the last piece.
+  // After an error the next piece is the first one again.
   virtual hvp_status set_up_piece(bool& done) = 0;
-  // The frame failed with this. False where the solver has to be set up again.
+  // Returns true if the solver can go on after a frame that failed with this status, false if it
+  // has to be set up again.
   virtual bool survives(hvp_status /*status*/) const { return true; }
-  // Until when the frame's force is due: what failed is not tried again later than that.
+  // The time at which the frame's force is due. Failed accesses are not repeated after it.
   virtual void set_deadline(Picoseconds /*time*/) {}
-  // The nodes (active, ascending) that follow the probe from now on.
+  // The nodes (active, ascending) that are contact nodes from now on.
   virtual hvp_status move_contact(std::span<const int> nodes) = 0;
-  // Everything up to the point where the solver works and the host need not wait for it.
+  // Works until the solver has its job and the host need not wait for it.
   virtual hvp_status begin(std::uint32_t& flags) = 0;
-  // Waits for what begin() began and takes the solution.
+  // Waits for the solve that begin() started and takes the solution.
   virtual hvp_status end(std::uint32_t& flags) = 0;
-  // What is left to do once the force is out.
+  // Makes the work that remains after the force is out.
   virtual void finish(std::uint32_t& flags) = 0;
   virtual hvp_status close() = 0;
 
-  // Who is told of the board's jobs; a solver without a board has none.
+  // Reports the board's jobs; a solver without a board has none.
   virtual void observe(JobObserver& /*observer*/) {}
 
-  // What went wrong since the last call and was put right.
+  // The errors since the last call that were put right.
   virtual Mended take_mended() { return {}; }
 
-  // Words of right-hand sides that did not fit, since the last call.
+  // The number of clamped words in right-hand sides since the last call.
   virtual std::int64_t take_clamped_words() { return 0; }
 };
 

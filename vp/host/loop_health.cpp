@@ -10,10 +10,49 @@
 
 namespace hvp::vp {
 
+void BoardRecovery::begin(std::int64_t number, hvp_status status) {
+  ready_ = false;
+  status_ = status;
+  next_attempt_ = number;
+}
+
+bool BoardRecovery::work(std::int64_t number, Picoseconds until) {
+  failure_ = HVP_OK;
+  if (ready_ || given_up() || number < next_attempt_) return false;
+  const bool first = last_worked_ != number;
+  if (!first && now_ps() + longest_piece_ > until) return false;
+  last_worked_ = number;
+  const Picoseconds began = now_ps();
+  bool done = false;
+  const hvp_status status = solver_.set_up_piece(done);
+  longest_piece_ = std::max(longest_piece_, now_ps() - began);
+  if (status != HVP_OK) {
+    fail(number, status);
+    return false;
+  }
+  if (!done) return true;
+  ready_ = true;
+  failed_in_a_row_ = 0;
+  ++recoveries_;
+  return false;
+}
+
+void BoardRecovery::fail(std::int64_t number, hvp_status status) {
+  status_ = status;
+  failure_ = status;
+  ++failed_attempts_;
+  ++failed_in_a_row_;
+  if (failed_in_a_row_ == policy_.attempts) {
+    given_up_at_ = number;
+  } else {
+    next_attempt_ = number + policy_.back_off(failed_in_a_row_);
+  }
+}
+
 namespace {
 std::uint32_t bit(stability::Flag flag) { return std::uint32_t{1} << static_cast<unsigned>(flag); }
 
-// What a board that is there can answer: it may do better at the next attempt.
+// Errors of a board that is present, which may do better at the next attempt.
 bool may_pass(hvp_status status) {
   return status == HVP_ERROR_NO_DEVICE || status == HVP_ERROR_BUS || status == HVP_ERROR_DATA ||
          status == HVP_ERROR_TIMEOUT || status == HVP_ERROR_BOARD;
@@ -34,10 +73,10 @@ void LoopHealth::loop_begins(Picoseconds now) {
   if (faults_ != nullptr) faults_->begin(now);
 }
 
-// What went wrong before says more than that a lost board cannot be closed.
+// An earlier error says more than that a lost board cannot be closed.
 void LoopHealth::closed(hvp_status status, std::int64_t ticks) {
   if (counts_.last_error == HVP_OK) note(status, ticks);
-  // Those that the last frame took with it.
+  // The ticks that the last frame skipped.
   count_ticks_without_force(ticks);
 }
 
@@ -49,7 +88,7 @@ void LoopHealth::solve_ended(const SolveEnd& end, std::uint32_t& flags) {
   count_ticks_without_force(end.status == HVP_OK ? end.frame : end.frame + 1);
   if (end.status == HVP_OK) {
     last_solved_ = end.frame;
-    // What was only late is in the frame's latency.
+    // A transfer that was only late is in the frame's latency.
     notice(FaultKind::late_dma, end.frame);
     return;
   }
@@ -68,7 +107,7 @@ void LoopHealth::fail(const SolveEnd& end) {
   recovery_.begin(end.frame, end.status);
 }
 
-// What the driver has put right in the meantime.
+// Counts the errors that the driver has put right in the meantime.
 void LoopHealth::count_mended(std::int64_t frame) {
   const Mended mended = solver_.take_mended();
   counts_.mended.lost_interrupts += mended.lost_interrupts;

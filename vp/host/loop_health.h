@@ -4,77 +4,95 @@
 #include <cstdint>
 
 #include "driver/hvp_driver.h"
-#include "models/host/recovery.h"
+#include "models/host/costs.h"
 #include "vp/fault/fault_plan.h"
-#include "vp/host/board_recovery.h"
+#include "vp/frame/servo_counts.h"
 #include "vp/host/frame_solver.h"
 
 namespace hvp::vp {
 
-struct ErrorCount {
-  std::int64_t count = 0;
-  std::int64_t first_frame = -1;  // −1: before the first frame
+// The recovery of a solver that failed, in the time that the frames leave: one piece at a time,
+// with growing delays between attempts, until it is given up.
+class BoardRecovery {
+ public:
+  // Keeps references.
+  BoardRecovery(const host::Recovery& policy, FrameSolver& solver)
+      : policy_(policy), solver_(solver) {}
+
+  // The solver can take a frame.
+  bool ready() const { return ready_; }
+  bool given_up() const { return given_up_at_ >= 0; }
+  // The last error.
+  hvp_status status() const { return status_; }
+
+  // Frame `number` failed; the solver has to be set up.
+  void begin(std::int64_t number, hvp_status status);
+  // Makes the next piece if its time has come and it is likely to end by `until`; a frame's first
+  // piece is always made, so that the recovery ends. Returns false if there is no work.
+  bool work(std::int64_t number, Picoseconds until);
+
+  std::int64_t recoveries() const { return recoveries_; }
+  std::int64_t failed_attempts() const { return failed_attempts_; }
+  std::int64_t given_up_at() const { return given_up_at_; }  // −1: never
+  // The last attempt's error; HVP_OK if it succeeded.
+  hvp_status last_failure() const { return failure_; }
+
+ private:
+  void fail(std::int64_t number, hvp_status status);
+
+  const host::Recovery& policy_;
+  FrameSolver& solver_;
+  bool ready_ = true;
+  hvp_status status_ = HVP_OK;
+  hvp_status failure_ = HVP_OK;
+  int failed_in_a_row_ = 0;
+  std::int64_t next_attempt_ = 0;  // the first frame that may make one
+  std::int64_t last_worked_ = -1;
+  Picoseconds longest_piece_ = 0;
+  std::int64_t recoveries_ = 0;
+  std::int64_t failed_attempts_ = 0;
+  std::int64_t given_up_at_ = -1;
 };
 
-// What went wrong in the servo loop that is not in the ledger.
-struct ServoCounts {
-  std::int64_t saturations = 0;  // in the board's solves
-  std::int64_t breakdowns = 0;
-  std::int64_t clamped_words = 0;   // of right-hand sides that did not fit
-  std::int64_t clamped_forces = 0;  // frames whose force did not fit the device's register
-  std::int64_t driver_errors = 0;   // frames whose solve failed; the last force was held
-  std::int64_t held_frames = 0;     // those, and frames without a board meanwhile
-  std::int64_t longest_hold = 0;    // ticks in a row without a new force, skipped ones included
-  // What the driver returned, by status: frames, accesses that were repeated, failed set-ups.
-  std::array<ErrorCount, HVP_STATUS_COUNT> errors{};
-  Mended mended;                // what cost time only
-  std::int64_t recoveries = 0;  // the board was set up again
-  std::int64_t failed_set_ups = 0;
-  std::int64_t given_up_at = -1;  // the frame in which the board was; −1: was not
-  std::int64_t contact_changes = 0;
-  std::uint32_t flags = 0;  // stability::Flags of all solves
-  hvp_status last_error = HVP_OK;
-};
-
-// Whether the servo loop can rely on its solver: counts what failed, tells the faults' plan what
-// was noticed, and has the solver brought back.
+// The servo loop's record of its solver's health: counts failures, reports noticed faults to the
+// fault plan, and has the solver recovered.
 class LoopHealth {
  public:
-  // How a frame's solve ended.
+  // The outcome of a frame's solve.
   struct SolveEnd {
     std::int64_t frame;
     hvp_status status;
-    bool attempted;  // false: the solver is being brought back, or was given up
+    bool attempted;  // false: the solver is being recovered, or was given up
   };
 
   // Keeps references.
   LoopHealth(const host::Recovery& policy, FrameSolver& solver)
       : policy_(policy), solver_(solver), recovery_(policy, solver) {}
 
-  // Tells the plan what the driver has noticed.
+  // Reports to the plan the faults that the driver notices.
   void report_to(FaultPlan& faults) { faults_ = &faults; }
 
-  // Set-up failed for the `failed`-th time in a row. Throws std::runtime_error where it is not to
-  // be tried again: without a frame no miss would be counted, and the run would look like one that
-  // held.
+  // Set-up failed for the `failed`-th time in a row. Throws std::runtime_error if it is not to be
+  // repeated: a run without frames would count no miss and look successful.
   void set_up_failed(hvp_status status, int failed);
   // The first frame is born now.
   void loop_begins(Picoseconds now);
-  // After the last frame: how the board was left, and how many ticks there were.
+  // The last frame is over; `status` is the driver's on closing the board, `ticks` the number of
+  // ticks.
   void closed(hvp_status status, std::int64_t ticks);
 
-  // The solver can take a frame, or why it cannot.
+  // HVP_OK if the solver can take a frame, otherwise the error that prevents it.
   hvp_status solver_status() const { return recovery_.ready() ? HVP_OK : recovery_.status(); }
-  // The solver was set up again and knows of no contact; until told_contact().
+  // True after the solver was set up again without contact, until told_contact().
   bool lost_contact() const { return lost_contact_; }
   void told_contact() { lost_contact_ = false; }
 
-  // Counts, and attributes to faults, what the solve's end says; raises the flags of what failed.
+  // Counts the outcome of a solve, attributes errors to faults and raises the flags of a failure.
   void solve_ended(const SolveEnd& end, std::uint32_t& flags);
 
-  // There is something to bring back.
+  // True if the solver has failed and was not given up.
   bool recovers() const { return !recovery_.ready() && !recovery_.given_up(); }
-  // As far as the time until then allows.
+  // Recovers the solver as far as the time until `until` allows.
   void recover(std::int64_t frame, Picoseconds until);
 
   ServoCounts& counts() { return counts_; }
@@ -98,7 +116,7 @@ class LoopHealth {
   BoardRecovery recovery_;
   FaultPlan* faults_ = nullptr;
   bool lost_contact_ = false;
-  std::int64_t last_solved_ = -1;  // frame
+  std::int64_t last_solved_ = -1;  // the last frame with a solution
   ServoCounts counts_;
 };
 

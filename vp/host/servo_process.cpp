@@ -29,7 +29,7 @@ ServoProcess::ServoProcess(const sc_core::sc_module_name& name, const ServoSetti
 }
 
 void ServoProcess::run() {
-  // What is thrown here would otherwise end in the kernel's report of it.
+  // An exception would otherwise end in the kernel's report.
   try {
     serve();
   } catch (...) {
@@ -42,7 +42,7 @@ void ServoProcess::serve() {
   const Picoseconds began = now_ps();
   rendering_.set_up();
   access_.time().synchronise();
-  // What was posted is not the first frame's to wait for.
+  // The first frame must not wait for writes that set-up has posted.
   drain_();
   set_up_time_ = now_ps() - began;
   session_.begin = now_ps();

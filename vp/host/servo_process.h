@@ -1,22 +1,70 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <functional>
 #include <optional>
+#include <span>
 #include <systemc>
 #include <utility>
+#include <vector>
 
+#include "models/collision/contact.h"
+#include "models/plant/daq.h"
+#include "vp/device/daq_board.h"
+#include "vp/frame/frame.h"
 #include "vp/frame/ledger.h"
-#include "vp/frame/session.h"
+#include "vp/frame/servo_counts.h"
 #include "vp/frame/verdict.h"
 #include "vp/host/board_access.h"
-#include "vp/host/daq_driver.h"
 #include "vp/host/dispatcher.h"
 #include "vp/host/frame_solver.h"
 #include "vp/host/rendering.h"
 
 namespace hvp::vp {
+
+// The servo process' accesses to the data acquisition board: one block each way for all probes.
+class DaqDriver {
+ public:
+  // `read_bytes` is DaqBoard::read_bytes(). The words after the positions are read but not used.
+  DaqDriver(BoardAccess& access, std::size_t probes, std::size_t read_bytes)
+      : access_(access), counts_(3 * probes), read_(read_bytes / sizeof(std::int32_t)) {}
+
+  // Latches the tips' positions and reads them, m.
+  void read_positions(std::span<collision::Touch> touches) {
+    const std::uint32_t latch = 1;
+    access_.write(kDaqBase + DaqBoard::kLatch, &latch, sizeof(latch));
+    access_.read(kDaqBase + DaqBoard::kPosition, read_.data(), read_.size() * sizeof(std::int32_t));
+    std::size_t next = 0;
+    for (collision::Touch& touch : touches) {
+      for (int i = 0; i < 3; ++i) touch.tip[i] = plant::kPosition.to_value(read_[next++]);
+    }
+  }
+
+  // Writes the devices' forces, the reactions to the forces on the body. Returns false if a force
+  // was outside its register's range.
+  bool write_forces(std::span<const collision::Touch> touches) {
+    bool fits = true;
+    std::size_t next = 0;
+    for (const collision::Touch& touch : touches) {
+      for (int i = 0; i < 3; ++i) {
+        const plant::Counts c = plant::kForce.to_counts(-touch.force[i]);
+        counts_[next++] = c.value;
+        fits = fits && !c.saturated;
+      }
+    }
+    access_.write(kDaqBase + DaqBoard::kForce, counts_.data(),
+                  counts_.size() * sizeof(std::int32_t));
+    return fits;
+  }
+
+ private:
+  BoardAccess& access_;
+  std::vector<std::int32_t> counts_;
+  std::vector<std::int32_t> read_;
+};
 
 struct ServoSettings {
   Picoseconds period = 2'000'000'000;
@@ -25,32 +73,33 @@ struct ServoSettings {
   std::size_t daq_read_bytes = 12;
 };
 
-// The servo process (thesis §6.2.2), step by step as in Fig. 6.2: read the positions, make forces
-// of them, write those, and do what is left. What lies between position and force is the
-// rendering's.
+// The servo process (thesis §6.2.2), with the steps of Fig. 6.2: read the positions, form the
+// forces, write them, and do the remaining work. The rendering does the steps between position and
+// force.
 //
-// With a pipeline depth of one the frame before is concluded in between: its solution is received
-// before the modified force vector is formed, its force is written while the board solves this one.
+// With a pipeline depth of one the preceding frame is completed in between: its solution is
+// received before the modified force vector is formed, and its force is written while the board
+// solves this frame.
 class ServoProcess : public sc_core::sc_module {
  public:
-  // Keeps references. `work`: the host's, whose time and tag are those of `access`.
+  // Keeps references. `work` is the host's, with the time and tag of `access`.
   ServoProcess(const sc_core::sc_module_name& name, const ServoSettings& settings,
                Rendering& rendering, BoardAccess& access, const Work& work, Dispatcher& dispatcher,
                Ledger& ledger, Verdict& verdict, Session& session);
 
-  // Called in the servo process after set-up and after the last frame: waits until the buses are
-  // empty.
+  // `drain` is called in the servo process after set-up and after the last frame, and waits until
+  // the buses are empty.
   void drain_with(std::function<void()> drain) { drain_ = std::move(drain); }
-  // Asked before every frame: where it says true, the loop ends there as after its last frame.
+  // Ends the loop before the first frame at which `asked` returns true, as after the last frame.
   void stop_when(std::function<bool()> asked) { stop_asked_ = std::move(asked); }
-  // Ticks that have had a frame or were skipped.
+  // The number of ticks with a frame and of skipped ticks.
   std::int64_t ticks() const { return ticks_; }
-  // When the loop begins: other processes of the host start with it.
+  // The event of the loop's begin, with which the host's other processes start.
   sc_core::sc_event& begun() { return begun_; }
   const ServoCounts& counts() const { return rendering_.counts(); }
-  // What the servo loop, or somebody whom it calls, threw; null where it ran to its end.
+  // The exception that ended the servo loop; null if there was none.
   std::exception_ptr failure() const { return failure_; }
-  // How long set-up took, loading K included.
+  // The duration of set-up, including the load of K.
   Picoseconds set_up_time() const { return set_up_time_; }
 
  private:
@@ -64,7 +113,7 @@ class ServoProcess : public sc_core::sc_module {
   void take_pending();
   void hand_out_pending();
 
-  // The steps of Fig. 6.2 around the rendering's.
+  // The steps of Fig. 6.2 before and after the rendering's.
   void sense(Frame& frame);
   void deliver(const Frame& frame);
   void advance(Frame& frame);

@@ -6,11 +6,11 @@
 #include "models/config/declaration.h"
 #include "models/fixed/settings.h"
 #include "models/link/frame_transfer.h"
-#include "vp/fpga/dma_engine.h"
+#include "vp/bus/bus_settings.h"
 
 namespace hvp::vp {
 
-// The scenario's table [transfer]: how the driver moves b and U, and how it hears of the end.
+// The scenario's table [transfer]: the way in which the driver moves b and U and learns of the end.
 struct Transfer {
   enum class Method { bursts, programmed_io, write_combined_io, dma };
 
@@ -22,18 +22,18 @@ struct Transfer {
 
   void declare(config::Visitor& v);
 
-  // What it makes of the board.
+  // The board's settings as a bus master.
   MasterSettings master() const;
   link::DmaEngine engine() const { return dma.value_or(link::DmaEngine{}); }
-  // Bytes of b and of U on their way.
+  // The number of bytes in which b and U are transferred.
   std::size_t rhs_bytes(const fixed::Settings& solver, std::size_t unknowns) const;
   std::size_t solution_bytes(const fixed::Settings& solver, std::size_t unknowns) const;
-  // Where it is what a board without a DMA engine and with a line does.
+  // True for the transfer of a board without a DMA engine and with an interrupt line.
   bool plain() const;
 };
 
 const char* name(Transfer::Method method);
-// As a scenario writes it.
+// The name in a scenario.
 const char* key_of(link::Notification notification);
 
 }  // namespace hvp::vp

@@ -173,8 +173,8 @@ void PciBus::occupy(const Service& service, std::int64_t first) {
   ++use(service.master).transactions;
 }
 
-// Of masters that ask, or wait, at one instant the one of the lowest number is served first,
-// whatever the kernel runs first: all have asked when a delta cycle is over.
+// Among masters that ask or wait at the same instant the one with the lowest number is served
+// first, whatever the kernel runs first: all have asked when a delta cycle is over.
 void PciBus::take_turn(Master master) {
   int& asking = asking_[static_cast<std::size_t>(master)];
   const auto lower = asking_.begin() + static_cast<int>(master);

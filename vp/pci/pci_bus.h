@@ -13,13 +13,13 @@
 
 #include "models/link/pci.h"
 #include "models/link/pci_arbiter.h"
-#include "vp/bus/bus_use.h"
-#include "vp/bus/posted_writes.h"
+#include "vp/bus/bus_meter.h"
+#include "vp/bus/bus_settings.h"
+#include "vp/bus/bus_transaction.h"
 #include "vp/fidelity.h"
 #include "vp/frame/frame_tag.h"
 #include "vp/frame/ledger.h"
 #include "vp/latency_draws.h"
-#include "vp/pci/bus_settings.h"
 
 namespace hvp::vp {
 
@@ -28,50 +28,50 @@ namespace hvp::vp {
 //
 // Loosely timed, a transaction waits until the bus is free, takes what link::Pci says and is served
 // whole. Approximately timed, it takes the processor's way to the bus and then what
-// link::PciArbiter says: bursts, clock edges, other masters. `untimed` takes no time at all. A
-// board's own transactions have no processor in front of them: they take the wire's time alone.
+// link::PciArbiter says: bursts, clock edges, other masters. `untimed` takes no time. A board's own
+// transactions take the wire's time alone, without a processor's latency.
 //
 // With [bus.posted_writes] the processor goes on when the bridge has taken its write, and the
-// board's writes are in memory later than on the bus; a read stays behind the writes before it. An
+// board's writes are in memory later than on the bus; a read stays behind the writes before it; an
 // interrupt line does not.
 //
-// A transaction that no target claims ends in a master abort: TLM_ADDRESS_ERROR_RESPONSE and, for
-// a read, all ones (PCI 3.0 §3.3.3.1).
+// A transaction that no target claims ends in a master abort: TLM_ADDRESS_ERROR_RESPONSE and, for a
+// read, all ones (PCI 3.0 §3.3.3.1).
 class PciBus : public sc_core::sc_module, private link::PciArbiter::Observer {
  public:
   // Masters of the bus: the processor's bridge, [bus.traffic], the board, [bus.graphics_traffic].
   enum Master : int { kProcessor, kTraffic, kBoard, kGraphics, kMasters };
 
   PciBus(const sc_core::sc_module_name& name, const link::Pci& model, bool untimed, Ledger& ledger);
-  // `seed`: of what [bus.read_latencies] draws.
+  // `seed` is for the draws of [bus.read_latencies].
   PciBus(const sc_core::sc_module_name& name, const BusSettings& settings, Timing level,
          Ledger& ledger, std::int64_t seed = 1);
 
   tlm_utils::simple_target_socket<PciBus> from_host;
-  // The board as master of the bus; unbound where no board is one. One transaction at a time:
+  // The board's transactions as bus master; unbound if it is not one. One transaction at a time:
   // others wait.
   tlm_utils::simple_target_socket_optional<PciBus> from_board;
 
-  // Claims [base, base + size) for a target; before the simulation starts. Addresses that the
-  // target sees start at zero.
+  // Claims [base, base + size) for a target. To be called before the simulation starts. The
+  // target's addresses start at zero.
   void attach(tlm::tlm_target_socket<>& target, std::uint64_t base, std::uint64_t size);
-  // What the board's transactions reach, with their addresses as they are.
+  // The target of the board's transactions, with unchanged addresses.
   void attach_memory(tlm::tlm_target_socket<>& memory);
 
-  // A master's block on the approximately-timed bus, in the caller's process; returns when the bus
-  // is released. One at a time a master.
+  // Moves a master's block on the approximately-timed bus, in the caller's process; returns when
+  // the bus is released. One at a time for each master.
   void move(Master master, link::Direction direction, std::int64_t bytes);
 
-  // Waits until nothing that was posted is under way; in the caller's process.
+  // Waits in the caller's process until no posted write is under way.
   void drain();
 
-  // Of the processor's transactions.
+  // The processor's bytes and transactions.
   std::int64_t bytes_moved() const { return uses_.front().bytes; }
   std::int64_t transactions() const { return uses_.front().transactions; }
-  // Time that anybody's took; approximately timed, that anybody owned the bus.
+  // The time of all transactions; approximately timed, the time in which the bus was owned.
   Picoseconds busy() const;
-  // What of it lies before now, with what is under way: other than busy(), which has a transaction
-  // when it begins (loosely timed) or a tenure when it has been followed to its end.
+  // The part of the busy time before now, including transactions under way. busy() counts a
+  // transaction when it begins (loosely timed), or a tenure when it has been followed to its end.
   Picoseconds busy_until_now() const;
   BusUses uses() const;
 
@@ -90,7 +90,7 @@ class PciBus : public sc_core::sc_module, private link::PciArbiter::Observer {
     Phase phase;
     std::int64_t frame;
   };
-  // What a master has the bus for.
+  // The purpose of a master's bus tenure.
   struct Errand {
     Phase phase = Phase::dma_write;
     std::int64_t frame = -1;
@@ -144,7 +144,7 @@ class PciBus : public sc_core::sc_module, private link::PciArbiter::Observer {
   std::array<Errand, kMasters> errands_;
 
   std::unique_ptr<link::PciArbiter> arbiter_;  // approximately timed
-  sc_core::sc_event changed_;                  // what forecasts rest on
+  sc_core::sc_event changed_;                  // the basis of the forecasts has changed
   std::array<bool, kMasters> served_{};        // approximately timed
   std::unique_ptr<Posting> posting_;           // the effect [bus.posted_writes]
   std::optional<LatencyDraws> reads_;          // the effect [bus.read_latencies]

@@ -1,4 +1,4 @@
-// What [bus.posted_writes] adds to PciBus.
+// The part of PciBus for the effect [bus.posted_writes].
 #include <algorithm>
 
 #include "vp/bus/bus_transaction.h"
@@ -16,7 +16,8 @@ std::int64_t beyond_buffer(std::int64_t bytes, std::int64_t buffer, std::int64_t
 
 }  // namespace
 
-// In the processor's process: until the bridge has the write, or all of it that does not fit.
+// Waits in the processor's process until the bridge has the write, or the part of it that does not
+// fit into the buffer.
 void PciBus::post(tlm::tlm_generic_payload& transaction) {
   Tag none;
   Tag& tag = tag_of(transaction, none);
@@ -33,7 +34,7 @@ void PciBus::post(tlm::tlm_generic_payload& transaction) {
   posting_->changed.notify();
   while (posting_->down.bytes_inside() > posting_->settings.buffer_bytes) wait(posting_->changed);
   ledger_.extend(tag, Part::bus, Phase::posting, began, now_ps());
-  // Who claims it is found out later; a processor never hears of a posted write's master abort.
+  // The target is looked up later; a processor never learns of a posted write's master abort.
   transaction.set_response_status(tlm::TLM_OK_RESPONSE);
 }
 
@@ -55,7 +56,7 @@ void PciBus::drain_to_targets() {
   }
 }
 
-// Of the block on the bus: what is left of it fits into the buffer.
+// The rest of the block that is on the bus fits into the buffer.
 void PciBus::first_has_left() {
   PostedWrite& write = posting_->down.front();
   write.inside = std::min<std::int64_t>(write.inside, posting_->settings.buffer_bytes);
@@ -88,7 +89,7 @@ void PciBus::drain_to_memory() {
   }
 }
 
-// Those that are there now, and what is posted behind them in the meantime.
+// Waits for the writes that are queued now, and for those posted behind them in the meantime.
 void PciBus::wait_for_posted(PostedWrites Posting::*writes) {
   while (!((*posting_).*writes).empty()) wait(posting_->changed);
 }

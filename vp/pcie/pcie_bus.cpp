@@ -159,7 +159,7 @@ void PcieBus::board_write(tlm::tlm_generic_payload& transaction) {
   transaction.set_response_status(tlm::TLM_OK_RESPONSE);
 }
 
-// What the sending took is the board's; the way through the link and to memory is the data's.
+// The time of sending is the board's; the way through the link and to memory is the data's.
 void PcieBus::has_left(PostedWrite& write) {
   if (write.sender == nullptr) return;
   const auto bytes = static_cast<std::int64_t>(write.data.size());
@@ -243,7 +243,8 @@ void PcieBus::reach_memory(tlm::tlm_generic_payload& transaction) {
   if (held != sc_core::SC_ZERO_TIME) wait(held);
 }
 
-// What it took beyond a link of its own is waiting: for others, and for the link layer's packets.
+// The time beyond that on an unloaded link is waiting: for others, and for the link layer's
+// packets.
 void PcieBus::account(Tag& tag, Phase phase, Picoseconds began, Picoseconds alone) {
   const Picoseconds waited = untimed_ ? 0 : std::max<Picoseconds>(0, now_ps() - began - alone);
   if (waited > 0) ledger_.extend(tag, Part::bus, Phase::arbitration, began, began + waited);
@@ -260,6 +261,26 @@ void PcieBus::count(User user, const link::Cost& cost, std::int64_t bytes) {
 void PcieBus::drain() {
   down_.wait_until_delivered(down_.posted());
   up_.wait_until_delivered(up_.posted());
+}
+
+HostBridge::HostBridge(const sc_core::sc_module_name& name, std::uint64_t link_base,
+                       std::uint64_t link_size)
+    : sc_module(name),
+      from_host("from_host"),
+      to_link("to_link"),
+      to_bus("to_bus"),
+      link_base_(link_base),
+      link_size_(link_size) {
+  from_host.register_b_transport(this, &HostBridge::b_transport);
+}
+
+void HostBridge::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay) {
+  const std::uint64_t address = transaction.get_address();
+  if (address >= link_base_ && address - link_base_ < link_size_) {
+    to_link->b_transport(transaction, delay);
+  } else {
+    to_bus->b_transport(transaction, delay);
+  }
 }
 
 }  // namespace hvp::vp

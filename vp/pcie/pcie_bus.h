@@ -11,12 +11,12 @@
 #include <tlm_utils/simple_target_socket.h>
 
 #include "models/link/interconnect.h"
-#include "vp/bus/bus_use.h"
+#include "vp/bus/bus_meter.h"
+#include "vp/bus/bus_settings.h"
 #include "vp/fidelity.h"
 #include "vp/frame/frame_tag.h"
 #include "vp/frame/ledger.h"
 #include "vp/latency_draws.h"
-#include "vp/pci/bus_settings.h"
 #include "vp/pcie/pcie_timing.h"
 #include "vp/pcie/posted_path.h"
 
@@ -26,46 +26,47 @@ namespace hvp::vp {
 //
 // Writes are posted, both ways: the processor goes on when it can store the next packet
 // (write_gap), the board when its last packet has left; a write reaches its target when it arrives
-// there. The processor's blocks leave in packets of write_combining_bytes. Its reads are of a word
-// each: a block is as many round trips. A read is behind the writes of its side, is answered with
-// what its target holds when the request arrives, and its answer is behind what the other side has
-// written before that (PCIe 5.0 §2.4.1). INTx is a message behind the board's writes, and so is
-// MSI, a write to kMessageAddress.
+// there. The processor's blocks leave in packets of write_combining_bytes. It reads single words,
+// so that a block is as many round trips. A read stays behind the writes of its side; its answer is
+// the target's contents when the request arrives, and stays behind what the other side has written
+// before (PCIe 5.0 §2.4.1). INTx is a message behind the board's writes, and so is MSI, a write to
+// kMessageAddress.
 //
-// `loosely-timed` and `approximately-timed` differ in PcieTiming. An address that nobody claims is
-// an unsupported request: an address error and all ones for a read, silence for a write.
+// `loosely-timed` and `approximately-timed` differ in PcieTiming. An access to an address that no
+// target claims is an unsupported request: a read gets an address error and all ones, a write has
+// no answer.
 class PcieBus : public sc_core::sc_module, public InterruptIf {
  public:
   PcieBus(const sc_core::sc_module_name& name, const link::Pcie& link, Timing level,
           Ledger& ledger);
-  // `seed`: of what [bus.pcie.root_complex_latencies] draws.
+  // `seed` is for the draws of [bus.pcie.root_complex_latencies].
   PcieBus(const sc_core::sc_module_name& name, const PcieSettings& settings, Timing level,
           Ledger& ledger, std::int64_t seed);
 
   tlm_utils::simple_target_socket<PcieBus> from_host;
-  // The board's own transactions; unbound where it has none. One read at a time: others wait.
+  // The board's own transactions; unbound if it has none. One read at a time: others wait.
   tlm_utils::simple_target_socket_optional<PcieBus> from_board;
-  // Where INTx messages end.
+  // The receiver of INTx messages.
   sc_core::sc_port<InterruptIf, 1, sc_core::SC_ZERO_OR_MORE_BOUND> interrupt_line;
 
-  // As PciBus.
+  // As in PciBus.
   void attach(tlm::tlm_target_socket<>& target, std::uint64_t base, std::uint64_t size);
   void attach_memory(tlm::tlm_target_socket<>& memory);
   void drain();
 
-  // InterruptIf: the board's line, which becomes messages.
+  // InterruptIf: the board's line, whose changes become messages.
   void interrupt(const Tag& tag) override;
   void lowered() override;
 
-  // Busy: the direction of the data.
+  // BusUse::busy is the time of the data's direction.
   BusUses uses() const { return {uses_.begin(), uses_.end()}; }
-  // The direction from this side, whoever's packets they are: a read has requests in one and
-  // completions in the other.
+  // The busy time of the direction from this side, for all packets: a read has requests in one
+  // direction and completions in the other.
   Picoseconds busy(link::PcieSide sender) const { return timing_.busy(sender); }
 
  private:
-  // What a transaction of so many bytes costs, worked out anew where it is another number than the
-  // time before: the formulas take as long as a register's access does otherwise.
+  // A cache for the cost of a transaction of the last number of bytes, because evaluating the
+  // formulas takes as long as the rest of a register access.
   class Remembered {
    public:
     template <class Formula>
@@ -85,7 +86,7 @@ class PcieBus : public sc_core::sc_module, public InterruptIf {
     int target;
   };
   enum User { kProcessor, kBoard, kUsers };
-  // The effect [bus.pcie.root_complex_latencies]: of the board's read that is under way.
+  // The effect [bus.pcie.root_complex_latencies] for the board's current read.
   struct RootComplex : link::CompleterTimes {
     RootComplex(const link::RootComplexLatencies& latencies, std::int64_t seed)
         : draws(latencies.drawn(), seed, "bus.pcie.root_complex_latencies") {}
@@ -136,6 +137,24 @@ class PcieBus : public sc_core::sc_module, public InterruptIf {
   sc_core::sc_event read_over_;
   std::array<BusUse, kUsers> uses_;
   std::optional<RootComplex> root_complex_;
+};
+
+// The decoder of the processor's addresses for a board with a PCI Express link of its own: one
+// window goes to the link, everything else to the PCI bus behind the same chipset. It takes no
+// time, because the figures of both buses include the processor's latency.
+class HostBridge : public sc_core::sc_module {
+ public:
+  HostBridge(const sc_core::sc_module_name& name, std::uint64_t link_base, std::uint64_t link_size);
+
+  tlm_utils::simple_target_socket<HostBridge> from_host;
+  tlm_utils::simple_initiator_socket<HostBridge> to_link;
+  tlm_utils::simple_initiator_socket<HostBridge> to_bus;
+
+ private:
+  void b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
+
+  std::uint64_t link_base_;
+  std::uint64_t link_size_;
 };
 
 }  // namespace hvp::vp

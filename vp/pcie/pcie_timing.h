@@ -13,17 +13,17 @@
 
 namespace hvp::vp {
 
-// The time that packets take on a PCI Express link, in the process of whoever sends them.
+// The timing of packets on a PCI Express link, in the process of their sender.
 //
-// Loosely timed it is link::Pcie's formulas, each direction of the link taken until the last packet
-// of what uses it has left. Approximately timed it is link::PcieLink: packet by packet, with
-// credits, tags and link layer. `untimed` takes none. What each sender sends goes one after the
-// other; that is the caller's to see to.
+// Loosely timed, it uses link::Pcie's formulas, and each direction of the link is taken until the
+// last packet of its user has left. Approximately timed, it is link::PcieLink: packet by packet,
+// with credits, tags and link layer. `untimed` takes no time. The caller makes sure that each
+// sender's transactions follow each other.
 class PcieTiming : private link::PcieLink::Observer {
  public:
   enum Sender : int { kProcessorWrites, kProcessorReads, kBoardWrites, kBoardReads, kSenders };
 
-  // What a sender has packets on the link for.
+  // The purpose of a sender's packets.
   struct Errand {
     Phase phase = Phase::message;
     std::int64_t frame = -1;
@@ -33,19 +33,19 @@ class PcieTiming : private link::PcieLink::Observer {
   PcieTiming(const PcieTiming&) = delete;
   PcieTiming& operator=(const PcieTiming&) = delete;
 
-  // A write of so many bytes, or, without, a message. Returns when its last packet has left, with
-  // the time of its arrival at the other side.
+  // Sends a write of this number of bytes, or a message for zero bytes. Returns when its last
+  // packet has left, with the time of its arrival at the other side.
   Picoseconds send(Sender sender, std::int64_t bytes, Errand errand);
-  // A read, as large as a request may be or larger. Returns when its last request is at the other
-  // side. `times`: of what is read, until the answer is there; null: the link's constant.
+  // Sends a read, also of more bytes than one request may have. Returns when its last request is at
+  // the other side. `times` are the completer's latencies; null: the link's constant.
   void ask(Sender sender, std::int64_t bytes, Errand errand,
            const link::CompleterTimes* times = nullptr);
-  // Behind ask(): returns when its last completion is back.
+  // Follows ask() and returns when the read's last completion is back.
   void await_answer(Sender sender);
 
-  // How long the direction from this side has been taken so far. Loosely timed by each
-  // transaction's packets, when it begins, with their share of the link layer's; approximately
-  // timed by every packet that has left.
+  // The busy time so far of the direction from this side. Loosely timed, each transaction counts
+  // its packets with their share of the link layer's when it begins; approximately timed, every
+  // packet counts when it has left.
   Picoseconds busy(link::PcieSide sender) const;
 
  private:
@@ -68,7 +68,7 @@ class PcieTiming : private link::PcieLink::Observer {
   std::array<Picoseconds, 2> busy_{};             // likewise
   std::array<Picoseconds, kSenders> answered_{};  // loosely timed
   std::optional<link::PcieLink> packets_;         // approximately timed
-  sc_core::sc_event changed_;                     // what forecasts rest on
+  sc_core::sc_event changed_;                     // the basis of the forecasts has changed
 };
 
 }  // namespace hvp::vp

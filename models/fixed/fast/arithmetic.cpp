@@ -129,7 +129,7 @@ std::uint64_t fixed_point_ratio(Int128 numerator, Int128 denominator, int fracti
   const auto low = static_cast<std::uint64_t>(whole << fraction_bits);
   const bool odd = ((low + part.floor) & 1U) != 0;
   const std::uint64_t sum = low + part.rounded(rounding, odd);
-  // Where the whole part alone passes 63 bits, so does the sum.
+  // If the whole part alone exceeds 63 bits, so does the sum.
   beyond = width(whole) + fraction_bits > 63 || sum > static_cast<std::uint64_t>(limit);
   return sum;
 }

@@ -6,17 +6,17 @@
 #include "models/fixed/settings.h"
 #include "models/fixed/types.h"
 
-// The fast solver's own arithmetic. Nothing here comes from the reference, so that a mistake in
+// The fast solver's own arithmetic. It shares nothing with the reference, so that a mistake in
 // either shows when their words are compared.
 namespace hvp::fixed::fast {
 
-// What becomes of bits that are dropped, and of values beyond their word.
+// The treatment of dropped bits, and of values beyond their word.
 struct Rules {
   Rounding rounding = Rounding::nearest_up;
   Overflow overflow = Overflow::saturate;
 };
 
-// Where a value that is shifted left ends; further than any word reaches.
+// The limit of a value that is shifted left; it is beyond every word.
 inline constexpr std::uint64_t kFarthest = std::uint64_t{1} << 61;
 
 inline int width(std::uint64_t value) { return static_cast<int>(std::bit_width(value)); }
@@ -34,18 +34,18 @@ inline std::int64_t largest_word(int bits) {
   return static_cast<std::int64_t>((std::uint64_t{1} << (bits - 1)) - 1);
 }
 
-// A multiplication by 2^exponent of magnitudes below 2^63, decided once for a whole vector: to
-// the right by one addition and a shift, (size + bias + (its own bit at `right` & odd)) >> right,
-// then to the left, and never beyond kFarthest.
+// A multiplication by 2^exponent of magnitudes below 2^63, decided once for a whole vector: first
+// to the right by one addition and a shift, (size + bias + (size's bit at `right` & odd)) >> right,
+// then to the left, clamped to kFarthest.
 struct Shift {
   Shift(int exponent, Rounding rounding) {
     if (exponent >= 0) {
       left = exponent < 62 ? exponent : 61;
-      // From `most` on, the result would pass kFarthest.
+      // A larger magnitude than `most` would exceed kFarthest.
       most = exponent < 62 ? kFarthest >> left : 0;
       return;
     }
-    // Nothing is left of a magnitude below 2^62 behind 63 places, whatever the rounding.
+    // A shift by 63 places leaves nothing of a magnitude below 2^62, whatever the rounding.
     if (exponent < -63) {
       most = ~std::uint64_t{0};
       right = 63;
@@ -77,7 +77,7 @@ struct Shift {
   }
 };
 
-// A word of so many bits, as the rules say; counts what did not fit ±(2^(bits-1) - 1).
+// A word of `bits` bits; adds one to `count` if the value is beyond ±(2^(bits-1) - 1).
 inline std::int32_t to_word(std::int64_t value, int bits, Overflow overflow, std::int64_t& count) {
   const std::int64_t limit = largest_word(bits);
   if (size_of(value) <= static_cast<std::uint64_t>(limit)) return static_cast<std::int32_t>(value);
@@ -92,17 +92,17 @@ inline std::int32_t to_word(std::int64_t value, int bits, Overflow overflow, std
   return static_cast<std::int32_t>(static_cast<std::int64_t>(low) - weight);
 }
 
-// A scalar of 64 or 128 bits; false where it did not fit.
+// Makes a scalar of 64 or 128 bits; false if the value did not fit.
 bool to_scalar(Int128& value, int bits, Overflow overflow);
 
-// value · 2^exponent for scalars, cut at ±2^100; false where it was cut.
+// Multiplies a scalar by 2^exponent, clamped to ±2^100; false if it was clamped.
 bool shift_scalar(Int128& value, int exponent, Rounding rounding);
 
 // The mantissa of `bits` bits that is nearest to numerator / denominator, and its exponent.
 Coefficient mantissa_of_ratio(Int128 numerator, Int128 denominator, int bits, Rounding rounding);
 
 // The low 64 bits of numerator / denominator in units of 2^-fraction_bits, rounded; `beyond` says
-// that the whole of it exceeds `limit`. numerator >= 0, denominator > 0.
+// that the whole quotient exceeds `limit`. numerator >= 0, denominator > 0.
 std::uint64_t fixed_point_ratio(Int128 numerator, Int128 denominator, int fraction_bits,
                                 Rounding rounding, std::int64_t limit, bool& beyond);
 

@@ -23,7 +23,7 @@ struct Avx2 {
           below_zero(_mm256_set1_epi32(static_cast<int>(s.below_zero))) {}
     Word n, odd, bias, below_zero;
   };
-  // What is left to shift once the lowest 16 bits have gone.
+  // The shift that is left once the lowest 16 bits are dropped.
   struct SplitShift {
     explicit SplitShift(const RightShift& s)
         : n(_mm256_set1_epi32(static_cast<int>(s.right) - 16)),
@@ -48,7 +48,7 @@ struct Avx2 {
   static void store(std::int32_t* p, Word w) { _mm256_store_si256(reinterpret_cast<Word*>(p), w); }
   static Word all(std::int32_t w) { return _mm256_set1_epi32(w); }
   static Word size(Word w) { return _mm256_abs_epi32(w); }
-  // Where the sign is zero, so is the size.
+  // If the sign is zero, so is the size.
   static Word with_sign(Word size, Word sign) {
     const Word negative = _mm256_srai_epi32(sign, 31);
     return _mm256_sub_epi32(_mm256_xor_si256(size, negative), negative);
@@ -107,7 +107,7 @@ struct Avx2 {
     return result;
   }
 
-  // Of 64 bits each.
+  // Lanes of 64 bits each.
   static Int128 sum_of_lanes(Word w) {
     alignas(32) long long part[kWords / 2];
     _mm256_store_si256(reinterpret_cast<Word*>(part), w);
@@ -204,7 +204,7 @@ __m256i inner_products(__m256i nodes, __m256i row0, __m256i row1, __m256i row2) 
                           _mm256_mul_epi32(z, row2));
 }
 
-// What a product has found so far.
+// The figures of a product so far.
 struct Seen {
   __m256i largest = _mm256_setzero_si256();
   __m256i dot = _mm256_setzero_si256();
@@ -216,8 +216,8 @@ __m128i two_nodes(const std::int16_t* first, const std::int16_t* second) {
                    reinterpret_cast<const double*>(second)));
 }
 
-// What four blocks meet. A load a node: on many processors that is faster than the instruction
-// that gathers four.
+// The words of the vector that four blocks are multiplied by. One load for each node: on many
+// processors that is faster than the instruction that gathers four.
 template <typename Index>
 __m256i gather(const std::int16_t* vector, const Index* column) {
   const FourNodes<Avx2> node(column);

@@ -25,7 +25,7 @@ struct Avx512 {
           below_zero(_mm512_set1_epi32(static_cast<int>(s.below_zero))) {}
     Word n, odd, bias, below_zero;
   };
-  // What is left to shift once the lowest 16 bits have gone.
+  // The shift that is left once the lowest 16 bits are dropped.
   struct SplitShift {
     explicit SplitShift(const RightShift& s)
         : n(_mm512_set1_epi32(static_cast<int>(s.right) - 16)),
@@ -106,7 +106,7 @@ struct Avx512 {
   static Word larger_size(Word a, Word b) { return _mm512_max_epu32(a, b); }
   static std::uint64_t largest(Word w) { return _mm512_reduce_max_epu32(w); }
 
-  // Of 64 bits each; by halves, so that their sums fit as many.
+  // Lanes of 64 bits each; by halves, so that their sums fit as many.
   static Int128 sum_of_lanes(Word w) {
     const Word low = _mm512_and_si512(w, _mm512_set1_epi64(0xFFFFFFFF));
     return Int128{_mm512_reduce_add_epi64(_mm512_srai_epi64(w, 32))} * (Int128{1} << 32) +
@@ -207,8 +207,8 @@ __m256i four_nodes(const std::int16_t* vector, const Index* column) {
   return with_node(words, 8, vector + kRowWords * node.place[3]);
 }
 
-// What eight blocks meet. A load a node: the instruction that gathers eight takes 13 cycles on
-// Zen 4, this 7.
+// The words of the vector that eight blocks are multiplied by. One load for each node: the
+// instruction that gathers eight takes 13 cycles on Zen 4, this 7.
 template <typename Index>
 __m512i gather(const std::int16_t* vector, const Index* column) {
   return _mm512_inserti64x4(_mm512_castsi256_si512(four_nodes(vector, column)),

@@ -1,4 +1,4 @@
-// What happens once an iteration: scalars, coefficients, exponents.
+// The parts of an iteration that are no vectors: scalars, coefficients, exponents.
 #include <algorithm>
 
 #include "models/fixed/fast/fast_solver.h"
@@ -7,7 +7,7 @@ namespace hvp::fixed::fast {
 
 namespace {
 
-// How many bits a·2^a_exponent + b·2^b_exponent have at most, in the arithmetic that
+// The most bits that a·2^a_exponent + b·2^b_exponent can have, in the arithmetic that
 // docs/fixed-point.md defines: an adder of 40 bits, and an allowance for the rounding of a word.
 int bits_of_sum(std::uint64_t a, int a_exponent, std::uint64_t b, int b_exponent, int word_bits) {
   constexpr int kAdderBits = 40;
@@ -21,7 +21,7 @@ int bits_of_sum(std::uint64_t a, int a_exponent, std::uint64_t b, int b_exponent
   for (const auto& [size, exponent] : {std::pair{a, a_exponent}, std::pair{b, b_exponent}}) {
     if (size == 0) continue;
     const int places = exponent - unit;
-    // What falls below the adder counts as a whole unit.
+    // A term below the adder's bits counts as a whole unit.
     sum += places >= 0 ? size << places : (places > -64 ? size >> -places : 0) + 1;
   }
   return width(sum + (sum >> (word_bits - 3))) + unit;

@@ -6,7 +6,6 @@
 #include <span>
 #include <vector>
 
-#include "models/fixed/fast/aligned.h"
 #include "models/fixed/fast/arithmetic.h"
 #include "models/fixed/fast/packed_matrix.h"
 #include "models/fixed/fast/passes.h"
@@ -15,9 +14,9 @@
 
 namespace hvp::fixed::fast {
 
-// The same words as ReferenceSolver's (docs/fixed-point.md), by passes over whole vectors. A pass
-// of the kernel is taken where it can be shown, by the magnitudes at hand, that nothing inside it
-// can overflow; else the exact one, which can do everything.
+// Computes the words of ReferenceSolver (docs/fixed-point.md) by passes over whole vectors. A pass
+// of the kernel is taken if the known magnitudes prove that nothing inside it can overflow;
+// otherwise the exact pass, which can do everything.
 class FastSolver final : public Solver {
  public:
   // Checks the settings (InputError). `passes` has to outlive the solver.
@@ -28,15 +27,15 @@ class FastSolver final : public Solver {
   void update(int node) override;
   Report solve(Job job, Observer* observer = nullptr) override;
 
-  // Bytes of the packed matrix, which a product reads once.
+  // The bytes of the packed matrix, which a product reads once.
   std::size_t matrix_bytes() const { return packed_.bytes(); }
-  // Whether every row's sum fits 32 bits, so that the narrow layout is in use.
+  // True if every row's sum fits 32 bits, so that the narrow layout is in use.
   bool paired() const { return packed_.paired(); }
 
  private:
   enum class Step { made, stopped };
 
-  // In the order of the packed matrix; the words behind the last row are zero.
+  // A vector in the order of the packed matrix; the words behind the last row are zero.
   struct Vector {
     Aligned<std::int32_t> word;
     int exponent = 0;
@@ -88,7 +87,7 @@ class FastSolver final : public Solver {
   double true_residual();
   void judge(const Job& job);
 
-  // fast_vectors.cpp: the passes, and which one is taken.
+  // fast_vectors.cpp: the passes and the choice between them.
   void take(const Job& job);
   void take(std::span<const std::int32_t> words, int bits, Vector& to);
   void hand_over(std::span<std::int32_t> solution) const;
@@ -128,14 +127,14 @@ class FastSolver final : public Solver {
 
   Vector x_, b_, r_, z_, d_, q_, w_, n_, v_, product_;
   Aligned<std::int16_t> short_;      // the vector that meets the paired matrix, four words a node
-  Aligned<std::int64_t> sums_;       // values that are not words yet; zero behind the last row
+  Aligned<std::int64_t> sums_;       // sums before they become words; zero behind the last row
   std::vector<std::int32_t> shown_;  // for the observer, in the order of the matrix
 
   Coefficient alpha_, beta_, shown_alpha_;
   Scalar z_r_, d_q_;
   Int128 z_r_sum_ = 0;  // zᵀr, not yet a scalar
   bool stopped_ = false;
-  Int128 rhs_squares_ = 0;  // of the words
+  Int128 rhs_squares_ = 0;  // Σ b² in words
   double residual_squares_ = 0;
   double smallest_ = 0;
   int last_progress_ = 0;

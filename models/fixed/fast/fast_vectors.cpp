@@ -1,4 +1,4 @@
-// Which pass is taken, and the exact ones for what no pass can prove.
+// The choice of passes, and the exact passes for vectors for which no fast one is proved safe.
 #include <algorithm>
 #include <cstdint>
 

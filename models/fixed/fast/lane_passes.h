@@ -8,8 +8,8 @@
 
 namespace hvp::fixed::fast {
 
-// The nodes in four columns of the paired layout. Short numbers are read at once: loads are what a
-// product is short of.
+// The nodes in four columns of the paired layout. Short numbers are read by one load, because loads
+// limit a product's speed.
 template <typename Lanes>
 struct FourNodes {
   explicit FourNodes(const std::uint16_t* column) {
@@ -23,9 +23,10 @@ struct FourNodes {
   std::size_t place[4] = {};
 };
 
-// The passes over vectors, written once for every set of vector instructions: `Lanes` (lanes_*.h)
-// has the words and the operations. Every name here depends on Lanes, so that nothing compiled
-// with more instructions than the baseline can stand in for something else.
+// The passes over vectors, written once for every set of vector instructions. `Lanes` has the words
+// and the operations: OneWord in portable.cpp, Avx2 in avx2.cpp and Avx512 in avx512.cpp.
+// Every name here depends on Lanes, so that the linker cannot take a function that was compiled
+// with more instructions than the baseline for another kernel's.
 template <typename Lanes>
 struct LanePasses {
   using Word = typename Lanes::Word;
@@ -72,7 +73,8 @@ struct LanePasses {
  private:
   enum class Cut { never, clamp, wrap };
   enum class Move { none, left, right };
-  // How factor · b is formed: in 32 bits, in 32 after the upper half of b, or in 64.
+  // The width in which factor · b is formed: 32 bits, 32 bits after the upper half of b, or 64
+  // bits.
   enum class Width { narrow, split, wide };
 
   template <bool kEven>

@@ -78,7 +78,7 @@ void PackedMatrix::place_nodes(const QuantisedMatrix& matrix) {
   }
 }
 
-// Where which block of a vector is read: of the pattern alone.
+// The places at which blocks of a vector are read. They depend on the pattern alone.
 void PackedMatrix::lay_out(const QuantisedMatrix& matrix) {
   short_index_ = paired_ && place_.size() <= std::size_t{1} << 16;
   const std::size_t entries = kSliceNodes * at(slice_begin_.back());
@@ -153,7 +153,7 @@ void PackedMatrix::update(const QuantisedMatrix& matrix, int node) {
   }
   measure();
   if (paired_ && !(still_short && fits_pairs())) {
-    // What a restored row brings back can be more than the loaded matrix had.
+    // A restored row can be larger than that of the loaded matrix.
     paired_ = false;
     lay_out(matrix);
     pack(matrix);

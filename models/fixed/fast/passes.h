@@ -6,23 +6,25 @@
 #include "models/fixed/types.h"
 
 // The passes over vectors that the fast solver consists of, and their arguments. A kernel is a
-// table of them. Included where instructions beyond the baseline are allowed, so there are only
-// plain data here: an inline function could be kept in the version that not every machine runs.
+// table of them. Sources with instructions beyond the baseline include this header, so it has plain
+// data only: the linker could keep the version of an inline function that not every machine can
+// run.
 //
-// Vectors start and end at a cache line; what lies behind their last entry is zero and stays zero.
+// Vectors start and end at a cache line; the words behind their last entry are zero and stay zero.
 namespace hvp::fixed::fast {
 
-// Nodes of a slice, and the words that one row of theirs has in a step of the paired layout: a row
-// of a block is (x, y, z, 0), and a node of the vector that meets it has (x, y, z) and any word.
+// The nodes of a slice, and the words of one of their rows in a step of the paired layout: a row of
+// a block is (x, y, z, 0), and the node of the vector that it is multiplied by has (x, y, z) and
+// any fourth word.
 inline constexpr std::size_t kSliceNodes = 8;
 inline constexpr std::size_t kRowWords = 4;
 inline constexpr std::size_t kRowStep = kSliceNodes * kRowWords;
 inline constexpr std::size_t kPairedStep = 3 * kRowStep;   // [row][node][word]
 inline constexpr std::size_t kWideStep = 9 * kSliceNodes;  // [row][column][node]
 
-// Four steps are packed into three: the z of two steps stand together, and so do the (x, y) of
-// the second and the fourth. Where the word of a step and a column is within the four, from the
-// row's and the node's place in a step.
+// Four steps are packed into three: the z of two steps stand together, and so do the (x, y) of the
+// second and the fourth. kQuadWord[step][column] is a word's place within the four steps, from the
+// place of the row and the node in a step.
 inline constexpr std::size_t kQuadSteps = 4;
 inline constexpr std::size_t kQuadWords = 3 * kPairedStep;
 inline constexpr std::size_t kQuadWord[kQuadSteps][3] = {
@@ -31,10 +33,11 @@ inline constexpr std::size_t kQuadWord[kQuadSteps][3] = {
     {kPairedStep, kPairedStep + 1, kPairedStep + 2},
     {2 * kPairedStep + 2, 2 * kPairedStep + 3, kPairedStep + 3}};
 
-// The matrix in slices of eight nodes. A step has one block of each, the first step the diagonal
-// ones: what those meet of a vector stands side by side. Where a node has no block left, its words
-// are zero. Of the paired layout a slice has as many fours of steps as it can; the rest stand
-// alone. A block meets four words of the vector, of the node in its column.
+// The matrix in slices of eight nodes. A step has one block of each node, the first step the
+// diagonal ones, whose words of the vector stand side by side. If a node has no block left, its
+// words are zero. A slice of the paired layout has as many packed fours of steps as possible; the
+// other steps stand alone. A block is multiplied by four words of the vector, those of the node in
+// its column.
 struct PairedSlices {
   const std::int16_t* value = nullptr;
   const int* slice_begin = nullptr;           // steps; size slices + 1
@@ -43,7 +46,8 @@ struct PairedSlices {
   std::size_t slices = 0;
 };
 
-// `first` is the row of the vector that a block's first column meets.
+// The matrix in wide words. `first` is the row of the vector by which a block's first column is
+// multiplied.
 struct WideSlices {
   const std::int32_t* value = nullptr;
   const int* slice_begin = nullptr;
@@ -51,9 +55,9 @@ struct WideSlices {
   std::size_t slices = 0;
 };
 
-// A shift to the right that rounds, of a magnitude: (size + bias + (its own bit at `right` & odd))
-// >> right. Of a signed value the same is (value + bias + (value < 0 ? below_zero : 0) + …) >>
-// right, as a shift of a negative number rounds down.
+// A shift to the right that rounds. For a magnitude it is (size + bias + (size's bit at `right` &
+// odd)) >> right; for a signed value (value + bias + (value < 0 ? below_zero : 0) + …) >> right,
+// because a shift of a negative number rounds down.
 struct RightShift {
   std::uint32_t right = 0;
   std::uint32_t odd = 0;  // 0 or 1
@@ -61,8 +65,8 @@ struct RightShift {
   std::int64_t below_zero = 0;
 };
 
-// out = word(a · 2^left or a >> a_right, + factor · b >> b_right), entry by entry. Whoever calls
-// has made sure that every term and their sum stay within ±(2^31 - 1), and that
+// out = word(a · 2^left or a >> a_right, + factor · b >> b_right), entry by entry. The caller has
+// made sure that every term and their sum stay within ±(2^31 - 1), and that
 //   a_right <= 31, a_left = 0 or a_right = 0;
 //   b_right <= 60;
 //   short_product: factor and b fit 16 bits, their product 30, b_right <= 31; or factor = 0, in
@@ -79,16 +83,16 @@ struct Terms {
   RightShift a_right = {};
   std::int32_t factor = 0;
   RightShift b_right = {};
-  int bits = 32;              // of the word
-  bool wraps = false;         // what does not fit is wrapped, not clamped
+  int bits = 32;              // width of the word
+  bool wraps = false;         // a value beyond its word is wrapped, not clamped
   bool nearest_even = false;  // some `odd` is set
   bool short_product = false;
   bool split_product = false;
   bool fits = false;
-  bool square = false;  // wants Σ out²
+  bool square = false;  // Σ out² is wanted
 };
 
-// What a pass has seen of the vector that it wrote.
+// The figures of the vector that a pass wrote.
 struct Found {
   std::uint64_t largest = 0;   // magnitude
   std::int64_t overflows = 0;  // words that did not fit
@@ -110,19 +114,23 @@ struct FoundBoth {
 };
 
 struct Passes {
-  // An inner product has so many accumulators at least, each of which sums every lanes-th product.
+  // The least number of accumulators of an inner product, each of which sums every lanes-th
+  // product.
   std::size_t lanes = 1;
   Found (*combine)(const Terms& terms) = nullptr;
-  // Two at once that share b, which may be second.out. Both have short_product and fits, but not
-  // square; first.a is not shifted.
+  // Two combinations at once that share b, which may be second.out. Both have short_product and
+  // fits, but not square; first.a is not shifted.
   FoundBoth (*combine_both)(const Terms& first, const Terms& second) = nullptr;
   Found (*multiply_entries)(const Products& products) = nullptr;
-  // Σ a · b, and the largest magnitude of b. The sums in one lane's accumulator fit 63 bits.
+  // Forms Σ a · b and finds the largest magnitude of b. The sums in one lane's accumulator fit 63
+  // bits.
   Found (*inner_product)(const std::int32_t* a, const std::int32_t* b, std::size_t size) = nullptr;
-  // Every node's (x, y, z), which fit 16 bits, in four words; so many words of `in`.
+  // Puts every node's (x, y, z), which fit 16 bits, into four words; `size` counts the words of
+  // `in`.
   void (*to_short)(const std::int32_t* in, std::int16_t* out, std::size_t size) = nullptr;
-  // out: 24 words a slice, the three rows of a node together. No sum exceeds 32 bits. Finds the
-  // largest of out and, where the sums in one lane's accumulator fit 63 bits, Σ vector · out.
+  // `out` has 24 words for each slice, the three rows of a node together. No sum exceeds 32 bits.
+  // Finds the largest of out and, where the sums in one lane's accumulator fit 63 bits, Σ vector ·
+  // out.
   Found (*multiply_paired)(const PairedSlices& a, const std::int16_t* vector,
                            std::int32_t* out) = nullptr;
   void (*multiply_wide)(const WideSlices& a, const std::int32_t* vector,

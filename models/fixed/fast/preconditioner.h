@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "models/fixed/fast/aligned.h"
 #include "models/fixed/fast/packed_matrix.h"
 #include "models/fixed/fast/passes.h"
 #include "models/fixed/quantised_matrix.h"
@@ -13,7 +12,8 @@
 namespace hvp::fixed::fast {
 
 // P⁻¹ of thesis §4.3 in integer words (docs/fixed-point.md), formed at load and update, in the
-// order of the packed matrix: an entry a row for the inverse diagonal, else a slice's blocks.
+// order of the packed matrix: one entry for each row for the inverse diagonal, otherwise the blocks
+// of each slice.
 class Preconditioner {
  public:
   explicit Preconditioner(const Settings& settings)

@@ -10,8 +10,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include "models/fit/device_twin.h"
-#include "models/fit/qlv_twin.h"
+#include "models/fit/twins.h"
 #include "tests/app/cli/program.h"
 #include "tests/app/scratch_directory.h"
 

@@ -9,8 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "app/results/figure_list.h"
-#include "app/results/figures_json.h"
+#include "app/results/figures.h"
 #include "app/results/outcome.h"
 
 namespace hvp::results::figures_test {

@@ -1,8 +1,8 @@
-#include "app/scenario/nearest.h"
-
 #include <string>
 
 #include <gtest/gtest.h>
+
+#include "app/scenario/message.h"
 
 namespace hvp::scenario::nearest_test {
 namespace {

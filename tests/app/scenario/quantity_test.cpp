@@ -9,7 +9,6 @@
 
 #include <gtest/gtest.h>
 
-#include "app/scenario/unit_table.h"
 #include "models/config/input_error.h"
 
 namespace hvp::scenario::quantity_test {

@@ -12,12 +12,12 @@
 #include <gtest/gtest.h>
 
 #include "models/accel/architecture.h"
+#include "models/config/effects.h"
 #include "models/config/input_error.h"
-#include "models/config/quiet_visitor.h"
 #include "tests/fixed/elastic_box.h"
 #include "tests/vp/engine/engine_systems.h"
 #include "tests/vp/engine/levels.h"
-#include "vp/fpga/engine/phase_clocks.h"
+#include "vp/fpga/engine/phase_engine.h"
 
 namespace hvp::vp::engine::architectures_test {
 namespace {

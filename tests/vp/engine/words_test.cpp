@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "models/config/input_error.h"
-#include "models/fixed/start_guess.h"
+#include "models/fixed/word.h"
 #include "tests/fixed/elastic_box.h"
 #include "tests/fixed/small_systems.h"
 #include "tests/vp/engine/engine_systems.h"

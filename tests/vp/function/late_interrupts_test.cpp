@@ -1,5 +1,5 @@
 // Interrupts whose handler runs some time after they were raised, at exact times.
-#include "vp/function/late_interrupts.h"
+#include "vp/function/outside_host.h"
 
 #include <optional>
 #include <vector>

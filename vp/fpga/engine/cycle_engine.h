@@ -22,55 +22,56 @@
 
 namespace hvp::vp::engine {
 
-// Throws InputError where an engine cannot be built so (key of accel::Architecture), or where a
-// level has no such solver (key "method" or "start" of fixed::Settings).
+// Throws InputError if an engine cannot have this architecture (with the key of
+// accel::Architecture), or if a level has no such solver (key "method" or "start" of
+// fixed::Settings).
 void require_supported(const accel::Architecture& architecture);
 void require_supported(const fixed::Settings& settings);
 
-// The accelerator of thesis chapter 5, every clock of it. The words come out of its pipelines and
-// are those of fixed::ReferenceSolver; when they come is decided by ports, pipelines and the units
-// that wait for each other. It has the methods cg, jacobi-pcg and block-jacobi-pcg.
+// The accelerator of thesis chapter 5 with every clock. The words come out of its pipelines and are
+// those of fixed::ReferenceSolver; their clocks follow from ports, pipelines and the units that
+// wait for each other. It supports the methods cg, jacobi-pcg and block-jacobi-pcg.
 //
-// The host has the memories while the engine is idle; whoever calls then is the bus. In that time
-// the engine brings x into the copies of d, where the first product of the next solve looks for it:
-// after each solve, and when the host has written x. d is dead then.
+// The bus may access the memories while the engine is idle. In that time the engine copies x into
+// the copies of d, for the first product of the next solve: after each solve, and when the host has
+// written x. The value of d is not needed then.
 class CycleEngine : public sc_core::sc_module {
  public:
   CycleEngine(const sc_core::sc_module_name& name, const accel::Architecture& architecture);
 
-  // Fills the matrix memories, and lets go of all vectors. Throws InputError as require_supported()
-  // and Layout do.
+  // Fills the matrix memories and drops all vectors. Throws InputError as require_supported() and
+  // Layout do.
   void load(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings);
   void write_b(std::span<const std::int32_t> words);
-  // Words of Settings::vector_bits. There is no solution before them.
+  // The words have Settings::vector_bits. An extrapolated start has no solution before them.
   void write_x(std::span<const std::int32_t> words);
   void read_x(std::span<std::int32_t> words) const;
   // The words of the matrix memories in the pattern that was loaded.
   const fixed::QuantisedMatrix& read_matrix();
 
-  // Each may be started while idle only; solves and inversions end with done(). The clocks are
-  // the edges from the start to the last one.
+  // Each of these may be started only while idle; solves and inversions end with done(). Their
+  // clocks are the edges from the start to the last one.
   void start_inversion();  // P⁻¹ of all nodes: the matrix was loaded
   void start_constraining(int node, std::int32_t diagonal);
   void start_restoring(int node, std::span<const std::int32_t> row);
-  // How long the access that gave one of these two has to be held.
+  // The clocks for which the access that started one of these two is stalled.
   std::int64_t update_clocks() const { return editor_.edges(); }
-  // Waits for x to be in the copies of d.
+  // Starts a solve, which first waits for x in the copies of d.
   void start_solve(const fixed::Settings& settings, fixed::Observer* observer = nullptr);
   void abort();
   // The next extrapolated start has no solution before x.
   void forget_previous() { has_previous_ = false; }
 
   const sc_core::sc_event& done() const { return done_; }
-  // Nothing that the host asked for is going on.
+  // True if no work that the host asked for is under way.
   bool idle() const { return !solving_ && !editor_.busy(); }
   std::int64_t clocks() const;
-  // Where those of the last solve went; the rest is its wait for x.
+  // The clocks of the last solve by state; the rest is its wait for x.
   const StateClocks& state_clocks() const { return sequencer_.state_clocks(); }
-  // Solves that were started.
+  // The number of solves started.
   std::int64_t jobs() const { return jobs_; }
-  // What the hardware knows of the last solve: iterations, replacements, what was clamped or
-  // wrapped, breakdowns, and the flags of these. No norms.
+  // The last solve's report as the hardware knows it: iterations, replacements, clamped and wrapped
+  // words, breakdowns, and their flags. It has no norms.
   fixed::Report report();
 
   const accel::Architecture& architecture() const { return architecture_; }
@@ -111,7 +112,7 @@ class CycleEngine : public sc_core::sc_module {
   sc_core::sc_event done_;
 
   std::optional<Layout> layout_;
-  fixed::QuantisedMatrix matrix_;  // the pattern; its words are fetched when they are asked for
+  fixed::QuantisedMatrix matrix_;  // the pattern; read_matrix() fetches the words
   fixed::Settings settings_;
   std::optional<fixed::ReferencePreconditioner> preconditioner_;
   fixed::Observer* observer_ = nullptr;

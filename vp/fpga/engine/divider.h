@@ -8,16 +8,15 @@
 #include "models/fixed/solver.h"
 #include "models/fixed/types.h"
 #include "vp/fpga/engine/engine_clock.h"
-#include "vp/fpga/engine/register.h"
 
 namespace hvp::vp::engine {
 
 struct DivisionCommand {
-  std::uint32_t number = 0;  // a division starts with every change
+  std::uint32_t number = 0;  // every change starts a division
   fixed::Int128 numerator = 0;
   fixed::Int128 denominator = 1;
-  int fraction_bits = 0;  // of fixed coefficients
-  bool hold = false;      // the divider turns, and nobody takes what it gives
+  int fraction_bits = 0;  // for fixed coefficients
+  bool hold = false;      // the divider works, and its quotient is ignored
 };
 
 struct Quotient {
@@ -25,8 +24,8 @@ struct Quotient {
   fixed::Coefficient value;
 };
 
-// The divider of α and β: shift and subtract, so many clocks whatever it divides. The command's
-// edge and the quotient's are `clocks` apart.
+// The divider of α and β. It shifts and subtracts, with the same number of clocks for every
+// division: `clocks` from the command's edge to the quotient's.
 class Divider : public sc_core::sc_module {
  public:
   Divider(const sc_core::sc_module_name& name, EngineClock& clock);
@@ -34,7 +33,7 @@ class Divider : public sc_core::sc_module {
   const Register<DivisionCommand>* command = nullptr;
   Register<Quotient> quotient;
 
-  // Words and rules of the next jobs.
+  // Sets the words and rules of the next jobs.
   void configure(const fixed::Settings& settings, int clocks);
   void reset() { busy_ = false; }
   fixed::Report& report() { return report_; }

@@ -13,20 +13,20 @@
 
 namespace hvp::vp::engine {
 
-// What is traced: that for which the engine works while `frame()` lies between two frames.
+// The window of a trace: the engine's work while `frame()` is between two frames.
 struct TraceWindow {
   std::function<std::int64_t()> frame;  // asked at every edge
   std::int64_t first = 0;
   std::int64_t last = std::numeric_limits<std::int64_t>::max();
 };
 
-// Writes what the cycle-accurate engine does into a VCD file (IEEE 1364) that GTKWave and Surfer
-// show: a wire for each state of the sequencer, the SpMxV blocks' positions and queues, and the
-// words that lane 0 of the vector unit wrote last, as signed words (…_word) and as real numbers in
-// the units of docs/fixed-point.md (…_value). Outside the window nothing changes, so that nothing
-// is written.
+// A trace of the cycle-accurate engine as a VCD file (IEEE 1364) for GTKWave and Surfer: a wire for
+// each state of the sequencer, the SpMxV blocks' positions and queues, and the words that lane 0 of
+// the vector unit wrote last, as signed words (…_word) and as real numbers in the units of
+// docs/fixed-point.md (…_value). Outside the window the values do not change, so that nothing is
+// written.
 //
-// It looks at an edge when all processes of that edge have run. Has to be there before simulation
+// It samples an edge after all processes of that edge have run. It has to exist before simulation
 // starts.
 class EngineTrace : public sc_core::sc_module {
  public:
@@ -38,7 +38,7 @@ class EngineTrace : public sc_core::sc_module {
   struct Close {
     void operator()(sc_core::sc_trace_file* file) const { sc_core::sc_close_vcd_trace_file(file); }
   };
-  // A vector's x component at the node: the word, and what it is worth.
+  // A vector's x component at the node, as a word and as a real number.
   struct Component {
     std::int32_t word = 0;
     double value = 0;

@@ -73,7 +73,7 @@ void Layout::fill(const accel::Architecture& architecture, Partition& partition,
       const int used = std::clamp(columns - first, 0, package_);
       const int phase = first % 3;
       const std::size_t begin = partition.node.size();
-      // What pads the last package reads nothing; its index is that of the last node.
+      // The padding of the last package reads nothing; its index is that of the last node.
       for (int j = 0; j < nodes_in_package_; ++j) {
         const int block = std::min(first / 3 + j, columns / 3 - 1);
         partition.node.push_back(column[at(first_block + block)]);

@@ -9,42 +9,42 @@
 
 namespace hvp::vp::engine {
 
-// A partition's share of the matrix: its rows of blocks in the order in which they are worked off,
-// each in packages of PL2 columns (thesis §5.3, §5.4). What stands here is what the index memory
-// holds, and where the words of the non-zero memory lie.
+// A partition's share of the matrix: its block rows in the order of processing, each in packages of
+// PL2 columns (thesis §5.3, §5.4). It consists of the index memory's contents and the places of the
+// words in the non-zero memory.
 struct Partition {
   std::vector<int> row;            // block rows, ascending
-  std::vector<int> first_package;  // of each of them; one more entry than rows
-  // A package each:
-  std::vector<int> node;              // block columns, Layout::nodes_in_package() of them
+  std::vector<int> first_package;  // each row's; one more entry than rows
+  // These have one entry for each package, `node` several:
+  std::vector<int> node;              // block columns, Layout::nodes_in_package() for each package
   std::vector<std::uint8_t> phase;    // component of the first column: 0 x, 1 y, 2 z
-  std::vector<std::uint8_t> clocks;   // that the banks of d take to serve it
-  std::vector<std::uint8_t> columns;  // used; those behind are padding
+  std::vector<std::uint8_t> clocks;   // for the banks of d to serve it
+  std::vector<std::uint8_t> columns;  // used columns; the others are padding
   std::vector<int> owner;             // the block row it belongs to
-  std::vector<std::uint8_t> last;     // of that row
+  std::vector<std::uint8_t> last;     // the last package of its row
 
   int packages() const { return static_cast<int>(phase.size()); }
 };
 
-// Where a block row lies.
+// The place of a block row.
 struct RowPlace {
   int partition = 0;
   int first_package = 0;
   int packages = 0;
 };
 
-// How a matrix pattern is laid out in the memories of an architecture. Rows are dealt out longest
-// first to the emptiest partition, which balances them as §5.3 asks.
+// The layout of a matrix pattern in the memories of an architecture. Rows are dealt out, the
+// longest first, to the emptiest partition, which balances the partitions as §5.3 asks.
 class Layout {
  public:
   // `row_begin` and `column` as in fixed::QuantisedMatrix. Throws InputError with the key
-  // "packages_per_row" where a row is longer than that.
+  // "packages_per_row" if a row has more packages.
   Layout(const accel::Architecture& architecture, std::span<const int> row_begin,
          std::span<const int> column);
 
   int nodes() const { return static_cast<int>(place_.size()); }
   int package_columns() const { return package_; }
-  // Nodes, of three columns each, that a package touches at most.
+  // The largest number of nodes, of three columns each, in a package.
   int nodes_in_package() const { return nodes_in_package_; }
   const std::vector<Partition>& partitions() const { return partition_; }
   const RowPlace& place(int row) const { return place_[static_cast<std::size_t>(row)]; }

@@ -106,7 +106,7 @@ void MatrixEditor::finish() {
   if (finished) finished();
 }
 
-// What belongs into a block of the visited row: column `block_column`, entry (row, column).
+// The word for entry (row, column) of the visited row's block in column `block_column`.
 std::int32_t MatrixEditor::word(const Visit& visit, int block_column, int row, int column) const {
   if (!restoring_) {
     const bool diagonal = visit.row == node_ && block_column == node_ && row == column;

@@ -15,10 +15,10 @@
 
 namespace hvp::vp::engine {
 
-// Clears and restores the row and the column of a contact node (thesis §3.7, §6.2.1), a package a
-// clock: first those of the node's own row, then those of each neighbour's row, which are searched
-// for the node's column by what the index memory says. Then the pipelines run empty and, with a
-// preconditioner, the divider makes the node's part of P⁻¹, or that of all nodes after a load.
+// The unit that clears and restores the row and the column of a contact node (thesis §3.7, §6.2.1),
+// one package a clock: first those of the node's own row, then those of each neighbour's row, in
+// which the index memory is searched for the node's column. Then the pipelines run empty and, with
+// a preconditioner, the divider makes the node's part of P⁻¹, or that of all nodes after a load.
 class MatrixEditor : public sc_core::sc_module {
  public:
   MatrixEditor(const sc_core::sc_module_name& name, const accel::Architecture& architecture,
@@ -28,31 +28,31 @@ class MatrixEditor : public sc_core::sc_module {
 
   // `contact` says which nodes are contact nodes.
   void load(const Layout& layout, const std::vector<std::uint8_t>& contact);
-  // The row and the column of a node are cleared but for `diagonal`.
+  // Clears the row and the column of a node but for `diagonal`.
   void constrain(int node, std::int32_t diagonal, fixed::Method method);
-  // `row` has the words of the node's row, nine a block in the order of its pattern. Blocks shared
-  // with a node that is a contact node now stay cleared.
+  // Restores the node's row and column. `row` has nine words for each block of the row, in the
+  // order of its pattern. Blocks shared with another contact node stay cleared.
   void restore(int node, std::span<const std::int32_t> row, fixed::Method method);
-  // P⁻¹ of all nodes.
+  // Makes P⁻¹ of all nodes.
   void invert_all(fixed::Method method);
   void abort() { busy_ = false; }
-  // Everything is written, and the pipelines are empty with the next edge.
+  // True if all packages are written and the pipelines are empty with the next edge.
   bool at_last_edge() const { return next_visit_ == visits_.size() && drain_ <= 1; }
   void finish();
 
   bool is_contact(int node) const { return contact_[static_cast<std::size_t>(node)] != 0; }
   bool busy() const { return busy_; }
-  // The node whose row and column are changed, or were last.
+  // The node whose row and column are or were changed last.
   int node() const { return node_; }
-  // Edges of the command that was given last: its packages, then the pipelines and the divisions.
+  // The number of edges of the last command: its packages, then the pipelines and the divisions.
   std::int64_t edges() const { return edges_; }
 
  private:
-  // A package of a row that has to be looked at.
+  // A package that the editor has to read.
   struct Visit {
     int row = 0;
-    int package = 0;      // of its partition
-    int first_block = 0;  // of the row, that its first column belongs to
+    int package = 0;      // its index in the partition
+    int first_block = 0;  // the row's block of the package's first column
   };
 
   void begin(int node, fixed::Method method);
@@ -64,14 +64,14 @@ class MatrixEditor : public sc_core::sc_module {
   EngineClock& clock_;
   std::vector<std::unique_ptr<SpmxvBlock>>& blocks_;
   const Layout* layout_ = nullptr;
-  std::vector<std::uint8_t> contact_;  // a bit a node
+  std::vector<std::uint8_t> contact_;  // one bit for each node
 
   bool busy_ = false;
   bool restoring_ = false;
   int node_ = 0;
   std::int32_t diagonal_ = 0;
   std::vector<std::int32_t> staged_;  // the row that the host sent
-  std::vector<int> staged_block_of_;  // a node each: its block in that row, or -1
+  std::vector<int> staged_block_of_;  // each node's block in that row, or -1
   std::vector<Visit> visits_;
   std::size_t next_visit_ = 0;
   std::int64_t edges_ = 0;

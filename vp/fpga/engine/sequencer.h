@@ -11,13 +11,13 @@
 #include "models/fixed/solver.h"
 #include "vp/fpga/engine/divider.h"
 #include "vp/fpga/engine/engine_clock.h"
-#include "vp/fpga/engine/register.h"
 #include "vp/fpga/engine/vector_unit.h"
 
 namespace hvp::vp::engine {
 
-// Where a solve is. The data dependences of thesis Fig. 4.4 are the order: α needs dᵀA·d, which
-// ends group a; group b needs α; β needs the residual's size, which ends group b; group c needs β.
+// The states of a solve. Their order follows from the data dependences of thesis Fig. 4.4: α needs
+// dᵀA·d, which ends group a; group b needs α; β needs the residual's size, which ends group b;
+// group c needs β.
 enum class State {
   idle,
   copy,             // after a job: x into the copies of d, for the next one's first product
@@ -36,10 +36,10 @@ enum class State {
 const char* name(State state);
 inline constexpr std::size_t kStates = static_cast<std::size_t>(State::direction) + 1;
 
-// Clocks that a solve has spent in each state, counted from its first pass.
+// The clocks that a solve has spent in each state, counted from its first pass.
 using StateClocks = std::array<std::int64_t, kStates>;
 
-// What the control registers hold: exponents of the vectors, sizes, and both scalars.
+// The contents of the control registers: the exponents and sizes of the vectors, and both scalars.
 struct Scalars {
   int r_exponent = 0, z_exponent = 0, d_exponent = 0, q_exponent = 0;
   std::uint64_t largest_r = 0, largest_z = 0, largest_d = 0, largest_q = 0;
@@ -48,8 +48,8 @@ struct Scalars {
   fixed::Coefficient shown_alpha;  // as it applies to q, for words of r as they were
 };
 
-// Starts the passes of a solve one after the other and keeps the exponents (dynamic scaling, thesis
-// §4.2). It decides when a unit says that it is done, never by counting clocks.
+// The control unit: starts the passes of a solve in order and keeps the exponents (dynamic scaling,
+// thesis §4.2). It acts when a unit reports its end, and never counts clocks.
 class Sequencer : public sc_core::sc_module {
  public:
   Sequencer(const sc_core::sc_module_name& name, EngineClock& clock);
@@ -60,22 +60,24 @@ class Sequencer : public sc_core::sc_module {
   const Register<VectorStatus>* vector_status = nullptr;
   const Register<Quotient>* quotient = nullptr;
 
-  // Called when an iteration's words are all written, and when the solve is over.
+  // Called when all words of an iteration are written, when the solve is over, and when a copy of x
+  // is.
   std::function<void()> iteration_made;
   std::function<void()> finished;
-  std::function<void()> copied;  // the copies of d hold x
+  std::function<void()> copied;  // the copies of d contain x
 
-  // `inverse_shift` is that of P⁻¹·r. The first pass starts at once. Has to find x in the copies
-  // of d. `has_previous`: an extrapolated start has a solution before x.
+  // Starts a solve, whose first pass begins at once; x has to be in the copies of d.
+  // `inverse_shift` is that of P⁻¹·r. `has_previous`: an extrapolated start has a solution before
+  // x.
   void start(const fixed::Settings& settings, int inverse_shift, bool has_previous);
-  // Starts the copy of x into the copies of d, anew where one is going on.
+  // Starts to copy x into the copies of d, anew if a copy is under way.
   void copy();
-  // Gives up a solve or a copy.
+  // Aborts a solve or a copy.
   void abort();
 
   State state() const { return state_; }
   const Scalars& scalars() const { return scalars_; }
-  // Iterations, replacements, breakdowns and flags of the solve.
+  // The iterations, replacements, breakdowns and flags of the solve.
   const fixed::Report& report() const { return report_; }
   int pass_of_loop() const { return loops_; }
   const StateClocks& state_clocks() const { return state_clocks_; }
@@ -120,7 +122,7 @@ class Sequencer : public sc_core::sc_module {
   std::uint32_t products_ = 0;
   int loops_ = 0;
   bool zero_ = false;      // the solve starts from zero, whatever x is
-  bool hold_ = false;      // nothing is left to do, and the passes go on
+  bool hold_ = false;      // the solve is over, and its passes go on
   bool replaced_ = false;  // this iteration's residual is formed anew
   double rhs_square_ = 0;
   double residual_square_ = 0;

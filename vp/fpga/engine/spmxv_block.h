@@ -10,50 +10,50 @@
 #include "models/accel/architecture.h"
 #include "vp/fpga/engine/engine_clock.h"
 #include "vp/fpga/engine/layout.h"
-#include "vp/fpga/engine/ranks.h"
-#include "vp/fpga/engine/register.h"
 
 namespace hvp::vp::engine {
 
-// A row of blocks when its last package has passed the adder trees: exact sums, not yet words.
+// The result of a block row whose last package has passed the adder trees, as exact sums and not
+// yet words.
 struct RowResult {
   int node = 0;
   std::array<std::int64_t, 3> sum{};
-  // The words of the multiplied vector at the row's own node, caught as they passed: the inner
-  // product with the result needs no further port.
+  // The words of the multiplied vector at the row's own node, which are kept as they pass: the
+  // inner product with the result needs no further port.
   std::array<std::int32_t, 3> own{};
 };
 
-// Nodes of a vector that are written into the copies at one edge.
+// The nodes of a vector that are written into the copies at one edge.
 struct DirectionWrite {
   int first = 0;
   int count = 0;
-  std::uint32_t number = 0;             // counts the writes, so that one is not taken twice
+  std::uint32_t number = 0;             // counts the writes, so that none is taken twice
   const std::int32_t* words = nullptr;  // three a node
 };
 
-// The SpMxV sub-block of thesis Fig. 5.5, one a partition: non-zero memory and index memory, its
-// own copy of the vector that is multiplied, PL1 × PL2 multipliers, adder trees and accumulators,
-// and a memory for the rows that are done.
+// The SpMxV sub-block of thesis Fig. 5.5, one for each partition: non-zero memory and index memory,
+// its own copy of the multiplied vector, PL1 × PL2 multipliers, adder trees and accumulators, and a
+// memory for finished rows.
 //
 // A package enters the pipelines when the banks of d have served it (Partition::clocks edges) and,
 // if it ends a row, when the result memory has room for that row. Its row is in the result memory
-// memory_read + multiplier + adder_tree edges later. The index memory is read ahead: it does not
-// depend on any vector.
+// memory_read + multiplier + adder_tree edges later. The index memory is read ahead, because it
+// does not depend on any vector.
 class SpmxvBlock : public sc_core::sc_module {
  public:
   SpmxvBlock(const sc_core::sc_module_name& name, const accel::Architecture& architecture,
              EngineClock& clock);
 
-  // From the sequencer: a product starts with every change.
+  // From the sequencer; every change starts a product.
   const Register<std::uint32_t>* start = nullptr;
-  // From the vector unit: results taken so far, and what it writes into the copies of d.
+  // From the vector unit: the number of results taken so far, and the nodes that it writes into the
+  // copies of d.
   const Register<std::uint32_t>* taken = nullptr;
   const Register<DirectionWrite>* direction_write = nullptr;
-  // To the vector unit: results put into the result memory so far.
+  // To the vector unit: the number of results in the result memory so far.
   Register<std::uint32_t> finished;
 
-  // Host access, while idle. `layout` has to stay where it is.
+  // A host access, while idle. `layout` has to stay in place.
   void load(const Layout& layout, int partition);
   // Empties pipelines and result memory.
   void reset();
@@ -76,7 +76,7 @@ class SpmxvBlock : public sc_core::sc_module {
   std::int64_t queue_stalls() const { return queue_stalls_; }
 
  private:
-  // A package on its way.
+  // A package in the pipelines.
   struct InFlight {
     int package = -1;
     std::array<std::int64_t, 3> sum{};
@@ -102,7 +102,7 @@ class SpmxvBlock : public sc_core::sc_module {
 
   Ranks ranks_;
   std::vector<InFlight> flight_;
-  std::vector<std::int64_t> products_;  // of each slot: three rows of PL2
+  std::vector<std::int64_t> products_;  // three rows of PL2 for each slot
 
   RowResult row_;  // the accumulators
   bool busy_ = false;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "models/fixed/start_guess.h"
 #include "models/fixed/word.h"
 #include "models/index.h"
 
@@ -118,7 +117,7 @@ bool VectorUnit::writes_direction() const {
   }
 }
 
-// Of the bank that so many nodes in a row ask most.
+// The number of accesses to the bank that this number of successive nodes asks most.
 int VectorUnit::accesses(int nodes, int each) const {
   const int banks = architecture_.direction_banks;
   return each * ((nodes + banks - 1) / banks);
@@ -130,10 +129,7 @@ void VectorUnit::move_lanes() {
     const int used = std::min(accesses_left, writes_left_);
     writes_left_ -= used;
     accesses_left -= used;
-    if (writes_left_ > 0) {
-      ++port_stalls_;
-      return;
-    }
+    if (writes_left_ > 0) return;
   }
   const auto lanes = at(architecture_.nodes_per_clock);
   const int read_age = architecture_.memory_read_clocks;
@@ -170,14 +166,10 @@ void VectorUnit::enter_group(int accesses_left) {
     if (reads_left_ == 0) reads_left_ = needed;
     // A group is read in one clock where that is possible at all.
     if (reads_left_ > accesses_left && needed <= architecture_.direction_accesses()) {
-      ++port_stalls_;
       return;
     }
     reads_left_ -= std::min(accesses_left, reads_left_);
-    if (reads_left_ > 0) {
-      ++port_stalls_;
-      return;
-    }
+    if (reads_left_ > 0) return;
   }
   group = {next_node_, count};
   next_node_ += count;
@@ -372,7 +364,6 @@ void VectorUnit::write_back(int age) {
   const std::size_t slot = back_ranks_.slot(age);
   const int count = back_count_[slot];
   done_nodes_ += count;
-  collected_ += count;
   if (now_.hold || count == 0) return;
   written_node_ = back_row_[slot * at(architecture_.nodes_per_clock)].node;
   for (int i = 0; i < count; ++i) {

@@ -13,13 +13,11 @@
 #include "models/fixed/solver.h"
 #include "models/fixed/types.h"
 #include "vp/fpga/engine/engine_clock.h"
-#include "vp/fpga/engine/ranks.h"
-#include "vp/fpga/engine/register.h"
 #include "vp/fpga/engine/spmxv_block.h"
 
 namespace hvp::vp::engine {
 
-// What the vector unit does in one pass over all nodes. The groups are those of thesis Fig. 4.4.
+// The passes of the vector unit over all nodes. The groups are those of thesis Fig. 4.4.
 enum class Pass {
   none,
   copy,             // x into the copies of d
@@ -31,16 +29,16 @@ enum class Pass {
   direction,        // group c: d = z + β·d
 };
 
-// From the sequencer; holds still while a pass runs.
+// A command from the sequencer, which does not change while a pass runs.
 struct VectorCommand {
-  std::uint32_t number = 0;  // a pass starts with every change
+  std::uint32_t number = 0;  // every change starts a pass
   Pass pass = Pass::none;
   bool hold = false;     // nothing is written: the solve is over, its passes are not
   bool compare = false;  // product: also the size of b − q
   bool first = false;    // residual: clamped words of b are counted
-  bool zero = false;     // of a start from zero: rows count as zero, and the residual clears x
+  bool zero = false;     // start from zero: rows count as zero, and the residual clears x
   bool alone = false;    // guess: no solution lies before x
-  // x and the copies of d change places, for a product with x amid the iterations.
+  // x and the copies of d are exchanged, for a product with x amid the iterations.
   bool exchange = false;
   std::int32_t alpha = 0;  // mantissas
   std::int32_t beta = 0;
@@ -51,9 +49,9 @@ struct VectorCommand {
   int d_shift = 0;       // of β·d, to units of the new d
 };
 
-// To the sequencer, when a pass is over.
+// The status for the sequencer at the end of a pass.
 struct VectorStatus {
-  std::uint32_t number = 0;     // of the command
+  std::uint32_t number = 0;     // the command's
   fixed::Int128 dot = 0;        // product: dᵀq; residual, update: zᵀr. Exact
   fixed::Int128 squares = 0;    // rᵀr; product with compare: bᵀb. Exact
   std::uint64_t largest_r = 0;  // magnitudes of what was written
@@ -63,20 +61,20 @@ struct VectorStatus {
   std::uint64_t widest = 0;  // product with compare: |b − q|
 };
 
-// The vectors but d, each in L memories, a node's in memory node mod L, with a port to read and a
-// port to write. Three words a node.
+// The vectors except d, each in L memories with a read and a write port; a node is in memory node
+// mod L. Three words for each node.
 struct VectorMemories {
   std::vector<std::int32_t> x, b, r, z, q;
   std::vector<std::int32_t> previous;  // x before the last job, for an extrapolated start
   std::vector<std::int32_t> inverse;   // P⁻¹, nine words a node
 };
 
-// The vector unit: L lanes of a node each. A group of L nodes is read (memory_read_clocks),
+// The vector unit: L lanes of one node each. A group of L nodes is read (memory_read_clocks),
 // multiplied by α or β (multiplier_clocks), aligned, added, clamped, written and multiplied by P⁻¹
 // and for the inner product (vector_clocks), and summed (adder_tree_clocks). Rows from the SpMxV
 // blocks enter behind the multipliers and are q and part of dᵀq vector_clocks later.
 //
-// Reads and writes of d share the ports of its banks: writes come first, and hold the lanes where
+// Reads and writes of d share the ports of its banks: writes come first, and stall the lanes if
 // they take more than a clock.
 class VectorUnit : public sc_core::sc_module {
  public:
@@ -85,20 +83,21 @@ class VectorUnit : public sc_core::sc_module {
 
   const Register<VectorCommand>* command = nullptr;
   Register<VectorStatus> status;
-  // To the SpMxV blocks: one counter each of results taken, and what goes into the copies of d.
+  // To the SpMxV blocks: a counter of results taken for each, and the nodes to be written into the
+  // copies of d.
   std::vector<std::unique_ptr<Register<std::uint32_t>>> taken;
   Register<DirectionWrite> direction_write;
 
   VectorMemories& memories() { return memories_; }
   const VectorMemories& memories() const { return memories_; }
 
-  // Host access, while idle.
+  // A host access, while idle.
   void load(int nodes);
   // Empties the lanes.
   void reset();
-  // Words and rules of the next jobs. `inverse_shift` is that of P⁻¹·r.
+  // Sets the words and rules of the next jobs.
   void configure(const fixed::Settings& settings, int inverse_shift);
-  // What was clamped, wrapped and flagged since it was cleared.
+  // The clamped and wrapped words and the flags since it was cleared.
   fixed::Report& report() { return report_; }
 
   // For traces.
@@ -106,8 +105,6 @@ class VectorUnit : public sc_core::sc_module {
   Pass pass() const { return running_ ? now_.pass : Pass::none; }
   // The node whose words lane 0 wrote last.
   int written_node() const { return written_node_; }
-  std::int64_t port_stalls() const { return port_stalls_; }
-  std::int64_t collected() const { return collected_; }
 
  private:
   // A group of nodes in the lanes.
@@ -163,24 +160,22 @@ class VectorUnit : public sc_core::sc_module {
   bool running_ = false;
   int next_node_ = 0;   // of the group that enters next
   int done_nodes_ = 0;  // summed, or written back
-  int reads_left_ = 0;  // accesses to d that the group at the door still needs
+  int reads_left_ = 0;  // accesses to d that the entering group still needs
   int writes_left_ = 0;
 
   Ranks ranks_;
   std::vector<Group> group_;
   std::vector<Lane> lane_;  // L a slot
 
-  // Rows between the result memories and q: up to L a slot.
+  // The rows between the result memories and q, up to L in a slot.
   Ranks back_ranks_;
   std::vector<int> back_count_;
   std::vector<RowResult> back_row_;
   std::vector<std::uint32_t> taken_;
-  std::size_t first_block_ = 0;  // whose turn it is
+  std::size_t first_block_ = 0;  // the block whose turn it is
   std::vector<std::uint8_t> bank_written_;
   std::vector<std::int32_t> direction_words_;
   int written_node_ = 0;
-  std::int64_t port_stalls_ = 0;
-  std::int64_t collected_ = 0;
 };
 
 }  // namespace hvp::vp::engine

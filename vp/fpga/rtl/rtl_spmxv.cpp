@@ -153,7 +153,7 @@ void RtlSpmxv::clocked() {
   ++edges_;
 }
 
-// What both have put out after the edge before.
+// Compares the outputs of both after the edge before.
 void RtlSpmxv::compare() {
   const engine::SpmxvBlock& block = engine_.block(partition_);
   const std::uint32_t finished = block.finished.read();

@@ -13,21 +13,21 @@ class VerilatedContext;
 
 namespace hvp::vp::rtl {
 
-// spmxv.sv, through Verilator, beside a sub-block of the cycle-accurate engine: it has the same
-// memories and gets the same inputs at every edge. What the two put out is compared at every edge.
+// The sub-block in SystemVerilog, spmxv.sv, through Verilator, beside one of the cycle-accurate
+// engine: it has the same memories and gets the same inputs at every edge. The outputs of the two
+// are compared at every edge.
 class RtlSpmxv : public sc_core::sc_module {
  public:
-  // The architecture has to be the one that spmxv.sv is written for: InputError names the key that
-  // differs.
+  // The architecture has to be that of spmxv.sv; InputError names the key that differs.
   RtlSpmxv(const sc_core::sc_module_name& name, engine::CycleEngine& engine, int partition);
   ~RtlSpmxv() override;
 
-  // After the engine's load(), and whenever its matrix has changed.
+  // To be called after the engine's load(), and whenever its matrix has changed.
   void load();
 
   std::int64_t edges() const { return edges_; }
   std::int64_t rows() const { return rows_; }
-  // The first edge and output that differed, with both values; empty where none did.
+  // The first edge and output that differed, with both values; empty if none did.
   const std::string& difference() const { return difference_; }
 
  private:

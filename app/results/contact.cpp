@@ -1,0 +1,96 @@
+#include "app/results/contact.h"
+
+#include <Eigen/Geometry>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "app/results/number_text.h"
+#include "app/scene/scene.h"
+
+namespace hvp::results {
+
+void Approach::report(config::Figures& f) const {
+  f.quantity("m", distance, "m", "the distance from the surface, negative inside");
+  f.count("frame", frame, "in which frame");
+}
+
+void ContactFigures::report(config::Figures& f) const {
+  f.count("changes", changes, "how often the contact node changed");
+  f.count("collision_passes", collision_passes, "of the collision process");
+  f.time("longest_pass_us", longest_pass, "the longest of them");
+  f.ratio("share", share(), "of all frames, those in contact: with a node held");
+}
+
+namespace {
+
+// Body and probe of one scene belong to one hand: sizes further apart than this do not fit.
+constexpr double kUnlikelyRatio = 50;
+// The least and the largest size of a body that a hand grips or reaches, m.
+constexpr double kSmallestBody = 2e-3;
+constexpr double kLargestBody = 2;
+
+std::string extent_text(const Eigen::AlignedBox3d& box) {
+  const auto range = [&box](int axis) {
+    return fmt::format("{} to {}", readable_length(box.min()[axis]),
+                       readable_length(box.max()[axis]));
+  };
+  return fmt::format("x {}, y {}, z {}", range(0), range(1), range(2));
+}
+
+std::string point_text(const Eigen::Vector3d& p) {
+  return fmt::format("({}, {}, {})", readable_length(p.x()), readable_length(p.y()),
+                     readable_length(p.z()));
+}
+
+struct Sizes {
+  Eigen::AlignedBox3d body;
+  Eigen::AlignedBox3d path;  // of the probe
+};
+
+Sizes sizes_of(const app::Scene& scene) {
+  Sizes sizes;
+  for (const Eigen::Vector3d& node : scene.body().mesh().nodes) sizes.body.extend(node);
+  for (const plant::Trajectory& probe : scene.scenario().probes) {
+    sizes.path.extend(probe.start);
+    for (const plant::Segment& segment : probe.motion) sizes.path.extend(segment.to);
+  }
+  return sizes;
+}
+
+}  // namespace
+
+std::string unit_text(const app::Scene& scene) {
+  const auto [body, path] = sizes_of(scene);
+  const double size = body.diagonal().norm();
+  const double way = std::max(path.diagonal().norm(), (path.center() - body.center()).norm());
+  const bool unlikely = size < kSmallestBody || size > kLargestBody ||
+                        way > kUnlikelyRatio * size || size > kUnlikelyRatio * way;
+  if (!unlikely) return {};
+  const bool from_file = !scene.scenario().object.mesh.surface.empty();
+  return fmt::format(
+      "  units       a body of {} and a probe that goes {}: these sizes do not fit one hand, check "
+      "the units{}\n",
+      readable_length(size), readable_length(way),
+      from_file ? ", object.mesh.surface_unit first" : "");
+}
+
+std::string no_contact_text(const app::Scene& scene, const ContactFigures& contact) {
+  std::string text;
+  if (!scene.has_body()) return "  no contact     the tip did not reach the wall in these frames\n";
+  const auto out = std::back_inserter(text);
+  fmt::format_to(out, "  no contact     {}\n",
+                 contact.missed ? "nothing was held in these frames"
+                                : "the probe did not touch the body in these frames");
+  const auto [body, path] = sizes_of(scene);
+  if (contact.nearest) {
+    fmt::format_to(out, "    nearest      {} from the surface, in frame {} at {}\n",
+                   readable_length(contact.nearest->distance), contact.nearest->frame,
+                   point_text(contact.nearest->tip));
+  }
+  fmt::format_to(out, "    the body     {}\n    the probe    {}\n", extent_text(body),
+                 extent_text(path));
+  return text;
+}
+
+}  // namespace hvp::results

@@ -1,0 +1,171 @@
+#include "app/results/faults.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <iterator>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "app/results/number_text.h"
+#include "app/results/outcome.h"
+
+namespace hvp::results {
+
+namespace {
+
+struct StatusErrors {
+  std::string_view status;
+  vp::ErrorCount errors;
+
+  void report(config::Figures& f) const {
+    f.count("count", errors.count,
+            "how often the driver returned it: frames, accesses that were repeated, set-ups that "
+            "failed");
+    f.count("first_frame", errors.first_frame, "-1 in set-up");
+  }
+};
+
+std::vector<StatusErrors> errors_of(const vp::ServoCounts& counts) {
+  std::vector<StatusErrors> errors;
+  for (std::size_t i = 0; i < counts.errors.size(); ++i) {
+    if (counts.errors[i].count == 0) continue;
+    errors.push_back({hvp_status_name(static_cast<hvp_status>(i)), counts.errors[i]});
+  }
+  return errors;
+}
+
+}  // namespace
+
+void report_driver(config::Figures& f, const vp::ServoCounts& c) {
+  f.tables("errors", "by status; those that never came are left out", errors_of(c),
+           [](const StatusErrors& e) { return e.status; });
+  f.count("repeated_accesses", c.mended.aborted + c.mended.damaged, "what cost time only");
+  f.count("lost_interrupts", c.mended.lost_interrupts, "likewise");
+  f.count("lost_acknowledgements", c.mended.lost_acknowledgements, "likewise");
+  f.count("held_frames", c.held_frames, "frames whose force is that of an earlier one");
+  f.count("longest_hold_ticks", c.longest_hold,
+          "ticks in a row without a new force, skipped ones included");
+  f.count("recoveries", c.recoveries, "how often the board was set up again");
+  f.count("failed_set_ups", c.failed_set_ups, "and in vain");
+  f.frame("given_up_frame", c.given_up_at, "where the board was given up, or null");
+}
+
+void report_faults(config::Figures& f, const std::vector<vp::FaultRecord>& faults,
+                   bool driver_is_known) {
+  f.list("faults", "One entry for each `[[fault]]` ([faults.md](faults.md)).", faults,
+         [&](const vp::FaultRecord& r) {
+           f.text("kind", vp::name(r.fault.kind), "what it is");
+           f.count("injected", r.injected, "how often");
+           f.when(driver_is_known, [&] { f.count("noticed", r.noticed, "by the driver"); });
+           f.count("corrected", r.corrected, "by the bus, at the cost of time");
+           f.when(driver_is_known, [&] { f.count("unnoticed", r.unnoticed(), "by nobody"); });
+           f.count("first_frame", r.injected > 0 ? std::optional(r.first_frame) : std::nullopt,
+                   "in which it was injected, or null");
+         });
+}
+
+namespace {
+
+using Out = std::back_insert_iterator<std::string>;
+
+std::string times(std::int64_t count) {
+  return count == 1 ? std::string("once") : fmt::format("{} times", count);
+}
+
+// The remedy for somebody with a real board.
+std::string_view remedy(hvp_status status) {
+  switch (status) {
+    case HVP_ERROR_TIMEOUT:
+      return "a host.timeout above the solve's time; where STATUS stays busy, the board's design";
+    case HVP_ERROR_BUS:
+    case HVP_ERROR_NO_DEVICE:
+      return "the board's slot, power and address; host.recovery.attempts and back_off give it "
+             "more time to come back";
+    case HVP_ERROR_DATA:
+      return "the bus' signals: clock, loads and connectors; host.recovery.retries repeats a read";
+    case HVP_ERROR_SATURATED:
+      return "what the FLAG saturation says; host.recovery.hold_saturated = \"never\" uses such a "
+             "force";
+    default:
+      return "docs/driver.md, table of errors";
+  }
+}
+
+void fault_lines(Out out, const Outcome& o) {
+  if (o.faults.empty()) return;
+  for (const vp::FaultRecord& r : o.faults) {
+    if (r.injected == 0) {
+      fmt::format_to(out, "  {:<16} did not happen\n", vp::name(r.fault.kind));
+      continue;
+    }
+    fmt::format_to(out, "  {:<16} {}, first in frame {}", vp::name(r.fault.kind), times(r.injected),
+                   r.first_frame);
+    if (r.corrected > 0) fmt::format_to(out, "; the bus corrected {}", r.corrected);
+    if (r.noticed > 0) fmt::format_to(out, "; the driver noticed {}", r.noticed);
+    if (r.unnoticed() > 0) fmt::format_to(out, "; UNNOTICED {}", r.unnoticed());
+    fmt::format_to(out, "\n");
+  }
+}
+
+void error_lines(Out out, const vp::ServoCounts& c) {
+  for (std::size_t i = 0; i < c.errors.size(); ++i) {
+    const vp::ErrorCount& error = c.errors[i];
+    const auto status = static_cast<hvp_status>(i);
+    if (error.count == 0) continue;
+    fmt::format_to(out, "  ERROR {} {}, first {}: {}\n    remedy: {}\n", hvp_status_name(status),
+                   times(error.count),
+                   error.first_frame < 0 ? std::string("in set-up")
+                                         : fmt::format("in frame {}", error.first_frame),
+                   hvp_status_text(status), remedy(status));
+  }
+}
+
+void consequence_lines(Out out, const Outcome& o) {
+  const vp::ServoCounts& c = o.servo;
+  if (c.held_frames > 0) {
+    fmt::format_to(out,
+                   "  held           the last force in {} of {} frames, {} in a row at "
+                   "most = {}\n",
+                   c.held_frames, o.verdict.frames(), counted(c.longest_hold, "tick"),
+                   readable_time(c.longest_hold * o.verdict.period()));
+  }
+  if (c.recoveries + c.failed_set_ups > 0) {
+    fmt::format_to(out, "  board          set up again {}, in vain {}\n", times(c.recoveries),
+                   times(c.failed_set_ups));
+  }
+  const int repeated = c.mended.aborted + c.mended.damaged;
+  if (repeated > 0) fmt::format_to(out, "  accesses       repeated {}\n", times(repeated));
+  if (c.mended.lost_interrupts > 0) {
+    fmt::format_to(out, "  interrupts     lost {}: seen in STATUS at the time-out\n",
+                   times(c.mended.lost_interrupts));
+  }
+  if (c.mended.lost_acknowledgements > 0) {
+    fmt::format_to(out, "  acknowledgements lost {}, repeated\n",
+                   times(c.mended.lost_acknowledgements));
+  }
+  if (c.given_up_at >= 0) {
+    fmt::format_to(out, "  ERROR the board was given up in frame {} after {} set-ups in vain\n",
+                   c.given_up_at, c.failed_set_ups);
+  }
+}
+
+}  // namespace
+
+std::string fault_text(const Outcome& o) {
+  if (o.faults.empty() && !o.faults_happened()) return {};
+  std::int64_t injected = 0;
+  std::int64_t unnoticed = 0;
+  for (const vp::FaultRecord& r : o.faults) {
+    injected += r.injected;
+    unnoticed += r.unnoticed();
+  }
+  std::string text = fmt::format("\nFaults       {} injected, {} unnoticed\n", injected, unnoticed);
+  const Out out = std::back_inserter(text);
+  fault_lines(out, o);
+  error_lines(out, o.servo);
+  consequence_lines(out, o);
+  return text;
+}
+
+}  // namespace hvp::results

@@ -1,0 +1,148 @@
+#include "app/results/loop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "app/results/number_text.h"
+#include "app/results/outcome.h"
+
+namespace hvp::results {
+
+std::optional<StiffnessBudget> stiffness_budget(const plant::WallLoop& loop, double device_damping,
+                                                std::vector<StiffnessBudget::Share> after_latch) {
+  if (loop.delay_s > kMostSamples * loop.period_s) return std::nullopt;
+  StiffnessBudget b;
+  b.delay_s = loop.delay_s;
+  b.period_s = loop.period_s;
+  b.stable_N_m = plant::largest_stable_stiffness(loop);
+  b.passive_N_m = plant::passive_stiffness(loop, device_damping);
+  plant::WallLoop at_once = loop;
+  at_once.delay_s = 0;
+  at_once.device.lag_rate = 0;
+  b.without_delay_N_m = plant::largest_stable_stiffness(at_once);
+  b.shares = std::move(after_latch);
+  for (StiffnessBudget::Share& share : b.shares) {
+    share.cost_N_m = plant::stiffness_cost(loop, share.time_s);
+  }
+  if (loop.device.lag_rate > 0) {
+    plant::WallLoop without_lag = loop;
+    without_lag.device.lag_rate = 0;
+    b.shares.push_back({"device", "amplifier lag", 1 / loop.device.lag_rate,
+                        plant::largest_stable_stiffness(without_lag) - b.stable_N_m});
+  }
+  std::ranges::stable_sort(b.shares, std::greater<>(), &StiffnessBudget::Share::cost_N_m);
+  return b;
+}
+
+void StiffnessBudget::report(config::Figures& f) const {
+  f.mean_time(
+      "delay_us", delay_s * 1e12,
+      "from the latch to the force at the motor, the mean of the frames in contact, or of all "
+      "where there was none");
+  f.quantity("stable_N_m", stable_N_m, "N/m",
+             "the stiffest wall with which the loop is stable, by its exact eigenvalues at that "
+             "delay");
+  f.quantity("passive_N_m", passive_N_m, "N/m",
+             "the stiffest passive one: the device's damping over half a period and that delay");
+  f.quantity("without_delay_N_m", without_delay_N_m, "N/m", "stable, if no part took time");
+  f.list("parts", "what each part of the delay costs; largest first", shares,
+         [&f](const Share& share) {
+           f.text("part", share.part, "which part of the system");
+           f.text("phase", share.phase, "what it does");
+           f.mean_time("mean_us", share.time_s * 1e12,
+                       "its time after the latch; of an amplifier's lag the time constant");
+           f.quantity("cost_N_m", share.cost_N_m, "N/m",
+                      "by how much stiffer a wall could be if it took none");
+         });
+}
+
+namespace {
+
+using Out = std::back_insert_iterator<std::string>;
+
+constexpr double kNoEnergy = 1e-12;               // J; rounding, far below what registers resolve
+constexpr double kLeastShareOfStiffness = 0.005;  // of the stiffness, for a line of its own
+
+std::string joules(double energy) {
+  const double size = std::abs(energy);
+  if (size < kNoEnergy) return "0 uJ";
+  if (size >= 1) return fmt::format("{:.3g} J", energy);
+  if (size >= 1e-3) return fmt::format("{:.3g} mJ", 1e3 * energy);
+  return fmt::format("{:.3g} uJ", 1e6 * energy);
+}
+
+void device_lines(Out out, const plant::LoopQuality& q) {
+  const plant::LoopEnergy& e = q.energy();
+  fmt::format_to(out, "  energy         motors {}, hand {}; lost to damping {}, to friction {}\n",
+                 joules(e.energy().by_motors), joules(e.energy().by_intention),
+                 joules(e.energy().device_damping + e.energy().hand_damping),
+                 joules(e.energy().friction));
+  fmt::format_to(out,
+                 "  of the motors' body {}, encoder {}, latency {}, converter {}, amplifier {}\n",
+                 joules(e.body()), joules(e.encoder()), joules(e.latency()), joules(e.converter()),
+                 joules(e.amplifier()));
+  fmt::format_to(out, "  port           {}\n",
+                 e.active() ? fmt::format("ACTIVE: the loop had fed in {} by frame {}",
+                                          joules(-e.least_at_port()), e.least_frame())
+                            : std::string("passive in every frame"));
+  if (const auto& cycle = q.cycle()) {
+    fmt::format_to(out, "  at rest        swings on by {} at {:.3g} Hz{} (frame {})\n",
+                   readable_length(cycle->amplitude_m), cycle->frequency_hz,
+                   cycle->grows ? " and grows" : "", cycle->frame);
+  } else if (const auto& speed = q.oscillation().moves_on()) {
+    fmt::format_to(out, "  at rest        moves on, at {:.3g} m/s in the end\n", *speed);
+  } else if (q.oscillation().measured()) {
+    fmt::format_to(out, "  at rest        comes to rest\n");
+  } else {
+    fmt::format_to(out, "  at rest        not measured: the user never rests for half a second\n");
+  }
+  if (q.saturated_frames() > 0) {
+    fmt::format_to(out, "  saturated      {} with a force that was clamped\n",
+                   counted(q.saturated_frames(), "frame"));
+  }
+  if (q.limit_frames() > 0) {
+    fmt::format_to(
+        out, "  at its limit   {} out of reach, at a singular pose or with a wrong position\n",
+        counted(q.limit_frames(), "frame"));
+  }
+}
+
+}  // namespace
+
+std::string loop_text(const Outcome& o) {
+  std::string text;
+  const Out out = std::back_inserter(text);
+  for (std::size_t i = 0; i < o.loop.size(); ++i) {
+    fmt::format_to(out, "\nLoop         {}\n",
+                   o.loop.size() > 1 ? fmt::format("device {}", i) : "the device and its hand");
+    device_lines(out, o.loop[i]);
+  }
+  return text;
+}
+
+std::string stiffness_text(const std::optional<StiffnessBudget>& budget) {
+  std::string text;
+  const Out out = std::back_inserter(text);
+  if (!budget) return text;
+  const auto time = [](double seconds) {
+    return readable_time(static_cast<vp::Picoseconds>(std::llround(seconds * 1e12)));
+  };
+  fmt::format_to(out,
+                 "\nStiffness    a wall up to {:.4g} N/m is stable, passive up to {:.4g} N/m: the "
+                 "force is {} late\n",
+                 budget->stable_N_m, budget->passive_N_m, time(budget->delay_s));
+  for (const StiffnessBudget::Share& share : budget->shares) {
+    if (share.cost_N_m < kLeastShareOfStiffness * budget->stable_N_m) continue;
+    fmt::format_to(out, "  {:<22} {:>10}  costs {:>8.4g} N/m\n",
+                   fmt::format("{} {}", share.part, share.phase), time(share.time_s),
+                   share.cost_N_m);
+  }
+  fmt::format_to(out, "  {:<22} {:>10}  {:>14.4g} N/m\n", "if nothing took time", "",
+                 budget->without_delay_N_m);
+  return text;
+}
+
+}  // namespace hvp::results

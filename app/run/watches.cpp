@@ -1,0 +1,182 @@
+#include "app/run/watches.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <utility>
+
+#include "models/time/picoseconds.h"
+
+namespace hvp::app {
+
+namespace {
+
+// A share of the body's diagonal at rest. A probe at 50 mm/s goes 2 mm in the 41 ms that a contact
+// may be late with the defaults, and it is slow where it touches.
+constexpr double kAllowed = 0.01;
+
+double diagonal(const collision::DeformedSurface& surface) {
+  Eigen::AlignedBox3d box;
+  for (const int node : surface.surface_nodes()) box.extend(surface.rest_position(node));
+  return box.diagonal().norm();
+}
+
+}  // namespace
+
+ApproachWatch::ApproachWatch(const collision::ContactSearch& contacts)
+    : contacts_(contacts), allowed_(kAllowed * diagonal(contacts.surface())) {}
+
+void ApproachWatch::solved(const vp::Frame& frame, const vp::Solution& solution) {
+  ContactWatch::solved(frame, solution);
+  if (frame.in_contact()) {
+    touched_ = true;
+    figures_.nearest.reset();
+    return;
+  }
+  const results::Approach here{contacts_.surface().signed_distance(frame.touch().tip), frame.number,
+                               frame.touch().tip};
+  std::optional<results::Approach>& nearest = figures_.nearest;
+  if (!touched_ && (!nearest || here.distance < nearest->distance)) nearest = here;
+  if (!deepest_ || here.distance < deepest_->distance) deepest_ = here;
+}
+
+results::ContactFigures ApproachWatch::figures() const {
+  results::ContactFigures figures = figures_;
+  figures.missed = missed();
+  return figures;
+}
+
+std::optional<results::Approach> ApproachWatch::missed() const {
+  if (!deepest_ || deepest_->distance > -allowed_) return std::nullopt;
+  return deepest_;
+}
+
+stability::Flags ApproachWatch::flags() const {
+  stability::Flags flags;
+  if (missed()) flags.raise(stability::Flag::contact_missed);
+  return flags;
+}
+
+void ForceWatch::solved(const vp::Frame& frame, const vp::Solution& solution) {
+  for (std::size_t i = 0; i < qualities_.size(); ++i) {
+    const collision::Touch& touch = frame.touches[i];
+    stability::FeltForce felt{
+        frame.number,       to_seconds(frame.time),        touch.tip, touch.force,
+        touch.contact.node, !solution.hold.let_go.empty(), 0};
+    if (touch.contact.present()) {
+      felt.pull = touch.force.dot(contacts_.surface().rest_normal(touch.contact.node));
+    }
+    qualities_[i].add(felt);
+  }
+}
+
+StrainWatch::StrainWatch(const fem::Body& body)
+    : body_(body),
+      meter_(body.mesh(), fem::kLinearStrain),
+      displacement_(3 * body.mesh().nodes.size()) {}
+
+void StrainWatch::solved(const vp::Frame& frame, const vp::Solution& solution) {
+  if (frame.number % kEveryFrames != 0) return;
+  body_.expand(solution.displacement, displacement_);
+  const fem::Strains strains = meter_.measure(displacement_);
+  const int inverted = std::max(worst_.inverted, strains.inverted);
+  const double beyond = std::max(worst_.beyond_share, strains.beyond_share);
+  if (worst_frame_ < 0 || strains.largest > worst_.largest) {
+    worst_ = strains;
+    worst_frame_ = frame.number;
+  }
+  worst_.inverted = inverted;
+  worst_.beyond_share = beyond;
+}
+
+stability::Flags StrainWatch::flags() const {
+  stability::Flags flags;
+  if (fem::beyond_linearity(worst_)) flags.raise(stability::Flag::beyond_linearity);
+  return flags;
+}
+
+LoopWatch::LoopWatch(const Scenario& scenario)
+    : scenario_(scenario), qualities_(scenario.probes.size()) {
+  const auto& kinematics = scenario.device.kinematics;
+  if (kinematics) kinematics_ = plant::make_kinematics(*kinematics);
+}
+
+// A hand rests where its intended motion does; nobody's rests always. What comes after it has let
+// go is not compared with what was before.
+bool LoopWatch::rests(std::size_t probe, Picoseconds time) const {
+  const std::optional<plant::Hand>& hand = scenario_.hand;
+  if (!hand) return true;
+  if (hand->lets_go_s > 0 && to_seconds(time) >= hand->lets_go_s) {
+    return to_seconds(time) >= hand->lets_go_s + scenario_.budget.period_s;
+  }
+  return scenario_.probes[probe].state_ps(time).velocity.isZero(0);
+}
+
+void LoopWatch::Delays::add(const vp::Frame& frame, const vp::CriticalPath& path) {
+  ++frames;
+  sum += frame.born + frame.latency() - frame.latched;
+  for (const vp::SpanId id : path.spans()) {
+    const vp::Span& span = frame.spans[static_cast<std::size_t>(id)];
+    if (span.end <= frame.latched) continue;
+    parts[static_cast<std::size_t>(span.part) * vp::kPhases +
+          static_cast<std::size_t>(span.phase)] += span.end - std::max(span.start, frame.latched);
+  }
+}
+
+void LoopWatch::closed(const vp::Frame& frame, const vp::CriticalPath& path) {
+  all_.add(frame, path);
+  if (frame.in_contact()) in_contact_.add(frame, path);
+  const Picoseconds latched = frame.time + frame.latched - frame.born;
+  for (std::size_t i = 0; i < frame.devices.size(); ++i) {
+    const vp::DeviceRecord& record = frame.devices[i];
+    plant::LoopSample sample{frame.number,      to_seconds(latched), {}, record.plant, record.drive,
+                             record.read_wrong, rests(i, latched)};
+    sample.view = {frame.touches[i].tip, -frame.touches[i].force, 0};
+    if (scenario_.wall) sample.view.stored = scenario_.wall->energy(record.plant.tip.position);
+    sample.unreachable =
+        kinematics_ && !kinematics_->regular_joints(record.plant.tip.position).has_value();
+    qualities_[i].add(sample);
+  }
+}
+
+stability::Flags LoopWatch::flags() const {
+  stability::Flags flags;
+  for (const plant::LoopQuality& quality : qualities_) flags.merge(quality.flags());
+  return flags;
+}
+
+double LoopWatch::mean_delay_s() const {
+  if (delays().frames == 0) return 0;
+  return to_seconds(delays().sum) / static_cast<double>(delays().frames);
+}
+
+std::optional<results::StiffnessBudget> LoopWatch::stiffness() const {
+  if (delays().frames == 0) return std::nullopt;
+  std::vector<results::StiffnessBudget::Share> shares;
+  const auto& parts = delays().parts;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (parts[i] == 0) continue;
+    shares.push_back({vp::kPartNames[i / vp::kPhases], vp::kPhaseNames[i % vp::kPhases],
+                      to_seconds(parts[i]) / static_cast<double>(delays().frames)});
+  }
+  const Eigen::Vector3d direction =
+      scenario_.wall ? scenario_.wall->direction() : Eigen::Vector3d::UnitZ();
+  const std::optional<plant::WallLoop> loop = wall_loop(scenario_, mean_delay_s(), direction);
+  if (!loop) return std::nullopt;
+  return results::stiffness_budget(*loop, scenario_.device.dynamics->damping_N_s_m,
+                                   std::move(shares));
+}
+
+std::optional<plant::WallLoop> wall_loop(const Scenario& s, double delay_s,
+                                         const Eigen::Vector3d& direction) {
+  const plant::Plant plant = plant::plant_of(s.device, s.hand, s.probes.front());
+  std::optional<plant::LinearAxis> axis;
+  for (int i = 0; i < 3; ++i) {
+    if (direction[i] == 0) continue;
+    if (axis && axis->mass != plant.axis(i).mass) return std::nullopt;
+    axis = plant.axis(i);
+  }
+  return plant::WallLoop{axis.value(), s.budget.period_s, delay_s,
+                         s.wall ? s.wall->damping_N_s_m : 0};
+}
+
+}  // namespace hvp::app

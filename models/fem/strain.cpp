@@ -1,0 +1,101 @@
+#include "models/fem/strain.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstddef>
+
+#include "models/fem/assembly.h"
+
+namespace hvp::fem {
+
+double von_mises(const StressVector& s) {
+  const double xy = s[0] - s[1];
+  const double yz = s[1] - s[2];
+  const double zx = s[2] - s[0];
+  return std::sqrt(0.5 * (xy * xy + yz * yz + zx * zx) +
+                   3 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
+}
+
+std::vector<ElementStress> element_stress(const mesh::TetMesh& mesh, const Material& material,
+                                          std::span<const double> u_full) {
+  assert(u_full.size() == 3 * mesh.nodes.size());
+  const double lambda = material.lame_lambda();
+  const double mu = material.lame_mu();
+  std::vector<ElementStress> result(mesh.tetrahedra.size());
+  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
+    const ElementGeometry geometry = element_geometry(mesh, static_cast<int>(e));
+    StrainVector& strain = result[e].strain;
+    for (std::size_t a = 0; a < 4; ++a) {
+      const Eigen::Vector3d& g = geometry.gradient[a];
+      const double* u = &u_full[3 * static_cast<std::size_t>(mesh.tetrahedra[e][a])];
+      strain[0] += g.x() * u[0];
+      strain[1] += g.y() * u[1];
+      strain[2] += g.z() * u[2];
+      strain[3] += g.y() * u[0] + g.x() * u[1];
+      strain[4] += g.z() * u[0] + g.x() * u[2];
+      strain[5] += g.z() * u[1] + g.y() * u[2];
+    }
+    const double dilatation = strain[0] + strain[1] + strain[2];
+    for (int i = 0; i < 3; ++i) {
+      result[e].stress[i] = lambda * dilatation + 2 * mu * strain[i];
+      result[e].stress[i + 3] = mu * strain[i + 3];
+    }
+    result[e].von_mises_pa = von_mises(result[e].stress);
+  }
+  return result;
+}
+
+namespace {
+
+double largest_principal(const Eigen::Matrix3d& strain) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(strain, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues().cwiseAbs().maxCoeff();
+}
+
+}  // namespace
+
+bool beyond_linearity(const Strains& strains) {
+  return strains.inverted > 0 || strains.largest >= kCollapse ||
+         strains.beyond_share > kLinearShare;
+}
+
+StrainMeter::StrainMeter(const mesh::TetMesh& mesh, double limit) : limit_(limit) {
+  elements_.reserve(mesh.tetrahedra.size());
+  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
+    const ElementGeometry geometry = element_geometry(mesh, static_cast<int>(e));
+    elements_.push_back({mesh.tetrahedra[e], geometry.gradient, geometry.volume()});
+    volume_ += geometry.volume();
+  }
+}
+
+Strains StrainMeter::measure(std::span<const double> u_full) const {
+  Strains strains;
+  double beyond = 0;
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const Element& element = elements_[e];
+    Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();  // ∂u_i/∂x_j
+    for (std::size_t a = 0; a < 4; ++a) {
+      const double* u = &u_full[3 * static_cast<std::size_t>(element.node[a])];
+      gradient += Eigen::Vector3d(u[0], u[1], u[2]) * element.gradient[a].transpose();
+    }
+    const Eigen::Matrix3d strain = 0.5 * (gradient + gradient.transpose());
+    // Frobenius' norm bounds the largest principal strain from above, and 1/√3 of it from below:
+    // most elements need no eigenvalues.
+    const double bound = strain.norm();
+    if (!(bound > std::min(limit_, strains.largest))) continue;
+    if ((Eigen::Matrix3d::Identity() + gradient).determinant() <= 0) ++strains.inverted;
+    const double principal = largest_principal(strain);
+    if (principal > limit_) beyond += element.volume;
+    if (principal > strains.largest) {
+      strains.largest = principal;
+      strains.element = static_cast<int>(e);
+    }
+  }
+  strains.beyond_share = beyond / volume_;
+  return strains;
+}
+
+}  // namespace hvp::fem

@@ -1,0 +1,240 @@
+#include "vp/fpga/board_registers.h"
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "models/config/input_error.h"
+#include "vp/fpga/register_bank.h"
+
+namespace hvp::vp {
+
+namespace {
+
+// Longest words of the solver (models/fixed/settings.cpp).
+constexpr std::uint32_t kMatrixBits = 24;
+constexpr std::uint32_t kVectorBits = 32;
+constexpr std::uint32_t kCoefficientBits = 24;
+
+BoardError bad(Register reg) { return {ErrorCode::bad_setting, offset_of(reg)}; }
+
+bool between(std::uint32_t value, std::uint32_t least, std::uint32_t most) {
+  return value >= least && value <= most;
+}
+
+bool read_method(std::uint32_t code, fixed::Method& method) {
+  switch (static_cast<SolverMethod>(code)) {
+    case SolverMethod::cg:
+      method = fixed::Method::cg;
+      return true;
+    case SolverMethod::jacobi_pcg:
+      method = fixed::Method::jacobi_pcg;
+      return true;
+    case SolverMethod::block_jacobi_pcg:
+      method = fixed::Method::block_jacobi_pcg;
+      return true;
+    case SolverMethod::chronopoulos_gear:
+      method = fixed::Method::chronopoulos_gear;
+      return true;
+    case SolverMethod::pipelined_cg:
+      method = fixed::Method::pipelined_cg;
+      return true;
+  }
+  return false;
+}
+
+bool read_start(std::uint32_t code, fixed::Start& start) {
+  switch (static_cast<StartMode>(code)) {
+    case StartMode::zero:
+      start = fixed::Start::zero;
+      return true;
+    case StartMode::warm:
+      start = fixed::Start::warm;
+      return true;
+    case StartMode::extrapolated:
+      start = fixed::Start::extrapolated;
+      return true;
+  }
+  return false;
+}
+
+bool read_rounding(std::uint32_t code, fixed::Rounding& rounding) {
+  switch (static_cast<RoundingMode>(code)) {
+    case RoundingMode::nearest_up:
+      rounding = fixed::Rounding::nearest_up;
+      return true;
+    case RoundingMode::nearest_even:
+      rounding = fixed::Rounding::nearest_even;
+      return true;
+    case RoundingMode::truncation:
+      rounding = fixed::Rounding::truncation;
+      return true;
+  }
+  return false;
+}
+
+bool read_stop_residual(const RegisterBank& bank, double& stop_residual) {
+  const std::uint64_t high = bank.get(field::kStopResidualHighHigh);
+  const std::uint64_t bits = high << 32 | bank.get(field::kStopResidualLowLow);
+  // Doubles from 0 to 1 are in the order of their bits; all others lie above.
+  if (bits > std::bit_cast<std::uint64_t>(1.0)) return false;
+  stop_residual = std::bit_cast<double>(bits);
+  return true;
+}
+
+bool read_scaling(const RegisterBank& bank, fixed::Settings& s) {
+  const std::uint32_t headroom = bank.get(field::kScalingHeadroomBits);
+  const std::uint32_t threshold = bank.get(field::kScalingThreshold);
+  const std::uint32_t step = bank.get(field::kScalingStep);
+  s.dynamic_scaling = bank.get(field::kScalingDynamic) != 0;
+  s.scaling_down = bank.get(field::kScalingDown) != 0;
+  s.headroom_bits = static_cast<int>(headroom);
+  s.scaling_threshold = static_cast<int>(threshold);
+  s.scaling_step = static_cast<int>(step);
+  return headroom <= 8 && between(threshold, 1, 16) && between(step, 1, 16);
+}
+
+bool read_format(const RegisterBank& bank, fixed::Settings& s) {
+  const std::uint32_t matrix = bank.get(field::kFormatMatrixBits);
+  const std::uint32_t vector = bank.get(field::kFormatVectorBits);
+  const std::uint32_t coefficient = bank.get(field::kFormatCoefficientBits);
+  s.matrix_bits = static_cast<int>(matrix);
+  s.vector_bits = static_cast<int>(vector);
+  s.coefficient_bits = static_cast<int>(coefficient);
+  return between(matrix, 8, kMatrixBits) && between(vector, 12, kVectorBits) &&
+         between(coefficient, 8, kCoefficientBits) &&
+         bank.get(field::kFormatRhsBits) == static_cast<std::uint32_t>(s.residual_bits());
+}
+
+bool read_coefficients(const RegisterBank& bank, fixed::Settings& s) {
+  const std::uint32_t alpha = bank.get(field::kCoefficientsAlphaFraction);
+  const std::uint32_t beta = bank.get(field::kCoefficientsBetaFraction);
+  const bool fixed_point = bank.get(field::kCoefficientsFormat) ==
+                           static_cast<std::uint32_t>(CoefficientFormat::fixed_point);
+  s.coefficient_format =
+      fixed_point ? fixed::CoefficientFormat::fixed : fixed::CoefficientFormat::own_shift;
+  s.alpha_fraction_bits = static_cast<int>(alpha);
+  s.beta_fraction_bits = static_cast<int>(beta);
+  return alpha <= 40 && beta <= 40;
+}
+
+bool read_arithmetic(const RegisterBank& bank, fixed::Settings& s) {
+  const bool wrap =
+      bank.get(field::kArithmeticOverflow) == static_cast<std::uint32_t>(OverflowMode::wrap);
+  s.overflow = wrap ? fixed::Overflow::wrap : fixed::Overflow::saturate;
+  s.scalar_bits = static_cast<int>(bank.get(field::kArithmeticScalarBits));
+  return read_rounding(bank.get(field::kArithmeticDivisionRounding), s.division_rounding) &&
+         read_rounding(bank.get(field::kArithmeticShiftRounding), s.shift_rounding) &&
+         (s.scalar_bits == 64 || s.scalar_bits == 128);
+}
+
+}  // namespace
+
+void strap_capability(RegisterBank& bank) {
+  bank.strap(Register::capability_format,
+             kMatrixBits << field::kCapabilityFormatMaxMatrixBits.low |
+                 kVectorBits << field::kCapabilityFormatMaxVectorBits.low |
+                 kVectorBits << field::kCapabilityFormatMaxRhsBits.low |
+                 kCoefficientBits << field::kCapabilityFormatMaxCoefficientBits.low);
+}
+
+BoardError read_settings(const RegisterBank& bank, fixed::Settings& s) {
+  s = {};
+  if (!read_method(bank.get(field::kMethodMethod), s.method)) return bad(Register::method);
+  s.iterations = static_cast<int>(bank.get(field::kIterationsCount));
+  if (s.iterations < 1) return bad(Register::iterations);
+  if (!read_stop_residual(bank, s.stop_residual)) return bad(Register::stop_residual_high);
+  s.replace_residual_every = static_cast<int>(bank.get(field::kReplaceEveryCount));
+  s.static_shift = static_cast<int>(bank.get(field::kStaticShiftShift));
+  if (s.static_shift > 31) return bad(Register::static_shift);
+  if (!read_scaling(bank, s)) return bad(Register::scaling);
+  if (!read_format(bank, s)) return bad(Register::format);
+  if (!read_coefficients(bank, s)) return bad(Register::coefficients);
+  if (!read_arithmetic(bank, s)) return bad(Register::arithmetic);
+  if (!read_start(bank.get(field::kStartModeMode), s.start)) return bad(Register::start_mode);
+  try {
+    s.check();
+  } catch (const InputError&) {  // headroom that leaves a vector word too few bits
+    return bad(Register::scaling);
+  }
+  return {};
+}
+
+BoardError read_matrix(const RegisterBank& bank, fixed::QuantisedMatrix& matrix) {
+  const std::uint32_t nodes = bank.get(field::kNodesCount);
+  const std::uint32_t blocks = bank.get(field::kBlocksCount);
+  if (nodes == 0 || nodes > bank.get(field::kCapabilityNodesMaxNodes)) {
+    return {ErrorCode::bad_size, nodes};
+  }
+  if (blocks == 0 || blocks > bank.get(field::kCapabilityBlocksMaxBlocks)) {
+    return {ErrorCode::bad_size, blocks};
+  }
+  const unsigned bits = bank.get(field::kFormatMatrixBits);
+  const bool one_a_word = bank.get(field::kPackingMode) != 0;
+  const std::span<const std::uint32_t> row_begin = bank.memory(Aperture::row_begin);
+  const std::span<const std::uint32_t> column = bank.memory(Aperture::column);
+  const std::span<const std::uint32_t> value = bank.memory(Aperture::value);
+
+  matrix = {};
+  matrix.bits = static_cast<int>(bits);
+  matrix.scale = 1;
+  matrix.is_contact.assign(nodes, 0);
+  matrix.column.reserve(blocks);
+  if (row_begin[0] != 0) return {ErrorCode::bad_matrix, 0};
+  for (std::uint32_t row = 0; row < nodes; ++row) {
+    const std::uint32_t first = row_begin[row];
+    const std::uint32_t last = row_begin[row + 1];
+    if (last < first || last > blocks ||
+        last - first > bank.get(field::kCapabilityNodesMaxRowBlocks)) {
+      return {ErrorCode::bad_matrix, row};
+    }
+    bool diagonal = false;
+    for (std::uint32_t k = first; k < last; ++k) {
+      const bool ascends = k == first || column[k] > column[k - 1];
+      if (column[k] >= nodes || !ascends) return {ErrorCode::bad_matrix, row};
+      diagonal = diagonal || column[k] == row;
+      matrix.column.push_back(static_cast<int>(column[k]));
+    }
+    if (!diagonal) return {ErrorCode::bad_matrix, row};
+    matrix.row_begin.push_back(static_cast<int>(last));
+  }
+  if (row_begin[nodes] != blocks) return {ErrorCode::bad_matrix, nodes - 1};
+
+  const std::int32_t limit = static_cast<std::int32_t>((std::uint32_t{1} << (bits - 1)) - 1);
+  matrix.value.reserve(9 * std::size_t{blocks});
+  for (std::uint32_t row = 0; row < nodes; ++row) {
+    for (std::size_t i = 9 * std::size_t{row_begin[row]}; i < 9 * std::size_t{row_begin[row + 1]};
+         ++i) {
+      const std::int32_t element = packed_element(value, i, bits, one_a_word);
+      // The multipliers have no room for the one negative number without a positive twin.
+      if (element > limit || element < -limit) return {ErrorCode::bad_matrix, row};
+      matrix.value.push_back(element);
+    }
+    // The board mirrors a node's row into its column, so that the pattern has to be symmetric.
+    for (std::uint32_t k = row_begin[row]; k < row_begin[row + 1]; ++k) {
+      if (matrix.find(static_cast<int>(column[k]), static_cast<int>(row)) < 0) {
+        return {ErrorCode::bad_matrix, row};
+      }
+    }
+  }
+  return {};
+}
+
+void write_back_node(const fixed::QuantisedMatrix& matrix, int node, RegisterBank& bank) {
+  const std::span<std::uint32_t> words = bank.memory(Aperture::value);
+  const auto bits = static_cast<unsigned>(matrix.bits);
+  const bool one_a_word = bank.get(field::kPackingMode) != 0;
+  const auto copy_block = [&](std::size_t block) {
+    for (std::size_t i = 9 * block; i < 9 * block + 9; ++i) {
+      set_packed_element(words, i, bits, matrix.value[i], one_a_word);
+    }
+  };
+  const auto row = static_cast<std::size_t>(node);
+  for (int k = matrix.row_begin[row]; k < matrix.row_begin[row + 1]; ++k) {
+    copy_block(static_cast<std::size_t>(k));
+    const std::ptrdiff_t mirror = matrix.find(matrix.column[static_cast<std::size_t>(k)], node);
+    copy_block(static_cast<std::size_t>(mirror));
+  }
+}
+
+}  // namespace hvp::vp

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <systemc>
+
+#include "models/accel/architecture.h"
+#include "models/fixed/quantised_matrix.h"
+#include "models/fixed/settings.h"
+#include "models/fixed/solver.h"
+#include "vp/fidelity.h"
+#include "vp/fpga/engine/cycle_engine.h"
+
+namespace hvp::vp {
+
+// The clocks of a solve, by state.
+struct SolveClocks {
+  std::int64_t clocks = 0;  // from the start until done
+  engine::StateClocks state{};
+};
+
+// The timing of the accelerator's jobs at one level of fidelity. The clocks of a job are returned
+// if they are known at its start; otherwise ended() is notified at its end.
+class JobTiming {
+ public:
+  virtual ~JobTiming() = default;
+
+  // Lays the matrix out in the memories. Throws InputError if it does not fit.
+  virtual void load(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings) = 0;
+  // Starts the job that ends a load.
+  virtual std::optional<std::int64_t> start_load(fixed::Method method) = 0;
+  // Starts a solve with the report's work.
+  virtual std::optional<std::int64_t> start_solve(const fixed::Settings& settings,
+                                                  const fixed::Report& report) = 0;
+  // The clocks for which the access that changes a node's row and column is stalled: to a contact
+  // node's, or back to `row`. `matrix` has them already.
+  virtual std::int64_t update_node(const fixed::QuantisedMatrix& matrix, int node,
+                                   fixed::Method method, std::span<const std::int32_t> row) = 0;
+  // Aborts the job.
+  virtual void abort() {}
+
+  // Null if all clocks are known at the start.
+  virtual const sc_core::sc_event* ended() const { return nullptr; }
+  // The last solve's clocks, if an engine took them.
+  virtual std::optional<SolveClocks> solve_clocks() const { return std::nullopt; }
+
+  // True if it computes words itself. It is then given b and x, and confirms the solution.
+  virtual bool has_words() const { return false; }
+  virtual void write_b(std::span<const std::int32_t> /*words*/) {}
+  // The host has written x, the solution's memory. The words are empty if none are computed here.
+  virtual void write_x(std::span<const std::int32_t> /*words*/) {}
+  // True if these are the words that the last solve has put out.
+  virtual bool confirms(std::span<const std::int32_t> /*solution*/) { return true; }
+  // The next extrapolated start has no solution before x.
+  virtual void forget_previous() {}
+
+  // The cycle-accurate engine; null at other levels.
+  virtual const engine::CycleEngine* engine() const { return nullptr; }
+};
+
+// Makes the timing of this level. A module becomes a child of the module under construction. Throws
+// InputError with a key of accel::Architecture if an engine cannot have this architecture.
+std::unique_ptr<JobTiming> make_job_timing(Timing level, const accel::Architecture& architecture);
+
+}  // namespace hvp::vp
