@@ -1,0 +1,81 @@
+"""Holds the house's own rules on what includes what, and that documents name files that exist.
+
+The headers of app/results and app/draw reach neither SystemC nor Eigen's solvers: what only prints
+must not take part in compiling a simulation. models/ includes nothing of vp/ or app/, and vp/
+nothing of app/. A path of a source in a document leads to a file.
+"""
+
+import re
+import sys
+from functools import cache
+from pathlib import Path
+
+TOP = Path(__file__).resolve().parents[2]
+INCLUDE = re.compile(r'^#include ([<"])([^>"]+)[>"]', re.MULTILINE)
+HEAVY = re.compile(
+    r"systemc|tlm|tlm_utils/.*|Eigen/(Sparse(Cholesky|LU|QR)|Sparse|Dense|Cholesky|QR|SVD)"
+)
+LIGHT_ROOMS = ("app/results", "app/draw")
+# The registers' trace is a module of the simulation.
+WITH_SYSTEMC = {"app/results/board_records.h"}
+# A room, and what it must not include.
+ARROWS = {"models": ("vp/", "app/"), "vp": ("app/",), "driver": ("models/", "vp/", "app/")}
+PATH = re.compile(
+    r"(?<![\w/.-])((?:models|vp|app|driver|tables|tests|bench)/[\w./*-]+\.(?:cpp|h|c|py|sv|sh))"
+)
+
+
+@cache
+def includes(path: Path) -> tuple[tuple[str, str], ...]:
+    return tuple(INCLUDE.findall(path.read_text(encoding="utf-8")))
+
+
+def way_to_a_heavy_header(path: Path, seen: frozenset[Path] = frozenset()) -> list[str]:
+    """The headers from this one to one that it must not reach; empty where there is none."""
+    for kind, name in includes(path):
+        if kind == "<":
+            if HEAVY.fullmatch(name):
+                return [name]
+            continue
+        header = TOP / name
+        if not header.is_file() or header in seen:
+            continue
+        way = way_to_a_heavy_header(header, seen | {path})
+        if way:
+            return [name, *way]
+    return []
+
+
+def sources(room: str) -> list[Path]:
+    return sorted(p for p in (TOP / room).rglob("*") if p.suffix in {".h", ".c", ".cpp"})
+
+
+def complaints() -> list[str]:
+    found = []
+    for room in LIGHT_ROOMS:
+        for path in sources(room):
+            name = str(path.relative_to(TOP))
+            if path.suffix == ".h" and name not in WITH_SYSTEMC:
+                way = way_to_a_heavy_header(path)
+                if way:
+                    found.append(f"{name} reaches {way[-1]}: {' -> '.join(way)}")
+    for room, others in ARROWS.items():
+        for path in sources(room):
+            for kind, name in includes(path):
+                if kind == '"' and name.startswith(others):
+                    found.append(f"{path.relative_to(TOP)} includes {name}, against the arrows")
+    for page in [TOP / "README.md", TOP / "CONTRIBUTING.md", *sorted((TOP / "docs").rglob("*.md"))]:
+        for name in PATH.findall(page.read_text(encoding="utf-8")):
+            if not any(TOP.glob(name)):
+                found.append(f"{page.relative_to(TOP)} names {name}, which is not there")
+    return found
+
+
+def main() -> int:
+    found = complaints()
+    print("\n".join(found) if found else "what includes what is as the house has it")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
