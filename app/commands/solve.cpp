@@ -27,7 +27,7 @@
 #include "models/accel/critical_path.h"
 #include "models/config/input_error.h"
 #include "models/files/regular_file.h"
-#include "models/host/reference_run.h"
+#include "models/host/deviation.h"
 #include "models/sparse/matrix_market.h"
 
 namespace hvp::app {

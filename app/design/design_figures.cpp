@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "app/scene/frame_cost.h"
+#include "app/scene/scene.h"
 #include "models/config/input_error.h"
 
 namespace hvp::app {

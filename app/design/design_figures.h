@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "app/scene/scene.h"
+#include "models/accel/board.h"
 #include "models/accel/critical_path.h"
 #include "models/accel/memory.h"
 #include "models/accel/operations.h"
@@ -13,6 +13,8 @@
 #include "models/accel/variations.h"
 
 namespace hvp::app {
+
+class Scene;
 
 // The result of a design with one number changed.
 struct WhatIf {

@@ -11,6 +11,7 @@
 #include "app/results/report.h"
 #include "app/results/scene_figures.h"
 #include "app/scenario/message.h"
+#include "app/scene/scene.h"
 #include "models/time/picoseconds.h"
 
 namespace hvp::results {

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "app/design/design_figures.h"
-#include "app/scene/scene.h"
 #include "models/config/figures.h"
 
 namespace hvp::results {

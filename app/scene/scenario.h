@@ -15,7 +15,7 @@
 #include "models/fem/newmark.h"
 #include "models/fixed/settings.h"
 #include "models/host/costs.h"
-#include "models/host/reference_run.h"
+#include "models/host/deviation.h"
 #include "models/host/refinement.h"
 #include "models/mesh/mesh_settings.h"
 #include "models/mesh/region.h"

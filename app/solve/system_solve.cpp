@@ -14,7 +14,7 @@
 #include "models/fixed/solver.h"
 #include "models/fixed/system.h"
 #include "models/fixed/word.h"
-#include "models/host/reference_run.h"
+#include "models/host/deviation.h"
 #include "models/host/refinement.h"
 
 namespace hvp::app {

@@ -5,34 +5,6 @@
 
 namespace hvp::host {
 
-void Reference::declare(config::Visitor& v) {
-  v.integer("every_frames", every_frames, {1, 1'000'000},
-            {"compare every so many frames; a dynamic reference still steps in each",
-             "every frame, so that no deviation is missed"});
-  v.quantity("tolerance", tolerance, config::Dimension::dimensionless, config::between(0, 10),
-             {"deviation from the true model above which the run is flagged matrix-rounding",
-              "rounding K to 12 bits moves a static solution by 2 to 5 %, docs/fixed-point.md"});
-  v.quantity("solver_tolerance", solver_tolerance, config::Dimension::dimensionless,
-             config::between(0, 10),
-             {"deviation from the rounded model above which the run is flagged not-converged",
-              "60 iterations of CG with a warm start reach 1 to 2 %, docs/fixed-point.md"});
-}
-
-stability::Flags accuracy_flags(const Reference& settings, const std::optional<double>& error,
-                                const std::optional<double>& error_rounded) {
-  stability::Flags flags;
-  constexpr double kClearly = 1.5;
-  const bool rounding = !error_rounded || !error || *error > kClearly * *error_rounded;
-  if (rounding && error && !(*error <= settings.tolerance)) {
-    flags.raise(stability::Flag::matrix_rounding);
-  }
-  const double solver_bound = std::min(settings.solver_tolerance, settings.tolerance / kClearly);
-  if (error_rounded && !(*error_rounded <= solver_bound)) {
-    flags.raise(stability::Flag::not_converged);
-  }
-  return flags;
-}
-
 ReferenceRun::ReferenceRun(const fem::Body& body, const std::optional<fem::Dynamics>& dynamics,
                            double period_s, const sparse::BlockMatrix& true_matrix,
                            const sparse::BlockMatrix& solved_matrix, std::size_t probes)

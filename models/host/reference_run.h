@@ -5,32 +5,13 @@
 #include <span>
 #include <vector>
 
-#include "models/config/declaration.h"
 #include "models/fem/body.h"
 #include "models/fem/contact.h"
 #include "models/fem/direct_solver.h"
 #include "models/fem/hold.h"
 #include "models/fem/newmark.h"
-#include "models/stability/flag.h"
 
 namespace hvp::host {
-
-// The scenario's effect [reference]: the same frames are also solved in double precision. Without
-// it the accuracy is not known, and costs nothing.
-struct Reference {
-  int every_frames = 1;
-  double tolerance = 0.06;
-  double solver_tolerance = 0.02;
-
-  void declare(config::Visitor& v);
-};
-
-// The flags matrix_rounding and not_converged, from the relative errors against the true model and
-// against the rounded one; empty: not known. Rounding is to blame where the rounded model is
-// clearly nearer than the true one. Otherwise the solver is, where its own, tighter bound is
-// exceeded too.
-stability::Flags accuracy_flags(const Reference& settings, const std::optional<double>& error,
-                                const std::optional<double>& error_rounded);
 
 // The same frames in double precision, with a state of their own: the run with an exact solver.
 // With the system matrix itself it is the true model; with the matrix that the board's words stand

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "models/host/reference_run.h"
+#include "models/host/deviation.h"
 
 namespace hvp::tables {
 
