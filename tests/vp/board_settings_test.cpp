@@ -1,7 +1,5 @@
 // The solver's settings through the driver and the board's registers and out again. The register
 // bank is the real one, the bus between is a function call.
-#include "vp/fpga/board_registers.h"
-
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -10,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "vp/fpga/board_registers.h"
 #include "vp/host/driver_config.h"
 
 namespace hvp::vp::board_settings_test {

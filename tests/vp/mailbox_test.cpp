@@ -1,8 +1,8 @@
-#include "vp/host/exchange.h"
-
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "vp/host/exchange.h"
 
 namespace hvp::vp::mailbox_test {
 namespace {

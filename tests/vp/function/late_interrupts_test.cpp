@@ -1,6 +1,4 @@
 // Interrupts whose handler runs some time after they were raised, at exact times.
-#include "vp/function/outside_host.h"
-
 #include <optional>
 #include <vector>
 
@@ -8,6 +6,7 @@
 
 #include "tests/vp/expected_time.h"
 #include "vp/frame/frame_tag.h"
+#include "vp/function/outside_host.h"
 
 namespace hvp::vp::late_interrupts_test {
 namespace {
