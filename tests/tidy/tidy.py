@@ -12,11 +12,13 @@ share of the rest that the commit's own name chooses, another one with every com
 import argparse
 import hashlib
 import json
+import math
 import os
 import re
 import shlex
 import subprocess
 import sys
+import time
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from functools import cache
@@ -170,6 +172,9 @@ def main() -> int:
     parser.add_argument("--stamps", type=Path, required=True, help="where clean sources are noted")
     parser.add_argument("--all", action="store_true", help="every source that has no stamp")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    parser.add_argument(
+        "--seconds", type=float, help="begin no further source after that; the next run does"
+    )
     arguments = parser.parse_args()
     build: Path = arguments.build.resolve()
     stamps: Path = arguments.stamps
@@ -194,20 +199,31 @@ def main() -> int:
     if not arguments.all:
         due = chosen(due)
     failures = 0
+    analysed = 0
+    ends = time.monotonic() + arguments.seconds if arguments.seconds is not None else math.inf
+
+    def in_time(source: Source, key: str | None) -> Finding | None:
+        return analyse(source, key, commands) if time.monotonic() < ends else None
+
     with ThreadPoolExecutor(arguments.jobs) as pool:
-        pending = [pool.submit(analyse, source, key, commands) for source, key in due]
+        pending = [pool.submit(in_time, source, key) for source, key in due]
         for count, future in enumerate(as_completed(pending), 1):
             finding = future.result()
+            if finding is None:
+                continue
+            analysed += 1
             print(f"[{count}/{len(due)}] {finding.source.path.relative_to(TOP)}", flush=True)
             if not finding.clean:
                 failures += 1
                 print(finding.output, flush=True)
             elif finding.key:
                 (stamps / finding.key).touch()
+    if analysed < len(due):
+        print(f"left out: tidy: {len(due) - analysed} sources of this run's, for want of time")
     clean = len(sources) - without_stamp
     print(
-        f"{len(sources)} sources, {clean} known to be clean, {len(due)} analysed, "
-        f"{without_stamp - len(due)} left to another commit, {failures} with findings"
+        f"{len(sources)} sources, {clean} known to be clean, {analysed} analysed, "
+        f"{without_stamp - analysed} left to another commit, {failures} with findings"
     )
     return 1 if failures else 0
 
