@@ -31,71 +31,127 @@ constexpr std::array<double, 5> kLongestEdges{1.6, 1.3, 1.1, 0.9, 2.0};
 constexpr double kTooFine = 1.5;
 
 // A sphere can have any number of points: they go with the edge length inside.
-TetMesh mesh_sphere(double radius, int wanted, const Progress& progress) {
+TetMesh mesh_sphere(double radius, int wanted_nodes, const Progress& progress) {
   const double area = 4.0 * std::numbers::pi * radius * radius;
   const double volume = area * radius / 3.0;
-  const double edge = edge_length_for(volume, area, wanted);
-  std::vector<Candidate> candidates;
-  for (const double factor : {1.0, 1.05, 0.95, 1.1, 1.2, 0.9, 1.35}) {
-    const int points = std::max(4, points_for(area, factor * edge));
-    candidates.push_back({[=] { return sphere_surface(radius, points); }, edge, false});
-  }
-  return mesh_first_that_fits(candidates, wanted, progress);
+  const auto candidates_for = [&](int wanted) {
+    const double edge = edge_length_for(volume, area, wanted);
+    std::vector<Candidate> candidates;
+    for (const double factor : {1.0, 1.05, 0.95, 1.1, 1.2, 0.9, 1.35}) {
+      const int points = std::max(4, points_for(area, factor * edge));
+      candidates.push_back({[=] { return sphere_surface(radius, points); }, edge, false});
+    }
+    return candidates;
+  };
+  return mesh_first_that_fits(candidates_for, wanted_nodes, progress);
 }
 
-TetMesh mesh_box(const Eigen::Vector3d& size, int wanted, const Progress& progress) {
+TetMesh mesh_box(const Eigen::Vector3d& size, int wanted_nodes, const Progress& progress) {
   const double volume = size.x() * size.y() * size.z();
   const double area = 2.0 * (size.x() * size.y() + size.y() * size.z() + size.z() * size.x());
-  const double edge = edge_length_for(volume, area, wanted);
-  std::vector<Candidate> candidates;
-  // A cell of 0.93 edges has the area of two equilateral triangles. The last resort is a surface
-  // without a grid, which can have any number of points.
-  for (const double cell : {0.93, 1.0, 0.87, 1.1, 0.8, 1.2}) {
-    candidates.push_back({[=] { return box_surface(size, cell * edge); }, edge, false});
-  }
-  for (const double longest : kLongestEdges) {
-    const auto split = [=] {
-      return split_long_edges(box_surface(size, size.maxCoeff()), longest * edge);
-    };
-    candidates.push_back({split, edge});
-  }
-  return mesh_first_that_fits(candidates, wanted, progress);
+  const auto candidates_for = [&](int wanted) {
+    const double edge = edge_length_for(volume, area, wanted);
+    std::vector<Candidate> candidates;
+    // A cell of 0.93 edges has the area of two equilateral triangles. The last resort is a surface
+    // without a grid, which can have any number of points.
+    for (const double cell : {0.93, 1.0, 0.87, 1.1, 0.8, 1.2}) {
+      candidates.push_back({[=] { return box_surface(size, cell * edge); }, edge, false});
+    }
+    for (const double longest : kLongestEdges) {
+      const auto split = [=] {
+        return split_long_edges(box_surface(size, size.maxCoeff()), longest * edge);
+      };
+      candidates.push_back({split, edge});
+    }
+    return candidates;
+  };
+  return mesh_first_that_fits(candidates_for, wanted_nodes, progress);
 }
 
-TetMesh mesh_surface(const Surface& raw, int wanted, const Progress& progress) {
-  Surface surface = check_surface(raw);
-  const double area = surface_area(surface);
-  const double edge = edge_length_for(enclosed_volume(surface), area, wanted);
-  const int points = static_cast<int>(surface.points.size());
-  const int suitable = points_for(area, edge);
-  std::vector<Candidate> candidates;
-  const auto split = [&] {
+// The candidates for a user's surface, which keep its triangles, or split or collapse its edges.
+class SurfaceCandidates {
+ public:
+  SurfaceCandidates(const Surface& surface, const Progress& progress)
+      : surface_(surface),
+        progress_(progress),
+        area_(surface_area(surface)),
+        volume_(enclosed_volume(surface)) {}
+
+  std::vector<Candidate> operator()(int wanted) const {
+    const double edge = edge_length_for(volume_, area_, wanted);
+    const int suitable = points_for(area_, edge);
+    std::vector<Candidate> candidates;
+    if (points() > kTooFine * suitable) {
+      coarsen(candidates, suitable, edge);
+      candidates.push_back({[this] { return surface_; }, edge});
+    } else {
+      split(candidates, edge);
+      coarsen(candidates, suitable, edge);
+    }
+    resample(candidates, suitable, edge);
+    refine(candidates, edge);
+    return candidates;
+  }
+
+ private:
+  int points() const { return static_cast<int>(surface_.points.size()); }
+
+  void split(std::vector<Candidate>& candidates, double edge) const {
     for (const double longest : kLongestEdges) {
       candidates.push_back(
-          {[&, longest] { return split_long_edges(surface, longest * edge); }, edge});
+          {[this, longest, edge] { return split_long_edges(surface_, longest * edge); }, edge});
     }
-  };
-  const auto coarsen = [&] {
+  }
+
+  void coarsen(std::vector<Candidate>& candidates, int suitable, double edge) const {
     for (const double share : {1.0, 0.9, 1.15, 0.8}) {
       const int fewer = std::max(4, static_cast<int>(share * suitable));
-      if (fewer >= points) continue;
-      const auto collapse = [&, fewer] {
-        if (progress) {
-          progress(fmt::format("coarsening the surface from {} to {} points", points, fewer));
+      if (fewer >= points()) continue;
+      const auto collapse = [this, fewer] {
+        if (progress_) {
+          progress_(fmt::format("coarsening the surface from {} to {} points", points(), fewer));
         }
-        return collapse_short_edges(surface, fewer);
+        return collapse_short_edges(surface_, fewer);
       };
       candidates.push_back({collapse, edge});
     }
-  };
-  if (points > kTooFine * suitable) {
-    coarsen();
-    candidates.push_back({[&] { return surface; }, edge});
-  } else {
-    split();
-    coarsen();
   }
-  return mesh_first_that_fits(candidates, wanted, progress);
+
+  // Long facets with short ends, as a CAD program makes of a cylinder, split into many points where
+  // their corners meet: they are split finely and then collapsed evenly.
+  void resample(std::vector<Candidate>& candidates, int suitable, double edge) const {
+    constexpr double kFine = 0.7;  // of the edge
+    for (const double share : {1.0, 0.85, 0.7, 0.55}) {
+      const int fewer = std::max(4, static_cast<int>(share * suitable));
+      const auto even = [this, fewer, edge] {
+        const Surface fine = split_long_edges(surface_, kFine * edge);
+        if (fewer >= static_cast<int>(fine.points.size())) return fine;
+        if (progress_) {
+          progress_(fmt::format("resampling the surface from {} to {} points", fine.points.size(),
+                                fewer));
+        }
+        return collapse_short_edges(fine, fewer);
+      };
+      candidates.push_back({even, edge});
+    }
+  }
+
+  // The last resort: TetGen adds points on the surface where it needs them.
+  void refine(std::vector<Candidate>& candidates, double edge) const {
+    Candidate as_it_is{[this] { return surface_; }, edge};
+    as_it_is.keep_surface = false;
+    candidates.push_back(as_it_is);
+  }
+
+  const Surface& surface_;
+  const Progress& progress_;
+  double area_;
+  double volume_;
+};
+
+TetMesh mesh_surface(const Surface& raw, int wanted, const Progress& progress) {
+  const Surface surface = check_surface(raw);
+  return mesh_first_that_fits(SurfaceCandidates(surface, progress), wanted, progress);
 }
 
 // A mesh of a million nodes takes TetGen a minute or two, and a search needs a few.

@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <limits>
 #include <optional>
+#include <set>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -42,19 +44,22 @@ class Search {
   // Keeps the surface and varies the volume bound: regula falsi on the logarithms once the count
   // is bracketed, since the count goes with a power of the bound. Returns the mesh nearest to the
   // wanted count, if it is accepted.
-  std::optional<TetMesh> vary_volume_bound(const Surface& surface, double edge, double ratio) {
+  std::optional<TetMesh> vary_volume_bound(const Surface& surface, const Candidate& candidate,
+                                           double ratio) {
     const double target = std::log(static_cast<double>(wanted_));
     // A bound as large as the body is none.
     const double no_bound = std::log(enclosed_volume(surface));
-    double x =
-        std::min(no_bound, std::log(kVolumeFactor * kRegularTetrahedron) + 3 * std::log(edge));
+    double x = std::min(
+        no_bound, std::log(kVolumeFactor * kRegularTetrahedron) + 3 * std::log(candidate.edge));
     std::optional<std::pair<double, double>> above;  // (log bound, log count), too many nodes
     std::optional<std::pair<double, double>> below;
     int unchanged = 0;
     best_.reset();
     for (int run = 0; run < kMostRuns; ++run) {
-      const double y = std::log(static_cast<double>(
-          attempt(surface, {.max_volume = std::exp(x), .radius_edge_ratio = ratio})));
+      const double y =
+          std::log(static_cast<double>(attempt(surface, {.max_volume = std::exp(x),
+                                                         .radius_edge_ratio = ratio,
+                                                         .keep_surface = candidate.keep_surface})));
       if (deviation() <= std::max(1.0, kGoodEnough * wanted_)) break;
       unchanged = below && below->second == y ? unchanged + 1 : 0;
       if (unchanged == 2) break;  // the surface's triangles admit no more nodes
@@ -75,18 +80,10 @@ class Search {
     return std::exchange(best_, std::nullopt);
   }
 
-  void note(int count) {
-    fewest_ = std::min(fewest_, count);
-    most_ = std::max(most_, count);
-    if (nearest_ == 0 || std::abs(count - wanted_) < std::abs(nearest_ - wanted_)) nearest_ = count;
-  }
+  void note(int count) { counts_.insert(count); }
 
-  [[noreturn]] void refuse() const {
-    throw InputError("nodes",
-                     fmt::format("{} nodes cannot be reached within {:.0f} % for this body: the "
-                                 "nearest mesh has {}, those tried had {} to {}",
-                                 wanted_, 100.0 * kAcceptedDeviation, nearest_, fewest_, most_));
-  }
+  // The counts of all meshes and surfaces that were tried.
+  const std::set<int>& counts() const { return counts_; }
 
  private:
   double deviation() const { return std::abs(nodes_of(*best_) - wanted_); }
@@ -103,9 +100,7 @@ class Search {
   int wanted_;
   const Progress& progress_;
   std::optional<TetMesh> best_;
-  int nearest_ = 0;
-  int fewest_ = std::numeric_limits<int>::max();
-  int most_ = 0;
+  std::set<int> counts_;
 };
 
 }  // namespace
@@ -128,18 +123,24 @@ int points_for(double area, double edge) {
   return static_cast<int>(std::lround(2.0 + 1.1547005383792517 * area / (edge * edge)));
 }
 
-TetMesh mesh_first_that_fits(const std::vector<Candidate>& candidates, int wanted,
-                             const Progress& progress) {
-  Search search(wanted, progress);
+namespace {
+
+struct Found {
+  std::optional<TetMesh> mesh;
+  std::set<int> counts;  // that were seen
   std::optional<InputError> refusal;
-  std::optional<TetMesh> best;
+};
+
+Found search(const std::vector<Candidate>& candidates, int wanted, const Progress& progress) {
+  Search search(wanted, progress);
+  Found found;
   std::size_t fewest_slivers = std::numeric_limits<std::size_t>::max();
   for (const Candidate& candidate : candidates) {
     Surface surface;
     try {
       surface = candidate.surface();
     } catch (const InputError& error) {
-      refusal = error;
+      found.refusal = error;
       continue;
     }
     const int points = static_cast<int>(surface.points.size());
@@ -148,21 +149,51 @@ TetMesh mesh_first_that_fits(const std::vector<Candidate>& candidates, int wante
       continue;
     }
     for (const double ratio : kRadiusEdgeRatios) {
-      if (ratio > kRadiusEdgeRatios[0] && (best || !candidate.loose_ratio)) break;
-      std::optional<TetMesh> mesh = search.vary_volume_bound(surface, candidate.edge, ratio);
+      if (ratio > kRadiusEdgeRatios[0] && (found.mesh || !candidate.loose_ratio)) break;
+      std::optional<TetMesh> mesh;
+      try {
+        mesh = search.vary_volume_bound(surface, candidate, ratio);
+      } catch (const InputError& error) {
+        found.refusal = error;
+        break;
+      }
       if (!mesh) continue;
       smooth(*mesh);
       const std::size_t slivers = measure(*mesh).slivers;
-      if (slivers == 0) return std::move(*mesh);
       if (slivers < fewest_slivers) {
         fewest_slivers = slivers;
-        best = std::move(mesh);
+        found.mesh = std::move(mesh);
       }
+      if (slivers == 0) return found;
     }
   }
-  if (best) return std::move(*best);
-  if (refusal) throw InputError(*refusal);
-  search.refuse();
+  found.counts = search.counts();
+  return found;
+}
+
+}  // namespace
+
+TetMesh mesh_first_that_fits(const Candidates& candidates, int wanted, const Progress& progress) {
+  Found found = search(candidates(wanted), wanted, progress);
+  if (found.mesh) return std::move(*found.mesh);
+  if (found.counts.empty()) throw InputError(found.refusal.value());
+  // The count of a mesh that was seen need not be one that can be asked for: it is asked for.
+  constexpr std::size_t kMostOffers = 8;
+  std::vector<int> offers(found.counts.begin(), found.counts.end());
+  std::ranges::stable_sort(offers, {}, [&](int count) { return std::abs(count - wanted); });
+  if (offers.size() > kMostOffers) offers.resize(kMostOffers);
+  const std::string refusal =
+      fmt::format("{} nodes cannot be reached within {:.0f} % for this body", wanted,
+                  100.0 * kAcceptedDeviation);
+  for (const int offer : offers) {
+    if (progress) progress(fmt::format("meshing: looking whether {} nodes can be had", offer));
+    if (!search(candidates(offer), offer, progress).mesh) continue;
+    throw InputError("nodes",
+                     fmt::format("{}: expected {}, of which a mesh was made", refusal, offer));
+  }
+  throw InputError("nodes",
+                   fmt::format("{}, and no other count was found: the meshes tried had {} to {}",
+                               refusal, *found.counts.begin(), *found.counts.rbegin()));
 }
 
 }  // namespace hvp::mesh

@@ -28,14 +28,18 @@ struct Candidate {
   double edge = 0.0;  // edge of the tetrahedra inside, to start from
   // True if TetGen's bound on the ratio of circumradius to shortest edge may be loosened.
   bool loose_ratio = true;
+  bool keep_surface = true;  // TetgenOptions
 };
+
+// The candidates for a count.
+using Candidates = std::function<std::vector<Candidate>(int wanted)>;
 
 // Tries the candidates one after the other, each with varied volume bounds, until one gives the
 // wanted count within kAcceptedDeviation and no sliver; failing that, the one with the fewest
 // slivers. A coarse surface bounds the count from above, since TetGen puts no node into the
 // smallest sphere around one of its triangles, and a fine one from below. Throws InputError with
-// the key "nodes" where none gives the count, with the counts that were seen.
-TetMesh mesh_first_that_fits(const std::vector<Candidate>& candidates, int wanted,
-                             const Progress& progress);
+// the key "nodes" where none gives the count: the message offers the nearest count for which a mesh
+// was then made in the same way.
+TetMesh mesh_first_that_fits(const Candidates& candidates, int wanted, const Progress& progress);
 
 }  // namespace hvp::mesh

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <map>
 #include <utility>
 #include <vector>
@@ -170,23 +171,85 @@ double surface_area(const Surface& surface) {
   return 0.5 * twice;
 }
 
-Surface merge_points(const Surface& surface) {
-  std::map<std::array<double, 3>, int> index_of;
+double merging_distance(const Surface& surface) {
+  if (surface.points.empty()) return 0;
+  Vector3d low = surface.points.front();
+  Vector3d high = low;
+  for (const Vector3d& x : surface.points) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  return double{std::numeric_limits<float>::epsilon()} * (high - low).maxCoeff();
+}
+
+namespace {
+
+// Finds the points that were there before within a distance, by a grid of cells of its size.
+class PointGrid {
+ public:
+  explicit PointGrid(double distance) : distance_(distance) {}
+
+  // The index of the nearest known point within the distance, or of `x` itself, which is known
+  // then.
+  int find_or_add(const Vector3d& x) {
+    if (distance_ == 0) {
+      // Adding zero turns -0 into +0.
+      const auto [found, fresh] = exact_.try_emplace({x.x() + 0.0, x.y() + 0.0, x.z() + 0.0},
+                                                     static_cast<int>(points_.size()));
+      if (fresh) points_.push_back(x + Vector3d::Zero());
+      return found->second;
+    }
+    const Vector3d cell = (x / distance_).array().floor();
+    int nearest = -1;
+    double least = distance_;
+    for (int i = 0; i < 27; ++i) {
+      const Vector3d offset(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+      const auto found = cells_.find(key(cell + offset));
+      if (found == cells_.end()) continue;
+      for (const int candidate : found->second) {
+        const double away = (points_[at(candidate)] - x).norm();
+        if (away < least || (away == least && nearest < 0)) {
+          least = away;
+          nearest = candidate;
+        }
+      }
+    }
+    if (nearest >= 0) return nearest;
+    const int index = static_cast<int>(points_.size());
+    points_.push_back(x + Vector3d::Zero());
+    cells_[key(cell)].push_back(index);
+    return index;
+  }
+  std::vector<Vector3d> take_points() { return std::move(points_); }
+
+ private:
+  using Key = std::array<double, 3>;
+  static Key key(const Vector3d& x) { return {x.x() + 0.0, x.y() + 0.0, x.z() + 0.0}; }
+
+  double distance_;
+  std::vector<Vector3d> points_;
+  std::map<Key, int> exact_;
+  std::map<Key, std::vector<int>> cells_;
+};
+
+}  // namespace
+
+Surface merge_points(const Surface& surface, double distance) {
+  PointGrid grid(distance);
+  // Each point is looked for once, however many triangles have it.
+  std::vector<int> known(surface.points.size(), -1);
   Surface merged;
   for (const auto& t : surface.triangles) {
     std::array<int, 3> corners{};
     for (std::size_t k = 0; k < 3; ++k) {
-      const Vector3d& x = surface.points[at(t[k])];
-      // Adding zero turns −0 into +0.
-      const std::array<double, 3> place{x.x() + 0.0, x.y() + 0.0, x.z() + 0.0};
-      const auto [found, fresh] =
-          index_of.try_emplace(place, static_cast<int>(merged.points.size()));
-      if (fresh) merged.points.emplace_back(place[0], place[1], place[2]);
-      corners[k] = found->second;
+      int& index = known[at(t[k])];
+      if (index < 0) index = grid.find_or_add(surface.points[at(t[k])]);
+      corners[k] = index;
     }
     if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
     merged.triangles.push_back(corners);
   }
+  merged.points = grid.take_points();
   // A point whose triangles all vanished is not used any more.
   std::vector<int> index(merged.points.size(), -1);
   std::vector<Vector3d> points;

@@ -16,9 +16,14 @@ double enclosed_volume(const Surface& surface);
 // The area in m².
 double surface_area(const Surface& surface);
 
-// Merges points that coincide exactly, drops triangles that thereby lose a corner, and drops
-// points that no triangle uses. The order of what remains is kept.
-Surface merge_points(const Surface& surface);
+// Merges points that are `distance` (m) or less apart, the first of them staying where it is; drops
+// triangles that thereby lose a corner, and points that no triangle uses. The order of what remains
+// is kept. With a distance of zero points coincide exactly.
+Surface merge_points(const Surface& surface, double distance = 0);
+
+// The distance that single precision cannot tell apart at the surface's size, m: a CAD program's
+// 2.7e-16 for 0 is no other place.
+double merging_distance(const Surface& surface);
 
 // The surface as a mesher needs it: points merged, all triangles wound the same way with outward
 // normals. Throws InputError with the key "surface" if it is not the closed surface of one body: no

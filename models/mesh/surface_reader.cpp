@@ -1,10 +1,13 @@
 #include "models/mesh/surface_reader.h"
 
+#include <algorithm>
+#include <cctype>
 #include <filesystem>
 
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
+#include "models/files/one_line.h"
 #include "models/files/regular_file.h"
 #include "models/mesh/byte_stream.h"
 #include "models/mesh/mesh_settings.h"
@@ -60,15 +63,30 @@ void check_place(const Surface& surface, double unit_m) {
 
 }  // namespace
 
+SurfaceFormat format_of(std::string_view extension) {
+  std::string lower(extension);
+  std::ranges::transform(lower, lower.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (lower == ".stl") return SurfaceFormat::stl;
+  if (lower == ".ply") return SurfaceFormat::ply;
+  if (lower == ".obj") return SurfaceFormat::obj;
+  if (lower == ".vtp") return SurfaceFormat::vtp;
+  if (lower == ".vtu") return SurfaceFormat::vtu;
+  throw InputError("surface", fmt::format("files ending in \"{}\" are not read; expected .stl, "
+                                          ".ply, .obj, .vtp or .vtu",
+                                          files::one_line(lower, 40)));
+}
+
 Surface read_surface(const std::string& path, double unit_m) {
   const std::string extension = std::filesystem::path(path).extension().string();
   try {
     const std::string contents = contents_of(path);
-    const SurfaceFormat format = precheck(extension, contents);
+    const SurfaceFormat format = format_of(extension);
+    precheck(contents, format);
     const std::string bytes = run_in_sandbox("the reader", "surface", limits_for(contents.size()),
                                              {}, [&](const Progress& /*progress*/) {
                                                const Surface surface =
-                                                   read_with_vtk(path, format, unit_m);
+                                                   read_with_vtk(path, contents, format, unit_m);
                                                ByteWriter writer;
                                                writer.points(surface.points);
                                                writer.tuples(surface.triangles);

@@ -8,27 +8,32 @@
 
 namespace hvp::mesh {
 
-enum class SurfaceFormat { stl_text, stl_binary, ply, obj, vtp, vtu };
+enum class SurfaceFormat { stl, ply, obj, vtp, vtu };
 
 // Larger files and surfaces are refused; the figure leaves room for a scan of a million
 // triangles in any of the formats.
 inline constexpr std::size_t kLargestFile = std::size_t{512} << 20;
 inline constexpr int kMostTriangles = 2'000'000;
 
-// The format of a file by its extension (".STL" counts like ".stl") and its bytes. Throws
-// InputError with the key "surface" if the bytes contradict themselves: empty, of no known format,
-// fewer bytes or lines than its header declares, an unfinished text or XML file, more than
-// kMostTriangles. It is cheap, and runs before a reader allocates the sizes that a header promises.
-SurfaceFormat precheck(std::string_view extension, std::string_view bytes);
+// The format of a file by its extension (".STL" counts like ".stl"). Throws InputError with the key
+// "surface" for any other.
+SurfaceFormat format_of(std::string_view extension);
 
-// Reads a file with VTK's reader for its format. VTK's readers may crash or print on malformed
-// files: call this in a child process (sandbox.h). Throws InputError with the key "surface" and
-// VTK's message, if there is one.
-Surface read_with_vtk(const std::string& path, SurfaceFormat format, double unit_m);
+// Throws InputError with the key "surface" for an empty file and for one in VTK's XML that is
+// unfinished or declares more than kMostTriangles. It is cheap, and runs before a reader allocates
+// the sizes that a header promises.
+void precheck(std::string_view bytes, SurfaceFormat format);
+
+// Reads a file, of which `bytes` are the contents: STL, PLY and OBJ as polygon_files.h does, VTP
+// and VTU with VTK's readers, which may crash or print on malformed files: call this in a child
+// process (sandbox.h). Throws InputError with the key "surface" and VTK's message, if there is one.
+Surface read_with_vtk(const std::string& path, std::string_view bytes, SurfaceFormat format,
+                      double unit_m);
 
 // Reads a surface file, STL (text or binary), PLY, OBJ, VTP or VTU by its extension. One unit of
-// the file is `unit_m` metres. Polygons are split into triangles, points that coincide exactly
-// are merged, unused points dropped. A VTU's surface is the outer surface of its volume cells.
+// the file is `unit_m` metres. Polygons are split into triangles, points that single precision
+// cannot tell apart at the surface's size are merged, unused points dropped. A VTU's surface is the
+// outer surface of its volume cells.
 // The triangles keep the file's winding. Only the surface's width and place are checked here (for
 // the rest see surface_check.h): the width is within kBodyLength, and the surface is near enough to
 // the origin for its coordinates to have digits left.

@@ -103,7 +103,7 @@ TetMesh run_tetgen(const Surface& surface, const TetgenOptions& options) {
   tetgenio out;
   set_points(in, surface.points);
   set_facets(in, surface.triangles);
-  std::string switches = "pYQ";
+  std::string switches = options.keep_surface ? "pYQ" : "pQ";
   if (options.radius_edge_ratio > 0.0)
     switches += fmt::format("q{:.6f}", options.radius_edge_ratio);
   // TetGen reads plain decimals and exponents alike.

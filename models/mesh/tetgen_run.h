@@ -11,11 +11,13 @@ struct TetgenOptions {
   // The largest admissible ratio of circumradius to shortest edge; 0: no bound. 1.2 stands for the
   // switches pYq1.2a… with which the figures for the thesis' sphere were obtained.
   double radius_edge_ratio = 1.2;
+  // False: TetGen may add points on the surface, whose shape stays what it is.
+  bool keep_surface = true;
 };
 
-// Fills a closed, consistently oriented surface with tetrahedra; the surface's triangles are
-// kept. TetGen may crash, hang or exit on surfaces it cannot handle: call it in a child process
-// (sandbox.h). Throws InputError with the key "surface".
+// Fills a closed, consistently oriented surface with tetrahedra. TetGen may crash, hang or exit on
+// surfaces it cannot handle: call it in a child process (sandbox.h). Throws InputError with the key
+// "surface".
 TetMesh run_tetgen(const Surface& surface, const TetgenOptions& options);
 
 }  // namespace hvp::mesh

@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <string_view>
 #include <vector>
@@ -11,19 +13,17 @@
 #include <vtkCellType.h>
 #include <vtkIdList.h>
 #include <vtkNew.h>
-#include <vtkOBJReader.h>
 #include <vtkOutputWindow.h>
-#include <vtkPLYReader.h>
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
-#include <vtkSTLReader.h>
 #include <vtkSmartPointer.h>
 #include <vtkTriangleFilter.h>
 #include <vtkUnstructuredGrid.h>
 #include <vtkXMLPolyDataReader.h>
 #include <vtkXMLUnstructuredGridReader.h>
 
-#include "models/config/input_error.h"
+#include "models/files/one_line.h"
+#include "models/mesh/polygon_files.h"
 #include "models/mesh/surface_check.h"
 #include "models/mesh/surface_reader.h"
 
@@ -166,23 +166,30 @@ output_of(Reader& reader, const std::string& path, const CapturingWindow& window
   return reader.GetOutput();
 }
 
-vtkSmartPointer<vtkPolyData> read_faces(const std::string& path, SurfaceFormat format,
-                                        const CapturingWindow& window) {
+vtkSmartPointer<vtkPolyData> poly_data(const Polygons& polygons) {
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  for (const Eigen::Vector3d& x : polygons.points) points->InsertNextPoint(x.data());
+  vtkNew<vtkCellArray> faces;
+  for (const std::vector<int>& polygon : polygons.polygons) {
+    faces->InsertNextCell(static_cast<int>(polygon.size()));
+    for (const int corner : polygon) faces->InsertCellPoint(corner);
+  }
+  auto surface = vtkSmartPointer<vtkPolyData>::New();
+  surface->SetPoints(points);
+  surface->SetPolys(faces);
+  return surface;
+}
+
+vtkSmartPointer<vtkPolyData> read_faces(const std::string& path, std::string_view bytes,
+                                        SurfaceFormat format, const CapturingWindow& window) {
   switch (format) {
-    case SurfaceFormat::stl_text:
-    case SurfaceFormat::stl_binary: {
-      vtkNew<vtkSTLReader> reader;
-      reader->MergingOff();  // merge_points() does it without a tolerance
-      return output_of(*reader, path, window);
-    }
-    case SurfaceFormat::ply: {
-      vtkNew<vtkPLYReader> reader;
-      return output_of(*reader, path, window);
-    }
-    case SurfaceFormat::obj: {
-      vtkNew<vtkOBJReader> reader;
-      return output_of(*reader, path, window);
-    }
+    case SurfaceFormat::stl:
+      return poly_data(read_stl(bytes));
+    case SurfaceFormat::ply:
+      return poly_data(read_ply(bytes));
+    case SurfaceFormat::obj:
+      return poly_data(read_obj(bytes));
     case SurfaceFormat::vtp: {
       vtkNew<vtkXMLPolyDataReader> reader;
       return output_of(*reader, path, window);
@@ -200,12 +207,48 @@ vtkSmartPointer<vtkPolyData> read_faces(const std::string& path, SurfaceFormat f
   return surface;
 }
 
+void check_vtk_xml(std::string_view bytes, std::string_view type) {
+  if (bytes.find("<VTKFile") == std::string_view::npos) {
+    refuse("the file holds no <VTKFile>; expected VTK's XML format");
+  }
+  if (bytes.find("</VTKFile>") == std::string_view::npos) {
+    refuse("the file ends without </VTKFile>; it is cut off");
+  }
+  // NumberOfPoints, NumberOfPolys, NumberOfTuples, …: the readers allocate what these promise.
+  constexpr std::string_view kCount = "NumberOf";
+  for (std::size_t at = bytes.find(kCount); at != std::string_view::npos;
+       at = bytes.find(kCount, at + 1)) {
+    const std::string_view attribute = bytes.substr(at, 80);
+    const std::size_t equals = attribute.find('=');
+    const std::size_t digits = attribute.find_first_of("0123456789-+");
+    if (equals == std::string_view::npos || digits == std::string_view::npos) continue;
+    std::uint64_t count = 0;
+    const auto [end, error] =
+        std::from_chars(attribute.data() + digits, attribute.data() + attribute.size(), count);
+    if (error != std::errc{} || count > 3 * std::uint64_t{kMostTriangles}) {
+      refuse(fmt::format("the file declares {} = {}; at most {} are read",
+                         files::one_line(attribute.substr(0, equals), 40),
+                         files::one_line(attribute.substr(digits), 24), 3 * kMostTriangles));
+    }
+  }
+  if (bytes.find(fmt::format("<{}", type)) == std::string_view::npos) {
+    refuse(fmt::format("the file holds no <{}>, which its extension promises", type));
+  }
+}
+
 }  // namespace
 
-Surface read_with_vtk(const std::string& path, SurfaceFormat format, double unit_m) {
+void precheck(std::string_view bytes, SurfaceFormat format) {
+  if (bytes.empty()) refuse("the file is empty");
+  if (format == SurfaceFormat::vtp) check_vtk_xml(bytes, "PolyData");
+  if (format == SurfaceFormat::vtu) check_vtk_xml(bytes, "UnstructuredGrid");
+}
+
+Surface read_with_vtk(const std::string& path, std::string_view bytes, SurfaceFormat format,
+                      double unit_m) {
   vtkNew<CapturingWindow> window;
   vtkOutputWindow::SetInstance(window);
-  const vtkSmartPointer<vtkPolyData> faces = read_faces(path, format, *window);
+  const vtkSmartPointer<vtkPolyData> faces = read_faces(path, bytes, format, *window);
 
   vtkPoints* points = faces->GetPoints();
   const vtkIdType point_count = points == nullptr ? 0 : points->GetNumberOfPoints();
@@ -249,7 +292,7 @@ Surface read_with_vtk(const std::string& path, SurfaceFormat format, double unit
     surface.triangles.push_back({static_cast<int>(ids->GetId(0)), static_cast<int>(ids->GetId(1)),
                                  static_cast<int>(ids->GetId(2))});
   }
-  return merge_points(surface);
+  return merge_points(surface, merging_distance(surface));
 }
 
 }  // namespace hvp::mesh

@@ -20,6 +20,7 @@
 #include <unistd.h>
 
 #include "models/config/input_error.h"
+#include "models/mesh/polygon_files.h"
 #include "models/mesh/surface_check.h"
 
 namespace {
@@ -57,7 +58,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view extension = kExtensions[data[0] % kExtensions.size()];
   const std::string bytes(data + 1, data + size);
   try {
-    hvp::mesh::precheck(extension, bytes);  // before a file is written and a process forked
+    // Before a file is written and a process forked, and in this process for the texts.
+    const hvp::mesh::SurfaceFormat format = hvp::mesh::format_of(extension);
+    hvp::mesh::precheck(bytes, format);
+    if (format == hvp::mesh::SurfaceFormat::stl) hvp::mesh::read_stl(bytes);
+    if (format == hvp::mesh::SurfaceFormat::ply) hvp::mesh::read_ply(bytes);
+    if (format == hvp::mesh::SurfaceFormat::obj) hvp::mesh::read_obj(bytes);
     const File file(extension, bytes);
     const hvp::mesh::Surface surface =
         hvp::mesh::check_surface(hvp::mesh::read_surface(file.path(), 1e-3));

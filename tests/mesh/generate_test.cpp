@@ -134,7 +134,7 @@ TEST(Generate, ACountOutOfReachIsRefusedWithTheNumbers) {
   const std::string message =
       refusal("nodes", [] { generate(box(Eigen::Vector3d::Constant(0.1), 20)); });
   EXPECT_THAT(message, HasSubstr("20 nodes cannot be reached within 10 %"));
-  EXPECT_THAT(message, HasSubstr("the nearest mesh has "));
+  EXPECT_THAT(message, HasSubstr(", of which a mesh was made"));
 }
 
 TEST(Generate, FewerNodesThanATetrahedronHasAreRefused) {

@@ -1,0 +1,589 @@
+#include "models/mesh/polygon_files.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "models/files/one_line.h"
+#include "models/mesh/surface_check.h"
+#include "models/mesh/surface_reader.h"
+
+namespace hvp::mesh {
+
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r\v\f";
+
+std::string shown(std::string_view text) { return files::one_line(text, 40); }
+
+void check_face_count(std::uint64_t count, std::string_view what) {
+  if (count <= kMostTriangles) return;
+  refuse(fmt::format("the file has {} {}; at most {} are read", count, what, kMostTriangles));
+}
+
+std::string_view without_byte_order_mark(std::string_view bytes) {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  if (bytes.starts_with(kMark)) bytes.remove_prefix(kMark.size());
+  return bytes;
+}
+
+// A text without what editors and programs put around it.
+std::string_view text_of(std::string_view bytes) {
+  bytes = without_byte_order_mark(bytes);
+  while (!bytes.empty() && bytes.back() == '\0') bytes.remove_suffix(1);
+  return bytes;
+}
+
+// The words of a text, one after the other, with the number of their line.
+class Words {
+ public:
+  explicit Words(std::string_view text) : rest_(text) {}
+
+  // The next word of the present line; empty at its end.
+  std::string_view in_line() {
+    const std::size_t begin = std::min(rest_.find_first_not_of(kBlanks), rest_.size());
+    rest_.remove_prefix(begin);
+    const std::size_t end = std::min(rest_.find_first_of(" \t\r\v\f\n"), rest_.size());
+    const std::string_view word = rest_.substr(0, end);
+    rest_.remove_prefix(end);
+    return word;
+  }
+  // Goes to the next line; false at the end of the text.
+  bool next_line() {
+    const std::size_t end = rest_.find('\n');
+    if (end == std::string_view::npos) {
+      rest_ = {};
+      return false;
+    }
+    rest_.remove_prefix(end + 1);
+    ++line_;
+    return !rest_.empty();
+  }
+  // The next word on this line or a later one; empty at the end of the text.
+  std::string_view anywhere() {
+    std::string_view word = in_line();
+    while (word.empty() && next_line()) word = in_line();
+    return word;
+  }
+  std::size_t line() const { return line_; }
+  std::string_view rest() const { return rest_; }
+
+ private:
+  std::string_view rest_;
+  std::size_t line_ = 1;
+};
+
+[[noreturn]] void refuse_line(std::size_t line, const std::string& what) {
+  refuse(fmt::format("line {}: {}", line, what));
+}
+
+// The number as single precision has it; infinite beyond that.
+double single(double value) { return static_cast<double>(static_cast<float>(value)); }
+
+double coordinate(std::string_view word, std::size_t line) {
+  std::string_view digits = word;
+  if (!digits.empty() && digits.front() == '+') digits.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  const bool small = error == std::errc::result_out_of_range && std::abs(value) < 1;
+  if ((error != std::errc{} && !small) || end != digits.data() + digits.size() ||
+      !std::isfinite(value)) {
+    refuse_line(line, fmt::format("the coordinate \"{}\" is not a finite number", shown(word)));
+  }
+  return single(value);
+}
+
+template <class Number>
+std::optional<Number> whole(std::string_view word) {
+  Number value{};
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc{} || end != word.data() + word.size()) return std::nullopt;
+  return value;
+}
+
+bool is_word(std::string_view text, std::string_view small_letters) {
+  return std::ranges::equal(text, small_letters, [](char a, char b) {
+    return (a >= 'A' && a <= 'Z' ? static_cast<char>(a - 'A' + 'a') : a) == b;
+  });
+}
+
+Polygons read_text_stl(std::string_view text) {
+  Polygons result;
+  Words words(text);
+  bool ended = false;
+  for (std::string_view word = words.anywhere(); !word.empty(); word = words.anywhere()) {
+    if (is_word(word, "solid") || is_word(word, "endsolid")) {
+      // The rest of the line is the solid's name, which may be any words.
+      ended = is_word(word, "endsolid");
+      if (!words.next_line()) break;
+    } else if (is_word(word, "vertex")) {
+      Eigen::Vector3d x;
+      for (double& component : x) component = coordinate(words.in_line(), words.line());
+      result.points.push_back(x);
+    }
+  }
+  if (!ended) refuse("the text STL file ends without \"endsolid\"; it is cut off");
+  if (result.points.empty()) refuse("the text STL file holds no triangles");
+  if (result.points.size() % 3 != 0) {
+    refuse(fmt::format("the text STL file has {} vertices; expected three for each triangle",
+                       result.points.size()));
+  }
+  check_face_count(result.points.size() / 3, "triangles");
+  for (int i = 0; i < static_cast<int>(result.points.size()); i += 3) {
+    result.polygons.push_back({i, i + 1, i + 2});
+  }
+  return result;
+}
+
+Polygons read_binary_stl(std::string_view bytes, std::uint32_t count) {
+  constexpr std::size_t kHeader = 84;
+  constexpr std::size_t kTriangle = 50;
+  constexpr std::size_t kNormal = 12;
+  check_face_count(count, "triangles");
+  if (count == 0) refuse("the file declares 0 triangles");
+  Polygons result;
+  result.points.reserve(std::size_t{3} * count);
+  for (std::size_t t = 0; t < count; ++t) {
+    std::array<float, 9> values{};
+    std::memcpy(values.data(), bytes.data() + kHeader + t * kTriangle + kNormal, sizeof(values));
+    for (std::size_t k = 0; k < 9; k += 3) {
+      result.points.emplace_back(values[k], values[k + 1], values[k + 2]);
+    }
+    const int first = static_cast<int>(3 * t);
+    result.polygons.push_back({first, first + 1, first + 2});
+  }
+  return result;
+}
+
+}  // namespace
+
+Polygons read_stl(std::string_view bytes) {
+  constexpr std::size_t kHeader = 84;
+  constexpr std::size_t kTriangle = 50;
+  std::optional<std::uint32_t> declared;
+  if (bytes.size() >= kHeader) {
+    std::uint32_t count = 0;
+    std::memcpy(&count, bytes.data() + 80, sizeof count);
+    declared = count;
+    // A binary file may begin with "solid" too, and then has just that size.
+    if (bytes.size() == kHeader + kTriangle * std::size_t{count}) {
+      return read_binary_stl(bytes, count);
+    }
+  }
+  const std::string_view text = text_of(bytes);
+  if (is_word(Words(text).anywhere(), "solid") && text.find('\0') == std::string_view::npos) {
+    return read_text_stl(text);
+  }
+  if (!declared) {
+    refuse(
+        fmt::format("the file is neither a text STL file (it does not start with \"solid\") "
+                    "nor a binary one ({} bytes; its header alone has {})",
+                    bytes.size(), kHeader));
+  }
+  refuse(
+      fmt::format("the file is no text STL file, as it does not start with \"solid\", and as a "
+                  "binary one it declares {} triangles, which take {} bytes; it has {}",
+                  *declared, kHeader + kTriangle * std::size_t{*declared}, bytes.size()));
+}
+
+namespace {
+
+// A line without its comment, in whole where a backslash continues it.
+class ObjLines {
+ public:
+  explicit ObjLines(std::string_view text) : rest_(text) {}
+
+  bool next() {
+    if (rest_.empty()) return false;
+    line_ = next_line_;
+    joined_.clear();
+    while (!rest_.empty()) {
+      const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+      std::string_view part = rest_.substr(0, end);
+      rest_.remove_prefix(std::min(end + 1, rest_.size()));
+      ++next_line_;
+      part = part.substr(0, part.find('#'));
+      while (!part.empty() && kBlanks.find(part.back()) != std::string_view::npos) {
+        part.remove_suffix(1);
+      }
+      const bool continues = !part.empty() && part.back() == '\\';
+      if (continues) part.remove_suffix(1);
+      joined_ += part;
+      if (!continues) break;
+      joined_ += ' ';
+    }
+    return true;
+  }
+  std::string_view text() const { return joined_; }
+  std::size_t number() const { return line_; }
+
+ private:
+  std::string_view rest_;
+  std::string joined_;
+  std::size_t line_ = 1;
+  std::size_t next_line_ = 1;
+};
+
+// The vertex of a corner such as 7, 7/2, 7//3, -1/2/3 or 7/.
+int corner_of(std::string_view word, std::size_t vertices, std::size_t line) {
+  const std::optional<std::int64_t> index = whole<std::int64_t>(word.substr(0, word.find('/')));
+  if (!index) refuse_line(line, fmt::format("a face with the corner \"{}\"", shown(word)));
+  const auto count = static_cast<std::int64_t>(vertices);
+  if (*index == 0 || *index > count || *index < -count) {
+    refuse_line(
+        line, fmt::format("a face with the vertex {} where {} stand before it", *index, vertices));
+  }
+  return static_cast<int>(*index > 0 ? *index - 1 : count + *index);
+}
+
+}  // namespace
+
+Polygons read_obj(std::string_view bytes) {
+  const std::string_view text = text_of(bytes);
+  if (text.find('\0') != std::string_view::npos) {
+    refuse("the OBJ file holds bytes that are no text");
+  }
+  Polygons result;
+  for (ObjLines lines(text); lines.next();) {
+    Words words(lines.text());
+    const std::string_view what = words.in_line();
+    if (what == "v") {
+      Eigen::Vector3d x;
+      for (double& component : x) {
+        const std::string_view word = words.in_line();
+        if (word.empty()) refuse_line(lines.number(), "a vertex needs three coordinates");
+        component = coordinate(word, lines.number());
+      }
+      result.points.push_back(x);
+    } else if (what == "f") {
+      std::vector<int> polygon;
+      for (std::string_view word = words.in_line(); !word.empty(); word = words.in_line()) {
+        polygon.push_back(corner_of(word, result.points.size(), lines.number()));
+      }
+      if (polygon.size() < 3) refuse_line(lines.number(), "a face needs three corners at least");
+      result.polygons.push_back(std::move(polygon));
+    }
+  }
+  if (result.points.empty() || result.polygons.empty()) {
+    refuse(fmt::format("the OBJ file holds {} vertices and {} faces", result.points.size(),
+                       result.polygons.size()));
+  }
+  check_face_count(result.polygons.size(), "faces");
+  return result;
+}
+
+namespace {
+
+enum class PlyType { i8, u8, i16, u16, i32, u32, f32, f64 };
+
+std::optional<PlyType> ply_type(std::string_view name) {
+  constexpr std::array<std::pair<std::string_view, PlyType>, 16> kTypes = {
+      {{"char", PlyType::i8},
+       {"int8", PlyType::i8},
+       {"uchar", PlyType::u8},
+       {"uint8", PlyType::u8},
+       {"short", PlyType::i16},
+       {"int16", PlyType::i16},
+       {"ushort", PlyType::u16},
+       {"uint16", PlyType::u16},
+       {"int", PlyType::i32},
+       {"int32", PlyType::i32},
+       {"uint", PlyType::u32},
+       {"uint32", PlyType::u32},
+       {"float", PlyType::f32},
+       {"float32", PlyType::f32},
+       {"double", PlyType::f64},
+       {"float64", PlyType::f64}}};
+  for (const auto& [known, type] : kTypes) {
+    if (known == name) return type;
+  }
+  return std::nullopt;
+}
+
+std::size_t size_of(PlyType type) {
+  switch (type) {
+    case PlyType::i8:
+    case PlyType::u8:
+      return 1;
+    case PlyType::i16:
+    case PlyType::u16:
+      return 2;
+    case PlyType::i32:
+    case PlyType::u32:
+    case PlyType::f32:
+      return 4;
+    case PlyType::f64:
+      return 8;
+  }
+  return 0;
+}
+
+struct PlyProperty {
+  std::string_view name;
+  std::optional<PlyType> length;  // of a list: the type of its count
+  PlyType type = PlyType::f32;
+};
+
+struct PlyElement {
+  std::string_view name;
+  std::uint64_t count = 0;
+  std::vector<PlyProperty> properties;
+
+  // The bytes, or words of a text, that an item takes at least.
+  std::size_t least(bool binary) const {
+    std::size_t sum = 0;
+    for (const PlyProperty& p : properties) {
+      sum += binary ? size_of(p.length.value_or(p.type)) : 1;
+    }
+    return sum;
+  }
+};
+
+struct PlyHeader {
+  bool binary = false;
+  bool big_endian = false;
+  std::vector<PlyElement> elements;
+};
+
+PlyElement ply_element(Words& words) {
+  const std::string_view name = words.in_line();
+  const std::string_view count = words.in_line();
+  if (count.empty()) refuse("the PLY header has an element without a name or count");
+  const auto items = whole<std::uint64_t>(count);
+  if (!items) {
+    refuse(
+        fmt::format("the PLY header has an element count that is no number: \"{}\"", shown(count)));
+  }
+  // Three vertices a triangle would be the most; the rest is not looked at.
+  if (*items > 3 * std::uint64_t{kMostTriangles}) {
+    refuse(fmt::format("the PLY header declares {} items of \"{}\"; at most {} are read", *items,
+                       shown(name), 3 * std::uint64_t{kMostTriangles}));
+  }
+  return {name, *items, {}};
+}
+
+PlyProperty ply_property(Words& words) {
+  PlyProperty property;
+  std::string_view type = words.in_line();
+  if (type == "list") {
+    property.length = ply_type(words.in_line());
+    if (!property.length) refuse("the PLY header has a list whose count has no known type");
+    type = words.in_line();
+  }
+  const std::optional<PlyType> known = ply_type(type);
+  if (!known) refuse(fmt::format("the PLY header has the unknown type \"{}\"", shown(type)));
+  property.type = *known;
+  property.name = words.in_line();
+  return property;
+}
+
+PlyHeader ply_header(Words& words) {
+  if (words.in_line() != "ply") refuse("the file does not start with \"ply\"");
+  PlyHeader header;
+  while (words.next_line()) {
+    const std::string_view what = words.in_line();
+    if (what == "format") {
+      const std::string_view format = words.in_line();
+      header.binary = format != "ascii";
+      header.big_endian = format == "binary_big_endian";
+      if (header.binary && !header.big_endian && format != "binary_little_endian") {
+        refuse(fmt::format("the PLY header has the unknown format \"{}\"", shown(format)));
+      }
+    } else if (what == "element") {
+      header.elements.push_back(ply_element(words));
+    } else if (what == "property") {
+      if (header.elements.empty()) refuse("the PLY header has a property before any element");
+      header.elements.back().properties.push_back(ply_property(words));
+    } else if (what == "end_header") {
+      // A file that ends here has no data, which is found out below.
+      words.next_line();
+      return header;
+    }
+  }
+  refuse("the PLY header ends without \"end_header\"; the file is cut off");
+}
+
+// The numbers behind the header, in text or binary.
+class PlyNumbers {
+ public:
+  PlyNumbers(const PlyHeader& header, const Words& words)
+      : binary_(header.binary),
+        swap_(header.big_endian == (std::endian::native == std::endian::little)),
+        bytes_(words.rest()),
+        words_(words) {}
+
+  double number(PlyType type) {
+    if (!binary_) {
+      const std::string_view word = words_.anywhere();
+      if (word.empty()) refuse("the PLY file is cut off: fewer numbers than its header declares");
+      return coordinate_or_nan(word);
+    }
+    const std::size_t size = size_of(type);
+    if (bytes_.size() < size) {
+      refuse("the PLY file is cut off: fewer bytes than its header declares");
+    }
+    std::array<char, 8> raw{};
+    std::memcpy(raw.data(), bytes_.data(), size);
+    bytes_.remove_prefix(size);
+    if (swap_) std::reverse(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(size));
+    return value(raw, type);
+  }
+  // A count or an index; refused where it is no whole number.
+  std::int64_t integer(PlyType type) {
+    const double value = number(type);
+    if (std::abs(value) < 1e15 && value == std::floor(value)) {
+      return static_cast<std::int64_t>(value);
+    }
+    refuse(place() + "expected a whole number in a list of the PLY file");
+  }
+  std::string place() const {
+    return binary_ ? std::string() : fmt::format("line {}: ", words_.line());
+  }
+
+ private:
+  double coordinate_or_nan(std::string_view word) const {
+    if (word == "nan" || word == "-nan" || word == "inf" || word == "-inf") return std::nan("");
+    return coordinate_of_double(word);
+  }
+  // Indices may have more digits than single precision.
+  double coordinate_of_double(std::string_view word) const {
+    if (const auto index = whole<std::int64_t>(word)) return static_cast<double>(*index);
+    return coordinate(word, words_.line());
+  }
+  template <class Number>
+  static double as(const std::array<char, 8>& raw) {
+    Number value{};
+    std::memcpy(&value, raw.data(), sizeof(value));
+    return static_cast<double>(value);
+  }
+  static double value(const std::array<char, 8>& raw, PlyType type) {
+    switch (type) {
+      case PlyType::i8:
+        return as<std::int8_t>(raw);
+      case PlyType::u8:
+        return as<std::uint8_t>(raw);
+      case PlyType::i16:
+        return as<std::int16_t>(raw);
+      case PlyType::u16:
+        return as<std::uint16_t>(raw);
+      case PlyType::i32:
+        return as<std::int32_t>(raw);
+      case PlyType::u32:
+        return as<std::uint32_t>(raw);
+      case PlyType::f32:
+        return as<float>(raw);
+      case PlyType::f64:
+        return as<double>(raw);
+    }
+    return 0;
+  }
+
+  bool binary_;
+  bool swap_;
+  std::string_view bytes_;
+  Words words_;
+};
+
+void read_vertices(PlyNumbers& numbers, const PlyElement& element, Polygons& result) {
+  constexpr std::array<std::string_view, 3> kAxes = {"x", "y", "z"};
+  for (const std::string_view axis : kAxes) {
+    const auto found = std::ranges::find(element.properties, axis, &PlyProperty::name);
+    if (found == element.properties.end() || found->length) {
+      refuse(fmt::format("the vertices of the PLY file have no \"{}\"", axis));
+    }
+  }
+  for (std::uint64_t i = 0; i < element.count; ++i) {
+    Eigen::Vector3d x;
+    for (const PlyProperty& property : element.properties) {
+      const std::int64_t items = property.length ? numbers.integer(*property.length) : 1;
+      for (std::int64_t k = 0; k < items; ++k) {
+        const double value = numbers.number(property.type);
+        const auto axis = std::ranges::find(kAxes, property.name);
+        if (axis != kAxes.end()) x[axis - kAxes.begin()] = single(value);
+      }
+    }
+    result.points.push_back(x);
+  }
+}
+
+void read_polygons(PlyNumbers& numbers, const PlyElement& element, std::uint64_t vertices,
+                   Polygons& result) {
+  for (std::uint64_t i = 0; i < element.count; ++i) {
+    std::vector<int> polygon;
+    for (const PlyProperty& property : element.properties) {
+      const bool corners =
+          property.length && (property.name == "vertex_indices" || property.name == "vertex_index");
+      const std::int64_t items = property.length ? numbers.integer(*property.length) : 1;
+      for (std::int64_t k = 0; k < items; ++k) {
+        if (!corners) {
+          numbers.number(property.type);
+          continue;
+        }
+        const std::int64_t index = numbers.integer(property.type);
+        if (index < 0 || static_cast<std::uint64_t>(index) >= vertices) {
+          refuse(fmt::format("{}a face names point {} of {}", numbers.place(), index, vertices));
+        }
+        polygon.push_back(static_cast<int>(index));
+      }
+    }
+    // A face of two corners is a line that somebody drew.
+    if (polygon.size() >= 3) result.polygons.push_back(std::move(polygon));
+  }
+}
+
+void skip(PlyNumbers& numbers, const PlyElement& element) {
+  for (std::uint64_t i = 0; i < element.count; ++i) {
+    for (const PlyProperty& property : element.properties) {
+      const std::int64_t items = property.length ? numbers.integer(*property.length) : 1;
+      for (std::int64_t k = 0; k < items; ++k) numbers.number(property.type);
+    }
+  }
+}
+
+}  // namespace
+
+Polygons read_ply(std::string_view bytes) {
+  Words words(without_byte_order_mark(bytes));
+  const PlyHeader header = ply_header(words);
+  std::uint64_t vertices = 0;
+  std::uint64_t faces = 0;
+  std::uint64_t least = 0;
+  for (const PlyElement& element : header.elements) {
+    if (element.name == "vertex") vertices = element.count;
+    if (element.name == "face") faces = element.count;
+    least += element.count * element.least(header.binary);
+  }
+  if (vertices == 0 || faces == 0) {
+    refuse(fmt::format("the PLY file declares {} vertices and {} faces", vertices, faces));
+  }
+  check_face_count(faces, "faces");
+  // Words of a text are a blank apart, but for the last one.
+  const std::uint64_t has = header.binary ? words.rest().size() : (words.rest().size() + 1) / 2;
+  if (has < least) {
+    refuse(fmt::format("the PLY header declares items of {} {} at least; {} bytes follow it", least,
+                       header.binary ? "bytes" : "numbers", words.rest().size()));
+  }
+  Polygons result;
+  PlyNumbers numbers(header, words);
+  for (const PlyElement& element : header.elements) {
+    if (element.name == "vertex") {
+      read_vertices(numbers, element, result);
+    } else if (element.name == "face") {
+      read_polygons(numbers, element, vertices, result);
+    } else {
+      skip(numbers, element);
+    }
+  }
+  return result;
+}
+
+}  // namespace hvp::mesh
