@@ -42,8 +42,11 @@ void FitPlot::add_stretches(const std::vector<double>& time, const std::vector<d
 
 files::Log longest_stretch(files::Log log) {
   if (!log.spacing.even) {
-    throw InputError(fmt::format("{}: samples are not evenly spaced: expected a constant rate",
-                                 files::one_line(log.file)));
+    // Where a stamp strays, a warning above has its line and how far.
+    throw InputError(fmt::format(
+        "{}: samples are not evenly spaced: expected a constant rate; --rate states one where only "
+        "the time stamps are uneven",
+        files::one_line(log.file)));
   }
   const auto longer = [](const files::Stretch& a, const files::Stretch& b) {
     return a.end - a.begin < b.end - b.begin;

@@ -3,16 +3,14 @@
 #include "app/fit/fit_request.h"
 #include "models/config/declaration.h"
 #include "models/config/input_error.h"
+#include "models/files/latencies.h"
 #include "models/files/one_line.h"
-#include "models/files/regular_file.h"
 #include "models/fit/wake_up_fit.h"
 #include "models/fit/wake_up_histogram.h"
 
 namespace hvp::app {
 
 namespace {
-
-constexpr std::uintmax_t kLargestFile = std::uintmax_t{64} << 20U;
 
 // This model has no settings.
 struct HostFitSettings {
@@ -40,13 +38,7 @@ FitOutcome fit_host(const FitRequest& request) {
                                  files::one_line(request.options.fixed.begin()->first)));
   }
   const std::string name = request.log.filename().string();
-  fit::WakeUpHistogram histogram;
-  try {
-    histogram = fit::read_wake_up_histogram(
-        files::read_regular_file(request.log, kLargestFile, "a histogram"));
-  } catch (const InputError& e) {
-    throw InputError(fmt::format("{}: {}", files::one_line(name), e.what()));
-  }
+  const fit::WakeUpHistogram histogram = fit::histogram_of(files::read_latencies_file(request.log));
   const fit::WakeUpFit fitted = fit::fit_wake_up(histogram);
   files::Log log;
   log.file = name;

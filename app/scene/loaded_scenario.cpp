@@ -1,6 +1,7 @@
 #include "app/scene/loaded_scenario.h"
 
 #include <optional>
+#include <utility>
 
 #include "app/devices/devices.h"
 #include "app/scenario/files.h"
@@ -15,7 +16,10 @@ namespace {
 template <class Distribution>
 void take(std::optional<Distribution>& effect, const char* table) {
   if (!effect || effect->kind != random::TimeDistribution::Kind::measured) return;
-  within(table, [&] { effect->take(read_samples(effect->samples_file.path)); });
+  within(table, [&] {
+    Samples samples = read_samples(effect->samples_file.path);
+    effect->take(std::move(samples.times_s), std::move(samples.counts));
+  });
 }
 
 }  // namespace

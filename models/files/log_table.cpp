@@ -59,11 +59,25 @@ class LogReader {
     }
     log_.spacing = spacing_of(log_.time);
     require_rate();
-    say_gaps();
     const Spacing& spacing = log_.spacing;
-    const std::string strays =
-        fmt::format("the time strays up to {:.2g} % of the period of {:.6g} s from even spacing",
-                    100 * spacing.jitter, spacing.period);
+    const std::string strays = fmt::format(
+        "the time strays up to {:.3g} % of the period of {:.6g} s from even spacing, {:.2g} % rms",
+        100 * spacing.jitter, spacing.period, 100 * spacing.rms);
+    if (options_.sample_rate && !spacing.even && spacing.stretches.size() == 1) {
+      warn(rows_.line_of(spacing.strays),
+           strays + ": the samples are taken at the rate that is given");
+      make_time();
+      return;
+    }
+    say_gaps();
+    if (spacing.rounded_to > 0) {
+      warn_of_file(
+          fmt::format("its times are whole multiples of {:.6g} s: steps of two are taken "
+                      "for the rounding of a clock with a period of {:.6g} s",
+                      spacing.rounded_to, spacing.period));
+      space_evenly(log_.time, spacing);
+      return;
+    }
     if (!spacing.even) {
       warn(rows_.line_of(spacing.strays),
            spacing.jitter < std::numeric_limits<double>::infinity()
@@ -82,7 +96,7 @@ class LogReader {
     for (std::size_t i = 0; i < log_.samples; ++i) {
       log_.time[i] = static_cast<double>(i) / *options_.sample_rate;
     }
-    log_.spacing = {period, true, 0, 0, {{0, log_.samples}}};
+    log_.spacing = {.period = period, .even = true, .stretches = {{0, log_.samples}}};
   }
 
   void require_rate() const {

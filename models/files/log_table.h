@@ -57,9 +57,10 @@ struct Log {
 // memory. A file that is separated by semicolons or tabs may have decimal commas.
 //
 // Repaired, with a warning: empty rows before and behind the samples; a row that repeats the one
-// before, time included; a decimal comma; times that stray from even spacing by at most a tenth of
-// the period. Warned of: gaps, of which `spacing.stretches` has the sides; a constant column; a log
-// that is not evenly spaced.
+// before, time included; a decimal comma; times that stray from even spacing by less than half
+// the period, and a tenth of it rms; times in whole units whose steps of two are rounding. Warned
+// of: gaps, of which `spacing.stretches` has the sides; a constant column; a log that is not evenly
+// spaced.
 //
 // Throws InputError, one line with the file and where it applies line and column: no time and no
 // sample rate, or both that differ; a time that does not grow; a cell that is empty or no finite

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 namespace hvp::files {
@@ -72,16 +73,61 @@ double fitted_period(const std::vector<double>& time, const std::vector<Stretch>
 }
 
 void find_jitter(const std::vector<double>& time, Spacing& spacing) {
+  double squares = 0;
   for (const Stretch& stretch : spacing.stretches) {
     const double mean = mean_lateness(time, stretch, spacing.period);
     for (std::size_t i = stretch.begin; i < stretch.end; ++i) {
       const double distance =
           std::abs(lateness(time, stretch, spacing.period, i) - mean) / spacing.period;
+      squares += distance * distance;
       if (!(distance > spacing.jitter)) continue;
       spacing.jitter = distance;
       spacing.strays = i;
     }
   }
+  spacing.rms = std::sqrt(squares / static_cast<double>(time.size()));
+}
+
+// The unit of which all times are whole multiples, s: the typical interval or a small part of it; 0
+// where there is none.
+double unit_of(const std::vector<double>& time, double typical) {
+  constexpr int kMostParts = 4;
+  constexpr double kWhole = 1e-3;  // of the unit
+  for (int parts = 1; parts <= kMostParts; ++parts) {
+    const double unit = typical / parts;
+    const bool whole = std::ranges::all_of(time, [&](double t) {
+      const double units = (t - time.front()) / unit;
+      return std::abs(units - std::round(units)) < kWhole;
+    });
+    if (whole) return unit;
+  }
+  return 0;
+}
+
+// Takes steps for the rounding of a clock's times where they are that, and returns true.
+bool take_for_rounding(const std::vector<double>& time, Spacing& spacing) {
+  constexpr double kOfTheUnit = 0.6;  // half a unit either way, and what the fit is off
+  constexpr double kClock = 0.01;     // by which a clock may be wrong
+  const double unit = unit_of(time, spacing.period);
+  if (unit == 0) return false;
+  std::size_t steps = 0;
+  for (std::size_t i = 1; i < time.size(); ++i) {
+    const double interval = time[i] - time[i - 1];
+    if (interval > kGap * spacing.period) ++steps;
+    if (interval > spacing.period + 1.5 * unit) return false;
+  }
+  // One step alone is as well a sample that is missing.
+  if (steps < 2) return false;
+  Spacing rounded;
+  rounded.stretches.push_back({0, time.size()});
+  rounded.period = fitted_period(time, rounded.stretches);
+  if (std::abs(rounded.period / spacing.period - 1) > kClock) return false;
+  find_jitter(time, rounded);
+  if (!(rounded.jitter * rounded.period <= kOfTheUnit * unit)) return false;
+  rounded.even = true;
+  rounded.rounded_to = unit;
+  spacing = rounded;
+  return true;
 }
 
 }  // namespace
@@ -94,6 +140,7 @@ Spacing spacing_of(const std::vector<double>& time) {
     spacing.jitter = std::numeric_limits<double>::infinity();
     return spacing;
   }
+  if (take_for_rounding(time, spacing)) return spacing;
   for (std::size_t i = 1; i < time.size(); ++i) {
     if (time[i] - time[i - 1] <= kGap * spacing.period) continue;
     spacing.stretches.back().end = i;
@@ -102,7 +149,7 @@ Spacing spacing_of(const std::vector<double>& time) {
   const double fitted = fitted_period(time, spacing.stretches);
   if (fitted > 0) spacing.period = fitted;
   find_jitter(time, spacing);
-  spacing.even = spacing.jitter <= Spacing::kMostJitter;
+  spacing.even = spacing.jitter <= Spacing::kMostJitter && spacing.rms <= Spacing::kMostRms;
   return spacing;
 }
 

@@ -3,8 +3,9 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
+
+#include "models/files/latencies.h"
 
 namespace hvp::fit {
 
@@ -23,13 +24,10 @@ struct WakeUpHistogram {
   std::int64_t count() const;  // without the overflows
 };
 
-// Reads the output of `cyclictest -h` or `-H`: lines of a latency in us and a count for each
-// processor, which are added up, and comments with #, among them the overflows and the largest
-// latencies. It also reads CSV with the header latency_us,count (or _ns, _ms, _s). A latency stands
-// for the interval from itself to the next one on the grid, as whole microseconds that were rounded
-// down do. Throws InputError with the line that is to blame: no numbers, counts below zero,
-// latencies that do not grow or are above 1 s.
-WakeUpHistogram read_wake_up_histogram(std::string_view text);
+// The histogram of measured latencies. Each stands for the interval from itself to the next one on
+// the grid, as whole microseconds that were rounded down do; without a file's own grid that is as
+// wide as the nearest two are apart.
+WakeUpHistogram histogram_of(const files::Latencies& latencies);
 
 // The data to which a distribution is fitted: the bins that are not empty, and the bounds between
 // which it is drawn.

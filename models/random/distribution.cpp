@@ -82,10 +82,11 @@ void TimeDistribution::declare(config::Visitor& v, const Sources& sources) {
                {"no time is longer: what is drawn above is drawn again", sources.maximum});
   });
   of_kind.only({Kind::measured}, [&] {
-    v.file("samples", samples_file,
-           {.help = "a CSV file whose first column with a name in _s, _ms, _us or _ns has the "
-                    "times",
-            .required = true});
+    v.file(
+        "samples", samples_file,
+        {.help = "a CSV file with a column of latencies, such as latency_us, and, if it has one, "
+                 "count; or what cyclictest -h prints",
+         .required = true});
     if (sources.counted.empty()) return;
     v.quantity("counted", counted_s, Dimension::time, config::between(0, kLongest),
                {"what of each measured time the model counts by itself, and is subtracted",
@@ -140,13 +141,14 @@ void TimeDistribution::check() const {
   }
 }
 
-void TimeDistribution::take(std::vector<double> samples) {
+void TimeDistribution::take(std::vector<double> samples, std::vector<std::int64_t> counts) {
   const auto shortest = std::min_element(samples.begin(), samples.end());
   if (shortest != samples.end() && *shortest < counted_s) {
     throw InputError("counted", fmt::format("expected at most the shortest sample, {}, found {}",
                                             microseconds(*shortest), microseconds(counted_s)));
   }
   samples_s = std::move(samples);
+  sample_counts = std::move(counts);
 }
 
 Source::Source(TimeDistribution distribution, std::int64_t seed, std::string_view effect)
@@ -155,6 +157,8 @@ Source::Source(TimeDistribution distribution, std::int64_t seed, std::string_vie
   if (distribution_.kind == Kind::measured && distribution_.samples_s.empty()) {
     throw std::logic_error("a measured distribution without its samples");
   }
+  std::int64_t sum = 0;
+  for (const std::int64_t count : distribution_.sample_counts) seen_.push_back(sum += count);
   if (distribution_.kind != Kind::published) return;
   const std::vector<Exceedance>& points = distribution_.points;
   if (points.size() < 2 || points.front().share != 1) {
@@ -187,8 +191,14 @@ bool Source::attempt(const Draws::Pair& u, double& value) const {
       value = d.minimum_s + u.first * (d.maximum_s - d.minimum_s);
       return true;
     case Kind::measured: {
-      const auto count = static_cast<double>(d.samples_s.size());
-      const auto index = static_cast<std::size_t>(u.first * count);
+      const auto count = static_cast<double>(
+          seen_.empty() ? d.samples_s.size() : static_cast<std::size_t>(seen_.back()));
+      auto index = static_cast<std::size_t>(u.first * count);
+      if (!seen_.empty()) {
+        // The sample that is seen as the index-th one, where each is seen count times in a row.
+        const auto at = std::ranges::upper_bound(seen_, static_cast<std::int64_t>(index));
+        index = static_cast<std::size_t>(at - seen_.begin());
+      }
       value = d.samples_s[std::min(index, d.samples_s.size() - 1)] - d.counted_s;
       return true;
     }

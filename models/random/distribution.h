@@ -51,7 +51,8 @@ struct TimeDistribution {
   double counted_s = 0;  // measured, published: the part of each time that is subtracted
   std::size_t host = 0;  // published: index into Sources::hosts
 
-  std::vector<double> samples_s;  // the file's times
+  std::vector<double> samples_s;            // the file's times
+  std::vector<std::int64_t> sample_counts;  // how often each was seen; empty: once
   // published: the points, with falling shares and times that do not fall; filled by the part whose
   // table it is. Between two points ln time is linear in ln share, a power law, so that a tail
   // known at two points is one; beyond the last point every time is the last one's.
@@ -62,9 +63,9 @@ struct TimeDistribution {
   // Throws InputError where a parameter is missing, or leaves so little between minimum and maximum
   // that less than a third of the draws would lie there.
   void check() const;
-  // Takes the file's times. Throws InputError where one is shorter than the part that is
-  // subtracted.
-  void take(std::vector<double> samples);
+  // Takes the file's times and how often each was seen. Throws InputError where one is shorter than
+  // the part that is subtracted.
+  void take(std::vector<double> samples, std::vector<std::int64_t> counts = {});
 };
 
 const char* name(TimeDistribution::Kind kind);
@@ -94,7 +95,8 @@ class Source {
   double published(double share) const;
 
   double log_spread_ = 0;
-  std::vector<double> log_share_;  // of the distribution's points
+  std::vector<std::int64_t> seen_;  // measured with counts: how many up to and with each sample
+  std::vector<double> log_share_;   // of the distribution's points
   std::vector<double> log_time_;
 };
 

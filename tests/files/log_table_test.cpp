@@ -249,17 +249,60 @@ TEST(LogTable, SpacesJitterEvenly) {
     ASSERT_NEAR(log.time[i] - log.time[i - 1], log.spacing.period, 1e-13);
   }
   ASSERT_EQ(log.warnings.size(), 1U);
-  EXPECT_THAT(log.warnings[0], HasSubstr("from even spacing: taken as even"));
+  EXPECT_THAT(log.warnings[0], HasSubstr("rms: taken as even"));
+}
+
+// Every twelfth stamp is late by half a period: that is no clock's jitter.
+std::string uneven_log() {
+  std::string text = kHeader;
+  for (int i = 0; i < 120; ++i) {
+    text += fmt::format("{},{}\n", 0.1 * i + (i % 12 == 5 ? 0.049 : 0), i);
+  }
+  return text;
 }
 
 TEST(LogTable, LeavesMoreJitterAsItIs) {
+  const Log log = log_of(uneven_log());
+  EXPECT_FALSE(log.spacing.even);
+  EXPECT_NEAR(log.time[53], 5.349, 1e-12);
+  ASSERT_EQ(log.warnings.size(), 1U);
+  EXPECT_THAT(log.warnings[0],
+              HasSubstr("log.csv:115: the time strays up to 45 % of the period of"));
+  EXPECT_THAT(log.warnings[0], HasSubstr("rms: taken as it is"));
+}
+
+// One stamp that is late by a seventh of a period says nothing against the clock.
+TEST(LogTable, TakesASingleStrayForJitter) {
   std::string text = kHeader;
   for (int i = 0; i < 100; ++i) text += fmt::format("{},{}\n", 0.1 * i + (i == 50 ? 0.014 : 0), i);
   const Log log = log_of(text);
-  EXPECT_FALSE(log.spacing.even);
-  EXPECT_NEAR(log.time[50], 5.014, 1e-12);
+  EXPECT_TRUE(log.spacing.even);
+  EXPECT_EQ(log.spacing.strays, 50U);
   ASSERT_EQ(log.warnings.size(), 1U);
-  EXPECT_THAT(log.warnings[0], HasSubstr("log.csv:52: the time strays up to 14 % of the period"));
+  EXPECT_THAT(log.warnings[0], HasSubstr("log.csv:52: the time strays up to 13.9 % of the period"));
+}
+
+// A clock that runs 0.07 % fast, in whole milliseconds: no sample is missing.
+TEST(LogTable, TakesStepsOfTwoUnitsForRounding) {
+  std::string text = kHeader;
+  for (int i = 0; i < 4000; ++i) {
+    text += fmt::format("{:.3f},{}\n", std::floor(i * 1.0007) * 1e-3, i);
+  }
+  const Log log = log_of(text);
+  EXPECT_TRUE(log.spacing.even);
+  EXPECT_EQ(log.spacing.stretches.size(), 1U);
+  EXPECT_NEAR(log.spacing.period, 1.0007e-3, 1e-6);
+  ASSERT_EQ(log.warnings.size(), 1U);
+  EXPECT_THAT(log.warnings[0], HasSubstr("taken for the rounding of a clock"));
+}
+
+// Stamps that stray too far are no matter where the rate is known.
+TEST(LogTable, TakesTheRateThatIsGivenForUnevenStamps) {
+  const Log log = log_of(uneven_log(), {.sample_rate = 10});
+  EXPECT_TRUE(log.spacing.even);
+  EXPECT_DOUBLE_EQ(log.time[53], 5.3);
+  ASSERT_EQ(log.warnings.size(), 1U);
+  EXPECT_THAT(log.warnings[0], HasSubstr("at the rate that is given"));
 }
 
 TEST(LogTable, MayHaveHadNoPeriod) {

@@ -12,6 +12,10 @@
 namespace hvp::fit::wake_up_histogram_test {
 namespace {
 
+WakeUpHistogram read_wake_up_histogram(std::string_view text) {
+  return histogram_of(files::read_latencies(text));
+}
+
 // In the form that cyclictest(8) of rt-tests prints.
 constexpr const char* kCyclictest =
     "# /dev/cpu_dma_latency set to 0us\n"
@@ -62,6 +66,15 @@ TEST(WakeUpHistogram, ReadsCsvInItsUnit) {
   EXPECT_FALSE(h.longest);
 }
 
+// A log of single latencies is the histogram of its values.
+TEST(WakeUpHistogram, OfALogWithTimeStampsIsThatOfItsLatencies) {
+  const WakeUpHistogram h =
+      read_wake_up_histogram("time_s,latency_us\n0.000,5\n0.001,4\n0.002,5\n");
+  ASSERT_EQ(h.bins.size(), 2U);
+  EXPECT_DOUBLE_EQ(h.bins[0].from, 4e-6);
+  EXPECT_EQ(h.bins[1].count, 2);
+}
+
 void expect_refused(const std::string& text, const std::string& words) {
   try {
     read_wake_up_histogram(text);
@@ -83,10 +96,11 @@ TEST(WakeUpHistogram, RefusesWhatIsNone) {
   expect_refused("1 5\n1 3\n", "grow");
   expect_refused("1 5\n2 3 4\n", "columns");
   expect_refused("-1 5\n", "latency");
-  expect_refused("nan 5\n", "latency");
+  expect_refused("nan 5\n", "line 1");
   expect_refused("1e300 5\n", "latency");
   expect_refused("5000000 5\n", "latency");
-  expect_refused("latency_us,count\n1,5,7\n2,3,4\nlatency_us,count\n", "line 4");
+  expect_refused("latency_us,count\n1,5,7\n2,3,4\nlatency_us,count\n", "line 2");
+  expect_refused("latency_us,count\n1,5\nlatency_us,count\n", "line 3");
 }
 
 // A damaged file is read or refused, and what is read is fitted or refused.

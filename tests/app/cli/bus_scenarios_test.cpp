@@ -123,7 +123,7 @@ TEST(BusScenarios, ARootComplexWithATailShowsInTheTail) {
 // Samples less what the model counts anyway.
 TEST(BusScenarios, MeasuredReadsAreTheUsersLessWhatIsCounted) {
   const ScratchDirectory place;
-  write(place.path() / "reads.csv", "when,read_us\n1,1.5\n2,1.5\n");
+  write(place.path() / "reads.csv", "time_s,latency_us\n0.1,1.5\n0.2,1.5\n");
   const std::string file = (place.path() / "reads.csv").string();
   const auto reads = [&](const std::string& table) {
     json summary = summary_of("thesis-static.toml", {"bus.read_latencies={" + table + "}"}, 0);
