@@ -148,9 +148,11 @@ class Reader {
     if (!content().empty()) fail(fmt::format("more than the stated {} entries", entries));
   }
 
-  [[noreturn]] void fail(const std::string& message) const {
-    throw InputError(fmt::format("{}, line {}: {}", name_, line_number_, message));
+  [[noreturn]] void fail(const std::string& message) const { fail_at(line_number_, message); }
+  [[noreturn]] void fail_at(std::int64_t line, const std::string& message) const {
+    throw InputError(fmt::format("{}, line {}: {}", name_, line, message));
   }
+  std::int64_t line_number() const { return line_number_; }
 
  private:
   bool next_line() {
@@ -182,7 +184,10 @@ struct Entry {
   int row;
   int column;
   double value;
+  std::int64_t line;
 };
+
+auto place_of(const Entry& entry) { return std::tuple(entry.row, entry.column); }
 
 // The blocks that the entries touch, their mirrors and every diagonal block.
 BlockMatrix pattern_of(const std::vector<Entry>& entries, int block_rows) {
@@ -208,7 +213,18 @@ BlockMatrix pattern_of(const std::vector<Entry>& entries, int block_rows) {
   return result;
 }
 
-void expect_symmetric(const BlockMatrix& a, const Reader& reader) {
+// The line of an entry, or that of its mirror where it stands in none. `entries` is sorted by
+// place.
+std::int64_t line_of(const std::vector<Entry>& entries, int row, int column) {
+  for (const auto& place : {std::tuple(row, column), std::tuple(column, row)}) {
+    const auto found = std::ranges::lower_bound(entries, place, {}, place_of);
+    if (found != entries.end() && place_of(*found) == place) return found->line;
+  }
+  return 0;
+}
+
+void expect_symmetric(const BlockMatrix& a, const std::vector<Entry>& entries,
+                      const Reader& reader) {
   double largest = 0;
   for (const double entry : a.value) largest = std::max(largest, std::abs(entry));
   for (int i = 0; i < a.block_rows(); ++i) {
@@ -219,10 +235,12 @@ void expect_symmetric(const BlockMatrix& a, const Reader& reader) {
           const double here = a.block(index(k))[index(3 * r + c)];
           const double there = mirror[index(3 * c + r)];
           if (std::abs(here - there) <= kSymmetryTolerance * largest) continue;
-          reader.fail(
-              fmt::format("the matrix is not symmetric: entry ({}, {}) is {} and its "
-                          "mirror {}",
-                          3 * i + r + 1, 3 * a.column[index(k)] + c + 1, here, there));
+          const int row = 3 * i + r;
+          const int column = 3 * a.column[index(k)] + c;
+          reader.fail_at(line_of(entries, row, column),
+                         fmt::format("the matrix is not symmetric: entry ({}, {}) is {} and its "
+                                     "mirror {}",
+                                     row + 1, column + 1, here, there));
         }
       }
     }
@@ -271,6 +289,7 @@ SquareMatrix read_matrix_market(std::istream& in, std::string_view name) {
     entry.row = static_cast<int>(reader.integer(word[0], 1, rows, "row")) - 1;
     entry.column = static_cast<int>(reader.integer(word[1], 1, rows, "column")) - 1;
     entry.value = reader.number(word[2]);
+    entry.line = reader.line_number();
     if (header.symmetric && entry.column > entry.row) {
       reader.fail(
           fmt::format("entry ({}, {}) lies above the diagonal; a symmetric file lists the "
@@ -280,14 +299,12 @@ SquareMatrix read_matrix_market(std::istream& in, std::string_view name) {
     entries.push_back(entry);
   }
   reader.expect_end(count);
-  const auto place = [](const Entry& e) { return std::tuple(e.row, e.column); };
-  std::sort(entries.begin(), entries.end(),
-            [&](const Entry& a, const Entry& b) { return place(a) < place(b); });
+  std::ranges::stable_sort(entries, {}, place_of);
   for (std::size_t i = 1; i < entries.size(); ++i) {
-    if (place(entries[i]) == place(entries[i - 1])) {
-      reader.fail(
-          fmt::format("entry ({}, {}) is given twice", entries[i].row + 1, entries[i].column + 1));
-    }
+    if (place_of(entries[i]) != place_of(entries[i - 1])) continue;
+    reader.fail_at(entries[i].line,
+                   fmt::format("entry ({}, {}) is given twice, in line {} too", entries[i].row + 1,
+                               entries[i].column + 1, entries[i - 1].line));
   }
 
   // Also keeps the memory in proportion to the file, whatever its size line says.
@@ -311,7 +328,7 @@ SquareMatrix read_matrix_market(std::istream& in, std::string_view name) {
     if (entry.row == entry.column) diagonal += entry.value / result.rows;
   }
   for (int i = result.rows; i < 3 * block_rows; ++i) at(i, i) = diagonal;
-  if (!header.symmetric) expect_symmetric(a, reader);
+  if (!header.symmetric) expect_symmetric(a, entries, reader);
   return result;
 }
 
