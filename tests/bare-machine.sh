@@ -10,7 +10,7 @@ set -euo pipefail
 top=$(dirname -- "$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")")
 folder=$(readlink -f -- "${1:?a folder for the machine}")
 commands=("${@:2}")
-((${#commands[@]})) || commands=('./hvp run scenarios/thesis-refined.toml' './hvp test')
+((${#commands[@]})) || commands=('./hvp run scenarios/sphere-in-hand.toml' './hvp test')
 machine=$folder/machine
 
 debian_sources() { # format

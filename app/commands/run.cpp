@@ -43,9 +43,9 @@ double seconds(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double>(to - from).count();
 }
 
-// Runs the same command with one more override in a process of its own, and returns its flags.
+// Runs the same command with further overrides in a process of its own, and returns its flags.
 std::optional<stability::Flags> flags_of_run(const RunArguments& arguments,
-                                             const std::string& changed) {
+                                             const std::vector<std::string>& changes) {
   using nlohmann::json;
   std::string folder = (std::filesystem::temp_directory_path() / "hvp-XXXXXX").string();
   if (mkdtemp(folder.data()) == nullptr) return std::nullopt;
@@ -56,8 +56,9 @@ std::optional<stability::Flags> flags_of_run(const RunArguments& arguments,
     words.push_back(std::filesystem::absolute(file).string());
   }
   std::vector<std::string> overrides = arguments.overrides;
-  overrides.insert(overrides.end(), {changed, "output.pictures=false", "output.remedies=false",
-                                     "output.trace_frames=0"});
+  overrides.insert(overrides.end(), changes.begin(), changes.end());
+  overrides.insert(overrides.end(),
+                   {"output.pictures=false", "output.remedies=false", "output.trace_frames=0"});
   for (const std::string& text : overrides) {
     words.emplace_back("--set");
     words.push_back(text);
@@ -109,8 +110,8 @@ int run_command(const RunArguments& arguments) {
       changed.overrides.insert(changed.overrides.end(), overrides.begin(), overrides.end());
       return std::make_unique<Scene>(build_scene(load(changed), {}, Scene::Limits::reported));
     };
-    const Rerun again = [&arguments](const std::string& changed) {
-      return flags_of_run(arguments, changed);
+    const Rerun again = [&arguments](const std::vector<std::string>& changes) {
+      return flags_of_run(arguments, changes);
     };
     outcome = run(scene, {out, loaded.device_file, arguments.trace_registers, arguments.record_jobs,
                           progress, rebuild, again});

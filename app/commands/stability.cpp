@@ -39,10 +39,15 @@ void print_figures(const Scene& scene, const StabilityFigures& f) {
           note);
   };
   line("runs of the platform", f.stiffness_max,
-       f.unstable_from > 0
+       f.undecided_N_m > 0
+           ? fmt::format("{} runs; not found: at {:.4g} N/m the device swings too slowly for a run",
+                         f.runs, f.undecided_N_m)
+       : f.unstable_from > 0
            ? fmt::format("{} runs; unstable from {:.5g} N/m", f.runs, f.unstable_from)
            : fmt::format("{} runs; none was unstable", f.runs));
-  line("exact eigenvalues", f.stiffness_linear, "without steps, friction and limits");
+  line("exact eigenvalues", f.stiffness_linear,
+       f.linear_computed ? "without steps, friction and limits"
+                         : "not computed: coupled axes, or a delay of more than 64 periods");
   line("passive, whoever holds it", f.stiffness_passive, "(b - |B|)/(T/2 + L)");
   if (f.encoder_bound > 0) {
     line("between encoder steps", f.encoder_bound, "2 f/D of friction and encoder");
@@ -124,7 +129,9 @@ void add_stability(CLI::App& app, int& status) {
                    "with how many newtons the device leans on the wall, 1 by default")
       ->check(CLI::Range(1e-3, 1e3))
       ->type_name("N");
-  command->add_option("--frames", arguments->frames, "of each run, 2000 by default")
+  command
+      ->add_option("--frames", arguments->frames,
+                   "of each run at least, 2000 by default; more where the device swings slowly")
       ->check(CLI::Range(40, 10'000'000))
       ->type_name("N");
   command->callback([arguments, &status] { status = stability_command(*arguments); });

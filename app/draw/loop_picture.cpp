@@ -179,17 +179,13 @@ Axes draw_panel(Canvas& canvas, const LoopPanel& panel, double top, const TimeAx
   return axes;
 }
 
-// The energy that the least of the ports has absorbed at each time where it is below zero; else,
-// and where it is within the rounding of a sum of such energies, zero.
+// The energy that the least of the ports has absorbed at each time where a loop has fed energy in,
+// as the run's own observer says; else zero.
 std::vector<double> fed_in(const LoopSeries& loop) {
   std::vector<double> out(loop.time_s.size(), 0.0);
-  double largest_J = 1e-3;
   for (std::size_t i = 0; i < out.size(); ++i) {
     for (const ProbeSeries& probe : loop.probes) {
-      for (const double energy : {probe.stored_J[i], probe.port_J[i]}) {
-        if (std::isfinite(energy)) largest_J = std::max(largest_J, std::abs(energy));
-      }
-      if (probe.port_J[i] < -1e-9 * largest_J) out[i] = std::min(out[i], probe.port_J[i]);
+      if (probe.fed_in[i] == 1.0) out[i] = std::min(out[i], probe.port_J[i]);
     }
   }
   return out;

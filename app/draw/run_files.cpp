@@ -181,6 +181,7 @@ void add_sources(std::vector<Source>& sources, const files::CsvTable& table,
   vector("hand", "N", probe.hand_N);
   sources.push_back({table.column(prefix + "stored_J"), &probe.stored_J});
   sources.push_back({table.column(prefix + "port_J"), &probe.port_J});
+  sources.push_back({table.column(prefix + "fed_in"), &probe.fed_in});
 }
 
 }  // namespace

@@ -71,7 +71,8 @@ struct ProbeSeries {
   Components motor_N;                                     // the forces on the tip
   Components hand_N;
   std::vector<double> stored_J;  // in the springs of the kinematics and of the hand
-  std::vector<double> port_J;    // absorbed by the loop so far; below zero it has fed energy in
+  std::vector<double> port_J;    // absorbed by the loop so far
+  std::vector<double> fed_in;    // 1 where the loop has fed energy in
 };
 
 struct LoopSeries {

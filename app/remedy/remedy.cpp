@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -59,23 +61,30 @@ Flags of_hand_over(Flags flags) {
 }
 
 struct HandOverTrial {
-  std::optional<double> calm_s;
+  std::optional<double> calm_s;  // absent: none is better than the scenario's own
+  Flags left;
   int attempts = 0;
 };
 
-// The first hand-over time, from the scenario's on, with which the exact solution's force neither
-// steps nor rings. If it is the scenario's own, the solver has made the force do so.
-HandOverTrial calm_hand_over(const Scene& scene, std::span<const Sighting> recording) {
+// The first hand-over time, from the scenario's on, with which the exact solution's force has the
+// fewest flags of steps and ringing. If it is the scenario's own and there are none, the solver has
+// made the force do so.
+HandOverTrial calmest_hand_over(const Scene& scene, std::span<const Sighting> recording) {
   const double present_s = scene.scenario().contact.search.hand_over_s;
   HandOverTrial trial;
+  int fewest = std::numeric_limits<int>::max();
   for (const double hand_over_s : {present_s, 20e-3, 30e-3, 50e-3, 80e-3}) {
     if (hand_over_s < present_s) continue;
     ++trial.attempts;
     // No frame is solved again by attempt().
     const Replay replay(scene, recording, 1, hand_over_s, Replay::Span::whole);
-    if (!of_hand_over(replay.exact_force().flags()).empty()) continue;
-    trial.calm_s = hand_over_s;
-    break;
+    const Flags flags = of_hand_over(replay.exact_force().flags());
+    const int count = std::popcount(flags.bits());
+    if (count >= fewest) continue;
+    fewest = count;
+    trial.left = flags;
+    if (hand_over_s > present_s || flags.empty()) trial.calm_s = hand_over_s;
+    if (flags.empty()) break;
   }
   return trial;
 }
@@ -284,10 +293,11 @@ std::optional<results::TriedRemedy> try_remedies(const Scene& scene, Flags flags
   remedy.frames = recording.size();
   double hand_over_s = scene.scenario().contact.search.hand_over_s;
   if (!hand_over.empty()) {
-    const HandOverTrial trial = calm_hand_over(scene, recording);
+    const HandOverTrial trial = calmest_hand_over(scene, recording);
     remedy.attempts = trial.attempts;
+    remedy.left = trial.calm_s ? trial.left : hand_over;
     if (!trial.calm_s) {
-      remedy.left = hand_over;
+      hand_over_s = scene.scenario().contact.search.hand_over_s;
     } else if (*trial.calm_s > hand_over_s) {
       hand_over_s = *trial.calm_s;
       remedy.settings.push_back(fmt::format("contact.hand_over = \"{:g} ms\"", 1e3 * hand_over_s));

@@ -64,18 +64,19 @@ std::string remedy_text(const TriedRemedy& r) {
   std::string text;
   const auto out = std::back_inserter(text);
   const std::string frames = counted(static_cast<std::int64_t>(r.frames), "frame");
-  if (r.settings.empty()) {
+  if (r.settings.empty() || r.taken_away().empty()) {
     fmt::format_to(out, "  no remedy       {} tried on {} of this run, each leaves a flag: {}\n",
                    counted(r.attempts, "setting"), frames, fmt::join(flag_names(r.left), ", "));
     return text;
   }
   fmt::format_to(out, "  what would help {}\n", override_line(r.settings));
-  if (r.left.empty()) {
-    fmt::format_to(out, "    tried on      {} of this run: no flags", frames);
-  } else {
-    fmt::format_to(out, "    tried on      {} of this run: leaves {}", frames,
-                   fmt::join(flag_names(r.left), ", "));
-  }
+  const std::string stays = r.left.empty()
+                                ? std::string("no flag stays")
+                                : fmt::format("stays: {}", fmt::join(flag_names(r.left), ", "));
+  fmt::format_to(out, "    {:<13} takes away {}; {}\n",
+                 r.whole_run ? "the whole run" : "not run whole",
+                 fmt::join(flag_names(r.taken_away()), ", "), stays);
+  fmt::format_to(out, "    tried on      {} of it", frames);
   if (r.p95 > 0) {
     fmt::format_to(out,
                    ", displacement {} from the true model (median; 95 % of the frames within {})",
@@ -97,8 +98,12 @@ std::string remedy_text(const TriedRemedy& r) {
 void TriedRemedy::report(config::Figures& f) const {
   std::vector<std::string> set;
   std::ranges::transform(settings, std::back_inserter(set), override_text);
-  f.value("of", flag_names(of), {}, "the flags that it was looked for");
+  f.value("of", flag_names(of), {}, "the flags of the run");
   f.truth("works", left.empty(), "it leaves none");
+  f.truth("whole_run", whole_run,
+          "the run itself was repeated with it, as printed; else what it leaves is that of "
+          "`frames`, and what those do not show");
+  f.value("takes_away", flag_names(taken_away()), {}, "the flags of the run that are gone with it");
   f.value("set", set, {}, "its `--set` arguments");
   f.value("leaves", flag_names(left), {}, "the flags that are left");
   f.count("attempts", attempts, "plans that were tried");

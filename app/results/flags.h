@@ -26,8 +26,9 @@ nlohmann::ordered_json remedies_json(stability::Flags flags);
 // A remedy that was tried before it is named.
 struct TriedRemedy {
   std::vector<std::string> settings;  // "solver.method = \"jacobi-pcg\"", in the order to be set
-  stability::Flags of;                // the flags that it is to remove
-  stability::Flags left;              // the flags that remain with it; empty: it works
+  stability::Flags of;                // the flags that the run has
+  stability::Flags left;              // the flags that it has with the settings
+  bool whole_run = false;             // the run itself was repeated with it, as printed
   std::size_t frames = 0;             // frames of the run that were solved again with it
   int attempts = 0;                   // plans that were tried
   double median = 0;                  // ‖u − u_true‖/‖u_true‖ of those frames in contact
@@ -43,6 +44,8 @@ struct TriedRemedy {
   Cost before;
   Cost after;
   bool in_time = true;  // within the budget and the period, with a hundredth of each to spare
+
+  stability::Flags taken_away() const { return stability::Flags(of.bits() & ~left.bits()); }
 
   void report(config::Figures& f) const;
 };

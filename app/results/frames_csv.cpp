@@ -6,6 +6,7 @@
 
 #include "app/results/number_text.h"
 #include "driver/hvp_driver.h"
+#include "models/plant/loop_quality.h"
 
 namespace hvp::results {
 
@@ -43,7 +44,9 @@ std::vector<FrameColumn> frame_columns() {
       {"x_m", "the tip as the host read it"},
       {"y_m", "likewise"},
       {"z_m", "likewise"},
-      {"force_N", "the force on the probe: what the motor exerts"},
+      {"force_N",
+       "the force on the probe that the host asks for; converter and limits of a device come after "
+       "it: `motor_x_N` and so on are what acts"},
       {"fx_N", "its component"},
       {"fy_N", "likewise"},
       {"fz_N", "likewise"},
@@ -83,8 +86,10 @@ std::vector<FrameColumn> probe_columns(const ProbeColumns& of, std::size_t index
   vector("hand", "N", "the hand's");
   add("stored_J", "kinetic energy and the hand's springs then");
   add("port_J",
-      "what all but masses and hand have absorbed until then; negative: the loop fed "
-      "energy in");
+      "what all but masses and hand have absorbed until then, with what the wall's spring had at "
+      "the start");
+  add("fed_in",
+      "1 where that is below zero by more than rounding explains: the loop fed energy in");
   if (!of.currents) return columns;
   vector("commanded", "A", "with `[device.motor]`: the current that the frame's force asks for");
   vector("current", "A", "what converter and amplifier make of it, before the amplifier's lag");
@@ -135,7 +140,7 @@ void FramesCsv::closed(const vp::Frame& f, const vp::CriticalPath& path) {
   stream_.write("\n");
 }
 
-std::string FramesCsv::device_fields(const vp::Frame& f, std::size_t i) const {
+std::string FramesCsv::device_fields(const vp::Frame& f, std::size_t i) {
   std::string fields;
   const vp::DeviceRecord& d = f.devices[i];
   append(fields, d.plant.tip.position);
@@ -149,7 +154,12 @@ std::string FramesCsv::device_fields(const vp::Frame& f, std::size_t i) const {
   append(fields, d.plant.motor_force);
   append(fields, d.plant.hand_force);
   const plant::Energy& e = d.plant.energy;
-  fields += fmt::format(",{},{}", shortest(e.kinetic + e.springs), shortest(e.at_port()));
+  if (i == at_start_J_.size()) {
+    at_start_J_.push_back(probes_.wall ? probes_.wall->energy(d.plant.tip.position) : 0);
+  }
+  const double at_port = at_start_J_[i] + e.at_port();
+  fields += fmt::format(",{},{},{}", shortest(e.kinetic + e.springs), shortest(at_port),
+                        plant::LoopEnergy::fed_in(at_port, e) ? 1 : 0);
   if (probes_.currents) {
     append(fields, d.drive.commanded_current);
     append(fields, d.drive.current);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/results/part_files.h"
+#include "models/host/wall.h"
 #include "models/plant/plant.h"
 #include "models/plant/trajectory.h"
 #include "vp/frame/ledger.h"
@@ -29,6 +30,7 @@ struct ProbeColumns {
   bool devices = false;             // the devices have mass
   bool currents = false;            // the devices have motors
   std::optional<plant::Hand> hand;  // the hand that intends the motion
+  std::optional<host::Wall> wall;   // whose spring has energy at the start
 };
 // The columns of probe `index`. Names of further probes have a prefix such as "probe1_".
 std::vector<FrameColumn> probe_columns(const ProbeColumns& of, std::size_t index);
@@ -45,10 +47,11 @@ class FramesCsv : public vp::FrameObserver {
  private:
   PartStream stream_;
   vp::Picoseconds budget_;
-  std::string device_fields(const vp::Frame& frame, std::size_t index) const;
+  std::string device_fields(const vp::Frame& frame, std::size_t index);
 
   Columns columns_;
   ProbeColumns probes_;
+  std::vector<double> at_start_J_;  // in the wall's spring in the first frame, one a probe
 };
 
 }  // namespace hvp::results

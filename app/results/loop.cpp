@@ -12,18 +12,26 @@
 namespace hvp::results {
 
 std::optional<StiffnessBudget> stiffness_budget(const plant::WallLoop& loop, double device_damping,
-                                                std::vector<StiffnessBudget::Share> after_latch) {
-  if (loop.delay_s > kMostSamples * loop.period_s) return std::nullopt;
+                                                MeasuredDelay measured) {
+  if (measured.worst_delay_s > kMostSamples * loop.period_s) return std::nullopt;
   StiffnessBudget b;
   b.delay_s = loop.delay_s;
+  b.worst_delay_s = measured.worst_delay_s;
+  b.frames = measured.frames;
+  b.moving = measured.moving;
+  b.contact_N_m = measured.contact_N_m;
   b.period_s = loop.period_s;
   b.stable_N_m = plant::largest_stable_stiffness(loop);
   b.passive_N_m = plant::passive_stiffness(loop, device_damping);
+  plant::WallLoop worst = loop;
+  worst.delay_s = measured.worst_delay_s;
+  b.edge_N_m = plant::largest_stable_stiffness(worst);
+  b.worst_passive_N_m = plant::passive_stiffness(worst, device_damping);
   plant::WallLoop at_once = loop;
   at_once.delay_s = 0;
   at_once.device.lag_rate = 0;
   b.without_delay_N_m = plant::largest_stable_stiffness(at_once);
-  b.shares = std::move(after_latch);
+  b.shares = std::move(measured.after_latch);
   for (StiffnessBudget::Share& share : b.shares) {
     share.cost_N_m = plant::stiffness_cost(loop, share.time_s);
   }
@@ -37,16 +45,40 @@ std::optional<StiffnessBudget> stiffness_budget(const plant::WallLoop& loop, dou
   return b;
 }
 
+std::optional<double> StiffnessBudget::margin() const {
+  if (!moving || !contact_N_m || !(*contact_N_m > 0)) return std::nullopt;
+  return edge_N_m / *contact_N_m;
+}
+
+stability::Flags margin_flags(const std::optional<StiffnessBudget>& budget, double least) {
+  stability::Flags flags;
+  if (!budget) return flags;
+  const std::optional<double> margin = budget->margin();
+  if (margin && *margin < least) flags.raise(stability::Flag::low_gain_margin);
+  return flags;
+}
+
 void StiffnessBudget::report(config::Figures& f) const {
   f.mean_time(
       "delay_us", delay_s * 1e12,
-      "from the latch to the force at the motor, the mean of the frames in contact, or of all "
-      "where there was none");
+      "from the latch to the force at the motor, the mean of the frames in contact in which a "
+      "force changes, or of all where there was none");
+  f.mean_time("worst_delay_us", worst_delay_s * 1e12, "the largest of those");
+  f.count("frames", frames, "of those frames");
   f.quantity("stable_N_m", stable_N_m, "N/m",
              "the stiffest wall with which the loop is stable, by its exact eigenvalues at that "
              "delay");
   f.quantity("passive_N_m", passive_N_m, "N/m",
              "the stiffest passive one: the device's damping over half a period and that delay");
+  f.quantity("edge_N_m", edge_N_m, "N/m", "the stiffest stable one, at the worst delay");
+  f.quantity("worst_passive_N_m", worst_passive_N_m, "N/m",
+             "the stiffest passive one, at the worst delay");
+  f.quantity("contact_N_m", contact_N_m, "N/m",
+             "of the wall, or of the body at the stiffest contact along the probes' ways; null "
+             "where it was not computed");
+  f.ratio("margin", margin(),
+          "the gain margin, `edge_N_m` over `contact_N_m`: below one the linear loop is unstable. "
+          "Less than `budget.gain_margin`: `little-margin`. Null where nothing in contact moved");
   f.quantity("without_delay_N_m", without_delay_N_m, "N/m", "stable, if no part took time");
   f.list("parts", "what each part of the delay costs; largest first", shares,
          [&f](const Share& share) {
@@ -74,6 +106,37 @@ std::string joules(double energy) {
   return fmt::format("{:.3g} uJ", 1e6 * energy);
 }
 
+void rest_line(Out out, const plant::RestWatch& rest) {
+  using Verdict = plant::RestWatch::Verdict;
+  fmt::format_to(out, "  at rest        ");
+  switch (rest.verdict()) {
+    case Verdict::swings: {
+      const plant::Oscillation::Cycle& cycle = *rest.cycle();
+      fmt::format_to(out, "swings on by {} at {:.3g} Hz{} (frame {})\n",
+                     readable_length(cycle.amplitude_m), cycle.frequency_hz,
+                     cycle.grows ? " and grows" : "", cycle.frame);
+      return;
+    }
+    case Verdict::moves_on:
+      fmt::format_to(out, "moves on, at {:.3g} m/s in the end\n", *rest.moves_on());
+      return;
+    case Verdict::comes_to_rest:
+      fmt::format_to(out, "comes to rest: {} in the last quarter of a second\n",
+                     readable_length(*rest.last_moves_m()));
+      return;
+    case Verdict::not_measured:
+      if (!rest.compared()) {
+        fmt::format_to(out, "not measured: the user never rests for half a second\n");
+        return;
+      }
+      fmt::format_to(out,
+                     "not measured: still moves by {} in a quarter of a second, and the user rests "
+                     "too shortly to tell whether that ends\n",
+                     readable_length(*rest.last_moves_m()));
+      return;
+  }
+}
+
 void device_lines(Out out, const plant::LoopQuality& q) {
   const plant::LoopEnergy& e = q.energy();
   fmt::format_to(out, "  energy         motors {}, hand {}; lost to damping {}, to friction {}\n",
@@ -88,17 +151,7 @@ void device_lines(Out out, const plant::LoopQuality& q) {
                  e.active() ? fmt::format("ACTIVE: the loop had fed in {} by frame {}",
                                           joules(-e.least_at_port()), e.least_frame())
                             : std::string("passive in every frame"));
-  if (const auto& cycle = q.cycle()) {
-    fmt::format_to(out, "  at rest        swings on by {} at {:.3g} Hz{} (frame {})\n",
-                   readable_length(cycle->amplitude_m), cycle->frequency_hz,
-                   cycle->grows ? " and grows" : "", cycle->frame);
-  } else if (const auto& speed = q.oscillation().moves_on()) {
-    fmt::format_to(out, "  at rest        moves on, at {:.3g} m/s in the end\n", *speed);
-  } else if (q.oscillation().measured()) {
-    fmt::format_to(out, "  at rest        comes to rest\n");
-  } else {
-    fmt::format_to(out, "  at rest        not measured: the user never rests for half a second\n");
-  }
+  rest_line(out, q.rest());
   if (q.saturated_frames() > 0) {
     fmt::format_to(out, "  saturated      {} with a force that was clamped\n",
                    counted(q.saturated_frames(), "frame"));
@@ -132,8 +185,20 @@ std::string stiffness_text(const std::optional<StiffnessBudget>& budget) {
   };
   fmt::format_to(out,
                  "\nStiffness    a wall up to {:.4g} N/m is stable, passive up to {:.4g} N/m: the "
-                 "force is {} late\n",
-                 budget->stable_N_m, budget->passive_N_m, time(budget->delay_s));
+                 "force is {} late, the mean\n             of {}{}\n",
+                 budget->stable_N_m, budget->passive_N_m, time(budget->delay_s),
+                 counted(budget->frames, "frame"),
+                 budget->moving ? " in contact that moves" : "; none in contact moves");
+  if (budget->worst_delay_s > budget->delay_s) {
+    fmt::format_to(out, "  at worst {}: {:.4g} N/m, passive {:.4g} N/m\n",
+                   time(budget->worst_delay_s), budget->edge_N_m, budget->worst_passive_N_m);
+  }
+  if (const std::optional<double> margin = budget->margin()) {
+    fmt::format_to(out, "  gain margin    {:.3g}: the contact has {:.4g} N/m{}\n", *margin,
+                   *budget->contact_N_m, *margin < 1 ? ", beyond the edge of the linear loop" : "");
+  } else if (budget->moving) {
+    fmt::format_to(out, "  gain margin    not measured: the contact's stiffness is not known\n");
+  }
   for (const StiffnessBudget::Share& share : budget->shares) {
     if (share.cost_N_m < kLeastShareOfStiffness * budget->stable_N_m) continue;
     fmt::format_to(out, "  {:<22} {:>10}  costs {:>8.4g} N/m\n",

@@ -68,10 +68,7 @@ bool Outcome::held() const {
 }
 
 bool Outcome::accuracy_measured() const {
-  // A few of many frames say nothing of the rest.
-  constexpr std::int64_t kEnough = 16;
-  if (!accuracy || !accuracy->displacement.of_frame) return false;
-  return accuracy->displacement.of_frame->frames >= std::min(kEnough, accuracy->in_contact);
+  return accuracy && accuracy->speaks_for_all(accuracy->displacement);
 }
 
 bool Outcome::faults_happened() const {
@@ -87,13 +84,13 @@ std::string_view Outcome::verdict_word() const {
   if (scene.timing_only) return "PASS, timing only";
   if (contact.changes == 0) return "held; no contact";
   if (!scene.body && loop.empty()) return "held; loop not closed";
-  if (std::ranges::any_of(loop,
-                          [](const auto& l) { return l.oscillation().moves_on().has_value(); })) {
-    return "held; a device moves on";
-  }
-  if (!std::ranges::all_of(loop, [](const auto& l) { return l.oscillation().measured(); })) {
-    return "held; coming to rest not measured";
-  }
+  using Rest = plant::RestWatch::Verdict;
+  const auto any_device = [this](Rest what) {
+    return std::ranges::any_of(loop, [&](const auto& l) { return l.rest().verdict() == what; });
+  };
+  if (any_device(Rest::moves_on)) return "held; a device moves on";
+  if (any_device(Rest::not_measured)) return "held; coming to rest not measured";
+  if (!loop.empty() && !(stiffness && stiffness->margin())) return "held; gain margin not measured";
   if (scene.body && !accuracy_measured()) return "held; accuracy not measured";
   return "PASS";
 }
@@ -155,7 +152,7 @@ void Outcome::report_numbers(config::Figures& f) const {
   f.when(!forces.empty(),
          [&] { f.list("forces", "With several `[[probe]]` only: the same of each.", forces); });
   f.table_or_null("strain",
-                  "How far the body was strained, of every 20th frame "
+                  "How far the body was strained, over all frames "
                   "([finite-elements.md](finite-elements.md)); null where nobody computed it.",
                   strain);
   f.when(!loop.empty() || stiffness, [&] {

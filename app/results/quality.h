@@ -38,6 +38,11 @@ struct Accuracy {
   Quantity force;
   std::int64_t frames = 0;      // frames compared, without those in which the body is at rest
   std::int64_t in_contact = 0;  // frames in contact, compared or not
+  std::int64_t compared = 0;    // those of `in_contact` that were compared
+
+  // True if the frames compared speak for all frames in contact: each was compared, or so many
+  // that one in twenty, which the percentiles leave out, is at least one frame.
+  bool speaks_for_all(const Quantity& quantity) const;
 
   void report(config::Figures& f) const;
 };
@@ -46,9 +51,11 @@ struct Accuracy {
 struct ErrorBudget {
   std::string_view of;  // "displacement", "force"
   double limit = 0;
-  double p95 = 0;    // over the frames in contact, relative to each frame's own value
-  double worst = 0;  // over all frames, relative to the run's largest value
-  bool measured = false;
+  double p95 = 0;               // over the frames in contact, relative to each frame's own value
+  double worst = 0;             // over all frames compared, relative to the run's largest value
+  std::int64_t compared = 0;    // frames in contact that were compared
+  std::int64_t in_contact = 0;  // all frames in contact
+  bool measured = false;        // false too where too few were compared
 
   bool held() const { return measured && p95 <= limit && worst <= limit; }
   void report(config::Figures& f) const;

@@ -80,7 +80,7 @@ std::string reference_json(std::string_view version) {
   j["columns"] = ordered_json::array();
   append(j["columns"], frame_columns());
   j["further_columns"] = ordered_json::array();
-  const ProbeColumns all{std::vector<plant::Trajectory>(2), true, true, plant::Hand{}};
+  const ProbeColumns all{std::vector<plant::Trajectory>(2), true, true, plant::Hand{}, {}};
   for (std::size_t probe = 0; probe < 2; ++probe) {
     append(j["further_columns"], probe_columns(all, probe));
   }
@@ -140,7 +140,7 @@ std::string results_reference_page() {
   for (const FrameColumn& column : frame_columns()) {
     text += fmt::format("| `{}` | {} |\n", column.name, cell(column.help));
   }
-  ProbeColumns all{std::vector<plant::Trajectory>(2), true, true, plant::Hand{}};
+  ProbeColumns all{std::vector<plant::Trajectory>(2), true, true, plant::Hand{}, {}};
   text +=
       "\nBehind these, with `[device.dynamics]` and for each further `[[probe]]`; names of a "
       "further "

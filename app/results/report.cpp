@@ -147,14 +147,18 @@ void verdict_lines(Out out, const Outcome& o) {
                  v.skipped_ticks());
   for (const ErrorBudget& b : o.error_budgets) {
     if (!b.measured) {
-      fmt::format_to(out, "  {:<14} NOT MEASURED: no frame that was compared had a contact\n",
-                     fmt::format("{} error", b.of));
+      fmt::format_to(out, "  {:<14} NOT MEASURED: {} of {} in contact compared{}\n",
+                     fmt::format("{} error", b.of), b.compared, counted(b.in_contact, "frame"),
+                     b.compared > 0 ? ", too few to speak for 95 % of them" : "");
       continue;
     }
-    fmt::format_to(out,
-                   "  {:<14} {}: 95 % of the frames within {} of {}, worst {} of the largest\n",
-                   fmt::format("{} error", b.of), b.held() ? qualified : "EXCEEDED", percent(b.p95),
-                   percent(b.limit), percent(b.worst));
+    fmt::format_to(out, "  {:<14} {}: 95 % of {} within {} of {}, worst {} of the largest\n",
+                   fmt::format("{} error", b.of), b.held() ? qualified : "EXCEEDED",
+                   b.compared == b.in_contact
+                       ? counted(b.compared, "frame")
+                       : fmt::format("{} compared of {} in contact", counted(b.compared, "frame"),
+                                     b.in_contact),
+                   percent(b.p95), percent(b.limit), percent(b.worst));
   }
   if (v.lateness().count() > 0) {
     spread_line(out, "late forces by", statistics::spread_of(v.lateness()));
@@ -244,7 +248,7 @@ void stability_lines(Out out, const app::Scene& scene, const Outcome& o) {
     if (!o.flags.has(flag)) continue;
     const stability::Description& d = stability::describe(flag);
     fmt::format_to(out, "  FLAG {}: {}\n", d.name, d.meaning);
-    if (o.remedy && o.remedy->left.empty() && o.remedy->of.has(flag)) continue;
+    if (o.remedy && !o.remedy->settings.empty() && o.remedy->taken_away().has(flag)) continue;
     fmt::format_to(out, "    remedy: {}\n", d.remedy);
   }
   if (o.remedy) fmt::format_to(out, "{}", remedy_text(*o.remedy));

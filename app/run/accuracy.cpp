@@ -69,6 +69,7 @@ void AccuracyTracker::solved(const vp::Frame& frame, const vp::Solution& solutio
   has_skipped_ = false;
   if (!compared) return;
   const bool in_contact = frame.in_contact();
+  if (in_contact) ++compared_;
   forces_.clear();
   for (const collision::Touch& touch : frame.touches) forces_.push_back(touch.force);
   displacement_.add(solution.displacement, true_run_.displacement(), frame.number, in_contact);
@@ -82,7 +83,7 @@ void AccuracyTracker::solved(const vp::Frame& frame, const vp::Solution& solutio
 
 results::Accuracy AccuracyTracker::accuracy() const {
   return {quantity(displacement_, displacement_rounded_), quantity(force_, force_rounded_),
-          displacement_.frames(), in_contact_};
+          displacement_.frames(), in_contact_, compared_};
 }
 
 stability::Flags AccuracyTracker::flags() const {

@@ -46,6 +46,7 @@ class AccuracyTracker : public vp::FrameObserver {
   double period_s_;
   std::vector<Eigen::Vector3d> forces_;  // of the current frame, one a probe
   std::int64_t in_contact_ = 0;
+  std::int64_t compared_ = 0;  // of those
 };
 
 }  // namespace hvp::app

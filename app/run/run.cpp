@@ -119,18 +119,20 @@ class BodyWatches {
 std::vector<results::ErrorBudget> error_budgets(const Budget& budget,
                                                 const std::optional<results::Accuracy>& accuracy) {
   std::vector<results::ErrorBudget> budgets;
+  const results::Accuracy a = accuracy.value_or(results::Accuracy{});
   const auto state = [&](std::string_view of, double limit,
                          const results::Accuracy::Quantity& measured) {
     if (limit == 0) return;
-    results::ErrorBudget b{of, limit};
-    if (measured.of_frame && measured.worst) {
+    results::ErrorBudget b{.of = of, .limit = limit};
+    b.compared = a.compared;
+    b.in_contact = a.in_contact;
+    if (a.speaks_for_all(measured) && measured.worst) {
       b.p95 = measured.of_frame->p95;
       b.worst = *measured.worst;
       b.measured = true;
     }
     budgets.push_back(b);
   };
-  const results::Accuracy a = accuracy.value_or(results::Accuracy{});
   state("displacement", budget.displacement_error, a.displacement);
   state("force", budget.force_error, a.force);
   return budgets;
@@ -138,12 +140,20 @@ std::vector<results::ErrorBudget> error_budgets(const Budget& budget,
 
 results::ProbeColumns probe_columns_of(const Scenario& s) {
   return {s.probes, s.device.dynamics.has_value(), s.device.dynamics && s.device.motor.has_value(),
-          s.hand};
+          s.hand, s.wall};
 }
 
 std::optional<vp::SoftBody> soft_body(Scene& scene) {
   if (!scene.has_body()) return std::nullopt;
   return vp::SoftBody{scene.body(), scene.computation(), scene.contacts()};
+}
+
+// The stiffness that the device is pressed against, where it is known within a run's set-up, N/m.
+std::optional<double> known_contact_stiffness(const Scene& scene) {
+  const Scenario& s = scene.scenario();
+  if (s.wall) return s.wall->stiffness_N_m;
+  if (!quick_to_factorise(scene)) return std::nullopt;
+  return contact_stiffness(scene);
 }
 
 // The flags that were raised before the first frame, or follow from counts.
@@ -212,6 +222,35 @@ stability::Flags rounding_flags(const Scene& scene, const host::RoundingEstimate
   return flags;
 }
 
+// A remedy for the run's flags: first for those of the words and of the hand-over, by solving
+// frames of the run again, then for those of the loop. Either is then run as it is printed.
+std::optional<results::TriedRemedy> find_remedy(const Scene& scene, const results::Outcome& outcome,
+                                                const Recorder* recorder,
+                                                const RunOptions& options) {
+  std::optional<results::TriedRemedy> remedy;
+  if (recorder != nullptr && options.rebuild) {
+    remedy = try_remedies(scene, outcome.flags, recorder->sightings(),
+                          {outcome.verdict.worst_latency(), outcome.verdict.worst_load(),
+                           outcome.verdict.budget(), outcome.verdict.period()},
+                          options.rebuild, options.progress);
+  }
+  if (remedy) {
+    if (options.progress) options.progress("running the remedy as it will be printed");
+    verify(*remedy, outcome.flags, options.rerun);
+  }
+  if (!outcome.stiffness || !options.rerun) return remedy;
+  const bool helps = remedy && remedy->whole_run && !remedy->taken_away().empty();
+  const stability::Flags flags = helps ? remedy->left : outcome.flags;
+  if (options.progress) options.progress("looking for a remedy of the loop");
+  std::optional<results::TriedRemedy> of_loop =
+      try_loop_remedy(scene.scenario(), flags, *outcome.stiffness,
+                      helps ? remedy->settings : std::vector<std::string>(), options.rerun);
+  if (!of_loop || (remedy && of_loop->settings.empty())) return remedy;
+  of_loop->of = outcome.flags;
+  if (remedy) of_loop->attempts += remedy->attempts;
+  return of_loop;
+}
+
 results::Outcome simulate(Scene& scene, const RunOptions& options) {
   const Scenario& s = scene.scenario();
   const std::filesystem::path& directory = options.directory;
@@ -256,8 +295,9 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   if (accuracy) platform.add_observer(*accuracy);
   if (deformation) platform.add_observer(*deformation);
   const std::unique_ptr<ContactWatch> contact =
-      scene.has_body() ? std::make_unique<ApproachWatch>(scene.contacts())
-                       : std::make_unique<ContactWatch>();
+      scene.has_body()
+          ? std::make_unique<ApproachWatch>(scene.contacts())
+          : std::make_unique<ContactWatch>(s.wall && s.wall->sides == host::Wall::Sides::both);
   platform.add_observer(*contact);
   std::optional<BodyWatches> body;
   if (!s.timing_only() && scene.has_body()) body.emplace(platform, scene);
@@ -304,21 +344,16 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
       outcome.loop = loop->qualities();
       outcome.flags.merge(loop->flags());
     }
-    outcome.stiffness = loop->stiffness();
+    outcome.stiffness = loop->stiffness(known_contact_stiffness(scene));
+    outcome.flags.merge(results::margin_flags(outcome.stiffness, s.budget.gain_margin));
   }
   outcome.rounding = rounding;
   if (rounding) outcome.flags.merge(rounding_flags(scene, *rounding, outcome.accuracy_measured()));
   outcome.trace_cut_at = trace.cut_at();
   if (accuracy) outcome.flags.merge(accuracy->flags());
   const auto began = std::chrono::steady_clock::now();
-  if (body && s.output.remedies && options.rebuild && !outcome.partial()) {
-    outcome.remedy = try_remedies(scene, outcome.flags, body->recorder().sightings(),
-                                  {outcome.verdict.worst_latency(), outcome.verdict.worst_load(),
-                                   outcome.verdict.budget(), outcome.verdict.period()},
-                                  options.rebuild, options.progress);
-  }
-  if (outcome.stiffness && s.output.remedies && options.rerun && !outcome.partial()) {
-    outcome.remedy = try_wall_remedy(s, outcome.flags, *outcome.stiffness, options.rerun);
+  if (s.output.remedies && !outcome.partial() && !outcome.flags.empty()) {
+    outcome.remedy = find_remedy(scene, outcome, body ? &body->recorder() : nullptr, options);
   }
   outcome.remedy_search_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "app/remedy/loop_remedy.h"
 #include "app/remedy/remedy.h"
-#include "app/remedy/wall_remedy.h"
 #include "app/results/outcome.h"
 #include "app/scene/scene.h"
 

@@ -22,6 +22,18 @@ double diagonal(const collision::DeformedSurface& surface) {
 
 }  // namespace
 
+bool ContactWatch::begins_pressed(const vp::Frame& frame) {
+  return std::ranges::any_of(frame.touches, [](const collision::Touch& touch) {
+    return touch.contact.present() && touch.force.norm() > stability::ForceQuality::kNoForce;
+  });
+}
+
+stability::Flags ContactWatch::flags() const {
+  stability::Flags flags;
+  if (begins_pressed_) flags.raise(stability::Flag::force_step);
+  return flags;
+}
+
 ApproachWatch::ApproachWatch(const collision::ContactSearch& contacts)
     : contacts_(contacts), allowed_(kAllowed * diagonal(contacts.surface())) {}
 
@@ -51,7 +63,7 @@ std::optional<results::Approach> ApproachWatch::missed() const {
 }
 
 stability::Flags ApproachWatch::flags() const {
-  stability::Flags flags;
+  stability::Flags flags = ContactWatch::flags();
   if (missed()) flags.raise(stability::Flag::contact_missed);
   return flags;
 }
@@ -72,10 +84,13 @@ void ForceWatch::solved(const vp::Frame& frame, const vp::Solution& solution) {
 StrainWatch::StrainWatch(const fem::Body& body)
     : body_(body),
       meter_(body.mesh(), fem::kLinearStrain),
+      solution_(body.load().size()),
       displacement_(3 * body.mesh().nodes.size()) {}
 
 void StrainWatch::solved(const vp::Frame& frame, const vp::Solution& solution) {
-  if (frame.number % kEveryFrames != 0) return;
+  // A body at rest, which has been measured, is not measured again.
+  if (worst_frame_ >= 0 && std::ranges::equal(solution.displacement, solution_)) return;
+  std::ranges::copy(solution.displacement, solution_.begin());
   body_.expand(solution.displacement, displacement_);
   const fem::Strains strains = meter_.measure(displacement_);
   const int inverted = std::max(worst_.inverted, strains.inverted);
@@ -96,6 +111,7 @@ stability::Flags StrainWatch::flags() const {
 
 LoopWatch::LoopWatch(const Scenario& scenario)
     : scenario_(scenario), qualities_(scenario.probes.size()) {
+  forces_.reserve(scenario.probes.size());
   const auto& kinematics = scenario.device.kinematics;
   if (kinematics) kinematics_ = plant::make_kinematics(*kinematics);
 }
@@ -113,7 +129,9 @@ bool LoopWatch::rests(std::size_t probe, Picoseconds time) const {
 
 void LoopWatch::Delays::add(const vp::Frame& frame, const vp::CriticalPath& path) {
   ++frames;
-  sum += frame.born + frame.latency() - frame.latched;
+  const Picoseconds delay = frame.born + frame.latency() - frame.latched;
+  sum += delay;
+  worst = std::max(worst, delay);
   for (const vp::SpanId id : path.spans()) {
     const vp::Span& span = frame.spans[static_cast<std::size_t>(id)];
     if (span.end <= frame.latched) continue;
@@ -122,9 +140,18 @@ void LoopWatch::Delays::add(const vp::Frame& frame, const vp::CriticalPath& path
   }
 }
 
+bool LoopWatch::force_changed(const vp::Frame& frame) {
+  const bool same = std::ranges::equal(frame.touches, forces_, {}, &collision::Touch::force);
+  if (!same) {
+    forces_.clear();
+    for (const collision::Touch& touch : frame.touches) forces_.push_back(touch.force);
+  }
+  return !same;
+}
+
 void LoopWatch::closed(const vp::Frame& frame, const vp::CriticalPath& path) {
   all_.add(frame, path);
-  if (frame.in_contact()) in_contact_.add(frame, path);
+  if (force_changed(frame) && frame.in_contact()) moving_.add(frame, path);
   const Picoseconds latched = frame.time + frame.latched - frame.born;
   for (std::size_t i = 0; i < frame.devices.size(); ++i) {
     const vp::DeviceRecord& record = frame.devices[i];
@@ -149,7 +176,8 @@ double LoopWatch::mean_delay_s() const {
   return to_seconds(delays().sum) / static_cast<double>(delays().frames);
 }
 
-std::optional<results::StiffnessBudget> LoopWatch::stiffness() const {
+std::optional<results::StiffnessBudget> LoopWatch::stiffness(
+    std::optional<double> contact_N_m) const {
   if (delays().frames == 0) return std::nullopt;
   std::vector<results::StiffnessBudget::Share> shares;
   const auto& parts = delays().parts;
@@ -163,7 +191,11 @@ std::optional<results::StiffnessBudget> LoopWatch::stiffness() const {
   const std::optional<plant::WallLoop> loop = wall_loop(scenario_, mean_delay_s(), direction);
   if (!loop) return std::nullopt;
   return results::stiffness_budget(*loop, scenario_.device.dynamics->damping_N_s_m,
-                                   std::move(shares));
+                                   {.worst_delay_s = to_seconds(delays().worst),
+                                    .frames = delays().frames,
+                                    .moving = moving_.frames > 0,
+                                    .contact_N_m = contact_N_m,
+                                    .after_latch = std::move(shares)});
 }
 
 std::optional<plant::WallLoop> wall_loop(const Scenario& s, double delay_s,

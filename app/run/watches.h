@@ -26,16 +26,28 @@ namespace hvp::app {
 // Counts the frames in contact with the body or the wall.
 class ContactWatch : public vp::FrameObserver {
  public:
+  // A wall that also pulls has a force wherever a probe begins.
+  explicit ContactWatch(bool pulls = false) : pulls_(pulls) {}
+
   void solved(const vp::Frame& frame, const vp::Solution& /*solution*/) override {
     ++figures_.frames;
     if (frame.in_contact()) ++figures_.frames_in_contact;
+    if (frame.number == 0 && !pulls_) begins_pressed_ = begins_pressed(frame);
   }
   // The figures from frames; those that only the processes count are zero.
   virtual results::ContactFigures figures() const { return figures_; }
-  virtual stability::Flags flags() const { return {}; }
+  // The flag force_step where the first frame has a force, which nothing had before.
+  virtual stability::Flags flags() const;
+
+  // True if any probe is pressed upon in the frame.
+  static bool begins_pressed(const vp::Frame& frame);
 
  protected:
   results::ContactFigures figures_;
+
+ private:
+  bool pulls_;
+  bool begins_pressed_ = false;
 };
 
 // Finds also how near the probe came to a body before the first contact, and how deep it was in the
@@ -76,11 +88,9 @@ class ForceWatch : public vp::FrameObserver {
   std::vector<stability::ForceQuality> qualities_;
 };
 
-// The body's largest strain, examined every kEveryFrames frames: a body that follows a hand hardly
-// changes within them.
+// The body's largest strain, over all frames: a tap is over in a few of them.
 class StrainWatch : public vp::FrameObserver {
  public:
-  static constexpr std::int64_t kEveryFrames = 20;
   explicit StrainWatch(const fem::Body& body);
 
   void solved(const vp::Frame& frame, const vp::Solution& solution) override;
@@ -93,6 +103,7 @@ class StrainWatch : public vp::FrameObserver {
  private:
   const fem::Body& body_;
   fem::StrainMeter meter_;
+  std::vector<double> solution_;      // of the last frame, whose strains are known
   std::vector<double> displacement_;  // all mesh nodes'
   fem::Strains worst_;
   std::int64_t worst_frame_ = -1;
@@ -108,13 +119,16 @@ class LoopWatch : public vp::FrameObserver {
   // One a device.
   const std::vector<plant::LoopQuality>& qualities() const { return qualities_; }
   stability::Flags flags() const;
-  // The time from the latch to the force at the motor, s: the mean of the frames in contact, or of
-  // all frames where none was in contact.
+  // The time from the latch to the force at the motor, s: the mean of the frames in contact in
+  // which a force changes, or of all frames where there are none. A frame in which nothing moves
+  // may have nothing to solve; its short delay makes no moving loop any stiffer.
   double mean_delay_s() const;
-  std::optional<results::StiffnessBudget> stiffness() const;
+  // `contact_N_m` is the stiffness of the wall or of the body at its contact, where it is known.
+  std::optional<results::StiffnessBudget> stiffness(std::optional<double> contact_N_m) const;
 
  private:
   bool rests(std::size_t probe, Picoseconds time) const;
+  bool force_changed(const vp::Frame& frame);
 
   const Scenario& scenario_;
   std::unique_ptr<plant::Kinematics> kinematics_;  // null without [device.kinematics]
@@ -122,14 +136,16 @@ class LoopWatch : public vp::FrameObserver {
   struct Delays {
     std::int64_t frames = 0;
     Picoseconds sum = 0;
+    Picoseconds worst = 0;
     std::array<Picoseconds, vp::kParts * vp::kPhases> parts{};  // the addends of `sum`
 
     void add(const vp::Frame& frame, const vp::CriticalPath& path);
   };
-  const Delays& delays() const { return in_contact_.frames > 0 ? in_contact_ : all_; }
+  const Delays& delays() const { return moving_.frames > 0 ? moving_ : all_; }
 
   Delays all_;
-  Delays in_contact_;
+  Delays moving_;                        // in contact, with a force that changes
+  std::vector<Eigen::Vector3d> forces_;  // of the last frame, one a probe
 };
 
 // The loop of a probe's device and a wall with the scenario's damping, along `direction` (of any

@@ -79,6 +79,9 @@ void lay_over(Node upper, Node& lower) {
       lay_over(std::move(member), *under);
     } else if (under->is_table() && member.kind == Node::Kind::boolean && !member.boolean) {
       lower.remove(upper.keys[i]);
+    } else if (under->is_table() && member.kind == Node::Kind::boolean &&
+               !member.origin.in_file()) {
+      // `effect=true` keeps the keys of an effect that a base or a model has already.
     } else {
       *under = std::move(member);
     }

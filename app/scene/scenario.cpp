@@ -21,6 +21,12 @@ void Budget::declare(config::Visitor& v) {
   v.quantity("displacement_error", displacement_error, Dimension::dimensionless,
              config::between(0, 10), error);
   v.quantity("force_error", force_error, Dimension::dimensionless, config::between(0, 10), error);
+  v.quantity("gain_margin", gain_margin, Dimension::dimensionless, config::between(1, 1000),
+             {"least gain margin of a device's loop, below which the run is flagged "
+              "low-gain-margin: the stiffness at which the linear loop is unstable, at the worst "
+              "delay of a frame that moves, over that of the contact",
+              "the edge itself; control design asks for 2 to 5 (Åström and Murray, Feedback "
+              "Systems, section 10.3)"});
 }
 
 void Anchor::declare(config::Visitor& v) { v.include(region); }

@@ -32,6 +32,8 @@ struct Budget {
   // The limits on |v − v_ref| / |v_ref|; 0: not stated.
   double displacement_error = 0;
   double force_error = 0;
+  // The least gain margin of a loop that is closed.
+  double gain_margin = 1;
 
   bool states_errors() const { return displacement_error > 0 || force_error > 0; }
 

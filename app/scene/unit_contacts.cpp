@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "models/fixed/system.h"
+#include "models/host/reference_run.h"
 
 namespace hvp::app {
 
@@ -37,8 +38,7 @@ Place place_of(const collision::ContactSearch& contacts, const Eigen::Vector3d& 
 }
 
 // Keeps the deepest touch of each node in the order of the way; without any touch, the nearest one.
-std::vector<Place> touched(const Scene& scene) {
-  const plant::Trajectory& probe = scene.scenario().probes.front();
+std::vector<Place> touched(const Scene& scene, const plant::Trajectory& probe) {
   const std::int64_t end = probe.duration_ps();
   std::vector<Place> places;
   Place nearest;
@@ -70,15 +70,42 @@ std::vector<host::UnitContact> unit_contacts(const Scene& scene) {
   if (std::ranges::any_of(scene.body().load(), [](double f) { return f != 0; })) {
     contacts.emplace_back();
   }
-  for (const Place& place : touched(scene)) {
-    host::UnitContact contact;
-    for (const int node : scene.contacts().patch(place.node)) {
-      contact.nodes.push_back(scene.body().active_index(node));
+  for (const plant::Trajectory& probe : scene.scenario().probes) {
+    for (const Place& place : touched(scene, probe)) {
+      host::UnitContact contact;
+      for (const int node : scene.contacts().patch(place.node)) {
+        contact.nodes.push_back(scene.body().active_index(node));
+      }
+      contact.displacement = -place.depth * scene.contacts().surface().rest_normal(place.node);
+      contacts.push_back(std::move(contact));
     }
-    contact.displacement = -place.depth * scene.contacts().surface().rest_normal(place.node);
-    contacts.push_back(std::move(contact));
   }
   return contacts;
+}
+
+bool quick_to_factorise(const Scene& scene) {
+  return scene.body().stiffness().block_rows() <= kMostNodes;
+}
+
+std::optional<double> contact_stiffness(const Scene& scene) {
+  const fem::Body& body = scene.body();
+  host::ReferenceRun run(body, std::nullopt, scene.scenario().budget.period_s, body.stiffness(),
+                         body.stiffness());
+  std::optional<double> stiffest;
+  for (const host::UnitContact& contact : unit_contacts(scene)) {
+    const double depth = contact.displacement.norm();
+    if (!(depth > 0)) continue;
+    // Loads press on a contact that is held in its place at rest, too.
+    const std::vector<Eigen::Vector3d> rest(contact.nodes.size(), Eigen::Vector3d::Zero());
+    run.step({contact.nodes, rest, {}, 0});
+    const Eigen::Vector3d at_rest = run.force();
+    const std::vector<Eigen::Vector3d> displacement(contact.nodes.size(), contact.displacement);
+    run.step({contact.nodes, displacement, {}, 0});
+    const double stiffness =
+        std::abs((run.force() - at_rest).dot(contact.displacement)) / (depth * depth);
+    stiffest = std::max(stiffest.value_or(0), stiffness);
+  }
+  return stiffest;
 }
 
 std::optional<host::RoundingEstimate> estimate_rounding(const Scene& scene) {
@@ -89,7 +116,7 @@ std::optional<host::RoundingEstimate> estimate_rounding(const Scene& scene) {
 std::optional<host::RoundingEstimate> estimate_rounding(const Scene& scene,
                                                         const host::FrameComputation& computation) {
   if (computation.timing_only()) return std::nullopt;
-  if (computation.matrix().block_rows() > kMostNodes) return std::nullopt;
+  if (!quick_to_factorise(scene)) return std::nullopt;
   return host::estimate_rounding(scene.body(), computation.matrix(),
                                  fixed::dequantise(computation.system()), unit_contacts(scene));
 }

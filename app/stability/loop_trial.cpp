@@ -6,12 +6,11 @@
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "app/run/watches.h"
-#include "app/scene/unit_contacts.h"
 #include "app/stability/child_process.h"
 #include "models/config/input_error.h"
-#include "models/host/reference_run.h"
 #include "models/plant/moving_device.h"
 #include "vp/platform.h"
 
@@ -29,30 +28,45 @@ constexpr double kCounts = 1;       // of an encoder, likewise
 // initial displacement, but at the end by no more than this factor.
 constexpr double kWide = 2;
 
-// Measures the swing of the tip along the wall's normal in each quarter of the run.
+// Measures the swing of the tip along the wall's normal in each quarter of the run. Its size is
+// sqrt(x^2 + (v/w)^2), with w of the swing itself: unlike the rms of x it does not depend on the
+// phase in which a quarter begins.
 class TrialWatch : public vp::FrameObserver {
  public:
   TrialWatch(const host::Wall& wall, int frames) : wall_(wall), quarter_(frames / 4) {}
 
   void closed(const vp::Frame& frame, const vp::CriticalPath& /*path*/) override {
-    const double depth = wall_.depth(frame.devices.front().plant.tip.position);
+    const vp::DeviceRecord& device = frame.devices.front();
+    const double depth = wall_.depth(device.plant.tip.position);
     const std::int64_t quarter = std::min<std::int64_t>(3, frame.number / quarter_);
-    quarters_[static_cast<std::size_t>(quarter)].add(depth);
+    quarters_[static_cast<std::size_t>(quarter)].add(
+        depth, device.plant.tip.velocity.dot(wall_.direction()));
     // The tip began in the wall, so a decaying swing stays there.
     left_ = left_ || (quarter >= 2 && depth < 0 && wall_.sides == host::Wall::Sides::one);
+    // A force that is clamped at the end keeps a swing from growing, not from going on.
+    const bool clamped = device.drive.dac_saturated || device.drive.current_saturated;
+    saturated_ = saturated_ || (quarter == 3 && clamped);
     delay_ += frame.born + frame.latency() - frame.latched;
     ++frames_;
   }
 
   // `displaced` is the initial displacement in m.
   Trial trial(double still, double displaced) const {
-    const Quarter& before = quarters_[1];
     const Quarter& last = quarters_[3];
+    const double mean = (quarters_[1].mean + quarters_[2].mean + last.mean) / 3;
     Trial trial;
     trial.amplitude_m = 0.5 * (last.most - last.least);
-    trial.growth = before.squares > 0 ? std::sqrt(last.squares / before.squares) : 0;
+    const double position = quarters_[1].squares_about(mean) + last.squares_about(mean);
+    const double velocity = quarters_[1].speeds + last.speeds;
+    const double slowness = velocity > 0 ? position / velocity : 0;  // 1/w^2
+    const auto swing = [&](const Quarter& q) {
+      return q.count > 0 ? (q.squares_about(mean) + slowness * q.speeds) / q.count : 0;
+    };
+    const double before = swing(quarters_[1]);
+    trial.growth = before > 0 ? std::sqrt(swing(last) / before) : 0;
     trial.delay_s = frames_ > 0 ? to_seconds(delay_) / static_cast<double>(frames_) : 0;
-    const bool shrinks = trial.growth < kComesToRest && trial.amplitude_m < kWide * displaced;
+    const bool shrinks =
+        trial.growth < kComesToRest && trial.amplitude_m < kWide * displaced && !saturated_;
     trial.stable = !left_ && (trial.amplitude_m <= still || shrinks);
     return trial;
   }
@@ -62,17 +76,22 @@ class TrialWatch : public vp::FrameObserver {
     double count = 0;
     double mean = 0;
     double squares = 0;  // about the mean (Welford 1962)
+    double speeds = 0;   // squared
     double least = 0;
     double most = 0;
 
-    void add(double depth) {
+    void add(double depth, double speed) {
       if (count == 0) least = most = depth;
       count += 1;
       const double off = depth - mean;
       mean += off / count;
       squares += off * (depth - mean);
+      speeds += speed * speed;
       least = std::min(least, depth);
       most = std::max(most, depth);
+    }
+    double squares_about(double place) const {
+      return squares + count * (mean - place) * (mean - place);
     }
   };
 
@@ -80,6 +99,7 @@ class TrialWatch : public vp::FrameObserver {
   std::int64_t quarter_;
   std::array<Quarter, 4> quarters_;
   bool left_ = false;
+  bool saturated_ = false;  // in the last quarter
   Picoseconds delay_ = 0;
   std::int64_t frames_ = 0;
 };
@@ -91,11 +111,27 @@ double still(const Scenario& s) {
   return std::max(kRegister, kCounts * step);
 }
 
+// Each quarter of a trial has eight swings of the device's mass on the wall.
+constexpr double kSwings = 4 * 8;
+// A trial of that many frames takes some seconds.
+constexpr double kMostFrames = 400'000;
+
+double frames_for(const Scenario& s, double stiffness, const TrialSettings& settings) {
+  const plant::Plant plant = plant::plant_of(s.device, s.hand, s.probes.front());
+  double mass = 0;
+  for (int i = 0; i < 3; ++i) mass = std::max(mass, plant.axis(i).mass);
+  if (s.hand) mass += s.hand->mass_kg;
+  const double swing_s = 2 * std::numbers::pi * std::sqrt(mass / stiffness);
+  return std::max<double>(settings.frames, kSwings * swing_s / s.budget.period_s);
+}
+
 Trial run_trial(const Scene& scene, double stiffness, const TrialSettings& settings) {
   vp::PlatformSettings p = platform_settings(scene);
   host::Wall& wall = p.wall.value();
   wall.stiffness_N_m = stiffness;
-  p.frames = 4 * std::max(1, settings.frames / 4);
+  const double frames = frames_for(scene.scenario(), stiffness, settings);
+  if (frames > kMostFrames) return {.decided = false};
+  p.frames = 4 * std::max(1, static_cast<int>(frames) / 4);
   const double depth = settings.push_N / stiffness;
   const Eigen::Vector3d n = wall.direction();
   plant::Trajectory rest = p.probes.front();
@@ -126,12 +162,12 @@ Trial run_body(const Scene& scene, double times) {
   platform.run();
   Trial trial{.stable = true, .delay_s = watch.mean_delay_s()};
   for (const plant::LoopQuality& quality : watch.qualities()) {
-    if (!quality.oscillation().measured()) {
+    if (!quality.rest().compared()) {
       throw InputError("probe.motion",
                        "nobody rests long enough to see whether the device comes to rest: expected "
                        "a hold of at least 0.6 s");
     }
-    const auto& cycle = quality.cycle();
+    const auto& cycle = quality.rest().cycle();
     if (!cycle) continue;
     trial.stable = false;
     trial.amplitude_m = std::max(trial.amplitude_m, cycle->amplitude_m);
@@ -143,33 +179,22 @@ Trial trial_in_child(const std::function<Trial()>& run) {
   using nlohmann::json;
   const json answer = json::parse(in_child([&run] {
     const Trial t = run();
-    return json{{"stable", t.stable},
+    return json{{"decided", t.decided},
+                {"stable", t.stable},
                 {"growth", std::isfinite(t.growth) ? t.growth : 1e300},
                 {"amplitude", t.amplitude_m},
                 {"delay", t.delay_s}}
         .dump();
   }));
-  return {answer["stable"].get<bool>(), answer["growth"].get<double>(),
-          answer["amplitude"].get<double>(), answer["delay"].get<double>()};
+  return {answer["decided"].get<bool>(), answer["stable"].get<bool>(),
+          answer["growth"].get<double>(), answer["amplitude"].get<double>(),
+          answer["delay"].get<double>()};
 }
 
 }  // namespace
 
 Trial try_body(const Scene& scene, double times) {
   return trial_in_child([&] { return run_body(scene, times); });
-}
-
-double contact_stiffness(const Scene& scene) {
-  const std::vector<host::UnitContact> contacts = unit_contacts(scene);
-  const auto deepest = std::ranges::max_element(
-      contacts, {}, [](const host::UnitContact& c) { return c.displacement.norm(); });
-  const fem::Body& body = scene.body();
-  host::ReferenceRun run(body, std::nullopt, scene.scenario().budget.period_s, body.stiffness(),
-                         body.stiffness());
-  const std::vector<Eigen::Vector3d> displacement(deepest->nodes.size(), deepest->displacement);
-  run.step({deepest->nodes, displacement, {}, 0});
-  const double depth = deepest->displacement.norm();
-  return depth > 0 ? std::abs(run.force().dot(deepest->displacement)) / (depth * depth) : 0;
 }
 
 Trial try_wall(const Scene& scene, double stiffness, const TrialSettings& settings) {

@@ -11,11 +11,12 @@ namespace hvp::app {
 // has decayed after `frames`. A stable loop never leaves the wall.
 struct TrialSettings {
   double push_N = 1;
-  int frames = 2000;
+  int frames = 2000;  // at least; more where the device swings slowly
 };
 
 // The result of one trial.
 struct Trial {
+  bool decided = true;  // false: its swing takes more frames than a trial has, and it was not run
   bool stable = false;
   double growth = 0;  // ratio of the rms swing about its mean, last quarter over second quarter
   double amplitude_m = 0;  // half of the peak-to-peak swing in the last quarter
@@ -29,16 +30,13 @@ inline constexpr double kDisplaced = 0.5;
 // Runs the platform with a wall of this positive stiffness in a process of its own. The scenario
 // must have [wall] and [device.dynamics]; the trial uses its first probe. A loop is unstable if it
 // keeps swinging, without decaying, by more than an encoder step either way or by more than the
-// registers' resolution of 1 nm causes. A loop that sticks is stable.
+// registers' resolution of 1 nm causes, or if a force is clamped to the end. A loop that sticks is
+// stable.
 Trial try_wall(const Scene& scene, double stiffness_N_m, const TrialSettings& settings);
 
 // Tries the loop with the scenario's Young's modulus multiplied by `times`. The scenario's own
 // motion is run for all frames. The loop is stable if no device keeps swinging while its user rests
 // (plant::Oscillation). Throws InputError if nobody rests long enough to tell.
 Trial try_body(const Scene& scene, double times);
-
-// The contact stiffness in N/m: force over depth of the deepest contact along the first probe's
-// way, at rest and with the true matrix.
-double contact_stiffness(const Scene& scene);
 
 }  // namespace hvp::app

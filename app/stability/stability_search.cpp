@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "app/run/watches.h"
+#include "app/scene/unit_contacts.h"
 #include "models/config/input_error.h"
 
 namespace hvp::app {
@@ -43,14 +44,16 @@ class Search {
     figures.period_s = s.budget.period_s;
     if (s.wall) figures.damping_N_s_m = s.wall->damping_N_s_m;
     if (!s.wall) {
-      own_N_m_ = contact_stiffness(scene_);
+      own_N_m_ = contact_stiffness(scene_).value_or(0);
+      if (own_N_m_ == 0) throw InputError("probe.motion", "the probe never presses on the body");
       settings_.largest_N_m = kStiffest * own_N_m_;
     }
     // A first run gives the delay with which the eigenvalues predict the result.
     stable(s.wall ? kFirst : own_N_m_);
     const std::optional<plant::WallLoop> loop = wall_loop(
         s, delay_s_, s.wall ? s.wall->direction() : Eigen::Vector3d(Eigen::Vector3d::UnitZ()));
-    if (loop && delay_s_ <= results::kMostSamples * loop->period_s) {
+    if (loop && delay_s_ <= StabilityFigures::kMostPeriods * loop->period_s) {
+      figures.linear_computed = true;
       figures.stiffness_linear = plant::largest_stable_stiffness(*loop);
     }
     if (loop) {
@@ -66,7 +69,7 @@ class Search {
     }
     figures.stiffness_max = below_;
     figures.left_m = left_m_;
-    figures.unstable_from = above_;
+    figures.unstable_from = unstable_from_;
     const auto& encoder = s.device.encoder;
     if (encoder && encoder->at == plant::Encoder::At::tip && s.device.friction) {
       figures.encoder_bound = 2 * s.device.friction->force_N / encoder->resolution;
@@ -76,6 +79,7 @@ class Search {
     }
     figures.delay_s = delay_s_;
     figures.runs = runs_;
+    figures.undecided_N_m = undecided_;
     return figures;
   }
 
@@ -85,7 +89,12 @@ class Search {
     if (progress_) progress_(fmt::format("run {}: {:.5g} N/m", runs_, stiffness));
     const Trial trial = scene_.has_body() ? try_body(scene_, stiffness / own_N_m_)
                                           : try_wall(scene_, stiffness, settings_.trial);
-    if (runs_ == 1) delay_s_ = trial.delay_s;
+    if (!trial.decided) {
+      undecided_ = std::max(undecided_, stiffness);
+    } else if (!trial.stable && (unstable_from_ == 0 || stiffness < unstable_from_)) {
+      unstable_from_ = stiffness;
+    }
+    if (delay_s_ == 0) delay_s_ = trial.delay_s;
     if (trial.stable) left_m_ = trial.amplitude_m;
     return trial.stable;
   }
@@ -103,7 +112,7 @@ class Search {
       return;
     }
     above_ = at;
-    while (below_ == 0 && at > kSoftest) {
+    while (below_ == 0 && at > kSoftest && undecided_ == 0) {
       at = std::max(kSoftest, at / stride);
       stride = std::max(stride, kStride);
       (stable(at) ? below_ : above_) = at;
@@ -118,6 +127,8 @@ class Search {
   double own_N_m_ = 0;  // of the scenario's own body
   double left_m_ = 0;   // of the last one that was stable
   double delay_s_ = 0;
+  double unstable_from_ = 0;  // the least of the trials
+  double undecided_ = 0;
   int runs_ = 0;
 };
 
@@ -180,7 +191,10 @@ void StabilityFigures::report(config::Figures& f) const {
       "body");
   stiffness("stiffness_linear", stiffness_linear,
             "by the exact eigenvalues of device, hand, period, delay and wall, without steps, "
-            "friction and limits; null for a delay of more than 16 periods");
+            "friction and limits; null where no stiffness is stable, and where it was not "
+            "computed");
+  f.truth("linear_computed", linear_computed,
+          "false for coupled axes, and for a delay of more than 64 periods");
   f.quantity("stiffness_passive", stiffness_passive, "N/m",
              "(b − |B|)/(T/2 + L): a softer wall is passive, whoever holds the device (Colgate & "
              "Schenkel 1997)");
@@ -195,6 +209,9 @@ void StabilityFigures::report(config::Figures& f) const {
              "of the body that has stiffness_max at its contact; null for a wall");
   f.quantity("wall_damping_N_s_m", damping_N_s_m, "N·s/m", "B");
   f.count("runs", runs, "of the platform");
+  stiffness("undecided_N_m", undecided_N_m,
+            "at this stiffness and below the device swings more slowly than a run is long; null "
+            "where no run was needed there");
 }
 
 }  // namespace hvp::app

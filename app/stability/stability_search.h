@@ -15,6 +15,7 @@ struct StabilityFigures {
   double left_m = 0;             // half of the remaining peak-to-peak swing at that stiffness
   double unstable_from = 0;      // the least stiffness found unstable, N/m; 0: none
   double stiffness_linear = 0;   // N/m, by the exact eigenvalues with the delay of the runs
+  bool linear_computed = false;  // false: coupled axes, or a delay of more than kMostPeriods
   double stiffness_passive = 0;  // N/m, by Colgate & Schenkel's bound with that delay
   double encoder_bound = 0;  // N/m, 2·f_c/Δ of Abbott & Okamura 2005; 0: no friction or encoder
   double delay_s = 0;        // from the latch to the force at the motor, mean
@@ -22,6 +23,12 @@ struct StabilityFigures {
   double damping_N_s_m = 0;     // of the wall
   double young_modulus_Pa = 0;  // of the body at stiffness_max; 0: a wall
   int runs = 0;
+  // The stiffness of a trial that would have taken more frames than one has: what is softer was not
+  // searched; 0: there was none.
+  double undecided_N_m = 0;
+
+  // Eigenvalues of a longer delay take too long to search.
+  static constexpr double kMostPeriods = 64;
 
   void report(config::Figures& f) const;
 };

@@ -179,6 +179,7 @@ std::vector<Change> changes_for(Flag flag) {
     case Flag::active_port:
     case Flag::force_saturated:
     case Flag::device_at_its_limit:
+    case Flag::low_gain_margin:
     case Flag::beyond_linearity:
     case Flag::count:
       return {};

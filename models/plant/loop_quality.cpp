@@ -28,10 +28,13 @@ void LoopEnergy::add(const HostView& view, const PlantState& plant) {
   if (at_port < least_) {
     least_ = at_port;
     least_frame_ = frames_;
-    const double bound = std::max(kSmallest, kSmallestShare * plant.energy.moved());
-    active_ = active_ || -at_port > bound;
+    active_ = active_ || fed_in(at_port, plant.energy);
   }
   ++frames_;
+}
+
+bool LoopEnergy::fed_in(double at_port, const Energy& energy) {
+  return -at_port > std::max(kSmallest, kSmallestShare * energy.moved());
 }
 
 void LoopEnergy::report(config::Figures& f) const {
@@ -79,63 +82,9 @@ void LoopEnergy::report(config::Figures& f) const {
   });
 }
 
-void Oscillation::begin(double time_s, const Eigen::Vector3d& position) {
-  window_ = {};
-  window_.began_s = time_s;
-  window_.least = window_.most = window_.turned = position;
-}
-
-void Oscillation::add(std::int64_t frame, double time_s, const Eigen::Vector3d& position,
-                      bool rests) {
-  if (!rests) {
-    window_ = {};
-    before_.reset();
-    moves_on_.reset();
-    return;
-  }
-  if (window_.frames == 0) begin(time_s, position);
-  ++window_.frames;
-  window_.ended_s = time_s;
-  window_.least = window_.least.cwiseMin(position);
-  window_.most = window_.most.cwiseMax(position);
-  for (int i = 0; i < 3; ++i) {
-    const double moved = position[i] - window_.turned[i];
-    const double heading = moved > 0 ? 1 : -1;
-    if (window_.heading[i] != heading) {
-      if (std::abs(moved) <= kFelt) continue;
-      if (window_.heading[i] != 0) ++window_.turns[i];
-    }
-    window_.heading[i] = heading;
-    window_.turned[i] = position[i];
-  }
-  const bool full = window_.frames >= kWindowFrames && time_s - window_.began_s >= window_s_;
-  if (full) close(frame);
-}
-
-void Oscillation::close(std::int64_t frame) {
-  const Eigen::Vector3d moves = window_.most - window_.least;
-  if (before_) {
-    measured_ = true;
-    Eigen::Index axis = 0;
-    moves.maxCoeff(&axis);
-    const double seconds = window_.ended_s - window_.began_s;
-    const bool unsettled = moves[axis] > kFelt && moves[axis] > kSettles * (*before_)[axis];
-    const bool swings = unsettled && window_.turns[axis] >= kTurns;
-    moves_on_.reset();
-    if (unsettled && !swings) moves_on_ = moves[axis] / seconds;
-    if (swings && (!worst_ || 0.5 * moves[axis] > worst_->amplitude_m)) {
-      worst_ = {0.5 * moves[axis], 0.5 * window_.turns[axis] / seconds,
-                moves[axis] > kGrows * (*before_)[axis], frame};
-    }
-  }
-  before_ = moves;
-  window_ = {};
-}
-
 void LoopQuality::add(const LoopSample& s) {
   energy_.add(s.view, s.plant);
-  oscillation_.add(s.frame, s.time_s, s.plant.tip.position, s.rests);
-  slow_.add(s.frame, s.time_s, s.plant.tip.position, s.rests);
+  rest_.add(s.frame, s.time_s, s.plant.tip.position, s.rests);
   if (s.drive.dac_saturated || s.drive.current_saturated) ++saturated_;
   if (s.drive.singular || s.read_wrong || s.unreachable) ++at_limit_;
   largest_force_ = std::max(largest_force_, s.plant.motor_force.norm());
@@ -148,7 +97,7 @@ void LoopQuality::add(const LoopSample& s) {
 stability::Flags LoopQuality::flags() const {
   stability::Flags flags;
   if (energy_.active()) flags.raise(stability::Flag::active_port);
-  if (cycle()) flags.raise(stability::Flag::limit_cycle);
+  if (rest_.cycle()) flags.raise(stability::Flag::limit_cycle);
   if (saturated_ > 0) flags.raise(stability::Flag::force_saturated);
   if (at_limit_ > 0) flags.raise(stability::Flag::device_at_its_limit);
   return flags;
@@ -164,20 +113,23 @@ void LoopQuality::report(config::Figures& f) const {
   f.count("frames_at_limit", at_limit_,
           "out of the joints' reach, at a singular pose, or with a position read wrong. Any: "
           "`device-at-its-limit`");
-  f.truth("oscillation_measured", oscillation_.measured(),
-          "the intended motion rested long enough to see whether the device comes to rest");
+  f.truth("oscillation_measured", rest_.verdict() != RestWatch::Verdict::not_measured,
+          "the user rested long enough to see whether the device comes to rest");
   f.table_or_null("oscillation",
                   "What the device swings on with while its user rests. Flag `limit-cycle`; null "
-                  "where it comes to rest.",
-                  cycle(), [&f](const Oscillation::Cycle& c) {
+                  "where no swing lasts.",
+                  rest_.cycle(), [&f](const Oscillation::Cycle& c) {
                     f.quantity("amplitude_m", c.amplitude_m, "m", "half of peak to peak");
                     f.quantity("frequency_hz", c.frequency_hz, "Hz", "by its turns");
                     f.truth("grows", c.grows, "from one window to the next");
                     f.frame("frame", c.frame, "with which its window ends");
                   });
-  f.quantity("moves_on_m_s", oscillation_.moves_on(), "m/s",
-             "how fast the device moved on in the last quarter of a second, its user at rest: it "
-             "flies or drifts away, or swings slower than 6 Hz; null where it does not");
+  f.quantity("moves_on_m_s", rest_.moves_on(), "m/s",
+             "how fast the device moved on in the last window of its user's rest: it flies or "
+             "drifts away, or swings slower than the run can tell; null where it does not");
+  f.quantity("last_moves_m", rest_.last_moves_m(), "m",
+             "peak to peak in the last quarter of a second of its user's last rest; null without "
+             "one");
   f.table("energy", "Where energy came from and went ([plant.md](plant.md)).", energy_);
 }
 

@@ -6,6 +6,7 @@
 
 #include "models/config/figures.h"
 #include "models/plant/device.h"
+#include "models/plant/oscillation.h"
 #include "models/plant/output_stage.h"
 #include "models/stability/flag.h"
 
@@ -55,9 +56,11 @@ class LoopEnergy {
   // start, J. Negative: the loop had fed that much into the motion.
   double least_at_port() const { return least_; }
   std::int64_t least_frame() const { return least_frame_; }
-  // True where in some frame the energy fed in was more than rounding and registers explain: 1 µJ
-  // and a thousandth of the energy that had moved by then.
+  // True where in some frame the loop had fed energy in.
   bool active() const { return active_; }
+  // The energy at the port is less than rounding and registers explain: less than nothing by 1 µJ
+  // and by a thousandth of the energy that has moved by then.
+  static bool fed_in(double at_port, const Energy& energy);
 
   void report(config::Figures& f) const;
 
@@ -72,67 +75,6 @@ class LoopEnergy {
   bool active_ = false;
   std::int64_t least_frame_ = -1;
   std::int64_t frames_ = 0;
-};
-
-// Finds the oscillation in which a motion ends, while the user who moves the device rests. Each
-// window of kWindowSeconds but the first is compared with the one before. A window that is not
-// smaller than kSettles of the last one, turns at least kTurns times and moves by more than kFelt
-// is a limit cycle; one that grows by more than kGrows is divergence. One that turns less often
-// moves on: a device that flies or drifts away, or swings more slowly than 6 Hz (which a detector
-// with longer windows finds). A motion that reverses by no more than kFelt does not count as a
-// turn.
-class Oscillation {
- public:
-  static constexpr double kWindowSeconds = 0.25;
-  static constexpr int kWindowFrames = 32;
-  static constexpr double kSettles = 0.99;
-  static constexpr double kGrows = 1.02;
-  static constexpr int kTurns = 3;
-  // Smallest vibration that skin feels, 0.1 µm peak at 250 Hz (Verrillo, J. Acoust. Soc. Am. 35,
-  // 1963).
-  static constexpr double kFelt = 0.2e-6;  // m, peak to peak
-
-  struct Cycle {
-    double amplitude_m = 0;  // half of peak to peak, along the worst axis
-    double frequency_hz = 0;
-    bool grows = false;
-    std::int64_t frame = -1;  // the last frame of its window
-  };
-
-  explicit Oscillation(double window_s = kWindowSeconds) : window_s_(window_s) {}
-
-  // Adds a frame; frames come in their order. `rests`: the intended motion rests.
-  void add(std::int64_t frame, double time_s, const Eigen::Vector3d& position, bool rests);
-
-  // The largest oscillation that was found; empty where no oscillation lasts or nothing rested long
-  // enough.
-  const std::optional<Cycle>& cycle() const { return worst_; }
-  // The distance that the last window moved over its length, m/s; empty where it settled or swung.
-  const std::optional<double>& moves_on() const { return moves_on_; }
-  // True where at least two windows could be compared.
-  bool measured() const { return measured_; }
-
- private:
-  struct Window {
-    double began_s = 0;
-    double ended_s = 0;
-    std::int64_t frames = 0;
-    Eigen::Vector3d least = Eigen::Vector3d::Zero();
-    Eigen::Vector3d most = Eigen::Vector3d::Zero();
-    Eigen::Vector3d turned = Eigen::Vector3d::Zero();  // the farthest place since the last turn
-    Eigen::Vector3d heading =
-        Eigen::Vector3d::Zero();  // signs of the motion since then; 0: none yet
-    Eigen::Array3i turns = Eigen::Array3i::Zero();
-  };
-  void begin(double time_s, const Eigen::Vector3d& position);
-  void close(std::int64_t frame);
-
-  double window_s_;
-  Window window_;
-  std::optional<Eigen::Vector3d> before_;  // peak to peak of the window before
-  std::optional<Cycle> worst_;
-  std::optional<double> moves_on_;
-  bool measured_ = false;
 };
 
 // The state of a device in one frame.
@@ -154,11 +96,7 @@ class LoopQuality {
   void add(const LoopSample& sample);
 
   const LoopEnergy& energy() const { return energy_; }
-  const Oscillation& oscillation() const { return oscillation_; }
-  // The oscillation that lasts: a fast one or, without one, a slow one.
-  const std::optional<Oscillation::Cycle>& cycle() const {
-    return oscillation_.cycle() ? oscillation_.cycle() : slow_.cycle();
-  }
+  const RestWatch& rest() const { return rest_; }
   std::int64_t saturated_frames() const { return saturated_; }
   std::int64_t limit_frames() const { return at_limit_; }
 
@@ -167,11 +105,8 @@ class LoopQuality {
   void report(config::Figures& f) const;
 
  private:
-  static constexpr double kSlowWindowSeconds = 1.5;  // swings from 1 Hz on
-
   LoopEnergy energy_;
-  Oscillation oscillation_;
-  Oscillation slow_{kSlowWindowSeconds};
+  RestWatch rest_;
   std::int64_t saturated_ = 0;
   std::int64_t at_limit_ = 0;
   double largest_force_ = 0;    // of the motors at latches, N

@@ -57,7 +57,8 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
     {"wrapped", "a word of the solver did not fit and lost its high bits",
      "solver.overflow = \"saturate\", and then what that run's flags say"},
     {"force-step",
-     "from one frame to the next the force changes by more than a tenth of its largest value",
+     "the force changes by more than a tenth of its largest value from one frame to the next, or "
+     "by more than can go unnoticed while a contact is handed from node to node",
      "a longer contact.hand_over, a slower probe, or a shorter budget.period"},
     {"force-ringing", "the force turns back and forth from frame to frame",
      "a contact.hand_over of at least 20 ms, dynamics.newmark_gamma above 0.5, a finer "
@@ -98,6 +99,11 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "no setting of the board's words helps: a motion inside the device's workspace, another "
      "device.kinematics.home, more "
      "device.encoder.counter_bits"},
+    {"low-gain-margin",
+     "the wall, or the body at its contact, is nearer to the stiffness at which the linear loop is "
+     "unstable at its worst delay than budget.gain_margin allows",
+     "no setting of the board's words helps: a smaller wall.stiffness or a softer body, a shorter "
+     "budget.period, less latency or host.delay, more device.dynamics.damping"},
 }};
 }  // namespace
 

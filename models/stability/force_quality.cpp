@@ -27,6 +27,7 @@ void ForceQuality::add(const FeltForce& felt) {
   } else {
     alternations_began_s_ = felt.time_s;
   }
+  watch_hand_over(felt);
   watch_rest(felt);
   last_ = felt;
   any_ = true;
@@ -78,6 +79,47 @@ std::int64_t ForceQuality::alternations() const {
   return above < kBins ? closed.most_alternations_[static_cast<std::size_t>(above)] : 0;
 }
 
+const ForceQuality::Past* ForceQuality::past(double time_s) const {
+  constexpr double kRounding = 1e-9;  // s
+  for (std::size_t back = 0; back < std::min(kept_, kPasts); ++back) {
+    const Past& one = pasts_[(kept_ - 1 - back) % kPasts];
+    if (one.time_s <= time_s + kRounding) return &one;
+  }
+  return nullptr;
+}
+
+void ForceQuality::watch_hand_over(const FeltForce& felt) {
+  const Past now{felt.time_s, felt.force, felt.tip};
+  if (felt.contact < 0) {
+    touched_.reset();
+  } else if (!touched_ || last_.contact < 0) {
+    touched_ = now;
+    handed_over_s_ = -1;
+  } else if (felt.contact != last_.contact) {
+    handed_over_s_ = felt.time_s;
+  }
+  if (touched_ && handed_over_s_ >= 0) {
+    for (std::size_t i = 0; i < kSpans.size(); ++i) {
+      const double began_s = felt.time_s - 2 * kSpans[i];
+      if (touched_->time_s > began_s || handed_over_s_ <= began_s) continue;
+      const Past* middle = past(felt.time_s - kSpans[i]);
+      const Past* first = past(began_s);
+      // Where a frame is longer than the span there is nothing to look back to.
+      if (middle == nullptr || first == nullptr || middle == first) continue;
+      const double force = std::max({now.force.norm(), middle->force.norm(), first->force.norm()});
+      const double way = (now.tip - touched_->tip).norm();
+      if (!(force > kNoForce) || !(way > 0)) continue;
+      const double change = (now.force - 2 * middle->force + first->force).norm() / force;
+      const double explained = (now.tip - 2 * middle->tip + first->tip).norm() / way;
+      if (change > explained) keep_worst(handed_over_[i], change - explained, felt.frame);
+    }
+  }
+  if (kept_ == 0 || felt.time_s >= pasts_[(kept_ - 1) % kPasts].time_s + kPastSeconds) {
+    pasts_[kept_ % kPasts] = now;
+    ++kept_;
+  }
+}
+
 void ForceQuality::watch_rest(const FeltForce& felt) {
   const bool rests = any_ && !felt.fades && felt.contact >= 0 && felt.contact == last_.contact &&
                      felt.tip == last_.tip;
@@ -118,6 +160,9 @@ std::optional<double> ForceQuality::ripple() const {
 Flags ForceQuality::flags() const {
   Flags flags;
   if (step_.value > kNoForce && step_share() > kLargestStep) flags.raise(Flag::force_step);
+  for (const WorstFrame& change : handed_over_) {
+    if (change.value > kNoticeable) flags.raise(Flag::force_step);
+  }
   if (alternations() > kMostAlternations) flags.raise(Flag::force_ringing);
   if (ripple().value_or(0) > kRipple) flags.raise(Flag::limit_cycle);
   return flags;
@@ -133,6 +178,19 @@ void ForceQuality::report(config::Figures& f) const {
     newtons(step_);
     f.ratio("of_largest_rel", step_share(), "of the largest |F|");
   });
+  f.table("handed_over",
+          "how much the force changes while a contact is handed from node to node, beyond what the "
+          "tip's motion and the trend before explain, of the force itself. Over a tenth: "
+          "`force-step` (people notice 7 to 10 %, Jones 1989, Pang et al. 1991)",
+          [&] {
+            const auto change = [&](const WorstFrame& worst, std::string_view share,
+                                    std::string_view frame) {
+              f.ratio(share, worst.value, "the most");
+              f.frame(frame, worst.frame, "the frame that ends it, or null");
+            };
+            change(handed_over_[0], "within_30_ms_rel", "within_30_ms_frame");
+            change(handed_over_[1], "within_100_ms_rel", "within_100_ms_frame");
+          });
   f.count(
       "alternations", alternations(),
       "the most turns of the force in a row, beyond 2 % of the largest, in a tenth of a second. "

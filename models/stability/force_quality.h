@@ -36,6 +36,12 @@ struct WorstFrame {
 // 18, 1989; Pang, Tan & Durlach, Percept. Psychophys. 49, 1991); a step beyond kLargestStep of the
 // run's largest force raises the flag `force-step`.
 //
+// A hand-over from node to node may spread its step over many frames. While a contact lasts and has
+// been handed over within 2·w, the second difference F(t) − 2·F(t−w) + F(t−2w) is the change that
+// the trend before does not explain; what the tip's own motion explains of it, |F|·|Δ²x|/|x − x_0|
+// with x_0 the place of the first touch, is taken off. Beyond kNoticeable of the largest of the
+// three forces, for w of 30 or of 100 ms, it raises `force-step` too.
+//
 // An alternation is a frame whose change is opposite to that of the frame before, as that one was
 // to its own predecessor. Alternations whose three changes exceed kRingingShare of the largest
 // force, more than kMostAlternations in a window of kWindowSeconds (or kWindowFrames frames, where
@@ -50,6 +56,8 @@ struct WorstFrame {
 class ForceQuality {
  public:
   static constexpr double kLargestStep = 0.10;
+  static constexpr double kNoticeable = 0.10;
+  static constexpr std::array<double, 2> kSpans = {0.03, 0.1};  // w, s
   static constexpr double kRingingShare = 0.02;
   static constexpr int kMostAlternations = 8;
   static constexpr double kWindowSeconds = 0.1;
@@ -67,6 +75,9 @@ class ForceQuality {
   WorstFrame peak() const { return peak_; }  // |F|, N
   WorstFrame step() const { return step_; }  // N
   double step_share() const;                 // share of the peak; 0 without a force
+  // The change around a hand-over over kSpans[i], as a share of the force; the frame is the last of
+  // the span.
+  WorstFrame handed_over(std::size_t i) const { return handed_over_[i]; }
   WorstFrame pull() const { return pull_; }  // N
   // The largest number of alternations in a window, with changes beyond kRingingShare of the peak.
   std::int64_t alternations() const;
@@ -93,7 +104,20 @@ class ForceQuality {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   };
 
+  // A force and a place to look back to.
+  struct Past {
+    double time_s = 0;
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();
+    Eigen::Vector3d tip = Eigen::Vector3d::Zero();
+  };
+  static constexpr std::size_t kPasts = 64;
+  // They cover twice the longest span.
+  static constexpr double kPastSeconds = 2 * kSpans.back() / (kPasts - 2);
+
   static int bin(double change);
+  void watch_hand_over(const FeltForce& felt);
+  // The latest past of at least that age; null where none is kept.
+  const Past* past(double time_s) const;
   void count_alternation(const FeltForce& felt, const Eigen::Vector3d& change);
   void close_alternations();
   void watch_rest(const FeltForce& felt);
@@ -105,6 +129,12 @@ class ForceQuality {
   WorstFrame peak_, step_, pull_, ripple_;
   double last_turned_ = 0;  // the smaller change of a turn in the last frame, N; 0: no turn
   bool rested_ = false;
+
+  std::array<Past, kPasts> pasts_;  // a ring
+  std::size_t kept_ = 0;            // of all times
+  std::optional<Past> touched_;     // the first frame of the present contact
+  double handed_over_s_ = -1;       // when it was handed over last; −1: it has not been
+  std::array<WorstFrame, kSpans.size()> handed_over_;
 
   double alternations_began_s_ = 0;
   std::int64_t alternations_frames_ = 0;

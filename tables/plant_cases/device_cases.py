@@ -1,6 +1,6 @@
 """Hard devices, hands, encoders and amplifiers."""
 
-from plant_case import ACTIVE, CYCLE, LIMIT, SATURATED, Case, fix, up
+from plant_case import ACTIVE, CYCLE, LIMIT, MARGIN, SATURATED, STEP, Case, fix, up
 
 NOBODY = ("hand.model=custom", "hand.stiffness=0 N/m", "hand.damping=0 N s/m")
 ARM = ("device.kinematics.kind=serial-arm",)
@@ -43,7 +43,7 @@ DRIVE = (
         "an amplifier of 10 Hz",
         "its lag counts as 16 ms of latency: 877 N/m stably",
         (*MOTOR, "device.amplifier.bandwidth=10 Hz", "wall.stiffness=2000 N/m"),
-        up(CYCLE, ACTIVE, SATURATED),
+        up(CYCLE, ACTIVE, SATURATED, MARGIN),
         (
             fix("device.amplifier.bandwidth=500 Hz"),
             fix("wall.stiffness=200 N/m"),
@@ -116,7 +116,7 @@ ENCODER = (
         "a counter of 9 bits",
         "wraps on the way: the tip jumps, and so does the force",
         (*JOINTS, "device.encoder.counter_bits=9", "device.friction.force=0.05 N"),
-        up(ACTIVE, LIMIT),
+        up(ACTIVE, LIMIT, STEP),
         (fix("device.encoder.counter_bits=24"),),
     ),
 )
@@ -148,7 +148,7 @@ HAND = (
         "dropped on the wall",
         "weight without a hand: bounces, and higher every time without damping",
         (*NOBODY, *WEIGHT, *UNDAMPED),
-        up(CYCLE, ACTIVE),
+        up(CYCLE, ACTIVE, MARGIN),
         (fix("device.dynamics.damping=1 N s/m"), fix("wall.damping=5 N s/m")),
     ),
     Case(
@@ -209,7 +209,7 @@ DEVICE = (
             *UNDAMPED,
             *NOBODY,
         ),
-        up(ACTIVE),
+        up(ACTIVE, MARGIN),
         (fix("device.dynamics.damping=100 N s/m"),),
     ),
     Case(

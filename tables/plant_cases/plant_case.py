@@ -34,6 +34,8 @@ ACTIVE = "active-port"
 SATURATED = "force-saturated"
 LIMIT = "device-at-its-limit"
 CLAMPED = "force-clamped"
+MARGIN = "low-gain-margin"
+STEP = "force-step"
 
 
 @dataclass(frozen=True)

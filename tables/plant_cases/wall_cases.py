@@ -1,6 +1,6 @@
 """Hard walls, and forces that are late."""
 
-from plant_case import ACTIVE, CLAMPED, CYCLE, Case, fix, up
+from plant_case import ACTIVE, CLAMPED, CYCLE, MARGIN, Case, fix, up
 
 STIFFNESS = (
     Case("a soft wall", "below b/(T/2 + L) = 1000 N/m the loop is passive, whoever holds it"),
@@ -20,7 +20,7 @@ STIFFNESS = (
         "just beyond the edge",
         "2 % beyond it, and swings on at the eigenvalues' frequency",
         ("wall.stiffness=5722 N/m",),
-        up(CYCLE, ACTIVE),
+        up(CYCLE, ACTIVE, MARGIN),
         (
             fix("wall.stiffness=4000 N/m"),
             fix("wall.damping=5 N s/m"),
@@ -32,7 +32,7 @@ STIFFNESS = (
         "a very stiff wall",
         "twenty times beyond the edge: thrown out, comes back, and so on",
         ("wall.stiffness=1e5 N/m",),
-        up(CYCLE, ACTIVE),
+        up(CYCLE, ACTIVE, MARGIN),
         (
             fix("wall.stiffness=4000 N/m"),
             fix("device.dynamics.damping=150 N s/m"),
@@ -43,16 +43,16 @@ STIFFNESS = (
         "the same, that pulls too",
         "grows until the register of the force clamps it",
         ("wall.stiffness=1e5 N/m", "wall.sides=both", 'wall.point=["0 mm", "0 mm", "5 mm"]'),
-        up(CYCLE, ACTIVE, CLAMPED),
+        up(CYCLE, ACTIVE, CLAMPED, MARGIN),
         (fix("wall.stiffness=900 N/m"),),
     ),
     Case(
         "a wall with much damping",
         "a damper that is late drives: B beyond what m/T bears is unstable, whatever K",
         ("wall.damping=200 N s/m",),
-        up(CYCLE, ACTIVE),
+        up(CYCLE, ACTIVE, MARGIN),
         (
-            fix("wall.stiffness=50 N/m", left=up(CYCLE, ACTIVE)),
+            fix("wall.stiffness=50 N/m", left=up(CYCLE, ACTIVE, MARGIN)),
             fix("wall.damping=40 N s/m"),
         ),
     ),
@@ -60,7 +60,7 @@ STIFFNESS = (
         "a wall with the largest damping",
         "every touch throws the device out with the register's largest force",
         ("wall.damping=1e6 N s/m",),
-        up(CYCLE, ACTIVE, CLAMPED),
+        up(CYCLE, ACTIVE, CLAMPED, MARGIN),
         (fix("wall.damping=40 N s/m"),),
     ),
 )
@@ -70,7 +70,7 @@ TIME = (
         "a period far too long",
         "50 ms: (T/2 + L) bears 40 N/m passively, 269 N/m stably",
         ("budget.period=50 ms", "frames=100"),
-        up(CYCLE, ACTIVE),
+        up(CYCLE, ACTIVE, MARGIN),
         (
             fix("wall.stiffness=40 N/m"),
             fix("device.dynamics.damping=15 N s/m"),
@@ -81,7 +81,7 @@ TIME = (
         "a delay of ten periods",
         "20 ms: 48 N/m passively, 371 N/m stably",
         ("host.delay.time=20 ms",),
-        up(CYCLE, ACTIVE),
+        up(CYCLE, ACTIVE, MARGIN),
         (
             fix("host.delay.time=1 ms"),
             fix("wall.stiffness=100 N/m"),

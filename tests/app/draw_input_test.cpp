@@ -99,8 +99,8 @@ TEST_F(DrawInputTest, ClosedLoopWithoutItsColumnsOrNumbers) {
   expect_refused("frames.csv:1: has no column 'port_J'");
   write(file("frames.csv"), replaced(good, "probe1_hand_y_N", "probe1_hand_N"));
   expect_refused("frames.csv:1: has no column 'probe1_hand_y_N'");
-  write(file("frames.csv"), good.substr(0, good.size() - 3) + "x\n");
-  expect_refused("frames.csv:21: probe1_port_J is '");
+  write(file("frames.csv"), good.substr(0, good.size() - 2) + "x\n");
+  expect_refused("frames.csv:21: probe1_fed_in is '");
   write(file("frames.csv"), replaced(good, "\n3,6000,", "\n3,-6000,"));
   expect_refused("frames.csv:5: born_us is '-6000', expected no less than in the line before");
 }

@@ -15,7 +15,7 @@ std::string header(const std::string& prefix) {
   for (const char* quantity : {"tip_{}_m", "intended_{}_m", "motor_{}_N", "hand_{}_N"})
     for (const char* axis : {"x", "y", "z"})
       columns += "," + prefix + fmt::format(fmt::runtime(quantity), axis);
-  return columns + "," + prefix + "stored_J," + prefix + "port_J";
+  return columns + "," + prefix + "stored_J," + prefix + "port_J," + prefix + "fed_in";
 }
 
 std::string row(const LoopShape& shape, int probe, std::size_t frame, std::size_t frames) {
@@ -24,8 +24,9 @@ std::string row(const LoopShape& shape, int probe, std::size_t frame, std::size_
   const double motor = 1.0 + (frame % 2 == 0 ? shape.swing_N : -shape.swing_N);
   const std::string intended =
       shape.held ? fmt::format("0,{},{}", 0.002 * share, z - 0.001) : std::string(",,");
-  return fmt::format(",0,{},{},{},0,0,{},0,0,{},{},{}", 0.002 * share, z, intended, motor,
-                     shape.held ? -1.0 : 0.0, 0.001 * share, shape.absorbed_J * share);
+  const double absorbed = shape.absorbed_J * share;
+  return fmt::format(",0,{},{},{},0,0,{},0,0,{},{},{},{}", 0.002 * share, z, intended, motor,
+                     shape.held ? -1.0 : 0.0, 0.001 * share, absorbed, absorbed < 0 ? 1 : 0);
 }
 
 }  // namespace

@@ -35,10 +35,10 @@ TEST(Oscillation, IsFoundWithItsAmplitudeAndFrequency) {
 
 TEST(Oscillation, ThatDecaysOrIsNotFeltIsNone) {
   EXPECT_FALSE(swing(1e-3, -2, 20, 2).cycle());
-  EXPECT_TRUE(swing(1e-3, -2, 20, 2).measured());
+  EXPECT_TRUE(swing(1e-3, -2, 20, 2).last()->settled);
   EXPECT_FALSE(swing(0.09e-6, 0, 20, 2).cycle());
   EXPECT_FALSE(swing(1e-3, 0, 1, 2).cycle()) << "too slow to turn often enough: a drift";
-  EXPECT_FALSE(swing(1e-3, 0, 20, 0.4).measured()) << "one window only";
+  EXPECT_FALSE(swing(1e-3, 0, 20, 0.4).last()->compared) << "one window only";
 }
 
 TEST(Oscillation, ThatGrowsIsSaidTo) {
@@ -55,7 +55,7 @@ TEST(Oscillation, CountsOnlyWhileTheUserRests) {
     const double x = 1e-3 * std::sin(n * 0.3);
     o.add(n, n / 500.0, {x, 0, 0}, n % 100 != 0);
   }
-  EXPECT_FALSE(o.measured());
+  EXPECT_FALSE(o.last().has_value());
 }
 
 Trajectory resting() {
@@ -100,7 +100,7 @@ TEST(LoopQuality, OfALoopInsideTheEdgeIsPassiveAndBeyondItNot) {
   const LoopQuality beyond = loop(1100, 0, {1e-3, 0, 0});
   EXPECT_TRUE(beyond.flags().has(Flag::active_port));
   EXPECT_TRUE(beyond.flags().has(Flag::limit_cycle));
-  EXPECT_TRUE(beyond.oscillation().cycle()->grows);
+  EXPECT_TRUE(beyond.rest().cycle()->grows);
 }
 
 // What a held force of a spring feeds in is its energy's error; without steps, converter and lag

@@ -13,7 +13,19 @@ using std::numbers::pi;
 
 constexpr double kPeriod = 1e-3;
 
-// One second of a tip at rest in x whose z is `z` of the time.
+// A tip at rest in x whose z is `z` of the time.
+template <typename Path>
+RestWatch rest(const Path& z, double seconds = 1) {
+  RestWatch watch;
+  for (int n = 0; n < seconds / kPeriod; ++n) {
+    watch.add(n, n * kPeriod, {0, 0, z(n * kPeriod)}, true);
+  }
+  return watch;
+}
+
+using Verdict = RestWatch::Verdict;
+
+// The same for a second, in the shortest windows.
 template <typename Path>
 Oscillation watched(const Path& z) {
   Oscillation oscillation;
@@ -28,30 +40,83 @@ TEST(Oscillation, HasTheAmplitudeAndFrequencyOfASine) {
   ASSERT_TRUE(o.cycle().has_value());
   EXPECT_NEAR(o.cycle()->amplitude_m, 1e-3, 1e-5);
   EXPECT_NEAR(o.cycle()->frequency_hz, 40, 2);
-  EXPECT_FALSE(o.moves_on().has_value());
 }
 
-TEST(Oscillation, OfADeviceThatFliesAwayIsNone) {
-  const Oscillation o = watched([](double t) { return 0.1 * t; });
-  EXPECT_FALSE(o.cycle().has_value());
-  ASSERT_TRUE(o.moves_on().has_value());
-  EXPECT_NEAR(*o.moves_on(), 0.1, 1e-9);
+TEST(Rest, OfADeviceThatFliesAwayIsNone) {
+  const RestWatch watch = rest([](double t) { return 0.1 * t; });
+  EXPECT_FALSE(watch.cycle().has_value());
+  EXPECT_EQ(watch.verdict(), Verdict::moves_on);
+  ASSERT_TRUE(watch.moves_on().has_value());
+  EXPECT_NEAR(*watch.moves_on(), 0.1, 1e-3);
 }
 
 // A tremble that nobody feels does not make a cycle of a drift.
-TEST(Oscillation, CountsNoTurnsThatNobodyFeels) {
-  const Oscillation o =
-      watched([](double t) { return 1e-5 * t + 0.4 * Oscillation::kFelt * std::sin(1e3 * t); });
-  EXPECT_FALSE(o.cycle().has_value());
-  EXPECT_TRUE(o.moves_on().has_value());
+TEST(Rest, CountsNoTurnsThatNobodyFeels) {
+  const RestWatch watch =
+      rest([](double t) { return 1e-3 * t + 0.4 * Oscillation::kFelt * std::sin(1e3 * t); });
+  EXPECT_EQ(watch.verdict(), Verdict::moves_on);
 }
 
-TEST(Oscillation, OfADeviceThatSettlesIsNone) {
-  const Oscillation o =
-      watched([](double t) { return 1e-3 * std::exp(-5 * t) * std::sin(2 * pi * 40 * t); });
-  EXPECT_TRUE(o.measured());
-  EXPECT_FALSE(o.cycle().has_value());
-  EXPECT_FALSE(o.moves_on().has_value());
+TEST(Rest, OfADeviceThatSettlesIsOne) {
+  const RestWatch watch =
+      rest([](double t) { return 1e-3 * std::exp(-5 * t) * std::sin(2 * pi * 40 * t); });
+  EXPECT_TRUE(watch.compared());
+  EXPECT_EQ(watch.verdict(), Verdict::comes_to_rest);
+}
+
+// At any frequency that the rest is long enough for; else it is not known, and is no rest.
+TEST(Rest, ASwingIsKnownByItsSize) {
+  for (const double frequency : {0.8, 1.5, 2.5, 4.0, 6.0, 9.0, 25.0, 60.0}) {
+    const auto swing = [&](double t) { return 2e-3 * std::sin(2 * pi * frequency * t + 0.3); };
+    for (const double seconds : {0.6, 1.0, 1.5, 2.5, 4.0}) {
+      const Verdict verdict = rest(swing, seconds).verdict();
+      EXPECT_NE(verdict, Verdict::comes_to_rest) << frequency << " Hz, " << seconds << " s";
+      if (seconds * frequency >= 8) {
+        EXPECT_EQ(verdict, Verdict::swings) << frequency << " Hz, " << seconds << " s";
+      }
+    }
+    const auto decays = [&](double t) { return std::exp(-3 * t) * swing(t); };
+    EXPECT_EQ(rest(decays, 4).verdict(), Verdict::comes_to_rest) << frequency;
+  }
+}
+
+// What still moved by 20 mm in the last window did not come to rest, however much it slowed down.
+TEST(Rest, ACreepThatIsNotOverIsNotMeasured) {
+  const auto creep = [](double t) { return 0.1 * std::exp(-t); };
+  const RestWatch watch = rest(creep, 1);
+  EXPECT_EQ(watch.verdict(), Verdict::not_measured);
+  EXPECT_NEAR(*watch.last_moves_m(), creep(0.5) - creep(0.75), 1e-3) << "the last whole window";
+  EXPECT_EQ(rest(creep, 9).verdict(), Verdict::comes_to_rest);
+}
+
+TEST(Rest, TooShortSaysNothing) {
+  const RestWatch watch = rest([](double) { return 0.0; }, 0.4);
+  EXPECT_FALSE(watch.compared());
+  EXPECT_EQ(watch.verdict(), Verdict::not_measured);
+}
+
+// The last rest that was long enough for a comparison says of the run, and a cycle in any.
+TEST(Rest, OfSeveralIsTheLastOne) {
+  RestWatch watch;
+  auto phase = [&, n = 0](double seconds, bool rests, auto z) mutable {
+    for (int i = 0; i < seconds / kPeriod; ++i, ++n) {
+      watch.add(n, n * kPeriod, {0, 0, z(i * kPeriod)}, rests);
+    }
+  };
+  const auto still = [](double) { return 0.01; };
+  phase(1, true, [](double t) { return 0.1 * t; });
+  EXPECT_EQ(watch.verdict(), Verdict::moves_on);
+  phase(0.2, false, still);
+  phase(1, true, still);
+  EXPECT_EQ(watch.verdict(), Verdict::comes_to_rest);
+  phase(0.2, false, still);
+  phase(0.3, true, still);
+  EXPECT_EQ(watch.verdict(), Verdict::comes_to_rest) << "too short a rest takes nothing back";
+  phase(0.2, false, still);
+  phase(1, true, [](double t) { return 1e-3 * std::sin(2 * pi * 20 * t); });
+  phase(0.2, false, still);
+  phase(1, true, still);
+  EXPECT_EQ(watch.verdict(), Verdict::swings);
 }
 
 // However long a run goes on, with whatever it loses by then.

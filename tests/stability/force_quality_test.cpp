@@ -1,5 +1,6 @@
 #include "models/stability/force_quality.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -51,6 +52,47 @@ TEST(ForceQuality, AStepOfMoreThanATenthOfTheLargestForceIsFlagged) {
     const Felt felt(200, [&](int n) { return -std::min(1.0, 0.02 * n + (n >= 20 ? step : 0)); });
     EXPECT_EQ(felt.quality.flags().has(Flag::force_step), step + 0.02 > 0.1) << step;
   }
+}
+
+// A press of a second whose contact is handed over at 0.5 s while the force moves to `share` of
+// itself within `spread`.
+ForceQuality handed_over(double share, double spread, bool hands_over = true) {
+  ForceQuality quality;
+  for (int n = 0; n < 500; ++n) {
+    const double t = kPeriod * n;
+    const double part = std::clamp((t - 0.5) / spread, 0.0, 1.0);
+    const double force = -std::min(t, 0.3) * (1 + (share - 1) * part);
+    const int contact = t < 0.05 ? -1 : hands_over && t >= 0.5 ? 8 : 7;
+    quality.add({n, t, {0, 0, -1e-2 * std::min(t, 0.3)}, {0, 0, force}, contact, false, 0});
+  }
+  return quality;
+}
+
+// Spread over 30 or 100 ms a step is none from frame to frame, and is felt.
+TEST(ForceQuality, AHandOverThatIsFeltIsFlaggedHoweverItIsSpread) {
+  for (const double spread : {0.02, 0.03, 0.06, 0.1}) {
+    EXPECT_TRUE(handed_over(0.8, spread).flags().has(Flag::force_step)) << spread;
+    EXPECT_FALSE(handed_over(0.95, spread).flags().has(Flag::force_step)) << spread;
+    // The same change without a hand-over is what the tip has met.
+    EXPECT_FALSE(handed_over(0.8, spread, false).flags().has(Flag::force_step)) << spread;
+  }
+  const ForceQuality quality = handed_over(0.8, 0.03);
+  EXPECT_NEAR(quality.handed_over(0).value, 0.2, 0.02);
+  EXPECT_NEAR(quality.handed_over(1).value, 0.2, 0.02);
+  EXPECT_GE(quality.handed_over(0).frame, 250);
+}
+
+// A press that begins and ends changes the force by all of it, with a hand-over on the way.
+TEST(ForceQuality, AHandOverWithinAPressIsNotBlamedForThePress) {
+  const auto smooth = [](double t) { return t * t * t * (10 - 15 * t + 6 * t * t); };
+  ForceQuality quality;
+  for (int n = 0; n < 500; ++n) {
+    const double depth = 5e-3 * smooth(std::min(1.0, kPeriod * n / 0.5));
+    const int contact = n == 0 ? -1 : n < 150 ? 7 : 8;
+    quality.add({n, kPeriod * n, {0, 0, -depth}, {0, 0, -100 * depth}, contact, false, 0});
+  }
+  EXPECT_FALSE(quality.flags().has(Flag::force_step))
+      << quality.handed_over(0).value << " " << quality.handed_over(1).value;
 }
 
 TEST(ForceQuality, ASmoothMotionHasNoFlag) {

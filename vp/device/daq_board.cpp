@@ -92,9 +92,21 @@ Eigen::Vector3d DaqBoard::read_currents(const plant::PlantState& plant) const {
 }
 
 plant::Drive DaqBoard::driven(const Eigen::Vector3d& force, const Eigen::Vector3d& tip) const {
-  if (!limits_ || force.norm() <= limits_->force_N) return stage_.drive(force, tip);
-  plant::Drive drive = stage_.drive(force * (limits_->force_N / force.norm()), tip);
-  drive.current_saturated = true;
+  plant::Drive drive = stage_.drive(force, tip);
+  if (!limits_) return drive;
+  const double limit = limits_->force_N;
+  const double asked = force.norm();
+  const bool clamped = asked > limit;
+  if (clamped) drive = stage_.drive(force * (limit / asked), tip);
+  // A converter that rounds to its nearest step may round beyond the limit: the largest part of the
+  // force that it does not.
+  constexpr double kRounding = 1e-9;
+  constexpr int kShares = 64;
+  for (int part = kShares - 1; part >= 0 && drive.force.norm() > (1 + kRounding) * limit; --part) {
+    const double share = static_cast<double>(part) / kShares;
+    drive = stage_.drive(force * (share * std::min(1.0, limit / asked)), tip);
+  }
+  drive.current_saturated = drive.current_saturated || clamped;
   return drive;
 }
 

@@ -1,0 +1,108 @@
+#include "app/remedy/loop_remedy.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace hvp::app {
+
+namespace {
+
+using stability::Flag;
+using stability::Flags;
+
+// Rounds down to two digits.
+double rounded_down(double value) {
+  const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
+  return std::floor(value / unit) * unit;
+}
+
+bool of_the_loop(Flags flags) {
+  return flags.has(Flag::active_port) || flags.has(Flag::limit_cycle) ||
+         flags.has(Flag::low_gain_margin);
+}
+
+std::vector<std::string> override_texts(const std::vector<std::string>& settings) {
+  std::vector<std::string> texts;
+  for (const std::string& setting : settings) texts.push_back(results::override_text(setting));
+  return texts;
+}
+
+// The contact's stiffness that is aimed at first: passive whoever grips the device or, where
+// damping makes none passive, half of what is stable, and within the margin that is asked for.
+double stiffness_aimed_at(const Scenario& s, const results::StiffnessBudget& budget) {
+  const double calm =
+      budget.worst_passive_N_m > 0 ? 0.99 * budget.worst_passive_N_m : 0.5 * budget.edge_N_m;
+  return std::min(calm, 0.99 * budget.edge_N_m / s.budget.gain_margin);
+}
+
+std::vector<std::vector<std::string>> candidates(const Scenario& s,
+                                                 const results::StiffnessBudget& budget) {
+  std::vector<std::vector<std::string>> found;
+  const double aim = stiffness_aimed_at(s, budget);
+  for (const double share : {1.0, 0.5, 0.1}) {
+    const double stiffness = share * aim;
+    if (!budget.contact_N_m || !(stiffness > 0) || !(stiffness < *budget.contact_N_m)) continue;
+    if (s.wall) {
+      found.push_back({fmt::format("wall.stiffness = \"{:g} N/m\"", rounded_down(stiffness))});
+    } else {
+      const double modulus = s.object.material.young_modulus_pa * stiffness / *budget.contact_N_m;
+      found.push_back(
+          {fmt::format("object.material.young_modulus = \"{:g} Pa\"", rounded_down(modulus))});
+    }
+  }
+  for (const double times : {2.0, 4.0}) {
+    found.push_back({fmt::format("device.dynamics.damping = \"{:g} N s/m\"",
+                                 times * s.device.dynamics->damping_N_s_m)});
+  }
+  if (s.host.delay) found.push_back({"host.delay = false"});
+  if (budget.worst_delay_s < 0.45 * s.budget.period_s) {
+    found.push_back({fmt::format("budget.period = \"{:g} ms\"", 0.5e3 * s.budget.period_s),
+                     fmt::format("frames = {}", 2 * s.frames)});
+  }
+  return found;
+}
+
+}  // namespace
+
+void verify(results::TriedRemedy& remedy, Flags of_run, const Rerun& rerun) {
+  const Flags not_judged(of_run.bits() & ~remedy.of.bits());
+  remedy.left.merge(not_judged);
+  remedy.of = of_run;
+  if (remedy.settings.empty() || !remedy.fits || !rerun) return;
+  const std::optional<Flags> left = rerun(override_texts(remedy.settings));
+  if (!left) return;
+  remedy.left = *left;
+  remedy.whole_run = true;
+}
+
+std::optional<results::TriedRemedy> try_loop_remedy(const Scenario& s, Flags flags,
+                                                    const results::StiffnessBudget& budget,
+                                                    const std::vector<std::string>& before,
+                                                    const Rerun& rerun) {
+  if (!of_the_loop(flags)) return std::nullopt;
+  results::TriedRemedy best;
+  best.of = flags;
+  best.left = flags;
+  best.whole_run = true;
+  best.frames = static_cast<std::size_t>(s.frames);
+  for (const std::vector<std::string>& settings : candidates(s, budget)) {
+    std::vector<std::string> all = before;
+    all.insert(all.end(), settings.begin(), settings.end());
+    const std::optional<Flags> left = rerun(override_texts(all));
+    if (!left) continue;
+    ++best.attempts;
+    // One that raises flags of its own is no remedy.
+    if ((left->bits() & ~flags.bits()) != 0) continue;
+    if (std::popcount(left->bits()) >= std::popcount(best.left.bits())) continue;
+    best.left = *left;
+    best.settings = all;
+    if (best.left.empty()) break;
+  }
+  if (best.attempts == 0) return std::nullopt;
+  return best;
+}
+
+}  // namespace hvp::app

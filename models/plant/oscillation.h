@@ -1,0 +1,129 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <optional>
+
+namespace hvp::plant {
+
+// The motion of a tip in windows of one length, while the user who moves the device rests. Each
+// window but the first is compared with those before. A motion that reverses by no more than kFelt
+// does not count as a turn.
+class Oscillation {
+ public:
+  static constexpr double kWindowSeconds = 0.25;
+  static constexpr int kWindowFrames = 32;
+  // A window that is not smaller than this part of the last one does not settle.
+  static constexpr double kSettles = 0.99;
+  // A rest settles by this part at least from its largest window to its last one: the samples of a
+  // swing that lasts miss its peaks by up to a hundredth, at 25 samples a turn.
+  static constexpr double kHasSettled = 0.9;
+  static constexpr double kGrows = 1.02;
+  static constexpr int kTurns = 3;
+  // The mean of a swing stays, that of a drift goes half its way within a window: this part of the
+  // motion, peak to peak, divides them.
+  static constexpr double kDrifts = 0.4;
+  // Smallest vibration that skin feels, 0.1 um peak at 250 Hz (Verrillo, J. Acoust. Soc. Am. 35,
+  // 1963).
+  static constexpr double kFelt = 0.2e-6;  // m, peak to peak
+
+  struct Cycle {
+    double amplitude_m = 0;  // half of peak to peak, along the worst axis
+    double frequency_hz = 0;
+    bool grows = false;
+    std::int64_t frame = -1;  // the last frame of its window
+  };
+
+  // A whole window, along the axis that moves most.
+  struct Window {
+    double moves_m = 0;  // peak to peak
+    double seconds = 0;
+    bool swings = false;     // turned kTurns times at least, and its mean stays
+    bool compared = false;   // there was a window before it
+    bool unsettled = false;  // as large as the one before, and felt
+    bool settled = false;    // smaller than it, and clearly smaller than the largest of this rest
+  };
+
+  explicit Oscillation(double window_s = kWindowSeconds) : window_s_(window_s) {}
+
+  // Adds a frame; frames come in their order. `rests`: the intended motion rests. Returns true if
+  // the frame ends a window.
+  bool add(std::int64_t frame, double time_s, const Eigen::Vector3d& position, bool rests);
+
+  // The largest oscillation that was found in any rest: windows that are not smaller than the one
+  // before, that turn kTurns times and move by more than kFelt. Empty where none lasts.
+  const std::optional<Cycle>& cycle() const { return worst_; }
+  // The last whole window of the present rest; empty where there is none.
+  const std::optional<Window>& last() const { return last_; }
+
+ private:
+  struct Extent {
+    double began_s = 0;
+    double ended_s = 0;
+    std::int64_t frames = 0;
+    Eigen::Vector3d least = Eigen::Vector3d::Zero();
+    Eigen::Vector3d most = Eigen::Vector3d::Zero();
+    Eigen::Vector3d turned = Eigen::Vector3d::Zero();  // the farthest place since the last turn
+    Eigen::Vector3d heading =
+        Eigen::Vector3d::Zero();  // signs of the motion since then; 0: none yet
+    Eigen::Array3i turns = Eigen::Array3i::Zero();
+    // Sums of the positions from the first one in the window's first and second half.
+    std::array<Eigen::Vector3d, 2> sums = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+    std::array<std::int64_t, 2> counts{};
+  };
+  void begin(double time_s, const Eigen::Vector3d& position);
+  void close(std::int64_t frame);
+
+  double window_s_;
+  Extent window_;
+  Eigen::Vector3d from_ = Eigen::Vector3d::Zero();     // the window's first position
+  std::optional<Eigen::Vector3d> before_;              // peak to peak of the window before
+  Eigen::Vector3d largest_ = Eigen::Vector3d::Zero();  // of the windows of this rest
+  std::optional<Window> last_;
+  std::optional<Cycle> worst_;
+};
+
+// Whether a device comes to rest while its user rests, by the size of its motion. Windows of three
+// lengths see swings from 12, 5 and 2 half turns a second on. A swing that lasts in any of them, in
+// any rest, is a cycle; the last rest that was long enough for two windows says of the others.
+class RestWatch {
+ public:
+  enum class Verdict {
+    not_measured,   // no rest was long enough to tell
+    comes_to_rest,  // the motion is over, or a swing that gets smaller
+    swings,         // a swing lasts
+    moves_on        // it flies or drifts away
+  };
+  // Peak to peak, m: what moves less in a quarter of a second is at rest, unless it swings. Skin
+  // feels some 20 um at the few hertz of a swing that turns too seldom to be one here (Verrillo
+  // 1963); five times that, for hands and drives that creep.
+  static constexpr double kStill = 1e-4;
+
+  void add(std::int64_t frame, double time_s, const Eigen::Vector3d& position, bool rests);
+
+  Verdict verdict() const;
+  // True if any rest was long enough for two of the shortest windows.
+  bool compared() const { return compared_; }
+  // The oscillation that lasts: that of the shortest windows which have one.
+  const std::optional<Oscillation::Cycle>& cycle() const;
+  // With Verdict::moves_on the distance that the last window moved over its length, m/s.
+  std::optional<double> moves_on() const;
+  // Peak to peak in the last quarter of a second of the last rest, m; empty where none was as long.
+  const std::optional<double>& last_moves_m() const { return last_moves_; }
+
+ private:
+  struct Judged {
+    Verdict verdict = Verdict::not_measured;
+    std::optional<double> speed;
+  };
+  Judged judge() const;
+
+  std::array<Oscillation, 3> windows_ = {Oscillation(), Oscillation(0.6), Oscillation(1.5)};
+  int still_in_a_row_ = 0;  // quarters of a second
+  Judged before_;           // of the last rest that was compared
+  bool compared_ = false;
+  std::optional<double> last_moves_;
+};
+
+}  // namespace hvp::plant
