@@ -133,9 +133,7 @@ def stl(body: Body) -> str:
 def mesh(program: Path, file: Path, nodes: int) -> tuple[int, str]:
     """The mesh's nodes, or none and why."""
     command = [str(program), "mesh", str(file), "--nodes", str(nodes), "--quiet"]
-    ended = subprocess.run(
-        command, capture_output=True, text=True, check=False, timeout=LONGEST_S
-    )
+    ended = subprocess.run(command, capture_output=True, text=True, check=False, timeout=LONGEST_S)
     found = re.search(r"^nodes +(\d+)", ended.stdout, re.MULTILINE)
     return (int(found[1]) if found else 0), ended.stderr.strip()
 
@@ -179,7 +177,9 @@ def main() -> int:
     for complaint in complaints:
         print(complaint)
     met = sum(hit for _, hit in ended)
-    print(f"{len(ended)} meshes asked for, {met} met within {ACCEPTED:.0%}, {len(complaints)} wrong")
+    print(
+        f"{len(ended)} meshes asked for, {met} met within {ACCEPTED:.0%}, {len(complaints)} wrong"
+    )
     return 1 if complaints else 0
 
 

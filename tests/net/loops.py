@@ -29,6 +29,7 @@ STILL_M = 1e-4  # peak to peak, at rest by its size
 MARGIN_TOLERANCE = 1e-3
 STABILITY_TOLERANCE = 0.02
 NO_FORCE_N = 4e-4
+STIFFEST = 1e8  # N/m; beyond it nothing is a wall
 
 
 def log_uniform(rng: random.Random, low: float, high: float) -> float:
@@ -43,15 +44,15 @@ class Loop:
     stiffness: float
     delay_s: float
     hand: tuple[float, float] | None  # N/m, N s/m
-    friction_N: float
+    friction: float  # N
     encoder_m: float
-    limit_N: float
+    limit: float  # N
     hold_s: float
     deep_m: float
 
     @property
     def linear(self) -> bool:
-        return not (self.friction_N or self.encoder_m or self.limit_N)
+        return not (self.friction or self.encoder_m or self.limit)
 
     @property
     def frames(self) -> int:
@@ -68,12 +69,12 @@ class Loop:
         ]
         if self.delay_s:
             lines.append(f'[host.delay]\ntime = "{self.delay_s * 1e3:.9g} ms"')
-        if self.friction_N:
-            lines.append(f'[device.friction]\nforce = "{self.friction_N:.9g} N"')
+        if self.friction:
+            lines.append(f'[device.friction]\nforce = "{self.friction:.9g} N"')
         if self.encoder_m:
             lines.append(f'[device.encoder]\nresolution = "{self.encoder_m * 1e3:.9g} mm"')
-        if self.limit_N:
-            lines.append(f'[device.limits]\nforce = "{self.limit_N:.9g} N"')
+        if self.limit:
+            lines.append(f'[device.limits]\nforce = "{self.limit:.9g} N"')
         if self.hand:
             stiffness, damping = self.hand
             lines.append('[hand]\nmodel = "custom"')
@@ -96,9 +97,9 @@ def draw(rng: random.Random) -> Loop:
         stiffness=log_uniform(rng, 100, 20000),
         delay_s=rng.choice((0.0, rng.uniform(0, 4 * period))),
         hand=(log_uniform(rng, 30, 1000), log_uniform(rng, 0.3, 10)),
-        friction_N=rng.choice((0.0, 0.0, log_uniform(rng, 0.02, 0.5))),
+        friction=rng.choice((0.0, 0.0, log_uniform(rng, 0.02, 0.5))),
         encoder_m=rng.choice((0.0, 0.0, log_uniform(rng, 5e-6, 1e-4))),
-        limit_N=rng.choice((0.0, 0.0, 0.0, log_uniform(rng, 1, 10))),
+        limit=rng.choice((0.0, 0.0, 0.0, log_uniform(rng, 1, 10))),
         hold_s=rng.choice((0.3, 0.8, 1.6, 3.4)),
         deep_m=log_uniform(rng, 1e-3, 20e-3),
     )
@@ -141,7 +142,7 @@ def edge_of(loop: Loop, delay_s: float) -> float:
     stable, at = 0.0, 1e-2
     while spectral_radius(loop, at, delay_s) < 1 + 1e-12:
         stable, at = at, at * 1.05
-        if at > 1e8:
+        if at > STIFFEST:
             return at
     while at - stable > 1e-6 * at:
         middle = 0.5 * (stable + at)
@@ -201,15 +202,16 @@ def forces(loop: Loop, run: Run, s: Seen) -> Iterator[str]:
     if off[worst] > 1e-8 * abs(wall[worst]) + 1e-9 * loop.stiffness:
         yield f"frame {worst} has {s.force[worst]} N where the wall gives {wall[worst]}"
     yield from same("contact.share", run.summary["contact"]["share"], float(s.in_contact.mean()))
-    if loop.limit_N and s.motor.max() > loop.limit_N * (1 + 1e-8):
-        yield f"the motors gave {s.motor.max()} N, and the maker's limit is {loop.limit_N} N"
+    if loop.limit and s.motor.max() > loop.limit * (1 + 1e-8):
+        yield f"the motors gave {s.motor.max()} N, and the maker's limit is {loop.limit} N"
 
 
 def delays(s: Seen) -> np.ndarray:
     """Of the frames in contact in which the force changes."""
     before = np.concatenate([[np.nan], s.force[:-1]])
     moving = s.in_contact & (s.force != before)
-    return s.latency[moving]
+    late: np.ndarray = s.latency[moving]
+    return late
 
 
 def margins(loop: Loop, run: Run, s: Seen) -> Iterator[str]:
@@ -220,7 +222,9 @@ def margins(loop: Loop, run: Run, s: Seen) -> Iterator[str]:
         return
     edge = edge_of(loop, float(late.max()))
     yield from near("stiffness.edge_N_m", stiffness["edge_N_m"], edge, MARGIN_TOLERANCE)
-    yield from near("stiffness.margin", stiffness["margin"], edge / loop.stiffness, MARGIN_TOLERANCE)
+    yield from near(
+        "stiffness.margin", stiffness["margin"], edge / loop.stiffness, MARGIN_TOLERANCE
+    )
 
 
 def at_rest(loop: Loop, s: Seen) -> str:
@@ -246,7 +250,7 @@ def flags(loop: Loop, run: Run, s: Seen) -> Iterator[str]:
     margin = run.summary["stiffness"]["margin"]
     low = margin is not None and margin < 1
     yield from same("low-gain-margin", "low-gain-margin" in raised, low)
-    clamped = bool(loop.limit_N) and bool((np.abs(s.force) > loop.limit_N).any())
+    clamped = bool(loop.limit) and bool((np.abs(s.force) > loop.limit).any())
     yield from same("force-saturated", "force-saturated" in raised, clamped)
     begins = bool(s.in_contact[0]) and abs(s.force[0]) > NO_FORCE_N
     yield from same("force-step", "force-step" in raised, begins)
@@ -257,19 +261,15 @@ def flags(loop: Loop, run: Run, s: Seen) -> Iterator[str]:
 def verdict(run: Run, s: Seen) -> str:
     summary = run.summary
     loop = summary["loop"][0]
-    if not summary["held"]:
-        return "not held"
-    if summary["stability"]["flags"]:
-        return "held, with flags"
-    if not s.in_contact.any():
-        return "held; no contact"
-    if loop["moves_on_m_s"] is not None:
-        return "held; a device moves on"
-    if not loop["oscillation_measured"]:
-        return "held; coming to rest not measured"
-    if summary["stiffness"]["margin"] is None:
-        return "held; gain margin not measured"
-    return "PASS"
+    reasons = {
+        "not held": not summary["held"],
+        "held, with flags": bool(summary["stability"]["flags"]),
+        "held; no contact": not s.in_contact.any(),
+        "held; a device moves on": loop["moves_on_m_s"] is not None,
+        "held; coming to rest not measured": not loop["oscillation_measured"],
+        "held; gain margin not measured": summary["stiffness"]["margin"] is None,
+    }
+    return next((word for word, holds in reasons.items() if holds), "PASS")
 
 
 def judged(loop: Loop, run: Run) -> Iterator[str]:
