@@ -61,7 +61,8 @@ class Document {
   const Node& root() const { return root_; }
 
   // Converts a path that stands at `key`, and is relative to the folder of the file with that key,
-  // into one relative to the program's working folder.
+  // into one relative to the program's working folder. A path of an override is relative to the
+  // working folder already; where it is not there, to the scenario's.
   std::filesystem::path resolve(std::string_view key, const std::string& path_in_scenario) const;
 
   // The prefix of an error message about `key`: "scenarios/x.toml:12: object.mesh.nodes: ". The

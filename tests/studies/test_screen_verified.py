@@ -59,7 +59,7 @@ def test_stability_is_what_the_command_of_that_name_finds(kept: Session, scenari
     lost = (stiffest[0] - stiffest[1]) / stiffest[0]
     # The delay takes a large part of the stiffness, which the screening has to see at the least.
     assert 0.1 < lost <= delay.influence.stability * (1 + 1e-9)
-    assert found.base.figure("stiffness.stable_N_m") == pytest.approx(stiffest[0])
+    assert found.base.figure("stiffness.stable_N_m") == pytest.approx(stiffest[0], rel=2e-3)
     assert delay.matters(read_tolerances([f"stability={lost * 0.9}"]))
 
 

@@ -19,6 +19,16 @@ TEST(FileParameters, StartFromTheScenariosFolder) {
   EXPECT_EQ(Document::parse("a = 1", "x.toml").resolve("surface", "body.stl"), "body.stl");
 }
 
+// What stands on the command line is a path of the caller's folder.
+TEST(FileParameters, OfAnOverrideStartFromTheWorkingFolder) {
+  const std::string here = "hvp-files-test-" + std::to_string(::getpid()) + ".csv";
+  std::ofstream(std::filesystem::current_path() / here) << "1";
+  const Document document = Document::parse("a = 1", "scenes/x.toml", {"surface=" + here});
+  EXPECT_EQ(document.resolve("surface", here), here);
+  EXPECT_EQ(document.resolve("surface", "not-here.csv"), "scenes/not-here.csv");
+  std::filesystem::remove(here);
+}
+
 TEST(FileParameters, AreResolvedAfterTheyAreWritten) {
   const auto folder = std::filesystem::temp_directory_path();
   const std::string name = "hvp-files-test-" + std::to_string(::getpid()) + ".stl";
