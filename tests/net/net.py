@@ -25,6 +25,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
+import force_checks
 import ledger_audit
 import trace_audit
 from against_the_host import AGAINST_THE_HOST
@@ -142,6 +143,7 @@ def not_finite(run: Run) -> Iterator[str]:
 def audit(run: Run) -> Iterator[str]:
     yield from not_finite(run)
     yield from ledger_audit.complaints(run)
+    yield from force_checks.complaints(run)
 
 
 def judge(place: Place, law: Law, rng: random.Random, before: tuple[Scenario, Run]) -> list[str]:
