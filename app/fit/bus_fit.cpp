@@ -47,6 +47,15 @@ void add_settings(FitOutcome& outcome, bool told, link::Direction direction) {
   };
   deviation("read at", nearest.read_deviation);
   deviation("write at", nearest.write_deviation);
+  // A link that is far faster than any kind of the bus is no such bus: its settings would be those of
+  // another one.
+  constexpr double kFarFaster = -0.2;
+  if (std::min(nearest.read_deviation.value_or(0), nearest.write_deviation.value_or(0)) <
+      kFarFaster) {
+    outcome.figures.warnings.emplace_back(
+        "no kind of [bus] is as fast: nothing is written for it; describe the link by [bus.pcie]");
+    return;
+  }
   const link::Pci& pci = nearest.pci;
   const auto add = [&](const char* key, std::string value, std::string parameter) {
     outcome.settings.push_back({"bus", key, std::move(value), std::move(parameter)});

@@ -14,7 +14,11 @@ Compare = Callable[[Run, Run], Iterator[str]]
 Prepare = Callable[[random.Random, Scenario], Scenario]
 
 FILES = ("frames.csv", "summary.json", "trace.json")
-RANDOM = ("host.jitter", "host.wake_up")
+# The effects that draw their times.
+RANDOM = (
+    *("host.jitter", "host.wake_up", "host.interrupt_latencies"),
+    *("bus.read_latencies", "bus.pcie.root_complex_latencies"),
+)
 
 
 @dataclass(frozen=True)

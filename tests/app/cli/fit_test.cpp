@@ -231,14 +231,30 @@ TEST_F(FitCommand, FindsAHand) {
   EXPECT_EQ(explained.status, 0) << explained.err;
 }
 
-TEST_F(FitCommand, FindsABusAndAHost) {
+// Transfers over a link of so many MB/s, with a little jitter.
+std::string transfers(double mb_s) {
   std::string text = "bytes,time_us\n";
   for (int i = 0; i < 70; ++i) {
     const int bytes = 64 << (i % 7);
     const double jitter = 0.01 * ((i * 37) % 11 - 5);
-    text += std::to_string(bytes) + "," + std::to_string(0.9 + bytes / 85.0 + jitter) + "\n";
+    text += std::to_string(bytes) + "," + std::to_string(0.9 + bytes / mb_s + jitter) + "\n";
   }
-  write("bus.csv", text);
+  return text;
+}
+
+// The settings of another bus are no settings of this one.
+TEST_F(FitCommand, WritesNoBusForALinkThatIsFarFasterThanAny) {
+  write("link.csv", transfers(3400));
+  const Ended link = fit({"link.csv", "--model", "bus", "--out", "link.toml"});
+  EXPECT_THAT(link.out + link.err, HasSubstr("no kind of [bus] is as fast"));
+  const Ended explained = hvp(place_.path(), {"explain", scenario("thesis.toml").string(),
+                                              "--include", "link.toml"});
+  EXPECT_EQ(explained.status, 0) << explained.err;
+  EXPECT_THAT(read(place_.path() / "link.toml"), Not(HasSubstr("pci-x-133")));
+}
+
+TEST_F(FitCommand, FindsABusAndAHost) {
+  write("bus.csv", transfers(85));
   const Ended bus = fit({"bus.csv", "--model", "bus", "--json", "--out", "bus.toml"});
   ASSERT_EQ(bus.status, 0) << bus.err;
   EXPECT_NEAR(parameter(json::parse(bus.out), "bandwidth").at("value"), 85e6, 1e5);
