@@ -43,9 +43,9 @@ double seconds(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double>(to - from).count();
 }
 
-// Runs the same command with further overrides in a process of its own, and returns its flags.
-std::optional<stability::Flags> flags_of_run(const RunArguments& arguments,
-                                             const std::vector<std::string>& changes) {
+// Runs the same command with further overrides in a process of its own.
+std::optional<WholeRun> whole_run(const RunArguments& arguments,
+                                  const std::vector<std::string>& changes) {
   using nlohmann::json;
   std::string folder = (std::filesystem::temp_directory_path() / "hvp-XXXXXX").string();
   if (mkdtemp(folder.data()) == nullptr) return std::nullopt;
@@ -63,7 +63,7 @@ std::optional<stability::Flags> flags_of_run(const RunArguments& arguments,
     words.emplace_back("--set");
     words.push_back(text);
   }
-  std::optional<stability::Flags> flags;
+  std::optional<WholeRun> result;
   try {
     results::LaunchedProgram program("/proc/self/exe", words, {});
     const int status = program.wait(kLongestRerun).exit_status;
@@ -71,8 +71,9 @@ std::optional<stability::Flags> flags_of_run(const RunArguments& arguments,
       std::ifstream file(std::filesystem::path(folder) / "summary.json");
       const json summary = json::parse(file, nullptr, false);
       if (!summary.is_discarded()) {
-        flags = results::flags_named(
-            summary.at("stability").at("flags").get<std::vector<std::string>>());
+        result = {results::flags_named(
+                      summary.at("stability").at("flags").get<std::vector<std::string>>()),
+                  summary.at("held").get<bool>(), summary.at("verdict").get<std::string>()};
       }
     }
   } catch (const std::exception&) {
@@ -80,7 +81,7 @@ std::optional<stability::Flags> flags_of_run(const RunArguments& arguments,
   }
   std::error_code ignored;
   std::filesystem::remove_all(folder, ignored);
-  return flags;
+  return result;
 }
 
 double peak_memory_mb() {
@@ -111,7 +112,7 @@ int run_command(const RunArguments& arguments) {
       return std::make_unique<Scene>(build_scene(load(changed), {}, Scene::Limits::reported));
     };
     const Rerun again = [&arguments](const std::vector<std::string>& changes) {
-      return flags_of_run(arguments, changes);
+      return whole_run(arguments, changes);
     };
     outcome = run(scene, {out, loaded.device_file, arguments.trace_registers, arguments.record_jobs,
                           progress, rebuild, again});

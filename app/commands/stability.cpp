@@ -42,6 +42,8 @@ void print_figures(const Scene& scene, const StabilityFigures& f) {
        f.undecided_N_m > 0
            ? fmt::format("{} runs; not found: at {:.4g} N/m the device swings too slowly for a run",
                          f.runs, f.undecided_N_m)
+       : f.stuck
+           ? fmt::format("{} runs; friction holds the device: lean harder, with --push", f.runs)
        : f.unstable_from > 0
            ? fmt::format("{} runs; unstable from {:.5g} N/m", f.runs, f.unstable_from)
            : fmt::format("{} runs; none was unstable", f.runs));

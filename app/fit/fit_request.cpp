@@ -42,11 +42,10 @@ void FitPlot::add_stretches(const std::vector<double>& time, const std::vector<d
 
 files::Log longest_stretch(files::Log log) {
   if (!log.spacing.even) {
-    // Where a stamp strays, a warning above has its line and how far.
-    throw InputError(fmt::format(
-        "{}: samples are not evenly spaced: expected a constant rate; --rate states one where only "
-        "the time stamps are uneven",
-        files::one_line(log.file)));
+    // The last warning has the line of the stamp that strays farthest, and how far.
+    throw InputError(
+        fmt::format("{}; expected a constant rate, or --rate where only the time stamps are uneven",
+                    log.warnings.empty() ? files::one_line(log.file) : log.warnings.back()));
   }
   const auto longer = [](const files::Stretch& a, const files::Stretch& b) {
     return a.end - a.begin < b.end - b.begin;

@@ -65,6 +65,13 @@ std::vector<std::vector<std::string>> candidates(const Scenario& s,
   return found;
 }
 
+void note(const WholeRun& run, results::TriedRemedy& remedy) {
+  remedy.left = run.flags;
+  remedy.verdict = run.held ? run.verdict : "not held";
+  remedy.held = run.held;
+  remedy.whole_run = true;
+}
+
 }  // namespace
 
 void verify(results::TriedRemedy& remedy, Flags of_run, const Rerun& rerun) {
@@ -72,10 +79,8 @@ void verify(results::TriedRemedy& remedy, Flags of_run, const Rerun& rerun) {
   remedy.left.merge(not_judged);
   remedy.of = of_run;
   if (remedy.settings.empty() || !remedy.fits || !rerun) return;
-  const std::optional<Flags> left = rerun(override_texts(remedy.settings));
-  if (!left) return;
-  remedy.left = *left;
-  remedy.whole_run = true;
+  const std::optional<WholeRun> run = rerun(override_texts(remedy.settings));
+  if (run) note(*run, remedy);
 }
 
 std::optional<results::TriedRemedy> try_loop_remedy(const Scenario& s, Flags flags,
@@ -91,15 +96,19 @@ std::optional<results::TriedRemedy> try_loop_remedy(const Scenario& s, Flags fla
   for (const std::vector<std::string>& settings : candidates(s, budget)) {
     std::vector<std::string> all = before;
     all.insert(all.end(), settings.begin(), settings.end());
-    const std::optional<Flags> left = rerun(override_texts(all));
-    if (!left) continue;
+    const std::optional<WholeRun> run = rerun(override_texts(all));
+    if (!run) continue;
     ++best.attempts;
-    // One that raises flags of its own is no remedy.
-    if ((left->bits() & ~flags.bits()) != 0) continue;
-    if (std::popcount(left->bits()) >= std::popcount(best.left.bits())) continue;
-    best.left = *left;
+    // One that raises flags of its own, or does not hold, is no remedy.
+    if (!run->held || (run->flags.bits() & ~flags.bits()) != 0) continue;
+    const int count = std::popcount(run->flags.bits());
+    const int fewest = std::popcount(best.left.bits());
+    // Of those without flags a PASS is better than another word.
+    const bool passes = count == 0 && run->verdict.starts_with("PASS");
+    if (count >= fewest && !passes) continue;
+    note(*run, best);
     best.settings = all;
-    if (best.left.empty()) break;
+    if (passes) break;
   }
   if (best.attempts == 0) return std::nullopt;
   return best;

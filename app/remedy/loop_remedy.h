@@ -11,10 +11,17 @@
 
 namespace hvp::app {
 
-// Runs the whole scenario with further overrides, in the form of `--set`, and returns the flags;
-// absent where the run failed.
+// What a whole run came to.
+struct WholeRun {
+  stability::Flags flags;
+  bool held = false;
+  std::string verdict;
+};
+
+// Runs the whole scenario with further overrides, in the form of `--set`; absent where the run
+// failed.
 using Rerun =
-    std::function<std::optional<stability::Flags>(const std::vector<std::string>& override_texts)>;
+    std::function<std::optional<WholeRun>(const std::vector<std::string>& override_texts)>;
 
 // Runs the whole scenario with the settings of `remedy`, as they are printed, and writes down which
 // of the run's flags they take away and which stay. A remedy that could not be run keeps what its

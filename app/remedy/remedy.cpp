@@ -314,6 +314,8 @@ std::optional<results::TriedRemedy> try_remedies(const Scene& scene, Flags flags
   const Replay first(scene, recording, few, hand_over_s, Replay::Span::first);
   SolverSearch search(scene, solver, first, all, measured, rebuild);
   results::TriedRemedy found = search.find(remedy, fixed::Extent{}.most_passes);
+  // Frames in which nothing is displaced are no trial.
+  if (!(all.largest_displacement() > 0)) found.frames = 0;
   if (found.settings.empty() || (found.fits && found.in_time)) return found;
   // Where there is no time for further passes, wider words may be enough.
   const int passes = plan_of(scene.scenario()).passes;

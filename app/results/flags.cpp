@@ -73,10 +73,12 @@ std::string remedy_text(const TriedRemedy& r) {
   const std::string stays = r.left.empty()
                                 ? std::string("no flag stays")
                                 : fmt::format("stays: {}", fmt::join(flag_names(r.left), ", "));
-  fmt::format_to(out, "    {:<13} takes away {}; {}\n",
+  fmt::format_to(out, "    {:<13} takes away {}; {}{}\n",
                  r.whole_run ? "the whole run" : "not run whole",
-                 fmt::join(flag_names(r.taken_away()), ", "), stays);
-  fmt::format_to(out, "    tried on      {} of it", frames);
+                 fmt::join(flag_names(r.taken_away()), ", "), stays,
+                 r.whole_run ? "; " + r.verdict : std::string());
+  fmt::format_to(out, "    tried on      {}",
+                 r.frames > 0 ? frames + " of it" : "no frame in which the body is displaced");
   if (r.p95 > 0) {
     fmt::format_to(out,
                    ", displacement {} from the true model (median; 95 % of the frames within {})",
@@ -99,10 +101,11 @@ void TriedRemedy::report(config::Figures& f) const {
   std::vector<std::string> set;
   std::ranges::transform(settings, std::back_inserter(set), override_text);
   f.value("of", flag_names(of), {}, "the flags of the run");
-  f.truth("works", left.empty(), "it leaves none");
+  f.truth("works", works(), "it leaves none, and breaks no budget");
   f.truth("whole_run", whole_run,
           "the run itself was repeated with it, as printed; else what it leaves is that of "
           "`frames`, and what those do not show");
+  f.text("verdict", verdict, "what that run is called; empty where there was none");
   f.value("takes_away", flag_names(taken_away()), {}, "the flags of the run that are gone with it");
   f.value("set", set, {}, "its `--set` arguments");
   f.value("leaves", flag_names(left), {}, "the flags that are left");

@@ -29,6 +29,9 @@ struct TriedRemedy {
   stability::Flags of;                // the flags that the run has
   stability::Flags left;              // the flags that it has with the settings
   bool whole_run = false;             // the run itself was repeated with it, as printed
+  bool was_held = true;               // the run met its budgets
+  bool held = true;                   // and with it, too
+  std::string verdict;                // what it is called
   std::size_t frames = 0;             // frames of the run that were solved again with it
   int attempts = 0;                   // plans that were tried
   double median = 0;                  // ‖u − u_true‖/‖u_true‖ of those frames in contact
@@ -45,6 +48,7 @@ struct TriedRemedy {
   Cost after;
   bool in_time = true;  // within the budget and the period, with a hundredth of each to spare
 
+  bool works() const { return left.empty() && (held || !was_held); }
   stability::Flags taken_away() const { return stability::Flags(of.bits() & ~left.bits()); }
 
   void report(config::Figures& f) const;

@@ -26,6 +26,11 @@ std::optional<StiffnessBudget> stiffness_budget(const plant::WallLoop& loop, dou
   plant::WallLoop worst = loop;
   worst.delay_s = measured.worst_delay_s;
   b.edge_N_m = plant::largest_stable_stiffness(worst);
+  if (measured.let_go) {
+    plant::WallLoop alone = worst;
+    alone.device = *measured.let_go;
+    b.edge_N_m = std::min(b.edge_N_m, plant::largest_stable_stiffness(alone));
+  }
   b.worst_passive_N_m = plant::passive_stiffness(worst, device_damping);
   plant::WallLoop at_once = loop;
   at_once.delay_s = 0;
@@ -78,7 +83,7 @@ void StiffnessBudget::report(config::Figures& f) const {
              "where it was not computed");
   f.ratio("margin", margin(),
           "the gain margin, `edge_N_m` over `contact_N_m`: below one the linear loop is unstable. "
-          "Less than `budget.gain_margin`: `little-margin`. Null where nothing in contact moved");
+          "Less than `budget.gain_margin`: `low-gain-margin`. Null where nothing in contact moved");
   f.quantity("without_delay_N_m", without_delay_N_m, "N/m", "stable, if no part took time");
   f.list("parts", "what each part of the delay costs; largest first", shares,
          [&f](const Share& share) {
@@ -121,7 +126,7 @@ void rest_line(Out out, const plant::RestWatch& rest) {
       fmt::format_to(out, "moves on, at {:.3g} m/s in the end\n", *rest.moves_on());
       return;
     case Verdict::comes_to_rest:
-      fmt::format_to(out, "comes to rest: {} in the last quarter of a second\n",
+      fmt::format_to(out, "comes to rest: within {} at the end\n",
                      readable_length(*rest.last_moves_m()));
       return;
     case Verdict::not_measured:
@@ -150,7 +155,11 @@ void device_lines(Out out, const plant::LoopQuality& q) {
   fmt::format_to(out, "  port           {}\n",
                  e.active() ? fmt::format("ACTIVE: the loop had fed in {} by frame {}",
                                           joules(-e.least_at_port()), e.least_frame())
-                            : std::string("passive in every frame"));
+                 : e.least_at_port() < -kNoEnergy
+                     ? fmt::format("passive but for {} by frame {}, less than a thousandth of the "
+                                   "energy moved",
+                                   joules(-e.least_at_port()), e.least_frame())
+                     : std::string("passive in every frame"));
   rest_line(out, q.rest());
   if (q.saturated_frames() > 0) {
     fmt::format_to(out, "  saturated      {} with a force that was clamped\n",
@@ -194,7 +203,7 @@ std::string stiffness_text(const std::optional<StiffnessBudget>& budget) {
                    time(budget->worst_delay_s), budget->edge_N_m, budget->worst_passive_N_m);
   }
   if (const std::optional<double> margin = budget->margin()) {
-    fmt::format_to(out, "  gain margin    {:.3g}: the contact has {:.4g} N/m{}\n", *margin,
+    fmt::format_to(out, "  gain margin    {:.4g}: the contact has {:.4g} N/m{}\n", *margin,
                    *budget->contact_N_m, *margin < 1 ? ", beyond the edge of the linear loop" : "");
   } else if (budget->moving) {
     fmt::format_to(out, "  gain margin    not measured: the contact's stiffness is not known\n");

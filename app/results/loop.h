@@ -56,6 +56,8 @@ struct MeasuredDelay {
   std::int64_t frames = 0;
   bool moving = false;
   std::optional<double> contact_N_m;
+  // The device without the hand, where that lets go during the run.
+  std::optional<plant::LinearAxis> let_go;
   // The mean time (s) that each part and phase took after the latch; they sum to the loop's delay.
   std::vector<StiffnessBudget::Share> after_latch;
 };

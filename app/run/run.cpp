@@ -236,6 +236,7 @@ std::optional<results::TriedRemedy> find_remedy(const Scene& scene, const result
   }
   if (remedy) {
     if (options.progress) options.progress("running the remedy as it will be printed");
+    remedy->was_held = outcome.held();
     verify(*remedy, outcome.flags, options.rerun);
   }
   if (!outcome.stiffness || !options.rerun) return remedy;
@@ -246,6 +247,7 @@ std::optional<results::TriedRemedy> find_remedy(const Scene& scene, const result
       try_loop_remedy(scene.scenario(), flags, *outcome.stiffness,
                       helps ? remedy->settings : std::vector<std::string>(), options.rerun);
   if (!of_loop || (remedy && of_loop->settings.empty())) return remedy;
+  of_loop->was_held = outcome.held();
   of_loop->of = outcome.flags;
   if (remedy) of_loop->attempts += remedy->attempts;
   return of_loop;

@@ -176,6 +176,18 @@ double LoopWatch::mean_delay_s() const {
   return to_seconds(delays().sum) / static_cast<double>(delays().frames);
 }
 
+std::optional<plant::LinearAxis> LoopWatch::axis_without_hand() const {
+  const std::optional<plant::Hand>& hand = scenario_.hand;
+  const double run_s = static_cast<double>(scenario_.frames) * scenario_.budget.period_s;
+  if (!hand || !(hand->lets_go_s > 0) || hand->lets_go_s >= run_s) return std::nullopt;
+  Scenario alone = scenario_;
+  alone.hand.reset();
+  const Eigen::Vector3d direction = alone.wall ? alone.wall->direction() : Eigen::Vector3d::UnitZ();
+  const std::optional<plant::WallLoop> loop = wall_loop(alone, 0, direction);
+  if (!loop) return std::nullopt;
+  return loop->device;
+}
+
 std::optional<results::StiffnessBudget> LoopWatch::stiffness(
     std::optional<double> contact_N_m) const {
   if (delays().frames == 0) return std::nullopt;
@@ -195,6 +207,7 @@ std::optional<results::StiffnessBudget> LoopWatch::stiffness(
                                     .frames = delays().frames,
                                     .moving = moving_.frames > 0,
                                     .contact_N_m = contact_N_m,
+                                    .let_go = axis_without_hand(),
                                     .after_latch = std::move(shares)});
 }
 

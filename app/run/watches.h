@@ -129,6 +129,8 @@ class LoopWatch : public vp::FrameObserver {
  private:
   bool rests(std::size_t probe, Picoseconds time) const;
   bool force_changed(const vp::Frame& frame);
+  // The device's axis without the hand, where that lets go during the run.
+  std::optional<plant::LinearAxis> axis_without_hand() const;
 
   const Scenario& scenario_;
   std::unique_ptr<plant::Kinematics> kinematics_;  // null without [device.kinematics]

@@ -22,11 +22,12 @@ namespace {
 // The value is that of a bisection to 0.1 % (docs/stability.md).
 constexpr double kComesToRest = 0.9999;
 constexpr double kRegister = 5e-9;  // m; what the words of position and force may keep moving
+constexpr double kGone = 1e-4;      // of the initial displacement: near the edge they keep more
 constexpr double kCounts = 1;       // of an encoder, likewise
 
 // Until the first force arrives only the push acts, so a stable loop may swing wider than its
 // initial displacement, but at the end by no more than this factor.
-constexpr double kWide = 2;
+constexpr double kWide = 1.5;
 
 // Measures the swing of the tip along the wall's normal in each quarter of the run. Its size is
 // sqrt(x^2 + (v/w)^2), with w of the swing itself: unlike the rms of x it does not depend on the
@@ -68,6 +69,7 @@ class TrialWatch : public vp::FrameObserver {
     const bool shrinks =
         trial.growth < kComesToRest && trial.amplitude_m < kWide * displaced && !saturated_;
     trial.stable = !left_ && (trial.amplitude_m <= still || shrinks);
+    trial.moved = quarters_[0].most > quarters_[0].least;
     return trial;
   }
 
@@ -148,7 +150,8 @@ Trial run_trial(const Scene& scene, double stiffness, const TrialSettings& setti
   TrialWatch watch(wall, p.frames);
   platform.add_observer(watch);
   platform.run();
-  return watch.trial(still(scene.scenario()), kDisplaced * depth);
+  const double displaced = kDisplaced * depth;
+  return watch.trial(std::max(still(scene.scenario()), kGone * displaced), displaced);
 }
 
 Trial run_body(const Scene& scene, double times) {
@@ -160,7 +163,7 @@ Trial run_body(const Scene& scene, double times) {
   LoopWatch watch(stiffer.scenario());
   platform.add_observer(watch);
   platform.run();
-  Trial trial{.stable = true, .delay_s = watch.mean_delay_s()};
+  Trial trial{.moved = true, .stable = true, .delay_s = watch.mean_delay_s()};
   for (const plant::LoopQuality& quality : watch.qualities()) {
     if (!quality.rest().compared()) {
       throw InputError("probe.motion",
@@ -179,16 +182,15 @@ Trial trial_in_child(const std::function<Trial()>& run) {
   using nlohmann::json;
   const json answer = json::parse(in_child([&run] {
     const Trial t = run();
-    return json{{"decided", t.decided},
-                {"stable", t.stable},
-                {"growth", std::isfinite(t.growth) ? t.growth : 1e300},
-                {"amplitude", t.amplitude_m},
-                {"delay", t.delay_s}}
+    return json{
+        {"decided", t.decided},       {"moved", t.moved},
+        {"stable", t.stable},         {"growth", std::isfinite(t.growth) ? t.growth : 1e300},
+        {"amplitude", t.amplitude_m}, {"delay", t.delay_s}}
         .dump();
   }));
-  return {answer["decided"].get<bool>(), answer["stable"].get<bool>(),
-          answer["growth"].get<double>(), answer["amplitude"].get<double>(),
-          answer["delay"].get<double>()};
+  return {answer["decided"].get<bool>(),     answer["moved"].get<bool>(),
+          answer["stable"].get<bool>(),      answer["growth"].get<double>(),
+          answer["amplitude"].get<double>(), answer["delay"].get<double>()};
 }
 
 }  // namespace

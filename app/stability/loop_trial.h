@@ -17,6 +17,7 @@ struct TrialSettings {
 // The result of one trial.
 struct Trial {
   bool decided = true;  // false: its swing takes more frames than a trial has, and it was not run
+  bool moved = false;   // false: friction held the device from the first frame on
   bool stable = false;
   double growth = 0;  // ratio of the rms swing about its mean, last quarter over second quarter
   double amplitude_m = 0;  // half of the peak-to-peak swing in the last quarter

@@ -80,6 +80,7 @@ class Search {
     figures.delay_s = delay_s_;
     figures.runs = runs_;
     figures.undecided_N_m = undecided_;
+    figures.stuck = stuck_;
     return figures;
   }
 
@@ -95,7 +96,10 @@ class Search {
       unstable_from_ = stiffness;
     }
     if (delay_s_ == 0) delay_s_ = trial.delay_s;
-    if (trial.stable) left_m_ = trial.amplitude_m;
+    if (trial.stable) {
+      left_m_ = trial.amplitude_m;
+      stuck_ = !trial.moved;
+    }
     return trial.stable;
   }
 
@@ -129,6 +133,7 @@ class Search {
   double delay_s_ = 0;
   double unstable_from_ = 0;  // the least of the trials
   double undecided_ = 0;
+  bool stuck_ = false;  // the last one that was stable
   int runs_ = 0;
 };
 
@@ -209,6 +214,9 @@ void StabilityFigures::report(config::Figures& f) const {
              "of the body that has stiffness_max at its contact; null for a wall");
   f.quantity("wall_damping_N_s_m", damping_N_s_m, "N·s/m", "B");
   f.count("runs", runs, "of the platform");
+  f.truth("stuck", stuck,
+          "friction held the device in the run at `stiffness_max`, which then says nothing of the "
+          "edge: lean harder, with `--push`");
   stiffness("undecided_N_m", undecided_N_m,
             "at this stiffness and below the device swings more slowly than a run is long; null "
             "where no run was needed there");

@@ -26,6 +26,7 @@ struct StabilityFigures {
   // The stiffness of a trial that would have taken more frames than one has: what is softer was not
   // searched; 0: there was none.
   double undecided_N_m = 0;
+  bool stuck = false;  // friction held the device in the trial at stiffness_max: it is no edge
 
   // Eigenvalues of a longer delay take too long to search.
   static constexpr double kMostPeriods = 64;

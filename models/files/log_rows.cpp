@@ -123,6 +123,8 @@ double LogRows::value(std::size_t i, const Log& log) {
 }
 
 bool LogRows::goes_on(const Log& log) {
+  // With a rate the time is not needed.
+  if (options_.sample_rate) return true;
   const double before = log.columns.front().values.back();
   if (row_.front() > before) {
     just_repeated_ = false;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <limits>
 #include <utility>
 
@@ -57,13 +58,15 @@ class LogReader {
       log_.spacing.stretches = {{0, log_.samples}};
       return;
     }
+    if (options_.sample_rate && !std::ranges::is_sorted(log_.time, std::less_equal<>())) {
+      warn_of_file("its times do not grow: the samples are taken at the rate that is given");
+      make_time();
+      return;
+    }
     log_.spacing = spacing_of(log_.time);
-    require_rate();
-    const Spacing& spacing = log_.spacing;
-    const std::string strays = fmt::format(
-        "the time strays up to {:.3g} % of the period of {:.6g} s from even spacing, {:.2g} % rms",
-        100 * spacing.jitter, spacing.period, 100 * spacing.rms);
-    if (options_.sample_rate && !spacing.even && spacing.stretches.size() == 1) {
+    Spacing& spacing = log_.spacing;
+    const std::string strays = text_of_strays();
+    if (options_.sample_rate && !takes_rate()) {
       warn(rows_.line_of(spacing.strays),
            strays + ": the samples are taken at the rate that is given");
       make_time();
@@ -79,12 +82,7 @@ class LogReader {
       return;
     }
     if (!spacing.even) {
-      warn(rows_.line_of(spacing.strays),
-           spacing.jitter < std::numeric_limits<double>::infinity()
-               ? strays + ": taken as it is"
-               : fmt::format("the time is not evenly spaced, {:.6g} s apart in the median: taken "
-                             "as it is",
-                             spacing.period));
+      warn(rows_.line_of(spacing.strays), strays + ": taken as it is");
     } else if (space_evenly(log_.time, spacing)) {
       warn(rows_.line_of(spacing.strays), strays + ": taken as even");
     }
@@ -99,14 +97,25 @@ class LogReader {
     log_.spacing = {.period = period, .even = true, .stretches = {{0, log_.samples}}};
   }
 
-  void require_rate() const {
-    if (!options_.sample_rate) return;
-    const double found = 1 / log_.spacing.period;
-    if (std::abs(found / *options_.sample_rate - 1) <= kRateTolerance) return;
-    throw InputError(
-        fmt::format("{}: has {:.6g} samples a second by its time, and {:.6g} are "
-                    "given: expected one of both",
-                    log_.file, found, *options_.sample_rate));
+  std::string text_of_strays() const {
+    const Spacing& spacing = log_.spacing;
+    if (!(spacing.jitter < std::numeric_limits<double>::infinity())) {
+      return fmt::format("the time is not evenly spaced, {:.6g} s apart in the median",
+                         spacing.period);
+    }
+    return fmt::format(
+        "the time strays up to {:.3g} % of the period of {:.6g} s from even spacing, {:.2g} % rms",
+        100 * spacing.jitter, spacing.period, 100 * spacing.rms);
+  }
+
+  // Gives an even time with that rate, but for a clock that is a little off, the rate. False where
+  // the time is another one, which is then not used.
+  bool takes_rate() {
+    Spacing& spacing = log_.spacing;
+    const double period = 1 / *options_.sample_rate;
+    if (!spacing.even || std::abs(spacing.period / period - 1) > kRateTolerance) return false;
+    spacing.period = period;
+    return true;
   }
 
   void say_gaps() {

@@ -62,8 +62,10 @@ struct Log {
 // of: gaps, of which `spacing.stretches` has the sides; a constant column; a log that is not evenly
 // spaced.
 //
+// A sample rate counts for more than a time that is uneven, does not grow or has another rate.
+//
 // Throws InputError, one line with the file and where it applies line and column: no time and no
-// sample rate, or both that differ; a time that does not grow; a cell that is empty or no finite
+// sample rate; a time that does not grow; a cell that is empty or no finite
 // number; a row of more or fewer fields than the header; two columns of a quantity; a column that
 // `columns` names and the header does not have; counts of an unknown size; fewer samples than
 // `least_samples`.

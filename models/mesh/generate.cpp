@@ -1,8 +1,10 @@
 #include "models/mesh/generate.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -84,16 +86,36 @@ class SurfaceCandidates {
     if (points() > kTooFine * suitable) {
       coarsen(candidates, suitable, edge);
       candidates.push_back({[this] { return surface_; }, edge});
+    } else if (has_needles()) {
+      coarsen_rims(candidates, edge);
+      resample(candidates, suitable, edge);
+      split(candidates, edge);
     } else {
       split(candidates, edge);
       coarsen(candidates, suitable, edge);
     }
-    resample(candidates, suitable, edge);
+    if (!has_needles()) resample(candidates, suitable, edge);
     refine(candidates, edge);
     return candidates;
   }
 
  private:
+  // True if more than a tenth of the triangles are as long and thin as those of a fan, of which
+  // splitting would make many points.
+  bool has_needles() const {
+    constexpr double kThin = 0.15;  // twice the area over the square of the longest edge
+    std::size_t thin = 0;
+    for (const auto& t : surface_.triangles) {
+      const auto corner = [&](std::size_t k) -> const Eigen::Vector3d& {
+        return surface_.points[static_cast<std::size_t>(t[k])];
+      };
+      const Eigen::Vector3d a = corner(1) - corner(0);
+      const Eigen::Vector3d b = corner(2) - corner(0);
+      const double longest = std::max({a.squaredNorm(), b.squaredNorm(), (a - b).squaredNorm()});
+      if (a.cross(b).norm() < kThin * longest) ++thin;
+    }
+    return 10 * thin > surface_.triangles.size();
+  }
   int points() const { return static_cast<int>(surface_.points.size()); }
 
   void split(std::vector<Candidate>& candidates, double edge) const {
@@ -117,14 +139,35 @@ class SurfaceCandidates {
     }
   }
 
+  // Of long facets with short ends, as a CAD program makes of a cylinder, the ends are made as long
+  // as suits, and then the facets split along their length.
+  void coarsen_rims(std::vector<Candidate>& candidates, double edge) const {
+    for (const double shortest : {0.8, 0.6, 0.45, 0.3}) {
+      for (const double longest : {1.5, 1.2}) {
+        const auto even = [this, shortest, longest, edge] {
+          return split_long_edges(collapse_edges_below(surface_, shortest * edge), longest * edge);
+        };
+        candidates.push_back({even, edge});
+      }
+    }
+  }
+
   // Long facets with short ends, as a CAD program makes of a cylinder, split into many points where
   // their corners meet: they are split finely and then collapsed evenly.
   void resample(std::vector<Candidate>& candidates, int suitable, double edge) const {
     constexpr double kFine = 0.7;  // of the edge
+    // A fan of long needles becomes so many points that collapsing them takes minutes.
+    constexpr int kMostTimes = 40;
     for (const double share : {1.0, 0.85, 0.7, 0.55}) {
       const int fewer = std::max(4, static_cast<int>(share * suitable));
-      const auto even = [this, fewer, edge] {
+      const auto even = [this, fewer, suitable, edge] {
         const Surface fine = split_long_edges(surface_, kFine * edge);
+        const int most = kMostTimes * suitable;
+        if (static_cast<int>(fine.points.size()) > most) {
+          throw InputError("nodes", fmt::format("split for {} points the surface has {}: at most "
+                                                "{} are collapsed",
+                                                fewer, fine.points.size(), most));
+        }
         if (fewer >= static_cast<int>(fine.points.size())) return fine;
         if (progress_) {
           progress_(fmt::format("resampling the surface from {} to {} points", fine.points.size(),

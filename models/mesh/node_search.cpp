@@ -24,6 +24,8 @@ namespace {
 
 constexpr double kGoodEnough = 0.01;  // of the wanted count: the search ends there
 constexpr int kMostRuns = 10;
+// A mesh with more than so many times the wanted nodes is as good as one that has just as many.
+constexpr int kMostTimes = 4;
 
 // The volume bound for TetGen in units of the regular tetrahedron whose edge is the surface's:
 // with 2.6 the elements inside are about as large as those at the surface, and a sphere of 500
@@ -59,7 +61,8 @@ class Search {
       const double y =
           std::log(static_cast<double>(attempt(surface, {.max_volume = std::exp(x),
                                                          .radius_edge_ratio = ratio,
-                                                         .keep_surface = candidate.keep_surface})));
+                                                         .keep_surface = candidate.keep_surface,
+                                                         .most_added = kMostTimes * wanted_})));
       if (deviation() <= std::max(1.0, kGoodEnough * wanted_)) break;
       unchanged = below && below->second == y ? unchanged + 1 : 0;
       if (unchanged == 2) break;  // the surface's triangles admit no more nodes
@@ -178,7 +181,7 @@ TetMesh mesh_first_that_fits(const Candidates& candidates, int wanted, const Pro
   if (found.mesh) return std::move(*found.mesh);
   if (found.counts.empty()) throw InputError(found.refusal.value());
   // The count of a mesh that was seen need not be one that can be asked for: it is asked for.
-  constexpr std::size_t kMostOffers = 8;
+  constexpr std::size_t kMostOffers = 4;
   std::vector<int> offers(found.counts.begin(), found.counts.end());
   std::ranges::stable_sort(offers, {}, [&](int count) { return std::abs(count - wanted); });
   if (offers.size() > kMostOffers) offers.resize(kMostOffers);

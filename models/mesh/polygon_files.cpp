@@ -122,9 +122,11 @@ Polygons read_text_stl(std::string_view text) {
   bool ended = false;
   for (std::string_view word = words.anywhere(); !word.empty(); word = words.anywhere()) {
     if (is_word(word, "solid") || is_word(word, "endsolid")) {
-      // The rest of the line is the solid's name, which may be any words.
+      // The rest of the line, or all before the first facet, is the solid's name: any words.
       ended = is_word(word, "endsolid");
-      if (!words.next_line()) break;
+      for (word = words.in_line(); !word.empty() && !is_word(word, "facet");) {
+        word = words.in_line();
+      }
     } else if (is_word(word, "vertex")) {
       Eigen::Vector3d x;
       for (double& component : x) component = coordinate(words.in_line(), words.line());
@@ -189,9 +191,14 @@ Polygons read_stl(std::string_view bytes) {
                     "nor a binary one ({} bytes; its header alone has {})",
                     bytes.size(), kHeader));
   }
+  // Some programs write something behind the last triangle.
+  if (*declared > 0 && bytes.size() > kHeader + kTriangle * std::size_t{*declared}) {
+    return read_binary_stl(bytes, *declared);
+  }
   refuse(
-      fmt::format("the file is no text STL file, as it does not start with \"solid\", and as a "
-                  "binary one it declares {} triangles, which take {} bytes; it has {}",
+      fmt::format("the file is no text STL file (it does not start with \"solid\", or holds "
+                  "bytes that are no text), and as a binary one it declares {} triangles, which "
+                  "take {} bytes; it has {}",
                   *declared, kHeader + kTriangle * std::size_t{*declared}, bytes.size()));
 }
 

@@ -179,7 +179,7 @@ double merging_distance(const Surface& surface) {
     low = low.cwiseMin(x);
     high = high.cwiseMax(x);
   }
-  return double{std::numeric_limits<float>::epsilon()} * (high - low).maxCoeff();
+  return static_cast<double>(std::numeric_limits<float>::epsilon()) * (high - low).maxCoeff();
 }
 
 namespace {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -84,6 +85,8 @@ constexpr double kSharpFold = 0.76604444311897804;  // cos 40°
 constexpr double kMostTurn = 0.70710678118654752;   // cos 45°
 // Twice the area over the sum of the squared edges: 0.289 for an equilateral triangle.
 constexpr double kNeedle = 0.05;
+// A needle stays one while an end of a long facet moves along: that much of its shape is enough.
+constexpr double kAsGood = 0.7;
 
 // A closed triangulated surface that loses points one by one.
 class Collapser {
@@ -100,8 +103,9 @@ class Collapser {
     for (std::size_t i = 0; i < points_.size(); ++i) enqueue(static_cast<int>(i));
   }
 
-  void reduce_to(int wanted_points) {
-    while (points_left_ > wanted_points && !queue_.empty()) {
+  void reduce_to(int wanted_points, double shortest) {
+    while (points_left_ > wanted_points && !queue_.empty() &&
+           queue_.begin()->first < shortest * shortest) {
       const auto [a, b] = queue_.begin()->second;
       queue_.erase(queue_.begin());
       // The end that can go without harm; the higher index for want of another reason.
@@ -136,6 +140,13 @@ class Collapser {
       }
     }
     return result;
+  }
+
+  // Twice the area over the sum of the squared edges.
+  double shape_of(const std::array<int, 3>& t) const {
+    const Eigen::Vector3d u = points_[at(t[1])] - points_[at(t[0])];
+    const Eigen::Vector3d v = points_[at(t[2])] - points_[at(t[0])];
+    return normal(t).norm() / (u.squaredNorm() + v.squaredNorm() + (u - v).squaredNorm());
   }
 
   void enqueue(int point) {
@@ -229,7 +240,10 @@ class Collapser {
       const Eigen::Vector3d after = u.cross(v);
       if (after.dot(before) < kMostTurn * after.norm() * before.norm()) return std::nullopt;
       const double squares = u.squaredNorm() + v.squaredNorm() + (u - v).squaredNorm();
-      if (after.norm() < kNeedle * squares) return std::nullopt;
+      if (after.norm() < kNeedle * squares &&
+          after.norm() / squares < kAsGood * shape_of(patch.survivors[i])) {
+        return std::nullopt;
+      }
     }
     return place;
   }
@@ -269,16 +283,19 @@ class Collapser {
 
 }  // namespace
 
-Surface collapse_short_edges(const Surface& surface, int wanted_points) {
+namespace {
+
+Surface collapsed(const Surface& surface, int wanted_points, double shortest) {
   Collapser collapser(surface);
-  collapser.reduce_to(wanted_points);
+  collapser.reduce_to(wanted_points, shortest);
   Surface coarse;
   try {
     coarse = check_surface(collapser.result());
   } catch (const InputError& error) {
     throw InputError("nodes", fmt::format("the surface has {} points and cannot be coarsened to "
                                           "{}: then {}",
-                                          surface.points.size(), wanted_points, error.what()));
+                                          surface.points.size(), collapser.result().points.size(),
+                                          error.what()));
   }
   const double before = enclosed_volume(surface);
   const double after = enclosed_volume(coarse);
@@ -290,6 +307,16 @@ Surface collapse_short_edges(const Surface& surface, int wanted_points) {
                              100.0 * std::abs(after - before) / before, 100.0 * kVolumeTolerance));
   }
   return coarse;
+}
+
+}  // namespace
+
+Surface collapse_short_edges(const Surface& surface, int wanted_points) {
+  return collapsed(surface, wanted_points, std::numeric_limits<double>::infinity());
+}
+
+Surface collapse_edges_below(const Surface& surface, double shortest) {
+  return collapsed(surface, 4, shortest);
 }
 
 }  // namespace hvp::mesh

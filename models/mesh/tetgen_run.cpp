@@ -104,6 +104,7 @@ TetMesh run_tetgen(const Surface& surface, const TetgenOptions& options) {
   set_points(in, surface.points);
   set_facets(in, surface.triangles);
   std::string switches = options.keep_surface ? "pYQ" : "pQ";
+  if (options.most_added > 0) switches += fmt::format("S{}", options.most_added);
   if (options.radius_edge_ratio > 0.0)
     switches += fmt::format("q{:.6f}", options.radius_edge_ratio);
   // TetGen reads plain decimals and exponents alike.

@@ -13,6 +13,7 @@ struct TetgenOptions {
   double radius_edge_ratio = 1.2;
   // False: TetGen may add points on the surface, whose shape stays what it is.
   bool keep_surface = true;
+  int most_added = 0;  // points that TetGen may add; 0: no bound
 };
 
 // Fills a closed, consistently oriented surface with tetrahedra. TetGen may crash, hang or exit on

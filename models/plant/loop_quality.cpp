@@ -77,7 +77,9 @@ void LoopEnergy::report(config::Figures& f) const {
   f.value("fed_by", feeds, {},
           "parts of `of_motors_J` that fed in more than a thousandth of the energy moved");
   f.table("port", "The passivity observer: what all but masses and hand have absorbed.", [&] {
-    joules("least_J", least_, "the least; negative: the loop fed energy in. Flag `active-port`");
+    joules("least_J", least_,
+           "the least. Negative by more than 1 uJ and a thousandth of the energy moved: the "
+           "loop fed energy in, flag `active-port`");
     f.frame("frame", least_frame_, "the frame that has it, or null where it never was negative");
   });
 }
@@ -128,7 +130,8 @@ void LoopQuality::report(config::Figures& f) const {
              "how fast the device moved on in the last window of its user's rest: it flies or "
              "drifts away, or swings slower than the run can tell; null where it does not");
   f.quantity("last_moves_m", rest_.last_moves_m(), "m",
-             "peak to peak in the last quarter of a second of its user's last rest; null without "
+             "peak to peak at the end of its user's last rest, of a quarter of a second at least; "
+             "null without "
              "one");
   f.table("energy", "Where energy came from and went ([plant.md](plant.md)).", energy_);
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 
 namespace hvp::plant {
 
@@ -57,14 +56,10 @@ void Oscillation::close(std::int64_t frame) {
   if (before_) {
     last.compared = true;
     last.unsettled = size > kFelt && size > kSettles * (*before_)[axis];
-    last.settled = !last.unsettled && size <= kHasSettled * largest_[axis];
     if (last.unsettled && turns && (!worst_ || 0.5 * size > worst_->amplitude_m)) {
       worst_ = {0.5 * size, 0.5 * window_.turns[axis] / last.seconds,
                 size > kGrows * (*before_)[axis], frame};
     }
-    largest_ = largest_.cwiseMax(moves);
-  } else {
-    largest_ = moves;
   }
   last_ = last;
   before_ = moves;
@@ -74,32 +69,46 @@ void Oscillation::close(std::int64_t frame) {
 void RestWatch::add(std::int64_t frame, double time_s, const Eigen::Vector3d& position,
                     bool rests) {
   if (!rests) {
-    const Judged judged = judge();
-    if (windows_.front().last() && windows_.front().last()->compared) before_ = judged;
-    still_in_a_row_ = 0;
+    if (windows_.front().last() && windows_.front().last()->compared) before_ = judge();
+  } else if (!resting_) {
+    rest_began_s_ = time_s;
+    quiet_ = {time_s, position, position};
+  } else {
+    quiet_.least = quiet_.least.cwiseMin(position);
+    quiet_.most = quiet_.most.cwiseMax(position);
+    if ((quiet_.most - quiet_.least).maxCoeff() > kStill) quiet_ = {time_s, position, position};
   }
+  resting_ = rests;
+  now_s_ = time_s;
   for (Oscillation& window : windows_) {
     const bool closed = window.add(frame, time_s, position, rests);
     if (!closed || &window != &windows_.front()) continue;
-    last_moves_ = window.last()->moves_m;
-    still_in_a_row_ = *last_moves_ <= kStill ? still_in_a_row_ + 1 : 0;
+    last_window_ = window.last()->moves_m;
     compared_ = compared_ || window.last()->compared;
   }
 }
 
+// A swing of a hertz that is larger than that leaves its place within half a second.
+bool RestWatch::still() const {
+  const double quiet_s = now_s_ - quiet_.since_s;
+  const double enough = std::min(kStillSeconds, 0.5 * (now_s_ - rest_began_s_));
+  return resting_ && quiet_s >= std::max(enough, Oscillation::kWindowSeconds);
+}
+
 RestWatch::Judged RestWatch::judge() const {
-  // Half a second holds the fast part of any swing of a hertz and more.
-  if (still_in_a_row_ >= 2) return {Verdict::comes_to_rest, {}};
-  for (const Oscillation& window : windows_ | std::views::reverse) {
-    const auto& last = window.last();
+  if (resting_ && compared_ && still()) return {Verdict::comes_to_rest, {}};
+  for (auto window = windows_.rbegin(); window != windows_.rend(); ++window) {
+    const auto& last = window->last();
     if (!last || !last->compared) continue;
-    if (last->swings) {
-      return {last->settled ? Verdict::comes_to_rest : Verdict::not_measured, {}};
-    }
-    if (last->unsettled) return {Verdict::moves_on, last->moves_m / last->seconds};
+    if (last->unsettled && !last->swings) return {Verdict::moves_on, last->moves_m / last->seconds};
     return {};
   }
   return before_;
+}
+
+std::optional<double> RestWatch::last_moves_m() const {
+  if (compared_ && still()) return (quiet_.most - quiet_.least).maxCoeff();
+  return last_window_;
 }
 
 RestWatch::Verdict RestWatch::verdict() const {

@@ -16,9 +16,6 @@ class Oscillation {
   static constexpr int kWindowFrames = 32;
   // A window that is not smaller than this part of the last one does not settle.
   static constexpr double kSettles = 0.99;
-  // A rest settles by this part at least from its largest window to its last one: the samples of a
-  // swing that lasts miss its peaks by up to a hundredth, at 25 samples a turn.
-  static constexpr double kHasSettled = 0.9;
   static constexpr double kGrows = 1.02;
   static constexpr int kTurns = 3;
   // The mean of a swing stays, that of a drift goes half its way within a window: this part of the
@@ -42,7 +39,6 @@ class Oscillation {
     bool swings = false;     // turned kTurns times at least, and its mean stays
     bool compared = false;   // there was a window before it
     bool unsettled = false;  // as large as the one before, and felt
-    bool settled = false;    // smaller than it, and clearly smaller than the largest of this rest
   };
 
   explicit Oscillation(double window_s = kWindowSeconds) : window_s_(window_s) {}
@@ -77,28 +73,30 @@ class Oscillation {
 
   double window_s_;
   Extent window_;
-  Eigen::Vector3d from_ = Eigen::Vector3d::Zero();     // the window's first position
-  std::optional<Eigen::Vector3d> before_;              // peak to peak of the window before
-  Eigen::Vector3d largest_ = Eigen::Vector3d::Zero();  // of the windows of this rest
+  Eigen::Vector3d from_ = Eigen::Vector3d::Zero();  // the window's first position
+  std::optional<Eigen::Vector3d> before_;           // peak to peak of the window before
   std::optional<Window> last_;
   std::optional<Cycle> worst_;
 };
 
-// Whether a device comes to rest while its user rests, by the size of its motion. Windows of three
-// lengths see swings from 12, 5 and 2 half turns a second on. A swing that lasts in any of them, in
-// any rest, is a cycle; the last rest that was long enough for two windows says of the others.
+// Whether a device comes to rest while its user rests, by the size of its motion at the end: a
+// swing that gets smaller may end in one that lasts. Windows of three lengths see swings from 12, 5
+// and 2 half turns a second on. A swing that lasts in any of them, in any rest, is a cycle; the
+// last rest that was long enough for two windows says of the others.
 class RestWatch {
  public:
   enum class Verdict {
     not_measured,   // no rest was long enough to tell
-    comes_to_rest,  // the motion is over, or a swing that gets smaller
+    comes_to_rest,  // the motion is over
     swings,         // a swing lasts
     moves_on        // it flies or drifts away
   };
-  // Peak to peak, m: what moves less in a quarter of a second is at rest, unless it swings. Skin
-  // feels some 20 um at the few hertz of a swing that turns too seldom to be one here (Verrillo
-  // 1963); five times that, for hands and drives that creep.
+  // Peak to peak, m: what moves less for kStillSeconds, or in a shorter rest for half of it, and
+  // for a quarter of a second at least, is at rest, unless it swings. Skin feels some 20 um at the
+  // few hertz of a swing that turns too seldom to be one here (Verrillo 1963); five times that, for
+  // hands and drives that creep.
   static constexpr double kStill = 1e-4;
+  static constexpr double kStillSeconds = 0.5;
 
   void add(std::int64_t frame, double time_s, const Eigen::Vector3d& position, bool rests);
 
@@ -109,8 +107,9 @@ class RestWatch {
   const std::optional<Oscillation::Cycle>& cycle() const;
   // With Verdict::moves_on the distance that the last window moved over its length, m/s.
   std::optional<double> moves_on() const;
-  // Peak to peak in the last quarter of a second of the last rest, m; empty where none was as long.
-  const std::optional<double>& last_moves_m() const { return last_moves_; }
+  // Peak to peak at the end of the last rest, m: while it was still or, where it was not, in its
+  // last whole quarter of a second. Empty where no rest was as long as that.
+  std::optional<double> last_moves_m() const;
 
  private:
   struct Judged {
@@ -120,10 +119,21 @@ class RestWatch {
   Judged judge() const;
 
   std::array<Oscillation, 3> windows_ = {Oscillation(), Oscillation(0.6), Oscillation(1.5)};
-  int still_in_a_row_ = 0;  // quarters of a second
-  Judged before_;           // of the last rest that was compared
+  // The place within which the tip has been since `since_s`: no larger than kStill.
+  struct Quiet {
+    double since_s = 0;
+    Eigen::Vector3d least = Eigen::Vector3d::Zero();
+    Eigen::Vector3d most = Eigen::Vector3d::Zero();
+  };
+  bool still() const;
+
+  bool resting_ = false;
+  double rest_began_s_ = 0;
+  double now_s_ = 0;
+  Quiet quiet_;
+  Judged before_;  // of the last rest that was compared
   bool compared_ = false;
-  std::optional<double> last_moves_;
+  std::optional<double> last_window_;
 };
 
 }  // namespace hvp::plant

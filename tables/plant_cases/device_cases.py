@@ -131,17 +131,17 @@ HAND = (
         "lets go under load, undamped",
         "the wall gives back more than it took, since its force is held",
         (*UNDAMPED, "hand.lets_go=1 s"),
-        up(ACTIVE),
+        up(ACTIVE, MARGIN),
         (fix("device.dynamics.damping=1 N s/m"),),
     ),
     Case(
         "thrown at the wall, without damping and friction",
         "comes back faster than it went, and flies on for ever",
         (*UNDAMPED, "hand.lets_go=0.25 s"),
-        up(ACTIVE),
+        up(ACTIVE, MARGIN),
         (
             fix("device.dynamics.damping=1 N s/m"),
-            fix("device.friction.force=0.05 N"),
+            fix("device.friction.force=0.05 N", left=up(MARGIN)),
         ),
     ),
     Case(

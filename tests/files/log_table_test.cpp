@@ -154,9 +154,13 @@ TEST(LogTable, MayHaveASampleRateInPlaceOfTheTime) {
   EXPECT_EQ(refusal(text),
             "log.csv:1: has no column time_s, time_ms, time_us, time_ns or time_min, and no sample "
             "rate is given: found force_N; name it by --column time_s=NAME");
-  EXPECT_EQ(refusal(kHeader + rows(10), {.sample_rate = 1000.0}),
-            "log.csv: has 10 samples a second by its time, and 1000 are given: expected one of "
-            "both");
+  // A rate that is given counts for more than a time of another one.
+  const Log both = log_of(kHeader + rows(10), {.sample_rate = 1000.0});
+  EXPECT_EQ(both.time[9], 0.009);
+  EXPECT_THAT(both.warnings.front(), HasSubstr("at the rate that is given"));
+  const Log repeated = log_of("time_s,force_N\n0,1\n0,2\n0,3\n1,4\n1,5\n1,6\n2,7\n2,8\n2,9\n3,1\n",
+                              {.sample_rate = 3.0});
+  EXPECT_DOUBLE_EQ(repeated.time[9], 3.0);
 }
 
 TEST(LogTable, SaysWhatItHasNot) {

@@ -35,7 +35,7 @@ TEST(Oscillation, IsFoundWithItsAmplitudeAndFrequency) {
 
 TEST(Oscillation, ThatDecaysOrIsNotFeltIsNone) {
   EXPECT_FALSE(swing(1e-3, -2, 20, 2).cycle());
-  EXPECT_TRUE(swing(1e-3, -2, 20, 2).last()->settled);
+  EXPECT_FALSE(swing(1e-3, -2, 20, 2).last()->unsettled);
   EXPECT_FALSE(swing(0.09e-6, 0, 20, 2).cycle());
   EXPECT_FALSE(swing(1e-3, 0, 1, 2).cycle()) << "too slow to turn often enough: a drift";
   EXPECT_FALSE(swing(1e-3, 0, 20, 0.4).last()->compared) << "one window only";

@@ -59,7 +59,7 @@ TEST(Rest, CountsNoTurnsThatNobodyFeels) {
 
 TEST(Rest, OfADeviceThatSettlesIsOne) {
   const RestWatch watch =
-      rest([](double t) { return 1e-3 * std::exp(-5 * t) * std::sin(2 * pi * 40 * t); });
+      rest([](double t) { return 1e-3 * std::exp(-9 * t) * std::sin(2 * pi * 40 * t); });
   EXPECT_TRUE(watch.compared());
   EXPECT_EQ(watch.verdict(), Verdict::comes_to_rest);
 }
@@ -78,6 +78,26 @@ TEST(Rest, ASwingIsKnownByItsSize) {
     const auto decays = [&](double t) { return std::exp(-3 * t) * swing(t); };
     EXPECT_EQ(rest(decays, 4).verdict(), Verdict::comes_to_rest) << frequency;
   }
+}
+
+// It gets smaller by a tenth and more at first, and then lasts.
+TEST(Rest, ASwingThatIsApproachedFromAboveIsNone) {
+  const auto swing = [](double t) {
+    return 1e-3 * (1 + 0.3 * std::exp(-2 * t)) * std::sin(2 * pi * 20 * t);
+  };
+  for (const double seconds : {0.6, 1.0, 1.4, 2.0}) {
+    EXPECT_NE(rest(swing, seconds).verdict(), Verdict::comes_to_rest) << seconds;
+  }
+}
+
+// However the windows lie: what moved last counts, and what was before it does not.
+TEST(Rest, LooksAtTheVeryEnd) {
+  const auto late = [](double t) { return t < 0.9 ? 0.01 : 0.01 + 1e-3 * (t - 0.9) / 0.1; };
+  EXPECT_NE(rest(late, 1).verdict(), Verdict::comes_to_rest);
+  const auto early = [](double t) { return t < 0.3 ? 0.01 * t : 0.003; };
+  const RestWatch watch = rest(early, 0.9);
+  EXPECT_EQ(watch.verdict(), Verdict::comes_to_rest);
+  EXPECT_LE(*watch.last_moves_m(), RestWatch::kStill);
 }
 
 // What still moved by 20 mm in the last window did not come to rest, however much it slowed down.
