@@ -25,8 +25,8 @@ bool of_the_loop(Flags flags) {
 }
 
 std::vector<std::string> override_texts(const std::vector<std::string>& settings) {
-  std::vector<std::string> texts;
-  for (const std::string& setting : settings) texts.push_back(results::override_text(setting));
+  std::vector<std::string> texts(settings.size());
+  std::ranges::transform(settings, texts.begin(), results::override_text);
   return texts;
 }
 

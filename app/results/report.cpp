@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "app/results/faults.h"
 #include "app/results/flags.h"
 #include "app/results/number_text.h"
 #include "app/results/outcome.h"

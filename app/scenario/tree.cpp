@@ -6,6 +6,7 @@
 
 #include "app/scenario/message.h"
 #include "app/scenario/toml_text.h"
+#include "models/config/input_error.h"
 
 namespace hvp::scenario {
 namespace {

@@ -117,10 +117,10 @@ def key_of(source: Source, build: Path) -> str | None:
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()
 
 
-# Of what the last commits changed, the newest first: some four minutes of two cores.
+# Of what the last commits changed, the newest first: a source takes two cores some ten seconds.
 RECENT_COMMITS = 100
-RECENT_SOURCES = 60
-SHARES = 20
+RECENT_SOURCES = 30
+SHARES = 40
 
 
 def git(*arguments: str) -> list[str]:
