@@ -161,7 +161,7 @@ class SurfaceCandidates {
     for (const double share : {1.0, 0.85, 0.7, 0.55}) {
       const int fewer = std::max(4, static_cast<int>(share * suitable));
       const auto even = [this, fewer, suitable, edge] {
-        const Surface fine = split_long_edges(surface_, kFine * edge);
+        Surface fine = split_long_edges(surface_, kFine * edge);
         const int most = kMostTimes * suitable;
         if (static_cast<int>(fine.points.size()) > most) {
           throw InputError("nodes", fmt::format("split for {} points the surface has {}: at most "

@@ -203,7 +203,8 @@ class PointGrid {
     int nearest = -1;
     double least = distance_;
     for (int i = 0; i < 27; ++i) {
-      const Vector3d offset(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+      const std::array<int, 3> step = {i % 3 - 1, (i / 3) % 3 - 1, i / 9 - 1};
+      const Vector3d offset(step[0], step[1], step[2]);
       const auto found = cells_.find(key(cell + offset));
       if (found == cells_.end()) continue;
       for (const int candidate : found->second) {
