@@ -47,8 +47,8 @@ void add_settings(FitOutcome& outcome, bool told, link::Direction direction) {
   };
   deviation("read at", nearest.read_deviation);
   deviation("write at", nearest.write_deviation);
-  // A link that is far faster than any kind of the bus is no such bus: its settings would be those of
-  // another one.
+  // A link that is far faster than any kind of the bus is no such bus: its settings would be those
+  // of another one.
   constexpr double kFarFaster = -0.2;
   if (std::min(nearest.read_deviation.value_or(0), nearest.write_deviation.value_or(0)) <
       kFarFaster) {

@@ -212,8 +212,8 @@ std::filesystem::path Document::resolve(std::string_view key,
                                         const std::string& path_in_scenario) const {
   if (files_.empty()) return path_in_scenario;
   const Origin& origin = at(key).origin;
-  // The command line's own paths are its caller's; one that is there only beside the scenario, as in
-  // a study of it, is meant too.
+  // The command line's own paths are its caller's; one that is there only beside the scenario, as
+  // in a study of it, is meant too.
   if (!origin.in_file() && std::filesystem::exists(path_in_scenario)) return path_in_scenario;
   const auto file = origin.in_file() ? static_cast<std::size_t>(origin.file) : scenario_;
   return files_[file].parent_path() / path_in_scenario;  // an absolute path stays as it is

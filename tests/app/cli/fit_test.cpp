@@ -247,8 +247,8 @@ TEST_F(FitCommand, WritesNoBusForALinkThatIsFarFasterThanAny) {
   write("link.csv", transfers(3400));
   const Ended link = fit({"link.csv", "--model", "bus", "--out", "link.toml"});
   EXPECT_THAT(link.out + link.err, HasSubstr("no kind of [bus] is as fast"));
-  const Ended explained = hvp(place_.path(), {"explain", scenario("thesis.toml").string(),
-                                              "--include", "link.toml"});
+  const Ended explained =
+      hvp(place_.path(), {"explain", scenario("thesis.toml").string(), "--include", "link.toml"});
   EXPECT_EQ(explained.status, 0) << explained.err;
   EXPECT_THAT(read(place_.path() / "link.toml"), Not(HasSubstr("pci-x-133")));
 }
