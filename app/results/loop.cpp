@@ -126,7 +126,7 @@ void rest_line(Out out, const plant::RestWatch& rest) {
       fmt::format_to(out, "moves on, at {:.3g} m/s in the end\n", *rest.moves_on());
       return;
     case Verdict::comes_to_rest:
-      fmt::format_to(out, "comes to rest: within {} at the end\n",
+      fmt::format_to(out, "comes to rest: moves by {} at the end\n",
                      readable_length(*rest.last_moves_m()));
       return;
     case Verdict::not_measured:
@@ -135,8 +135,8 @@ void rest_line(Out out, const plant::RestWatch& rest) {
         return;
       }
       fmt::format_to(out,
-                     "not measured: still moves by {} in a quarter of a second, and the user rests "
-                     "too shortly to tell whether that ends\n",
+                     "not measured: still moves by {} at the end of a rest, which is too short to "
+                     "tell whether that ends\n",
                      readable_length(*rest.last_moves_m()));
       return;
   }
@@ -197,7 +197,7 @@ std::string stiffness_text(const std::optional<StiffnessBudget>& budget) {
                  "force is {} late, the mean\n             of {}{}\n",
                  budget->stable_N_m, budget->passive_N_m, time(budget->delay_s),
                  counted(budget->frames, "frame"),
-                 budget->moving ? " in contact that moves" : "; none in contact moves");
+                 budget->moving ? " in contact whose force changes" : "");
   if (budget->worst_delay_s > budget->delay_s) {
     fmt::format_to(out, "  at worst {}: {:.4g} N/m, passive {:.4g} N/m\n",
                    time(budget->worst_delay_s), budget->edge_N_m, budget->worst_passive_N_m);

@@ -42,13 +42,15 @@ void ApproachWatch::solved(const vp::Frame& frame, const vp::Solution& solution)
   if (frame.in_contact()) {
     touched_ = true;
     figures_.nearest.reset();
-    return;
   }
-  const results::Approach here{contacts_.surface().signed_distance(frame.touch().tip), frame.number,
-                               frame.touch().tip};
-  std::optional<results::Approach>& nearest = figures_.nearest;
-  if (!touched_ && (!nearest || here.distance < nearest->distance)) nearest = here;
-  if (!deepest_ || here.distance < deepest_->distance) deepest_ = here;
+  for (const collision::Touch& touch : frame.touches) {
+    if (touch.contact.present()) continue;
+    const results::Approach here{contacts_.surface().signed_distance(touch.tip), frame.number,
+                                 touch.tip};
+    std::optional<results::Approach>& nearest = figures_.nearest;
+    if (!touched_ && (!nearest || here.distance < nearest->distance)) nearest = here;
+    if (!deepest_ || here.distance < deepest_->distance) deepest_ = here;
+  }
 }
 
 results::ContactFigures ApproachWatch::figures() const {

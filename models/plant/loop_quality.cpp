@@ -129,10 +129,10 @@ void LoopQuality::report(config::Figures& f) const {
   f.quantity("moves_on_m_s", rest_.moves_on(), "m/s",
              "how fast the device moved on in the last window of its user's rest: it flies or "
              "drifts away, or swings slower than the run can tell; null where it does not");
-  f.quantity("last_moves_m", rest_.last_moves_m(), "m",
-             "peak to peak at the end of its user's last rest, of a quarter of a second at least; "
-             "null without "
-             "one");
+  f.quantity(
+      "last_moves_m", rest_.last_moves_m(), "m",
+      "peak to peak in the last quarter to half of a second of its user's rest, of the worst "
+      "rest; null without one");
   f.table("energy", "Where energy came from and went ([plant.md](plant.md)).", energy_);
 }
 

@@ -42,6 +42,12 @@ bool Oscillation::add(std::int64_t frame, double time_s, const Eigen::Vector3d& 
   return full;
 }
 
+double Oscillation::moves_at_end() const {
+  if (!last_) return 0;
+  if (window_.frames == 0) return (closed_.most - closed_.least).maxCoeff();
+  return (closed_.most.cwiseMax(window_.most) - closed_.least.cwiseMin(window_.least)).maxCoeff();
+}
+
 void Oscillation::close(std::int64_t frame) {
   const Eigen::Vector3d moves = window_.most - window_.least;
   Eigen::Index axis = 0;
@@ -62,6 +68,7 @@ void Oscillation::close(std::int64_t frame) {
     }
   }
   last_ = last;
+  closed_ = window_;
   before_ = moves;
   window_ = {};
 }
@@ -69,7 +76,7 @@ void Oscillation::close(std::int64_t frame) {
 void RestWatch::add(std::int64_t frame, double time_s, const Eigen::Vector3d& position,
                     bool rests) {
   if (!rests) {
-    if (windows_.front().last() && windows_.front().last()->compared) before_ = judge();
+    before_ = worst();
   } else if (!resting_) {
     rest_began_s_ = time_s;
     quiet_ = {time_s, position, position};
@@ -80,12 +87,7 @@ void RestWatch::add(std::int64_t frame, double time_s, const Eigen::Vector3d& po
   }
   resting_ = rests;
   now_s_ = time_s;
-  for (Oscillation& window : windows_) {
-    const bool closed = window.add(frame, time_s, position, rests);
-    if (!closed || &window != &windows_.front()) continue;
-    last_window_ = window.last()->moves_m;
-    compared_ = compared_ || window.last()->compared;
-  }
+  for (Oscillation& window : windows_) window.add(frame, time_s, position, rests);
 }
 
 // A swing of a hertz that is larger than that leaves its place within half a second.
@@ -95,24 +97,45 @@ bool RestWatch::still() const {
   return resting_ && quiet_s >= std::max(enough, Oscillation::kWindowSeconds);
 }
 
-RestWatch::Judged RestWatch::judge() const {
-  if (resting_ && compared_ && still()) return {Verdict::comes_to_rest, {}};
+std::optional<RestWatch::Judged> RestWatch::present() const {
+  const Oscillation& shortest = windows_.front();
+  if (!shortest.last() || !shortest.last()->compared) return std::nullopt;
+  Judged judged;
+  judged.moves_m = shortest.moves_at_end();
+  if (still()) {
+    judged.verdict = Verdict::comes_to_rest;
+    return judged;
+  }
   for (auto window = windows_.rbegin(); window != windows_.rend(); ++window) {
     const auto& last = window->last();
     if (!last || !last->compared) continue;
-    if (last->unsettled && !last->swings) return {Verdict::moves_on, last->moves_m / last->seconds};
-    return {};
+    if (last->unsettled && !last->swings) {
+      judged.verdict = Verdict::moves_on;
+      judged.speed = last->moves_m / last->seconds;
+    }
+    break;
   }
-  return before_;
+  return judged;
+}
+
+std::optional<RestWatch::Judged> RestWatch::worst() const {
+  const std::optional<Judged> now = present();
+  if (!now || !before_) return now ? now : before_;
+  const auto badness = [](const Judged& judged) {
+    if (judged.verdict == Verdict::moves_on) return 2;
+    return judged.verdict == Verdict::not_measured ? 1 : 0;
+  };
+  return badness(*before_) > badness(*now) ? before_ : now;
 }
 
 std::optional<double> RestWatch::last_moves_m() const {
-  if (compared_ && still()) return (quiet_.most - quiet_.least).maxCoeff();
-  return last_window_;
+  const std::optional<Judged> judged = worst();
+  return judged ? std::optional(judged->moves_m) : std::nullopt;
 }
 
 RestWatch::Verdict RestWatch::verdict() const {
-  return cycle() ? Verdict::swings : judge().verdict;
+  if (cycle()) return Verdict::swings;
+  return worst().value_or(Judged{}).verdict;
 }
 
 const std::optional<Oscillation::Cycle>& RestWatch::cycle() const {
@@ -123,7 +146,7 @@ const std::optional<Oscillation::Cycle>& RestWatch::cycle() const {
 
 std::optional<double> RestWatch::moves_on() const {
   if (verdict() != Verdict::moves_on) return std::nullopt;
-  return judge().speed;
+  return worst()->speed;
 }
 
 }  // namespace hvp::plant

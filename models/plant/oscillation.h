@@ -52,6 +52,8 @@ class Oscillation {
   const std::optional<Cycle>& cycle() const { return worst_; }
   // The last whole window of the present rest; empty where there is none.
   const std::optional<Window>& last() const { return last_; }
+  // Peak to peak since the last whole window of the present rest began, m.
+  double moves_at_end() const;
 
  private:
   struct Extent {
@@ -76,13 +78,14 @@ class Oscillation {
   Eigen::Vector3d from_ = Eigen::Vector3d::Zero();  // the window's first position
   std::optional<Eigen::Vector3d> before_;           // peak to peak of the window before
   std::optional<Window> last_;
+  Extent closed_;  // of the last whole window
   std::optional<Cycle> worst_;
 };
 
 // Whether a device comes to rest while its user rests, by the size of its motion at the end: a
 // swing that gets smaller may end in one that lasts. Windows of three lengths see swings from 12, 5
-// and 2 half turns a second on. A swing that lasts in any of them, in any rest, is a cycle; the
-// last rest that was long enough for two windows says of the others.
+// and 2 half turns a second on. A swing that lasts in any of them, in any rest, is a cycle. Of the
+// rests that were long enough for two windows the worst counts, however calm a later one is.
 class RestWatch {
  public:
   enum class Verdict {
@@ -102,21 +105,25 @@ class RestWatch {
 
   Verdict verdict() const;
   // True if any rest was long enough for two of the shortest windows.
-  bool compared() const { return compared_; }
+  bool compared() const { return worst().has_value(); }
   // The oscillation that lasts: that of the shortest windows which have one.
   const std::optional<Oscillation::Cycle>& cycle() const;
   // With Verdict::moves_on the distance that the last window moved over its length, m/s.
   std::optional<double> moves_on() const;
-  // Peak to peak at the end of the last rest, m: while it was still or, where it was not, in its
-  // last whole quarter of a second. Empty where no rest was as long as that.
+  // Peak to peak at the end of the rest that verdict() is of, m: in its last quarter to half of a
+  // second. Empty where no rest was long enough.
   std::optional<double> last_moves_m() const;
 
  private:
   struct Judged {
     Verdict verdict = Verdict::not_measured;
     std::optional<double> speed;
+    double moves_m = 0;
   };
-  Judged judge() const;
+  // The present rest, where it can be judged.
+  std::optional<Judged> present() const;
+  // The worst of all rests so far.
+  std::optional<Judged> worst() const;
 
   std::array<Oscillation, 3> windows_ = {Oscillation(), Oscillation(0.6), Oscillation(1.5)};
   // The place within which the tip has been since `since_s`: no larger than kStill.
@@ -131,9 +138,7 @@ class RestWatch {
   double rest_began_s_ = 0;
   double now_s_ = 0;
   Quiet quiet_;
-  Judged before_;  // of the last rest that was compared
-  bool compared_ = false;
-  std::optional<double> last_window_;
+  std::optional<Judged> before_;  // the worst of the rests that are over
 };
 
 }  // namespace hvp::plant
