@@ -11,6 +11,7 @@
 #include "app/run/watches.h"
 #include "app/stability/child_process.h"
 #include "models/config/input_error.h"
+#include "models/plant/daq.h"
 #include "models/plant/moving_device.h"
 #include "vp/platform.h"
 
@@ -45,7 +46,8 @@ class TrialWatch : public vp::FrameObserver {
     // The tip began in the wall, so a decaying swing stays there.
     left_ = left_ || (quarter >= 2 && depth < 0 && wall_.sides == host::Wall::Sides::one);
     // A force that is clamped at the end keeps a swing from growing, not from going on.
-    const bool clamped = device.drive.dac_saturated || device.drive.current_saturated;
+    const bool clamped = device.drive.dac_saturated || device.drive.current_saturated ||
+                         frame.touch().force.cwiseAbs().maxCoeff() > plant::kForce.largest();
     saturated_ = saturated_ || (quarter == 3 && clamped);
     delay_ += frame.born + frame.latency() - frame.latched;
     ++frames_;

@@ -1,5 +1,6 @@
 #include "models/mesh/surface_reader.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdint>
@@ -119,6 +120,15 @@ TEST(ReadSurface, ABinaryStlMayStartWithSolid) {
   std::string bytes = testing::as_binary_stl(unit_cube());
   bytes.replace(0, 5, "solid");
   EXPECT_EQ(read(".stl", bytes).triangles.size(), 12U);
+}
+
+// As some programs write it: all in one line, or with bytes behind the last triangle.
+TEST(ReadSurface, StlIsReadAsViewersDo) {
+  std::string line = testing::as_text_stl(unit_cube());
+  std::ranges::replace(line, '\n', ' ');
+  EXPECT_DOUBLE_EQ(enclosed_volume(check_surface(read(".stl", line))), 1.0);
+  const std::string longer = testing::as_binary_stl(unit_cube()) + "ab";
+  EXPECT_DOUBLE_EQ(enclosed_volume(check_surface(read(".stl", longer))), 1.0);
 }
 
 // Some CAD programs write SOLID, FACET NORMAL and VERTEX.
