@@ -93,7 +93,7 @@ mesh() { hvp mesh mesh "../../scenarios/surfaces/$1.stl" --nodes 500 --out mesh.
 
 solve() {
   local matrix=../../matrix_market/$1.mtx rows
-  rows=$(grep -v '^%' "$matrix" | head -n 1 | cut -d ' ' -f 1)
+  rows=$(awk '!/^%/ { print $1; exit }' "$matrix")
   { printf '%%%%MatrixMarket matrix array real general\n%d 1\n' "$rows" && seq "$rows"; } >b.mtx
   hvp plain solve --matrix "$matrix" --rhs b.mtx --solution plain.mtx
   hvp refined solve --matrix "$matrix" --rhs b.mtx --solution refined.mtx --set spectrum=true \

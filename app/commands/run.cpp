@@ -114,8 +114,12 @@ int run_command(const RunArguments& arguments) {
     const Rerun again = [&arguments](const std::vector<std::string>& changes) {
       return whole_run(arguments, changes);
     };
-    outcome = run(scene, {out, loaded.device_file, arguments.trace_registers, arguments.record_jobs,
-                          progress, rebuild, again});
+    outcome = run(scene, {out,
+                          loaded.device_file,
+                          arguments.trace_registers,
+                          arguments.record_jobs,
+                          progress,
+                          {rebuild, again}});
   } catch (const InputError& e) {
     throw loaded.document.complete(e);
   } catch (const Interrupted& e) {

@@ -255,7 +255,7 @@ Point Legend::entry(const std::string& words) {
   const TextStyle text = {.size = 18, .horizontal = Align::high};
   canvas_.text(next_, words, text);
   next_.x() -= canvas_.text_width(words, text) + 18.0;
-  const Point sign = next_;
+  Point sign = next_;
   next_.x() -= 30.0;
   return sign;
 }

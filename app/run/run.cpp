@@ -222,37 +222,6 @@ stability::Flags rounding_flags(const Scene& scene, const host::RoundingEstimate
   return flags;
 }
 
-// A remedy for the run's flags: first for those of the words and of the hand-over, by solving
-// frames of the run again, then for those of the loop. Either is then run as it is printed.
-std::optional<results::TriedRemedy> find_remedy(const Scene& scene, const results::Outcome& outcome,
-                                                const Recorder* recorder,
-                                                const RunOptions& options) {
-  std::optional<results::TriedRemedy> remedy;
-  if (recorder != nullptr && options.rebuild) {
-    remedy = try_remedies(scene, outcome.flags, recorder->sightings(),
-                          {outcome.verdict.worst_latency(), outcome.verdict.worst_load(),
-                           outcome.verdict.budget(), outcome.verdict.period()},
-                          options.rebuild, options.progress);
-  }
-  if (remedy) {
-    if (options.progress) options.progress("running the remedy as it will be printed");
-    remedy->was_held = outcome.held();
-    verify(*remedy, outcome.flags, options.rerun);
-  }
-  if (!outcome.stiffness || !options.rerun) return remedy;
-  const bool helps = remedy && remedy->whole_run && !remedy->taken_away().empty();
-  const stability::Flags flags = helps ? remedy->left : outcome.flags;
-  if (options.progress) options.progress("looking for a remedy of the loop");
-  std::optional<results::TriedRemedy> of_loop =
-      try_loop_remedy(scene.scenario(), flags, *outcome.stiffness,
-                      helps ? remedy->settings : std::vector<std::string>(), options.rerun);
-  if (!of_loop || (remedy && of_loop->settings.empty())) return remedy;
-  of_loop->was_held = outcome.held();
-  of_loop->of = outcome.flags;
-  if (remedy) of_loop->attempts += remedy->attempts;
-  return of_loop;
-}
-
 results::Outcome simulate(Scene& scene, const RunOptions& options) {
   const Scenario& s = scene.scenario();
   const std::filesystem::path& directory = options.directory;
@@ -355,7 +324,8 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   if (accuracy) outcome.flags.merge(accuracy->flags());
   const auto began = std::chrono::steady_clock::now();
   if (s.output.remedies && !outcome.partial() && !outcome.flags.empty()) {
-    outcome.remedy = find_remedy(scene, outcome, body ? &body->recorder() : nullptr, options);
+    outcome.remedy = find_remedy(scene, outcome, body ? &body->recorder() : nullptr, options.again,
+                                 options.progress);
   }
   outcome.remedy_search_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();

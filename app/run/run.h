@@ -3,8 +3,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "app/remedy/loop_remedy.h"
-#include "app/remedy/remedy.h"
+#include "app/remedy/find_remedy.h"
 #include "app/results/outcome.h"
 #include "app/scene/scene.h"
 
@@ -22,9 +21,7 @@ struct RunOptions {
   bool trace_registers = false;
   bool record_jobs = false;  // of a scenario whose board has words (require_board_with_words())
   Progress progress;
-  // For the remedies of flags; where they are empty no remedy is tried.
-  Rebuild rebuild;
-  Rerun rerun;
+  Again again;  // for the remedies of flags
 };
 
 // Simulates the scene and writes every result file but the pictures, in place of those of an

@@ -22,14 +22,7 @@ using Eigen::Vector3d;
 constexpr double kTolerance = 1e-9;
 
 double diagonal(const TetMesh& mesh) {
-  if (mesh.nodes.empty()) return 0.0;
-  Vector3d low = mesh.nodes.front();
-  Vector3d high = low;
-  for (const Vector3d& x : mesh.nodes) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  return (high - low).norm();
+  return mesh.nodes.empty() ? 0.0 : box_around(mesh.nodes).diagonal().norm();
 }
 
 double dot(const Vector3d& a, const Vector3d& b) {

@@ -26,16 +26,6 @@ using Edge = std::pair<int, int>;
 constexpr double kNoVolume = 1e-9;
 constexpr double kNoArea = 1e-14;
 
-double diagonal(const Surface& surface) {
-  Vector3d low = surface.points.front();
-  Vector3d high = low;
-  for (const Vector3d& x : surface.points) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  return (high - low).norm();
-}
-
 Vector3d normal_times_two_areas(const Surface& surface, const std::array<int, 3>& t) {
   const Vector3d& a = surface.points[at(t[0])];
   return (surface.points[at(t[1])] - a).cross(surface.points[at(t[2])] - a);
@@ -173,13 +163,8 @@ double surface_area(const Surface& surface) {
 
 double merging_distance(const Surface& surface) {
   if (surface.points.empty()) return 0;
-  Vector3d low = surface.points.front();
-  Vector3d high = low;
-  for (const Vector3d& x : surface.points) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  return static_cast<double>(std::numeric_limits<float>::epsilon()) * (high - low).maxCoeff();
+  const double width = box_around(surface.points).sizes().maxCoeff();
+  return static_cast<double>(std::numeric_limits<float>::epsilon()) * width;
 }
 
 namespace {
@@ -283,7 +268,7 @@ Surface check_surface(const Surface& raw) {
   }
   check_fans(surface);
 
-  const double size = diagonal(surface);
+  const double size = box_around(surface.points).diagonal().norm();
   double volume = enclosed_volume(surface);
   if (!(std::abs(volume) > kNoVolume * size * size * size)) {
     refuse(fmt::format("the surface encloses no volume: {:.3g} m³ within a diagonal of {:.3g} m",

@@ -39,14 +39,9 @@ constexpr double kFarthest = 1e4;
 // large.
 void check_place(const Surface& surface, double unit_m) {
   if (surface.points.empty()) return;
-  Eigen::Vector3d low = surface.points.front();
-  Eigen::Vector3d high = low;
-  for (const Eigen::Vector3d& x : surface.points) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  const double width = (high - low).maxCoeff();
-  const double distance = low.cwiseAbs().cwiseMax(high.cwiseAbs()).maxCoeff();
+  const Eigen::AlignedBox3d box = box_around(surface.points);
+  const double width = box.sizes().maxCoeff();
+  const double distance = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
   if (distance > kFarthest * width) {
     throw InputError("surface",
                      fmt::format("the surface lies {:.3g} m from the origin and is {:.3g} m "
@@ -86,7 +81,7 @@ Surface read_surface(const std::string& path, double unit_m) {
     const std::string bytes = run_in_sandbox("the reader", "surface", limits_for(contents.size()),
                                              {}, [&](const Progress& /*progress*/) {
                                                const Surface surface =
-                                                   read_with_vtk(path, contents, format, unit_m);
+                                                   read_contents(path, contents, format, unit_m);
                                                ByteWriter writer;
                                                writer.points(surface.points);
                                                writer.tuples(surface.triangles);

@@ -27,7 +27,7 @@ void precheck(std::string_view bytes, SurfaceFormat format);
 // Reads a file, of which `bytes` are the contents: STL, PLY and OBJ as polygon_files.h does, VTP
 // and VTU with VTK's readers, which may crash or print on malformed files: call this in a child
 // process (sandbox.h). Throws InputError with the key "surface" and VTK's message, if there is one.
-Surface read_with_vtk(const std::string& path, std::string_view bytes, SurfaceFormat format,
+Surface read_contents(const std::string& path, std::string_view bytes, SurfaceFormat format,
                       double unit_m);
 
 // Reads a surface file, STL (text or binary), PLY, OBJ, VTP or VTU by its extension. One unit of

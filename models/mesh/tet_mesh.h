@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <vector>
 
@@ -24,6 +25,13 @@ struct TetMesh {
   // right-hand rule points out of the body.
   std::vector<std::array<int, 3>> boundary;
 };
+
+// The box around points; empty without any.
+inline Eigen::AlignedBox3d box_around(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& x : points) box.extend(x);
+  return box;
+}
 
 // det J of a tetrahedron: six times its signed volume, in m³.
 inline double jacobian_determinant(const Eigen::Vector3d& a, const Eigen::Vector3d& b,

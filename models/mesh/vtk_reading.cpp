@@ -244,7 +244,7 @@ void precheck(std::string_view bytes, SurfaceFormat format) {
   if (format == SurfaceFormat::vtu) check_vtk_xml(bytes, "UnstructuredGrid");
 }
 
-Surface read_with_vtk(const std::string& path, std::string_view bytes, SurfaceFormat format,
+Surface read_contents(const std::string& path, std::string_view bytes, SurfaceFormat format,
                       double unit_m) {
   vtkNew<CapturingWindow> window;
   vtkOutputWindow::SetInstance(window);

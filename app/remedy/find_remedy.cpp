@@ -1,0 +1,39 @@
+#include "app/remedy/find_remedy.h"
+
+#include <string>
+#include <vector>
+
+#include "app/remedy/replay.h"
+
+namespace hvp::app {
+
+std::optional<results::TriedRemedy> find_remedy(const Scene& scene, const results::Outcome& outcome,
+                                                const Recorder* recorder, const Again& again,
+                                                const Progress& progress) {
+  std::optional<results::TriedRemedy> remedy;
+  if (recorder != nullptr && again.rebuild) {
+    remedy = try_remedies(scene, outcome.flags, recorder->sightings(),
+                          {outcome.verdict.worst_latency(), outcome.verdict.worst_load(),
+                           outcome.verdict.budget(), outcome.verdict.period()},
+                          again.rebuild, progress);
+  }
+  if (remedy) {
+    if (progress) progress("running the remedy as it will be printed");
+    remedy->was_held = outcome.held();
+    verify(*remedy, outcome.flags, again.rerun);
+  }
+  if (!outcome.stiffness || !again.rerun) return remedy;
+  const bool helps = remedy && remedy->whole_run && !remedy->taken_away().empty();
+  const stability::Flags flags = helps ? remedy->left : outcome.flags;
+  if (progress) progress("looking for a remedy of the loop");
+  std::optional<results::TriedRemedy> of_loop =
+      try_loop_remedy(scene.scenario(), flags, *outcome.stiffness,
+                      helps ? remedy->settings : std::vector<std::string>(), again.rerun);
+  if (!of_loop || (remedy && of_loop->settings.empty())) return remedy;
+  of_loop->was_held = outcome.held();
+  of_loop->of = outcome.flags;
+  if (remedy) of_loop->attempts += remedy->attempts;
+  return of_loop;
+}
+
+}  // namespace hvp::app
