@@ -4,31 +4,6 @@
 
 enum { KNOWN_MAJOR_VERSION = 2 };
 
-static hvp_status status_of_board(uint32_t error_code) {
-  switch (error_code) {
-    case HVP_ERROR_CODE_BAD_SIZE:
-      return HVP_ERROR_BAD_SIZE;
-    case HVP_ERROR_CODE_BAD_MATRIX:
-      return HVP_ERROR_BAD_MATRIX;
-    case HVP_ERROR_CODE_BAD_SETTING:
-      return HVP_ERROR_BAD_SETTING;
-    case HVP_ERROR_CODE_NOT_LOADED:
-      return HVP_ERROR_NOT_LOADED;
-    case HVP_ERROR_CODE_BAD_NODE:
-      return HVP_ERROR_BAD_NODE;
-    case HVP_ERROR_CODE_BAD_ROW:
-      return HVP_ERROR_BAD_ROW;
-    case HVP_ERROR_CODE_BAD_DESCRIPTOR:
-      return HVP_ERROR_BAD_DESCRIPTOR;
-    case HVP_ERROR_CODE_DMA_FAILED:
-      return HVP_ERROR_DMA;
-    case HVP_ERROR_CODE_ILLEGAL_ACCESS:
-      return HVP_ERROR_ILLEGAL_ACCESS;
-    default:
-      return HVP_ERROR_BOARD;
-  }
-}
-
 // What an error leaves behind: its detail, and the true job number, since a refused start did not
 // count. Read before the error is cleared, which clears the detail too.
 static void note_error(struct hvp_device* device) {
@@ -38,9 +13,7 @@ static void note_error(struct hvp_device* device) {
 
 hvp_status hvp_bus_errors(const struct hvp_device* device) {
   if (device->bus.take_errors == NULL) return HVP_OK;
-  const uint32_t errors = device->bus.take_errors(device->bus.context);
-  if ((errors & HVP_BUS_MASTER_ABORT) != 0U) return HVP_ERROR_BUS;
-  return errors == 0U ? HVP_OK : HVP_ERROR_DATA;
+  return hvp_status_of_bus(device->bus.take_errors(device->bus.context));
 }
 
 hvp_status hvp_sleep(struct hvp_device* device, uint64_t begin, uint64_t timeout_ns, bool looked,
@@ -71,7 +44,7 @@ hvp_status hvp_take_end(struct hvp_device* device, uint32_t status) {
                         PLACE(FIELD(status, HVP__STATUS__ERROR), HVP__INTERRUPT_STATUS__ERROR);
   hvp_write_register(device, HVP_OFFSET(INTERRUPT_STATUS), seen);
   device->done_pending = false;
-  return failed ? status_of_board(FIELD(status, HVP__STATUS__ERROR_CODE)) : HVP_OK;
+  return failed ? hvp_status_of_board(FIELD(status, HVP__STATUS__ERROR_CODE)) : HVP_OK;
 }
 
 void hvp_clear_done(struct hvp_device* device) {

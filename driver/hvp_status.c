@@ -1,8 +1,6 @@
 #include "driver/hvp_status.h"
 
-#ifdef __KERNEL__
-#include <linux/stddef.h>
-#endif
+#include "driver/hvp_transfer.h"
 
 const char* hvp_status_text(hvp_status status) {
   switch (status) {
@@ -88,4 +86,34 @@ const char* hvp_status_name(hvp_status status) {
       "HVP_ERROR_BOARD",
   };
   return (unsigned)status < HVP_STATUS_COUNT ? names[status] : "HVP_STATUS_UNKNOWN";
+}
+
+hvp_status hvp_status_of_board(unsigned error_code) {
+  switch (error_code) {
+    case HVP_ERROR_CODE_BAD_SIZE:
+      return HVP_ERROR_BAD_SIZE;
+    case HVP_ERROR_CODE_BAD_MATRIX:
+      return HVP_ERROR_BAD_MATRIX;
+    case HVP_ERROR_CODE_BAD_SETTING:
+      return HVP_ERROR_BAD_SETTING;
+    case HVP_ERROR_CODE_NOT_LOADED:
+      return HVP_ERROR_NOT_LOADED;
+    case HVP_ERROR_CODE_BAD_NODE:
+      return HVP_ERROR_BAD_NODE;
+    case HVP_ERROR_CODE_BAD_ROW:
+      return HVP_ERROR_BAD_ROW;
+    case HVP_ERROR_CODE_BAD_DESCRIPTOR:
+      return HVP_ERROR_BAD_DESCRIPTOR;
+    case HVP_ERROR_CODE_DMA_FAILED:
+      return HVP_ERROR_DMA;
+    case HVP_ERROR_CODE_ILLEGAL_ACCESS:
+      return HVP_ERROR_ILLEGAL_ACCESS;
+    default:
+      return HVP_ERROR_BOARD;
+  }
+}
+
+hvp_status hvp_status_of_bus(unsigned errors) {
+  if ((errors & HVP_BUS_MASTER_ABORT) != 0U) return HVP_ERROR_BUS;
+  return errors == 0U ? HVP_OK : HVP_ERROR_DATA;
 }

@@ -40,6 +40,10 @@ typedef enum hvp_status {
 const char* hvp_status_text(hvp_status status);
 // The name in the code: "HVP_ERROR_TIMEOUT".
 const char* hvp_status_name(hvp_status status);
+// What a code of the board's register ERROR is to the driver's caller.
+hvp_status hvp_status_of_board(unsigned error_code);
+// What the errors that struct hvp_bus' take_errors returns are.
+hvp_status hvp_status_of_bus(unsigned errors);
 
 #ifdef __cplusplus
 }

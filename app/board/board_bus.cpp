@@ -88,7 +88,9 @@ int BoardBus::wait_interrupt(std::uint64_t timeout_ns) {
   const Picoseconds late =
       vp::now_ps() + static_cast<Picoseconds>(std::min(timeout_ns, kLongestWaitNs)) * 1000;
   while (!take_interrupt()) {
-    if (function_.host().run_until(late)) {
+    const bool reached = function_.host().run_until(late);
+    function_.host().frames().ran();
+    if (reached) {
       return take_interrupt() ? HVP_INTERRUPT : HVP_INTERRUPT_TIMED_OUT;
     }
   }
@@ -101,12 +103,14 @@ std::uint32_t BoardBus::take_errors() {
   if (noted.master_abort) errors |= HVP_BUS_MASTER_ABORT;
   if (noted.parity) errors |= HVP_BUS_PARITY;
   noted = {};
+  if (errors != 0) function_.host().frames().told_by_bus(hvp_status_of_bus(errors));
   return errors;
 }
 
 void BoardBus::let_pass(Picoseconds time) {
   const Picoseconds end = vp::now_ps() + time;
   while (!function_.host().run_until(end)) continue;
+  function_.host().frames().ran();
 }
 
 }  // namespace hvp::app

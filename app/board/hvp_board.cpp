@@ -23,6 +23,7 @@
 #include "vp/function/outside_host.h"
 
 using hvp::vp::Command;
+using Space = hvp::vp::OutsideHost::Space;
 using hvp::vp::Picoseconds;
 
 // The last finished job.
@@ -35,7 +36,8 @@ class LastJob : public hvp::vp::FrameObserver {
            .end_ps = ps(frame.born + frame.latency()),
            .host_ps = ps(path.time(hvp::vp::Part::host)),
            .bus_ps = ps(path.time(hvp::vp::Part::bus)),
-           .fpga_ps = ps(path.time(hvp::vp::Part::fpga))};
+           .fpga_ps = ps(path.time(hvp::vp::Part::fpga)),
+           .status = frame.status};
   }
 
   std::optional<hvp_board_job> job;
@@ -128,6 +130,12 @@ hvp_board* hvp_board_open(const char* scenario, const hvp_board_options* options
 }
 
 void hvp_board_close(hvp_board* board) {
+  if (board != nullptr) {
+    caught(false, [&] {
+      hvp::app::warn_of_faults_that_never_struck(board->function);
+      return true;
+    });
+  }
   if (board != nullptr && board->trace != nullptr) {
     try {
       board->trace->finish();
@@ -172,7 +180,9 @@ void hvp_board_write(hvp_board* board, std::uint64_t offset, const void* data, s
 std::uint32_t hvp_board_config_read(hvp_board* board, std::uint32_t offset, std::size_t bytes) {
   std::array<std::uint8_t, 4> data{};
   const std::span<std::uint8_t> part = std::span(data).first(std::min<std::size_t>(bytes, 4));
-  board->function.config().read(offset, part);
+  caught(false, [&] {
+    return board->function.host().access(Command::read, offset, part, Space::configuration);
+  });
   std::uint32_t value = 0;
   for (std::size_t i = part.size(); i > 0; --i) value = value << 8U | part[i - 1];
   return value;
@@ -184,8 +194,7 @@ void hvp_board_config_write(hvp_board* board, std::uint32_t offset, std::uint32_
   const std::span<std::uint8_t> part = std::span(data).first(std::min<std::size_t>(bytes, 4));
   for (std::size_t i = 0; i < part.size(); ++i) part[i] = static_cast<std::uint8_t>(value >> 8 * i);
   caught(false, [&] {
-    board->function.config().write(offset, part);
-    return true;
+    return board->function.host().access(Command::write, offset, part, Space::configuration);
   });
 }
 
@@ -203,8 +212,11 @@ bool hvp_board_run_until_ps(hvp_board* board, std::uint64_t time_ps) {
   // Eleven days, so that later times still fit into 64 bits.
   constexpr std::uint64_t kLatest = 1'000'000'000'000'000'000;
   if (time_ps > kLatest) return false;
-  return caught(
-      false, [&] { return board->function.host().run_until(static_cast<Picoseconds>(time_ps)); });
+  return caught(false, [&] {
+    const bool reached = board->function.host().run_until(static_cast<Picoseconds>(time_ps));
+    board->function.host().frames().ran();
+    return reached;
+  });
 }
 
 bool hvp_board_interrupt(hvp_board* board) { return board->bus.take_interrupt(); }

@@ -50,7 +50,8 @@ bool hvp_board_unmap(struct hvp_board* board, uint64_t bus_address, uint64_t byt
 // Accesses 1, 2, 4 or 8 bytes of the BAR, or a block of words, as docs/registers.md defines.
 void hvp_board_read(struct hvp_board* board, uint64_t offset, void* data, size_t bytes);
 void hvp_board_write(struct hvp_board* board, uint64_t offset, const void* data, size_t bytes);
-// Accesses 1, 2 or 4 bytes of the configuration space at a multiple of their number. Takes no time.
+// Accesses 1, 2 or 4 bytes of the configuration space at a multiple of their number. Takes no time
+// but that of the posted writes before it, which it does not overtake.
 uint32_t hvp_board_config_read(struct hvp_board* board, uint32_t offset, size_t bytes);
 void hvp_board_config_write(struct hvp_board* board, uint32_t offset, uint32_t value, size_t bytes);
 
@@ -73,8 +74,12 @@ struct hvp_board_job {
   uint64_t host_ps;  // time spent waiting for the host, the bus and the board
   uint64_t bus_ps;
   uint64_t fpga_ps;
+  // As the board's words tell it: HVP_OK, the board's error, or HVP_ERROR_TIMEOUT for a job that
+  // the host went on without.
+  hvp_status status;
 };
-// Returns the last finished job, and begins a new job in any case. False if there has been none.
+// Returns the last finished job, and begins a new job in any case. False if there has been none. A
+// job whose end the host has not seen is finished, as a failed one, when the board is reset.
 bool hvp_board_last_job(struct hvp_board* board, struct hvp_board_job* job);
 // NOLINTEND(readability-identifier-naming)
 

@@ -62,4 +62,14 @@ vp::PlatformSettings outside_board(const LoadedScenario& loaded) try {
   throw loaded.document.complete(e);
 }
 
+void warn_of_faults_that_never_struck(vp::BoardFunction& board) {
+  const vp::FaultPlan* const plan = board.side().board()->faults();
+  if (plan == nullptr) return;
+  for (const vp::FaultRecord& record : plan->records()) {
+    if (record.injected > 0) continue;
+    spdlog::warn("[[fault]] {} did not happen: {}", vp::name(record.fault.kind),
+                 record.why_not(board.host().frames().jobs()));
+  }
+}
+
 }  // namespace hvp::app

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/scene/loaded_scenario.h"
+#include "vp/function/outside_host.h"
 #include "vp/platform_settings.h"
 
 namespace hvp::app {
@@ -14,5 +15,9 @@ void require_board_with_words(const LoadedScenario& loaded);
 // solved. Throws as require_board_with_words() does, and if the scenario has an effect that only
 // the host of `hvp run` provides: pictures on the bus.
 vp::PlatformSettings outside_board(const LoadedScenario& loaded);
+
+// A warning for each [[fault]] that did not happen, with why: it would pass for one that was
+// survived. For hosts that print no report.
+void warn_of_faults_that_never_struck(vp::BoardFunction& board);
 
 }  // namespace hvp::app

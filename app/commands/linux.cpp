@@ -159,7 +159,7 @@ std::string frames_text(const guest::GuestFigures& figures) {
     text +=
         fmt::format("\n  fault         {}: {}", vp::name(fault.fault.kind),
                     fault.injected == 0
-                        ? std::string("did not happen")
+                        ? "did not happen: " + fault.why_not(v.frames())
                         : fmt::format("{}, first in frame {}; who noticed is the driver's to say",
                                       results::counted(fault.injected, "time"), fault.first_frame));
   }
@@ -220,7 +220,8 @@ int linux_command(const LinuxArguments& arguments) {
           "guest.system_call: the kernel took no time for a system call; expected one with "
           "driver/linux/kernel/patches/system-call-time.patch");
     }
-    figures = results.finish(s, {guest.counts(), guest.first_access(), std::move(missing)});
+    figures = results.finish(
+        s, {guest.counts(), guest.first_access(), std::move(missing), end.interrupted});
   }
   if (registers) registers->finish();
 

@@ -49,6 +49,7 @@ int serve_command(const ServeArguments& arguments) {
         arguments.socket.string());
     std::fflush(stdout);
     serve::Server(board, socket).run(arguments.once);
+    warn_of_faults_that_never_struck(board.function());
     if (registers) {
       registers->finish();
       print("every access is in {}\n", (out / "registers.log").string());

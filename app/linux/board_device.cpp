@@ -21,6 +21,11 @@ namespace {
 // it does for a processor that enters its handler again.
 constexpr vp::Picoseconds kLineAgain = 1'000'000;
 
+bool of_configuration(const pci::Command& command) {
+  return command.operation == pci::Operation::config_read ||
+         command.operation == pci::Operation::config_write;
+}
+
 }  // namespace
 
 BoardDevice::BoardDevice(vp::OutsideHost& host, vp::HostMemory* memory, Calendar& calendar,
@@ -168,11 +173,11 @@ void BoardDevice::take_commands() {
 void BoardDevice::hold() {
   advance();
   const vp::Picoseconds latest = to_ps(calendar_.latest(now_ns()));
-  while (reads_outstanding() || operations_.size() > kMostPosted) {
+  while (awaits_an_answer() || operations_.size() > kMostPosted) {
     const bool reached = host_.run_until(latest);
     advance();
     if (!reached) continue;
-    if (reads_outstanding()) ++counts_.polled;
+    if (awaits_an_answer()) ++counts_.polled;
     break;
   }
   while (!whole_ns()) {
@@ -189,36 +194,21 @@ void BoardDevice::advance() {
 }
 
 void BoardDevice::begin() {
-  bool all_ended = true;
+  using Space = vp::OutsideHost::Space;
   for (Operation& operation : operations_) {
-    if (!operation.begun) {
-      const bool config = operation.command.operation == pci::Operation::config_read ||
-                          operation.command.operation == pci::Operation::config_write;
-      if (config && !all_ended) return;
-      operation.begun = true;
-      if (config) {
-        make_config(operation);
-      } else if (operation.command.bar != 0 || operation.command.data.empty()) {
-        operation.ended = true;  // nothing is there
-      } else {
-        const bool reads = operation.command.reads();
-        ++(reads ? counts_.reads : counts_.writes);
-        host_.post({reads ? vp::Command::read : vp::Command::write, operation.command.address,
-                    operation.command.data, [&operation] { operation.ended = true; }});
-      }
+    if (operation.begun) continue;
+    operation.begun = true;
+    const bool reads = operation.command.reads();
+    const bool config = of_configuration(operation.command);
+    if (!config && (operation.command.bar != 0 || operation.command.data.empty())) {
+      operation.ended = true;  // nothing is there
+      continue;
     }
-    all_ended = all_ended && operation.ended;
+    if (!config) ++(reads ? counts_.reads : counts_.writes);
+    host_.post({reads ? vp::Command::read : vp::Command::write,
+                config ? Space::configuration : Space::bar, operation.command.address,
+                operation.command.data, [&operation] { operation.ended = true; }});
   }
-}
-
-void BoardDevice::make_config(Operation& operation) {
-  pci::Command& command = operation.command;
-  if (command.reads()) {
-    host_.config().read(command.address, command.data);
-  } else {
-    host_.config().write(command.address, command.data);
-  }
-  operation.ended = true;
 }
 
 // Returns operations in order. An answer is returned at once. A write is returned when the guest
@@ -235,8 +225,10 @@ void BoardDevice::finish() {
   }
 }
 
-bool BoardDevice::reads_outstanding() const {
-  return std::ranges::any_of(operations_, [](const Operation& o) { return o.command.reads(); });
+bool BoardDevice::awaits_an_answer() const {
+  return std::ranges::any_of(operations_, [](const Operation& o) {
+    return o.command.reads() || of_configuration(o.command);
+  });
 }
 
 void BoardDevice::give_back() {
@@ -248,7 +240,7 @@ void BoardDevice::give_back() {
 bool BoardDevice::settle() {
   advance();
   bool told = tell();
-  if (!written_.empty() && !reads_outstanding()) {
+  if (!written_.empty() && !awaits_an_answer()) {
     give_back();
     told = true;
   }

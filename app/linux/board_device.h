@@ -24,11 +24,11 @@ namespace hvp::guest {
 // Everything happens while the guest waits for its next event or for our answer, so that the result
 // does not depend on the speed of either program.
 //
-// A write is answered at once and later made on the bus in its turn, as long as no more than
-// kMostPosted writes are pending. A read is answered at its end: simulated time goes on while the
-// guest waits in the access. If one of the guest's timers is due before that, the guest polls for
-// the answer every microsecond (virt-pci.c). Accesses to the configuration space keep their order
-// but take no time.
+// A write to the BAR is answered at once and later made on the bus in its turn, as long as no more
+// than kMostPosted writes are pending. Every other access is answered at its end: simulated time
+// goes on while the guest waits in it. If one of the guest's timers is due before that, the guest
+// polls for the answer every microsecond (virt-pci.c). Accesses to the configuration space keep
+// their order and take no time of their own.
 class BoardDevice : public vp::InterruptListener {
  public:
   static constexpr std::size_t kMostPosted = 64;
@@ -81,9 +81,8 @@ class BoardDevice : public vp::InterruptListener {
   void take_commands();
   void hold();
   void begin();
-  void make_config(Operation& operation);
   void finish();
-  bool reads_outstanding() const;
+  bool awaits_an_answer() const;
   void give_back();
   bool tell();
   void call(std::uint32_t number);

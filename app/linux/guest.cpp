@@ -151,6 +151,7 @@ void Guest::sleep() {
   }
   const bool slept = waited > kSleep;
   if (slept && !told_) board_.host().frames().woke(vp::now_ps());
+  board_.host().frames().ran();
   calendar_.run(now_ns());
 }
 

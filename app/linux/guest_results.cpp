@@ -70,7 +70,7 @@ void GuestFigures::report(config::Figures& f) const {
   f.table("load", "From a frame's birth until its job's last access.",
           [&] { verdict.report_load(f); });
   verdict.report_attribution(f);
-  results::report_faults(f, faults, false);
+  results::report_faults(f, faults, verdict.frames(), false);
   f.table("board", "What the board counted.", [&] {
     f.count("illegal_accesses", illegal_accesses, "that its registers refused");
     f.count("saturations", saturations, "words that reached their limit");
@@ -119,7 +119,7 @@ GuestResults::GuestResults(const std::filesystem::path& folder, const app::Scena
 GuestFigures GuestResults::finish(const app::Scenario& scenario, const GuestFacts& guest) {
   const vp::Picoseconds end = vp::now_ps();
   let_finish(board_);
-  board_.host().frames().finish();
+  board_.host().frames().finish(!guest.interrupted);
   frames_.finish();
   trace_.finish();
   const vp::Accelerator& accelerator = board_.accelerator();

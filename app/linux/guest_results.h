@@ -28,6 +28,8 @@ struct GuestFacts {
   std::optional<vp::Picoseconds> first_access;
   // The keys and other items whose time the frames' times do not contain.
   std::vector<std::string> not_counted;
+  // The user ended the run: a job under way is none, where it is one that failed otherwise.
+  bool interrupted = false;
 };
 
 // The figures of a run whose host is a Linux kernel: those of `hvp run` about times, the board and

@@ -52,7 +52,7 @@ void report_driver(config::Figures& f, const vp::ServoCounts& c) {
 }
 
 void report_faults(config::Figures& f, const std::vector<vp::FaultRecord>& faults,
-                   bool driver_is_known) {
+                   std::int64_t frames, bool driver_is_known) {
   f.list("faults", "One entry for each `[[fault]]` ([faults.md](faults.md)).", faults,
          [&](const vp::FaultRecord& r) {
            f.text("kind", vp::name(r.fault.kind), "what it is");
@@ -62,6 +62,9 @@ void report_faults(config::Figures& f, const std::vector<vp::FaultRecord>& fault
            f.when(driver_is_known, [&] { f.count("unnoticed", r.unnoticed(), "by nobody"); });
            f.count("first_frame", r.injected > 0 ? std::optional(r.first_frame) : std::nullopt,
                    "in which it was injected, or null");
+           f.when(r.injected == 0, [&] {
+             f.text("why_not", r.why_not(frames), "why it did not happen; only where it did not");
+           });
          });
 }
 
@@ -96,7 +99,8 @@ void fault_lines(Out out, const Outcome& o) {
   if (o.faults.empty()) return;
   for (const vp::FaultRecord& r : o.faults) {
     if (r.injected == 0) {
-      fmt::format_to(out, "  {:<16} did not happen\n", vp::name(r.fault.kind));
+      fmt::format_to(out, "  {:<16} did not happen: {}\n", vp::name(r.fault.kind),
+                     r.why_not(o.verdict.frames()));
       continue;
     }
     fmt::format_to(out, "  {:<16} {}, first in frame {}", vp::name(r.fault.kind), times(r.injected),

@@ -196,7 +196,7 @@ void Outcome::report_stability(config::Figures& f) const {
   f.table_if_present("refinement", "With `[refinement]` only.", refinement);
   f.table("driver", "What the driver returned, and what the servo loop did then.",
           [&] { report_driver(f, servo); });
-  report_faults(f, faults);
+  report_faults(f, faults, verdict.frames());
 }
 
 void Outcome::report_parts(config::Figures& f) const {

@@ -63,13 +63,16 @@ void BoardPort::show_errors() {
 }
 
 void BoardPort::read_config(std::uint64_t offset, std::span<std::uint8_t> data) {
+  board_.host().access(vp::Command::read, offset, data, vp::OutsideHost::Space::configuration);
+  // Errors of what came before show themselves by now, and the client reads them with this access.
   show_errors();
   board_.config().read(offset, data);
 }
 
 void BoardPort::write_config(std::uint64_t offset, std::span<const std::uint8_t> data) {
   show_errors();
-  board_.config().write(offset, data);
+  std::vector<std::uint8_t> copy(data.begin(), data.end());
+  board_.host().access(vp::Command::write, offset, copy, vp::OutsideHost::Space::configuration);
   accessed();
 }
 

@@ -26,6 +26,7 @@ class BoardPort : public FunctionPort, private vp::InterruptListener {
   explicit BoardPort(const vp::PlatformSettings& settings,
                      results::RegisterTrace* registers = nullptr);
 
+  vp::BoardFunction& function() { return board_; }
   // Sets the receiver of interrupts; null: none.
   void tell(Interrupts* interrupts);
 

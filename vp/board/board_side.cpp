@@ -39,9 +39,19 @@ InterruptIf& BusAssembly::line_to(InterruptIf& host) {
   return *pcie_;
 }
 
+void BusAssembly::drain_to_board() {
+  pci_.drain_to_board();
+  if (pcie_ != nullptr) pcie_->drain_to_board();
+}
+
+void BusAssembly::drain_to_host() {
+  pci_.drain_to_host();
+  if (pcie_ != nullptr) pcie_->drain_to_host();
+}
+
 void BusAssembly::drain() {
-  pci_.drain();
-  if (pcie_ != nullptr) pcie_->drain();
+  drain_to_board();
+  drain_to_host();
 }
 
 BoardAssembly::BoardAssembly(const PlatformSettings& settings, Numbers numbers,

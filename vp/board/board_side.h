@@ -49,7 +49,10 @@ class BusAssembly {
   // messages of it.
   InterruptIf& line_to(InterruptIf& host);
 
-  // Waits in the caller's process until no posted write is under way.
+  // Wait in the caller's process until no posted write is under way in this direction.
+  void drain_to_board();
+  void drain_to_host();
+  // Both, one after the other.
   void drain();
 
   PciBus& pci() { return pci_; }

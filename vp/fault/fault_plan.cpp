@@ -97,7 +97,8 @@ void Fault::declare(config::Visitor& v) {
   });
   of_kind.only({FaultKind::device_gone}, [&] {
     v.integer("frames", frames, {0, 100'000'000},
-              {"after how many periods the board is back, reset; 0: never",
+              {"after how many of budget.period since that frame's birth the board is back, reset; "
+               "0: never",
                "a board that was pulled out"});
   });
   of_kind.only({FaultKind::late_dma}, [&] {
@@ -135,6 +136,41 @@ void Fault::check() const {
                                            "or \"solution\", found \"{}\"",
                                            name(access)));
   }
+}
+
+namespace {
+
+// What a frame of the fault's number did not do.
+std::string_view missing_in_frame(const Fault& fault) {
+  switch (fault.kind) {
+    case FaultKind::lost_interrupt:
+      return "the board raised no interrupt";
+    case FaultKind::stuck_busy:
+    case FaultKind::saturated_solve:
+      return "no solve was started";
+    case FaultKind::master_abort:
+    case FaultKind::corrupted_word:
+      return "no such access was made";
+    case FaultKind::late_dma:
+    case FaultKind::truncated_dma:
+      return "the board's engine moved no U";
+    case FaultKind::device_gone:
+      return "the board was not asked for anything";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string FaultRecord::why_not(std::int64_t frames) const {
+  if (injected > 0) return {};
+  if (fault.frame < 0) {
+    return fmt::format("at a rate of {} none was drawn in {} frames", fault.rate, frames);
+  }
+  if (fault.frame >= frames) {
+    return fmt::format("it is asked for in frame {}, and there were {}", fault.frame, frames);
+  }
+  return fmt::format("in frame {} {}", fault.frame, missing_in_frame(fault));
 }
 
 std::int64_t Fault::delay_ps() const { return to_picoseconds(delay_s); }
@@ -231,16 +267,20 @@ bool FaultPlan::leaves(std::size_t item, Picoseconds now, std::int64_t frame) co
   if (fault.kind != FaultKind::device_gone) return false;
   if (fault.frame < 0) return items_[item].struck != frame && due(item, frame);
   if (items_[item].struck >= 0) return false;
-  return fault.frame == 0 || (begin_ >= 0 && now >= begin_ + fault.frame * period_);
+  if (fault.frame == 0 || newest_.frame >= fault.frame) return true;
+  return begin_ >= 0 && now >= begin_ + fault.frame * period_;
+}
+
+// 0 for a board that is gone before the first frame.
+Picoseconds FaultPlan::birth_of(std::int64_t frame) const {
+  return begin_ >= 0 ? begin_ + frame * period_ : newest_.time;
 }
 
 void FaultPlan::leave(std::size_t item, std::int64_t frame) {
   const Fault& fault = records_[item].fault;
   const std::int64_t from = fault.frame >= 0 ? fault.frame : frame;
   inject(item, from);
-  const Picoseconds back = fault.frames == 0
-                               ? kNever
-                               : std::max<Picoseconds>(begin_, 0) + (from + fault.frames) * period_;
+  const Picoseconds back = fault.frames == 0 ? kNever : birth_of(from) + fault.frames * period_;
   back_at_ = gone_ ? std::max(back_at_, back) : back;
   gone_ = true;
 }

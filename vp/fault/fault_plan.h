@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -68,6 +69,8 @@ struct FaultRecord {
   std::int64_t first_frame = -1;
 
   std::int64_t unnoticed() const { return injected - noticed - corrected; }
+  // Why it did not happen in a run of so many frames, in words; empty if it did.
+  std::string why_not(std::int64_t frames) const;
 };
 
 // Decides which fault happens in which frame, and records the outcome. A draw is a function of the
@@ -86,6 +89,8 @@ class FaultPlan {
 
   // The servo loop begins at `begin`, and frame n is born at begin + n·T.
   void begin(Picoseconds begin) { begin_ = begin; }
+  // The birth of a frame of a host that keeps no such time.
+  void born(std::int64_t frame, Picoseconds time) { newest_ = {frame, time}; }
   // True if the board is gone at an access or an interrupt of this frame; −1 for set-up and
   // recovery.
   bool gone(Picoseconds now, std::int64_t frame);
@@ -117,11 +122,17 @@ class FaultPlan {
   void inject(std::size_t item, std::int64_t frame);
   void notice_item(std::size_t item, std::int64_t frame);
   bool leaves(std::size_t item, Picoseconds now, std::int64_t frame) const;
+  Picoseconds birth_of(std::int64_t frame) const;
   void leave(std::size_t item, std::int64_t frame);
   std::size_t item_of(const Fault& fault) const;
 
   Picoseconds period_;
   Picoseconds begin_ = -1;
+  struct Birth {
+    std::int64_t frame = -1;
+    Picoseconds time = 0;
+  };
+  Birth newest_;
   std::array<random::Draws, kFaultKinds> draws_;
   std::vector<FaultRecord> records_;
   std::vector<Item> items_;

@@ -28,6 +28,8 @@ namespace hvp::vp {
 struct JobEnd {
   Tag tag;
   Picoseconds time = -1;
+  // What the board's words about the job mean to a driver.
+  hvp_status status = HVP_OK;
 };
 
 // The clocks of a solve and the work that they were for.
@@ -100,7 +102,7 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   // ListOwner
   void solve_listed(const Tag& tag) override;
   CompletionRecord completion(const BoardError& error, const ListBytes& moved) const override;
-  void list_ended(const BoardError& error, const Tag& tag) override;
+  void list_ended(const BoardError& error, bool whole, const Tag& tag) override;
   void load_done();
   void update_node();
   void reset();
@@ -109,7 +111,7 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   void begin(Running what, const Tag& tag);
   void end_after(std::optional<std::int64_t> clocks);
   void begin_solve(const Tag& tag);
-  void end_job(const BoardError& error);
+  void end_job(const BoardError& error, bool whole = true);
   void take_engine_words();
   bool one_a_word() const { return bank_.get(field::kPackingMode) != 0; }
   bool load_memories(const fixed::Settings& settings);

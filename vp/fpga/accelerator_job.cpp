@@ -135,16 +135,20 @@ CompletionRecord Accelerator::completion(const BoardError& error, const ListByte
           bank_.get(field::kJobJob)};
 }
 
-void Accelerator::list_ended(const BoardError& error, const Tag& tag) {
+void Accelerator::list_ended(const BoardError& error, bool whole, const Tag& tag) {
   listed_ = false;
   job_tag_ = tag;
-  end_job(error);
+  end_job(error, whole);
 }
 
 // Ends a job or a load, as far as software sees it.
-void Accelerator::end_job(const BoardError& error) {
+void Accelerator::end_job(const BoardError& error, bool whole) {
   bank_.set(field::kStatusBusy, 0);
-  job_end_ = {job_tag_, now_ps()};
+  job_end_ = {job_tag_, now_ps(), whole ? HVP_OK : HVP_ERROR_SHORT_TRANSFER};
+  // The first error since the last one was acknowledged is the one that software reads.
+  const std::uint32_t pending = bank_.get(field::kErrorCode);
+  const std::uint32_t code = pending != 0 ? pending : static_cast<std::uint32_t>(error.code);
+  if (code != 0) job_end_.status = hvp_status_of_board(code);
   if (error.code != ErrorCode::none) {
     raise(error);
     return;

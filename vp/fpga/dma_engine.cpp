@@ -125,6 +125,7 @@ void DmaEngine::run_list() {
   tag_ = std::exchange(rung_tag_, Tag{});
   ++lists_;
   moved_ = {};
+  whole_ = true;
   solved_ = false;
   let_latency_pass(rung_at_);
   BoardError error;
@@ -152,7 +153,7 @@ void DmaEngine::run_list() {
   const bool recorded = write_record(error);
   if (given_up()) return;
   if (!recorded && error.code == ErrorCode::none) error = {ErrorCode::dma_failed, kRecordFailed};
-  owner_.list_ended(error, tag_);
+  owner_.list_ended(error, whole_, tag_);
   let_go(tag_);
 }
 
@@ -229,6 +230,7 @@ bool DmaEngine::move_segment(Way way, const Descriptor& d) {
   } else {
     std::memcpy(data.data(), on_board, data.size());
     const std::uint32_t sent = d.bytes - missing(d.bytes);
+    whole_ = whole_ && sent == d.bytes;
     if (sent > 0 &&
         !transport(tlm::TLM_WRITE_COMMAND, d.address, data.first(sent), tag_, std::nullopt)) {
       return false;

@@ -39,8 +39,9 @@ class ListOwner {
   // B has arrived: starts the solve for the tag, whose end DmaEngine::solved() reports.
   virtual void solve_listed(const Tag& tag) = 0;
   virtual CompletionRecord completion(const BoardError& error, const ListBytes& moved) const = 0;
-  // The list has ended and its record is written, or could not be written.
-  virtual void list_ended(const BoardError& error, const Tag& tag) = 0;
+  // The list has ended and its record is written, or could not be written. It is whole if it moved
+  // as many bytes as its descriptors say.
+  virtual void list_ended(const BoardError& error, bool whole, const Tag& tag) = 0;
 };
 
 // The board's bus master: works through a list of descriptors (CONTROL.run_list in
@@ -124,6 +125,7 @@ class DmaEngine : public sc_core::sc_module {
   Tag message_tag_;  // the waiting message's
   Tag posted_tag_;   // the message under way's
   ListBytes moved_;
+  bool whole_ = true;  // no segment was cut short
   std::int64_t lists_ = 0;
 
   tlm::tlm_generic_payload payload_;

@@ -41,7 +41,13 @@ Step step_of(Command command, std::uint64_t offset, std::span<const std::uint8_t
   return settings || matrix ? Step::set_up : Step::other;
 }
 
-void JobFrames::before(Step step) {
+void JobFrames::before(Command command, std::uint64_t offset, std::span<const std::uint8_t> data) {
+  const Step step = step_of(command, offset, data);
+  acknowledges_ = command == Command::write && offset == offset_of(Register::interrupt_status);
+  if (acknowledges_ && lost_acknowledgement_ && tag_.frame >= 0) {
+    ledger_.frame(tag_.frame).status = HVP_OK;
+    lost_acknowledgement_ = false;
+  }
   const bool is_open = tag_.frame >= 0;
   if (step == Step::set_up) {
     if (is_open) close();
@@ -63,7 +69,7 @@ void JobFrames::before(Step step) {
 }
 
 void JobFrames::open() {
-  born_ = woke_ > born_ ? woke_ : now_ps();
+  born_ = woke_ > born_ && woke_ >= ended_ ? woke_ : now_ps();
   if (!session_.begun) {
     session_.begin = born_;
     session_.begun = true;
@@ -73,6 +79,7 @@ void JobFrames::open() {
   heard_ = {};
   started_ = false;
   followed_ = false;
+  lost_acknowledgement_ = false;
   Frame& frame = ledger_.open(tag_.frame, born_);
   frame.time = born_ - session_.begin;
 }
@@ -80,22 +87,60 @@ void JobFrames::open() {
 // A frame has a span at least. Where the host made no access after its job's end, as one that finds
 // everything in its own memory, the frame ends when the host heard of it.
 void JobFrames::close() {
-  follow_the_board();
+  if (heard()) follow_the_board();
   // The host has gone on without it, whatever its driver calls that.
-  if (started_ && !followed_) ledger_.frame(tag_.frame).status = HVP_ERROR_TIMEOUT;
+  if (started_ && !followed_) told(HVP_ERROR_TIMEOUT);
   if (tag_.cause == kBirth) {
     ledger_.extend(tag_, Part::host, Phase::driver, now_ps(), now_ps());
   }
   ledger_.force_at_motor(tag_);
-  ledger_.work_done(tag_.frame, last_end());
+  ended_ = last_end();
+  ledger_.work_done(tag_.frame, ended_);
   ledger_.close(tag_.frame);
   tag_ = {};
 }
 
-void JobFrames::finish() {
+void JobFrames::ran() {
+  if (tag_.frame < 0 || heard()) return;
+  if (const auto waited = follow_the_board()) account_for_host(*waited);
+}
+
+void JobFrames::answered(std::uint64_t offset, std::span<const std::uint8_t> data) {
+  constexpr std::uint64_t kStatus = offset_of(Register::status);
+  if (tag_.frame < 0 || offset > kStatus || offset + data.size() < kStatus + 4) return;
+  std::uint32_t status = 0;
+  std::memcpy(&status, &data[kStatus - offset], sizeof status);
+  if (status == ~std::uint32_t{0}) {
+    told(HVP_ERROR_BUS);
+  } else if ((status & field::kStatusError.mask()) != 0) {
+    told(hvp_status_of_board((status & field::kStatusErrorCode.mask()) >>
+                             field::kStatusErrorCode.low));
+  } else if (started_ && (status & field::kStatusDone.mask()) != 0 &&
+             (status & field::kStatusBusy.mask()) == 0 && !ended()) {
+    told(HVP_ERROR_STALE_RESULT);  // the board never saw the start
+  }
+}
+
+void JobFrames::told_by_bus(hvp_status status) {
+  lost_acknowledgement_ =
+      acknowledges_ && tag_.frame >= 0 && followed_ && ledger_.frame(tag_.frame).status == HVP_OK;
+  told(status);
+}
+
+void JobFrames::told(hvp_status status) {
+  if (tag_.frame < 0) return;
+  Frame& frame = ledger_.frame(tag_.frame);
+  if (frame.status == HVP_OK) frame.status = status;
+}
+
+void JobFrames::board_was_reset() {
+  if (tag_.frame >= 0) close();
+}
+
+void JobFrames::finish(bool given_up) {
   if (tag_.frame >= 0) {
-    follow_the_board();
-    if (followed_) close();
+    if (heard()) follow_the_board();
+    if (followed_ || (started_ && given_up)) close();
   }
   ledger_.finish();
 }
@@ -109,17 +154,11 @@ Picoseconds JobFrames::last_end() const {
 // board, not for the host's looks or sleep before.
 std::optional<Phase> JobFrames::follow_the_board() {
   if (!started_ || followed_) return std::nullopt;
-  if (heard_.frame == tag_.frame) {
-    followed_ = true;
-    tag_.cause = heard_.cause;
-    return Phase::interrupt;
-  }
-  if (job_end_ != nullptr && job_end_->tag.frame == tag_.frame && job_end_->time <= now_ps()) {
-    followed_ = true;
-    tag_.cause = job_end_->tag.cause;
-    return Phase::polling;
-  }
-  return std::nullopt;
+  if (!heard() && !(ended() && job_end_->time <= now_ps())) return std::nullopt;
+  followed_ = true;
+  if (ended()) told(job_end_->status);
+  tag_.cause = heard() ? heard_.cause : job_end_->tag.cause;
+  return heard() ? Phase::interrupt : Phase::polling;
 }
 
 void JobFrames::account_for_host(Phase phase) {

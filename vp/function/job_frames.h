@@ -20,9 +20,11 @@ enum class Step : std::uint8_t {
 Step step_of(Command command, std::uint64_t offset, std::span<const std::uint8_t> data);
 
 // The frames of a host that does not know frames. Each job is one, from the first access that
-// prepares it until the last one before the next job is prepared. The host's own time between two
-// accesses is a span too, so that the spans sum to the frame's time, and the chain of causes goes
-// through the board when the host waited for it.
+// prepares it until the last one before the next job is prepared, or until the host ran with the
+// job's end in its memory. The host's own time between two accesses is a span too, so that the
+// spans sum to the frame's time, and the chain of causes goes through the board when the host
+// waited for it. A frame fails as the board's words tell a driver (hvp_status.h), whatever the
+// driver makes of them.
 class JobFrames {
  public:
   // Keeps references. `tag` is what the accesses carry.
@@ -32,28 +34,42 @@ class JobFrames {
   // The source of the jobs' ends, so that a polling host has them too.
   void watch(const JobEnd& job_end) { job_end_ = &job_end; }
   // To be called at the time of the access, before it is made.
-  void before(Step step);
+  void before(Command command, std::uint64_t offset, std::span<const std::uint8_t> data);
   // The host got the interrupt of a job's end; `tag` is the interrupt's.
   void heard(const Tag& tag) { heard_ = tag; }
   // The host's own clock has woken it for a new period: the next job's frame is born now instead of
-  // at its first access, unless a frame was born since. If the host still waits for a job, the
-  // wake-up belongs to another period or to the clock itself.
+  // at its first access, unless a frame was born or was at work since. If the host still waits for
+  // a job, the wake-up belongs to another period or to the clock itself.
   void woke(Picoseconds time) {
     if (!waits_for_a_job()) woke_ = time;
   }
-  // No job follows. An unfinished job is not a frame.
-  void finish();
+  // The host ran at this time: it can have seen what the board had written to its memory by then,
+  // and a job whose end it found there is over.
+  void ran();
+  // What an access told the host, at the access' end: all ones, an error, or the end of another job
+  // in STATUS are an open job's failure.
+  void answered(std::uint64_t offset, std::span<const std::uint8_t> data);
+  // The bus told the host that the last access failed. It is a failure of the open job unless that
+  // was an acknowledgement which the host repeats.
+  void told_by_bus(hvp_status status);
+  // The board has forgotten its job: it was reset by other ways than an access.
+  void board_was_reset();
+  // No job follows. An unfinished job is a frame only if the host has given it up: one that fails.
+  void finish(bool given_up = false);
 
   // The number of jobs so far, including the open one.
   std::int64_t jobs() const { return next_; }
+  Picoseconds newest_birth() const { return born_; }
 
  private:
   void open();
+  // The first failure is the frame's.
+  void told(hvp_status status);
   void close();
+  bool heard() const { return heard_.frame == tag_.frame; }
+  bool ended() const { return job_end_ != nullptr && job_end_->tag.frame == tag_.frame; }
   // True as far as the host can know.
-  bool waits_for_a_job() const {
-    return tag_.frame >= 0 && started_ && !followed_ && heard_.frame != tag_.frame;
-  }
+  bool waits_for_a_job() const { return tag_.frame >= 0 && started_ && !followed_ && !heard(); }
   std::optional<Phase> follow_the_board();
   void account_for_host(Phase phase);
   Picoseconds last_end() const;
@@ -64,8 +80,11 @@ class JobFrames {
   const JobEnd* job_end_ = nullptr;
   Tag heard_;
   Picoseconds woke_ = -1;
-  Picoseconds born_ = -1;  // the newest frame's birth
+  Picoseconds born_ = -1;   // the newest frame's birth
+  Picoseconds ended_ = -1;  // the last closed frame's end
   std::int64_t next_ = 0;
+  bool acknowledges_ = false;          // with the last access
+  bool lost_acknowledgement_ = false;  // the frame's failure is only that
   bool started_ = false;
   bool followed_ = false;
 };

@@ -108,27 +108,42 @@ void OutsideHost::serve() {
   }
 }
 
+void OutsideHost::configure(const Access& access) {
+  side_.buses().drain_to_board();
+  if (access.command == Command::write) {
+    config_.write(access.offset, access.data);
+    return;
+  }
+  config_.read(access.offset, access.data);
+  side_.buses().drain_to_host();
+}
+
 void OutsideHost::make(const Access& access) {
+  if (access.space == Space::configuration) {
+    configure(access);
+    return;
+  }
   const bool inside = access.offset <= kBarBytes && access.data.size() <= kBarBytes - access.offset;
   if (access.data.empty() || !inside || !config_.decodes()) {
     if (access.command == Command::read) std::ranges::fill(access.data, std::uint8_t{0xff});
     return;
   }
-  frames_.before(step_of(access.command, access.offset, access.data));
-  begin_faults();
+  frames_.before(access.command, access.offset, access.data);
+  tell_of_births();
   const std::uint64_t address = kSolverBase + access.offset;
   if (access.command == Command::read) {
     access_.read(address, access.data.data(), access.data.size());
+    frames_.answered(access.offset, access.data);
   } else {
     access_.write(address, access.data.data(), access.data.size());
   }
 }
 
-// Frame n is born at begin + n·T only where somebody keeps that time; the plan counts frames.
-void OutsideHost::begin_faults() {
-  if (faults_begun_ || !session_.begun) return;
-  faults_begun_ = true;
-  if (FaultPlan* const faults = side_.board()->faults()) faults->begin(session_.begin);
+void OutsideHost::tell_of_births() {
+  if (told_jobs_ == frames_.jobs()) return;
+  told_jobs_ = frames_.jobs();
+  FaultPlan* const faults = side_.board()->faults();
+  if (faults != nullptr) faults->born(told_jobs_ - 1, frames_.newest_birth());
 }
 
 bool OutsideHost::run_until(Picoseconds time) {
@@ -146,9 +161,10 @@ bool OutsideHost::run_until(Picoseconds time) {
   return !happened_;
 }
 
-bool OutsideHost::access(Command command, std::uint64_t offset, std::span<std::uint8_t> data) {
+bool OutsideHost::access(Command command, std::uint64_t offset, std::span<std::uint8_t> data,
+                         Space space) {
   bool ended = false;
-  post({command, offset, data, [&ended] { ended = true; }});
+  post({command, space, offset, data, [&ended] { ended = true; }});
   while (!ended) {
     if (run_until(now_ps() + kForever)) return false;
   }
@@ -230,6 +246,7 @@ void OutsideHost::reset_function() {
   pending_ = false;
   if (late_) late_->forget_all();
   side_.board()->accelerator().power_on();
+  frames_.board_was_reset();
   board_line_ = false;
   update_interrupts();
 }

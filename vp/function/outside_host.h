@@ -70,8 +70,12 @@ class InterruptListener {
 
 // A host that is not simulated: a program, or a kernel, that sees the board as a PCI function. It
 // makes accesses to the BAR, which a process executes in order with their time on the bus; it reads
-// and writes the configuration space without delay; it gets interrupts; and it decides how far
-// simulated time advances.
+// and writes the configuration space; it gets interrupts; and it decides how far simulated time
+// advances.
+//
+// An access to the configuration space takes no time of its own, and it overtakes no posted write
+// (PCIe 5.0 §2.4.1; PCI 3.0 appendix E): it is made when those of the host before it have arrived,
+// and a read is answered when those of the board before its answer have.
 //
 // An access to the BAR is a register's word, two of them, or a block of words. One that is not
 // answered (no memory space, not in D0, beyond the BAR) reads all ones, takes no time and has no
@@ -79,8 +83,10 @@ class InterruptListener {
 // (docs/registers.md).
 class OutsideHost : public sc_core::sc_module, public InterruptIf {
  public:
+  enum class Space : std::uint8_t { bar, configuration };
   struct Access {
     Command command = Command::read;
+    Space space = Space::bar;
     std::uint64_t offset = 0;
     // The memory has to stay in place until `ended`.
     std::span<std::uint8_t> data;
@@ -109,7 +115,8 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   bool run_until(Picoseconds time);
   // Posts an access and simulates until its answer. Returns false if no further event could bring
   // one.
-  bool access(Command command, std::uint64_t offset, std::span<std::uint8_t> data);
+  bool access(Command command, std::uint64_t offset, std::span<std::uint8_t> data,
+              Space space = Space::bar);
 
   // True if INTA# is up, as the host sees it.
   bool line_is_up() const { return line_shown_; }
@@ -122,9 +129,10 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
  private:
   void serve();
   void make(const Access& access);
+  void configure(const Access& access);
   void tell(const LateInterrupts::Message& message);
   void raised(const Tag& tag, const LateInterrupts::Message& message);
-  void begin_faults();
+  void tell_of_births();
   void update_interrupts();
   void reset_function();
   void something_happened();
@@ -139,11 +147,11 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   std::optional<LateInterrupts> late_;
   std::deque<Access> accesses_;
   sc_core::sc_event posted_;
-  Tag tag_;                  // the last interrupt's
-  bool board_line_ = false;  // the board's state of the line
-  bool line_shown_ = false;  // the host's view of the line
-  bool pending_ = false;     // a masked message is pending
-  bool faults_begun_ = false;
+  Tag tag_;                     // the last interrupt's
+  bool board_line_ = false;     // the board's state of the line
+  bool line_shown_ = false;     // the host's view of the line
+  bool pending_ = false;        // a masked message is pending
+  std::int64_t told_jobs_ = 0;  // of which the fault plan knows the births
   bool running_ = false;
   bool happened_ = false;
 };

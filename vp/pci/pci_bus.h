@@ -62,8 +62,9 @@ class PciBus : public sc_core::sc_module, private link::PciArbiter::Observer {
   // the bus is released. One at a time for each master.
   void move(Master master, link::Direction direction, std::int64_t bytes);
 
-  // Waits in the caller's process until no posted write is under way.
-  void drain();
+  // Wait in the caller's process until no posted write is under way in this direction.
+  void drain_to_board();
+  void drain_to_host();
 
   // The processor's bytes and transactions.
   std::int64_t bytes_moved() const { return uses_.front().bytes; }

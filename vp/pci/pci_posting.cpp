@@ -94,10 +94,12 @@ void PciBus::wait_for_posted(PostedWrites Posting::*writes) {
   while (!((*posting_).*writes).empty()) wait(posting_->changed);
 }
 
-void PciBus::drain() {
-  if (!posting_) return;
-  wait_for_posted(&Posting::down);
-  wait_for_posted(&Posting::up);
+void PciBus::drain_to_board() {
+  if (posting_) wait_for_posted(&Posting::down);
+}
+
+void PciBus::drain_to_host() {
+  if (posting_) wait_for_posted(&Posting::up);
 }
 
 }  // namespace hvp::vp

@@ -258,10 +258,9 @@ void PcieBus::count(User user, const link::Cost& cost, std::int64_t bytes) {
   ++use.transactions;
 }
 
-void PcieBus::drain() {
-  down_.wait_until_delivered(down_.posted());
-  up_.wait_until_delivered(up_.posted());
-}
+void PcieBus::drain_to_board() { down_.wait_until_delivered(down_.posted()); }
+
+void PcieBus::drain_to_host() { up_.wait_until_delivered(up_.posted()); }
 
 HostBridge::HostBridge(const sc_core::sc_module_name& name, std::uint64_t link_base,
                        std::uint64_t link_size)

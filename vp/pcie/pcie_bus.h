@@ -52,7 +52,8 @@ class PcieBus : public sc_core::sc_module, public InterruptIf {
   // As in PciBus.
   void attach(tlm::tlm_target_socket<>& target, std::uint64_t base, std::uint64_t size);
   void attach_memory(tlm::tlm_target_socket<>& memory);
-  void drain();
+  void drain_to_board();
+  void drain_to_host();
 
   // InterruptIf: the board's line, whose changes become messages.
   void interrupt(const Tag& tag) override;

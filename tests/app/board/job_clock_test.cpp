@@ -1,0 +1,300 @@
+// The record of a job beside the caller's own clock and what the driver said: every fault, way of
+// the data, notification and bus. Each board is a process of its own, as SystemC elaborates once.
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "app/board/hvp_board.h"
+
+namespace {
+
+constexpr const char* kScenario = HVP_SCENARIOS "/thesis-static.toml";
+constexpr std::uint64_t kLongestWait = 20'000'000;  // ns
+constexpr int kFaultyJob = 2;
+constexpr int kJobs = 6;
+constexpr std::size_t kUnknowns = 6;
+
+const std::array<std::int32_t, 3> kRowBegin = {0, 1, 2};
+const std::array<std::int32_t, 2> kColumn = {0, 1};
+const std::array<std::int32_t, 18> kValue = {64, 0, 0, 0, 32, 0, 0, 0, 16,
+                                             64, 0, 0, 0, 32, 0, 0, 0, 16};
+
+struct FaultCase {
+  std::string name;
+  std::vector<const char*> keys = {};
+  // Where the board can do it.
+  bool with_blocks = true;
+  bool with_dma = true;
+  bool with_polling = true;
+  bool with_dma_messages = true;  // else with DMA only where the host hears by the line
+};
+
+std::vector<FaultCase> fault_cases() {
+  constexpr const char* kAbort = "fault[0].kind=master-abort";
+  constexpr const char* kCorrupted = "fault[0].kind=corrupted-word";
+  return {
+      {.name = "none"},
+      {.name = "lost_interrupt", .keys = {"fault[0].kind=lost-interrupt"}, .with_polling = false},
+      {.name = "stuck_busy", .keys = {"fault[0].kind=stuck-busy"}},
+      {.name = "abort_rhs", .keys = {kAbort, "fault[0].access=rhs"}, .with_dma = false},
+      {.name = "abort_start", .keys = {kAbort, "fault[0].access=start"}},
+      {.name = "abort_status",
+       .keys = {kAbort, "fault[0].access=status"},
+       .with_polling = false,
+       .with_dma_messages = false},
+      {.name = "abort_acknowledge",
+       .keys = {kAbort, "fault[0].access=acknowledge"},
+       .with_dma_messages = false},
+      {.name = "abort_solution", .keys = {kAbort, "fault[0].access=solution"}, .with_dma = false},
+      {.name = "corrupted_rhs", .keys = {kCorrupted, "fault[0].access=rhs"}, .with_dma = false},
+      {.name = "corrupted_solution",
+       .keys = {kCorrupted, "fault[0].access=solution"},
+       .with_dma = false},
+      {.name = "device_gone", .keys = {"fault[0].kind=device-gone", "fault[0].frames=3"}},
+      {.name = "late_dma",
+       .keys = {"fault[0].kind=late-dma", "fault[0].delay=3 ms"},
+       .with_blocks = false},
+      {.name = "late_dma_beyond_the_wait",
+       .keys = {"fault[0].kind=late-dma", "fault[0].delay=30 ms"},
+       .with_blocks = false},
+      {.name = "truncated_dma",
+       .keys = {"fault[0].kind=truncated-dma", "fault[0].bytes=8"},
+       .with_blocks = false}};
+}
+
+struct Parameters {
+  FaultCase fault;
+  bool dma = false;
+  std::string notification;
+  bool pcie = false;
+};
+
+std::vector<Parameters> all_parameters() {
+  std::vector<Parameters> all;
+  for (const FaultCase& fault : fault_cases()) {
+    for (const bool dma : {false, true}) {
+      for (const char* const notification : {"intx", "msi", "polling"}) {
+        for (const bool pcie : {false, true}) {
+          const std::string heard = notification;
+          const bool possible = (dma ? fault.with_dma : fault.with_blocks) &&
+                                (heard != "polling" || fault.with_polling) &&
+                                (!dma || heard == "intx" || fault.with_dma_messages);
+          if (possible) all.push_back({fault, dma, heard, pcie});
+        }
+      }
+    }
+  }
+  return all;
+}
+
+std::string name_of(const testing::TestParamInfo<Parameters>& test) {
+  const Parameters& p = test.param;
+  return p.fault.name + (p.dma ? "_dma_" : "_blocks_") + p.notification +
+         (p.pcie ? "_pcie" : "_pci");
+}
+
+// The name as ctest prints it beside the case's.
+void PrintTo(const Parameters& parameters,
+             std::ostream* out) {  // NOLINT(readability-identifier-naming)
+  *out << parameters.fault.name;
+}
+
+// What a user's program has: a driver's handle, memory, and its own clock.
+class Program {
+ public:
+  explicit Program(const Parameters& parameters) : dma_(parameters.dma) {
+    std::vector<const char*> keys = parameters.fault.keys;
+    const std::string frame = "fault[0].frame=" + std::to_string(kFaultyJob);
+    if (!keys.empty()) keys.push_back(frame.c_str());
+    const std::string notify = "transfer.notification=" + parameters.notification;
+    keys.push_back(notify.c_str());
+    const char* const blocks =
+        parameters.pcie ? "transfer.method=programmed-io" : "transfer.method=bursts";
+    keys.push_back(dma_ ? "transfer.method=dma" : blocks);
+    if (parameters.pcie) keys.push_back("bus.pcie.generation=gen3");
+    const hvp_board_options options = {keys.data(), keys.size(), nullptr};
+    board = hvp_board_open(kScenario, &options, why.data(), why.size());
+    if (board == nullptr) return;
+    hvp_board_map(board, kAddress, memory_.data(), sizeof memory_);
+  }
+  ~Program() { hvp_board_close(board); }
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  hvp_status open() {
+    hvp_status status = hvp_open(&device, hvp_board_bus(board), scratch_.data(), scratch_.size());
+    const hvp_dma dma = {.to_board = &to_board_,
+                         .to_board_count = 1,
+                         .to_host = &to_host_,
+                         .to_host_count = 1,
+                         .list = memory_.data(),
+                         .list_address = kAddress,
+                         .record = memory_.data() + 32,
+                         .record_address = kAddress + 128,
+                         .context = nullptr,
+                         .sync = nullptr};
+    if (status == HVP_OK && dma_) status = hvp_use_dma(&device, &dma);
+    return status == HVP_OK ? load() : status;
+  }
+  // A board that is gone is asked again until it is back.
+  bool recover() {
+    constexpr int kTries = 100'000;
+    for (int i = 0; i < kTries; ++i) {
+      if (hvp_reset(&device) == HVP_OK && load() == HVP_OK) return true;
+    }
+    return false;
+  }
+  hvp_status load() {
+    hvp_solver_config config{};
+    config.method = HVP_METHOD_JACOBI_PCG;
+    config.iterations = 4;
+    config.matrix_bits = 12;
+    config.vector_bits = 16;
+    config.coefficient_bits = 16;
+    config.dynamic_scaling = true;
+    const hvp_status status = hvp_configure(&device, &config);
+    const hvp_matrix k = {2, 2, kRowBegin.data(), kColumn.data(), kValue.data()};
+    return status == HVP_OK ? hvp_load_matrix(&device, &k) : status;
+  }
+
+  std::array<char, 256> why{};
+  hvp_board* board = nullptr;
+  hvp_device device{};
+
+ private:
+  static constexpr std::uint64_t kAddress = 0x1000'0000;
+
+  bool dma_;
+  alignas(64) std::array<std::uint32_t, 256> memory_{};
+  std::array<std::uint32_t, 64> scratch_{};
+  hvp_segment to_board_{memory_.data() + 64, kAddress + 256, 64};
+  hvp_segment to_host_{memory_.data() + 128, kAddress + 512, 64};
+};
+
+class JobRecord : public testing::TestWithParam<Parameters> {};
+
+TEST_P(JobRecord, IsTheCallersClockAndTheDriversWord) {
+  Program program(GetParam());
+  ASSERT_NE(program.board, nullptr) << program.why.data();
+  ASSERT_EQ(program.open(), HVP_OK);
+  const std::array<std::int32_t, kUnknowns> b = {640, 640, 640, 640, 640, 640};
+  std::array<std::int32_t, kUnknowns> u{};
+  for (int n = 0; n < kJobs; ++n) {
+    const std::uint64_t began = hvp_board_now_ps(program.board);
+    const hvp_status said = hvp_solve(&program.device, b.data(), u.data(), u.size(), kLongestWait);
+    const std::uint64_t ended = hvp_board_now_ps(program.board);
+    // Whatever the host does then, with or without the board, belongs to no job.
+    if (said != HVP_OK) {
+      ASSERT_TRUE(program.recover());
+    }
+    hvp_board_run_until_ps(program.board, hvp_board_now_ps(program.board) + 7'000'000);
+    hvp_board_job job{};
+    ASSERT_TRUE(hvp_board_last_job(program.board, &job));
+    EXPECT_EQ(job.number, static_cast<std::uint64_t>(n));
+    EXPECT_EQ(job.begin_ps, began) << "job " << n;
+    EXPECT_EQ(job.end_ps, ended) << "job " << n << ": " << hvp_status_name(said);
+    EXPECT_EQ(job.host_ps + job.bus_ps + job.fpga_ps, ended - began) << "job " << n;
+    EXPECT_EQ(hvp_status_name(job.status), std::string(hvp_status_name(said))) << "job " << n;
+    if (n != kFaultyJob) {
+      EXPECT_EQ(said, HVP_OK);
+    }
+  }
+}
+
+// What a host does to a job on its own, without a fault of the scenario.
+class OwnFault : public testing::Test {
+ protected:
+  void start(bool dma, bool pcie = false) {
+    program.emplace(Parameters{fault_cases().front(), dma, "intx", pcie});
+    ASSERT_NE(program->board, nullptr) << program->why.data();
+    ASSERT_EQ(program->open(), HVP_OK);
+    ASSERT_EQ(hvp_solve(&program->device, b.data(), u.data(), u.size(), kLongestWait), HVP_OK);
+    began = hvp_board_now_ps(program->board);
+    ASSERT_EQ(hvp_write_rhs(&program->device, b.data(), b.size()), HVP_OK);
+    ASSERT_EQ(hvp_start(&program->device), HVP_OK);
+  }
+  void expect_failed(hvp_status status, std::uint64_t ended) {
+    hvp_board_job job{};
+    ASSERT_TRUE(hvp_board_last_job(program->board, &job));
+    EXPECT_EQ(job.number, 1U);
+    EXPECT_EQ(job.begin_ps, began);
+    EXPECT_EQ(job.end_ps, ended);
+    EXPECT_EQ(hvp_status_name(job.status), std::string(hvp_status_name(status)));
+  }
+
+  std::optional<Program> program;
+  std::array<std::int32_t, kUnknowns> b = {640, 640, 640, 640, 640, 640};
+  std::array<std::int32_t, kUnknowns> u{};
+  std::uint64_t began = 0;
+};
+
+TEST_F(OwnFault, AnAccessThatIsRefusedFailsTheJob) {
+  start(false);
+  std::uint16_t half = 0;
+  hvp_board_read(program->board, 0, &half, sizeof half);
+  EXPECT_EQ(hvp_wait(&program->device, kLongestWait), HVP_ERROR_ILLEGAL_ACCESS);
+  const std::uint64_t ended = hvp_board_now_ps(program->board);
+  ASSERT_EQ(hvp_reset(&program->device), HVP_OK);
+  expect_failed(HVP_ERROR_ILLEGAL_ACCESS, ended);
+}
+
+TEST_F(OwnFault, MemoryThatIsTakenAwayFailsTheJob) {
+  start(true);
+  ASSERT_TRUE(hvp_board_unmap(program->board, 0x1000'0000, 1024));
+  EXPECT_EQ(hvp_wait(&program->device, kLongestWait), HVP_ERROR_DMA);
+  expect_failed(HVP_ERROR_DMA, hvp_board_now_ps(program->board));
+}
+
+TEST_F(OwnFault, AResetWhileBusyFailsTheJob) {
+  start(false);
+  const std::uint64_t ended = hvp_board_now_ps(program->board);
+  ASSERT_EQ(hvp_reset(&program->device), HVP_OK);
+  expect_failed(HVP_ERROR_TIMEOUT, ended);
+}
+
+TEST_F(OwnFault, AResetOfTheFunctionWhileBusyFailsTheJob) {
+  start(false);
+  const std::uint64_t ended = hvp_board_now_ps(program->board);
+  hvp_board_config_write(program->board, 0x74, 1, 1);
+  expect_failed(HVP_ERROR_TIMEOUT, ended);
+}
+
+TEST_F(OwnFault, ATimeOutAndAResetFailTheJob) {
+  start(true);
+  EXPECT_EQ(hvp_wait(&program->device, 1000), HVP_ERROR_TIMEOUT);
+  const std::uint64_t ended = hvp_board_now_ps(program->board);
+  ASSERT_EQ(hvp_reset(&program->device), HVP_OK);
+  expect_failed(HVP_ERROR_TIMEOUT, ended);
+}
+
+// Each fault that did not happen is named, with why, when the board is closed.
+TEST(NeverStruck, IsSaid) {
+  const std::array<const char*, 8> keys = {
+      "fault[0].kind=device-gone",   "fault[0].frame=100",         "fault[1].kind=lost-interrupt",
+      "fault[1].rate=0.001",         "fault[2].kind=master-abort", "fault[2].frame=0",
+      "fault[2].access=acknowledge", "transfer.notification=intx"};
+  std::array<char, 256> why{};
+  const hvp_board_options options = {keys.data(), keys.size(), nullptr};
+  hvp_board* const board = hvp_board_open(kScenario, &options, why.data(), why.size());
+  ASSERT_NE(board, nullptr) << why.data();
+  const std::uint32_t start = 1;
+  hvp_board_write(board, 0x20, &start, sizeof start);
+  testing::internal::CaptureStderr();
+  hvp_board_close(board);
+  EXPECT_EQ(
+      testing::internal::GetCapturedStderr(),
+      "warning: [[fault]] device-gone did not happen: it is asked for in frame 100, and there "
+      "were 1\n"
+      "warning: [[fault]] lost-interrupt did not happen: at a rate of 0.001 none was drawn in 1 "
+      "frames\n"
+      "warning: [[fault]] master-abort did not happen: in frame 0 no such access was made\n");
+}
+
+INSTANTIATE_TEST_SUITE_P(All, JobRecord, testing::ValuesIn(all_parameters()), name_of);
+
+}  // namespace
