@@ -55,6 +55,15 @@ says so.
 """
 
 
+_VERDICTS = """\
+## One fault, one verdict
+
+What the record of the faulty frame says: `frames.csv` of `hvp run` and of `hvp linux`, and
+`hvp_board_last_job()`. The driver asks for the bus' errors (`hvp.bus_errors=1` in the kernel) and
+nobody repeats an access (`host.recovery.retries = 0`). A socket has no timing.
+"""
+
+
 @dataclass(frozen=True)
 class Case:
     result: str
@@ -102,6 +111,13 @@ class Layers:
             return read_cases(run([program, SCENARIO, *sets, *suite], layer), layer)
         return (self._over_socket if layer == LAYERS[1] else self._in_linux)(sets, suite)
 
+    def verdicts(self) -> list[str]:
+        script = str(TOP / "tests" / "linux" / "fault_verdicts.py")
+        command = [sys.executable, "-B", script, self._program("app/hvp")]
+        command += [str(self.build / "linux" / "plain")]
+        command += [self._program("tests/linux/servo_in_process")]
+        return run(command, "fault_verdicts.py").splitlines()
+
     def _over_socket(self, sets: Sequence[str], suite: Sequence[str]) -> Cases:
         with tempfile.TemporaryDirectory() as folder:
             socket = Path(folder) / "board"
@@ -137,6 +153,8 @@ class Layers:
             command += ["--kernel", str(plain / "linux")]
             command += ["--initrd", str(plain / "initramfs.cpio.gz")]
             command += ["--script", str(script), "--out", str(Path(folder) / "out")]
+            if "--fault" in suite:
+                command += ["--kernel-argument", "hvp.bus_errors=1"]
             console = run(command, LAYERS[2])
             return read_cases(said.read_text() if said.exists() else console, LAYERS[2])
 
@@ -183,6 +201,7 @@ def page(layers: Layers) -> tuple[list[str], bool]:
         ]
     lines += ["", "## Faults", "", *table(rows, "fault", notes)]
     failed = failed or any(c and c.result == "fail" for row in rows.values() for c in row)
+    lines += ["", *_VERDICTS.splitlines(), "", *layers.verdicts()]
     lines += ["", "## Why a case is left out, or fails", ""]
     lines += [f"{number}. {note}" for number, note in enumerate(notes, 1)]
     return lines, failed

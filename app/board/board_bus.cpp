@@ -89,7 +89,7 @@ int BoardBus::wait_interrupt(std::uint64_t timeout_ns) {
       vp::now_ps() + static_cast<Picoseconds>(std::min(timeout_ns, kLongestWaitNs)) * 1000;
   while (!take_interrupt()) {
     const bool reached = function_.host().run_until(late);
-    function_.host().frames().ran();
+    function_.host().frames().looked();
     if (reached) {
       return take_interrupt() ? HVP_INTERRUPT : HVP_INTERRUPT_TIMED_OUT;
     }
@@ -110,7 +110,7 @@ std::uint32_t BoardBus::take_errors() {
 void BoardBus::let_pass(Picoseconds time) {
   const Picoseconds end = vp::now_ps() + time;
   while (!function_.host().run_until(end)) continue;
-  function_.host().frames().ran();
+  function_.host().frames().looked();
 }
 
 }  // namespace hvp::app

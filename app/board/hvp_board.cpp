@@ -214,7 +214,7 @@ bool hvp_board_run_until_ps(hvp_board* board, std::uint64_t time_ps) {
   if (time_ps > kLatest) return false;
   return caught(false, [&] {
     const bool reached = board->function.host().run_until(static_cast<Picoseconds>(time_ps));
-    board->function.host().frames().ran();
+    board->function.host().frames().looked();
     return reached;
   });
 }

@@ -135,7 +135,7 @@ std::string misses_text(const vp::Verdict& v) {
     text = fmt::format("{} late", late);
   }
   if (v.unsolved() > 0) {
-    text += fmt::format("{}{} whose job did not end", text.empty() ? "" : ", ", v.unsolved());
+    text += fmt::format("{}{} whose job failed", text.empty() ? "" : ", ", v.unsolved());
   }
   return text;
 }

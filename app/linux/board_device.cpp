@@ -32,6 +32,7 @@ BoardDevice::BoardDevice(vp::OutsideHost& host, vp::HostMemory* memory, Calendar
                          Stream stream)
     : host_(host), memory_(memory), calendar_(calendar), stream_(std::move(stream)) {
   host_.listen(*this);
+  host_.show_bus_errors();
 }
 
 BoardDevice::~BoardDevice() { unshare_memory(); }

@@ -151,7 +151,13 @@ void Guest::sleep() {
   }
   const bool slept = waited > kSleep;
   if (slept && !told_) board_.host().frames().woke(vp::now_ps());
-  board_.host().frames().ran();
+  // A kernel that takes interrupts runs for its own ticks too; one that polls has looked.
+  const bool polls = board_.accelerator().bank().get(vp::Register::interrupt_enable) == 0;
+  if (polls) {
+    board_.host().frames().looked();
+  } else {
+    board_.host().frames().ran();
+  }
   calendar_.run(now_ns());
 }
 

@@ -19,6 +19,7 @@ BoardPort::BoardPort(const vp::PlatformSettings& settings, results::RegisterTrac
     : board_(settings, registers),
       has_messages_(settings.transfer.notification == link::Notification::msi) {
   board_.host().listen(*this);
+  board_.host().show_bus_errors();
   if (vp::HostMemory* const memory = board_.memory()) {
     memory->answer_if([this] {
       if (look_at_memory_) look_at_memory_();
@@ -54,23 +55,11 @@ void BoardPort::accessed() {
   awake_until_ = last_access_ + kSettle;
 }
 
-// Copies errors of the bus into the function's status register, the only one that a client sees.
-void BoardPort::show_errors() {
-  vp::BusErrors& errors = board_.bus_errors();
-  if (errors.master_abort) board_.config().note(vp::ConfigSpace::Error::master_abort);
-  if (errors.parity) board_.config().note(vp::ConfigSpace::Error::parity);
-  errors = {};
-}
-
 void BoardPort::read_config(std::uint64_t offset, std::span<std::uint8_t> data) {
   board_.host().access(vp::Command::read, offset, data, vp::OutsideHost::Space::configuration);
-  // Errors of what came before show themselves by now, and the client reads them with this access.
-  show_errors();
-  board_.config().read(offset, data);
 }
 
 void BoardPort::write_config(std::uint64_t offset, std::span<const std::uint8_t> data) {
-  show_errors();
   std::vector<std::uint8_t> copy(data.begin(), data.end());
   board_.host().access(vp::Command::write, offset, copy, vp::OutsideHost::Space::configuration);
   accessed();

@@ -53,7 +53,6 @@ class BoardPort : public FunctionPort, private vp::InterruptListener {
   void message(const vp::ConfigSpace::Message& message) override;
   void line(bool up) override;
   void accessed();
-  void show_errors();
   bool busy();
 
   // Mutable, because its parts are queried by non-const members.

@@ -268,11 +268,25 @@ def jobs_without_a_pause_are_as_long_as_each(guest: Guest) -> None:
 def a_job_that_does_not_end_is_a_miss(guest: Guest) -> None:
     words = ("--set", "fault[0].kind=stuck-busy", "--set", "fault[0].frame=5")
     said = guest.run(*words, script="hvp-driver-suite /dev/hvp0 --fault stuck-busy\n", status=1)
-    expect_in("the terminal", "1 whose job did not end", said.stdout)
+    expect_in("the terminal", "1 whose job failed", said.stdout)
     expect_in("the terminal", "stuck-busy: 1 time, first in frame 5", said.stdout)
     summary = guest.summary()
     expect("held", False, summary["held"])
     expect("misses", 1, summary["deadline"]["misses"])  # type: ignore[index]
+
+
+def a_lost_interrupt_costs_what_the_program_waited(guest: Guest) -> None:
+    words = ("--set", "fault[0].kind=lost-interrupt", "--set", "fault[0].frame=2")
+    write_frames(guest.work / "frames", 5)
+    script = f"hvp-servo /dev/hvp0 /host{guest.work}/frames /host{guest.work}/u --timeout-ms 20\n"
+    guest.run(*words, "--set", "bus.pcie.generation=gen3", script=script, status=1)
+    with (guest.work / "out" / "frames.csv").open() as file:
+        times = [float(row["latency_us"]) for row in csv.DictReader(file)]
+    due, _, _, ended, _ = Output(guest.work / "u").times[2]
+    # The program's clock takes a step to be read, three times from its wake-up on.
+    late = (ended - due) / 1000 - times[2]
+    if times[2] < 20_000 or not 0 <= late <= 4 * CLOCK_NS / 1000:
+        raise WrongError(f"{times[2]} us in the record, {(ended - due) / 1000} by the program")
 
 
 def a_guest_that_hangs(guest: Guest) -> None:
@@ -380,6 +394,7 @@ CASES: tuple[Callable[[Guest], None], ...] = (
     a_kernel_without_init,
     jobs_without_a_pause_are_as_long_as_each,
     a_job_that_does_not_end_is_a_miss,
+    a_lost_interrupt_costs_what_the_program_waited,
     a_guest_that_hangs,
     has_the_same_memory_each_time,
     strange_kernels,

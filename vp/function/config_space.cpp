@@ -126,6 +126,16 @@ void ConfigSpace::allow(std::size_t at, std::uint32_t mask, std::size_t bytes) {
   }
 }
 
+BusErrors ConfigSpace::errors() const {
+  const std::uint32_t status = half(kStatus);
+  return {.master_abort = (status & static_cast<std::uint32_t>(Error::master_abort)) != 0,
+          .parity = (status & static_cast<std::uint32_t>(Error::parity)) != 0};
+}
+
+bool ConfigSpace::reaches_errors(std::uint64_t offset, std::size_t bytes) {
+  return offset < kStatus + 2 && offset + bytes > kStatus + 1;
+}
+
 std::uint16_t ConfigSpace::half(std::size_t at) const {
   return static_cast<std::uint16_t>(value_.at(at) | value_.at(at + 1) << 8);
 }

@@ -7,6 +7,8 @@
 #include <optional>
 #include <span>
 
+#include "vp/fault/fault_plan.h"
+
 namespace hvp::vp {
 
 // The capabilities of the board's function beyond its BAR.
@@ -66,6 +68,9 @@ class ConfigSpace {
   void show_line(bool up);
   void show_pending(bool pending);
   void note(Error error);
+  // The errors noted since software cleared them, and whether an access touches that register.
+  BusErrors errors() const;
+  static bool reaches_errors(std::uint64_t offset, std::size_t bytes);
 
  private:
   std::uint16_t half(std::size_t at) const;

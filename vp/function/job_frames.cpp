@@ -63,8 +63,8 @@ void JobFrames::before(Command command, std::uint64_t offset, std::span<const st
     woke_ = -1;  // it waited for a matrix
     return;
   }
-  if (const auto waited = follow_the_board()) account_for_host(*waited);
-  account_for_host(Phase::driver);
+  if (const auto waited = follow_the_board()) account_for_host(*waited, now_ps());
+  account_for_host(Phase::driver, now_ps());
   started_ = started_ || step == Step::start;
 }
 
@@ -84,10 +84,19 @@ void JobFrames::open() {
   frame.time = born_ - session_.begin;
 }
 
+// What is known of the job's end without a further access.
+void JobFrames::settle() {
+  if (heard()) {
+    follow_the_board();
+  } else if (ended() && ran_ >= job_end_->time) {
+    if (const auto waited = follow_the_board()) account_for_host(*waited, ran_);
+  }
+}
+
 // A frame has a span at least. Where the host made no access after its job's end, as one that finds
 // everything in its own memory, the frame ends when the host heard of it.
 void JobFrames::close() {
-  if (heard()) follow_the_board();
+  settle();
   // The host has gone on without it, whatever its driver calls that.
   if (started_ && !followed_) told(HVP_ERROR_TIMEOUT);
   if (tag_.cause == kBirth) {
@@ -100,9 +109,9 @@ void JobFrames::close() {
   tag_ = {};
 }
 
-void JobFrames::ran() {
+void JobFrames::looked() {
   if (tag_.frame < 0 || heard()) return;
-  if (const auto waited = follow_the_board()) account_for_host(*waited);
+  if (const auto waited = follow_the_board()) account_for_host(*waited, now_ps());
 }
 
 void JobFrames::answered(std::uint64_t offset, std::span<const std::uint8_t> data) {
@@ -139,7 +148,7 @@ void JobFrames::board_was_reset() {
 
 void JobFrames::finish(bool given_up) {
   if (tag_.frame >= 0) {
-    if (heard()) follow_the_board();
+    settle();
     if (followed_ || (started_ && given_up)) close();
   }
   ledger_.finish();
@@ -161,9 +170,9 @@ std::optional<Phase> JobFrames::follow_the_board() {
   return heard() ? Phase::interrupt : Phase::polling;
 }
 
-void JobFrames::account_for_host(Phase phase) {
+void JobFrames::account_for_host(Phase phase, Picoseconds until) {
   const Picoseconds since = last_end();
-  if (now_ps() > since) ledger_.extend(tag_, Part::host, phase, since, now_ps());
+  if (until > since) ledger_.extend(tag_, Part::host, phase, since, until);
 }
 
 }  // namespace hvp::vp

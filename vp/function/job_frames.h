@@ -43,9 +43,13 @@ class JobFrames {
   void woke(Picoseconds time) {
     if (!waits_for_a_job()) woke_ = time;
   }
-  // The host ran at this time: it can have seen what the board had written to its memory by then,
-  // and a job whose end it found there is over.
-  void ran();
+  // The host looked, at this time, at what the board had written to its memory: a job whose end is
+  // there is over.
+  void looked();
+  // The host ran at this time, and nobody knows what for. A job of which it then makes no access
+  // any more was over when it last ran before the next one: it waited for an interrupt that never
+  // came.
+  void ran() { ran_ = now_ps(); }
   // What an access told the host, at the access' end: all ones, an error, or the end of another job
   // in STATUS are an open job's failure.
   void answered(std::uint64_t offset, std::span<const std::uint8_t> data);
@@ -70,8 +74,9 @@ class JobFrames {
   bool ended() const { return job_end_ != nullptr && job_end_->tag.frame == tag_.frame; }
   // True as far as the host can know.
   bool waits_for_a_job() const { return tag_.frame >= 0 && started_ && !followed_ && !heard(); }
+  void settle();
   std::optional<Phase> follow_the_board();
-  void account_for_host(Phase phase);
+  void account_for_host(Phase phase, Picoseconds until);
   Picoseconds last_end() const;
 
   Ledger& ledger_;
@@ -80,6 +85,7 @@ class JobFrames {
   const JobEnd* job_end_ = nullptr;
   Tag heard_;
   Picoseconds woke_ = -1;
+  Picoseconds ran_ = -1;
   Picoseconds born_ = -1;   // the newest frame's birth
   Picoseconds ended_ = -1;  // the last closed frame's end
   std::int64_t next_ = 0;

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "driver/hvp_bus.h"
 #include "models/time/picoseconds.h"
 #include "vp/bus/host_memory.h"
 #include "vp/frame/frame_tag.h"
@@ -61,6 +62,14 @@ constexpr std::size_t kHostStackBytes = 1 << 20;  // a bus and a solve run on it
 // No access takes so long: a day.
 constexpr Picoseconds kForever = Picoseconds{86'400} * 1'000'000'000'000;
 
+// As struct hvp_bus' take_errors returns them.
+std::uint32_t driver_errors(const BusErrors& errors) {
+  std::uint32_t all = 0;
+  if (errors.master_abort) all |= HVP_BUS_MASTER_ABORT;
+  if (errors.parity) all |= HVP_BUS_PARITY;
+  return all;
+}
+
 FunctionSettings function_of(const PlatformSettings& settings) {
   return {.bar_bytes = kBarBytes,
           .messages = settings.transfer.notification == link::Notification::msi};
@@ -110,12 +119,24 @@ void OutsideHost::serve() {
 
 void OutsideHost::configure(const Access& access) {
   side_.buses().drain_to_board();
+  if (shows_bus_errors_) note_bus_errors();
   if (access.command == Command::write) {
     config_.write(access.offset, access.data);
     return;
   }
   config_.read(access.offset, access.data);
+  if (ConfigSpace::reaches_errors(access.offset, access.data.size())) {
+    const std::uint32_t errors = driver_errors(config_.errors());
+    if (errors != 0) frames_.told_by_bus(hvp_status_of_bus(errors));
+  }
   side_.buses().drain_to_host();
+}
+
+void OutsideHost::note_bus_errors() {
+  BusErrors& errors = side_.board()->bus_errors();
+  if (errors.master_abort) config_.note(ConfigSpace::Error::master_abort);
+  if (errors.parity) config_.note(ConfigSpace::Error::parity);
+  errors = {};
 }
 
 void OutsideHost::make(const Access& access) {

@@ -106,6 +106,10 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   // after it was raised. To be called before the simulation begins.
   void take_interrupts_late(const host::Host& host, std::int64_t seed);
 
+  // From now on the bridge's errors are shown in the function's STATUS register, for a host that
+  // reaches no register of a bridge. To be called before the simulation begins.
+  void show_bus_errors() { shows_bus_errors_ = true; }
+
   // Queues an access, to be made after those queued before. Called from outside any process.
   void post(Access access);
   bool idle() const { return accesses_.empty(); }
@@ -130,6 +134,7 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   void serve();
   void make(const Access& access);
   void configure(const Access& access);
+  void note_bus_errors();
   void tell(const LateInterrupts::Message& message);
   void raised(const Tag& tag, const LateInterrupts::Message& message);
   void tell_of_births();
@@ -152,6 +157,7 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   bool line_shown_ = false;     // the host's view of the line
   bool pending_ = false;        // a masked message is pending
   std::int64_t told_jobs_ = 0;  // of which the fault plan knows the births
+  bool shows_bus_errors_ = false;
   bool running_ = false;
   bool happened_ = false;
 };
