@@ -8,6 +8,7 @@ told of the bus' errors, and nobody repeats an access, at all three. Fails where
 
 import argparse
 import csv
+import re
 import subprocess
 import sys
 import tempfile
@@ -24,7 +25,7 @@ FRAMES = 5
 PERIOD_US = 2000.0
 
 _ACCESSES = ("rhs", "start", "status", "acknowledge", "solution")
-_DMA = ("transfer.method = \"dma\"", "transfer.notification = \"msi\"")
+_DMA = ('transfer.method = "dma"', 'transfer.notification = "msi"')
 # Kind, keys of the fault, keys of the scenario.
 FAULTS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "lost-interrupt": ((), ()),
@@ -61,7 +62,7 @@ class Verdict:
 
 def scenario(fault: str, folder: Path) -> Path:
     keys, ways = FAULTS[fault]
-    kind = fault.split(",")[0].split(" ")[0]
+    kind = re.split("[, ]", fault, maxsplit=1)[0]
     lines = [f'base = "{TOP}/scenarios/thesis-static.toml"', 'title = "One fault"']
     lines += [*ways, 'host.timeout = "20 ms"', "host.recovery.retries = 0"]
     lines += ['host.recovery.hold_saturated = "never"', "output.pictures = false"]
