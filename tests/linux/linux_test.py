@@ -279,7 +279,8 @@ def a_lost_interrupt_costs_what_the_program_waited(guest: Guest) -> None:
     words = ("--set", "fault[0].kind=lost-interrupt", "--set", "fault[0].frame=2")
     timeout_ms = 20
     write_frames(guest.work / "frames", 5)
-    script = f"hvp-servo /dev/hvp0 /host{guest.work}/frames /host{guest.work}/u --timeout-ms {timeout_ms}\n"
+    files = f"/host{guest.work}/frames /host{guest.work}/u"
+    script = f"hvp-servo /dev/hvp0 {files} --timeout-ms {timeout_ms}\n"
     guest.run(*words, "--set", "bus.pcie.generation=gen3", script=script, status=1)
     with (guest.work / "out" / "frames.csv").open() as file:
         times = [float(row["latency_us"]) for row in csv.DictReader(file)]
