@@ -132,6 +132,15 @@ hvp_status hvp_prepare_list(struct hvp_device* device) {
   return HVP_OK;
 }
 
+uint32_t hvp_dma_descriptors(const struct hvp_device* device) {
+  if (device == NULL || device->state == STATE_CLOSED ||
+      device->minor_version < MINOR_VERSION_OF_DMA) {
+    return 0U;
+  }
+  return FIELD(hvp_read_register(device, HVP_OFFSET(CAPABILITY_DMA)),
+               HVP__CAPABILITY_DMA__MAX_DESCRIPTORS);
+}
+
 hvp_status hvp_use_dma(struct hvp_device* device, const struct hvp_dma* dma) {
   if (device == NULL) return HVP_ERROR_ARGUMENT;
   if (device->state != STATE_OPEN && device->state != STATE_CONFIGURED &&
@@ -143,9 +152,7 @@ hvp_status hvp_use_dma(struct hvp_device* device, const struct hvp_dma* dma) {
     return HVP_OK;
   }
   if (!dma_is_sane(dma)) return HVP_ERROR_ARGUMENT;
-  if (device->minor_version < MINOR_VERSION_OF_DMA) return HVP_ERROR_CAPABILITY;
-  const uint32_t most = FIELD(hvp_read_register(device, HVP_OFFSET(CAPABILITY_DMA)),
-                              HVP__CAPABILITY_DMA__MAX_DESCRIPTORS);
+  const uint32_t most = hvp_dma_descriptors(device);
   if (dma->to_board_count > most || dma->to_host_count > most - dma->to_board_count) {
     return HVP_ERROR_CAPABILITY;
   }

@@ -194,6 +194,9 @@ hvp_status hvp_constrain_node(struct hvp_device* device, uint32_t node, int32_t 
 hvp_status hvp_restore_node(struct hvp_device* device, uint32_t node, const int32_t* values,
                             uint32_t blocks);
 
+// The number of descriptors that a list may have; 0 where the board has no engine.
+uint32_t hvp_dma_descriptors(const struct hvp_device* device);
+
 // Lets the board's DMA engine move b and U from now on: hvp_write_rhs() packs b into memory,
 // hvp_start() rings the doorbell, hvp_wait() reads the completion record, hvp_read_solution()
 // unpacks U; all other transfers are unchanged. Keeps a copy of *dma, not of the segments. Null

@@ -1,19 +1,29 @@
 // SPDX-License-Identifier: GPL-2.0-only OR Apache-2.0
 /*
  * The calls of the device file: each takes one of hvp_ioctl.h's structures, brings what it points
- * to into the kernel, and calls the core, with the board's mutex held. Here are those that need
- * nothing brought, and which there are.
+ * to into the kernel, asks the core, and gives back what the program wants. Here are those that
+ * need nothing brought, and which there are.
  */
 #include <linux/kernel.h>
+#include <linux/mm.h>
+
+#include "driver/hvp_device.h"
+#include "driver/hvp_errno.h"
 
 #include "hvp_calls.h"
 
+/* struct hvp_brought of hvp_calls.h says what the three do; NULL where there is nothing to do. */
 struct call_entry {
 	unsigned int command;
-	int (*call)(struct hvp_board *board, union hvp_call *call, hvp_status *status);
+	void (*call)(struct hvp_board *board, union hvp_call *call,
+		     const struct hvp_brought *brought);
+	int (*bring)(struct hvp_board *board, const union hvp_call *call,
+		     struct hvp_brought *brought);
+	int (*give)(struct hvp_board *board, const union hvp_call *call);
 };
 
-static int call_info(struct hvp_board *board, union hvp_call *call, hvp_status *status)
+static void call_info(struct hvp_board *board, union hvp_call *call,
+		      const struct hvp_brought *brought)
 {
 	const struct hvp_capability *capability = hvp_capability_of(&board->device);
 	const struct hvp_engine_memory *engine = &board->engine;
@@ -38,16 +48,22 @@ static int call_info(struct hvp_board *board, union hvp_call *call, hvp_status *
 		.rhs_bytes = engine->usable ? engine->to_board.bytes : 0,
 		.solution_bytes = engine->usable ? engine->to_host.bytes : 0,
 	};
-	return 0;
 }
 
-static int call_reset(struct hvp_board *board, union hvp_call *call, hvp_status *status)
+static void call_reset(struct hvp_board *board, union hvp_call *call,
+		       const struct hvp_brought *brought)
 {
-	*status = hvp_reset(&board->device);
-	return 0;
+	call->head.status = hvp_reset(&board->device);
 }
 
-static int call_configure(struct hvp_board *board, union hvp_call *call, hvp_status *status)
+static int bring_config(struct hvp_board *board, const union hvp_call *call,
+			struct hvp_brought *brought)
+{
+	return call->config.flags & ~HVP_IOC_C_ALL ? -EINVAL : 0;
+}
+
+static void call_configure(struct hvp_board *board, union hvp_call *call,
+			   const struct hvp_brought *brought)
 {
 	const struct hvp_ioc_config *given = &call->config;
 	const struct hvp_solver_config config = {
@@ -77,13 +93,11 @@ static int call_configure(struct hvp_board *board, union hvp_call *call, hvp_sta
 		.reject_saturated = given->flags & HVP_IOC_C_REJECT_SATURATED,
 	};
 
-	if (given->flags & ~HVP_IOC_C_ALL)
-		return -EINVAL;
-	*status = hvp_configure(&board->device, &config);
-	return 0;
+	call->head.status = hvp_configure(&board->device, &config);
 }
 
-static int call_statistics(struct hvp_board *board, union hvp_call *call, hvp_status *status)
+static void call_statistics(struct hvp_board *board, union hvp_call *call,
+			    const struct hvp_brought *brought)
 {
 	const struct hvp_statistics statistics = hvp_statistics_of(&board->device);
 
@@ -92,24 +106,23 @@ static int call_statistics(struct hvp_board *board, union hvp_call *call, hvp_st
 		.lost_interrupts = statistics.lost_interrupts,
 		.lost_acknowledgements = statistics.lost_acknowledgements,
 	};
-	return 0;
 }
 
 static const struct call_entry calls[] = {
-	{HVP_IOC_INFO, call_info},
-	{HVP_IOC_RESET, call_reset},
-	{HVP_IOC_CONFIGURE, call_configure},
-	{HVP_IOC_LOAD, hvp_call_load},
-	{HVP_IOC_CONSTRAIN, hvp_call_constrain},
-	{HVP_IOC_RESTORE, hvp_call_restore},
-	{HVP_IOC_WRITE_RHS, hvp_call_write_rhs},
-	{HVP_IOC_WRITE_GUESS, hvp_call_write_guess},
-	{HVP_IOC_START, hvp_call_start},
-	{HVP_IOC_WAIT, hvp_call_wait},
-	{HVP_IOC_READ_SOLUTION, hvp_call_read_solution},
-	{HVP_IOC_READ_RESULT, hvp_call_read_result},
-	{HVP_IOC_SOLVE, hvp_call_solve},
-	{HVP_IOC_STATISTICS, call_statistics},
+	{HVP_IOC_INFO, call_info, NULL, NULL},
+	{HVP_IOC_RESET, call_reset, NULL, NULL},
+	{HVP_IOC_CONFIGURE, call_configure, bring_config, NULL},
+	{HVP_IOC_LOAD, hvp_call_load, hvp_bring_matrix, NULL},
+	{HVP_IOC_CONSTRAIN, hvp_call_constrain, NULL, NULL},
+	{HVP_IOC_RESTORE, hvp_call_restore, hvp_bring_row, NULL},
+	{HVP_IOC_WRITE_RHS, hvp_call_write_rhs, hvp_bring_vector, NULL},
+	{HVP_IOC_WRITE_GUESS, hvp_call_write_guess, hvp_bring_vector, NULL},
+	{HVP_IOC_START, hvp_call_start, NULL, NULL},
+	{HVP_IOC_WAIT, hvp_call_wait, hvp_bring_wait, NULL},
+	{HVP_IOC_READ_SOLUTION, hvp_call_read_solution, hvp_bring_place, hvp_give_vector},
+	{HVP_IOC_READ_RESULT, hvp_call_read_result, NULL, NULL},
+	{HVP_IOC_SOLVE, hvp_call_solve, hvp_bring_rhs, hvp_give_solution},
+	{HVP_IOC_STATISTICS, call_statistics, NULL, NULL},
 };
 
 /* Needs no board that answers. */
@@ -135,27 +148,85 @@ bool hvp_call_exists(unsigned int command)
 	return false;
 }
 
+/* What poll() goes by: after each call, as each may be the one that sees a job end. */
+static void note_call(struct hvp_board *board, hvp_status status)
+{
+	if (board->device.state == STATE_RUNNING)
+		set_bit(HVP_BOARD_RUNNING, &board->flags);
+	else
+		clear_bit(HVP_BOARD_RUNNING, &board->flags);
+	if (status == HVP_OK || status == HVP_ERROR_INTERRUPTED)
+		return;
+	WRITE_ONCE(board->last_error, status);
+	WRITE_ONCE(board->last_detail, hvp_error_detail(&board->device));
+}
+
+/*
+ * A wait that a signal ended goes on by itself where no handler ran, as after a suspend or under a
+ * debugger. A load may always be repeated; the two halves of a solve may not.
+ */
+static long result_of(const struct hvp_board *board, unsigned int command, hvp_status status)
+{
+	if (status != HVP_ERROR_INTERRUPTED)
+		return -hvp_errno_of(status);
+	switch (command) {
+	case HVP_IOC_LOAD:
+		return hvp_caller_error(&board->device);
+	case HVP_IOC_WAIT:
+		return -ERESTARTNOHAND;
+	default:
+		return -EINTR;
+	}
+}
+
+static long ask(struct hvp_board *board, const struct call_entry *entry, union hvp_call *call,
+		const struct hvp_brought *brought)
+{
+	long ret;
+
+	mutex_lock(&board->mutex);
+	if (hvp_board_lost(board) && !needs_no_board(entry->command))
+		call->head.status = test_bit(HVP_BOARD_GONE, &board->flags) ? HVP_ERROR_NO_DEVICE
+									    : HVP_ERROR_BUS;
+	else
+		entry->call(board, call, brought);
+	call->head.detail = hvp_error_detail(&board->device);
+	note_call(board, call->head.status);
+	ret = result_of(board, entry->command, call->head.status);
+	mutex_unlock(&board->mutex);
+	return ret;
+}
+
 /**
  * hvp_call() - make a call
- * @board: whose mutex is held
+ * @board: whose @calls is held
  * @command: for which hvp_call_exists()
- * @call: the program's structure; what goes back is filled in, but for its head
- * @status: what the core said
+ * @call: the program's structure; what goes back is filled in where the core was asked
  *
- * Return: 0, or an errno where the call did not come as far as the core.
+ * Return: 0 or an errno. The head's status is %HVP_STATUS_COUNT where the core was not asked, or
+ * where the program did not get what it said.
  */
-int hvp_call(struct hvp_board *board, unsigned int command, union hvp_call *call,
-	     hvp_status *status)
+long hvp_call(struct hvp_board *board, unsigned int command, union hvp_call *call)
 {
-	size_t i = 0;
+	struct hvp_brought brought = {};
+	const struct call_entry *entry = calls;
+	long ret = 0;
+	size_t i;
 
-	*status = HVP_OK;
-	if (hvp_board_lost(board) && !needs_no_board(command)) {
-		*status = test_bit(HVP_BOARD_GONE, &board->flags) ? HVP_ERROR_NO_DEVICE
-								  : HVP_ERROR_BUS;
-		return 0;
+	while (entry->command != command)
+		entry++;
+	call->head.status = HVP_STATUS_COUNT;
+	if (entry->bring)
+		ret = entry->bring(board, call, &brought);
+	if (!ret) {
+		ret = ask(board, entry, call, &brought);
+		if (!ret && entry->give) {
+			ret = entry->give(board, call);
+			if (ret)
+				call->head.status = HVP_STATUS_COUNT;
+		}
 	}
-	while (calls[i].command != command)
-		i++;
-	return calls[i].call(board, call, status);
+	for (i = 0; i < ARRAY_SIZE(brought.elements); i++)
+		kvfree(brought.elements[i]);
+	return ret;
 }

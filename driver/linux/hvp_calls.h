@@ -33,28 +33,60 @@ union hvp_call {
 	struct hvp_ioc_statistics statistics;
 };
 
+/**
+ * struct hvp_brought - what a call has brought into the kernel beside its structure
+ * @elements: to be freed by kvfree(), or NULL
+ */
+struct hvp_brought {
+	s32 *elements[3];
+};
+
 /*
- * Each fills in its structure and says by *status what the core said. What it returns is 0, or an
- * errno where it did not come to ask the core.
+ * A call has up to three parts. The first and the last touch the program's memory, which may take
+ * any time, with the board's @calls held; they return 0 or an errno. In between it asks the core,
+ * with @mutex held as well, and fills in its structure, what the core said in the head.
  */
 
 /* hvp_matrix_calls.c */
-int hvp_call_load(struct hvp_board *board, union hvp_call *call, hvp_status *status);
-int hvp_call_constrain(struct hvp_board *board, union hvp_call *call, hvp_status *status);
-int hvp_call_restore(struct hvp_board *board, union hvp_call *call, hvp_status *status);
+int hvp_bring_matrix(struct hvp_board *board, const union hvp_call *call,
+		     struct hvp_brought *brought);
+int hvp_bring_row(struct hvp_board *board, const union hvp_call *call,
+		  struct hvp_brought *brought);
+void hvp_call_load(struct hvp_board *board, union hvp_call *call,
+		   const struct hvp_brought *brought);
+void hvp_call_constrain(struct hvp_board *board, union hvp_call *call,
+			const struct hvp_brought *brought);
+void hvp_call_restore(struct hvp_board *board, union hvp_call *call,
+		      const struct hvp_brought *brought);
 
 /* hvp_job_calls.c */
-int hvp_call_write_rhs(struct hvp_board *board, union hvp_call *call, hvp_status *status);
-int hvp_call_write_guess(struct hvp_board *board, union hvp_call *call, hvp_status *status);
-int hvp_call_start(struct hvp_board *board, union hvp_call *call, hvp_status *status);
-int hvp_call_wait(struct hvp_board *board, union hvp_call *call, hvp_status *status);
-int hvp_call_read_solution(struct hvp_board *board, union hvp_call *call, hvp_status *status);
-int hvp_call_read_result(struct hvp_board *board, union hvp_call *call, hvp_status *status);
-int hvp_call_solve(struct hvp_board *board, union hvp_call *call, hvp_status *status);
+int hvp_bring_vector(struct hvp_board *board, const union hvp_call *call,
+		     struct hvp_brought *brought);
+int hvp_bring_rhs(struct hvp_board *board, const union hvp_call *call,
+		  struct hvp_brought *brought);
+int hvp_bring_wait(struct hvp_board *board, const union hvp_call *call,
+		   struct hvp_brought *brought);
+int hvp_bring_place(struct hvp_board *board, const union hvp_call *call,
+		    struct hvp_brought *brought);
+void hvp_call_write_rhs(struct hvp_board *board, union hvp_call *call,
+			const struct hvp_brought *brought);
+void hvp_call_write_guess(struct hvp_board *board, union hvp_call *call,
+			  const struct hvp_brought *brought);
+void hvp_call_start(struct hvp_board *board, union hvp_call *call,
+		    const struct hvp_brought *brought);
+void hvp_call_wait(struct hvp_board *board, union hvp_call *call,
+		   const struct hvp_brought *brought);
+void hvp_call_read_solution(struct hvp_board *board, union hvp_call *call,
+			    const struct hvp_brought *brought);
+void hvp_call_read_result(struct hvp_board *board, union hvp_call *call,
+			  const struct hvp_brought *brought);
+void hvp_call_solve(struct hvp_board *board, union hvp_call *call,
+		    const struct hvp_brought *brought);
+int hvp_give_vector(struct hvp_board *board, const union hvp_call *call);
+int hvp_give_solution(struct hvp_board *board, const union hvp_call *call);
 
 /* hvp_calls.c */
 bool hvp_call_exists(unsigned int command);
-int hvp_call(struct hvp_board *board, unsigned int command, union hvp_call *call,
-	     hvp_status *status);
+long hvp_call(struct hvp_board *board, unsigned int command, union hvp_call *call);
 
 #endif

@@ -9,30 +9,10 @@
 #include <linux/poll.h>
 #include <linux/uaccess.h>
 
-#include "driver/hvp_device.h"
-#include "driver/hvp_errno.h"
-
 #include "hvp_module.h"
 #include "hvp_calls.h"
 
 static DEFINE_IDA(numbers);
-
-/* What poll() goes by: after each call, as each may be the one that sees a job end. */
-static void note_job(struct hvp_board *board)
-{
-	if (board->device.state == STATE_RUNNING)
-		set_bit(HVP_BOARD_RUNNING, &board->flags);
-	else
-		clear_bit(HVP_BOARD_RUNNING, &board->flags);
-}
-
-static void note_error(struct hvp_board *board, hvp_status status)
-{
-	if (status == HVP_OK || status == HVP_ERROR_INTERRUPTED)
-		return;
-	WRITE_ONCE(board->last_error, status);
-	WRITE_ONCE(board->last_detail, hvp_error_detail(&board->device));
-}
 
 static int open_file(struct inode *inode, struct file *file)
 {
@@ -47,7 +27,7 @@ static int open_file(struct inode *inode, struct file *file)
 	return stream_open(inode, file);
 }
 
-/* The next program finds nothing of this one's: neither a job that runs nor a matrix. */
+/* The next program finds nothing of this one's: neither a job that runs nor a matrix, b or U. */
 static int release_file(struct inode *inode, struct file *file)
 {
 	struct hvp_board *board = file->private_data;
@@ -56,29 +36,14 @@ static int release_file(struct inode *inode, struct file *file)
 	WRITE_ONCE(board->engine.mapped, false);
 	if (!hvp_board_lost(board))
 		(void)hvp_reset(&board->device);
-	note_job(board);
+	clear_bit(HVP_BOARD_RUNNING, &board->flags);
+	if (!test_bit(HVP_BOARD_GONE, &board->flags))
+		hvp_engine_forget(board);
+	memset(board->vector, 0, board->vector_bytes);
 	mutex_unlock(&board->mutex);
 	clear_bit_unlock(HVP_BOARD_OPENED, &board->flags);
 	hvp_board_put(board);
 	return 0;
-}
-
-/*
- * A wait that a signal ended goes on by itself where no handler ran, as after a suspend or under a
- * debugger. A load may always be repeated; the two halves of a solve may not.
- */
-static long result_of(const struct hvp_board *board, unsigned int command, hvp_status status)
-{
-	if (status != HVP_ERROR_INTERRUPTED)
-		return -hvp_errno_of(status);
-	switch (command) {
-	case HVP_IOC_LOAD:
-		return hvp_caller_error(&board->device);
-	case HVP_IOC_WAIT:
-		return -ERESTARTNOHAND;
-	default:
-		return -EINTR;
-	}
 }
 
 static long file_ioctl(struct file *file, unsigned int command, unsigned long argument)
@@ -86,27 +51,20 @@ static long file_ioctl(struct file *file, unsigned int command, unsigned long ar
 	struct hvp_board *board = file->private_data;
 	void __user *given = (void __user *)argument;
 	union hvp_call call = {};
-	hvp_status status;
+	bool asked;
 	long ret;
 
 	if (!hvp_call_exists(command))
 		return -ENOTTY;
 	if (copy_from_user(&call, given, _IOC_SIZE(command)))
 		return -EFAULT;
-	ret = mutex_lock_interruptible(&board->mutex);
+	ret = mutex_lock_interruptible(&board->calls);
 	if (ret)
 		return ret;
-	ret = hvp_call(board, command, &call, &status);
-	call.head.status = status;
-	call.head.detail = hvp_error_detail(&board->device);
-	note_job(board);
-	note_error(board, status);
-	if (!ret)
-		ret = result_of(board, command, status);
-	else
-		status = HVP_STATUS_COUNT;
-	mutex_unlock(&board->mutex);
-	if (status == HVP_STATUS_COUNT)
+	ret = hvp_call(board, command, &call);
+	asked = call.head.status != HVP_STATUS_COUNT;
+	mutex_unlock(&board->calls);
+	if (!asked)
 		return ret;
 	return copy_to_user(given, &call, _IOC_SIZE(command)) ? -EFAULT : ret;
 }
@@ -142,7 +100,7 @@ static int map_engine(struct hvp_board *board, struct vm_area_struct *area)
 		return -EINVAL;
 	if (area->vm_flags & VM_WRITE)
 		return -EACCES;
-	area->vm_flags &= ~VM_MAYWRITE;
+	vm_flags_clear(area, VM_MAYWRITE);
 	return hvp_engine_map(board, &board->engine.to_host, area);
 }
 
@@ -165,7 +123,6 @@ static const struct file_operations operations = {
 	.compat_ioctl = compat_ptr_ioctl,
 	.poll = poll_file,
 	.mmap = map_file,
-	.llseek = no_llseek,
 };
 
 /**

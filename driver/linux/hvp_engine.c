@@ -19,7 +19,7 @@
 #include "hvp_module.h"
 
 /* Each direction has one segment. */
-#define LIST_WORDS   (2 * HVP_DESCRIPTOR_WORDS)
+#define LIST_WORDS   (HVP_ENGINE_DESCRIPTORS * HVP_DESCRIPTOR_WORDS)
 #define SHARED_BYTES ((LIST_WORDS + HVP_RECORD_WORDS) * sizeof(u32))
 
 static void sync_segment(struct hvp_board *board, const struct hvp_segment *part,
@@ -94,27 +94,55 @@ static int map_pages(struct hvp_board *board, struct hvp_segment *segment, size_
 	return devm_add_action_or_reset(dev, free_pages_of, pages);
 }
 
+static void forget_segment(struct hvp_board *board, const struct hvp_segment *segment,
+			   enum dma_data_direction direction)
+{
+	sync_segment(board, segment, direction, HVP_OWNER_PROCESSOR);
+	memset(segment->memory, 0, segment->bytes);
+	sync_segment(board, segment, direction, HVP_OWNER_DEVICE);
+}
+
+/**
+ * hvp_engine_forget() - leave nothing of a program's b and U for the next one that maps them
+ * @board: which has no job, and which no program has open
+ */
+void hvp_engine_forget(struct hvp_board *board)
+{
+	if (!board->engine.usable)
+		return;
+	forget_segment(board, &board->engine.to_board, DMA_TO_DEVICE);
+	forget_segment(board, &board->engine.to_host, DMA_FROM_DEVICE);
+}
+
 /**
  * hvp_engine_make() - make and map the memory for the largest matrix that the board takes
  * @board: whose capability is known
  *
- * It goes with the function's driver.
+ * It goes with the function's driver, or at once where some of it cannot be had.
  *
  * Return: 0 or -ENOMEM.
  */
 int hvp_engine_make(struct hvp_board *board)
 {
 	struct hvp_engine_memory *engine = &board->engine;
+	struct device *dev = &board->function->dev;
 	int ret;
 
-	engine->shared = dmam_alloc_coherent(&board->function->dev, SHARED_BYTES,
-					     &engine->shared_address, GFP_KERNEL);
-	if (!engine->shared)
+	if (!devres_open_group(dev, engine, GFP_KERNEL))
 		return -ENOMEM;
-	ret = map_pages(board, &engine->to_board, PAGE_ALIGN(board->vector_bytes), DMA_TO_DEVICE);
+	engine->shared = dmam_alloc_coherent(dev, SHARED_BYTES, &engine->shared_address,
+					     GFP_KERNEL);
+	ret = engine->shared ? 0 : -ENOMEM;
+	if (!ret)
+		ret = map_pages(board, &engine->to_board, PAGE_ALIGN(board->vector_bytes),
+				DMA_TO_DEVICE);
 	if (!ret)
 		ret = map_pages(board, &engine->to_host, PAGE_ALIGN(board->vector_bytes),
 				DMA_FROM_DEVICE);
+	if (ret)
+		devres_release_group(dev, engine);
+	else
+		devres_close_group(dev, engine);
 	engine->usable = !ret;
 	return ret;
 }

@@ -13,15 +13,18 @@ static u64 wait_limit(u64 timeout_ns)
 	return min_t(u64, timeout_ns, (u64)hvp_longest_wait_ms() * NSEC_PER_MSEC);
 }
 
-/* Elements of a vector that the board may have; n is the caller's word. */
-static int get_vector(struct hvp_board *board, u64 elements, u32 n, hvp_status *status)
+static bool room_for(const struct hvp_board *board, u32 n)
+{
+	return n <= board->vector_bytes / sizeof(*board->vector);
+}
+
+/* What the board cannot have is not copied: the call says why. n is the program's word. */
+static int get_vector(struct hvp_board *board, u64 elements, u32 n)
 {
 	const size_t bytes = n * sizeof(*board->vector);
 
-	if (n > board->vector_bytes / sizeof(*board->vector)) {
-		*status = HVP_ERROR_ARGUMENT;
+	if (!room_for(board, n))
 		return 0;
-	}
 	return copy_from_user(board->vector, u64_to_user_ptr(elements), bytes) ? -EFAULT : 0;
 }
 
@@ -32,39 +35,72 @@ static int put_vector(struct hvp_board *board, u64 elements, u32 n)
 	return copy_to_user(u64_to_user_ptr(elements), board->vector, bytes) ? -EFAULT : 0;
 }
 
-int hvp_call_write_rhs(struct hvp_board *board, union hvp_call *call, hvp_status *status)
+int hvp_bring_vector(struct hvp_board *board, const union hvp_call *call,
+		     struct hvp_brought *brought)
 {
-	const struct hvp_ioc_vector *given = &call->vector;
-	int ret;
-
-	if (given->pad)
+	if (call->vector.pad)
 		return -EINVAL;
-	ret = get_vector(board, given->elements, given->n, status);
-	if (!ret && *status == HVP_OK)
-		*status = hvp_write_rhs(&board->device, board->vector, given->n);
-	return ret;
+	return get_vector(board, call->vector.elements, call->vector.n);
 }
 
-int hvp_call_write_guess(struct hvp_board *board, union hvp_call *call, hvp_status *status)
+int hvp_bring_rhs(struct hvp_board *board, const union hvp_call *call, struct hvp_brought *brought)
 {
-	const struct hvp_ioc_vector *given = &call->vector;
-	int ret;
-
-	if (given->pad)
-		return -EINVAL;
-	ret = get_vector(board, given->elements, given->n, status);
-	if (!ret && *status == HVP_OK)
-		*status = hvp_write_initial_guess(&board->device, board->vector, given->n);
-	return ret;
+	return get_vector(board, call->solve.rhs, call->solve.n);
 }
 
-/* What is left of an earlier job's interrupt must not pass for this one's. */
+/* Nothing but the call's own words. */
+int hvp_bring_wait(struct hvp_board *board, const union hvp_call *call,
+		   struct hvp_brought *brought)
+{
+	return call->wait.pad ? -EINVAL : 0;
+}
+
+int hvp_bring_place(struct hvp_board *board, const union hvp_call *call,
+		    struct hvp_brought *brought)
+{
+	return call->vector.pad ? -EINVAL : 0;
+}
+
+int hvp_give_vector(struct hvp_board *board, const union hvp_call *call)
+{
+	return put_vector(board, call->vector.elements, call->vector.n);
+}
+
+int hvp_give_solution(struct hvp_board *board, const union hvp_call *call)
+{
+	return put_vector(board, call->solve.solution, call->solve.n);
+}
+
+void hvp_call_write_rhs(struct hvp_board *board, union hvp_call *call,
+			const struct hvp_brought *brought)
+{
+	call->head.status = HVP_ERROR_ARGUMENT;
+	if (room_for(board, call->vector.n))
+		call->head.status =
+			hvp_write_rhs(&board->device, board->vector, call->vector.n);
+}
+
+void hvp_call_write_guess(struct hvp_board *board, union hvp_call *call,
+			  const struct hvp_brought *brought)
+{
+	call->head.status = HVP_ERROR_ARGUMENT;
+	if (room_for(board, call->vector.n))
+		call->head.status =
+			hvp_write_initial_guess(&board->device, board->vector, call->vector.n);
+}
+
+/*
+ * What is left of an earlier job's interrupt must not pass for this one's. poll() goes by the job's
+ * flag, which is up before the doorbell: the interrupt may come before this returns. note_call()
+ * takes it down where nothing was started.
+ */
 static hvp_status start_job(struct hvp_board *board)
 {
 	hvp_status status;
 
 	if (board->device.state != STATE_RUNNING)
 		clear_bit(HVP_BOARD_INTERRUPT, &board->flags);
+	set_bit(HVP_BOARD_RUNNING, &board->flags);
 	hvp_engine_give(board);
 	status = hvp_start(&board->device);
 	if (status != HVP_ERROR_STATE)
@@ -85,42 +121,36 @@ static hvp_status await_job(struct hvp_board *board, u64 timeout_ns)
 	return status;
 }
 
-int hvp_call_start(struct hvp_board *board, union hvp_call *call, hvp_status *status)
+void hvp_call_start(struct hvp_board *board, union hvp_call *call,
+		    const struct hvp_brought *brought)
 {
-	*status = start_job(board);
-	return 0;
+	call->head.status = start_job(board);
 }
 
-int hvp_call_wait(struct hvp_board *board, union hvp_call *call, hvp_status *status)
+void hvp_call_wait(struct hvp_board *board, union hvp_call *call,
+		   const struct hvp_brought *brought)
 {
-	if (call->wait.pad)
-		return -EINVAL;
-	*status = await_job(board, call->wait.timeout_ns);
+	call->head.status = await_job(board, call->wait.timeout_ns);
 	call->wait.flags = hvp_last_flags(&board->device);
-	return 0;
 }
 
-int hvp_call_read_solution(struct hvp_board *board, union hvp_call *call, hvp_status *status)
+void hvp_call_read_solution(struct hvp_board *board, union hvp_call *call,
+			    const struct hvp_brought *brought)
 {
-	const struct hvp_ioc_vector *given = &call->vector;
-
-	if (given->pad)
-		return -EINVAL;
-	if (given->n > board->vector_bytes / sizeof(*board->vector)) {
-		*status = HVP_ERROR_ARGUMENT;
-		return 0;
-	}
-	*status = hvp_read_solution(&board->device, board->vector, given->n);
-	return *status == HVP_OK ? put_vector(board, given->elements, given->n) : 0;
+	call->head.status = HVP_ERROR_ARGUMENT;
+	if (room_for(board, call->vector.n))
+		call->head.status =
+			hvp_read_solution(&board->device, board->vector, call->vector.n);
 }
 
-int hvp_call_read_result(struct hvp_board *board, union hvp_call *call, hvp_status *status)
+void hvp_call_read_result(struct hvp_board *board, union hvp_call *call,
+			  const struct hvp_brought *brought)
 {
 	struct hvp_result result;
 
-	*status = hvp_read_result(&board->device, &result);
-	if (*status != HVP_OK)
-		return 0;
+	call->head.status = hvp_read_result(&board->device, &result);
+	if (call->head.status != HVP_OK)
+		return;
 	call->result = (struct hvp_ioc_result){
 		.cycles = result.cycles,
 		.job = result.job,
@@ -132,26 +162,23 @@ int hvp_call_read_result(struct hvp_board *board, union hvp_call *call, hvp_stat
 		.breakdowns = result.breakdowns,
 		.flags = result.flags,
 	};
-	return 0;
 }
 
-int hvp_call_solve(struct hvp_board *board, union hvp_call *call, hvp_status *status)
+void hvp_call_solve(struct hvp_board *board, union hvp_call *call,
+		    const struct hvp_brought *brought)
 {
 	struct hvp_ioc_solve *given = &call->solve;
-	int ret;
+	hvp_status status = HVP_ERROR_ARGUMENT;
 
-	ret = get_vector(board, given->rhs, given->n, status);
-	if (ret)
-		return ret;
-	if (*status == HVP_OK)
-		*status = hvp_write_rhs(&board->device, board->vector, given->n);
-	if (*status == HVP_OK)
-		*status = start_job(board);
-	if (*status == HVP_OK) {
-		*status = await_job(board, given->timeout_ns);
+	if (room_for(board, given->n))
+		status = hvp_write_rhs(&board->device, board->vector, given->n);
+	if (status == HVP_OK)
+		status = start_job(board);
+	if (status == HVP_OK) {
+		status = await_job(board, given->timeout_ns);
 		given->flags = hvp_last_flags(&board->device);
 	}
-	if (*status == HVP_OK)
-		*status = hvp_read_solution(&board->device, board->vector, given->n);
-	return *status == HVP_OK ? put_vector(board, given->solution, given->n) : 0;
+	if (status == HVP_OK)
+		status = hvp_read_solution(&board->device, board->vector, given->n);
+	call->head.status = status;
 }

@@ -8,71 +8,85 @@
 
 #include "hvp_calls.h"
 
-/* A copy of n elements, to be freed by kvfree(), or an ERR_PTR(). */
-static s32 *get_elements(u64 elements, size_t n)
+/* A copy of n elements of the program's. */
+static int bring(s32 **copy, u64 elements, size_t n)
 {
-	return vmemdup_user(u64_to_user_ptr(elements), n * sizeof(s32));
+	s32 *made = vmemdup_user(u64_to_user_ptr(elements), n * sizeof(s32));
+
+	if (IS_ERR(made))
+		return PTR_ERR(made);
+	*copy = made;
+	return 0;
 }
 
-/* What the board cannot hold is not copied: the core says why. */
-int hvp_call_load(struct hvp_board *board, union hvp_call *call, hvp_status *status)
+/* What the board cannot hold is not copied: the call says why. */
+static bool fits(const struct hvp_board *board, const struct hvp_ioc_matrix *given)
+{
+	const struct hvp_capability *capability = hvp_capability_of(&board->device);
+
+	return given->nodes <= capability->max_nodes && given->blocks <= capability->max_blocks;
+}
+
+int hvp_bring_matrix(struct hvp_board *board, const union hvp_call *call,
+		     struct hvp_brought *brought)
 {
 	const struct hvp_ioc_matrix *given = &call->matrix;
-	const struct hvp_capability *capability = hvp_capability_of(&board->device);
-	s32 *row_begin, *column, *value;
-	int ret = 0;
+	int ret;
 
-	if (given->nodes > capability->max_nodes || given->blocks > capability->max_blocks) {
-		*status = HVP_ERROR_CAPABILITY;
+	if (!fits(board, given))
 		return 0;
-	}
-	row_begin = get_elements(given->row_begin, given->nodes + 1);
-	column = get_elements(given->column, given->blocks);
-	value = get_elements(given->value, (size_t)9 * given->blocks);
-	if (IS_ERR(row_begin) || IS_ERR(column) || IS_ERR(value)) {
-		ret = IS_ERR(row_begin) ? PTR_ERR(row_begin)
-		      : IS_ERR(column)	? PTR_ERR(column)
-					: PTR_ERR(value);
-	} else {
-		const struct hvp_matrix matrix = {
-			.nodes = given->nodes,
-			.blocks = given->blocks,
-			.row_begin = row_begin,
-			.column = column,
-			.value = value,
-		};
-
-		*status = hvp_load_matrix(&board->device, &matrix);
-	}
-	if (!IS_ERR(row_begin))
-		kvfree(row_begin);
-	if (!IS_ERR(column))
-		kvfree(column);
-	if (!IS_ERR(value))
-		kvfree(value);
+	ret = bring(&brought->elements[0], given->row_begin, given->nodes + 1);
+	if (!ret)
+		ret = bring(&brought->elements[1], given->column, given->blocks);
+	if (!ret)
+		ret = bring(&brought->elements[2], given->value, (size_t)9 * given->blocks);
 	return ret;
 }
 
-int hvp_call_constrain(struct hvp_board *board, union hvp_call *call, hvp_status *status)
+void hvp_call_load(struct hvp_board *board, union hvp_call *call,
+		   const struct hvp_brought *brought)
 {
-	*status = hvp_constrain_node(&board->device, call->constraint.node,
-				     call->constraint.diagonal);
-	return 0;
+	const struct hvp_matrix matrix = {
+		.nodes = call->matrix.nodes,
+		.blocks = call->matrix.blocks,
+		.row_begin = brought->elements[0],
+		.column = brought->elements[1],
+		.value = brought->elements[2],
+	};
+
+	call->head.status = HVP_ERROR_CAPABILITY;
+	if (fits(board, &call->matrix))
+		call->head.status = hvp_load_matrix(&board->device, &matrix);
 }
 
-int hvp_call_restore(struct hvp_board *board, union hvp_call *call, hvp_status *status)
+void hvp_call_constrain(struct hvp_board *board, union hvp_call *call,
+			const struct hvp_brought *brought)
+{
+	call->head.status = hvp_constrain_node(&board->device, call->constraint.node,
+					       call->constraint.diagonal);
+}
+
+static bool row_fits(const struct hvp_board *board, const struct hvp_ioc_row *given)
+{
+	return given->blocks <= hvp_capability_of(&board->device)->max_row_blocks;
+}
+
+int hvp_bring_row(struct hvp_board *board, const union hvp_call *call, struct hvp_brought *brought)
 {
 	const struct hvp_ioc_row *given = &call->row;
-	s32 *values;
 
-	if (given->blocks > hvp_capability_of(&board->device)->max_row_blocks) {
-		*status = HVP_ERROR_ARGUMENT;
+	if (!row_fits(board, given))
 		return 0;
-	}
-	values = get_elements(given->values, (size_t)9 * given->blocks);
-	if (IS_ERR(values))
-		return PTR_ERR(values);
-	*status = hvp_restore_node(&board->device, given->node, values, given->blocks);
-	kvfree(values);
-	return 0;
+	return bring(&brought->elements[0], given->values, (size_t)9 * given->blocks);
+}
+
+void hvp_call_restore(struct hvp_board *board, union hvp_call *call,
+		      const struct hvp_brought *brought)
+{
+	const struct hvp_ioc_row *given = &call->row;
+
+	call->head.status = HVP_ERROR_ARGUMENT;
+	if (row_fits(board, given))
+		call->head.status = hvp_restore_node(&board->device, given->node,
+						     brought->elements[0], given->blocks);
 }

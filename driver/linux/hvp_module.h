@@ -13,6 +13,14 @@
 
 #include "driver/hvp_driver.h"
 
+/* What kernels from 6.1 to 6.12 have renamed (Kbuild). */
+#ifndef PCI_IRQ_INTX
+#define PCI_IRQ_INTX PCI_IRQ_LEGACY
+#endif
+#ifndef HVP_HAS_VM_FLAGS_CLEAR
+#define vm_flags_clear(area, flags) ((area)->vm_flags &= ~(flags))
+#endif
+
 /*
  * What the parts of the module share about a board: the function on the bus (hvp_pci.c,
  * hvp_power.c), the core's call-backs (hvp_bar.c), memory for its engine (hvp_engine.c), the device
@@ -61,10 +69,12 @@ enum hvp_board_flag {
  * @irq: Linux' number, or a negative one where the board is polled
  * @by_message: the interrupt is a message, nobody else's and behind the board's writes
  * @flags: bits of &enum hvp_board_flag
- * @mutex: held around every call into the core but hvp_irq(); guards @device, @scratch, @vector,
- *	@jobs, @last_error and @last_detail
+ * @calls: held by a program's call from its begin to its end, so that one follows the other; guards
+ *	@vector. Outside @mutex: who takes the board away does not wait for a program's memory
+ * @mutex: held around every call into the core but hvp_irq(), and never while a program's memory is
+ *	touched; guards @device, @scratch, @jobs, @last_error and @last_detail
  * @map_mutex: held while a program's memory is mapped; @engine is there while %HVP_BOARD_GONE is
- *not set under it. Not @mutex, which a call holds while it touches a program's memory, which is
+ *	not set under it. Not @calls, which is held while a program's memory is touched, which is
  *	locked when a file is mapped
  * @line_lock: the core's, for what hvp_irq() and a thread both touch
  * @line_flags: of who holds @line_lock
@@ -89,6 +99,7 @@ struct hvp_board {
 	int irq;
 	bool by_message;
 	unsigned long flags;
+	struct mutex calls;	/* of programs */
 	struct mutex mutex;	/* calls into the core */
 	struct mutex map_mutex; /* mapping, against removal */
 	spinlock_t line_lock;	/* handler and thread */
@@ -136,9 +147,11 @@ void hvp_board_take_away(struct hvp_board *board, enum hvp_board_flag flag);
 struct hvp_bus hvp_bar_bus(struct hvp_board *board, bool takes_errors);
 irqreturn_t hvp_bar_interrupt(int irq, void *context);
 
-/* hvp_engine.c */
+/* hvp_engine.c: a segment each way */
+#define HVP_ENGINE_DESCRIPTORS 2
 int hvp_engine_make(struct hvp_board *board);
 hvp_status hvp_engine_use(struct hvp_board *board);
+void hvp_engine_forget(struct hvp_board *board);
 void hvp_engine_give(struct hvp_board *board);
 void hvp_engine_take(struct hvp_board *board);
 int hvp_engine_map(struct hvp_board *board, const struct hvp_segment *segment,

@@ -69,6 +69,7 @@ static void free_board(struct kref *references)
 	kfree(board->scratch);
 	mutex_destroy(&board->map_mutex);
 	mutex_destroy(&board->mutex);
+	mutex_destroy(&board->calls);
 	kfree(board);
 }
 
@@ -93,6 +94,7 @@ static struct hvp_board *new_board(struct pci_dev *function)
 	if (!board)
 		return NULL;
 	kref_init(&board->references);
+	mutex_init(&board->calls);
 	mutex_init(&board->mutex);
 	mutex_init(&board->map_mutex);
 	spin_lock_init(&board->line_lock);
@@ -115,7 +117,7 @@ static void choose_interrupt(struct hvp_board *board)
 
 	if (msi && pci_alloc_irq_vectors(function, 1, 1, PCI_IRQ_MSI) == 1)
 		board->by_message = true;
-	else if (pci_alloc_irq_vectors(function, 1, 1, PCI_IRQ_LEGACY) != 1)
+	else if (pci_alloc_irq_vectors(function, 1, 1, PCI_IRQ_INTX) != 1)
 		return;
 	board->irq = pci_irq_vector(function, 0);
 }
@@ -164,25 +166,29 @@ static int make_vector(struct hvp_board *board)
 	return board->vector ? 0 : -ENOMEM;
 }
 
+/* A board without an engine works by blocks, and so does one for which there is no memory. */
 static int start_engine(struct hvp_board *board)
 {
 	hvp_status status;
+	u32 descriptors;
 	int ret;
 
 	if (!dma)
 		return 0;
+	mutex_lock(&board->mutex);
+	descriptors = hvp_dma_descriptors(&board->device);
+	mutex_unlock(&board->mutex);
+	if (descriptors < HVP_ENGINE_DESCRIPTORS)
+		return 0;
 	ret = hvp_engine_make(board);
-	if (ret)
-		return ret;
+	if (ret) {
+		dev_warn(&board->function->dev, "no memory for DMA (%d): by blocks\n", ret);
+		return 0;
+	}
 	mutex_lock(&board->mutex);
 	status = hvp_engine_use(board);
 	mutex_unlock(&board->mutex);
-	/* A board without an engine works by blocks. */
-	if (status == HVP_ERROR_CAPABILITY)
-		board->engine.usable = false;
-	else if (status != HVP_OK)
-		return -hvp_errno_of(status);
-	return 0;
+	return -hvp_errno_of(status);
 }
 
 static int hvp_probe(struct pci_dev *function, const struct pci_device_id *id)
@@ -224,6 +230,8 @@ static int hvp_probe(struct pci_dev *function, const struct pci_device_id *id)
 	if (ret)
 		return ret;
 	pci_set_drvdata(function, board);
+	/* For hvp_slot_reset(): a reset of the link leaves nothing of it. */
+	pci_save_state(function);
 	ret = hvp_chrdev_add(board);
 	if (ret)
 		return dev_err_probe(dev, ret, "no device file\n");

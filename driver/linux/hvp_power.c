@@ -74,11 +74,9 @@ static pci_ers_result_t hvp_error_detected(struct pci_dev *function, pci_channel
 
 static pci_ers_result_t hvp_slot_reset(struct pci_dev *function)
 {
-	if (pci_enable_device(function))
-		return PCI_ERS_RESULT_DISCONNECT;
+	/* The state of the end of the probe: the BAR, memory space and bus mastering, messages. */
 	pci_restore_state(function);
 	pci_save_state(function);
-	pci_set_master(function);
 	return PCI_ERS_RESULT_RECOVERED;
 }
 
