@@ -27,6 +27,7 @@ from systemrdl.rdltypes.builtin_enums import OnWriteType
 
 TOP = Path(__file__).resolve().parent.parent
 DESCRIPTION = TOP / "driver" / "hvp.rdl"
+LICENCE = "SPDX-License-Identifier: GPL-2.0-only OR Apache-2.0"
 NOTICE = "Generated from driver/hvp.rdl by driver/generate.py. Do not edit."
 WORD_BYTES = 4
 
@@ -226,7 +227,7 @@ def c_header(top: AddrmapNode, the_map: Map) -> str:
     before, found, after = text.rpartition(marker)
     if not found:
         refuse("the C header has changed its form: no closing extern C")
-    return f"// {NOTICE}\n" + before + "\n".join(lines) + "\n" + found + after
+    return f"// {LICENCE}\n// {NOTICE}\n" + before + "\n".join(lines) + "\n" + found + after
 
 
 def cpp_table(the_map: Map) -> str:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only OR Apache-2.0
 #include "driver/hvp_device.h"
 
 static_assert(offsetof(hvp_t, BLOCKS) - offsetof(hvp_t, NODES) == 4, "one burst writes both");

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only OR Apache-2.0
 #include "driver/hvp_device.h"
 
 enum { SETTINGS_WORDS = 11 };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only OR Apache-2.0
 #ifndef HVP_STATUS_H
 #define HVP_STATUS_H
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only OR Apache-2.0
 #include "driver/hvp_transfer.h"
 
 uint32_t hvp_pack_word(const int32_t* elements, size_t n, size_t i, size_t per_word) {

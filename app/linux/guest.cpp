@@ -49,6 +49,8 @@ std::vector<std::string> Guest::arguments(const GuestSettings& settings) const {
       "uml_dir=" + folder + "/",
       "umid=guest",
       "con0=fd:0,fd:1",
+      // The page tables of programs at random addresses would differ each time.
+      "norandmaps",
       "noreboot",
       "panic=-1",
   };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <utility>
 
@@ -126,6 +127,8 @@ namespace {
 // A client that has a message's worth of replies before it and reads none of them for this time has
 // stopped.
 constexpr int kPatienceMs = 10'000;
+// Between two looks for a signal that ends the server.
+constexpr int kPieceMs = 100;
 
 // The wait for what the client sends after the last reply: its length and number.
 constexpr int kLastWaitMs = 50;
@@ -196,9 +199,24 @@ void Connection::send(std::span<const std::uint8_t> bytes) {
     if (errno != EAGAIN && errno != EWOULDBLOCK) {
       throw Broken(fmt::format("the connection ended: {}", std::strerror(errno)));
     }
-    pollfd ready{.fd = socket_.number(), .events = POLLOUT, .revents = 0};
-    if (::poll(&ready, 1, kPatienceMs) == 0) throw Broken("the client takes no replies");
+    wait_for_room();
   }
+}
+
+// Signals are blocked here (server.cpp): one that has come is looked for.
+void Connection::wait_for_room() const {
+  pollfd ready{.fd = socket_.number(), .events = POLLOUT, .revents = 0};
+  for (int waited = 0; waited < kPatienceMs; waited += kPieceMs) {
+    if (::poll(&ready, 1, kPieceMs) != 0) return;
+    sigset_t pending{};
+    sigpending(&pending);
+    for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+      if (sigismember(&pending, number) == 1) {
+        throw Broken("the server ends, and the client takes no replies");
+      }
+    }
+  }
+  throw Broken("the client takes no replies");
 }
 
 void Connection::finish() {

@@ -60,6 +60,7 @@ class Connection {
  private:
   bool fill(std::span<std::uint8_t> room, std::size_t& filled);
   void keep_files(msghdr& message);
+  void wait_for_room() const;
 
   FileDescriptor socket_;
   std::array<std::uint8_t, sizeof(Header)> header_{};

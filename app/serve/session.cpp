@@ -130,6 +130,9 @@ Bytes Session::describe_interrupt(Fields fields) const {
 void Session::set_interrupts(Message& message) {
   Fields fields(message.body);
   const auto command = fields.take<SetInterrupts>();
+  if (command.argsz < sizeof command) {
+    throw Refused(EINVAL, fmt::format("interrupts in {} bytes", command.argsz));
+  }
   interrupts_.set(command, fields.rest(), std::move(message.files));
   interrupts_.line(function_.line_is_up());
 }

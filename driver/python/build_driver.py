@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The C sources of the checkout as the extension module hvp_board._driver.
 
 Only what Python calls is declared here; the compiler compares it with the C headers, which have the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only OR Apache-2.0
 // The call-backs of struct hvp_bus.
 #include "driver/user/vfio_user_client.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only OR Apache-2.0
 // Messages over the socket: a command, and its reply where one is wanted.
 #include "driver/user/vfio_user_message.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-only OR Apache-2.0
 // A connection from its first message to its last, and memory that is shared over it.
 #include <errno.h>
 #include <string.h>

@@ -41,7 +41,7 @@ class Bank : public ::testing::Test {
 
 TEST_F(Bank, StartsAtTheResetValuesAndItsOwnCapacity) {
   ASSERT_TRUE(read(offset(Register::id), 4).ok());
-  EXPECT_EQ(got, (std::vector<std::uint32_t>{0x48565031, 0x00020001, 4U << 16 | 10U, 30}));
+  EXPECT_EQ(got, (std::vector<std::uint32_t>{0x48565031, 0x00020002, 4U << 16 | 10U, 30}));
   ASSERT_TRUE(read(offset(Register::iterations)).ok());
   EXPECT_EQ(got[0], 60U);
 }

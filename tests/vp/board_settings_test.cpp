@@ -53,7 +53,6 @@ struct Board {
 // Configures a fresh board through the driver and reads what it makes of that.
 fixed::Settings travelled(const fixed::Settings& settings, hvp_status expected = HVP_OK) {
   Board board;
-  strap_capability(board.bank);
   const hvp_bus bus = board.bus();
   std::array<std::uint32_t, HVP_MIN_SCRATCH_WORDS> scratch{};
   hvp_device device{};

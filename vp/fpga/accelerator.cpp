@@ -48,7 +48,6 @@ Accelerator::Accelerator(const sc_core::sc_module_name& name,
     throw InputError("numbers", "the cycle-accurate engine makes the words: expected \"fixed\"");
   }
   from_bus.register_b_transport(this, &Accelerator::b_transport);
-  strap_capability(bank_);
   bank_.strap(Register::capability_clock,
               static_cast<std::uint32_t>(std::llround(architecture.clock_hz / 1000)));
   bank_.on_write(Register::control,
@@ -101,7 +100,7 @@ bool Accelerator::supported(const fixed::Settings& settings) {
     return true;
   } catch (const InputError& e) {
     spdlog::warn("the board refused a setting: {}", e.what());
-    raise({ErrorCode::bad_setting, offset_of(Register::method)});
+    raise(bad_setting(field::kMethodMethod));
     return false;
   }
 }
@@ -121,8 +120,8 @@ void Accelerator::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc
   if (observer_ != nullptr) observer_->access(now_ps(), command, bank_, outcome, offset, data);
   if (!outcome.ok()) {
     ++illegal_accesses_;
-    spdlog::warn("{} at {} ns", bank_.describe(outcome, command),
-                 static_cast<double>(now_ps()) * 1e-3);
+    spdlog::warn("{} at {}.{:03} ns", bank_.describe(outcome, command), now_ps() / 1000,
+                 now_ps() % 1000);
     raise({ErrorCode::illegal_access, static_cast<std::uint32_t>(outcome.offset)});
   }
   commanding_tag_ = nullptr;
@@ -170,6 +169,7 @@ void Accelerator::power_on() {
 void Accelerator::raise(BoardError error) {
   if (bank_.get(field::kInterruptStatusError) == 0) {
     bank_.set(field::kErrorCode, static_cast<std::uint32_t>(error.code));
+    bank_.set(field::kErrorPlace, error.place);
     bank_.set(field::kErrorDetailDetail, error.detail);
     bank_.set(field::kInterruptStatusError, 1);
   }
@@ -181,6 +181,7 @@ void Accelerator::raise(BoardError error) {
 void Accelerator::mirror_status() {
   if (bank_.get(field::kInterruptStatusError) == 0) {
     bank_.set(field::kErrorCode, 0);
+    bank_.set(field::kErrorPlace, 0);
     bank_.set(field::kErrorDetailDetail, 0);
   }
   bank_.set(field::kStatusDone, bank_.get(field::kInterruptStatusDone));
@@ -262,7 +263,7 @@ bool Accelerator::change_row(int node) {
     try {
       matrix_.set_contact(node, static_cast<std::int32_t>(bank_.get(field::kUpdateDiagonalValue)));
     } catch (const InputError&) {
-      raise({ErrorCode::bad_setting, offset_of(Register::update_diagonal)});
+      raise(bad_setting(field::kUpdateDiagonalValue));
       return false;
     }
     return true;

@@ -81,17 +81,16 @@ void Accelerator::start() {
 }
 
 BoardError Accelerator::check_list() const {
-  const auto bad = [](Register reg) { return BoardError{ErrorCode::bad_setting, offset_of(reg)}; };
   const auto misaligned = [this](Register low) {
     return bank_.get(low) % (4 * kDescriptorWords) != 0;
   };
   const std::uint32_t most = bank_.get(field::kCapabilityDmaMaxDescriptors);
-  if (most == 0) return bad(Register::capability_dma);
+  if (most == 0) return bad_setting(field::kCapabilityDmaMaxDescriptors);
   if (bank_.get(field::kDmaCountToBoard) + bank_.get(field::kDmaCountToHost) > most) {
-    return bad(Register::dma_count);
+    return bad_setting(field::kDmaCountToBoard);
   }
-  if (misaligned(Register::dma_list_low)) return bad(Register::dma_list_low);
-  if (misaligned(Register::dma_record_low)) return bad(Register::dma_record_low);
+  if (misaligned(Register::dma_list_low)) return bad_setting(field::kDmaListLowLow);
+  if (misaligned(Register::dma_record_low)) return bad_setting(field::kDmaRecordLowLow);
   return {};
 }
 

@@ -1,8 +1,10 @@
 #include "vp/fpga/board_registers.h"
 
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "models/config/input_error.h"
 #include "vp/fpga/register_bank.h"
@@ -11,78 +13,59 @@ namespace hvp::vp {
 
 namespace {
 
-// Longest words of the solver (models/fixed/settings.cpp).
+// The longest words that the board says it has are the solver's (models/fixed/settings.cpp).
 constexpr std::uint32_t kMatrixBits = 24;
 constexpr std::uint32_t kVectorBits = 32;
 constexpr std::uint32_t kCoefficientBits = 24;
+static_assert(kRegisters[static_cast<std::size_t>(Register::capability_format)].reset ==
+              (kMatrixBits << field::kCapabilityFormatMaxMatrixBits.low |
+               kVectorBits << field::kCapabilityFormatMaxVectorBits.low |
+               kVectorBits << field::kCapabilityFormatMaxRhsBits.low |
+               kCoefficientBits << field::kCapabilityFormatMaxCoefficientBits.low));
 
-BoardError bad(Register reg) { return {ErrorCode::bad_setting, offset_of(reg)}; }
+// The field whose value the board does not take; none: it takes them all.
+using Wrong = std::optional<Field>;
 
-bool between(std::uint32_t value, std::uint32_t least, std::uint32_t most) {
+constexpr bool between(std::uint32_t value, std::uint32_t least, std::uint32_t most) {
   return value >= least && value <= most;
 }
 
-bool read_method(std::uint32_t code, fixed::Method& method) {
-  switch (static_cast<SolverMethod>(code)) {
-    case SolverMethod::cg:
-      method = fixed::Method::cg;
-      return true;
-    case SolverMethod::jacobi_pcg:
-      method = fixed::Method::jacobi_pcg;
-      return true;
-    case SolverMethod::block_jacobi_pcg:
-      method = fixed::Method::block_jacobi_pcg;
-      return true;
-    case SolverMethod::chronopoulos_gear:
-      method = fixed::Method::chronopoulos_gear;
-      return true;
-    case SolverMethod::pipelined_cg:
-      method = fixed::Method::pipelined_cg;
-      return true;
-  }
-  return false;
+// The value that a code stands for, or the field that has no such code.
+template <class Value, std::size_t count>
+Wrong decode(const RegisterBank& bank, Field field, const std::array<Value, count>& values,
+             Value& value) {
+  const std::uint32_t code = bank.get(field);
+  if (code >= count) return field;
+  value = values.at(code);
+  return std::nullopt;
 }
 
-bool read_start(std::uint32_t code, fixed::Start& start) {
-  switch (static_cast<StartMode>(code)) {
-    case StartMode::zero:
-      start = fixed::Start::zero;
-      return true;
-    case StartMode::warm:
-      start = fixed::Start::warm;
-      return true;
-    case StartMode::extrapolated:
-      start = fixed::Start::extrapolated;
-      return true;
-  }
-  return false;
-}
+// In the order of the codes (SolverMethod, StartMode and RoundingMode).
+constexpr std::array kMethods = {fixed::Method::cg, fixed::Method::jacobi_pcg,
+                                 fixed::Method::block_jacobi_pcg, fixed::Method::chronopoulos_gear,
+                                 fixed::Method::pipelined_cg};
+static_assert(static_cast<std::size_t>(SolverMethod::pipelined_cg) == kMethods.size() - 1);
+constexpr std::array kStarts = {fixed::Start::zero, fixed::Start::warm, fixed::Start::extrapolated};
+static_assert(static_cast<std::size_t>(StartMode::extrapolated) == kStarts.size() - 1);
+constexpr std::array kRoundings = {fixed::Rounding::nearest_up, fixed::Rounding::nearest_even,
+                                   fixed::Rounding::truncation};
+static_assert(static_cast<std::size_t>(RoundingMode::truncation) == kRoundings.size() - 1);
 
-bool read_rounding(std::uint32_t code, fixed::Rounding& rounding) {
-  switch (static_cast<RoundingMode>(code)) {
-    case RoundingMode::nearest_up:
-      rounding = fixed::Rounding::nearest_up;
-      return true;
-    case RoundingMode::nearest_even:
-      rounding = fixed::Rounding::nearest_even;
-      return true;
-    case RoundingMode::truncation:
-      rounding = fixed::Rounding::truncation;
-      return true;
-  }
-  return false;
-}
-
-bool read_stop_residual(const RegisterBank& bank, double& stop_residual) {
+Wrong read_iteration(const RegisterBank& bank, fixed::Settings& s) {
+  s.iterations = static_cast<int>(bank.get(field::kIterationsCount));
+  if (s.iterations < 1) return field::kIterationsCount;
   const std::uint64_t high = bank.get(field::kStopResidualHighHigh);
   const std::uint64_t bits = high << 32 | bank.get(field::kStopResidualLowLow);
   // Doubles from 0 to 1 are in the order of their bits; all others lie above.
-  if (bits > std::bit_cast<std::uint64_t>(1.0)) return false;
-  stop_residual = std::bit_cast<double>(bits);
-  return true;
+  if (bits > std::bit_cast<std::uint64_t>(1.0)) return field::kStopResidualHighHigh;
+  s.stop_residual = std::bit_cast<double>(bits);
+  s.replace_residual_every = static_cast<int>(bank.get(field::kReplaceEveryCount));
+  return std::nullopt;
 }
 
-bool read_scaling(const RegisterBank& bank, fixed::Settings& s) {
+Wrong read_scaling(const RegisterBank& bank, fixed::Settings& s) {
+  s.static_shift = static_cast<int>(bank.get(field::kStaticShiftShift));
+  if (s.static_shift > 31) return field::kStaticShiftShift;
   const std::uint32_t headroom = bank.get(field::kScalingHeadroomBits);
   const std::uint32_t threshold = bank.get(field::kScalingThreshold);
   const std::uint32_t step = bank.get(field::kScalingStep);
@@ -91,22 +74,28 @@ bool read_scaling(const RegisterBank& bank, fixed::Settings& s) {
   s.headroom_bits = static_cast<int>(headroom);
   s.scaling_threshold = static_cast<int>(threshold);
   s.scaling_step = static_cast<int>(step);
-  return headroom <= 8 && between(threshold, 1, 16) && between(step, 1, 16);
+  if (headroom > 8) return field::kScalingHeadroomBits;
+  if (!between(threshold, 1, 16)) return field::kScalingThreshold;
+  if (!between(step, 1, 16)) return field::kScalingStep;
+  return std::nullopt;
 }
 
-bool read_format(const RegisterBank& bank, fixed::Settings& s) {
+Wrong read_format(const RegisterBank& bank, fixed::Settings& s) {
   const std::uint32_t matrix = bank.get(field::kFormatMatrixBits);
   const std::uint32_t vector = bank.get(field::kFormatVectorBits);
   const std::uint32_t coefficient = bank.get(field::kFormatCoefficientBits);
   s.matrix_bits = static_cast<int>(matrix);
   s.vector_bits = static_cast<int>(vector);
   s.coefficient_bits = static_cast<int>(coefficient);
-  return between(matrix, 8, kMatrixBits) && between(vector, 12, kVectorBits) &&
-         between(coefficient, 8, kCoefficientBits) &&
-         bank.get(field::kFormatRhsBits) == static_cast<std::uint32_t>(s.residual_bits());
+  if (!between(matrix, 8, kMatrixBits)) return field::kFormatMatrixBits;
+  if (!between(vector, 12, kVectorBits)) return field::kFormatVectorBits;
+  if (!between(coefficient, 8, kCoefficientBits)) return field::kFormatCoefficientBits;
+  const bool fits =
+      bank.get(field::kFormatRhsBits) == static_cast<std::uint32_t>(s.residual_bits());
+  return fits ? Wrong() : Wrong(field::kFormatRhsBits);
 }
 
-bool read_coefficients(const RegisterBank& bank, fixed::Settings& s) {
+Wrong read_coefficients(const RegisterBank& bank, fixed::Settings& s) {
   const std::uint32_t alpha = bank.get(field::kCoefficientsAlphaFraction);
   const std::uint32_t beta = bank.get(field::kCoefficientsBetaFraction);
   const bool fixed_point = bank.get(field::kCoefficientsFormat) ==
@@ -115,47 +104,47 @@ bool read_coefficients(const RegisterBank& bank, fixed::Settings& s) {
       fixed_point ? fixed::CoefficientFormat::fixed : fixed::CoefficientFormat::own_shift;
   s.alpha_fraction_bits = static_cast<int>(alpha);
   s.beta_fraction_bits = static_cast<int>(beta);
-  return alpha <= 40 && beta <= 40;
+  if (alpha > 40) return field::kCoefficientsAlphaFraction;
+  if (beta > 40) return field::kCoefficientsBetaFraction;
+  return std::nullopt;
 }
 
-bool read_arithmetic(const RegisterBank& bank, fixed::Settings& s) {
+Wrong read_arithmetic(const RegisterBank& bank, fixed::Settings& s) {
   const bool wrap =
       bank.get(field::kArithmeticOverflow) == static_cast<std::uint32_t>(OverflowMode::wrap);
   s.overflow = wrap ? fixed::Overflow::wrap : fixed::Overflow::saturate;
   s.scalar_bits = static_cast<int>(bank.get(field::kArithmeticScalarBits));
-  return read_rounding(bank.get(field::kArithmeticDivisionRounding), s.division_rounding) &&
-         read_rounding(bank.get(field::kArithmeticShiftRounding), s.shift_rounding) &&
-         (s.scalar_bits == 64 || s.scalar_bits == 128);
+  Wrong wrong = decode(bank, field::kArithmeticDivisionRounding, kRoundings, s.division_rounding);
+  if (!wrong) {
+    wrong = decode(bank, field::kArithmeticShiftRounding, kRoundings, s.shift_rounding);
+  }
+  if (wrong) return wrong;
+  if (s.scalar_bits != 64 && s.scalar_bits != 128) return field::kArithmeticScalarBits;
+  return std::nullopt;
+}
+
+Wrong read_each(const RegisterBank& bank, fixed::Settings& s) {
+  if (Wrong wrong = decode(bank, field::kMethodMethod, kMethods, s.method)) return wrong;
+  for (const auto read :
+       {read_iteration, read_scaling, read_format, read_coefficients, read_arithmetic}) {
+    if (Wrong wrong = read(bank, s)) return wrong;
+  }
+  return decode(bank, field::kStartModeMode, kStarts, s.start);
 }
 
 }  // namespace
 
-void strap_capability(RegisterBank& bank) {
-  bank.strap(Register::capability_format,
-             kMatrixBits << field::kCapabilityFormatMaxMatrixBits.low |
-                 kVectorBits << field::kCapabilityFormatMaxVectorBits.low |
-                 kVectorBits << field::kCapabilityFormatMaxRhsBits.low |
-                 kCoefficientBits << field::kCapabilityFormatMaxCoefficientBits.low);
+BoardError bad_setting(Field field) {
+  return {ErrorCode::bad_setting, offset_of(field.reg), field.low};
 }
 
 BoardError read_settings(const RegisterBank& bank, fixed::Settings& s) {
   s = {};
-  if (!read_method(bank.get(field::kMethodMethod), s.method)) return bad(Register::method);
-  s.iterations = static_cast<int>(bank.get(field::kIterationsCount));
-  if (s.iterations < 1) return bad(Register::iterations);
-  if (!read_stop_residual(bank, s.stop_residual)) return bad(Register::stop_residual_high);
-  s.replace_residual_every = static_cast<int>(bank.get(field::kReplaceEveryCount));
-  s.static_shift = static_cast<int>(bank.get(field::kStaticShiftShift));
-  if (s.static_shift > 31) return bad(Register::static_shift);
-  if (!read_scaling(bank, s)) return bad(Register::scaling);
-  if (!read_format(bank, s)) return bad(Register::format);
-  if (!read_coefficients(bank, s)) return bad(Register::coefficients);
-  if (!read_arithmetic(bank, s)) return bad(Register::arithmetic);
-  if (!read_start(bank.get(field::kStartModeMode), s.start)) return bad(Register::start_mode);
+  if (const Wrong wrong = read_each(bank, s)) return bad_setting(*wrong);
   try {
     s.check();
   } catch (const InputError&) {  // headroom that leaves a vector word too few bits
-    return bad(Register::scaling);
+    return bad_setting(field::kScalingHeadroomBits);
   }
   return {};
 }

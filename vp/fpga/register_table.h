@@ -110,10 +110,10 @@ inline constexpr std::uint32_t kRegisterBytes = 0x000000e4;
 // In the order of Register; offsets ascend.
 inline constexpr std::array<RegisterInfo, 48> kRegisters = {{
     {"ID", 0x00000000, 0x48565031, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
-    {"VERSION", 0x00000004, 0x00020001, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"VERSION", 0x00000004, 0x00020002, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_NODES", 0x00000008, 0x00402000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_BLOCKS", 0x0000000c, 0x00050000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
-    {"CAPABILITY_FORMAT", 0x00000010, 0x20202020, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"CAPABILITY_FORMAT", 0x00000010, 0x18202018, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_CLOCK", 0x00000014, 0x000186a0, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_SOLVER", 0x00000018, 0x8000071f, 0xff000fff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_DMA", 0x0000001c, 0x00000000, 0x0000ffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
@@ -121,7 +121,7 @@ inline constexpr std::array<RegisterInfo, 48> kRegisters = {{
     {"STATUS", 0x00000024, 0x00000000, 0xffffff0f, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"INTERRUPT_STATUS", 0x00000028, 0x00000000, 0x00000003, 0x00000003, 0x00000003, 0x00000000, 0x00000000},
     {"INTERRUPT_ENABLE", 0x0000002c, 0x00000000, 0x00000003, 0x00000003, 0x00000000, 0x00000000, 0x00000000},
-    {"ERROR", 0x00000030, 0x00000000, 0x000000ff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"ERROR", 0x00000030, 0x00000000, 0x00001fff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"ERROR_DETAIL", 0x00000034, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"JOB", 0x00000038, 0x00000000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"METHOD", 0x00000040, 0x00000000, 0x00000007, 0x00000007, 0x00000000, 0x00000000, 0x00000007},
@@ -172,8 +172,8 @@ inline constexpr std::array<ApertureInfo, 6> kApertures = {{
 enum class ErrorCode : std::uint32_t {
   none = 0,  // No error is pending.
   bad_size = 1,  // load_done: NODES or BLOCKS is zero or beyond the board's capability. Detail: the value.
-  bad_matrix = 2,  // load_done: ROW_BEGIN does not run from 0 to BLOCKS without decreasing, a row has more blocks than CAPABILITY_NODES.max_row_blocks, columns do not ascend, or a diagonal block is missing. Detail: the block row.
-  bad_setting = 3,  // start, run_list or load_done: a setting is out of the board's range. Detail: the register's offset.
+  bad_matrix = 2,  // load_done: ROW_BEGIN does not run from 0 to BLOCKS without decreasing, a row has more blocks than CAPABILITY_NODES.max_row_blocks, columns do not ascend or are not below NODES, a diagonal block is missing, a block has no partner at its transpose's place, or an entry is beyond ±(2^(FORMAT.matrix_bits - 1) - 1). Detail: the block row.
+  bad_setting = 3,  // start, run_list or load_done: a setting is out of the board's range. Detail: the register's offset; ERROR.place: the field's lowest bit.
   not_loaded = 4,  // start, run_list or update_node without a loaded matrix.
   bad_node = 5,  // update_node: UPDATE_NODE is not below NODES. Detail: the node.
   bad_row = 6,  // update_node: UPDATE_BLOCKS differs from the number of blocks in the row. Detail: the row's own number.
@@ -256,6 +256,7 @@ inline constexpr Field kInterruptStatusError{Register::interrupt_status, 1, 1};
 inline constexpr Field kInterruptEnableDone{Register::interrupt_enable, 0, 1};
 inline constexpr Field kInterruptEnableError{Register::interrupt_enable, 1, 1};
 inline constexpr Field kErrorCode{Register::error, 0, 8};
+inline constexpr Field kErrorPlace{Register::error, 8, 5};
 inline constexpr Field kErrorDetailDetail{Register::error_detail, 0, 32};
 inline constexpr Field kJobJob{Register::job, 0, 32};
 inline constexpr Field kMethodMethod{Register::method, 0, 3};

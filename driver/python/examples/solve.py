@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Solves a chain of springs on a board, and again with numpy: how far are they apart?
 
     python solve.py ADDRESS

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The driver of the hvp solver board, with numpy arrays in and out.
 
     import hvp_board

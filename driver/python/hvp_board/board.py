@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A board, and the calls of driver/user/hvp_client.h."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A way to a board that is written in Python: the call-backs of struct hvp_bus."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A symmetric matrix of 3 x 3 blocks in the words of the board."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The settings of a solve: struct hvp_solver_config."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a call of the driver returns, and the exception that it becomes."""
 
 from __future__ import annotations

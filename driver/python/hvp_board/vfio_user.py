@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A board that `hvp serve` models in another process, by Python's standard library alone.
 
 Registers, memory that the board reaches, and interrupts over a vfio-user socket

@@ -27,7 +27,7 @@ class ScriptedBoard:
     def __init__(self) -> None:
         self.words: dict[int, int] = {
             ID: 0x48565031,
-            VERSION: 0x00020001,
+            VERSION: 0x00020002,
             NODES_CAN: 0x00400010,
             BLOCKS_CAN: 64,
             FORMAT_CAN: 0x20202020,

@@ -77,6 +77,25 @@ static void mapped(struct suite_case* c) {
   }
 }
 
+// Memory that the driver owns is another program's next.
+static void next_program_finds_nothing(struct suite_case* c) {
+  struct problem p;
+  int32_t u[UNKNOWNS];
+  struct hvp_client_memory memory;
+  problem_make(&p);
+  if (!case_use_dma(c)) return;
+  if (hvp_client_descriptor(c->client) < 0) SKIP(c, "b and U lie in the program's own memory");
+  if (!case_load(c, &p) || !case_solve(c, &p, u)) return;
+  EXPECT_OK(c, hvp_client_close(c->client));
+  c->client = NULL;
+  EXPECT_OK(c, c->board->open(c->board->context, &c->client));
+  EXPECT_OK(c, hvp_client_map(c->client, &memory));
+  const unsigned char* rhs = (const unsigned char*)memory.rhs;
+  const unsigned char* solution = (const unsigned char*)memory.solution;
+  for (size_t i = 0; i < memory.rhs_bytes; ++i) EXPECT(c, rhs[i] == 0U);
+  for (size_t i = 0; i < memory.solution_bytes; ++i) EXPECT(c, solution[i] == 0U);
+}
+
 static void dma_from_elsewhere(struct suite_case* c, uint32_t offset, uint32_t value,
                                hvp_status expected, uint32_t detail) {
   struct problem p;
@@ -138,6 +157,7 @@ const struct case_entry transfer_cases[] = {
     {"dma", by_dma},
     {"dma-and-blocks", dma_and_blocks_agree},
     {"dma-mapped", mapped},
+    {"dma-next-program", next_program_finds_nothing},
     {"dma-without-an-answer", dma_without_an_answer},
     {"dma-bad-descriptor", bad_descriptor},
     {"messages", messages},

@@ -4,6 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/time.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
 
 #include "tests/driver/suite/case.h"
 
@@ -143,6 +146,36 @@ static void polled(struct suite_case* c) {
   }
 }
 
+// Who sleeps in poll() while another starts the job hears of its end.
+static void polled_from_before(struct suite_case* c) {
+  struct problem p;
+  const int descriptor = hvp_client_descriptor(c->client);
+  if (descriptor < 0) SKIP(c, "there is no file to poll");
+  if (!hvp_client_info_of(c->client)->interrupts) SKIP(c, "the driver polls");
+  problem_make(&p);
+  if (!case_load(c, &p)) return;
+  EXPECT_OK(c, hvp_client_write_rhs(c->client, p.b, UNKNOWNS));
+  const pid_t sleeper = fork();
+  EXPECT(c, sleeper >= 0);
+  if (sleeper == 0) {
+    // At its time-out poll() looks once more: who was never woken finds the end only then.
+    struct timespec begin;
+    struct timespec end;
+    struct pollfd file = {.fd = descriptor, .events = POLLIN};
+    (void)clock_gettime(CLOCK_MONOTONIC, &begin);
+    const int found = poll(&file, 1, 5000);
+    (void)clock_gettime(CLOCK_MONOTONIC, &end);
+    _exit(found == 1 && (file.revents & POLLIN) != 0 && end.tv_sec - begin.tv_sec < 3 ? 0 : 1);
+  }
+  (void)usleep(20000);
+  const hvp_status started = hvp_client_start(c->client);
+  int ended = -1;
+  EXPECT(c, waitpid(sleeper, &ended, 0) == sleeper);
+  EXPECT_STATUS(c, started, HVP_OK);
+  EXPECT(c, WIFEXITED(ended) && WEXITSTATUS(ended) == 0);
+  EXPECT_OK(c, hvp_client_wait(c->client, LONG_NS));
+}
+
 static void nothing_is_lost(struct suite_case* c) {
   struct problem p;
   int32_t u[UNKNOWNS];
@@ -165,6 +198,7 @@ const struct case_entry wait_cases[] = {
     {"wait-interrupted", interrupted_by_the_bus},
     {"wait-signal", interrupted_by_a_signal},
     {"wait-poll", polled},
+    {"wait-poll-from-before", polled_from_before},
     {"reset-in-a-job", reset_ends_a_job},
     {"close-in-a-job", close_ends_a_job},
     {"fifty-jobs", nothing_is_lost},

@@ -1,0 +1,146 @@
+"""The module with a change, in a guest: what only shows where time passes in the wrong place, and
+what an error of the link leaves behind.
+
+usage: module_variants.py PROGRAM GUEST WORK
+
+PROGRAM is hvp, GUEST a folder with `linux`, `initramfs.cpio.gz` and `tree`, WORK where modules are
+built.
+"""
+
+import argparse
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+TOP = Path(__file__).resolve().parents[2]
+LIMIT_S = 240
+SCENARIO = str(TOP / "scenarios" / "pcie-msi.toml")
+
+
+class WrongError(Exception):
+    pass
+
+
+@dataclass(frozen=True)
+class Change:
+    """Of a source in driver/linux: a line, and what stands in its place."""
+
+    file: str
+    old: str
+    new: str
+
+
+# The thread sleeps behind the doorbell, as one that is preempted there: the job ends meanwhile.
+SLOW_START = (
+    Change(
+        "hvp_job_calls.c",
+        "\tstatus = hvp_start(&board->device);\n",
+        "\tstatus = hvp_start(&board->device);\n\tusleep_range(5000, 5010);\n",
+    ),
+    Change(
+        "hvp_job_calls.c",
+        "#include <linux/uaccess.h>\n",
+        "#include <linux/delay.h>\n#include <linux/uaccess.h>\n",
+    ),
+)
+
+
+@dataclass(frozen=True)
+class Guest:
+    program: Path
+    folder: Path
+    work: Path
+
+    def build(
+        self, name: str, changes: tuple[Change, ...] = (), room: str = "driver/linux"
+    ) -> Path:
+        """The module's file."""
+        folder = self.work / name
+        with tempfile.TemporaryDirectory() as copied:
+            top = Path(copied)
+            for part in ("driver", "cmake", "tests/driver/linux"):
+                (top / part).parent.mkdir(parents=True, exist_ok=True)
+                subprocess.run(["cp", "-rp", str(TOP / part), str(top / part)], check=True)
+            for change in changes:
+                path = top / "driver" / "linux" / change.file
+                text = path.read_text()
+                if text.count(change.old) != 1:
+                    raise WrongError(f"{name}: not once in {change.file}: {change.old!r}")
+                path.write_text(text.replace(change.old, change.new))
+            command = [str(top / "driver/linux/build.sh"), str(self.folder / "tree"), str(folder)]
+            done = subprocess.run(
+                [*command, str(top / room)], capture_output=True, text=True, check=False
+            )
+        if done.returncode != 0:
+            raise WrongError(f"{name}: {done.stderr[-600:]}")
+        return next(folder.glob("*.ko"))
+
+    def run(self, script: str) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            (folder / "script").write_text("set -e\n" + script)
+            command = [str(self.program), "linux", SCENARIO, "--out", str(folder / "out")]
+            command += ["--kernel", str(self.folder / "linux")]
+            command += ["--initrd", str(self.folder / "initramfs.cpio.gz")]
+            command += ["--script", str(folder / "script")]
+            done = subprocess.run(
+                command, capture_output=True, text=True, timeout=LIMIT_S, check=False
+            )
+        # A job that was late, or failed on purpose, is no fault of the script's.
+        if done.returncode not in (0, 1):
+            raise WrongError(f"status {done.returncode}\n{done.stdout[-1500:]}\n{done.stderr}")
+
+
+def who_polls_hears_of_a_job_that_another_starts(guest: Guest) -> None:
+    module = guest.build("slow-start", SLOW_START)
+    guest.run(
+        f"rmmod hvp\ninsmod /host{module}\n"
+        "hvp-driver-suite /dev/hvp0 --case wait-poll-from-before | grep '\"pass\"'\n"
+    )
+
+
+def a_link_that_was_reset_is_recovered_from(guest: Guest) -> None:
+    module = guest.build("recovery", room="tests/driver/linux/recovery")
+    solves = "hvp-driver-suite /dev/hvp0 --case solve | grep '\"pass\"'\n"
+    guest.run(
+        f"{solves}insmod /host{module}\n{solves}rmmod hvp_recovery\ninsmod /host{module}\n{solves}"
+    )
+
+
+def nothing_of_the_last_program_is_left(guest: Guest) -> None:
+    guest.run("hvp-driver-suite /dev/hvp0 --case dma-next-program | grep '\"pass\"'\n")
+
+
+CASES: tuple[Callable[[Guest], None], ...] = (
+    who_polls_hears_of_a_job_that_another_starts,
+    a_link_that_was_reset_is_recovered_from,
+    nothing_of_the_last_program_is_left,
+)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("program", type=Path)
+    parser.add_argument("guest", type=Path)
+    parser.add_argument("work", type=Path)
+    parser.add_argument("--case", help="one alone")
+    arguments = parser.parse_args()
+    guest = Guest(arguments.program.resolve(), arguments.guest.resolve(), arguments.work.resolve())
+    failed = 0
+    for case in CASES:
+        if arguments.case not in (None, case.__name__):
+            continue
+        try:
+            case(guest)
+            print(f"ok      {case.__name__}", flush=True)
+        except (WrongError, subprocess.SubprocessError, OSError) as error:
+            failed += 1
+            print(f"FAILED  {case.__name__}: {error}", flush=True)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
