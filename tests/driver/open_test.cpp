@@ -20,7 +20,7 @@ TEST_F(DriverOnBoard, OpenLooksBeforeItTouches) {
   EXPECT_EQ(capability->max_nodes, 64U);
   EXPECT_EQ(capability->max_row_blocks, 64U);
   EXPECT_EQ(capability->max_blocks, 1024U);
-  EXPECT_EQ(capability->max_matrix_bits, 32U);
+  EXPECT_EQ(capability->max_matrix_bits, 24U);
   EXPECT_EQ(capability->clock_khz, 100'000U);
   EXPECT_EQ(capability->methods, 0x1fU);
   EXPECT_EQ(capability->start_modes, 7U);

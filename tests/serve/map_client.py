@@ -81,7 +81,7 @@ def read_map(page: Path) -> Map:
             lowest = int(low or high)
             bits = int(high) - lowest + 1
             found.fields.setdefault(heading, {})[row[1]] = Field(lowest, bits, row[2], row[4])
-        elif row[0].isdecimal() and len(row) == 3:
+        elif row[0].isdecimal() and heading not in found.offset:
             found.codes.setdefault(heading, {})[row[1]] = int(row[0])
     return found
 

@@ -269,14 +269,14 @@ TEST_F(AcceleratorTest, AccessesThatTheMapDoesNotAllowAreRefusedByName) {
   run([&](Stimulus& s, BoardMaster& board) {
     std::uint32_t word = 1;
     EXPECT_EQ(board.poke(Register::status, 1), tlm::TLM_COMMAND_ERROR_RESPONSE);
-    EXPECT_EQ(reported(), "write to STATUS (0x24): read-only at 0 ns\n");
+    EXPECT_EQ(reported(), "write to STATUS (0x24): read-only at 0.000 ns\n");
     s.sleep(500);
     EXPECT_EQ(s.read(0x26, &word, 4), tlm::TLM_BURST_ERROR_RESPONSE);
-    EXPECT_EQ(reported(), "read of STATUS[+2] (0x26): misaligned at 0.5 ns\n");
+    EXPECT_EQ(reported(), "read of STATUS[+2] (0x26): misaligned at 0.500 ns\n");
     EXPECT_EQ(word, 0xffffffffU);
     EXPECT_EQ(s.write(0x24, &word, 3), tlm::TLM_BURST_ERROR_RESPONSE);
     EXPECT_EQ(s.read(0x3c, &word, 4), tlm::TLM_ADDRESS_ERROR_RESPONSE);
-    EXPECT_NE(reported().find("read of 0x3c: no register there at 0.5 ns\n"), std::string::npos);
+    EXPECT_NE(reported().find("read of 0x3c: no register there at 0.500 ns\n"), std::string::npos);
     EXPECT_EQ(board.peek(Register::error_detail), 0x24U);
   });
   EXPECT_EQ(accelerator_->illegal_accesses(), 4);
