@@ -14,8 +14,8 @@ extern "C" {
 #include <linux/stddef.h>
 #include <linux/types.h>
 #else
-#include <assert.h>
 #include <stdint.h>
+#include <assert.h>
 #endif
 
 // reg - hvp.ID
@@ -435,188 +435,166 @@ extern "C" {
 #define HVP__DMA_RECORD_HIGH__HIGH_reset 0x0
 
 // mem - hvp.ROW
-typedef struct __attribute__((__packed__)) {
-  uint32_t mem[576];
+typedef struct __attribute__ ((__packed__)) {
+    uint32_t mem[576];
 } hvp__ROW_t;
 
 // mem - hvp.B
-typedef struct __attribute__((__packed__)) {
-  uint32_t mem[24576];
+typedef struct __attribute__ ((__packed__)) {
+    uint32_t mem[24576];
 } hvp__B_t;
 
 // mem - hvp.U
-typedef struct __attribute__((__packed__)) {
-  uint32_t mem[24576];
+typedef struct __attribute__ ((__packed__)) {
+    uint32_t mem[24576];
 } hvp__U_t;
 
 // mem - hvp.ROW_BEGIN
-typedef struct __attribute__((__packed__)) {
-  uint32_t mem[8193];
+typedef struct __attribute__ ((__packed__)) {
+    uint32_t mem[8193];
 } hvp__ROW_BEGIN_t;
 
 // mem - hvp.COLUMN
-typedef struct __attribute__((__packed__)) {
-  uint32_t mem[327680];
+typedef struct __attribute__ ((__packed__)) {
+    uint32_t mem[327680];
 } hvp__COLUMN_t;
 
 // mem - hvp.VALUE
-typedef struct __attribute__((__packed__)) {
-  uint32_t mem[2949120];
+typedef struct __attribute__ ((__packed__)) {
+    uint32_t mem[2949120];
 } hvp__VALUE_t;
 
 // addrmap - hvp
-typedef struct __attribute__((__packed__)) {
-  uint32_t ID;
-  uint32_t VERSION;
-  uint32_t CAPABILITY_NODES;
-  uint32_t CAPABILITY_BLOCKS;
-  uint32_t CAPABILITY_FORMAT;
-  uint32_t CAPABILITY_CLOCK;
-  uint32_t CAPABILITY_SOLVER;
-  uint32_t CAPABILITY_DMA;
-  uint32_t CONTROL;
-  uint32_t STATUS;
-  uint32_t INTERRUPT_STATUS;
-  uint32_t INTERRUPT_ENABLE;
-  uint32_t ERROR;
-  uint32_t ERROR_DETAIL;
-  uint32_t JOB;
-  uint8_t RESERVED_3c_3f[0x4];
-  uint32_t METHOD;
-  uint32_t ITERATIONS;
-  uint32_t STOP_RESIDUAL_LOW;
-  uint32_t STOP_RESIDUAL_HIGH;
-  uint32_t REPLACE_EVERY;
-  uint32_t STATIC_SHIFT;
-  uint32_t SCALING;
-  uint32_t FORMAT;
-  uint32_t COEFFICIENTS;
-  uint32_t ARITHMETIC;
-  uint32_t START_MODE;
-  uint32_t NODES;
-  uint32_t BLOCKS;
-  uint32_t PACKING;
-  uint8_t RESERVED_78_7f[0x8];
-  uint32_t UPDATE_NODE;
-  uint32_t UPDATE_KIND;
-  uint32_t UPDATE_DIAGONAL;
-  uint32_t UPDATE_BLOCKS;
-  uint8_t RESERVED_90_9f[0x10];
-  uint32_t RESULT_JOB;
-  uint32_t RESULT_ITERATIONS;
-  uint32_t RESULT_END;
-  uint32_t RESULT_REPLACEMENTS;
-  uint32_t RESULT_SATURATIONS;
-  uint32_t RESULT_WRAPS;
-  uint32_t RESULT_BREAKDOWNS;
-  uint32_t RESULT_FLAGS;
-  uint32_t RESULT_CYCLES_LOW;
-  uint32_t RESULT_CYCLES_HIGH;
-  uint8_t RESERVED_c8_cf[0x8];
-  uint32_t DMA_LIST_LOW;
-  uint32_t DMA_LIST_HIGH;
-  uint32_t DMA_COUNT;
-  uint32_t DMA_RECORD_LOW;
-  uint32_t DMA_RECORD_HIGH;
-  uint8_t RESERVED_e4_fff[0xf1c];
-  hvp__ROW_t ROW;
-  uint8_t RESERVED_1900_1ffff[0x1e700];
-  hvp__B_t B;
-  uint8_t RESERVED_38000_3ffff[0x8000];
-  hvp__U_t U;
-  uint8_t RESERVED_58000_5ffff[0x8000];
-  hvp__ROW_BEGIN_t ROW_BEGIN;
-  uint8_t RESERVED_68004_1fffff[0x197ffc];
-  hvp__COLUMN_t COLUMN;
-  uint8_t RESERVED_340000_ffffff[0xcc0000];
-  hvp__VALUE_t VALUE;
+typedef struct __attribute__ ((__packed__)) {
+    uint32_t ID;
+    uint32_t VERSION;
+    uint32_t CAPABILITY_NODES;
+    uint32_t CAPABILITY_BLOCKS;
+    uint32_t CAPABILITY_FORMAT;
+    uint32_t CAPABILITY_CLOCK;
+    uint32_t CAPABILITY_SOLVER;
+    uint32_t CAPABILITY_DMA;
+    uint32_t CONTROL;
+    uint32_t STATUS;
+    uint32_t INTERRUPT_STATUS;
+    uint32_t INTERRUPT_ENABLE;
+    uint32_t ERROR;
+    uint32_t ERROR_DETAIL;
+    uint32_t JOB;
+    uint8_t RESERVED_3c_3f[0x4];
+    uint32_t METHOD;
+    uint32_t ITERATIONS;
+    uint32_t STOP_RESIDUAL_LOW;
+    uint32_t STOP_RESIDUAL_HIGH;
+    uint32_t REPLACE_EVERY;
+    uint32_t STATIC_SHIFT;
+    uint32_t SCALING;
+    uint32_t FORMAT;
+    uint32_t COEFFICIENTS;
+    uint32_t ARITHMETIC;
+    uint32_t START_MODE;
+    uint32_t NODES;
+    uint32_t BLOCKS;
+    uint32_t PACKING;
+    uint8_t RESERVED_78_7f[0x8];
+    uint32_t UPDATE_NODE;
+    uint32_t UPDATE_KIND;
+    uint32_t UPDATE_DIAGONAL;
+    uint32_t UPDATE_BLOCKS;
+    uint8_t RESERVED_90_9f[0x10];
+    uint32_t RESULT_JOB;
+    uint32_t RESULT_ITERATIONS;
+    uint32_t RESULT_END;
+    uint32_t RESULT_REPLACEMENTS;
+    uint32_t RESULT_SATURATIONS;
+    uint32_t RESULT_WRAPS;
+    uint32_t RESULT_BREAKDOWNS;
+    uint32_t RESULT_FLAGS;
+    uint32_t RESULT_CYCLES_LOW;
+    uint32_t RESULT_CYCLES_HIGH;
+    uint8_t RESERVED_c8_cf[0x8];
+    uint32_t DMA_LIST_LOW;
+    uint32_t DMA_LIST_HIGH;
+    uint32_t DMA_COUNT;
+    uint32_t DMA_RECORD_LOW;
+    uint32_t DMA_RECORD_HIGH;
+    uint8_t RESERVED_e4_fff[0xf1c];
+    hvp__ROW_t ROW;
+    uint8_t RESERVED_1900_1ffff[0x1e700];
+    hvp__B_t B;
+    uint8_t RESERVED_38000_3ffff[0x8000];
+    hvp__U_t U;
+    uint8_t RESERVED_58000_5ffff[0x8000];
+    hvp__ROW_BEGIN_t ROW_BEGIN;
+    uint8_t RESERVED_68004_1fffff[0x197ffc];
+    hvp__COLUMN_t COLUMN;
+    uint8_t RESERVED_340000_ffffff[0xcc0000];
+    hvp__VALUE_t VALUE;
 } hvp_t;
+
 
 static_assert(sizeof(hvp_t) == 0x1b40000, "Packing error");
 
 // enumeration - error_code
 enum hvp_error_code {
-  HVP_ERROR_CODE_NONE = 0,  // No error is pending.
-  HVP_ERROR_CODE_BAD_SIZE =
-      1,  // load_done: NODES or BLOCKS is zero or beyond the board's capability. Detail: the value.
-  HVP_ERROR_CODE_BAD_MATRIX =
-      2,  // load_done: ROW_BEGIN does not run from 0 to BLOCKS without decreasing, a row has more
-          // blocks than CAPABILITY_NODES.max_row_blocks, columns do not ascend or are not below
-          // NODES, a diagonal block is missing, a block has no partner at its transpose's place, or
-          // an entry is beyond ±(2^(FORMAT.matrix_bits - 1) - 1). Detail: the block row.
-  HVP_ERROR_CODE_BAD_SETTING =
-      3,  // start, run_list or load_done: a setting is out of the board's range. Detail: the
-          // register's offset; ERROR.place: the field's lowest bit.
-  HVP_ERROR_CODE_NOT_LOADED = 4,  // start, run_list or update_node without a loaded matrix.
-  HVP_ERROR_CODE_BAD_NODE = 5,    // update_node: UPDATE_NODE is not below NODES. Detail: the node.
-  HVP_ERROR_CODE_BAD_ROW = 6,     // update_node: UPDATE_BLOCKS differs from the number of blocks in
-                                  // the row. Detail: the row's own number.
-  HVP_ERROR_CODE_ILLEGAL_ACCESS =
-      7,  // An access that the map does not allow was refused. Detail: its offset.
-  HVP_ERROR_CODE_INTERNAL_FAULT = 8,  // The solver stopped on a fault of its own.
-  HVP_ERROR_CODE_BAD_DESCRIPTOR = 9,  // run_list: a descriptor is not what DMA_LIST_LOW describes.
-                                      // Detail: its place in the list, from 0.
-  HVP_ERROR_CODE_DMA_FAILED =
-      10,  // run_list: the host's memory did not answer the engine. Detail: the descriptor's place
-           // in the list; 0xfffffffe: the list itself; 0xffffffff: the completion record, which is
-           // not written then.
+    HVP_ERROR_CODE_NONE = 0, // No error is pending.
+    HVP_ERROR_CODE_BAD_SIZE = 1, // load_done: NODES or BLOCKS is zero or beyond the board's capability. Detail: the value.
+    HVP_ERROR_CODE_BAD_MATRIX = 2, // load_done: ROW_BEGIN does not run from 0 to BLOCKS without decreasing, a row has more blocks than CAPABILITY_NODES.max_row_blocks, columns do not ascend or are not below NODES, a diagonal block is missing, a block has no partner at its transpose's place, or an entry is beyond ±(2^(FORMAT.matrix_bits - 1) - 1). Detail: the block row.
+    HVP_ERROR_CODE_BAD_SETTING = 3, // start, run_list or load_done: a setting is out of the board's range. Detail: the register's offset; ERROR.place: the field's lowest bit.
+    HVP_ERROR_CODE_NOT_LOADED = 4, // start, run_list or update_node without a loaded matrix.
+    HVP_ERROR_CODE_BAD_NODE = 5, // update_node: UPDATE_NODE is not below NODES. Detail: the node.
+    HVP_ERROR_CODE_BAD_ROW = 6, // update_node: UPDATE_BLOCKS differs from the number of blocks in the row. Detail: the row's own number.
+    HVP_ERROR_CODE_ILLEGAL_ACCESS = 7, // An access that the map does not allow was refused. Detail: its offset.
+    HVP_ERROR_CODE_INTERNAL_FAULT = 8, // The solver stopped on a fault of its own.
+    HVP_ERROR_CODE_BAD_DESCRIPTOR = 9, // run_list: a descriptor is not what DMA_LIST_LOW describes. Detail: its place in the list, from 0.
+    HVP_ERROR_CODE_DMA_FAILED = 10, // run_list: the host's memory did not answer the engine. Detail: the descriptor's place in the list; 0xfffffffe: the list itself; 0xffffffff: the completion record, which is not written then.
 };
 
 // enumeration - solver_method
 enum hvp_solver_method {
-  HVP_SOLVER_METHOD_CG = 0,  // Conjugate gradients (thesis §4.2).
-  HVP_SOLVER_METHOD_JACOBI_PCG =
-      1,  // Conjugate gradients with Jacobi's preconditioner (thesis §4.3).
-  HVP_SOLVER_METHOD_BLOCK_JACOBI_PCG =
-      2,  // The same with the inverse 3 × 3 blocks of the diagonal.
-  HVP_SOLVER_METHOD_CHRONOPOULOS_GEAR =
-      3,  // Conjugate gradients with A·d by a recurrence (Chronopoulos and Gear 1989).
-  HVP_SOLVER_METHOD_PIPELINED_CG =
-      4,  // Conjugate gradients with the divisions beside the product (Ghysels and Vanroose 2014).
+    HVP_SOLVER_METHOD_CG = 0, // Conjugate gradients (thesis §4.2).
+    HVP_SOLVER_METHOD_JACOBI_PCG = 1, // Conjugate gradients with Jacobi's preconditioner (thesis §4.3).
+    HVP_SOLVER_METHOD_BLOCK_JACOBI_PCG = 2, // The same with the inverse 3 × 3 blocks of the diagonal.
+    HVP_SOLVER_METHOD_CHRONOPOULOS_GEAR = 3, // Conjugate gradients with A·d by a recurrence (Chronopoulos and Gear 1989).
+    HVP_SOLVER_METHOD_PIPELINED_CG = 4, // Conjugate gradients with the divisions beside the product (Ghysels and Vanroose 2014).
 };
 
 // enumeration - coefficient_format
 enum hvp_coefficient_format {
-  HVP_COEFFICIENT_FORMAT_OWN_SHIFT =
-      0,  // A shift of its own in every iteration, which fills the mantissa.
-  HVP_COEFFICIENT_FORMAT_FIXED_POINT = 1,  // A fixed number of bits behind the point.
+    HVP_COEFFICIENT_FORMAT_OWN_SHIFT = 0, // A shift of its own in every iteration, which fills the mantissa.
+    HVP_COEFFICIENT_FORMAT_FIXED_POINT = 1, // A fixed number of bits behind the point.
 };
 
 // enumeration - rounding_mode
 enum hvp_rounding_mode {
-  HVP_ROUNDING_MODE_NEAREST_UP = 0,    // To nearest, ties away from zero.
-  HVP_ROUNDING_MODE_NEAREST_EVEN = 1,  // To nearest, ties to the even word.
-  HVP_ROUNDING_MODE_TRUNCATION = 2,    // Towards zero.
+    HVP_ROUNDING_MODE_NEAREST_UP = 0, // To nearest, ties away from zero.
+    HVP_ROUNDING_MODE_NEAREST_EVEN = 1, // To nearest, ties to the even word.
+    HVP_ROUNDING_MODE_TRUNCATION = 2, // Towards zero.
 };
 
 // enumeration - overflow_mode
 enum hvp_overflow_mode {
-  HVP_OVERFLOW_MODE_SATURATE = 0,  // The limit of the word; counted in RESULT_SATURATIONS.
-  HVP_OVERFLOW_MODE_WRAP = 1,      // The low bits of the value; counted in RESULT_WRAPS.
+    HVP_OVERFLOW_MODE_SATURATE = 0, // The limit of the word; counted in RESULT_SATURATIONS.
+    HVP_OVERFLOW_MODE_WRAP = 1, // The low bits of the value; counted in RESULT_WRAPS.
 };
 
 // enumeration - start_mode
 enum hvp_start_mode {
-  HVP_START_MODE_ZERO = 0,  // Start from U = 0.
-  HVP_START_MODE_WARM =
-      1,  // Start from what the U memory holds: the last solution, or what the host wrote.
-  HVP_START_MODE_EXTRAPOLATED =
-      2,  // Start from 2·U - (the U of the job before), saturating. From U alone where the job
-          // before had another mode, where the host has written to U since, and after load_done.
+    HVP_START_MODE_ZERO = 0, // Start from U = 0.
+    HVP_START_MODE_WARM = 1, // Start from what the U memory holds: the last solution, or what the host wrote.
+    HVP_START_MODE_EXTRAPOLATED = 2, // Start from 2·U - (the U of the job before), saturating. From U alone where the job before had another mode, where the host has written to U since, and after load_done.
 };
 
 // enumeration - packing_mode
 enum hvp_packing_mode {
-  HVP_PACKING_MODE_TWO_A_WORD = 0,  // Elements of at most 16 bits two in a word.
-  HVP_PACKING_MODE_ONE_A_WORD = 1,  // Every element in a word of its own.
+    HVP_PACKING_MODE_TWO_A_WORD = 0, // Elements of at most 16 bits two in a word.
+    HVP_PACKING_MODE_ONE_A_WORD = 1, // Every element in a word of its own.
 };
 
 // enumeration - update_kind
 enum hvp_update_kind {
-  HVP_UPDATE_KIND_CONSTRAIN = 0,  // Zero the node's block row and column and set the three diagonal
-                                  // entries to UPDATE_DIAGONAL (thesis §3.7, Fig. 3.5).
-  HVP_UPDATE_KIND_ROW = 1,  // Write the block row from the ROW memory and the block column as its
-                            // transpose. Gives a released node its row back.
+    HVP_UPDATE_KIND_CONSTRAIN = 0, // Zero the node's block row and column and set the three diagonal entries to UPDATE_DIAGONAL (thesis §3.7, Fig. 3.5).
+    HVP_UPDATE_KIND_ROW = 1, // Write the block row from the ROW memory and the block column as its transpose. Gives a released node its row back.
 };
 
 #ifdef __cplusplus
