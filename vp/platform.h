@@ -113,6 +113,7 @@ class Platform {
   // Null without faults.
   const FaultPlan* faults() const { return has_board() ? side_.board()->faults() : nullptr; }
   // Null if the host solves.
+  Accelerator* board() { return has_board() ? &side_.board()->accelerator() : nullptr; }
   const Accelerator* board() const { return has_board() ? &accelerator() : nullptr; }
   const Accelerator& accelerator() const { return side_.board()->accelerator(); }
   const Session& session() const { return session_; }

@@ -22,8 +22,8 @@ struct hvp_board;
 struct hvp_board_options {
   const char* const* overrides;  // "key=value", as `hvp run --set` has them
   size_t override_count;
-  // The folder for registers.log and registers.vcd, as `hvp run --trace-registers` writes them. The
-  // files get their names when the board is closed. Null: no trace.
+  // The folder for registers.log, registers.vcd and dma.log, as `hvp run --trace-registers` writes
+  // them. The files get their names when the board is closed. Null: no trace.
   const char* trace;
 };
 

@@ -293,9 +293,10 @@ void add_linux(CLI::App& app, int& status) {
   command->add_flag("--gdb", arguments->gdb,
                     "a kernel with types and lines, stopped before its first instruction until gdb "
                     "lets it go on, which may take any time");
-  command->add_flag("--trace-registers", arguments->trace_registers,
-                    "also log every access to the board, in registers.log, and as a waveform with "
-                    "the interrupt, in registers.vcd");
+  command->add_flag(
+      "--trace-registers", arguments->trace_registers,
+      "also log every access to the board, in registers.log, and as a waveform with "
+      "the interrupt, in registers.vcd; and what a board moves by itself, in dma.log");
   command->callback([arguments, &status] { status = linux_command(*arguments); });
 }
 

@@ -189,7 +189,7 @@ void add_run(CLI::App& app, int& status) {
   command->add_flag(
       "--trace-registers", arguments->trace_registers,
       "also log every access to the board, in registers.log, and as a waveform with the "
-      "interrupt, in registers.vcd");
+      "interrupt, in registers.vcd; and what a board moves by itself, in dma.log");
   command->add_flag(
       "--record-jobs", arguments->record_jobs,
       "also write what the board was asked and what it answered, jobs.hvpf and jobs.hvpu, for "

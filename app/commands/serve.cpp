@@ -77,7 +77,8 @@ void add_serve(CLI::App& app, int& status) {
   command->add_flag("--once", arguments->once, "end when the first client has gone");
   CLI::Option* trace = command->add_flag(
       "--trace-registers", arguments->trace_registers,
-      "also log every access to the board, in registers.log, and as a waveform, in registers.vcd");
+      "also log every access to the board, in registers.log, and as a waveform, in registers.vcd; "
+      "and what a board moves by itself, in dma.log");
   command->add_option("--out", arguments->out, "folder for these in place of runs/<scenario>-serve")
       ->needs(trace)
       ->type_name("FOLDER");

@@ -1,6 +1,7 @@
 #include "app/results/board_records.h"
 
 #include <algorithm>
+#include <boost/crc.hpp>
 #include <cstring>
 #include <fstream>
 #include <ios>
@@ -27,6 +28,20 @@ void RegisterLog::access(vp::Picoseconds time, vp::Command command, const vp::Re
   stream_.write(fmt::format("{} {} {} {} {:#010x} {}\n", microseconds(time),
                             command == vp::Command::read ? "read" : "write", bank.name_at(offset),
                             data.size(), word, vp::name(outcome.access)));
+}
+
+DmaLog::DmaLog(const std::filesystem::path& path) : stream_(path) {
+  stream_.write("# began_us ended_us job access what address bytes crc32 outcome\n");
+}
+
+void DmaLog::transferred(const vp::MasterAccess& access) {
+  boost::crc_32_type checksum;
+  checksum.process_bytes(access.data.data(), access.data.size());
+  stream_.write(fmt::format("{} {} {} {} {} {:#x} {} {:#010x} {}\n", microseconds(access.began),
+                            microseconds(access.ended), access.frame,
+                            access.read ? "read" : "write", vp::name(access.purpose),
+                            access.address, access.data.size(), checksum.checksum(),
+                            access.answered ? "ok" : "refused"));
 }
 
 namespace {

@@ -31,6 +31,18 @@ class RegisterLog : public vp::AccessObserver {
   PartStream stream_;
 };
 
+// dma.log: every transaction of the board's own, a line each, with the simulated times since
+// power-up at its begin and end, the job, what it moved and where to, and the data's CRC-32.
+class DmaLog : public vp::MasterObserver {
+ public:
+  explicit DmaLog(const std::filesystem::path& path);
+  void transferred(const vp::MasterAccess& access) override;
+  void finish() { stream_.finish(); }
+
+ private:
+  PartStream stream_;
+};
+
 // <name>.vcd. SystemC's tracer opens, writes and closes it under another name; finish() renames it,
 // and the destructor removes a file that was not finished.
 class WaveformFile {
@@ -53,15 +65,19 @@ class WaveformFile {
   bool finished_ = false;
 };
 
-// The files that --trace-registers writes into a folder: registers.log and, where there is a board,
-// registers.vcd.
+// The files that --trace-registers writes into a folder: registers.log; where there is a board,
+// registers.vcd; and where that board is a bus master, dma.log.
 class RegisterTrace : public vp::AccessObserver {
  public:
   explicit RegisterTrace(const std::filesystem::path& folder)
       : folder_(folder), log_(folder / "registers.log") {}
 
-  // Adds registers.vcd. Call it once, before simulation starts.
-  void watch(const vp::Accelerator& accelerator) {
+  // Adds registers.vcd and dma.log. Call it once, before simulation starts.
+  void watch(vp::Accelerator& accelerator) {
+    if (accelerator.dma() != nullptr) {
+      dma_log_.emplace(folder_ / "dma.log");
+      accelerator.dma()->observe(*dma_log_);
+    }
     file_.emplace(folder_, "registers");
     waveform_.emplace(file_->tracer_file());
     waveform_->watch(accelerator);
@@ -75,6 +91,7 @@ class RegisterTrace : public vp::AccessObserver {
   // Throws std::runtime_error where a file is not whole.
   void finish() {
     log_.finish();
+    if (dma_log_) dma_log_->finish();
     if (!waveform_) return;
     waveform_->close();
     file_->finish();
@@ -83,6 +100,7 @@ class RegisterTrace : public vp::AccessObserver {
  private:
   std::filesystem::path folder_;
   RegisterLog log_;
+  std::optional<DmaLog> dma_log_;
   std::optional<WaveformFile> file_;
   std::optional<vp::BoardWaveform> waveform_;  // closed before its file is removed
 };

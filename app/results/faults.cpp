@@ -62,9 +62,9 @@ void report_faults(config::Figures& f, const std::vector<vp::FaultRecord>& fault
            f.when(driver_is_known, [&] { f.count("unnoticed", r.unnoticed(), "by nobody"); });
            f.count("first_frame", r.injected > 0 ? std::optional(r.first_frame) : std::nullopt,
                    "in which it was injected, or null");
-           f.when(r.injected == 0, [&] {
-             f.text("why_not", r.why_not(frames), "why it did not happen; only where it did not");
-           });
+           f.value("why_not",
+                   r.injected == 0 ? config::FigureValue(r.why_not(frames)) : config::FigureValue(),
+                   {}, "why it did not happen, or null");
          });
 }
 

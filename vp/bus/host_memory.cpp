@@ -5,6 +5,9 @@
 #include <iterator>
 #include <stdexcept>
 
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
 namespace hvp::vp {
 
 namespace {
@@ -102,13 +105,40 @@ void HostMemory::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_
   unsigned char* const data = transaction.get_data_ptr();
   if (!plain(transaction)) {
     transaction.set_response_status(tlm::TLM_BURST_ERROR_RESPONSE);
-  } else if ((!allowed_ || allowed_()) && (take_message(transaction) || move(transaction))) {
-    transaction.set_response_status(tlm::TLM_OK_RESPONSE);
-    return;
   } else {
+    const bool allowed = !allowed_ || allowed_();
+    if (allowed && (take_message(transaction) || move(transaction))) {
+      transaction.set_response_status(tlm::TLM_OK_RESPONSE);
+      return;
+    }
     transaction.set_response_status(tlm::TLM_ADDRESS_ERROR_RESPONSE);
+    spdlog::warn(refusal(transaction, allowed));
   }
   if (transaction.is_read() && data != nullptr) std::memset(data, 0xff, length);
+}
+
+std::string HostMemory::refusal(tlm::tlm_generic_payload& transaction, bool allowed) const {
+  const std::uint64_t address = transaction.get_address();
+  const std::uint64_t last = address + transaction.get_data_length() - 1;
+  const std::int64_t job = frame_of(transaction);
+  std::string text =
+      fmt::format("the board's {} of {} bytes at {:#x}, {}, at {}.{:03} ns was refused: ",
+                  transaction.is_write() ? "write" : "read", transaction.get_data_length(), address,
+                  job < 0 ? std::string("in no job") : fmt::format("in job {}", job),
+                  now_ps() / 1000, now_ps() % 1000);
+  if (!allowed) return text + "the function is no bus master (COMMAND)";
+  const auto distance = [=](const Range& range) {
+    const std::uint64_t end = range.address + (range.memory.size() - 1);
+    if (end < address) return address - end;
+    return range.address > last ? range.address - last : 0;
+  };
+  const auto nearest = std::ranges::min_element(ranges_, {}, distance);
+  if (nearest == ranges_.end()) return text + "no memory is mapped";
+  return text + fmt::format("{} {:#x} to {:#x}{}",
+                            distance(*nearest) == 0 ? "it is not all in the memory from"
+                                                    : "the nearest memory is from",
+                            nearest->address, nearest->address + (nearest->memory.size() - 1),
+                            nearest->writable ? "" : ", which is not writable");
 }
 
 bool HostMemory::take_message(tlm::tlm_generic_payload& transaction) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <string>
 #include <systemc>
 #include <utility>
 #include <vector>
@@ -29,7 +30,8 @@ inline constexpr std::size_t kMessageBytes = 4;
 // transaction's tag. It takes no time of its own; the bus in front of it does.
 //
 // An access outside, a read of the window and a write of another size to it end in
-// TLM_ADDRESS_ERROR_RESPONSE; a refused read gives all ones.
+// TLM_ADDRESS_ERROR_RESPONSE; a refused read gives all ones. A warning says what was refused, in
+// which job, and which memory lies nearest.
 //
 // A host of another program gives its own memory, in ranges by their bus addresses. A transaction
 // may cross from one range to the next.
@@ -64,6 +66,7 @@ class HostMemory : public sc_core::sc_module {
   void b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
   bool take_message(tlm::tlm_generic_payload& transaction);
   bool move(tlm::tlm_generic_payload& transaction);
+  std::string refusal(tlm::tlm_generic_payload& transaction, bool allowed) const;
 
   struct Range {
     std::uint64_t address;

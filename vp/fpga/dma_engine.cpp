@@ -112,7 +112,7 @@ void DmaEngine::post_message() {
     ledger_.extend(posted_tag_, Part::fpga, Phase::dma_engine, message_at_, now_ps());
   }
   std::array<std::uint8_t, kMessageBytes> data{};
-  transport(tlm::TLM_WRITE_COMMAND, kMessageAddress, data, posted_tag_, std::nullopt);
+  transport(MasterPurpose::message, kMessageAddress, data, posted_tag_);
   let_go(posted_tag_);
 }
 
@@ -193,7 +193,7 @@ BoardError DmaEngine::fetch(std::uint32_t first, std::uint32_t count) {
   const std::span<std::uint32_t> words =
       std::span(descriptors_).subspan(first * kDescriptorWords, count * kDescriptorWords);
   const bool there =
-      transport(tlm::TLM_READ_COMMAND, list + std::uint64_t{first} * kDescriptorBytes,
+      transport(MasterPurpose::descriptors, list + std::uint64_t{first} * kDescriptorBytes,
                 bytes_of(words), tag_, Phase::descriptor);
   if (there) return {};
   return {ErrorCode::dma_failed, kListFailed};
@@ -223,7 +223,7 @@ bool DmaEngine::move_segment(Way way, const Descriptor& d) {
   std::uint8_t* const on_board = reinterpret_cast<std::uint8_t*>(words.data()) +
                                  (d.offset - kApertures[static_cast<std::size_t>(aperture)].offset);
   if (way == Way::to_board) {
-    if (!transport(tlm::TLM_READ_COMMAND, d.address, data, tag_, std::nullopt)) return false;
+    if (!transport(MasterPurpose::b, d.address, data, tag_)) return false;
     if (generation != generation_) return false;
     std::memcpy(on_board, data.data(), data.size());
     moved_.to_board += d.bytes;
@@ -231,8 +231,7 @@ bool DmaEngine::move_segment(Way way, const Descriptor& d) {
     std::memcpy(data.data(), on_board, data.size());
     const std::uint32_t sent = d.bytes - missing(d.bytes);
     whole_ = whole_ && sent == d.bytes;
-    if (sent > 0 &&
-        !transport(tlm::TLM_WRITE_COMMAND, d.address, data.first(sent), tag_, std::nullopt)) {
+    if (sent > 0 && !transport(MasterPurpose::u, d.address, data.first(sent), tag_)) {
       return false;
     }
     moved_.to_host += sent;
@@ -262,15 +261,18 @@ bool DmaEngine::write_record(const BoardError& error) {
   const std::uint64_t address =
       address_of(bank_.get(Register::dma_record_low), bank_.get(Register::dma_record_high));
   CompletionRecord record = owner_.completion(error, moved_);
-  return transport(tlm::TLM_WRITE_COMMAND, address, bytes_of(record), tag_, std::nullopt);
+  return transport(MasterPurpose::record, address, bytes_of(record), tag_);
 }
 
-bool DmaEngine::transport(tlm::tlm_command command, std::uint64_t address,
+bool DmaEngine::transport(MasterPurpose purpose, std::uint64_t address,
                           std::span<std::uint8_t> data, Tag& tag, std::optional<Phase> phase) {
   if (to_memory.size() == 0) return false;
+  const bool read = purpose == MasterPurpose::descriptors || purpose == MasterPurpose::b;
+  const Picoseconds began = now_ps();
+  const std::int64_t frame = tag.frame;
   extension_.tag = &tag;
   extension_.phase = phase;
-  payload_.set_command(command);
+  payload_.set_command(read ? tlm::TLM_READ_COMMAND : tlm::TLM_WRITE_COMMAND);
   payload_.set_address(address);
   payload_.set_data_ptr(data.data());
   payload_.set_data_length(static_cast<unsigned>(data.size()));
@@ -279,7 +281,27 @@ bool DmaEngine::transport(tlm::tlm_command command, std::uint64_t address,
   sc_core::sc_time delay = sc_core::SC_ZERO_TIME;
   to_memory->b_transport(payload_, delay);
   if (delay > sc_core::SC_ZERO_TIME) wait(delay);
-  return payload_.is_response_ok();
+  const bool answered = payload_.is_response_ok();
+  if (observer_ != nullptr) {
+    observer_->transferred({began, now_ps(), frame, purpose, read, address, data, answered});
+  }
+  return answered;
+}
+
+const char* name(MasterPurpose purpose) {
+  switch (purpose) {
+    case MasterPurpose::descriptors:
+      return "descriptors";
+    case MasterPurpose::b:
+      return "b";
+    case MasterPurpose::u:
+      return "U";
+    case MasterPurpose::record:
+      return "record";
+    case MasterPurpose::message:
+      return "message";
+  }
+  return "";
 }
 
 }  // namespace hvp::vp

@@ -24,6 +24,28 @@ struct ListBytes {
   std::uint32_t to_host = 0;
 };
 
+// What the board's own transactions are for.
+enum class MasterPurpose { descriptors, b, u, record, message };
+const char* name(MasterPurpose purpose);
+
+// A transaction of the board's own, as its engine sees it.
+struct MasterAccess {
+  Picoseconds began = 0;
+  Picoseconds ended = 0;  // of a write: when the engine goes on; the bus may still have it
+  std::int64_t frame = -1;
+  MasterPurpose purpose = MasterPurpose::descriptors;
+  bool read = false;  // from the host's memory
+  std::uint64_t address = 0;
+  std::span<const std::uint8_t> data;
+  bool answered = false;
+};
+
+class MasterObserver {
+ public:
+  virtual ~MasterObserver() = default;
+  virtual void transferred(const MasterAccess& access) = 0;
+};
+
 inline constexpr std::size_t kDescriptorWords = 8;
 inline constexpr std::size_t kRecordWords = 8;
 using CompletionRecord = std::array<std::uint32_t, kRecordWords>;
@@ -61,6 +83,8 @@ class DmaEngine : public sc_core::sc_module {
   // If it is unbound, every transfer fails and messages are lost.
   tlm_utils::simple_initiator_socket_optional<DmaEngine> to_memory;
 
+  // Reports every transaction at its end, from now on.
+  void observe(MasterObserver& observer) { observer_ = &observer; }
   // Makes the engine's faults happen as planned, from now on.
   void inject(FaultPlan& plan) { faults_ = &plan; }
 
@@ -101,8 +125,8 @@ class DmaEngine : public sc_core::sc_module {
   bool write_record(const BoardError& error);
   void hold(Tag& held, const Tag& tag);
   void let_go(Tag& held);
-  bool transport(tlm::tlm_command command, std::uint64_t address, std::span<std::uint8_t> data,
-                 Tag& tag, std::optional<Phase> phase);
+  bool transport(MasterPurpose purpose, std::uint64_t address, std::span<std::uint8_t> data,
+                 Tag& tag, std::optional<Phase> phase = {});
 
   MasterSettings settings_;
   Picoseconds latency_;
@@ -110,6 +134,7 @@ class DmaEngine : public sc_core::sc_module {
   ListOwner& owner_;
   Ledger& ledger_;
   FaultPlan* faults_ = nullptr;
+  MasterObserver* observer_ = nullptr;
 
   sc_core::sc_event work_;
   bool rung_ = false;

@@ -177,6 +177,7 @@ class BoardFunction {
   ConfigSpace& config() { return host_.config(); }
   // Null if the board is not a bus master.
   HostMemory* memory() { return side_.board()->memory(); }
+  Accelerator& accelerator() { return side_.board()->accelerator(); }
   const Accelerator& accelerator() const { return side_.board()->accelerator(); }
   BusErrors& bus_errors() { return side_.board()->bus_errors(); }
   Ledger& ledger() { return ledger_; }

@@ -34,8 +34,10 @@ class FromTheHost : public testing::TestWithParam<std::tuple<Bus, Sent, Sent>> {
 // The second is made while a write of the host before it may be under way, and finds what the first
 // has done.
 TEST_P(FromTheHost, TheSecondFindsTheFirst) {
-  const auto [bus, first, second] = GetParam();
-  Host host([bus = bus](PlatformSettings& settings) { put_on(bus, settings); });
+  const Bus bus = std::get<0>(GetParam());
+  const Sent first = std::get<1>(GetParam());
+  const Sent second = std::get<2>(GetParam());
+  Host host([bus](PlatformSettings& settings) { put_on(bus, settings); });
   const RegisterBank& bank = host.side->board()->accelerator().bank();
   host.command(kMemorySpace);
   host.write(Register::method, 1);
@@ -102,8 +104,9 @@ constexpr std::array<const char*, 4> kNewsNames = {"message", "line", "read", "c
 class FromTheBoard : public testing::TestWithParam<std::tuple<Bus, News>> {};
 
 TEST_P(FromTheBoard, TheHostsMemoryHasWhatTheBoardWroteBefore) {
-  const auto [bus, news] = GetParam();
-  Loaded host([bus = bus, news = news](PlatformSettings& settings) {
+  const Bus bus = std::get<0>(GetParam());
+  const News news = std::get<1>(GetParam());
+  Loaded host([bus, news](PlatformSettings& settings) {
     with_dma(settings);
     put_on(bus, settings);
     if (news == News::message) settings.transfer.notification = link::Notification::msi;
