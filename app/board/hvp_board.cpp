@@ -59,6 +59,11 @@ struct hvp_board {
     return std::make_unique<hvp::results::RegisterTrace>(folder);
   }
 
+  void wait_for_writes() {
+    std::array<std::uint8_t, 4> ignored{};
+    function.host().access(Command::read, 0, ignored, hvp::vp::OutsideHost::Space::configuration);
+  }
+
   LastJob last_job;
   std::unique_ptr<hvp::results::RegisterTrace> trace;
   hvp::vp::BoardFunction function;
@@ -223,7 +228,9 @@ bool hvp_board_interrupt(hvp_board* board) { return board->bus.take_interrupt();
 
 bool hvp_board_last_job(hvp_board* board, hvp_board_job* job) {
   return caught(false, [&] {
-    board->function.host().frames().finish();
+    // What was posted last may be under way yet, and the job with it.
+    board->wait_for_writes();
+    if (!board->function.ledger().holds()) board->function.host().frames().finish();
     if (board->last_job.job) *job = *board->last_job.job;
     return board->last_job.job.has_value();
   });

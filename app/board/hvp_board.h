@@ -79,7 +79,8 @@ struct hvp_board_job {
   hvp_status status;
 };
 // Returns the last finished job, and begins a new job in any case. False if there has been none. A
-// job whose end the host has not seen is finished, as a failed one, when the board is reset.
+// job whose end the host has not seen is finished, as a failed one, when the board is reset. Waits
+// until the writes that the host has posted have arrived.
 bool hvp_board_last_job(struct hvp_board* board, struct hvp_board_job* job);
 // NOLINTEND(readability-identifier-naming)
 

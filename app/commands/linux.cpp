@@ -140,9 +140,22 @@ std::string misses_text(const vp::Verdict& v) {
   return text;
 }
 
+std::string fault_lines(const guest::GuestFigures& figures) {
+  std::string text;
+  for (const vp::FaultRecord& fault : figures.faults) {
+    text +=
+        fmt::format("\n  fault         {}: {}", vp::name(fault.fault.kind),
+                    fault.injected == 0
+                        ? "did not happen: " + fault.why_not(figures.verdict.frames())
+                        : fmt::format("{}, first in frame {}; who noticed is the driver's to say",
+                                      results::counted(fault.injected, "time"), fault.first_frame));
+  }
+  return text;
+}
+
 std::string frames_text(const guest::GuestFigures& figures) {
   const vp::Verdict& v = figures.verdict;
-  if (v.frames() == 0) return "no job was solved";
+  if (v.frames() == 0) return "no job was solved" + fault_lines(figures);
   std::string text =
       fmt::format("{} frames, {} a period of {}: worst {}, median {}; {}", v.frames(),
                   v.force_in_time() && v.load_held() ? "all within" : "not all within",
@@ -155,14 +168,7 @@ std::string frames_text(const guest::GuestFigures& figures) {
                         results::readable_time(a.time));
     separator = ", ";
   }
-  for (const vp::FaultRecord& fault : figures.faults) {
-    text +=
-        fmt::format("\n  fault         {}: {}", vp::name(fault.fault.kind),
-                    fault.injected == 0
-                        ? "did not happen: " + fault.why_not(v.frames())
-                        : fmt::format("{}, first in frame {}; who noticed is the driver's to say",
-                                      results::counted(fault.injected, "time"), fault.first_frame));
-  }
+  text += fault_lines(figures);
   text += fmt::format("\n  not counted   {}", fmt::join(figures.guest.not_counted, ", "));
   return text;
 }

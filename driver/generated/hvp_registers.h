@@ -540,14 +540,14 @@ enum hvp_error_code {
     HVP_ERROR_CODE_NONE = 0, // No error is pending.
     HVP_ERROR_CODE_BAD_SIZE = 1, // load_done: NODES or BLOCKS is zero or beyond the board's capability. Detail: the value.
     HVP_ERROR_CODE_BAD_MATRIX = 2, // load_done: ROW_BEGIN does not run from 0 to BLOCKS without decreasing, a row has more blocks than CAPABILITY_NODES.max_row_blocks, columns do not ascend or are not below NODES, a diagonal block is missing, a block has no partner at its transpose's place, or an entry is beyond ±(2^(FORMAT.matrix_bits - 1) - 1). Detail: the block row.
-    HVP_ERROR_CODE_BAD_SETTING = 3, // start, run_list or load_done: a setting is out of the board's range. Detail: the register's offset; ERROR.place: the field's lowest bit.
+    HVP_ERROR_CODE_BAD_SETTING = 3, // start, run_list, load_done or update_node: a setting is out of the board's range; run_list on a board without an engine blames CAPABILITY_DMA. Detail: the register's offset; ERROR.place: the field's lowest bit.
     HVP_ERROR_CODE_NOT_LOADED = 4, // start, run_list or update_node without a loaded matrix.
     HVP_ERROR_CODE_BAD_NODE = 5, // update_node: UPDATE_NODE is not below NODES. Detail: the node.
     HVP_ERROR_CODE_BAD_ROW = 6, // update_node: UPDATE_BLOCKS differs from the number of blocks in the row. Detail: the row's own number.
     HVP_ERROR_CODE_ILLEGAL_ACCESS = 7, // An access that the map does not allow was refused. Detail: its offset.
     HVP_ERROR_CODE_INTERNAL_FAULT = 8, // The solver stopped on a fault of its own.
     HVP_ERROR_CODE_BAD_DESCRIPTOR = 9, // run_list: a descriptor is not what DMA_LIST_LOW describes. Detail: its place in the list, from 0.
-    HVP_ERROR_CODE_DMA_FAILED = 10, // run_list: the host's memory did not answer the engine. Detail: the descriptor's place in the list; 0xfffffffe: the list itself; 0xffffffff: the completion record, which is not written then.
+    HVP_ERROR_CODE_DMA_FAILED = 10, // run_list: the host's memory did not answer the engine. On PCI Express its writes are posted, and it hears of its reads alone. Detail: the descriptor's place in the list; 0xfffffffe: the list itself; 0xffffffff: the completion record, which is not written then.
 };
 
 // enumeration - solver_method

@@ -42,7 +42,8 @@ Step step_of(Command command, std::uint64_t offset, std::span<const std::uint8_t
 }
 
 void JobFrames::before(Command command, std::uint64_t offset, std::span<const std::uint8_t> data) {
-  const Step step = step_of(command, offset, data);
+  Step step = step_of(command, offset, data);
+  if (step != Step::set_up && refuses_a_job()) step = Step::other;
   acknowledges_ = command == Command::write && offset == offset_of(Register::interrupt_status);
   if (acknowledges_ && lost_acknowledgement_ && tag_.frame >= 0) {
     ledger_.frame(tag_.frame).status = HVP_OK;
@@ -50,13 +51,13 @@ void JobFrames::before(Command command, std::uint64_t offset, std::span<const st
   }
   const bool is_open = tag_.frame >= 0;
   if (step == Step::set_up) {
-    if (is_open) close();
+    if (is_open) close(true);
     woke_ = -1;  // for this
     return;
   }
   const bool next_job = step != Step::other && (!is_open || started_);
   if (next_job) {
-    if (is_open) close();
+    if (is_open) close(false);
     open();
   }
   if (tag_.frame < 0) {
@@ -65,7 +66,11 @@ void JobFrames::before(Command command, std::uint64_t offset, std::span<const st
   }
   if (const auto waited = follow_the_board()) account_for_host(*waited, now_ps());
   account_for_host(Phase::driver, now_ps());
-  started_ = started_ || step == Step::start;
+  if (step != Step::start) return;
+  started_ = true;
+  std::uint32_t commands = 0;
+  std::memcpy(&commands, data.data(), std::min(data.size(), sizeof commands));
+  listed_ = (commands & field::kControlRunList.mask()) != 0;
 }
 
 void JobFrames::open() {
@@ -79,6 +84,8 @@ void JobFrames::open() {
   heard_ = {};
   started_ = false;
   followed_ = false;
+  listed_ = false;
+  busy_ = false;
   lost_acknowledgement_ = false;
   Frame& frame = ledger_.open(tag_.frame, born_);
   frame.time = born_ - session_.begin;
@@ -88,17 +95,20 @@ void JobFrames::open() {
 void JobFrames::settle() {
   if (heard()) {
     follow_the_board();
-  } else if (ended() && ran_ >= job_end_->time) {
+  } else if (listed_ && ended() && ran_ >= job_end_->time) {
     if (const auto waited = follow_the_board()) account_for_host(*waited, ran_);
   }
 }
 
 // A frame has a span at least. Where the host made no access after its job's end, as one that finds
 // everything in its own memory, the frame ends when the host heard of it.
-void JobFrames::close() {
-  settle();
+void JobFrames::close(bool may_have_given_up) {
+  if (!(may_have_given_up && busy_)) settle();
   // The host has gone on without it, whatever its driver calls that.
-  if (started_ && !followed_) told(HVP_ERROR_TIMEOUT);
+  if (started_ && !followed_) {
+    told(HVP_ERROR_TIMEOUT);
+    account_for_host(Phase::driver, now_ps());
+  }
   if (tag_.cause == kBirth) {
     ledger_.extend(tag_, Part::host, Phase::driver, now_ps(), now_ps());
   }
@@ -110,7 +120,7 @@ void JobFrames::close() {
 }
 
 void JobFrames::looked() {
-  if (tag_.frame < 0 || heard()) return;
+  if (tag_.frame < 0 || !listed_ || heard()) return;
   if (const auto waited = follow_the_board()) account_for_host(*waited, now_ps());
 }
 
@@ -119,6 +129,7 @@ void JobFrames::answered(std::uint64_t offset, std::span<const std::uint8_t> dat
   if (tag_.frame < 0 || offset > kStatus || offset + data.size() < kStatus + 4) return;
   std::uint32_t status = 0;
   std::memcpy(&status, &data[kStatus - offset], sizeof status);
+  busy_ = started_ && status != ~std::uint32_t{0} && (status & field::kStatusBusy.mask()) != 0;
   if (status == ~std::uint32_t{0}) {
     told(HVP_ERROR_BUS);
   } else if ((status & field::kStatusError.mask()) != 0) {
@@ -143,13 +154,14 @@ void JobFrames::told(hvp_status status) {
 }
 
 void JobFrames::board_was_reset() {
-  if (tag_.frame >= 0) close();
+  if (tag_.frame >= 0) close(true);
 }
 
 void JobFrames::finish(bool given_up) {
   if (tag_.frame >= 0) {
-    settle();
-    if (followed_ || (started_ && given_up)) close();
+    if (!busy_) settle();
+    const bool failed = ledger_.frame(tag_.frame).status != HVP_OK;
+    if (followed_ || (started_ && (given_up || failed))) close(true);
   }
   ledger_.finish();
 }

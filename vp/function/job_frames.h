@@ -31,20 +31,27 @@ class JobFrames {
   JobFrames(Ledger& ledger, Session& session, Tag& tag)
       : ledger_(ledger), session_(session), tag_(tag) {}
 
-  // The source of the jobs' ends, so that a polling host has them too.
-  void watch(const JobEnd& job_end) { job_end_ = &job_end; }
+  // The source of the jobs' ends, so that a polling host has them too, and of what the board does.
+  void watch(const Accelerator& board) {
+    board_ = &board;
+    job_end_ = &board.job_end();
+  }
   // To be called at the time of the access, before it is made.
   void before(Command command, std::uint64_t offset, std::span<const std::uint8_t> data);
-  // The host got the interrupt of a job's end; `tag` is the interrupt's.
-  void heard(const Tag& tag) { heard_ = tag; }
+  // The host got the interrupt of a job's end; `tag` is the interrupt's. One of an earlier job,
+  // which comes late, has the host look all the same.
+  void heard(const Tag& tag) {
+    heard_ = tag;
+    if (!heard()) looked();
+  }
   // The host's own clock has woken it for a new period: the next job's frame is born now instead of
   // at its first access, unless a frame was born or was at work since. If the host still waits for
   // a job, the wake-up belongs to another period or to the clock itself.
   void woke(Picoseconds time) {
     if (!waits_for_a_job()) woke_ = time;
   }
-  // The host looked, at this time, at what the board had written to its memory: a job whose end is
-  // there is over.
+  // The host looked, at this time, at what the board had written to its memory: a job by DMA whose
+  // end is there is over.
   void looked();
   // The host ran at this time, and nobody knows what for. A job of which it then makes no access
   // any more was over when it last ran before the next one: it waited for an interrupt that never
@@ -58,7 +65,8 @@ class JobFrames {
   void told_by_bus(hvp_status status);
   // The board has forgotten its job: it was reset by other ways than an access.
   void board_was_reset();
-  // No job follows. An unfinished job is a frame only if the host has given it up: one that fails.
+  // No job follows. An unfinished job is a frame only if it fails: the host was told so, or has
+  // given it up.
   void finish(bool given_up = false);
 
   // The number of jobs so far, including the open one.
@@ -69,9 +77,14 @@ class JobFrames {
   void open();
   // The first failure is the frame's.
   void told(hvp_status status);
-  void close();
+  // The host has gone on; it gave the job up if the last that it heard was that the board is busy.
+  void close(bool may_have_given_up);
   bool heard() const { return heard_.frame == tag_.frame; }
   bool ended() const { return job_end_ != nullptr && job_end_->tag.frame == tag_.frame; }
+  // True while the board refuses what belongs to a next job.
+  bool refuses_a_job() const {
+    return started_ && board_ != nullptr && board_->bank().get(field::kStatusBusy) != 0;
+  }
   // True as far as the host can know.
   bool waits_for_a_job() const { return tag_.frame >= 0 && started_ && !followed_ && !heard(); }
   void settle();
@@ -82,6 +95,7 @@ class JobFrames {
   Ledger& ledger_;
   Session& session_;
   Tag& tag_;
+  const Accelerator* board_ = nullptr;
   const JobEnd* job_end_ = nullptr;
   Tag heard_;
   Picoseconds woke_ = -1;
@@ -92,6 +106,8 @@ class JobFrames {
   bool acknowledges_ = false;          // with the last access
   bool lost_acknowledgement_ = false;  // the frame's failure is only that
   bool started_ = false;
+  bool listed_ = false;  // the job's end is in the host's memory too
+  bool busy_ = false;    // the host's last look said so
   bool followed_ = false;
 };
 

@@ -93,7 +93,7 @@ OutsideHost::OutsideHost(const sc_core::sc_module_name& name, const PlatformSett
   if (HostMemory* const memory = side.board()->memory()) {
     memory->answer_if([this] { return config_.may_master(); });
   }
-  frames_.watch(side.board()->accelerator().job_end());
+  frames_.watch(side.board()->accelerator());
   config_.on_change([this] { update_interrupts(); });
   config_.on_reset([this] { reset_function(); });
   SC_HAS_PROCESS(OutsideHost);

@@ -272,6 +272,51 @@ TEST_F(OwnFault, ATimeOutAndAResetFailTheJob) {
   expect_failed(HVP_ERROR_TIMEOUT, ended);
 }
 
+// The board ends the job later; the host was told that it is busy, and gave it up.
+TEST_F(OwnFault, AJobThatWasGivenUpFails) {
+  start(true);
+  EXPECT_EQ(hvp_wait(&program->device, 1000), HVP_ERROR_TIMEOUT);
+  hvp_board_run_until_ps(program->board, hvp_board_now_ps(program->board) + 3'000'000'000);
+  const std::uint64_t ended = hvp_board_now_ps(program->board);
+  ASSERT_EQ(hvp_reset(&program->device), HVP_OK);
+  expect_failed(HVP_ERROR_TIMEOUT, ended);
+}
+
+// By blocks nothing of the job is in the host's memory: a host that never looks sees no end.
+TEST_F(OwnFault, AnEndThatNobodySawIsNone) {
+  start(false);
+  const std::uint32_t none = 0;
+  hvp_board_write(program->board, 0x2c, &none, sizeof none);  // INTERRUPT_ENABLE
+  hvp_board_run_until_ps(program->board, hvp_board_now_ps(program->board) + 3'000'000'000);
+  const std::uint64_t ended = hvp_board_now_ps(program->board);
+  ASSERT_EQ(hvp_reset(&program->device), HVP_OK);
+  expect_failed(HVP_ERROR_TIMEOUT, ended);
+}
+
+// What the board refuses while it is busy belongs to the job under way.
+TEST_F(OwnFault, ARefusedStartCutsNoJob) {
+  start(false);
+  const std::uint32_t command = 1;
+  hvp_board_write(program->board, 0x20, &command, sizeof command);
+  EXPECT_EQ(hvp_wait(&program->device, kLongestWait), HVP_ERROR_ILLEGAL_ACCESS);
+  const std::uint64_t ended = hvp_board_now_ps(program->board);
+  ASSERT_EQ(hvp_reset(&program->device), HVP_OK);
+  expect_failed(HVP_ERROR_ILLEGAL_ACCESS, ended);
+}
+
+// The last access of a job by DMA over PCI Express is a posted write.
+TEST_F(OwnFault, TheLastJobIsThereThoughItsLastWriteIsUnderWay) {
+  program.emplace(Parameters{fault_cases().front(), true, "intx", true});
+  ASSERT_NE(program->board, nullptr) << program->why.data();
+  ASSERT_EQ(program->open(), HVP_OK);
+  for (std::uint64_t n = 0; n < 3; ++n) {
+    ASSERT_EQ(hvp_solve(&program->device, b.data(), u.data(), u.size(), kLongestWait), HVP_OK);
+    hvp_board_job job{};
+    ASSERT_TRUE(hvp_board_last_job(program->board, &job));
+    EXPECT_EQ(job.number, n);
+  }
+}
+
 // Each fault that did not happen is named, with why, when the board is closed.
 TEST(NeverStruck, IsSaid) {
   const std::array<const char*, 8> keys = {
