@@ -81,6 +81,7 @@ void BoardBus::enumerate() {
 bool BoardBus::take_interrupt() {
   const bool up = function_.host().line_is_up() || message_;
   message_ = false;
+  if (up) function_.host().frames().took();
   return up;
 }
 

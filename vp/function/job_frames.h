@@ -53,6 +53,8 @@ class JobFrames {
   // The host looked, at this time, at what the board had written to its memory: a job by DMA whose
   // end is there is over.
   void looked();
+  // The host took an interrupt: it waits for its job again, or still.
+  void took() { busy_ = false; }
   // The host ran at this time, and nobody knows what for. A job of which it then makes no access
   // any more was over when it last ran before the next one: it waited for an interrupt that never
   // came.

@@ -209,8 +209,8 @@ TEST_P(JobRecord, IsTheCallersClockAndTheDriversWord) {
 // What a host does to a job on its own, without a fault of the scenario.
 class OwnFault : public testing::Test {
  protected:
-  void start(bool dma, bool pcie = false) {
-    program.emplace(Parameters{fault_cases().front(), dma, "intx", pcie});
+  void start(bool dma, const char* notification = "intx") {
+    program.emplace(Parameters{fault_cases().front(), dma, notification, false});
     ASSERT_NE(program->board, nullptr) << program->why.data();
     ASSERT_EQ(program->open(), HVP_OK);
     ASSERT_EQ(hvp_solve(&program->device, b.data(), u.data(), u.size(), kLongestWait), HVP_OK);
@@ -280,6 +280,19 @@ TEST_F(OwnFault, AJobThatWasGivenUpFails) {
   const std::uint64_t ended = hvp_board_now_ps(program->board);
   ASSERT_EQ(hvp_reset(&program->device), HVP_OK);
   expect_failed(HVP_ERROR_TIMEOUT, ended);
+}
+
+// Only who takes no interrupt any more has given up.
+TEST_F(OwnFault, AWaitThatIsRepeatedFailsNoJob) {
+  start(true, "msi");
+  EXPECT_EQ(hvp_wait(&program->device, 1000), HVP_ERROR_TIMEOUT);
+  EXPECT_EQ(hvp_wait(&program->device, kLongestWait), HVP_OK);
+  const std::uint64_t ended = hvp_board_now_ps(program->board);
+  ASSERT_EQ(hvp_reset(&program->device), HVP_OK);
+  hvp_board_job job{};
+  ASSERT_TRUE(hvp_board_last_job(program->board, &job));
+  EXPECT_EQ(job.end_ps, ended);
+  EXPECT_EQ(hvp_status_name(job.status), std::string("HVP_OK"));
 }
 
 // By blocks nothing of the job is in the host's memory: a host that never looks sees no end.
