@@ -125,10 +125,10 @@ void JobFrames::looked() {
 }
 
 void JobFrames::answered(std::uint64_t offset, std::span<const std::uint8_t> data) {
-  constexpr std::uint64_t kStatus = offset_of(Register::status);
-  if (tag_.frame < 0 || offset > kStatus || offset + data.size() < kStatus + 4) return;
+  constexpr std::uint64_t kAt = offset_of(Register::status);
+  if (tag_.frame < 0 || offset > kAt || offset + data.size() < kAt + 4) return;
   std::uint32_t status = 0;
-  std::memcpy(&status, &data[kStatus - offset], sizeof status);
+  std::memcpy(&status, &data[kAt - offset], sizeof status);
   busy_ = started_ && status != ~std::uint32_t{0} && (status & field::kStatusBusy.mask()) != 0;
   if (status == ~std::uint32_t{0}) {
     told(HVP_ERROR_BUS);

@@ -81,7 +81,6 @@ OutsideHost::OutsideHost(const sc_core::sc_module_name& name, const PlatformSett
                          BoardSide& side, Session& session, Ledger& ledger)
     : sc_module(name),
       side_(side),
-      session_(session),
       config_(function_of(settings)),
       access_("access"),
       frames_(ledger, session, access_.tag()),

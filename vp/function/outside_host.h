@@ -143,7 +143,6 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   void something_happened();
 
   BoardSide& side_;
-  const Session& session_;
   ConfigSpace config_;
   BoardAccess access_;
   JobFrames frames_;
