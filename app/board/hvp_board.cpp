@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
@@ -20,6 +21,7 @@
 #include "app/results/results_folder.h"
 #include "app/scene/loaded_scenario.h"
 #include "vp/frame/ledger.h"
+#include "vp/function/driver_rules.h"
 #include "vp/function/outside_host.h"
 
 using hvp::vp::Command;
@@ -44,12 +46,14 @@ class LastJob : public hvp::vp::FrameObserver {
 };
 
 struct hvp_board {
-  hvp_board(const hvp::vp::PlatformSettings& settings, const char* folder)
-      : trace(traced(folder)),
-        function(settings, trace.get()),
+  hvp_board(const hvp::vp::PlatformSettings& settings, const hvp_board_options& options)
+      : trace(traced(options.trace)),
+        rules(watched(options.check, trace.get())),
+        function(settings, rules ? rules.get() : observer(trace.get())),
         bus(function, settings.transfer, !settings.faults.empty()) {
     function.ledger().add_observer(last_job);
     if (trace != nullptr) trace->watch(function.accelerator());
+    if (rules != nullptr) hvp::app::watch_driver(*rules, function);
     bus.enumerate();
   }
 
@@ -59,6 +63,11 @@ struct hvp_board {
     return std::make_unique<hvp::results::RegisterTrace>(folder);
   }
 
+  static hvp::vp::AccessObserver* observer(hvp::vp::AccessObserver* trace) { return trace; }
+  static std::unique_ptr<hvp::vp::DriverRules> watched(bool check, hvp::vp::AccessObserver* next) {
+    return check ? std::make_unique<hvp::vp::DriverRules>(next) : nullptr;
+  }
+
   void wait_for_writes() {
     std::array<std::uint8_t, 4> ignored{};
     function.host().access(Command::read, 0, ignored, hvp::vp::OutsideHost::Space::configuration);
@@ -66,8 +75,10 @@ struct hvp_board {
 
   LastJob last_job;
   std::unique_ptr<hvp::results::RegisterTrace> trace;
+  std::unique_ptr<hvp::vp::DriverRules> rules;
   hvp::vp::BoardFunction function;
   hvp::app::BoardBus bus;
+  std::vector<hvp::vp::DriverFinding> findings;  // as they were copied last
 };
 
 namespace {
@@ -99,7 +110,7 @@ std::unique_ptr<hvp_board> open_board(const char* scenario, const hvp_board_opti
   const hvp::app::LoadedScenario loaded = hvp::app::load_untitled(source);
   const hvp::vp::PlatformSettings settings = hvp::app::outside_board(loaded);
   a_board_was_open = true;
-  return std::make_unique<hvp_board>(settings, options.trace);
+  return std::make_unique<hvp_board>(settings, options);
 }
 
 // Catches exceptions of the C++ parts, so that no C frame is unwound.
@@ -233,6 +244,25 @@ bool hvp_board_last_job(hvp_board* board, hvp_board_job* job) {
     if (!board->function.ledger().holds()) board->function.host().frames().finish();
     if (board->last_job.job) *job = *board->last_job.job;
     return board->last_job.job.has_value();
+  });
+}
+
+std::size_t hvp_board_findings(hvp_board* board, hvp_board_finding* findings, std::size_t room) {
+  if (board->rules == nullptr) return 0;
+  return caught(std::size_t{0}, [&] {
+    board->wait_for_writes();
+    board->rules->finish();
+    board->findings = board->rules->findings();
+    for (std::size_t i = 0; i < std::min(room, board->findings.size()); ++i) {
+      const hvp::vp::DriverFinding& one = board->findings[i];
+      findings[i] = {.rule = hvp::vp::name(one.rule).data(),
+                     .what = one.what.c_str(),
+                     .count = static_cast<std::uint64_t>(one.count),
+                     .first_ps = static_cast<std::uint64_t>(one.first),
+                     .job = one.job,
+                     .access = static_cast<std::uint64_t>(one.access)};
+    }
+    return board->findings.size();
   });
 }
 

@@ -25,6 +25,9 @@ struct hvp_board_options {
   // The folder for registers.log, registers.vcd and dma.log, as `hvp run --trace-registers` writes
   // them. The files get their names when the board is closed. Null: no trace.
   const char* trace;
+  // Watches the driver (docs/driver-rules.md): what it does wrong is said on the standard error
+  // output when it happens, and returned by hvp_board_findings().
+  bool check;
 };
 
 // Opens the board of a scenario file. Its PCI function is enumerated: memory space and bus
@@ -82,6 +85,20 @@ struct hvp_board_job {
 // job whose end the host has not seen is finished, as a failed one, when the board is reset. Waits
 // until the writes that the host has posted have arrived.
 bool hvp_board_last_job(struct hvp_board* board, struct hvp_board_job* job);
+
+// A rule that the driver has broken, and the first time.
+struct hvp_board_finding {
+  const char* rule;  // its name in docs/driver-rules.md
+  const char* what;  // one line
+  uint64_t count;    // how often
+  uint64_t first_ps;
+  int64_t job;      // the number of the job, -1: before any
+  uint64_t access;  // the number of accesses to the BAR until then
+};
+// Copies the findings, by the time of the first, into the `room` elements of `findings`, and
+// returns how many there are. Zero without hvp_board_options.check. The texts are valid until the
+// next call.
+size_t hvp_board_findings(struct hvp_board* board, struct hvp_board_finding* findings, size_t room);
 // NOLINTEND(readability-identifier-naming)
 
 #ifdef __cplusplus

@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "app/results/driver_findings.h"
 #include "models/config/input_error.h"
 #include "models/time/picoseconds.h"
 
@@ -70,6 +71,13 @@ void warn_of_faults_that_never_struck(vp::BoardFunction& board) {
     spdlog::warn("[[fault]] {} did not happen: {}", vp::name(record.fault.kind),
                  record.why_not(board.host().frames().jobs()));
   }
+}
+
+void watch_driver(vp::DriverRules& rules, vp::BoardFunction& board) {
+  rules.report_to([](const vp::DriverFinding& finding) {
+    spdlog::warn("driver: {}", results::finding_text(finding));
+  });
+  rules.watch(board);
 }
 
 }  // namespace hvp::app

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/scene/loaded_scenario.h"
+#include "vp/function/driver_rules.h"
 #include "vp/function/outside_host.h"
 #include "vp/platform_settings.h"
 
@@ -19,5 +20,9 @@ vp::PlatformSettings outside_board(const LoadedScenario& loaded);
 // A warning for each [[fault]] that did not happen, with why: it would pass for one that was
 // survived. For hosts that print no report.
 void warn_of_faults_that_never_struck(vp::BoardFunction& board);
+
+// Watches the driver: each rule that it breaks is a warning when it happens first. To be called
+// before the simulation begins. Keeps references.
+void watch_driver(vp::DriverRules& rules, vp::BoardFunction& board);
 
 }  // namespace hvp::app

@@ -18,6 +18,9 @@ class App;
 // The program's commands, and what several of them use.
 namespace hvp::app {
 
+// A word of --check: the rules of docs/driver-rules.md.
+inline constexpr const char* kCheckDriver = "driver";
+
 enum ExitStatus { kHeld = 0, kNotHeld = 1, kWrongInput = 2, kFailed = 3 };
 
 // Parses the command line and runs its command. Returns the exit status; throws what the command

@@ -4,10 +4,13 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "app/board/outside_board.h"
 #include "app/commands/commands.h"
 #include "app/results/board_records.h"
+#include "app/results/driver_findings.h"
 #include "app/results/part_files.h"
 #include "app/results/results_folder.h"
 #include "app/serve/server.h"
@@ -20,7 +23,8 @@ struct ServeArguments : ScenarioArguments {
   std::filesystem::path socket;
   bool once = false;  // ends with its first client
   bool trace_registers = false;
-  std::filesystem::path out;  // of the trace; empty: runs/<scenario>-serve
+  std::vector<std::string> checks;  // what is looked for in the driver
+  std::filesystem::path out;        // of the trace; empty: runs/<scenario>-serve
 };
 
 namespace fs = std::filesystem;
@@ -39,10 +43,13 @@ int serve_command(const ServeArguments& arguments) {
   }
   // From here on a signal ends the program properly, so that the socket is removed.
   const results::DeferredInterruption deferred;
+  bool broken = false;
   {
     serve::ListeningSocket socket(arguments.socket);
     if (lock) registers.emplace(out);
-    serve::BoardPort board(settings, registers ? &*registers : nullptr);
+    std::optional<vp::DriverRules> rules;
+    if (!arguments.checks.empty()) rules.emplace(registers ? &*registers : nullptr);
+    serve::BoardPort board(settings, registers ? &*registers : nullptr, rules ? &*rules : nullptr);
     print(
         "listening on {}; simulated time passes with the client's accesses and its jobs, not "
         "with the clock: for function, not for timing\n",
@@ -50,6 +57,13 @@ int serve_command(const ServeArguments& arguments) {
     std::fflush(stdout);
     serve::Server(board, socket).run(arguments.once);
     warn_of_faults_that_never_struck(board.function());
+    if (rules) {
+      rules->finish();
+      for (const vp::DriverFinding& one : rules->findings()) {
+        print("driver: {}\n", results::finding_text(one));
+        broken = true;
+      }
+    }
     if (registers) {
       registers->finish();
       print("every access is in {}\n", (out / "registers.log").string());
@@ -60,7 +74,7 @@ int serve_command(const ServeArguments& arguments) {
     std::fflush(stdout);
     results::end_as_interrupted();
   }
-  return kHeld;
+  return broken ? kNotHeld : kHeld;
 }
 
 }  // namespace
@@ -75,6 +89,15 @@ void add_serve(CLI::App& app, int& status) {
       ->required()
       ->type_name("SOCKET");
   command->add_flag("--once", arguments->once, "end when the first client has gone");
+  command
+      ->add_option(
+          "--check", arguments->checks,
+          "what to look for besides; driver: the rules of docs/driver-rules.md, and status "
+          "1 if one was broken")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember({kCheckDriver}))
+      ->type_name("WORD");
   CLI::Option* trace = command->add_flag(
       "--trace-registers", arguments->trace_registers,
       "also log every access to the board, in registers.log, and as a waveform, in registers.vcd; "

@@ -5,6 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "app/board/outside_board.h"
+
 namespace hvp::serve {
 
 namespace {
@@ -15,8 +17,9 @@ constexpr vp::Picoseconds kPiece = 20'000'000;  // 20 us
 
 }  // namespace
 
-BoardPort::BoardPort(const vp::PlatformSettings& settings, results::RegisterTrace* registers)
-    : board_(settings, registers),
+BoardPort::BoardPort(const vp::PlatformSettings& settings, results::RegisterTrace* registers,
+                     vp::DriverRules* rules)
+    : board_(settings, rules != nullptr ? static_cast<vp::AccessObserver*>(rules) : registers),
       has_messages_(settings.transfer.notification == link::Notification::msi) {
   board_.host().listen(*this);
   board_.host().show_bus_errors();
@@ -27,6 +30,7 @@ BoardPort::BoardPort(const vp::PlatformSettings& settings, results::RegisterTrac
     });
   }
   if (registers != nullptr) registers->watch(board_.accelerator());
+  if (rules != nullptr) app::watch_driver(*rules, board_);
   vp::BoardSide::step_to(0);
 }
 

@@ -8,6 +8,7 @@
 #include "app/results/board_records.h"
 #include "app/serve/function_port.h"
 #include "app/serve/interrupts.h"
+#include "vp/function/driver_rules.h"
 #include "vp/function/outside_host.h"
 
 namespace hvp::serve {
@@ -22,9 +23,10 @@ class BoardPort : public FunctionPort, private vp::InterruptListener {
   static constexpr vp::Picoseconds kSettle = 1'000'000'000;        // 1 ms
   static constexpr vp::Picoseconds kLongest = 10'000'000'000'000;  // 10 s
 
-  // `registers` records every access; null: no record.
+  // `registers` records every access, and `rules`, which passes accesses on to it, watches the
+  // driver; null: no record, nobody watches.
   explicit BoardPort(const vp::PlatformSettings& settings,
-                     results::RegisterTrace* registers = nullptr);
+                     results::RegisterTrace* registers = nullptr, vp::DriverRules* rules = nullptr);
 
   vp::BoardFunction& function() { return board_; }
   // Sets the receiver of interrupts; null: none.

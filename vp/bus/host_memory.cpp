@@ -62,8 +62,10 @@ bool HostMemory::unmap(std::uint64_t address, std::uint64_t bytes) {
   };
   const bool clean = std::ranges::all_of(
       ranges_, [&](const Range& range) { return inside(range) || outside(range); });
-  if (clean) std::erase_if(ranges_, inside);
-  return clean;
+  if (!clean) return false;
+  if (observer_ != nullptr) observer_->unmapping(address, bytes);
+  std::erase_if(ranges_, inside);
+  return true;
 }
 
 const HostMemory::Range* HostMemory::range_at(std::uint64_t address) const {
@@ -73,31 +75,46 @@ const HostMemory::Range* HostMemory::range_at(std::uint64_t address) const {
   return address - range.address < range.memory.size() ? &range : nullptr;
 }
 
+// Visits the memory of each range that has a part of it, in order; false, after some perhaps, if
+// not all of it is mapped.
+template <class Visit>
+bool HostMemory::each_part(std::uint64_t first, std::size_t length, bool write,
+                           const Visit& visit) const {
+  for (std::size_t done = 0; done < length;) {
+    if (first + done < first) return false;
+    const Range* const range = range_at(first + done);
+    if (range == nullptr || (write && !range->writable)) return false;
+    const std::size_t at = first + done - range->address;
+    const std::size_t part = std::min(length - done, range->memory.size() - at);
+    visit(range->memory.data() + at, done, part);
+    done += part;
+  }
+  return true;
+}
+
+bool HostMemory::copy(std::uint64_t address, std::span<std::uint8_t> data) const {
+  if (!each_part(address, data.size(), false, [](auto...) {})) return false;
+  return each_part(address, data.size(), false,
+                   [&](const std::uint8_t* memory, std::size_t at, std::size_t part) {
+                     std::memcpy(data.data() + at, memory, part);
+                   });
+}
+
 // All of it or nothing.
 bool HostMemory::move(tlm::tlm_generic_payload& transaction) {
   const std::uint64_t first = transaction.get_address();
   const std::size_t length = transaction.get_data_length();
   unsigned char* const data = transaction.get_data_ptr();
-  const auto each_part = [&](const auto& visit) {
-    for (std::size_t done = 0; done < length;) {
-      if (first + done < first) return false;
-      const Range* const range = range_at(first + done);
-      if (range == nullptr || (transaction.is_write() && !range->writable)) return false;
-      const std::size_t at = first + done - range->address;
-      const std::size_t part = std::min(length - done, range->memory.size() - at);
-      visit(range->memory.data() + at, data + done, part);
-      done += part;
-    }
-    return true;
-  };
-  if (!each_part([](auto...) {})) return false;
-  return each_part([&](std::uint8_t* memory, unsigned char* words, std::size_t part) {
-    if (transaction.is_write()) {
-      std::memcpy(memory, words, part);
-    } else if (transaction.is_read()) {
-      std::memcpy(words, memory, part);
-    }
-  });
+  if (!each_part(first, length, transaction.is_write(), [](auto...) {})) return false;
+  if (observer_ != nullptr) observer_->arriving(first, length, transaction.is_write());
+  return each_part(first, length, transaction.is_write(),
+                   [&](std::uint8_t* memory, std::size_t at, std::size_t part) {
+                     if (transaction.is_write()) {
+                       std::memcpy(memory, data + at, part);
+                     } else if (transaction.is_read()) {
+                       std::memcpy(data + at, memory, part);
+                     }
+                   });
 }
 
 void HostMemory::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& /*delay*/) {
@@ -112,7 +129,9 @@ void HostMemory::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_
       return;
     }
     transaction.set_response_status(tlm::TLM_ADDRESS_ERROR_RESPONSE);
-    spdlog::warn(refusal(transaction, allowed));
+    const std::string why = refusal(transaction, allowed);
+    spdlog::warn(why);
+    if (observer_ != nullptr) observer_->refused(why, allowed);
   }
   if (transaction.is_read() && data != nullptr) std::memset(data, 0xff, length);
 }

@@ -25,6 +25,18 @@ inline constexpr std::uint64_t kDaqBase = 0x2000'0000;
 inline constexpr std::uint64_t kMessageAddress = 0xFEE0'0000;
 inline constexpr std::size_t kMessageBytes = 4;
 
+// An observer of what happens to the memory on the board's side.
+class MemoryObserver {
+ public:
+  virtual ~MemoryObserver() = default;
+  // A transaction that will be answered, before it moves anything.
+  virtual void arriving(std::uint64_t address, std::size_t bytes, bool write) = 0;
+  // A transaction that was refused; `allowed` says that the board may be bus master.
+  virtual void refused(const std::string& why, bool allowed) = 0;
+  // The host takes memory away that is mapped.
+  virtual void unmapping(std::uint64_t address, std::uint64_t bytes) = 0;
+};
+
 // The host's memory as a board that is bus master sees it, and the window of messages behind it: an
 // aligned write of four bytes to kMessageAddress is an interrupt, for the frame of the
 // transaction's tag. It takes no time of its own; the bus in front of it does.
@@ -51,6 +63,10 @@ class HostMemory : public sc_core::sc_module {
   // `allowed` is called at every transaction and says whether the board may be bus master; if not,
   // no target answers.
   void answer_if(std::function<bool()> allowed) { allowed_ = std::move(allowed); }
+  void observe(MemoryObserver& observer) { observer_ = &observer; }
+  // Copies what is mapped at this address, at no time. Returns false and changes nothing if not all
+  // of it is mapped.
+  bool copy(std::uint64_t address, std::span<std::uint8_t> data) const;
 
   tlm_utils::simple_target_socket<HostMemory> from_bus;
   // The receiver of the messages. Each is an edge, which is not lowered. Unbound, messages are
@@ -66,6 +82,8 @@ class HostMemory : public sc_core::sc_module {
   void b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
   bool take_message(tlm::tlm_generic_payload& transaction);
   bool move(tlm::tlm_generic_payload& transaction);
+  template <class Visit>
+  bool each_part(std::uint64_t first, std::size_t length, bool write, const Visit& visit) const;
   std::string refusal(tlm::tlm_generic_payload& transaction, bool allowed) const;
 
   struct Range {
@@ -79,6 +97,7 @@ class HostMemory : public sc_core::sc_module {
   std::vector<std::uint8_t> bytes_;
   std::vector<Range> ranges_;  // by ascending address
   std::function<bool()> allowed_;
+  MemoryObserver* observer_ = nullptr;
   std::int64_t messages_ = 0;
 };
 

@@ -13,11 +13,6 @@ namespace {
 
 constexpr std::size_t kEngineStackBytes = 1 << 18;
 constexpr std::uint32_t kToHost = 1;
-constexpr std::uint32_t kDescriptorBytes = 4 * kDescriptorWords;
-
-std::uint64_t address_of(std::uint32_t low, std::uint32_t high) {
-  return std::uint64_t{high} << 32 | low;
-}
 
 std::span<std::uint8_t> bytes_of(std::span<std::uint32_t> words) {
   return {reinterpret_cast<std::uint8_t*>(words.data()), 4 * words.size()};
@@ -282,8 +277,8 @@ bool DmaEngine::transport(MasterPurpose purpose, std::uint64_t address,
   to_memory->b_transport(payload_, delay);
   if (delay > sc_core::SC_ZERO_TIME) wait(delay);
   const bool answered = payload_.is_response_ok();
-  if (observer_ != nullptr) {
-    observer_->transferred({began, now_ps(), frame, purpose, read, address, data, answered});
+  for (MasterObserver* const observer : observers_) {
+    observer->transferred({began, now_ps(), frame, purpose, read, address, data, answered});
   }
   return answered;
 }

@@ -47,8 +47,14 @@ class MasterObserver {
 };
 
 inline constexpr std::size_t kDescriptorWords = 8;
+inline constexpr std::size_t kDescriptorBytes = 4 * kDescriptorWords;
 inline constexpr std::size_t kRecordWords = 8;
 using CompletionRecord = std::array<std::uint32_t, kRecordWords>;
+
+// An address of the host's memory in two registers, or in two words of a descriptor.
+constexpr std::uint64_t address_of(std::uint32_t low, std::uint32_t high) {
+  return std::uint64_t{high} << 32U | low;
+}
 
 // The details of dma_failed that are not the index of a descriptor.
 inline constexpr std::uint32_t kListFailed = 0xffff'fffe;
@@ -84,7 +90,7 @@ class DmaEngine : public sc_core::sc_module {
   tlm_utils::simple_initiator_socket_optional<DmaEngine> to_memory;
 
   // Reports every transaction at its end, from now on.
-  void observe(MasterObserver& observer) { observer_ = &observer; }
+  void observe(MasterObserver& observer) { observers_.push_back(&observer); }
   // Makes the engine's faults happen as planned, from now on.
   void inject(FaultPlan& plan) { faults_ = &plan; }
 
@@ -134,7 +140,7 @@ class DmaEngine : public sc_core::sc_module {
   ListOwner& owner_;
   Ledger& ledger_;
   FaultPlan* faults_ = nullptr;
-  MasterObserver* observer_ = nullptr;
+  std::vector<MasterObserver*> observers_;
 
   sc_core::sc_event work_;
   bool rung_ = false;

@@ -101,6 +101,7 @@ OutsideHost::OutsideHost(const sc_core::sc_module_name& name, const PlatformSett
 }
 
 void OutsideHost::post(Access access) {
+  if (observer_ != nullptr) observer_->posting(access);
   accesses_.push_back(std::move(access));
   posted_.notify(sc_core::SC_ZERO_TIME);
 }
@@ -207,6 +208,7 @@ void OutsideHost::take_interrupts_late(const host::Host& host, std::int64_t seed
 }
 
 void OutsideHost::tell(const LateInterrupts::Message& message) {
+  if (observer_ != nullptr) observer_->interrupted();
   if (message) {
     if (listener_ == nullptr) return;
     listener_->message(*message);
@@ -229,6 +231,7 @@ void OutsideHost::interrupt(const Tag& tag) {
   if (!late_) frames_.heard(tag);
   if (!config_.messages_enabled()) {
     board_line_ = true;
+    if (observer_ != nullptr && !config_.may_raise_line()) observer_->line_blocked();
   } else if (config_.message_masked()) {
     pending_ = true;
   } else {
@@ -267,6 +270,7 @@ void OutsideHost::reset_function() {
   if (late_) late_->forget_all();
   side_.board()->accelerator().power_on();
   frames_.board_was_reset();
+  if (observer_ != nullptr) observer_->board_was_reset();
   board_line_ = false;
   update_interrupts();
 }

@@ -95,6 +95,22 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
     std::function<void()> ended;
   };
 
+  // An observer of what the host does and is told, at its time.
+  class Observer {
+   public:
+    virtual ~Observer() = default;
+    // The host has made an access, which its next step may not wait for.
+    virtual void posting(const Access& access) = 0;
+    // The host has got an interrupt.
+    virtual void interrupted() = 0;
+    // The host's handler has returned, all that it wrote has arrived, and INTA# is still up.
+    virtual void line_left_up() = 0;
+    // The board has raised an interrupt that the function may not show.
+    virtual void line_blocked() = 0;
+    // The function was reset.
+    virtual void board_was_reset() = 0;
+  };
+
   // Keeps references. `side` was built with `settings` and is not connected yet.
   OutsideHost(const sc_core::sc_module_name& name, const PlatformSettings& settings,
               BoardSide& side, Session& session, Ledger& ledger);
@@ -102,6 +118,11 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   ConfigSpace& config() { return config_; }
   const ConfigSpace& config() const { return config_; }
   void listen(InterruptListener& listener) { listener_ = &listener; }
+  void observe(Observer& observer) { observer_ = &observer; }
+  // The host's handler has returned, and INTA# is up although nothing that it wrote is under way.
+  void handler_left_line_up() {
+    if (observer_ != nullptr) observer_->line_left_up();
+  }
   // Delays each interrupt to the listener until this host's handler runs, [host] interrupt_latency
   // after it was raised. To be called before the simulation begins.
   void take_interrupts_late(const host::Host& host, std::int64_t seed);
@@ -148,6 +169,7 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   JobFrames frames_;
   Ledger& ledger_;
   InterruptListener* listener_ = nullptr;
+  Observer* observer_ = nullptr;
   std::optional<LateInterrupts> late_;
   std::deque<Access> accesses_;
   sc_core::sc_event posted_;

@@ -1,0 +1,32 @@
+#include "app/results/driver_findings.h"
+
+#include <fmt/format.h>
+
+namespace hvp::results {
+
+std::string finding_text(const vp::DriverFinding& finding) {
+  std::string text = fmt::format(
+      "{}: {} ({}, at {}.{:03} ns, access {})", vp::name(finding.rule), finding.what,
+      finding.job < 0 ? std::string("before any job") : fmt::format("job {}", finding.job),
+      finding.first / 1000, finding.first % 1000, finding.access);
+  if (finding.count > 1) text += fmt::format(", {} times", finding.count);
+  return text;
+}
+
+void report_driver_findings(config::Figures& f,
+                            const std::optional<std::vector<vp::DriverFinding>>& findings) {
+  f.truth("driver_watched", findings.has_value(), "--check driver was asked for");
+  f.list("driver_findings",
+         "One entry for each rule that the driver broke ([driver-rules.md](driver-rules.md)).",
+         findings.value_or(std::vector<vp::DriverFinding>{}), [&](const vp::DriverFinding& one) {
+           f.text("rule", vp::name(one.rule), "its name");
+           f.count("count", one.count, "how often");
+           f.text("what", one.what, "the first time");
+           f.time("first_us", one.first, "when, from power-up");
+           f.count("job", one.job >= 0 ? std::optional(one.job) : std::nullopt,
+                   "the frame, or null before any");
+           f.count("access", one.access, "the number of accesses to the BAR until then");
+         });
+}
+
+}  // namespace hvp::results

@@ -1,0 +1,394 @@
+// Drivers with a mistake, and drivers without one, through the C interface alone: which rule is
+// named, with which word, and after how many accesses.
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <ostream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "app/board/hvp_board.h"
+#include "vp/fpga/register_bank.h"
+#include "vp/function/driver_finding.h"
+
+namespace {
+
+constexpr const char* kScenario = HVP_SCENARIOS "/thesis-static.toml";
+constexpr std::uint64_t kAddress = 0x1000'0000;
+constexpr std::size_t kPage = 4096;
+namespace field = hvp::vp::field;
+using hvp::vp::Aperture;
+using hvp::vp::offset_of;
+using hvp::vp::Register;
+constexpr std::uint32_t kBlocks = offset_of(Register::blocks);
+constexpr std::uint32_t kControl = offset_of(Register::control);
+constexpr std::uint32_t kDmaCount = offset_of(Register::dma_count);
+constexpr std::uint32_t kDmaListLow = offset_of(Register::dma_list_low);
+constexpr std::uint32_t kDmaRecordLow = offset_of(Register::dma_record_low);
+constexpr std::uint32_t kFormat = offset_of(Register::format);
+constexpr std::uint32_t kInterruptEnable = offset_of(Register::interrupt_enable);
+constexpr std::uint32_t kInterruptStatus = offset_of(Register::interrupt_status);
+constexpr std::uint32_t kIterations = offset_of(Register::iterations);
+constexpr std::uint32_t kNodes = offset_of(Register::nodes);
+constexpr std::uint32_t kStatus = offset_of(Register::status);
+constexpr std::uint32_t kBMemory = offset_of(Aperture::b);
+constexpr std::uint32_t kColumnMemory = offset_of(Aperture::column);
+constexpr std::uint32_t kRowBeginMemory = offset_of(Aperture::row_begin);
+constexpr std::uint32_t kUMemory = offset_of(Aperture::u);
+constexpr std::uint32_t kValueMemory = offset_of(Aperture::value);
+constexpr std::uint64_t kSecond = 1'000'000'000;  // ns
+
+// A driver of the register map alone, of a board with one node.
+class Driver {
+ public:
+  explicit Driver(std::vector<const char*> keys, bool check = true) {
+    const hvp_board_options options = {keys.data(), keys.size(), nullptr, check};
+    std::array<char, 256> why{};
+    board = hvp_board_open(kScenario, &options, why.data(), why.size());
+    if (board == nullptr) throw std::runtime_error(why.data());
+    maps = hvp_board_map(board, kAddress, memory.data(), sizeof memory);
+  }
+  Driver(const Driver&) = delete;
+  Driver& operator=(const Driver&) = delete;
+  ~Driver() { hvp_board_close(board); }
+
+  void write(std::uint32_t offset, std::uint32_t value) {
+    ++accesses;
+    hvp_board_write(board, offset, &value, sizeof value);
+  }
+  std::uint32_t read(std::uint32_t offset) {
+    ++accesses;
+    std::uint32_t value = 0;
+    hvp_board_read(board, offset, &value, sizeof value);
+    return value;
+  }
+  // The access at which the mistake is made.
+  void mistake() { at = accesses + 1; }
+
+  void load() {
+    write(kNodes, 1);
+    write(kBlocks, 1);
+    write(kIterations, 4);
+    fill();
+  }
+  void fill() {
+    write(kRowBeginMemory, 0);
+    write(kRowBeginMemory + 4, 1);
+    write(kColumnMemory, 0);
+    for (std::uint32_t word : {64U, 0U, 32U, 0U, 16U}) write(kValueMemory + next++ * 4, word);
+    next = 0;
+    write(kControl, field::kControlLoadDone.mask());
+    wait();
+    acknowledge();
+  }
+  void give_b() {
+    write(kBMemory, 640U | 640U << 16);
+    write(kBMemory + 4, 640);
+  }
+  void start() { write(kControl, field::kControlStart.mask()); }
+  void wait() {
+    while ((read(kStatus) & field::kStatusBusy.mask()) != 0) {
+      hvp_board_run_until_ps(board, hvp_board_now_ps(board) + 1'000'000);
+    }
+  }
+  void acknowledge() { write(kInterruptStatus, field::kInterruptStatusDone.mask()); }
+  void solve() {
+    give_b();
+    start();
+    wait();
+    acknowledge();
+    read(kUMemory);
+  }
+
+  std::uint32_t* page(std::size_t i) { return memory.data() + i * kPage / 4; }
+  static std::uint32_t address(std::size_t i) {
+    return static_cast<std::uint32_t>(kAddress + i * kPage);
+  }
+  // Two descriptors, for b and U, in page 2; b in page 0, U in page 1, the record in page 3.
+  void describe(std::uint32_t bytes = 8, std::uint32_t b = address(0)) {
+    const std::array<std::uint32_t, 16> list = {0, bytes, b,          0, kBMemory, 0, 0, 0,
+                                                1, 8,     address(1), 0, kUMemory, 0, 0, 0};
+    std::ranges::copy(list, page(2));
+    page(0)[0] = 640U | 640U << 16;
+    page(0)[1] = 640;
+  }
+  void tell_list() {
+    write(kDmaListLow, address(2));
+    write(kDmaCount, 1U | 1U << 16);
+    write(kDmaRecordLow, address(3));
+  }
+  void ring() {
+    page(3)[0] = 0;
+    write(kControl, field::kControlRunList.mask());
+  }
+  // True if the record came within a millisecond.
+  bool await_record() {
+    const std::uint64_t late = hvp_board_now_ps(board) + 1'000'000'000;
+    while (page(3)[0] == 0 && hvp_board_now_ps(board) < late) {
+      hvp_board_run_until_ps(board, hvp_board_now_ps(board) + 1'000'000);
+    }
+    return page(3)[0] != 0;
+  }
+  void solve_by_dma() {
+    describe();
+    tell_list();
+    ring();
+    await_record();
+    acknowledge();
+  }
+
+  std::vector<hvp_board_finding> findings() {
+    std::array<hvp_board_finding, hvp::vp::kDriverRules> all{};
+    const std::size_t count = hvp_board_findings(board, all.data(), all.size());
+    return {all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count)};
+  }
+
+  hvp_board* board = nullptr;
+  bool maps = false;
+  std::uint64_t accesses = 0;
+  std::uint64_t at = 0;
+
+ private:
+  std::uint32_t next = 0;
+  alignas(kPage) std::array<std::uint32_t, 4 * kPage / 4> memory{};
+};
+
+std::vector<const char*> blocks() { return {}; }
+std::vector<const char*> dma() { return {"transfer.method=dma", "transfer.notification=msi"}; }
+std::vector<const char*> posted() {
+  return {"transfer.method=dma", "transfer.notification=msi", "bus.pcie.generation=gen1",
+          "bus.pcie.lanes=4"};
+}
+
+struct Mistake {
+  const char* name;
+  std::vector<const char*> (*keys)();
+  const char* rule;
+  // Part of what is said.
+  const char* words;
+  // Accesses between the mistake and its name.
+  std::uint64_t later;
+  std::function<void(Driver&)> drive;
+};
+void PrintTo(const Mistake& mistake, std::ostream* out) { *out << mistake.name; }
+
+const std::vector<Mistake>& mistakes() {
+  static const std::vector<Mistake> kAll = {
+      {"no_register", blocks, "illegal-access", "write to 0x3c: no register there", 0,
+       [](Driver& d) {
+         d.mistake();
+         d.write(0x3c, 1);
+       }},
+      {"b_while_busy", blocks, "access-while-busy", "write to B", 0,
+       [](Driver& d) {
+         d.load();
+         d.give_b();
+         d.start();
+         d.mistake();
+         d.give_b();
+       }},
+      {"start_twice", blocks, "access-while-busy", "write to CONTROL", 0,
+       [](Driver& d) {
+         d.load();
+         d.give_b();
+         d.start();
+         d.mistake();
+         d.start();
+       }},
+      {"error_unacknowledged", blocks, "command-ignored",
+       "0x4 was written to CONTROL while error 4", 12,
+       [](Driver& d) {
+         d.mistake();
+         d.start();  // without a matrix, and nothing acknowledges that error
+         d.load();
+       }},
+      {"done_unacknowledged", blocks, "start-unacknowledged", "INTERRUPT_STATUS.done", 0,
+       [](Driver& d) {
+         d.load();
+         d.give_b();
+         d.start();
+         d.wait();
+         d.mistake();
+         d.start();
+       }},
+      {"u_without_a_look", blocks, "early-result", "U[+0x0] was read while the job runs", 0,
+       [](Driver& d) {
+         d.load();
+         d.give_b();
+         d.start();
+         d.mistake();
+         d.read(kUMemory);
+       }},
+      {"u_after_a_pause", blocks, "early-result", "U[+0x0] was read before the host saw", 0,
+       [](Driver& d) {
+         d.load();
+         d.give_b();
+         d.start();
+         hvp_board_run_until_ps(d.board, hvp_board_now_ps(d.board) + 1'000'000'000);
+         d.mistake();
+         d.read(kUMemory);
+       }},
+      {"missed_completion", blocks, "end-not-seen", "had not seen", 0,
+       [](Driver& d) {
+         d.load();
+         d.give_b();
+         d.start();
+         hvp_board_run_until_ps(d.board, hvp_board_now_ps(d.board) + 1'000'000'000);
+         d.acknowledge();
+         d.mistake();
+         d.start();
+       }},
+      {"format_after_load", blocks, "unloaded-matrix", "a write to FORMAT had unloaded", 3,
+       [](Driver& d) {
+         d.load();
+         d.mistake();
+         d.write(kFormat, 0x10101010);
+         d.give_b();
+         d.start();
+       }},
+      {"big_endian", blocks, "byte-order", "0x1000000 was written to NODES", 0,
+       [](Driver& d) {
+         d.mistake();
+         d.write(kNodes, 0x0100'0000);
+       }},
+      {"list_after_reset", dma, "list-not-set", "DMA_LIST_LOW was not written", 0,
+       [](Driver& d) {
+         d.load();
+         d.solve_by_dma();
+         d.write(kControl, field::kControlReset.mask());
+         d.load();
+         d.mistake();
+         d.ring();
+       }},
+      {"length_in_words", dma, "list-length", "move 4 bytes of B, which has 8", 0,
+       [](Driver& d) {
+         d.load();
+         d.describe(4);
+         d.tell_list();
+         d.mistake();
+         d.ring();
+         d.await_record();
+       }},
+      {"record_behind_the_doorbell", dma, "owned-memory-touched", "the record at 0x10003000", 0,
+       [](Driver& d) {
+         d.load();
+         d.describe();
+         d.page(3)[0] = 1;
+         d.tell_list();
+         d.mistake();
+         d.write(kControl, field::kControlRunList.mask());
+         d.page(3)[0] = 0;
+         d.await_record();
+       }},
+      {"b_behind_the_doorbell", posted, "owned-memory-touched", "b at 0x10000000", 0,
+       [](Driver& d) {
+         d.load();
+         d.describe();
+         d.tell_list();
+         d.mistake();
+         d.ring();
+         d.page(0)[0] = 1;
+         d.await_record();
+       }},
+      {"unmap_in_a_job", dma, "owned-memory-unmapped", "the record at 0x10003000", 0,
+       [](Driver& d) {
+         d.load();
+         d.describe();
+         d.tell_list();
+         d.mistake();
+         d.ring();
+         hvp_board_unmap(d.board, kAddress, 4 * kPage);
+       }},
+      {"no_bus_master", dma, "no-bus-master", "the function is no bus master", 0,
+       [](Driver& d) {
+         d.load();
+         hvp_board_config_write(d.board, 4, 2, 2);
+         d.describe();
+         d.tell_list();
+         d.mistake();
+         d.ring();
+         d.await_record();
+       }},
+      {"a_megabyte_off", dma, "stray-dma", "the board's read of 8 bytes at 0x10100000", 0,
+       [](Driver& d) {
+         d.load();
+         d.describe(8, Driver::address(0) + 0x10'0000);
+         d.tell_list();
+         d.mistake();
+         d.ring();
+         d.await_record();
+       }},
+      {"interrupt_before_set_up", blocks, "interrupt-blocked", "never got it", 4,
+       [](Driver& d) {
+         d.load();
+         hvp_board_config_write(d.board, 4, 6 | 0x400, 2);
+         d.mistake();
+         d.write(kInterruptEnable, 1);
+         d.give_b();
+         d.start();
+         hvp_board_run_until_ps(d.board, hvp_board_now_ps(d.board) + 1'000'000'000);
+         d.acknowledge();
+       }},
+      {"no_time_out", blocks, "endless-wait", "has no end", 1,
+       [](Driver& d) {
+         d.load();
+         d.give_b();
+         d.mistake();
+         d.start();
+         hvp_board_run_until_ps(d.board, hvp_board_now_ps(d.board) + 3 * 1000 * kSecond);
+         d.read(kStatus);
+       }},
+  };
+  return kAll;
+}
+
+class DriverMistake : public testing::TestWithParam<Mistake> {};
+
+TEST_P(DriverMistake, IsNamed) {
+  const Mistake& mistake = GetParam();
+  std::vector<const char*> keys = mistake.keys();
+  const bool endless = std::string(mistake.rule) == "endless-wait";
+  if (endless) keys.insert(keys.end(), {"fault[0].kind=stuck-busy", "fault[0].frame=0"});
+  Driver driver(keys);
+  mistake.drive(driver);
+  const std::vector<hvp_board_finding> all = driver.findings();
+  ASSERT_EQ(all.size(), 1U) << (all.empty() ? "nothing" : all[0].rule) << ", "
+                            << (all.size() < 2 ? "nothing more" : all[1].rule);
+  EXPECT_STREQ(all[0].rule, mistake.rule);
+  EXPECT_NE(std::string(all[0].what).find(mistake.words), std::string::npos) << all[0].what;
+  EXPECT_EQ(all[0].access - driver.at, mistake.later);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, DriverMistake, testing::ValuesIn(mistakes()),
+                         [](const auto& one) { return std::string(one.param.name); });
+
+class CleanDriver : public testing::TestWithParam<std::vector<const char*> (*)()> {};
+
+TEST_P(CleanDriver, IsCalledClean) {
+  Driver driver(GetParam()());
+  driver.load();
+  for (int i = 0; i < 20; ++i) {
+    if (driver.maps) {
+      driver.solve_by_dma();
+    } else {
+      driver.solve();
+    }
+  }
+  for (const hvp_board_finding& one : driver.findings()) ADD_FAILURE() << one.what;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, CleanDriver, testing::Values(blocks, dma, posted));
+
+// Nobody watches where nobody asked, and the times are the same.
+TEST(DriverRules, AnUnwatchedDriverHasNoFindings) {
+  Driver driver(blocks(), false);
+  driver.write(0x3c, 1);
+  EXPECT_TRUE(driver.findings().empty());
+}
+
+}  // namespace

@@ -1,0 +1,118 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "vp/bus/host_memory.h"
+#include "vp/fpga/dma_engine.h"
+#include "vp/fpga/register_bank.h"
+#include "vp/function/driver_finding.h"
+#include "vp/function/outside_host.h"
+
+namespace hvp::vp {
+
+// Watches the driver of a host that is not simulated. It makes no access, takes no time and
+// schedules nothing; a run that does not ask for it constructs none.
+class DriverRules : public AccessObserver,
+                    private MasterObserver,
+                    private MemoryObserver,
+                    private OutsideHost::Observer {
+ public:
+  // A wait for longer than this counts as one without a time-out: a second, which is five hundred
+  // of the thesis' periods (§2.4).
+  static constexpr Picoseconds kLongestWait = Picoseconds{1'000'000} * 1'000'000;
+
+  // Is to be given to the board as its observer; accesses are passed on to `next`, which may be
+  // null.
+  explicit DriverRules(AccessObserver* next = nullptr) : next_(next) {}
+  // To be called once, before the simulation begins. Keeps a reference.
+  void watch(BoardFunction& board);
+  // Calls this at the first of each rule.
+  void report_to(std::function<void(const DriverFinding&)> listener) {
+    listener_ = std::move(listener);
+  }
+  // No access follows.
+  void finish();
+
+  // The rules that were broken, by the time of the first.
+  std::vector<DriverFinding> findings() const;
+  std::int64_t count() const;
+
+  // AccessObserver
+  void access(Picoseconds time, Command command, const RegisterBank& bank,
+              const AccessResult& outcome, std::uint64_t offset,
+              std::span<const std::uint8_t> data) override;
+
+ private:
+  // Memory that the board owns, and what it held at the doorbell.
+  struct Owned {
+    const char* what = "";
+    std::uint64_t address = 0;
+    std::size_t at = 0;  // in contents_
+    std::size_t bytes = 0;
+  };
+
+  void transferred(const MasterAccess& access) override;
+  void arriving(std::uint64_t address, std::size_t bytes, bool write) override;
+  void refused(const std::string& why, bool allowed) override;
+  void unmapping(std::uint64_t address, std::uint64_t bytes) override;
+  void posting(const OutsideHost::Access& access) override;
+  void interrupted() override;
+  void line_left_up() override;
+  void line_blocked() override;
+  void board_was_reset() override;
+
+  void judge_read(const RegisterBank& bank, const AccessResult& outcome, std::uint64_t offset,
+                  std::size_t bytes);
+  void judge_write(Picoseconds time, const RegisterBank& bank, std::uint64_t offset,
+                   std::span<const std::uint8_t> data);
+  void judge_command(Picoseconds time, const RegisterBank& bank, std::uint32_t commands);
+  void judge_start(Picoseconds time, const RegisterBank& bank, bool listed);
+  std::string_view missing_of_list() const;
+  void judge_wait(Picoseconds time);
+  bool job_has_ended() const;
+  void take_memory();
+  void own(const char* what, std::uint64_t address, std::size_t bytes);
+  void forget_job();
+  // `text` returns what is said of the first, and is called for that alone.
+  template <class Text>
+  void found(DriverRule rule, const Text& text);
+
+  AccessObserver* next_;
+  BoardFunction* board_ = nullptr;
+  std::function<void(const DriverFinding&)> listener_;
+  std::array<DriverFinding, kDriverRules> findings_{};
+  std::int64_t accesses_ = 0;
+  Picoseconds last_access_ = -1;
+
+  // The job that was started last.
+  bool started_ = false;
+  bool listed_ = false;
+  bool end_seen_ = false;  // of one without a list
+  Picoseconds started_at_ = 0;
+
+  // The board's state behind the last access.
+  bool error_pending_ = false;
+  bool loaded_ = false;
+  std::string unloaded_by_;  // a register, or empty
+  bool line_blocked_ = false;
+
+  // DMA_LIST_LOW to DMA_RECORD_HIGH as the host has posted them, and whether since the last reset.
+  static constexpr std::size_t kListRegisters = 5;
+  std::array<std::uint32_t, kListRegisters> list_{};
+  std::array<bool, kListRegisters> list_set_{};
+  std::string_view list_lacks_;  // at the last doorbell, a register or empty
+  std::vector<Owned> owned_;
+  std::vector<std::uint8_t> contents_;  // of owned_, at the doorbell
+  std::vector<std::uint8_t> present_;
+  std::uint64_t to_board_ = 0;  // bytes of the list's descriptors
+  std::uint64_t to_host_ = 0;
+};
+
+}  // namespace hvp::vp
