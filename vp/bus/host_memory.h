@@ -31,7 +31,7 @@ inline constexpr std::size_t kMessageBytes = 4;
 //
 // An access outside, a read of the window and a write of another size to it end in
 // TLM_ADDRESS_ERROR_RESPONSE; a refused read gives all ones. A warning says what was refused, in
-// which job, and which memory lies nearest.
+// which job, and which memory lies nearest, or why the board may not reach it.
 //
 // A host of another program gives its own memory, in ranges by their bus addresses. A transaction
 // may cross from one range to the next.
@@ -51,6 +51,10 @@ class HostMemory : public sc_core::sc_module {
   // `allowed` is called at every transaction and says whether the board may be bus master; if not,
   // no target answers.
   void answer_if(std::function<bool()> allowed) { allowed_ = std::move(allowed); }
+  // As with an IOMMU in front of the memory: `why` is called at every transaction that is no
+  // message, and says in words why the board may not make it; no words: it may.
+  using WhyNot = std::function<std::string(std::uint64_t address, std::size_t bytes, bool write)>;
+  void refuse_if(WhyNot why) { why_not_ = std::move(why); }
 
   tlm_utils::simple_target_socket<HostMemory> from_bus;
   // The receiver of the messages. Each is an edge, which is not lowered. Unbound, messages are
@@ -66,7 +70,7 @@ class HostMemory : public sc_core::sc_module {
   void b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
   bool take_message(tlm::tlm_generic_payload& transaction);
   bool move(tlm::tlm_generic_payload& transaction);
-  std::string refusal(tlm::tlm_generic_payload& transaction, bool allowed) const;
+  std::string refusal(tlm::tlm_generic_payload& transaction, const std::string& why) const;
 
   struct Range {
     std::uint64_t address;
@@ -79,6 +83,7 @@ class HostMemory : public sc_core::sc_module {
   std::vector<std::uint8_t> bytes_;
   std::vector<Range> ranges_;  // by ascending address
   std::function<bool()> allowed_;
+  WhyNot why_not_;
   std::int64_t messages_ = 0;
 };
 
