@@ -24,6 +24,7 @@ void DmaCheck::Counts::report(config::Figures& f) const {
 DmaCheck::~DmaCheck() { memory_.refuse_if({}); }
 
 void DmaCheck::accepted(bool tells) {
+  tells_ = tells;
   if (tells) {
     memory_.refuse_if([this](std::uint64_t address, std::size_t bytes, bool write) {
       return why_not(address, bytes, write);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -33,7 +34,8 @@ class DmaCheck {
   // The guest will tell of its mappings, or will not.
   void accepted(bool tells);
   void take(const vhost::Translation& message);
-  const Counts& counts() const { return counts_; }
+  // None if the guest does not tell.
+  std::optional<Counts> counts() const { return tells_ ? std::optional(counts_) : std::nullopt; }
 
  private:
   std::string why_not(std::uint64_t address, std::size_t bytes, bool write);
@@ -42,6 +44,7 @@ class DmaCheck {
   vp::HostMemory& memory_;
   DmaMappings mappings_;
   std::set<std::string> said_;
+  bool tells_ = false;
   Counts counts_;
 };
 

@@ -76,8 +76,7 @@ const BoardDevice::Counts& Guest::counts() const {
 }
 
 std::optional<DmaCheck::Counts> Guest::dma() const {
-  if (!dma_check_) return std::nullopt;
-  return dma_check_->counts();
+  return dma_check_ ? dma_check_->counts() : std::nullopt;
 }
 
 Guest::End Guest::run() {

@@ -52,7 +52,7 @@ class Guest {
 
   pid_t process() const { return process_.number(); }
   const BoardDevice::Counts& counts() const;
-  // None if DMA was not checked.
+  // None if DMA was not checked, or could not be.
   std::optional<DmaCheck::Counts> dma() const;
   // True if a system call took the time that it was given. A kernel without the patch ignores that
   // time.
