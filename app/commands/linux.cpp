@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -35,10 +36,14 @@ struct LinuxArguments : ScenarioArguments {
   std::filesystem::path out;     // empty: runs/<scenario>-linux
   std::string memory = "64M";    // the guest's
   std::vector<std::string> kernel_arguments;
-  double patience_s = 60;  // of wall-clock time without a word of the guest
-  bool gdb = false;        // the kernel waits for a debugger, and nobody loses patience with it
+  std::vector<std::string> checks;  // what is looked for in the driver, besides its results
+  double patience_s = 60;           // of wall-clock time without a word of the guest
+  bool gdb = false;  // the kernel waits for a debugger, and nobody loses patience with it
   bool trace_registers = false;
 };
+
+// The words of --check.
+constexpr const char* kCheckDma = "dma";
 
 using Clock = std::chrono::steady_clock;
 namespace fs = std::filesystem;
@@ -71,6 +76,10 @@ void expect_file(std::string_view option, const fs::path& file, int access, bool
                                (access & X_OK) != 0 ? "run" : "read"));
 }
 
+bool checks(const LinuxArguments& arguments, std::string_view what) {
+  return std::ranges::find(arguments.checks, what) != arguments.checks.end();
+}
+
 guest::GuestSettings guest_settings(const LinuxArguments& arguments) {
   guest::GuestSettings settings;
   const fs::path variant = built(arguments.gdb ? "debug" : "plain");
@@ -79,6 +88,7 @@ guest::GuestSettings guest_settings(const LinuxArguments& arguments) {
   settings.script = arguments.script;
   settings.memory = arguments.memory;
   settings.arguments = arguments.kernel_arguments;
+  settings.check_dma = checks(arguments, kCheckDma);
   settings.patience =
       std::chrono::milliseconds(static_cast<std::int64_t>(arguments.patience_s * 1000));
   if (arguments.gdb) {
@@ -226,8 +236,8 @@ int linux_command(const LinuxArguments& arguments) {
           "guest.system_call: the kernel took no time for a system call; expected one with "
           "driver/linux/kernel/patches/system-call-time.patch");
     }
-    figures = results.finish(
-        s, {guest.counts(), guest.first_access(), std::move(missing), end.interrupted});
+    figures = results.finish(s, {guest.counts(), guest.dma(), guest.first_access(),
+                                 std::move(missing), end.interrupted});
   }
   if (registers) registers->finish();
 
@@ -296,6 +306,15 @@ void add_linux(CLI::App& app, int& status) {
                    "ends, 60 by default")
       ->check(CLI::Range(1.0, 86400.0))
       ->type_name("S");
+  command
+      ->add_option("--check", arguments->checks,
+                   "what to look for besides the results, separated by commas; dma: the board "
+                   "reaches what its driver has mapped for it and nothing else, and the driver "
+                   "unmaps and syncs it by the rules")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember({kCheckDma}))
+      ->type_name("WORD");
   command->add_flag("--gdb", arguments->gdb,
                     "a kernel with types and lines, stopped before its first instruction until gdb "
                     "lets it go on, which may take any time");

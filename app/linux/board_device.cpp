@@ -28,9 +28,9 @@ bool of_configuration(const pci::Command& command) {
 
 }  // namespace
 
-BoardDevice::BoardDevice(vp::OutsideHost& host, vp::HostMemory* memory, Calendar& calendar,
-                         Stream stream)
-    : host_(host), memory_(memory), calendar_(calendar), stream_(std::move(stream)) {
+BoardDevice::BoardDevice(vp::OutsideHost& host, vp::HostMemory* memory, DmaCheck* check,
+                         Calendar& calendar, Stream stream)
+    : host_(host), memory_(memory), check_(check), calendar_(calendar), stream_(std::move(stream)) {
   host_.listen(*this);
   host_.show_bus_errors();
 }
@@ -57,10 +57,18 @@ std::uint64_t BoardDevice::answer(const vhost::Header& header,
                                   std::vector<Descriptor>& descriptors) {
   switch (static_cast<Request>(header.request)) {
     case Request::get_features:
-      return vhost::kFeatures;
+      return vhost::kFeatures | (check_ != nullptr ? vhost::kDmaFeature : 0);
     case Request::get_protocol_features:
       return vhost::kProtocolFeatures;
     case Request::set_features:
+      if (check_ != nullptr) {
+        check_->accepted((vhost::parse_number(payload) & vhost::kDmaFeature) != 0);
+      }
+      return 0;
+    case Request::translation:
+      if (check_ == nullptr) throw GuestError("vhost-user: a mapping that nobody asked for");
+      check_->take(vhost::parse_translation(payload));
+      return 0;
     case Request::set_protocol_features:
     case Request::set_owner:
     case Request::reset_owner:

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/linux/calendar.h"
+#include "app/linux/dma_check.h"
 #include "app/linux/guest_memory.h"
 #include "app/linux/pci_messages.h"
 #include "app/linux/stream.h"
@@ -41,8 +42,10 @@ class BoardDevice : public vp::InterruptListener {
     bool overrun = false;         // more posted writes than its ring has entries
   };
 
-  // Keeps references. `memory` is null if the board is no bus master.
-  BoardDevice(vp::OutsideHost& host, vp::HostMemory* memory, Calendar& calendar, Stream stream);
+  // Keeps references. `memory` is null if the board is no bus master. `check` is told what the
+  // guest's driver maps; null: nobody asks for it.
+  BoardDevice(vp::OutsideHost& host, vp::HostMemory* memory, DmaCheck* check, Calendar& calendar,
+              Stream stream);
   ~BoardDevice() override;
 
   int number() const { return stream_.number(); }
@@ -89,6 +92,7 @@ class BoardDevice : public vp::InterruptListener {
 
   vp::OutsideHost& host_;
   vp::HostMemory* memory_;
+  DmaCheck* check_;
   Calendar& calendar_;
   Stream stream_;
   Stream back_channel_;

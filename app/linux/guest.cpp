@@ -37,7 +37,9 @@ Guest::Guest(vp::BoardFunction& board, const GuestSettings& settings)
                 .patience = settings.patience,
                 .hold = settings.hold,
                 .print = settings.print}),
-      system_call_ns_(settings.system_call_ns) {}
+      system_call_ns_(settings.system_call_ns) {
+  if (settings.check_dma && board.memory() != nullptr) dma_check_.emplace(*board.memory());
+}
 
 std::vector<std::string> Guest::arguments(const GuestSettings& settings) const {
   const std::string folder = folder_.path().string();
@@ -71,6 +73,10 @@ std::vector<std::string> Guest::arguments(const GuestSettings& settings) const {
 const BoardDevice::Counts& Guest::counts() const {
   static const BoardDevice::Counts kNone;
   return device_ ? device_->counts() : kNone;
+}
+
+std::optional<DmaCheck::Counts> Guest::dma() const {
+  return dma_check_ ? dma_check_->counts() : std::nullopt;
 }
 
 Guest::End Guest::run() {
@@ -112,7 +118,8 @@ void Guest::serve() {
     calendar_.serve(now_ns());
     if (calendar_.waiting()) told_ = false;
   } else if (!device_) {
-    device_ = std::make_unique<BoardDevice>(board_.host(), board_.memory(), calendar_,
+    device_ = std::make_unique<BoardDevice>(board_.host(), board_.memory(),
+                                            dma_check_ ? &*dma_check_ : nullptr, calendar_,
                                             device_socket_.accept(process_));
   } else {
     device_->serve();

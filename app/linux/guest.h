@@ -12,6 +12,7 @@
 
 #include "app/linux/board_device.h"
 #include "app/linux/calendar.h"
+#include "app/linux/dma_check.h"
 #include "app/linux/guest_process.h"
 #include "app/linux/stream.h"
 #include "vp/function/outside_host.h"
@@ -27,7 +28,8 @@ struct GuestSettings {
   std::vector<std::string> arguments;  // further arguments of the kernel
   std::optional<std::chrono::milliseconds> patience{60'000};  // none: no limit
   bool hold = false;  // stops it before its first instruction, until a debugger continues it
-  std::int64_t system_call_ns = 0;              // time of a system call; 0: none
+  std::int64_t system_call_ns = 0;  // time of a system call; 0: none
+  bool check_dma = false;  // the board reaches what its driver has mapped, and nothing else
   std::function<void(std::string_view)> print;  // receives each line of the console
 };
 
@@ -50,6 +52,8 @@ class Guest {
 
   pid_t process() const { return process_.number(); }
   const BoardDevice::Counts& counts() const;
+  // None if DMA was not checked, or could not be.
+  std::optional<DmaCheck::Counts> dma() const;
   // True if a system call took the time that it was given. A kernel without the patch ignores that
   // time.
   bool system_calls_take_time() const { return system_calls_take_time_; }
@@ -69,6 +73,7 @@ class Guest {
   Listener device_socket_;
   GuestProcess process_;
   Calendar calendar_;
+  std::optional<DmaCheck> dma_check_;
   std::unique_ptr<BoardDevice> device_;
   std::int64_t system_call_ns_;
   bool system_calls_take_time_ = false;

@@ -96,6 +96,8 @@ void GuestFigures::report(config::Figures& f) const {
                                : config::FigureValue(),
             config::kMicroseconds, "from power-up; null where it made none");
   });
+  f.table_if_present("dma", "With `--check dma`: what the board and its driver did with memory.",
+                     guest.dma);
   f.time("set_up_us", set_up, "from power-up until the first frame is born");
   f.time("simulated_us", simulated, "from power-up until the kernel ended");
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app/linux/board_device.h"
+#include "app/linux/dma_check.h"
 #include "app/results/frames_csv.h"
 #include "app/results/latency.h"
 #include "app/results/trace.h"
@@ -24,6 +25,7 @@ namespace hvp::guest {
 // What the guest itself contributes to the results.
 struct GuestFacts {
   BoardDevice::Counts accesses;
+  std::optional<DmaCheck::Counts> dma;  // none: not checked
   // The simulated time at which the kernel first accessed the board; none: it never did.
   std::optional<vp::Picoseconds> first_access;
   // The keys and other items whose time the frames' times do not contain.

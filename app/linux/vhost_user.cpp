@@ -85,6 +85,31 @@ std::vector<Region> parse_memory_table(std::span<const std::uint8_t> payload) {
   return regions;
 }
 
+// struct vhost_iotlb_msg (linux/vhost_types.h), in which the address of the process has no use.
+Translation parse_translation(std::span<const std::uint8_t> payload) {
+  expect_size(payload, 32);
+  const Translation t{.kind = static_cast<Translation::Kind>(payload[25]),
+                      .address = number_at<std::uint64_t>(payload, 0),
+                      .bytes = number_at<std::uint64_t>(payload, 8),
+                      .access = payload[24]};
+  switch (t.kind) {
+    case Translation::Kind::unbound:
+      return {};
+    case Translation::Kind::map:
+    case Translation::Kind::unmap:
+    case Translation::Kind::sync_for_cpu:
+    case Translation::Kind::sync_for_device:
+      break;
+    default:
+      throw GuestError(fmt::format("vhost-user: a mapping's message of the kind {}", payload[25]));
+  }
+  if (t.bytes == 0 || t.address + (t.bytes - 1) < t.address || t.access < 1 || t.access > 3) {
+    throw GuestError(fmt::format("vhost-user: a mapping of {} bytes at {:#x} with access {}",
+                                 t.bytes, t.address, t.access));
+  }
+  return t;
+}
+
 NumberMessage compose_reply(std::uint32_t request, std::uint64_t number) {
   NumberMessage message = compose(request, kReply);
   put_number(message, kHeaderBytes, number);

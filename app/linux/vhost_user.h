@@ -28,6 +28,7 @@ enum class Request : std::uint32_t {
   set_protocol_features = 16,
   set_ring_enable = 18,
   set_back_channel = 21,  // SET_SLAVE_REQ_FD
+  translation = 22,       // IOTLB_MSG
   ring_kick = 35,         // VRING_KICK, in band
 };
 
@@ -38,6 +39,8 @@ inline constexpr std::size_t kLongestPayload = 8 + 32 * kMostRegions;
 
 // VIRTIO_F_VERSION_1 and VHOST_USER_F_PROTOCOL_FEATURES.
 inline constexpr std::uint64_t kFeatures = (1ULL << 32U) | (1ULL << 30U);
+// VIRTIO_PCIDEV_F_DMA of driver/linux/kernel/patches: the device wants to know what is mapped.
+inline constexpr std::uint64_t kDmaFeature = 1;
 // Acknowledgement of every request, a back channel, and kicks and calls as messages. With these a
 // kernel on simulated time waits until it has been answered.
 inline constexpr std::uint64_t kProtocolFeatures = (1U << 3U) | (1U << 5U) | (1U << 14U);
@@ -65,12 +68,29 @@ struct RingAddresses {
   std::uint64_t descriptors, used, available;
 };
 
+// A mapping of the function's driver. The first two are vhost-user's UPDATE and INVALIDATE, the
+// others of the same patch.
+struct Translation {
+  enum class Kind : std::uint8_t {
+    map = 2,
+    unmap = 3,
+    sync_for_cpu = 0x80,
+    sync_for_device = 0x81,
+    unbound = 0x82,  // the function has no driver any more; nothing else is set
+  };
+  Kind kind = Kind::unbound;
+  std::uint64_t address = 0;
+  std::uint64_t bytes = 0;  // at least 1, and not beyond the last address
+  std::uint8_t access = 3;  // 1: the function reads, 2: it writes, 3: both
+};
+
 // The payloads. Each function accepts exactly the length of its structure; a memory table may have
 // room for more regions than it contains.
 std::uint64_t parse_number(std::span<const std::uint8_t> payload);
 RingState parse_ring_state(std::span<const std::uint8_t> payload);
 RingAddresses parse_ring_addresses(std::span<const std::uint8_t> payload);
 std::vector<Region> parse_memory_table(std::span<const std::uint8_t> payload);
+Translation parse_translation(std::span<const std::uint8_t> payload);
 
 // Messages with one number have the same length in both directions.
 using NumberMessage = std::array<std::uint8_t, kHeaderBytes + 8>;

@@ -50,6 +50,9 @@ void read_messages(std::span<const std::uint8_t> bytes) {
       case vhost::Request::set_ring_addresses:
         vhost::parse_ring_addresses(payload);
         break;
+      case vhost::Request::translation:
+        vhost::parse_translation(payload);
+        break;
       case vhost::Request::set_features:
         vhost::parse_number(payload);
         break;

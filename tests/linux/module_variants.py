@@ -8,6 +8,7 @@ built.
 """
 
 import argparse
+import json
 import subprocess
 import sys
 import tempfile
@@ -49,6 +50,14 @@ SLOW_START = (
 
 
 @dataclass(frozen=True)
+class Ran:
+    """What `hvp linux` said, and the tables of its summary."""
+
+    said: str
+    summary: dict[str, dict[str, int]]
+
+
+@dataclass(frozen=True)
 class Guest:
     program: Path
     folder: Path
@@ -78,20 +87,22 @@ class Guest:
             raise WrongError(f"{name}: {done.stderr[-600:]}")
         return next(folder.glob("*.ko"))
 
-    def run(self, script: str) -> None:
+    def run(self, script: str, *words: str) -> Ran:
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
             (folder / "script").write_text("set -e\n" + script)
             command = [str(self.program), "linux", SCENARIO, "--out", str(folder / "out")]
             command += ["--kernel", str(self.folder / "linux")]
             command += ["--initrd", str(self.folder / "initramfs.cpio.gz")]
-            command += ["--script", str(folder / "script")]
+            command += ["--script", str(folder / "script"), *words]
             done = subprocess.run(
                 command, capture_output=True, text=True, timeout=LIMIT_S, check=False
             )
-        # A job that was late, or failed on purpose, is no fault of the script's.
-        if done.returncode not in (0, 1):
-            raise WrongError(f"status {done.returncode}\n{done.stdout[-1500:]}\n{done.stderr}")
+            # A job that was late, or failed on purpose, is no fault of the script's.
+            if done.returncode not in (0, 1):
+                raise WrongError(f"status {done.returncode}\n{done.stdout[-1500:]}\n{done.stderr}")
+            summary = json.loads((folder / "out" / "summary.json").read_text())
+        return Ran(done.stdout + done.stderr, summary)
 
 
 def who_polls_hears_of_a_job_that_another_starts(guest: Guest) -> None:
@@ -121,8 +132,8 @@ CASES: tuple[Callable[[Guest], None], ...] = (
 )
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
+def run_cases(description: str | None, cases: tuple[Callable[[Guest], None], ...]) -> int:
+    parser = argparse.ArgumentParser(description=description)
     parser.add_argument("program", type=Path)
     parser.add_argument("guest", type=Path)
     parser.add_argument("work", type=Path)
@@ -130,7 +141,7 @@ def main() -> int:
     arguments = parser.parse_args()
     guest = Guest(arguments.program.resolve(), arguments.guest.resolve(), arguments.work.resolve())
     failed = 0
-    for case in CASES:
+    for case in cases:
         if arguments.case not in (None, case.__name__):
             continue
         try:
@@ -143,4 +154,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_cases(__doc__, CASES))

@@ -116,6 +116,23 @@ TEST_F(HostMemoryOnBus, RangesOfAnotherHost) {
   });
 }
 
+TEST_F(HostMemoryOnBus, AnIommuRefusesButNoMessage) {
+  run([this](test::Stimulus& board) {
+    memory_->refuse_if([](std::uint64_t address, std::size_t bytes, bool write) {
+      return write || address + bytes > 16 ? std::string("not mapped") : std::string();
+    });
+    std::uint32_t word = 7;
+    EXPECT_EQ(board.read(12, &word, sizeof word), tlm::TLM_OK_RESPONSE);
+    EXPECT_EQ(board.read(13, &word, sizeof word), kRefused);
+    EXPECT_EQ(word, 0xffffffffU);
+    EXPECT_EQ(board.write(0, &word, sizeof word), kRefused);
+    EXPECT_EQ(memory_->bytes()[0], 0);
+    EXPECT_EQ(board.write(kMessageAddress, &word, sizeof word), tlm::TLM_OK_RESPONSE);
+    memory_->refuse_if({});
+    EXPECT_EQ(board.write(0, &word, sizeof word), tlm::TLM_OK_RESPONSE);
+  });
+}
+
 TEST(HostMemory, RefusesRangesThatOverlap) {
   HostMemory memory("memory", 16);
   std::array<std::uint8_t, 16> range{};

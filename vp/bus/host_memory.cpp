@@ -123,20 +123,31 @@ void HostMemory::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_
   if (!plain(transaction)) {
     transaction.set_response_status(tlm::TLM_BURST_ERROR_RESPONSE);
   } else {
+    std::string why;
+    bool done = false;
     const bool allowed = !allowed_ || allowed_();
-    if (allowed && (take_message(transaction) || move(transaction))) {
+    if (!allowed) {
+      why = "the function is no bus master (COMMAND)";
+    } else if (take_message(transaction)) {
+      done = true;
+    } else {
+      if (why_not_) why = why_not_(transaction.get_address(), length, transaction.is_write());
+      done = why.empty() && move(transaction);
+    }
+    if (done) {
       transaction.set_response_status(tlm::TLM_OK_RESPONSE);
       return;
     }
     transaction.set_response_status(tlm::TLM_ADDRESS_ERROR_RESPONSE);
-    const std::string why = refusal(transaction, allowed);
-    spdlog::warn(why);
-    if (observer_ != nullptr) observer_->refused(why, allowed);
+    const std::string text = refusal(transaction, why);
+    spdlog::warn(text);
+    if (observer_ != nullptr) observer_->refused(text, allowed);
   }
   if (transaction.is_read() && data != nullptr) std::memset(data, 0xff, length);
 }
 
-std::string HostMemory::refusal(tlm::tlm_generic_payload& transaction, bool allowed) const {
+std::string HostMemory::refusal(tlm::tlm_generic_payload& transaction,
+                                const std::string& why) const {
   const std::uint64_t address = transaction.get_address();
   const std::uint64_t last = address + transaction.get_data_length() - 1;
   const std::int64_t job = frame_of(transaction);
@@ -145,7 +156,7 @@ std::string HostMemory::refusal(tlm::tlm_generic_payload& transaction, bool allo
                   transaction.is_write() ? "write" : "read", transaction.get_data_length(), address,
                   job < 0 ? std::string("in no job") : fmt::format("in job {}", job),
                   now_ps() / 1000, now_ps() % 1000);
-  if (!allowed) return text + "the function is no bus master (COMMAND)";
+  if (!why.empty()) return text + why;
   const auto distance = [=](const Range& range) {
     const std::uint64_t end = range.address + (range.memory.size() - 1);
     if (end < address) return address - end;

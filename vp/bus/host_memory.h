@@ -43,7 +43,7 @@ class MemoryObserver {
 //
 // An access outside, a read of the window and a write of another size to it end in
 // TLM_ADDRESS_ERROR_RESPONSE; a refused read gives all ones. A warning says what was refused, in
-// which job, and which memory lies nearest.
+// which job, and which memory lies nearest, or why the board may not reach it.
 //
 // A host of another program gives its own memory, in ranges by their bus addresses. A transaction
 // may cross from one range to the next.
@@ -67,6 +67,10 @@ class HostMemory : public sc_core::sc_module {
   // Copies what is mapped at this address, at no time. Returns false and changes nothing if not all
   // of it is mapped.
   bool copy(std::uint64_t address, std::span<std::uint8_t> data) const;
+  // As with an IOMMU in front of the memory: `why` is called at every transaction that is no
+  // message, and says in words why the board may not make it; no words: it may.
+  using WhyNot = std::function<std::string(std::uint64_t address, std::size_t bytes, bool write)>;
+  void refuse_if(WhyNot why) { why_not_ = std::move(why); }
 
   tlm_utils::simple_target_socket<HostMemory> from_bus;
   // The receiver of the messages. Each is an edge, which is not lowered. Unbound, messages are
@@ -84,7 +88,7 @@ class HostMemory : public sc_core::sc_module {
   bool move(tlm::tlm_generic_payload& transaction);
   template <class Visit>
   bool each_part(std::uint64_t first, std::size_t length, bool write, const Visit& visit) const;
-  std::string refusal(tlm::tlm_generic_payload& transaction, bool allowed) const;
+  std::string refusal(tlm::tlm_generic_payload& transaction, const std::string& why) const;
 
   struct Range {
     std::uint64_t address;
@@ -98,6 +102,7 @@ class HostMemory : public sc_core::sc_module {
   std::vector<Range> ranges_;  // by ascending address
   std::function<bool()> allowed_;
   MemoryObserver* observer_ = nullptr;
+  WhyNot why_not_;
   std::int64_t messages_ = 0;
 };
 
