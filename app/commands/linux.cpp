@@ -20,6 +20,7 @@
 #include "app/linux/guest_error.h"
 #include "app/linux/guest_results.h"
 #include "app/results/board_records.h"
+#include "app/results/driver_findings.h"
 #include "app/results/number_text.h"
 #include "app/results/part_files.h"
 #include "app/results/results_folder.h"
@@ -163,9 +164,19 @@ std::string fault_lines(const guest::GuestFigures& figures) {
   return text;
 }
 
+std::string driver_lines(const guest::GuestFigures& figures) {
+  if (!figures.guest.driver) return {};
+  if (figures.guest.driver->empty()) return "\n  driver        broke no rule";
+  std::string text;
+  for (const vp::DriverFinding& one : *figures.guest.driver) {
+    text += "\n  driver        " + results::finding_text(one);
+  }
+  return text;
+}
+
 std::string frames_text(const guest::GuestFigures& figures) {
   const vp::Verdict& v = figures.verdict;
-  if (v.frames() == 0) return "no job was solved" + fault_lines(figures);
+  if (v.frames() == 0) return "no job was solved" + fault_lines(figures) + driver_lines(figures);
   std::string text =
       fmt::format("{} frames, {} a period of {}: worst {}, median {}; {}", v.frames(),
                   v.force_in_time() && v.load_held() ? "all within" : "not all within",
@@ -178,7 +189,7 @@ std::string frames_text(const guest::GuestFigures& figures) {
                         results::readable_time(a.time));
     separator = ", ";
   }
-  text += fault_lines(figures);
+  text += fault_lines(figures) + driver_lines(figures);
   text += fmt::format("\n  not counted   {}", fmt::join(figures.guest.not_counted, ", "));
   return text;
 }
@@ -199,7 +210,11 @@ int linux_command(const LinuxArguments& arguments) {
   results::remove_earlier_results(out);
   std::optional<results::RegisterTrace> registers;
   if (arguments.trace_registers) registers.emplace(out);
-  vp::BoardFunction board(board_settings, registers ? &*registers : nullptr);
+  vp::AccessObserver* const record = registers ? &*registers : nullptr;
+  std::optional<vp::DriverRules> rules;
+  if (checks(arguments, kCheckDriver)) rules.emplace(record);
+  vp::BoardFunction board(board_settings, rules ? &*rules : record);
+  if (rules) watch_driver(*rules, board);
   const Scenario& s = loaded.scenario;
   if (s.guest) board.host().take_interrupts_late(s.host, s.seed);
   if (registers) registers->watch(board.accelerator());
@@ -236,8 +251,10 @@ int linux_command(const LinuxArguments& arguments) {
           "guest.system_call: the kernel took no time for a system call; expected one with "
           "driver/linux/kernel/patches/system-call-time.patch");
     }
-    figures = results.finish(s, {guest.counts(), guest.dma(), guest.first_access(),
-                                 std::move(missing), end.interrupted});
+    if (rules) rules->finish();
+    figures = results.finish(
+        s, {guest.counts(), guest.dma(), guest.first_access(), std::move(missing), end.interrupted,
+            rules ? std::optional(rules->findings()) : std::nullopt});
   }
   if (registers) registers->finish();
 
@@ -310,10 +327,10 @@ void add_linux(CLI::App& app, int& status) {
       ->add_option("--check", arguments->checks,
                    "what to look for besides the results, separated by commas; dma: the board "
                    "reaches what its driver has mapped for it and nothing else, and the driver "
-                   "unmaps and syncs it by the rules")
+                   "unmaps and syncs it by the rules; driver: the rules of docs/driver-rules.md")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->check(CLI::IsMember({kCheckDma}))
+      ->check(CLI::IsMember({kCheckDma, kCheckDriver}))
       ->type_name("WORD");
   command->add_flag("--gdb", arguments->gdb,
                     "a kernel with types and lines, stopped before its first instruction until gdb "

@@ -278,6 +278,7 @@ std::optional<vp::Picoseconds> BoardDevice::due() const {
 bool BoardDevice::tell() {
   if (const auto at = due(); at && *at <= vp::now_ps()) {
     line_told_ = true;
+    if (line_again_ > 0) host_.handler_left_line_up();
     untold_.push_back(pci::compose_line());
   }
   bool told = false;

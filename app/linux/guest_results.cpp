@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/results/driver_findings.h"
 #include "app/results/faults.h"
 #include "app/results/figures.h"
 #include "app/results/part_files.h"
@@ -43,11 +44,15 @@ vp::BusUse all_use(const vp::BusAssembly& buses) {
 
 }  // namespace
 
+bool GuestFigures::driver_is_wrong() const { return guest.driver && !guest.driver->empty(); }
+
 bool GuestFigures::held() const {
+  if (driver_is_wrong()) return false;
   return verdict.frames() == 0 || (verdict.force_in_time() && verdict.load_held());
 }
 
 std::string_view GuestFigures::verdict_word() const {
+  if (driver_is_wrong()) return "the driver is wrong";
   if (verdict.frames() == 0) return "no job was solved";
   if (!held()) return "not held";
   const bool faulty =
@@ -57,7 +62,7 @@ std::string_view GuestFigures::verdict_word() const {
 
 void GuestFigures::report(config::Figures& f) const {
   f.text("title", title, "the scenario's own line");
-  f.truth("held", held(), "no frame was late");
+  f.truth("held", held(), "no frame was late, and the driver broke no rule");
   f.text("verdict", verdict_word(), "what that is called");
   f.table("deadline", "The latency of a frame: from its birth until its job's last access.", [&] {
     verdict.report_deadline(f);
@@ -71,6 +76,7 @@ void GuestFigures::report(config::Figures& f) const {
           [&] { verdict.report_load(f); });
   verdict.report_attribution(f);
   results::report_faults(f, faults, verdict.frames(), false);
+  results::report_driver_findings(f, guest.driver);
   f.table("board", "What the board counted.", [&] {
     f.count("illegal_accesses", illegal_accesses, "that its registers refused");
     f.count("saturations", saturations, "words that reached their limit");

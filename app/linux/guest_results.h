@@ -18,6 +18,7 @@
 #include "vp/fault/fault_plan.h"
 #include "vp/frame/latency_statistics.h"
 #include "vp/frame/verdict.h"
+#include "vp/function/driver_finding.h"
 #include "vp/function/outside_host.h"
 
 namespace hvp::guest {
@@ -32,6 +33,8 @@ struct GuestFacts {
   std::vector<std::string> not_counted;
   // The user ended the run: a job under way is none, where it is one that failed otherwise.
   bool interrupted = false;
+  // The rules that its driver broke; none: nobody watched.
+  std::optional<std::vector<vp::DriverFinding>> driver;
 };
 
 // The figures of a run whose host is a Linux kernel: those of `hvp run` about times, the board and
@@ -50,8 +53,9 @@ struct GuestFigures {
   std::int64_t breakdowns = 0;
   vp::BusUse bus;  // of all users
 
-  // True if every frame met its deadline and the load, and there was at least one frame.
+  // True if every frame met its deadline and the load, and the driver broke no rule.
   bool held() const;
+  bool driver_is_wrong() const;
   // The verdict in words. It is never PASS, as no figure covers forces and the guest's own work.
   std::string_view verdict_word() const;
   // Reports the content of summary.json.

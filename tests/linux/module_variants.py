@@ -132,14 +132,22 @@ CASES: tuple[Callable[[Guest], None], ...] = (
 )
 
 
-def run_cases(description: str | None, cases: tuple[Callable[[Guest], None], ...]) -> int:
+def cases_parser(description: str | None) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("program", type=Path)
     parser.add_argument("guest", type=Path)
     parser.add_argument("work", type=Path)
     parser.add_argument("--case", help="one alone")
-    arguments = parser.parse_args()
-    guest = Guest(arguments.program.resolve(), arguments.guest.resolve(), arguments.work.resolve())
+    return parser
+
+
+def guest_of(arguments: argparse.Namespace) -> Guest:
+    return Guest(arguments.program.resolve(), arguments.guest.resolve(), arguments.work.resolve())
+
+
+def run_cases(description: str | None, cases: tuple[Callable[[Guest], None], ...]) -> int:
+    arguments = cases_parser(description).parse_args()
+    guest = guest_of(arguments)
     failed = 0
     for case in cases:
         if arguments.case not in (None, case.__name__):

@@ -4,7 +4,9 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <ostream>
 #include <stdexcept>
 #include <string>
@@ -362,6 +364,9 @@ TEST_P(DriverMistake, IsNamed) {
   EXPECT_STREQ(all[0].rule, mistake.rule);
   EXPECT_NE(std::string(all[0].what).find(mistake.words), std::string::npos) << all[0].what;
   EXPECT_EQ(all[0].access - driver.at, mistake.later);
+  // For docs/driver-bugs.md.
+  RecordProperty("rule", all[0].rule);
+  RecordProperty("later", static_cast<int>(all[0].access - driver.at));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, DriverMistake, testing::ValuesIn(mistakes()),
@@ -383,6 +388,15 @@ TEST_P(CleanDriver, IsCalledClean) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, CleanDriver, testing::Values(blocks, dma, posted));
+
+TEST(DriverRules, EachHasALineInItsPage) {
+  std::ifstream page(HVP_SCENARIOS "/../docs/driver-rules.md");
+  const std::string text((std::istreambuf_iterator<char>(page)), {});
+  for (std::size_t i = 0; i < hvp::vp::kDriverRules; ++i) {
+    const std::string rule(name(static_cast<hvp::vp::DriverRule>(i)));
+    EXPECT_NE(text.find("| `" + rule + "` |"), std::string::npos) << rule;
+  }
+}
 
 // Nobody watches where nobody asked, and the times are the same.
 TEST(DriverRules, AnUnwatchedDriverHasNoFindings) {

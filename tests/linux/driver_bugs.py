@@ -1,0 +1,255 @@
+"""Mistakes that kernel developers make, one each in the module, and what the platform says of them.
+
+usage: driver_bugs.py PROGRAM GUEST WORK [--share N --of M | --lines]
+
+As module_variants.py. Each is run with `hvp linux --check driver,dma`, and the module as it is
+breaks no rule. --share takes one M-th of them; --lines prints a line each for
+docs/driver-bugs.md, and judges nothing.
+"""
+
+import re
+import sys
+from dataclasses import dataclass
+
+from dma_checked import SOLVE, UNMAP, offset
+from module_variants import Change, Guest, Ran, WrongError, cases_parser, guest_of
+
+CHECK = ("--check", "driver,dma")
+LINE = ("--set", "transfer.method=programmed-io", "--set", "transfer.notification=intx")
+# An error, and then a job: the suite's case alone would end with the board's reset.
+AFTER_AN_ERROR = "hvp-driver-suite /dev/hvp0 --case error-bad-node || true\n" + SOLVE
+
+
+@dataclass(frozen=True)
+class Bug:
+    """A mistake, and the word that names it: a rule of docs/driver-rules.md, or part of a
+    warning of `--check dma`."""
+
+    name: str
+    change: tuple[Change, ...]
+    word: str
+    words: tuple[str, ...] = ()
+    script: str = SOLVE
+
+
+# The driver's core, which the module is built from.
+CORE = "../{}"
+BUGS = (
+    Bug("DMA address 1 MB off", (offset("0x100000"),), "stray-dma"),
+    Bug("DMA address behind the memory", (offset("0x8000000"),), "stray-dma"),
+    Bug(
+        "DMA length a page too long",
+        (
+            Change(
+                CORE.format("hvp_dma.c"),
+                "  return (uint32_t)(words * sizeof(uint32_t));\n",
+                "  return (uint32_t)(words * sizeof(uint32_t)) + 4096U;\n",
+            ),
+        ),
+        "list-length",
+    ),
+    Bug(
+        "DMA length in words",
+        (
+            Change(
+                CORE.format("hvp_dma.c"),
+                "  return (uint32_t)(words * sizeof(uint32_t));\n",
+                "  return (uint32_t)words & ~3U;\n",
+            ),
+        ),
+        "list-length",
+    ),
+    Bug(
+        "record cleared behind the doorbell",
+        (
+            Change(
+                CORE.format("hvp_dma.c"),
+                "  // Job numbers begin anew after a reset: an old record must not pass for "
+                "the new one.\n",
+                "  hvp_write_register(device, HVP_OFFSET(CONTROL), HVP__CONTROL__RUN_LIST_bm);\n",
+            ),
+            Change(
+                CORE.format("hvp_dma.c"),
+                "  hand_over_record(device, HVP_OWNER_DEVICE);\n"
+                "  hvp_write_register(device, HVP_OFFSET(CONTROL), HVP__CONTROL__RUN_LIST_bm);\n",
+                "  device->dma.record[0] = 0xffffffffU;\n",
+            ),
+        ),
+        "owned-memory-touched",
+    ),
+    Bug(
+        "no bus master",
+        (Change("hvp_pci.c", "\tpci_set_master(function);\n", ""),),
+        "no-bus-master",
+    ),
+    Bug(
+        "mapping freed twice",
+        (Change("hvp_engine.c", UNMAP, UNMAP + UNMAP),),
+        "the driver unmaps a second time",
+        script=SOLVE + "\nrmmod hvp",
+    ),
+    Bug(
+        "list not told again after a reset",
+        (
+            Change(
+                CORE.format("hvp_dma.c"),
+                "  device->bus.write_block(device->bus.context, HVP_OFFSET(DMA_LIST_LOW), words, "
+                "LIST_REGISTERS);\n",
+                "  (void)words;\n",
+            ),
+        ),
+        "list-not-set",
+    ),
+    Bug(
+        "interrupt line not taken down",
+        (
+            Change(
+                CORE.format("hvp_irq.c"),
+                "      hvp_write_register(device, HVP_OFFSET(INTERRUPT_ENABLE), 0U);\n"
+                "      device->interrupts_on = false;\n",
+                "",
+            ),
+        ),
+        "line-left-up",
+        LINE,
+    ),
+    Bug(
+        "end not acknowledged",
+        (
+            Change(
+                CORE.format("hvp_driver.c"),
+                "  hvp_write_register(device, HVP_OFFSET(INTERRUPT_STATUS), seen);\n",
+                "  (void)seen;\n",
+            ),
+        ),
+        "start-unacknowledged|command-ignored",
+        LINE,
+    ),
+    Bug(
+        "error not acknowledged",
+        (
+            Change(
+                CORE.format("hvp_driver.c"),
+                "  hvp_write_register(device, HVP_OFFSET(INTERRUPT_STATUS), seen);\n",
+                "  hvp_write_register(device, HVP_OFFSET(INTERRUPT_STATUS),\n"
+                "                     seen & HVP__INTERRUPT_STATUS__DONE_bm);\n",
+            ),
+        ),
+        "command-ignored",
+        LINE,
+        AFTER_AN_ERROR,
+    ),
+    Bug(
+        "words the other way round",
+        (
+            Change(
+                CORE.format("hvp_matrix.c"),
+                "  hvp_write_elements(device, HVP_OFFSET(NODES), size, 2U, 32U);\n",
+                "  hvp_write_register(device, HVP_OFFSET(NODES),\n"
+                "                     __builtin_bswap32((uint32_t)size[0]));\n"
+                "  hvp_write_register(device, HVP_OFFSET(BLOCKS), (uint32_t)size[1]);\n",
+            ),
+        ),
+        "byte-order",
+    ),
+    Bug(
+        "a register that is not there",
+        (
+            Change(
+                CORE.format("hvp_job.c"),
+                "  ++device->job;\n",
+                "  ++device->job;\n  hvp_write_register(device, 0x3cU, 1U);\n",
+            ),
+        ),
+        "illegal-access",
+    ),
+    Bug(
+        "U read without a look at the end",
+        (
+            Change(
+                CORE.format("hvp_job.c"),
+                "  const hvp_status status =\n      device->uses_dma ? hvp_await_record(device, "
+                "timeout_ns) : hvp_await_end(device, timeout_ns);\n",
+                "  const hvp_status status = HVP_OK;\n  (void)timeout_ns;\n"
+                "  device->last_status = 0U;\n",
+            ),
+        ),
+        "early-result",
+        LINE,
+    ),
+)
+
+
+@dataclass(frozen=True)
+class Said:
+    """What names a bug: the rule, the line about it, and the accesses to the BAR until then."""
+
+    rule: str
+    what: str
+    access: int
+
+
+def said_of(guest: Guest, bug: Bug) -> tuple[list[Said], Ran]:
+    module = guest.build("bug-" + re.sub(r"\W", "-", bug.name), bug.change)
+    script = f"rmmod hvp\ninsmod /host{module}\n{bug.script} || true\n"
+    ran = guest.run(script, *CHECK, *bug.words)
+    said = [Said(f["rule"], f["what"], f["access"]) for f in ran.summary["driver_findings"]]
+    said += [
+        Said("dma", line.partition("the driver ")[2], 0)
+        for line in ran.said.splitlines()
+        if "warning: the driver " in line
+    ]
+    return said, ran
+
+
+def is_named(guest: Guest, bug: Bug) -> None:
+    said, ran = said_of(guest, bug)
+    if not any(re.search(bug.word, one.rule + ": the driver " + one.what) for one in said):
+        found = "; ".join(f"{one.rule}: {one.what}" for one in said) or "nothing"
+        raise WrongError(f"expected {bug.word}, found {found}\n{ran.said[-1500:]}")
+
+
+def the_module_breaks_no_rule(guest: Guest, words: tuple[str, ...]) -> None:
+    ran = guest.run(f"{SOLVE}\nhvp-driver-suite /dev/hvp0 --case fifty-jobs\n", *CHECK, *words)
+    if not ran.summary["driver_watched"] or ran.summary["driver_findings"]:
+        raise WrongError(f"{words}: {ran.summary['driver_findings']}")
+
+
+def lines(guest: Guest) -> None:
+    for bug in BUGS:
+        said, _ = said_of(guest, bug)
+        named = [one for one in said if re.search(bug.word, one.rule + ": the driver " + one.what)]
+        what = f"`{named[0].rule}`" if named else "**unnamed**"
+        print(f"| {bug.name} | {what} |", flush=True)
+
+
+def main() -> int:
+    parser = cases_parser(__doc__)
+    parser.add_argument("--share", type=int, default=0)
+    parser.add_argument("--of", type=int, default=1)
+    parser.add_argument("--lines", action="store_true")
+    arguments = parser.parse_args()
+    guest = guest_of(arguments)
+    if arguments.lines:
+        lines(guest)
+        return 0
+    failed = 0
+    chosen = BUGS[arguments.share % arguments.of :: arguments.of]
+    for name, test in [
+        ("the module by DMA and MSI", lambda: the_module_breaks_no_rule(guest, ())),
+        ("the module by words and INTA#", lambda: the_module_breaks_no_rule(guest, LINE)),
+        *[(bug.name, lambda bug=bug: is_named(guest, bug)) for bug in chosen],
+    ]:
+        if arguments.case not in (None, name):
+            continue
+        try:
+            test()
+            print(f"ok      {name}", flush=True)
+        except WrongError as error:
+            failed += 1
+            print(f"FAILED  {name}: {error}", flush=True)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
