@@ -25,6 +25,10 @@ struct hvp_board_options {
   // The folder for registers.log, registers.vcd and dma.log, as `hvp run --trace-registers` writes
   // them. The files get their names when the board is closed. Null: no trace.
   const char* trace;
+  // The file into which everything between the program and the board is recorded, for `hvp replay`
+  // (docs/replay.md). It gets its name when the board is closed, and is <file>.part until then.
+  // Null: no record.
+  const char* record;
 };
 
 // Opens the board of a scenario file. Its PCI function is enumerated: memory space and bus

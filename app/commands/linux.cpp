@@ -18,6 +18,7 @@
 #include "app/linux/guest.h"
 #include "app/linux/guest_error.h"
 #include "app/linux/guest_results.h"
+#include "app/record/recorder.h"
 #include "app/results/board_records.h"
 #include "app/results/number_text.h"
 #include "app/results/part_files.h"
@@ -33,6 +34,7 @@ struct LinuxArguments : ScenarioArguments {
   std::filesystem::path initrd;  // likewise
   std::filesystem::path script;  // empty: none
   std::filesystem::path out;     // empty: runs/<scenario>-linux
+  std::filesystem::path record;  // empty: none
   std::string memory = "64M";    // the guest's
   std::vector<std::string> kernel_arguments;
   double patience_s = 60;  // of wall-clock time without a word of the guest
@@ -189,7 +191,12 @@ int linux_command(const LinuxArguments& arguments) {
   results::remove_earlier_results(out);
   std::optional<results::RegisterTrace> registers;
   if (arguments.trace_registers) registers.emplace(out);
+  std::optional<record::RecordFile> record;
+  if (!arguments.record.empty()) {
+    record.emplace(arguments.record, "--record", record::Layer::kernel, loaded);
+  }
   vp::BoardFunction board(board_settings, registers ? &*registers : nullptr);
+  if (record) record->watch(board);
   const Scenario& s = loaded.scenario;
   if (s.guest) board.host().take_interrupts_late(s.host, s.seed);
   if (registers) registers->watch(board.accelerator());
@@ -230,6 +237,7 @@ int linux_command(const LinuxArguments& arguments) {
         s, {guest.counts(), guest.first_access(), std::move(missing), end.interrupted});
   }
   if (registers) registers->finish();
+  if (record) record->finish();
 
   print("\n{}\n\nResults in {} ({:.3g} s simulated in {:.2f} s)\n", frames_text(figures),
         out.string(), to_seconds(figures.simulated),
@@ -303,6 +311,10 @@ void add_linux(CLI::App& app, int& status) {
       "--trace-registers", arguments->trace_registers,
       "also log every access to the board, in registers.log, and as a waveform with "
       "the interrupt, in registers.vcd; and what a board moves by itself, in dma.log");
+  command
+      ->add_option("--record", arguments->record,
+                   "also record all that passes between the kernel and the board, for hvp replay")
+      ->type_name("FILE");
   command->callback([arguments, &status] { status = linux_command(*arguments); });
 }
 

@@ -7,6 +7,7 @@
 
 #include "app/board/outside_board.h"
 #include "app/commands/commands.h"
+#include "app/record/recorder.h"
 #include "app/results/board_records.h"
 #include "app/results/part_files.h"
 #include "app/results/results_folder.h"
@@ -20,7 +21,8 @@ struct ServeArguments : ScenarioArguments {
   std::filesystem::path socket;
   bool once = false;  // ends with its first client
   bool trace_registers = false;
-  std::filesystem::path out;  // of the trace; empty: runs/<scenario>-serve
+  std::filesystem::path record;  // empty: none
+  std::filesystem::path out;     // of the trace; empty: runs/<scenario>-serve
 };
 
 namespace fs = std::filesystem;
@@ -42,7 +44,12 @@ int serve_command(const ServeArguments& arguments) {
   {
     serve::ListeningSocket socket(arguments.socket);
     if (lock) registers.emplace(out);
+    std::optional<record::RecordFile> record;
+    if (!arguments.record.empty()) {
+      record.emplace(arguments.record, "--record", record::Layer::socket, loaded);
+    }
     serve::BoardPort board(settings, registers ? &*registers : nullptr);
+    if (record) record->watch(board.function());
     print(
         "listening on {}; simulated time passes with the client's accesses and its jobs, not "
         "with the clock: for function, not for timing\n",
@@ -50,6 +57,10 @@ int serve_command(const ServeArguments& arguments) {
     std::fflush(stdout);
     serve::Server(board, socket).run(arguments.once);
     warn_of_faults_that_never_struck(board.function());
+    if (record) {
+      record->finish();
+      print("what passed between client and board is in {}\n", arguments.record.string());
+    }
     if (registers) {
       registers->finish();
       print("every access is in {}\n", (out / "registers.log").string());
@@ -79,6 +90,10 @@ void add_serve(CLI::App& app, int& status) {
       "--trace-registers", arguments->trace_registers,
       "also log every access to the board, in registers.log, and as a waveform, in registers.vcd; "
       "and what a board moves by itself, in dma.log");
+  command
+      ->add_option("--record", arguments->record,
+                   "also record all that passes between client and board, for hvp replay")
+      ->type_name("FILE");
   command->add_option("--out", arguments->out, "folder for these in place of runs/<scenario>-serve")
       ->needs(trace)
       ->type_name("FOLDER");

@@ -49,6 +49,7 @@ void HostMemory::map(std::uint64_t address, std::span<std::uint8_t> memory, bool
                       address - std::prev(next)->address < std::prev(next)->memory.size();
   if (behind || before) throw std::invalid_argument("a range of memory overlaps another one");
   ranges_.insert(next, {address, memory, writable});
+  if (observer_ != nullptr) observer_->mapped(address, memory.size(), writable);
 }
 
 bool HostMemory::unmap(std::uint64_t address, std::uint64_t bytes) {
@@ -63,6 +64,7 @@ bool HostMemory::unmap(std::uint64_t address, std::uint64_t bytes) {
   const bool clean = std::ranges::all_of(
       ranges_, [&](const Range& range) { return inside(range) || outside(range); });
   if (clean) std::erase_if(ranges_, inside);
+  if (clean && observer_ != nullptr) observer_->unmapped(address, bytes);
   return clean;
 }
 
@@ -105,16 +107,35 @@ void HostMemory::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_
   unsigned char* const data = transaction.get_data_ptr();
   if (!plain(transaction)) {
     transaction.set_response_status(tlm::TLM_BURST_ERROR_RESPONSE);
-  } else {
-    const bool allowed = !allowed_ || allowed_();
-    if (allowed && (take_message(transaction) || move(transaction))) {
-      transaction.set_response_status(tlm::TLM_OK_RESPONSE);
-      return;
-    }
-    transaction.set_response_status(tlm::TLM_ADDRESS_ERROR_RESPONSE);
-    spdlog::warn(refusal(transaction, allowed));
+    if (transaction.is_read() && data != nullptr) std::memset(data, 0xff, length);
+    return;
   }
-  if (transaction.is_read() && data != nullptr) std::memset(data, 0xff, length);
+  const bool allowed = !allowed_ || allowed_();
+  if (allowed && take_message(transaction)) {
+    transaction.set_response_status(tlm::TLM_OK_RESPONSE);
+    return;
+  }
+  if (observer_ != nullptr && transaction.is_read()) {
+    observer_->to_be_read(transaction.get_address(), length);
+  }
+  const bool answered = answer(transaction, allowed);
+  if (observer_ == nullptr) return;
+  observer_->moved(transaction.is_read(), transaction.get_address(), {data, length}, answered);
+}
+
+// Returns false for what was refused.
+bool HostMemory::answer(tlm::tlm_generic_payload& transaction, bool allowed) {
+  if (allowed && move(transaction)) {
+    transaction.set_response_status(tlm::TLM_OK_RESPONSE);
+    return true;
+  }
+  transaction.set_response_status(tlm::TLM_ADDRESS_ERROR_RESPONSE);
+  spdlog::warn(refusal(transaction, allowed));
+  unsigned char* const data = transaction.get_data_ptr();
+  if (transaction.is_read() && data != nullptr) {
+    std::memset(data, 0xff, transaction.get_data_length());
+  }
+  return false;
 }
 
 std::string HostMemory::refusal(tlm::tlm_generic_payload& transaction, bool allowed) const {

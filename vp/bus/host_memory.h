@@ -25,6 +25,19 @@ inline constexpr std::uint64_t kDaqBase = 0x2000'0000;
 inline constexpr std::uint64_t kMessageAddress = 0xFEE0'0000;
 inline constexpr std::size_t kMessageBytes = 4;
 
+// Sees what happens to the host's memory, each at its time. Messages are no access to it.
+class MemoryObserver {
+ public:
+  virtual ~MemoryObserver() = default;
+  virtual void mapped(std::uint64_t address, std::uint64_t bytes, bool writable) = 0;
+  virtual void unmapped(std::uint64_t address, std::uint64_t bytes) = 0;
+  // The board is about to read here; the contents may still be changed.
+  virtual void to_be_read(std::uint64_t /*address*/, std::size_t /*bytes*/) {}
+  // The board has read or written `data`, or was refused.
+  virtual void moved(bool read, std::uint64_t address, std::span<const std::uint8_t> data,
+                     bool answered) = 0;
+};
+
 // The host's memory as a board that is bus master sees it, and the window of messages behind it: an
 // aligned write of four bytes to kMessageAddress is an interrupt, for the frame of the
 // transaction's tag. It takes no time of its own; the bus in front of it does.
@@ -51,6 +64,8 @@ class HostMemory : public sc_core::sc_module {
   // `allowed` is called at every transaction and says whether the board may be bus master; if not,
   // no target answers.
   void answer_if(std::function<bool()> allowed) { allowed_ = std::move(allowed); }
+  // Reports to `observer` from now on. Keeps a reference.
+  void observe(MemoryObserver& observer) { observer_ = &observer; }
 
   tlm_utils::simple_target_socket<HostMemory> from_bus;
   // The receiver of the messages. Each is an edge, which is not lowered. Unbound, messages are
@@ -65,6 +80,7 @@ class HostMemory : public sc_core::sc_module {
  private:
   void b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
   bool take_message(tlm::tlm_generic_payload& transaction);
+  bool answer(tlm::tlm_generic_payload& transaction, bool allowed);
   bool move(tlm::tlm_generic_payload& transaction);
   std::string refusal(tlm::tlm_generic_payload& transaction, bool allowed) const;
 
@@ -79,6 +95,7 @@ class HostMemory : public sc_core::sc_module {
   std::vector<std::uint8_t> bytes_;
   std::vector<Range> ranges_;  // by ascending address
   std::function<bool()> allowed_;
+  MemoryObserver* observer_ = nullptr;
   std::int64_t messages_ = 0;
 };
 

@@ -101,6 +101,7 @@ OutsideHost::OutsideHost(const sc_core::sc_module_name& name, const PlatformSett
 }
 
 void OutsideHost::post(Access access) {
+  if (observer_ != nullptr) observer_->asked(access);
   accesses_.push_back(std::move(access));
   posted_.notify(sc_core::SC_ZERO_TIME);
 }
@@ -109,6 +110,7 @@ void OutsideHost::serve() {
   for (;;) {
     while (accesses_.empty()) wait(posted_);
     make(accesses_.front());
+    if (observer_ != nullptr) observer_->ended(accesses_.front());
     const std::function<void()> ended = std::move(accesses_.front().ended);
     accesses_.pop_front();
     if (ended) ended();
@@ -207,12 +209,19 @@ void OutsideHost::take_interrupts_late(const host::Host& host, std::int64_t seed
 }
 
 void OutsideHost::tell(const LateInterrupts::Message& message) {
-  if (message) {
-    if (listener_ == nullptr) return;
-    listener_->message(*message);
-  } else if (listener_ != nullptr) {
-    listener_->line(true);
+  if (!message) {
+    tell_line(true);
+    return;
   }
+  if (observer_ != nullptr) observer_->message(*message);
+  if (listener_ == nullptr) return;
+  listener_->message(*message);
+  something_happened();
+}
+
+void OutsideHost::tell_line(bool up) {
+  if (observer_ != nullptr) observer_->line(up);
+  if (listener_ != nullptr) listener_->line(up);
   something_happened();
 }
 
@@ -258,8 +267,7 @@ void OutsideHost::update_interrupts() {
     return;
   }
   if (late_) late_->forget_line();
-  if (listener_ != nullptr) listener_->line(false);
-  something_happened();
+  tell_line(false);
 }
 
 void OutsideHost::reset_function() {

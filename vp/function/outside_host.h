@@ -95,6 +95,16 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
     std::function<void()> ended;
   };
 
+  // Sees all that passes between the host and the function, each at its time: the interrupts as the
+  // host is told of them, and its accesses.
+  class Observer : public InterruptListener {
+   public:
+    // The host has queued the access. A write has its data.
+    virtual void asked(const Access& access) = 0;
+    // The oldest access that has not ended has; a read has its data.
+    virtual void ended(const Access& access) = 0;
+  };
+
   // Keeps references. `side` was built with `settings` and is not connected yet.
   OutsideHost(const sc_core::sc_module_name& name, const PlatformSettings& settings,
               BoardSide& side, Session& session, Ledger& ledger);
@@ -102,6 +112,8 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   ConfigSpace& config() { return config_; }
   const ConfigSpace& config() const { return config_; }
   void listen(InterruptListener& listener) { listener_ = &listener; }
+  // Reports to `observer` from now on. Keeps a reference.
+  void observe(Observer& observer) { observer_ = &observer; }
   // Delays each interrupt to the listener until this host's handler runs, [host] interrupt_latency
   // after it was raised. To be called before the simulation begins.
   void take_interrupts_late(const host::Host& host, std::int64_t seed);
@@ -136,6 +148,7 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   void configure(const Access& access);
   void note_bus_errors();
   void tell(const LateInterrupts::Message& message);
+  void tell_line(bool up);
   void raised(const Tag& tag, const LateInterrupts::Message& message);
   void tell_of_births();
   void update_interrupts();
@@ -148,6 +161,7 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   JobFrames frames_;
   Ledger& ledger_;
   InterruptListener* listener_ = nullptr;
+  Observer* observer_ = nullptr;
   std::optional<LateInterrupts> late_;
   std::deque<Access> accesses_;
   sc_core::sc_event posted_;
