@@ -32,6 +32,13 @@ std::span<const std::uint8_t> data_of(const OutsideHost::Access& access) {
   return access.data.first(std::min<std::size_t>(access.data.size(), kMostBytes));
 }
 
+// A board alone has no body: a file of its surface need not be where the record is replayed.
+std::string settings_of(const app::LoadedScenario& loaded) {
+  app::Scenario scenario = loaded.scenario;
+  if (!scenario.object.mesh.surface.empty()) scenario.object.mesh = {};
+  return results::resolved_text(scenario, loaded.device_file);
+}
+
 fs::path place_for(const fs::path& file, std::string_view option) {
   std::error_code ignored;
   if (file.filename().empty() || fs::is_directory(file, ignored)) {
@@ -116,8 +123,7 @@ RecordFile::RecordFile(const fs::path& file, std::string_view option, Layer laye
           stream_.flush();
         }
       }) {
-  stream_.write(
-      compose_head(layer, results::resolved_text(scenario.scenario, scenario.device_file)));
+  stream_.write(compose_head(layer, settings_of(scenario)));
   stream_.flush();
 }
 

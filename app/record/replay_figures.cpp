@@ -106,11 +106,9 @@ std::string side_text(const SideFigures& side) {
   if (!side.present) return side.what;
   std::string text = side.what;
   if (side.word) text += ": " + *side.word;
-  text += fmt::format(", at {} us", results::microseconds(side.asked));
-  if (side.ended != side.asked) {
-    text += fmt::format(" to {} us", results::microseconds(side.ended));
-  }
-  return text;
+  const std::string begin = results::microseconds(side.asked);
+  if (side.ended == side.asked) return text + fmt::format(", at {} us", begin);
+  return text + fmt::format(", from {} to {} us", begin, results::microseconds(side.ended));
 }
 
 std::string difference_text(std::string_view title, const DifferenceFigures& figures,
