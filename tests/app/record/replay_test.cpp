@@ -1,5 +1,6 @@
 // A job by accesses of the program's, recorded and made again.
 #include <algorithm>
+#include <systemc>
 
 #include <gmock/gmock.h>
 
@@ -118,14 +119,28 @@ TEST_F(Replay, ANewDriverIsComparedWithTheOld) {
   EXPECT_EQ(both.status, 2);
 }
 
-TEST_F(Replay, WithoutTheOptionNothingIsWritten) {
-  open({}, false);
+// True: with a recorder.
+class Recording : public test::RecordedProgram, public testing::WithParamInterface<bool> {};
+
+TEST_P(Recording, TakesNoSimulatedTimeAndAddsNoModule) {
+  open({}, GetParam());
   hvp_device device{};
   load(device);
   solve(device);
+  // What the board in a program has taken for this job since its record began.
+  EXPECT_EQ(hvp_board_now_ps(board), 26'390'000U);
+  std::vector<std::string> modules;
+  for (const sc_core::sc_object* object : sc_core::sc_get_top_level_objects()) {
+    if (dynamic_cast<const sc_core::sc_module*>(object) != nullptr) {
+      modules.emplace_back(object->name());
+    }
+  }
+  EXPECT_EQ(modules, (std::vector<std::string>{"bus", "accelerator", "daq", "host"}));
   close();
-  EXPECT_EQ(cli::names(place.path()), std::vector<std::string>());
+  EXPECT_EQ(cli::names(place.path()).size(), GetParam() ? 1U : 0U);
 }
+
+INSTANTIATE_TEST_SUITE_P(OrNot, Recording, testing::Bool());
 
 TEST_F(Replay, ACutRecordIsReadUpToTheCut) {
   record_a_job();
