@@ -68,14 +68,18 @@ BoardBus::BoardBus(vp::BoardFunction& function, const vp::Transfer& transfer, bo
 }
 
 void BoardBus::enumerate() {
-  const std::array<std::uint8_t, 1> command = {kMemorySpaceAndMaster};
-  function_.config().write(kCommandAt, command);
+  // By the way of every other access, so that a record has these too.
+  const auto write = [this](std::uint64_t offset, std::span<std::uint8_t> data) {
+    function_.host().access(Command::write, offset, data, vp::OutsideHost::Space::configuration);
+  };
+  std::array<std::uint8_t, 1> command = {kMemorySpaceAndMaster};
+  write(kCommandAt, command);
   // No effect if the function has no messages.
-  const std::array<std::uint8_t, 4> address = {0, 0, 0xe0, 0xfe};
+  std::array<std::uint8_t, 4> address = {0, 0, 0xe0, 0xfe};
   static_assert(vp::kMessageAddress == 0xfee0'0000);
-  function_.config().write(ConfigSpace::kMessageAt + 4, address);
-  const std::array<std::uint8_t, 1> enable = {1};
-  function_.config().write(ConfigSpace::kMessageAt + 2, enable);
+  write(ConfigSpace::kMessageAt + 4, address);
+  std::array<std::uint8_t, 1> enable = {1};
+  write(ConfigSpace::kMessageAt + 2, enable);
 }
 
 bool BoardBus::take_interrupt() {

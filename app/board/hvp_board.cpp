@@ -17,6 +17,7 @@
 
 #include "app/board/board_bus.h"
 #include "app/board/outside_board.h"
+#include "app/record/recorder.h"
 #include "app/results/board_records.h"
 #include "app/results/results_folder.h"
 #include "app/scene/loaded_scenario.h"
@@ -46,14 +47,17 @@ class LastJob : public hvp::vp::FrameObserver {
 };
 
 struct hvp_board {
-  hvp_board(const hvp::vp::PlatformSettings& settings, const hvp_board_options& options)
+  hvp_board(const hvp::app::LoadedScenario& scenario, const hvp::vp::PlatformSettings& settings,
+            const hvp_board_options& options)
       : trace(traced(options.trace)),
         rules(watched(options.check, trace.get())),
+        record(recorded(options.record, scenario)),
         function(settings, rules ? rules.get() : observer(trace.get())),
         bus(function, settings.transfer, !settings.faults.empty()) {
     function.ledger().add_observer(last_job);
     if (trace != nullptr) trace->watch(function.accelerator());
     if (rules != nullptr) hvp::app::watch_driver(*rules, function);
+    if (record != nullptr) record->watch(function);
     bus.enumerate();
   }
 
@@ -67,6 +71,12 @@ struct hvp_board {
   static std::unique_ptr<hvp::vp::DriverRules> watched(bool check, hvp::vp::AccessObserver* next) {
     return check ? std::make_unique<hvp::vp::DriverRules>(next) : nullptr;
   }
+  static std::unique_ptr<hvp::record::RecordFile> recorded(
+      const char* file, const hvp::app::LoadedScenario& scenario) {
+    if (file == nullptr) return nullptr;
+    return std::make_unique<hvp::record::RecordFile>(file, "hvp_board_options.record",
+                                                     hvp::record::Layer::program, scenario);
+  }
 
   void wait_for_writes() {
     std::array<std::uint8_t, 4> ignored{};
@@ -76,6 +86,7 @@ struct hvp_board {
   LastJob last_job;
   std::unique_ptr<hvp::results::RegisterTrace> trace;
   std::unique_ptr<hvp::vp::DriverRules> rules;
+  std::unique_ptr<hvp::record::RecordFile> record;
   hvp::vp::BoardFunction function;
   hvp::app::BoardBus bus;
   std::vector<hvp::vp::DriverFinding> findings;  // as they were copied last
@@ -110,7 +121,7 @@ std::unique_ptr<hvp_board> open_board(const char* scenario, const hvp_board_opti
   const hvp::app::LoadedScenario loaded = hvp::app::load_untitled(source);
   const hvp::vp::PlatformSettings settings = hvp::app::outside_board(loaded);
   a_board_was_open = true;
-  return std::make_unique<hvp_board>(settings, options);
+  return std::make_unique<hvp_board>(loaded, settings, options);
 }
 
 // Catches exceptions of the C++ parts, so that no C frame is unwound.
@@ -120,6 +131,17 @@ Result caught(Result otherwise, const Action& action) noexcept {
     return action();
   } catch (...) {
     return otherwise;
+  }
+}
+
+// Gives a file that was asked for its name.
+template <class Written>
+void finish(Written* written) {
+  if (written == nullptr) return;
+  try {
+    written->finish();
+  } catch (const std::exception& error) {
+    spdlog::error("{}", error.what());
   }
 }
 
@@ -152,12 +174,9 @@ void hvp_board_close(hvp_board* board) {
       return true;
     });
   }
-  if (board != nullptr && board->trace != nullptr) {
-    try {
-      board->trace->finish();
-    } catch (const std::exception& error) {
-      spdlog::error("{}", error.what());
-    }
+  if (board != nullptr) {
+    finish(board->trace.get());
+    finish(board->record.get());
   }
   delete board;
 }

@@ -28,6 +28,10 @@ struct hvp_board_options {
   // Watches the driver (docs/driver-rules.md): what it does wrong is said on the standard error
   // output when it happens, and returned by hvp_board_findings().
   bool check;
+  // The file into which everything between the program and the board is recorded, for `hvp replay`
+  // (docs/replay.md). It gets its name when the board is closed, and is <file>.part until then.
+  // Null: no record.
+  const char* record;
 };
 
 // Opens the board of a scenario file. Its PCI function is enumerated: memory space and bus

@@ -125,6 +125,7 @@ int parse_and_run(int argc, char** argv) {
   add_stability(app, status);
   add_serve(app, status);
   add_linux(app, status);
+  add_replay(app, status);
   add_fit(app, status);
   add_solve(app, status);
   add_mesh(app, status);

@@ -36,6 +36,7 @@ void add_device(CLI::App& app, int& status);
 void add_stability(CLI::App& app, int& status);
 void add_serve(CLI::App& app, int& status);
 void add_linux(CLI::App& app, int& status);
+void add_replay(CLI::App& app, int& status);
 void add_fit(CLI::App& app, int& status);
 void add_solve(CLI::App& app, int& status);
 void add_mesh(CLI::App& app, int& status);

@@ -19,6 +19,7 @@
 #include "app/linux/guest.h"
 #include "app/linux/guest_error.h"
 #include "app/linux/guest_results.h"
+#include "app/record/recorder.h"
 #include "app/results/board_records.h"
 #include "app/results/driver_findings.h"
 #include "app/results/number_text.h"
@@ -35,6 +36,7 @@ struct LinuxArguments : ScenarioArguments {
   std::filesystem::path initrd;  // likewise
   std::filesystem::path script;  // empty: none
   std::filesystem::path out;     // empty: runs/<scenario>-linux
+  std::filesystem::path record;  // empty: none
   std::string memory = "64M";    // the guest's
   std::vector<std::string> kernel_arguments;
   std::vector<std::string> checks;  // what is looked for in the driver, besides its results
@@ -210,11 +212,16 @@ int linux_command(const LinuxArguments& arguments) {
   results::remove_earlier_results(out);
   std::optional<results::RegisterTrace> registers;
   if (arguments.trace_registers) registers.emplace(out);
-  vp::AccessObserver* const record = registers ? &*registers : nullptr;
+  std::optional<record::RecordFile> record;
+  if (!arguments.record.empty()) {
+    record.emplace(arguments.record, "--record", record::Layer::kernel, loaded);
+  }
+  vp::AccessObserver* observer = registers ? &*registers : nullptr;
   std::optional<vp::DriverRules> rules;
-  if (checks(arguments, kCheckDriver)) rules.emplace(record);
-  vp::BoardFunction board(board_settings, rules ? &*rules : record);
+  if (checks(arguments, kCheckDriver)) observer = &rules.emplace(observer);
+  vp::BoardFunction board(board_settings, observer);
   if (rules) watch_driver(*rules, board);
+  if (record) record->watch(board);
   const Scenario& s = loaded.scenario;
   if (s.guest) board.host().take_interrupts_late(s.host, s.seed);
   if (registers) registers->watch(board.accelerator());
@@ -257,6 +264,7 @@ int linux_command(const LinuxArguments& arguments) {
             rules ? std::optional(rules->findings()) : std::nullopt});
   }
   if (registers) registers->finish();
+  if (record) record->finish();
 
   print("\n{}\n\nResults in {} ({:.3g} s simulated in {:.2f} s)\n", frames_text(figures),
         out.string(), to_seconds(figures.simulated),
@@ -339,6 +347,10 @@ void add_linux(CLI::App& app, int& status) {
       "--trace-registers", arguments->trace_registers,
       "also log every access to the board, in registers.log, and as a waveform with "
       "the interrupt, in registers.vcd; and what a board moves by itself, in dma.log");
+  command
+      ->add_option("--record", arguments->record,
+                   "also record all that passes between the kernel and the board, for hvp replay")
+      ->type_name("FILE");
   command->callback([arguments, &status] { status = linux_command(*arguments); });
 }
 

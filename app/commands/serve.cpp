@@ -9,6 +9,7 @@
 
 #include "app/board/outside_board.h"
 #include "app/commands/commands.h"
+#include "app/record/recorder.h"
 #include "app/results/board_records.h"
 #include "app/results/driver_findings.h"
 #include "app/results/part_files.h"
@@ -24,6 +25,7 @@ struct ServeArguments : ScenarioArguments {
   bool once = false;  // ends with its first client
   bool trace_registers = false;
   std::vector<std::string> checks;  // what is looked for in the driver
+  std::filesystem::path record;     // empty: none
   std::filesystem::path out;        // of the trace; empty: runs/<scenario>-serve
 };
 
@@ -49,7 +51,12 @@ int serve_command(const ServeArguments& arguments) {
     if (lock) registers.emplace(out);
     std::optional<vp::DriverRules> rules;
     if (!arguments.checks.empty()) rules.emplace(registers ? &*registers : nullptr);
+    std::optional<record::RecordFile> record;
+    if (!arguments.record.empty()) {
+      record.emplace(arguments.record, "--record", record::Layer::socket, loaded);
+    }
     serve::BoardPort board(settings, registers ? &*registers : nullptr, rules ? &*rules : nullptr);
+    if (record) record->watch(board.function());
     print(
         "listening on {}; simulated time passes with the client's accesses and its jobs, not "
         "with the clock: for function, not for timing\n",
@@ -63,6 +70,10 @@ int serve_command(const ServeArguments& arguments) {
         print("driver: {}\n", results::finding_text(one));
         broken = true;
       }
+    }
+    if (record) {
+      record->finish();
+      print("what passed between client and board is in {}\n", arguments.record.string());
     }
     if (registers) {
       registers->finish();
@@ -102,6 +113,10 @@ void add_serve(CLI::App& app, int& status) {
       "--trace-registers", arguments->trace_registers,
       "also log every access to the board, in registers.log, and as a waveform, in registers.vcd; "
       "and what a board moves by itself, in dma.log");
+  command
+      ->add_option("--record", arguments->record,
+                   "also record all that passes between client and board, for hvp replay")
+      ->type_name("FILE");
   command->add_option("--out", arguments->out, "folder for these in place of runs/<scenario>-serve")
       ->needs(trace)
       ->type_name("FOLDER");

@@ -52,6 +52,9 @@ class PartStream {
   void write(std::string_view text);
   // Replaces what was written from byte `at` on.
   void overwrite(std::size_t at, std::string_view text);
+  // Hands what was written to the operating system, so that a part file has it if this process is
+  // killed.
+  void flush() { stream_.flush(); }
   // Throws std::runtime_error where the disk did not take all of it.
   void finish();
 

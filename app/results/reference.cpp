@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "app/record/replay_figures.h"
 #include "app/results/design_report.h"
 #include "app/results/figures.h"
 #include "app/results/frames_csv.h"
@@ -76,6 +77,7 @@ std::string reference_json(std::string_view version) {
   j["figure_tables"] = listed(declared_figures<Outcome>(), Which::tables);
   j["device_figures"] = figures_of_declaration<DesignReport>();
   j["stability_figures"] = figures_of_declaration<app::StabilityFigures>();
+  j["replay_figures"] = figures_of_declaration<record::ReplayFigures>();
   j["performance_figures"] = figures_of_declaration<Performance>();
   j["columns"] = ordered_json::array();
   append(j["columns"], frame_columns());

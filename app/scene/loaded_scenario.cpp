@@ -25,8 +25,12 @@ void take(std::optional<Distribution>& effect, const char* table) {
 }  // namespace
 
 LoadedScenario load_untitled(const ScenarioSource& source) {
-  LoadedScenario loaded{
-      scenario::Document::load(source.scenario, source.overrides, source.includes), {}, {}, {}};
+  return read_document(
+      scenario::Document::load(source.scenario, source.overrides, source.includes));
+}
+
+LoadedScenario read_document(scenario::Document document) {
+  LoadedScenario loaded{std::move(document), {}, {}, {}};
   devices::put_device_under(loaded.document);
   scenario::read(loaded.document, loaded.scenario);
   scenario::resolve_files(loaded.document, loaded.scenario);

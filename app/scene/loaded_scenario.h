@@ -28,6 +28,8 @@ struct LoadedScenario {
 // Loads the scenario without adding the overrides to its title. Throws InputError, complete with
 // file and line.
 LoadedScenario load_untitled(const ScenarioSource& source);
+// The same of a document that is not a file of its own.
+LoadedScenario read_document(scenario::Document document);
 
 // Reads the user's files of samples, from which effects draw, into the scenario. Throws InputError
 // with the full key.

@@ -209,6 +209,30 @@ def traces_registers(guest: Guest) -> None:
     expect_in("the waveform", "$enddefinitions", (guest.work / "out" / "registers.vcd").read_text())
 
 
+def records_and_replays(guest: Guest) -> None:
+    """With and without times for calls and interrupts."""
+    frames = 3
+    write_frames(guest.work / "frames", frames)
+    script = f"hvp-servo /dev/hvp0 /host{guest.work}/frames /host{guest.work}/u\n"
+    record = guest.work / "a.bin"
+    late = ("--set", "host.interrupt_latency=5 us", "--set", "guest.system_call=0.17 us")
+    for words in ((), late):
+        guest.run("--record", str(record), *words, script=script)
+        done = subprocess.run(
+            [guest.program, "replay", record, "--times", "--json"],
+            capture_output=True,
+            text=True,
+            timeout=LIMIT_S,
+            check=False,
+        )
+        expect("the replay's status", 0, done.returncode)
+        found = json.loads(done.stdout)
+        expect("the host", "a kernel (hvp linux)", found["host"])
+        # Of each job the list, b, U and the record.
+        expect("transfers", 4 * frames, found["compared"]["transfers"]["compared"])
+        expect("accesses", True, found["compared"]["accesses"]["compared"] > 100)
+
+
 @contextlib.contextmanager
 def load() -> Iterator[None]:
     """Other programs that want every processor."""
@@ -390,6 +414,7 @@ CASES: tuple[Callable[[Guest], None], ...] = (
     solves_as_a_run_did,
     system_calls_and_interrupts_take_time,
     traces_registers,
+    records_and_replays,
     repeats_itself,
     lives_on,
     a_script_that_fails,

@@ -49,6 +49,7 @@ void HostMemory::map(std::uint64_t address, std::span<std::uint8_t> memory, bool
                       address - std::prev(next)->address < std::prev(next)->memory.size();
   if (behind || before) throw std::invalid_argument("a range of memory overlaps another one");
   ranges_.insert(next, {address, memory, writable});
+  for (MemoryObserver* const observer : observers_) observer->mapped(address, memory.size(), writable);
 }
 
 bool HostMemory::unmap(std::uint64_t address, std::uint64_t bytes) {
@@ -63,8 +64,8 @@ bool HostMemory::unmap(std::uint64_t address, std::uint64_t bytes) {
   const bool clean = std::ranges::all_of(
       ranges_, [&](const Range& range) { return inside(range) || outside(range); });
   if (!clean) return false;
-  if (observer_ != nullptr) observer_->unmapping(address, bytes);
   std::erase_if(ranges_, inside);
+  for (MemoryObserver* const observer : observers_) observer->unmapped(address, bytes);
   return true;
 }
 
@@ -106,7 +107,6 @@ bool HostMemory::move(tlm::tlm_generic_payload& transaction) {
   const std::size_t length = transaction.get_data_length();
   unsigned char* const data = transaction.get_data_ptr();
   if (!each_part(first, length, transaction.is_write(), [](auto...) {})) return false;
-  if (observer_ != nullptr) observer_->arriving(first, length, transaction.is_write());
   return each_part(first, length, transaction.is_write(),
                    [&](std::uint8_t* memory, std::size_t at, std::size_t part) {
                      if (transaction.is_write()) {
@@ -122,28 +122,42 @@ void HostMemory::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_
   unsigned char* const data = transaction.get_data_ptr();
   if (!plain(transaction)) {
     transaction.set_response_status(tlm::TLM_BURST_ERROR_RESPONSE);
-  } else {
-    std::string why;
-    bool done = false;
-    const bool allowed = !allowed_ || allowed_();
-    if (!allowed) {
-      why = "the function is no bus master (COMMAND)";
-    } else if (take_message(transaction)) {
-      done = true;
-    } else {
-      if (why_not_) why = why_not_(transaction.get_address(), length, transaction.is_write());
-      done = why.empty() && move(transaction);
-    }
-    if (done) {
-      transaction.set_response_status(tlm::TLM_OK_RESPONSE);
-      return;
-    }
-    transaction.set_response_status(tlm::TLM_ADDRESS_ERROR_RESPONSE);
-    const std::string text = refusal(transaction, why);
-    spdlog::warn(text);
-    if (observer_ != nullptr) observer_->refused(text, allowed);
+    if (transaction.is_read() && data != nullptr) std::memset(data, 0xff, length);
+    return;
   }
-  if (transaction.is_read() && data != nullptr) std::memset(data, 0xff, length);
+  const bool allowed = !allowed_ || allowed_();
+  if (allowed && take_message(transaction)) {
+    transaction.set_response_status(tlm::TLM_OK_RESPONSE);
+    return;
+  }
+  const bool read = transaction.is_read();
+  const std::uint64_t address = transaction.get_address();
+  for (MemoryObserver* const observer : observers_) observer->to_be_moved(read, address, length);
+  const bool answered = answer(transaction, allowed);
+  for (MemoryObserver* const observer : observers_) {
+    observer->moved(read, address, {data, length}, answered);
+  }
+}
+
+// Returns false for what was refused.
+bool HostMemory::answer(tlm::tlm_generic_payload& transaction, bool allowed) {
+  const std::size_t length = transaction.get_data_length();
+  std::string why;
+  if (!allowed) {
+    why = "the function is no bus master (COMMAND)";
+  } else if (why_not_) {
+    why = why_not_(transaction.get_address(), length, transaction.is_write());
+  }
+  if (why.empty() && move(transaction)) {
+    transaction.set_response_status(tlm::TLM_OK_RESPONSE);
+    return true;
+  }
+  transaction.set_response_status(tlm::TLM_ADDRESS_ERROR_RESPONSE);
+  const std::string text = refusal(transaction, why);
+  spdlog::warn(text);
+  for (MemoryObserver* const observer : observers_) observer->refused(text, allowed);
+  if (transaction.is_read()) std::memset(transaction.get_data_ptr(), 0xff, length);
+  return false;
 }
 
 std::string HostMemory::refusal(tlm::tlm_generic_payload& transaction,

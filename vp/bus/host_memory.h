@@ -25,16 +25,19 @@ inline constexpr std::uint64_t kDaqBase = 0x2000'0000;
 inline constexpr std::uint64_t kMessageAddress = 0xFEE0'0000;
 inline constexpr std::size_t kMessageBytes = 4;
 
-// An observer of what happens to the memory on the board's side.
+// Sees what happens to the host's memory, each at its time. Messages are no access to it.
 class MemoryObserver {
  public:
   virtual ~MemoryObserver() = default;
-  // A transaction that will be answered, before it moves anything.
-  virtual void arriving(std::uint64_t address, std::size_t bytes, bool write) = 0;
-  // A transaction that was refused; `allowed` says that the board may be bus master.
-  virtual void refused(const std::string& why, bool allowed) = 0;
-  // The host takes memory away that is mapped.
-  virtual void unmapping(std::uint64_t address, std::uint64_t bytes) = 0;
+  virtual void mapped(std::uint64_t /*address*/, std::uint64_t /*bytes*/, bool /*writable*/) {}
+  virtual void unmapped(std::uint64_t /*address*/, std::uint64_t /*bytes*/) {}
+  // The board is about to read or write here; what it is to read may still be changed.
+  virtual void to_be_moved(bool /*read*/, std::uint64_t /*address*/, std::size_t /*bytes*/) {}
+  // The board has read or written `data`, or was refused.
+  virtual void moved(bool /*read*/, std::uint64_t /*address*/,
+                     std::span<const std::uint8_t> /*data*/, bool /*answered*/) {}
+  // A transaction was refused for a reason; `allowed` says that the board may be bus master.
+  virtual void refused(const std::string& /*why*/, bool /*allowed*/) {}
 };
 
 // The host's memory as a board that is bus master sees it, and the window of messages behind it: an
@@ -63,7 +66,6 @@ class HostMemory : public sc_core::sc_module {
   // `allowed` is called at every transaction and says whether the board may be bus master; if not,
   // no target answers.
   void answer_if(std::function<bool()> allowed) { allowed_ = std::move(allowed); }
-  void observe(MemoryObserver& observer) { observer_ = &observer; }
   // Copies what is mapped at this address, at no time. Returns false and changes nothing if not all
   // of it is mapped.
   bool copy(std::uint64_t address, std::span<std::uint8_t> data) const;
@@ -71,6 +73,8 @@ class HostMemory : public sc_core::sc_module {
   // message, and says in words why the board may not make it; no words: it may.
   using WhyNot = std::function<std::string(std::uint64_t address, std::size_t bytes, bool write)>;
   void refuse_if(WhyNot why) { why_not_ = std::move(why); }
+  // Reports to `observer` too from now on. Keeps a reference.
+  void observe(MemoryObserver& observer) { observers_.push_back(&observer); }
 
   tlm_utils::simple_target_socket<HostMemory> from_bus;
   // The receiver of the messages. Each is an edge, which is not lowered. Unbound, messages are
@@ -85,6 +89,7 @@ class HostMemory : public sc_core::sc_module {
  private:
   void b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
   bool take_message(tlm::tlm_generic_payload& transaction);
+  bool answer(tlm::tlm_generic_payload& transaction, bool allowed);
   bool move(tlm::tlm_generic_payload& transaction);
   template <class Visit>
   bool each_part(std::uint64_t first, std::size_t length, bool write, const Visit& visit) const;
@@ -101,7 +106,7 @@ class HostMemory : public sc_core::sc_module {
   std::vector<std::uint8_t> bytes_;
   std::vector<Range> ranges_;  // by ascending address
   std::function<bool()> allowed_;
-  MemoryObserver* observer_ = nullptr;
+  std::vector<MemoryObserver*> observers_;
   WhyNot why_not_;
   std::int64_t messages_ = 0;
 };

@@ -278,7 +278,7 @@ void DriverRules::refused(const std::string& why, bool allowed) {
 }
 
 // The order is the host's: what it has posted may not have arrived when it goes on.
-void DriverRules::posting(const OutsideHost::Access& access) {
+void DriverRules::asked(const OutsideHost::Access& access) {
   if (access.space != OutsideHost::Space::bar || access.command != Command::write) return;
   for (std::size_t i = 0; i < kListRegisters; ++i) {
     const auto reg = static_cast<Register>(static_cast<std::size_t>(Register::dma_list_low) + i);
@@ -344,7 +344,7 @@ void DriverRules::own(const char* what, std::uint64_t address, std::size_t bytes
   }
 }
 
-void DriverRules::arriving(std::uint64_t address, std::size_t bytes, bool write) {
+void DriverRules::to_be_moved(bool read, std::uint64_t address, std::size_t bytes) {
   for (const Owned& owned : owned_) {
     if (!overlap(address, bytes, owned.address, owned.bytes)) continue;
     const std::uint64_t first = std::max(address, owned.address);
@@ -356,17 +356,17 @@ void DriverRules::arriving(std::uint64_t address, std::size_t bytes, bool write)
     if (std::ranges::equal(before, present_)) continue;
     found(DriverRule::owned_memory_touched, [&] {
       return fmt::format("{} at {:#x} changed between the doorbell and the board's {}", owned.what,
-                         owned.address, write ? "write" : "read");
+                         owned.address, read ? "read" : "write");
     });
     std::ranges::copy(present_, before.begin());
   }
-  if (!write || owned_.empty()) return;
+  if (read || owned_.empty()) return;
   // The record ends the list; it may arrive in parts.
   const Owned& record = owned_.front();
   if (overlap(address, bytes, record.address, record.bytes)) owned_.clear();
 }
 
-void DriverRules::unmapping(std::uint64_t address, std::uint64_t bytes) {
+void DriverRules::unmapped(std::uint64_t address, std::uint64_t bytes) {
   for (const Owned& owned : owned_) {
     if (!overlap(address, bytes, owned.address, owned.bytes)) continue;
     found(DriverRule::owned_memory_unmapped, [&] {

@@ -59,11 +59,16 @@ class DriverRules : public AccessObserver,
   };
 
   void transferred(const MasterAccess& access) override;
-  void arriving(std::uint64_t address, std::size_t bytes, bool write) override;
+  void to_be_moved(bool read, std::uint64_t address, std::size_t bytes) override;
   void refused(const std::string& why, bool allowed) override;
-  void unmapping(std::uint64_t address, std::uint64_t bytes) override;
-  void posting(const OutsideHost::Access& access) override;
-  void interrupted() override;
+  void unmapped(std::uint64_t address, std::uint64_t bytes) override;
+  void asked(const OutsideHost::Access& access) override;
+  void ended(const OutsideHost::Access& /*access*/) override {}
+  void message(const ConfigSpace::Message& /*message*/) override { interrupted(); }
+  void line(bool up) override {
+    if (up) interrupted();
+  }
+  void interrupted();
   void line_left_up() override;
   void line_blocked() override;
   void board_was_reset() override;

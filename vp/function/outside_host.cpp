@@ -101,7 +101,7 @@ OutsideHost::OutsideHost(const sc_core::sc_module_name& name, const PlatformSett
 }
 
 void OutsideHost::post(Access access) {
-  if (observer_ != nullptr) observer_->posting(access);
+  for (Observer* const observer : observers_) observer->asked(access);
   accesses_.push_back(std::move(access));
   posted_.notify(sc_core::SC_ZERO_TIME);
 }
@@ -110,6 +110,7 @@ void OutsideHost::serve() {
   for (;;) {
     while (accesses_.empty()) wait(posted_);
     make(accesses_.front());
+    for (Observer* const observer : observers_) observer->ended(accesses_.front());
     const std::function<void()> ended = std::move(accesses_.front().ended);
     accesses_.pop_front();
     if (ended) ended();
@@ -208,13 +209,19 @@ void OutsideHost::take_interrupts_late(const host::Host& host, std::int64_t seed
 }
 
 void OutsideHost::tell(const LateInterrupts::Message& message) {
-  if (observer_ != nullptr) observer_->interrupted();
-  if (message) {
-    if (listener_ == nullptr) return;
-    listener_->message(*message);
-  } else if (listener_ != nullptr) {
-    listener_->line(true);
+  if (!message) {
+    tell_line(true);
+    return;
   }
+  for (Observer* const observer : observers_) observer->message(*message);
+  if (listener_ == nullptr) return;
+  listener_->message(*message);
+  something_happened();
+}
+
+void OutsideHost::tell_line(bool up) {
+  for (Observer* const observer : observers_) observer->line(up);
+  if (listener_ != nullptr) listener_->line(up);
   something_happened();
 }
 
@@ -231,7 +238,9 @@ void OutsideHost::interrupt(const Tag& tag) {
   if (!late_) frames_.heard(tag);
   if (!config_.messages_enabled()) {
     board_line_ = true;
-    if (observer_ != nullptr && !config_.may_raise_line()) observer_->line_blocked();
+    if (!config_.may_raise_line()) {
+      for (Observer* const observer : observers_) observer->line_blocked();
+    }
   } else if (config_.message_masked()) {
     pending_ = true;
   } else {
@@ -261,8 +270,7 @@ void OutsideHost::update_interrupts() {
     return;
   }
   if (late_) late_->forget_line();
-  if (listener_ != nullptr) listener_->line(false);
-  something_happened();
+  tell_line(false);
 }
 
 void OutsideHost::reset_function() {
@@ -270,7 +278,7 @@ void OutsideHost::reset_function() {
   if (late_) late_->forget_all();
   side_.board()->accelerator().power_on();
   frames_.board_was_reset();
-  if (observer_ != nullptr) observer_->board_was_reset();
+  for (Observer* const observer : observers_) observer->board_was_reset();
   board_line_ = false;
   update_interrupts();
 }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <systemc>
+#include <vector>
 
 #include "models/host/costs.h"
 #include "vp/board/board_side.h"
@@ -95,20 +96,20 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
     std::function<void()> ended;
   };
 
-  // An observer of what the host does and is told, at its time.
-  class Observer {
+  // Sees all that passes between the host and the function, each at its time: the interrupts as the
+  // host is told of them, and its accesses.
+  class Observer : public InterruptListener {
    public:
-    virtual ~Observer() = default;
-    // The host has made an access, which its next step may not wait for.
-    virtual void posting(const Access& access) = 0;
-    // The host has got an interrupt.
-    virtual void interrupted() = 0;
+    // The host has queued the access. A write has its data.
+    virtual void asked(const Access& access) = 0;
+    // The oldest access that has not ended has; a read has its data.
+    virtual void ended(const Access& access) = 0;
     // The host's handler has returned, all that it wrote has arrived, and INTA# is still up.
-    virtual void line_left_up() = 0;
+    virtual void line_left_up() {}
     // The board has raised an interrupt that the function may not show.
-    virtual void line_blocked() = 0;
+    virtual void line_blocked() {}
     // The function was reset.
-    virtual void board_was_reset() = 0;
+    virtual void board_was_reset() {}
   };
 
   // Keeps references. `side` was built with `settings` and is not connected yet.
@@ -118,11 +119,12 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   ConfigSpace& config() { return config_; }
   const ConfigSpace& config() const { return config_; }
   void listen(InterruptListener& listener) { listener_ = &listener; }
-  void observe(Observer& observer) { observer_ = &observer; }
   // The host's handler has returned, and INTA# is up although nothing that it wrote is under way.
   void handler_left_line_up() {
-    if (observer_ != nullptr) observer_->line_left_up();
+    for (Observer* const observer : observers_) observer->line_left_up();
   }
+  // Reports to `observer` too from now on. Keeps a reference.
+  void observe(Observer& observer) { observers_.push_back(&observer); }
   // Delays each interrupt to the listener until this host's handler runs, [host] interrupt_latency
   // after it was raised. To be called before the simulation begins.
   void take_interrupts_late(const host::Host& host, std::int64_t seed);
@@ -157,6 +159,7 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   void configure(const Access& access);
   void note_bus_errors();
   void tell(const LateInterrupts::Message& message);
+  void tell_line(bool up);
   void raised(const Tag& tag, const LateInterrupts::Message& message);
   void tell_of_births();
   void update_interrupts();
@@ -169,7 +172,7 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   JobFrames frames_;
   Ledger& ledger_;
   InterruptListener* listener_ = nullptr;
-  Observer* observer_ = nullptr;
+  std::vector<Observer*> observers_;
   std::optional<LateInterrupts> late_;
   std::deque<Access> accesses_;
   sc_core::sc_event posted_;

@@ -9,8 +9,10 @@ static const int32_t kColumn[] = {0};
 static const int32_t kValue[] = {64, 0, 0, 0, 32, 0, 0, 0, 16};
 
 int main(int argc, char** argv) {
-  char why[256] = "usage: solve SCENARIO.toml";
-  struct hvp_board* board = argc == 2 ? hvp_board_open(argv[1], NULL, why, sizeof why) : NULL;
+  char why[256] = "usage: solve SCENARIO.toml [RECORD]";
+  const struct hvp_board_options options = {.record = argc == 3 ? argv[2] : NULL};
+  struct hvp_board* board =
+      argc == 2 || argc == 3 ? hvp_board_open(argv[1], &options, why, sizeof why) : NULL;
   if (board == NULL) return fprintf(stderr, "%s\n", why), 2;
 
   struct hvp_device device;

@@ -23,13 +23,13 @@ const std::array<std::int32_t, 9> kValue = {64, 0, 0, 0, 32, 0, 0, 0, 16};
 class BoardApi : public testing::Test {
  protected:
   void open(std::vector<const char*> overrides = {}) {
-    const hvp_board_options options = {overrides.data(), overrides.size(), nullptr, false};
+    const hvp_board_options options = {overrides.data(), overrides.size(), nullptr, false, nullptr};
     board = hvp_board_open(kScenario, &options, why.data(), why.size());
     ASSERT_NE(board, nullptr) << why.data();
     EXPECT_STREQ(why.data(), "");
   }
   std::string refusal(const char* scenario, std::vector<const char*> overrides = {}) {
-    const hvp_board_options options = {overrides.data(), overrides.size(), nullptr, false};
+    const hvp_board_options options = {overrides.data(), overrides.size(), nullptr, false, nullptr};
     board = hvp_board_open(scenario, &options, why.data(), why.size());
     EXPECT_EQ(board, nullptr);
     return why.data();
@@ -191,7 +191,7 @@ std::vector<std::vector<std::string>> lines_of(const std::string& path) {
 TEST_F(BoardApi, WritesWhatTheBoardMoved) {
   const std::string folder = testing::TempDir() + "board_api_dma";
   const std::array<const char*, 2> keys = {"transfer.method=dma", "transfer.notification=msi"};
-  const hvp_board_options options = {keys.data(), keys.size(), folder.c_str(), false};
+  const hvp_board_options options = {keys.data(), keys.size(), folder.c_str(), false, nullptr};
   board = hvp_board_open(kScenario, &options, why.data(), why.size());
   ASSERT_NE(board, nullptr) << why.data();
   Memory memory;
@@ -259,7 +259,7 @@ TEST_F(BoardApi, RefusesInOneLine) {
 
 TEST_F(BoardApi, WritesWhatItDidIntoAFolder) {
   const std::string folder = testing::TempDir() + "board_api_trace";
-  const hvp_board_options options = {nullptr, 0, folder.c_str(), false};
+  const hvp_board_options options = {nullptr, 0, folder.c_str(), false, nullptr};
   board = hvp_board_open(kScenario, &options, why.data(), why.size());
   ASSERT_NE(board, nullptr) << why.data();
   load();

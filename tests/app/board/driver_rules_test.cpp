@@ -49,7 +49,7 @@ constexpr std::uint64_t kSecond = 1'000'000'000;  // ns
 class Driver {
  public:
   explicit Driver(std::vector<const char*> keys, bool check = true) {
-    const hvp_board_options options = {keys.data(), keys.size(), nullptr, check};
+    const hvp_board_options options = {keys.data(), keys.size(), nullptr, check, nullptr};
     std::array<char, 256> why{};
     board = hvp_board_open(kScenario, &options, why.data(), why.size());
     if (board == nullptr) throw std::runtime_error(why.data());

@@ -117,7 +117,7 @@ class Program {
         parameters.pcie ? "transfer.method=programmed-io" : "transfer.method=bursts";
     keys.push_back(dma_ ? "transfer.method=dma" : blocks);
     if (parameters.pcie) keys.push_back("bus.pcie.generation=gen3");
-    const hvp_board_options options = {keys.data(), keys.size(), nullptr, false};
+    const hvp_board_options options = {keys.data(), keys.size(), nullptr, false, nullptr};
     board = hvp_board_open(kScenario, &options, why.data(), why.size());
     if (board == nullptr) return;
     hvp_board_map(board, kAddress, memory_.data(), sizeof memory_);
@@ -337,7 +337,7 @@ TEST(NeverStruck, IsSaid) {
       "fault[1].rate=0.001",         "fault[2].kind=master-abort", "fault[2].frame=0",
       "fault[2].access=acknowledge", "transfer.notification=intx"};
   std::array<char, 256> why{};
-  const hvp_board_options options = {keys.data(), keys.size(), nullptr, false};
+  const hvp_board_options options = {keys.data(), keys.size(), nullptr, false, nullptr};
   hvp_board* const board = hvp_board_open(kScenario, &options, why.data(), why.size());
   ASSERT_NE(board, nullptr) << why.data();
   const std::uint32_t start = 1;
