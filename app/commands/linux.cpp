@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <regex>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@
 
 #include "app/board/outside_board.h"
 #include "app/commands/commands.h"
+#include "app/linux/complaints.h"
 #include "app/linux/guest.h"
 #include "app/linux/guest_error.h"
 #include "app/linux/guest_results.h"
@@ -33,10 +35,11 @@ struct LinuxArguments : ScenarioArguments {
   std::filesystem::path initrd;  // likewise
   std::filesystem::path script;  // empty: none
   std::filesystem::path out;     // empty: runs/<scenario>-linux
-  std::string memory = "64M";    // the guest's
+  std::string memory;            // the guest's; empty: 64M, or what a kernel with checks needs
   std::vector<std::string> kernel_arguments;
-  double patience_s = 60;  // of wall-clock time without a word of the guest
-  bool gdb = false;        // the kernel waits for a debugger, and nobody loses patience with it
+  double patience_s = 60;            // of wall-clock time without a word of the guest
+  std::optional<std::string> check;  // words with commas between them
+  bool gdb = false;  // the kernel waits for a debugger, and nobody loses patience with it
   bool trace_registers = false;
 };
 
@@ -71,13 +74,27 @@ void expect_file(std::string_view option, const fs::path& file, int access, bool
                                (access & X_OK) != 0 ? "run" : "read"));
 }
 
-guest::GuestSettings guest_settings(const LinuxArguments& arguments) {
+// Which of the built kernels (driver/linux/kernel/build.sh): one with all that is to be checked.
+std::string variant_of(const LinuxArguments& arguments, const std::vector<std::string>& checks) {
+  if (!checks.empty()) return fmt::format("{}", fmt::join(checks, "+"));
+  return arguments.gdb ? "debug" : "plain";
+}
+
+std::vector<std::string> chosen_checks(const LinuxArguments& arguments) {
+  if (!arguments.check) return {};
+  if (arguments.gdb) throw InputError("--check and --gdb: expected one of them");
+  return guest::parse_checks(*arguments.check);
+}
+
+guest::GuestSettings guest_settings(const LinuxArguments& arguments,
+                                    const std::vector<std::string>& checks) {
   guest::GuestSettings settings;
-  const fs::path variant = built(arguments.gdb ? "debug" : "plain");
+  const fs::path variant = built(variant_of(arguments, checks));
   settings.kernel = arguments.kernel.empty() ? variant / "linux" : arguments.kernel;
   settings.initrd = arguments.initrd.empty() ? variant / "initramfs.cpio.gz" : arguments.initrd;
   settings.script = arguments.script;
   settings.memory = arguments.memory;
+  if (settings.memory.empty()) settings.memory = checks.empty() ? "64M" : "256M";
   settings.arguments = arguments.kernel_arguments;
   settings.patience =
       std::chrono::milliseconds(static_cast<std::int64_t>(arguments.patience_s * 1000));
@@ -153,9 +170,23 @@ std::string fault_lines(const guest::GuestFigures& figures) {
   return text;
 }
 
+std::string complaint_lines(const guest::GuestFacts& facts) {
+  if (facts.checks.empty()) return {};
+  std::string text = fmt::format(
+      "\n  checked       {}: {}", fmt::join(facts.checks, ", "),
+      facts.complaints.empty() ? "the kernel does not complain" : "the kernel complains");
+  for (const guest::Complaints::Complaint& complaint : facts.complaints) {
+    text += fmt::format("\n  complaint     {}, {}: {}", complaint.check,
+                        results::counted(complaint.count, "time"), complaint.text);
+  }
+  return text;
+}
+
 std::string frames_text(const guest::GuestFigures& figures) {
   const vp::Verdict& v = figures.verdict;
-  if (v.frames() == 0) return "no job was solved" + fault_lines(figures);
+  if (v.frames() == 0) {
+    return "no job was solved" + fault_lines(figures) + complaint_lines(figures.guest);
+  }
   std::string text =
       fmt::format("{} frames, {} a period of {}: worst {}, median {}; {}", v.frames(),
                   v.force_in_time() && v.load_held() ? "all within" : "not all within",
@@ -168,7 +199,7 @@ std::string frames_text(const guest::GuestFigures& figures) {
                         results::readable_time(a.time));
     separator = ", ";
   }
-  text += fault_lines(figures);
+  text += fault_lines(figures) + complaint_lines(figures.guest);
   text += fmt::format("\n  not counted   {}", fmt::join(figures.guest.not_counted, ", "));
   return text;
 }
@@ -176,7 +207,8 @@ std::string frames_text(const guest::GuestFigures& figures) {
 // Returns status 3 if the guest did not end properly or its script failed.
 int linux_command(const LinuxArguments& arguments) {
   check_kernel("HVP_KERNEL");
-  const guest::GuestSettings chosen = guest_settings(arguments);
+  const std::vector<std::string> checks = chosen_checks(arguments);
+  const guest::GuestSettings chosen = guest_settings(arguments, checks);
   const LoadedScenario loaded = load(arguments);
   fs::path out = arguments.out;
   if (out.empty()) (out = results_folder(arguments)) += "-linux";
@@ -197,7 +229,9 @@ int linux_command(const LinuxArguments& arguments) {
   guest::GuestSettings settings = chosen;
   if (s.guest) settings.system_call_ns = std::llround(1e9 * s.guest->system_call_s);
   std::ofstream console(out / "console.log", std::ios::trunc);
+  guest::Complaints complaints(checks);
   settings.print = [&](std::string_view line) {
+    complaints.read(line);
     // Each line is flushed, so that an observer sees how far a hanging guest came.
     console << line << std::endl;
     if (arguments.quiet) return;
@@ -226,8 +260,8 @@ int linux_command(const LinuxArguments& arguments) {
           "guest.system_call: the kernel took no time for a system call; expected one with "
           "driver/linux/kernel/patches/system-call-time.patch");
     }
-    figures = results.finish(
-        s, {guest.counts(), guest.first_access(), std::move(missing), end.interrupted});
+    figures = results.finish(s, {guest.counts(), guest.first_access(), std::move(missing), checks,
+                                 complaints.found(), end.interrupted});
   }
   if (registers) registers->finish();
 
@@ -277,7 +311,8 @@ void add_linux(CLI::App& app, int& status) {
       ->add_option("--out", arguments->out,
                    "folder for the results in place of runs/<scenario>-linux")
       ->type_name("FOLDER");
-  command->add_option("--memory", arguments->memory, "the guest's, 64M by default")
+  command
+      ->add_option("--memory", arguments->memory, "the guest's, 64M by default, 256M with --check")
       ->check(CLI::Validator(
           [](const std::string& text) {
             const bool right = std::regex_match(text, std::regex("[1-9][0-9]{0,5}[MG]"));
@@ -296,6 +331,12 @@ void add_linux(CLI::App& app, int& status) {
                    "ends, 60 by default")
       ->check(CLI::Range(1.0, 86400.0))
       ->type_name("S");
+  command
+      ->add_option("--check", arguments->check,
+                   "a kernel that looks for what others do not notice, and whose complaints are in "
+                   "the verdict: kasan (accesses beyond memory or to what was freed), lockdep "
+                   "(locks and DMA), or both with a comma between them")
+      ->type_name("WORDS");
   command->add_flag("--gdb", arguments->gdb,
                     "a kernel with types and lines, stopped before its first instruction until gdb "
                     "lets it go on, which may take any time");

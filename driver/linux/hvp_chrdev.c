@@ -58,7 +58,7 @@ static long file_ioctl(struct file *file, unsigned int command, unsigned long ar
 		return -ENOTTY;
 	if (copy_from_user(&call, given, _IOC_SIZE(command)))
 		return -EFAULT;
-	/* Nothing has been asked yet: where no handler runs, as after a suspend, it is made again. */
+	/* Nothing was asked yet: where no handler runs, as after a suspend, it begins anew. */
 	if (mutex_lock_interruptible(&board->calls))
 		return -ERESTARTSYS;
 	ret = hvp_call(board, command, &call);

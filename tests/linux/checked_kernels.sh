@@ -17,7 +17,7 @@ trap 'rm -rf "$work"' EXIT
 variant=kasan+lockdep
 boot() { # kernel initramfs script
   timeout 600 "$hvp" linux "$top/scenarios/thesis-static.toml" --quiet --patience 120 \
-    --set transfer.method=dma --set transfer.notification=msi --memory 256M \
+    --set transfer.method=dma --set transfer.notification=msi --check kasan,lockdep \
     --kernel "$1" --initrd "$2" --script "$3" --out "$work/out" >"$work/said" 2>&1
 }
 give_up() { # why
@@ -51,6 +51,8 @@ find_fault() { # name, line, what it becomes, parameter of the module, words
   # What follows the complaint is as it may be, a panic among it.
   boot "$kernels/$variant/linux" "$work/$1.gz" "$work/script" || true
   grep -q "$5" "$work/out/console.log" || give_up "$1 does not say $5"
+  # The verdict names it too.
+  grep -q "\"text\": \"$5" "$work/out/summary.json" || give_up "the verdict does not say $5"
   printf 'ok      %s is found: %s\n' "$3" "$5"
 }
 # The driver's memory for a burst is too short; a lock is not made.

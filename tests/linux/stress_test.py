@@ -1,5 +1,5 @@
-"""The module under stress: threads that ask everything at once, on a board with faults that is taken
-away, reset and put to sleep meanwhile (tests/linux/stress).
+"""The module under stress: threads that ask everything at once, on a board with faults that is
+taken away, reset and put to sleep meanwhile (tests/linux/stress).
 
 usage: stress_test.py PROGRAM GUEST [--seed N]… [--seeds FIRST LAST] [--seconds N] [--board NAME]
 

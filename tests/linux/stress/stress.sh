@@ -26,16 +26,25 @@ pause() { # the longest, in ms
   usleep $((1000 + 1000 * drawn))
 }
 
+# A board that is gone for a while is found later.
+give_back() {
+  tries=0
+  while [ ! -e "$driver/$address" ] && [ "$tries" -lt 20 ]; do
+    echo "$address" >"$driver/bind" || usleep 50000
+    tries=$((tries + 1))
+  done 2>/dev/null
+  [ -e "$driver/$address" ] || fail 'the board cannot be given back'
+}
 rebind() {
   echo "$address" >"$driver/unbind" || fail 'the board cannot be taken away'
   pause 30
-  echo "$address" >"$driver/bind" || fail 'the board cannot be given back'
+  give_back
 }
 rescan() {
   echo 1 >"$function/remove" || fail 'the function cannot be removed'
   pause 30
   echo 1 >/sys/bus/pci/rescan
-  [ -e "$driver/$address" ] || fail 'the function does not come back'
+  give_back
 }
 # The alarm is in whole seconds: one that is over before all sleep would wake nobody.
 sleep_and_wake() {
@@ -48,7 +57,6 @@ change_timeout() {
   echo $((1 + drawn)) >/sys/module/hvp/parameters/timeout_ms
 }
 
-# A board that is gone for a while can neither be reset nor bound: what is lost comes back later.
 upheave() { # what it may be, a letter each
   resets=0 rebinds=0 rescans=0 suspends=0 timeouts=0
   while [ -e /tmp/stressing ]; do
@@ -98,7 +106,7 @@ lives() { # how many
     exec 5<>/dev/hvp0
     exec 5>&-
     echo "$address" >"$driver/unbind"
-    echo "$address" >"$driver/bind"
+    give_back
     life=$((life + 1))
   done
 }
