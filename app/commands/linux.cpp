@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <regex>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@
 
 #include "app/board/outside_board.h"
 #include "app/commands/commands.h"
+#include "app/linux/complaints.h"
 #include "app/linux/guest.h"
 #include "app/linux/guest_error.h"
 #include "app/linux/guest_results.h"
@@ -37,16 +39,13 @@ struct LinuxArguments : ScenarioArguments {
   std::filesystem::path script;  // empty: none
   std::filesystem::path out;     // empty: runs/<scenario>-linux
   std::filesystem::path record;  // empty: none
-  std::string memory = "64M";    // the guest's
+  std::string memory;            // the guest's; empty: 64M, or what a kernel with checks needs
   std::vector<std::string> kernel_arguments;
-  std::vector<std::string> checks;  // what is looked for in the driver, besides its results
-  double patience_s = 60;           // of wall-clock time without a word of the guest
+  double patience_s = 60;            // of wall-clock time without a word of the guest
+  std::optional<std::string> check;  // words with commas between them
   bool gdb = false;  // the kernel waits for a debugger, and nobody loses patience with it
   bool trace_registers = false;
 };
-
-// The words of --check.
-constexpr const char* kCheckDma = "dma";
 
 using Clock = std::chrono::steady_clock;
 namespace fs = std::filesystem;
@@ -79,19 +78,31 @@ void expect_file(std::string_view option, const fs::path& file, int access, bool
                                (access & X_OK) != 0 ? "run" : "read"));
 }
 
-bool checks(const LinuxArguments& arguments, std::string_view what) {
-  return std::ranges::find(arguments.checks, what) != arguments.checks.end();
+// Which of the built kernels (driver/linux/kernel/build.sh): one with all that it is to check.
+std::string variant_of(const LinuxArguments& arguments, const guest::Checks& checks) {
+  if (!checks.of_kernel.empty()) return fmt::format("{}", fmt::join(checks.of_kernel, "+"));
+  return arguments.gdb ? "debug" : "plain";
 }
 
-guest::GuestSettings guest_settings(const LinuxArguments& arguments) {
+guest::Checks chosen_checks(const LinuxArguments& arguments) {
+  if (!arguments.check) return {};
+  guest::Checks checks = guest::parse_checks(*arguments.check);
+  if (arguments.gdb && !checks.of_kernel.empty()) {
+    throw InputError("--gdb and a kernel that checks: expected one of them");
+  }
+  return checks;
+}
+
+guest::GuestSettings guest_settings(const LinuxArguments& arguments, const guest::Checks& checks) {
   guest::GuestSettings settings;
-  const fs::path variant = built(arguments.gdb ? "debug" : "plain");
+  const fs::path variant = built(variant_of(arguments, checks));
   settings.kernel = arguments.kernel.empty() ? variant / "linux" : arguments.kernel;
   settings.initrd = arguments.initrd.empty() ? variant / "initramfs.cpio.gz" : arguments.initrd;
   settings.script = arguments.script;
   settings.memory = arguments.memory;
+  if (settings.memory.empty()) settings.memory = checks.of_kernel.empty() ? "64M" : "256M";
   settings.arguments = arguments.kernel_arguments;
-  settings.check_dma = checks(arguments, kCheckDma);
+  settings.check_dma = checks.dma;
   settings.patience =
       std::chrono::milliseconds(static_cast<std::int64_t>(arguments.patience_s * 1000));
   if (arguments.gdb) {
@@ -176,9 +187,22 @@ std::string driver_lines(const guest::GuestFigures& figures) {
   return text;
 }
 
+std::string complaint_lines(const guest::GuestFacts& facts) {
+  if (facts.checks.empty()) return {};
+  std::string text = fmt::format(
+      "\n  checked       {}: {}", fmt::join(facts.checks, ", "),
+      facts.complaints.empty() ? "the kernel does not complain" : "the kernel complains");
+  for (const guest::Complaints::Complaint& complaint : facts.complaints) {
+    text += fmt::format("\n  complaint     {}, {}: {}", complaint.check,
+                        results::counted(complaint.count, "time"), complaint.text);
+  }
+  return text;
+}
+
 std::string frames_text(const guest::GuestFigures& figures) {
   const vp::Verdict& v = figures.verdict;
-  if (v.frames() == 0) return "no job was solved" + fault_lines(figures) + driver_lines(figures);
+  const std::string checked = driver_lines(figures) + complaint_lines(figures.guest);
+  if (v.frames() == 0) return "no job was solved" + fault_lines(figures) + checked;
   std::string text =
       fmt::format("{} frames, {} a period of {}: worst {}, median {}; {}", v.frames(),
                   v.force_in_time() && v.load_held() ? "all within" : "not all within",
@@ -191,7 +215,7 @@ std::string frames_text(const guest::GuestFigures& figures) {
                         results::readable_time(a.time));
     separator = ", ";
   }
-  text += fault_lines(figures) + driver_lines(figures);
+  text += fault_lines(figures) + checked;
   text += fmt::format("\n  not counted   {}", fmt::join(figures.guest.not_counted, ", "));
   return text;
 }
@@ -199,7 +223,8 @@ std::string frames_text(const guest::GuestFigures& figures) {
 // Returns status 3 if the guest did not end properly or its script failed.
 int linux_command(const LinuxArguments& arguments) {
   check_kernel("HVP_KERNEL");
-  const guest::GuestSettings chosen = guest_settings(arguments);
+  const guest::Checks checks = chosen_checks(arguments);
+  const guest::GuestSettings chosen = guest_settings(arguments, checks);
   const LoadedScenario loaded = load(arguments);
   fs::path out = arguments.out;
   if (out.empty()) (out = results_folder(arguments)) += "-linux";
@@ -218,7 +243,7 @@ int linux_command(const LinuxArguments& arguments) {
   }
   vp::AccessObserver* observer = registers ? &*registers : nullptr;
   std::optional<vp::DriverRules> rules;
-  if (checks(arguments, kCheckDriver)) observer = &rules.emplace(observer);
+  if (checks.driver) observer = &rules.emplace(observer);
   vp::BoardFunction board(board_settings, observer);
   if (rules) watch_driver(*rules, board);
   if (record) record->watch(board);
@@ -229,7 +254,9 @@ int linux_command(const LinuxArguments& arguments) {
   guest::GuestSettings settings = chosen;
   if (s.guest) settings.system_call_ns = std::llround(1e9 * s.guest->system_call_s);
   std::ofstream console(out / "console.log", std::ios::trunc);
+  guest::Complaints complaints(checks.of_kernel);
   settings.print = [&](std::string_view line) {
+    complaints.read(line);
     // Each line is flushed, so that an observer sees how far a hanging guest came.
     console << line << std::endl;
     if (arguments.quiet) return;
@@ -259,9 +286,10 @@ int linux_command(const LinuxArguments& arguments) {
           "driver/linux/kernel/patches/system-call-time.patch");
     }
     if (rules) rules->finish();
-    figures = results.finish(
-        s, {guest.counts(), guest.dma(), guest.first_access(), std::move(missing), end.interrupted,
-            rules ? std::optional(rules->findings()) : std::nullopt});
+    figures =
+        results.finish(s, {guest.counts(), guest.dma(), guest.first_access(), std::move(missing),
+                           checks.of_kernel, complaints.found(), end.interrupted,
+                           rules ? std::optional(rules->findings()) : std::nullopt});
   }
   if (registers) registers->finish();
   if (record) record->finish();
@@ -312,7 +340,8 @@ void add_linux(CLI::App& app, int& status) {
       ->add_option("--out", arguments->out,
                    "folder for the results in place of runs/<scenario>-linux")
       ->type_name("FOLDER");
-  command->add_option("--memory", arguments->memory, "the guest's, 64M by default")
+  command
+      ->add_option("--memory", arguments->memory, "the guest's, 64M by default, 256M with --check")
       ->check(CLI::Validator(
           [](const std::string& text) {
             const bool right = std::regex_match(text, std::regex("[1-9][0-9]{0,5}[MG]"));
@@ -332,14 +361,14 @@ void add_linux(CLI::App& app, int& status) {
       ->check(CLI::Range(1.0, 86400.0))
       ->type_name("S");
   command
-      ->add_option("--check", arguments->checks,
-                   "what to look for besides the results, separated by commas; dma: the board "
-                   "reaches what its driver has mapped for it and nothing else, and the driver "
-                   "unmaps and syncs it by the rules; driver: the rules of docs/driver-rules.md")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->check(CLI::IsMember({kCheckDma, kCheckDriver}))
-      ->type_name("WORD");
+      ->add_option(
+          "--check", arguments->check,
+          "what to look for besides the results, and is in the verdict, with commas "
+          "between: driver (the rules of docs/driver-rules.md), dma (the board reaches what "
+          "its driver has mapped for it and nothing else), and by a kernel that takes "
+          "minutes to build: kasan (accesses beyond memory or to what was freed), lockdep "
+          "(locks and DMA)")
+      ->type_name("WORDS");
   command->add_flag("--gdb", arguments->gdb,
                     "a kernel with types and lines, stopped before its first instruction until gdb "
                     "lets it go on, which may take any time");

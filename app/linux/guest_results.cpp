@@ -44,15 +44,19 @@ vp::BusUse all_use(const vp::BusAssembly& buses) {
 
 }  // namespace
 
-bool GuestFigures::driver_is_wrong() const { return guest.driver && !guest.driver->empty(); }
+bool GuestFigures::driver_is_wrong() const {
+  const bool by_rules = guest.driver && !guest.driver->empty();
+  return by_rules || (guest.dma && guest.dma->refused + guest.dma->misuses > 0);
+}
 
 bool GuestFigures::held() const {
-  if (driver_is_wrong()) return false;
+  if (driver_is_wrong() || !guest.complaints.empty()) return false;
   return verdict.frames() == 0 || (verdict.force_in_time() && verdict.load_held());
 }
 
 std::string_view GuestFigures::verdict_word() const {
   if (driver_is_wrong()) return "the driver is wrong";
+  if (!guest.complaints.empty()) return "the kernel complains";
   if (verdict.frames() == 0) return "no job was solved";
   if (!held()) return "not held";
   const bool faulty =
@@ -62,7 +66,7 @@ std::string_view GuestFigures::verdict_word() const {
 
 void GuestFigures::report(config::Figures& f) const {
   f.text("title", title, "the scenario's own line");
-  f.truth("held", held(), "no frame was late, and the driver broke no rule");
+  f.truth("held", held(), "no frame was late, and no check (`--check`) found anything");
   f.text("verdict", verdict_word(), "what that is called");
   f.table("deadline", "The latency of a frame: from its birth until its job's last access.", [&] {
     verdict.report_deadline(f);
@@ -104,6 +108,21 @@ void GuestFigures::report(config::Figures& f) const {
   });
   f.table_if_present("dma", "With `--check dma`: what the board and its driver did with memory.",
                      guest.dma);
+  f.when(!guest.checks.empty(), [&] {
+    f.table("checks", "What the kernel looked for (`--check`).", [&] {
+      f.text("asked", fmt::format("{}", fmt::join(guest.checks, ",")), "the words of `--check`");
+      std::int64_t count = 0;
+      for (const Complaints::Complaint& complaint : guest.complaints) count += complaint.count;
+      f.count("complaints", count, "of all kinds");
+      f.list("found", "One entry for each complaint.", guest.complaints,
+             [&](const Complaints::Complaint& complaint) {
+               f.text("check", complaint.check,
+                      "whose it is; `kernel` where it is of none of them");
+               f.text("text", complaint.text, "the kernel's line");
+               f.count("count", complaint.count, "how often it came");
+             });
+    });
+  });
   f.time("set_up_us", set_up, "from power-up until the first frame is born");
   f.time("simulated_us", simulated, "from power-up until the kernel ended");
 }

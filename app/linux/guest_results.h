@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app/linux/board_device.h"
+#include "app/linux/complaints.h"
 #include "app/linux/dma_check.h"
 #include "app/results/frames_csv.h"
 #include "app/results/latency.h"
@@ -31,6 +32,9 @@ struct GuestFacts {
   std::optional<vp::Picoseconds> first_access;
   // The keys and other items whose time the frames' times do not contain.
   std::vector<std::string> not_counted;
+  // The words of --check, and what the kernel complained of.
+  std::vector<std::string> checks;
+  std::vector<Complaints::Complaint> complaints;
   // The user ended the run: a job under way is none, where it is one that failed otherwise.
   bool interrupted = false;
   // The rules that its driver broke; none: nobody watched.
@@ -53,7 +57,7 @@ struct GuestFigures {
   std::int64_t breakdowns = 0;
   vp::BusUse bus;  // of all users
 
-  // True if every frame met its deadline and the load, and the driver broke no rule.
+  // True if every frame met its deadline and the load, and no check found anything.
   bool held() const;
   bool driver_is_wrong() const;
   // The verdict in words. It is never PASS, as no figure covers forces and the guest's own work.

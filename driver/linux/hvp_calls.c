@@ -148,12 +148,19 @@ bool hvp_call_exists(unsigned int command)
 	return false;
 }
 
-/* What poll() goes by: after each call, as each may be the one that sees a job end. */
-static void note_call(struct hvp_board *board, hvp_status status)
+/* Whether it hears of a job's end, or of its loss, or ends it. */
+static bool takes_end(unsigned int command)
+{
+	return command == HVP_IOC_START || command == HVP_IOC_WAIT || command == HVP_IOC_SOLVE ||
+	       command == HVP_IOC_RESET;
+}
+
+/* What poll() goes by. A job that was lost under a program stays until the program hears of it. */
+static void note_call(struct hvp_board *board, unsigned int command, hvp_status status)
 {
 	if (board->device.state == STATE_RUNNING)
 		set_bit(HVP_BOARD_RUNNING, &board->flags);
-	else
+	else if (takes_end(command))
 		clear_bit(HVP_BOARD_RUNNING, &board->flags);
 	if (status == HVP_OK || status == HVP_ERROR_INTERRUPTED)
 		return;
@@ -191,7 +198,7 @@ static long ask(struct hvp_board *board, const struct call_entry *entry, union h
 	else
 		entry->call(board, call, brought);
 	call->head.detail = hvp_error_detail(&board->device);
-	note_call(board, call->head.status);
+	note_call(board, entry->command, call->head.status);
 	ret = result_of(board, entry->command, call->head.status);
 	mutex_unlock(&board->mutex);
 	return ret;

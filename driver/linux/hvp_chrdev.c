@@ -58,9 +58,9 @@ static long file_ioctl(struct file *file, unsigned int command, unsigned long ar
 		return -ENOTTY;
 	if (copy_from_user(&call, given, _IOC_SIZE(command)))
 		return -EFAULT;
-	ret = mutex_lock_interruptible(&board->calls);
-	if (ret)
-		return ret;
+	/* Nothing was asked yet: where no handler runs, as after a suspend, it begins anew. */
+	if (mutex_lock_interruptible(&board->calls))
+		return -ERESTARTSYS;
 	ret = hvp_call(board, command, &call);
 	asked = call.head.status != HVP_STATUS_COUNT;
 	mutex_unlock(&board->calls);

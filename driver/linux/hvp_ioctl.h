@@ -20,10 +20,10 @@
  * A file is opened by one program at a time (EBUSY). Its last close aborts what
  * runs and resets the board. Calls through one file are serialised.
  *
- * poll(): EPOLLIN once the job that was started last has ended, until
- * HVP_IOC_WAIT has taken it; EPOLLHUP when the board is gone. An early EPOLLIN
- * is possible: HVP_IOC_WAIT with a timeout of 0 then says HVP_ERROR_TIMEOUT and
- * takes it away.
+ * poll(): EPOLLIN once the job that was started last has ended, or was lost in
+ * a suspend or a reset of the function, until HVP_IOC_WAIT has taken it;
+ * EPOLLHUP when the board is gone. An early EPOLLIN is possible: HVP_IOC_WAIT
+ * with a timeout of 0 then says HVP_ERROR_TIMEOUT and takes it away.
  *
  * mmap(): the memory that the board's DMA engine moves b from and U to, where
  * HVP_IOC_F_DMA is set: at offset HVP_IOC_MAP_RHS with PROT_READ | PROT_WRITE,

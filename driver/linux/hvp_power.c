@@ -24,15 +24,19 @@ void hvp_board_take_away(struct hvp_board *board, enum hvp_board_flag flag)
 	mutex_lock(&board->mutex);
 }
 
-/* Settings and matrix are lost with the power; the engine's memory is told to the board again. */
+/*
+ * Settings and matrix are lost with the power; the engine's memory is told to the board again. A
+ * job that ran is lost too, and no interrupt will tell: who waits for it by poll() is woken here,
+ * and the wait that follows says so.
+ */
 static int bring_back(struct hvp_board *board)
 {
 	hvp_status status;
 
 	mutex_lock(&board->mutex);
 	status = hvp_reset(&board->device);
-	clear_bit(HVP_BOARD_RUNNING, &board->flags);
-	clear_bit(HVP_BOARD_INTERRUPT, &board->flags);
+	set_bit(HVP_BOARD_INTERRUPT, &board->flags);
+	wake_up_all(&board->wait);
 	if (status == HVP_OK)
 		clear_bit(HVP_BOARD_FROZEN, &board->flags);
 	mutex_unlock(&board->mutex);
@@ -47,7 +51,6 @@ static int hvp_suspend(struct device *dev)
 
 	hvp_board_take_away(board, HVP_BOARD_FROZEN);
 	(void)hvp_reset(&board->device);
-	clear_bit(HVP_BOARD_RUNNING, &board->flags);
 	mutex_unlock(&board->mutex);
 	return 0;
 }

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# The module's life in kernels that look for what others do not notice, KASAN's and lockdep's; and
-# that they find it: a module with a buffer that is too short.
+# The module's life, and simulated minutes of stress, in a kernel that looks for what others do not
+# notice, with KASAN and lockdep; and that it finds it: a module with a buffer that is too short.
 #   tests/linux/checked_kernels.sh BUILD FOLDER PROGRAM…
-# BUILD is a folder of the preset release, FOLDER has the kernels (driver/linux/guest.sh), which take
+# BUILD is a folder of the preset release, FOLDER has the kernel (driver/linux/guest.sh), which takes
 # some minutes to build the first time. PROGRAM: what goes into the initramfs.
 set -euo pipefail
 here=$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")
@@ -14,9 +14,10 @@ programs=("${@:3}")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
+variant=kasan+lockdep
 boot() { # kernel initramfs script
   timeout 600 "$hvp" linux "$top/scenarios/thesis-static.toml" --quiet --patience 120 \
-    --set transfer.method=dma --set transfer.notification=msi --memory 256M \
+    --set transfer.method=dma --set transfer.notification=msi --check kasan,lockdep \
     --kernel "$1" --initrd "$2" --script "$3" --out "$work/out" >"$work/said" 2>&1
 }
 give_up() { # why
@@ -25,22 +26,16 @@ give_up() { # why
   exit 1
 }
 
+"$top/driver/linux/guest.sh" "$kernels" "$variant" "${programs[@]}"
 # Status 1 says that a frame was late: some of the suite's cases wait for what never comes.
-live() { # variant
-  local status=0
-  boot "$kernels/$1/linux" "$kernels/$1/initramfs.cpio.gz" "$top/tests/driver/linux/lifecycle.sh" ||
-    status=$?
-  ((status <= 1)) || give_up "$1 ended with status $status"
-  printf 'ok      the module lives in the kernel of %s\n' "$1"
-}
-
-for variant in kasan lockdep; do
-  "$top/driver/linux/guest.sh" "$kernels" "$variant" "${programs[@]}"
-  live "$variant"
-done
+status=0
+boot "$kernels/$variant/linux" "$kernels/$variant/initramfs.cpio.gz" \
+  "$top/tests/driver/linux/lifecycle.sh" || status=$?
+((status <= 1)) || give_up "$variant ended with status $status"
+printf 'ok      the module lives in the kernel of %s\n' "$variant"
 
 # The module with one line of hvp_pci.c changed is found by what its kernel prints.
-find_fault() { # variant, line, what it becomes, parameter of the module, words
+find_fault() { # name, line, what it becomes, parameter of the module, words
   local checkout=$work/$1
   mkdir "$checkout"
   cp -r "$top/driver" "$top/cmake" "$top/packages.txt" "$checkout"
@@ -49,13 +44,15 @@ find_fault() { # variant, line, what it becomes, parameter of the module, words
     printf 'FAILED: hvp_pci.c has no %s\n' "$2"
     exit 1
   }
-  "$checkout/driver/linux/build.sh" "$kernels/$1/tree" "$work/$1-module"
+  "$checkout/driver/linux/build.sh" "$kernels/$variant/tree" "$work/$1-module"
   "$top/driver/linux/guest/initramfs.sh" "$work/$1.gz" "$work/$1-module/hvp.ko" "${programs[@]}"
   printf '%s\n' "rmmod hvp && insmod /lib/hvp.ko $4" \
     'hvp-driver-suite /dev/hvp0 --case solve' >"$work/script"
   # What follows the complaint is as it may be, a panic among it.
-  boot "$kernels/$1/linux" "$work/$1.gz" "$work/script" || true
+  boot "$kernels/$variant/linux" "$work/$1.gz" "$work/script" || true
   grep -q "$5" "$work/out/console.log" || give_up "$1 does not say $5"
+  # The verdict names it too.
+  grep -q "\"text\": \"$5" "$work/out/summary.json" || give_up "the verdict does not say $5"
   printf 'ok      %s is found: %s\n' "$3" "$5"
 }
 # The driver's memory for a burst is too short; a lock is not made.
@@ -63,3 +60,8 @@ find_fault kasan 'kmalloc(sizeof(hvp__U_t), GFP_KERNEL)' 'kmalloc(64, GFP_KERNEL
   'BUG: KASAN: slab-out-of-bounds'
 find_fault lockdep 'spin_lock_init(&board->line_lock);' '(void)board;' msi=0 \
   'INFO: trying to register non-static key'
+
+# What has found something, and every kind of board.
+stress() { python3 -B "$here/stress_test.py" "$hvp" "$kernels/$variant" --seconds 60 "$@"; }
+stress
+stress --seeds 9 13

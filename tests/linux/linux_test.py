@@ -366,6 +366,9 @@ def wrong_words(guest: Guest) -> None:
     for words, line in (
         (("--memory", "lots"), "expected a size such as 64M"),
         (("--patience", "0"), "--patience"),
+        (("--check", "kasan,nothing"), "--check kasan,nothing: expected words of kasan, lockdep"),
+        (("--check", ""), "--check: expected a value"),
+        (("--check", "kasan", "--gdb"), "--check and --gdb: expected one of them"),
         (("--script", "/none"), "--script /none: expected a file that can be read"),
     ):
         done = guest.run(*words, status=2)
@@ -376,6 +379,26 @@ def wrong_words(guest: Guest) -> None:
     guest.refused("insmod ended with status", "--kernel-argument", "hvp.timeout_ms=0")
     done = guest.run(kernel=Path("/etc/passwd"), status=2)
     expect_in("the error", "expected a file that can be run", done.stderr)
+
+
+def complaints_of_the_kernel_are_in_the_verdict(guest: Guest) -> None:
+    script = "".join(
+        f'echo "{line}" >/dev/kmsg\n'
+        for line in ("BUG: KASAN: use-after-free in f", "WARNING: possible recursive locking") * 2
+    )
+    kernel = guest.folder / "linux"
+    guest.run("--check", "kasan", kernel=kernel)
+    expect("held", True, guest.summary()["held"])
+    checks = {"asked": "kasan", "complaints": 0, "found": []}
+    expect("checks", checks, guest.summary()["checks"])
+    said = guest.run("--check", "lockdep,kasan", script=script, kernel=kernel, status=1).stdout
+    expect_in("the terminal", "checked       kasan, lockdep: the kernel complains", said)
+    expect_in("the terminal", "complaint     kasan, 2 times: BUG: KASAN: use-after-free in f", said)
+    expect("held", False, guest.summary()["held"])
+    checks = guest.summary()["checks"]  # type: ignore[assignment]
+    expect("complaints", 4, checks["complaints"])
+    expect("names", ["kasan", "lockdep"], [found["check"] for found in checks["found"]])  # type: ignore[attr-defined]
+    guest.run(script=script)  # nobody asked
 
 
 def nothing_is_left_when_killed(guest: Guest) -> None:
@@ -426,6 +449,7 @@ CASES: tuple[Callable[[Guest], None], ...] = (
     has_the_same_memory_each_time,
     strange_kernels,
     wrong_words,
+    complaints_of_the_kernel_are_in_the_verdict,
     nothing_is_left_when_killed,
 )
 

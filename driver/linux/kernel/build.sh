@@ -2,7 +2,7 @@
 # Builds a User-Mode Linux kernel from Debian's linux-source-6.1: the guest of `hvp linux`.
 #   driver/linux/kernel/build.sh FOLDER [VARIANT…]
 # A variant is a file VARIANT.config beside this one, put on top of base.config: plain (the default),
-# kasan, lockdep, debug. Each gets
+# kasan, lockdep, debug; or some of them, such as kasan+lockdep, which lie on each other. Each gets
 #   FOLDER/VARIANT/linux   the kernel, a program of the host
 #   FOLDER/VARIANT/tree    what a module is built against (make -C)
 # and debug, beside them, guest.gdb, commands for gdb, and vmlinux: the kernel under the name by which
@@ -23,6 +23,12 @@ variants() { # their names
   for file in "$here"/*.config; do basename -- "$file" .config; done | grep -vx base
 }
 
+settings() { # variant: its files
+  local part
+  printf 'base.config\n'
+  for part in ${1//+/ }; do printf '%s.config\n' "$part"; done
+}
+
 usage() {
   say "expected: driver/linux/kernel/build.sh FOLDER [VARIANT…]; the variants are $(variants | paste -sd ' ')"
   exit 2
@@ -34,7 +40,7 @@ version() { dpkg-query -W -f='${Version}' "$package"; }
 key() { # variant
   printf '%s %s\n' "$package" "$(version)"
   gcc --version | head -n 1
-  (cd "$here" && sha256sum build.sh guest.gdb base.config "$1.config" patches/*.patch)
+  (cd "$here" && settings "$1" | xargs sha256sum build.sh guest.gdb patches/*.patch)
 }
 
 is_built() { # variant
@@ -98,7 +104,7 @@ check_config() { # variant
     else
       grep -qxF -- "$line" "$tree/.config"
     fi || fail "kernel $1: the sources do not take the setting '$line'"
-  done < <(cat "$here/base.config" "$here/$1.config")
+  done < <(cd "$here" && settings "$1" | xargs cat)
 }
 
 build_kernel() { # variant
@@ -122,7 +128,7 @@ build_kernel() { # variant
   say "kernel $1: configuring"
   {
     in_tree tinyconfig &&
-      "$source/scripts/kconfig/merge_config.sh" -m -O "$tree" "$tree/.config" "$here/base.config" "$here/$1.config" &&
+      (cd "$here" && settings "$1" | xargs "$source/scripts/kconfig/merge_config.sh" -m -O "$tree" "$tree/.config") &&
       in_tree olddefconfig
   } >>"$log" 2>&1 || give_up "$1" "$log"
   check_config "$1"
@@ -153,7 +159,10 @@ give_up() { # variant log
 [[ $1 != -* ]] || usage
 wanted=("${@:2}")
 ((${#wanted[@]})) || wanted=(plain)
-for variant in "${wanted[@]}"; do variants | grep -qxF -- "$variant" || usage; done
+for variant in "${wanted[@]}"; do
+  [[ $variant =~ ^[a-z]+(\+[a-z]+)*$ ]] || usage
+  for part in ${variant//+/ }; do variants | grep -qxF -- "$part" || usage; done
+done
 mkdir -p "$1" 2>/dev/null || fail "cannot write to $1"
 out=$(readlink -f -- "$1")
 [[ -f $archive ]] || fail "$archive is missing; run as root: apt-get install -y --no-install-recommends $(missing_packages run linux)"
