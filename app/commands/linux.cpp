@@ -252,6 +252,9 @@ int linux_command(const LinuxArguments& arguments) {
   if (registers) registers->watch(board.accelerator());
   guest::GuestResults results(out, s, loaded.device_file, board);
   guest::GuestSettings settings = chosen;
+  if (settings.check_dma && board.memory() == nullptr) {
+    spdlog::warn("--check dma: the board moves nothing by itself (transfer.method)");
+  }
   if (s.guest) settings.system_call_ns = std::llround(1e9 * s.guest->system_call_s);
   std::ofstream console(out / "console.log", std::ios::trunc);
   guest::Complaints complaints(checks.of_kernel);

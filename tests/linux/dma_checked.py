@@ -169,11 +169,19 @@ def nothing_is_said_without_the_check(guest: Guest) -> None:
     expect("no word", "was refused" not in ran.said, ran)
 
 
+def a_board_that_moves_nothing_has_nothing_to_check(guest: Guest) -> None:
+    words = ("--set", "transfer.method=programmed-io", "--set", "transfer.notification=intx")
+    ran = guest.run(f"{SOLVE}\n", *CHECK, *words)
+    expect("a word", "--check dma: the board moves nothing by itself" in ran.said, ran)
+    expect("no table", "dma" not in ran.summary, ran)
+
+
 CASES: tuple[Callable[[Guest], None], ...] = (
     the_module_keeps_the_rules,
     every_kind_of_mapping_is_known,
     wrong_uses_are_named,
     nothing_is_said_without_the_check,
+    a_board_that_moves_nothing_has_nothing_to_check,
 )
 
 
