@@ -278,6 +278,9 @@ int linux_command(const LinuxArguments& arguments) {
     // Results up to a failure are written all the same.
     try {
       end = guest.run();
+    } catch (const guest::GuestHung& error) {
+      failed = error;
+      print("\n{}\n", guest.hang_text());
     } catch (const guest::GuestError& error) {
       failed = error;
     }

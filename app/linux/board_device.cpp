@@ -213,10 +213,18 @@ void BoardDevice::begin() {
       operation.ended = true;  // nothing is there
       continue;
     }
-    if (!config) ++(reads ? counts_.reads : counts_.writes);
-    host_.post({reads ? vp::Command::read : vp::Command::write,
-                config ? Space::configuration : Space::bar, operation.command.address,
-                operation.command.data, [&operation] { operation.ended = true; }});
+    const vp::Command command = reads ? vp::Command::read : vp::Command::write;
+    if (!config) {
+      ++(reads ? counts_.reads : counts_.writes);
+      operation.number =
+          recent_.begin(vp::now_ps(), command, operation.command.address, operation.command.data);
+    }
+    host_.post({command, config ? Space::configuration : Space::bar, operation.command.address,
+                operation.command.data, [this, &operation] {
+                  operation.ended = true;
+                  if (of_configuration(operation.command)) return;
+                  recent_.end(operation.number, vp::now_ps(), operation.command.data);
+                }});
   }
 }
 

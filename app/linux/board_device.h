@@ -10,6 +10,7 @@
 #include "app/linux/dma_check.h"
 #include "app/linux/guest_memory.h"
 #include "app/linux/pci_messages.h"
+#include "app/linux/recent_accesses.h"
 #include "app/linux/stream.h"
 #include "app/linux/vhost_user.h"
 #include "app/linux/virtqueue.h"
@@ -60,6 +61,7 @@ class BoardDevice : public vp::InterruptListener {
   // no such time is known.
   std::optional<vp::Picoseconds> due() const;
   const Counts& counts() const { return counts_; }
+  const RecentAccesses& recent() const { return recent_; }
 
   // InterruptListener
   void message(const vp::ConfigSpace::Message& message) override;
@@ -71,6 +73,7 @@ class BoardDevice : public vp::InterruptListener {
   struct Operation {
     Virtqueue::Chain chain;
     pci::Command command;
+    std::uint64_t number = 0;  // among the recent ones
     bool begun = false;
     bool ended = false;
   };
@@ -107,6 +110,7 @@ class BoardDevice : public vp::InterruptListener {
   bool line_told_ = false;
   vp::Picoseconds line_again_ = 0;  // the line is not reported again before this time
   Counts counts_;
+  RecentAccesses recent_;
 };
 
 }  // namespace hvp::guest

@@ -6,9 +6,12 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "app/linux/calendar.h"
 #include "app/linux/guest_error.h"
+#include "app/linux/kernel_stack.h"
+#include "app/results/number_text.h"
 
 namespace hvp::guest {
 
@@ -29,6 +32,7 @@ constexpr std::string_view kModule = "insmod";
 
 Guest::Guest(vp::BoardFunction& board, const GuestSettings& settings)
     : board_(board),
+      kernel_(settings.kernel),
       calendar_socket_(folder_.path() / "calendar"),
       device_socket_(folder_.path() / "board"),
       process_({.kernel = settings.kernel,
@@ -105,6 +109,33 @@ Guest::End Guest::run() {
   return end;
 }
 
+std::string Guest::hang_text() const {
+  std::string text =
+      fmt::format("the guest at {} us of simulated time", results::microseconds(vp::now_ps()));
+  const std::vector<std::string> stack = kernel_stack(process_.number(), kernel_);
+  if (!stack.empty()) text += fmt::format(": its processor is in {}", fmt::join(stack, " < "));
+  return text + "\n  " + board_text();
+}
+
+std::string Guest::board_text() const {
+  const vp::RegisterBank& bank = board_.accelerator().bank();
+  std::string state = "idle";
+  if (bank.get(vp::field::kStatusError) != 0) {
+    state = fmt::format("error {}", bank.get(vp::field::kStatusErrorCode));
+  } else if (bank.get(vp::field::kStatusBusy) != 0) {
+    state = "busy";
+  } else if (bank.get(vp::field::kStatusDone) != 0) {
+    state = "done";
+  }
+  std::string text = fmt::format("the board: {}", state);
+  if (!device_) return text + "; no access was made";
+  if (const auto& job = device_->recent().job()) {
+    text += fmt::format("; its last job, number {} of the run, was started at {} us", job->number,
+                        results::microseconds(job->started));
+  }
+  return text + "\n  the last accesses to it:" + device_->recent().text(bank);
+}
+
 // Processes messages while the guest runs.
 void Guest::serve() {
   std::vector<int> sources = {calendar_.connected() ? calendar_.number()
@@ -147,7 +178,7 @@ void Guest::sleep() {
   }
   if (!reached || due < latest) return;
   if (!has_timer) {
-    throw GuestError(
+    throw GuestHung(
         fmt::format("the guest sleeps without a timer, and nothing of the board has "
                     "woken it for {} s of simulated time",
                     kLongestSleep / 1'000'000'000'000));

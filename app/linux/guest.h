@@ -49,6 +49,9 @@ class Guest {
   // Simulates until the kernel has ended. Throws GuestError if it did not end properly: it
   // panicked, hung, sleeps for ever, or broke the protocol.
   End run();
+  // After run() threw GuestHung: what its processor does, the state of the board and the last
+  // accesses to it, in several lines.
+  std::string hang_text() const;
 
   pid_t process() const { return process_.number(); }
   const BoardDevice::Counts& counts() const;
@@ -62,12 +65,14 @@ class Guest {
 
  private:
   std::vector<std::string> arguments(const GuestSettings& settings) const;
+  std::string board_text() const;
   void serve();
   void sleep();
   void connect();
   void judge_end();
 
   vp::BoardFunction& board_;
+  std::filesystem::path kernel_;
   PrivateFolder folder_;
   Listener calendar_socket_;
   Listener device_socket_;

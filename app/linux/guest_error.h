@@ -10,4 +10,9 @@ class GuestError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// The guest is there and does not go on.
+class GuestHung : public GuestError {
+  using GuestError::GuestError;
+};
+
 }  // namespace hvp::guest

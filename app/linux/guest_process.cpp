@@ -109,8 +109,8 @@ std::size_t GuestProcess::wait_readable(std::span<const int> descriptors) {
   for (;;) {
     if (results::interrupted() != 0) throw GuestInterrupted();
     if (patience_ && Clock::now() - heard_at_ > *patience_) {
-      throw GuestError(fmt::format("nothing was heard of the guest for {} s",
-                                   std::chrono::duration<double>(*patience_).count()));
+      throw GuestHung(fmt::format("nothing was heard of the guest for {} s",
+                                  std::chrono::duration<double>(*patience_).count()));
     }
     sources.clear();
     for (const int number : descriptors) sources.push_back({number, POLLIN, 0});

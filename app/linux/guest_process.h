@@ -79,7 +79,7 @@ class GuestProcess {
   void forgive(std::chrono::steady_clock::duration time) { heard_at_ += time; }
 
   // Waits until one of these descriptors can be read or was closed at its other end, and returns
-  // its index. Output of the guest is passed on meanwhile. Throws GuestError if the guest was
+  // its index. Output of the guest is passed on meanwhile. Throws GuestHung if the guest was
   // silent for too long, GuestGone if it has ended, and GuestInterrupted.
   std::size_t wait_readable(std::span<const int> descriptors);
   // Waits for the guest's end and passes on its last output. Returns the exit status: -1 after a

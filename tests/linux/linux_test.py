@@ -82,11 +82,12 @@ class Guest:
         expect("what is left of a run", [], [p.name for p in self.work.glob("hvp-linux-*")])
         return done
 
-    def refused(self, line: str, *words: str, script: str = "", kernel: Path | None = None) -> None:
+    def refused(self, line: str, *words: str, script: str = "", kernel: Path | None = None) -> str:
         done = self.run(*words, script=script, kernel=kernel, status=3)
         said = done.stderr.splitlines()
         expect("lines of the error", 1, len(said))
         expect_in("the error", line, said[0])
+        return done.stdout
 
     def summary(self) -> dict[str, object]:
         summary = json.loads((self.work / "out" / "summary.json").read_text())
@@ -320,8 +321,14 @@ def a_guest_that_hangs(guest: Guest) -> None:
     jobs = "hvp-driver-suite /dev/hvp0 --case fifty-jobs\n"
     line = "nothing was heard of the guest for 3 s"
     # One that computes for ever, and one that sleeps while simulated time goes on.
-    for last in ("while :; do :; done\n", "mkfifo /tmp/f; cat /tmp/f\n"):
-        guest.refused(line, "--patience", "3", "--trace-registers", script=jobs + last)
+    for last, does in (
+        ("while :; do :; done\n", "userspace"),
+        ("mkfifo /tmp/f; cat /tmp/f\n", "do_idle"),
+    ):
+        words = ("--patience", "3", "--trace-registers")
+        said = guest.refused(line, *words, script=jobs + last)
+        for part in (does, "the board: idle; its last job, number 50 of the run", "read STATUS"):
+            expect_in("what it does", part, said[said.rfind("of simulated time: ") :])
         expect("jobs of before", 50, guest.summary()["deadline"]["frames"])  # type: ignore[index]
         expect_in("the log", "CONTROL", (guest.work / "out" / "registers.log").read_text())
 

@@ -1,5 +1,5 @@
-"""The module with a change, in a guest: what only shows where time passes in the wrong place, and
-what an error of the link leaves behind.
+"""The module with a change, in a guest: what only shows where time passes in the wrong place, what
+an error of the link leaves behind, and what is said of a guest that hangs.
 
 usage: module_variants.py PROGRAM GUEST WORK
 
@@ -47,6 +47,24 @@ SLOW_START = (
         "#include <linux/delay.h>\n#include <linux/uaccess.h>\n",
     ),
 )
+# The processor goes on for ever behind the doorbell, and takes no interrupt.
+SPIN = (
+    Change(
+        "hvp_job_calls.c",
+        "\tstatus = hvp_start(&board->device);\n",
+        "\tstatus = hvp_start(&board->device);\n"
+        "\tlocal_irq_disable();\n\tfor (;;)\n\t\tcpu_relax();\n",
+    ),
+)
+# A wait for an interrupt has no end but that.
+WAIT = (
+    Change(
+        "hvp_bar.c",
+        "ns_to_ktime(min_t(u64, timeout_ns, KTIME_MAX));",
+        "timeout_ns ? KTIME_MAX : 0;",
+    ),
+)
+LOST = ("fault[0].kind=lost-interrupt", "fault[0].frame=2")
 
 
 @dataclass(frozen=True)
@@ -87,7 +105,8 @@ class Guest:
             raise WrongError(f"{name}: {done.stderr[-600:]}")
         return next(folder.glob("*.ko"))
 
-    def run(self, script: str, *words: str) -> Ran:
+    def run(self, script: str, *words: str, statuses: tuple[int, ...] = (0, 1)) -> Ran:
+        """A job that was late, or failed on purpose, is no fault of the script's."""
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
             (folder / "script").write_text("set -e\n" + script)
@@ -98,8 +117,7 @@ class Guest:
             done = subprocess.run(
                 command, capture_output=True, text=True, timeout=LIMIT_S, check=False
             )
-            # A job that was late, or failed on purpose, is no fault of the script's.
-            if done.returncode not in (0, 1):
+            if done.returncode not in statuses:
                 raise WrongError(f"status {done.returncode}\n{done.stdout[-1500:]}\n{done.stderr}")
             summary = json.loads((folder / "out" / "summary.json").read_text())
         return Ran(done.stdout + done.stderr, summary)
@@ -125,10 +143,36 @@ def nothing_of_the_last_program_is_left(guest: Guest) -> None:
     guest.run("hvp-driver-suite /dev/hvp0 --case dma-next-program | grep '\"pass\"'\n")
 
 
+def says(guest: Guest, module: Path, parts: tuple[str, ...], *words: str) -> None:
+    script = f"rmmod hvp\ninsmod /host{module}\nhvp-driver-suite /dev/hvp0 --case fifty-jobs\n"
+    said = guest.run(script, "--patience", "3", *words, statuses=(3,)).said
+    for part in parts:
+        if part not in said:
+            raise WrongError(f"expected {part!r} in {said[-2500:]}")
+
+
+def a_processor_that_spins_is_seen(guest: Guest) -> None:
+    parts = (
+        "its processor is in a module < ",
+        "the board: busy; its last job, number 1 of the run, was started at ",
+        "write DMA_LIST_LOW",
+        "write CONTROL 0x00000008\n",
+    )
+    says(guest, guest.build("spin", SPIN), parts)
+
+
+def a_wait_without_an_end_is_seen(guest: Guest) -> None:
+    parts = ("do_idle", "the board: done; its last job, number 3 of the run, was started at ")
+    faults = [word for setting in LOST for word in ("--set", setting)]
+    says(guest, guest.build("wait", WAIT), parts, *faults)
+
+
 CASES: tuple[Callable[[Guest], None], ...] = (
     who_polls_hears_of_a_job_that_another_starts,
     a_link_that_was_reset_is_recovered_from,
     nothing_of_the_last_program_is_left,
+    a_processor_that_spins_is_seen,
+    a_wait_without_an_end_is_seen,
 )
 
 

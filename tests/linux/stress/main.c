@@ -35,7 +35,7 @@ static bool take_number(const char* text, unsigned long* number) {
 static void show_tasks(void) {
   const int file = open("/proc/sysrq-trigger", O_WRONLY | O_CLOEXEC);
   if (file < 0) return;
-  (void)!write(file, "t", 1);
+  (void)!write(file, "w", 1);
   (void)close(file);
 }
 
