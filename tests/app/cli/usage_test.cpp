@@ -22,8 +22,9 @@ TEST(Usage, HelpNamesEveryCommandAndTheExitStatus) {
   const ScratchDirectory place;
   const Ended ended = hvp(place.path(), {"--help"});
   EXPECT_EQ(ended.status, 0);
-  for (const char* word : {"run", "explain", "serve", "solve", "mesh", "export", "resolve",
-                           "reference", "study", "sweep", "compare", "report", "Exit status"}) {
+  for (const char* word :
+       {"run", "explain", "serve", "replay", "solve", "mesh", "export", "resolve", "reference",
+        "study", "sweep", "compare", "report", "Exit status"}) {
     EXPECT_THAT(ended.out, HasSubstr(word));
   }
   EXPECT_EQ(ended.err, "");
@@ -32,7 +33,7 @@ TEST(Usage, HelpNamesEveryCommandAndTheExitStatus) {
 TEST(Usage, EveryCommandHasHelp) {
   const ScratchDirectory place;
   for (const char* command :
-       {"run", "explain", "serve", "solve", "mesh", "export", "resolve", "reference"}) {
+       {"run", "explain", "serve", "replay", "solve", "mesh", "export", "resolve", "reference"}) {
     const Ended ended = hvp(place.path(), {command, "--help"});
     EXPECT_EQ(ended.status, 0);
     EXPECT_THAT(ended.out, HasSubstr(std::string("Usage: hvp ") + command));
@@ -66,10 +67,10 @@ TEST_P(WrongUsage, IsOneLineAndStatusTwo) {
 INSTANTIATE_TEST_SUITE_P(
     CommandLine, WrongUsage,
     ::testing::Values(
-        Wrong{
-            {},
-            "expected a command: run, explain, device, stability, serve, linux, fit, solve, mesh, "
-            "export, resolve, reference"},
+        Wrong{{},
+              "expected a command: run, explain, device, stability, serve, linux, replay, fit, "
+              "solve, "
+              "mesh, export, resolve, reference"},
         Wrong{{"rum"}, "unknown command rum; did you mean run?"},
         Wrong{{"simulate"}, "unknown command simulate; there is run, explain"},
         Wrong{{"study", "axes.toml"}, "hvp: study is run by ./hvp study …"},
@@ -77,6 +78,9 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{{"compare", "a", "b", "--json"}, "hvp: compare is run by ./hvp compare …"},
         Wrong{{"report", "runs/x"}, "hvp: report is run by ./hvp report …"},
         Wrong{{"reference", "--json", "--results"}, "reference: --results excludes --json"},
+        Wrong{{"replay"}, "replay: record is required"},
+        Wrong{{"replay", "a.bin", "a.toml", "--against", "b.bin"},
+              "replay: scenario excludes --against"},
         Wrong{{"resolve"}, "resolve: scenario is required"},
         Wrong{{"resolve", "none.toml", "--each"}, "none.toml: no such file"},
         Wrong{{"--versoin"}, "unknown option --versoin; did you mean --version?"},
