@@ -60,8 +60,7 @@ std::vector<std::string> parse_checks(std::string_view text) {
     begin = end + 1;
   }
   std::ranges::sort(words);
-  const auto rest = std::ranges::unique(words);
-  words.erase(rest.begin(), rest.end());
+  words.erase(std::unique(words.begin(), words.end()), words.end());
   return words;
 }
 
