@@ -66,9 +66,9 @@ Checks parse_checks(std::string_view text) {
     }
     begin = end + 1;
   }
-  std::ranges::sort(found.of_kernel);
-  const auto rest = std::ranges::unique(found.of_kernel);
-  found.of_kernel.erase(rest.begin(), rest.end());
+  std::vector<std::string>& words = found.of_kernel;
+  std::ranges::sort(words);
+  words.erase(std::unique(words.begin(), words.end()), words.end());
   return found;
 }
 

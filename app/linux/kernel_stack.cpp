@@ -23,7 +23,9 @@ namespace {
 
 // A kernel's stack, 4 pages (CONFIG_KERNEL_STACK_ORDER), at a multiple of its size.
 constexpr std::uint64_t kStackBytes = 16384;
-constexpr std::size_t kMostFunctions = 12;
+// Kept of a long stack: what the processor does, and what for.
+constexpr std::size_t kInnermost = 8;
+constexpr std::size_t kOutermost = 6;
 constexpr std::chrono::milliseconds kTimeToStop{500};
 
 struct Function {
@@ -138,11 +140,15 @@ std::vector<std::string> kernel_stack(pid_t process, const std::filesystem::path
   const Function* inside = function_at(functions, seen->instruction);
   names.push_back(inside != nullptr ? inside->name : place_of(process, seen->instruction));
   for (const std::uint64_t word : seen->stack) {
-    if (names.size() == kMostFunctions) break;
     const Function* function = function_at(functions, word);
     // What is called from returns behind its begin.
     if (function == nullptr || word == function->begin || function->name == names.back()) continue;
     names.push_back(function->name);
+  }
+  if (names.size() > kInnermost + kOutermost) {
+    const auto first = names.begin() + kInnermost;
+    *first = "...";
+    names.erase(first + 1, names.end() - kOutermost);
   }
   return names;
 }

@@ -323,7 +323,7 @@ def a_guest_that_hangs(guest: Guest) -> None:
     # One that computes for ever, and one that sleeps while simulated time goes on.
     for last, does in (
         ("while :; do :; done\n", "userspace"),
-        ("mkfifo /tmp/f; cat /tmp/f\n", "do_idle"),
+        ("mkfifo /tmp/f; cat /tmp/f\n", "time_travel_"),
     ):
         words = ("--patience", "3", "--trace-registers")
         said = guest.refused(line, *words, script=jobs + last)
