@@ -16,8 +16,6 @@ from module_variants import Change, Guest, Ran, WrongError, cases_parser, guest_
 
 CHECK = ("--check", "driver,dma")
 LINE = ("--set", "transfer.method=programmed-io", "--set", "transfer.notification=intx")
-# An error, and then a job: the suite's case alone would end with the board's reset.
-AFTER_AN_ERROR = "hvp-driver-suite /dev/hvp0 --case error-bad-node || true\n" + SOLVE
 
 
 @dataclass(frozen=True)
@@ -124,20 +122,6 @@ BUGS = (
         ),
         "start-unacknowledged|command-ignored",
         LINE,
-    ),
-    Bug(
-        "error not acknowledged",
-        (
-            Change(
-                CORE.format("hvp_driver.c"),
-                "  hvp_write_register(device, HVP_OFFSET(INTERRUPT_STATUS), seen);\n",
-                "  hvp_write_register(device, HVP_OFFSET(INTERRUPT_STATUS),\n"
-                "                     seen & HVP__INTERRUPT_STATUS__DONE_bm);\n",
-            ),
-        ),
-        "command-ignored",
-        LINE,
-        AFTER_AN_ERROR,
     ),
     Bug(
         "words the other way round",

@@ -122,6 +122,15 @@ void Accelerator::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc
     ++illegal_accesses_;
     spdlog::warn("{} at {}.{:03} ns", bank_.describe(outcome, command), now_ps() / 1000,
                  now_ps() % 1000);
+    // Of a read, PCI Express accounts for the way with the answer: the interrupt comes out of the
+    // way to here.
+    Tag refused = *commanding_tag_;
+    if (refused.frame >= 0 && ledger_.has(refused.frame)) {
+      const Picoseconds since = ledger_.end_of(refused);
+      const Phase phase = data.size() > 4 ? Phase::block_read : Phase::bus_read;
+      if (since < now_ps()) ledger_.extend(refused, Part::bus, phase, since, now_ps());
+    }
+    commanding_tag_ = &refused;
     raise({ErrorCode::illegal_access, static_cast<std::uint32_t>(outcome.offset)});
   }
   commanding_tag_ = nullptr;

@@ -119,6 +119,10 @@ Span& Ledger::span_of(const Tag& tag) {
   return frame(tag.frame).spans[static_cast<std::size_t>(tag.cause)];
 }
 
+Picoseconds Ledger::end_of(const Tag& tag) {
+  return tag.cause == kBirth ? frame(tag.frame).born : span_of(tag).end;
+}
+
 void Ledger::prolong(const Tag& tag, Picoseconds end) { span_of(tag).end = end; }
 
 void Ledger::take_back(const Tag& tag, SpanId first) {

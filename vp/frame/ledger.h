@@ -115,6 +115,8 @@ class Ledger {
   // As add, and the tag's cause becomes the new span.
   void extend(Tag& tag, Part part, Phase phase, Picoseconds start, Picoseconds end);
 
+  // The end of the tag's newest span, or its frame's birth. The tag has a frame.
+  Picoseconds end_of(const Tag& tag);
   // Moves the end of the tag's newest span to a later time.
   void prolong(const Tag& tag, Picoseconds end);
   // Removes the frame's newest spans, from `first` on. No remaining span may follow one of them.

@@ -166,10 +166,7 @@ void JobFrames::finish(bool given_up) {
   ledger_.finish();
 }
 
-Picoseconds JobFrames::last_end() const {
-  const Frame& frame = ledger_.frame(tag_.frame);
-  return tag_.cause == kBirth ? frame.born : frame.spans[static_cast<std::size_t>(tag_.cause)].end;
-}
+Picoseconds JobFrames::last_end() const { return ledger_.end_of(tag_); }
 
 // Once a job: whether the host could know of its end, and how. From there the frame waited for the
 // board, not for the host's looks or sleep before.

@@ -88,6 +88,39 @@ TEST(OutsideHost, AJobIsAFrameOfTheLedger) {
                                         Phase::bus_read, Phase::bus_write, Phase::block_read}));
 }
 
+struct Refusal {
+  bool pcie;
+  bool messages;
+};
+class RefusedRead : public testing::TestWithParam<Refusal> {};
+
+// The interrupt comes before the read's answer, and the host goes on from it: the frame's chain
+// holds, and its spans sum to its time.
+TEST_P(RefusedRead, InterruptsInTheMiddleOfAJob) {
+  Loaded host([](PlatformSettings& settings) {
+    if (GetParam().pcie) settings.bus.pcie.emplace();
+    if (GetParam().messages) settings.transfer.notification = link::Notification::msi;
+  });
+  if (GetParam().messages) {
+    host.write_config(ConfigSpace::kMessageAt + 4, kMessageAddress, 4);
+    host.write_config(ConfigSpace::kMessageAt + 2, 1, 2);
+  }
+  ASSERT_EQ(hvp_write_rhs(&host.device, host.b.data(), host.b.size()), HVP_OK);
+  ASSERT_EQ(hvp_start(&host.device), HVP_OK);
+  const std::uint32_t enabled = host.read(Register::interrupt_enable);
+  ASSERT_NE(enabled, 0U);
+  EXPECT_EQ(host.read(offset_of(Aperture::u)), ~0U);
+  EXPECT_EQ(hvp_wait(&host.device, 100'000'000), HVP_ERROR_ILLEGAL_ACCESS);
+  host.host->run_until(now_ps() + 1000 * kUs);
+  host.host->frames().finish();
+  ASSERT_EQ(host.log.frames.size(), 1U);
+  EXPECT_EQ(host.log.frames[0].status, HVP_ERROR_ILLEGAL_ACCESS);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, RefusedRead,
+                         testing::Values(Refusal{false, false}, Refusal{false, true},
+                                         Refusal{true, false}, Refusal{true, true}));
+
 TEST(OutsideHost, MessagesAreMaskedAndPending) {
   Loaded host([](PlatformSettings& settings) {
     settings.transfer.method = Transfer::Method::dma;
