@@ -15,6 +15,7 @@ import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 TOP = Path(__file__).resolve().parents[2]
 LIMIT_S = 240
@@ -72,7 +73,7 @@ class Ran:
     """What `hvp linux` said, and the tables of its summary."""
 
     said: str
-    summary: dict[str, dict[str, int]]
+    summary: dict[str, Any]
 
 
 @dataclass(frozen=True)

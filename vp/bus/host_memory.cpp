@@ -49,7 +49,8 @@ void HostMemory::map(std::uint64_t address, std::span<std::uint8_t> memory, bool
                       address - std::prev(next)->address < std::prev(next)->memory.size();
   if (behind || before) throw std::invalid_argument("a range of memory overlaps another one");
   ranges_.insert(next, {address, memory, writable});
-  for (MemoryObserver* const observer : observers_) observer->mapped(address, memory.size(), writable);
+  for (MemoryObserver* const observer : observers_)
+    observer->mapped(address, memory.size(), writable);
 }
 
 bool HostMemory::unmap(std::uint64_t address, std::uint64_t bytes) {

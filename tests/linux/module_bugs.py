@@ -1,6 +1,6 @@
 """Mistakes that kernel developers make, one each in the module, and what the platform says of them.
 
-usage: driver_bugs.py PROGRAM GUEST WORK [--share N --of M | --lines]
+usage: module_bugs.py PROGRAM GUEST WORK [--share N --of M | --lines]
 
 As module_variants.py. Each is run with `hvp linux --check driver,dma`, and the module as it is
 breaks no rule. --share takes one M-th of them; --lines prints a line each for
@@ -9,7 +9,9 @@ docs/driver-bugs.md, and judges nothing.
 
 import re
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 from dma_checked import SOLVE, UNMAP, offset
 from module_variants import Change, Guest, Ran, WrongError, cases_parser, guest_of
@@ -219,11 +221,12 @@ def main() -> int:
         return 0
     failed = 0
     chosen = BUGS[arguments.share % arguments.of :: arguments.of]
-    for name, test in [
-        ("the module by DMA and MSI", lambda: the_module_breaks_no_rule(guest, ())),
-        ("the module by words and INTA#", lambda: the_module_breaks_no_rule(guest, LINE)),
-        *[(bug.name, lambda bug=bug: is_named(guest, bug)) for bug in chosen],
-    ]:
+    tests: dict[str, Callable[[], None]] = {
+        "the module by DMA and MSI": partial(the_module_breaks_no_rule, guest, ()),
+        "the module by words and INTA#": partial(the_module_breaks_no_rule, guest, LINE),
+        **{bug.name: partial(is_named, guest, bug) for bug in chosen},
+    }
+    for name, test in tests.items():
         if arguments.case not in (None, name):
             continue
         try:
