@@ -10,7 +10,16 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from module_variants import TOP, Change, Guest, Ran, WrongError, run_cases
+from module_variants import (
+    TOP,
+    Change,
+    Guest,
+    Ran,
+    WrongError,
+    cases_parser,
+    run_cases,
+    share_of,
+)
 
 CHECK = ("--check", "dma")
 SOLVE = "hvp-driver-suite /dev/hvp0 --case solve"
@@ -151,9 +160,9 @@ def every_kind_of_mapping_is_known(guest: Guest) -> None:
     expect("misuses", ran.summary["dma"]["misuses"] == 0, ran)
 
 
-def wrong_uses_are_named(guest: Guest) -> None:
+def are_named(guest: Guest, wrongs: tuple[Wrong, ...]) -> None:
     failed = []
-    for wrong in WRONG:
+    for wrong in wrongs:
         try:
             is_named(guest, wrong)
         except WrongError as error:
@@ -176,14 +185,20 @@ def a_board_that_moves_nothing_has_nothing_to_check(guest: Guest) -> None:
     expect("no table", "dma" not in ran.summary, ran)
 
 
-CASES: tuple[Callable[[Guest], None], ...] = (
-    the_module_keeps_the_rules,
-    every_kind_of_mapping_is_known,
-    wrong_uses_are_named,
-    nothing_is_said_without_the_check,
-    a_board_that_moves_nothing_has_nothing_to_check,
-)
+def main() -> int:
+    arguments = cases_parser(__doc__).parse_args()
+
+    def wrong_uses_are_named(guest: Guest) -> None:
+        are_named(guest, share_of(arguments, WRONG))
+
+    cases: tuple[Callable[[Guest], None], ...] = (
+        the_module_keeps_the_rules,
+        every_kind_of_mapping_is_known,
+        wrong_uses_are_named,
+        nothing_is_said_without_the_check,
+    )
+    return run_cases(arguments, cases)
 
 
 if __name__ == "__main__":
-    sys.exit(run_cases(__doc__, CASES))
+    sys.exit(main())

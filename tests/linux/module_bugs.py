@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from dma_checked import SOLVE, UNMAP, offset
-from module_variants import Change, Guest, Ran, WrongError, cases_parser, guest_of
+from module_variants import Change, Guest, Ran, WrongError, cases_parser, guest_of, share_of
 
 CHECK = ("--check", "driver,dma")
 LINE = ("--set", "transfer.method=programmed-io", "--set", "transfer.notification=intx")
@@ -211,8 +211,6 @@ def lines(guest: Guest) -> None:
 
 def main() -> int:
     parser = cases_parser(__doc__)
-    parser.add_argument("--share", type=int, default=0)
-    parser.add_argument("--of", type=int, default=1)
     parser.add_argument("--lines", action="store_true")
     arguments = parser.parse_args()
     guest = guest_of(arguments)
@@ -220,7 +218,7 @@ def main() -> int:
         lines(guest)
         return 0
     failed = 0
-    chosen = BUGS[arguments.share % arguments.of :: arguments.of]
+    chosen = share_of(arguments, BUGS)
     tests: dict[str, Callable[[], None]] = {
         "the module by DMA and MSI": partial(the_module_breaks_no_rule, guest, ()),
         "the module by words and INTA#": partial(the_module_breaks_no_rule, guest, LINE),

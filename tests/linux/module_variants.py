@@ -15,7 +15,7 @@ import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 TOP = Path(__file__).resolve().parents[2]
 LIMIT_S = 240
@@ -184,15 +184,23 @@ def cases_parser(description: str | None) -> argparse.ArgumentParser:
     parser.add_argument("guest", type=Path)
     parser.add_argument("work", type=Path)
     parser.add_argument("--case", help="one alone")
+    parser.add_argument("--share", type=int, default=0, help="which of the parts")
+    parser.add_argument("--of", type=int, default=1, help="parts of what there are many of")
     return parser
+
+
+Item = TypeVar("Item")
+
+
+def share_of(arguments: argparse.Namespace, many: tuple[Item, ...]) -> tuple[Item, ...]:
+    return many[arguments.share % arguments.of :: arguments.of]
 
 
 def guest_of(arguments: argparse.Namespace) -> Guest:
     return Guest(arguments.program.resolve(), arguments.guest.resolve(), arguments.work.resolve())
 
 
-def run_cases(description: str | None, cases: tuple[Callable[[Guest], None], ...]) -> int:
-    arguments = cases_parser(description).parse_args()
+def run_cases(arguments: argparse.Namespace, cases: tuple[Callable[[Guest], None], ...]) -> int:
     guest = guest_of(arguments)
     failed = 0
     for case in cases:
@@ -208,4 +216,4 @@ def run_cases(description: str | None, cases: tuple[Callable[[Guest], None], ...
 
 
 if __name__ == "__main__":
-    sys.exit(run_cases(__doc__, CASES))
+    sys.exit(run_cases(cases_parser(__doc__).parse_args(), CASES))
