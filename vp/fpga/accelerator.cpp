@@ -125,7 +125,7 @@ void Accelerator::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc
     // Of a read, PCI Express accounts for the way with the answer: the interrupt comes out of the
     // way to here.
     Tag refused = *commanding_tag_;
-    if (refused.frame >= 0 && ledger_.has(refused.frame)) {
+    if (command == Command::read && refused.frame >= 0 && ledger_.has(refused.frame)) {
       const Picoseconds since = ledger_.end_of(refused);
       const Phase phase = data.size() > 4 ? Phase::block_read : Phase::bus_read;
       if (since < now_ps()) ledger_.extend(refused, Part::bus, phase, since, now_ps());

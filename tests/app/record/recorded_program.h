@@ -22,7 +22,7 @@ class RecordedProgram : public testing::Test {
   void open(const std::vector<const char*>& overrides = {}, bool records = true) {
     const std::string file = (place.path() / "a.bin").string();
     const std::string scenario = cli::scenario("thesis.toml").string();
-    const hvp_board_options options = {overrides.data(), overrides.size(), nullptr,
+    const hvp_board_options options = {overrides.data(), overrides.size(), nullptr, false,
                                        records ? file.c_str() : nullptr};
     board = hvp_board_open(scenario.c_str(), &options, why.data(), why.size());
     ASSERT_NE(board, nullptr) << why.data();
