@@ -50,13 +50,12 @@ struct hvp_board {
   hvp_board(const hvp::app::LoadedScenario& scenario, const hvp::vp::PlatformSettings& settings,
             const hvp_board_options& options)
       : trace(traced(options.trace)),
-        rules(watched(options.check, trace.get())),
         record(recorded(options.record, scenario)),
-        function(settings, rules ? rules.get() : observer(trace.get())),
+        function(settings, watched(options.check)),
         bus(function, settings.transfer, !settings.faults.empty()) {
     function.ledger().add_observer(last_job);
     if (trace != nullptr) trace->watch(function.accelerator());
-    if (rules != nullptr) hvp::app::watch_driver(*rules, function);
+    if (rules) hvp::app::watch_driver(*rules, function);
     if (record != nullptr) record->watch(function);
     bus.enumerate();
   }
@@ -67,9 +66,10 @@ struct hvp_board {
     return std::make_unique<hvp::results::RegisterTrace>(folder);
   }
 
-  static hvp::vp::AccessObserver* observer(hvp::vp::AccessObserver* trace) { return trace; }
-  static std::unique_ptr<hvp::vp::DriverRules> watched(bool check, hvp::vp::AccessObserver* next) {
-    return check ? std::make_unique<hvp::vp::DriverRules>(next) : nullptr;
+  // Who sees the accesses; who watches the driver passes them on.
+  hvp::vp::AccessObserver* watched(bool check) {
+    hvp::vp::AccessObserver* const last = trace.get();
+    return check ? &rules.emplace(last) : last;
   }
   static std::unique_ptr<hvp::record::RecordFile> recorded(
       const char* file, const hvp::app::LoadedScenario& scenario) {
@@ -85,7 +85,7 @@ struct hvp_board {
 
   LastJob last_job;
   std::unique_ptr<hvp::results::RegisterTrace> trace;
-  std::unique_ptr<hvp::vp::DriverRules> rules;
+  std::optional<hvp::vp::DriverRules> rules;
   std::unique_ptr<hvp::record::RecordFile> record;
   hvp::vp::BoardFunction function;
   hvp::app::BoardBus bus;
@@ -267,7 +267,7 @@ bool hvp_board_last_job(hvp_board* board, hvp_board_job* job) {
 }
 
 std::size_t hvp_board_findings(hvp_board* board, hvp_board_finding* findings, std::size_t room) {
-  if (board->rules == nullptr) return 0;
+  if (!board->rules) return 0;
   return caught(std::size_t{0}, [&] {
     board->wait_for_writes();
     board->rules->finish();

@@ -48,7 +48,7 @@ class DmaMappings {
  private:
   struct Past {
     DmaMapping mapping;
-    Picoseconds ended;
+    Picoseconds ended = 0;
   };
   using Place = std::vector<DmaMapping>::iterator;
 

@@ -80,7 +80,7 @@ void GuestFigures::report(config::Figures& f) const {
           [&] { verdict.report_load(f); });
   verdict.report_attribution(f);
   results::report_faults(f, faults, verdict.frames(), false);
-  results::report_driver_findings(f, guest.driver);
+  if (guest.driver) results::report_driver_findings(f, *guest.driver);
   f.table("board", "What the board counted.", [&] {
     f.count("illegal_accesses", illegal_accesses, "that its registers refused");
     f.count("saturations", saturations, "words that reached their limit");

@@ -1,5 +1,7 @@
 #include "app/results/driver_findings.h"
 
+#include <optional>
+
 #include <fmt/format.h>
 
 namespace hvp::results {
@@ -13,12 +15,10 @@ std::string finding_text(const vp::DriverFinding& finding) {
   return text;
 }
 
-void report_driver_findings(config::Figures& f,
-                            const std::optional<std::vector<vp::DriverFinding>>& findings) {
-  f.truth("driver_watched", findings.has_value(), "--check driver was asked for");
+void report_driver_findings(config::Figures& f, const std::vector<vp::DriverFinding>& findings) {
   f.list("driver_findings",
          "One entry for each rule that the driver broke ([driver-rules.md](driver-rules.md)).",
-         findings.value_or(std::vector<vp::DriverFinding>{}), [&](const vp::DriverFinding& one) {
+         findings, [&](const vp::DriverFinding& one) {
            f.text("rule", vp::name(one.rule), "its name");
            f.count("count", one.count, "how often");
            f.text("what", one.what, "the first time");

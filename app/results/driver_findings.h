@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,8 +13,7 @@ namespace hvp::results {
 // One line: the rule, what was done, where, and how often.
 std::string finding_text(const vp::DriverFinding& finding);
 
-// The list `driver_findings`; null where nobody watched the driver.
-void report_driver_findings(config::Figures& f,
-                            const std::optional<std::vector<vp::DriverFinding>>& findings);
+// The list `driver_findings`, for a run whose driver was watched.
+void report_driver_findings(config::Figures& f, const std::vector<vp::DriverFinding>& findings);
 
 }  // namespace hvp::results

@@ -374,7 +374,10 @@ def wrong_words(guest: Guest) -> None:
     for words, line in (
         (("--memory", "lots"), "expected a size such as 64M"),
         (("--patience", "0"), "--patience"),
-        (("--check", "kasan,nothing"), "--check kasan,nothing: expected words of driver, dma, kasan, lockdep"),
+        (
+            ("--check", "kasan,nothing"),
+            "--check kasan,nothing: expected words of driver, dma, kasan, lockdep",
+        ),
         (("--check", ""), "--check: expected a value"),
         (("--check", "kasan", "--gdb"), "--check and --gdb: expected one of them"),
         (("--script", "/none"), "--script /none: expected a file that can be read"),
