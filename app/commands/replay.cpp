@@ -59,6 +59,11 @@ int report(const ReplayArguments& arguments, const record::Record& recorded,
 int replay_command(const ReplayArguments& arguments) {
   const record::Record recorded = record::read_record(arguments.record);
   warn_of_a_cut(arguments.record, recorded);
+  // Nothing compared would be nothing that differs.
+  if (recorded.entries().empty()) {
+    throw InputError(fmt::format("{}: no access was recorded: expected at least one",
+                                 scenario::one_line(arguments.record.string())));
+  }
   if (!arguments.against.empty()) {
     const record::Record other = record::read_record(arguments.against);
     warn_of_a_cut(arguments.against, other);

@@ -60,7 +60,7 @@ class Reader {
     expect_number(20, 0, "a reserved word");
     if (length + kSumBytes > bytes_.size() - kHeadBytes) {
       fail(16, fmt::format("a scenario of {} bytes: expected at most the {} that follow", length,
-                           bytes_.size() - kHeadBytes));
+                           bytes_.size() - std::min(bytes_.size(), kHeadBytes + kSumBytes)));
     }
     at_ = kHeadBytes + length;
     expect_number(at_, sum_of(bytes_.substr(0, at_)), "the head's checksum");

@@ -41,8 +41,14 @@ std::string settings_of(const app::LoadedScenario& loaded) {
 
 fs::path place_for(const fs::path& file, std::string_view option) {
   std::error_code ignored;
+  if (file.empty()) throw InputError(fmt::format("{}: expected the name of a file", option));
   if (file.filename().empty() || fs::is_directory(file, ignored)) {
     throw InputError(fmt::format("{} {}: is a folder: expected a file", option,
+                                 scenario::one_line(file.string())));
+  }
+  // It would be replaced.
+  if (fs::exists(file, ignored) && !fs::is_regular_file(file, ignored)) {
+    throw InputError(fmt::format("{} {}: is there and no regular file: expected a file", option,
                                  scenario::one_line(file.string())));
   }
   results::create_folder(file.has_parent_path() ? file.parent_path() : fs::path("."), option);

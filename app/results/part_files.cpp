@@ -47,6 +47,13 @@ void UnfinishedFile::remove_all() noexcept {
 }
 
 std::filesystem::path part_of(const std::filesystem::path& path) {
+  std::error_code none;
+  const std::filesystem::file_status there = std::filesystem::status(path, none);
+  // The whole file takes the place of what has its name, and must not take a device's.
+  if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there)) {
+    throw std::runtime_error(
+        fmt::format("cannot write {}: it is there and no regular file", path.string()));
+  }
   std::filesystem::path part = path;
   part += ".part";
   // Removes a file of that name, so that no pipe and no link to elsewhere is written into.

@@ -31,7 +31,8 @@ class UnfinishedFile {
 };
 
 // Returns "<path>.part", the name of a file until it is whole, and removes a file that has that
-// name already.
+// name already. Throws std::runtime_error if something else than a file has the final name: a
+// folder or a device.
 std::filesystem::path part_of(const std::filesystem::path& path);
 
 // Writes `bytes` to "<path>.part" and renames that to `path`, so that a run that is killed or a

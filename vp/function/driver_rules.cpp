@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <iterator>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -103,7 +104,6 @@ void DriverRules::access(Picoseconds time, Command command, const RegisterBank& 
   if (next_ != nullptr) next_->access(time, command, bank, outcome, offset, data);
   if (board_ == nullptr) return;
   ++accesses_;
-  judge_wait(time);
   if (!outcome.ok() && outcome.access != Access::busy) {
     found(DriverRule::illegal_access, [&] { return bank.describe(outcome, command); });
   } else if (command == Command::read) {
@@ -114,6 +114,7 @@ void DriverRules::access(Picoseconds time, Command command, const RegisterBank& 
     judge_write(time, bank, offset, data);
   }
   error_pending_ = bank.get(field::kInterruptStatusError) != 0;
+  if (!error_pending_) command_ignored_ = false;
   loaded_ = bank.get(field::kStatusMatrixLoaded) != 0;
   if (loaded_) unloaded_by_.clear();
   last_access_ = time;
@@ -126,7 +127,7 @@ void DriverRules::judge_read(const RegisterBank& bank, const AccessResult& outco
                     reaches(offset, bytes, Register::interrupt_status) ||
                     reaches(offset, bytes, Register::result_job);
   if (asks && !busy) end_seen_ = true;
-  if (started_ && !listed_ && !end_seen_ && is_result(offset, bytes)) {
+  if (started_ && !listed_ && !end_seen_ && !asks && is_result(offset, bytes)) {
     found(DriverRule::early_result, [&] {
       return fmt::format(
           "{} was read {}", bank.name_at(offset),
@@ -140,25 +141,7 @@ void DriverRules::judge_read(const RegisterBank& bank, const AccessResult& outco
 
 void DriverRules::judge_write(Picoseconds time, const RegisterBank& bank, std::uint64_t offset,
                               std::span<const std::uint8_t> data) {
-  struct Number {
-    Register reg;
-    std::uint32_t most;
-  };
-  const std::array numbers = {
-      Number{Register::nodes, bank.get(field::kCapabilityNodesMaxNodes)},
-      Number{Register::blocks, bank.get(field::kCapabilityBlocksMaxBlocks)},
-      Number{Register::iterations, 0xffff},
-  };
-  for (const Number& number : numbers) {
-    const std::optional<std::uint32_t> word = word_for(number.reg, offset, data);
-    if (!word || *word <= number.most || turned(*word) > number.most) continue;
-    found(DriverRule::byte_order, [&] {
-      return fmt::format(
-          "{:#x} was written to {}, which takes up to {:#x}: its bytes the other way "
-          "round are {:#x}",
-          *word, bank.name_at(offset_of(number.reg)), number.most, turned(*word));
-    });
-  }
+  judge_numbers(bank, offset, data);
   if (const auto word = word_for(Register::control, offset, data)) {
     judge_command(time, bank, *word);
   } else if (loaded_ && bank.get(field::kStatusMatrixLoaded) == 0) {
@@ -175,6 +158,44 @@ void DriverRules::judge_write(Picoseconds time, const RegisterBank& bank, std::u
   }
 }
 
+void DriverRules::judge_numbers(const RegisterBank& bank, std::uint64_t offset,
+                                std::span<const std::uint8_t> data) {
+  struct Number {
+    Register reg;
+    std::uint32_t most;
+  };
+  const std::array numbers = {
+      Number{Register::nodes, bank.get(field::kCapabilityNodesMaxNodes)},
+      Number{Register::blocks, bank.get(field::kCapabilityBlocksMaxBlocks)},
+      Number{Register::iterations, 0xffff},
+      Number{Register::interrupt_enable, 3},
+      Number{Register::control, field::kControlStart.mask() | field::kControlUpdateNode.mask() |
+                                    field::kControlLoadDone.mask() | field::kControlRunList.mask()},
+  };
+  const auto judge = [&](std::uint64_t place, std::uint32_t word, std::uint32_t most) {
+    if (word <= most || turned(word) > most) return;
+    found(DriverRule::byte_order, [&] {
+      return fmt::format(
+          "{:#x} was written to {}, which takes up to {:#x}: its bytes the other way "
+          "round are {:#x}",
+          word, bank.name_at(place), most, turned(word));
+    });
+  };
+  for (const Number& number : numbers) {
+    const std::optional<std::uint32_t> word = word_for(number.reg, offset, data);
+    if (word) judge(offset_of(number.reg), *word, number.most);
+  }
+  for (const auto& [aperture, most] :
+       {std::pair(Aperture::row_begin, bank.get(field::kCapabilityBlocksMaxBlocks)),
+        std::pair(Aperture::column, bank.get(field::kCapabilityNodesMaxNodes))}) {
+    const auto& place = kApertures[static_cast<std::size_t>(aperture)];
+    if (offset < place.offset || offset - place.offset >= place.size) continue;
+    for (std::size_t at = 0; at + 4 <= data.size(); at += 4) {
+      judge(offset + at, word_at(data, at), most);
+    }
+  }
+}
+
 void DriverRules::judge_command(Picoseconds time, const RegisterBank& bank,
                                 std::uint32_t commands) {
   const auto given = [commands](Field command) { return (commands & command.mask()) != 0; };
@@ -187,6 +208,9 @@ void DriverRules::judge_command(Picoseconds time, const RegisterBank& bank,
   const bool failed = end.time >= last_access_ && end.time <= time && end.status != HVP_OK &&
                       end.status != HVP_ERROR_SHORT_TRANSFER;
   if (commands != 0 && (error_pending_ || failed)) {
+    // The first may be how a driver comes to look.
+    const bool again = std::exchange(command_ignored_, true);
+    if (!again) return;
     found(DriverRule::command_ignored, [&] {
       return fmt::format("{:#x} was written to CONTROL while error {} was pending", commands,
                          bank.get(field::kErrorCode));
@@ -201,9 +225,10 @@ void DriverRules::judge_command(Picoseconds time, const RegisterBank& bank,
 }
 
 void DriverRules::judge_start(Picoseconds time, const RegisterBank& bank, bool listed) {
-  if (!listed && bank.get(field::kInterruptStatusDone) != 0) {
+  // An acknowledgement may be lost on its way.
+  if (!listed && bank.get(field::kInterruptStatusDone) != 0 && !acknowledged_at_start_) {
     found(DriverRule::start_unacknowledged, [] {
-      return std::string("a job was started while INTERRUPT_STATUS.done of the one before was set");
+      return std::string("a job was started while INTERRUPT_STATUS.done of an earlier end was set");
     });
   }
   if (started_ && !listed_ && !end_seen_) {
@@ -232,20 +257,16 @@ void DriverRules::judge_start(Picoseconds time, const RegisterBank& bank, bool l
   to_board_ = to_host_ = 0;
 }
 
-void DriverRules::judge_wait(Picoseconds time) {
-  if (!started_ || job_has_ended() || time - started_at_ <= kLongestWait) return;
-  started_ = false;  // said once a job
-  found(DriverRule::endless_wait, [&] {
-    return fmt::format(
-        "a job that was started at {}.{:03} ns has no end, and the host has waited "
-        "for more than a second",
-        started_at_ / 1000, started_at_ % 1000);
-  });
-}
-
+// Only the end of a run tells a long wait from one without a time-out.
 void DriverRules::finish() {
-  if (board_ == nullptr) return;
-  judge_wait(now_ps());
+  if (board_ == nullptr || !started_ || now_ps() - started_at_ <= kLongestWait) return;
+  if (job_has_ended() && (listed_ || end_seen_)) return;
+  started_ = false;
+  found(DriverRule::endless_wait, [&] {
+    return fmt::format("the host still waits for a job that was started at {}.{:03} ns and {}",
+                       started_at_ / 1000, started_at_ % 1000,
+                       job_has_ended() ? "has ended" : "has no end");
+  });
 }
 
 void DriverRules::forget_job() {
@@ -287,9 +308,15 @@ void DriverRules::asked(const OutsideHost::Access& access) {
     list_[i] = *word;
     list_set_[i] = true;
   }
+  const RegisterBank& bank = board_->accelerator().bank();
+  const auto status = word_for(Register::interrupt_status, access.offset, access.data);
+  if (status && (*status & field::kInterruptStatusDone.mask()) != 0) {
+    acknowledged_ = acknowledged_ || bank.get(field::kInterruptStatusDone) != 0;
+  }
   const std::optional<std::uint32_t> command =
       word_for(Register::control, access.offset, access.data);
   if (!command) return;
+  acknowledged_at_start_ = std::exchange(acknowledged_, false);
   if ((*command & field::kControlReset.mask()) != 0) {
     list_set_ = {};
   } else if ((*command & field::kControlRunList.mask()) != 0) {
@@ -367,6 +394,7 @@ void DriverRules::to_be_moved(bool read, std::uint64_t address, std::size_t byte
 }
 
 void DriverRules::unmapped(std::uint64_t address, std::uint64_t bytes) {
+  if (!board_->config().may_master()) return;  // which ends the board's transfers as well
   for (const Owned& owned : owned_) {
     if (!overlap(address, bytes, owned.address, owned.bytes)) continue;
     found(DriverRule::owned_memory_unmapped, [&] {
@@ -380,7 +408,16 @@ void DriverRules::unmapped(std::uint64_t address, std::uint64_t bytes) {
 void DriverRules::transferred(const MasterAccess& access) {
   if (access.purpose == MasterPurpose::descriptors && access.answered) {
     for (std::size_t at = 0; at + kDescriptorBytes <= access.data.size(); at += kDescriptorBytes) {
-      const bool to_host = word_at(access.data, at) != 0;
+      const std::uint32_t control = word_at(access.data, at);
+      if (control > 1 && turned(control) <= 1) {
+        found(DriverRule::byte_order, [&] {
+          return fmt::format(
+              "a descriptor at {:#x} begins with {:#x}: its bytes the other way round "
+              "are {:#x}",
+              access.address + at, control, turned(control));
+        });
+      }
+      const bool to_host = control != 0;
       (to_host ? to_host_ : to_board_) += word_at(access.data, at + 4);
     }
     return;

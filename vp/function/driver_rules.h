@@ -80,8 +80,9 @@ class DriverRules : public AccessObserver,
   void judge_command(Picoseconds time, const RegisterBank& bank, std::uint32_t commands);
   void judge_start(Picoseconds time, const RegisterBank& bank, bool listed);
   std::string_view missing_of_list() const;
-  void judge_wait(Picoseconds time);
   bool job_has_ended() const;
+  void judge_numbers(const RegisterBank& bank, std::uint64_t offset,
+                     std::span<const std::uint8_t> data);
   void take_memory();
   void own(const char* what, std::uint64_t address, std::size_t bytes);
   void forget_job();
@@ -101,6 +102,11 @@ class DriverRules : public AccessObserver,
   bool listed_ = false;
   bool end_seen_ = false;  // of one without a list
   Picoseconds started_at_ = 0;
+
+  // As the host has posted it: the last end is acknowledged, and was at the last start.
+  bool acknowledged_ = false;
+  bool acknowledged_at_start_ = false;
+  bool command_ignored_ = false;  // one, since the pending error came up
 
   // The board's state behind the last access.
   bool error_pending_ = false;

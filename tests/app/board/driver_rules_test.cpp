@@ -8,6 +8,7 @@
 #include <functional>
 #include <iterator>
 #include <ostream>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -203,11 +204,12 @@ const std::vector<Mistake>& mistakes() {
          d.start();
        }},
       {"error_unacknowledged", blocks, "command-ignored",
-       "0x4 was written to CONTROL while error 4", 12,
+       "0x1 was written to CONTROL while error 4", 15,
        [](Driver& d) {
          d.mistake();
          d.start();  // without a matrix, and nothing acknowledges that error
          d.load();
+         d.start();
        }},
       {"done_unacknowledged", blocks, "start-unacknowledged", "INTERRUPT_STATUS.done", 0,
        [](Driver& d) {
@@ -371,6 +373,66 @@ TEST_P(DriverMistake, IsNamed) {
 
 INSTANTIATE_TEST_SUITE_P(All, DriverMistake, testing::ValuesIn(mistakes()),
                          [](const auto& one) { return std::string(one.param.name); });
+
+// What looks like a mistake and is none.
+TEST(DriverRules, BlameNobodyForALostAcknowledgement) {
+  Driver driver({"fault[0].kind=master-abort", "fault[0].access=acknowledge", "fault[0].frame=0"});
+  driver.load();
+  driver.solve();
+  driver.solve();
+  for (const hvp_board_finding& one : driver.findings()) ADD_FAILURE() << one.what;
+}
+
+TEST(DriverRules, BlameNobodyForALongWaitThatEnds) {
+  Driver driver({"fault[0].kind=stuck-busy", "fault[0].frame=0"});
+  driver.load();
+  driver.give_b();
+  driver.start();
+  hvp_board_run_until_ps(driver.board, hvp_board_now_ps(driver.board) + 3 * 1000 * kSecond);
+  driver.write(kControl, field::kControlReset.mask());
+  driver.load();
+  driver.solve();
+  for (const hvp_board_finding& one : driver.findings()) ADD_FAILURE() << one.what;
+}
+
+TEST(DriverRules, ABurstThatBeginsWithTheLookIsALook) {
+  Driver driver(blocks());
+  driver.load();
+  driver.give_b();
+  driver.start();
+  std::array<std::uint32_t, 8> words{};
+  do {
+    hvp_board_read(driver.board, offset_of(Register::result_job), words.data(), sizeof words);
+  } while (words[0] != 1);
+  driver.acknowledge();
+  for (const hvp_board_finding& one : driver.findings()) ADD_FAILURE() << one.what;
+}
+
+TEST(DriverRules, AnInterruptThatNobodyHearsOfIsAnEndlessWait) {
+  Driver driver({"fault[0].kind=lost-interrupt", "fault[0].frame=0"});
+  driver.load();
+  driver.write(kInterruptEnable, 3);
+  driver.give_b();
+  driver.start();
+  hvp_board_run_until_ps(driver.board, hvp_board_now_ps(driver.board) + 3 * 1000 * kSecond);
+  const std::vector<hvp_board_finding> all = driver.findings();
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_STREQ(all[0].rule, "endless-wait");
+}
+
+TEST(DriverRules, AListInTheOtherByteOrderIsNamed) {
+  Driver driver(dma());
+  driver.load();
+  driver.describe();
+  std::span<std::uint32_t> list(driver.page(2), 16);
+  for (std::uint32_t& word : list) word = __builtin_bswap32(word);
+  driver.tell_list();
+  driver.ring();
+  driver.await_record();
+  const std::vector<hvp_board_finding> all = driver.findings();
+  ASSERT_FALSE(all.empty());
+  EXPECT_STREQ(all[0].rule, "byte-order");
+}
 
 class CleanDriver : public testing::TestWithParam<std::vector<const char*> (*)()> {};
 
