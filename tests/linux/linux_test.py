@@ -379,7 +379,7 @@ def wrong_words(guest: Guest) -> None:
             "--check kasan,nothing: expected words of driver, dma, kasan, lockdep",
         ),
         (("--check", ""), "--check: expected a value"),
-        (("--check", "kasan", "--gdb"), "--check and --gdb: expected one of them"),
+        (("--check", "kasan", "--gdb"), "--gdb and a kernel that checks: expected one of them"),
         (("--script", "/none"), "--script /none: expected a file that can be read"),
     ):
         done = guest.run(*words, status=2)
