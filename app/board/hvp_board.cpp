@@ -271,7 +271,7 @@ std::size_t hvp_board_findings(hvp_board* board, hvp_board_finding* findings, st
   return caught(std::size_t{0}, [&] {
     board->wait_for_writes();
     board->rules->finish();
-    board->findings = board->rules->findings();
+    board->findings = board->rules->report().findings;
     for (std::size_t i = 0; i < std::min(room, board->findings.size()); ++i) {
       const hvp::vp::DriverFinding& one = board->findings[i];
       findings[i] = {.rule = hvp::vp::name(one.rule).data(),

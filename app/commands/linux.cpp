@@ -179,12 +179,8 @@ std::string fault_lines(const guest::GuestFigures& figures) {
 
 std::string driver_lines(const guest::GuestFigures& figures) {
   if (!figures.guest.driver) return {};
-  if (figures.guest.driver->empty()) return "\n  driver        broke no rule";
-  std::string text;
-  for (const vp::DriverFinding& one : *figures.guest.driver) {
-    text += "\n  driver        " + results::finding_text(one);
-  }
-  return text;
+  return fmt::format("\n  driver        {}",
+                     fmt::join(results::report_lines(*figures.guest.driver), "\n  driver        "));
 }
 
 std::string complaint_lines(const guest::GuestFacts& facts) {
@@ -295,7 +291,7 @@ int linux_command(const LinuxArguments& arguments) {
     figures =
         results.finish(s, {guest.counts(), guest.dma(), guest.first_access(), std::move(missing),
                            checks.of_kernel, complaints.found(), end.interrupted,
-                           rules ? std::optional(rules->findings()) : std::nullopt});
+                           rules ? std::optional(rules->report()) : std::nullopt});
   }
   if (registers) registers->finish();
   if (record) record->finish();

@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -60,7 +61,8 @@ int replay_command(const ReplayArguments& arguments) {
   const record::Record recorded = record::read_record(arguments.record);
   warn_of_a_cut(arguments.record, recorded);
   // Nothing compared would be nothing that differs.
-  if (recorded.entries().empty()) {
+  if (std::ranges::find(recorded.entries(), record::Kind::ended, &record::Entry::kind) ==
+      recorded.entries().end()) {
     throw InputError(fmt::format("{}: no access was recorded: expected at least one",
                                  scenario::one_line(arguments.record.string())));
   }

@@ -66,10 +66,9 @@ int serve_command(const ServeArguments& arguments) {
     warn_of_faults_that_never_struck(board.function());
     if (rules) {
       rules->finish();
-      for (const vp::DriverFinding& one : rules->findings()) {
-        print("driver: {}\n", results::finding_text(one));
-        broken = true;
-      }
+      const vp::DriverReport report = rules->report();
+      for (const std::string& line : results::report_lines(report)) print("driver: {}\n", line);
+      broken = !report.findings.empty();
     }
     if (record) {
       record->finish();

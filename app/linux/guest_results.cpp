@@ -45,7 +45,7 @@ vp::BusUse all_use(const vp::BusAssembly& buses) {
 }  // namespace
 
 bool GuestFigures::driver_is_wrong() const {
-  const bool by_rules = guest.driver && !guest.driver->empty();
+  const bool by_rules = guest.driver && !guest.driver->findings.empty();
   return by_rules || (guest.dma && guest.dma->refused + guest.dma->misuses > 0);
 }
 

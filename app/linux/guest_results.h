@@ -37,8 +37,8 @@ struct GuestFacts {
   std::vector<Complaints::Complaint> complaints;
   // The user ended the run: a job under way is none, where it is one that failed otherwise.
   bool interrupted = false;
-  // The rules that its driver broke; none: nobody watched.
-  std::optional<std::vector<vp::DriverFinding>> driver;
+  // None: nobody watched.
+  std::optional<vp::DriverReport> driver;
 };
 
 // The figures of a run whose host is a Linux kernel: those of `hvp run` about times, the board and

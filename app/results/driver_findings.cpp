@@ -15,10 +15,21 @@ std::string finding_text(const vp::DriverFinding& finding) {
   return text;
 }
 
-void report_driver_findings(config::Figures& f, const std::vector<vp::DriverFinding>& findings) {
+std::vector<std::string> report_lines(const vp::DriverReport& report) {
+  if (report.accesses == 0) return {"not measured: the board was not accessed"};
+  if (report.findings.empty()) {
+    return {fmt::format("broke no rule; accesses to the board: {}", report.accesses)};
+  }
+  std::vector<std::string> lines;
+  for (const vp::DriverFinding& one : report.findings) lines.push_back(finding_text(one));
+  return lines;
+}
+
+void report_driver_findings(config::Figures& f, const vp::DriverReport& report) {
+  f.count("driver_accesses", report.accesses, "to the BAR, at which the driver was watched");
   f.list("driver_findings",
          "One entry for each rule that the driver broke ([driver-rules.md](driver-rules.md)).",
-         findings, [&](const vp::DriverFinding& one) {
+         report.findings, [&](const vp::DriverFinding& one) {
            f.text("rule", vp::name(one.rule), "its name");
            f.count("count", one.count, "how often");
            f.text("what", one.what, "the first time");

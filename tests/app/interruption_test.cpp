@@ -1,8 +1,11 @@
 #include <csignal>
+#include <filesystem>
 #include <fstream>
+#include <stdexcept>
 #include <string>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "app/results/part_files.h"
 #include "app/results/pictures.h"
@@ -15,6 +18,16 @@ class InterruptionTest : public ::testing::Test {
  protected:
   ScratchDirectory place_;
 };
+
+// A whole file takes the place of what has its name: not a device's, nor a pipe's.
+TEST_F(InterruptionTest, WhatIsNoFileKeepsItsPlace) {
+  const auto pipe = place_.path() / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THROW(write_through_part_file(pipe, "words"), std::runtime_error);
+  EXPECT_THROW(PartStream{pipe}, std::runtime_error);
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+  EXPECT_FALSE(std::filesystem::exists(place_.path() / "pipe.part"));
+}
 
 using InterruptionDeathTest = InterruptionTest;
 

@@ -197,7 +197,7 @@ def is_named(guest: Guest, bug: Bug) -> None:
 
 def the_module_breaks_no_rule(guest: Guest, words: tuple[str, ...]) -> None:
     ran = guest.run(f"{SOLVE}\nhvp-driver-suite /dev/hvp0 --case fifty-jobs\n", *CHECK, *words)
-    if ran.summary["driver_findings"]:
+    if ran.summary["driver_accesses"] == 0 or ran.summary["driver_findings"]:
         raise WrongError(f"{words}: {ran.summary['driver_findings']}")
 
 
@@ -218,7 +218,9 @@ def main() -> int:
         lines(guest)
         return 0
     failed = 0
-    chosen = share_of(arguments, BUGS)
+    # No other layer knows where a handler ends.
+    only_here = tuple(bug for bug in BUGS if bug.word == "line-left-up")
+    chosen = tuple(dict.fromkeys((*only_here, *share_of(arguments, BUGS))))
     tests: dict[str, Callable[[], None]] = {
         "the module by DMA and MSI": partial(the_module_breaks_no_rule, guest, ()),
         "the module by words and INTA#": partial(the_module_breaks_no_rule, guest, LINE),

@@ -80,18 +80,12 @@ void DriverRules::found(DriverRule rule, const Text& text) {
   if (listener_) listener_(finding);
 }
 
-std::vector<DriverFinding> DriverRules::findings() const {
-  std::vector<DriverFinding> all;
-  std::ranges::copy_if(findings_, std::back_inserter(all),
+DriverReport DriverRules::report() const {
+  DriverReport report{.accesses = accesses_, .findings = {}};
+  std::ranges::copy_if(findings_, std::back_inserter(report.findings),
                        [](const DriverFinding& one) { return one.count > 0; });
-  std::ranges::stable_sort(all, {}, &DriverFinding::first);
-  return all;
-}
-
-std::int64_t DriverRules::count() const {
-  std::int64_t all = 0;
-  for (const DriverFinding& one : findings_) all += one.count;
-  return all;
+  std::ranges::stable_sort(report.findings, {}, &DriverFinding::first);
+  return report;
 }
 
 bool DriverRules::job_has_ended() const {
@@ -150,7 +144,7 @@ void DriverRules::judge_write(Picoseconds time, const RegisterBank& bank, std::u
   if (line_blocked_ && bank.get(field::kInterruptStatusDone) == 0 &&
       bank.get(field::kInterruptStatusError) == 0) {
     line_blocked_ = false;
-    found(DriverRule::interrupt_lost, [] {
+    found(DriverRule::interrupt_blocked, [] {
       return std::string(
           "the interrupt was acknowledged, and the host never got it: neither INTA# "
           "(COMMAND) nor messages are enabled");
@@ -427,7 +421,7 @@ void DriverRules::transferred(const MasterAccess& access) {
   const RegisterBank& bank = board_->accelerator().bank();
   const auto judge = [&](const char* what, std::uint64_t moved, std::uint64_t whole) {
     if (!done || moved == 0 || moved == whole) return;
-    found(DriverRule::short_list, [&] {
+    found(DriverRule::list_length, [&] {
       return fmt::format("the list's descriptors move {} bytes of {}, which has {}", moved, what,
                          whole);
     });

@@ -40,9 +40,7 @@ class DriverRules : public AccessObserver,
   // No access follows.
   void finish();
 
-  // The rules that were broken, by the time of the first.
-  std::vector<DriverFinding> findings() const;
-  std::int64_t count() const;
+  DriverReport report() const;
 
   // AccessObserver
   void access(Picoseconds time, Command command, const RegisterBank& bank,

@@ -3,6 +3,7 @@
 #include <systemc>
 
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
 #include "tests/app/record/recorded_program.h"
 
@@ -152,6 +153,31 @@ TEST_F(Replay, ACutRecordIsReadUpToTheCut) {
   EXPECT_EQ(ended.status, 0) << ended.out;
   EXPECT_EQ(ended.err, "warning: a.bin: byte " + std::to_string(half.at) +
                            ": the file ends within an entry: read until there\n");
+}
+
+// Nothing that was compared is nothing that is alike.
+TEST_F(Replay, ARecordWithoutAnAccessIsRefused) {
+  record_a_job();
+  const std::string whole = cli::read(place.path() / "a.bin");
+  const Record record = recorded();
+  const auto first = std::ranges::find(record.entries(), Kind::ended, &Entry::kind);
+  ASSERT_GT(first - record.entries().begin(), 0);
+  cli::write(place.path() / "a.bin", whole.substr(0, first->at));
+  const cli::Ended ended = replay();
+  EXPECT_EQ(ended.status, 2);
+  EXPECT_NE(ended.err.find("a.bin: no access was recorded: expected at least one\n"),
+            std::string::npos)
+      << ended.err;
+}
+
+TEST_F(Replay, APipeIsNoPlaceForARecord) {
+  const std::filesystem::path pipe = place.path() / "a.bin";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const std::string scenario = cli::scenario("thesis.toml").string();
+  const hvp_board_options options = {nullptr, 0, nullptr, false, pipe.c_str()};
+  EXPECT_EQ(hvp_board_open(scenario.c_str(), &options, why.data(), why.size()), nullptr);
+  EXPECT_NE(std::string(why.data()).find("no regular file"), std::string::npos) << why.data();
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
 }
 
 TEST_F(Replay, WhatIsNoRecordIsRefusedInALine) {
