@@ -463,6 +463,17 @@ TEST(DriverRules, ABoardThatMayNotMasterOwnsNoMemory) {
   }
 }
 
+// The board's own error says what is wrong with such a list.
+TEST(DriverRules, AListThatFailedHasNoLength) {
+  Driver driver(dma());
+  driver.load();
+  driver.describe(3);
+  driver.tell_list();
+  driver.ring();
+  ASSERT_TRUE(driver.await_record());
+  for (const hvp_board_finding& one : driver.findings()) ADD_FAILURE() << one.what;
+}
+
 class OtherByteOrder : public testing::TestWithParam<std::pair<std::uint32_t, std::uint32_t>> {};
 
 TEST_P(OtherByteOrder, IsNamed) {
