@@ -9,15 +9,31 @@
 
 namespace hvp::vp {
 
-void return_to_main_stack() {
-  pthread_attr_t attributes;
-  if (pthread_getattr_np(pthread_self(), &attributes) != 0) return;
+namespace {
+
+struct Stack {
   void* bottom = nullptr;
   std::size_t size = 0;
-  pthread_attr_getstack(&attributes, &bottom, &size);
+};
+
+// glibc reads /proc/self/maps for this.
+Stack of_this_thread() {
+  Stack stack;
+  pthread_attr_t attributes;
+  if (pthread_getattr_np(pthread_self(), &attributes) != 0) return stack;
+  pthread_attr_getstack(&attributes, &stack.bottom, &stack.size);
   pthread_attr_destroy(&attributes);
+  return stack;
+}
+
+}  // namespace
+
+void return_to_main_stack() {
+  // SystemC and its main belong to one thread.
+  static const Stack kStack = of_this_thread();
+  if (kStack.bottom == nullptr) return;
   void* fake_stack = nullptr;
-  __sanitizer_start_switch_fiber(&fake_stack, bottom, size);
+  __sanitizer_start_switch_fiber(&fake_stack, kStack.bottom, kStack.size);
   __sanitizer_finish_switch_fiber(fake_stack, nullptr, nullptr);
 }
 

@@ -51,6 +51,9 @@ struct PlatformSettings : SystemSettings {
   Picoseconds budget = 2'000'000'000;
   fixed::Settings solver;  // the board's settings
   std::optional<WaveformWindow> waveform;
+  // Of a host in another program, which stands still at random for up to this time, s; none: it
+  // goes on at once.
+  std::optional<double> longest_stall_s;
   // One for each probe; empty: they are made from `device`. They have to outlive the platform.
   std::vector<plant::Device*> haptic_devices;
 };

@@ -21,6 +21,7 @@
 #include "app/results/board_records.h"
 #include "app/results/results_folder.h"
 #include "app/scene/loaded_scenario.h"
+#include "vp/bus/weak_memory.h"
 #include "vp/frame/ledger.h"
 #include "vp/function/driver_rules.h"
 #include "vp/function/outside_host.h"
@@ -46,6 +47,23 @@ class LastJob : public hvp::vp::FrameObserver {
   std::optional<hvp_board_job> job;
 };
 
+// What the program maps has its stores in order as they are made visible.
+class WeakMaps : public hvp::vp::MemoryObserver {
+ public:
+  WeakMaps(hvp::vp::HostMemory& memory, std::int64_t seed) : order(memory, seed) {
+    memory.order_by(&order);
+    memory.observe(*this);
+  }
+  void mapped(std::uint64_t address, std::uint64_t bytes, bool /*writable*/) override {
+    order.map(address, bytes);
+  }
+  void unmapped(std::uint64_t address, std::uint64_t bytes) override {
+    order.unmap_all(address, bytes);
+  }
+
+  hvp::vp::WeakMemory order;
+};
+
 struct hvp_board {
   hvp_board(const hvp::app::LoadedScenario& scenario, const hvp::vp::PlatformSettings& settings,
             const hvp_board_options& options)
@@ -57,6 +75,11 @@ struct hvp_board {
     if (trace != nullptr) trace->watch(function.accelerator());
     if (rules) hvp::app::watch_driver(*rules, function);
     if (record != nullptr) record->watch(function);
+    const hvp::app::Scenario& s = scenario.scenario;
+    if (s.guest && s.guest->memory_order == hvp::host::GuestCosts::MemoryOrder::weak &&
+        function.memory() != nullptr) {
+      weak.emplace(*function.memory(), s.seed);
+    }
     bus.enumerate();
   }
 
@@ -88,6 +111,7 @@ struct hvp_board {
   std::optional<hvp::vp::DriverRules> rules;
   std::unique_ptr<hvp::record::RecordFile> record;
   hvp::vp::BoardFunction function;
+  std::optional<WeakMaps> weak;
   hvp::app::BoardBus bus;
   std::vector<hvp::vp::DriverFinding> findings;  // as they were copied last
 };
@@ -195,6 +219,10 @@ bool hvp_board_map(hvp_board* board, std::uint64_t bus_address, void* memory, st
 bool hvp_board_unmap(hvp_board* board, std::uint64_t bus_address, std::uint64_t bytes) {
   hvp::vp::HostMemory* const host = board->function.memory();
   return host != nullptr && host->unmap(bus_address, bytes);
+}
+
+void hvp_board_barrier(hvp_board* board) {
+  if (board->weak) board->weak->order.barrier();
 }
 
 void hvp_board_read(hvp_board* board, std::uint64_t offset, void* data, std::size_t bytes) {

@@ -54,6 +54,11 @@ bool hvp_board_map(struct hvp_board* board, uint64_t bus_address, void* memory, 
 // anything if a range lies there in part.
 bool hvp_board_unmap(struct hvp_board* board, uint64_t bus_address, uint64_t bytes);
 
+// What the program has stored in mapped memory is visible to the board from now on, as behind
+// Linux' dma_wmb(). It matters with guest.memory_order = "weak" alone: the board may else see it
+// late, a line of 64 bytes at a time (docs/driver-rules.md). For the `sync` of struct hvp_dma.
+void hvp_board_barrier(struct hvp_board* board);
+
 // Accesses 1, 2, 4 or 8 bytes of the BAR, or a block of words, as docs/registers.md defines.
 void hvp_board_read(struct hvp_board* board, uint64_t offset, void* data, size_t bytes);
 void hvp_board_write(struct hvp_board* board, uint64_t offset, const void* data, size_t bytes);

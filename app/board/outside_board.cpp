@@ -1,5 +1,6 @@
 #include "app/board/outside_board.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "app/results/driver_findings.h"
@@ -58,7 +59,19 @@ vp::PlatformSettings outside_board(const LoadedScenario& loaded) try {
   settings.period = to_picoseconds(s.budget.period_s);
   settings.budget = settings.period;
   settings.solver = s.solver;
+  if (s.guest && s.guest->schedule == host::GuestCosts::Schedule::random) {
+    settings.longest_stall_s = s.guest->longest_delay_s;
+  }
   return settings;
+} catch (const InputError& e) {
+  throw loaded.document.complete(e);
+}
+
+void require_strong_order(const LoadedScenario& loaded, std::string_view who) try {
+  const Scenario& s = loaded.scenario;
+  if (!s.guest || s.guest->memory_order != host::GuestCosts::MemoryOrder::weak) return;
+  throw InputError("guest.memory_order",
+                   fmt::format("{} tells of no barriers: expected \"strong\"", who));
 } catch (const InputError& e) {
   throw loaded.document.complete(e);
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string_view>
+
 #include "app/scene/loaded_scenario.h"
 #include "vp/function/driver_rules.h"
 #include "vp/function/outside_host.h"
@@ -16,6 +18,9 @@ void require_board_with_words(const LoadedScenario& loaded);
 // solved. Throws as require_board_with_words() does, and if the scenario has an effect that only
 // the host of `hvp run` provides: pictures on the bus.
 vp::PlatformSettings outside_board(const LoadedScenario& loaded);
+
+// Throws InputError if the scenario has a weak order of memory: `who` cannot tell of barriers.
+void require_strong_order(const LoadedScenario& loaded, std::string_view who);
 
 // A warning for each [[fault]] that did not happen, with why: it would pass for one that was
 // survived. For hosts that print no report.

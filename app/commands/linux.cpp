@@ -183,6 +183,17 @@ std::string driver_lines(const guest::GuestFigures& figures) {
                      fmt::join(results::report_lines(*figures.guest.driver), "\n  driver        "));
 }
 
+std::string order_lines(const guest::GuestFacts& facts) {
+  if (!facts.memory_order) return {};
+  const vp::WeakMemory::Counts& order = *facts.memory_order;
+  return fmt::format(
+      "\n  memory order  {} of the board's to what had no barrier behind it{}",
+      results::counted(order.unordered, "transfer"),
+      order.unordered == 0
+          ? std::string()
+          : fmt::format("; with this seed {} of them got or left other words", order.changed));
+}
+
 std::string complaint_lines(const guest::GuestFacts& facts) {
   if (facts.checks.empty()) return {};
   std::string text = fmt::format(
@@ -197,7 +208,8 @@ std::string complaint_lines(const guest::GuestFacts& facts) {
 
 std::string frames_text(const guest::GuestFigures& figures) {
   const vp::Verdict& v = figures.verdict;
-  const std::string checked = driver_lines(figures) + complaint_lines(figures.guest);
+  const std::string checked =
+      driver_lines(figures) + order_lines(figures.guest) + complaint_lines(figures.guest);
   if (v.frames() == 0) return "no job was solved" + fault_lines(figures) + checked;
   std::string text =
       fmt::format("{} frames, {} a period of {}: worst {}, median {}; {}", v.frames(),
@@ -251,6 +263,9 @@ int linux_command(const LinuxArguments& arguments) {
   if (settings.check_dma && board.memory() == nullptr) {
     spdlog::warn("--check dma: the board moves nothing by itself (transfer.method)");
   }
+  if (s.guest && s.guest->memory_order == host::GuestCosts::MemoryOrder::weak) {
+    settings.weak_memory_seed = s.seed;
+  }
   if (s.guest) settings.system_call_ns = std::llround(1e9 * s.guest->system_call_s);
   std::ofstream console(out / "console.log", std::ios::trunc);
   guest::Complaints complaints(checks.of_kernel);
@@ -289,9 +304,9 @@ int linux_command(const LinuxArguments& arguments) {
     }
     if (rules) rules->finish();
     figures =
-        results.finish(s, {guest.counts(), guest.dma(), guest.first_access(), std::move(missing),
-                           checks.of_kernel, complaints.found(), end.interrupted,
-                           rules ? std::optional(rules->report()) : std::nullopt});
+        results.finish(s, {guest.counts(), guest.dma(), guest.memory_order(), guest.first_access(),
+                           std::move(missing), checks.of_kernel, complaints.found(),
+                           end.interrupted, rules ? std::optional(rules->report()) : std::nullopt});
   }
   if (registers) registers->finish();
   if (record) record->finish();

@@ -35,6 +35,7 @@ int serve_command(const ServeArguments& arguments) {
   const LoadedScenario loaded = load(arguments);
   check_kernel("HVP_KERNEL");
   const vp::PlatformSettings settings = outside_board(loaded);
+  require_strong_order(loaded, "a socket");
   fs::path out = arguments.out;
   std::optional<results::FolderLock> lock;
   std::optional<results::RegisterTrace> registers;

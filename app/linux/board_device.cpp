@@ -28,9 +28,9 @@ bool of_configuration(const pci::Command& command) {
 
 }  // namespace
 
-BoardDevice::BoardDevice(vp::OutsideHost& host, vp::HostMemory* memory, DmaCheck* check,
+BoardDevice::BoardDevice(vp::OutsideHost& host, vp::HostMemory* memory, const Mappings& told,
                          Calendar& calendar, Stream stream)
-    : host_(host), memory_(memory), check_(check), calendar_(calendar), stream_(std::move(stream)) {
+    : host_(host), memory_(memory), told_(told), calendar_(calendar), stream_(std::move(stream)) {
   host_.listen(*this);
   host_.show_bus_errors();
 }
@@ -57,17 +57,16 @@ std::uint64_t BoardDevice::answer(const vhost::Header& header,
                                   std::vector<Descriptor>& descriptors) {
   switch (static_cast<Request>(header.request)) {
     case Request::get_features:
-      return vhost::kFeatures | (check_ != nullptr ? vhost::kDmaFeature : 0);
+      return vhost::kFeatures |
+             (told_.check != nullptr || told_.order != nullptr ? vhost::kDmaFeature : 0) |
+             (told_.order != nullptr ? vhost::kBarrierFeature : 0);
     case Request::get_protocol_features:
       return vhost::kProtocolFeatures;
     case Request::set_features:
-      if (check_ != nullptr) {
-        check_->accepted((vhost::parse_number(payload) & vhost::kDmaFeature) != 0);
-      }
+      accept(vhost::parse_number(payload));
       return 0;
     case Request::translation:
-      if (check_ == nullptr) throw GuestError("vhost-user: a mapping that nobody asked for");
-      check_->take(vhost::parse_translation(payload));
+      take(vhost::parse_translation(payload));
       return 0;
     case Request::set_protocol_features:
     case Request::set_owner:
@@ -114,6 +113,46 @@ std::uint64_t BoardDevice::answer(const vhost::Header& header,
       return 0;
   }
   throw GuestError(fmt::format("vhost-user: a request {} that is not answered", header.request));
+}
+
+void BoardDevice::accept(std::uint64_t features) {
+  if (told_.check != nullptr) told_.check->accepted((features & vhost::kDmaFeature) != 0);
+  if (told_.order == nullptr) return;
+  const bool tells =
+      (features & vhost::kDmaFeature) != 0 && (features & vhost::kBarrierFeature) != 0;
+  if (tells) return;
+  told_.order = nullptr;
+  spdlog::warn(
+      "guest.memory_order: the kernel tells of no barriers, and its stores are in order; expected "
+      "one with driver/linux/kernel/patches/virt-pci-4-barrier.patch");
+}
+
+void BoardDevice::take(const vhost::Translation& message) {
+  using Kind = vhost::Translation::Kind;
+  if (told_.check == nullptr && told_.order == nullptr) {
+    throw GuestError("vhost-user: a mapping that nobody asked for");
+  }
+  if (told_.check != nullptr) told_.check->take(message);
+  if (told_.order == nullptr) return;
+  switch (message.kind) {
+    case Kind::map:
+      told_.order->map(message.address, message.bytes);
+      return;
+    case Kind::unmap:
+      told_.order->unmap(message.address);
+      return;
+    case Kind::sync_for_device:
+      told_.order->sync(message.address, message.bytes);
+      return;
+    case Kind::sync_for_cpu:
+      return;
+    case Kind::unbound:
+      told_.order->unmap_all(0, ~std::uint64_t{0});
+      return;
+    case Kind::barrier:
+      told_.order->barrier();
+      return;
+  }
 }
 
 Virtqueue& BoardDevice::ring(std::uint32_t number) {
@@ -166,6 +205,7 @@ void BoardDevice::take_commands() {
     unreclaimed_ += static_cast<std::uint32_t>(chain->entries);
     Operation operation{.chain = std::move(*chain), .command = {}};
     operation.command = pci::parse(operation.chain.sent, operation.chain.room_bytes, vp::kBarBytes);
+    if (!of_configuration(operation.command)) stalled_for_ += host_.stall();
     operations_.push_back(std::move(operation));
   }
   if (unreclaimed_ >= rings_[kCommands].size() && !counts_.overrun) {
@@ -183,18 +223,26 @@ void BoardDevice::hold() {
   advance();
   const vp::Picoseconds latest = to_ps(calendar_.latest(now_ns()));
   while (awaits_an_answer() || operations_.size() > kMostPosted) {
-    const bool reached = host_.run_until(latest);
-    advance();
-    if (!reached) continue;
+    if (!run_until(latest)) continue;
     if (awaits_an_answer()) ++counts_.polled;
     break;
   }
+  // A timer of the guest's ends this as it ends a poll.
+  const vp::Picoseconds until = std::min(latest, vp::now_ps() + stalled_for_);
+  stalled_for_ = 0;
+  while (vp::now_ps() < until) run_until(until);
   while (!whole_ns()) {
     host_.run_until(to_ps(now_ns()));
     advance();
   }
   if (now_ns() > calendar_.told()) calendar_.run(now_ns());
   if (unreclaimed_ > rings_[kCommands].size() / 2) give_back();
+}
+
+bool BoardDevice::run_until(vp::Picoseconds time) {
+  const bool reached = host_.run_until(time);
+  advance();
+  return reached;
 }
 
 void BoardDevice::advance() {

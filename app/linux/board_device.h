@@ -15,6 +15,7 @@
 #include "app/linux/vhost_user.h"
 #include "app/linux/virtqueue.h"
 #include "vp/bus/host_memory.h"
+#include "vp/bus/weak_memory.h"
 #include "vp/function/outside_host.h"
 
 namespace hvp::guest {
@@ -43,10 +44,15 @@ class BoardDevice : public vp::InterruptListener {
     bool overrun = false;         // more posted writes than its ring has entries
   };
 
-  // Keeps references. `memory` is null if the board is no bus master. `check` is told what the
-  // guest's driver maps; null: nobody asks for it.
-  BoardDevice(vp::OutsideHost& host, vp::HostMemory* memory, DmaCheck* check, Calendar& calendar,
-              Stream stream);
+  // Who is told what the guest's driver maps; null: nobody asks for it.
+  struct Mappings {
+    DmaCheck* check = nullptr;
+    vp::WeakMemory* order = nullptr;
+  };
+
+  // Keeps references. `memory` is null if the board is no bus master.
+  BoardDevice(vp::OutsideHost& host, vp::HostMemory* memory, const Mappings& told,
+              Calendar& calendar, Stream stream);
   ~BoardDevice() override;
 
   int number() const { return stream_.number(); }
@@ -61,6 +67,8 @@ class BoardDevice : public vp::InterruptListener {
   // no such time is known.
   std::optional<vp::Picoseconds> due() const;
   const Counts& counts() const { return counts_; }
+  // True if the kernel tells what Mappings::order needs.
+  bool tells_of_order() const { return told_.order != nullptr; }
   const RecentAccesses& recent() const { return recent_; }
 
   // InterruptListener
@@ -80,8 +88,11 @@ class BoardDevice : public vp::InterruptListener {
 
   std::uint64_t answer(const vhost::Header& header, std::span<const std::uint8_t> payload,
                        std::vector<Descriptor>& descriptors);
+  void accept(std::uint64_t features);
+  void take(const vhost::Translation& message);
   void share_memory(std::span<const std::uint8_t> payload, std::vector<Descriptor>& descriptors);
   void unshare_memory();
+  bool run_until(vp::Picoseconds time);
   Virtqueue& ring(std::uint32_t number);
   void kicked(std::uint32_t number);
   void take_commands();
@@ -95,7 +106,7 @@ class BoardDevice : public vp::InterruptListener {
 
   vp::OutsideHost& host_;
   vp::HostMemory* memory_;
-  DmaCheck* check_;
+  Mappings told_;
   Calendar& calendar_;
   Stream stream_;
   Stream back_channel_;
@@ -104,6 +115,7 @@ class BoardDevice : public vp::InterruptListener {
   Virtqueue rings_[kRings];
   std::deque<Operation> operations_;    // in order; their addresses are stable
   std::vector<std::uint16_t> written_;  // heads of finished writes that are not yet returned
+  vp::Picoseconds stalled_for_ = 0;     // behind the accesses that were taken last
   std::uint32_t unreclaimed_ = 0;       // entries that the guest cannot have reclaimed yet
   std::deque<pci::Interrupt> untold_;
   bool line_up_ = false;

@@ -43,6 +43,14 @@ Guest::Guest(vp::BoardFunction& board, const GuestSettings& settings)
                 .print = settings.print}),
       system_call_ns_(settings.system_call_ns) {
   if (settings.check_dma && board.memory() != nullptr) dma_check_.emplace(*board.memory());
+  if (settings.weak_memory_seed && board.memory() != nullptr) {
+    weak_memory_.emplace(*board.memory(), *settings.weak_memory_seed);
+    board.memory()->order_by(&*weak_memory_);
+  }
+}
+
+Guest::~Guest() {
+  if (weak_memory_) board_.memory()->order_by(nullptr);
 }
 
 std::vector<std::string> Guest::arguments(const GuestSettings& settings) const {
@@ -81,6 +89,11 @@ const BoardDevice::Counts& Guest::counts() const {
 
 std::optional<DmaCheck::Counts> Guest::dma() const {
   return dma_check_ ? dma_check_->counts() : std::nullopt;
+}
+
+std::optional<vp::WeakMemory::Counts> Guest::memory_order() const {
+  const bool tells = weak_memory_ && device_ && device_->tells_of_order();
+  return tells ? std::optional(weak_memory_->counts()) : std::nullopt;
 }
 
 Guest::End Guest::run() {
@@ -149,9 +162,11 @@ void Guest::serve() {
     calendar_.serve(now_ns());
     if (calendar_.waiting()) told_ = false;
   } else if (!device_) {
-    device_ = std::make_unique<BoardDevice>(board_.host(), board_.memory(),
-                                            dma_check_ ? &*dma_check_ : nullptr, calendar_,
-                                            device_socket_.accept(process_));
+    device_ = std::make_unique<BoardDevice>(
+        board_.host(), board_.memory(),
+        BoardDevice::Mappings{dma_check_ ? &*dma_check_ : nullptr,
+                              weak_memory_ ? &*weak_memory_ : nullptr},
+        calendar_, device_socket_.accept(process_));
   } else {
     device_->serve();
     process_.did_something();

@@ -30,6 +30,8 @@ struct GuestSettings {
   bool hold = false;  // stops it before its first instruction, until a debugger continues it
   std::int64_t system_call_ns = 0;  // time of a system call; 0: none
   bool check_dma = false;  // the board reaches what its driver has mapped, and nothing else
+  // The guest's stores become visible late, as this draws it (vp/bus/weak_memory.h); none: at once.
+  std::optional<std::int64_t> weak_memory_seed;
   std::function<void(std::string_view)> print;  // receives each line of the console
 };
 
@@ -39,6 +41,9 @@ class Guest {
  public:
   // Starts the kernel. Keeps a reference to the board.
   Guest(vp::BoardFunction& board, const GuestSettings& settings);
+  ~Guest();
+  Guest(const Guest&) = delete;
+  Guest& operator=(const Guest&) = delete;
 
   struct End {
     bool interrupted = false;  // by the user
@@ -57,6 +62,8 @@ class Guest {
   const BoardDevice::Counts& counts() const;
   // None if DMA was not checked, or could not be.
   std::optional<DmaCheck::Counts> dma() const;
+  // None if the guest's stores are in order, or its kernel does not tell of barriers.
+  std::optional<vp::WeakMemory::Counts> memory_order() const;
   // True if a system call took the time that it was given. A kernel without the patch ignores that
   // time.
   bool system_calls_take_time() const { return system_calls_take_time_; }
@@ -79,6 +86,7 @@ class Guest {
   GuestProcess process_;
   Calendar calendar_;
   std::optional<DmaCheck> dma_check_;
+  std::optional<vp::WeakMemory> weak_memory_;
   std::unique_ptr<BoardDevice> device_;
   std::int64_t system_call_ns_;
   bool system_calls_take_time_ = false;

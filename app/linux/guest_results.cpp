@@ -46,7 +46,8 @@ vp::BusUse all_use(const vp::BusAssembly& buses) {
 
 bool GuestFigures::driver_is_wrong() const {
   const bool by_rules = guest.driver && !guest.driver->findings.empty();
-  return by_rules || (guest.dma && guest.dma->refused + guest.dma->misuses > 0);
+  const bool unordered = guest.memory_order && guest.memory_order->unordered > 0;
+  return by_rules || unordered || (guest.dma && guest.dma->refused + guest.dma->misuses > 0);
 }
 
 bool GuestFigures::held() const {
@@ -108,6 +109,9 @@ void GuestFigures::report(config::Figures& f) const {
   });
   f.table_if_present("dma", "With `--check dma`: what the board and its driver did with memory.",
                      guest.dma);
+  f.table_if_present("memory_order",
+                     "With `guest.memory_order = \"weak\"`: the order of the guest's stores.",
+                     guest.memory_order);
   f.when(!guest.checks.empty(), [&] {
     f.table("checks", "What the kernel looked for (`--check`).", [&] {
       f.text("asked", fmt::format("{}", fmt::join(guest.checks, ",")), "the words of `--check`");

@@ -27,7 +27,8 @@ namespace hvp::guest {
 // What the guest itself contributes to the results.
 struct GuestFacts {
   BoardDevice::Counts accesses;
-  std::optional<DmaCheck::Counts> dma;  // none: not checked
+  std::optional<DmaCheck::Counts> dma;                 // none: not checked
+  std::optional<vp::WeakMemory::Counts> memory_order;  // none: its stores are in order
   // The simulated time at which the kernel first accessed the board; none: it never did.
   std::optional<vp::Picoseconds> first_access;
   // The keys and other items whose time the frames' times do not contain.

@@ -124,7 +124,7 @@ std::string place_of(pid_t process, std::uint64_t address) {
     char dash = 0;
     words >> std::hex >> begin >> dash >> end;
     if (address < begin || address >= end) continue;
-    const std::string name = line.substr(line.find_last_of("/ ") + 1);
+    std::string name = line.substr(line.find_last_of("/ ") + 1);
     if (name.find(".so") != std::string::npos) return name;
   }
   return "a module";

@@ -94,7 +94,8 @@ Translation parse_translation(std::span<const std::uint8_t> payload) {
                       .access = payload[24]};
   switch (t.kind) {
     case Translation::Kind::unbound:
-      return {};
+    case Translation::Kind::barrier:
+      return {.kind = t.kind};
     case Translation::Kind::map:
     case Translation::Kind::unmap:
     case Translation::Kind::sync_for_cpu:

@@ -41,6 +41,8 @@ inline constexpr std::size_t kLongestPayload = 8 + 32 * kMostRegions;
 inline constexpr std::uint64_t kFeatures = (1ULL << 32U) | (1ULL << 30U);
 // VIRTIO_PCIDEV_F_DMA of driver/linux/kernel/patches: the device wants to know what is mapped.
 inline constexpr std::uint64_t kDmaFeature = 1;
+// VIRTIO_PCIDEV_F_BARRIERS of the same: and of its driver's barriers.
+inline constexpr std::uint64_t kBarrierFeature = 2;
 // Acknowledgement of every request, a back channel, and kicks and calls as messages. With these a
 // kernel on simulated time waits until it has been answered.
 inline constexpr std::uint64_t kProtocolFeatures = (1U << 3U) | (1U << 5U) | (1U << 14U);
@@ -77,6 +79,7 @@ struct Translation {
     sync_for_cpu = 0x80,
     sync_for_device = 0x81,
     unbound = 0x82,  // the function has no driver any more; nothing else is set
+    barrier = 0x83,  // what the processor stored before is visible; nothing else is set
   };
   Kind kind = Kind::unbound;
   std::uint64_t address = 0;

@@ -130,9 +130,11 @@ void Scenario::declare(config::Visitor& v) {
   v.table("host", host, {"the host PC"}, body);
   v.when(body, [&] {
     v.effect("guest", guest,
-             {"of `hvp linux` alone, whose host is a kernel: its system calls and interrupts take "
-              "time, an interrupt as long as in `[host]`",
-              "with `hvp linux`: a wait before each system call and each interrupt; else nothing",
+             {"how a host that is another program takes its time: with `hvp linux` its system "
+              "calls and interrupts take time, an interrupt as long as in `[host]`; nothing with "
+              "`hvp run`",
+              "with `hvp linux`: a wait before each system call and each interrupt; else nothing "
+              "but what `schedule` and `memory_order` ask for",
               {config::need_board("nothing of the board's interrupts the host"),
                config::need_timed_host(), config::need_numbers()}});
   });

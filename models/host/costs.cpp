@@ -199,9 +199,25 @@ double conversion_operations(int words) { return 4.0 * words; }
 void GuestCosts::declare(config::Visitor& v) {
   v.quantity("system_call", system_call_s, config::Dimension::time,
              config::between(0, kLongestSystemCall),
-             {"from a program's system call until the kernel begins to do it",
+             {"from a program's system call until the kernel begins to do it, with `hvp linux`",
               "measured: getppid() takes 0.17 us, Linux 6.18 on an AMD EPYC, whose kernel needs no "
               "page tables of its own"});
+  const auto of_schedule = v.variant(
+      "schedule", schedule, {{"immediate", Schedule::immediate}, {"random", Schedule::random}},
+      {"random: behind one access to the board in eight, and before one interrupt in eight, the "
+       "host stands still for a time that `seed` draws",
+       "a program that runs alone"});
+  of_schedule.only({Schedule::random}, [&] {
+    v.quantity("longest_delay", longest_delay_s, config::Dimension::time,
+               config::between(1e-6, 0.1),
+               {"the longest of these times; their logarithms are uniform from 100 ns on",
+                "assumed: half a period at 500 Hz"});
+  });
+  v.choice("memory_order", memory_order,
+           {{"strong", MemoryOrder::strong}, {"weak", MemoryOrder::weak}},
+           {"weak: what the host has stored since its last barrier, the board may see late, a line "
+            "of 64 bytes at a time, as `seed` draws it; a register access is no barrier",
+            "x86 keeps the order of its stores (Intel SDM volume 3, 9.2.2)"});
 }
 
 }  // namespace hvp::host

@@ -113,14 +113,21 @@ struct Host {
 // scale, round, and two comparisons to clamp.
 double conversion_operations(int words);
 
-// The scenario's effect [guest]: the processor times of `hvp linux`. Without it a kernel's
-// instructions take no time, and its interrupts arrive at their exact time. With it, an interrupt
-// takes Host::interrupt_latency_s, or a time that [host.interrupt_latencies] draws.
+// The scenario's effect [guest]: how a host that is another program takes its time. Without it a
+// kernel's instructions take no time, and its interrupts arrive at their exact time. With it, an
+// interrupt of `hvp linux` takes Host::interrupt_latency_s, or a time that
+// [host.interrupt_latencies] draws.
 struct GuestCosts {
   // A longer wait of the kernel counts as a sleep of its programs (app/linux/guest.cpp).
   static constexpr double kLongestSystemCall = 9e-6;
 
+  enum class Schedule { immediate, random };
+  enum class MemoryOrder { strong, weak };
+
   double system_call_s = 0.17e-6;  // before each call does anything
+  Schedule schedule = Schedule::immediate;
+  double longest_delay_s = 1e-3;  // of a random schedule
+  MemoryOrder memory_order = MemoryOrder::strong;
 
   void declare(config::Visitor& v);
 };

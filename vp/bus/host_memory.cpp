@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "vp/bus/weak_memory.h"
+
 namespace hvp::vp {
 
 namespace {
@@ -94,28 +96,53 @@ bool HostMemory::each_part(std::uint64_t first, std::size_t length, bool write,
   return true;
 }
 
+bool HostMemory::holds(std::uint64_t first, std::size_t length, bool write) const {
+  return each_part(first, length, write, [](auto...) {});
+}
+
+void HostMemory::get(std::uint64_t first, std::span<std::uint8_t> data) const {
+  each_part(first, data.size(), false,
+            [&](const std::uint8_t* memory, std::size_t at, std::size_t part) {
+              std::memcpy(data.data() + at, memory, part);
+            });
+}
+
+void HostMemory::put(std::uint64_t first, std::span<const std::uint8_t> data) {
+  each_part(first, data.size(), true, [&](std::uint8_t* memory, std::size_t at, std::size_t part) {
+    std::memcpy(memory, data.data() + at, part);
+  });
+}
+
 bool HostMemory::copy(std::uint64_t address, std::span<std::uint8_t> data) const {
-  if (!each_part(address, data.size(), false, [](auto...) {})) return false;
-  return each_part(address, data.size(), false,
-                   [&](const std::uint8_t* memory, std::size_t at, std::size_t part) {
-                     std::memcpy(data.data() + at, memory, part);
-                   });
+  if (!holds(address, data.size(), false)) return false;
+  get(address, data);
+  return true;
 }
 
 // All of it or nothing.
 bool HostMemory::move(tlm::tlm_generic_payload& transaction) {
   const std::uint64_t first = transaction.get_address();
-  const std::size_t length = transaction.get_data_length();
-  unsigned char* const data = transaction.get_data_ptr();
-  if (!each_part(first, length, transaction.is_write(), [](auto...) {})) return false;
-  return each_part(first, length, transaction.is_write(),
-                   [&](std::uint8_t* memory, std::size_t at, std::size_t part) {
-                     if (transaction.is_write()) {
-                       std::memcpy(memory, data + at, part);
-                     } else if (transaction.is_read()) {
-                       std::memcpy(data + at, memory, part);
-                     }
-                   });
+  const std::span<std::uint8_t> data(transaction.get_data_ptr(), transaction.get_data_length());
+  const bool write = transaction.is_write();
+  if (!holds(first, data.size(), write)) return false;
+  bool unordered = false;
+  if (transaction.is_read()) {
+    get(first, data);
+    if (order_ != nullptr) unordered = order_->read(first, data);
+  } else if (write && order_ != nullptr) {
+    // The board's own words stay as they are: its log has what it wrote.
+    ordered_.assign(data.begin(), data.end());
+    unordered = order_->write(first, ordered_);
+    put(first, ordered_);
+  } else if (write) {
+    put(first, data);
+  }
+  if (unordered) {
+    for (MemoryObserver* const observer : observers_) {
+      observer->unordered(!write, first, data.size());
+    }
+  }
+  return true;
 }
 
 void HostMemory::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& /*delay*/) {

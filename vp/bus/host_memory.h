@@ -15,6 +15,8 @@
 
 namespace hvp::vp {
 
+class WeakMemory;
+
 // The boards' base addresses in the host's memory map.
 inline constexpr std::uint64_t kSolverBase = 0x1000'0000;
 inline constexpr std::uint64_t kDaqBase = 0x2000'0000;
@@ -36,6 +38,8 @@ class MemoryObserver {
   // The board has read or written `data`, or was refused.
   virtual void moved(bool /*read*/, std::uint64_t /*address*/,
                      std::span<const std::uint8_t> /*data*/, bool /*answered*/) {}
+  // What the board reads or writes here, the host has stored without a barrier behind it.
+  virtual void unordered(bool /*read*/, std::uint64_t /*address*/, std::size_t /*bytes*/) {}
   // A transaction was refused for a reason; `allowed` says that the board may be bus master.
   virtual void refused(const std::string& /*why*/, bool /*allowed*/) {}
 };
@@ -73,6 +77,9 @@ class HostMemory : public sc_core::sc_module {
   // message, and says in words why the board may not make it; no words: it may.
   using WhyNot = std::function<std::string(std::uint64_t address, std::size_t bytes, bool write)>;
   void refuse_if(WhyNot why) { why_not_ = std::move(why); }
+  // Shows the board the host's stores as `order` has them, from now on; null: at once. It hears of
+  // no mapping by itself.
+  void order_by(WeakMemory* order) { order_ = order; }
   // Reports to `observer` too from now on. Keeps a reference.
   void observe(MemoryObserver& observer) { observers_.push_back(&observer); }
 
@@ -91,6 +98,10 @@ class HostMemory : public sc_core::sc_module {
   bool take_message(tlm::tlm_generic_payload& transaction);
   bool answer(tlm::tlm_generic_payload& transaction, bool allowed);
   bool move(tlm::tlm_generic_payload& transaction);
+  // True if all of it is mapped, and writable where it has to be. The next two expect that.
+  bool holds(std::uint64_t first, std::size_t length, bool write) const;
+  void get(std::uint64_t first, std::span<std::uint8_t> data) const;
+  void put(std::uint64_t first, std::span<const std::uint8_t> data);
   template <class Visit>
   bool each_part(std::uint64_t first, std::size_t length, bool write, const Visit& visit) const;
   std::string refusal(tlm::tlm_generic_payload& transaction, const std::string& why) const;
@@ -108,6 +119,8 @@ class HostMemory : public sc_core::sc_module {
   std::function<bool()> allowed_;
   std::vector<MemoryObserver*> observers_;
   WhyNot why_not_;
+  WeakMemory* order_ = nullptr;
+  std::vector<std::uint8_t> ordered_;  // what memory gets in place of what is written
   std::int64_t messages_ = 0;
 };
 

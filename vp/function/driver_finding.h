@@ -27,6 +27,7 @@ enum class DriverRule : std::uint8_t {
   list_length,            // descriptors that do not move all of B or U
   owned_memory_touched,   // memory of a list changed while the board owned it
   owned_memory_unmapped,  // and was taken away
+  missing_barrier,        // between a store to it and the board's access ([guest] memory_order)
   no_bus_master,          // the board was to be bus master and may not
   stray_dma,              // a transaction of the board's that no memory answers
   interrupt_blocked,      // the board has one and the function may not raise it
@@ -36,11 +37,12 @@ enum class DriverRule : std::uint8_t {
 };
 inline constexpr auto kDriverRules = static_cast<std::size_t>(DriverRule::count);
 inline constexpr std::array<std::string_view, kDriverRules> kRuleNames = {
-    "illegal-access", "access-while-busy", "command-ignored",      "start-unacknowledged",
-    "early-result",   "end-not-seen",      "unloaded-matrix",      "byte-order",
-    "list-not-set",   "list-length",       "owned-memory-touched", "owned-memory-unmapped",
-    "no-bus-master",  "stray-dma",         "interrupt-blocked",    "line-left-up",
-    "endless-wait",
+    "illegal-access",       "access-while-busy",    "command-ignored",
+    "start-unacknowledged", "early-result",         "end-not-seen",
+    "unloaded-matrix",      "byte-order",           "list-not-set",
+    "list-length",          "owned-memory-touched", "owned-memory-unmapped",
+    "missing-barrier",      "no-bus-master",        "stray-dma",
+    "interrupt-blocked",    "line-left-up",         "endless-wait",
 };
 static_assert(!kRuleNames.back().empty(), "a rule has no name");
 constexpr std::string_view name(DriverRule rule) {

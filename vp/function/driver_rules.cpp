@@ -288,6 +288,15 @@ void DriverRules::line_left_up() {
 
 void DriverRules::line_blocked() { line_blocked_ = true; }
 
+void DriverRules::unordered(bool read, std::uint64_t address, std::size_t bytes) {
+  found(DriverRule::missing_barrier, [&] {
+    return fmt::format(
+        "the board {} {} bytes at {:#x}, which the host has stored to without a "
+        "barrier behind it",
+        read ? "read" : "wrote", bytes, address);
+  });
+}
+
 void DriverRules::refused(const std::string& why, bool allowed) {
   found(allowed ? DriverRule::stray_dma : DriverRule::no_bus_master, [&] { return why; });
 }

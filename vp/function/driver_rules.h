@@ -58,6 +58,7 @@ class DriverRules : public AccessObserver,
 
   void transferred(const MasterAccess& access) override;
   void to_be_moved(bool read, std::uint64_t address, std::size_t bytes) override;
+  void unordered(bool read, std::uint64_t address, std::size_t bytes) override;
   void refused(const std::string& why, bool allowed) override;
   void unmapped(std::uint64_t address, std::uint64_t bytes) override;
   void asked(const OutsideHost::Access& access) override;

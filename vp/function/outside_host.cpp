@@ -31,6 +31,7 @@ LateInterrupts::LateInterrupts(const sc_core::sc_module_name& name, const host::
 void LateInterrupts::raise(const Tag& tag, const Message& message) {
   const Picoseconds now = now_ps();
   Picoseconds due = now + (draws_ && tag.frame >= 0 ? draws_->next(tag.frame) : latency_);
+  if (schedule_) due += schedule_->next();
   if (!under_way_.empty()) due = std::max(due, under_way_.back().due);
   under_way_.push_back({now, due, tag, message});
   due_.notify(to_sc_time(under_way_.front().due - now));
@@ -85,6 +86,8 @@ OutsideHost::OutsideHost(const sc_core::sc_module_name& name, const PlatformSett
       access_("access"),
       frames_(ledger, session, access_.tag()),
       ledger_(ledger),
+      seed_(settings.seed),
+      longest_stall_s_(settings.longest_stall_s),
       posted_("posted") {
   if (side.board() == nullptr) throw std::invalid_argument("a host without a board");
   access_.to_bus.bind(side.from_host());
@@ -190,6 +193,9 @@ bool OutsideHost::access(Command command, std::uint64_t offset, std::span<std::u
   while (!ended) {
     if (run_until(now_ps() + kForever)) return false;
   }
+  if (space != Space::bar) return true;
+  const Picoseconds until = now_ps() + stall();
+  while (now_ps() < until) run_until(until);
   return true;
 }
 
@@ -206,6 +212,18 @@ void OutsideHost::take_interrupts_late(const host::Host& host, std::int64_t seed
                   frames_.heard(tag);
                   tell(message);
                 });
+}
+
+// Now it is known whether the host takes its interrupts late anyway.
+void OutsideHost::before_end_of_elaboration() {
+  if (!longest_stall_s_) return;
+  schedule_.emplace(seed_, "guest.schedule", *longest_stall_s_);
+  if (!late_) {
+    host::Host at_once;
+    at_once.interrupt_latency_s = 0;
+    take_interrupts_late(at_once, seed_);
+  }
+  late_->delay_by(RandomSchedule(seed_, "guest.schedule.interrupts", *longest_stall_s_));
 }
 
 void OutsideHost::tell(const LateInterrupts::Message& message) {

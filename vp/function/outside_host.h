@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <systemc>
+#include <utility>
 #include <vector>
 
 #include "models/host/costs.h"
@@ -15,6 +16,7 @@
 #include "vp/frame/ledger.h"
 #include "vp/function/config_space.h"
 #include "vp/function/job_frames.h"
+#include "vp/function/random_schedule.h"
 #include "vp/host/board_access.h"
 #include "vp/latency_draws.h"
 #include "vp/platform_settings.h"
@@ -40,6 +42,8 @@ class LateInterrupts : public sc_core::sc_module {
   void forget_line();
   // Drops all interrupts, at a reset.
   void forget_all() { under_way_.clear(); }
+  // Adds the next of these times to each interrupt's. To be called before the simulation begins.
+  void delay_by(RandomSchedule schedule) { schedule_.emplace(std::move(schedule)); }
 
  private:
   struct UnderWay {
@@ -54,6 +58,7 @@ class LateInterrupts : public sc_core::sc_module {
 
   Picoseconds latency_;
   std::optional<LatencyDraws> draws_;
+  std::optional<RandomSchedule> schedule_;
   Ledger& ledger_;
   Told told_;
   std::deque<UnderWay> under_way_;
@@ -129,6 +134,10 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   // after it was raised. To be called before the simulation begins.
   void take_interrupts_late(const host::Host& host, std::int64_t seed);
 
+  // For how long the host stands still behind the access that it has made now; access() lets that
+  // time pass by itself.
+  Picoseconds stall() { return schedule_ ? schedule_->next() : 0; }
+
   // From now on the bridge's errors are shown in the function's STATUS register, for a host that
   // reaches no register of a bridge. To be called before the simulation begins.
   void show_bus_errors() { shows_bus_errors_ = true; }
@@ -140,8 +149,8 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   // concern the host: an access has ended, or an interrupt was raised or lowered. Returns true if
   // the time was reached.
   bool run_until(Picoseconds time);
-  // Posts an access and simulates until its answer. Returns false if no further event could bring
-  // one.
+  // Posts an access and simulates until its answer, and then for stall(). Returns false if no
+  // further event could bring one.
   bool access(Command command, std::uint64_t offset, std::span<std::uint8_t> data,
               Space space = Space::bar);
 
@@ -154,6 +163,7 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   void lowered() override;
 
  private:
+  void before_end_of_elaboration() override;
   void serve();
   void make(const Access& access);
   void configure(const Access& access);
@@ -173,7 +183,10 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   Ledger& ledger_;
   InterruptListener* listener_ = nullptr;
   std::vector<Observer*> observers_;
+  std::int64_t seed_;
+  std::optional<double> longest_stall_s_;
   std::optional<LateInterrupts> late_;
+  std::optional<RandomSchedule> schedule_;
   std::deque<Access> accesses_;
   sc_core::sc_event posted_;
   Tag tag_;                     // the last interrupt's

@@ -10,6 +10,8 @@
 
 namespace hvp::vp {
 
+class FaultPlan;
+
 // A frame on its way through the steps of the servo loop.
 struct FrameStep {
   Frame* frame = nullptr;
