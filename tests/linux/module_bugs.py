@@ -78,6 +78,12 @@ BUGS = (
         "owned-memory-touched",
     ),
     Bug(
+        "no barrier",
+        (Change("hvp_engine.c", "\t\t\tdma_wmb();\n", "\t\t\t;\n"),),
+        "missing-barrier",
+        ("--set", "guest.memory_order=weak"),
+    ),
+    Bug(
         "no bus master",
         (Change("hvp_pci.c", "\tpci_set_master(function);\n", ""),),
         "no-bus-master",
