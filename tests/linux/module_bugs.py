@@ -79,7 +79,7 @@ BUGS = (
     ),
     Bug(
         "no barrier",
-        (Change("hvp_engine.c", "\t\t\tdma_wmb();\n", "\t\t\t;\n"),),
+        (Change("hvp_engine.c", "\t\t\tdma_wmb();\n", "\t\t\tbarrier();\n"),),
         "missing-barrier",
         ("--set", "guest.memory_order=weak"),
     ),

@@ -26,6 +26,9 @@ namespace {
 
 std::vector<const char*> blocks() { return {}; }
 std::vector<const char*> dma() { return {"transfer.method=dma", "transfer.notification=msi"}; }
+std::vector<const char*> weak() {
+  return {"transfer.method=dma", "transfer.notification=msi", "guest.memory_order=weak"};
+}
 std::vector<const char*> posted() {
   return {"transfer.method=dma", "transfer.notification=msi", "bus.pcie.generation=gen1",
           "bus.pcie.lanes=4"};
@@ -170,6 +173,15 @@ const std::vector<Mistake>& mistakes() {
          d.mistake();
          d.ring();
          hvp_board_unmap(d.board, kAddress, 4 * kPage);
+       }},
+      {"no_barrier", weak, "missing-barrier", "the host has stored to without a barrier", 0,
+       [](Driver& d) {
+         d.load();
+         d.describe();
+         d.tell_list();
+         d.mistake();
+         d.start_list();
+         d.await_record();
        }},
       {"no_bus_master", dma, "no-bus-master", "the function is no bus master", 0,
        [](Driver& d) {

@@ -58,12 +58,12 @@ void ring_in_order(Driver& d) { d.ring(); }
 
 void ring_without_barrier(Driver& d) {
   d.page(3)[0] = 0;
-  d.write(kControl, field::kControlRunList.mask());
+  d.start_list();
 }
 
 void ring_before_the_record_is_cleared(Driver& d) {
   d.barrier();
-  d.write(kControl, field::kControlRunList.mask());
+  d.start_list();
   d.page(3)[0] = 0;
   d.barrier();
 }

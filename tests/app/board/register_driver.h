@@ -123,8 +123,9 @@ class Driver {
   void ring() {
     page(3)[0] = 0;
     barrier();
-    write(kControl, field::kControlRunList.mask());
+    start_list();
   }
+  void start_list() { write(kControl, field::kControlRunList.mask()); }
   // True if the record came within a millisecond.
   bool await_record() {
     const std::uint64_t late = hvp_board_now_ps(board) + 1'000'000'000;
