@@ -45,6 +45,7 @@ struct LinuxArguments : ScenarioArguments {
   std::optional<std::string> check;  // words with commas between them
   bool gdb = false;  // the kernel waits for a debugger, and nobody loses patience with it
   bool trace_registers = false;
+  bool trace_dma = false;
 };
 
 using Clock = std::chrono::steady_clock;
@@ -259,6 +260,11 @@ int linux_command(const LinuxArguments& arguments) {
   if (s.guest) board.host().take_interrupts_late(s.host, s.seed);
   if (registers) registers->watch(board.accelerator());
   guest::GuestResults results(out, s, loaded.device_file, board);
+  std::optional<results::DmaLog> dma_log;
+  if (arguments.trace_dma) {
+    hvp::results::trace_dma(board.accelerator().dma(), results.lanes(),
+                            registers ? fs::path() : out, dma_log);
+  }
   guest::GuestSettings settings = chosen;
   if (settings.check_dma && board.memory() == nullptr) {
     spdlog::warn("--check dma: the board moves nothing by itself (transfer.method)");
@@ -309,6 +315,7 @@ int linux_command(const LinuxArguments& arguments) {
                            end.interrupted, rules ? std::optional(rules->report()) : std::nullopt});
   }
   if (registers) registers->finish();
+  if (dma_log) dma_log->finish();
   if (record) record->finish();
 
   print("\n{}\n\nResults in {} ({:.3g} s simulated in {:.2f} s)\n", frames_text(figures),
@@ -393,6 +400,9 @@ void add_linux(CLI::App& app, int& status) {
       "--trace-registers", arguments->trace_registers,
       "also log every access to the board, in registers.log, and as a waveform with "
       "the interrupt, in registers.vcd; and what a board moves by itself, in dma.log");
+  command->add_flag("--trace-dma", arguments->trace_dma,
+                    "also log what a board moves by itself, in dma.log, with a lane of its own in "
+                    "trace.json");
   command
       ->add_option("--record", arguments->record,
                    "also record all that passes between the kernel and the board, for hvp replay")

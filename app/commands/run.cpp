@@ -31,6 +31,7 @@ namespace {
 struct RunArguments : ScenarioArguments {
   std::filesystem::path out;  // empty: runs/<scenario>
   bool trace_registers = false;
+  bool trace_dma = false;
   bool record_jobs = false;  // settings, matrix, b and U of each job, for another host
   bool details = false;      // the report has times by phase and by bus transaction
 };
@@ -117,6 +118,7 @@ int run_command(const RunArguments& arguments) {
     outcome = run(scene, {out,
                           loaded.device_file,
                           arguments.trace_registers,
+                          arguments.trace_dma,
                           arguments.record_jobs,
                           progress,
                           {rebuild, again}});
@@ -190,6 +192,9 @@ void add_run(CLI::App& app, int& status) {
       "--trace-registers", arguments->trace_registers,
       "also log every access to the board, in registers.log, and as a waveform with the "
       "interrupt, in registers.vcd; and what a board moves by itself, in dma.log");
+  command->add_flag("--trace-dma", arguments->trace_dma,
+                    "also log what a board moves by itself, in dma.log, with a lane of its own in "
+                    "trace.json");
   command->add_flag(
       "--record-jobs", arguments->record_jobs,
       "also write what the board was asked and what it answered, jobs.hvpf and jobs.hvpu, for "

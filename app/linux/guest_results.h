@@ -75,6 +75,9 @@ class GuestResults {
   GuestResults(const std::filesystem::path& folder, const app::Scenario& scenario,
                const std::filesystem::path& device_file, vp::BoardFunction& board);
 
+  // Who draws the board's own transactions, for a run that asks for them.
+  vp::MasterObserver& lanes() { return trace_; }
+
   // Writes the files after the run and returns the figures.
   GuestFigures finish(const app::Scenario& scenario, const GuestFacts& guest);
 

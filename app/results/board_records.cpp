@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include "app/results/number_text.h"
 #include "driver/linux/guest/servo_frames.h"
@@ -42,6 +43,16 @@ void DmaLog::transferred(const vp::MasterAccess& access) {
                             access.read ? "read" : "write", vp::name(access.purpose),
                             access.address, access.data.size(), checksum.checksum(),
                             access.answered ? "ok" : "refused"));
+}
+
+void trace_dma(vp::DmaEngine* engine, vp::MasterObserver& lanes,
+               const std::filesystem::path& folder, std::optional<DmaLog>& log) {
+  if (engine == nullptr) {
+    spdlog::warn("--trace-dma: the board moves nothing by itself (transfer.method)");
+    return;
+  }
+  engine->observe(lanes);
+  if (!folder.empty()) engine->observe(log.emplace(folder / "dma.log"));
 }
 
 namespace {

@@ -43,6 +43,11 @@ class DmaLog : public vp::MasterObserver {
   PartStream stream_;
 };
 
+// What --trace-dma asks for: `lanes` sees the engine's transactions too, and so does a dma.log in
+// the folder; an empty one: another trace writes it. Without an engine it is a warning.
+void trace_dma(vp::DmaEngine* engine, vp::MasterObserver& lanes,
+               const std::filesystem::path& folder, std::optional<DmaLog>& log);
+
 // <name>.vcd. SystemC's tracer opens, writes and closes it under another name; finish() renames it,
 // and the destructor removes a file that was not finished.
 class WaveformFile {

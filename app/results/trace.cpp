@@ -65,6 +65,9 @@ int lane_of(vp::Resource resource) {
   return kLanesOfARow * (static_cast<int>(Row::count) + 1 + static_cast<int>(resource));
 }
 
+constexpr int kDmaLane =
+    kLanesOfARow * (static_cast<int>(Row::count) + 1 + static_cast<int>(kResources));
+
 int first_lane(Row row) { return kLanesOfARow * (static_cast<int>(row) + 1); }
 
 std::string lane_name(int lane) {
@@ -209,9 +212,27 @@ void Trace::closed(const vp::Frame& frame, const vp::CriticalPath& path) {
   next_frame_ = frame.number + 1;
 }
 
+// Of a frame that is not drawn.
+bool Trace::is_beyond(vp::Picoseconds start) const {
+  return session_.begun && settings_.end && start >= session_.begin + *settings_.end;
+}
+
+// Set-up has a quarter of the bytes. What it leaves out is said once, in place of the first.
+bool Trace::leaves_out_of_set_up(vp::Picoseconds start, vp::Picoseconds end) {
+  const bool set_up = !session_.begun || end <= session_.begin;
+  if (!set_up || written_ + static_cast<std::int64_t>(text_.size()) <= settings_.bytes / 4) {
+    return false;
+  }
+  text_.clear();
+  if (!set_up_cut_) append_mark("set-up is not drawn further", start);
+  set_up_cut_ = true;
+  write({text_.data(), text_.size()});
+  return true;
+}
+
 void Trace::take(const vp::Tenure& tenure) {
   if (cut_at_) return;
-  if (session_.begun && settings_.end && tenure.start >= session_.begin + *settings_.end) return;
+  if (is_beyond(tenure.start)) return;
   std::optional<vp::Tenure>& last = last_[static_cast<std::size_t>(tenure.resource)];
   const bool goes_on = last && last->end == tenure.start && last->user == tenure.user &&
                        last->what == tenure.what && last->frame == tenure.frame;
@@ -227,18 +248,46 @@ void Trace::flush(std::optional<vp::Tenure>& tenure) {
   if (!tenure || cut_at_) return;
   text_.clear();
   append_tenure(*tenure);
-  const auto size = static_cast<std::int64_t>(text_.size());
-  const bool set_up = !session_.begun || tenure->end <= session_.begin;
-  if (set_up && written_ + size > settings_.bytes / 4) {
-    text_.clear();
-    if (!set_up_cut_) append_mark("set-up is not drawn further", tenure->start);
-    set_up_cut_ = true;
-  } else if (!fits()) {
+  if (leaves_out_of_set_up(tenure->start, tenure->end)) return;
+  if (!fits()) {
     cut(next_frame_, tenure->start);
     return;
-  } else {
-    named_[static_cast<std::size_t>(tenure->resource)] = true;
   }
+  named_[static_cast<std::size_t>(tenure->resource)] = true;
+  write({text_.data(), text_.size()});
+}
+
+void Trace::transferred(const vp::MasterAccess& access) {
+  constexpr vp::Picoseconds kPerUs = 1'000'000;
+  if (cut_at_ || is_beyond(access.began)) return;
+  text_.clear();
+  const auto out = std::back_inserter(text_);
+  if (!dma_named_) {
+    fmt::format_to(
+        out,
+        ",\n{{\"name\":\"process_name\",\"ph\":\"M\",\"pid\":3,\"args\":{{\"name\":\"DMA\"}}}}"
+        ",\n{{\"name\":\"thread_name\",\"ph\":\"M\",\"pid\":3,\"tid\":{},"
+        "\"args\":{{\"name\":\"the board's transfers\"}}}}",
+        kDmaLane);
+  }
+  fmt::format_to(
+      out,
+      FMT_COMPILE(",\n{{\"name\":\"{}\",\"cat\":\"dma\",\"ph\":\"X\",\"pid\":3,\"tid\":{},\"ts\":"),
+      vp::name(access.purpose), kDmaLane);
+  append_time(access.began);
+  const vp::Picoseconds length = access.ended - access.began;
+  fmt::format_to(
+      out,
+      FMT_COMPILE(",\"dur\":{}.{:06d},\"args\":{{\"access\":\"{}\",\"address\":\"{:#x}\","
+                  "\"bytes\":{},\"frame\":{},\"answered\":{}}}}}"),
+      length / kPerUs, length % kPerUs, access.read ? "read" : "write", access.address,
+      access.data.size(), access.frame, access.answered);
+  if (leaves_out_of_set_up(access.began, access.ended)) return;
+  if (!fits()) {
+    cut(next_frame_, access.began);
+    return;
+  }
+  dma_named_ = true;
   write({text_.data(), text_.size()});
 }
 

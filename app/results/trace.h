@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "app/results/part_files.h"
+#include "vp/fpga/dma_engine.h"
 #include "vp/frame/frame.h"
 #include "vp/frame/ledger.h"
 
@@ -75,13 +76,16 @@ struct TraceSettings {
 //
 // Process "cores and buses" has a track for each resource with the tenures of all its users.
 // Tenures of one user for one purpose that follow each other without a gap are one slice.
-class Trace : public vp::FrameObserver, public vp::TenureSink {
+//
+// Process "DMA", of a run that asks for it, has each transaction of the board's own.
+class Trace : public vp::FrameObserver, public vp::TenureSink, public vp::MasterObserver {
  public:
   Trace(const std::filesystem::path& path, const vp::Session& session,
         const TraceSettings& settings);
 
   void closed(const vp::Frame& frame, const vp::CriticalPath& path) override;
   void take(const vp::Tenure& tenure) override;
+  void transferred(const vp::MasterAccess& access) override;
   void finish();
 
   // The first frame that the limit on the file's size left out.
@@ -97,6 +101,8 @@ class Trace : public vp::FrameObserver, public vp::TenureSink {
   void append_time(vp::Picoseconds time);
   void append_mark(std::string_view what, vp::Picoseconds at);
   void append_tenure(const vp::Tenure& tenure);
+  bool is_beyond(vp::Picoseconds start) const;
+  bool leaves_out_of_set_up(vp::Picoseconds start, vp::Picoseconds end);
   void flush(std::optional<vp::Tenure>& tenure);
   void cut(std::int64_t frame, vp::Picoseconds at);
 
@@ -111,6 +117,7 @@ class Trace : public vp::FrameObserver, public vp::TenureSink {
   // The last tenure of each resource, which the next one may continue.
   std::array<std::optional<vp::Tenure>, kResources> last_;
   std::array<bool, kResources> named_{};
+  bool dma_named_ = false;
   TraceLanes lanes_;
   int lane_ = 0;             // the track of the last slice
   fmt::memory_buffer text_;  // the events of one frame

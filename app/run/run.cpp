@@ -258,6 +258,11 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
     traced.end = s.output.trace_frames * platform.verdict().period();
   }
   results::Trace trace(directory / "trace.json", platform.session(), traced);
+  std::optional<results::DmaLog> dma_log;
+  if (options.trace_dma) {
+    vp::DmaEngine* const dma = platform.board() != nullptr ? platform.board()->dma() : nullptr;
+    results::trace_dma(dma, trace, registers ? std::filesystem::path() : directory, dma_log);
+  }
   vp::LatencyStatistics latency;
   platform.add_observer(latency);
   platform.add_observer(frames);
@@ -294,6 +299,7 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   frames.finish();
   trace.finish();
   if (registers) registers->finish();
+  if (dma_log) dma_log->finish();
   if (jobs) {
     jobs->finish();
     if (jobs->ended_early()) {

@@ -19,6 +19,7 @@ struct RunOptions {
   std::filesystem::path directory;  // exists and may be written into
   std::filesystem::path device;     // the device's file; empty for a built-in one
   bool trace_registers = false;
+  bool trace_dma = false;
   bool record_jobs = false;  // of a scenario whose board has words (require_board_with_words())
   Progress progress;
   Again again;  // for the remedies of flags

@@ -1,6 +1,7 @@
 // The cost of a Linux kernel on simulated time, in wall time, as whole runs of `hvp linux`: from
 // the start until the kernel has booted, loaded the module, solved some frames of the thesis and
 // switched off. One frame: the way to a first job. 501: a second of servo frames at 500 Hz more.
+// Watched: with `--check driver,dma`.
 
 #include <cstdlib>
 #include <filesystem>
@@ -37,7 +38,7 @@ class Folder {
   fs::path path;
 };
 
-void frames(benchmark::State& state) {
+void frames_with(benchmark::State& state, const std::string& more) {
   const Folder folder;
   const std::string here = folder.path.string();
   try {
@@ -49,13 +50,16 @@ void frames(benchmark::State& state) {
         << fmt::format("hvp-servo /dev/hvp0 /host{0}/run/jobs.hvpf /host{0}/u\n", here);
     const std::string words = fmt::format(
         "linux '{}' --quiet --set transfer.method=dma --set transfer.notification=msi "
-        "--script '{}/script' --out '{}/out'",
-        HVP_SCENARIO, here, here);
+        "--script '{}/script' --out '{}/out' {}",
+        HVP_SCENARIO, here, here, more);
     for (auto _ : state) run(words);
   } catch (const std::exception& error) {
     state.SkipWithError(error.what());
   }
 }
+void frames(benchmark::State& state) { frames_with(state, ""); }
+void frames_watched(benchmark::State& state) { frames_with(state, "--check driver,dma"); }
+BENCHMARK(frames_watched)->Arg(501)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(frames)->Arg(1)->Arg(501)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 }  // namespace

@@ -19,7 +19,7 @@ BoardWaveform::BoardWaveform(const std::string& path)
   file_->set_time_unit(1, sc_core::SC_PS);
 }
 
-void BoardWaveform::watch(const Accelerator& accelerator) {
+void BoardWaveform::watch(Accelerator& accelerator) {
   sc_core::sc_trace_file* file = file_.get();
   const std::string top = std::string(accelerator.name()) + ".";
   sc_trace(file, accelerator.line_up(), top + "interrupt");
@@ -34,6 +34,23 @@ void BoardWaveform::watch(const Accelerator& accelerator) {
   sc_trace(file, offset_, top + "access.offset", 32);
   sc_trace(file, bytes_, top + "access.bytes", 32);
   sc_trace(file, word_, top + "access.first_word", 32);
+  if (accelerator.dma() == nullptr) return;
+  accelerator.dma()->observe(*this);
+  sc_trace(file, moves_, top + "dma.under_way");
+  sc_trace(file, move_toggle_, top + "dma.transfer_toggle");
+  sc_trace(file, move_reads_, top + "dma.is_read");
+  sc_trace(file, move_purpose_, top + "dma.purpose", 3);
+  sc_trace(file, move_address_, top + "dma.address", 64);
+  sc_trace(file, move_bytes_, top + "dma.bytes", 32);
+}
+
+void BoardWaveform::begins(const MasterAccess& access) {
+  moves_ = true;
+  move_toggle_ = !move_toggle_;
+  move_reads_ = access.read;
+  move_purpose_ = static_cast<std::uint32_t>(access.purpose);
+  move_address_ = access.address;
+  move_bytes_ = static_cast<std::uint32_t>(access.data.size());
 }
 
 void BoardWaveform::access(Picoseconds /*time*/, Command command, const RegisterBank& /*bank*/,

@@ -265,6 +265,9 @@ bool DmaEngine::transport(MasterPurpose purpose, std::uint64_t address,
   const bool read = purpose == MasterPurpose::descriptors || purpose == MasterPurpose::b;
   const Picoseconds began = now_ps();
   const std::int64_t frame = tag.frame;
+  for (MasterObserver* const observer : observers_) {
+    observer->begins({began, began, frame, purpose, read, address, data, false});
+  }
   extension_.tag = &tag;
   extension_.phase = phase;
   payload_.set_command(read ? tlm::TLM_READ_COMMAND : tlm::TLM_WRITE_COMMAND);

@@ -43,6 +43,8 @@ struct MasterAccess {
 class MasterObserver {
  public:
   virtual ~MasterObserver() = default;
+  // Has begun: `ended` is that time, and what is read is not there yet.
+  virtual void begins(const MasterAccess& /*access*/) {}
   virtual void transferred(const MasterAccess& access) = 0;
 };
 
@@ -89,7 +91,7 @@ class DmaEngine : public sc_core::sc_module {
   // If it is unbound, every transfer fails and messages are lost.
   tlm_utils::simple_initiator_socket_optional<DmaEngine> to_memory;
 
-  // Reports every transaction at its end, from now on.
+  // Reports every transaction at its begin and at its end, from now on.
   void observe(MasterObserver& observer) { observers_.push_back(&observer); }
   // Makes the engine's faults happen as planned, from now on.
   void inject(FaultPlan& plan) { faults_ = &plan; }

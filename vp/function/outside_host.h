@@ -7,7 +7,6 @@
 #include <optional>
 #include <span>
 #include <systemc>
-#include <utility>
 #include <vector>
 
 #include "models/host/costs.h"
@@ -43,7 +42,7 @@ class LateInterrupts : public sc_core::sc_module {
   // Drops all interrupts, at a reset.
   void forget_all() { under_way_.clear(); }
   // Adds the next of these times to each interrupt's. To be called before the simulation begins.
-  void delay_by(RandomSchedule schedule) { schedule_.emplace(std::move(schedule)); }
+  void delay_by(const RandomSchedule& schedule) { schedule_ = schedule; }
 
  private:
   struct UnderWay {

@@ -329,6 +329,57 @@ TEST_F(Results, TheWaveformHasEveryAccessAndInterrupt) {
   EXPECT_TRUE(file("registers.vcd") == vcd);
 }
 
+// dma.log, the lane of trace.json and the waveform have the same transactions at the same times.
+TEST_F(Results, EachTransferOfTheBoardsIsInTheLogTheLaneAndTheWaveform) {
+  const std::vector<std::string> dma = {"--set", "transfer.method=dma", "--set",
+                                        "transfer.notification=msi", "--trace-dma"};
+  run(dma);
+  EXPECT_THROW(file("registers.log"), std::runtime_error);
+  const std::string log = file("dma.log");
+  std::vector<std::string> drawn = {"# began_us ended_us job access what address bytes"};
+  const json trace = json::parse(file("trace.json"));
+  for (const json& event : trace.at("traceEvents")) {
+    if (event.at("pid") != 3 || event.at("ph") != "X") continue;
+    const json& arguments = event.at("args");
+    std::ostringstream line;
+    line << picoseconds(event.at("ts")) << ' '
+         << picoseconds(event.at("ts")) + picoseconds(event.at("dur")) << ' '
+         << arguments.at("frame") << ' ' << arguments.at("access").get<std::string>() << ' '
+         << event.at("name").get<std::string>() << ' ' << arguments.at("address").get<std::string>()
+         << ' ' << arguments.at("bytes");
+    EXPECT_EQ(arguments.at("answered"), true);
+    drawn.push_back(line.str());
+  }
+  const std::vector<std::string> logged = lines(log);
+  ASSERT_EQ(drawn.size(), logged.size());
+  // Two descriptors at once, b, U, the record and a message a frame, and one for K's check.
+  EXPECT_GE(drawn.size(), 1U + 5U * 40U);
+  for (std::size_t i = 1; i < logged.size(); ++i) {
+    std::istringstream stream(logged[i]);
+    double began = 0;
+    double ended = 0;
+    std::string rest;
+    stream >> began >> ended;
+    std::getline(stream, rest);
+    const std::string times =
+        std::to_string(picoseconds(began)) + ' ' + std::to_string(picoseconds(ended));
+    EXPECT_EQ((times + rest).substr(0, drawn[i].size()), drawn[i]);
+  }
+  std::vector<std::string> both = dma;
+  both.emplace_back("--trace-registers");
+  run(both);
+  EXPECT_EQ(file("dma.log"), log);
+  // Its first value is dumped too.
+  EXPECT_EQ(changes(file("registers.vcd"), "transfer_toggle", ""),
+            1 + static_cast<std::int64_t>(logged.size()) - 1);
+}
+
+TEST_F(Results, ABoardThatIsNoMasterHasNoTransfersToTrace) {
+  const Ended ended = run({"--trace-dma"});
+  EXPECT_THAT(ended.err, HasSubstr("--trace-dma: the board moves nothing by itself"));
+  EXPECT_THROW(file("dma.log"), std::runtime_error);
+}
+
 TEST_F(Results, NothingIsLoggedUnlessAskedFor) {
   run();
   EXPECT_THROW(file("registers.log"), std::runtime_error);
