@@ -15,6 +15,7 @@
 #include "vp/fault/fault_plan.h"
 #include "vp/fidelity.h"
 #include "vp/frame/frame.h"
+#include "vp/function/pci_function.h"
 #include "vp/host/transfer.h"
 
 namespace hvp::vp {
@@ -32,6 +33,7 @@ struct SystemSettings {
   std::optional<plant::Hand> hand;  // at each device
   std::vector<plant::Trajectory> probes{1};
   Fidelity fidelity;
+  std::optional<PciFunction> function;  // beyond the least
   std::vector<Fault> faults;
 };
 

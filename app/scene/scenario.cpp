@@ -157,6 +157,11 @@ void Scenario::declare(config::Visitor& v) {
   });
   v.table("fidelity", fidelity, {"how finely each part is modelled"}, body);
   v.when(body, [&] {
+    v.effect("function", function,
+             {"for hosts that see a configuration space (`hvp serve`, `hvp linux`, the C library): "
+              "what the board's PCI function has beyond the least",
+              "where a host sees a configuration space, more of it; no module, no simulated time",
+              {config::need_board()}});
     v.effects("fault", faults,
               {"what goes wrong, and in which frame or how often",
                "two modules between bus, board and host: " + kinds_of(faults),
@@ -179,6 +184,14 @@ void Scenario::declare_refinement(config::Visitor& v) {
 }
 
 namespace {
+
+// Refuses the capability of a link that the board does not have.
+void require_link(const vp::PciFunction& function, const vp::BusSettings& bus) {
+  if (!function.pci_express || bus.pcie) return;
+  throw InputError("function.pci_express",
+                   "the board is on the PCI bus and has no link to speak of: expected false, or "
+                   "[bus.pcie]");
+}
 
 void require_shown(const WaveformSettings& waveform, int frames) {
   if (waveform.first_frame < frames) return;
@@ -322,6 +335,7 @@ void Scenario::check() const {
   const bool board = host.solver == host::SolvedBy::board;
   if (!board) require_plain_transfer(*this);
   if (timing_only()) require_no_numbers(*this);
+  if (function) require_link(*function, bus);
   if (board && vp::has_engine(fidelity.accelerator)) require_engine(*this);
   if (host.cores == 1 && fidelity.host == vp::Timing::untimed) {
     throw InputError("host.cores", "the host takes no time where fidelity.host is \"untimed\"");

@@ -94,9 +94,8 @@ void BoardPort::unmap(std::uint64_t address, std::uint64_t bytes) {
 
 // Resets the function through its own capability, as software does.
 void BoardPort::reset() {
-  constexpr std::size_t kControl = vp::ConfigSpace::kFeaturesAt + 4;
-  constexpr std::array<std::uint8_t, 1> kInitiate = {1};
-  write_config(kControl, kInitiate);
+  const vp::ConfigSpace::ResetByte byte = board_.config().reset_byte();
+  write_config(byte.offset, std::array{byte.value});
 }
 
 void BoardPort::message(const vp::ConfigSpace::Message& /*message*/) {

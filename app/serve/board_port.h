@@ -40,7 +40,7 @@ class BoardPort : public FunctionPort, private vp::InterruptListener {
   // FunctionPort
   void read_config(std::uint64_t offset, std::span<std::uint8_t> data) override;
   void write_config(std::uint64_t offset, std::span<const std::uint8_t> data) override;
-  std::uint64_t config_bytes() const override { return vp::ConfigSpace::kBytes; }
+  std::uint64_t config_bytes() const override { return board_.config().bytes(); }
   bool read_bar(std::uint64_t offset, std::span<std::uint8_t> data) override;
   bool write_bar(std::uint64_t offset, std::span<const std::uint8_t> data) override;
   std::uint64_t bar_bytes() const override;

@@ -118,6 +118,27 @@ dd if=config bs=1 skip=4 count=2 2>/dev/null | hexdump -e '"%04x\\n"'
     expect("frames", 0, guest.summary()["deadline"]["frames"])  # type: ignore[index]
 
 
+def has_the_function_that_the_scenario_asks_for(guest: Guest) -> None:
+    """A link's capability, and a BAR of 64 bits, in the window that virt-pci.c has for all."""
+    script = """cd /sys/bus/pci/devices/0000:00:00.0
+head -n 1 resource
+stat -c %s config
+cat current_link_speed current_link_width reset_method
+dd if=config bs=1 skip=16 count=8 2>/dev/null | hexdump -e '2/4 "%08x " "\\n"'
+echo 1 > reset
+hvp-driver-suite /dev/hvp0 --case solve && echo solved
+"""
+    link = ("generation=gen1", "lanes=4")
+    words = [word for one in link for word in ("--set", f"bus.pcie.{one}")]
+    words += ["--set", "function.pci_express=true", "--set", "function.bar_bits=64"]
+    said = guest.run(*words, script=script).stdout
+    bar = "0x00000000f0000000 0x00000000f1ffffff 0x0000000000140204"
+    register = "f0000004 00000000"
+    speed = "2.5 GT/s PCIe\n4\nflr pm"
+    for line in (bar, "\n4096\n", speed, register, "by DMA, msi", "solved"):
+        expect_in("the console", line, said.replace("\r", ""))
+
+
 def solves_as_in_process(guest: Guest) -> None:
     frames = 1000
     out = guest.servo_run(frames)
@@ -444,6 +465,7 @@ def guests_of(mark: str) -> list[str]:
 
 CASES: tuple[Callable[[Guest], None], ...] = (
     boots_and_enumerates,
+    has_the_function_that_the_scenario_asks_for,
     solves_as_in_process,
     solves_as_a_run_did,
     system_calls_and_interrupts_take_time,

@@ -50,5 +50,31 @@ TEST(BoardPort, WithoutEventsNothingMoves) {
   EXPECT_EQ(now_ps(), accessed);
 }
 
+// What a session says of the configuration space, and how it resets the function.
+TEST(BoardPort, HasTheFunctionThatTheScenarioAsksFor) {
+  test::SmallScene scene;
+  scene.settings.bus.pcie.emplace();
+  scene.settings.transfer.method = vp::Transfer::Method::programmed_io;
+  scene.settings.function = vp::PciFunction{.pci_express = true, .bar_bits = 64};
+  BoardPort port(scene.settings);
+  EXPECT_EQ(port.config_bytes(), 4096U);
+  const std::array<std::uint8_t, 4> ones = {0xff, 0xff, 0xff, 0xff};
+  std::array<std::uint8_t, 4> word{};
+  port.write_config(0x10, ones);
+  port.write_config(0x14, ones);
+  port.read_config(0x10, word);
+  EXPECT_EQ(word, (std::array<std::uint8_t, 4>{4, 0, 0, 0xfe}));
+  port.read_config(0x14, word);
+  EXPECT_EQ(word, ones);
+  port.read_config(0x80, word);
+  EXPECT_EQ(word[0], 0x10);
+  write_command(port);
+  port.reset();
+  port.read_config(4, word);
+  EXPECT_EQ(word[0], 0);
+  port.read_config(0x14, word);
+  EXPECT_EQ(word[0], 0);
+}
+
 }  // namespace
 }  // namespace hvp::serve::board_port_test

@@ -22,6 +22,7 @@ constexpr std::size_t kClass = 0x09;
 constexpr std::size_t kCacheLine = 0x0c;
 constexpr std::size_t kLatencyTimer = 0x0d;
 constexpr std::size_t kBar0 = 0x10;
+constexpr std::uint32_t kWideMemory = 2U << 1U;  // the address goes on in the next word
 constexpr std::size_t kSubsystemVendor = 0x2c;
 constexpr std::size_t kSubsystem = 0x2e;
 constexpr std::size_t kCapabilities = 0x34;
@@ -61,15 +62,23 @@ constexpr std::uint16_t kMessageFormat = 1U << 7U | 1U << 8U;
 
 constexpr std::size_t kFeaturesControl = ConfigSpace::kFeaturesAt + 4;
 constexpr std::uint8_t kFeatures = 3;  // transactions pending, and the reset
+// The upper byte of PCI Express' Device Control.
+constexpr std::size_t kExpressControl = ConfigSpace::kExpressAt + kExpressControlAt + 1;
+constexpr std::uint8_t kExpressReset = 1U << 7U;
 
-bool defined(std::uint64_t offset, std::size_t bytes) {
-  return bytes <= 8 && std::has_single_bit(bytes) && offset % bytes == 0 &&
-         offset < ConfigSpace::kBytes;
+bool defined(std::uint64_t offset, std::size_t bytes, std::size_t all) {
+  return bytes <= 8 && std::has_single_bit(bytes) && offset % bytes == 0 && offset < all;
 }
 
 }  // namespace
 
-ConfigSpace::ConfigSpace(const FunctionSettings& settings) : has_messages_(settings.messages) {
+ConfigSpace::ConfigSpace(const FunctionSettings& settings)
+    : has_messages_(settings.messages),
+      wide_bar_(settings.wide_bar),
+      express_(settings.express.has_value()),
+      value_(express_ ? kExpressBytes : kBytes),
+      writable_(value_.size()),
+      cleared_by_one_(value_.size()) {
   if (settings.bar_bytes < 16 || !std::has_single_bit(settings.bar_bytes)) {
     throw std::invalid_argument("a BAR of " + std::to_string(settings.bar_bytes) +
                                 " bytes: expected a power of two, at least 16");
@@ -84,6 +93,10 @@ ConfigSpace::ConfigSpace(const FunctionSettings& settings) : has_messages_(setti
   allow(kCacheLine, 0xff, 1);
   allow(kLatencyTimer, 0xff, 1);
   allow(kBar0, ~(settings.bar_bytes - 1U), 4);
+  if (wide_bar_) {
+    put(kBar0, kWideMemory, 4);
+    allow(kBar0 + 4, 0xffff'ffff, 4);
+  }
   put(kSubsystemVendor, HVP_PCI_VENDOR_ID, 2);
   put(kSubsystem, HVP_PCI_DEVICE_ID, 2);
   allow(kInterruptLine, 0xff, 1);
@@ -91,12 +104,13 @@ ConfigSpace::ConfigSpace(const FunctionSettings& settings) : has_messages_(setti
 
   put(kCapabilities, kPowerAt, 1);
   put(kPowerAt, kPowerId, 1);
-  put(kPowerAt + 1, static_cast<std::uint32_t>(has_messages_ ? kMessageAt : kFeaturesAt), 1);
+  const std::size_t for_reset = express_ ? kExpressAt : kFeaturesAt;
+  put(kPowerAt + 1, static_cast<std::uint32_t>(has_messages_ ? kMessageAt : for_reset), 1);
   put(kPowerAt + 2, 3, 2);
   allow(kPowerState, kPowerStateBits, 2);
   if (has_messages_) {
     put(kMessageAt, kMessageId, 1);
-    put(kMessageAt + 1, kFeaturesAt, 1);
+    put(kMessageAt + 1, static_cast<std::uint32_t>(for_reset), 1);
     put(kMessageControl, kMessageFormat, 2);
     allow(kMessageControl, kMessageEnable, 2);
     allow(kMessageLow, 0xffff'fffc, 4);
@@ -104,14 +118,31 @@ ConfigSpace::ConfigSpace(const FunctionSettings& settings) : has_messages_(setti
     allow(kMessageData, 0xffff, 2);
     allow(kMessageMask, 1, 4);
   }
-  put(kFeaturesAt, kFeaturesId, 1);
-  put(kFeaturesAt + 2, 6, 1);
-  put(kFeaturesAt + 3, kFeatures, 1);
+  if (express_) {
+    for (const ConfigRegister& one : express_capability(*settings.express, kExpressAt, 0)) add(one);
+  } else {
+    put(kFeaturesAt, kFeaturesId, 1);
+    put(kFeaturesAt + 2, 6, 1);
+    put(kFeaturesAt + 3, kFeatures, 1);
+  }
 
   for (std::size_t i = 0; i < 2; ++i) {
     cleared_by_one_[kStatus + i] = static_cast<std::uint8_t>(kErrors >> 8 * i);
   }
   initial_ = value_;
+}
+
+void ConfigSpace::add(const ConfigRegister& one) {
+  put(one.at, one.value, one.bytes);
+  allow(one.at, one.writable, one.bytes);
+  for (std::size_t i = 0; i < one.bytes; ++i) {
+    cleared_by_one_.at(one.at + i) = static_cast<std::uint8_t>(one.cleared_by_one >> 8 * i);
+  }
+}
+
+ConfigSpace::ResetByte ConfigSpace::reset_byte() const {
+  if (express_) return {kExpressControl, kExpressReset};
+  return {kFeaturesControl, 1};
 }
 
 void ConfigSpace::put(std::size_t at, std::uint32_t value, std::size_t bytes) {
@@ -145,7 +176,7 @@ std::uint32_t ConfigSpace::word(std::size_t at) const {
 }
 
 void ConfigSpace::read(std::uint64_t offset, std::span<std::uint8_t> data) const {
-  if (!defined(offset, data.size())) {
+  if (!defined(offset, data.size(), bytes())) {
     std::ranges::fill(data, std::uint8_t{0xff});
     return;
   }
@@ -153,7 +184,8 @@ void ConfigSpace::read(std::uint64_t offset, std::span<std::uint8_t> data) const
 }
 
 void ConfigSpace::write(std::uint64_t offset, std::span<const std::uint8_t> data) {
-  if (!defined(offset, data.size())) return;
+  if (!defined(offset, data.size(), bytes())) return;
+  const ResetByte to_reset = reset_byte();
   const bool was_in_d0 = in_d0();
   bool asks_for_reset = false;
   for (std::size_t i = 0; i < data.size(); ++i) {
@@ -166,7 +198,7 @@ void ConfigSpace::write(std::uint64_t offset, std::span<const std::uint8_t> data
       if (state == 0 || state == kD3Hot) byte = state;
       continue;
     }
-    if (at == kFeaturesControl && (given & 1U) != 0) asks_for_reset = true;
+    if (at == to_reset.offset && (given & to_reset.value) != 0) asks_for_reset = true;
     byte = static_cast<std::uint8_t>((byte & ~writable_.at(at)) | (given & writable_.at(at)));
     byte = static_cast<std::uint8_t>(byte & ~(given & cleared_by_one_.at(at)));
   }
@@ -201,7 +233,10 @@ ConfigSpace::Message ConfigSpace::message() const {
           half(kMessageData)};
 }
 
-std::uint32_t ConfigSpace::bar() const { return word(kBar0); }
+std::uint64_t ConfigSpace::bar() const {
+  if (!wide_bar_) return word(kBar0);
+  return static_cast<std::uint64_t>(word(kBar0 + 4)) << 32U | (word(kBar0) & ~kWideMemory);
+}
 
 void ConfigSpace::show_line(bool up) {
   const std::uint16_t status = half(kStatus);

@@ -1,13 +1,15 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
+#include <vector>
 
+#include "models/link/pcie.h"
 #include "vp/fault/fault_plan.h"
+#include "vp/function/express_capability.h"
 
 namespace hvp::vp {
 
@@ -15,21 +17,26 @@ namespace hvp::vp {
 struct FunctionSettings {
   std::uint32_t bar_bytes = 0;  // a power of two
   bool messages = false;        // the function has the capability MSI
+  bool wide_bar = false;        // the BAR's address has 64 bits, in two words
+  // The link that a capability of PCI Express describes; empty: there is none.
+  std::optional<link::Pcie> express = {};
 };
 
 // The configuration space of the board's PCI function as software sees it, without a clock: a
 // header of type 0 (PCI 3.0 §6.1), power management (PCI Power Management 1.2 §3.2), one message
 // with 64 bits of address and a mask (PCI 3.0 §6.8.1), and a reset of the function (PCI Advanced
-// Features ECN of 2006).
+// Features ECN of 2006, or the capability of PCI Express).
 //
 // An access has 1, 2, 4 or 8 bytes at a multiple of its size. Any other access, and one beyond the
-// 256 bytes, reads all ones and writes nothing, as if no function answered.
+// space's end, reads all ones and writes nothing, as if no function answered.
 class ConfigSpace {
  public:
   static constexpr std::size_t kBytes = 256;
+  static constexpr std::size_t kExpressBytes = 4096;  // of a function on PCI Express
   static constexpr std::size_t kPowerAt = 0x40;
   static constexpr std::size_t kMessageAt = 0x50;
-  static constexpr std::size_t kFeaturesAt = 0x70;
+  static constexpr std::size_t kFeaturesAt = 0x70;  // without a capability of PCI Express
+  static constexpr std::size_t kExpressAt = 0x80;
 
   struct Message {
     std::uint64_t address;
@@ -41,10 +48,17 @@ class ConfigSpace {
   // Throws std::invalid_argument unless the BAR's size is a power of two of at least 16 bytes.
   explicit ConfigSpace(const FunctionSettings& settings);
 
+  std::size_t bytes() const { return value_.size(); }
   void read(std::uint64_t offset, std::span<std::uint8_t> data) const;
   void write(std::uint64_t offset, std::span<const std::uint8_t> data);
   // Sets the state after power-on.
   void reset();
+  // The byte that software writes to reset the function, and where.
+  struct ResetByte {
+    std::uint64_t offset;
+    std::uint8_t value;
+  };
+  ResetByte reset_byte() const;
 
   // `reset` is called when software resets the function, by the capability or by leaving D3hot; the
   // configuration space has been reset before. `change` is called after any other change of the
@@ -62,7 +76,7 @@ class ConfigSpace {
   bool message_masked() const;
   bool in_d0() const;
   Message message() const;
-  std::uint32_t bar() const;
+  std::uint64_t bar() const;
 
   // Sets STATUS' interrupt bit: the state of the interrupt, whatever COMMAND says.
   void show_line(bool up);
@@ -77,12 +91,15 @@ class ConfigSpace {
   std::uint32_t word(std::size_t at) const;
   void put(std::size_t at, std::uint32_t value, std::size_t bytes);
   void allow(std::size_t at, std::uint32_t mask, std::size_t bytes);
+  void add(const ConfigRegister& one);
 
   bool has_messages_;
-  std::array<std::uint8_t, kBytes> value_{};
-  std::array<std::uint8_t, kBytes> initial_{};
-  std::array<std::uint8_t, kBytes> writable_{};
-  std::array<std::uint8_t, kBytes> cleared_by_one_{};
+  bool wide_bar_;
+  bool express_;
+  std::vector<std::uint8_t> value_;
+  std::vector<std::uint8_t> initial_;
+  std::vector<std::uint8_t> writable_;
+  std::vector<std::uint8_t> cleared_by_one_;
   std::function<void()> on_reset_;
   std::function<void()> on_change_;
 };

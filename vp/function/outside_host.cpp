@@ -72,8 +72,13 @@ std::uint32_t driver_errors(const BusErrors& errors) {
 }
 
 FunctionSettings function_of(const PlatformSettings& settings) {
-  return {.bar_bytes = kBarBytes,
-          .messages = settings.transfer.notification == link::Notification::msi};
+  FunctionSettings function{.bar_bytes = kBarBytes,
+                            .messages = settings.transfer.notification == link::Notification::msi};
+  if (settings.function) {
+    function.wide_bar = settings.function->bar_bits == 64;
+    if (settings.function->pci_express) function.express = settings.bus.pcie;
+  }
+  return function;
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <spdlog/spdlog.h>
 
 #include "models/stability/flag.h"
+#include "vp/frame/frame_tag.h"
 
 namespace hvp::vp {
 

@@ -231,6 +231,30 @@ TEST_F(BoardApi, WritesWhatTheBoardMoved) {
   std::filesystem::remove_all(folder);
 }
 
+// A BAR of two words, above 4 GiB, and the capability of the scenario's link; the words are those
+// of any board.
+TEST_F(BoardApi, HasTheFunctionThatTheScenarioAsksFor) {
+  open({"bus.pcie.generation=gen1", "bus.pcie.lanes=4", "transfer.method=programmed-io",
+        "function.pci_express=true", "function.bar_bits=64"});
+  EXPECT_EQ(hvp_board_config_read(board, 0x10, 4), 4U);
+  hvp_board_config_write(board, 0x10, 0xffff'ffff, 4);
+  hvp_board_config_write(board, 0x14, 0xffff'ffff, 4);
+  EXPECT_EQ(hvp_board_config_read(board, 0x10, 4), 0xfe00'0004U);
+  EXPECT_EQ(hvp_board_config_read(board, 0x14, 4), 0xffff'ffffU);
+  hvp_board_config_write(board, 0x10, 0, 4);
+  hvp_board_config_write(board, 0x14, 0x38, 4);
+  EXPECT_EQ(hvp_board_config_read(board, 0x80, 1), 0x10U);
+  EXPECT_EQ(hvp_board_config_read(board, 0x92, 2), 0x41U);  // four lanes of 2.5 GT/s
+  EXPECT_EQ(hvp_board_config_read(board, 0xffc, 4), 0U);
+  load();
+  solve();
+  hvp_board_config_write(board, 0x88, 0x8000, 2);  // a reset of the function
+  EXPECT_EQ(hvp_board_config_read(board, 4, 2), 0U);
+  std::uint32_t id = 0;
+  hvp_board_read(board, 0, &id, sizeof id);
+  EXPECT_EQ(id, 0xffff'ffffU);
+}
+
 TEST_F(BoardApi, AMemoryIsOfNoUseToABoardThatIsNoMaster) {
   open();
   std::array<std::uint32_t, 4> memory{};
@@ -247,6 +271,13 @@ TEST_F(BoardApi, RefusesInOneLine) {
   EXPECT_NE(refusal(kScenario, {"host.solver=cg"}).find("the host solves"), std::string::npos);
   EXPECT_NE(refusal(kScenario, {"fidelity.numbers=none"}).find("numbers"), std::string::npos);
   EXPECT_NE(refusal(kScenario, {"bus.kind=isa"}).find("bus.kind"), std::string::npos);
+  EXPECT_NE(refusal(kScenario, {"function.pci_express=true"})
+                .find("function.pci_express=true: the board is on the PCI bus and has no link"),
+            std::string::npos)
+      << why.data();
+  EXPECT_NE(refusal(kScenario, {"function.bar_bits=48"}).find("expected 32 or 64, found 48"),
+            std::string::npos)
+      << why.data();
   std::array<char, 8> small{};
   EXPECT_EQ(hvp_board_open("nowhere.toml", nullptr, small.data(), small.size()), nullptr);
   EXPECT_EQ(std::string(small.data()).size(), 7U);

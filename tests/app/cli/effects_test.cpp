@@ -206,6 +206,7 @@ const std::map<std::string, Parts> kAdded = {
     {"host.interrupt_latencies", kNothing},
     {"host.delay", kNothing},
     {"guest", kNothing},
+    {"function", kNothing},
     {"contact.fresh", kNothing},
     {"hand", kNothing},
     {"device.encoder", kNothing},

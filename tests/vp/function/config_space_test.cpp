@@ -17,7 +17,8 @@ constexpr std::uint8_t kStatus = 0x06;
 
 class Space : public ConfigSpace {
  public:
-  explicit Space(bool messages = true) : ConfigSpace({.bar_bytes = kBar, .messages = messages}) {}
+  explicit Space(bool messages = true) : Space({.bar_bytes = kBar, .messages = messages}) {}
+  explicit Space(const FunctionSettings& settings) : ConfigSpace(settings) {}
 
   std::uint64_t get(std::uint64_t offset, std::size_t bytes) const {
     std::array<std::uint8_t, 8> data{};
@@ -179,6 +180,78 @@ TEST(ConfigSpace, AFunctionLevelResetForgetsAll) {
   for (std::uint64_t at = 0; at < ConfigSpace::kBytes; at += 4) {
     EXPECT_EQ(space.get(at, 4), fresh.get(at, 4)) << at;
   }
+}
+
+// The address may be anywhere: both words take all ones, and the size is that of the two together.
+TEST(ConfigSpace, AWideBarIsTwoWords) {
+  Space space({.bar_bytes = kBar, .wide_bar = true});
+  EXPECT_EQ(space.get(0x10, 8), 4U);  // memory, 64 bits, not prefetchable
+  space.set(0x10, 0xffff'ffff, 4);
+  EXPECT_EQ(space.get(0x10, 8), 0xfe00'0004U);
+  space.set(0x14, 0xffff'ffff, 4);
+  EXPECT_EQ(~(space.get(0x10, 8) & ~std::uint64_t{0xf}) + 1, kBar);
+  space.set(0x14, 0x2f, 4);
+  space.set(0x10, 0xe201'2345, 4);
+  EXPECT_EQ(space.bar(), 0x2f'e200'0000U);
+  EXPECT_EQ(space.get(0x10, 8), 0x2f'e200'0004U);
+  space.set(0x18, 0xffff'ffff, 4);
+  EXPECT_EQ(space.get(0x18, 4), 0U);
+}
+
+FunctionSettings on_a_link() {
+  return {.bar_bytes = kBar,
+          .messages = true,
+          .express = link::Pcie{.generation = link::PcieGeneration::gen2,
+                                .lanes = 8,
+                                .max_payload_bytes = 512,
+                                .max_read_request_bytes = 1024,
+                                .read_completion_boundary_bytes = 128,
+                                .outstanding_reads = 64}};
+}
+
+TEST(ConfigSpace, OnALinkItHasItsCapability) {
+  Space space(on_a_link());
+  EXPECT_EQ(space.bytes(), 4096U);
+  EXPECT_NE(space.capability(0x01), 0U);
+  EXPECT_NE(space.capability(0x05), 0U);
+  EXPECT_EQ(space.capability(0x13), 0U);  // Advanced Features are of functions on a bus
+  const std::uint64_t express = space.capability(0x10);
+  ASSERT_NE(express, 0U);
+  EXPECT_EQ(space.get(express + 2, 2), 2U);                // version 2, an endpoint
+  EXPECT_EQ(space.get(express + 4, 4), 0x1000'8022U);      // reset; errors by role; tags; 512
+  EXPECT_EQ(space.get(express + 8, 2), 0x3850U);           // 1024 and 512 bytes
+  EXPECT_EQ(space.get(express + 0xc, 4) & 0x3ffU, 0x82U);  // eight lanes of 5 GT/s
+  EXPECT_EQ(space.get(express + 0x10, 2), 8U);             // completions end at 128
+  EXPECT_EQ(space.get(express + 0x12, 2), 0x82U);
+  EXPECT_EQ(space.get(express + 0x2c, 4), 6U);  // 2.5 and 5 GT/s
+  EXPECT_EQ(space.get(express + 0x30, 2), 2U);
+  space.set(express + 8, 0x7fff, 2);
+  EXPECT_EQ(space.get(express + 8, 2), 0x79ffU);  // no phantom functions, no power of its own
+  space.set(express + 4, 0, 4);
+  EXPECT_EQ(space.get(express + 4, 4), 0x1000'8022U);
+  EXPECT_EQ(space.get(0x100, 4), 0U);  // no more capabilities behind
+  EXPECT_EQ(space.get(4096, 4), 0xffff'ffffU);
+}
+
+TEST(ConfigSpace, OnALinkItsCapabilityResetsIt) {
+  Space space(on_a_link());
+  const Space fresh(on_a_link());
+  int resets = 0;
+  space.on_reset([&resets] { ++resets; });
+  space.set(kCommand, 0x6, 2);
+  const std::uint64_t control = space.capability(0x10) + 8U;
+  space.set(control, 0, 2);
+  EXPECT_EQ(resets, 0);
+  space.set(control, 0x8000, 2);
+  EXPECT_EQ(resets, 1);
+  for (std::uint64_t at = 0; at < ConfigSpace::kExpressBytes; at += 4) {
+    ASSERT_EQ(space.get(at, 4), fresh.get(at, 4)) << at;
+  }
+  space.set(kCommand, 0x6, 2);
+  const ConfigSpace::ResetByte byte = space.reset_byte();
+  space.set(byte.offset, byte.value, 1);
+  EXPECT_EQ(resets, 2);
+  EXPECT_EQ(space.get(kCommand, 2), 0U);
 }
 
 TEST(ConfigSpace, ABarIsAPowerOfTwo) {
