@@ -74,12 +74,28 @@ void BoardBus::enumerate() {
   };
   std::array<std::uint8_t, 1> command = {kMemorySpaceAndMaster};
   write(kCommandAt, command);
+  if (function_.config().table_bytes() > 0) {
+    enable_table();
+    return;
+  }
   // No effect if the function has no messages.
   std::array<std::uint8_t, 4> address = {0, 0, 0xe0, 0xfe};
   static_assert(vp::kMessageAddress == 0xfee0'0000);
   write(ConfigSpace::kMessageAt + 4, address);
   std::array<std::uint8_t, 1> enable = {1};
   write(ConfigSpace::kMessageAt + 2, enable);
+}
+
+// Unmasks the one vector of MSI-X and switches it on.
+void BoardBus::enable_table() {
+  std::array<std::uint8_t, 16> entry = {0, 0, 0xe0, 0xfe};
+  for (std::size_t at = 0; at < entry.size(); at += 4) {
+    function_.host().access(Command::write, at, std::span(entry).subspan(at, 4),
+                            vp::OutsideHost::Space::message_table);
+  }
+  std::array<std::uint8_t, 2> enable = {0, 0x80};
+  function_.host().access(Command::write, ConfigSpace::kMessageTableAt + 2, enable,
+                          vp::OutsideHost::Space::configuration);
 }
 
 bool BoardBus::take_interrupt() {

@@ -32,6 +32,7 @@ class BoardBus : public vp::InterruptListener {
 
  private:
   int wait_interrupt(std::uint64_t timeout_ns);
+  void enable_table();
   std::uint32_t take_errors();
   void let_pass(vp::Picoseconds time);
 

@@ -158,6 +158,10 @@ Result caught(Result otherwise, const Action& action) noexcept {
   }
 }
 
+std::span<std::uint8_t> bytes_of(std::uint32_t& word) {
+  return {reinterpret_cast<std::uint8_t*>(&word), sizeof word};
+}
+
 // Gives a file that was asked for its name.
 template <class Written>
 void finish(Written* written) {
@@ -258,6 +262,22 @@ void hvp_board_config_write(hvp_board* board, std::uint32_t offset, std::uint32_
   for (std::size_t i = 0; i < part.size(); ++i) part[i] = static_cast<std::uint8_t>(value >> 8 * i);
   caught(false, [&] {
     return board->function.host().access(Command::write, offset, part, Space::configuration);
+  });
+}
+
+std::uint32_t hvp_board_table_read(hvp_board* board, std::uint32_t offset) {
+  std::uint32_t value = 0;
+  caught(false, [&] {
+    return board->function.host().access(Command::read, offset, bytes_of(value),
+                                         Space::message_table);
+  });
+  return value;
+}
+
+void hvp_board_table_write(hvp_board* board, std::uint32_t offset, std::uint32_t value) {
+  caught(false, [&] {
+    return board->function.host().access(Command::write, offset, bytes_of(value),
+                                         Space::message_table);
   });
 }
 

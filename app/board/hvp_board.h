@@ -67,6 +67,11 @@ void hvp_board_write(struct hvp_board* board, uint64_t offset, const void* data,
 uint32_t hvp_board_config_read(struct hvp_board* board, uint32_t offset, size_t bytes);
 void hvp_board_config_write(struct hvp_board* board, uint32_t offset, uint32_t value, size_t bytes);
 
+// Accesses a word of BAR 2, with the table of MSI-X where the scenario asks for it (function.msi_x,
+// docs/pci-function.md); else a read gives all ones. Time passes as with the configuration space.
+uint32_t hvp_board_table_read(struct hvp_board* board, uint32_t offset);
+void hvp_board_table_write(struct hvp_board* board, uint32_t offset, uint32_t value);
+
 // The simulated time since the board was opened.
 uint64_t hvp_board_now_ps(const struct hvp_board* board);
 // The time of the next event. False if everything waits for the host.

@@ -21,9 +21,19 @@ namespace {
 // it does for a processor that enters its handler again.
 constexpr vp::Picoseconds kLineAgain = 1'000'000;
 
+using Space = vp::OutsideHost::Space;
+
 bool of_configuration(const pci::Command& command) {
   return command.operation == pci::Operation::config_read ||
          command.operation == pci::Operation::config_write;
+}
+
+// Where the command goes; empty: nothing is there.
+std::optional<Space> space_of(const pci::Command& command) {
+  if (of_configuration(command)) return Space::configuration;
+  if (command.data.empty()) return std::nullopt;
+  if (command.bar == vp::ConfigSpace::kMessageTableBar) return Space::message_table;
+  return command.bar == 0 ? std::optional(Space::bar) : std::nullopt;
 }
 
 }  // namespace
@@ -251,28 +261,27 @@ void BoardDevice::advance() {
 }
 
 void BoardDevice::begin() {
-  using Space = vp::OutsideHost::Space;
   for (Operation& operation : operations_) {
     if (operation.begun) continue;
     operation.begun = true;
     const bool reads = operation.command.reads();
-    const bool config = of_configuration(operation.command);
-    if (!config && (operation.command.bar != 0 || operation.command.data.empty())) {
-      operation.ended = true;  // nothing is there
+    const std::optional<Space> space = space_of(operation.command);
+    if (!space) {
+      operation.ended = true;
       continue;
     }
     const vp::Command command = reads ? vp::Command::read : vp::Command::write;
-    if (!config) {
+    if (space == Space::bar) {
       ++(reads ? counts_.reads : counts_.writes);
       operation.number =
           recent_.begin(vp::now_ps(), command, operation.command.address, operation.command.data);
     }
-    host_.post({command, config ? Space::configuration : Space::bar, operation.command.address,
-                operation.command.data, [this, &operation] {
-                  operation.ended = true;
-                  if (of_configuration(operation.command)) return;
-                  recent_.end(operation.number, vp::now_ps(), operation.command.data);
-                }});
+    host_.post(
+        {command, *space, operation.command.address, operation.command.data, [this, &operation] {
+           operation.ended = true;
+           if (space_of(operation.command) != Space::bar) return;
+           recent_.end(operation.number, vp::now_ps(), operation.command.data);
+         }});
   }
 }
 

@@ -61,7 +61,7 @@ Command parse(std::span<const std::uint8_t> sent, std::size_t room, std::size_t 
   return command;
 }
 
-Interrupt compose_message(std::uint64_t address, std::uint16_t data) {
+Interrupt compose_message(std::uint64_t address, std::uint32_t data) {
   Interrupt bytes = compose(Operation::message, sizeof data, address);
   put_number(bytes, kHeaderBytes, data);
   return bytes;

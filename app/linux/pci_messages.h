@@ -17,7 +17,7 @@ enum class Operation : std::uint8_t {
   memory_write,
   memory_set,  // fills the range with one byte
   line,        // INTA# went up; to the guest
-  message,     // MSI; to the guest
+  message,     // MSI or MSI-X; to the guest
   wake_up,     // PME#; to the guest
 };
 
@@ -40,7 +40,7 @@ Command parse(std::span<const std::uint8_t> sent, std::size_t room, std::size_t 
 
 inline constexpr std::size_t kInterruptBytes = kHeaderBytes + 4;
 using Interrupt = std::array<std::uint8_t, kInterruptBytes>;
-Interrupt compose_message(std::uint64_t address, std::uint16_t data);
+Interrupt compose_message(std::uint64_t address, std::uint32_t data);
 // Reports that INTA# went up.
 Interrupt compose_line();
 

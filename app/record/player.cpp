@@ -69,11 +69,11 @@ void Player::ask(const Entry& entry) {
   std::vector<std::uint8_t>& data = data_.emplace_back(entry.bytes);
   std::ranges::copy(entry.data, data.begin());
   using Space = vp::OutsideHost::Space;
-  function_.host().post({entry.has(kWrite) ? vp::Command::write : vp::Command::read,
-                         entry.has(kConfiguration) ? Space::configuration : Space::bar,
-                         entry.address,
-                         data,
-                         {}});
+  const Space space = entry.has(kConfiguration) ? Space::configuration
+                      : entry.has(kTable)       ? Space::message_table
+                                                : Space::bar;
+  function_.host().post(
+      {entry.has(kWrite) ? vp::Command::write : vp::Command::read, space, entry.address, data, {}});
 }
 
 void Player::change_memory(const Entry& entry) {

@@ -40,6 +40,7 @@ enum class Kind : std::uint8_t {
 // What the one number of flags says, by kind.
 inline constexpr std::uint8_t kWrite = 1;          // asked: else a read
 inline constexpr std::uint8_t kConfiguration = 2;  // asked: else the BAR
+inline constexpr std::uint8_t kTable = 8;          // asked: else not the table of MSI-X
 inline constexpr std::uint8_t kSettled = 4;        // asked: nothing was left to do at that time
 inline constexpr std::uint8_t kUp = 1;             // line
 inline constexpr std::uint8_t kAnswered = 1;       // memory_read, memory_write: else refused

@@ -73,6 +73,7 @@ void Recorder::asked(const OutsideHost::Access& access) {
               .address = access.offset,
               .bytes = static_cast<std::uint32_t>(data_of(access).size())};
   if (access.space == OutsideHost::Space::configuration) entry.flags |= kConfiguration;
+  if (access.space == OutsideHost::Space::message_table) entry.flags |= kTable;
   if (!sc_core::sc_pending_activity_at_current_time()) entry.flags |= kSettled;
   if (access.command == Command::write) {
     entry.flags |= kWrite;

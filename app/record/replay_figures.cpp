@@ -28,6 +28,7 @@ std::string_view name_of(What what) {
 std::string place_in(const Entry& entry, std::uint64_t offset, const RegisterName& name) {
   const std::uint64_t at = entry.address + offset;
   if (entry.kind != Kind::asked) return fmt::format("{:#x}", at);
+  if (entry.has(kTable)) return fmt::format("table of MSI-X {:#x}", at);
   return entry.has(kConfiguration) ? fmt::format("configuration space {:#x}", at) : name(at);
 }
 

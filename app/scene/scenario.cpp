@@ -185,12 +185,18 @@ void Scenario::declare_refinement(config::Visitor& v) {
 
 namespace {
 
-// Refuses the capability of a link that the board does not have.
-void require_link(const vp::PciFunction& function, const vp::BusSettings& bus) {
-  if (!function.pci_express || bus.pcie) return;
-  throw InputError("function.pci_express",
-                   "the board is on the PCI bus and has no link to speak of: expected false, or "
-                   "[bus.pcie]");
+// Refuses capabilities of what the board does not have.
+void require_possible(const vp::PciFunction& function, const Scenario& s) {
+  if (function.pci_express && !s.bus.pcie) {
+    throw InputError("function.pci_express",
+                     "the board is on the PCI bus and has no link to speak of: expected false, or "
+                     "[bus.pcie]");
+  }
+  if (function.msi_x && s.transfer.notification != link::Notification::msi) {
+    throw InputError("function.msi_x",
+                     "the board sends no messages: expected false, or transfer.notification = "
+                     "\"msi\"");
+  }
 }
 
 void require_shown(const WaveformSettings& waveform, int frames) {
@@ -335,7 +341,7 @@ void Scenario::check() const {
   const bool board = host.solver == host::SolvedBy::board;
   if (!board) require_plain_transfer(*this);
   if (timing_only()) require_no_numbers(*this);
-  if (function) require_link(*function, bus);
+  if (function) require_possible(*function, *this);
   if (board && vp::has_engine(fidelity.accelerator)) require_engine(*this);
   if (host.cores == 1 && fidelity.host == vp::Timing::untimed) {
     throw InputError("host.cores", "the host takes no time where fidelity.host is \"untimed\"");

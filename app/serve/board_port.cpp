@@ -82,6 +82,29 @@ bool BoardPort::write_bar(std::uint64_t offset, std::span<const std::uint8_t> da
   return answered;
 }
 
+void BoardPort::read_table(std::uint64_t offset, std::span<std::uint8_t> data) {
+  board_.host().access(vp::Command::read, offset, data, vp::OutsideHost::Space::message_table);
+}
+
+void BoardPort::write_table(std::uint64_t offset, std::span<const std::uint8_t> data) {
+  std::vector<std::uint8_t> copy(data.begin(), data.end());
+  board_.host().access(vp::Command::write, offset, copy, vp::OutsideHost::Space::message_table);
+  accessed();
+}
+
+// As an operating system does that finds memory space off: it is on for as long as that takes.
+void BoardPort::mask_message(bool masked) {
+  constexpr std::uint64_t kCommandAt = 4;
+  std::array<std::uint8_t, 2> before{};
+  read_config(kCommandAt, before);
+  std::array<std::uint8_t, 2> with_memory = before;
+  with_memory[0] |= 2U;
+  if (with_memory != before) write_config(kCommandAt, with_memory);
+  const std::array<std::uint8_t, 4> control = {static_cast<std::uint8_t>(masked ? 1 : 0)};
+  write_table(vp::MessageTable::kControlAt, control);
+  if (with_memory != before) write_config(kCommandAt, before);
+}
+
 std::uint64_t BoardPort::bar_bytes() const { return vp::kBarBytes; }
 
 void BoardPort::map(std::uint64_t address, std::span<std::uint8_t> memory, bool writable) {

@@ -44,6 +44,10 @@ class BoardPort : public FunctionPort, private vp::InterruptListener {
   bool read_bar(std::uint64_t offset, std::span<std::uint8_t> data) override;
   bool write_bar(std::uint64_t offset, std::span<const std::uint8_t> data) override;
   std::uint64_t bar_bytes() const override;
+  std::uint64_t table_bytes() const override { return board_.config().table_bytes(); }
+  void read_table(std::uint64_t offset, std::span<std::uint8_t> data) override;
+  void write_table(std::uint64_t offset, std::span<const std::uint8_t> data) override;
+  void mask_message(bool masked) override;
   void map(std::uint64_t address, std::span<std::uint8_t> memory, bool writable) override;
   void unmap(std::uint64_t address, std::uint64_t bytes) override;
   void before_memory(std::function<void()> look) override { look_at_memory_ = std::move(look); }

@@ -22,6 +22,13 @@ class FunctionPort {
   virtual bool write_bar(std::uint64_t offset, std::span<const std::uint8_t> data) = 0;
   virtual std::uint64_t bar_bytes() const = 0;
 
+  // The BAR with the table of MSI-X; 0: messages, if any, are MSI's.
+  virtual std::uint64_t table_bytes() const = 0;
+  virtual void read_table(std::uint64_t offset, std::span<std::uint8_t> data) = 0;
+  virtual void write_table(std::uint64_t offset, std::span<const std::uint8_t> data) = 0;
+  // Masks, or unmasks, the vector in that table, also while the function answers no access.
+  virtual void mask_message(bool masked) = 0;
+
   // Gives the board access to memory at a bus address, until unmap() of the same address and size.
   // Throws std::invalid_argument if the memory cannot be at that address.
   virtual void map(std::uint64_t address, std::span<std::uint8_t> memory, bool writable) = 0;

@@ -44,7 +44,7 @@ InterruptInfo Interrupts::info(std::uint32_t index) const {
   if (index == kLineIndex) {
     info.flags = kByEventfd | kMaskable | kAutoMasked;
     info.count = 1;
-  } else if (index == kMessageIndex && has_messages_) {
+  } else if (index == messages_) {
     info.flags = kByEventfd | kNoResize;
     info.count = 1;
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -16,7 +17,8 @@ namespace hvp::serve {
 // no eventfd for it or the message has no address.
 class Interrupts {
  public:
-  explicit Interrupts(bool has_messages) : has_messages_(has_messages) {}
+  // The index of messages, MSI's or MSI-X's; empty: there are none.
+  explicit Interrupts(std::optional<std::uint32_t> messages) : messages_(messages) {}
 
   // Throws Refused for an index beyond kInterruptIndices.
   InterruptInfo info(std::uint32_t index) const;
@@ -38,7 +40,7 @@ class Interrupts {
   void show_line();
   Source& source(std::uint32_t index) { return index == kLineIndex ? line_ : message_; }
 
-  bool has_messages_;
+  std::optional<std::uint32_t> messages_;
   bool up_ = false;
   Source line_;
   Source message_;

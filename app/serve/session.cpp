@@ -19,9 +19,10 @@ Bytes bytes_of(const T& value) {
   return bytes;
 }
 
-// Some clients read configuration space in blocks, which are split into the accesses of a bus.
+// Some clients read configuration space, or a table, in blocks, which are split into the accesses
+// of a bus.
 template <class Byte, class Visit>
-void each_config_access(std::uint64_t offset, std::span<Byte> data, const Visit& visit) {
+void each_bus_access(std::uint64_t offset, std::span<Byte> data, const Visit& visit) {
   while (!data.empty()) {
     std::size_t bytes = std::min<std::size_t>(data.size(), 4);
     while (!std::has_single_bit(bytes) || offset % bytes != 0) --bytes;
@@ -31,10 +32,20 @@ void each_config_access(std::uint64_t offset, std::span<Byte> data, const Visit&
   }
 }
 
+std::optional<std::uint32_t> message_index(const FunctionPort& function) {
+  if (!function.has_messages()) return std::nullopt;
+  return function.table_bytes() > 0 ? kTableMessageIndex : kMessageIndex;
+}
+
+// Whether files are given for the interrupts, or taken away.
+bool assigns(const SetInterrupts& command) {
+  return (command.flags & kDataEventfd) != 0 || command.count == 0;
+}
+
 }  // namespace
 
 Session::Session(FunctionPort& function)
-    : function_(function), interrupts_(function.has_messages()), memory_(function) {}
+    : function_(function), interrupts_(message_index(function)), memory_(function) {}
 
 // The board has to be quiet before its memory is removed.
 Session::~Session() { function_.reset(); }
@@ -104,6 +115,7 @@ Bytes Session::begin(const Message& message) {
 
 std::uint64_t Session::region_bytes(std::uint32_t region) const {
   if (region == kBarRegion) return function_.bar_bytes();
+  if (region == kTableRegion) return function_.table_bytes();
   return region == kConfigRegion ? function_.config_bytes() : 0;
 }
 
@@ -133,7 +145,11 @@ void Session::set_interrupts(Message& message) {
   if (command.argsz < sizeof command) {
     throw Refused(EINVAL, fmt::format("interrupts in {} bytes", command.argsz));
   }
+  const bool given = !message.files.empty();
   interrupts_.set(command, fields.rest(), std::move(message.files));
+  if (command.index == kTableMessageIndex && assigns(command) && function_.table_bytes() > 0) {
+    function_.mask_message(!given);
+  }
   interrupts_.line(function_.line_is_up());
 }
 
@@ -153,8 +169,12 @@ Bytes Session::read(Fields fields) {
   body.resize(sizeof access + access.count);
   const std::span<std::uint8_t> data = std::span(body).subspan(sizeof access);
   if (access.region == kConfigRegion) {
-    each_config_access(access.offset, data, [this](std::uint64_t at, std::span<std::uint8_t> part) {
+    each_bus_access(access.offset, data, [this](std::uint64_t at, std::span<std::uint8_t> part) {
       function_.read_config(at, part);
+    });
+  } else if (access.region == kTableRegion) {
+    each_bus_access(access.offset, data, [this](std::uint64_t at, std::span<std::uint8_t> part) {
+      function_.read_table(at, part);
     });
   } else if (!function_.read_bar(access.offset, data)) {
     throw Refused(EIO, "the board does not answer any more");
@@ -171,10 +191,15 @@ Bytes Session::write(Fields fields) {
 
 void Session::write(const RegionAccess& access, std::span<const std::uint8_t> data) {
   if (access.region == kConfigRegion) {
-    each_config_access(access.offset, data,
-                       [this](std::uint64_t at, std::span<const std::uint8_t> part) {
-                         function_.write_config(at, part);
-                       });
+    each_bus_access(access.offset, data,
+                    [this](std::uint64_t at, std::span<const std::uint8_t> part) {
+                      function_.write_config(at, part);
+                    });
+  } else if (access.region == kTableRegion) {
+    each_bus_access(access.offset, data,
+                    [this](std::uint64_t at, std::span<const std::uint8_t> part) {
+                      function_.write_table(at, part);
+                    });
   } else if (!function_.write_bar(access.offset, data)) {
     throw Refused(EIO, "the board does not answer any more");
   }

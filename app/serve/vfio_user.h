@@ -84,6 +84,7 @@ struct RegionInfo {
 inline constexpr std::uint32_t kRegionReadable = 1;
 inline constexpr std::uint32_t kRegionWritable = 2;
 inline constexpr std::uint32_t kBarRegion = HVP_PCI_BAR;
+inline constexpr std::uint32_t kTableRegion = 2;  // BAR 2
 inline constexpr std::uint32_t kConfigRegion = 7;
 inline constexpr std::uint32_t kRegions = 9;
 
@@ -99,6 +100,7 @@ inline constexpr std::uint32_t kAutoMasked = 4;
 inline constexpr std::uint32_t kNoResize = 8;
 inline constexpr std::uint32_t kLineIndex = 0;
 inline constexpr std::uint32_t kMessageIndex = 1;
+inline constexpr std::uint32_t kTableMessageIndex = 2;  // MSI-X
 inline constexpr std::uint32_t kInterruptIndices = 5;
 
 struct SetInterrupts {

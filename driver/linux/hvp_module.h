@@ -130,7 +130,9 @@ static inline const char *hvp_interrupt_name(const struct hvp_board *board)
 {
 	if (board->irq < 0)
 		return "polled";
-	return board->by_message ? "msi" : "intx";
+	if (!board->by_message)
+		return "intx";
+	return board->function->msix_enabled ? "msi-x" : "msi";
 }
 
 /* hvp_pci.c */

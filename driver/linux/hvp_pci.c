@@ -115,7 +115,7 @@ static void choose_interrupt(struct hvp_board *board)
 {
 	struct pci_dev *function = board->function;
 
-	if (msi && pci_alloc_irq_vectors(function, 1, 1, PCI_IRQ_MSI) == 1)
+	if (msi && pci_alloc_irq_vectors(function, 1, 1, PCI_IRQ_MSIX | PCI_IRQ_MSI) == 1)
 		board->by_message = true;
 	else if (pci_alloc_irq_vectors(function, 1, 1, PCI_IRQ_INTX) != 1)
 		return;

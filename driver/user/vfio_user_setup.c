@@ -20,14 +20,16 @@ enum { PATIENCE_S = 60 };
 // What every server takes in one message.
 enum { DEFAULT_TRANSFER = 1 << 20 };
 
-// Places of the configuration space (PCI 3.0 §6.1, §6.8.1).
+// Places of the configuration space (PCI 3.0 §6.1, §6.8.1, §6.8.2).
 enum {
   PCI_COMMAND = 0x04,
   PCI_CAPABILITIES = 0x34,
   PCI_MEMORY_AND_MASTER = 6,
   PCI_ID_MSI = 5,
+  PCI_ID_MSI_X = 0x11,
   PCI_MSI_CONTROL = 2,
   PCI_MSI_ENABLE = 1,
+  PCI_MSI_X_ENABLE = 1 << 15,
   PCI_MOST_CAPABILITIES = 48,  // of four bytes, behind the header
 };
 
@@ -74,15 +76,16 @@ static int look_at_bar(struct hvp_vfio_user* client) {
   return answer.size > 0 ? 0 : -EPROTO;
 }
 
-// Where the list of capabilities has the messages; 0: nowhere.
-static int find_messages(struct hvp_vfio_user* client, uint8_t* at) {
+// Where the list of capabilities has the messages, and by which capability; 0: nowhere.
+static int find_messages(struct hvp_vfio_user* client, uint8_t* at, uint8_t* id) {
   uint8_t place = 0;
   int status = hvp_vfio_user_read_config(client, PCI_CAPABILITIES, &place, sizeof place);
   for (int i = 0; status == 0 && place != 0 && i < PCI_MOST_CAPABILITIES; ++i) {
     uint8_t capability[2] = {0};
     place &= 0xfc;
     status = hvp_vfio_user_read_config(client, place, capability, sizeof capability);
-    if (capability[0] == PCI_ID_MSI) break;
+    *id = capability[0];
+    if (*id == PCI_ID_MSI || *id == PCI_ID_MSI_X) break;
     place = capability[1];
   }
   *at = place;
@@ -93,12 +96,15 @@ static int switch_on(struct hvp_vfio_user* client) {
   const uint16_t on = PCI_MEMORY_AND_MASTER;
   int status = hvp_vfio_user_write_config(client, PCI_COMMAND, &on, sizeof on);
   uint8_t messages = 0;
-  if (status == 0) status = find_messages(client, &messages);
+  uint8_t id = 0;
+  if (status == 0) status = find_messages(client, &messages, &id);
   client->messages = messages != 0;
   client->masked = false;
   const struct wire_set_irqs set = {.argsz = sizeof set,
                                     .flags = WIRE_DATA_EVENTFD | WIRE_ACTION_TRIGGER,
-                                    .index = client->messages ? WIRE_MSI : WIRE_INTX,
+                                    .index = !client->messages    ? WIRE_INTX
+                                             : id == PCI_ID_MSI_X ? WIRE_MSI_X
+                                                                  : WIRE_MSI,
                                     .count = 1};
   if (status == 0) {
     status = wire_command(client, WIRE_SET_IRQS, &set, sizeof set, client->interrupt);
@@ -107,7 +113,7 @@ static int switch_on(struct hvp_vfio_user* client) {
   const uint32_t at = (uint32_t)messages + PCI_MSI_CONTROL;
   uint16_t control = 0;
   status = hvp_vfio_user_read_config(client, at, &control, sizeof control);
-  control |= PCI_MSI_ENABLE;
+  control |= (uint16_t)(id == PCI_ID_MSI_X ? PCI_MSI_X_ENABLE : PCI_MSI_ENABLE);
   return status != 0 ? status : hvp_vfio_user_write_config(client, at, &control, sizeof control);
 }
 

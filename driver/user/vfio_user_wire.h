@@ -61,7 +61,7 @@ struct wire_region {
   uint64_t offset;
 };
 
-enum { WIRE_INTX = 0, WIRE_MSI = 1 };
+enum { WIRE_INTX = 0, WIRE_MSI = 1, WIRE_MSI_X = 2 };
 
 struct wire_irq {
   uint32_t argsz;

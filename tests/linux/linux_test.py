@@ -139,6 +139,23 @@ hvp-driver-suite /dev/hvp0 --case solve && echo solved
         expect_in("the console", line, said.replace("\r", ""))
 
 
+def hears_messages_of_a_table(guest: Guest) -> None:
+    """As long as a job by MSI, also behind a reset; the module says how it hears."""
+    wanted, u = shortest(guest)
+    found, by_table = shortest(guest, "function.msi_x=true")
+    expect("the shortest frame", wanted, found)
+    expect("U", True, by_table.solutions == u.solutions)
+    script = """cd /sys/bus/pci/devices/0000:00:00.0
+grep . msi_irqs/*
+echo 1 > reset
+hvp-driver-suite /dev/hvp0 --case fifty-jobs && echo solved
+grep hvp /proc/interrupts
+"""
+    said = guest.run("--set", "function.msi_x=true", script=script).stdout
+    for part in ("by DMA, msi-x", "\nmsix\n", "solved"):
+        expect_in("the console", part, said.replace("\r", ""))
+
+
 def solves_as_in_process(guest: Guest) -> None:
     frames = 1000
     out = guest.servo_run(frames)
@@ -466,6 +483,7 @@ def guests_of(mark: str) -> list[str]:
 CASES: tuple[Callable[[Guest], None], ...] = (
     boots_and_enumerates,
     has_the_function_that_the_scenario_asks_for,
+    hears_messages_of_a_table,
     solves_as_in_process,
     solves_as_a_run_did,
     system_calls_and_interrupts_take_time,

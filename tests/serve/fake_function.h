@@ -35,6 +35,16 @@ class FakeFunction : public serve::FunctionPort {
     return answers;
   }
   std::uint64_t bar_bytes() const override { return bar.size(); }
+  std::uint64_t table_bytes() const override { return table.size(); }
+  void read_table(std::uint64_t offset, std::span<std::uint8_t> data) override {
+    accesses.push_back(data.size());
+    std::copy_n(table.begin() + static_cast<std::ptrdiff_t>(offset), data.size(), data.begin());
+  }
+  void write_table(std::uint64_t offset, std::span<const std::uint8_t> data) override {
+    accesses.push_back(data.size());
+    std::ranges::copy(data, table.begin() + static_cast<std::ptrdiff_t>(offset));
+  }
+  void mask_message(bool masked) override { masks.push_back(masked); }
   void map(std::uint64_t address, std::span<std::uint8_t> memory, bool writable) override {
     if (address == kWindow) throw std::invalid_argument("the window of messages");
     if (!maps.emplace(address, Memory{memory, writable}).second) {
@@ -61,6 +71,8 @@ class FakeFunction : public serve::FunctionPort {
 
   std::vector<std::uint8_t> bar = std::vector<std::uint8_t>(std::size_t{2} << 20U);
   std::vector<std::uint8_t> config = std::vector<std::uint8_t>(256);
+  std::vector<std::uint8_t> table;    // empty: messages are MSI's
+  std::vector<bool> masks;            // of the vector, as they were set
   std::vector<std::size_t> accesses;  // their bytes
   std::map<std::uint64_t, Memory> maps;
   std::function<void()> look_at_memory;

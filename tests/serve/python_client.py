@@ -44,11 +44,12 @@ MEMORY = 0x2_0000_0000
 
 
 @contextmanager
-def board(notification: str) -> Iterator[VfioUser]:
+def board(notification: str, *function: str) -> Iterator[VfioUser]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "board"
         settings = ("method=dma", f"notification={notification}")
         words = [word for s in settings for word in ("--set", f"transfer.{s}")]
+        words += [word for s in function for word in ("--set", f"function.{s}")]
         with Served(HVP, [SCENARIO, *words], path), VfioUser(path) as client:
             yield client
 
@@ -95,8 +96,8 @@ class Client(unittest.TestCase):
             self.assertFalse(client.wait_interrupt(0))
 
     def test_a_solve_by_blocks(self) -> None:
-        for notification in ("intx", "msi"):
-            with board(notification) as client:
+        for notification, *function in (("intx",), ("msi",), ("msi", "msi_x=true")):
+            with board(notification, *function) as client:
                 self.assertEqual(client.messages, notification == "msi")
                 for _ in range(2):
                     load_one_node(client)

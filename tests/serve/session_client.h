@@ -62,7 +62,12 @@ struct Answer {
 // One client of a session, without a socket.
 class SessionClient {
  public:
-  explicit SessionClient(bool open = true) {
+  // `table_bytes`: of the table of MSI-X; 0: there is none.
+  explicit SessionClient(bool open = true, std::size_t table_bytes = 0) {
+    if (table_bytes > 0) {
+      function.table.resize(table_bytes);
+      session.emplace(function);
+    }
     if (open) version(0, 1, R"({"capabilities":{"write_multiple":true}})");
   }
 

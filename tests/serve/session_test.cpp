@@ -81,6 +81,44 @@ TEST(Session, DescribesTheDevice) {
   }
 }
 
+// In BAR 2, by words, and with interrupts of an index of its own. A file for the vector unmasks it.
+TEST(Session, MessagesMayHaveATable) {
+  SessionClient client(true, 4096);
+  const auto region =
+      client.send(Request::device_get_region_info, bytes_of(RegionInfo{32, 0, 2, 0, 0, 0}))
+          .as<RegionInfo>();
+  EXPECT_EQ(region.size, 4096U);
+  EXPECT_EQ(region.flags, 3U);
+  for (const std::uint32_t index : {1U, 2U}) {
+    const auto interrupt =
+        client.send(Request::device_get_irq_info, bytes_of(InterruptInfo{16, 0, index, 0}))
+            .as<InterruptInfo>();
+    EXPECT_EQ(interrupt.count, index == 2 ? 1U : 0U);
+    EXPECT_EQ(interrupt.flags, index == 2 ? 9U : 0U);
+  }
+  const Bytes write = bytes_of(RegionAccess{8, 2, 8}, std::uint64_t{0x1122'3344});
+  EXPECT_EQ(client.send(Request::region_write, write).error, 0);
+  EXPECT_EQ(client.send(Request::region_read, bytes_of(RegionAccess{8, 2, 4})).error, 0);
+  EXPECT_EQ(client.function.table[8], 0x44);
+  EXPECT_THAT(client.function.accesses, ElementsAre(4U, 4U, 4U));
+  EXPECT_EQ(client.send(Request::region_read, bytes_of(RegionAccess{4096, 2, 4})).error, EINVAL);
+
+  constexpr std::uint32_t kGive = kDataEventfd | kActionTrigger;
+  const FileDescriptor event = test::eventfd();
+  EXPECT_EQ(client.interrupts(kGive, 1, 0, 1, test::copy_of(event)).error, EINVAL);
+  EXPECT_TRUE(client.function.masks.empty());
+  EXPECT_EQ(client.interrupts(kGive, 2, 0, 1, test::copy_of(event)).error, 0);
+  client.session->interrupts().message();
+  EXPECT_EQ(test::signals(event), 1U);
+  EXPECT_EQ(client.interrupts(kDataNone | kActionTrigger, 2, 0, 1).error, 0);
+  EXPECT_EQ(test::signals(event), 1U);
+  EXPECT_THAT(client.function.masks, ElementsAre(false));
+  EXPECT_EQ(client.interrupts(kDataNone | kActionTrigger, 2, 0, 0).error, 0);
+  EXPECT_THAT(client.function.masks, ElementsAre(false, true));
+  client.session->interrupts().message();
+  EXPECT_EQ(test::signals(event), 0U);
+}
+
 TEST(Session, RegionsAreReadAndWritten) {
   SessionClient client;
   Bytes write = bytes_of(RegionAccess{0x100, 0, 8}, std::uint64_t{0x1122'3344'5566'7788});

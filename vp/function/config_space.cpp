@@ -43,6 +43,7 @@ constexpr std::uint16_t kErrors = 0xf900;
 constexpr std::uint8_t kPowerId = 0x01;
 constexpr std::uint8_t kMessageId = 0x05;
 constexpr std::uint8_t kFeaturesId = 0x13;
+constexpr std::uint8_t kMessageTableId = 0x11;
 
 // Power management: version 3; D1 and D2 are left out, and a function that leaves D3hot has been
 // reset.
@@ -60,6 +61,12 @@ constexpr std::size_t kMessagePending = ConfigSpace::kMessageAt + 20;
 constexpr std::uint16_t kMessageEnable = 1;
 constexpr std::uint16_t kMessageFormat = 1U << 7U | 1U << 8U;
 
+// MSI-X: one vector; the table and the pending bits, each with the number of its BAR.
+constexpr std::size_t kBar2 = kBar0 + 4 * ConfigSpace::kMessageTableBar;
+constexpr std::size_t kTableControl = ConfigSpace::kMessageTableAt + 2;
+constexpr std::uint16_t kTableMaskAll = 1U << 14U;
+constexpr std::uint16_t kTableEnable = 1U << 15U;
+
 constexpr std::size_t kFeaturesControl = ConfigSpace::kFeaturesAt + 4;
 constexpr std::uint8_t kFeatures = 3;  // transactions pending, and the reset
 // The upper byte of PCI Express' Device Control.
@@ -73,7 +80,7 @@ bool defined(std::uint64_t offset, std::size_t bytes, std::size_t all) {
 }  // namespace
 
 ConfigSpace::ConfigSpace(const FunctionSettings& settings)
-    : has_messages_(settings.messages),
+    : has_messages_(settings.messages && !settings.message_table),
       wide_bar_(settings.wide_bar),
       express_(settings.express.has_value()),
       value_(express_ ? kExpressBytes : kBytes),
@@ -105,7 +112,8 @@ ConfigSpace::ConfigSpace(const FunctionSettings& settings)
   put(kCapabilities, kPowerAt, 1);
   put(kPowerAt, kPowerId, 1);
   const std::size_t for_reset = express_ ? kExpressAt : kFeaturesAt;
-  put(kPowerAt + 1, static_cast<std::uint32_t>(has_messages_ ? kMessageAt : for_reset), 1);
+  const std::size_t for_messages = settings.message_table ? kMessageTableAt : kMessageAt;
+  put(kPowerAt + 1, static_cast<std::uint32_t>(settings.messages ? for_messages : for_reset), 1);
   put(kPowerAt + 2, 3, 2);
   allow(kPowerState, kPowerStateBits, 2);
   if (has_messages_) {
@@ -117,6 +125,15 @@ ConfigSpace::ConfigSpace(const FunctionSettings& settings)
     allow(kMessageHigh, 0xffff'ffff, 4);
     allow(kMessageData, 0xffff, 2);
     allow(kMessageMask, 1, 4);
+  }
+  if (settings.messages && settings.message_table) {
+    table_.emplace();
+    put(kMessageTableAt, kMessageTableId, 1);
+    put(kMessageTableAt + 1, static_cast<std::uint32_t>(for_reset), 1);
+    allow(kTableControl, kTableEnable | kTableMaskAll, 2);
+    put(kMessageTableAt + 4, kMessageTableBar, 4);
+    put(kMessageTableAt + 8, MessageTable::kPendingAt | kMessageTableBar, 4);
+    allow(kBar2, ~(static_cast<std::uint32_t>(MessageTable::kBytes) - 1U), 4);
   }
   if (express_) {
     for (const ConfigRegister& one : express_capability(*settings.express, kExpressAt, 0)) add(one);
@@ -210,7 +227,24 @@ void ConfigSpace::write(std::uint64_t offset, std::span<const std::uint8_t> data
   if (on_change_) on_change_();
 }
 
-void ConfigSpace::reset() { value_ = initial_; }
+void ConfigSpace::read_table(std::uint64_t offset, std::span<std::uint8_t> data) const {
+  if (table_ && decodes()) {
+    table_->read(offset, data);
+  } else {
+    std::ranges::fill(data, std::uint8_t{0xff});
+  }
+}
+
+void ConfigSpace::write_table(std::uint64_t offset, std::span<const std::uint8_t> data) {
+  if (!table_ || !decodes()) return;
+  table_->write(offset, data);
+  if (on_change_) on_change_();
+}
+
+void ConfigSpace::reset() {
+  value_ = initial_;
+  if (table_) table_->reset();
+}
 
 bool ConfigSpace::in_d0() const { return (half(kPowerState) & kPowerStateBits) == 0; }
 
@@ -223,12 +257,17 @@ bool ConfigSpace::may_raise_line() const {
 }
 
 bool ConfigSpace::messages_enabled() const {
+  if (table_) return (half(kTableControl) & kTableEnable) != 0;
   return has_messages_ && (half(kMessageControl) & kMessageEnable) != 0;
 }
 
-bool ConfigSpace::message_masked() const { return (word(kMessageMask) & 1U) != 0; }
+bool ConfigSpace::message_masked() const {
+  if (table_) return table_->masked() || (half(kTableControl) & kTableMaskAll) != 0;
+  return (word(kMessageMask) & 1U) != 0;
+}
 
 ConfigSpace::Message ConfigSpace::message() const {
+  if (table_) return {table_->address(), table_->data()};
   return {static_cast<std::uint64_t>(word(kMessageHigh)) << 32U | word(kMessageLow),
           half(kMessageData)};
 }
@@ -244,6 +283,7 @@ void ConfigSpace::show_line(bool up) {
 }
 
 void ConfigSpace::show_pending(bool pending) {
+  if (table_) table_->show_pending(pending);
   if (has_messages_) put(kMessagePending, pending ? 1 : 0, 4);
 }
 

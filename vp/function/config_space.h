@@ -10,6 +10,7 @@
 #include "models/link/pcie.h"
 #include "vp/fault/fault_plan.h"
 #include "vp/function/express_capability.h"
+#include "vp/function/message_table.h"
 
 namespace hvp::vp {
 
@@ -20,12 +21,13 @@ struct FunctionSettings {
   bool wide_bar = false;        // the BAR's address has 64 bits, in two words
   // The link that a capability of PCI Express describes; empty: there is none.
   std::optional<link::Pcie> express = {};
+  bool message_table = false;  // messages by MSI-X, in the place of MSI
 };
 
 // The configuration space of the board's PCI function as software sees it, without a clock: a
 // header of type 0 (PCI 3.0 §6.1), power management (PCI Power Management 1.2 §3.2), one message
-// with 64 bits of address and a mask (PCI 3.0 §6.8.1), and a reset of the function (PCI Advanced
-// Features ECN of 2006, or the capability of PCI Express).
+// with 64 bits of address and a mask (PCI 3.0 §6.8.1) or a table of one vector (§6.8.2), and a
+// reset of the function (PCI Advanced Features ECN of 2006, or the capability of PCI Express).
 //
 // An access has 1, 2, 4 or 8 bytes at a multiple of its size. Any other access, and one beyond the
 // space's end, reads all ones and writes nothing, as if no function answered.
@@ -37,10 +39,12 @@ class ConfigSpace {
   static constexpr std::size_t kMessageAt = 0x50;
   static constexpr std::size_t kFeaturesAt = 0x70;  // without a capability of PCI Express
   static constexpr std::size_t kExpressAt = 0x80;
+  static constexpr std::size_t kMessageTableAt = 0xc0;  // the capability MSI-X
+  static constexpr std::size_t kMessageTableBar = 2;
 
   struct Message {
     std::uint64_t address;
-    std::uint16_t data;
+    std::uint32_t data;  // of MSI 16 bits
   };
   // Errors that the function notes in its status register (PCI 3.0 §6.2.3).
   enum class Error : std::uint16_t { master_abort = 1U << 13U, parity = 1U << 15U };
@@ -51,6 +55,11 @@ class ConfigSpace {
   std::size_t bytes() const { return value_.size(); }
   void read(std::uint64_t offset, std::span<std::uint8_t> data) const;
   void write(std::uint64_t offset, std::span<const std::uint8_t> data);
+  // The BAR of MSI-X; 0: there is none.
+  std::size_t table_bytes() const { return table_ ? MessageTable::kBytes : 0; }
+  // Accesses it, where it is there and the function answers; else a read gives all ones.
+  void read_table(std::uint64_t offset, std::span<std::uint8_t> data) const;
+  void write_table(std::uint64_t offset, std::span<const std::uint8_t> data);
   // Sets the state after power-on.
   void reset();
   // The byte that software writes to reset the function, and where.
@@ -94,6 +103,7 @@ class ConfigSpace {
   void add(const ConfigRegister& one);
 
   bool has_messages_;
+  std::optional<MessageTable> table_;  // of MSI-X
   bool wide_bar_;
   bool express_;
   std::vector<std::uint8_t> value_;

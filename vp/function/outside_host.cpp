@@ -77,6 +77,7 @@ FunctionSettings function_of(const PlatformSettings& settings) {
   if (settings.function) {
     function.wide_bar = settings.function->bar_bits == 64;
     if (settings.function->pci_express) function.express = settings.bus.pcie;
+    function.message_table = settings.function->msi_x;
   }
   return function;
 }
@@ -128,6 +129,15 @@ void OutsideHost::serve() {
 
 void OutsideHost::configure(const Access& access) {
   side_.buses().drain_to_board();
+  if (access.space == Space::message_table) {
+    if (access.command == Command::write) {
+      config_.write_table(access.offset, access.data);
+    } else {
+      config_.read_table(access.offset, access.data);
+      side_.buses().drain_to_host();
+    }
+    return;
+  }
   if (shows_bus_errors_) note_bus_errors();
   if (access.command == Command::write) {
     config_.write(access.offset, access.data);
@@ -149,7 +159,7 @@ void OutsideHost::note_bus_errors() {
 }
 
 void OutsideHost::make(const Access& access) {
-  if (access.space == Space::configuration) {
+  if (access.space != Space::bar) {
     configure(access);
     return;
   }

@@ -80,7 +80,8 @@ class InterruptListener {
 //
 // An access to the configuration space takes no time of its own, and it overtakes no posted write
 // (PCIe 5.0 §2.4.1; PCI 3.0 appendix E): it is made when those of the host before it have arrived,
-// and a read is answered when those of the board before its answer have.
+// and a read is answered when those of the board before its answer have. So is one to the table of
+// MSI-X in its BAR.
 //
 // An access to the BAR is a register's word, two of them, or a block of words. One that is not
 // answered (no memory space, not in D0, beyond the BAR) reads all ones, takes no time and has no
@@ -88,7 +89,7 @@ class InterruptListener {
 // (docs/registers.md).
 class OutsideHost : public sc_core::sc_module, public InterruptIf {
  public:
-  enum class Space : std::uint8_t { bar, configuration };
+  enum class Space : std::uint8_t { bar, configuration, message_table };
   struct Access {
     Command command = Command::read;
     Space space = Space::bar;

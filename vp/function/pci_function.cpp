@@ -11,6 +11,10 @@ void PciFunction::declare(config::Visitor& v) {
             {"a capability of PCI Express with the link of [bus.pcie], a reset of the function by "
              "it, and 4 KiB of configuration space",
              "the least that a board needs"});
+  v.boolean("msi_x", msi_x,
+            {"messages by MSI-X, with a table and pending bits in BAR 2, in the place of MSI; a "
+             "message takes as long",
+             "as above"});
   v.integer("bar_bits", bar_bits, {32, 64},
             {"of the address of the registers: 32, or 64 for a BAR of two words", "as above"});
 }

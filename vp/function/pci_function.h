@@ -8,6 +8,7 @@ namespace hvp::vp {
 // least, for hosts that see one.
 struct PciFunction {
   bool pci_express = false;  // a capability of PCI Express, and 4 KiB of configuration space
+  bool msi_x = false;        // messages by MSI-X, in the place of MSI
   int bar_bits = 32;         // of the address in the BAR of the registers, 32 or 64
 
   void declare(config::Visitor& v);

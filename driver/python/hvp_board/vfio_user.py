@@ -33,12 +33,12 @@ UNMAP = struct.Struct("=IIQQ")
 IRQS = struct.Struct("=IIIII")
 
 BAR0, CONFIG = 0, 7
-INTX, MSI = 0, 1
+INTX, MSI, MSI_X = 0, 1, 2
 EVENTFD_TRIGGER, NONE_UNMASK = 4 | 32, 1 | 16
 
 PCI_COMMAND, PCI_CAPABILITIES = 0x04, 0x34
 MEMORY_AND_MASTER = 6
-MSI_CAPABILITY = 5
+MSI_CAPABILITY, MSI_X_CAPABILITY = 5, 0x11
 
 PATIENCE_S = 60.0
 
@@ -143,13 +143,16 @@ class VfioUser:
 
     def _switch_on(self) -> None:
         self.write_config(PCI_COMMAND, MEMORY_AND_MASTER, 2)
-        place = self._find(MSI_CAPABILITY)
+        index, enable, place = MSI, 1, self._find(MSI_CAPABILITY)
+        if place == 0:
+            index, enable, place = MSI_X, 1 << 15, self._find(MSI_X_CAPABILITY)
         self.messages = place != 0
         self._masked = False
-        index = MSI if self.messages else INTX
+        if not self.messages:
+            index = INTX
         self._command(SET_IRQS, IRQS.pack(IRQS.size, EVENTFD_TRIGGER, index, 0, 1), self._interrupt)
         if self.messages:
-            self.write_config(place + 2, self.read_config(place + 2, 2) | 1, 2)
+            self.write_config(place + 2, self.read_config(place + 2, 2) | enable, 2)
 
     def _find(self, capability: int) -> int:
         place = self.read_config(PCI_CAPABILITIES, 1)

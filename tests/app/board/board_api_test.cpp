@@ -255,6 +255,27 @@ TEST_F(BoardApi, HasTheFunctionThatTheScenarioAsksFor) {
   EXPECT_EQ(id, 0xffff'ffffU);
 }
 
+// The vector is unmasked when the board is opened; masked, its message is pending until it is not.
+TEST_F(BoardApi, HasATableOfMessages) {
+  open({"transfer.notification=msi", "function.msi_x=true"});
+  EXPECT_EQ(hvp_board_config_read(board, 0xc0, 1), 0x11U);
+  EXPECT_EQ(hvp_board_config_read(board, 0xc2, 2), 0x8000U);
+  EXPECT_EQ(hvp_board_table_read(board, 0), 0xfee0'0000U);
+  EXPECT_EQ(hvp_board_table_read(board, 12), 0U);
+  load();
+  solve();
+  hvp_board_table_write(board, 12, 1);
+  ASSERT_EQ(hvp_write_rhs(&device, b.data(), b.size()), HVP_OK);
+  ASSERT_EQ(hvp_start(&device), HVP_OK);
+  while (!hvp_board_run_until_ps(board, hvp_board_now_ps(board) + 1'000'000'000)) continue;
+  EXPECT_FALSE(hvp_board_interrupt(board));
+  EXPECT_EQ(hvp_board_table_read(board, 0x800), 1U);
+  hvp_board_table_write(board, 12, 0);
+  EXPECT_EQ(hvp_board_table_read(board, 0x800), 0U);
+  EXPECT_TRUE(hvp_board_interrupt(board));
+  EXPECT_EQ(hvp_wait(&device, 0), HVP_OK);
+}
+
 TEST_F(BoardApi, AMemoryIsOfNoUseToABoardThatIsNoMaster) {
   open();
   std::array<std::uint32_t, 4> memory{};
@@ -273,6 +294,9 @@ TEST_F(BoardApi, RefusesInOneLine) {
   EXPECT_NE(refusal(kScenario, {"bus.kind=isa"}).find("bus.kind"), std::string::npos);
   EXPECT_NE(refusal(kScenario, {"function.pci_express=true"})
                 .find("function.pci_express=true: the board is on the PCI bus and has no link"),
+            std::string::npos)
+      << why.data();
+  EXPECT_NE(refusal(kScenario, {"function.msi_x=true"}).find("the board sends no messages"),
             std::string::npos)
       << why.data();
   EXPECT_NE(refusal(kScenario, {"function.bar_bits=48"}).find("expected 32 or 64, found 48"),

@@ -254,6 +254,73 @@ TEST(ConfigSpace, OnALinkItsCapabilityResetsIt) {
   EXPECT_EQ(space.get(kCommand, 2), 0U);
 }
 
+class TableSpace : public Space {
+ public:
+  TableSpace() : Space({.bar_bytes = kBar, .messages = true, .message_table = true}) {}
+
+  std::uint64_t entry(std::uint64_t offset, std::size_t bytes = 4) const {
+    std::array<std::uint8_t, 8> data{};
+    read_table(offset, std::span(data).first(bytes));
+    std::uint64_t value = 0;
+    for (std::size_t i = bytes; i > 0; --i) value = value << 8U | data.at(i - 1);
+    return value;
+  }
+  void set_entry(std::uint64_t offset, std::uint32_t value) {
+    std::array<std::uint8_t, 4> data{};
+    for (std::size_t i = 0; i < 4; ++i) data.at(i) = static_cast<std::uint8_t>(value >> 8 * i);
+    write_table(offset, data);
+  }
+};
+
+TEST(ConfigSpace, MessagesMayHaveATable) {
+  TableSpace space;
+  EXPECT_EQ(space.capability(0x05), 0U);
+  const std::uint64_t msi_x = space.capability(0x11);
+  ASSERT_NE(msi_x, 0U);
+  EXPECT_EQ(space.get(msi_x + 2, 2), 0U);      // one vector
+  EXPECT_EQ(space.get(msi_x + 4, 4), 2U);      // at the begin of BAR 2
+  EXPECT_EQ(space.get(msi_x + 8, 4), 0x802U);  // half a page behind
+  space.set(0x18, 0xffff'ffff, 4);
+  EXPECT_EQ((~space.get(0x18, 4) + 1) & 0xffff'ffff, 4096U);
+  EXPECT_EQ(space.table_bytes(), 4096U);
+  // Nobody answers before memory space is on.
+  space.set_entry(0, 0xfee0'0000);
+  EXPECT_EQ(space.entry(0), 0xffff'ffffU);
+  space.set(kCommand, 2, 1);
+  EXPECT_EQ(space.entry(0), 0U);
+  EXPECT_EQ(space.entry(8, 8), std::uint64_t{1} << 32U);  // masked
+  space.set_entry(0, 0xfee0'1003);
+  space.set_entry(4, 0x1);
+  space.set_entry(8, 0x1'2345);
+  EXPECT_EQ(space.entry(0, 8), 0x1'fee0'1000U);
+  EXPECT_EQ(space.message().address, 0x1'fee0'1000U);
+  EXPECT_EQ(space.message().data, 0x1'2345U);
+  EXPECT_FALSE(space.messages_enabled());
+  space.set(msi_x + 2, 0xffff, 2);
+  EXPECT_EQ(space.get(msi_x + 2, 2), 0xc000U);
+  EXPECT_TRUE(space.messages_enabled());
+  space.set_entry(12, 0xffff'fffe);
+  EXPECT_EQ(space.entry(12), 0U);
+  EXPECT_TRUE(space.message_masked());  // all vectors are
+  space.set(msi_x + 2, 0x8000, 2);
+  EXPECT_FALSE(space.message_masked());
+  space.set_entry(12, 1);
+  EXPECT_TRUE(space.message_masked());
+  space.show_pending(true);
+  EXPECT_EQ(space.entry(0x800), 1U);
+  space.set_entry(0x800, 0);  // read-only
+  EXPECT_EQ(space.entry(0x800, 8), 1U);
+  space.show_pending(false);
+  EXPECT_EQ(space.entry(0x800), 0U);
+  EXPECT_EQ(space.entry(16), 0U);
+  EXPECT_EQ(space.entry(2, 2), 0U);  // no word
+  const ConfigSpace::ResetByte byte = space.reset_byte();
+  space.set(byte.offset, byte.value, 1);
+  space.set(kCommand, 2, 1);
+  EXPECT_EQ(space.entry(0), 0U);
+  EXPECT_EQ(space.entry(12), 1U);
+}
+
 TEST(ConfigSpace, ABarIsAPowerOfTwo) {
   EXPECT_THROW(ConfigSpace({.bar_bytes = 0, .messages = false}), std::invalid_argument);
   EXPECT_THROW(ConfigSpace({.bar_bytes = 8, .messages = false}), std::invalid_argument);

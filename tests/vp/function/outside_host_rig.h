@@ -44,6 +44,15 @@ class Host : public InterruptListener {
     EXPECT_TRUE(host->access(Command::write, at, std::span(data).first(bytes),
                              OutsideHost::Space::configuration));
   }
+  std::uint32_t read_table(std::uint64_t at) {
+    std::array<std::uint32_t, 1> word{};
+    EXPECT_TRUE(host->access(Command::read, at, bytes(word), OutsideHost::Space::message_table));
+    return word[0];
+  }
+  void write_table(std::uint64_t at, std::uint32_t value) {
+    std::array<std::uint32_t, 1> word = {value};
+    EXPECT_TRUE(host->access(Command::write, at, bytes(word), OutsideHost::Space::message_table));
+  }
   std::uint32_t read(std::uint32_t offset) {
     std::array<std::uint32_t, 1> word{};
     EXPECT_TRUE(host->access(Command::read, offset, bytes(word)));

@@ -4,11 +4,14 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "driver/hvp_driver.h"
+#include "tests/vp/child_output.h"
 #include "tests/vp/expected_time.h"
 #include "tests/vp/function/outside_host_rig.h"
 
@@ -145,6 +148,77 @@ TEST(OutsideHost, MessagesAreMaskedAndPending) {
   EXPECT_EQ(host.messages[0].address, 0xfee0'1000U);
   EXPECT_EQ(host.messages[0].data, 0x31);
   EXPECT_EQ(host.lines, (std::vector<bool>{true, false}));
+}
+
+void with_table(PlatformSettings& settings) {
+  settings.transfer.method = Transfer::Method::dma;
+  settings.transfer.notification = link::Notification::msi;
+  settings.function = PciFunction{.msi_x = true};
+}
+
+constexpr std::uint64_t kTableControl = ConfigSpace::kMessageTableAt + 2;
+
+// By the vector's mask, and by that of the function.
+TEST(OutsideHost, MessagesOfATableAreMaskedAndPending) {
+  Loaded host(with_table);
+  host.write_table(0, 0xfee0'1000);
+  host.write_table(8, 0x1'0031);
+  host.write_config(kTableControl, 0x8000, 2);  // the vector is masked yet
+  EXPECT_EQ(host.lines, (std::vector<bool>{true, false}));
+  for (const bool by_function : {false, true}) {
+    ASSERT_EQ(hvp_write_rhs(&host.device, host.b.data(), host.b.size()), HVP_OK);
+    ASSERT_EQ(hvp_start(&host.device), HVP_OK);
+    EXPECT_TRUE(host.host->run_until(now_ps() + 10'000 * kUs));
+    EXPECT_TRUE(host.messages.empty());
+    EXPECT_EQ(host.read_table(MessageTable::kPendingAt), 1U);
+    const Picoseconds before = now_ps();
+    if (by_function) {
+      host.write_config(kTableControl, 0x8000, 2);
+    } else {
+      host.write_table(MessageTable::kControlAt, 0);
+    }
+    ASSERT_EQ(host.messages.size(), 1U);
+    EXPECT_EQ(now_ps(), before);
+    EXPECT_EQ(host.messages[0].address, 0xfee0'1000U);
+    EXPECT_EQ(host.messages[0].data, 0x1'0031U);
+    EXPECT_EQ(host.read_table(MessageTable::kPendingAt), 0U);
+    ASSERT_EQ(hvp_wait(&host.device, 0), HVP_OK);
+    host.messages.clear();
+    host.write_config(kTableControl, 0xc000, 2);
+  }
+  EXPECT_EQ(host.lines, (std::vector<bool>{true, false}));
+}
+
+// When a job's message came, and when the driver was through.
+std::string times_of_a_job(const std::function<void(PlatformSettings&)>& change) {
+  return test::output_of_child([&change](std::string& text) {
+    Loaded host(change);
+    host.write_config(ConfigSpace::kMessageAt + 4, kMessageAddress, 4);
+    host.write_config(ConfigSpace::kMessageAt + 2, 1, 2);
+    host.write_table(0, static_cast<std::uint32_t>(kMessageAddress));
+    host.write_table(MessageTable::kControlAt, 0);
+    host.write_config(kTableControl, 0x8000, 2);
+    const hvp_status status =
+        hvp_solve(&host.device, host.b.data(), host.u.data(), host.u.size(), 100'000'000);
+    text = std::to_string(status) + ' ' + std::to_string(host.woken) + ' ' +
+           std::to_string(now_ps()) + ' ' + std::to_string(host.lines.size());
+  });
+}
+
+TEST(OutsideHost, AMessageOfATableTakesAsLongAsAnother) {
+  for (const bool pcie : {false, true}) {
+    const auto with = [pcie](bool table) {
+      return [pcie, table](PlatformSettings& settings) {
+        with_table(settings);
+        if (!table) settings.function.reset();
+        if (pcie) settings.bus.pcie.emplace();
+      };
+    };
+    const std::string expected = times_of_a_job(with(false));
+    ASSERT_EQ(expected.substr(0, 2), "0 ");
+    EXPECT_EQ(expected.back(), '2');  // the line of the matrix' check, up and down
+    EXPECT_EQ(times_of_a_job(with(true)), expected);
+  }
 }
 
 TEST(OutsideHost, ALineIsHeldBackByInterruptDisable) {
