@@ -38,6 +38,8 @@ FAULTS: dict[str, tuple[str, ...]] = {
         for access in ("rhs", "solution")
     },
     "device-gone": ("frame=1", "frames=2"),
+    "surprise-removal": ("frame=5",),
+    "function-level-reset": ("frame=5",),
     "late-dma": ("frame=5", "delay=30 ms"),
     "truncated-dma": ("frame=5", "bytes=8"),
 }

@@ -115,8 +115,11 @@ static u32 bar_take_errors(void *context)
 	u32 errors = 0;
 	u16 status;
 
-	if (!pci_read_config_word(board->function, PCI_STATUS, &status) &&
-	    !PCI_POSSIBLE_ERROR(status)) {
+	if (pci_read_config_word(board->function, PCI_STATUS, &status) ||
+	    PCI_POSSIBLE_ERROR(status)) {
+		/* The function was pulled out: what was read since is not the board's. */
+		errors |= HVP_BUS_MASTER_ABORT;
+	} else {
 		note_status_register(&noted, status);
 		if (noted)
 			pci_write_config_word(board->function, PCI_STATUS, noted);

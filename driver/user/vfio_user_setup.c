@@ -80,6 +80,8 @@ static int look_at_bar(struct hvp_vfio_user* client) {
 static int find_messages(struct hvp_vfio_user* client, uint8_t* at, uint8_t* id) {
   uint8_t place = 0;
   int status = hvp_vfio_user_read_config(client, PCI_CAPABILITIES, &place, sizeof place);
+  // All ones are those of a function that was pulled out.
+  if (place == 0xff) place = 0;
   for (int i = 0; status == 0 && place != 0 && i < PCI_MOST_CAPABILITIES; ++i) {
     uint8_t capability[2] = {0};
     place &= 0xfc;

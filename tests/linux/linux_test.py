@@ -139,6 +139,22 @@ hvp-driver-suite /dev/hvp0 --case solve && echo solved
         expect_in("the console", line, said.replace("\r", ""))
 
 
+def a_board_that_is_pulled_out(guest: Guest) -> None:
+    """No job goes well any more; the module lets go of it, and nobody finds it again."""
+    script = """hvp-driver-suite /dev/hvp0 --fault surprise-removal --case fault-surprise-removal
+cd /sys/bus/pci/devices
+hexdump -n 4 -e '"identity %08x\\n"' 0000:00:00.0/config
+echo 1 > 0000:00:00.0/remove
+echo 1 > /sys/bus/pci/rescan
+echo functions: *
+"""
+    fault = ("--set", "fault[0].kind=surprise-removal", "--set", "fault[0].frame=5")
+    said = guest.run(*fault, "--set", "function.msi_x=true", script=script, status=1).stdout
+    for part in ('"result": "pass"', "identity ffffffff", "functions: *"):
+        expect_in("the console", part, said)
+    expect("words of a kernel in trouble", [], re.findall("WARNING|BUG|Oops", said))
+
+
 def hears_messages_of_a_table(guest: Guest) -> None:
     """As long as a job by MSI, also behind a reset; the module says how it hears."""
     wanted, u = shortest(guest)
@@ -484,6 +500,7 @@ CASES: tuple[Callable[[Guest], None], ...] = (
     boots_and_enumerates,
     has_the_function_that_the_scenario_asks_for,
     hears_messages_of_a_table,
+    a_board_that_is_pulled_out,
     solves_as_in_process,
     solves_as_a_run_did,
     system_calls_and_interrupts_take_time,

@@ -159,6 +159,23 @@ TEST(FaultPlan, AnAbsenceThatNobodySawStillResetsTheBoard) {
   EXPECT_EQ(plan.injected(), 1);
 }
 
+TEST(FaultPlan, ABoardThatWasPulledOutNeverComesBack) {
+  Fault away = at(FaultKind::device_gone, 12);
+  away.frames = 3;
+  FaultPlan plan({at(FaultKind::surprise_removal, 10), away}, 1, kPeriod);
+  plan.begin(0);
+  EXPECT_FALSE(plan.gone(10 * kPeriod, 10));
+  EXPECT_FALSE(plan.removed());
+  ASSERT_NE(plan.strike(FaultKind::surprise_removal, 10, FaultAccess::status), nullptr);
+  plan.remove();
+  EXPECT_TRUE(plan.removed());
+  EXPECT_TRUE(plan.gone(10 * kPeriod, 10));
+  EXPECT_TRUE(plan.gone(1000 * kPeriod, 1000));  // nor does the other one bring it back
+  EXPECT_FALSE(plan.take_return());
+  plan.notice_failure(11);
+  EXPECT_EQ(plan.records()[0].unnoticed(), 0);
+}
+
 TEST(FaultPlan, FrameZeroIsBeforeSetUp) {
   FaultPlan plan({at(FaultKind::device_gone, 0)}, 1, kPeriod);
   EXPECT_TRUE(plan.gone(0, -1));

@@ -55,6 +55,11 @@ void FaultyWire::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_
   const std::int64_t frame = tag_of(transaction, none).frame;
   const bool gone = plan_.gone(now_ps(), frame);
   if (plan_.take_return()) reset_board();
+  if (!gone && plan_.strike(FaultKind::surprise_removal, frame, access) != nullptr) {
+    plan_.remove();
+    abort(transaction);
+    return;
+  }
   if (gone || plan_.strike(FaultKind::master_abort, frame, access) != nullptr) {
     abort(transaction);
     return;

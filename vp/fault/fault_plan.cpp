@@ -50,6 +50,10 @@ const char* name(FaultKind kind) {
       return "late-dma";
     case FaultKind::truncated_dma:
       return "truncated-dma";
+    case FaultKind::surprise_removal:
+      return "surprise-removal";
+    case FaultKind::function_level_reset:
+      return "function-level-reset";
   }
   return "";
 }
@@ -84,12 +88,14 @@ void Fault::declare(config::Visitor& v) {
              {"the probability that it happens in a frame, drawn for each; 0: not at a rate, frame "
               "instead",
               "absent"});
-  of_kind.only({FaultKind::master_abort, FaultKind::corrupted_word}, [&] {
-    v.choice("access", access, access_names(),
-             {"which access of the frame to the board is hit; first: whichever comes first, for "
-              "corrupted-word of the blocks",
-              "any will do"});
-  });
+  of_kind.only(
+      {FaultKind::master_abort, FaultKind::corrupted_word, FaultKind::surprise_removal}, [&] {
+        v.choice(
+            "access", access, access_names(),
+            {"which access of the frame to the board is hit; first: whichever comes first, for "
+             "corrupted-word of the blocks",
+             "any will do"});
+      });
   of_kind.only({FaultKind::corrupted_word}, [&] {
     v.integer("bits", bits, {0, 32},
               {"how many bits of one word of 32 are flipped; 0: one",
@@ -147,9 +153,11 @@ std::string_view missing_in_frame(const Fault& fault) {
       return "the board raised no interrupt";
     case FaultKind::stuck_busy:
     case FaultKind::saturated_solve:
+    case FaultKind::function_level_reset:
       return "no solve was started";
     case FaultKind::master_abort:
     case FaultKind::corrupted_word:
+    case FaultKind::surprise_removal:
       return "no such access was made";
     case FaultKind::late_dma:
     case FaultKind::truncated_dma:
@@ -296,6 +304,12 @@ bool FaultPlan::gone(Picoseconds now, std::int64_t frame) {
   return gone_;
 }
 
+void FaultPlan::remove() {
+  gone_ = true;
+  removed_ = true;
+  back_at_ = kNever;
+}
+
 void FaultPlan::notice_item(std::size_t item, std::int64_t frame) {
   for (std::int64_t& open : items_[item].open) {
     if (open != frame) continue;
@@ -307,7 +321,8 @@ void FaultPlan::notice_item(std::size_t item, std::int64_t frame) {
 void FaultPlan::notice_failure(std::int64_t frame) {
   for (std::size_t item = 0; item < items_.size(); ++item) {
     notice_item(item, frame);
-    if (records_[item].fault.kind != FaultKind::device_gone) continue;
+    const FaultKind kind = records_[item].fault.kind;
+    if (kind != FaultKind::device_gone && kind != FaultKind::surprise_removal) continue;
     // Whoever asks for a board that is gone finds out, whenever he asks.
     const std::array<std::int64_t, 2> open = items_[item].open;
     for (const std::int64_t since : open) {

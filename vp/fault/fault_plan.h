@@ -14,16 +14,18 @@
 namespace hvp::vp {
 
 enum class FaultKind {
-  lost_interrupt,   // the board's interrupt does not reach the host
-  stuck_busy,       // the job does not end; STATUS.busy stays until a reset
-  saturated_solve,  // the job's b is at the limits of its words
-  master_abort,     // no target claims one access
-  device_gone,      // no target claims any access, and no interrupt comes
-  corrupted_word,   // bits of one word of a block are flipped on the bus
-  late_dma,         // U leaves the board late
-  truncated_dma,    // the last bytes of U stay on the board
+  lost_interrupt,        // the board's interrupt does not reach the host
+  stuck_busy,            // the job does not end; STATUS.busy stays until a reset
+  saturated_solve,       // the job's b is at the limits of its words
+  master_abort,          // no target claims one access
+  device_gone,           // no target claims any access, and no interrupt comes
+  corrupted_word,        // bits of one word of a block are flipped on the bus
+  late_dma,              // U leaves the board late
+  truncated_dma,         // the last bytes of U stay on the board
+  surprise_removal,      // from an access on the function is not there any more, for good
+  function_level_reset,  // somebody else resets the function while the job runs
 };
-inline constexpr int kFaultKinds = 8;
+inline constexpr int kFaultKinds = 10;
 
 const char* name(FaultKind kind);
 
@@ -94,6 +96,9 @@ class FaultPlan {
   // True if the board is gone at an access or an interrupt of this frame; −1 for set-up and
   // recovery.
   bool gone(Picoseconds now, std::int64_t frame);
+  // The function was pulled out now: it is gone for good, its configuration space too.
+  void remove();
+  bool removed() const { return removed_; }
   // True if the board has come back since the last call, in its state after power-on.
   bool take_return() { return std::exchange(returned_, false); }
 
@@ -137,6 +142,7 @@ class FaultPlan {
   std::vector<FaultRecord> records_;
   std::vector<Item> items_;
   bool gone_ = false;
+  bool removed_ = false;
   Picoseconds back_at_ = kNever;
   bool returned_ = false;
 };

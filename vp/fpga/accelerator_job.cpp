@@ -37,6 +37,10 @@ void Accelerator::end_after(std::optional<std::int64_t> clocks) {
 void Accelerator::begin_solve(const Tag& tag) {
   const bool stuck = strikes(FaultKind::stuck_busy);
   begin(Running::solve, tag);
+  if (strikes(FaultKind::function_level_reset)) {
+    power_on();
+    return;
+  }
   if (stuck) {
     if (listed_) dma_->abort();  // there is no end; nor does the engine do anything more
   } else if (fault_) {

@@ -119,6 +119,7 @@ void OutsideHost::serve() {
   for (;;) {
     while (accesses_.empty()) wait(posted_);
     make(accesses_.front());
+    if (removed() && !taken_away_) take_away();
     for (Observer* const observer : observers_) observer->ended(accesses_.front());
     const std::function<void()> ended = std::move(accesses_.front().ended);
     accesses_.pop_front();
@@ -129,6 +130,15 @@ void OutsideHost::serve() {
 
 void OutsideHost::configure(const Access& access) {
   side_.buses().drain_to_board();
+  if (removed()) {
+    if (access.command == Command::write) return;
+    std::ranges::fill(access.data, std::uint8_t{0xff});
+    if (access.space == Space::configuration &&
+        ConfigSpace::reaches_errors(access.offset, access.data.size())) {
+      frames_.told_by_bus(HVP_ERROR_BUS);
+    }
+    return;
+  }
   if (access.space == Space::message_table) {
     if (access.command == Command::write) {
       config_.write_table(access.offset, access.data);
@@ -149,6 +159,20 @@ void OutsideHost::configure(const Access& access) {
     if (errors != 0) frames_.told_by_bus(hvp_status_of_bus(errors));
   }
   side_.buses().drain_to_host();
+}
+
+bool OutsideHost::removed() const {
+  const FaultPlan* const faults = side_.board()->faults();
+  return faults != nullptr && faults->removed();
+}
+
+// What was pulled out drives no line and has nothing pending.
+void OutsideHost::take_away() {
+  taken_away_ = true;
+  pending_ = false;
+  board_line_ = false;
+  if (late_) late_->forget_all();
+  update_interrupts();
 }
 
 void OutsideHost::note_bus_errors() {

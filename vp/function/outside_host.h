@@ -167,6 +167,8 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   void serve();
   void make(const Access& access);
   void configure(const Access& access);
+  bool removed() const;
+  void take_away();
   void note_bus_errors();
   void tell(const LateInterrupts::Message& message);
   void tell_line(bool up);
@@ -190,6 +192,7 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   std::deque<Access> accesses_;
   sc_core::sc_event posted_;
   Tag tag_;                     // the last interrupt's
+  bool taken_away_ = false;     // the function was pulled out
   bool board_line_ = false;     // the board's state of the line
   bool line_shown_ = false;     // the host's view of the line
   bool pending_ = false;        // a masked message is pending

@@ -40,6 +40,8 @@ PCI_COMMAND, PCI_CAPABILITIES = 0x04, 0x34
 MEMORY_AND_MASTER = 6
 MSI_CAPABILITY, MSI_X_CAPABILITY = 5, 0x11
 
+NOBODY = 0xFF  # of a function that was pulled out
+
 PATIENCE_S = 60.0
 
 
@@ -156,9 +158,9 @@ class VfioUser:
 
     def _find(self, capability: int) -> int:
         place = self.read_config(PCI_CAPABILITIES, 1)
-        while place != 0 and self.read_config(place, 1) != capability:
+        while place not in (0, NOBODY) and self.read_config(place, 1) != capability:
             place = self.read_config(place + 1, 1)
-        return place
+        return 0 if place == NOBODY else place
 
     def _command(self, number: int, body: bytes = b"", file: int | None = None) -> bytes:
         message_id = self._next_id

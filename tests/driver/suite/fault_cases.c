@@ -5,7 +5,7 @@
 // What docs/faults.md says that a driver does about each fault. The board brings it about in one of
 // its first jobs; which one is the scenario's to say.
 
-enum { MOST_JOBS = 40, MOST_TRIES = 100000 };
+enum { MOST_JOBS = 40, FEW_TRIES = 5, MOST_TRIES = 100000 };
 
 // What comes of a fault, beside a late frame.
 struct expected {
@@ -13,6 +13,7 @@ struct expected {
   hvp_status status;  // of the job; HVP_OK: none fails
   bool or_time_out;   // where the bus has no take_errors, or the wait is shorter than the fault
   bool lost_interrupt;
+  bool for_good;         // the board does not come back
   bool may_stay_unseen;  // the driver sees it only where the bus has take_errors, or time passes
 };
 
@@ -28,6 +29,8 @@ static const struct expected all[] = {
     {.kind = "corrupted-word-rhs", .status = HVP_ERROR_DATA, .may_stay_unseen = true},
     {.kind = "corrupted-word-solution", .status = HVP_ERROR_DATA, .may_stay_unseen = true},
     {.kind = "device-gone", .status = HVP_ERROR_BUS, .or_time_out = true},
+    {.kind = "surprise-removal", .status = HVP_ERROR_BUS, .or_time_out = true, .for_good = true},
+    {.kind = "function-level-reset", .status = HVP_ERROR_TIMEOUT},
     {.kind = "late-dma", .status = HVP_OK, .or_time_out = true, .may_stay_unseen = true},
     {.kind = "truncated-dma", .status = HVP_ERROR_SHORT_TRANSFER},
 };
@@ -53,6 +56,16 @@ static bool comes_back(struct suite_case* c, const struct problem* p) {
   return case_status(c, "set-up after the fault", __LINE__, status, HVP_OK);
 }
 
+// No set-up goes well, and no job, however often it is tried.
+static void stays_away(struct suite_case* c, const struct problem* p) {
+  int32_t u[UNKNOWNS];
+  for (int tries = 0; tries < FEW_TRIES; ++tries) {
+    EXPECT(c, hvp_client_reset(c->client) != HVP_OK);
+    EXPECT(c, set_up(c, p) != HVP_OK);
+    EXPECT(c, hvp_client_solve(c->client, p->b, u, UNKNOWNS, FAULT_NS) != HVP_OK);
+  }
+}
+
 static void faulty(struct suite_case* c, const struct expected* expected) {
   struct problem p;
   int32_t right[UNKNOWNS];
@@ -73,6 +86,10 @@ static void faulty(struct suite_case* c, const struct expected* expected) {
         EXPECT_STATUS(c, status, expected->status);
       }
       seen = true;
+      if (expected->for_good) {
+        stays_away(c, &p);
+        return;
+      }
       if (status != HVP_ERROR_SATURATED && !comes_back(c, &p)) return;
     } else if (memcmp(u, right, sizeof u) != 0) {
       // Wrong words that nobody noticed are right where nobody can.
@@ -113,6 +130,8 @@ FAULT(abort_solution, "master-abort-solution")
 FAULT(corrupted_rhs, "corrupted-word-rhs")
 FAULT(corrupted_solution, "corrupted-word-solution")
 FAULT(device_gone, "device-gone")
+FAULT(surprise_removal, "surprise-removal")
+FAULT(function_level_reset, "function-level-reset")
 FAULT(late_dma, "late-dma")
 FAULT(truncated_dma, "truncated-dma")
 
@@ -128,6 +147,8 @@ const struct case_entry fault_cases[] = {
     {"fault-corrupted-word-rhs", corrupted_rhs},
     {"fault-corrupted-word-solution", corrupted_solution},
     {"fault-device-gone", device_gone},
+    {"fault-surprise-removal", surprise_removal},
+    {"fault-function-level-reset", function_level_reset},
     {"fault-late-dma", late_dma},
     {"fault-truncated-dma", truncated_dma},
     {NULL, NULL},
