@@ -24,6 +24,11 @@ WAYS = {
 }
 # The kinds of docs/faults.md: the suite's name of each, its keys, and what it needs.
 _DMA = ("transfer.method=dma",)
+_EXPRESS = (
+    "bus.pcie.generation=gen3",
+    "transfer.method=programmed-io",
+    "function.pci_express=true",
+)
 _KINDS_BY_ACCESS = ("master-abort", "corrupted-word")
 FAULTS: dict[str, tuple[str, ...]] = {
     "lost-interrupt": ("frame=5",),
@@ -40,6 +45,8 @@ FAULTS: dict[str, tuple[str, ...]] = {
     "device-gone": ("frame=1", "frames=2"),
     "surprise-removal": ("frame=5",),
     "function-level-reset": ("frame=5",),
+    "aer-correctable": ("frame=5", "access=start"),
+    "aer-uncorrectable": ("frame=5", "access=start"),
     "late-dma": ("frame=5", "delay=30 ms"),
     "truncated-dma": ("frame=5", "bytes=8"),
 }
@@ -197,6 +204,7 @@ def page(layers: Layers) -> tuple[list[str], bool]:
         kind = next((k for k in _KINDS_BY_ACCESS if fault.startswith(k)), fault)
         overrides = [f"fault[0].kind={kind}", *(f"fault[0].{key}" for key in keys)]
         overrides += _DMA if fault.endswith("-dma") else ()
+        overrides += _EXPRESS if fault.startswith("aer-") else ()
         suite = ("--fault", fault)
         rows[fault] = [
             next(iter(layers.cases(layer, overrides, suite).values())) for layer in LAYERS

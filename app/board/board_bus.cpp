@@ -119,12 +119,21 @@ int BoardBus::wait_interrupt(std::uint64_t timeout_ns) {
 }
 
 std::uint32_t BoardBus::take_errors() {
+  // What the function itself notes is asked for in its configuration space, behind the writes that
+  // are on their way to it.
+  const bool asks_function = function_.config().bytes() == ConfigSpace::kExpressBytes;
+  if (asks_function) {
+    std::array<std::uint8_t, 4> identity{};
+    function_.host().access(Command::read, 0, identity, vp::OutsideHost::Space::configuration);
+  }
   vp::BusErrors& noted = function_.bus_errors();
   std::uint32_t errors = 0;
   if (noted.master_abort) errors |= HVP_BUS_MASTER_ABORT;
   if (noted.parity) errors |= HVP_BUS_PARITY;
   noted = {};
   if (errors != 0) function_.host().frames().told_by_bus(hvp_status_of_bus(errors));
+  // The wait for that answer is the job's, as for that of a read of the BAR.
+  if (asks_function) function_.host().frames().before(Command::read, 0, {});
   return errors;
 }
 

@@ -257,6 +257,10 @@ void require_possible(const Scenario& s, std::size_t index) {
   if ((fault.kind == Kind::late_dma || fault.kind == Kind::truncated_dma) && !dma) {
     refuse("a DMA engine: expected transfer.method = \"dma\"");
   }
+  if ((fault.kind == Kind::aer_correctable || fault.kind == Kind::aer_uncorrectable) &&
+      (!s.function || !s.function->pci_express)) {
+    refuse("a function on PCI Express: expected function.pci_express = true");
+  }
   if (fault.kind == Kind::lost_interrupt &&
       s.transfer.notification == link::Notification::polling) {
     refuse("interrupts: expected another transfer.notification than \"polling\"");

@@ -125,6 +125,10 @@ void BoardPort::message(const vp::ConfigSpace::Message& /*message*/) {
   if (interrupts_ != nullptr) interrupts_->message();
 }
 
+void BoardPort::error() {
+  if (interrupts_ != nullptr) interrupts_->error();
+}
+
 void BoardPort::line(bool up) {
   if (interrupts_ != nullptr) interrupts_->line(up);
 }

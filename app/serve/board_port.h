@@ -53,11 +53,15 @@ class BoardPort : public FunctionPort, private vp::InterruptListener {
   void before_memory(std::function<void()> look) override { look_at_memory_ = std::move(look); }
   void reset() override;
   bool has_messages() const override { return has_messages_; }
+  bool reports_errors() const override {
+    return board_.config().bytes() == vp::ConfigSpace::kExpressBytes;
+  }
   bool line_is_up() const override { return board_.host().line_is_up(); }
 
  private:
   void message(const vp::ConfigSpace::Message& message) override;
   void line(bool up) override;
+  void error() override;
   void accessed();
   bool busy();
 

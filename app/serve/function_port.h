@@ -39,6 +39,8 @@ class FunctionPort {
   // Restores the state after power-on; mapped memory remains.
   virtual void reset() = 0;
   virtual bool has_messages() const = 0;
+  // The function reports errors of PCI Express.
+  virtual bool reports_errors() const = 0;
   virtual bool line_is_up() const = 0;
 };
 

@@ -44,7 +44,7 @@ InterruptInfo Interrupts::info(std::uint32_t index) const {
   if (index == kLineIndex) {
     info.flags = kByEventfd | kMaskable | kAutoMasked;
     info.count = 1;
-  } else if (index == messages_) {
+  } else if (index == messages_ || (index == kErrorIndex && has_errors_)) {
     info.flags = kByEventfd | kNoResize;
     info.count = 1;
   }
@@ -115,5 +115,8 @@ void Interrupts::show_line() {
 
 // NOLINTNEXTLINE(readability-make-member-function-const): the client hears of it
 void Interrupts::message() { signal(message_.event); }
+
+// NOLINTNEXTLINE(readability-make-member-function-const): likewise
+void Interrupts::error() { signal(error_.event); }
 
 }  // namespace hvp::serve

@@ -18,7 +18,8 @@ namespace hvp::serve {
 class Interrupts {
  public:
   // The index of messages, MSI's or MSI-X's; empty: there are none.
-  explicit Interrupts(std::optional<std::uint32_t> messages) : messages_(messages) {}
+  explicit Interrupts(std::optional<std::uint32_t> messages, bool has_errors = false)
+      : messages_(messages), has_errors_(has_errors) {}
 
   // Throws Refused for an index beyond kInterruptIndices.
   InterruptInfo info(std::uint32_t index) const;
@@ -28,6 +29,8 @@ class Interrupts {
 
   void line(bool up);
   void message();
+  // An edge, as a message is.
+  void error();
 
  private:
   struct Source {
@@ -38,12 +41,17 @@ class Interrupts {
   void assign(std::uint32_t index, std::vector<FileDescriptor> files);
   void act(std::uint32_t index, std::uint32_t action);
   void show_line();
-  Source& source(std::uint32_t index) { return index == kLineIndex ? line_ : message_; }
+  Source& source(std::uint32_t index) {
+    if (index == kErrorIndex) return error_;
+    return index == kLineIndex ? line_ : message_;
+  }
 
   std::optional<std::uint32_t> messages_;
+  bool has_errors_;
   bool up_ = false;
   Source line_;
   Source message_;
+  Source error_;
 };
 
 }  // namespace hvp::serve

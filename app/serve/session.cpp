@@ -45,7 +45,9 @@ bool assigns(const SetInterrupts& command) {
 }  // namespace
 
 Session::Session(FunctionPort& function)
-    : function_(function), interrupts_(message_index(function)), memory_(function) {}
+    : function_(function),
+      interrupts_(message_index(function), function.reports_errors()),
+      memory_(function) {}
 
 // The board has to be quiet before its memory is removed.
 Session::~Session() { function_.reset(); }

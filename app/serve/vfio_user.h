@@ -101,6 +101,7 @@ inline constexpr std::uint32_t kNoResize = 8;
 inline constexpr std::uint32_t kLineIndex = 0;
 inline constexpr std::uint32_t kMessageIndex = 1;
 inline constexpr std::uint32_t kTableMessageIndex = 2;  // MSI-X
+inline constexpr std::uint32_t kErrorIndex = 3;         // an uncorrectable error of PCI Express
 inline constexpr std::uint32_t kInterruptIndices = 5;
 
 struct SetInterrupts {

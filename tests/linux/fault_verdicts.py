@@ -26,6 +26,11 @@ PERIOD_US = 2000.0
 
 _ACCESSES = ("rhs", "start", "status", "acknowledge", "solution")
 _DMA = ('transfer.method = "dma"', 'transfer.notification = "msi"')
+_EXPRESS = (
+    'bus.pcie.generation = "gen3"',
+    'transfer.method = "programmed-io"',
+    "function.pci_express = true",
+)
 # Kind, keys of the fault, keys of the scenario.
 FAULTS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "lost-interrupt": ((), ()),
@@ -43,6 +48,8 @@ FAULTS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "master-abort on start, DMA and MSI": (('access = "start"',), _DMA),
     "surprise-removal, DMA and MSI": ((), _DMA),
     "function-level-reset, DMA and MSI": ((), _DMA),
+    "aer-correctable": ((), _EXPRESS),
+    **{f"aer-uncorrectable on {a}": ((f'access = "{a}"',), _EXPRESS) for a in ("rhs", "start")},
     "late-dma by 3 ms": (('delay = "3 ms"',), _DMA),
     "late-dma by 30 ms": (('delay = "30 ms"',), _DMA),
     "truncated-dma": (("bytes = 8",), _DMA),

@@ -155,6 +155,28 @@ echo functions: *
     expect("words of a kernel in trouble", [], re.findall("WARNING|BUG|Oops", said))
 
 
+def notes_errors_of_a_link(guest: Guest) -> None:
+    """In the function's configuration space; no root port is there to tell the kernel of them."""
+    script = """cd /sys/bus/pci/devices/0000:00:00.0
+read_config() {
+  dd if=config bs=1 skip=$1 count=4 2>/dev/null | hexdump -e '"%08x\\n"'
+}
+hvp-driver-suite /dev/hvp0 --fault aer-uncorrectable --case fault-aer-uncorrectable
+for at in 256 260 272; do read_config $at; done
+"""
+    words = ["bus.pcie.generation=gen3", "transfer.method=programmed-io"]
+    words += ["function.pci_express=true", "fault[0].kind=aer-uncorrectable", "fault[0].frame=5"]
+    words += ["fault[0].access=start", "fault[1].kind=aer-correctable", "fault[1].frame=3"]
+    said = guest.run(
+        *[part for word in words for part in ("--set", word)],
+        *("--kernel-argument", "hvp.bus_errors=1"),
+        script=script,
+        status=1,
+    ).stdout.replace("\r", "")
+    expect_in("the suite", '"result": "pass"', said)
+    expect_in("the registers", "00010001\n00001000\n00000040\n", said)
+
+
 def hears_messages_of_a_table(guest: Guest) -> None:
     """As long as a job by MSI, also behind a reset; the module says how it hears."""
     wanted, u = shortest(guest)
@@ -500,6 +522,7 @@ CASES: tuple[Callable[[Guest], None], ...] = (
     boots_and_enumerates,
     has_the_function_that_the_scenario_asks_for,
     hears_messages_of_a_table,
+    notes_errors_of_a_link,
     a_board_that_is_pulled_out,
     solves_as_in_process,
     solves_as_a_run_did,

@@ -76,5 +76,48 @@ TEST(BoardPort, HasTheFunctionThatTheScenarioAsksFor) {
   EXPECT_EQ(word[0], 0);
 }
 
+// The client hears of an uncorrectable error where Device Control wants it reported.
+TEST(BoardPort, TellsOfErrorsOfALink) {
+  test::SmallScene scene;
+  scene.settings.bus.pcie.emplace();
+  scene.settings.transfer.method = vp::Transfer::Method::programmed_io;
+  scene.settings.function = vp::PciFunction{.pci_express = true};
+  for (const std::int64_t frame : {0, 1}) {
+    vp::Fault fault;
+    fault.kind = vp::FaultKind::aer_uncorrectable;
+    fault.frame = frame;
+    scene.settings.faults.push_back(fault);
+  }
+  BoardPort port(scene.settings);
+  EXPECT_TRUE(port.reports_errors());
+  Interrupts interrupts(std::nullopt, true);
+  port.tell(&interrupts);
+  const FileDescriptor event = test::eventfd();
+  std::vector<FileDescriptor> files;
+  files.push_back(test::copy_of(event));
+  interrupts.set({.argsz = sizeof(SetInterrupts),
+                  .flags = kDataEventfd | kActionTrigger,
+                  .index = kErrorIndex,
+                  .start = 0,
+                  .count = 1},
+                 {}, std::move(files));
+  write_command(port);
+  const std::array<std::uint8_t, 4> word = {1, 0, 0, 0};
+  const std::array<std::uint8_t, 4> start = {1, 0, 0, 0};
+  const auto job = [&] {
+    EXPECT_TRUE(port.write_bar(0x20000, word));  // B
+    EXPECT_TRUE(port.write_bar(0x20, start));    // CONTROL
+    while (port.has_work()) port.advance();
+  };
+  job();
+  EXPECT_EQ(test::signals(event), 0U);
+  std::array<std::uint8_t, 4> status{};
+  port.read_config(0x104, status);
+  EXPECT_EQ(status, (std::array<std::uint8_t, 4>{0, 0x10, 0, 0}));
+  port.write_config(0x88, std::array<std::uint8_t, 1>{2});
+  job();
+  EXPECT_EQ(test::signals(event), 1U);
+}
+
 }  // namespace
 }  // namespace hvp::serve::board_port_test

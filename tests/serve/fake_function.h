@@ -61,6 +61,7 @@ class FakeFunction : public serve::FunctionPort {
   void before_memory(std::function<void()> look) override { look_at_memory = std::move(look); }
   void reset() override { ++resets; }
   bool has_messages() const override { return messages; }
+  bool reports_errors() const override { return errors; }
   bool line_is_up() const override { return line; }
 
   struct Memory {
@@ -77,6 +78,7 @@ class FakeFunction : public serve::FunctionPort {
   std::map<std::uint64_t, Memory> maps;
   std::function<void()> look_at_memory;
   bool messages = true;
+  bool errors = false;
   bool line = false;
   bool answers = true;
   int resets = 0;

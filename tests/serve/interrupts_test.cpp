@@ -27,6 +27,27 @@ TEST(Interrupts, AMessageIsAnEdge) {
   EXPECT_EQ(signals(event), 0U);
 }
 
+// Of a function on PCI Express alone.
+TEST(Interrupts, AnErrorIsAnEdge) {
+  for (const bool on_a_link : {false, true}) {
+    SessionClient client;
+    client.function.errors = on_a_link;
+    client.session.emplace(client.function);
+    client.version(0, 1, "");
+    const auto info =
+        client.send(Request::device_get_irq_info, test::bytes_of(InterruptInfo{16, 0, 3, 0}))
+            .as<InterruptInfo>();
+    EXPECT_EQ(info.count, on_a_link ? 1U : 0U);
+    EXPECT_EQ(info.flags, on_a_link ? 9U : 0U);
+    const FileDescriptor event = test::eventfd();
+    EXPECT_EQ(client.interrupts(kGive, 3, 0, 1, test::copy_of(event)).error,
+              on_a_link ? 0 : EINVAL);
+    client.session->interrupts().error();
+    client.session->interrupts().message();
+    EXPECT_EQ(signals(event), on_a_link ? 1U : 0U);
+  }
+}
+
 TEST(Interrupts, ALineIsSignalledOnceUntilItIsUnmasked) {
   SessionClient client;
   const FileDescriptor event = test::eventfd();

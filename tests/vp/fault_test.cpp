@@ -349,6 +349,8 @@ TEST_P(EveryRate, LosesNothing) {
   fault.rate = 0.2;
   if (fault.kind == FaultKind::device_gone) fault.frames = 1;
   if (fault.kind == FaultKind::surprise_removal) GTEST_SKIP() << "it happens once";
+  const bool aer =
+      fault.kind == FaultKind::aer_correctable || fault.kind == FaultKind::aer_uncorrectable;
   if (fault.kind == FaultKind::late_dma) fault.delay_s = 2e-3;
   if (fault.kind == FaultKind::truncated_dma) fault.bytes = 8;
   SmallScene scene;
@@ -356,6 +358,7 @@ TEST_P(EveryRate, LosesNothing) {
   if (fault.kind == FaultKind::late_dma || fault.kind == FaultKind::truncated_dma) {
     scene.settings.transfer.method = Transfer::Method::dma;
   }
+  if (aer) scene.settings.bus.pcie.emplace();
   scene.settings.frames = 100;
   const Simulated run(scene);
   const FaultPlan& faults = *run.platform.faults();
@@ -497,6 +500,57 @@ TEST(PcieFaults, LostStartIsFoundByTheTimeOut) {
   EXPECT_EQ(run.platform.faults()->unnoticed(), 0);
   expect_nothing_lost(run);
 }
+
+TEST(PcieFaults, ACorrectableErrorCostsAReplay) {
+  SmallScene scene;
+  prepare(scene, {at(FaultKind::aer_correctable, kAt, FaultAccess::status)});
+  scene.settings.bus.pcie.emplace();
+  const link::Pcie link = *scene.settings.bus.pcie;
+  const Simulated run(scene);
+  EXPECT_EQ(run.platform.faults()->records()[0].corrected, 1);
+  EXPECT_EQ(run.platform.faults()->unnoticed(), 0);
+  // The completer's own latency hides what is shorter than that.
+  const Picoseconds replay = 2 * link.link_ps() + link.transfer_ps(link.request_wire_bytes(4));
+  const Picoseconds hidden = std::min(replay, link.completer_ps(link::PcieSide::root));
+  EXPECT_EQ(run.log.frames[kAt].latency() - run.log.frames[kAt - 1].latency(), replay - hidden);
+  EXPECT_EQ(run.platform.servo().counts().held_frames, 0);
+  expect_nothing_lost(run);
+}
+
+struct Poisoned {
+  FaultAccess access;
+  hvp_status status;
+};
+struct PoisonedPacket : testing::TestWithParam<Poisoned> {};
+
+// The driver asks for the bus' errors: what cannot be read again fails the frame.
+TEST_P(PoisonedPacket, IsNoticedByItsFrame) {
+  const std::vector<std::int64_t> clean = numbers_of_child([] {
+    SmallScene scene;
+    prepare(scene, {});
+    scene.settings.bus.pcie.emplace();
+    const Simulated run(scene);
+    return force_bits(run.log);
+  });
+  SmallScene scene;
+  prepare(scene, {at(FaultKind::aer_uncorrectable, kAt, GetParam().access)});
+  scene.settings.bus.pcie.emplace();
+  const Simulated run(scene);
+  const std::int64_t held = GetParam().status == HVP_OK ? 0 : 1;
+  EXPECT_EQ(hvp_status_name(run.log.frames[kAt].status),
+            std::string(hvp_status_name(GetParam().status)));
+  EXPECT_EQ(run.platform.servo().counts().held_frames, held);
+  EXPECT_EQ(run.platform.faults()->injected(), 1);
+  EXPECT_EQ(run.platform.faults()->unnoticed(), 0);
+  expect_forces(run, clean, kAt, kAt + held);
+  expect_nothing_lost(run);
+}
+
+INSTANTIATE_TEST_SUITE_P(PcieFaults, PoisonedPacket,
+                         testing::Values(Poisoned{FaultAccess::rhs, HVP_ERROR_DATA},
+                                         Poisoned{FaultAccess::start, HVP_ERROR_DATA},
+                                         Poisoned{FaultAccess::acknowledge, HVP_OK}),
+                         [](const auto& p) { return std::string(name(p.param.access)); });
 
 TEST(PcieFaults, BoardThatIsGoneComesBack) {
   SmallScene scene;

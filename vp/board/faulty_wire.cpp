@@ -64,6 +64,18 @@ void FaultyWire::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_
     abort(transaction);
     return;
   }
+  if (link_ != nullptr && transaction.is_write() &&
+      plan_.strike(FaultKind::aer_uncorrectable, frame, access) != nullptr) {
+    poison(transaction);
+    return;
+  }
+  const Fault* const bad =
+      link_ == nullptr ? nullptr : plan_.strike(FaultKind::aer_correctable, frame, access);
+  if (bad != nullptr) {
+    plan_.tell_of_packet_error(bad->kind);
+    replay(transaction, *bad, request_wire_bytes(transaction), delay);
+    return;
+  }
   // The words of b and U go one by one with programmed I/O.
   const bool block = transaction.get_data_length() > 4 || access == FaultAccess::rhs ||
                      access == FaultAccess::solution;
@@ -71,7 +83,7 @@ void FaultyWire::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_
   if (corrupted == nullptr) {
     to_board->b_transport(transaction, delay);
   } else if (link_ != nullptr) {
-    replay(transaction, *corrupted, delay);
+    replay(transaction, *corrupted, data_wire_bytes(transaction), delay);
   } else {
     corrupt(transaction, *corrupted, frame, delay);
   }
@@ -79,12 +91,23 @@ void FaultyWire::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_
 
 // The receiver's Nak takes the packet's way back, and the packet comes again (PCIe 5.0 §3.6.2).
 void FaultyWire::replay(tlm::tlm_generic_payload& transaction, const Fault& fault,
-                        sc_core::sc_time& delay) {
+                        std::int64_t wire_bytes, sc_core::sc_time& delay) {
   to_board->b_transport(transaction, delay);
-  const std::int64_t bytes =
-      std::min<std::int64_t>(transaction.get_data_length(), link_->max_payload_bytes);
-  delay += to_sc_time(2 * link_->link_ps() + link_->transfer_ps(link_->write_wire_bytes(bytes)));
+  delay += to_sc_time(2 * link_->link_ps() + link_->transfer_ps(wire_bytes));
   plan_.correct(fault);
+}
+
+// The packet with the first words, whichever way they go.
+std::int64_t FaultyWire::data_wire_bytes(const tlm::tlm_generic_payload& transaction) const {
+  return link_->write_wire_bytes(
+      std::min<std::int64_t>(transaction.get_data_length(), link_->max_payload_bytes));
+}
+
+// The packet on its way to the board: that of a read has no words.
+std::int64_t FaultyWire::request_wire_bytes(const tlm::tlm_generic_payload& transaction) const {
+  if (transaction.is_write()) return data_wire_bytes(transaction);
+  return link_->request_wire_bytes(
+      std::min<std::int64_t>(transaction.get_data_length(), link_->max_read_request_bytes));
 }
 
 // PCI 3.0 §3.3.3.1: the master ends the access that nobody has claimed; its bridge remembers.
@@ -94,6 +117,14 @@ void FaultyWire::abort(tlm::tlm_generic_payload& transaction) {
     std::memset(transaction.get_data_ptr(), 0xff, transaction.get_data_length());
   }
   transaction.set_response_status(tlm::TLM_ADDRESS_ERROR_RESPONSE);
+}
+
+// PCIe 5.0 §2.7.2: who receives it drops it and sets the bit for parity in its status. (The
+// requests of reads have no data to be poisoned; of a poisoned answer the root port would tell.)
+void FaultyWire::poison(tlm::tlm_generic_payload& transaction) {
+  errors_.parity = true;
+  plan_.tell_of_packet_error(FaultKind::aer_uncorrectable);
+  transaction.set_response_status(tlm::TLM_OK_RESPONSE);
 }
 
 void FaultyWire::corrupt(tlm::tlm_generic_payload& transaction, const Fault& fault,

@@ -32,9 +32,14 @@ class FaultyWire : public sc_core::sc_module {
  private:
   void b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
   void abort(tlm::tlm_generic_payload& transaction);
+  void poison(tlm::tlm_generic_payload& transaction);
   void corrupt(tlm::tlm_generic_payload& transaction, const Fault& fault, std::int64_t frame,
                sc_core::sc_time& delay);
-  void replay(tlm::tlm_generic_payload& transaction, const Fault& fault, sc_core::sc_time& delay);
+  // `wire_bytes`: of the packet that comes again.
+  void replay(tlm::tlm_generic_payload& transaction, const Fault& fault, std::int64_t wire_bytes,
+              sc_core::sc_time& delay);
+  std::int64_t data_wire_bytes(const tlm::tlm_generic_payload& transaction) const;
+  std::int64_t request_wire_bytes(const tlm::tlm_generic_payload& transaction) const;
   void reset_board();
 
   FaultPlan& plan_;

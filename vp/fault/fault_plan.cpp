@@ -54,6 +54,10 @@ const char* name(FaultKind kind) {
       return "surprise-removal";
     case FaultKind::function_level_reset:
       return "function-level-reset";
+    case FaultKind::aer_correctable:
+      return "aer-correctable";
+    case FaultKind::aer_uncorrectable:
+      return "aer-uncorrectable";
   }
   return "";
 }
@@ -89,7 +93,9 @@ void Fault::declare(config::Visitor& v) {
               "instead",
               "absent"});
   of_kind.only(
-      {FaultKind::master_abort, FaultKind::corrupted_word, FaultKind::surprise_removal}, [&] {
+      {FaultKind::master_abort, FaultKind::corrupted_word, FaultKind::surprise_removal,
+       FaultKind::aer_correctable, FaultKind::aer_uncorrectable},
+      [&] {
         v.choice(
             "access", access, access_names(),
             {"which access of the frame to the board is hit; first: whichever comes first, for "
@@ -136,6 +142,12 @@ void Fault::check() const {
                                  "found {}",
                                  bytes));
   }
+  if (kind == FaultKind::aer_uncorrectable &&
+      (access == FaultAccess::status || access == FaultAccess::solution)) {
+    throw InputError("access", fmt::format("only a write is poisoned: expected \"first\", \"rhs\", "
+                                           "\"start\" or \"acknowledge\", found \"{}\"",
+                                           name(access)));
+  }
   if (corrupted && access != FaultAccess::first && access != FaultAccess::rhs &&
       access != FaultAccess::solution) {
     throw InputError("access", fmt::format("only blocks are corrupted: expected \"first\", \"rhs\" "
@@ -158,6 +170,8 @@ std::string_view missing_in_frame(const Fault& fault) {
     case FaultKind::master_abort:
     case FaultKind::corrupted_word:
     case FaultKind::surprise_removal:
+    case FaultKind::aer_correctable:
+    case FaultKind::aer_uncorrectable:
       return "no such access was made";
     case FaultKind::late_dma:
     case FaultKind::truncated_dma:

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <string>
 #include <utility>
@@ -24,8 +25,10 @@ enum class FaultKind {
   truncated_dma,         // the last bytes of U stay on the board
   surprise_removal,      // from an access on the function is not there any more, for good
   function_level_reset,  // somebody else resets the function while the job runs
+  aer_correctable,       // a packet to the board has a wrong CRC and comes again
+  aer_uncorrectable,     // a write arrives poisoned, and the board drops it
 };
-inline constexpr int kFaultKinds = 10;
+inline constexpr int kFaultKinds = 12;
 
 const char* name(FaultKind kind);
 
@@ -99,6 +102,11 @@ class FaultPlan {
   // The function was pulled out now: it is gone for good, its configuration space too.
   void remove();
   bool removed() const { return removed_; }
+  // Who is told when one of the kinds aer_correctable and aer_uncorrectable strikes.
+  void on_packet_error(std::function<void(FaultKind)> told) { packet_error_ = std::move(told); }
+  void tell_of_packet_error(FaultKind kind) const {
+    if (packet_error_) packet_error_(kind);
+  }
   // True if the board has come back since the last call, in its state after power-on.
   bool take_return() { return std::exchange(returned_, false); }
 
@@ -143,6 +151,7 @@ class FaultPlan {
   std::vector<Item> items_;
   bool gone_ = false;
   bool removed_ = false;
+  std::function<void(FaultKind)> packet_error_;
   Picoseconds back_at_ = kNever;
   bool returned_ = false;
 };

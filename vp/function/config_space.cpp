@@ -33,8 +33,9 @@ constexpr std::size_t kInterruptPin = 0x3d;
 constexpr std::uint16_t kMemorySpace = 1U << 1U;
 constexpr std::uint16_t kBusMaster = 1U << 2U;
 constexpr std::uint16_t kInterruptDisable = 1U << 10U;
+constexpr std::uint16_t kSerrEnable = 1U << 8U;
 constexpr std::uint16_t kCommandBits =
-    kMemorySpace | kBusMaster | 1U << 6U | 1U << 8U | kInterruptDisable;
+    kMemorySpace | kBusMaster | 1U << 6U | kSerrEnable | kInterruptDisable;
 // STATUS: INTA# is asked for; there is a list of capabilities; errors, cleared by a one.
 constexpr std::uint16_t kInterruptState = 1U << 3U;
 constexpr std::uint16_t kHasCapabilities = 1U << 4U;
@@ -85,7 +86,8 @@ ConfigSpace::ConfigSpace(const FunctionSettings& settings)
       express_(settings.express.has_value()),
       value_(express_ ? kExpressBytes : kBytes),
       writable_(value_.size()),
-      cleared_by_one_(value_.size()) {
+      cleared_by_one_(value_.size()),
+      sticky_(value_.size()) {
   if (settings.bar_bytes < 16 || !std::has_single_bit(settings.bar_bytes)) {
     throw std::invalid_argument("a BAR of " + std::to_string(settings.bar_bytes) +
                                 " bytes: expected a power of two, at least 16");
@@ -137,6 +139,7 @@ ConfigSpace::ConfigSpace(const FunctionSettings& settings)
   }
   if (express_) {
     for (const ConfigRegister& one : express_capability(*settings.express, kExpressAt, 0)) add(one);
+    for (const ConfigRegister& one : error_capability()) add(one);
   } else {
     put(kFeaturesAt, kFeaturesId, 1);
     put(kFeaturesAt + 2, 6, 1);
@@ -154,6 +157,7 @@ void ConfigSpace::add(const ConfigRegister& one) {
   allow(one.at, one.writable, one.bytes);
   for (std::size_t i = 0; i < one.bytes; ++i) {
     cleared_by_one_.at(one.at + i) = static_cast<std::uint8_t>(one.cleared_by_one >> 8 * i);
+    sticky_.at(one.at + i) = one.sticky;
   }
 }
 
@@ -242,7 +246,9 @@ void ConfigSpace::write_table(std::uint64_t offset, std::span<const std::uint8_t
 }
 
 void ConfigSpace::reset() {
-  value_ = initial_;
+  for (std::size_t at = 0; at < value_.size(); ++at) {
+    if (!sticky_[at]) value_[at] = initial_[at];
+  }
   if (table_) table_->reset();
 }
 
@@ -285,6 +291,25 @@ void ConfigSpace::show_line(bool up) {
 void ConfigSpace::show_pending(bool pending) {
   if (table_) table_->show_pending(pending);
   if (has_messages_) put(kMessagePending, pending ? 1 : 0, 4);
+}
+
+bool ConfigSpace::note(ExpressError error) {
+  if (!express_) return false;
+  constexpr std::size_t kDeviceControl = kExpressAt + kExpressControlAt;
+  constexpr std::size_t kDeviceStatus = kExpressAt + kExpressStatusAt;
+  const bool corrected = error == ExpressError::bad_packet;
+  const std::uint32_t bit = corrected ? kBadPacket : kPoisonedPacket;
+  const std::size_t status = corrected ? kCorrectableAt : kUncorrectableAt;
+  const std::size_t mask = corrected ? kCorrectableMaskAt : kUncorrectableMaskAt;
+  const std::uint16_t kind = corrected                        ? kCorrectableError
+                             : (word(kSeverityAt) & bit) != 0 ? kFatalError
+                                                              : kNonFatalError;
+  put(status, word(status) | bit, 4);
+  put(kDeviceStatus, half(kDeviceStatus) | static_cast<std::uint32_t>(kind), 2);
+  if (!corrected) note(Error::parity);
+  const bool wanted =
+      (half(kDeviceControl) & kind) != 0 || (!corrected && (half(kCommand) & kSerrEnable) != 0);
+  return wanted && (word(mask) & bit) == 0;
 }
 
 void ConfigSpace::note(Error error) {

@@ -9,6 +9,7 @@
 
 #include "models/link/pcie.h"
 #include "vp/fault/fault_plan.h"
+#include "vp/function/error_reporting.h"
 #include "vp/function/express_capability.h"
 #include "vp/function/message_table.h"
 
@@ -91,6 +92,9 @@ class ConfigSpace {
   void show_line(bool up);
   void show_pending(bool pending);
   void note(Error error);
+  // Notes an error of PCI Express, where the function has the capability. True if it reports it to
+  // the root port (PCIe 5.0 §6.2.6): it is not masked, and software wants reports.
+  bool note(ExpressError error);
   // The errors noted since software cleared them, and whether an access touches that register.
   BusErrors errors() const;
   static bool reaches_errors(std::uint64_t offset, std::size_t bytes);
@@ -110,6 +114,7 @@ class ConfigSpace {
   std::vector<std::uint8_t> initial_;
   std::vector<std::uint8_t> writable_;
   std::vector<std::uint8_t> cleared_by_one_;
+  std::vector<bool> sticky_;
   std::function<void()> on_reset_;
   std::function<void()> on_change_;
 };

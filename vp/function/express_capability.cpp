@@ -44,7 +44,7 @@ std::vector<ConfigRegister> express_capability(const link::Pcie& link, std::size
       {at + 0x04, 4, payload | (many_tags ? kExtendedTags : 0U) | kErrorsByRole | kFunctionReset},
       {at + kExpressControlAt, 2, kControl | payload << 5U | request << 12U,
        kControlBits | (many_tags ? 1U << 8U : 0U)},
-      {at + 0x0a, 2, 0, 0, kStatusErrors},
+      {at + kExpressStatusAt, 2, 0, 0, kStatusErrors},
       {at + 0x0c, 4, speed_and_width | kOptionalAspm},
       {at + 0x10, 2, link.read_completion_boundary_bytes >= 128 ? kBoundary128 : 0U,
        kLinkControlBits},

@@ -16,10 +16,16 @@ struct ConfigRegister {
   std::uint32_t value = 0;
   std::uint32_t writable = 0;
   std::uint32_t cleared_by_one = 0;
+  bool sticky = false;  // a reset of the function leaves it
 };
 
 // Places in the capability of PCI Express.
 inline constexpr std::size_t kExpressControlAt = 0x08;
+inline constexpr std::size_t kExpressStatusAt = 0x0a;
+// Device Status and Device Control: which errors were found, and which are to be reported.
+inline constexpr std::uint16_t kCorrectableError = 1;
+inline constexpr std::uint16_t kNonFatalError = 2;
+inline constexpr std::uint16_t kFatalError = 4;
 inline constexpr std::uint8_t kExpressId = 0x10;
 
 // The capability of PCI Express (version 2) of an endpoint on this link, for the place `at`, with

@@ -101,6 +101,9 @@ OutsideHost::OutsideHost(const sc_core::sc_module_name& name, const PlatformSett
   if (HostMemory* const memory = side.board()->memory()) {
     memory->answer_if([this] { return config_.may_master(); });
   }
+  if (FaultPlan* const faults = side.board()->faults()) {
+    faults->on_packet_error([this](FaultKind kind) { packet_error(kind); });
+  }
   frames_.watch(side.board()->accelerator());
   config_.on_change([this] { update_interrupts(); });
   config_.on_reset([this] { reset_function(); });
@@ -159,6 +162,14 @@ void OutsideHost::configure(const Access& access) {
     if (errors != 0) frames_.told_by_bus(hvp_status_of_bus(errors));
   }
   side_.buses().drain_to_host();
+}
+
+// The message of an error takes no time: no driver waits for it.
+void OutsideHost::packet_error(FaultKind kind) {
+  const bool corrected = kind == FaultKind::aer_correctable;
+  const bool reported =
+      config_.note(corrected ? ExpressError::bad_packet : ExpressError::poisoned_packet);
+  if (reported && !corrected && listener_ != nullptr) listener_->error();
 }
 
 bool OutsideHost::removed() const {

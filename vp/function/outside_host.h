@@ -71,6 +71,8 @@ class InterruptListener {
   virtual ~InterruptListener() = default;
   virtual void message(const ConfigSpace::Message& message) = 0;
   virtual void line(bool up) = 0;
+  // The function reports an uncorrectable error of PCI Express to the root port.
+  virtual void error() {}
 };
 
 // A host that is not simulated: a program, or a kernel, that sees the board as a PCI function. It
@@ -168,6 +170,7 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   void make(const Access& access);
   void configure(const Access& access);
   bool removed() const;
+  void packet_error(FaultKind kind);
   void take_away();
   void note_bus_errors();
   void tell(const LateInterrupts::Message& message);

@@ -119,10 +119,13 @@ void LoopHealth::count_mended(std::int64_t frame) {
   count(HVP_ERROR_DATA, frame, mended.damaged);
   if (mended.lost_interrupts > 0) notice(FaultKind::lost_interrupt, frame);
   for (const std::int64_t of : {mended.unacknowledged_before, mended.unacknowledged_here}) {
-    if (of >= 0) notice(FaultKind::master_abort, of);
+    if (of < 0) continue;
+    notice(FaultKind::master_abort, of);
+    notice(FaultKind::aer_uncorrectable, of);
   }
   if (mended.aborted > 0) notice(FaultKind::master_abort, frame);
   if (mended.damaged > 0) notice(FaultKind::corrupted_word, frame);
+  if (mended.aborted > 0 || mended.damaged > 0) notice(FaultKind::aer_uncorrectable, frame);
 }
 
 // The ticks before `until` that had none since the last solved frame.

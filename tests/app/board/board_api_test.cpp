@@ -255,6 +255,23 @@ TEST_F(BoardApi, HasTheFunctionThatTheScenarioAsksFor) {
   EXPECT_EQ(id, 0xffff'ffffU);
 }
 
+// Capability and status of advanced error reporting.
+TEST_F(BoardApi, NotesErrorsOfALink) {
+  open({"bus.pcie.generation=gen1", "transfer.method=programmed-io", "function.pci_express=true",
+        "fault[0].kind=aer-correctable", "fault[0].frame=0", "fault[1].kind=aer-uncorrectable",
+        "fault[1].frame=1", "fault[1].access=start"});
+  EXPECT_EQ(hvp_board_config_read(board, 0x100, 4), 0x1'0001U);
+  load();
+  EXPECT_EQ(hvp_board_config_read(board, 0x110, 4), 0U);
+  solve();
+  EXPECT_EQ(hvp_board_config_read(board, 0x110, 4), 0x40U);
+  EXPECT_EQ(hvp_board_config_read(board, 0x104, 4), 0U);
+  EXPECT_EQ(hvp_board_config_read(board, 0x8a, 2), 1U);
+  EXPECT_EQ(hvp_solve(&device, b.data(), u.data(), u.size(), 1'000'000), HVP_ERROR_DATA);
+  EXPECT_EQ(hvp_board_config_read(board, 0x104, 4), 0x1000U);
+  EXPECT_EQ(hvp_board_config_read(board, 0x8a, 2), 3U);
+}
+
 // The vector is unmasked when the board is opened; masked, its message is pending until it is not.
 TEST_F(BoardApi, HasATableOfMessages) {
   open({"transfer.notification=msi", "function.msi_x=true"});
@@ -297,6 +314,15 @@ TEST_F(BoardApi, RefusesInOneLine) {
             std::string::npos)
       << why.data();
   EXPECT_NE(refusal(kScenario, {"function.msi_x=true"}).find("the board sends no messages"),
+            std::string::npos)
+      << why.data();
+  EXPECT_NE(refusal(kScenario, {"fault[0].kind=aer-uncorrectable", "fault[0].access=solution",
+                                "fault[0].frame=0"})
+                .find("only a write is poisoned"),
+            std::string::npos)
+      << why.data();
+  EXPECT_NE(refusal(kScenario, {"fault[0].kind=aer-correctable", "fault[0].frame=0"})
+                .find("expected function.pci_express = true"),
             std::string::npos)
       << why.data();
   EXPECT_NE(refusal(kScenario, {"function.bar_bits=48"}).find("expected 32 or 64, found 48"),

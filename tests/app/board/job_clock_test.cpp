@@ -31,11 +31,13 @@ struct FaultCase {
   bool with_blocks = true;
   bool with_dma = true;
   bool with_polling = true;
+  bool with_pci = true;
   bool with_dma_messages = true;  // else with DMA only where the host hears by the line
 };
 
 std::vector<FaultCase> fault_cases() {
   constexpr const char* kAbort = "fault[0].kind=master-abort";
+  constexpr const char* kPoisoned = "fault[0].kind=aer-uncorrectable";
   constexpr const char* kCorrupted = "fault[0].kind=corrupted-word";
   return {
       {.name = "none"},
@@ -56,6 +58,18 @@ std::vector<FaultCase> fault_cases() {
        .keys = {kCorrupted, "fault[0].access=solution"},
        .with_dma = false},
       {.name = "device_gone", .keys = {"fault[0].kind=device-gone", "fault[0].frames=3"}},
+      {.name = "aer_correctable",
+       .keys = {"fault[0].kind=aer-correctable", "fault[0].access=start"},
+       .with_pci = false},
+      {.name = "aer_rhs",
+       .keys = {kPoisoned, "fault[0].access=rhs"},
+       .with_dma = false,
+       .with_pci = false},
+      {.name = "aer_start", .keys = {kPoisoned, "fault[0].access=start"}, .with_pci = false},
+      {.name = "aer_acknowledge",
+       .keys = {kPoisoned, "fault[0].access=acknowledge"},
+       .with_pci = false,
+       .with_dma_messages = false},
       {.name = "reset_by_somebody_else", .keys = {"fault[0].kind=function-level-reset"}},
       {.name = "late_dma",
        .keys = {"fault[0].kind=late-dma", "fault[0].delay=3 ms"},
@@ -85,7 +99,7 @@ std::vector<Parameters> all_parameters() {
           const bool possible = (dma ? fault.with_dma : fault.with_blocks) &&
                                 (heard != "polling" || fault.with_polling) &&
                                 (!dma || heard == "intx" || fault.with_dma_messages);
-          if (possible) all.push_back({fault, dma, heard, pcie});
+          if (possible && (pcie || fault.with_pci)) all.push_back({fault, dma, heard, pcie});
         }
       }
     }
@@ -118,6 +132,7 @@ class Program {
         parameters.pcie ? "transfer.method=programmed-io" : "transfer.method=bursts";
     keys.push_back(dma_ ? "transfer.method=dma" : blocks);
     if (parameters.pcie) keys.push_back("bus.pcie.generation=gen3");
+    if (!parameters.fault.with_pci) keys.push_back("function.pci_express=true");
     const hvp_board_options options = {keys.data(), keys.size(), nullptr, false, nullptr};
     board = hvp_board_open(kScenario, &options, why.data(), why.size());
     if (board == nullptr) return;

@@ -14,6 +14,7 @@ struct expected {
   bool or_time_out;   // where the bus has no take_errors, or the wait is shorter than the fault
   bool lost_interrupt;
   bool for_good;         // the board does not come back
+  bool repaired;         // by the bus, so that nothing is seen
   bool may_stay_unseen;  // the driver sees it only where the bus has take_errors, or time passes
 };
 
@@ -31,6 +32,8 @@ static const struct expected all[] = {
     {.kind = "device-gone", .status = HVP_ERROR_BUS, .or_time_out = true},
     {.kind = "surprise-removal", .status = HVP_ERROR_BUS, .or_time_out = true, .for_good = true},
     {.kind = "function-level-reset", .status = HVP_ERROR_TIMEOUT},
+    {.kind = "aer-correctable", .status = HVP_OK, .repaired = true},
+    {.kind = "aer-uncorrectable", .status = HVP_ERROR_DATA, .or_time_out = true},
     {.kind = "late-dma", .status = HVP_OK, .or_time_out = true, .may_stay_unseen = true},
     {.kind = "truncated-dma", .status = HVP_ERROR_SHORT_TRANSFER},
 };
@@ -100,7 +103,7 @@ static void faulty(struct suite_case* c, const struct expected* expected) {
   EXPECT_OK(c, hvp_client_statistics(c->client, &after));
   if (expected->lost_interrupt) seen = seen || after.lost_interrupts > before.lost_interrupts;
   if (!seen && expected->may_stay_unseen) SKIP(c, "the driver cannot see it here");
-  EXPECT(c, seen);
+  EXPECT(c, seen != expected->repaired);
   // Over: the words are those of before it.
   EXPECT_OK(c, hvp_client_solve(c->client, p.b, u, UNKNOWNS, FAULT_NS));
   EXPECT(c, memcmp(u, right, sizeof u) == 0);
@@ -132,6 +135,8 @@ FAULT(corrupted_solution, "corrupted-word-solution")
 FAULT(device_gone, "device-gone")
 FAULT(surprise_removal, "surprise-removal")
 FAULT(function_level_reset, "function-level-reset")
+FAULT(aer_correctable, "aer-correctable")
+FAULT(aer_uncorrectable, "aer-uncorrectable")
 FAULT(late_dma, "late-dma")
 FAULT(truncated_dma, "truncated-dma")
 
@@ -149,6 +154,8 @@ const struct case_entry fault_cases[] = {
     {"fault-device-gone", device_gone},
     {"fault-surprise-removal", surprise_removal},
     {"fault-function-level-reset", function_level_reset},
+    {"fault-aer-correctable", aer_correctable},
+    {"fault-aer-uncorrectable", aer_uncorrectable},
     {"fault-late-dma", late_dma},
     {"fault-truncated-dma", truncated_dma},
     {NULL, NULL},

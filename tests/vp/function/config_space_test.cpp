@@ -229,8 +229,60 @@ TEST(ConfigSpace, OnALinkItHasItsCapability) {
   EXPECT_EQ(space.get(express + 8, 2), 0x79ffU);  // no phantom functions, no power of its own
   space.set(express + 4, 0, 4);
   EXPECT_EQ(space.get(express + 4, 4), 0x1000'8022U);
-  EXPECT_EQ(space.get(0x100, 4), 0U);  // no more capabilities behind
+  EXPECT_EQ(space.get(0x100, 4), 0x1'0001U);  // advanced error reporting, and nothing behind
   EXPECT_EQ(space.get(4096, 4), 0xffff'ffffU);
+}
+
+TEST(ConfigSpace, OnALinkItNotesErrorsAndReportsThoseThatAreWanted) {
+  constexpr std::uint64_t kUncorrectable = 0x104;
+  constexpr std::uint64_t kMask = 0x108;
+  constexpr std::uint64_t kSeverity = 0x10c;
+  constexpr std::uint64_t kCorrectable = 0x110;
+  constexpr std::uint64_t kCorrectableMask = 0x114;
+  Space space(on_a_link());
+  const std::uint64_t control = space.capability(0x10) + 8U;
+  const std::uint64_t status = control + 2;
+  EXPECT_EQ(space.get(kSeverity, 4), 0x46'2030U);
+  EXPECT_EQ(space.get(kCorrectableMask, 4), 0x2000U);
+  EXPECT_FALSE(space.note(ExpressError::bad_packet));
+  EXPECT_EQ(space.get(kCorrectable, 4), 0x40U);
+  EXPECT_EQ(space.get(status, 2), 1U);
+  EXPECT_EQ(space.get(kStatus, 2), 0x10U);
+  EXPECT_FALSE(space.note(ExpressError::poisoned_packet));
+  EXPECT_EQ(space.get(kUncorrectable, 4), 0x1000U);
+  EXPECT_EQ(space.get(status, 2), 3U);
+  EXPECT_EQ(space.get(kStatus, 2), 0x8010U);  // detected parity error
+  // Each is reported where Device Control wants its kind.
+  space.set(control, 1, 2);
+  EXPECT_TRUE(space.note(ExpressError::bad_packet));
+  EXPECT_FALSE(space.note(ExpressError::poisoned_packet));
+  space.set(control, 2, 2);
+  EXPECT_FALSE(space.note(ExpressError::bad_packet));
+  EXPECT_TRUE(space.note(ExpressError::poisoned_packet));
+  space.set(kSeverity, 0x1000, 4);
+  EXPECT_EQ(space.get(kSeverity, 4), 0x46'3030U);
+  EXPECT_FALSE(space.note(ExpressError::poisoned_packet));  // fatal now
+  EXPECT_EQ(space.get(status, 2), 7U);
+  space.set(kCommand, 0x100, 2);  // SERR# enable
+  EXPECT_TRUE(space.note(ExpressError::poisoned_packet));
+  space.set(kMask, 0xffff'ffff, 4);
+  EXPECT_EQ(space.get(kMask, 4), 0x1000U);
+  EXPECT_FALSE(space.note(ExpressError::poisoned_packet));
+  // A reset leaves them; a one clears them.
+  const ConfigSpace::ResetByte byte = space.reset_byte();
+  space.set(byte.offset, byte.value, 1);
+  EXPECT_EQ(space.get(status, 2), 0U);
+  EXPECT_EQ(space.get(kUncorrectable, 4), 0x1000U);
+  EXPECT_EQ(space.get(kMask, 4), 0x1000U);
+  EXPECT_EQ(space.get(kCorrectable, 4), 0x40U);
+  space.set(kUncorrectable, 0xffff'ffff, 4);
+  space.set(kCorrectable, 0x40, 4);
+  EXPECT_EQ(space.get(kUncorrectable, 4), 0U);
+  EXPECT_EQ(space.get(kCorrectable, 4), 0U);
+  // Nobody else has a place for them.
+  Space other;
+  EXPECT_FALSE(other.note(ExpressError::poisoned_packet));
+  EXPECT_EQ(other.get(kStatus, 2), 0x10U);
 }
 
 TEST(ConfigSpace, OnALinkItsCapabilityResetsIt) {
