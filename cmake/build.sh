@@ -225,8 +225,9 @@ python_environment() { # name requirements…
 
 # What `hvp linux` boots: build/linux/VARIANT (driver/linux/kernel/build.sh).
 build_guest() { # variant
-  build release hvp hvp-servo hvp-driver-suite hvp-stress || return 1
+  build release hvp hvp-fault hvp-servo hvp-driver-suite hvp-stress || return 1
   "$top/driver/linux/guest.sh" "$build/linux" "$1" \
+    "$build/release/driver/linux/guest/hvp-fault" \
     "$build/release/driver/linux/guest/hvp-servo" \
     "$build/release/tests/driver/suite/hvp-driver-suite" \
     "$build/release/tests/linux/stress/hvp-stress" >&2

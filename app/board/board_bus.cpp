@@ -30,7 +30,7 @@ std::span<std::uint8_t> bytes_of(std::uint32_t* words, std::size_t count) {
 
 }  // namespace
 
-BoardBus::BoardBus(vp::BoardFunction& function, const vp::Transfer& transfer, bool reports_errors)
+BoardBus::BoardBus(vp::BoardFunction& function, const vp::Transfer& transfer)
     : function_(function), poll_interval_(to_picoseconds(transfer.poll_interval_s)) {
   function.host().listen(*this);
   bus_.context = this;
@@ -63,7 +63,7 @@ BoardBus::BoardBus(vp::BoardFunction& function, const vp::Transfer& transfer, bo
   }
   bus_.interrupts_after_writes = transfer.notification == link::Notification::msi;
   bus_.now_ns = [](void*) noexcept { return static_cast<std::uint64_t>(vp::now_ps() / 1000); };
-  if (!reports_errors) return;
+  // Takes no time, so that it is there for faults that come during the run too.
   bus_.take_errors = [](void* context) noexcept { return self(context).take_errors(); };
 }
 

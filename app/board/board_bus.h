@@ -14,7 +14,7 @@ namespace hvp::app {
 class BoardBus : public vp::InterruptListener {
  public:
   // Keeps a reference and listens to the function.
-  BoardBus(vp::BoardFunction& function, const vp::Transfer& transfer, bool reports_errors);
+  BoardBus(vp::BoardFunction& function, const vp::Transfer& transfer);
   BoardBus(const BoardBus&) = delete;
   BoardBus& operator=(const BoardBus&) = delete;
 

@@ -12,11 +12,14 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include "app/board/board_bus.h"
+#include "app/board/fault_words.h"
 #include "app/board/outside_board.h"
+#include "app/board/stop_points.h"
 #include "app/record/recorder.h"
 #include "app/results/board_records.h"
 #include "app/results/results_folder.h"
@@ -65,17 +68,18 @@ class WeakMaps : public hvp::vp::MemoryObserver {
 };
 
 struct hvp_board {
-  hvp_board(const hvp::app::LoadedScenario& scenario, const hvp::vp::PlatformSettings& settings,
+  hvp_board(const hvp::app::LoadedScenario& loaded, const hvp::vp::PlatformSettings& settings,
             const hvp_board_options& options)
-      : trace(traced(options.trace)),
-        record(recorded(options.record, scenario)),
+      : scenario(loaded.scenario),
+        trace(traced(options.trace)),
+        record(recorded(options.record, loaded)),
         function(settings, watched(options.check)),
-        bus(function, settings.transfer, !settings.faults.empty()) {
+        bus(function, settings.transfer) {
     function.ledger().add_observer(last_job);
     if (trace != nullptr) trace->watch(function.accelerator());
     if (rules) hvp::app::watch_driver(*rules, function);
     if (record != nullptr) record->watch(function);
-    const hvp::app::Scenario& s = scenario.scenario;
+    const hvp::app::Scenario& s = scenario;
     if (s.guest && s.guest->memory_order == hvp::host::GuestCosts::MemoryOrder::weak &&
         function.memory() != nullptr) {
       weak.emplace(*function.memory(), s.seed);
@@ -106,6 +110,7 @@ struct hvp_board {
     function.host().access(Command::read, 0, ignored, hvp::vp::OutsideHost::Space::configuration);
   }
 
+  hvp::app::Scenario scenario;
   LastJob last_job;
   std::unique_ptr<hvp::results::RegisterTrace> trace;
   std::optional<hvp::vp::DriverRules> rules;
@@ -113,6 +118,7 @@ struct hvp_board {
   hvp::vp::BoardFunction function;
   std::optional<WeakMaps> weak;
   hvp::app::BoardBus bus;
+  std::optional<hvp::app::StopPoints> stops;
   std::vector<hvp::vp::DriverFinding> findings;  // as they were copied last
 };
 
@@ -178,6 +184,23 @@ void say(std::string_view what, char* why, std::size_t why_bytes) {
   const std::size_t length = std::min(what.size(), why_bytes - 1);
   std::memcpy(why, what.data(), length);
   why[length] = '\0';
+}
+
+std::string_view text_of(const char* text) { return text == nullptr ? "" : text; }
+
+// Makes a change that may be refused, and says why in a line.
+template <class Change>
+bool told(char* why, std::size_t why_bytes, std::string_view call, const Change& change) noexcept {
+  say("", why, why_bytes);
+  try {
+    change();
+    return true;
+  } catch (const std::exception& e) {
+    say(fmt::format("{}: {}", call, e.what()), why, why_bytes);
+  } catch (...) {
+    say("failed", why, why_bytes);
+  }
+  return false;
 }
 
 }  // namespace
@@ -303,6 +326,38 @@ bool hvp_board_run_until_ps(hvp_board* board, std::uint64_t time_ps) {
 }
 
 bool hvp_board_interrupt(hvp_board* board) { return board->bus.take_interrupt(); }
+
+bool hvp_board_inject(hvp_board* board, const char* fault, char* why, std::size_t why_bytes) {
+  return told(why, why_bytes, "hvp_board_inject", [&] {
+    if (board->record != nullptr) {
+      throw std::invalid_argument(
+          "a record has no place for it: expected it as fault[0]… when the board is opened");
+    }
+    hvp::app::inject_fault(board->function, board->scenario, text_of(fault));
+  });
+}
+
+bool hvp_board_stop_at(hvp_board* board, const char* point, hvp_board_stopped stopped,
+                       void* context, char* why, std::size_t why_bytes) {
+  return told(why, why_bytes, "hvp_board_stop_at", [&] {
+    if (stopped == nullptr) {
+      if (board->stops && board->stops->remove(text_of(point))) return;
+      throw std::invalid_argument("there is no such point to take away");
+    }
+    if (!board->stops) board->stops.emplace(board->function);
+    board->stops->add(text_of(point), [board, stopped, context](const hvp::app::Stop& stop) {
+      const hvp_board_stop told = {.point = stop.point.c_str(),
+                                   .what = stop.what.c_str(),
+                                   .time_ps = static_cast<std::uint64_t>(stop.time),
+                                   .job = stop.job,
+                                   .offset = stop.offset,
+                                   .value = stop.value};
+      board->function.host().hold_time();
+      stopped(context, &told);
+      board->function.host().release_time();
+    });
+  });
+}
 
 bool hvp_board_last_job(hvp_board* board, hvp_board_job* job) {
   return caught(false, [&] {

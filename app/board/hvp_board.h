@@ -76,11 +76,44 @@ void hvp_board_table_write(struct hvp_board* board, uint32_t offset, uint32_t va
 uint64_t hvp_board_now_ps(const struct hvp_board* board);
 // The time of the next event. False if everything waits for the host.
 bool hvp_board_next_event_ps(const struct hvp_board* board, uint64_t* when_ps);
-// Simulates up to a time. Returns earlier, with false, when an interrupt is raised or lowered, and
-// at once for a time beyond 10^18 ps, eleven days.
+// Simulates up to a time. Returns earlier, with false, when an interrupt is raised or lowered and at
+// a point of hvp_board_stop_at(), and at once for a time beyond 10^18 ps, eleven days.
 bool hvp_board_run_until_ps(struct hvp_board* board, uint64_t time_ps);
 // True if INTA# is up, or a message has arrived since the last call.
 bool hvp_board_interrupt(struct hvp_board* board);
+
+// Makes a fault happen, in the words of a scenario's [[fault]] (docs/faults.md) with commas
+// between: "kind=lost-interrupt", "kind=master-abort,access=status,count=2",
+// "kind=stuck-busy,frame=7". A frame is a job (hvp_board_job.number). Without `frame` and `rate`
+// the fault strikes from now on where it can next: the next interrupt, start or such access of a
+// job. Returns false on an error without changing anything; `why` then has one line that describes
+// it. A fault that has not happened when the board is closed is named on the standard error output.
+bool hvp_board_inject(struct hvp_board* board, const char* fault, char* why, size_t why_bytes);
+
+// A point of simulated time that was asked for has come.
+struct hvp_board_stop {
+  const char* point;  // as it was asked for
+  const char* what;   // one line: the word, the time and the job
+  uint64_t time_ps;   // now
+  int64_t job;        // the newest, -1 before the first
+  uint64_t offset;    // of an access
+  uint32_t value;     // an access' word, or the number in `point`
+};
+// Called at the point's own time. It may inject faults, and ask for further points and for the
+// time; no time can pass in it: accesses read ones and have no effect, and a wait ends at once.
+// The texts are valid until it returns.
+typedef void (*hvp_board_stopped)(void* context, const struct hvp_board_stop* stop);
+
+// Calls `stopped` at a point:
+//   "write to CONTROL"  the program makes the access, which has had no effect yet
+//   "read of STATUS"    its answer has arrived; names are those of docs/registers.md
+//   "interrupt 3"       the third since the board was opened, a message or a line that goes up
+//   "message 3"         the third message
+//   "job 7"             before the first access of job 7 (hvp_board_job.number)
+// An access is such a point each time. A null `stopped` takes the points of these words away again.
+// Returns false on an error without changing anything; `why` then has one line that describes it.
+bool hvp_board_stop_at(struct hvp_board* board, const char* point, hvp_board_stopped stopped,
+                       void* context, char* why, size_t why_bytes);
 
 // The figures of a finished job. A job consists of what the driver does from the first word of b,
 // or the first change of a row, until the next job begins (vp/function/job_frames.h).

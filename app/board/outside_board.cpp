@@ -80,7 +80,12 @@ void warn_of_faults_that_never_struck(vp::BoardFunction& board) {
   const vp::FaultPlan* const plan = board.side().board()->faults();
   if (plan == nullptr) return;
   for (const vp::FaultRecord& record : plan->records()) {
-    if (record.injected > 0) continue;
+    if (record.missing() == 0) continue;
+    if (record.injected > 0) {
+      spdlog::warn("[[fault]] {} happened in {} of {} jobs", vp::name(record.fault.kind),
+                   record.injected, record.fault.count);
+      continue;
+    }
     spdlog::warn("[[fault]] {} did not happen: {}", vp::name(record.fault.kind),
                  record.why_not(board.host().frames().jobs()));
   }

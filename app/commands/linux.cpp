@@ -15,7 +15,9 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "app/board/model_commands.h"
 #include "app/board/outside_board.h"
+#include "app/board/stop_points.h"
 #include "app/commands/commands.h"
 #include "app/linux/complaints.h"
 #include "app/linux/guest.h"
@@ -43,6 +45,7 @@ struct LinuxArguments : ScenarioArguments {
   std::vector<std::string> kernel_arguments;
   double patience_s = 60;            // of wall-clock time without a word of the guest
   std::optional<std::string> check;  // words with commas between them
+  std::vector<std::string> stop_at;
   bool gdb = false;  // the kernel waits for a debugger, and nobody loses patience with it
   bool trace_registers = false;
   bool trace_dma = false;
@@ -104,6 +107,7 @@ guest::GuestSettings guest_settings(const LinuxArguments& arguments, const guest
   if (settings.memory.empty()) settings.memory = checks.of_kernel.empty() ? "64M" : "256M";
   settings.arguments = arguments.kernel_arguments;
   settings.check_dma = checks.dma;
+  settings.stop_at = arguments.stop_at;
   settings.patience =
       std::chrono::milliseconds(static_cast<std::int64_t>(arguments.patience_s * 1000));
   if (arguments.gdb) {
@@ -133,6 +137,13 @@ std::string gdb_text(pid_t process, const fs::path& kernel) {
   std::string text = fmt::format("the kernel waits for a debugger: gdb -p {}", process);
   if (fs::exists(commands, ignored)) text += fmt::format(" -x {}", commands.string());
   return text;
+}
+
+// A wrong one is named before anything is written.
+void require_stop(const std::string& point) try {
+  StopPoints::require_words(point);
+} catch (const InputError& e) {
+  throw InputError(fmt::format("--stop-at {}", e.what()));
 }
 
 // Lists the effects of a simulated host that the scenario has and a run with a kernel lacks.
@@ -168,12 +179,15 @@ std::string misses_text(const vp::Verdict& v) {
 std::string fault_lines(const guest::GuestFigures& figures) {
   std::string text;
   for (const vp::FaultRecord& fault : figures.faults) {
-    text +=
-        fmt::format("\n  fault         {}: {}", vp::name(fault.fault.kind),
-                    fault.injected == 0
-                        ? "did not happen: " + fault.why_not(figures.verdict.frames())
-                        : fmt::format("{}, first in frame {}; who noticed is the driver's to say",
-                                      results::counted(fault.injected, "time"), fault.first_frame));
+    text += fmt::format(
+        "\n  fault         {}: {}", vp::name(fault.fault.kind),
+        fault.injected == 0
+            ? "did not happen: " + fault.why_not(figures.verdict.frames())
+            : fmt::format(
+                  "{}{}, first in frame {}; who noticed is the driver's to say",
+                  results::counted(fault.injected, "time"),
+                  fault.missing() == 0 ? std::string() : fmt::format(" of {}", fault.fault.count),
+                  fault.first_frame));
   }
   return text;
 }
@@ -235,6 +249,7 @@ int linux_command(const LinuxArguments& arguments) {
   const guest::Checks checks = chosen_checks(arguments);
   const guest::GuestSettings chosen = guest_settings(arguments, checks);
   const LoadedScenario loaded = load(arguments);
+  for (const std::string& point : arguments.stop_at) require_stop(point);
   fs::path out = arguments.out;
   if (out.empty()) (out = results_folder(arguments)) += "-linux";
   const vp::PlatformSettings board_settings = outside_board(loaded);
@@ -254,6 +269,7 @@ int linux_command(const LinuxArguments& arguments) {
   std::optional<vp::DriverRules> rules;
   if (checks.driver) observer = &rules.emplace(observer);
   vp::BoardFunction board(board_settings, observer);
+  const ModelCommands commands(board, loaded.scenario);
   if (rules) watch_driver(*rules, board);
   if (record) record->watch(board);
   const Scenario& s = loaded.scenario;
@@ -283,6 +299,10 @@ int linux_command(const LinuxArguments& arguments) {
     print("{}\n", line);
     std::fflush(stdout);
   };
+  settings.say = [](std::string_view text) {
+    print("{}\n", text);
+    std::fflush(stdout);
+  };
   guest::Guest::End end;
   std::optional<guest::GuestError> failed;
   guest::GuestFigures figures;
@@ -308,11 +328,14 @@ int linux_command(const LinuxArguments& arguments) {
           "guest.system_call: the kernel took no time for a system call; expected one with "
           "driver/linux/kernel/patches/system-call-time.patch");
     }
+    if (const std::string never = guest.never_stopped(); !never.empty()) {
+      spdlog::warn("--stop-at {}: it never came", never);
+    }
     if (rules) rules->finish();
-    figures =
-        results.finish(s, {guest.counts(), guest.dma(), guest.memory_order(), guest.first_access(),
-                           std::move(missing), checks.of_kernel, complaints.found(),
-                           end.interrupted, rules ? std::optional(rules->report()) : std::nullopt});
+    figures = results.finish(
+        s, {guest.counts(), guest.dma(), guest.memory_order(), guest.first_access(),
+            std::move(missing), checks.of_kernel, complaints.found(),
+            end.interrupted || end.stopped, rules ? std::optional(rules->report()) : std::nullopt});
   }
   if (registers) registers->finish();
   if (dma_log) dma_log->finish();
@@ -331,7 +354,7 @@ int linux_command(const LinuxArguments& arguments) {
     throw guest::GuestError(
         fmt::format("the module did not load: insmod ended with status {}", *end.module_status));
   }
-  if (!chosen.script.empty() && end.script_status.value_or(-1) != 0) {
+  if (!end.stopped && !chosen.script.empty() && end.script_status.value_or(-1) != 0) {
     throw guest::GuestError(end.script_status
                                 ? fmt::format("the script ended with status {}", *end.script_status)
                                 : std::string("the guest ended before its script did"));
@@ -396,6 +419,13 @@ void add_linux(CLI::App& app, int& status) {
   command->add_flag("--gdb", arguments->gdb,
                     "a kernel with types and lines, stopped before its first instruction until gdb "
                     "lets it go on, which may take any time");
+  command
+      ->add_option("--stop-at", arguments->stop_at,
+                   "a point at which the run ends and is shown, or gdb gets the kernel: \"write to "
+                   "CONTROL\", \"read of STATUS\", \"interrupt 3\", \"message 3\", \"job 7\"; as "
+                   "often as wanted")
+      ->allow_extra_args(false)
+      ->type_name("POINT");
   command->add_flag(
       "--trace-registers", arguments->trace_registers,
       "also log every access to the board, in registers.log, and as a waveform with "

@@ -2,12 +2,14 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "app/board/model_commands.h"
 #include "app/board/outside_board.h"
 #include "app/commands/commands.h"
 #include "app/record/comparison.h"
@@ -77,6 +79,9 @@ int replay_command(const ReplayArguments& arguments) {
   const Scenario& s = loaded.scenario;
   const bool late = recorded.layer() == record::Layer::kernel && s.guest.has_value();
   if (late) board.host().take_interrupts_late(s.host, s.seed);
+  // As the commands of those layers have it.
+  std::optional<ModelCommands> commands;
+  if (recorded.layer() != record::Layer::program) commands.emplace(board, s);
   record::Player player(board, recorded, scenario::one_line(arguments.record.string()));
   const record::Record replayed = player.play();
   warn_of_faults_that_never_struck(board);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "app/board/model_commands.h"
 #include "app/board/outside_board.h"
 #include "app/commands/commands.h"
 #include "app/record/recorder.h"
@@ -57,6 +58,8 @@ int serve_command(const ServeArguments& arguments) {
       record.emplace(arguments.record, "--record", record::Layer::socket, loaded);
     }
     serve::BoardPort board(settings, registers ? &*registers : nullptr, rules ? &*rules : nullptr);
+    const ModelCommands commands(board.function(), loaded.scenario);
+    board.obey(commands);
     if (record) record->watch(board.function());
     print(
         "listening on {}; simulated time passes with the client's accesses and its jobs, not "

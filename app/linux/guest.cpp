@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <csignal>
 #include <fstream>
 #include <utility>
 
@@ -41,7 +42,13 @@ Guest::Guest(vp::BoardFunction& board, const GuestSettings& settings)
                 .patience = settings.patience,
                 .hold = settings.hold,
                 .print = settings.print}),
+      say_(settings.say),
+      debugged_(settings.hold),
       system_call_ns_(settings.system_call_ns) {
+  if (!settings.stop_at.empty()) stop_points_.emplace(board);
+  for (const std::string& point : settings.stop_at) {
+    stop_points_->add(point, [this](const app::Stop& stop) { this->stop(stop); });
+  }
   if (settings.check_dma && board.memory() != nullptr) dma_check_.emplace(*board.memory());
   if (settings.weak_memory_seed && board.memory() != nullptr) {
     weak_memory_.emplace(*board.memory(), *settings.weak_memory_seed);
@@ -99,7 +106,7 @@ std::optional<vp::WeakMemory::Counts> Guest::memory_order() const {
 Guest::End Guest::run() {
   End end;
   try {
-    for (;;) {
+    while (!stopped_) {
       if (calendar_.connected() && calendar_.waiting()) {
         const auto began = std::chrono::steady_clock::now();
         sleep();
@@ -109,10 +116,11 @@ Guest::End Guest::run() {
       }
     }
   } catch (const GuestGone&) {
-    judge_end();
+    if (!stopped_) judge_end();
   } catch (const GuestInterrupted&) {
     end.interrupted = true;
   }
+  end.stopped = stopped_;
   std::ifstream file(folder_.path() / kStatusFile);
   std::string of;
   if (int status = 0; file >> status) {
@@ -147,6 +155,25 @@ std::string Guest::board_text() const {
                         results::microseconds(job->started));
   }
   return text + "\n  the last accesses to it:" + device_->recent().text(bank);
+}
+
+// The guest stands still here: it waits for its access, or for simulated time.
+void Guest::stop(const app::Stop& stop) {
+  if (debugged_) {
+    give_to_debugger(stop);
+  } else if (!stopped_) {
+    stopped_ = true;
+    say_(fmt::format("stopped: {}\n{}", stop.what, hang_text()));
+  }
+}
+
+// The signal is the debugger's, who does not pass it on; the kernel would end by it.
+void Guest::give_to_debugger(const app::Stop& stop) {
+  if (is_traced(process_.number()) && kill(process_.number(), SIGINT) == 0) {
+    say_("stopped: " + stop.what);
+  } else {
+    say_("not stopped, as no debugger has the kernel: " + stop.what);
+  }
 }
 
 // Processes messages while the guest runs.

@@ -167,7 +167,7 @@ GuestFigures GuestResults::finish(const app::Scenario& scenario, const GuestFact
                        .breakdowns = accelerator.breakdowns(),
                        .bus = all_use(board_.side().buses())};
   if (const vp::FaultPlan* faults = board_.side().board()->faults()) {
-    figures.faults = faults->records();
+    figures.faults.assign(faults->records().begin(), faults->records().end());
   }
   results::write_through_part_file(folder_ / "summary.json",
                                    results::figures_json(figures).dump(2) + "\n");

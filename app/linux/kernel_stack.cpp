@@ -153,4 +153,15 @@ std::vector<std::string> kernel_stack(pid_t process, const std::filesystem::path
   return names;
 }
 
+bool is_traced(pid_t process) {
+  std::ifstream status(fmt::format("/proc/{}/status", process));
+  constexpr std::string_view kTracer = "TracerPid:";
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with(kTracer)) {
+      return std::atoi(line.c_str() + kTracer.size()) != 0;
+    }
+  }
+  return false;
+}
+
 }  // namespace hvp::guest

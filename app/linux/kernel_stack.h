@@ -14,4 +14,7 @@ namespace hvp::guest {
 // Stops the process for a moment; empty where that is not allowed.
 std::vector<std::string> kernel_stack(pid_t process, const std::filesystem::path& kernel);
 
+// True if another process traces this one, as a debugger does.
+bool is_traced(pid_t process);
+
 }  // namespace hvp::guest

@@ -181,7 +181,9 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
   o.set_up = platform.servo().set_up_time();
   o.simulated = vp::now_ps() - platform.session().begin;
   o.servo = platform.servo().counts();
-  if (const vp::FaultPlan* faults = platform.faults()) o.faults = faults->records();
+  if (const vp::FaultPlan* faults = platform.faults()) {
+    o.faults.assign(faults->records().begin(), faults->records().end());
+  }
   o.accelerator = results::accelerator_figures(scene, platform.board());
   if (const vp::Accelerator* board = platform.board()) {
     o.saturations = board->saturations();

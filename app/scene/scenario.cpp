@@ -164,7 +164,7 @@ void Scenario::declare(config::Visitor& v) {
               {config::need_board()}});
     v.effects("fault", faults,
               {"what goes wrong, and in which frame or how often",
-               "two modules between bus, board and host: " + kinds_of(faults),
+               "no module: on the way between bus, board and host, " + kinds_of(faults),
                {config::need_board()}});
   });
   v.table("output", output, {"which results are written besides the summary"});
@@ -235,22 +235,27 @@ void require_plain_transfer(const Scenario& s) {
       std::string("there is no board where host.solver is \"") + host::name(s.host.solver) + "\"");
 }
 
-// Refuses a fault that cannot occur in this scenario.
-void require_possible(const Scenario& s, std::size_t index) {
-  const vp::Fault& fault = s.faults[index];
-  const auto key = [index](const char* name) {
-    return "fault[" + std::to_string(index) + "]." + name;
-  };
+void require_within(const Scenario& s, const vp::Fault& fault) {
+  if (fault.frame >= s.frames) {
+    throw InputError("frame", "the run ends before frame " + std::to_string(fault.frame) +
+                                  ": expected less than frames, which is " +
+                                  std::to_string(s.frames));
+  }
+  if (fault.count > s.frames - std::max<std::int64_t>(fault.frame, 0)) {
+    throw InputError("count", "the run has " + std::to_string(s.frames) +
+                                  " frames: expected no more from frame " +
+                                  std::to_string(fault.frame) + " on");
+  }
+}
+
+}  // namespace
+
+void require_possible(const Scenario& s, const vp::Fault& fault) {
   using Kind = vp::FaultKind;
   const bool dma = s.transfer.method == vp::Transfer::Method::dma;
   const auto refuse = [&](const std::string& needs, const char* name = "kind") {
-    throw InputError(key(name), std::string(vp::name(fault.kind)) + " needs " + needs);
+    throw InputError(name, std::string(vp::name(fault.kind)) + " needs " + needs);
   };
-  if (fault.frame >= s.frames) {
-    throw InputError(key("frame"), "the run ends before frame " + std::to_string(fault.frame) +
-                                       ": expected less than frames, which is " +
-                                       std::to_string(s.frames));
-  }
   if (fault.kind == Kind::saturated_solve && s.fidelity.numbers == vp::Numbers::none) {
     refuse("words that saturate: expected fidelity.numbers = \"fixed\"");
   }
@@ -287,6 +292,8 @@ void require_possible(const Scenario& s, std::size_t index) {
         "access");
   }
 }
+
+namespace {
 
 // Refuses settings of a timing-only run whose times would depend on numbers.
 void require_no_numbers(const Scenario& s) {
@@ -350,7 +357,12 @@ void Scenario::check() const {
   if (host.cores == 1 && fidelity.host == vp::Timing::untimed) {
     throw InputError("host.cores", "the host takes no time where fidelity.host is \"untimed\"");
   }
-  for (std::size_t i = 0; i < faults.size(); ++i) require_possible(*this, i);
+  for (std::size_t i = 0; i < faults.size(); ++i) {
+    within("fault[" + std::to_string(i) + "]", [&] {
+      require_within(*this, faults[i]);
+      require_possible(*this, faults[i]);
+    });
+  }
   if (output.waveform) require_shown(*output.waveform, frames);
 }
 

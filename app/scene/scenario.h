@@ -113,6 +113,9 @@ struct Scenario : vp::SystemSettings {
   void declare_refinement(config::Visitor& v);
 };
 
+// Throws InputError, with a key of the fault's, for a fault that cannot occur in this scenario.
+void require_possible(const Scenario& scenario, const vp::Fault& fault);
+
 // Runs a step of a part and completes the key of an InputError with the part's table.
 template <class Step>
 auto within(const std::string& table, const Step& step) {

@@ -42,6 +42,7 @@ void BoardPort::tell(Interrupts* interrupts) {
 bool BoardPort::busy() { return board_.accelerator().bank().get(vp::field::kStatusBusy) != 0; }
 
 bool BoardPort::has_work() {
+  if (commands_ != nullptr && commands_->stopped()) return false;
   const std::optional<vp::Picoseconds> next = vp::BoardSide::next_event();
   return next && *next <= (busy() ? last_access_ + kLongest : awake_until_);
 }

@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include "app/board/model_commands.h"
 #include "app/results/board_records.h"
 #include "app/serve/function_port.h"
 #include "app/serve/interrupts.h"
@@ -29,6 +30,9 @@ class BoardPort : public FunctionPort, private vp::InterruptListener {
                      results::RegisterTrace* registers = nullptr, vp::DriverRules* rules = nullptr);
 
   vp::BoardFunction& function() { return board_; }
+  // While a client has not asked for a stop that has come, simulated time stands still. Keeps a
+  // reference.
+  void obey(const app::ModelCommands& commands) { commands_ = &commands; }
   // Sets the receiver of interrupts; null: none.
   void tell(Interrupts* interrupts);
 
@@ -70,6 +74,7 @@ class BoardPort : public FunctionPort, private vp::InterruptListener {
   bool has_messages_;
   std::function<void()> look_at_memory_;
   Interrupts* interrupts_ = nullptr;
+  const app::ModelCommands* commands_ = nullptr;
   vp::Picoseconds last_access_ = 0;
   vp::Picoseconds awake_until_ = 0;
 };

@@ -30,14 +30,17 @@ COMMANDS = (
 )
 
 
+STOPS = ("continue", "backtrace", "continue")
+
+
 def results(guest: Guest) -> list[bytes]:
     return [(guest.work / "out" / name).read_bytes() for name in RESULTS]
 
 
-def with_gdb(guest: Guest) -> str:
-    """What gdb says of a run that it stops, looks at, leaves alone for a while and lets go on."""
+def with_gdb(guest: Guest, commands: tuple[str, ...] = COMMANDS, *words: str) -> tuple[str, str]:
+    """What gdb and the run say, where gdb stops it, looks at it and lets it go on."""
     with subprocess.Popen(
-        guest.command("--gdb", "--quiet", script=SCRIPT), stdout=subprocess.PIPE, text=True
+        guest.command("--gdb", "--quiet", *words, script=SCRIPT), stdout=subprocess.PIPE, text=True
     ) as run:
         try:
             assert run.stdout is not None
@@ -46,15 +49,15 @@ def with_gdb(guest: Guest) -> str:
             if not found:
                 raise WrongError(f"no word of a debugger: {said!r}")
             gdb = [*shlex.split(found.group()), "-batch", "-nx"]
-            for command in COMMANDS:
+            for command in commands:
                 gdb += ["-ex", command]
             done = subprocess.run(gdb, capture_output=True, text=True, timeout=LIMIT_S, check=False)
-            run.communicate(timeout=LIMIT_S)
+            told, _ = run.communicate(timeout=LIMIT_S)
         finally:
             run.kill()
     if run.returncode != 0:
         raise WrongError(f"status {run.returncode}\n{done.stdout}\n{done.stderr}")
-    return done.stdout
+    return done.stdout, told
 
 
 def main() -> int:
@@ -66,7 +69,7 @@ def main() -> int:
         guest = Guest(arguments.program.resolve(), arguments.guest.resolve(), Path(), Path(work), 0)
         guest.run(script=SCRIPT)
         undisturbed = results(guest)
-        said = with_gdb(guest)
+        said, _ = with_gdb(guest)
         stopped = re.search(r"^Breakpoint 1.*, hvp_start .* at .*/hvp_job\.c:(\d+)$", said, re.M)
         if not stopped:
             raise WrongError(f"gdb did not stop in the driver:\n{said}")
@@ -77,6 +80,12 @@ def main() -> int:
         expect_in("gdb, the kernel's own commands", "hvp", said[said.index("Module") :])
         for name, before, now in zip(RESULTS, undisturbed, results(guest), strict=True):
             expect(f"{name} is that of a run without a debugger", True, before == now)
+        said, told = with_gdb(guest, STOPS, "--stop-at", "job 0")
+        expect_in("gdb, the stop", "received signal SIGINT", said)
+        expect_in("gdb, the driver", "hvp_start", said)
+        expect_in("the run, the stop", "stopped: job 0 begins at ", told)
+        for name, before, now in zip(RESULTS, undisturbed, results(guest), strict=True):
+            expect(f"{name} is that of a run that was not stopped", True, before == now)
     print("ok      the kernel stands still under gdb")
     return 0
 

@@ -377,6 +377,11 @@ def a_job_that_does_not_end_is_a_miss(guest: Guest) -> None:
     expect("misses", 1, summary["deadline"]["misses"])  # type: ignore[index]
 
 
+def latencies(guest: Guest) -> list[float]:
+    with (guest.work / "out" / "frames.csv").open() as file:
+        return [float(row["latency_us"]) for row in csv.DictReader(file)]
+
+
 def a_lost_interrupt_costs_what_the_program_waited(guest: Guest) -> None:
     words = ("--set", "fault[0].kind=lost-interrupt", "--set", "fault[0].frame=2")
     timeout_ms = 20
@@ -384,13 +389,68 @@ def a_lost_interrupt_costs_what_the_program_waited(guest: Guest) -> None:
     files = f"/host{guest.work}/frames /host{guest.work}/u"
     script = f"hvp-servo /dev/hvp0 {files} --timeout-ms {timeout_ms}\n"
     guest.run(*words, "--set", "bus.pcie.generation=gen3", script=script, status=1)
-    with (guest.work / "out" / "frames.csv").open() as file:
-        times = [float(row["latency_us"]) for row in csv.DictReader(file)]
+    times = latencies(guest)
     due, _, _, ended, _ = Output(guest.work / "u").times[2]
     # The program's clock takes a step to be read, three times from its wake-up on.
     late = (ended - due) / 1000 - times[2]
     if times[2] < 1000 * timeout_ms or not 0 <= late <= 4 * CLOCK_NS / 1000:
         raise WrongError(f"{times[2]} us in the record, {(ended - due) / 1000} by the program")
+
+
+def a_fault_that_the_script_asks_for(guest: Guest) -> None:
+    """Is the scenario's in the same job, the same each time, and refused in one line."""
+    write_frames(guest.work / "frames", 6)
+    servo = f"hvp-servo /dev/hvp0 /host{guest.work}/frames /host{guest.work}/u --timeout-ms 20\n"
+    words = [f"fault[0].{key}" for key in ("kind=lost-interrupt", "frame=2", "count=2")]
+    guest.run(*(part for word in words for part in ("--set", word)), script=servo, status=1)
+    of_scenario = latencies(guest)
+    asked = "hvp-fault kind=lost-interrupt frame=2 count=2\nhvp-fault kind=stuck-busy,frame=99\n"
+    results = []
+    for _ in range(2):
+        said = guest.run(script=asked + servo, status=1).stdout
+        expect("latencies", of_scenario, latencies(guest))
+        expect_in("the terminal", "lost-interrupt: 2 times, first in frame 2", said)
+        expect_in("the terminal", "stuck-busy: did not happen: it is asked for in frame 99", said)
+        results.append(
+            [(guest.work / "out" / n).read_bytes() for n in ("frames.csv", "trace.json")]
+        )
+    expect("the files of the second run are those of the first", True, results[0] == results[1])
+    record = guest.work / "a.bin"
+    guest.run("--record", str(record), script=asked + servo, status=1)
+    replayed = subprocess.run(
+        [guest.program, "replay", record, "--times"],
+        capture_output=True,
+        timeout=LIMIT_S,
+        check=False,
+    )
+    expect("the replay's status", 0, replayed.returncode)
+    guest.run(script="hvp-fault kind=stuck-busy\n" + servo, status=3)
+    expect("misses", 1, guest.summary()["deadline"]["misses"])  # type: ignore[index]
+    said = guest.refused(
+        "the script ended with status 2", script="hvp-fault kind=lost || exit $?\n"
+    )
+    expect_in("the console", 'hvp-fault: kind=lost: expected "lost-interrupt"', said)
+
+
+def stops_where_it_is_asked_to(guest: Guest) -> None:
+    script = "hvp-driver-suite /dev/hvp0 --case fifty-jobs\n"
+    found = set()
+    for _ in range(2):
+        said = guest.run("--stop-at", "job 99", "--stop-at", "job 7", script=script).stdout
+        stop = re.search(r"^stopped: job 7 begins at (\d+\.\d{6}) us, in job 7$", said, re.M)
+        if not stop:
+            raise WrongError(f"no stop: {said}")
+        expect_in("what the guest does", "its processor is in", said)
+        expect_in("the board", "its last job, number 8 of the run", said)
+        # The board finishes what it has begun.
+        expect("frames", 8, guest.summary()["deadline"]["frames"])  # type: ignore[index]
+        found.add(stop.group(1))
+    expect("different times", 1, len(found))
+    for point, what in (("write to CONTROL", "0x"), ("message 3", "arrives"), ("read of ID", "0x")):
+        said = guest.run("--stop-at", point, script=script).stdout
+        expect_in("the stop", f"stopped: {point} {what}", said)
+    never = guest.run("--stop-at", "job 50", script=script).stderr
+    expect_in("the warning", "--stop-at job 50: it never came", never)
 
 
 def a_guest_that_hangs(guest: Guest) -> None:
@@ -457,6 +517,11 @@ def wrong_words(guest: Guest) -> None:
         (("--check", ""), "--check: expected a value"),
         (("--check", "kasan", "--gdb"), "--gdb and a kernel that checks: expected one of them"),
         (("--script", "/none"), "--script /none: expected a file that can be read"),
+        (
+            ("--stop-at", "write to CONTRL"),
+            "--stop-at write to CONTRL: no such register; did you mean CONTROL?",
+        ),
+        (("--stop-at", "third message"), '--stop-at "third message": expected "write to REGISTER"'),
     ):
         done = guest.run(*words, status=2)
         expect_in("the error", line, done.stderr)
@@ -536,6 +601,8 @@ CASES: tuple[Callable[[Guest], None], ...] = (
     jobs_without_a_pause_are_as_long_as_each,
     a_job_that_does_not_end_is_a_miss,
     a_lost_interrupt_costs_what_the_program_waited,
+    a_fault_that_the_script_asks_for,
+    stops_where_it_is_asked_to,
     a_guest_that_hangs,
     has_the_same_memory_each_time,
     strange_kernels,

@@ -21,10 +21,11 @@ from served import Served
 # As a file of its own: the package around it wants more than the standard library.
 CLIENT = Path(__file__).parents[2] / "driver/python/hvp_board/vfio_user.py"
 if TYPE_CHECKING:
-    from hvp_board.vfio_user import VfioUser, VfioUserError
+    from hvp_board.vfio_user import ModelError, Stop, VfioUser, VfioUserError
 else:
     client = runpy.run_path(str(CLIENT))
     VfioUser, VfioUserError = client["VfioUser"], client["VfioUserError"]
+    ModelError, Stop = client["ModelError"], client["Stop"]
 
 HVP, SCENARIO = Path(sys.argv[1]), sys.argv[2]
 
@@ -34,7 +35,7 @@ ITERATIONS, STATIC_SHIFT, NODES = 0x44, 0x54, 0x6C
 DMA_LIST, DMA_COUNT, DMA_RECORD = 0xD0, 0xD8, 0xDC
 B, U, ROW_BEGIN, COLUMN, VALUE = 0x20000, 0x40000, 0x60000, 0x200000, 0x1000000
 START, LOAD_DONE, RUN_LIST = 1, 4, 8
-DONE = 2
+DONE, LOADED = 2, 8
 
 SHIFT = 10
 LOAD = (300, -200, 100)
@@ -127,6 +128,67 @@ class Client(unittest.TestCase):
             job = struct.unpack("<8I", memory[128:160])[7]
             self.assertEqual(job, 1)
             client.unshare(MEMORY)
+
+    def start(self, client: VfioUser) -> None:
+        client.write(B, packed(LOAD))
+        client.write32(CONTROL, START)
+
+    def test_faults_that_it_asks_for(self) -> None:
+        with board("intx") as client:
+            load_one_node(client)
+            self.acknowledge(client)
+            for words, why in (
+                ("kind=lost", 'kind=lost: expected "lost-interrupt"'),
+                ("", "expected"),
+                ("kind=late-dma", "delay"),
+                ("kind=lost-interrupt,frame=-2", "frame=-2"),
+                ("kind=lost-interrupt," + 300 * "x", "at most 255 characters"),
+            ):
+                with self.assertRaises(ModelError) as refused:
+                    client.inject(words)
+                self.assertIn(why, str(refused.exception))
+            client.inject("kind=master-abort,access=status,count=2")
+            for hit in (True, True, False):
+                self.start(client)
+                self.assertTrue(client.wait_interrupt(TIMEOUT_S))
+                if hit:
+                    self.assertEqual(client.read32(STATUS), 0xFFFFFFFF)
+                self.assertEqual(client.read32(STATUS), DONE | LOADED)
+                client.write32(INTERRUPT_STATUS, 3)
+            client.inject("kind=lost-interrupt,frame=4")
+            self.start(client)
+            self.acknowledge(client)
+            self.start(client)
+            self.assertFalse(client.wait_interrupt(0.5))
+            self.assertEqual(client.read32(STATUS) & 7, DONE)
+
+    def test_points_at_which_it_stops(self) -> None:
+        seen: list[Stop] = []
+
+        def stopped(stop: Stop) -> None:
+            seen.append(stop)
+            if stop.value == START:
+                client.inject("kind=saturated-solve")
+
+        with board("msi") as client:
+            with self.assertRaisesRegex(ModelError, "did you mean CONTROL"):
+                client.stop_at("write to CONTRL", stopped)
+            client.stop_at("write to CONTROL", stopped)
+            client.stop_at("message 2", stopped)
+            client.stop_at("job 1", stopped)
+            load_one_node(client)
+            self.acknowledge(client)
+            self.assertEqual([(s.job, s.offset, s.value) for s in seen], [(-1, CONTROL, LOAD_DONE)])
+            self.start(client)
+            self.assertTrue(client.wait_interrupt(TIMEOUT_S))
+            self.assertEqual([(s.job, s.value) for s in seen[1:]], [(0, START), (0, 2)])
+            self.assertLess(seen[1].time_ps, seen[2].time_ps)
+            self.assertRegex(seen[2].what, r"^message 2 arrives at \d+\.\d{6} us, in job 0$")
+            client.write32(INTERRUPT_STATUS, 3)
+            client.stop_at("write to CONTROL", None)
+            self.start(client)
+            self.assertTrue(client.wait_interrupt(TIMEOUT_S))
+            self.assertEqual([s.what.split(" at ")[0] for s in seen[3:]], ["job 1 begins"])
 
     def test_its_accesses_are_traced(self) -> None:
         with tempfile.TemporaryDirectory() as folder:

@@ -77,6 +77,58 @@ TEST(FaultPlan, StrikesOnceInItsFrame) {
   EXPECT_EQ(plan.records()[0].noticed, 1);
 }
 
+TEST(FaultPlan, StrikesInSoManyFramesInARow) {
+  Fault fault = at(FaultKind::stuck_busy, 7);
+  fault.count = 3;
+  FaultPlan plan({fault}, 1, kPeriod);
+  EXPECT_EQ(struck(plan, FaultKind::stuck_busy, 20), (std::vector<std::int64_t>{7, 8, 9}));
+  EXPECT_EQ(plan.records()[0].missing(), 0);
+  EXPECT_EQ(plan.records()[0].why_not(20), "");
+}
+
+TEST(FaultPlan, TakesAFaultThatStrikesNext) {
+  FaultPlan plan({at(FaultKind::lost_interrupt, 3)}, 1, kPeriod);
+  Fault next;
+  next.kind = FaultKind::master_abort;
+  next.access = FaultAccess::status;
+  next.count = 2;
+  EXPECT_EQ(key_of(next), "frame");  // a scenario's has to say when
+  next.check_injected();
+  plan.add(next, 5);
+  EXPECT_EQ(plan.records()[1].why_not(9),
+            "it was asked for after 5 frames, and since then no such access was made");
+  EXPECT_EQ(plan.strike(FaultKind::master_abort, -1, FaultAccess::status), nullptr);
+  EXPECT_EQ(plan.strike(FaultKind::master_abort, 6, FaultAccess::rhs), nullptr);
+  EXPECT_NE(plan.strike(FaultKind::master_abort, 6, FaultAccess::status), nullptr);
+  EXPECT_EQ(plan.strike(FaultKind::master_abort, 6, FaultAccess::status), nullptr);
+  EXPECT_EQ(plan.records()[1].missing(), 1);
+  EXPECT_NE(plan.strike(FaultKind::master_abort, 9, FaultAccess::status), nullptr);
+  EXPECT_EQ(plan.strike(FaultKind::master_abort, 10, FaultAccess::status), nullptr);
+  EXPECT_EQ(plan.records()[1].injected, 2);
+}
+
+TEST(FaultPlan, ABoardGoesInSoManyFramesInARow) {
+  Fault gone = at(FaultKind::device_gone, 2);
+  gone.frames = 1;
+  gone.count = 2;
+  FaultPlan plan({gone}, 1, kPeriod);
+  plan.begin(0);
+  std::vector<bool> away;
+  for (std::int64_t half = 3; half < 10; ++half) away.push_back(plan.gone(half * kPeriod / 2, -1));
+  // From frame 2 to the end of frame 3.
+  EXPECT_EQ(away, (std::vector<bool>{false, true, true, true, true, false, false}));
+  EXPECT_EQ(plan.injected(), 2);
+}
+
+TEST(Fault, GoesForGoodOnce) {
+  Fault gone = at(FaultKind::device_gone, 2);
+  gone.count = 2;
+  EXPECT_EQ(key_of(gone), "count");
+  Fault drawn = often(FaultKind::stuck_busy, 0.5);
+  drawn.count = 2;
+  EXPECT_EQ(key_of(drawn), "count");
+}
+
 TEST(FaultPlan, HitsTheAccessThatWasNamed) {
   Fault fault = at(FaultKind::master_abort, 2);
   fault.access = FaultAccess::status;

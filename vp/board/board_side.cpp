@@ -67,34 +67,35 @@ BoardAssembly::BoardAssembly(const PlatformSettings& settings, Numbers numbers,
 void BoardAssembly::connect(BusAssembly& buses, InterruptIf& host,
                             std::function<bool()> messages_enabled) {
   Accelerator::require_supported(settings_.fidelity.accelerator, settings_.solver);
-  InterruptIf& hears = settings_.faults.empty() ? host : inject(host);
+  line_ = std::make_unique<LossyLine>(host);
+  if (!settings_.faults.empty()) plan_faults();
   buses.at_solver_board([this](auto& bus) {
-    bus.attach(registers(), kSolverBase, kBarBytes);
+    bus.attach(accelerator_.from_bus, kSolverBase, kBarBytes);
     if (memory_ == nullptr) return;
     accelerator_.dma()->to_memory.bind(bus.from_board);
     bus.attach_memory(memory_->from_bus);
   });
-  InterruptIf& line = buses.line_to(hears);
+  InterruptIf& line = buses.line_to(*line_);
   const bool messages = settings_.transfer.notification == link::Notification::msi;
-  if (messages) memory_->interrupt.bind(hears);
+  if (messages) memory_->interrupt.bind(*line_);
   if (!messages || messages_enabled) accelerator_.interrupt.bind(line);
   if (messages_enabled) accelerator_.messages_if(std::move(messages_enabled));
   if (settings_.waveform) trace();
 }
 
 // Faults sit between the board and what it is attached to.
-InterruptIf& BoardAssembly::inject(InterruptIf& host) {
-  faults_ =
-      std::make_unique<Faults>(settings_.faults, settings_.seed, settings_.period, bus_errors_,
-                               settings_.bus.pcie ? &*settings_.bus.pcie : nullptr, host);
-  accelerator_.inject(faults_->plan);
-  faults_->wire.to_board.bind(accelerator_.from_bus);
-  return faults_->line;
-}
-
-tlm::tlm_target_socket<>& BoardAssembly::registers() {
-  if (faults_ != nullptr) return faults_->wire.from_bus;
-  return accelerator_.from_bus;
+FaultPlan& BoardAssembly::plan_faults() {
+  if (faults_ != nullptr) return *faults_;
+  faults_ = std::make_unique<FaultPlan>(settings_.faults, settings_.seed, settings_.period);
+  wire_ = std::make_unique<FaultyWire>(*faults_, bus_errors_,
+                                       settings_.bus.pcie ? &*settings_.bus.pcie : nullptr,
+                                       accelerator_.behind());
+  accelerator_.inject(*faults_,
+                      [this](tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay) {
+                        wire_->b_transport(transaction, delay);
+                      });
+  line_->lose(*faults_);
+  return *faults_;
 }
 
 void BoardAssembly::trace() {

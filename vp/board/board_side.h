@@ -71,7 +71,7 @@ class BusAssembly {
 };
 
 // The solver board and its surroundings in a scenario: the accelerator; the host's memory, if the
-// board is a bus master; with [[fault]] the modules that inject faults; with [output.waveform] the
+// board is a bus master; what injects faults, as soon as there are some; with [output.waveform] the
 // trace of the engine.
 class BoardAssembly {
  public:
@@ -90,21 +90,23 @@ class BoardAssembly {
   const Accelerator& accelerator() const { return accelerator_; }
   // Null if the board is not a bus master.
   HostMemory* memory() const { return memory_.get(); }
-  // Null without [[fault]].
-  FaultPlan* faults() const { return faults_ == nullptr ? nullptr : &faults_->plan; }
+  // Null without [[fault]], and before plan_faults().
+  FaultPlan* faults() const { return faults_.get(); }
+  // The plan of the faults, which is made if there is none, also during the run.
+  FaultPlan& plan_faults();
   BusErrors& bus_errors() { return bus_errors_; }
   void close_waveform() { waveform_.reset(); }
 
  private:
-  InterruptIf& inject(InterruptIf& host);
   void trace();
-  tlm::tlm_target_socket<>& registers();
 
   const PlatformSettings& settings_;
   Accelerator accelerator_;
   std::unique_ptr<HostMemory> memory_;
   BusErrors bus_errors_;
-  std::unique_ptr<Faults> faults_;
+  std::unique_ptr<FaultPlan> faults_;
+  std::unique_ptr<FaultyWire> wire_;
+  std::unique_ptr<LossyLine> line_;
   std::unique_ptr<engine::EngineTrace> waveform_;
 };
 

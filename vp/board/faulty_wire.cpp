@@ -38,17 +38,6 @@ FaultAccess access_of(const tlm::tlm_generic_payload& transaction) {
 
 }  // namespace
 
-FaultyWire::FaultyWire(const sc_core::sc_module_name& name, FaultPlan& plan, BusErrors& errors,
-                       const link::Pcie* link)
-    : sc_module(name),
-      from_bus("from_bus"),
-      to_board("to_board"),
-      plan_(plan),
-      errors_(errors),
-      link_(link) {
-  from_bus.register_b_transport(this, &FaultyWire::b_transport);
-}
-
 void FaultyWire::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay) {
   Tag none;
   const FaultAccess access = access_of(transaction);
@@ -81,7 +70,7 @@ void FaultyWire::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_
                      access == FaultAccess::solution;
   const Fault* corrupted = block ? plan_.strike(FaultKind::corrupted_word, frame, access) : nullptr;
   if (corrupted == nullptr) {
-    to_board->b_transport(transaction, delay);
+    to_board_(transaction, delay);
   } else if (link_ != nullptr) {
     replay(transaction, *corrupted, data_wire_bytes(transaction), delay);
   } else {
@@ -92,7 +81,7 @@ void FaultyWire::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_
 // The receiver's Nak takes the packet's way back, and the packet comes again (PCIe 5.0 §3.6.2).
 void FaultyWire::replay(tlm::tlm_generic_payload& transaction, const Fault& fault,
                         std::int64_t wire_bytes, sc_core::sc_time& delay) {
-  to_board->b_transport(transaction, delay);
+  to_board_(transaction, delay);
   delay += to_sc_time(2 * link_->link_ps() + link_->transfer_ps(wire_bytes));
   plan_.correct(fault);
 }
@@ -141,7 +130,7 @@ void FaultyWire::corrupt(tlm::tlm_generic_payload& transaction, const Fault& fau
   // The memory of whoever writes stays as it is.
   const bool write = transaction.is_write();
   if (write) flip();
-  to_board->b_transport(transaction, delay);
+  to_board_(transaction, delay);
   flip();
   if (fault.flipped_bits() % 2 != 0) errors_.parity = true;
 }
@@ -162,7 +151,7 @@ void FaultyWire::reset_board() {
   payload.set_byte_enable_ptr(nullptr);
   payload.set_response_status(tlm::TLM_INCOMPLETE_RESPONSE);
   sc_core::sc_time none_taken = sc_core::SC_ZERO_TIME;
-  to_board->b_transport(payload, none_taken);
+  to_board_(payload, none_taken);
   payload.clear_extension(&extension);
 }
 

@@ -88,6 +88,8 @@ void Fault::declare(config::Visitor& v) {
             {"the frame in which it happens; device-gone at 0: before the board is set up; -1: "
              "not at a frame, rate instead",
              "absent"});
+  v.integer("count", count, {1, 100'000'000},
+            {"in how many frames in a row it happens, from `frame` on", "a single one"});
   v.quantity("rate", rate, config::Dimension::dimensionless, config::between(0, 1),
              {"the probability that it happens in a frame, drawn for each; 0: not at a rate, frame "
               "instead",
@@ -129,8 +131,24 @@ void Fault::check() const {
   if (frame >= 0 && rate > 0) {
     throw InputError("rate", "expected either frame or rate, found both");
   }
-  if (frame < 0 && !(rate > 0)) {
+  if (comes_next()) {
     throw InputError("frame", "expected the frame in which it happens, or a rate above 0");
+  }
+  check_injected();
+}
+
+void Fault::check_injected() const {
+  if (frame >= 0 && rate > 0) {
+    throw InputError("rate", "expected either frame or rate, found both");
+  }
+  if (rate > 0 && count > 1) {
+    throw InputError("count", "goes with frame: a rate is drawn for each frame");
+  }
+  if (kind == FaultKind::device_gone && frames == 0 && count > 1) {
+    throw InputError("count", "a board that is gone for good goes once: expected frames above 0");
+  }
+  if (kind == FaultKind::surprise_removal && count > 1) {
+    throw InputError("count", "a board that is pulled out goes once: expected 1");
   }
   const bool corrupted = kind == FaultKind::corrupted_word;
   if (kind == FaultKind::late_dma && !(delay_s > 0)) {
@@ -184,13 +202,26 @@ std::string_view missing_in_frame(const Fault& fault) {
 
 }  // namespace
 
+std::int64_t FaultRecord::missing() const {
+  if (fault.rate > 0) return injected > 0 ? 0 : 1;
+  return fault.count - injected;
+}
+
 std::string FaultRecord::why_not(std::int64_t frames) const {
   if (injected > 0) return {};
+  if (fault.comes_next()) {
+    return fmt::format("it was asked for after {} frames, and since then {}", asked_after,
+                       missing_in_frame(fault));
+  }
   if (fault.frame < 0) {
     return fmt::format("at a rate of {} none was drawn in {} frames", fault.rate, frames);
   }
   if (fault.frame >= frames) {
     return fmt::format("it is asked for in frame {}, and there were {}", fault.frame, frames);
+  }
+  if (fault.count > 1) {
+    return fmt::format("in frames {} to {} {}", fault.frame, fault.frame + fault.count - 1,
+                       missing_in_frame(fault));
   }
   return fmt::format("in frame {} {}", fault.frame, missing_in_frame(fault));
 }
@@ -221,17 +252,23 @@ std::uint32_t one_of(double uniform, std::uint32_t count) {
 
 FaultPlan::FaultPlan(const std::vector<Fault>& faults, std::int64_t seed, Picoseconds period)
     : period_(period), draws_(all_draws(seed, std::make_index_sequence<kFaultKinds>())) {
-  std::array<std::uint32_t, kFaultKinds> of_kind{};
-  for (const Fault& fault : faults) {
-    records_.push_back({fault});
-    items_.push_back({of_kind[static_cast<std::size_t>(fault.kind)]++, -1, {-1, -1}});
-  }
+  for (const Fault& fault : faults) add(fault);
+}
+
+void FaultPlan::add(const Fault& fault, std::int64_t frames) {
+  const auto of_kind = std::ranges::count_if(
+      records_, [&fault](const FaultRecord& r) { return r.fault.kind == fault.kind; });
+  FaultRecord& record = records_.emplace_back();
+  record.fault = fault;
+  record.asked_after = frames;
+  items_.push_back({static_cast<std::uint32_t>(of_kind), -1, {-1, -1}});
 }
 
 bool FaultPlan::due(std::size_t item, std::int64_t frame) const {
   const Fault& fault = records_[item].fault;
   if (frame < 0) return false;
-  if (fault.frame >= 0) return fault.frame == frame;
+  if (fault.frame >= 0) return frame >= fault.frame && frame - fault.frame < fault.count;
+  if (fault.comes_next()) return records_[item].injected < fault.count;
   return draws_[static_cast<std::size_t>(fault.kind)].uniform(frame, items_[item].number).first <
          fault.rate;
 }
@@ -284,13 +321,21 @@ std::size_t FaultPlan::item_of(const Fault& fault) const {
   return static_cast<std::size_t>(hit - records_.begin());
 }
 
-bool FaultPlan::leaves(std::size_t item, Picoseconds now, std::int64_t frame) const {
+std::optional<std::int64_t> FaultPlan::leaves(std::size_t item, Picoseconds now,
+                                              std::int64_t frame) const {
   const Fault& fault = records_[item].fault;
-  if (fault.kind != FaultKind::device_gone) return false;
-  if (fault.frame < 0) return items_[item].struck != frame && due(item, frame);
-  if (items_[item].struck >= 0) return false;
-  if (fault.frame == 0 || newest_.frame >= fault.frame) return true;
-  return begin_ >= 0 && now >= begin_ + fault.frame * period_;
+  if (fault.kind != FaultKind::device_gone) return std::nullopt;
+  const std::int64_t struck = items_[item].struck;
+  if (fault.frame < 0) {
+    // Where it comes next it is there for whoever asks, in set-up too.
+    const std::int64_t asks = fault.comes_next() ? std::max<std::int64_t>(newest_.frame, 0) : frame;
+    return struck != asks && due(item, asks) ? std::optional(asks) : std::nullopt;
+  }
+  const std::int64_t next = struck < 0 ? fault.frame : struck + 1;
+  if (next - fault.frame >= fault.count) return std::nullopt;
+  const bool has_come =
+      next == 0 || newest_.frame >= next || (begin_ >= 0 && now >= begin_ + next * period_);
+  return has_come ? std::optional(next) : std::nullopt;
 }
 
 // 0 for a board that is gone before the first frame.
@@ -300,16 +345,15 @@ Picoseconds FaultPlan::birth_of(std::int64_t frame) const {
 
 void FaultPlan::leave(std::size_t item, std::int64_t frame) {
   const Fault& fault = records_[item].fault;
-  const std::int64_t from = fault.frame >= 0 ? fault.frame : frame;
-  inject(item, from);
-  const Picoseconds back = fault.frames == 0 ? kNever : birth_of(from) + fault.frames * period_;
+  inject(item, frame);
+  const Picoseconds back = fault.frames == 0 ? kNever : birth_of(frame) + fault.frames * period_;
   back_at_ = gone_ ? std::max(back_at_, back) : back;
   gone_ = true;
 }
 
 bool FaultPlan::gone(Picoseconds now, std::int64_t frame) {
   for (std::size_t item = 0; item < items_.size(); ++item) {
-    if (leaves(item, now, frame)) leave(item, frame);
+    while (const auto from = leaves(item, now, frame)) leave(item, *from);
   }
   if (gone_ && now >= back_at_) {
     gone_ = false;

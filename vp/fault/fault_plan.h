@@ -2,8 +2,10 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -41,6 +43,7 @@ const char* name(FaultAccess access);
 struct Fault {
   FaultKind kind = FaultKind::lost_interrupt;
   std::int64_t frame = -1;  // −1: not stated
+  std::int64_t count = 1;   // frames in a row, from `frame` on
   double rate = 0;          // 0: not stated
   FaultAccess access = FaultAccess::first;
   int bits = 0;
@@ -51,6 +54,10 @@ struct Fault {
   void declare(config::Visitor& v);
   // Throws InputError unless exactly one of frame and rate is stated.
   void check() const;
+  // True if neither is: a fault that was asked for during the run, and strikes where it can next.
+  bool comes_next() const { return frame < 0 && !(rate > 0); }
+  // Throws InputError as check() does, for one that may come next.
+  void check_injected() const;
 
   std::int64_t delay_ps() const;
   // The number of flipped bits in a corrupted word.
@@ -72,8 +79,11 @@ struct FaultRecord {
   std::int64_t noticed = 0;    // by the driver, whatever followed
   std::int64_t corrected = 0;  // by the bus itself, at the cost of time
   std::int64_t first_frame = -1;
+  std::int64_t asked_after = 0;  // the frames that had begun when it was asked for
 
   std::int64_t unnoticed() const { return injected - noticed - corrected; }
+  // The number of frames in which it was to happen and did not; of a rate, 1 if it never did.
+  std::int64_t missing() const;
   // Why it did not happen in a run of so many frames, in words; empty if it did.
   std::string why_not(std::int64_t frames) const;
 };
@@ -84,6 +94,9 @@ struct FaultRecord {
 class FaultPlan {
  public:
   FaultPlan(const std::vector<Fault>& faults, std::int64_t seed, Picoseconds period);
+
+  // Adds a fault during the run, after so many frames have begun.
+  void add(const Fault& fault, std::int64_t frames = 0);
 
   // Returns the fault of this kind that happens here and counts it as injected, at most once for
   // each item and frame; null: none.
@@ -117,7 +130,7 @@ class FaultPlan {
   // The bus repaired the fault that struck last.
   void correct(const Fault& fault);
 
-  const std::vector<FaultRecord>& records() const { return records_; }
+  const std::deque<FaultRecord>& records() const { return records_; }
   std::int64_t injected() const;
   std::int64_t unnoticed() const;
 
@@ -134,7 +147,8 @@ class FaultPlan {
   bool due(std::size_t item, std::int64_t frame) const;
   void inject(std::size_t item, std::int64_t frame);
   void notice_item(std::size_t item, std::int64_t frame);
-  bool leaves(std::size_t item, Picoseconds now, std::int64_t frame) const;
+  // The frame in which the item takes the board away now; none: it does not.
+  std::optional<std::int64_t> leaves(std::size_t item, Picoseconds now, std::int64_t frame) const;
   Picoseconds birth_of(std::int64_t frame) const;
   void leave(std::size_t item, std::int64_t frame);
   std::size_t item_of(const Fault& fault) const;
@@ -147,7 +161,7 @@ class FaultPlan {
   };
   Birth newest_;
   std::array<random::Draws, kFaultKinds> draws_;
-  std::vector<FaultRecord> records_;
+  std::deque<FaultRecord> records_;  // those who strike keep a reference to the fault
   std::vector<Item> items_;
   bool gone_ = false;
   bool removed_ = false;

@@ -84,8 +84,9 @@ Accelerator::Accelerator(const sc_core::sc_module_name& name,
   if (const sc_core::sc_event* ended = timing_->ended()) sensitive << *ended;
 }
 
-void Accelerator::inject(FaultPlan& plan) {
+void Accelerator::inject(FaultPlan& plan, Transport wire) {
   faults_ = &plan;
+  wire_ = std::move(wire);
   if (dma_ != nullptr) dma_->inject(plan);
 }
 
@@ -105,7 +106,21 @@ bool Accelerator::supported(const fixed::Settings& settings) {
   }
 }
 
+Accelerator::Transport Accelerator::behind() {
+  return [this](tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay) {
+    answer(transaction, delay);
+  };
+}
+
 void Accelerator::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay) {
+  if (wire_) {
+    wire_(transaction, delay);
+  } else {
+    answer(transaction, delay);
+  }
+}
+
+void Accelerator::answer(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay) {
   // A job that ends at the instant of an access has ended, whatever the kernel runs first.
   if (running_ != Running::nothing) wait(sc_core::SC_ZERO_TIME);
   Tag none;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <systemc>
+#include <tlm>
 #include <utility>
 
 #include <tlm_utils/simple_target_socket.h>
@@ -70,8 +71,12 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   void messages_if(std::function<bool()> enabled) { messages_enabled_ = std::move(enabled); }
   // Returns to the state after power-on without a request by software.
   void power_on();
-  // Makes the board's own faults happen as planned, from now on.
-  void inject(FaultPlan& plan);
+  // Makes the board's own faults happen as planned, and lets what comes from the bus pass `wire`,
+  // from now on. Keeps a reference to the plan.
+  using Transport = std::function<void(tlm::tlm_generic_payload&, sc_core::sc_time&)>;
+  void inject(FaultPlan& plan, Transport wire);
+  // The end of that wire at the board.
+  Transport behind();
 
   const RegisterBank& bank() const { return bank_; }
   // The state of the interrupt line, as a reference for a tracer.
@@ -94,6 +99,7 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   enum class Running { nothing, solve, load };
 
   void b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
+  void answer(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
   void control(std::uint32_t commands);
   bool may_start();
   void start();
@@ -137,6 +143,7 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   Ledger& ledger_;
   AccessObserver* observer_;
   FaultPlan* faults_ = nullptr;
+  Transport wire_;
 
   RegisterBank bank_;
   fixed::QuantisedMatrix matrix_;

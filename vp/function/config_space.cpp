@@ -45,6 +45,7 @@ constexpr std::uint8_t kPowerId = 0x01;
 constexpr std::uint8_t kMessageId = 0x05;
 constexpr std::uint8_t kFeaturesId = 0x13;
 constexpr std::uint8_t kMessageTableId = 0x11;
+constexpr std::uint8_t kVendorId = 0x09;
 
 // Power management: version 3; D1 and D2 are left out, and a function that leaves D3hot has been
 // reset.
@@ -73,6 +74,12 @@ constexpr std::uint8_t kFeatures = 3;  // transactions pending, and the reset
 // The upper byte of PCI Express' Device Control.
 constexpr std::size_t kExpressControl = ConfigSpace::kExpressAt + kExpressControlAt + 1;
 constexpr std::uint8_t kExpressReset = 1U << 7U;
+
+// The vendor's: identity, next, length, version; the command; which word of the answer; that word.
+constexpr std::size_t kModelBytes = 16;
+constexpr std::size_t kModelCommand = ConfigSpace::kModelAt + 4;
+constexpr std::size_t kModelPlace = ConfigSpace::kModelAt + 8;
+constexpr std::size_t kModelAnswer = ConfigSpace::kModelAt + 12;
 
 bool defined(std::uint64_t offset, std::size_t bytes, std::size_t all) {
   return bytes <= 8 && std::has_single_bit(bytes) && offset % bytes == 0 && offset < all;
@@ -166,6 +173,42 @@ ConfigSpace::ResetByte ConfigSpace::reset_byte() const {
   return {kFeaturesControl, 1};
 }
 
+void ConfigSpace::obey(Answer answer) {
+  answer_ = std::move(answer);
+  put((express_ ? kExpressAt : kFeaturesAt) + 1, kModelAt, 1);
+  put(kModelAt, kVendorId, 1);
+  put(kModelAt + 2, kModelBytes, 1);
+  put(kModelAt + 3, 1, 1);
+  allow(kModelPlace, 0xff, 4);
+  initial_ = value_;
+}
+
+void ConfigSpace::take_command(std::span<const std::uint8_t> characters) {
+  for (const std::uint8_t character : characters) {
+    if (character != 0) {
+      command_.push_back(static_cast<char>(character));
+      continue;
+    }
+    answered_ = command_.size() > kLongestCommand
+                    ? "expected at most " + std::to_string(kLongestCommand) + " characters"
+                    : answer_(command_);
+    command_.clear();
+    put(kModelPlace, 0, 4);
+    break;
+  }
+  // A command that never ends takes no memory.
+  if (command_.size() > kLongestCommand) command_.resize(kLongestCommand + 1);
+}
+
+void ConfigSpace::show_answer() {
+  const std::size_t begin = std::size_t{4} * value_.at(kModelPlace);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::size_t at = begin + i;
+    const char character = at < answered_.size() ? answered_[at] : '\0';
+    put(kModelAnswer + i, static_cast<std::uint8_t>(character), 1);
+  }
+}
+
 void ConfigSpace::put(std::size_t at, std::uint32_t value, std::size_t bytes) {
   for (std::size_t i = 0; i < bytes; ++i) {
     value_.at(at + i) = static_cast<std::uint8_t>(value >> 8 * i);
@@ -223,6 +266,10 @@ void ConfigSpace::write(std::uint64_t offset, std::span<const std::uint8_t> data
     byte = static_cast<std::uint8_t>((byte & ~writable_.at(at)) | (given & writable_.at(at)));
     byte = static_cast<std::uint8_t>(byte & ~(given & cleared_by_one_.at(at)));
   }
+  if (answer_) {
+    if (offset == kModelCommand && data.size() == 4) take_command(data);
+    show_answer();
+  }
   if (asks_for_reset || (!was_in_d0 && in_d0())) {
     reset();
     if (on_reset_) on_reset_();
@@ -250,6 +297,8 @@ void ConfigSpace::reset() {
     if (!sticky_[at]) value_[at] = initial_[at];
   }
   if (table_) table_->reset();
+  command_.clear();
+  answered_.clear();
 }
 
 bool ConfigSpace::in_d0() const { return (half(kPowerState) & kPowerStateBits) == 0; }

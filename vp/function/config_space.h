@@ -5,6 +5,8 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "models/link/pcie.h"
@@ -27,8 +29,9 @@ struct FunctionSettings {
 
 // The configuration space of the board's PCI function as software sees it, without a clock: a
 // header of type 0 (PCI 3.0 §6.1), power management (PCI Power Management 1.2 §3.2), one message
-// with 64 bits of address and a mask (PCI 3.0 §6.8.1) or a table of one vector (§6.8.2), and a
-// reset of the function (PCI Advanced Features ECN of 2006, or the capability of PCI Express).
+// with 64 bits of address and a mask (PCI 3.0 §6.8.1) or a table of one vector (§6.8.2), a reset of
+// the function (PCI Advanced Features ECN of 2006, or the capability of PCI Express), and where
+// obey() was called a capability of the vendor's by which software asks something of the model.
 //
 // An access has 1, 2, 4 or 8 bytes at a multiple of its size. Any other access, and one beyond the
 // space's end, reads all ones and writes nothing, as if no function answered.
@@ -42,6 +45,8 @@ class ConfigSpace {
   static constexpr std::size_t kExpressAt = 0x80;
   static constexpr std::size_t kMessageTableAt = 0xc0;  // the capability MSI-X
   static constexpr std::size_t kMessageTableBar = 2;
+  static constexpr std::size_t kModelAt = 0xd0;
+  static constexpr std::size_t kLongestCommand = 255;
 
   struct Message {
     std::uint64_t address;
@@ -76,6 +81,12 @@ class ConfigSpace {
   void on_reset(std::function<void()> reset) { on_reset_ = std::move(reset); }
   void on_change(std::function<void()> change) { on_change_ = std::move(change); }
 
+  // Adds the vendor's capability, to be called before the first access: its words of four
+  // characters make a command, up to one with a zero, and `answer` returns what is read then. No
+  // real board has it.
+  using Answer = std::function<std::string(std::string_view command)>;
+  void obey(Answer answer);
+
   // True if accesses to the BAR are answered: COMMAND's memory space, in D0.
   bool decodes() const;
   // True if the function may be bus master: COMMAND's bus master, in D0.
@@ -105,6 +116,8 @@ class ConfigSpace {
   void put(std::size_t at, std::uint32_t value, std::size_t bytes);
   void allow(std::size_t at, std::uint32_t mask, std::size_t bytes);
   void add(const ConfigRegister& one);
+  void take_command(std::span<const std::uint8_t> characters);
+  void show_answer();
 
   bool has_messages_;
   std::optional<MessageTable> table_;  // of MSI-X
@@ -117,6 +130,9 @@ class ConfigSpace {
   std::vector<bool> sticky_;
   std::function<void()> on_reset_;
   std::function<void()> on_change_;
+  Answer answer_;
+  std::string command_;  // as far as it has come
+  std::string answered_;
 };
 
 }  // namespace hvp::vp

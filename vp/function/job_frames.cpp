@@ -41,9 +41,26 @@ Step step_of(Command command, std::uint64_t offset, std::span<const std::uint8_t
   return settings || matrix ? Step::set_up : Step::other;
 }
 
+bool JobFrames::Ahead::follow(Step step) {
+  if (step == Step::set_up) is_open = false;
+  const bool begins = (step == Step::prepare || step == Step::start) && (!is_open || started);
+  if (begins) {
+    is_open = true;
+    started = false;
+    ++next;
+  }
+  if (step == Step::start) started = true;
+  return begins;
+}
+
+Step JobFrames::step_now(Command command, std::uint64_t offset,
+                         std::span<const std::uint8_t> data) const {
+  const Step step = step_of(command, offset, data);
+  return step != Step::set_up && refuses_a_job() ? Step::other : step;
+}
+
 void JobFrames::before(Command command, std::uint64_t offset, std::span<const std::uint8_t> data) {
-  Step step = step_of(command, offset, data);
-  if (step != Step::set_up && refuses_a_job()) step = Step::other;
+  const Step step = step_now(command, offset, data);
   acknowledges_ = command == Command::write && offset == offset_of(Register::interrupt_status);
   if (acknowledges_ && lost_acknowledgement_ && tag_.frame >= 0) {
     ledger_.frame(tag_.frame).status = HVP_OK;
@@ -55,8 +72,7 @@ void JobFrames::before(Command command, std::uint64_t offset, std::span<const st
     woke_ = -1;  // for this
     return;
   }
-  const bool next_job = step != Step::other && (!is_open || started_);
-  if (next_job) {
+  if (ahead().follow(step)) {
     if (is_open) close(false);
     open();
   }

@@ -36,6 +36,16 @@ class JobFrames {
     board_ = &board;
     job_end_ = &board.job_end();
   }
+  // The jobs as the next access finds them, and what it makes of them: true if it begins one.
+  struct Ahead {
+    bool is_open = false;
+    bool started = false;
+    std::int64_t next = 0;  // the number of the next job
+    bool follow(Step step);
+  };
+  Ahead ahead() const { return {is_open(), started_, next_}; }
+  // The step of an access that would be made now: what the board refuses is of the job under way.
+  Step step_now(Command command, std::uint64_t offset, std::span<const std::uint8_t> data) const;
   // To be called at the time of the access, before it is made.
   void before(Command command, std::uint64_t offset, std::span<const std::uint8_t> data);
   // The host got the interrupt of a job's end; `tag` is the interrupt's. One of an earlier job,
@@ -73,6 +83,7 @@ class JobFrames {
 
   // The number of jobs so far, including the open one.
   std::int64_t jobs() const { return next_; }
+  bool is_open() const { return tag_.frame >= 0; }
   Picoseconds newest_birth() const { return born_; }
 
  private:

@@ -101,9 +101,7 @@ OutsideHost::OutsideHost(const sc_core::sc_module_name& name, const PlatformSett
   if (HostMemory* const memory = side.board()->memory()) {
     memory->answer_if([this] { return config_.may_master(); });
   }
-  if (FaultPlan* const faults = side.board()->faults()) {
-    faults->on_packet_error([this](FaultKind kind) { packet_error(kind); });
-  }
+  if (FaultPlan* const faults = side.board()->faults()) listen_to(*faults);
   frames_.watch(side.board()->accelerator());
   config_.on_change([this] { update_interrupts(); });
   config_.on_reset([this] { reset_function(); });
@@ -118,14 +116,30 @@ void OutsideHost::post(Access access) {
   posted_.notify(sc_core::SC_ZERO_TIME);
 }
 
+std::optional<std::int64_t> OutsideHost::begins_job(const Access& access) const {
+  if (access.space != Space::bar || !config_.decodes()) return std::nullopt;
+  JobFrames::Ahead ahead = frames_.ahead();
+  for (std::size_t i = first_is_made_ ? 1 : 0; i < accesses_.size(); ++i) {
+    const Access& before = accesses_[i];
+    if (before.space == Space::bar) {
+      ahead.follow(step_of(before.command, before.offset, before.data));
+    }
+  }
+  const Step step = idle() ? frames_.step_now(access.command, access.offset, access.data)
+                           : step_of(access.command, access.offset, access.data);
+  return ahead.follow(step) ? std::optional(ahead.next - 1) : std::nullopt;
+}
+
 void OutsideHost::serve() {
   for (;;) {
     while (accesses_.empty()) wait(posted_);
+    first_is_made_ = true;
     make(accesses_.front());
     if (removed() && !taken_away_) take_away();
     for (Observer* const observer : observers_) observer->ended(accesses_.front());
     const std::function<void()> ended = std::move(accesses_.front().ended);
     accesses_.pop_front();
+    first_is_made_ = false;
     if (ended) ended();
     something_happened();
   }
@@ -162,6 +176,10 @@ void OutsideHost::configure(const Access& access) {
     if (errors != 0) frames_.told_by_bus(hvp_status_of_bus(errors));
   }
   side_.buses().drain_to_host();
+}
+
+void OutsideHost::listen_to(FaultPlan& faults) {
+  faults.on_packet_error([this](FaultKind kind) { packet_error(kind); });
 }
 
 // The message of an error takes no time: no driver waits for it.
@@ -217,11 +235,24 @@ void OutsideHost::make(const Access& access) {
 void OutsideHost::tell_of_births() {
   if (told_jobs_ == frames_.jobs()) return;
   told_jobs_ = frames_.jobs();
+  for (Observer* const observer : observers_) observer->job_began(told_jobs_ - 1);
+  tell_plan();
+}
+
+void OutsideHost::tell_plan() {
   FaultPlan* const faults = side_.board()->faults();
-  if (faults != nullptr) faults->born(told_jobs_ - 1, frames_.newest_birth());
+  if (faults != nullptr && told_jobs_ > 0) faults->born(told_jobs_ - 1, frames_.newest_birth());
+}
+
+void OutsideHost::inject(const Fault& fault) {
+  FaultPlan& faults = side_.board()->plan_faults();
+  listen_to(faults);
+  faults.add(fault, told_jobs_);
+  tell_plan();
 }
 
 bool OutsideHost::run_until(Picoseconds time) {
+  if (held_ > 0) return true;
   happened_ = false;
   running_ = true;
   while (!happened_ && (now_ps() < time || sc_core::sc_pending_activity_at_current_time())) {
@@ -238,6 +269,10 @@ bool OutsideHost::run_until(Picoseconds time) {
 
 bool OutsideHost::access(Command command, std::uint64_t offset, std::span<std::uint8_t> data,
                          Space space) {
+  if (held_ > 0) {
+    if (command == Command::read) std::ranges::fill(data, std::uint8_t{0xff});
+    return false;
+  }
   bool ended = false;
   post({command, space, offset, data, [&ended] { ended = true; }});
   while (!ended) {
@@ -281,6 +316,7 @@ void OutsideHost::tell(const LateInterrupts::Message& message) {
     tell_line(true);
     return;
   }
+  ++messages_;
   for (Observer* const observer : observers_) observer->message(*message);
   if (listener_ == nullptr) return;
   listener_->message(*message);
@@ -288,6 +324,7 @@ void OutsideHost::tell(const LateInterrupts::Message& message) {
 }
 
 void OutsideHost::tell_line(bool up) {
+  if (up) ++lines_;
   for (Observer* const observer : observers_) observer->line(up);
   if (listener_ != nullptr) listener_->line(up);
   something_happened();

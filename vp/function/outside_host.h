@@ -117,6 +117,8 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
     virtual void line_blocked() {}
     // The function was reset.
     virtual void board_was_reset() {}
+    // A job of this number begins with the access that is about to be made.
+    virtual void job_began(std::int64_t /*number*/) {}
   };
 
   // Keeps references. `side` was built with `settings` and is not connected yet.
@@ -144,20 +146,36 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   // reaches no register of a bridge. To be called before the simulation begins.
   void show_bus_errors() { shows_bus_errors_ = true; }
 
+  // Makes this fault happen too, from now on. At any time, from within the simulation too.
+  void inject(const Fault& fault);
+
   // Queues an access, to be made after those queued before. Called from outside any process.
   void post(Access access);
   bool idle() const { return accesses_.empty(); }
+  // The number of the job that this access begins when it is made, behind those that are queued;
+  // none: it begins none.
+  std::optional<std::int64_t> begins_job(const Access& access) const;
   // Simulates up to this time, including its events, or until something has happened that may
   // concern the host: an access has ended, or an interrupt was raised or lowered. Returns true if
   // the time was reached.
   bool run_until(Picoseconds time);
+  // Ends run_until() as if something had happened that concerns the host.
+  void come_back() { something_happened(); }
   // Posts an access and simulates until its answer, and then for stall(). Returns false if no
   // further event could bring one.
   bool access(Command command, std::uint64_t offset, std::span<std::uint8_t> data,
               Space space = Space::bar);
 
+  // Between these, as within a call-back of the simulation, no time can pass: accesses read ones
+  // and have no effect, and a wait ends at once.
+  void hold_time() { ++held_; }
+  void release_time() { --held_; }
+
   // True if INTA# is up, as the host sees it.
   bool line_is_up() const { return line_shown_; }
+  // How often the host was told of a message, and of a line that has gone up.
+  std::int64_t messages() const { return messages_; }
+  std::int64_t lines() const { return lines_; }
   JobFrames& frames() { return frames_; }
 
   // InterruptIf
@@ -170,6 +188,7 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   void make(const Access& access);
   void configure(const Access& access);
   bool removed() const;
+  void listen_to(FaultPlan& faults);
   void packet_error(FaultKind kind);
   void take_away();
   void note_bus_errors();
@@ -177,6 +196,7 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   void tell_line(bool up);
   void raised(const Tag& tag, const LateInterrupts::Message& message);
   void tell_of_births();
+  void tell_plan();
   void update_interrupts();
   void reset_function();
   void something_happened();
@@ -193,16 +213,20 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   std::optional<LateInterrupts> late_;
   std::optional<RandomSchedule> schedule_;
   std::deque<Access> accesses_;
+  bool first_is_made_ = false;  // it has begun and not ended
   sc_core::sc_event posted_;
   Tag tag_;                     // the last interrupt's
   bool taken_away_ = false;     // the function was pulled out
   bool board_line_ = false;     // the board's state of the line
   bool line_shown_ = false;     // the host's view of the line
   bool pending_ = false;        // a masked message is pending
-  std::int64_t told_jobs_ = 0;  // of which the fault plan knows the births
+  std::int64_t told_jobs_ = 0;  // of which others know the births
+  std::int64_t messages_ = 0;
+  std::int64_t lines_ = 0;
   bool shows_bus_errors_ = false;
   bool running_ = false;
   bool happened_ = false;
+  int held_ = 0;
 };
 
 // The board's side for a host of another program, built and wired, as the C library hvp-board, `hvp

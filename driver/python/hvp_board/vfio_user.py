@@ -7,6 +7,8 @@ the same socket is driver/user/vfio_user_client.h.
 
     with VfioUser("board") as board:
         print(hex(board.read32(0)))
+
+A model can be asked for faults (inject) and to say when a point has come (stop_at).
 """
 
 from __future__ import annotations
@@ -18,6 +20,8 @@ import os
 import select
 import socket
 import struct
+from collections.abc import Callable
+from dataclasses import dataclass
 from types import TracebackType
 
 HEADER = struct.Struct("=HHIII")  # id, command, bytes of header and body, flags, error
@@ -39,6 +43,10 @@ EVENTFD_TRIGGER, NONE_UNMASK = 4 | 32, 1 | 16
 PCI_COMMAND, PCI_CAPABILITIES = 0x04, 0x34
 MEMORY_AND_MASTER = 6
 MSI_CAPABILITY, MSI_X_CAPABILITY = 5, 0x11
+VENDOR_CAPABILITY = 9
+# Within the vendor's: of a command, four characters; which word of the answer; that word.
+MODEL_COMMAND, MODEL_PLACE, MODEL_ANSWER = 4, 8, 12
+LONGEST_COMMAND, MOST_PLACES = 255, 256
 
 NOBODY = 0xFF  # of a function that was pulled out
 
@@ -47,6 +55,21 @@ PATIENCE_S = 60.0
 
 class VfioUserError(OSError):
     """What the server has refused, with its error number, or a connection that has ended."""
+
+
+class ModelError(ValueError):
+    """Words that the model has refused, with why."""
+
+
+@dataclass(frozen=True)
+class Stop:
+    """A point that has come."""
+
+    time_ps: int  # simulated
+    job: int  # the newest, -1 before the first
+    offset: int  # of an access in the BAR
+    value: int  # an access' word, or the number in the point
+    what: str  # all of that in one line
 
 
 class VfioUser:
@@ -59,6 +82,8 @@ class VfioUser:
         self._next_id = 0
         self._memory: dict[int, mmap.mmap] = {}
         self._masked = False
+        self._model = 0
+        self._points: dict[str, Callable[[Stop], None]] = {}
         self._interrupt = os.eventfd(0, os.EFD_CLOEXEC | os.EFD_NONBLOCK)
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         try:
@@ -94,10 +119,12 @@ class VfioUser:
     def read(self, offset: int, count: int, region: int = BAR0) -> bytes:
         """`count` bytes of the board's BAR, or of its configuration space."""
         reply = self._command(REGION_READ, ACCESS.pack(offset, region, count))
+        self._tell_stops(region)
         return reply[ACCESS.size :]
 
     def write(self, offset: int, data: bytes, region: int = BAR0) -> None:
         self._command(REGION_WRITE, ACCESS.pack(offset, region, len(data)) + data)
+        self._tell_stops(region)
 
     def read32(self, offset: int) -> int:
         return int.from_bytes(self.read(offset, 4), "little")
@@ -136,7 +163,59 @@ class VfioUser:
         if ready:
             os.eventfd_read(self._interrupt)
             self._masked = not self.messages
+        self._tell_stops(BAR0)
         return bool(ready)
+
+    def inject(self, fault: str) -> None:
+        """Makes a fault happen, in the words of a scenario's [[fault]] (docs/faults.md) with commas
+        between: "kind=lost-interrupt", "kind=master-abort,access=status,count=2". A frame is a job.
+        Without `frame` and `rate` it strikes where it can next. ModelError for other words, which
+        change nothing."""
+        self._order("fault " + fault)
+
+    def stop_at(self, point: str, stopped: Callable[[Stop], None] | None) -> None:
+        """Calls `stopped` when a point has come (docs/faults.md): "write to CONTROL", "read of
+        STATUS", "interrupt 3", "message 3", "job 7". That is in the call whose access or wait it
+        was, and simulated time stands still until then. It may do all that this client can. None
+        takes the point away again. ModelError for other words."""
+        if stopped is None:
+            self._order("stop no more at " + point)
+            del self._points[point]
+        else:
+            self._order("stop at " + point)
+            self._points[point] = stopped
+
+    def _order(self, command: str) -> None:
+        refused = self._ask(command)
+        if refused:
+            raise ModelError(refused)
+
+    def _ask(self, command: str) -> str:
+        characters = command.encode()
+        if len(characters) > LONGEST_COMMAND or b"\0" in characters:
+            raise ModelError(f"expected at most {LONGEST_COMMAND} characters, and no zero")
+        if self._model == 0:
+            self._model = self._find(VENDOR_CAPABILITY)
+        if self._model == 0:
+            raise ModelError("the board takes no such words: expected one of hvp serve")
+        padded = characters + b"\0" * (4 - len(characters) % 4)
+        for at in range(0, len(padded), 4):
+            self.write(self._model + MODEL_COMMAND, padded[at : at + 4], CONFIG)
+        answer = b""
+        for place in range(MOST_PLACES):
+            self.write_config(self._model + MODEL_PLACE, place, 4)
+            answer += self.read(self._model + MODEL_ANSWER, 4, CONFIG)
+            if b"\0" in answer:
+                break
+        return answer.partition(b"\0")[0].decode()
+
+    def _tell_stops(self, region: int) -> None:
+        while region == BAR0 and self._points and (said := self._ask("stopped?")):
+            time_ps, job, offset, value, what = said.split(" ", 4)
+            stop = Stop(int(time_ps), int(job), int(offset), int(value), what)
+            for point, stopped in list(self._points.items()):
+                if what.startswith(point + " "):
+                    stopped(stop)
 
     def reset(self) -> None:
         """As after power-on, and switched on again."""

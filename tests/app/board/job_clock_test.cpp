@@ -3,194 +3,16 @@
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <ostream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "app/board/hvp_board.h"
+#include "tests/app/board/faulty_program.h"
 
+namespace hvp::test {
 namespace {
-
-constexpr const char* kScenario = HVP_SCENARIOS "/thesis-static.toml";
-constexpr std::uint64_t kLongestWait = 20'000'000;  // ns
-constexpr int kFaultyJob = 2;
-constexpr int kJobs = 6;
-constexpr std::size_t kUnknowns = 6;
-
-const std::array<std::int32_t, 3> kRowBegin = {0, 1, 2};
-const std::array<std::int32_t, 2> kColumn = {0, 1};
-const std::array<std::int32_t, 18> kValue = {64, 0, 0, 0, 32, 0, 0, 0, 16,
-                                             64, 0, 0, 0, 32, 0, 0, 0, 16};
-
-struct FaultCase {
-  std::string name;
-  std::vector<const char*> keys = {};
-  // Where the board can do it.
-  bool with_blocks = true;
-  bool with_dma = true;
-  bool with_polling = true;
-  bool with_pci = true;
-  bool with_dma_messages = true;  // else with DMA only where the host hears by the line
-};
-
-std::vector<FaultCase> fault_cases() {
-  constexpr const char* kAbort = "fault[0].kind=master-abort";
-  constexpr const char* kPoisoned = "fault[0].kind=aer-uncorrectable";
-  constexpr const char* kCorrupted = "fault[0].kind=corrupted-word";
-  return {
-      {.name = "none"},
-      {.name = "lost_interrupt", .keys = {"fault[0].kind=lost-interrupt"}, .with_polling = false},
-      {.name = "stuck_busy", .keys = {"fault[0].kind=stuck-busy"}},
-      {.name = "abort_rhs", .keys = {kAbort, "fault[0].access=rhs"}, .with_dma = false},
-      {.name = "abort_start", .keys = {kAbort, "fault[0].access=start"}},
-      {.name = "abort_status",
-       .keys = {kAbort, "fault[0].access=status"},
-       .with_polling = false,
-       .with_dma_messages = false},
-      {.name = "abort_acknowledge",
-       .keys = {kAbort, "fault[0].access=acknowledge"},
-       .with_dma_messages = false},
-      {.name = "abort_solution", .keys = {kAbort, "fault[0].access=solution"}, .with_dma = false},
-      {.name = "corrupted_rhs", .keys = {kCorrupted, "fault[0].access=rhs"}, .with_dma = false},
-      {.name = "corrupted_solution",
-       .keys = {kCorrupted, "fault[0].access=solution"},
-       .with_dma = false},
-      {.name = "device_gone", .keys = {"fault[0].kind=device-gone", "fault[0].frames=3"}},
-      {.name = "aer_correctable",
-       .keys = {"fault[0].kind=aer-correctable", "fault[0].access=start"},
-       .with_pci = false},
-      {.name = "aer_rhs",
-       .keys = {kPoisoned, "fault[0].access=rhs"},
-       .with_dma = false,
-       .with_pci = false},
-      {.name = "aer_start", .keys = {kPoisoned, "fault[0].access=start"}, .with_pci = false},
-      {.name = "aer_acknowledge",
-       .keys = {kPoisoned, "fault[0].access=acknowledge"},
-       .with_pci = false,
-       .with_dma_messages = false},
-      {.name = "reset_by_somebody_else", .keys = {"fault[0].kind=function-level-reset"}},
-      {.name = "late_dma",
-       .keys = {"fault[0].kind=late-dma", "fault[0].delay=3 ms"},
-       .with_blocks = false},
-      {.name = "late_dma_beyond_the_wait",
-       .keys = {"fault[0].kind=late-dma", "fault[0].delay=30 ms"},
-       .with_blocks = false},
-      {.name = "truncated_dma",
-       .keys = {"fault[0].kind=truncated-dma", "fault[0].bytes=8"},
-       .with_blocks = false}};
-}
-
-struct Parameters {
-  FaultCase fault;
-  bool dma = false;
-  std::string notification;
-  bool pcie = false;
-};
-
-std::vector<Parameters> all_parameters() {
-  std::vector<Parameters> all;
-  for (const FaultCase& fault : fault_cases()) {
-    for (const bool dma : {false, true}) {
-      for (const char* const notification : {"intx", "msi", "polling"}) {
-        for (const bool pcie : {false, true}) {
-          const std::string heard = notification;
-          const bool possible = (dma ? fault.with_dma : fault.with_blocks) &&
-                                (heard != "polling" || fault.with_polling) &&
-                                (!dma || heard == "intx" || fault.with_dma_messages);
-          if (possible && (pcie || fault.with_pci)) all.push_back({fault, dma, heard, pcie});
-        }
-      }
-    }
-  }
-  return all;
-}
-
-std::string name_of(const testing::TestParamInfo<Parameters>& test) {
-  const Parameters& p = test.param;
-  return p.fault.name + (p.dma ? "_dma_" : "_blocks_") + p.notification +
-         (p.pcie ? "_pcie" : "_pci");
-}
-
-// The name as ctest prints it beside the case's.
-void PrintTo(const Parameters& parameters,
-             std::ostream* out) {  // NOLINT(readability-identifier-naming)
-  *out << parameters.fault.name;
-}
-
-// What a user's program has: a driver's handle, memory, and its own clock.
-class Program {
- public:
-  explicit Program(const Parameters& parameters) : dma_(parameters.dma) {
-    std::vector<const char*> keys = parameters.fault.keys;
-    const std::string frame = "fault[0].frame=" + std::to_string(kFaultyJob);
-    if (!keys.empty()) keys.push_back(frame.c_str());
-    const std::string notify = "transfer.notification=" + parameters.notification;
-    keys.push_back(notify.c_str());
-    const char* const blocks =
-        parameters.pcie ? "transfer.method=programmed-io" : "transfer.method=bursts";
-    keys.push_back(dma_ ? "transfer.method=dma" : blocks);
-    if (parameters.pcie) keys.push_back("bus.pcie.generation=gen3");
-    if (!parameters.fault.with_pci) keys.push_back("function.pci_express=true");
-    const hvp_board_options options = {keys.data(), keys.size(), nullptr, false, nullptr};
-    board = hvp_board_open(kScenario, &options, why.data(), why.size());
-    if (board == nullptr) return;
-    hvp_board_map(board, kAddress, memory_.data(), sizeof memory_);
-  }
-  ~Program() { hvp_board_close(board); }
-  Program(const Program&) = delete;
-  Program& operator=(const Program&) = delete;
-
-  hvp_status open() {
-    hvp_status status = hvp_open(&device, hvp_board_bus(board), scratch_.data(), scratch_.size());
-    const hvp_dma dma = {.to_board = &to_board_,
-                         .to_board_count = 1,
-                         .to_host = &to_host_,
-                         .to_host_count = 1,
-                         .list = memory_.data(),
-                         .list_address = kAddress,
-                         .record = memory_.data() + 32,
-                         .record_address = kAddress + 128,
-                         .context = nullptr,
-                         .sync = nullptr};
-    if (status == HVP_OK && dma_) status = hvp_use_dma(&device, &dma);
-    return status == HVP_OK ? load() : status;
-  }
-  // A board that is gone is asked again until it is back.
-  bool recover() {
-    constexpr int kTries = 100'000;
-    for (int i = 0; i < kTries; ++i) {
-      if (hvp_reset(&device) == HVP_OK && load() == HVP_OK) return true;
-    }
-    return false;
-  }
-  hvp_status load() {
-    hvp_solver_config config{};
-    config.method = HVP_METHOD_JACOBI_PCG;
-    config.iterations = 4;
-    config.matrix_bits = 12;
-    config.vector_bits = 16;
-    config.coefficient_bits = 16;
-    config.dynamic_scaling = true;
-    const hvp_status status = hvp_configure(&device, &config);
-    const hvp_matrix k = {2, 2, kRowBegin.data(), kColumn.data(), kValue.data()};
-    return status == HVP_OK ? hvp_load_matrix(&device, &k) : status;
-  }
-
-  std::array<char, 256> why{};
-  hvp_board* board = nullptr;
-  hvp_device device{};
-
- private:
-  static constexpr std::uint64_t kAddress = 0x1000'0000;
-
-  bool dma_;
-  alignas(64) std::array<std::uint32_t, 256> memory_{};
-  std::array<std::uint32_t, 64> scratch_{};
-  hvp_segment to_board_{memory_.data() + 64, kAddress + 256, 64};
-  hvp_segment to_host_{memory_.data() + 128, kAddress + 512, 64};
-};
 
 class JobRecord : public testing::TestWithParam<Parameters> {};
 
@@ -425,4 +247,59 @@ TEST(NeverStruck, IsSaid) {
 
 INSTANTIATE_TEST_SUITE_P(All, JobRecord, testing::ValuesIn(all_parameters()), name_of);
 
+std::vector<Parameters> all_removals() {
+  const FaultCase first = {.name = "first", .keys = {"fault[0].kind=surprise-removal"}};
+  const FaultCase acknowledge = {
+      .name = "acknowledge",
+      .keys = {"fault[0].kind=surprise-removal", "fault[0].access=acknowledge"}};
+  std::vector<Parameters> all;
+  for (const bool pcie : {false, true}) {
+    for (const char* const notification : {"intx", "msi", "polling"}) {
+      for (const bool dma : {false, true}) all.push_back({first, dma, notification, pcie});
+    }
+    // By DMA the job is over then, with U and its record in the host's memory.
+    all.push_back({acknowledge, false, "intx", pcie});
+  }
+  return all;
+}
+
+class Removal : public testing::TestWithParam<Parameters> {};
+
+// From there on nothing answers, nothing interrupts, and no set-up goes well; the job's verdict is
+// the driver's word.
+TEST_P(Removal, IsForGood) {
+  Program program(GetParam());
+  ASSERT_NE(program.board, nullptr) << program.why.data();
+  ASSERT_EQ(program.open(), HVP_OK);
+  const std::array<std::int32_t, kUnknowns> b = {640, 640, 640, 640, 640, 640};
+  std::array<std::int32_t, kUnknowns> u{};
+  for (int n = 0; n < kFaultyJob; ++n) {
+    ASSERT_EQ(hvp_solve(&program.device, b.data(), u.data(), u.size(), kLongestWait), HVP_OK);
+  }
+  ASSERT_EQ(hvp_board_config_read(program.board, 0, 4), 0x4850'1172U);
+  const hvp_status said = hvp_solve(&program.device, b.data(), u.data(), u.size(), kLongestWait);
+  const std::uint64_t ended = hvp_board_now_ps(program.board);
+  EXPECT_EQ(hvp_status_name(said), std::string("HVP_ERROR_BUS"));
+  for (const std::uint32_t at : {0U, 4U, 0x34U, 0x40U}) {
+    EXPECT_EQ(hvp_board_config_read(program.board, at, 4), 0xffff'ffffU) << at;
+  }
+  hvp_board_config_write(program.board, 4, 0, 2);
+  EXPECT_FALSE(hvp_board_interrupt(program.board));
+  EXPECT_EQ(hvp_reset(&program.device), HVP_ERROR_BUS);
+  std::uint32_t id = 0;
+  hvp_board_read(program.board, 0, &id, sizeof id);
+  EXPECT_EQ(id, 0xffff'ffffU);
+  hvp_board_job job{};
+  ASSERT_TRUE(hvp_board_last_job(program.board, &job));
+  EXPECT_EQ(job.number, static_cast<std::uint64_t>(kFaultyJob));
+  EXPECT_EQ(job.end_ps, ended);
+  EXPECT_EQ(hvp_status_name(job.status), std::string("HVP_ERROR_BUS"));
+  hvp_board_run_until_ps(program.board, hvp_board_now_ps(program.board) + 1'000'000'000'000);
+  EXPECT_EQ(hvp_board_config_read(program.board, 0, 4), 0xffff'ffffU);
+  EXPECT_FALSE(hvp_board_interrupt(program.board));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Removal, testing::ValuesIn(all_removals()), name_of);
+
 }  // namespace
+}  // namespace hvp::test

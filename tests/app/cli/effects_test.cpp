@@ -221,7 +221,7 @@ const std::map<std::string, Parts> kAdded = {
     {"device.limits", kNothing},
     {"reference", kNothing},
     {"spectrum", kNothing},
-    {"fault", {{"faulty_wire", "lossy_line"}, 0}},
+    {"fault", kNothing},
     {"output.waveform", {{"waveform"}, 2}},
 };
 

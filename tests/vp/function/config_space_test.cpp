@@ -1,9 +1,12 @@
 // The configuration space as an operating system goes through it: without a clock.
 #include "vp/function/config_space.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -377,6 +380,52 @@ TEST(ConfigSpace, ABarIsAPowerOfTwo) {
   EXPECT_THROW(ConfigSpace({.bar_bytes = 0, .messages = false}), std::invalid_argument);
   EXPECT_THROW(ConfigSpace({.bar_bytes = 8, .messages = false}), std::invalid_argument);
   EXPECT_THROW(ConfigSpace({.bar_bytes = 48, .messages = false}), std::invalid_argument);
+}
+
+// Sends the characters and a zero, four at a time, and returns the answer.
+std::string ask(Space& space, std::uint64_t at, const std::string& command) {
+  for (std::size_t i = 0; i <= command.size(); i += 4) {
+    std::uint32_t word = 0;
+    for (std::size_t k = i; k < std::min(i + 4, command.size()); ++k) {
+      word |= std::uint32_t{static_cast<std::uint8_t>(command[k])} << 8 * (k - i);
+    }
+    space.set(at + 4, word, 4);
+  }
+  std::string answer;
+  for (std::uint32_t place = 0; place < 256; ++place) {
+    space.set(at + 8, place, 4);
+    const std::uint64_t word = space.get(at + 12, 4);
+    for (std::size_t k = 0; k < 4; ++k) {
+      if ((word >> 8 * k & 0xffU) == 0) return answer;
+      answer.push_back(static_cast<char>(word >> 8 * k));
+    }
+  }
+  return answer;
+}
+
+TEST(ConfigSpace, AsksTheModelWhereItObeys) {
+  Space space;
+  EXPECT_EQ(space.capability(9), 0U);
+  std::vector<std::string> heard;
+  space.obey([&heard](std::string_view command) {
+    heard.emplace_back(command);
+    return command == "four" ? std::string() : "no: " + std::string(command);
+  });
+  const std::uint8_t at = space.capability(9);
+  ASSERT_EQ(at, 0x80U);
+  EXPECT_EQ(space.get(at, 4), 0x0110'0009U);
+  EXPECT_NE(space.capability(5), 0U);
+  EXPECT_EQ(ask(space, at, "abc"), "no: abc");
+  EXPECT_EQ(ask(space, at, "four"), "");
+  EXPECT_EQ(ask(space, at, std::string(255, 'x')), "no: " + std::string(255, 'x'));
+  EXPECT_EQ(ask(space, at, std::string(256, 'x')), "expected at most 255 characters");
+  EXPECT_EQ(ask(space, at, std::string(100'000, 'x')), "expected at most 255 characters");
+  space.set(at + 4, 0x6161, 2);  // a word is four bytes
+  EXPECT_EQ(ask(space, at, ""), "no: ");
+  space.set(at + 4, 0x6161'6161, 4);
+  space.reset();
+  EXPECT_EQ(ask(space, at, "b"), "no: b");
+  EXPECT_EQ(heard, (std::vector<std::string>{"abc", "four", std::string(255, 'x'), "", "b"}));
 }
 
 }  // namespace
