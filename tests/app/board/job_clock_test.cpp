@@ -247,59 +247,5 @@ TEST(NeverStruck, IsSaid) {
 
 INSTANTIATE_TEST_SUITE_P(All, JobRecord, testing::ValuesIn(all_parameters()), name_of);
 
-std::vector<Parameters> all_removals() {
-  const FaultCase first = {.name = "first", .keys = {"fault[0].kind=surprise-removal"}};
-  const FaultCase acknowledge = {
-      .name = "acknowledge",
-      .keys = {"fault[0].kind=surprise-removal", "fault[0].access=acknowledge"}};
-  std::vector<Parameters> all;
-  for (const bool pcie : {false, true}) {
-    for (const char* const notification : {"intx", "msi", "polling"}) {
-      for (const bool dma : {false, true}) all.push_back({first, dma, notification, pcie});
-    }
-    // By DMA the job is over then, with U and its record in the host's memory.
-    all.push_back({acknowledge, false, "intx", pcie});
-  }
-  return all;
-}
-
-class Removal : public testing::TestWithParam<Parameters> {};
-
-// From there on nothing answers, nothing interrupts, and no set-up goes well; the job's verdict is
-// the driver's word.
-TEST_P(Removal, IsForGood) {
-  Program program(GetParam());
-  ASSERT_NE(program.board, nullptr) << program.why.data();
-  ASSERT_EQ(program.open(), HVP_OK);
-  const std::array<std::int32_t, kUnknowns> b = {640, 640, 640, 640, 640, 640};
-  std::array<std::int32_t, kUnknowns> u{};
-  for (int n = 0; n < kFaultyJob; ++n) {
-    ASSERT_EQ(hvp_solve(&program.device, b.data(), u.data(), u.size(), kLongestWait), HVP_OK);
-  }
-  ASSERT_EQ(hvp_board_config_read(program.board, 0, 4), 0x4850'1172U);
-  const hvp_status said = hvp_solve(&program.device, b.data(), u.data(), u.size(), kLongestWait);
-  const std::uint64_t ended = hvp_board_now_ps(program.board);
-  EXPECT_EQ(hvp_status_name(said), std::string("HVP_ERROR_BUS"));
-  for (const std::uint32_t at : {0U, 4U, 0x34U, 0x40U}) {
-    EXPECT_EQ(hvp_board_config_read(program.board, at, 4), 0xffff'ffffU) << at;
-  }
-  hvp_board_config_write(program.board, 4, 0, 2);
-  EXPECT_FALSE(hvp_board_interrupt(program.board));
-  EXPECT_EQ(hvp_reset(&program.device), HVP_ERROR_BUS);
-  std::uint32_t id = 0;
-  hvp_board_read(program.board, 0, &id, sizeof id);
-  EXPECT_EQ(id, 0xffff'ffffU);
-  hvp_board_job job{};
-  ASSERT_TRUE(hvp_board_last_job(program.board, &job));
-  EXPECT_EQ(job.number, static_cast<std::uint64_t>(kFaultyJob));
-  EXPECT_EQ(job.end_ps, ended);
-  EXPECT_EQ(hvp_status_name(job.status), std::string("HVP_ERROR_BUS"));
-  hvp_board_run_until_ps(program.board, hvp_board_now_ps(program.board) + 1'000'000'000'000);
-  EXPECT_EQ(hvp_board_config_read(program.board, 0, 4), 0xffff'ffffU);
-  EXPECT_FALSE(hvp_board_interrupt(program.board));
-}
-
-INSTANTIATE_TEST_SUITE_P(All, Removal, testing::ValuesIn(all_removals()), name_of);
-
 }  // namespace
 }  // namespace hvp::test
