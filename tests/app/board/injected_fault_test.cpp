@@ -59,7 +59,9 @@ std::string records(Program& program, const Before& before) {
 }
 
 Parameters without_fault(Parameters parameters) {
+  const bool with_pci = parameters.fault.with_pci;
   parameters.fault = {};
+  parameters.fault.with_pci = with_pci;
   return parameters;
 }
 

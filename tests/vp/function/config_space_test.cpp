@@ -412,7 +412,7 @@ TEST(ConfigSpace, AsksTheModelWhereItObeys) {
     return command == "four" ? std::string() : "no: " + std::string(command);
   });
   const std::uint8_t at = space.capability(9);
-  ASSERT_EQ(at, 0x80U);
+  ASSERT_EQ(at, 0xd0U);
   EXPECT_EQ(space.get(at, 4), 0x0110'0009U);
   EXPECT_NE(space.capability(5), 0U);
   EXPECT_EQ(ask(space, at, "abc"), "no: abc");
