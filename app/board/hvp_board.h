@@ -76,8 +76,8 @@ void hvp_board_table_write(struct hvp_board* board, uint32_t offset, uint32_t va
 uint64_t hvp_board_now_ps(const struct hvp_board* board);
 // The time of the next event. False if everything waits for the host.
 bool hvp_board_next_event_ps(const struct hvp_board* board, uint64_t* when_ps);
-// Simulates up to a time. Returns earlier, with false, when an interrupt is raised or lowered and at
-// a point of hvp_board_stop_at(), and at once for a time beyond 10^18 ps, eleven days.
+// Simulates up to a time. Returns earlier, with false, when an interrupt is raised or lowered and
+// at a point of hvp_board_stop_at(), and at once for a time beyond 10^18 ps, eleven days.
 bool hvp_board_run_until_ps(struct hvp_board* board, uint64_t time_ps);
 // True if INTA# is up, or a message has arrived since the last call.
 bool hvp_board_interrupt(struct hvp_board* board);

@@ -17,6 +17,7 @@
 #include "models/config/figures.h"
 #include "vp/bus/bus_meter.h"
 #include "vp/fault/fault_plan.h"
+#include "vp/fpga/master_access.h"
 #include "vp/frame/latency_statistics.h"
 #include "vp/frame/verdict.h"
 #include "vp/function/driver_finding.h"

@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 
 #include "app/results/part_files.h"
-#include "vp/fpga/dma_engine.h"
+#include "vp/fpga/master_access.h"
 #include "vp/frame/frame.h"
 #include "vp/frame/ledger.h"
 

@@ -12,6 +12,7 @@
 #include "vp/bus/bus_settings.h"
 #include "vp/fault/fault_plan.h"
 #include "vp/fpga/board_registers.h"
+#include "vp/fpga/master_access.h"
 #include "vp/fpga/register_bank.h"
 #include "vp/frame/frame_tag.h"
 #include "vp/frame/ledger.h"
@@ -22,30 +23,6 @@ namespace hvp::vp {
 struct ListBytes {
   std::uint32_t to_board = 0;
   std::uint32_t to_host = 0;
-};
-
-// What the board's own transactions are for.
-enum class MasterPurpose { descriptors, b, u, record, message };
-const char* name(MasterPurpose purpose);
-
-// A transaction of the board's own, as its engine sees it.
-struct MasterAccess {
-  Picoseconds began = 0;
-  Picoseconds ended = 0;  // of a write: when the engine goes on; the bus may still have it
-  std::int64_t frame = -1;
-  MasterPurpose purpose = MasterPurpose::descriptors;
-  bool read = false;  // from the host's memory
-  std::uint64_t address = 0;
-  std::span<const std::uint8_t> data;
-  bool answered = false;
-};
-
-class MasterObserver {
- public:
-  virtual ~MasterObserver() = default;
-  // Has begun: `ended` is that time, and what is read is not there yet.
-  virtual void begins(const MasterAccess& /*access*/) {}
-  virtual void transferred(const MasterAccess& access) = 0;
 };
 
 inline constexpr std::size_t kDescriptorWords = 8;

@@ -35,7 +35,8 @@ static unsigned find_capability(int file) {
   unsigned at = word[0];
   for (int i = 0; i < 48 && at != 0; ++i, at = word[1]) {
     if (!read_word(file, at, word)) return 0;
-    if (word[0] == VENDOR_CAPABILITY && word[2] == CAPABILITY_BYTES && word[3] == VERSION) return at;
+    if (word[0] == VENDOR_CAPABILITY && word[2] == CAPABILITY_BYTES && word[3] == VERSION)
+      return at;
   }
   return 0;
 }
