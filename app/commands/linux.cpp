@@ -336,6 +336,7 @@ int linux_command(const LinuxArguments& arguments) {
         s, {guest.counts(), guest.dma(), guest.memory_order(), guest.first_access(),
             std::move(missing), checks.of_kernel, complaints.found(),
             end.interrupted || end.stopped, rules ? std::optional(rules->report()) : std::nullopt});
+    if (rules) rules->stop();
   }
   if (registers) registers->finish();
   if (dma_log) dma_log->finish();

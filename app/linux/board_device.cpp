@@ -212,9 +212,12 @@ void BoardDevice::kicked(std::uint32_t number) {
 
 void BoardDevice::take_commands() {
   while (auto chain = rings_[kCommands].pop(guest_memory_)) {
-    unreclaimed_ += static_cast<std::uint32_t>(chain->entries);
     Operation operation{.chain = std::move(*chain), .command = {}};
     operation.command = pci::parse(operation.chain.sent, operation.chain.room_bytes, vp::kBarBytes);
+    // The kernel waits for the others, and reclaims their entries then.
+    if (!operation.command.reads() && !of_configuration(operation.command)) {
+      unreclaimed_ += static_cast<std::uint32_t>(operation.chain.entries);
+    }
     if (!of_configuration(operation.command)) stalled_for_ += host_.stall();
     operations_.push_back(std::move(operation));
   }
@@ -238,9 +241,13 @@ void BoardDevice::hold() {
     break;
   }
   // A timer of the guest's ends this as it ends a poll.
-  const vp::Picoseconds until = std::min(latest, vp::now_ps() + stalled_for_);
-  stalled_for_ = 0;
-  while (vp::now_ps() < until) run_until(until);
+  if (stalled_for_ > 0) {
+    const vp::Picoseconds until = std::min(latest, vp::now_ps() + stalled_for_);
+    stalled_for_ = 0;
+    host_.stands_still(until);
+    while (vp::now_ps() < until) run_until(until);
+    host_.stood_still();
+  }
   while (!whole_ns()) {
     host_.run_until(to_ps(now_ns()));
     advance();

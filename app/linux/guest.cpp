@@ -151,7 +151,7 @@ std::string Guest::board_text() const {
   std::string text = fmt::format("the board: {}", state);
   if (!device_) return text + "; no access was made";
   if (const auto& job = device_->recent().job()) {
-    text += fmt::format("; its last job, number {} of the run, was started at {} us", job->number,
+    text += fmt::format("; its last job, number {} of the run, was asked for at {} us", job->number,
                         results::microseconds(job->started));
   }
   return text + "\n  the last accesses to it:" + device_->recent().text(bank);

@@ -149,6 +149,7 @@ GuestResults::GuestResults(const std::filesystem::path& folder, const app::Scena
 
 GuestFigures GuestResults::finish(const app::Scenario& scenario, const GuestFacts& guest) {
   const vp::Picoseconds end = vp::now_ps();
+  if (guest.interrupted) board_.host().frames().stop();
   let_finish(board_);
   board_.host().frames().finish(!guest.interrupted);
   frames_.finish();

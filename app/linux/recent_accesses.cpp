@@ -49,7 +49,7 @@ std::string RecentAccesses::text(const vp::RegisterBank& bank) const {
                         reads ? "read" : "write", bank.name_at(access.offset));
     if (!reads || answered) text += fmt::format(" 0x{:08x}", access.word);
     if (access.bytes != sizeof access.word) text += fmt::format(", of {} bytes", access.bytes);
-    if (!answered) text += reads ? ", not answered" : ", under way";
+    if (!answered) text += ", under way";
   }
   return text.empty() ? "\n    none" : text;
 }

@@ -155,7 +155,7 @@ def says(guest: Guest, module: Path, parts: tuple[str, ...], *words: str) -> Non
 def a_processor_that_spins_is_seen(guest: Guest) -> None:
     parts = (
         "its processor is in a module < vfs_ioctl",
-        "its last job, number 1 of the run, was started at ",
+        "its last job, number 1 of the run, was asked for at ",
         "write DMA_LIST_LOW",
         # Simulated time does not go on.
         "write CONTROL 0x00000008, under way\n",
@@ -164,7 +164,7 @@ def a_processor_that_spins_is_seen(guest: Guest) -> None:
 
 
 def a_wait_without_an_end_is_seen(guest: Guest) -> None:
-    parts = ("time_travel_", "the board: done; its last job, number 3 of the run, was started at ")
+    parts = ("time_travel_", "the board: done; its last job, number 3 of the run, was asked for at ")
     faults = [word for setting in LOST for word in ("--set", setting)]
     says(guest, guest.build("wait", WAIT), parts, *faults)
 

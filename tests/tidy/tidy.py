@@ -119,8 +119,8 @@ def key_of(source: Source, build: Path) -> str | None:
 
 # Of what the last commits changed, the newest first: a source takes two cores some ten seconds.
 RECENT_COMMITS = 100
-RECENT_SOURCES = 20
-SHARES = 40
+RECENT_SOURCES = 16
+SHARES = 60
 
 
 def git(*arguments: str) -> list[str]:

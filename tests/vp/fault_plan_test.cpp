@@ -96,7 +96,8 @@ TEST(FaultPlan, TakesAFaultThatStrikesNext) {
   next.check_injected();
   plan.add(next, 5);
   EXPECT_EQ(plan.records()[1].why_not(9),
-            "it was asked for after 5 frames, and since then no such access was made");
+            "it was asked for after 5 frames, and since then no such access was made that no other "
+            "fault took");
   EXPECT_EQ(plan.strike(FaultKind::master_abort, -1, FaultAccess::status), nullptr);
   EXPECT_EQ(plan.strike(FaultKind::master_abort, 6, FaultAccess::rhs), nullptr);
   EXPECT_NE(plan.strike(FaultKind::master_abort, 6, FaultAccess::status), nullptr);

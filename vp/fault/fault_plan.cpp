@@ -210,8 +210,9 @@ std::int64_t FaultRecord::missing() const {
 std::string FaultRecord::why_not(std::int64_t frames) const {
   if (injected > 0) return {};
   if (fault.comes_next()) {
-    return fmt::format("it was asked for after {} frames, and since then {}", asked_after,
-                       missing_in_frame(fault));
+    return fmt::format(
+        "it was asked for after {} frame{}, and since then {} that no other fault took",
+        asked_after, asked_after == 1 ? "" : "s", missing_in_frame(fault));
   }
   if (fault.frame < 0) {
     return fmt::format("at a rate of {} none was drawn in {} frames", fault.rate, frames);

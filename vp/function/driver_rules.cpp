@@ -70,6 +70,7 @@ void DriverRules::watch(BoardFunction& board) {
 
 template <class Text>
 void DriverRules::found(DriverRule rule, const Text& text) {
+  if (over_) return;
   DriverFinding& finding = findings_[static_cast<std::size_t>(rule)];
   if (finding.count++ > 0) return;
   finding.rule = rule;
@@ -397,7 +398,8 @@ void DriverRules::to_be_moved(bool read, std::uint64_t address, std::size_t byte
 }
 
 void DriverRules::unmapped(std::uint64_t address, std::uint64_t bytes) {
-  if (!board_->config().may_master()) return;  // which ends the board's transfers as well
+  // Either ends the board's transfers as well.
+  if (!board_->config().may_master() || board_->host().removed()) return;
   for (const Owned& owned : owned_) {
     if (!overlap(address, bytes, owned.address, owned.bytes)) continue;
     found(DriverRule::owned_memory_unmapped, [&] {

@@ -39,6 +39,8 @@ class DriverRules : public AccessObserver,
   }
   // No access follows.
   void finish();
+  // The report was taken: what follows is no driver's, such as the end of a guest.
+  void stop() { over_ = true; }
 
   DriverReport report() const;
 
@@ -93,6 +95,7 @@ class DriverRules : public AccessObserver,
   BoardFunction* board_ = nullptr;
   std::function<void(const DriverFinding&)> listener_;
   std::array<DriverFinding, kDriverRules> findings_{};
+  bool over_ = false;
   std::int64_t accesses_ = 0;
   Picoseconds last_access_ = -1;
 

@@ -69,6 +69,11 @@ class JobFrames {
   // any more was over when it last ran before the next one: it waited for an interrupt that never
   // came.
   void ran() { ran_ = now_ps(); }
+  // The host stood still until now, behind its last access. That is of the frame whose end it
+  // knows.
+  void stood_still() {
+    if (is_open() && followed_) account_for_host(Phase::driver, now_ps());
+  }
   // What an access told the host, at the access' end: all ones, an error, or the end of another job
   // in STATUS are an open job's failure.
   void answered(std::uint64_t offset, std::span<const std::uint8_t> data);
@@ -77,6 +82,8 @@ class JobFrames {
   void told_by_bus(hvp_status status);
   // The board has forgotten its job: it was reset by other ways than an access.
   void board_was_reset();
+  // The host goes no further: a job whose end it does not know is none, whatever the board does.
+  void stop() { stopped_ = is_open() && !followed_ && !heard(); }
   // No job follows. An unfinished job is a frame only if it fails: the host was told so, or has
   // given it up.
   void finish(bool given_up = false);
@@ -122,6 +129,7 @@ class JobFrames {
   bool listed_ = false;  // the job's end is in the host's memory too
   bool busy_ = false;    // the host's last look said so
   bool followed_ = false;
+  bool stopped_ = false;  // with this job
 };
 
 }  // namespace hvp::vp

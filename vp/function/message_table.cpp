@@ -22,8 +22,11 @@ std::uint32_t MessageTable::word(std::uint64_t offset) const {
 }
 
 void MessageTable::read(std::uint64_t offset, std::span<std::uint8_t> data) const {
-  std::ranges::fill(data, std::uint8_t{0});
-  if (!whole_words(offset, data.size())) return;
+  // Nobody answers what is no word of it.
+  if (!whole_words(offset, data.size()) || offset >= kBytes) {
+    std::ranges::fill(data, std::uint8_t{0xff});
+    return;
+  }
   for (std::size_t i = 0; i < data.size(); ++i) {
     const std::uint32_t from = word(offset + i / kWord * kWord);
     data[i] = static_cast<std::uint8_t>(from >> 8 * (i % kWord));

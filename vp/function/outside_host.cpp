@@ -42,6 +42,10 @@ void LateInterrupts::forget_line() {
 }
 
 void LateInterrupts::deliver() {
+  if (now_ps() < held_until_) {
+    due_.notify(to_sc_time(held_until_ - now_ps()));
+    return;
+  }
   while (!under_way_.empty() && under_way_.front().due <= now_ps()) {
     UnderWay one = under_way_.front();
     under_way_.pop_front();
@@ -279,9 +283,23 @@ bool OutsideHost::access(Command command, std::uint64_t offset, std::span<std::u
     if (run_until(now_ps() + kForever)) return false;
   }
   if (space != Space::bar) return true;
-  const Picoseconds until = now_ps() + stall();
+  const Picoseconds stalled = stall();
+  if (stalled == 0) return true;
+  const Picoseconds until = now_ps() + stalled;
+  stands_still(until);
   while (now_ps() < until) run_until(until);
+  stood_still();
   return true;
+}
+
+// A driver that polls finds then what has come meanwhile.
+void OutsideHost::stood_still() {
+  if (side_.board()->accelerator().bank().get(Register::interrupt_enable) == 0) {
+    frames_.looked();
+  } else {
+    frames_.ran();
+  }
+  frames_.stood_still();
 }
 
 // Ends run_until() with this delta cycle.

@@ -41,6 +41,8 @@ class LateInterrupts : public sc_core::sc_module {
   void forget_line();
   // Drops all interrupts, at a reset.
   void forget_all() { under_way_.clear(); }
+  // No handler runs before this time.
+  void hold_until(Picoseconds time) { held_until_ = time; }
   // Adds the next of these times to each interrupt's. To be called before the simulation begins.
   void delay_by(const RandomSchedule& schedule) { schedule_ = schedule; }
 
@@ -58,6 +60,7 @@ class LateInterrupts : public sc_core::sc_module {
   Picoseconds latency_;
   std::optional<LatencyDraws> draws_;
   std::optional<RandomSchedule> schedule_;
+  Picoseconds held_until_ = 0;
   Ledger& ledger_;
   Told told_;
   std::deque<UnderWay> under_way_;
@@ -141,6 +144,12 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   // For how long the host stands still behind the access that it has made now; access() lets that
   // time pass by itself.
   Picoseconds stall() { return schedule_ ? schedule_->next() : 0; }
+  // It stands still from now until then, and takes no interrupt; stood_still() is to be called when
+  // it goes on.
+  void stands_still(Picoseconds until) {
+    if (late_) late_->hold_until(until);
+  }
+  void stood_still();
 
   // From now on the bridge's errors are shown in the function's STATUS register, for a host that
   // reaches no register of a bridge. To be called before the simulation begins.
@@ -171,6 +180,9 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   void hold_time() { ++held_; }
   void release_time() { --held_; }
 
+  // True if the function was pulled out.
+  bool removed() const;
+
   // True if INTA# is up, as the host sees it.
   bool line_is_up() const { return line_shown_; }
   // How often the host was told of a message, and of a line that has gone up.
@@ -187,7 +199,6 @@ class OutsideHost : public sc_core::sc_module, public InterruptIf {
   void serve();
   void make(const Access& access);
   void configure(const Access& access);
-  bool removed() const;
   void listen_to(FaultPlan& faults);
   void packet_error(FaultKind kind);
   void take_away();

@@ -201,6 +201,8 @@ class VfioUser:
         padded = characters + b"\0" * (4 - len(characters) % 4)
         for at in range(0, len(padded), 4):
             self.write(self._model + MODEL_COMMAND, padded[at : at + 4], CONFIG)
+        if self.read_config(self._model, 1) != VENDOR_CAPABILITY:
+            raise ModelError("the function is not there any more")
         answer = b""
         for place in range(MOST_PLACES):
             self.write_config(self._model + MODEL_PLACE, place, 4)
@@ -209,8 +211,15 @@ class VfioUser:
                 break
         return answer.partition(b"\0")[0].decode()
 
+    def _stopped(self) -> str:
+        """What has stopped; nothing can have where the function was pulled out."""
+        try:
+            return self._ask("stopped?")
+        except ModelError:
+            return ""
+
     def _tell_stops(self, region: int) -> None:
-        while region == BAR0 and self._points and (said := self._ask("stopped?")):
+        while region == BAR0 and self._points and (said := self._stopped()):
             time_ps, job, offset, value, what = said.split(" ", 4)
             stop = Stop(int(time_ps), int(job), int(offset), int(value), what)
             for point, stopped in list(self._points.items()):

@@ -122,7 +122,8 @@ inline void PrintTo(const Parameters& parameters,
 // What a user's program has: a driver's handle, memory, and its own clock.
 class Program {
  public:
-  explicit Program(const Parameters& parameters) : dma_(parameters.dma) {
+  explicit Program(const Parameters& parameters, const std::vector<const char*>& more = {})
+      : dma_(parameters.dma) {
     std::vector<const char*> keys = parameters.fault.keys;
     const std::string frame = "fault[0].frame=" + std::to_string(kFaultyJob);
     if (!keys.empty()) keys.push_back(frame.c_str());
@@ -133,6 +134,7 @@ class Program {
     keys.push_back(dma_ ? "transfer.method=dma" : blocks);
     if (parameters.pcie) keys.push_back("bus.pcie.generation=gen3");
     if (!parameters.fault.with_pci) keys.push_back("function.pci_express=true");
+    keys.insert(keys.end(), more.begin(), more.end());
     const hvp_board_options options = {keys.data(), keys.size(), nullptr, false, nullptr};
     board = hvp_board_open(kScenario, &options, why.data(), why.size());
     if (board == nullptr) return;

@@ -212,7 +212,7 @@ TEST_F(Injection, WhatDidNotHappenIsSaid) {
             "warning: [[fault]] master-abort did not happen: it is asked for in frame 2, and there "
             "were 2\n"
             "warning: [[fault]] saturated-solve did not happen: it was asked for after 2 frames, "
-            "and since then no solve was started\n");
+            "and since then no solve was started that no other fault took\n");
 }
 
 }  // namespace

@@ -44,6 +44,53 @@ TEST_P(JobRecord, IsTheCallersClockAndTheDriversWord) {
   }
 }
 
+// A host that stands still at random, at its accesses and before its interrupts.
+struct Stalled {
+  Parameters of;
+  std::string seed;
+};
+
+std::vector<Stalled> all_stalled() {
+  std::vector<Stalled> all;
+  for (const Parameters& one : all_parameters()) {
+    if (!one.fault.keys.empty()) continue;
+    for (int seed = 1; seed <= 6; ++seed) all.push_back({one, std::to_string(seed)});
+  }
+  return all;
+}
+
+void PrintTo(const Stalled& stalled, std::ostream* out) {  // NOLINT(readability-identifier-naming)
+  *out << "seed " << stalled.seed;
+}
+
+class StalledHost : public testing::TestWithParam<Stalled> {};
+
+TEST_P(StalledHost, ItsRecordIsTheCallersClock) {
+  const std::string seed = "seed=" + GetParam().seed;
+  Program program(GetParam().of, {"guest.schedule=random", seed.c_str()});
+  ASSERT_NE(program.board, nullptr) << program.why.data();
+  ASSERT_EQ(program.open(), HVP_OK);
+  const std::array<std::int32_t, kUnknowns> b = {640, 640, 640, 640, 640, 640};
+  std::array<std::int32_t, kUnknowns> u{};
+  for (int n = 0; n < 12; ++n) {
+    const std::uint64_t began = hvp_board_now_ps(program.board);
+    ASSERT_EQ(hvp_solve(&program.device, b.data(), u.data(), u.size(), kLongestWait), HVP_OK);
+    const std::uint64_t ended = hvp_board_now_ps(program.board);
+    hvp_board_job job{};
+    ASSERT_TRUE(hvp_board_last_job(program.board, &job)) << "job " << n;
+    EXPECT_EQ(job.number, static_cast<std::uint64_t>(n));
+    EXPECT_EQ(job.begin_ps, began) << "job " << n;
+    EXPECT_EQ(job.end_ps, ended) << "job " << n;
+    EXPECT_EQ(job.host_ps + job.bus_ps + job.fpga_ps, ended - began) << "job " << n;
+    EXPECT_EQ(job.status, HVP_OK) << "job " << n;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, StalledHost, testing::ValuesIn(all_stalled()),
+                         [](const testing::TestParamInfo<Stalled>& test) {
+                           return name_of({test.param.of, test.index}) + "_seed" + test.param.seed;
+                         });
+
 std::vector<Parameters> all_removals() {
   const FaultCase first = {.name = "first", .keys = {"fault[0].kind=surprise-removal"}};
   const FaultCase acknowledge = {
