@@ -137,7 +137,7 @@ void BoardDevice::accept(std::uint64_t features) {
       "one with driver/linux/kernel/patches/virt-pci-4-barrier.patch");
 }
 
-void BoardDevice::take(const vhost::Translation& message) {
+void BoardDevice::take(const vhost::Translation& message) const {
   using Kind = vhost::Translation::Kind;
   if (told_.check == nullptr && told_.order == nullptr) {
     throw GuestError("vhost-user: a mapping that nobody asked for");

@@ -89,7 +89,7 @@ class BoardDevice : public vp::InterruptListener {
   std::uint64_t answer(const vhost::Header& header, std::span<const std::uint8_t> payload,
                        std::vector<Descriptor>& descriptors);
   void accept(std::uint64_t features);
-  void take(const vhost::Translation& message);
+  void take(const vhost::Translation& message) const;
   void share_memory(std::span<const std::uint8_t> payload, std::vector<Descriptor>& descriptors);
   void unshare_memory();
   bool run_until(vp::Picoseconds time);

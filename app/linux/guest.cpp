@@ -163,6 +163,7 @@ void Guest::stop(const app::Stop& stop) {
     give_to_debugger(stop);
   } else if (!stopped_) {
     stopped_ = true;
+    board_.host().frames().stop();
     say_(fmt::format("stopped: {}\n{}", stop.what, hang_text()));
   }
 }

@@ -174,7 +174,7 @@ void JobFrames::board_was_reset() {
 }
 
 void JobFrames::finish(bool given_up) {
-  if (tag_.frame >= 0 && !stopped_) {
+  if (tag_.frame >= 0 && (!stopped_ || tag_.frame == known_)) {
     if (!busy_) settle();
     const bool failed = ledger_.frame(tag_.frame).status != HVP_OK;
     if (followed_ || (started_ && (given_up || failed))) close(true);

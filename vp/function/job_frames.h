@@ -82,8 +82,12 @@ class JobFrames {
   void told_by_bus(hvp_status status);
   // The board has forgotten its job: it was reset by other ways than an access.
   void board_was_reset();
-  // The host goes no further: a job whose end it does not know is none, whatever the board does.
-  void stop() { stopped_ = is_open() && !followed_ && !heard(); }
+  // The host goes no further: a job whose end it does not know is none, whatever the board does,
+  // and neither is one that begins now.
+  void stop() {
+    if (!stopped_) known_ = is_open() && (followed_ || heard()) ? tag_.frame : -1;
+    stopped_ = true;
+  }
   // No job follows. An unfinished job is a frame only if it fails: the host was told so, or has
   // given it up.
   void finish(bool given_up = false);
@@ -129,7 +133,8 @@ class JobFrames {
   bool listed_ = false;  // the job's end is in the host's memory too
   bool busy_ = false;    // the host's last look said so
   bool followed_ = false;
-  bool stopped_ = false;  // with this job
+  bool stopped_ = false;
+  std::int64_t known_ = -1;  // the job whose end the host knew then
 };
 
 }  // namespace hvp::vp

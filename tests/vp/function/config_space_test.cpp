@@ -368,7 +368,7 @@ TEST(ConfigSpace, MessagesMayHaveATable) {
   space.show_pending(false);
   EXPECT_EQ(space.entry(0x800), 0U);
   EXPECT_EQ(space.entry(16), 0U);
-  EXPECT_EQ(space.entry(2, 2), 0U);  // no word
+  EXPECT_EQ(space.entry(2, 2), 0xffffU);  // no word
   const ConfigSpace::ResetByte byte = space.reset_byte();
   space.set(byte.offset, byte.value, 1);
   space.set(kCommand, 2, 1);
