@@ -164,7 +164,10 @@ def a_processor_that_spins_is_seen(guest: Guest) -> None:
 
 
 def a_wait_without_an_end_is_seen(guest: Guest) -> None:
-    parts = ("time_travel_", "the board: done; its last job, number 3 of the run, was asked for at ")
+    parts = (
+        "time_travel_",
+        "the board: done; its last job, number 3 of the run, was asked for at ",
+    )
     faults = [word for setting in LOST for word in ("--set", setting)]
     says(guest, guest.build("wait", WAIT), parts, *faults)
 
