@@ -82,7 +82,14 @@ def another_quantum(rng: random.Random, scenario: Scenario, _: Run) -> Scenario:
 
 
 def fewer_frames(rng: random.Random, scenario: Scenario, _: Run) -> Scenario:
-    return setting(scenario, frames=str(rng.randint(1, int(scenario.values["frames"]) - 1)))
+    """No fewer than its faults need."""
+    frames = int(scenario.values["frames"])
+    needed = [
+        int(fault.get("frame", "-1")) + int(fault.get("count", "1"))
+        for fault in scenario.lists.get("fault", [])
+    ]
+    fewest = max([1, *needed])
+    return setting(scenario, frames=str(rng.randint(fewest, max(fewest, frames - 1))))
 
 
 def is_beginning(before: Run, after: Run) -> Iterator[str]:
