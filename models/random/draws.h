@@ -26,6 +26,10 @@ class Draws {
   };
   // `draw` counts the draws of a frame and `attempt` the repetitions of one, both below 2^16.
   Pair uniform(std::int64_t frame, std::uint32_t draw = 0, std::uint32_t attempt = 0) const;
+  // The numbers of an effect that belong to no frame, one after the other.
+  Pair nth(std::int64_t number) const {
+    return uniform(number >> 16U, static_cast<std::uint32_t>(number & 0xffff));
+  }
 
  private:
   std::uint64_t seed_;

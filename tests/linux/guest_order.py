@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 
 from module_bugs import BUGS
-from module_variants import Guest, Ran, WrongError, cases_parser, guest_of, share_of
+from module_variants import Guest, Ran, WrongError, cases_parser, guest_of, run_named, share_of
 
 RANDOM = ("--set", "guest.schedule=random")
 WEAK = ("--set", "guest.memory_order=weak")
@@ -83,17 +83,7 @@ def main() -> int:
             is_found, guest, "record cleared behind the doorbell", *RANDOM
         ),
     }
-    failed = 0
-    for name, test in tests.items():
-        if arguments.case not in (None, name):
-            continue
-        try:
-            test()
-            print(f"ok      {name}", flush=True)
-        except WrongError as error:
-            failed += 1
-            print(f"FAILED  {name}: {error}", flush=True)
-    return 1 if failed else 0
+    return run_named(arguments, tests)
 
 
 if __name__ == "__main__":

@@ -14,7 +14,16 @@ from dataclasses import dataclass
 from functools import partial
 
 from dma_checked import SOLVE, UNMAP, offset
-from module_variants import Change, Guest, Ran, WrongError, cases_parser, guest_of, share_of
+from module_variants import (
+    Change,
+    Guest,
+    Ran,
+    WrongError,
+    cases_parser,
+    guest_of,
+    run_named,
+    share_of,
+)
 
 CHECK = ("--check", "driver,dma")
 LINE = ("--set", "transfer.method=programmed-io", "--set", "transfer.notification=intx")
@@ -223,7 +232,6 @@ def main() -> int:
     if arguments.lines:
         lines(guest)
         return 0
-    failed = 0
     # No other layer knows where a handler ends.
     only_here = tuple(bug for bug in BUGS if bug.word == "line-left-up")
     chosen = tuple(dict.fromkeys((*only_here, *share_of(arguments, BUGS))))
@@ -232,16 +240,7 @@ def main() -> int:
         "the module by words and INTA#": partial(the_module_breaks_no_rule, guest, LINE),
         **{bug.name: partial(is_named, guest, bug) for bug in chosen},
     }
-    for name, test in tests.items():
-        if arguments.case not in (None, name):
-            continue
-        try:
-            test()
-            print(f"ok      {name}", flush=True)
-        except WrongError as error:
-            failed += 1
-            print(f"FAILED  {name}: {error}", flush=True)
-    return 1 if failed else 0
+    return run_named(arguments, tests)
 
 
 if __name__ == "__main__":

@@ -12,8 +12,9 @@ import json
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -203,19 +204,23 @@ def guest_of(arguments: argparse.Namespace) -> Guest:
     return Guest(arguments.program.resolve(), arguments.guest.resolve(), arguments.work.resolve())
 
 
-def run_cases(arguments: argparse.Namespace, cases: tuple[Callable[[Guest], None], ...]) -> int:
-    guest = guest_of(arguments)
+def run_named(arguments: argparse.Namespace, tests: Mapping[str, Callable[[], None]]) -> int:
     failed = 0
-    for case in cases:
-        if arguments.case not in (None, case.__name__):
+    for name, test in tests.items():
+        if arguments.case not in (None, name):
             continue
         try:
-            case(guest)
-            print(f"ok      {case.__name__}", flush=True)
+            test()
+            print(f"ok      {name}", flush=True)
         except (WrongError, subprocess.SubprocessError, OSError) as error:
             failed += 1
-            print(f"FAILED  {case.__name__}: {error}", flush=True)
+            print(f"FAILED  {name}: {error}", flush=True)
     return 1 if failed else 0
+
+
+def run_cases(arguments: argparse.Namespace, cases: tuple[Callable[[Guest], None], ...]) -> int:
+    guest = guest_of(arguments)
+    return run_named(arguments, {case.__name__: partial(case, guest) for case in cases})
 
 
 if __name__ == "__main__":

@@ -105,10 +105,6 @@ void WeakMemory::each_line(std::uint64_t address, std::size_t bytes, const Visit
   }
 }
 
-bool WeakMemory::heads() {
-  // A frame of Draws has 2^16 numbers.
-  const std::int64_t number = drawn_++;
-  return draws_.uniform(number >> 16, static_cast<std::uint32_t>(number & 0xffff)).first < 0.5;
-}
+bool WeakMemory::heads() { return draws_.nth(drawn_++).first < 0.5; }
 
 }  // namespace hvp::vp

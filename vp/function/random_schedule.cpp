@@ -10,10 +10,7 @@ RandomSchedule::RandomSchedule(std::int64_t seed, std::string_view stream, doubl
       log_ratio_(random::natural_log(longest_s / kShortest)) {}
 
 Picoseconds RandomSchedule::next() {
-  // A frame of Draws has 2^16 numbers.
-  const std::int64_t number = drawn_++;
-  const random::Draws::Pair u =
-      draws_.uniform(number >> 16, static_cast<std::uint32_t>(number & 0xffff));
+  const random::Draws::Pair u = draws_.nth(drawn_++);
   if (u.first >= kShareDelayed) return 0;
   return to_picoseconds(random::exponential(log_shortest_ + u.second * log_ratio_));
 }
