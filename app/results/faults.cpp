@@ -103,8 +103,9 @@ void fault_lines(Out out, const Outcome& o) {
                      r.why_not(o.verdict.frames()));
       continue;
     }
-    fmt::format_to(out, "  {:<16} {}, first in frame {}", vp::name(r.fault.kind), times(r.injected),
-                   r.first_frame);
+    fmt::format_to(
+        out, "  {:<16} {}{}, first in frame {}", vp::name(r.fault.kind), times(r.injected),
+        r.missing() == 0 ? std::string() : fmt::format(" of {}", r.fault.count), r.first_frame);
     if (r.corrected > 0) fmt::format_to(out, "; the bus corrected {}", r.corrected);
     if (r.noticed > 0) fmt::format_to(out, "; the driver noticed {}", r.noticed);
     if (r.unnoticed() > 0) fmt::format_to(out, "; UNNOTICED {}", r.unnoticed());

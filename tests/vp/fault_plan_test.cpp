@@ -121,6 +121,22 @@ TEST(FaultPlan, ABoardGoesInSoManyFramesInARow) {
   EXPECT_EQ(plan.injected(), 2);
 }
 
+// A driver whose time-out is longer than all of them finds out once, in the first.
+TEST(FaultPlan, WhoFindsTheBoardGoneHasNoticedAllTheFramesOfThat) {
+  Fault gone = at(FaultKind::device_gone, 2);
+  gone.frames = 3;
+  gone.count = 5;
+  FaultPlan plan({gone}, 1, kPeriod);
+  plan.begin(0);
+  EXPECT_TRUE(plan.gone(2 * kPeriod, 2));
+  EXPECT_TRUE(plan.gone(8 * kPeriod, 2));
+  EXPECT_EQ(plan.injected(), 5);
+  plan.notice_failure(1);  // a pipeline's, of before
+  EXPECT_EQ(plan.unnoticed(), 5);
+  plan.notice_failure(2);
+  EXPECT_EQ(plan.unnoticed(), 0);
+}
+
 TEST(Fault, GoesForGoodOnce) {
   Fault gone = at(FaultKind::device_gone, 2);
   gone.count = 2;

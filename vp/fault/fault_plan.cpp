@@ -274,6 +274,14 @@ bool FaultPlan::due(std::size_t item, std::int64_t frame) const {
          fault.rate;
 }
 
+namespace {
+
+bool takes_the_board_away(FaultKind kind) {
+  return kind == FaultKind::device_gone || kind == FaultKind::surprise_removal;
+}
+
+}  // namespace
+
 void FaultPlan::inject(std::size_t item, std::int64_t frame) {
   FaultRecord& record = records_[item];
   ++record.injected;
@@ -282,6 +290,7 @@ void FaultPlan::inject(std::size_t item, std::int64_t frame) {
   i.struck = frame;
   i.open[1] = i.open[0];
   i.open[0] = frame;
+  if (takes_the_board_away(record.fault.kind) && i.absent_since < 0) i.absent_since = frame;
 }
 
 const Fault* FaultPlan::strike(FaultKind kind, std::int64_t frame, FaultAccess access) {
@@ -379,13 +388,15 @@ void FaultPlan::notice_item(std::size_t item, std::int64_t frame) {
 
 void FaultPlan::notice_failure(std::int64_t frame) {
   for (std::size_t item = 0; item < items_.size(); ++item) {
-    notice_item(item, frame);
-    const FaultKind kind = records_[item].fault.kind;
-    if (kind != FaultKind::device_gone && kind != FaultKind::surprise_removal) continue;
-    // Whoever asks for a board that is gone finds out, whenever he asks.
-    const std::array<std::int64_t, 2> open = items_[item].open;
-    for (const std::int64_t since : open) {
-      if (since >= 0 && since <= frame) notice_item(item, since);
+    Item& i = items_[item];
+    if (!takes_the_board_away(records_[item].fault.kind)) {
+      notice_item(item, frame);
+    } else if (i.absent_since >= 0 && i.absent_since <= frame) {
+      // Whoever asks for a board that is gone finds out, whenever he asks, and however many frames
+      // it was to be gone in until then.
+      records_[item].noticed = records_[item].injected;
+      i.open = {-1, -1};
+      i.absent_since = -1;
     }
   }
 }

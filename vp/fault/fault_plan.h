@@ -142,6 +142,7 @@ class FaultPlan {
     std::uint32_t number = 0;  // among the items of its kind
     std::int64_t struck = -1;
     std::array<std::int64_t, 2> open{-1, -1};
+    std::int64_t absent_since = -1;  // the first frame without the board that nobody has noticed
   };
 
   bool due(std::size_t item, std::int64_t frame) const;
