@@ -11,20 +11,6 @@ namespace hvp::app {
 
 namespace {
 
-void require_words(const Scenario& s) {
-  if (s.wall) {
-    throw InputError("wall", "the scenario has a wall and no board: expected one with [object]");
-  }
-  if (s.host.solver != host::SolvedBy::board) {
-    throw InputError("host.solver", "the host solves and there is no board: expected \"board\"");
-  }
-  if (s.timing_only()) {
-    throw InputError("fidelity.numbers",
-                     "a board without numbers has nothing to tell another program: expected "
-                     "\"fixed\"");
-  }
-}
-
 // Warns of settings of the scenario's own host that the other program decides itself.
 void warn_of_the_hosts_way(const Scenario& s) {
   using Method = vp::Transfer::Method;
@@ -39,14 +25,8 @@ void warn_of_the_hosts_way(const Scenario& s) {
 
 }  // namespace
 
-void require_board_with_words(const LoadedScenario& loaded) try {
-  require_words(loaded.scenario);
-} catch (const InputError& e) {
-  throw loaded.document.complete(e);
-}
-
 vp::PlatformSettings outside_board(const LoadedScenario& loaded) try {
-  require_words(loaded.scenario);
+  require_board_with_words(loaded.scenario);
   Scenario s = loaded.scenario;
   if (s.bus.graphics_traffic) {
     throw InputError("bus.graphics_traffic",

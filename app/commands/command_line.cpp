@@ -119,19 +119,7 @@ int parse_and_run(int argc, char** argv) {
       "2 the input is wrong; 3 anything else. Ctrl-C ends a run after the frame at hand, with\n"
       "the results of those before, and the program as the signal would have.");
   int status = kHeld;
-  add_run(app, status);
-  add_explain(app, status);
-  add_device(app, status);
-  add_stability(app, status);
-  add_serve(app, status);
-  add_linux(app, status);
-  add_replay(app, status);
-  add_fit(app, status);
-  add_solve(app, status);
-  add_mesh(app, status);
-  add_export(app, status);
-  add_resolve(app, status);
-  add_reference(app, status);
+  for (const AddCommand add : commands()) add(app, status);
 
   refuse_empty_values(app);
   try {

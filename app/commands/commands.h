@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -30,6 +31,7 @@ int parse_and_run(int argc, char** argv);
 // Each function adds one command with its options to the program. When the command line names it,
 // the command runs during the parse and writes its exit status to `status`, which must outlive the
 // parse.
+using AddCommand = void (*)(CLI::App& app, int& status);
 void add_run(CLI::App& app, int& status);
 void add_explain(CLI::App& app, int& status);
 void add_device(CLI::App& app, int& status);
@@ -43,6 +45,9 @@ void add_mesh(CLI::App& app, int& status);
 void add_export(CLI::App& app, int& status);
 void add_resolve(CLI::App& app, int& status);
 void add_reference(CLI::App& app, int& status);
+// The program's commands in the order of its help: of hvp all (all_commands.cpp), of hvp-run those
+// that a first run needs (first_commands.cpp).
+std::span<const AddCommand> commands();
 
 // The arguments that all commands with a scenario have in common.
 struct ScenarioArguments : ScenarioSource {

@@ -13,7 +13,6 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
-#include "app/board/outside_board.h"
 #include "app/commands/commands.h"
 #include "app/results/figures.h"
 #include "app/results/flags.h"

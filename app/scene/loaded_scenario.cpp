@@ -8,6 +8,7 @@
 #include "app/scenario/reader.h"
 #include "app/scene/samples.h"
 #include "app/scene/scenario.h"
+#include "models/config/input_error.h"
 
 namespace hvp::app {
 
@@ -38,6 +39,26 @@ LoadedScenario read_document(scenario::Document document) {
   loaded.device = devices::find(loaded.document, accelerator);
   loaded.device_file = devices::openable(loaded.document, accelerator.device);
   return loaded;
+}
+
+void require_board_with_words(const Scenario& s) {
+  if (s.wall) {
+    throw InputError("wall", "the scenario has a wall and no board: expected one with [object]");
+  }
+  if (s.host.solver != host::SolvedBy::board) {
+    throw InputError("host.solver", "the host solves and there is no board: expected \"board\"");
+  }
+  if (s.timing_only()) {
+    throw InputError("fidelity.numbers",
+                     "a board without numbers has nothing to tell another program: expected "
+                     "\"fixed\"");
+  }
+}
+
+void require_board_with_words(const LoadedScenario& loaded) try {
+  require_board_with_words(loaded.scenario);
+} catch (const InputError& e) {
+  throw loaded.document.complete(e);
 }
 
 void take_samples(Scenario& scenario) {

@@ -31,6 +31,11 @@ LoadedScenario load_untitled(const ScenarioSource& source);
 // The same of a document that is not a file of its own.
 LoadedScenario read_document(scenario::Document document);
 
+// Throws InputError if the scenario has no board ([wall], a host that solves) or a board without
+// words (`fidelity.numbers`); for a loaded one it is complete with file and line.
+void require_board_with_words(const Scenario& scenario);
+void require_board_with_words(const LoadedScenario& loaded);
+
 // Reads the user's files of samples, from which effects draw, into the scenario. Throws InputError
 // with the full key.
 void take_samples(Scenario& scenario);
