@@ -11,7 +11,7 @@
 #include "app/results/results_folder.h"
 #include "app/results/vtu_files.h"
 #include "models/config/input_error.h"
-#include "models/host/frame_computation.h"
+#include "models/fem/tissue.h"
 #include "models/sparse/matrix_market.h"
 
 namespace hvp::app {
@@ -35,12 +35,12 @@ int export_command(const ExportArguments& arguments) {
   const Progress progress = make_progress(arguments.quiet);
   // No Scene is built, as a system for other tools need not fit the device.
   std::unique_ptr<fem::Body> body;
-  std::optional<host::FrameComputation> step;
+  std::optional<fem::LinearTissue> step;
   try {
     body = make_body(loaded.scenario, progress);
     if (scenario.dynamics) {
-      step.emplace(*body, scenario.contact.diagonal, scenario.dynamics, scenario.solver,
-                   scenario.budget.period_s);
+      step.emplace(*body, scenario.contact.diagonal, scenario.dynamics, scenario.budget.period_s,
+                   fem::Effort::computed);
     }
   } catch (const InputError& e) {
     throw loaded.document.complete(e);
@@ -52,7 +52,7 @@ int export_command(const ExportArguments& arguments) {
   write_matrix(out / "K.mtx", body->stiffness(), "stiffness, N/m, active nodes");
   write_matrix(out / "M.mtx", body->mass(mass), "mass, kg, active nodes");
   if (step) {
-    write_matrix(out / "A.mtx", step->matrix(),
+    write_matrix(out / "A.mtx", step->system(),
                  "effective matrix of the time step, N/m, active nodes");
   } else {
     std::filesystem::remove(out / "A.mtx");  // of an earlier export

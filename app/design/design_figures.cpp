@@ -38,7 +38,7 @@ double clock_in_force(const accel::Architecture& a, const std::optional<accel::C
 }
 
 void take_time(const Scene& scene, const accel::BoardClocks& board, double clock_hz, Reach& r) {
-  const accel::SolveWork work = accel::longest_solve(scene.computation().board_settings());
+  const accel::SolveWork work = accel::longest_solve(scene.computation().board().settings());
   accel::Architecture a = scene.scenario().accelerator;
   a.clock_hz = clock_hz;
   r.solve_ps = board.solve(work).total() * a.clock_period_ps();
@@ -105,7 +105,7 @@ double Reach::frame_rate_hz() const { return per_second(frame_ps); }
 
 DesignFigures design_figures(const Scene& scene) {
   const accel::Architecture& a = scene.scenario().accelerator;
-  const fixed::Settings& solver = scene.computation().board_settings();
+  const fixed::Settings& solver = scene.computation().board().settings();
   const accel::WordLengths words = accel::word_lengths(solver);
   DesignFigures f;
   f.cycles = scene.solve_cycles();

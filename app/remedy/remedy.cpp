@@ -126,7 +126,7 @@ class Candidate {
 
  private:
   accel::WordLengths words() const {
-    return accel::word_lengths(scene_->computation().board_settings());
+    return accel::word_lengths(scene_->computation().board().settings());
   }
   bool clock_is_reached() const {
     try {
@@ -149,7 +149,7 @@ Candidate fitting(Candidate candidate, const Rebuild& rebuild) {
   if (candidate.works()) return candidate;
   const Scene& scene = *candidate.scene();
   if (scene.scenario().accelerator.several) return candidate;
-  const accel::WordLengths words = accel::word_lengths(scene.computation().board_settings());
+  const accel::WordLengths words = accel::word_lengths(scene.computation().board().settings());
   for (const accel::Proposal& proposal :
        accel::proposals_that_fit(scene.device(), scene.scenario().accelerator, words,
                                  scene.pattern(), devices::all_built_in())) {

@@ -126,8 +126,8 @@ Replay::Result Replay::attempt(const fixed::Plan& plan) const {
     host::FrameComputation computation(scene_.body(), s.contact.diagonal, s.dynamics, plan.settings,
                                        s.budget.period_s, refinement);
     result.flags = rounding_flags(computation, refined);
-    host::WordBoard board(computation.quantised(), computation.board_settings());
-    const sparse::BlockMatrix rounded = fixed::dequantise(computation.system());
+    host::WordBoard board(computation.board().matrix(), computation.board().settings());
+    const sparse::BlockMatrix rounded = fixed::dequantise(computation.board().words());
     host::ReferenceRun rounded_run(scene_.body(), s.dynamics, s.budget.period_s,
                                    computation.matrix(), rounded);
     std::vector<std::int32_t> b(computation.displacement().size());
@@ -141,7 +141,7 @@ Replay::Result Replay::attempt(const fixed::Plan& plan) const {
       const fem::Hold hold = frame.kept.hold();
       if (!std::ranges::equal(present, hold.nodes)) {
         computation.set_contact(hold.nodes);
-        board.set_contact(hold.nodes, computation.diagonal_word());
+        board.set_contact(hold.nodes, computation.board().diagonal_word());
         present = hold.nodes;
       }
       computation.hold(hold);

@@ -107,7 +107,7 @@ DesignReport design_report(const app::Scene& scene, const app::DesignFigures& fi
                  .figures = figures};
   if (const std::optional<accel::SeveralDevices>& several = scene.board().several()) {
     const accel::SeveralCycles c =
-        several->solve(accel::longest_solve(scene.computation().board_settings()));
+        several->solve(accel::longest_solve(scene.computation().board().settings()));
     r.links = {c.link_clocks_an_iteration(), c.link_clocks()};
   }
   return r;

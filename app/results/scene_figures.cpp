@@ -118,7 +118,7 @@ std::optional<AcceleratorFigures> accelerator_figures(const app::Scene& scene,
     }
   }
   if (const std::optional<accel::SeveralDevices>& several = scene.board().several()) {
-    const accel::SolveWork work = accel::longest_solve(scene.computation().board_settings());
+    const accel::SolveWork work = accel::longest_solve(scene.computation().board().settings());
     a.several = {several->shares().size(), several->solve(work).link_clocks()};
   }
   return a;
@@ -197,7 +197,7 @@ std::string several_text(const app::Scene& scene) {
   const std::optional<accel::SeveralDevices>& several = scene.board().several();
   if (!several) return {};
   const accel::Architecture& a = scene.scenario().accelerator;
-  const accel::SolveWork work = accel::longest_solve(scene.computation().board_settings());
+  const accel::SolveWork work = accel::longest_solve(scene.computation().board().settings());
   const accel::SeveralCycles c = several->solve(work);
   std::string text = "\nSeveral devices\n";
   const auto out = std::back_inserter(text);

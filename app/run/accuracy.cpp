@@ -25,16 +25,15 @@ AccuracyTracker::AccuracyTracker(const Scene& scene, const host::Reference& sett
       dynamic_(scene.computation().dynamic()),
       has_board_(scene.has_board()),
       refined_(scene.computation().refined() != nullptr),
-      rounded_(fixed::dequantise(scene.computation().system())),
       true_run_(scene.body(), scene.scenario().dynamics, scene.scenario().budget.period_s,
                 scene.computation().matrix(), scene.computation().matrix(),
                 scene.scenario().probes.size()),
-      rounded_run_(scene.body(), scene.scenario().dynamics, scene.scenario().budget.period_s,
-                   scene.computation().matrix(), rounded_, scene.scenario().probes.size()),
       period_s_(scene.scenario().budget.period_s) {
-  if (has_board_ && !true_run_.singular() && !rounded_run_.singular()) {
-    both_.emplace(true_run_, rounded_run_);
-  }
+  if (!has_board_) return;
+  rounded_ = fixed::dequantise(scene.computation().board().words());
+  rounded_run_.emplace(scene.body(), scene.scenario().dynamics, scene.scenario().budget.period_s,
+                       scene.computation().matrix(), rounded_, scene.scenario().probes.size());
+  if (!true_run_.singular() && !rounded_run_->singular()) both_.emplace(true_run_, *rounded_run_);
 }
 
 void AccuracyTracker::step(const fem::Hold& hold) {
@@ -75,9 +74,9 @@ void AccuracyTracker::solved(const vp::Frame& frame, const vp::Solution& solutio
   displacement_.add(solution.displacement, true_run_.displacement(), frame.number, in_contact);
   force_.add(components(forces_), components(true_run_.forces()), frame.number, in_contact);
   if (!has_rounded()) return;
-  displacement_rounded_.add(solution.displacement, rounded_run_.displacement(), frame.number,
+  displacement_rounded_.add(solution.displacement, rounded_run_->displacement(), frame.number,
                             in_contact);
-  force_rounded_.add(components(forces_), components(rounded_run_.forces()), frame.number,
+  force_rounded_.add(components(forces_), components(rounded_run_->forces()), frame.number,
                      in_contact);
 }
 
@@ -91,7 +90,7 @@ stability::Flags AccuracyTracker::flags() const {
   // solver's own error. First touches, where little is displaced, are no matter of convergence.
   const host::Deviation& own = refined_ || !has_board_ ? displacement_ : displacement_rounded_;
   stability::Flags flags = host::accuracy_flags(settings_, displacement_.judged(), own.typical());
-  if (has_board_ && !rounded_run_.positive_definite())
+  if (has_board_ && !rounded_run_->positive_definite())
     flags.raise(stability::Flag::negative_curvature);
   return flags;
 }

@@ -27,16 +27,17 @@ class AccuracyTracker : public vp::FrameObserver {
   stability::Flags flags() const;
 
  private:
-  bool has_rounded() const { return has_board_ && !rounded_run_.singular(); }
+  bool has_rounded() const { return rounded_run_ && !rounded_run_->singular(); }
   void step(const fem::Hold& hold);
 
   host::Reference settings_;
   bool dynamic_;
   bool has_board_;
   bool refined_;
-  sparse::BlockMatrix rounded_;
   host::ReferenceRun true_run_;
-  host::ReferenceRun rounded_run_;
+  // With the matrix that the board's words stand for; empty where there is no board.
+  sparse::BlockMatrix rounded_;
+  std::optional<host::ReferenceRun> rounded_run_;
   std::optional<host::PairedRuns> both_;  // where there is a rounded model that can be solved
   host::Deviation displacement_, force_;
   host::Deviation displacement_rounded_, force_rounded_;

@@ -89,7 +89,7 @@ void Scene::build_body(const Progress& progress, Limits limits) {
     within("accelerator", [&] {
       const auto& matrix = computation_->matrix();
       board_.emplace(s.accelerator, accel::pattern_of(matrix.row_begin, matrix.column));
-      const accel::WordLengths words = accel::word_lengths(computation_->board_settings());
+      const accel::WordLengths words = accel::word_lengths(computation_->board().settings());
       usage_ = accel::board_usage(device_, s.accelerator, words, *board_);
       if (limits == Limits::reported) return;
       require_fit();
@@ -108,14 +108,19 @@ void Scene::build_body(const Progress& progress, Limits limits) {
   });
   if (s.spectrum) {
     tell(progress, "bounding the spectrum");
-    spectrum_ = fixed::bound_spectrum(computation_->matrix(), computation_->system(), *s.spectrum);
+    // The words are asked for whoever solves.
+    spectrum_ = fixed::bound_spectrum(computation_->matrix(),
+                                      computation_->has_board()
+                                          ? computation_->board().words()
+                                          : fixed::prepare(computation_->matrix(), s.solver),
+                                      *s.spectrum);
   }
   locking_ = fem::measure_locking(body_->mesh(), s.object.material);
 }
 
 void Scene::require_fit() const {
   if (usage_.fits()) return;
-  const accel::WordLengths words = accel::word_lengths(computation_->board_settings());
+  const accel::WordLengths words = accel::word_lengths(computation_->board().settings());
   // The device's limit counts the nodes of the system, the scenario those of the mesh.
   accel::require_board_fit(device_, scenario_.accelerator, words, *board_, devices::all_built_in(),
                            static_cast<int>(quality_.nodes));
@@ -152,7 +157,7 @@ const accel::BoardClocks& Scene::board() const {
 
 accel::SolveCycles Scene::solve_cycles() const {
   if (!board_) return {};
-  return board_->solve(accel::longest_solve(computation_->board_settings()));
+  return board_->solve(accel::longest_solve(computation_->board().settings()));
 }
 
 vp::PlatformSettings platform_settings(const Scene& scene, const std::string& waveform_file) {
@@ -162,7 +167,7 @@ vp::PlatformSettings platform_settings(const Scene& scene, const std::string& wa
   // A force is due at the next tick, or with a pipeline that many ticks later.
   p.budget = (1 + s.host.pipeline_depth) * p.period;
   if (!scene.has_body()) return p;
-  p.solver = scene.computation().board_settings();
+  if (scene.has_board()) p.solver = scene.computation().board().settings();
   if (const std::optional<WaveformSettings>& shown = s.output.waveform) {
     p.waveform = {waveform_file, shown->first_frame, shown->frames};
   }

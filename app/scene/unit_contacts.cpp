@@ -118,7 +118,8 @@ std::optional<host::RoundingEstimate> estimate_rounding(const Scene& scene,
   if (computation.timing_only()) return std::nullopt;
   if (!quick_to_factorise(scene)) return std::nullopt;
   return host::estimate_rounding(scene.body(), computation.matrix(),
-                                 fixed::dequantise(computation.system()), unit_contacts(scene));
+                                 fixed::dequantise(computation.board().words()),
+                                 unit_contacts(scene));
 }
 
 }  // namespace hvp::app

@@ -53,12 +53,12 @@ int highest_node(const ThesisScene& scene) {
 
 // The jobs of a board whose user presses, and what the node that is pressed makes of the matrix.
 struct Jobs {
-  explicit Jobs(ThesisScene& scene) : matrix(scene.computation.quantised()) {
+  explicit Jobs(ThesisScene& scene) : matrix(scene.computation.board().matrix()) {
     host::FrameComputation& c = scene.computation;
     const int node = highest_node(scene);
     c.set_contact(std::array{node});
-    matrix.set_contact(node, c.diagonal_word());
-    settings = c.board_settings();
+    matrix.set_contact(node, c.board().diagonal_word());
+    settings = c.board().settings();
     const std::unique_ptr<fixed::Solver> solver = fixed::make_solver(settings);
     solver->load(matrix);
     std::vector<std::int32_t> x(static_cast<std::size_t>(matrix.rows()), 0);
@@ -125,7 +125,7 @@ double frame_seconds(ThesisScene& scene, bool referenced) {
       std::filesystem::temp_directory_path() / ("hvp_frames_" + std::to_string(getpid()) + ".csv");
   scene.settings.frames = kFrames;
   std::optional<Reference> reference;
-  const sparse::BlockMatrix rounded = fixed::dequantise(scene.computation.system());
+  const sparse::BlockMatrix rounded = fixed::dequantise(scene.computation.board().words());
   if (referenced) reference.emplace(scene, rounded);
   vp::Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
   results::FramesCsv frames(file, scene.settings.budget);

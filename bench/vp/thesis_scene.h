@@ -41,7 +41,7 @@ inline fixed::Settings solver() {
 // The sphere of scenarios/thesis.toml: dynamic, with 60 iterations and the probe in contact.
 struct ThesisScene {
   explicit ThesisScene(host::Effort effort_asked = host::Effort::computed) : effort(effort_asked) {
-    settings.solver = computation.board_settings();
+    settings.solver = computation.board().settings();
     settings.probes.front().start = {0, 0, 48e-3};
     plant::Segment press;
     press.phase = plant::Stroke::press;

@@ -12,13 +12,10 @@ namespace {
 constexpr int kFramesWithoutWords = 16;
 }  // namespace
 
-BoardWords::BoardWords(const fem::ContactConstraint& constraint, const fixed::System& system,
-                       std::int32_t diagonal_word, std::span<const double> initial,
-                       fem::Effort effort)
+BoardWords::BoardWords(const fem::ContactConstraint& constraint, const BoardSystem& board,
+                       std::span<const double> initial, fem::Effort effort)
     : constraint_(constraint),
-      system_(system),
-      scaling_(system),
-      diagonal_word_(diagonal_word),
+      board_(board),
       effort_(effort),
       b_(initial.size()),
       u_(initial.begin(), initial.end()) {}
@@ -42,17 +39,18 @@ bool BoardWords::next(std::span<std::int32_t> b) {
     constraint_.modified_rhs(f_, hold_.nodes, hold_.displacement, b_);
     // The board has the diagonal as a word; the right-hand side has to belong to that word for
     // the solution to be u: word · scale · u = s·b with u/s for u in a scaled system.
-    const double diagonal = diagonal_word_ * system_.matrix.scale;
+    const double diagonal = board_.diagonal_word() * board_.matrix().scale;
     for (std::size_t n = 0; n < hold_.nodes.size(); ++n) {
       for (int i = 0; i < 3; ++i) {
         const auto row = static_cast<std::size_t>(3 * hold_.nodes[n] + i);
-        b_[row] = diagonal / (system_.scale[row] * system_.scale[row]) * hold_.displacement[n][i];
+        b_[row] = diagonal / (board_.words().scale[row] * board_.words().scale[row]) *
+                  hold_.displacement[n][i];
       }
     }
   } else {
     std::ranges::copy(f_, b_.begin());
   }
-  clamped_ = scaling_.right_hand_side(b_, b);
+  clamped_ = board_.scaling().right_hand_side(b_, b);
   if (clamped_ > 0) flags_.raise(stability::Flag::range_exceeded);
   look_for_words(b);
   return true;
@@ -71,7 +69,7 @@ void BoardWords::accept(std::span<const std::int32_t> x, stability::Flags flags)
   if (effort_ == fem::Effort::counted) return;
   frames_without_words_ = vanished_ ? frames_without_words_ + 1 : 0;
   if (frames_without_words_ >= kFramesWithoutWords) flags_.raise(stability::Flag::stagnation);
-  scaling_.displacements(x, u_);
+  board_.scaling().displacements(x, u_);
   if (hold_.elapsed_s == 0) return;
   for (std::size_t n = 0; n < hold_.nodes.size(); ++n) {
     for (int i = 0; i < 3; ++i) {
@@ -82,8 +80,8 @@ void BoardWords::accept(std::span<const std::int32_t> x, stability::Flags flags)
 
 // One operation more per word, where every equation has a scale of its own.
 double BoardWords::conversion() const {
-  const int rows = system_.matrix.block_rows() * 3;
-  const bool scaled = system_.settings.matrix_scaling != fixed::MatrixScaling::none;
+  const int rows = board_.matrix().block_rows() * 3;
+  const bool scaled = board_.words().settings.matrix_scaling != fixed::MatrixScaling::none;
   return conversion_operations(rows) + (scaled ? rows : 0);
 }
 

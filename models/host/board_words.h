@@ -5,7 +5,7 @@
 
 #include "models/fem/contact.h"
 #include "models/fem/tissue.h"
-#include "models/fixed/system.h"
+#include "models/host/board_system.h"
 #include "models/host/frame_method.h"
 
 namespace hvp::host {
@@ -15,10 +15,9 @@ namespace hvp::host {
 // sides stay as they are.
 class BoardWords final : public FrameMethod {
  public:
-  // Keeps references. `diagonal_word` is the board's word on the diagonal of a contact node;
-  // `initial` is the displacement before the first frame.
-  BoardWords(const fem::ContactConstraint& constraint, const fixed::System& system,
-             std::int32_t diagonal_word, std::span<const double> initial, fem::Effort effort);
+  // Keeps references. `initial` is the displacement before the first frame.
+  BoardWords(const fem::ContactConstraint& constraint, const BoardSystem& board,
+             std::span<const double> initial, fem::Effort effort);
 
   void begin(std::span<const double> f, const fem::Hold& hold) override;
   bool next(std::span<std::int32_t> b) override;
@@ -39,9 +38,7 @@ class BoardWords final : public FrameMethod {
   void look_for_words(std::span<const std::int32_t> b);
 
   const fem::ContactConstraint& constraint_;
-  const fixed::System& system_;
-  fixed::Scaling scaling_;
-  std::int32_t diagonal_word_;
+  const BoardSystem& board_;
   fem::Effort effort_;
   std::span<const double> f_;
   fem::Hold hold_;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <utility>
 
 #include "models/config/input_error.h"
@@ -11,22 +10,6 @@
 namespace hvp::host {
 
 namespace {
-
-// Rounds the diagonal to a word; one that rounds to nothing would leave the node free. Where the
-// matrix is scaled its diagonal is one throughout, and so is the contact's.
-std::int32_t word_of(double diagonal, const fixed::System& system) {
-  const fixed::QuantisedMatrix& matrix = system.matrix;
-  const bool scaled = system.settings.matrix_scaling == fixed::MatrixScaling::diagonal;
-  const double limit = std::ldexp(1.0, matrix.bits - 1) - 1;
-  const double entry = scaled ? 1.0 : diagonal;
-  return static_cast<std::int32_t>(std::clamp(std::round(entry / matrix.scale), 1.0, limit));
-}
-
-fixed::Settings settings_of_board(const fixed::System& system, bool refined) {
-  fixed::Settings settings = system.settings;
-  if (refined) settings.start = fixed::Start::zero;
-  return settings;
-}
 
 std::unique_ptr<HostSolve> make_host_solve(SolvedBy solver, const sparse::BlockMatrix& a,
                                            const fixed::Settings& settings) {
@@ -49,23 +32,21 @@ FrameComputation::FrameComputation(const fem::Body& body, fem::ContactDiagonal d
                                    const fixed::Settings& settings, double period_s,
                                    const std::optional<Refinement>& refinement, SolvedBy solver,
                                    Effort effort)
-    : tissue_(body, diagonal, dynamics, period_s, effort),
-      effort_(effort),
-      system_(fixed::prepare(tissue_.system(), settings)),
-      board_settings_(settings_of_board(system_, refinement.has_value())),
-      scaling_(system_),
-      diagonal_word_(word_of(tissue_.constraint().diagonal(), system_)) {
+    : tissue_(body, diagonal, dynamics, period_s, effort), effort_(effort) {
   const std::span<const double> initial = tissue_.initial_displacement();
   if (std::unique_ptr<HostSolve> solve = make_host_solve(solver, matrix(), settings)) {
     on_host_ = solve.get();
     method_ = std::make_unique<HostMethod>(solver, std::move(solve), initial);
-  } else if (refinement) {
-    auto refined = std::make_unique<RefinedSolve>(*refinement, matrix(), system_, initial);
-    refined_ = refined.get();
-    method_ = std::move(refined);
   } else {
-    method_ = std::make_unique<BoardWords>(tissue_.constraint(), system_, diagonal_word_, initial,
-                                           effort);
+    board_.emplace(matrix(), settings, tissue_.constraint().diagonal(), refinement.has_value());
+    if (refinement) {
+      auto refined =
+          std::make_unique<RefinedSolve>(*refinement, matrix(), board_->words(), initial);
+      refined_ = refined.get();
+      method_ = std::move(refined);
+    } else {
+      method_ = std::make_unique<BoardWords>(tissue_.constraint(), *board_, initial, effort);
+    }
   }
   if (timing_only() && (refined_ != nullptr || on_host_ != nullptr)) {
     throw InputError(

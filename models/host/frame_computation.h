@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -13,7 +12,7 @@
 #include "models/fem/newmark.h"
 #include "models/fem/tissue.h"
 #include "models/fixed/settings.h"
-#include "models/fixed/system.h"
+#include "models/host/board_system.h"
 #include "models/host/frame_method.h"
 #include "models/host/host_solve.h"
 #include "models/host/refinement.h"
@@ -49,14 +48,10 @@ class FrameComputation {
   FrameComputation& operator=(const FrameComputation&) = delete;
 
   const sparse::BlockMatrix& matrix() const { return tissue_.system(); }
-  // The matrix in the board's words, and the settings of the board's solver: the static shift in
-  // force, and a start from zero where the board solves for increments.
-  const fixed::System& system() const { return system_; }
-  const fixed::QuantisedMatrix& quantised() const { return system_.matrix; }
-  const fixed::Settings& board_settings() const { return board_settings_; }
-  const fixed::Scaling& scaling() const { return scaling_; }
-  // The board's word on the diagonal of a contact node.
-  std::int32_t diagonal_word() const { return diagonal_word_; }
+  // The matrix in the board's words, with the settings of its solver. A host that solves has none,
+  // and must not be asked.
+  bool has_board() const { return board_.has_value(); }
+  const BoardSystem& board() const { return board_.value(); }
   bool timing_only() const { return effort_ == Effort::counted; }
   bool dynamic() const { return !tissue_.velocity().empty(); }
 
@@ -108,10 +103,7 @@ class FrameComputation {
  private:
   fem::LinearTissue tissue_;
   Effort effort_;
-  fixed::System system_;
-  fixed::Settings board_settings_;
-  fixed::Scaling scaling_;
-  std::int32_t diagonal_word_;
+  std::optional<BoardSystem> board_;
   fem::KeptHold held_;
   std::unique_ptr<FrameMethod> method_;
   const RefinedSolve* refined_ = nullptr;

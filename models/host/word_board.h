@@ -15,7 +15,7 @@ namespace hvp::host {
 // to the next.
 class WordBoard {
  public:
-  // `settings` are FrameComputation::board_settings().
+  // `settings` are BoardSystem::settings().
   WordBoard(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings);
 
   // Sets the contact nodes (active, ascending); `diagonal` is the word on their diagonals.

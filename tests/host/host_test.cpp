@@ -53,8 +53,8 @@ Eigen::VectorXd vector(std::span<const double> v) {
 // What an exact solver would answer to the words that the host sends.
 std::vector<std::int32_t> exact_answer(const FrameComputation& c, std::span<const std::int32_t> b,
                                        const fixed::Settings& settings) {
-  fixed::QuantisedMatrix a = c.quantised();
-  for (const int node : c.contact()) a.set_contact(node, c.diagonal_word());
+  fixed::QuantisedMatrix a = c.board().matrix();
+  for (const int node : c.contact()) a.set_contact(node, c.board().diagonal_word());
   const double shift = std::ldexp(1.0, settings.rhs_shift());
   Eigen::VectorXd rhs(static_cast<Eigen::Index>(b.size()));
   for (std::size_t i = 0; i < b.size(); ++i) rhs[static_cast<Eigen::Index>(i)] = b[i] * shift;
@@ -76,7 +76,7 @@ TEST(FrameComputation, ExactSolutionOfItsWordsPutsTheContactWhereItIsPrescribed)
       {fem::ContactDiagonal::average, scaled}};
   for (const auto& [diagonal, wanted] : variants) {
     FrameComputation c(cube.body, diagonal, std::nullopt, wanted, kPeriod);
-    const fixed::Settings& settings = c.board_settings();
+    const fixed::Settings& settings = c.board().settings();
     c.set_contact(cube.touched());
     std::vector<std::int32_t> b(c.displacement().size());
     test::hold(c, kPress);
@@ -84,11 +84,11 @@ TEST(FrameComputation, ExactSolutionOfItsWordsPutsTheContactWhereItIsPrescribed)
     test::accept(c, exact_answer(c, b, settings));
     const auto first = static_cast<std::size_t>(3 * cube.touched()[0]);
     // b of the contact rows is one word of 2^m units over the diagonal: that is its resolution.
-    const double step =
-        c.scaling().displacement_unit() * std::ldexp(1.0, settings.rhs_shift()) / c.diagonal_word();
+    const double step = c.board().scaling().displacement_unit() *
+                        std::ldexp(1.0, settings.rhs_shift()) / c.board().diagonal_word();
     for (int i = 0; i < 3; ++i) {
       const std::size_t entry = first + static_cast<std::size_t>(i);
-      EXPECT_NEAR(c.displacement()[entry], kPress[i], c.system().scale[entry] * step);
+      EXPECT_NEAR(c.displacement()[entry], kPress[i], c.board().words().scale[entry] * step);
     }
   }
 }
@@ -162,7 +162,7 @@ TEST(ReferenceRun, OfTheRoundedMatrixIsWhatAnExactSolverMakesOfTheHostsRightHand
   const fixed::Settings settings;
   const FrameComputation c(cube.body, fem::ContactDiagonal::average, std::nullopt, settings,
                            kPeriod);
-  const sparse::BlockMatrix rounded = fixed::dequantise(c.quantised());
+  const sparse::BlockMatrix rounded = fixed::dequantise(c.board().matrix());
   ReferenceRun run(cube.body, std::nullopt, kPeriod, cube.body.stiffness(), rounded);
   run.step({cube.touched(), std::array{kPress}, {}, 0});
 
@@ -211,7 +211,7 @@ TEST(PairedRuns, AreTheTwoRunsAlone) {
   for (const auto& dynamics : {std::optional<fem::Dynamics>(), std::optional(damped())}) {
     const FrameComputation c(cube.body, fem::ContactDiagonal::average, dynamics, fixed::Settings{},
                              kPeriod);
-    const sparse::BlockMatrix rounded = fixed::dequantise(c.quantised());
+    const sparse::BlockMatrix rounded = fixed::dequantise(c.board().matrix());
     ReferenceRun one(cube.body, dynamics, kPeriod, c.matrix(), c.matrix());
     ReferenceRun other(cube.body, dynamics, kPeriod, c.matrix(), rounded);
     ReferenceRun one_alone(cube.body, dynamics, kPeriod, c.matrix(), c.matrix());
@@ -349,7 +349,7 @@ TEST(FrameComputation, CountedCostsTheSameAndComputesNothing) {
     EXPECT_EQ(counted.hold_operations(), n);
   }
   EXPECT_GT(operations[1], operations[0]);
-  EXPECT_EQ(counted.quantised().value, done.quantised().value);
+  EXPECT_EQ(counted.board().matrix().value, done.board().matrix().value);
 }
 
 TEST(FrameComputation, CountsNothingWhoseOperationsDependOnNumbers) {
@@ -361,6 +361,17 @@ TEST(FrameComputation, CountsNothingWhoseOperationsDependOnNumbers) {
   EXPECT_THROW(counted(Refinement{}, SolvedBy::board), InputError);
   EXPECT_THROW(counted(std::nullopt, SolvedBy::cg), InputError);
   EXPECT_THROW(counted(std::nullopt, SolvedBy::cholesky), InputError);
+}
+
+TEST(FrameComputation, HasWordsOnlyForABoard) {
+  const Cube cube;
+  for (const SolvedBy solver : {SolvedBy::board, SolvedBy::cg, SolvedBy::cholesky}) {
+    const FrameComputation computation(cube.body, fem::ContactDiagonal::average, std::nullopt,
+                                       fixed::Settings{}, kPeriod, std::nullopt, solver);
+    EXPECT_EQ(computation.has_board(), solver == SolvedBy::board) << name(solver);
+    if (computation.has_board()) continue;
+    EXPECT_THROW(computation.board(), std::bad_optional_access);
+  }
 }
 
 }  // namespace

@@ -64,19 +64,19 @@ class Board {
  public:
   explicit Board(const FrameComputation& computation)
       : computation_(computation),
-        matrix_(computation.quantised()),
-        solver_(computation.board_settings()),
+        matrix_(computation.board().matrix()),
+        solver_(computation.board().settings()),
         b_(static_cast<std::size_t>(matrix_.rows())),
         x_(b_.size()) {
     solver_.load(matrix_);
   }
 
   void touch(int node) {
-    matrix_.set_contact(node, computation_.diagonal_word());
+    matrix_.set_contact(node, computation_.board().diagonal_word());
     solver_.update(node);
   }
   void release(int node) {
-    matrix_.restore_row(node, computation_.quantised().row(node));
+    matrix_.restore_row(node, computation_.board().matrix().row(node));
     solver_.update(node);
   }
 

@@ -73,7 +73,7 @@ class Driver {
     dma.record = memory + 2 * kPage / 4;
     dma.record_address = kAddress + 2 * kPage;
     EXPECT_EQ(hvp_use_dma(&device, &dma), HVP_OK);
-    const fixed::QuantisedMatrix& k = scene.computation.quantised();
+    const fixed::QuantisedMatrix& k = scene.computation.board().matrix();
     const hvp_matrix matrix{static_cast<std::uint32_t>(k.block_rows()),
                             static_cast<std::uint32_t>(k.column.size()), k.row_begin.data(),
                             k.column.data(), k.value.data()};
@@ -88,7 +88,7 @@ class Driver {
   std::vector<std::int32_t> expected() const {
     std::vector<std::int32_t> solution(b.size(), 0);
     fixed::ReferenceSolver(scene.settings.solver)
-        .solve(scene.computation.quantised(), {b, solution});
+        .solve(scene.computation.board().matrix(), {b, solution});
     return solution;
   }
 

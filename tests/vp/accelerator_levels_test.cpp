@@ -323,7 +323,7 @@ class BusHold : public testing::TestWithParam<Timing> {};
 
 TEST_P(BusHold, LastsForTheNodesPackages) {
   SmallScene scene;
-  const fixed::QuantisedMatrix& k = scene.computation.quantised();
+  const fixed::QuantisedMatrix& k = scene.computation.board().matrix();
   Ledger ledger;
   PciBus bus("bus", link::Pci{}, false, ledger);
   Accelerator accelerator("accelerator", accel::Architecture{}, GetParam(), ledger);

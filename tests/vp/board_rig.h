@@ -72,7 +72,7 @@ class BoardRig {
     ASSERT_EQ(hvp_load_matrix(&device_, &matrix), HVP_OK);
   }
 
-  const fixed::QuantisedMatrix& k() const { return scene_.computation.quantised(); }
+  const fixed::QuantisedMatrix& k() const { return scene_.computation.board().matrix(); }
   vp::Picoseconds solve_time(int iterations = 60) const {
     return test::solve_time(k().row_begin, iterations);
   }

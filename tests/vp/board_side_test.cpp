@@ -53,7 +53,7 @@ class Driven {
   std::vector<std::int32_t> expected() const {
     std::vector<std::int32_t> solution(kUnknowns, 0);
     fixed::ReferenceSolver(scene.settings.solver)
-        .solve(scene.computation.quantised(), {b, solution});
+        .solve(scene.computation.board().matrix(), {b, solution});
     return solution;
   }
 
@@ -84,7 +84,7 @@ class Driven {
     }
     const hvp_solver_config config = driver_config(scene.settings.solver);
     ASSERT_EQ(hvp_configure(&device, &config), HVP_OK);
-    const fixed::QuantisedMatrix& k = scene.computation.quantised();
+    const fixed::QuantisedMatrix& k = scene.computation.board().matrix();
     const hvp_matrix matrix{static_cast<std::uint32_t>(k.block_rows()),
                             static_cast<std::uint32_t>(k.column.size()), k.row_begin.data(),
                             k.column.data(), k.value.data()};
@@ -115,7 +115,7 @@ TEST(BoardSide, BuildsNoHost) {
 TEST(BoardSide, TheDriverSolvesStepByStepAtExactTimes) {
   Driven host;
   while (host.started < 0) BoardSide::step_to(BoardSide::next_event().value());
-  const auto& k = host.scene.computation.quantised();
+  const auto& k = host.scene.computation.board().matrix();
   // Only the end of the job and the host's time-out are ahead.
   const Picoseconds end = host.started + test::solve_time(k.row_begin, 60);
   EXPECT_EQ(BoardSide::next_event(), end);

@@ -41,9 +41,9 @@ class MatrixWatch : public FrameObserver {
       : scene_(scene), platform_(platform) {}
 
   void solved(const Frame& frame, const Solution& solution) override {
-    const fixed::QuantisedMatrix& k = scene_.computation.quantised();
+    const fixed::QuantisedMatrix& k = scene_.computation.board().matrix();
     const std::vector<std::int32_t> expected =
-        cleared(k, solution.hold.nodes, scene_.computation.diagonal_word());
+        cleared(k, solution.hold.nodes, scene_.computation.board().diagonal_word());
     const auto words = platform_.accelerator().bank().memory(Aperture::value);
     for (std::size_t i = 0; i < expected.size(); ++i) {
       ASSERT_EQ(packed_element(words, i, 12), expected[i])
@@ -97,7 +97,7 @@ void slide_and_compare(double patch_radius, std::size_t patch_nodes) {
   SmallScene scene({.dynamics = {}, .solver = {}, .patch_radius = patch_radius});
   scene.slide(0.15);
   scene.settings.frames = 120;
-  ContractWatch contract(scene.computation.quantised());
+  ContractWatch contract(scene.computation.board().matrix());
   Platform platform(scene.settings, scene.body, scene.computation, scene.contacts, &contract);
   MatrixWatch watch(scene, platform);
   platform.add_observer(watch);

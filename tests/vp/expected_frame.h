@@ -28,12 +28,12 @@ inline vp::Picoseconds latency(const SmallScene& scene, vp::Picoseconds updates 
          + compute(kConversion + columns)     // modified force vector, in words
          + 1 * kUs + pci_write(kVectorBytes)  // driver; b
          + pci_write(4)                       // start
-         + solve_time(scene.computation.quantised().row_begin, 60)  //
-         + 5 * kUs                                                  // interrupt
-         + pci_read(4) + pci_write(4)                               // STATUS; INTERRUPT_STATUS
-         + 1 * kUs + pci_read(kVectorBytes)                         // driver; U
-         + compute(kConversion + columns)                           // force
-         + pci_write(12) + 10 * kUs;                                // force to the DAQ; its output
+         + solve_time(scene.computation.board().matrix().row_begin, 60)  //
+         + 5 * kUs                                                       // interrupt
+         + pci_read(4) + pci_write(4)                                    // STATUS; INTERRUPT_STATUS
+         + 1 * kUs + pci_read(kVectorBytes)                              // driver; U
+         + compute(kConversion + columns)                                // force
+         + pci_write(12) + 10 * kUs;  // force to the DAQ; its output
 }
 
 }  // namespace hvp::test

@@ -158,7 +158,7 @@ struct Times : testing::Test {
     return run.log.frames[static_cast<std::size_t>(kAt)].latency();
   }
   static Picoseconds solve(const SmallScene& scene) {
-    return test::solve_time(scene.computation.quantised().row_begin, 60);
+    return test::solve_time(scene.computation.board().matrix().row_begin, 60);
   }
 };
 

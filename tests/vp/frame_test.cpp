@@ -26,13 +26,13 @@ using test::SmallScene;
 constexpr int kUnknowns = SmallScene::kUnknowns;
 
 int blocks_of(const SmallScene& scene, int mesh_node) {
-  const fixed::QuantisedMatrix& k = scene.computation.quantised();
+  const fixed::QuantisedMatrix& k = scene.computation.board().matrix();
   const auto row = static_cast<std::size_t>(scene.body.active_index(mesh_node));
   return k.row_begin[row + 1] - k.row_begin[row];
 }
 
 Picoseconds constrain_time(const SmallScene& scene, int mesh_node) {
-  const fixed::QuantisedMatrix& k = scene.computation.quantised();
+  const fixed::QuantisedMatrix& k = scene.computation.board().matrix();
   const auto row = static_cast<std::size_t>(scene.body.active_index(mesh_node));
   std::int64_t clocks = 20;
   for (int i = k.row_begin[row]; i < k.row_begin[row + 1]; ++i) {
@@ -105,8 +105,9 @@ TEST(Frame, NewmarkUpdateFollowsTheForceAndBelongsToTheLoad) {
   const Simulated run(scene);
   // Update 4 and predictors 12 operations an unknown; the right-hand side one product with K for
   // Rayleigh's stiffness part and two operations an unknown, and two with the lumped masses.
-  const double operations = (4 + 12 + 2 + 2) * kUnknowns +
-                            18.0 * static_cast<double>(scene.computation.quantised().column.size());
+  const double operations =
+      (4 + 12 + 2 + 2) * kUnknowns +
+      18.0 * static_cast<double>(scene.computation.board().matrix().column.size());
   for (const Frame& frame : run.log.frames) {
     EXPECT_EQ(frame.latency(), test::latency(scene, 0, 0));
     EXPECT_EQ(frame.work_done - frame.born,
@@ -218,7 +219,8 @@ TEST(Frame, SolveIsOnThePathAndTheHostsWaitBesideIt) {
   const auto wait = std::find_if(frame.spans.begin(), frame.spans.end(),
                                  [](const Span& s) { return s.phase == Phase::wait; });
   ASSERT_NE(wait, frame.spans.end());
-  EXPECT_EQ(wait->end - wait->start, test::solve_time(scene.computation.quantised().row_begin, 60));
+  EXPECT_EQ(wait->end - wait->start,
+            test::solve_time(scene.computation.board().matrix().row_begin, 60));
 }
 
 TEST(Frame, ContactIsBetweenAPassAndAPeriodMoreOld) {

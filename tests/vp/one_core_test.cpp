@@ -23,7 +23,7 @@ SmallScene& on_one_core(SmallScene& scene, double drawing_s) {
 }
 
 Picoseconds solve(const SmallScene& scene) {
-  return test::solve_time(scene.computation.quantised().row_begin, 60);
+  return test::solve_time(scene.computation.board().matrix().row_begin, 60);
 }
 
 // From the end of the switch after the interrupt until the servo process sleeps.

@@ -69,7 +69,7 @@ TEST(Pipeline, ForceComesInTheNextPeriod) {
 // one U to the next. The board then works nearly all the time.
 TEST(Pipeline, HoldsAPeriodThatOneFrameAfterTheOtherMisses) {
   SmallScene scene;
-  const Picoseconds solve = test::solve_time(scene.computation.quantised().row_begin, 60);
+  const Picoseconds solve = test::solve_time(scene.computation.board().matrix().row_begin, 60);
   const Picoseconds cycle = receive() + send() + solve;
   ASSERT_GT(test::latency(scene), cycle + sense());
   scene.settings.frames = 50;
@@ -103,8 +103,9 @@ TEST(Pipeline, FramesOverlapInTheLedger) {
 TEST(Pipeline, UpdateOfTheFrameBeforeComesBeforeTheNextForceVector) {
   SmallScene scene({.dynamics = fem::Dynamics{}, .solver = {}});
   const Simulated run(pipelined(scene, kPeriod));
-  const double operations = (4 + 12 + 2 + 2) * SmallScene::kUnknowns +
-                            18.0 * static_cast<double>(scene.computation.quantised().column.size());
+  const double operations =
+      (4 + 12 + 2 + 2) * SmallScene::kUnknowns +
+      18.0 * static_cast<double>(scene.computation.board().matrix().column.size());
   for (std::size_t n = 0; n < 9; ++n) {
     EXPECT_EQ(run.log.frames[n].latency(),
               kPeriod + sense() + receive() + test::compute(operations) + send() + deliver());
@@ -132,7 +133,7 @@ TEST(Pipeline, ContactIsFoundAndItsForceIsThatOfTheFrame) {
 // what is left of the periods; the frames in between have none.
 TEST(Pipeline, AFailedFrameIsHandedOutBeforeTheBoardIsBroughtBack) {
   SmallScene scene;
-  const Picoseconds solve = test::solve_time(scene.computation.quantised().row_begin, 60);
+  const Picoseconds solve = test::solve_time(scene.computation.board().matrix().row_begin, 60);
   scene.settings.host.timeout_s = 10e-6;
   const Simulated run(pipelined(scene, solve / 2));
   EXPECT_GT(run.platform.verdict().unsolved(), 0);

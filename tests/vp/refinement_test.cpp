@@ -31,7 +31,7 @@ double blocks(const SmallScene& scene) {
 }
 
 int contact_blocks(const SmallScene& scene) {
-  const fixed::QuantisedMatrix& k = scene.computation.quantised();
+  const fixed::QuantisedMatrix& k = scene.computation.board().matrix();
   const auto row = static_cast<std::size_t>(scene.body.active_index(SmallScene::kTopNode));
   return k.row_begin[row + 1] - k.row_begin[row];
 }
@@ -39,8 +39,8 @@ int contact_blocks(const SmallScene& scene) {
 // b, the solve and U, the driver's part included.
 Picoseconds pass(const SmallScene& scene) {
   return 1 * kUs + pci_write(kVectorBytes) + pci_write(4) +
-         test::solve_time(scene.computation.quantised().row_begin, 15) + 5 * kUs + pci_read(4) +
-         pci_write(4) + 1 * kUs + pci_read(kVectorBytes);
+         test::solve_time(scene.computation.board().matrix().row_begin, 15) + 5 * kUs +
+         pci_read(4) + pci_write(4) + 1 * kUs + pci_read(kVectorBytes);
 }
 
 // A frame in a hold: the contact stays, its columns are moved. `since`: frames since it was met.

@@ -38,7 +38,7 @@ struct SmallScene {
         computation(body, fem::ContactDiagonal::average, options.dynamics, options.solver,
                     options.period_s, options.refinement, options.solved_by, options.effort),
         contacts(body.mesh(), floor(), contact_settings(options)) {
-    settings.solver = computation.board_settings();
+    if (computation.has_board()) settings.solver = computation.board().settings();
     settings.period = to_picoseconds(options.period_s);
     settings.budget = settings.period;
     settings.frames = 10;

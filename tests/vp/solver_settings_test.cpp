@@ -355,7 +355,7 @@ TEST_P(MethodFrames, SpansTheIterationsThatWereMade) {
     const fixed::Report& report = reports.made[n];
     const int passes = report.reached || report.breakdowns > 0 ? report.iterations : 30;
     EXPECT_EQ(solve->end - solve->start,
-              test::solve_time(scene.computation.quantised().row_begin,
+              test::solve_time(scene.computation.board().matrix().row_begin,
                                Made{.method = GetParam(),
                                     .passes = passes,
                                     .extrapolated = true,

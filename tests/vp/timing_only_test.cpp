@@ -131,9 +131,9 @@ TEST(TimingOnlySlide, MovesTheContactAndItsRows) {
 TEST(TimingOnlyStop, TakesAllIterationsWhereAResidualWouldStop) {
   const auto longest_solve = [](const SmallScene& scene) {
     const accel::Architecture architecture;
-    const auto& k = scene.computation.quantised();
+    const auto& k = scene.computation.board().matrix();
     return accel::solve_cycles(architecture, accel::pattern_of(k.row_begin, k.column),
-                               accel::longest_solve(scene.computation.board_settings()))
+                               accel::longest_solve(scene.computation.board().settings()))
                .total() *
            architecture.clock_period_ps();
   };

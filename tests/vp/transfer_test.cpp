@@ -39,7 +39,7 @@ Picoseconds board_write(int bytes) { return test::pci(bytes, 4, 0); }
 Picoseconds board_read(int bytes) { return test::pci(bytes, 4 + 8, 0); }
 
 Picoseconds solve_time(const SmallScene& scene) {
-  return test::solve_time(scene.computation.quantised().row_begin, 60);
+  return test::solve_time(scene.computation.board().matrix().row_begin, 60);
 }
 Picoseconds acknowledged() { return pci_read(4) + pci_write(4); }
 

@@ -51,7 +51,7 @@ hvp_status BoardSolver::make(Piece piece, bool& complete) {
     case Piece::configure:
       return configure();
     case Piece::begin_load: {
-      const fixed::QuantisedMatrix& k = computation_.quantised();
+      const fixed::QuantisedMatrix& k = computation_.board().matrix();
       matrix_ = {static_cast<std::uint32_t>(k.block_rows()),
                  static_cast<std::uint32_t>(k.column.size()), k.row_begin.data(), k.column.data(),
                  k.value.data()};
@@ -90,7 +90,7 @@ hvp_status BoardSolver::configure() {
 hvp_status BoardSolver::write_guess() {
   guess_is_stale_ = false;
   if (settings_.start == fixed::Start::zero) return HVP_OK;
-  computation_.scaling().displacement_words(computation_.displacement(), u_);
+  computation_.board().scaling().displacement_words(computation_.displacement(), u_);
   const hvp_status status = hvp_write_initial_guess(&device_, u_.data(), u_.size());
   if (status == HVP_OK && observer_ != nullptr) observer_->guessed(u_);
   return status;
@@ -108,9 +108,9 @@ hvp_status BoardSolver::move_contact(std::span<const int> nodes) {
   for (const int node : nodes) {
     if (contains(present, node) || status != HVP_OK) continue;
     status = hvp_constrain_node(&device_, static_cast<std::uint32_t>(node),
-                                computation_.diagonal_word());
+                                computation_.board().diagonal_word());
     if (status != HVP_OK || observer_ == nullptr) continue;
-    observer_->constrained(static_cast<std::uint32_t>(node), computation_.diagonal_word());
+    observer_->constrained(static_cast<std::uint32_t>(node), computation_.board().diagonal_word());
   }
   computation_.set_contact(nodes);
   return status;
@@ -119,7 +119,7 @@ hvp_status BoardSolver::move_contact(std::span<const int> nodes) {
 // The board must be told zeros towards nodes that are still cleared there: those that stay in
 // contact, and those whose turn comes later, which bring the blocks back by symmetry.
 hvp_status BoardSolver::restore_node(int node, std::span<const int> nodes) {
-  const fixed::QuantisedMatrix& k = computation_.quantised();
+  const fixed::QuantisedMatrix& k = computation_.board().matrix();
   const std::span<const std::int32_t> row = k.row(node);
   row_.assign(row.begin(), row.end());
   const auto first = static_cast<std::size_t>(k.row_begin[static_cast<std::size_t>(node)]);

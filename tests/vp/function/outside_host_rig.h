@@ -130,7 +130,7 @@ class Loaded : public Host {
     EXPECT_EQ(hvp_open(&device, &way, scratch.data(), scratch.size()), HVP_OK);
     const hvp_solver_config config = driver_config(scene.settings.solver);
     EXPECT_EQ(hvp_configure(&device, &config), HVP_OK);
-    const fixed::QuantisedMatrix& k = scene.computation.quantised();
+    const fixed::QuantisedMatrix& k = scene.computation.board().matrix();
     const hvp_matrix matrix{static_cast<std::uint32_t>(k.block_rows()),
                             static_cast<std::uint32_t>(k.column.size()), k.row_begin.data(),
                             k.column.data(), k.value.data()};
@@ -139,7 +139,7 @@ class Loaded : public Host {
   std::vector<std::int32_t> expected() const {
     std::vector<std::int32_t> solution(b.size(), 0);
     fixed::ReferenceSolver(scene.settings.solver)
-        .solve(scene.computation.quantised(), {b, solution});
+        .solve(scene.computation.board().matrix(), {b, solution});
     return solution;
   }
 

@@ -57,7 +57,7 @@ TEST(OutsideHost, TheDriverSolvesAtExactTimes) {
   const Picoseconds started = now_ps();
   EXPECT_EQ(started, began + test::pci_write(4));
   ASSERT_EQ(hvp_wait(&host.device, 100'000'000), HVP_OK);
-  const auto& k = host.scene.computation.quantised();
+  const auto& k = host.scene.computation.board().matrix();
   EXPECT_EQ(host.woken, started + test::solve_time(k.row_begin, 60));
   EXPECT_EQ(now_ps(), host.woken + test::pci_read(4) + test::pci_write(4));
   ASSERT_EQ(hvp_read_solution(&host.device, host.u.data(), host.u.size()), HVP_OK);
