@@ -7,12 +7,15 @@
 #include <fmt/format.h>
 
 #include "app/scenario/document.h"
+#include "app/scenario/message.h"
 #include "app/scenario/reader.h"
 #include "models/config/input_error.h"
 
 namespace hvp::app {
 
 namespace {
+
+constexpr std::string_view kBlanks = " \t\n";
 
 // An item of [[fault]] by itself.
 struct Item {
@@ -23,7 +26,6 @@ struct Item {
 };
 
 std::vector<std::string> split(std::string_view words) {
-  constexpr std::string_view kBlanks = " \t\n";
   std::vector<std::string> all;
   for (std::size_t begin = 0; begin <= words.size();) {
     const std::size_t end = std::min(words.find(',', begin), words.size());
@@ -43,6 +45,25 @@ void require_to_come(const vp::JobFrames& jobs, const vp::Fault& fault) {
                    fmt::format("job {} is over: expected {} or later", fault.frame, first));
 }
 
+// An item has each key once, and no word without one.
+void require_keys(const std::vector<std::string>& words) {
+  std::vector<std::string_view> keys;
+  for (const std::string_view word : words) {
+    const std::size_t equals = word.find('=');
+    std::string_view key = word.substr(0, equals);
+    key = key.substr(0, key.find_last_not_of(kBlanks) + 1);
+    if (equals == std::string_view::npos || key.empty()) {
+      throw InputError(fmt::format("{}: expected KEY=VALUE, such as kind=lost-interrupt",
+                                   word.empty() ? "an empty word" : scenario::one_line(word)));
+    }
+    if (std::ranges::find(keys, key) != keys.end()) {
+      throw InputError(
+          fmt::format("{}: is there twice: expected it once", scenario::one_line(key)));
+    }
+    keys.push_back(key);
+  }
+}
+
 // The words stand behind the name of the call, not behind an option.
 std::string without_option(std::string_view line) {
   constexpr std::string_view kOption = "--set ";
@@ -55,7 +76,9 @@ std::string without_option(std::string_view line) {
 void inject_fault(vp::BoardFunction& board, const Scenario& scenario, std::string_view words) {
   Item item;
   try {
-    const auto document = scenario::Document::of_overrides(split(words));
+    const std::vector<std::string> all = split(words);
+    require_keys(all);
+    const auto document = scenario::Document::of_overrides(all);
     try {
       scenario::read(document, item);
       require_possible(scenario, item.fault);

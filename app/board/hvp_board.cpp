@@ -329,11 +329,8 @@ bool hvp_board_interrupt(hvp_board* board) { return board->bus.take_interrupt();
 
 bool hvp_board_inject(hvp_board* board, const char* fault, char* why, std::size_t why_bytes) {
   return told(why, why_bytes, "hvp_board_inject", [&] {
-    if (board->record != nullptr) {
-      throw std::invalid_argument(
-          "a record has no place for it: expected it as fault[0]… when the board is opened");
-    }
     hvp::app::inject_fault(board->function, board->scenario, text_of(fault));
+    if (board->record != nullptr) board->record->note_fault(text_of(fault));
   });
 }
 

@@ -4,11 +4,13 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "app/board/fault_words.h"
 #include "app/board/model_commands.h"
 #include "app/board/outside_board.h"
 #include "app/commands/commands.h"
@@ -82,7 +84,8 @@ int replay_command(const ReplayArguments& arguments) {
   // As the commands of those layers have it.
   std::optional<ModelCommands> commands;
   if (recorded.layer() != record::Layer::program) commands.emplace(board, s);
-  record::Player player(board, recorded, scenario::one_line(arguments.record.string()));
+  record::Player player(board, recorded, scenario::one_line(arguments.record.string()),
+                        [&](std::string_view words) { inject_fault(board, s, words); });
   const record::Record replayed = player.play();
   warn_of_faults_that_never_struck(board);
   return report(arguments, recorded, replayed, board.accelerator().bank());

@@ -33,6 +33,7 @@ std::array<Items, kWhats> items_of(const Record& record) {
       case Kind::map:
       case Kind::unmap:
       case Kind::end:
+      case Kind::fault:
         break;
     }
   }

@@ -4,6 +4,7 @@
 #include <optional>
 #include <stdexcept>
 #include <systemc>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -19,11 +20,13 @@ constexpr Picoseconds kPiece = 20'000'000;  // 20 us
 
 }  // namespace
 
-Player::Player(vp::BoardFunction& function, const Record& recorded, std::string_view file)
+Player::Player(vp::BoardFunction& function, const Record& recorded, std::string_view file,
+               Inject inject)
     : Recorder([this](const Entry& entry) { replayed_ += compose(entry); }),
       function_(function),
       recorded_(recorded),
       file_(file),
+      inject_(std::move(inject)),
       replayed_(compose_head(recorded.layer(), "")),
       memory_(recorded) {
   // As the three layers do it.
@@ -48,6 +51,9 @@ Record Player::play() {
       case Kind::map:
       case Kind::unmap:
         change_memory(entry);
+        break;
+      case Kind::fault:
+        inject(entry);
         break;
       case Kind::memory_read:
       case Kind::memory_write:
@@ -91,6 +97,18 @@ void Player::change_memory(const Entry& entry) {
     throw InputError(fmt::format("{}: byte {}: {} bytes of memory at {:#x}: {}", file_, entry.at,
                                  number_in(entry), entry.address, e.what()));
   }
+}
+
+void Player::inject(const Entry& entry) {
+  wait_for(entry.time);
+  const std::string words(entry.data.begin(), entry.data.end());
+  try {
+    inject_(words);
+  } catch (const InputError& e) {
+    throw InputError(
+        fmt::format("{}: byte {}: the fault that was asked for: {}", file_, entry.at, e.what()));
+  }
+  note_fault(words);
 }
 
 void Player::to_be_moved(bool read, std::uint64_t address, std::size_t bytes) {

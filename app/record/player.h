@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,16 +26,21 @@ class Player : private Recorder {
   static constexpr Picoseconds kSettle = 1'000'000'000;       // 1 ms
   static constexpr Picoseconds kLongest = 1'000'000'000'000;  // 1 s
 
-  // Keeps references. The simulation has not begun. `file` is the record's, for errors.
-  Player(vp::BoardFunction& function, const Record& recorded, std::string_view file);
+  // Makes a fault happen that the recorded program has asked for; throws InputError.
+  using Inject = std::function<void(std::string_view words)>;
 
-  // Throws InputError where the record has the host map memory that is not possible.
+  // Keeps references. The simulation has not begun. `file` is the record's, for errors.
+  Player(vp::BoardFunction& function, const Record& recorded, std::string_view file, Inject inject);
+
+  // Throws InputError where the record has the host map memory that is not possible, or ask for a
+  // fault that is not possible on this board.
   Record play();
 
  private:
   void to_be_moved(bool read, std::uint64_t address, std::size_t bytes) override;
   void ask(const Entry& entry);
   void change_memory(const Entry& entry);
+  void inject(const Entry& entry);
   void wait_for(Picoseconds time);
   bool waits() const;
   bool in_vain(Picoseconds since);
@@ -44,6 +50,7 @@ class Player : private Recorder {
   vp::BoardFunction& function_;
   const Record& recorded_;
   std::string file_;
+  Inject inject_;
   std::string replayed_;
   ReplayedMemory memory_;
   std::deque<std::vector<std::uint8_t>> data_;  // of the accesses, in order

@@ -108,8 +108,8 @@ class Reader {
   Entry entry_head() const {
     const std::uint64_t kind = number_at(bytes_, at_, 1);
     if (kind < static_cast<std::uint64_t>(Kind::asked) ||
-        kind > static_cast<std::uint64_t>(Kind::end)) {
-      fail(at_, fmt::format("an entry of kind {}: expected 1 to 10", kind));
+        kind > static_cast<std::uint64_t>(Kind::fault)) {
+      fail(at_, fmt::format("an entry of kind {}: expected 1 to 11", kind));
     }
     if (number_at(bytes_, at_ + 2, 2) != 0) fail(at_ + 2, "a reserved number: expected 0");
     const auto bytes = static_cast<std::uint32_t>(number_at(bytes_, at_ + 4, 4));
@@ -151,6 +151,7 @@ class Reader {
         break;
       case Kind::memory_read:
       case Kind::memory_write:
+      case Kind::fault:
         break;
       case Kind::end:
         ended_ = true;

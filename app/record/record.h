@@ -35,6 +35,7 @@ enum class Kind : std::uint8_t {
   unmap = 8,
   missing = 9,  // of a replay: an interrupt was awaited in vain
   end = 10,     // of the record
+  fault = 11,   // the program asks for one, in the words of [[fault]]
 };
 
 // What the one number of flags says, by kind.

@@ -4,6 +4,7 @@
 #include <array>
 #include <system_error>
 #include <systemc>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -51,6 +52,15 @@ fs::path place_for(const fs::path& file, std::string_view option) {
     throw InputError(fmt::format("{} {}: is there and no regular file: expected a file", option,
                                  scenario::one_line(file.string())));
   }
+  // What a link leads to is written, and the link stays.
+  if (fs::is_symlink(file, ignored)) {
+    std::error_code error;
+    if (fs::status(file, error).type() == fs::file_type::none) {
+      throw InputError(fmt::format("{} {}: is a link that leads nowhere ({}): expected a file",
+                                   option, scenario::one_line(file.string()), error.message()));
+    }
+    return place_for(file.parent_path() / fs::read_symlink(file), option);
+  }
   results::create_folder(file.has_parent_path() ? file.parent_path() : fs::path("."), option);
   return file;
 }
@@ -66,6 +76,11 @@ void Recorder::put(Entry entry) {
   entry.time = vp::now_ps();
   if (!entry.data.empty()) entry.bytes = static_cast<std::uint32_t>(entry.data.size());
   sink_(entry);
+}
+
+void Recorder::note_fault(std::string_view words) {
+  const std::vector<std::uint8_t> data(words.begin(), words.end());
+  put({.kind = Kind::fault, .data = data});
 }
 
 void Recorder::asked(const OutsideHost::Access& access) {

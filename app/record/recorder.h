@@ -27,6 +27,8 @@ class Recorder : public vp::OutsideHost::Observer, public vp::MemoryObserver {
   void watch(vp::BoardFunction& function);
   // An interrupt that a replay has awaited did not come.
   void note_missing() { put({.kind = Kind::missing}); }
+  // The program has asked for a fault, and was not refused.
+  void note_fault(std::string_view words);
   // Nothing more follows.
   void note_end() { put({.kind = Kind::end}); }
 
@@ -66,6 +68,7 @@ class RecordFile {
              const app::LoadedScenario& scenario);
 
   void watch(vp::BoardFunction& function) { recorder_.watch(function); }
+  void note_fault(std::string_view words) { recorder_.note_fault(words); }
   // Throws std::runtime_error where the disk did not take all of it.
   void finish();
 

@@ -60,6 +60,7 @@ std::string what_is(const Item& item, const RegisterName& name) {
     case Kind::unmap:
     case Kind::missing:
     case Kind::end:
+    case Kind::fault:
       break;
   }
   return "none";

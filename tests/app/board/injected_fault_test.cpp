@@ -167,7 +167,11 @@ TEST_F(Injection, AWrongWordChangesNothing) {
   const std::vector<std::pair<std::string, std::string>> refused = {
       {"kind=lost", "kind=lost: expected \"lost-interrupt\""},
       {"kund=lost-interrupt", "kund=lost-interrupt: "},
-      {"", ""},
+      {"", "an empty word: expected KEY=VALUE, such as kind=lost-interrupt"},
+      {"kind=stuck-busy,", "an empty word: expected KEY=VALUE"},
+      {"stuck-busy", "stuck-busy: expected KEY=VALUE"},
+      {"kind=stuck-busy,kind=lost-interrupt", "kind: is there twice: expected it once"},
+      {"kind=stuck-busy,frame=3,frame = 4", "frame: is there twice: expected it once"},
       {"kind=lost-interrupt,frame=1,rate=0.5", "frame"},
       {"kind=lost-interrupt,rate=0.5,count=2", "count=2: goes with frame"},
       {"kind=device-gone,count=2", "count=2: a board that is gone for good goes once"},

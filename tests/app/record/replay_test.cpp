@@ -47,6 +47,58 @@ TEST_F(Replay, OnTheSameBoardEqualsToThePicosecond) {
   EXPECT_EQ(figures["compared"]["transfers"]["recorded"], 0);
 }
 
+// Asked for between two jobs, and at a stop: what it strikes and when is the same.
+TEST_F(Replay, OfFaultsThatTheProgramAskedFor) {
+  open();
+  hvp_device device{};
+  load(device);
+  ASSERT_TRUE(hvp_board_inject(board, "kind=lost-interrupt", why.data(), why.size()));
+  solve(device);
+  const auto break_the_start = [](void* context, const hvp_board_stop* /*stop*/) {
+    auto* const broken = static_cast<hvp_board*>(context);
+    EXPECT_TRUE(hvp_board_inject(broken, "kind=master-abort,access=start", nullptr, 0));
+  };
+  ASSERT_TRUE(hvp_board_stop_at(board, "job 1", break_the_start, board, why.data(), why.size()));
+  EXPECT_FALSE(hvp_board_inject(board, "kind=lost", why.data(), why.size()));
+  solve(device, HVP_ERROR_BUS);
+  close();
+  EXPECT_EQ(std::ranges::count(recorded().entries(), Kind::fault, &Entry::kind), 2);
+  const json figures = this->figures(0, {"--times"});
+  EXPECT_EQ(figures["compared"]["accesses"]["compared"], recorded_accesses());
+}
+
+TEST_F(Replay, NamesAFaultThatTheBoardCannotHave) {
+  open({"transfer.method=dma"});
+  hvp_device device{};
+  load(device);
+  ASSERT_TRUE(hvp_board_inject(board, "kind=late-dma,delay=1 ms", why.data(), why.size()))
+      << why.data();
+  close();
+  const cli::Ended refused = replay({"--set", "transfer.method=programmed-io"});
+  EXPECT_EQ(refused.status, 2) << refused.out;
+  EXPECT_THAT(refused.err, HasSubstr("a.bin: byte "));
+  EXPECT_THAT(refused.err, HasSubstr(": the fault that was asked for: "));
+  EXPECT_THAT(refused.err, HasSubstr("late-dma needs a DMA engine"));
+}
+
+TEST_F(Replay, OfARecordThatWasWrittenThroughALink) {
+  std::filesystem::create_directory(place.path() / "there");
+  std::filesystem::create_symlink("there/b.bin", place.path() / "a.bin");
+  record_a_job();
+  EXPECT_TRUE(std::filesystem::is_symlink(place.path() / "a.bin"));
+  EXPECT_TRUE(std::filesystem::is_regular_file(place.path() / "there/b.bin"));
+  figures(0, {"--times"});
+}
+
+TEST_F(Replay, NoRecordThroughALinkToItself) {
+  std::filesystem::create_symlink("a.bin", place.path() / "a.bin");
+  const std::string file = (place.path() / "a.bin").string();
+  const hvp_board_options options = {nullptr, 0, nullptr, false, file.c_str()};
+  EXPECT_EQ(hvp_board_open(cli::scenario("thesis.toml").c_str(), &options, why.data(), why.size()),
+            nullptr);
+  EXPECT_THAT(why.data(), HasSubstr("a.bin: is a link that leads nowhere ("));
+}
+
 TEST_F(Replay, WithPollingToo) {
   record_a_job({"transfer.notification=polling"});
   EXPECT_EQ(figures(0, {"--times"})["compared"]["interrupts"]["recorded"], 0);
