@@ -95,7 +95,7 @@ struct hvp_board_stop {
   const char* point;  // as it was asked for
   const char* what;   // one line: the word, the time and the job
   uint64_t time_ps;   // now
-  int64_t job;        // the newest, -1 before the first
+  int64_t job;        // the newest that the program has begun, by this access too; -1: none
   uint64_t offset;    // of an access
   uint32_t value;     // an access' word, or the number in `point`
 };

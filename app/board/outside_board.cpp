@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "app/board/stop_points.h"
 #include "app/results/driver_findings.h"
 #include "models/config/input_error.h"
 #include "models/time/picoseconds.h"
@@ -69,6 +70,16 @@ void warn_of_faults_that_never_struck(vp::BoardFunction& board) {
     spdlog::warn("[[fault]] {} did not happen: {}", vp::name(record.fault.kind),
                  record.why_not(board.host().frames().jobs()));
   }
+}
+
+void require_stops(const std::vector<std::string>& points) try {
+  for (const std::string& point : points) StopPoints::require_words(point);
+} catch (const InputError& e) {
+  throw InputError(fmt::format("--stop-at {}", e.what()));
+}
+
+void warn_of_a_stop_that_never_came(const std::string& never) {
+  if (!never.empty()) spdlog::warn("--stop-at {}: it never came", never);
 }
 
 void watch_driver(vp::DriverRules& rules, vp::BoardFunction& board) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "app/scene/loaded_scenario.h"
 #include "vp/function/driver_rules.h"
@@ -21,6 +23,11 @@ void require_strong_order(const LoadedScenario& loaded, std::string_view who);
 // A warning for each [[fault]] that did not happen, with why: it would pass for one that was
 // survived. For hosts that print no report.
 void warn_of_faults_that_never_struck(vp::BoardFunction& board);
+
+// Throws InputError for a word of --stop-at that is no point, before anything is written.
+void require_stops(const std::vector<std::string>& points);
+// A warning of a point of --stop-at (StopPoints::never_came()); none of an empty one.
+void warn_of_a_stop_that_never_came(const std::string& never);
 
 // Watches the driver: each rule that it breaks is a warning when it happens first. To be called
 // before the simulation begins. Keeps references.

@@ -188,8 +188,8 @@ void StopPoints::tell(Point& point, std::uint32_t value, std::uint64_t offset,
                       const std::string& more) {
   if (point.removed) return;
   ++point.came;
-  const std::int64_t job =
-      point.kind == Kind::job ? point.number : board_.host().frames().jobs() - 1;
+  // A job has begun for the host with its first access, which may be under way.
+  const std::int64_t job = std::max(begun_, board_.host().frames().jobs() - 1);
   Stop stop{.point = point.words,
             .what = fmt::format("{} {} at {} us, {}", point.words, more,
                                 results::microseconds(vp::now_ps()),

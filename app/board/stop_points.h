@@ -17,7 +17,7 @@ struct Stop {
   std::string point;         // as it was asked for
   std::string what;          // one line: the word, the time and the job
   vp::Picoseconds time = 0;  // now
-  std::int64_t job = -1;     // the newest, -1 before the first
+  std::int64_t job = -1;     // the newest that the host has begun, by this access too; -1: none
   std::uint32_t value = 0;   // the register's word, or the number in `point`
   std::uint64_t offset = 0;  // of the access in the BAR
 };

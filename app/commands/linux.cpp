@@ -17,7 +17,6 @@
 
 #include "app/board/model_commands.h"
 #include "app/board/outside_board.h"
-#include "app/board/stop_points.h"
 #include "app/commands/commands.h"
 #include "app/linux/complaints.h"
 #include "app/linux/guest.h"
@@ -139,13 +138,6 @@ std::string gdb_text(pid_t process, const fs::path& kernel) {
   return text;
 }
 
-// A wrong one is named before anything is written.
-void require_stop(const std::string& point) try {
-  StopPoints::require_words(point);
-} catch (const InputError& e) {
-  throw InputError(fmt::format("--stop-at {}", e.what()));
-}
-
 // Lists the effects of a simulated host that the scenario has and a run with a kernel lacks.
 std::vector<std::string> not_counted(const Scenario& s) {
   std::vector<std::string> all = {
@@ -201,9 +193,10 @@ std::string driver_lines(const guest::GuestFigures& figures) {
 std::string order_lines(const guest::GuestFacts& facts) {
   if (!facts.memory_order) return {};
   const vp::WeakMemory::Counts& order = *facts.memory_order;
+  if (order.transfers == 0) return {};
   return fmt::format(
-      "\n  memory order  {} of the board's to what had no barrier behind it{}",
-      results::counted(order.unordered, "transfer"),
+      "\n  memory order  {} of the board's, {} to what had no barrier behind it{}",
+      results::counted(order.transfers, "transfer"), order.unordered,
       order.unordered == 0
           ? std::string()
           : fmt::format("; with this seed {} of them got or left other words", order.changed));
@@ -249,7 +242,7 @@ int linux_command(const LinuxArguments& arguments) {
   const guest::Checks checks = chosen_checks(arguments);
   const guest::GuestSettings chosen = guest_settings(arguments, checks);
   const LoadedScenario loaded = load(arguments);
-  for (const std::string& point : arguments.stop_at) require_stop(point);
+  require_stops(arguments.stop_at);
   fs::path out = arguments.out;
   if (out.empty()) (out = results_folder(arguments)) += "-linux";
   const vp::PlatformSettings board_settings = outside_board(loaded);
@@ -328,9 +321,7 @@ int linux_command(const LinuxArguments& arguments) {
           "guest.system_call: the kernel took no time for a system call; expected one with "
           "driver/linux/kernel/patches/system-call-time.patch");
     }
-    if (const std::string never = guest.never_stopped(); !never.empty()) {
-      spdlog::warn("--stop-at {}: it never came", never);
-    }
+    warn_of_a_stop_that_never_came(guest.never_stopped());
     if (rules) rules->finish();
     figures = results.finish(
         s, {guest.counts(), guest.dma(), guest.memory_order(), guest.first_access(),

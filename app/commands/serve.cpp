@@ -9,6 +9,7 @@
 
 #include "app/board/model_commands.h"
 #include "app/board/outside_board.h"
+#include "app/board/stop_points.h"
 #include "app/commands/commands.h"
 #include "app/record/recorder.h"
 #include "app/results/board_records.h"
@@ -25,6 +26,7 @@ struct ServeArguments : ScenarioArguments {
   std::filesystem::path socket;
   bool once = false;  // ends with its first client
   bool trace_registers = false;
+  std::vector<std::string> stop_at;
   std::vector<std::string> checks;  // what is looked for in the driver
   std::filesystem::path record;     // empty: none
   std::filesystem::path out;        // of the trace; empty: runs/<scenario>-serve
@@ -32,11 +34,21 @@ struct ServeArguments : ScenarioArguments {
 
 namespace fs = std::filesystem;
 
+// Ends at the first of the points, as hvp linux does.
+void stop_here(vp::BoardFunction& board, serve::Server& server, const Stop& stop) {
+  if (server.stopped()) return;
+  server.stop();
+  board.host().frames().stop();
+  print("stopped: {}\n", stop.what);
+  std::fflush(stdout);
+}
+
 int serve_command(const ServeArguments& arguments) {
   const LoadedScenario loaded = load(arguments);
   check_kernel("HVP_KERNEL");
   const vp::PlatformSettings settings = outside_board(loaded);
   require_strong_order(loaded, "a socket");
+  require_stops(arguments.stop_at);
   fs::path out = arguments.out;
   std::optional<results::FolderLock> lock;
   std::optional<results::RegisterTrace> registers;
@@ -66,7 +78,14 @@ int serve_command(const ServeArguments& arguments) {
         "with the clock: for function, not for timing\n",
         arguments.socket.string());
     std::fflush(stdout);
-    serve::Server(board, socket).run(arguments.once);
+    serve::Server server(board, socket);
+    std::optional<StopPoints> stops;
+    for (const std::string& point : arguments.stop_at) {
+      if (!stops) stops.emplace(board.function());
+      stops->add(point, [&](const Stop& stop) { stop_here(board.function(), server, stop); });
+    }
+    server.run(arguments.once);
+    if (stops) warn_of_a_stop_that_never_came(stops->never_came());
     warn_of_faults_that_never_struck(board.function());
     if (rules) {
       rules->finish();
@@ -116,6 +135,12 @@ void add_serve(CLI::App& app, int& status) {
       "--trace-registers", arguments->trace_registers,
       "also log every access to the board, in registers.log, and as a waveform, in registers.vcd; "
       "and what a board moves by itself, in dma.log");
+  command
+      ->add_option("--stop-at", arguments->stop_at,
+                   "a point at which it ends: \"write to CONTROL\", \"read of STATUS\", "
+                   "\"interrupt 3\", \"message 3\", \"job 7\"; as often as wanted")
+      ->allow_extra_args(false)
+      ->type_name("POINT");
   command
       ->add_option("--record", arguments->record,
                    "also record all that passes between client and board, for hvp replay")

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "app/results/part_files.h"
+#include "vp/board/board_side.h"
 #include "vp/board/board_waveform.h"
 #include "vp/fpga/accelerator.h"
 #include "vp/frame/frame_tag.h"
@@ -98,6 +99,8 @@ class RegisterTrace : public vp::AccessObserver {
     log_.finish();
     if (dma_log_) dma_log_->finish();
     if (!waveform_) return;
+    // A waveform begins with the first step of time, which a board that nobody accessed never made.
+    if (vp::now_ps() == 0) vp::BoardSide::step_to(1);
     waveform_->close();
     file_->finish();
   }

@@ -41,7 +41,7 @@ class SignalsOnlyInWaits {
 
 void Server::run(bool once) {
   const SignalsOnlyInWaits signals;
-  while (results::interrupted() == 0 && !(once && served_)) {
+  while (results::interrupted() == 0 && !stopped_ && !(once && served_)) {
     wait(signals.before());
     if (has_spoken_) {
       serve();
@@ -97,7 +97,7 @@ void Server::serve() {
     std::optional<Message> message = client_->connection.receive();
     if (!message) return;
     const Bytes reply = client_->session.take(std::move(*message));
-    if (!reply.empty()) client_->connection.send(reply);
+    if (!reply.empty() && !stopped_) client_->connection.send(reply);
   } catch (const Broken& e) {
     let_go(e.what());
   }

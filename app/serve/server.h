@@ -23,6 +23,9 @@ class Server {
   // Returns after a signal (results::interrupted()) or, with `once`, after the first client that
   // agreed on a version has gone. The caller defers interruptions.
   void run(bool once);
+  // Ends run() soon: what is under way for the client is finished, and its answer is not sent.
+  void stop() { stopped_ = true; }
+  bool stopped() const { return stopped_; }
 
  private:
   struct Client {
@@ -40,6 +43,7 @@ class Server {
   BoardPort& board_;
   ListeningSocket& socket_;
   std::unique_ptr<Client> client_;
+  bool stopped_ = false;
   bool served_ = false;   // a client has agreed on a version and gone
   bool knocked_ = false;  // the last wait found a new client
   bool has_spoken_ = false;

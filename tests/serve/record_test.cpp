@@ -20,9 +20,7 @@ constexpr std::array<std::int32_t, 2> kRowBegin = {0, 1};
 constexpr std::array<std::int32_t, 1> kColumn = {0};
 constexpr std::array<std::int32_t, 9> kValue = {64, 0, 0, 0, 32, 0, 0, 0, 16};
 
-void solve_jobs(const std::filesystem::path& socket, int jobs) {
-  struct hvp_client* client = nullptr;
-  ASSERT_EQ(hvp_client_open(&client, ("vfio-user:" + socket.string()).c_str()), HVP_OK);
+void load_one_node(struct hvp_client* client) {
   hvp_solver_config config{};
   config.method = HVP_METHOD_JACOBI_PCG;
   config.iterations = 4;
@@ -33,6 +31,12 @@ void solve_jobs(const std::filesystem::path& socket, int jobs) {
   ASSERT_EQ(hvp_client_configure(client, &config), HVP_OK);
   const hvp_matrix k = {1, 1, kRowBegin.data(), kColumn.data(), kValue.data()};
   ASSERT_EQ(hvp_client_load_matrix(client, &k), HVP_OK);
+}
+
+void solve_jobs(const std::filesystem::path& socket, int jobs) {
+  struct hvp_client* client = nullptr;
+  ASSERT_EQ(hvp_client_open(&client, ("vfio-user:" + socket.string()).c_str()), HVP_OK);
+  load_one_node(client);
   const std::array<std::int32_t, 3> b = {640, 640, 640};
   for (int job = 0; job < jobs; ++job) {
     std::array<std::int32_t, 3> u{};
@@ -79,6 +83,44 @@ INSTANTIATE_TEST_SUITE_P(Ways, ServedRecord,
                                          Way{{"--set", "transfer.method=dma", "--set",
                                               "transfer.notification=msi"},
                                              8}));
+
+TEST(ServedStop, EndsAtTheFirstPointAsLinuxDoes) {
+  ServedProgram served({"--stop-at", "job 1", "--stop-at", "message 9"});
+  struct hvp_client* client = nullptr;
+  ASSERT_EQ(hvp_client_open(&client, ("vfio-user:" + served.socket().string()).c_str()), HVP_OK);
+  load_one_node(client);
+  const std::array<std::int32_t, 3> b = {640, 640, 640};
+  std::array<std::int32_t, 3> u{};
+  EXPECT_EQ(hvp_client_solve(client, b.data(), u.data(), u.size(), 60'000'000'000), HVP_OK);
+  EXPECT_NE(hvp_client_solve(client, b.data(), u.data(), u.size(), 60'000'000'000), HVP_OK);
+  hvp_client_close(client);
+  const cli::Ended ended = served.program().wait();
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_NE(ended.out.find("\nstopped: job 1 begins at "), std::string::npos) << ended.out;
+  EXPECT_NE(ended.out.find(" us, in job 1\n"), std::string::npos) << ended.out;
+  EXPECT_NE(ended.err.find("--stop-at message 9: it never came"), std::string::npos) << ended.err;
+}
+
+TEST(ServedStop, AWrongWordIsNamed) {
+  const hvp::ScratchDirectory place;
+  cli::write(place.path() / "s.toml", cli::kSmallScene);
+  const cli::Ended ended =
+      cli::hvp(place.path(), {"serve", "s.toml", "--vfio-user", "b", "--stop-at", "jub 1"});
+  EXPECT_EQ(ended.status, 2);
+  EXPECT_NE(ended.err.find("--stop-at \"jub 1\": expected \"write to REGISTER\""),
+            std::string::npos)
+      << ended.err;
+}
+
+TEST(ServedTrace, OfNoAccessIsEmpty) {
+  ServedProgram served({"--trace-registers", "--once", "--out", "o"});
+  served.expect_service();
+  const cli::Ended ended = served.program().wait();
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_EQ(cli::lines(cli::read(served.folder() / "o/registers.log")).size(), 1U);
+  EXPECT_TRUE(std::filesystem::exists(served.folder() / "o/registers.vcd"));
+  EXPECT_EQ(ended.err.find("Warning"), std::string::npos) << ended.err;
+}
 
 TEST(KilledServer, HasRecordedWhatItsClientSaw) {
   ServedProgram served({"--record", "a.bin"});

@@ -9,6 +9,7 @@ namespace hvp::vp {
 
 void WeakMemory::Counts::report(config::Figures& f) const {
   f.count("barriers", barriers, "of the host's that the board has heard of");
+  f.count("transfers", transfers, "accesses of the board's to memory");
   f.count(
       "unordered", unordered,
       "accesses of the board's to memory that the host had stored to without a barrier behind it");
@@ -61,6 +62,7 @@ bool WeakMemory::read(std::uint64_t address, std::span<std::uint8_t> data) {
                 changed = true;
               }
             });
+  ++counts_.transfers;
   counts_.unordered += unordered ? 1 : 0;
   counts_.changed += changed ? 1 : 0;
   return unordered;
@@ -86,6 +88,7 @@ bool WeakMemory::write(std::uint64_t address, std::span<std::uint8_t> data) {
               }
               std::ranges::copy(written, visible.begin());
             });
+  ++counts_.transfers;
   counts_.unordered += unordered ? 1 : 0;
   counts_.changed += changed ? 1 : 0;
   return unordered;

@@ -29,6 +29,7 @@ class WeakMemory {
 
   struct Counts {
     std::int64_t barriers = 0;
+    std::int64_t transfers = 0;  // accesses of the board's to memory
     std::int64_t unordered = 0;  // accesses of the board's to what had no barrier
     std::int64_t changed = 0;    // of these, those that got old words or whose words were lost
     void report(config::Figures& f) const;

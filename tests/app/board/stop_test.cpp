@@ -93,6 +93,23 @@ TEST_F(StopAt, AMemoryOfTheBoards) {
   EXPECT_EQ(seen[0].time, began);
   EXPECT_EQ(seen[0].offset, 0x20000U);
   EXPECT_EQ(seen[0].value, 640U);
+  EXPECT_EQ(seen[0].job, 0);
+}
+
+// At one instant every point is of one job.
+TEST_F(StopAt, OfTheJobThatTheAccessBegins) {
+  open(false, "intx");
+  EXPECT_EQ(solve(), HVP_OK);
+  EXPECT_EQ(stop_at("write to B"), "");
+  EXPECT_EQ(stop_at("job 1"), "");
+  const std::uint64_t began = now();
+  EXPECT_EQ(solve(), HVP_OK);
+  ASSERT_EQ(seen.size(), 2U);
+  for (const Seen& one : seen) {
+    EXPECT_EQ(one.time, began) << one.what;
+    EXPECT_EQ(one.job, 1) << one.what;
+    EXPECT_TRUE(one.what.ends_with(", in job 1")) << one.what;
+  }
 }
 
 TEST_F(StopAt, AJobBeforeItsFirstAccess) {
