@@ -1,6 +1,6 @@
 """Mistakes in a driver, and what the platform says of each: in the process, and in a Linux kernel.
 
-BUILD has `release` and `linux/plain`. Prints docs/driver-bugs.md."""
+BUILD has `release`, `linux/plain` and `linux/kasan+lockdep`. Prints docs/driver-bugs.md."""
 
 import argparse
 import json
@@ -34,8 +34,21 @@ _LINUX = """\
 
 `tests/linux/module_bugs.py`: a line of the module or of the driver's core is another, with
 `hvp linux --check driver,dma`. `dma` is a warning about what the kernel has mapped
-([DMA that is checked](linux.md#dma-that-is-checked)). What only the kernel itself can see, such as
-the use of memory that was freed, is `--check kasan,lockdep`'s ([tests](linux.md#how-it-is-tested)).
+([DMA that is checked](linux.md#dma-that-is-checked)).
+
+| mistake | named by |
+|---|---|
+"""
+
+
+_CHECKED = """\
+
+## In a Linux kernel that looks for more
+
+The same with `hvp linux --check kasan,lockdep` ([a kernel that looks for
+more](linux.md#a-kernel-that-looks-for-more)): what only the kernel itself can see. It complains on
+its console; the report and `checks` of `summary.json` name it. `./hvp test --long linux` runs
+these.
 
 | mistake | named by |
 |---|---|
@@ -72,12 +85,15 @@ def in_process(build: Path) -> list[str]:
     return lines
 
 
-def in_linux(build: Path) -> list[str]:
+def in_linux(build: Path, variant: str, *words: str) -> list[str]:
     script = str(TOP / "tests" / "linux" / "module_bugs.py")
-    guest = build / "linux" / "plain"
+    guest = build / "linux" / variant
     command = [sys.executable, "-B", script, str(build / "release/app/hvp"), str(guest)]
     done = subprocess.run(
-        [*command, str(guest / "variants"), "--lines"], capture_output=True, text=True, check=False
+        [*command, str(guest / "variants"), "--lines", *words],
+        capture_output=True,
+        text=True,
+        check=False,
     )
     if done.returncode != 0:
         raise SystemExit(f"driver_bugs.py: {done.stderr[-600:]}")
@@ -89,7 +105,8 @@ def main() -> int:
     parser.add_argument("build", type=Path)
     build: Path = parser.parse_args().build.resolve()
     print(_HEAD + "\n".join(in_process(build)))
-    print(_LINUX + "\n".join(in_linux(build)))
+    print(_LINUX + "\n".join(in_linux(build, "plain")))
+    print(_CHECKED + "\n".join(in_linux(build, "kasan+lockdep", "--checked")))
     return 0
 
 

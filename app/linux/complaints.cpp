@@ -36,10 +36,11 @@ const std::vector<Check>& kernel_checks() {
   static const std::vector<Check> kChecks = {
       {"kasan", {"BUG: KASAN: ", "unreferenced object 0x"}},
       {"lockdep",
-       {"WARNING: possible ", "WARNING: inconsistent lock state", "WARNING: bad unlock balance",
-        "WARNING: suspicious RCU usage", "WARNING: held lock freed", "WARNING: Nested lock",
-        "BUG: sleeping function called", "BUG: spinlock ", "INFO: trying to register non-static",
-        "INFO: task ", "DMA-API: ", "ODEBUG: ", "list_add corruption", "list_del corruption"}},
+       {"WARNING: possible ", "-unsafe lock order detected", "WARNING: inconsistent lock state",
+        "WARNING: bad unlock balance", "WARNING: suspicious RCU usage", "WARNING: held lock freed",
+        "WARNING: Nested lock", "BUG: sleeping function called", "BUG: spinlock ",
+        "INFO: trying to register non-static", "INFO: task ",
+        "DMA-API: ", "ODEBUG: ", "list_add corruption", "list_del corruption"}},
   };
   return kChecks;
 }

@@ -61,6 +61,9 @@ find_fault kasan 'kmalloc(sizeof(hvp__U_t), GFP_KERNEL)' 'kmalloc(64, GFP_KERNEL
 find_fault lockdep 'spin_lock_init(&board->line_lock);' '(void)board;' msi=0 \
   'INFO: trying to register non-static key'
 
+# Mistakes of docs/driver-bugs.md.
+python3 -B "$here/module_bugs.py" "$hvp" "$kernels/$variant" "$kernels/$variant/variants" --checked
+
 # What has found something, and every kind of board.
 stress() { python3 -B "$here/stress_test.py" "$hvp" "$kernels/$variant" --seconds 60 "$@"; }
 stress

@@ -1,9 +1,10 @@
 """Mistakes that kernel developers make, one each in the module, and what the platform says of them.
 
-usage: module_bugs.py PROGRAM GUEST WORK [--share N --of M | --lines]
+usage: module_bugs.py PROGRAM GUEST WORK [--checked] [--share N --of M | --lines]
 
 As module_variants.py. Each is run with `hvp linux --check driver,dma`, and the module as it is
-breaks no rule. --share takes one M-th of them; --lines prints a line each for
+breaks no rule. With --checked the mistakes are those that only a kernel sees which looks for more:
+GUEST is the variant kasan+lockdep. --share takes one M-th of them; --lines prints a line each for
 docs/driver-bugs.md, and judges nothing.
 """
 
@@ -26,13 +27,14 @@ from module_variants import (
 )
 
 CHECK = ("--check", "driver,dma")
+CHECK_KERNEL = ("--check", "kasan,lockdep")
 LINE = ("--set", "transfer.method=programmed-io", "--set", "transfer.notification=intx")
 
 
 @dataclass(frozen=True)
 class Bug:
     """A mistake, and the word that names it: a rule of docs/driver-rules.md, or part of a
-    warning of `--check dma`."""
+    warning of `--check dma`, or of what a kernel that looks for more complains of."""
 
     name: str
     change: tuple[Change, ...]
@@ -180,6 +182,41 @@ BUGS = (
     ),
 )
 
+# Seen by KASAN and lockdep alone.
+CHECKED_BUGS = (
+    Bug(
+        "an open file keeps no reference to the board",
+        (
+            Change(
+                "hvp_pci.c",
+                "\tkref_get(&board->references);\n",
+                "\t(void)board;\n",
+            ),
+        ),
+        "kasan: .*BUG: KASAN: use-after-free",
+    ),
+    Bug(
+        "sleeping under the handler's lock",
+        (
+            Change(
+                "hvp_job_calls.c",
+                "\thvp_engine_give(board);\n",
+                "\thvp_engine_give(board);\n"
+                "\tspin_lock_irq(&board->line_lock);\n"
+                "\tkfree(kmalloc(64, GFP_KERNEL));\n"
+                "\tspin_unlock_irq(&board->line_lock);\n",
+            ),
+            Change(
+                "hvp_job_calls.c",
+                "#include <linux/uaccess.h>\n",
+                "#include <linux/slab.h>\n#include <linux/uaccess.h>\n",
+            ),
+        ),
+        "lockdep: .*-unsafe lock order detected",
+        LINE,
+    ),
+)
+
 
 @dataclass(frozen=True)
 class Said:
@@ -193,6 +230,10 @@ class Said:
 def said_of(guest: Guest, bug: Bug) -> tuple[list[Said], Ran]:
     module = guest.build("bug-" + re.sub(r"\W", "-", bug.name), bug.change)
     script = f"rmmod hvp\ninsmod /host{module}\n{bug.script} || true\n"
+    if bug in CHECKED_BUGS:
+        # What follows a complaint is as it may be, a panic among it.
+        ran = guest.run(script, *CHECK_KERNEL, *bug.words, statuses=(0, 1, 3))
+        return [Said(c["check"], c["text"], 0) for c in ran.summary["checks"]["found"]], ran
     ran = guest.run(script, *CHECK, *bug.words)
     said = [Said(f["rule"], f["what"], f["access"]) for f in ran.summary["driver_findings"]]
     said += [
@@ -203,9 +244,13 @@ def said_of(guest: Guest, bug: Bug) -> tuple[list[Said], Ran]:
     return said, ran
 
 
+def naming(bug: Bug, said: list[Said]) -> list[Said]:
+    return [one for one in said if re.search(bug.word, one.rule + ": the driver " + one.what)]
+
+
 def is_named(guest: Guest, bug: Bug) -> None:
     said, ran = said_of(guest, bug)
-    if not any(re.search(bug.word, one.rule + ": the driver " + one.what) for one in said):
+    if not naming(bug, said):
         found = "; ".join(f"{one.rule}: {one.what}" for one in said) or "nothing"
         raise WrongError(f"expected {bug.word}, found {found}\n{ran.said[-1500:]}")
 
@@ -216,10 +261,10 @@ def the_module_breaks_no_rule(guest: Guest, words: tuple[str, ...]) -> None:
         raise WrongError(f"{words}: {ran.summary['driver_findings']}")
 
 
-def lines(guest: Guest) -> None:
-    for bug in BUGS:
+def lines(guest: Guest, bugs: tuple[Bug, ...]) -> None:
+    for bug in bugs:
         said, _ = said_of(guest, bug)
-        named = [one for one in said if re.search(bug.word, one.rule + ": the driver " + one.what)]
+        named = naming(bug, said)
         what = f"`{named[0].rule}`" if named else "**unnamed**"
         print(f"| {bug.name} | {what} |", flush=True)
 
@@ -227,11 +272,15 @@ def lines(guest: Guest) -> None:
 def main() -> int:
     parser = cases_parser(__doc__)
     parser.add_argument("--lines", action="store_true")
+    parser.add_argument("--checked", action="store_true")
     arguments = parser.parse_args()
     guest = guest_of(arguments)
     if arguments.lines:
-        lines(guest)
+        lines(guest, CHECKED_BUGS if arguments.checked else BUGS)
         return 0
+    if arguments.checked:
+        named = {bug.name: partial(is_named, guest, bug) for bug in CHECKED_BUGS}
+        return run_named(arguments, named)
     # No other layer knows where a handler ends.
     only_here = tuple(bug for bug in BUGS if bug.word == "line-left-up")
     chosen = tuple(dict.fromkeys((*only_here, *share_of(arguments, BUGS))))
