@@ -19,6 +19,7 @@
 #include "app/board/board_bus.h"
 #include "app/board/fault_words.h"
 #include "app/board/outside_board.h"
+#include "app/board/program_place.h"
 #include "app/board/stop_points.h"
 #include "app/record/recorder.h"
 #include "app/results/board_records.h"
@@ -77,7 +78,10 @@ struct hvp_board {
         bus(function, settings.transfer) {
     function.ledger().add_observer(last_job);
     if (trace != nullptr) trace->watch(function.accelerator());
-    if (rules) hvp::app::watch_driver(*rules, function);
+    if (rules) {
+      rules->locate(hvp::app::own_stack, hvp::app::name_place);
+      hvp::app::watch_driver(*rules, function);
+    }
     if (record != nullptr) record->watch(function);
     const hvp::app::Scenario& s = scenario;
     if (s.guest && s.guest->memory_order == hvp::host::GuestCosts::MemoryOrder::weak &&
@@ -379,7 +383,9 @@ std::size_t hvp_board_findings(hvp_board* board, hvp_board_finding* findings, st
                      .count = static_cast<std::uint64_t>(one.count),
                      .first_ps = static_cast<std::uint64_t>(one.first),
                      .job = one.job,
-                     .access = static_cast<std::uint64_t>(one.access)};
+                     .access = static_cast<std::uint64_t>(one.access),
+                     .program_counter = one.program_counter,
+                     .function = one.function.c_str()};
     }
     return board->findings.size();
   });

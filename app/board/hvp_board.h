@@ -141,6 +141,11 @@ struct hvp_board_finding {
   uint64_t first_ps;
   int64_t job;      // the number of the job, -1: before any
   uint64_t access;  // the number of accesses to the BAR until then
+  // The address in the program, and its functions there as "inner < outer": of the access that
+  // `what` names, or of the start of the job whose transfer it does. Zero and "" where the program
+  // has no symbols.
+  uint64_t program_counter;
+  const char* function;
 };
 // Copies the findings, by the time of the first, into the `room` elements of `findings`, and
 // returns how many there are. Zero without hvp_board_options.check. The texts are valid until the

@@ -1,21 +1,19 @@
 #include "app/linux/kernel_stack.h"
 
-#include <algorithm>
 #include <chrono>
 #include <cstdint>
-#include <cstring>
 #include <fstream>
-#include <iterator>
 #include <optional>
 #include <sstream>
 #include <thread>
 
-#include <elf.h>
 #include <fmt/format.h>
 #include <sys/ptrace.h>
 #include <sys/uio.h>
 #include <sys/user.h>
 #include <sys/wait.h>
+
+#include "models/files/elf_functions.h"
 
 namespace hvp::guest {
 
@@ -27,55 +25,6 @@ constexpr std::uint64_t kStackBytes = 16384;
 constexpr std::size_t kInnermost = 8;
 constexpr std::size_t kOutermost = 6;
 constexpr std::chrono::milliseconds kTimeToStop{500};
-
-struct Function {
-  std::uint64_t begin;
-  std::uint64_t end;
-  std::string name;
-};
-
-// The value at an offset of a file's bytes; all zeros beyond its end.
-template <class Value>
-Value value_at(const std::string& bytes, std::uint64_t offset) {
-  Value value{};
-  if (offset <= bytes.size() && sizeof value <= bytes.size() - offset) {
-    std::memcpy(&value, bytes.data() + offset, sizeof value);
-  }
-  return value;
-}
-
-// The functions of a 64-bit ELF program, by address.
-std::vector<Function> functions_of(const std::filesystem::path& program) {
-  std::ifstream file(program, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  std::vector<Function> functions;
-  const auto head = value_at<Elf64_Ehdr>(bytes, 0);
-  if (std::memcmp(head.e_ident, ELFMAG, SELFMAG) != 0 || head.e_ident[EI_CLASS] != ELFCLASS64) {
-    return functions;
-  }
-  for (std::uint64_t i = 0; i < head.e_shnum; ++i) {
-    const auto table = value_at<Elf64_Shdr>(bytes, head.e_shoff + i * sizeof(Elf64_Shdr));
-    if (table.sh_type != SHT_SYMTAB) continue;
-    const auto names = value_at<Elf64_Shdr>(bytes, head.e_shoff + table.sh_link * sizeof table);
-    for (std::uint64_t at = 0; at + sizeof(Elf64_Sym) <= table.sh_size; at += sizeof(Elf64_Sym)) {
-      const auto symbol = value_at<Elf64_Sym>(bytes, table.sh_offset + at);
-      const std::uint64_t name = names.sh_offset + symbol.st_name;
-      if (ELF64_ST_TYPE(symbol.st_info) != STT_FUNC || symbol.st_size == 0) continue;
-      if (name >= bytes.size()) continue;
-      functions.push_back(
-          {symbol.st_value, symbol.st_value + symbol.st_size, std::string(bytes.c_str() + name)});
-    }
-  }
-  std::ranges::sort(functions, {}, &Function::begin);
-  return functions;
-}
-
-const Function* function_at(const std::vector<Function>& functions, std::uint64_t address) {
-  const auto after = std::ranges::upper_bound(functions, address, {}, &Function::begin);
-  if (after == functions.begin()) return nullptr;
-  const Function& found = *std::prev(after);
-  return address < found.end ? &found : nullptr;
-}
 
 bool wait_until_stopped(pid_t process) {
   const auto latest = std::chrono::steady_clock::now() + kTimeToStop;
@@ -135,12 +84,12 @@ std::string place_of(pid_t process, std::uint64_t address) {
 std::vector<std::string> kernel_stack(pid_t process, const std::filesystem::path& kernel) {
   const std::optional<StoppedProcess> seen = look_into(process);
   if (!seen) return {};
-  const std::vector<Function> functions = functions_of(kernel);
+  const std::vector<files::Function> functions = files::functions_of(kernel);
   std::vector<std::string> names;
-  const Function* inside = function_at(functions, seen->instruction);
+  const files::Function* inside = files::function_at(functions, seen->instruction);
   names.push_back(inside != nullptr ? inside->name : place_of(process, seen->instruction));
   for (const std::uint64_t word : seen->stack) {
-    const Function* function = function_at(functions, word);
+    const files::Function* function = files::function_at(functions, word);
     // What is called from returns behind its begin.
     if (function == nullptr || word == function->begin || function->name == names.back()) continue;
     names.push_back(function->name);

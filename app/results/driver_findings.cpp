@@ -8,9 +8,10 @@ namespace hvp::results {
 
 std::string finding_text(const vp::DriverFinding& finding) {
   std::string text = fmt::format(
-      "{}: {} ({}, at {}.{:03} ns, access {})", vp::name(finding.rule), finding.what,
+      "{}: {} ({}, at {}.{:03} ns, access {}{})", vp::name(finding.rule), finding.what,
       finding.job < 0 ? std::string("before any job") : fmt::format("job {}", finding.job),
-      finding.first / 1000, finding.first % 1000, finding.access);
+      finding.first / 1000, finding.first % 1000, finding.access,
+      finding.function.empty() ? std::string() : ", in " + finding.function);
   if (finding.count > 1) text += fmt::format(", {} times", finding.count);
   return text;
 }

@@ -49,6 +49,9 @@ constexpr std::string_view name(DriverRule rule) {
   return kRuleNames[static_cast<std::size_t>(rule)];
 }
 
+// The return addresses of the host's program, the innermost first; zeros behind the last.
+using HostPlace = std::array<std::uintptr_t, 24>;
+
 // How often a rule was broken, and the first time.
 struct DriverFinding {
   DriverRule rule{};
@@ -59,6 +62,10 @@ struct DriverFinding {
   // The number of accesses to the BAR until then, which is the line of registers.log.
   std::int64_t access = 0;
   std::string what;
+  // The address in the host's program, and its functions there, as "inner < outer": of the access
+  // that is named, or of the start of the job whose transfer is. Zero and empty: not known.
+  std::uintptr_t program_counter = 0;
+  std::string function;
 };
 
 // What became of a watched driver: the rules that it broke, by the time of the first, and of how

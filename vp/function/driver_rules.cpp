@@ -78,6 +78,7 @@ void DriverRules::found(DriverRule rule, const Text& text) {
   finding.job = board_->host().frames().jobs() - 1;
   finding.access = accesses_;
   finding.what = text();
+  if (say_) say_(place_, finding);
   if (listener_) listener_(finding);
 }
 
@@ -99,6 +100,7 @@ void DriverRules::access(Picoseconds time, Command command, const RegisterBank& 
   if (next_ != nullptr) next_->access(time, command, bank, outcome, offset, data);
   if (board_ == nullptr) return;
   ++accesses_;
+  place_ = places_.empty() ? HostPlace{} : places_.front();
   if (!outcome.ok() && outcome.access != Access::busy) {
     found(DriverRule::illegal_access, [&] { return bank.describe(outcome, command); });
   } else if (command == Command::read) {
@@ -249,6 +251,7 @@ void DriverRules::judge_start(Picoseconds time, const RegisterBank& bank, bool l
   listed_ = listed;
   end_seen_ = false;
   started_at_ = time;
+  started_from_ = place_;
   to_board_ = to_host_ = 0;
 }
 
@@ -257,6 +260,7 @@ void DriverRules::finish() {
   if (board_ == nullptr || !started_ || now_ps() - started_at_ <= kLongestWait) return;
   if (job_has_ended() && (listed_ || end_seen_)) return;
   started_ = false;
+  place_ = started_from_;
   found(DriverRule::endless_wait, [&] {
     return fmt::format("the host still waits for a job that was started at {}.{:03} ns and {}",
                        started_at_ / 1000, started_at_ % 1000,
@@ -282,6 +286,7 @@ void DriverRules::interrupted() {
 }
 
 void DriverRules::line_left_up() {
+  place_ = {};
   found(DriverRule::line_left_up, [] {
     return std::string("the handler has returned, all that it wrote has arrived, and INTA# is up");
   });
@@ -290,6 +295,7 @@ void DriverRules::line_left_up() {
 void DriverRules::line_blocked() { line_blocked_ = true; }
 
 void DriverRules::unordered(bool read, std::uint64_t address, std::size_t bytes) {
+  place_ = started_from_;
   found(DriverRule::missing_barrier, [&] {
     return fmt::format(
         "the board {} {} bytes at {:#x}, which the host has stored to without a "
@@ -299,11 +305,13 @@ void DriverRules::unordered(bool read, std::uint64_t address, std::size_t bytes)
 }
 
 void DriverRules::refused(const std::string& why, bool allowed) {
+  place_ = started_from_;
   found(allowed ? DriverRule::stray_dma : DriverRule::no_bus_master, [&] { return why; });
 }
 
 // The order is the host's: what it has posted may not have arrived when it goes on.
 void DriverRules::asked(const OutsideHost::Access& access) {
+  if (look_) places_.push_back(look_());
   if (access.space != OutsideHost::Space::bar || access.command != Command::write) return;
   for (std::size_t i = 0; i < kListRegisters; ++i) {
     const auto reg = static_cast<Register>(static_cast<std::size_t>(Register::dma_list_low) + i);
@@ -376,6 +384,7 @@ void DriverRules::own(const char* what, std::uint64_t address, std::size_t bytes
 }
 
 void DriverRules::to_be_moved(bool read, std::uint64_t address, std::size_t bytes) {
+  place_ = started_from_;
   for (const Owned& owned : owned_) {
     if (!overlap(address, bytes, owned.address, owned.bytes)) continue;
     const std::uint64_t first = std::max(address, owned.address);
@@ -399,6 +408,7 @@ void DriverRules::to_be_moved(bool read, std::uint64_t address, std::size_t byte
 
 void DriverRules::unmapped(std::uint64_t address, std::uint64_t bytes) {
   // Either ends the board's transfers as well.
+  place_ = look_ ? look_() : HostPlace{};
   if (!board_->config().may_master() || board_->host().removed()) return;
   for (const Owned& owned : owned_) {
     if (!overlap(address, bytes, owned.address, owned.bytes)) continue;
@@ -411,6 +421,7 @@ void DriverRules::unmapped(std::uint64_t address, std::uint64_t bytes) {
 }
 
 void DriverRules::transferred(const MasterAccess& access) {
+  place_ = started_from_;
   if (access.purpose == MasterPurpose::descriptors && access.answered) {
     for (std::size_t at = 0; at + kDescriptorBytes <= access.data.size(); at += kDescriptorBytes) {
       const std::uint32_t control = word_at(access.data, at);

@@ -2,11 +2,13 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "vp/bus/host_memory.h"
@@ -37,6 +39,13 @@ class DriverRules : public AccessObserver,
   void report_to(std::function<void(const DriverFinding&)> listener) {
     listener_ = std::move(listener);
   }
+  // A host whose stack can be looked into: `look` is called at each access as it is asked for, and
+  // `say`, which sets a finding's program_counter and function, at the first of each rule.
+  void locate(std::function<HostPlace()> look,
+              std::function<void(const HostPlace&, DriverFinding&)> say) {
+    look_ = std::move(look);
+    say_ = std::move(say);
+  }
   // No access follows.
   void finish();
   // The report was taken: what follows is no driver's, such as the end of a guest.
@@ -64,7 +73,9 @@ class DriverRules : public AccessObserver,
   void refused(const std::string& why, bool allowed) override;
   void unmapped(std::uint64_t address, std::uint64_t bytes) override;
   void asked(const OutsideHost::Access& access) override;
-  void ended(const OutsideHost::Access& /*access*/) override {}
+  void ended(const OutsideHost::Access& /*access*/) override {
+    if (!places_.empty()) places_.pop_front();
+  }
   void message(const ConfigSpace::Message& /*message*/) override { interrupted(); }
   void line(bool up) override {
     if (up) interrupted();
@@ -95,6 +106,11 @@ class DriverRules : public AccessObserver,
   BoardFunction* board_ = nullptr;
   std::function<void(const DriverFinding&)> listener_;
   std::array<DriverFinding, kDriverRules> findings_{};
+  std::function<HostPlace()> look_;
+  std::function<void(const HostPlace&, DriverFinding&)> say_;
+  std::deque<HostPlace> places_;  // of the accesses that have not ended
+  HostPlace place_{};             // of what is judged
+  HostPlace started_from_{};      // of the job that was started last
   bool over_ = false;
   std::int64_t accesses_ = 0;
   Picoseconds last_access_ = -1;

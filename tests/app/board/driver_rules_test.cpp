@@ -264,6 +264,42 @@ TEST_P(DriverMistake, IsNamed) {
 INSTANTIATE_TEST_SUITE_P(All, DriverMistake, testing::ValuesIn(mistakes()),
                          [](const auto& one) { return std::string(one.param.name); });
 
+// Of the program, not of the library below it. Not inlined, and no tail call.
+[[gnu::noinline]] void write_where_no_register_is(Driver& d) {
+  d.write(0x3c, 1);
+  asm volatile("");
+}
+[[gnu::noinline]] void ring_a_megabyte_off(Driver& d) {
+  d.ring();
+  asm volatile("");
+}
+
+TEST(DriverRules, NameTheFunctionOfTheAccess) {
+  Driver driver(blocks());
+  driver.load();
+  write_where_no_register_is(driver);
+  const std::vector<hvp_board_finding> all = driver.findings();
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_NE(std::string(all[0].function).find("write_where_no_register_is"), std::string::npos)
+      << all[0].function;
+  EXPECT_EQ(std::string(all[0].function).find("hvp_board_write"), std::string::npos);
+  EXPECT_NE(all[0].program_counter, 0U);
+}
+
+// The board's own transfer is of the doorbell that it obeys.
+TEST(DriverRules, NameTheFunctionOfTheDoorbell) {
+  Driver driver(dma());
+  driver.load();
+  driver.describe(8, Driver::address(0) + 0x10'0000);
+  driver.tell_list();
+  ring_a_megabyte_off(driver);
+  driver.await_record();
+  const std::vector<hvp_board_finding> all = driver.findings();
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_NE(std::string(all[0].function).find("ring_a_megabyte_off"), std::string::npos)
+      << all[0].function;
+}
+
 // What looks like a mistake and is none.
 TEST(DriverRules, BlameNobodyForALostAcknowledgement) {
   Driver driver({"fault[0].kind=master-abort", "fault[0].access=acknowledge", "fault[0].frame=0"});
