@@ -34,42 +34,60 @@ Response response(const LinearAxis& device, double seconds) {
   return r;
 }
 
-// The state is the axis' and the positions read before, the last one first: a force that is `age`
-// samples old needs two of them.
-Eigen::MatrixXd loop_map(const WallLoop& loop, double stiffness) {
-  const double samples = std::floor(loop.delay_s / loop.period_s);
-  const double rest = std::max(0.0, loop.delay_s - samples * loop.period_s);
-  const auto age = static_cast<Eigen::Index>(samples);
-  const Eigen::Index size = kSize + age + 2;
-  const Response before = response(loop.device, rest);
-  const Response after = response(loop.device, loop.period_s - rest);
+// The loop's map from one sample to the next, for any stiffness of the wall. The responses take
+// nearly all of the time, and no stiffness changes them: they are formed once.
+class LoopMap {
+ public:
+  explicit LoopMap(const WallLoop& loop)
+      : slope_(loop.damping / loop.period_s),
+        age_(static_cast<Eigen::Index>(std::floor(loop.delay_s / loop.period_s))) {
+    const double samples = static_cast<double>(age_);
+    const double rest = std::max(0.0, loop.delay_s - samples * loop.period_s);
+    before_ = response(loop.device, rest);
+    after_ = response(loop.device, loop.period_s - rest);
+  }
 
-  // Position n − k in the state.
-  const auto read = [](Eigen::Index k) { return k == 0 ? Eigen::Index{0} : kSize + k - 1; };
-  Eigen::MatrixXd map = Eigen::MatrixXd::Zero(size, size);
-  const auto add_force = [&](const Vector& response_to_it, Eigen::Index old) {
-    const double slope = loop.damping / loop.period_s;
-    map.block<kSize, 1>(0, read(old)) -= (stiffness + slope) * response_to_it;
-    map.block<kSize, 1>(0, read(old + 1)) += slope * response_to_it;
-  };
-  map.topLeftCorner<kSize, kSize>() = after.of_state * before.of_state;
-  add_force(after.of_state * before.of_command, age + 1);
-  add_force(after.of_command, age);
-  map(kSize, 0) = 1;
-  for (Eigen::Index i = kSize + 1; i < size; ++i) map(i, i - 1) = 1;
-  return map;
-}
+  double spectral_radius(double stiffness) const {
+    return map(stiffness).eigenvalues().cwiseAbs().maxCoeff();
+  }
+
+ private:
+  // The state is the axis' and the positions read before, the last one first: a force that is `age`
+  // samples old needs two of them.
+  Eigen::MatrixXd map(double stiffness) const {
+    const Eigen::Index size = kSize + age_ + 2;
+    // Position n − k in the state.
+    const auto read = [](Eigen::Index k) { return k == 0 ? Eigen::Index{0} : kSize + k - 1; };
+    Eigen::MatrixXd map = Eigen::MatrixXd::Zero(size, size);
+    const auto add_force = [&](const Vector& response_to_it, Eigen::Index old) {
+      map.block<kSize, 1>(0, read(old)) -= (stiffness + slope_) * response_to_it;
+      map.block<kSize, 1>(0, read(old + 1)) += slope_ * response_to_it;
+    };
+    map.topLeftCorner<kSize, kSize>() = after_.of_state * before_.of_state;
+    add_force(after_.of_state * before_.of_command, age_ + 1);
+    add_force(after_.of_command, age_);
+    map(kSize, 0) = 1;
+    for (Eigen::Index i = kSize + 1; i < size; ++i) map(i, i - 1) = 1;
+    return map;
+  }
+
+  double slope_;       // N/m, of the wall's damping between two samples
+  Eigen::Index age_;   // of a force, in whole samples
+  Response before_{};  // until the force that is computed now acts
+  Response after_{};   // from then to the next sample
+};
 
 }  // namespace
 
 double spectral_radius(const WallLoop& loop, double stiffness) {
-  return loop_map(loop, stiffness).eigenvalues().cwiseAbs().maxCoeff();
+  return LoopMap(loop).spectral_radius(stiffness);
 }
 
 double largest_stable_stiffness(const WallLoop& loop) {
   // A free device has an eigenvalue of one without a wall: stability begins above none.
-  const auto stable = [&loop](double stiffness) {
-    return spectral_radius(loop, stiffness) < 1 + 1e-13;
+  const LoopMap map(loop);
+  const auto stable = [&map](double stiffness) {
+    return map.spectral_radius(stiffness) < 1 + 1e-13;
   };
   // The search goes upwards in small steps, so that it ends at the first instability.
   double below = 0;
