@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "net"))
+import whole_files
 from scenario_reference import UNITS, Key, Table, tables_of
 
 TOP = Path(__file__).resolve().parents[2]
@@ -125,7 +126,6 @@ FAULTS = {'"late-dma"': {"delay": '"1 us"'}, '"truncated-dma"': {"bytes": "4"}}
 NOT_TRIED = re.compile(
     "TOML syntax|expected a (whole )?number|missing|belongs to|unknown|out of range|unit:"
 )
-NOT_FINITE = re.compile(r"(?<![A-Za-z_])-?(?:inf|nan)(?![A-Za-z_])", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -231,22 +231,6 @@ def cases(keys: list[Number], lists: set[str]) -> Iterator[Case]:
             yield Case(key.full, value, (*overrides, f"{key.full}={value}"))
 
 
-def fault_of(out: Path, printed: str) -> str:
-    """What is wrong with the results of a run that has ended, empty where nothing is."""
-    texts = {"the terminal": printed}
-    for path in sorted(out.rglob("*")):
-        if ".part" in path.name:
-            return f"left {path.name}"
-        if path.suffix in (".csv", ".json", ".toml", ".pvd", ".log"):
-            texts[path.name] = path.read_text(errors="replace")
-    for name, text in texts.items():
-        found = NOT_FINITE.search(text)
-        if found is not None:
-            around = text[max(0, found.start() - 60) : found.end() + 10]
-            return f"has {found.group()} in {name}: …{around!r}"
-    return ""
-
-
 def complaint(hvp: Path, scene: Path, case: Case) -> str:
     """What is wrong with the run, empty where nothing is. `scene` has one of a wall beside it."""
     if case.key.startswith(OF_A_WALL):
@@ -268,7 +252,7 @@ def complaint(hvp: Path, scene: Path, case: Case) -> str:
             return "" if refused_well else f"was refused: {said}"
         if run.returncode not in (0, 1):
             return f"ended with status {run.returncode}: {said}"
-        return fault_of(out, run.stdout.decode(errors="replace"))
+        return "; ".join(whole_files.complaints(out, run.stdout.decode(errors="replace")))
 
 
 def main() -> int:

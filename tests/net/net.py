@@ -28,6 +28,7 @@ from pathlib import Path
 import force_checks
 import ledger_audit
 import trace_audit
+import whole_files
 from against_the_host import AGAINST_THE_HOST
 from drawing import draw, without
 from laws import LAWS as IDENTITIES
@@ -47,7 +48,6 @@ DRAWS = 40  # of one scenario, each without what was refused in the last
 PREPARED = 6  # of a law's own scenario, where it cannot be had without what it needs
 LAWS_EACH = 3  # of a scenario, in turn
 REFUSAL = re.compile(r"[^:\n]+:(?:\d+:)? ([\w.\[\]]+): [^\n]+\n")
-NOT_FINITE = re.compile(r"(?<![A-Za-z_\"])-?(?:inf|nan)(?![A-Za-z_])", re.IGNORECASE)
 
 
 class WrongEndError(Exception):
@@ -130,18 +130,8 @@ class Place:
         return None
 
 
-def not_finite(run: Run) -> Iterator[str]:
-    for path in sorted(run.folder.rglob("*")):
-        if ".part" in path.name:
-            yield f"left {path.name}"
-        elif path.suffix in (".csv", ".json", ".toml", ".pvd", ".log"):
-            found = NOT_FINITE.search(path.read_text(encoding="utf-8"))
-            if found is not None:
-                yield f"{path.name} has {found.group()}"
-
-
 def audit(run: Run) -> Iterator[str]:
-    yield from not_finite(run)
+    yield from whole_files.complaints(run.folder, run.printed)
     yield from ledger_audit.complaints(run)
     yield from force_checks.complaints(run)
 

@@ -3,9 +3,8 @@ frame's critical path. Times are whole picoseconds since power-up."""
 
 from collections import defaultdict
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 from ledger_audit import differ, spread
 from run_files import PARTS, Run, ps
@@ -13,8 +12,7 @@ from run_files import PARTS, Run, ps
 FRAMES, RESOURCES = 1, 2  # the two processes
 
 
-@dataclass(frozen=True)
-class Slice:
+class Slice(NamedTuple):
     name: str
     part: str
     lane: str
