@@ -11,8 +11,9 @@
 #include "app/results/design_report.h"
 #include "app/results/figures.h"
 #include "app/results/frames_csv.h"
+#include "app/results/keys_json.h"
 #include "app/results/outcome.h"
-#include "app/results/settings_json.h"
+#include "app/scenario/outline.h"
 #include "app/scene/scenario.h"
 #include "app/stability/stability_search.h"
 #include "models/stability/flag.h"
@@ -68,11 +69,9 @@ ordered_json flags_json() {
 std::string reference_json(std::string_view version) {
   ordered_json j;
   j["version"] = version;
-  KeysJson keys;
-  app::Scenario scenario;
-  keys.visit(scenario);
-  j["keys"] = keys.keys();
-  j["effects"] = keys.effects();
+  const scenario::Outline outline = scenario::describe(app::Scenario{});
+  j["keys"] = keys_json(outline);
+  j["effects"] = effects_json(outline);
   j["figures"] = figures_of_declaration<Outcome>();
   j["figure_tables"] = listed(declared_figures<Outcome>(), Which::tables);
   j["device_figures"] = figures_of_declaration<DesignReport>();

@@ -7,6 +7,7 @@
 
 #include "app/scenario/message.h"
 #include "app/scenario/quantity.h"
+#include "app/scenario/toml_text.h"
 
 namespace hvp::scenario {
 namespace {
@@ -24,9 +25,59 @@ std::string code(std::string_view text) {
   return text.empty() ? "" : fmt::format("`{}`", cell(text));
 }
 
-// "only with `shape` = "sphere": "
-std::string only_with(const std::string& condition) {
-  return condition.empty() ? "" : fmt::format("{}: ", cell(condition));
+// "only with `shape` = "sphere": "; empty where there is no condition.
+std::string only_with(const std::vector<config::Condition>& conditions) {
+  std::string text;
+  for (const config::Condition& condition : conditions) {
+    if (!text.empty()) text += ", ";
+    text += condition.why_not_beside.empty()
+                ? fmt::format("only with `{}` = {}", condition.key, alternatives(condition.values))
+                : fmt::format("not beside `[{}]`", condition.key);
+  }
+  return text.empty() ? "" : cell(text) + ": ";
+}
+
+// The name of a dimension without its article: "time".
+std::string bare_name(config::Dimension dimension) {
+  const std::string_view name = dimension_name(dimension);
+  return std::string(name.substr(name.find(' ') + 1));
+}
+
+std::string type_text(const Key& key) {
+  switch (key.kind) {
+    case Key::Kind::quantity:
+      return bare_name(key.dimension);
+    case Key::Kind::vector:
+      return "three components, each a " + bare_name(key.dimension);
+    case Key::Kind::integer:
+      return "whole number";
+    case Key::Kind::boolean:
+      return "true or false";
+    case Key::Kind::text:
+      return "text";
+    case Key::Kind::file:
+      return "file";
+    case Key::Kind::choice:
+      break;
+  }
+  return "one of";
+}
+
+// Empty where any value is admitted.
+std::string admitted(const Key& key) {
+  if (key.kind == Key::Kind::integer) return range_text(key.integers);
+  if (key.kind != Key::Kind::choice) return range_text(key.range, key.dimension);
+  std::vector<std::string> items;
+  items.reserve(key.choices.size());
+  for (const std::string& item : key.choices) items.push_back(toml_string(item));
+  return alternatives(items);
+}
+
+std::string default_text(const OutlineRow& row) {
+  if (row.required) return "required";
+  const auto* name = std::get_if<std::string>(&row.key.value);
+  const bool no_file = row.key.kind == Key::Kind::file && name->empty();
+  return no_file ? "" : code(toml_value(row.key));
 }
 
 std::string sentence(const OutlineTable& table) {
@@ -37,7 +88,7 @@ std::string sentence(const OutlineTable& table) {
     text = "**List**: one table an item. ";
   }
   if (table.required) text += "Required. ";
-  text += only_with(table.condition);
+  text += only_with(table.conditions);
   text += cell(table.help);
   if (!table.source.empty()) text += fmt::format(" ({})", cell(table.source));
   if (!table.cost.empty()) text += fmt::format("\n\nAdds: {}.", cell(table.cost));
@@ -66,10 +117,9 @@ std::string section(const OutlineTable& table) {
       "\n| key | type | range | default | what it is | source of the default |\n"
       "|---|---|---|---|---|---|\n";
   for (const OutlineRow& row : table.rows) {
-    const std::string fallback = row.required ? "required" : code(row.fallback);
-    text += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", row.name, cell(row.type),
-                        cell(row.range), fallback, only_with(row.condition) + cell(row.help),
-                        cell(row.source));
+    text += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", row.name, cell(type_text(row.key)),
+                        cell(admitted(row.key)), default_text(row),
+                        only_with(row.conditions) + cell(row.help), cell(row.source));
   }
   return text;
 }
@@ -84,8 +134,8 @@ std::string unit_section() {
     for (const std::string_view unit : units_of(entry.dimension)) {
       units += fmt::format("{}`{}`", units.empty() ? "" : ", ", unit);
     }
-    text += fmt::format("| {} | {} | `\"{}\"` |\n", entry.name.substr(entry.name.find(' ') + 1),
-                        units, entry.example);
+    text +=
+        fmt::format("| {} | {} | `\"{}\"` |\n", bare_name(entry.dimension), units, entry.example);
   }
   return text;
 }

@@ -5,11 +5,9 @@
 #include <fmt/format.h>
 
 #include "app/scenario/message.h"
-#include "app/scenario/toml_text.h"
 
 namespace hvp::scenario {
 
-using config::Dimension;
 using config::Note;
 
 Writer::Writer() : stack_{&root_} {}
@@ -38,35 +36,8 @@ Writer::Table& Writer::open(const std::string& path, std::string header) {
   return *children.back();
 }
 
-void Writer::quantity(std::string_view name, double& value, Dimension dimension, config::Range,
-                      Note) {
-  line(name, toml_quantity(value, dimension));
-}
-
-void Writer::vector(std::string_view name, Eigen::Vector3d& value, Dimension dimension,
-                    config::Range, Note) {
-  line(name, toml_vector(value, dimension));
-}
-
-void Writer::integer(std::string_view name, std::int64_t& value, config::IntegerRange, Note) {
-  line(name, std::to_string(value));
-}
-
-void Writer::boolean(std::string_view name, bool& value, Note) {
-  line(name, value ? "true" : "false");
-}
-
-void Writer::text(std::string_view name, std::string& value, Note) {
-  line(name, toml_string(value));
-}
-
-void Writer::file(std::string_view name, config::File& file, Note) {
-  line(name, toml_string(file.written));
-}
-
-void Writer::choice_index(std::string_view name, std::size_t& index,
-                          const std::vector<std::string_view>& names, Note) {
-  line(name, toml_string(names.at(index)));
+void Writer::key(std::string_view name, const Key& key, const Note& /*note*/) {
+  line(name, toml_value(key));
 }
 
 void Writer::begin_table(std::string_view name, Note) {

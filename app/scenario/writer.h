@@ -5,31 +5,21 @@
 #include <string_view>
 #include <vector>
 
+#include "app/scenario/key_visitor.h"
 #include "models/config/declaration.h"
 
 namespace hvp::scenario {
 
 // Writes a declared struct as TOML. TOML requires a table's own keys before its sub-tables; a
 // declaration need not follow that order, so text() assembles the tables at the end.
-class Writer : public config::Visitor {
+class Writer : public KeyVisitor {
  public:
   Writer();
+  using KeyVisitor::text;  // the hook of a key that is a text
   std::string text() const;
 
-  using config::Visitor::integer;
-  void quantity(std::string_view name, double& value, config::Dimension dimension, config::Range,
-                config::Note) override;
-  void vector(std::string_view name, Eigen::Vector3d& value, config::Dimension dimension,
-              config::Range, config::Note) override;
-  void integer(std::string_view name, std::int64_t& value, config::IntegerRange,
-               config::Note) override;
-  void boolean(std::string_view name, bool& value, config::Note) override;
-  void text(std::string_view name, std::string& value, config::Note) override;
-  void file(std::string_view name, config::File& file, config::Note) override;
-  void choice_index(std::string_view name, std::size_t& index,
-                    const std::vector<std::string_view>& names, config::Note) override;
-
  protected:
+  void key(std::string_view name, const Key& key, const config::Note&) override;
   void begin_table(std::string_view name, config::Note) override;
   void end_table() override;
   bool begin_effect(std::string_view name, bool& present, const config::EffectNote&) override;
