@@ -19,6 +19,7 @@ import tempfile
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -105,23 +106,25 @@ def draw(rng: random.Random) -> Loop:
     )
 
 
+@lru_cache(maxsize=4)  # of one loop at one delay: no stiffness changes it
+def response(loop: Loop, seconds: float) -> tuple[np.ndarray, np.ndarray]:
+    """Of position and velocity after so many seconds, and to a constant force."""
+    k, b = loop.hand or (0.0, 0.0)
+    augmented = np.zeros((3, 3))
+    augmented[0, 1] = 1
+    augmented[1] = np.array([-k, -(loop.damping + b), 1]) / loop.mass_kg
+    e = expm(augmented * seconds)
+    return e[:2, :2], e[:2, 2]
+
+
 def spectral_radius(loop: Loop, stiffness: float, delay_s: float) -> float:
     """Of the map from one sample to the next: the mass with its damper and the hand's, and the
     positions that forces still to come were made from."""
-    k, b = loop.hand or (0.0, 0.0)
-    a = np.array([[0, 1], [-k / loop.mass_kg, -(loop.damping + b) / loop.mass_kg]])
     whole = math.floor(delay_s / loop.period_s + 1e-12)
     rest = max(0.0, delay_s - whole * loop.period_s)
 
-    def response(seconds: float) -> tuple[np.ndarray, np.ndarray]:
-        augmented = np.zeros((3, 3))
-        augmented[:2, :2] = a
-        augmented[1, 2] = 1 / loop.mass_kg
-        e = expm(augmented * seconds)
-        return e[:2, :2], e[:2, 2]
-
-    before, force_before = response(rest)
-    after, force_after = response(loop.period_s - rest)
+    before, force_before = response(loop, rest)
+    after, force_after = response(loop, loop.period_s - rest)
     size = 2 + whole + 1
     step = np.zeros((size, size))
     step[:2, :2] = after @ before
