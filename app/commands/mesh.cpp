@@ -6,13 +6,13 @@
 #include <fmt/format.h>
 
 #include "app/commands/commands.h"
+#include "app/mesh/sandboxed_mesh.h"
 #include "app/results/results_folder.h"
 #include "app/results/vtu_files.h"
 #include "app/scenario/message.h"
 #include "app/scenario/quantity.h"
 #include "app/scenario/toml_text.h"
 #include "models/config/input_error.h"
-#include "models/mesh/generate.h"
 #include "models/mesh/quality.h"
 
 namespace hvp::app {
@@ -86,7 +86,7 @@ int mesh_command(const MeshArguments& arguments) {
   const mesh::MeshSettings settings = settings_of(arguments);
   check_out(arguments.out);
   try {
-    mesh = mesh::generate(settings, progress);
+    mesh = sandboxed_mesh(settings, progress);
   } catch (const InputError& e) {
     if (e.key() == "nodes") {
       throw InputError(fmt::format("--nodes {}: {}", arguments.nodes, e.what()));

@@ -13,7 +13,7 @@
 
 #include "app/results/part_files.h"
 #include "app/run/run.h"
-#include "app/stability/child_process.h"
+#include "app/process/child_process.h"
 #include "models/config/effects.h"
 #include "models/config/input_error.h"
 

@@ -9,7 +9,7 @@
 
 #include <cxxabi.h>
 
-#include "app/stability/child_process.h"
+#include "app/process/child_process.h"
 #include "vp/platform.h"
 
 namespace hvp::app {

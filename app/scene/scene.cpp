@@ -8,11 +8,11 @@
 #include <fmt/format.h>
 
 #include "app/devices/devices.h"
+#include "app/mesh/sandboxed_mesh.h"
 #include "app/scene/loaded_scenario.h"
 #include "app/scene/scenario.h"
 #include "models/accel/critical_path.h"
 #include "models/config/input_error.h"
-#include "models/mesh/generate.h"
 #include "models/time/picoseconds.h"
 #include "vp/fpga/register_bank.h"
 
@@ -50,7 +50,7 @@ std::unique_ptr<fem::Body> make_body(const Scenario& s, const Progress& progress
   if (s.wall) refuse_body_of_wall();
   tell(progress, "meshing");
   mesh::TetMesh mesh =
-      within("object.mesh", [&] { return mesh::generate(s.object.mesh, progress); });
+      within("object.mesh", [&] { return sandboxed_mesh(s.object.mesh, progress); });
   tell(progress, "assembling");
   const std::vector<int> anchored = anchored_nodes(s, mesh);
   try {

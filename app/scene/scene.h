@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "app/process/progress.h"
 #include "app/scene/scenario.h"
 #include "models/accel/board.h"
 #include "models/accel/device.h"
@@ -17,8 +18,6 @@
 #include "models/mesh/quality.h"
 
 namespace hvp::app {
-
-using Progress = std::function<void(std::string_view)>;
 
 // A scenario with its mathematics done: the body is meshed and assembled, and its matrix is in
 // words and fits the device (with Limits::reported the fit is not required). A wall has neither

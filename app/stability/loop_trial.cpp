@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "app/run/watches.h"
-#include "app/stability/child_process.h"
+#include "app/process/child_process.h"
 #include "models/config/input_error.h"
 #include "models/plant/daq.h"
 #include "models/plant/moving_device.h"

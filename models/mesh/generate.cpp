@@ -12,10 +12,8 @@
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
-#include "models/mesh/byte_stream.h"
 #include "models/mesh/node_search.h"
 #include "models/mesh/parametric_surface.h"
-#include "models/mesh/sandbox.h"
 #include "models/mesh/surface_check.h"
 #include "models/mesh/surface_reader.h"
 #include "models/mesh/surface_resample.h"
@@ -192,48 +190,15 @@ class SurfaceCandidates {
   double volume_;
 };
 
-TetMesh mesh_surface(const Surface& raw, int wanted, const Progress& progress) {
-  const Surface surface = check_surface(raw);
-  return mesh_first_that_fits(SurfaceCandidates(surface, progress), wanted, progress);
-}
-
-// A mesh of a million nodes takes TetGen a minute or two, and a search needs a few.
-SandboxLimits limits_for(int nodes) {
-  return {.cpu_seconds = 60 + nodes / 1000, .memory_bytes = std::size_t{8} << 30};
-}
-
-template <class Work>
-TetMesh mesh_in_child(int wanted, const Progress& progress, const Work& work) {
-  const std::string bytes = run_in_sandbox("the mesher", "surface", limits_for(wanted), progress,
-                                           [&](const Progress& inner) {
-                                             const TetMesh mesh = work(inner);
-                                             ByteWriter writer;
-                                             writer.points(mesh.nodes);
-                                             writer.tuples(mesh.tetrahedra);
-                                             writer.tuples(mesh.boundary);
-                                             return writer.bytes();
-                                           });
-  ByteReader reader(bytes);
-  TetMesh mesh;
-  mesh.nodes = reader.points();
-  mesh.tetrahedra = reader.tuples<4>();
-  mesh.boundary = reader.tuples<3>();
-  return mesh;
-}
-
 }  // namespace
 
 TetMesh generate(const MeshSettings& settings, const Progress& progress) {
   settings.check();
   switch (settings.shape) {
     case MeshSettings::Shape::sphere:
-      return mesh_in_child(settings.nodes, progress, [&](const Progress& inner) {
-        return mesh_sphere(settings.radius, settings.nodes, inner);
-      });
+      return mesh_sphere(settings.radius, settings.nodes, progress);
     case MeshSettings::Shape::box:
-      return mesh_in_child(settings.nodes, progress, [&](const Progress& inner) {
-        return mesh_box(settings.size, settings.nodes, inner);
-      });
+      return mesh_box(settings.size, settings.nodes, progress);
     case MeshSettings::Shape::surface:
       break;
   }
@@ -242,14 +207,13 @@ TetMesh generate(const MeshSettings& settings, const Progress& progress) {
                         progress);
 }
 
-TetMesh tetrahedralise(const Surface& surface, int wanted_nodes, const Progress& progress) {
+TetMesh tetrahedralise(const Surface& raw, int wanted_nodes, const Progress& progress) {
   if (wanted_nodes < 4) {
     throw InputError("nodes",
                      fmt::format("{} nodes are wanted; a tetrahedron has 4", wanted_nodes));
   }
-  return mesh_in_child(wanted_nodes, progress, [&](const Progress& inner) {
-    return mesh_surface(surface, wanted_nodes, inner);
-  });
+  const Surface surface = check_surface(raw);
+  return mesh_first_that_fits(SurfaceCandidates(surface, progress), wanted_nodes, progress);
 }
 
 }  // namespace hvp::mesh

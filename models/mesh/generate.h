@@ -10,9 +10,10 @@ namespace hvp::mesh {
 // parametric sphere and box are centred on the origin; a surface file keeps its coordinates.
 // Equal settings give equal bits.
 //
-// Forks: call it before threads or a SystemC kernel exist. Throws InputError with the key "nodes"
-// if the count cannot be reached and "surface" if the file or its surface is at fault; the message
-// says what was found.
+// TetGen may crash, hang or exit on a surface of a user, and VTK's readers on a file: who takes
+// either from a user calls this in a child process. Throws InputError with the key "nodes" if the
+// count cannot be reached and "surface" if the file or its surface is at fault; the message says
+// what was found.
 TetMesh generate(const MeshSettings& settings, const Progress& progress = {});
 
 // The same for a given surface, in either winding. The surface is kept if the count can be reached

@@ -9,19 +9,11 @@
 #include "models/config/input_error.h"
 #include "models/files/one_line.h"
 #include "models/files/regular_file.h"
-#include "models/mesh/byte_stream.h"
 #include "models/mesh/mesh_settings.h"
-#include "models/mesh/sandbox.h"
 
 namespace hvp::mesh {
 
 namespace {
-
-// Text is read at some 10 MB/s.
-SandboxLimits limits_for(std::size_t file_size) {
-  return {.cpu_seconds = 5 + static_cast<int>(file_size >> 20),
-          .memory_bytes = std::size_t{4} << 30};
-}
 
 std::string contents_of(const std::string& path) {
   try {
@@ -78,19 +70,7 @@ Surface read_surface(const std::string& path, double unit_m) {
     const std::string contents = contents_of(path);
     const SurfaceFormat format = format_of(extension);
     precheck(contents, format);
-    const std::string bytes = run_in_sandbox("the reader", "surface", limits_for(contents.size()),
-                                             {}, [&](const Progress& /*progress*/) {
-                                               const Surface surface =
-                                                   read_contents(path, contents, format, unit_m);
-                                               ByteWriter writer;
-                                               writer.points(surface.points);
-                                               writer.tuples(surface.triangles);
-                                               return writer.bytes();
-                                             });
-    ByteReader reader(bytes);
-    Surface surface;
-    surface.points = reader.points();
-    surface.triangles = reader.tuples<3>();
+    Surface surface = read_contents(path, contents, format, unit_m);
     check_place(surface, unit_m);
     return surface;
   } catch (const InputError& error) {

@@ -25,8 +25,8 @@ SurfaceFormat format_of(std::string_view extension);
 void precheck(std::string_view bytes, SurfaceFormat format);
 
 // Reads a file, of which `bytes` are the contents: STL, PLY and OBJ as polygon_files.h does, VTP
-// and VTU with VTK's readers, which may crash or print on malformed files: call this in a child
-// process (sandbox.h). Throws InputError with the key "surface" and VTK's message, if there is one.
+// and VTU with VTK's readers, which may crash or print on malformed files. Throws InputError with
+// the key "surface" and VTK's message, if there is one.
 Surface read_contents(const std::string& path, std::string_view bytes, SurfaceFormat format,
                       double unit_m);
 
@@ -38,8 +38,8 @@ Surface read_contents(const std::string& path, std::string_view bytes, SurfaceFo
 // the rest see surface_check.h): the width is within kBodyLength, and the surface is near enough to
 // the origin for its coordinates to have digits left.
 //
-// The reader runs in a child process with limits on time and memory, so that a file that breaks it
-// ends in an InputError with the key "surface".
+// Throws InputError with the key "surface" and a message that names the file. A file that breaks
+// VTK's readers breaks the process: who takes a file from a user calls this in a child process.
 Surface read_surface(const std::string& path, double unit_m);
 
 }  // namespace hvp::mesh

@@ -17,8 +17,8 @@ struct TetgenOptions {
 };
 
 // Fills a closed, consistently oriented surface with tetrahedra. TetGen may crash, hang or exit on
-// surfaces it cannot handle: call it in a child process (sandbox.h). Throws InputError with the key
-// "surface".
+// surfaces it cannot handle, which is why the program meshes in a child process. Throws InputError
+// with the key "surface".
 TetMesh run_tetgen(const Surface& surface, const TetgenOptions& options);
 
 }  // namespace hvp::mesh

@@ -8,10 +8,10 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "app/mesh/sandboxed_mesh.h"
 #include "models/fem/assembly.h"
 #include "models/fem/material.h"
 #include "models/index.h"
-#include "models/mesh/generate.h"
 #include "models/mesh/region.h"
 
 namespace hvp::tables {
@@ -71,7 +71,7 @@ const mesh::TetMesh& sphere(int nodes) {
   if (found != meshes.end()) return found->second;
   mesh::MeshSettings settings;
   settings.nodes = nodes;
-  return meshes.emplace(nodes, mesh::generate(settings)).first->second;
+  return meshes.emplace(nodes, app::sandboxed_mesh(settings)).first->second;
 }
 
 std::vector<int> lowest_nodes(const mesh::TetMesh& mesh, double fraction) {

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <cstdint>
 
+#include "app/mesh/sandboxed_mesh.h"
 #include "models/fem/body.h"
 #include "models/fem/direct_solver.h"
 #include "models/fixed/solver.h"
 #include "models/fixed/system.h"
 #include "models/fixed/word.h"
-#include "models/mesh/generate.h"
 #include "models/mesh/region.h"
 #include "tables/random.h"
 
@@ -39,7 +39,7 @@ ThesisMesh make_mesh(mesh::MeshSettings::Shape shape, int wanted_nodes) {
   mesh::MeshSettings settings;
   settings.shape = shape;
   settings.nodes = wanted_nodes;
-  const mesh::TetMesh mesh = mesh::generate(settings);
+  const mesh::TetMesh mesh = app::sandboxed_mesh(settings);
   mesh::Region held;
   held.fraction = 0.15;
   fem::Material material;

@@ -2,11 +2,13 @@
 
 The headers of app/results and app/draw reach neither SystemC nor Eigen's solvers: what only prints
 must not take part in compiling a simulation. models/ includes nothing of vp/ or app/, and vp/
-nothing of app/. A path of a source in a document leads to a file.
+nothing of app/; models/ starts no process and no thread. A path of a source in a document leads to
+a file.
 """
 
 import re
 import sys
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
@@ -20,6 +22,10 @@ LIGHT_ROOMS = ("app/results", "app/draw")
 WITH_SYSTEMC = {"app/results/board_records.h"}
 # A room, and what it must not include.
 ARROWS = {"models": ("vp/", "app/"), "vp": ("app/",), "driver": ("models/", "vp/", "app/")}
+# What starts processes and threads, or speaks with them: not the mathematics.
+PROCESSES = re.compile(
+    r"sys/(wait|prctl|resource|socket)\.h|c?signal(\.h)?|poll\.h|thread|mutex|future"
+)
 PATH = re.compile(
     r"(?<![\w/.-])((?:models|vp|app|driver|tables|tests|bench)/[\w./*-]+\.(?:cpp|h|c|py|sv|sh))"
 )
@@ -50,29 +56,45 @@ def sources(room: str) -> list[Path]:
     return sorted(p for p in (TOP / room).rglob("*") if p.suffix in {".h", ".c", ".cpp"})
 
 
-def complaints() -> list[str]:
-    found = []
+def heavy_headers() -> Iterator[str]:
     for room in LIGHT_ROOMS:
         for path in sources(room):
             name = str(path.relative_to(TOP))
             if path.suffix == ".h" and name not in WITH_SYSTEMC:
                 way = way_to_a_heavy_header(path)
                 if way:
-                    found.append(f"{name} reaches {way[-1]}: {' -> '.join(way)}")
+                    yield f"{name} reaches {way[-1]}: {' -> '.join(way)}"
+
+
+def includes_against_the_arrows() -> Iterator[str]:
     for room, others in ARROWS.items():
         for path in sources(room):
             for kind, name in includes(path):
                 if kind == '"' and name.startswith(others):
-                    found.append(f"{path.relative_to(TOP)} includes {name}, against the arrows")
+                    yield f"{path.relative_to(TOP)} includes {name}, against the arrows"
+
+
+def processes_of_models() -> Iterator[str]:
+    for path in sources("models"):
+        for kind, name in includes(path):
+            if kind == "<" and PROCESSES.fullmatch(name):
+                yield f"{path.relative_to(TOP)} includes <{name}>: models/ starts nothing"
+
+
+def lost_paths() -> Iterator[str]:
     for page in [TOP / "README.md", TOP / "CONTRIBUTING.md", *sorted((TOP / "docs").rglob("*.md"))]:
         for name in PATH.findall(page.read_text(encoding="utf-8")):
             if not any(TOP.glob(name)):
-                found.append(f"{page.relative_to(TOP)} names {name}, which is not there")
-    return found
+                yield f"{page.relative_to(TOP)} names {name}, which is not there"
 
 
 def main() -> int:
-    found = complaints()
+    found = [
+        *heavy_headers(),
+        *includes_against_the_arrows(),
+        *processes_of_models(),
+        *lost_paths(),
+    ]
     print("\n".join(found) if found else "what includes what is as the house has it")
     return 1 if found else 0
 

@@ -19,6 +19,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "app/mesh/sandboxed_mesh.h"
 #include "models/config/input_error.h"
 #include "models/mesh/polygon_files.h"
 #include "models/mesh/surface_check.h"
@@ -66,7 +67,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (format == hvp::mesh::SurfaceFormat::obj) hvp::mesh::read_obj(bytes);
     const File file(extension, bytes);
     const hvp::mesh::Surface surface =
-        hvp::mesh::check_surface(hvp::mesh::read_surface(file.path(), 1e-3));
+        hvp::mesh::check_surface(hvp::app::sandboxed_surface(file.path(), 1e-3));
     require(surface.triangles.size() >= 4);
     const double volume = hvp::mesh::enclosed_volume(surface);
     require(std::isfinite(volume) && volume > 0.0);

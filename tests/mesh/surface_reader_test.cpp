@@ -15,6 +15,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "app/mesh/sandboxed_mesh.h"
 #include "models/mesh/generate.h"
 #include "models/mesh/parametric_surface.h"
 #include "models/mesh/surface_check.h"
@@ -33,13 +34,13 @@ using testing::unit_cube;
 
 Surface read(std::string_view extension, std::string_view bytes, double unit_m = 1.0) {
   const TemporaryFile file(extension, bytes);
-  return read_surface(file.path(), unit_m);
+  return app::sandboxed_surface(file.path(), unit_m);
 }
 
 std::string reason(std::string_view extension, std::string_view bytes, double unit_m = 1.0) {
   const TemporaryFile file(extension, bytes);
   const std::string message =
-      refusal("surface", [&] { check_surface(read_surface(file.path(), unit_m)); });
+      refusal("surface", [&] { check_surface(app::sandboxed_surface(file.path(), unit_m)); });
   return message;
 }
 
@@ -168,9 +169,10 @@ TEST(ReadSurface, ASurfaceOfNoImaginableSizeIsRefused) {
 }
 
 TEST(ReadSurface, SaysWhatIsWrongWithTheFile) {
-  EXPECT_THAT(refusal("surface", [] { read_surface("/nowhere/a.stl", 1.0); }),
+  EXPECT_THAT(refusal("surface", [] { app::sandboxed_surface("/nowhere/a.stl", 1.0); }),
               HasSubstr("/nowhere/a.stl: no such file: expected a surface file"));
-  EXPECT_THAT(refusal("surface", [] { read_surface(std::filesystem::temp_directory_path(), 1.0); }),
+  EXPECT_THAT(refusal("surface",
+                      [] { app::sandboxed_surface(std::filesystem::temp_directory_path(), 1.0); }),
               HasSubstr("is a folder: expected a surface file"));
   EXPECT_THAT(reason(".stl", ""), HasSubstr("the file is empty"));
   EXPECT_THAT(reason(".step", "ISO-10303-21;"), HasSubstr("expected .stl, .ply, .obj, .vtp"));
@@ -214,7 +216,8 @@ TEST(ReadSurface, IndicesBeyondThePointsAreRefused) {
 
 TEST(ReadSurface, NamesTheFile) {
   const TemporaryFile file(".stl", "solid\n");
-  EXPECT_THAT(refusal("surface", [&] { read_surface(file.path(), 1.0); }), HasSubstr(file.path()));
+  EXPECT_THAT(refusal("surface", [&] { app::sandboxed_surface(file.path(), 1.0); }),
+              HasSubstr(file.path()));
 }
 
 TEST(ReadSurface, QuadraticCellsAreRefused) {

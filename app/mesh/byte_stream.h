@@ -12,7 +12,7 @@
 
 // The bytes in which surfaces and meshes go from a child process to its parent: counts, then
 // coordinates and indices bit for bit.
-namespace hvp::mesh {
+namespace hvp::app {
 
 class ByteWriter {
  public:
@@ -69,4 +69,4 @@ class ByteReader {
   std::size_t at_ = 0;
 };
 
-}  // namespace hvp::mesh
+}  // namespace hvp::app

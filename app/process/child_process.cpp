@@ -1,4 +1,4 @@
-#include "app/stability/child_process.h"
+#include "app/process/child_process.h"
 
 #include <array>
 #include <cstdio>

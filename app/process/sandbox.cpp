@@ -1,4 +1,4 @@
-#include "models/mesh/sandbox.h"
+#include "app/process/sandbox.h"
 
 #include <array>
 #include <cerrno>
@@ -30,7 +30,7 @@
 #endif
 #endif
 
-namespace hvp::mesh {
+namespace hvp::app {
 
 namespace {
 
@@ -224,4 +224,4 @@ std::string run_in_sandbox(std::string_view task, const std::string& key,
   }
 }
 
-}  // namespace hvp::mesh
+}  // namespace hvp::app

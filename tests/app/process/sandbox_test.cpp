@@ -1,4 +1,4 @@
-#include "models/mesh/sandbox.h"
+#include "app/process/sandbox.h"
 
 #include <csignal>
 #include <cstdio>
@@ -13,12 +13,12 @@
 #include "models/config/input_error.h"
 #include "tests/mesh/surfaces.h"
 
-namespace hvp::mesh::sandbox_test {
+namespace hvp::app::sandbox_test {
 namespace {
 
+using mesh::testing::refusal;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using testing::refusal;
 using Work = std::function<std::string(const Progress&)>;
 
 std::string run(const Work& work, const SandboxLimits& limits = {}) {
@@ -112,4 +112,4 @@ TEST(Sandbox, WhatItPrintsIsDropped) {
 }
 
 }  // namespace
-}  // namespace hvp::mesh::sandbox_test
+}  // namespace hvp::app::sandbox_test

@@ -4,9 +4,9 @@
 #include <string>
 #include <string_view>
 
-#include "models/mesh/progress.h"
+#include "app/process/progress.h"
 
-namespace hvp::mesh {
+namespace hvp::app {
 
 struct SandboxLimits {
   int cpu_seconds = 60;
@@ -25,4 +25,4 @@ std::string run_in_sandbox(std::string_view task, const std::string& key,
                            const SandboxLimits& limits, const Progress& progress,
                            const std::function<std::string(const Progress&)>& work);
 
-}  // namespace hvp::mesh
+}  // namespace hvp::app
