@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "app/commands/commands.h"
-#include "app/results/reference.h"
+#include "app/commands/results_reference.h"
 
 namespace hvp::app {
 
@@ -19,11 +19,10 @@ struct ReferenceArguments {
 
 int reference_command(const ReferenceArguments& arguments) {
   if (arguments.json) {
-    print("{}", results::reference_json(HVP_VERSION));
+    print("{}", reference_json(HVP_VERSION));
     return kHeld;
   }
-  print("{}", arguments.results ? results::results_reference_page()
-                                : scenario::reference_page(Scenario{}));
+  print("{}", arguments.results ? results_reference_page() : scenario::reference_page(Scenario{}));
   return kHeld;
 }
 

@@ -19,10 +19,10 @@
 #include "app/devices/devices.h"
 #include "app/results/part_files.h"
 #include "app/results/results_folder.h"
-#include "app/results/solve_json.h"
 #include "app/scenario/document.h"
 #include "app/scenario/message.h"
 #include "app/scenario/reader.h"
+#include "app/solve/solve_json.h"
 #include "app/solve/system_solve.h"
 #include "models/accel/critical_path.h"
 #include "models/config/input_error.h"
@@ -162,7 +162,7 @@ int solve_command(const SolveArguments& arguments) {
   std::ostringstream text;
   sparse::write_matrix_market(text, solution.x);
   results::write_through_part_file(arguments.solution, text.str());
-  print("{}", results::solve_json(system, task, solution));
+  print("{}", solve_json(system, task, solution));
   return arguments.tolerance && !(solution.error <= *arguments.tolerance) ? kNotHeld : kHeld;
 }
 

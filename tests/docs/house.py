@@ -1,9 +1,9 @@
 """Holds the house's own rules on what includes what, and that documents name files that exist.
 
-The headers of app/results and app/draw reach neither SystemC nor Eigen's solvers: what only prints
-must not take part in compiling a simulation. models/ includes nothing of vp/ or app/, and vp/
-nothing of app/; models/ starts no process and no thread. A path of a source in a document leads to
-a file.
+The headers of app/results and app/draw reach neither SystemC nor Eigen's solvers, since what only
+prints must not take part in compiling a simulation, and nor do the platform's settings. models/
+includes nothing of vp/ or app/, and vp/ nothing of app/; some of their rooms have arrows of their
+own. models/ starts no process and no thread. A path of a source in a document leads to a file.
 """
 
 import re
@@ -18,10 +18,28 @@ HEAVY = re.compile(
     r"systemc|tlm|tlm_utils/.*|Eigen/(Sparse(Cholesky|LU|QR)|Sparse|Dense|Cholesky|QR|SVD)"
 )
 LIGHT_ROOMS = ("app/results", "app/draw")
+LIGHT_HEADERS = ("vp/platform_settings.h",)
 # The registers' trace is a module of the simulation.
 WITH_SYSTEMC = {"app/results/board_records.h"}
 # A room, and what it must not include.
-ARROWS = {"models": ("vp/", "app/"), "vp": ("app/",), "driver": ("models/", "vp/", "app/")}
+ARROWS = {
+    "models": ("vp/", "app/"),
+    "vp": ("app/",),
+    "driver": ("models/", "vp/", "app/"),
+    # A record and its ledger know no module, the buses no board, and the board no host.
+    "vp/frame": ("vp/bus/", "vp/pci/", "vp/pcie/", "vp/fpga/", "vp/host/", "vp/board/"),
+    "vp/bus": ("vp/pci/", "vp/pcie/", "vp/fpga/", "vp/host/", "vp/board/"),
+    "vp/pci": ("vp/pcie/", "vp/fpga/", "vp/host/", "vp/board/"),
+    "vp/pcie": ("vp/pci/", "vp/fpga/", "vp/host/", "vp/board/"),
+    "vp/fpga": ("vp/pci/", "vp/pcie/", "vp/host/", "vp/board/"),
+    # Results are written for whoever computes them.
+    "app/results": (
+        *("app/solve/", "app/stability/", "app/record/"),
+        *("app/run/", "app/explain/", "app/commands/"),
+    ),
+}
+# A room, and all that it includes.
+INCLUDES_ONLY = {"tables": ("tables/", "models/", "app/devices/", "app/mesh/", "app/scenario/")}
 # What starts processes and threads, or speaks with them: not the mathematics.
 PROCESSES = re.compile(
     r"sys/(wait|prctl|resource|socket)\.h|c?signal(\.h)?|poll\.h|thread|mutex|future"
@@ -57,13 +75,12 @@ def sources(room: str) -> list[Path]:
 
 
 def heavy_headers() -> Iterator[str]:
-    for room in LIGHT_ROOMS:
-        for path in sources(room):
-            name = str(path.relative_to(TOP))
-            if path.suffix == ".h" and name not in WITH_SYSTEMC:
-                way = way_to_a_heavy_header(path)
-                if way:
-                    yield f"{name} reaches {way[-1]}: {' -> '.join(way)}"
+    headers = [path for room in LIGHT_ROOMS for path in sources(room) if path.suffix == ".h"]
+    for path in [*headers, *(TOP / name for name in LIGHT_HEADERS)]:
+        name = str(path.relative_to(TOP))
+        way = [] if name in WITH_SYSTEMC else way_to_a_heavy_header(path)
+        if way:
+            yield f"{name} reaches {way[-1]}: {' -> '.join(way)}"
 
 
 def includes_against_the_arrows() -> Iterator[str]:
@@ -71,6 +88,11 @@ def includes_against_the_arrows() -> Iterator[str]:
         for path in sources(room):
             for kind, name in includes(path):
                 if kind == '"' and name.startswith(others):
+                    yield f"{path.relative_to(TOP)} includes {name}, against the arrows"
+    for room, rooms in INCLUDES_ONLY.items():
+        for path in sources(room):
+            for kind, name in includes(path):
+                if kind == '"' and not name.startswith(rooms):
                     yield f"{path.relative_to(TOP)} includes {name}, against the arrows"
 
 

@@ -1,4 +1,4 @@
-#include "app/results/solve_json.h"
+#include "app/solve/solve_json.h"
 
 #include <nlohmann/json.hpp>
 
@@ -7,7 +7,7 @@
 #include "app/results/settings_json.h"
 #include "models/accel/memory.h"
 
-namespace hvp::results {
+namespace hvp::app {
 
 namespace {
 
@@ -22,8 +22,8 @@ ordered_json resources(const accel::Usage& usage) {
 }
 
 // The remedy of a single system: error_rel replaces the figures that only a run has.
-ordered_json remedy_json(const TriedRemedy& r) {
-  ordered_json j = figures_json(r);
+ordered_json remedy_json(const results::TriedRemedy& r) {
+  ordered_json j = results::figures_json(r);
   for (const char* of_a_run :
        {"frames", "displacement_p95_rel", "latency_us", "load_us", "in_time"}) {
     j.erase(of_a_run);
@@ -36,8 +36,7 @@ ordered_json remedy_json(const TriedRemedy& r) {
 
 }  // namespace
 
-std::string solve_json(const app::LinearSystem& system, const app::SolveTask& task,
-                       const app::SystemSolution& s) {
+std::string solve_json(const LinearSystem& system, const SolveTask& task, const SystemSolution& s) {
   ordered_json j;
   j["dimension"] = system.rows;
   j["nonzeros"] = s.nonzeros;
@@ -52,8 +51,8 @@ std::string solve_json(const app::LinearSystem& system, const app::SolveTask& ta
   j["wraps"] = s.board.wraps;
   j["breakdowns"] = s.board.breakdowns;
   j["clamped_words"] = s.clamped;
-  j["flags"] = flag_names(s.flags);
-  j["remedies"] = remedies_json(s.flags);
+  j["flags"] = results::flag_names(s.flags);
+  j["remedies"] = results::remedies_json(s.flags);
   j["remedy"] = s.remedy ? remedy_json(*s.remedy) : ordered_json(nullptr);
   j["tolerance"] = task.tolerance;
   j["cycles"] = s.board.cycles;
@@ -65,11 +64,11 @@ std::string solve_json(const app::LinearSystem& system, const app::SolveTask& ta
   j["x_range_from"] = s.range_from;
   j["nonpositive_eigenvalues_quantised"] =
       s.rounded_nonpositive < 0 ? ordered_json(nullptr) : ordered_json(s.rounded_nonpositive);
-  j["condition"] = s.spectrum ? figures_json(*s.spectrum) : ordered_json(nullptr);
-  app::SolveSettings in_force = task.settings;
+  j["condition"] = s.spectrum ? results::figures_json(*s.spectrum) : ordered_json(nullptr);
+  SolveSettings in_force = task.settings;
   in_force.solver = s.solver;
-  j["settings"] = settings_json(in_force);
+  j["settings"] = results::settings_json(in_force);
   return j.dump(2) + "\n";
 }
 
-}  // namespace hvp::results
+}  // namespace hvp::app

@@ -1,4 +1,4 @@
-#include "app/results/reference.h"
+#include "app/commands/results_reference.h"
 
 #include <map>
 #include <nlohmann/json.hpp>
@@ -18,7 +18,7 @@
 #include "app/stability/stability_search.h"
 #include "models/stability/flag.h"
 
-namespace hvp::results {
+namespace hvp::app {
 
 namespace {
 
@@ -29,9 +29,9 @@ constexpr std::string_view kTable = ".*";
 // The figures themselves, or the tables that have a line of help of their own.
 enum class Which { figures, tables };
 
-ordered_json listed(const std::vector<ListedFigure>& all, Which which) {
+ordered_json listed(const std::vector<results::ListedFigure>& all, Which which) {
   ordered_json list = ordered_json::array();
-  for (const ListedFigure& figure : all) {
+  for (const results::ListedFigure& figure : all) {
     const bool is_table = figure.key.ends_with(kTable);
     if (is_table != (which == Which::tables)) continue;
     if (is_table) {
@@ -46,11 +46,11 @@ ordered_json listed(const std::vector<ListedFigure>& all, Which which) {
 
 template <class Part>
 ordered_json figures_of_declaration() {
-  return listed(declared_figures<Part>(), Which::figures);
+  return listed(results::declared_figures<Part>(), Which::figures);
 }
 
-void append(ordered_json& list, const std::vector<FrameColumn>& columns) {
-  for (const FrameColumn& column : columns) {
+void append(ordered_json& list, const std::vector<results::FrameColumn>& columns) {
+  for (const results::FrameColumn& column : columns) {
     list.push_back({{"name", column.name}, {"help", column.help}});
   }
 }
@@ -69,21 +69,21 @@ ordered_json flags_json() {
 std::string reference_json(std::string_view version) {
   ordered_json j;
   j["version"] = version;
-  const scenario::Outline outline = scenario::describe(app::Scenario{});
-  j["keys"] = keys_json(outline);
-  j["effects"] = effects_json(outline);
-  j["figures"] = figures_of_declaration<Outcome>();
-  j["figure_tables"] = listed(declared_figures<Outcome>(), Which::tables);
-  j["device_figures"] = figures_of_declaration<DesignReport>();
-  j["stability_figures"] = figures_of_declaration<app::StabilityFigures>();
+  const scenario::Outline outline = scenario::describe(Scenario{});
+  j["keys"] = results::keys_json(outline);
+  j["effects"] = results::effects_json(outline);
+  j["figures"] = figures_of_declaration<results::Outcome>();
+  j["figure_tables"] = listed(results::declared_figures<results::Outcome>(), Which::tables);
+  j["device_figures"] = figures_of_declaration<results::DesignReport>();
+  j["stability_figures"] = figures_of_declaration<StabilityFigures>();
   j["replay_figures"] = figures_of_declaration<record::ReplayFigures>();
-  j["performance_figures"] = figures_of_declaration<Performance>();
+  j["performance_figures"] = figures_of_declaration<results::Performance>();
   j["columns"] = ordered_json::array();
-  append(j["columns"], frame_columns());
+  append(j["columns"], results::frame_columns());
   j["further_columns"] = ordered_json::array();
-  const ProbeColumns all{std::vector<plant::Trajectory>(2), true, true, plant::Hand{}, {}};
+  const results::ProbeColumns all{std::vector<plant::Trajectory>(2), true, true, plant::Hand{}, {}};
   for (std::size_t probe = 0; probe < 2; ++probe) {
-    append(j["further_columns"], probe_columns(all, probe));
+    append(j["further_columns"], results::probe_columns(all, probe));
   }
   j["flags"] = flags_json();
   return j.dump(2) + "\n";
@@ -106,10 +106,10 @@ std::string_view table_of(std::string_view key) {
 }
 
 // The keys of no table come first; tables in the order in which they begin.
-std::string summary_section(const std::vector<ListedFigure>& figures) {
+std::string summary_section(const std::vector<results::ListedFigure>& figures) {
   std::vector<std::string_view> order = {""};
   std::map<std::string_view, std::string> sections = {{"", std::string(kHead)}};
-  for (const ListedFigure& figure : figures) {
+  for (const results::ListedFigure& figure : figures) {
     const std::string_view table = table_of(figure.key);
     const bool heads = !table.empty() && figure.key == fmt::format("{}.*", table);
     const auto [at, is_new] = sections.try_emplace(table);
@@ -136,18 +136,18 @@ std::string results_reference_page() {
       "`a[].b` stands for `b` of each entry of the list `a`, `a.<item>.b` for `b` of any table in "
       "`a`, and `a.*` for all of the table `a`. Numbers are in SI units unless the key says "
       "otherwise. A line that says \"with\" is of a key that is left out elsewhere.\n\n";
-  text += summary_section(declared_figures<Outcome>());
+  text += summary_section(results::declared_figures<results::Outcome>());
   text += "\n## frames.csv\n\n| column | what it is |\n|---|---|\n";
-  for (const FrameColumn& column : frame_columns()) {
+  for (const results::FrameColumn& column : results::frame_columns()) {
     text += fmt::format("| `{}` | {} |\n", column.name, cell(column.help));
   }
-  ProbeColumns all{std::vector<plant::Trajectory>(2), true, true, plant::Hand{}, {}};
+  results::ProbeColumns all{std::vector<plant::Trajectory>(2), true, true, plant::Hand{}, {}};
   text +=
       "\nBehind these, with `[device.dynamics]` and for each further `[[probe]]`; names of a "
       "further "
       "probe begin with `probe1_`, `probe2_`, …\n\n| column | what it is |\n|---|---|\n";
   for (std::size_t i = 0; i < 2; ++i) {
-    for (const FrameColumn& column : probe_columns(all, i)) {
+    for (const results::FrameColumn& column : results::probe_columns(all, i)) {
       if (i == 1 && column.name.starts_with("probe1_tip")) break;
       text += fmt::format("| `{}` | {} |\n", column.name, cell(column.help));
     }
@@ -155,4 +155,4 @@ std::string results_reference_page() {
   return text;
 }
 
-}  // namespace hvp::results
+}  // namespace hvp::app

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-namespace hvp::results {
+namespace hvp::app {
 
 // All declarations of the program as one JSON object: the keys of a scenario and the effects, the
 // figures of every result in JSON, the columns of frames.csv and the flags. docs/json.md describes
@@ -14,4 +14,4 @@ std::string reference_json(std::string_view version);
 // from their declarations.
 std::string results_reference_page();
 
-}  // namespace hvp::results
+}  // namespace hvp::app
