@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -14,6 +13,7 @@
 #include <sys/resource.h>
 
 #include "app/commands/commands.h"
+#include "app/process/temporary_folder.h"
 #include "app/results/figures.h"
 #include "app/results/flags.h"
 #include "app/results/launched_program.h"
@@ -47,10 +47,8 @@ double seconds(Clock::time_point from, Clock::time_point to) {
 std::optional<WholeRun> whole_run(const RunArguments& arguments,
                                   const std::vector<std::string>& changes) {
   using nlohmann::json;
-  std::string folder = (std::filesystem::temp_directory_path() / "hvp-XXXXXX").string();
-  if (mkdtemp(folder.data()) == nullptr) return std::nullopt;
   std::vector<std::string> words = {"run", std::filesystem::absolute(arguments.scenario).string(),
-                                    "--quiet", "--out", folder};
+                                    "--quiet"};
   for (const std::filesystem::path& file : arguments.includes) {
     words.emplace_back("--include");
     words.push_back(std::filesystem::absolute(file).string());
@@ -65,10 +63,12 @@ std::optional<WholeRun> whole_run(const RunArguments& arguments,
   }
   std::optional<WholeRun> result;
   try {
+    const TemporaryFolder folder;
+    words.insert(words.end(), {"--out", folder.path().string()});
     results::LaunchedProgram program("/proc/self/exe", words, {});
     const int status = program.wait(kLongestRerun).exit_status;
     if (status == kHeld || status == kNotHeld) {
-      std::ifstream file(std::filesystem::path(folder) / "summary.json");
+      std::ifstream file(folder.path() / "summary.json");
       const json summary = json::parse(file, nullptr, false);
       if (!summary.is_discarded()) {
         result = {results::flags_named(
@@ -79,8 +79,6 @@ std::optional<WholeRun> whole_run(const RunArguments& arguments,
   } catch (const std::exception&) {
     // A remedy that could not be tried is not reported.
   }
-  std::error_code ignored;
-  std::filesystem::remove_all(folder, ignored);
   return result;
 }
 

@@ -4,16 +4,15 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "app/process/child_process.h"
+#include "app/process/temporary_folder.h"
 #include "app/results/part_files.h"
 #include "app/run/run.h"
-#include "app/process/child_process.h"
 #include "models/config/effects.h"
 #include "models/config/input_error.h"
 
@@ -38,27 +37,6 @@ double median(std::array<double, kRuns> values) {
   return values[kRuns / 2];
 }
 
-// A folder for the result files of the runs, which nobody reads.
-class TemporaryFolder {
- public:
-  TemporaryFolder() : path_((std::filesystem::temp_directory_path() / "hvp-XXXXXX").string()) {
-    if (mkdtemp(path_.data()) == nullptr) {
-      throw std::runtime_error("cannot make a folder for the runs' results");
-    }
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
-
 struct Timed {
   double wall_s = 0;
   double simulated_s = 0;
@@ -66,7 +44,7 @@ struct Timed {
   double rate() const { return simulated_s > 0 ? wall_s / simulated_s : 0; }
 };
 
-Timed timed_run(Scene& scene, const std::string& folder) {
+Timed timed_run(Scene& scene, const std::filesystem::path& folder) {
   const json answer = json::parse(in_child([&] {
     const Clock::time_point start = Clock::now();
     RunOptions options;
@@ -96,7 +74,7 @@ config::EffectSurvey survey_of(const Scene& scene) {
 
 // The number of frames to time: few, or more if these take too little time, or all if the scenario
 // needs them, as with a fault in a later frame.
-int frames_to_time(const VariedScene& varied, const std::string& folder) {
+int frames_to_time(const VariedScene& varied, const std::filesystem::path& folder) {
   const int all = build(varied, {}).scene->scenario().frames;
   const int few = std::min(all, kFewFrames);
   Built built;
@@ -226,7 +204,7 @@ class Measurement {
 
   const VariedScene& varied_;
   const Progress& progress_;
-  TemporaryFolder folder_;
+  TemporaryFolder folder_;  // of the runs' result files, which nobody reads
   std::string frames_;
   Built base_;
 };

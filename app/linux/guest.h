@@ -16,6 +16,7 @@
 #include "app/linux/dma_check.h"
 #include "app/linux/guest_process.h"
 #include "app/linux/stream.h"
+#include "app/process/temporary_folder.h"
 #include "vp/function/outside_host.h"
 
 namespace hvp::guest {
@@ -92,7 +93,7 @@ class Guest {
 
   vp::BoardFunction& board_;
   std::filesystem::path kernel_;
-  PrivateFolder folder_;
+  app::TemporaryFolder folder_{"hvp-linux"};
   Listener calendar_socket_;
   Listener device_socket_;
   GuestProcess process_;

@@ -3,7 +3,6 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
-#include <cstdlib>
 #include <string>
 #include <system_error>
 
@@ -149,24 +148,6 @@ std::optional<int> GuestProcess::wait_for_end() {
   const results::LaunchedProgram::Result result = program_.wait(kTimeToEnd);
   if (result.timed_out) return std::nullopt;
   return result.exit_status;
-}
-
-PrivateFolder::PrivateFolder() {
-  std::error_code error;
-  const std::filesystem::path temporary = std::filesystem::temp_directory_path(error);
-  std::string name = (temporary / "hvp-linux-XXXXXX").string();
-  // mkdtemp creates the folder with mode 0700 (POSIX).
-  if (error || mkdtemp(name.data()) == nullptr) {
-    throw std::runtime_error(
-        fmt::format("no folder for the guest's sockets: {}",
-                    error ? error.message() : std::generic_category().message(errno)));
-  }
-  path_ = name;
-}
-
-PrivateFolder::~PrivateFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
 }
 
 }  // namespace hvp::guest

@@ -111,19 +111,4 @@ class GuestProcess {
   Descriptor alive_;  // the keeper reads the other end
 };
 
-// A private folder in the system's temporary one, removed with its content at the end. Throws
-// std::runtime_error if it cannot be created.
-class PrivateFolder {
- public:
-  PrivateFolder();
-  ~PrivateFolder();
-  PrivateFolder(const PrivateFolder&) = delete;
-  PrivateFolder& operator=(const PrivateFolder&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
 }  // namespace hvp::guest

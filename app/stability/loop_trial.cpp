@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "app/run/watches.h"
 #include "app/process/child_process.h"
+#include "app/run/watches.h"
 #include "models/config/input_error.h"
 #include "models/plant/daq.h"
 #include "models/plant/moving_device.h"

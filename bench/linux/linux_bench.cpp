@@ -12,6 +12,8 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
+#include "app/process/temporary_folder.h"
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -21,32 +23,15 @@ void run(const std::string& words) {
   if (std::system(command.c_str()) != 0) throw std::runtime_error("failed: " + command);
 }
 
-class Folder {
- public:
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "hvp-bench-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("mkdtemp failed");
-    path = name;
-  }
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-
-  fs::path path;
-};
-
 void frames_with(benchmark::State& state, const std::string& more) {
-  const Folder folder;
-  const std::string here = folder.path.string();
+  const hvp::app::TemporaryFolder folder("hvp-bench");
+  const std::string here = folder.path().string();
   try {
     run(
         fmt::format("run '{}' --record-jobs --quiet --set frames={} --set output.pictures=false "
                     "--set reference=false --out '{}/run'",
                     HVP_SCENARIO, state.range(0), here));
-    std::ofstream(folder.path / "script")
+    std::ofstream(folder.path() / "script")
         << fmt::format("hvp-servo /dev/hvp0 /host{0}/run/jobs.hvpf /host{0}/u\n", here);
     const std::string words = fmt::format(
         "linux '{}' --quiet --set transfer.method=dma --set transfer.notification=msi "

@@ -2,7 +2,6 @@
 #include <array>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -11,6 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "app/process/temporary_folder.h"
 #include "driver/user/vfio_user_client.h"
 
 namespace {
@@ -24,9 +24,6 @@ constexpr std::size_t kWords = 750;  // U of 500 nodes, two elements a word
 class Board {
  public:
   Board() {
-    std::string folder = "/tmp/hvp-bench-XXXXXX";
-    if (mkdtemp(folder.data()) == nullptr) throw std::runtime_error("mkdtemp failed");
-    folder_ = folder;
     std::array<int, 2> ends{};
     if (pipe(ends.data()) != 0) throw std::runtime_error("pipe failed");
     child_ = fork();
@@ -50,7 +47,6 @@ class Board {
     hvp_vfio_user_close(&client_);
     kill(child_, SIGTERM);
     waitpid(child_, nullptr, 0);
-    rmdir(folder_.c_str());
   }
   Board(const Board&) = delete;
   Board& operator=(const Board&) = delete;
@@ -58,9 +54,9 @@ class Board {
   hvp_bus bus() { return hvp_vfio_user_bus(&client_); }
 
  private:
-  std::string socket() const { return folder_ + "/board"; }
+  std::string socket() const { return folder_.path() / "board"; }
 
-  std::string folder_;
+  hvp::app::TemporaryFolder folder_{"hvp-bench"};
   pid_t child_ = -1;
   hvp_vfio_user client_{};
 };

@@ -9,13 +9,13 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <limits>
 #include <string>
 #include <systemc>
 
 #include <unistd.h>
 
+#include "app/process/temporary_folder.h"
 #include "app/results/frames_csv.h"
 #include "app/results/trace.h"
 #include "bench/vp/thesis_scene.h"
@@ -40,25 +40,15 @@ struct Case {
   double frame_s = std::numeric_limits<double>::infinity();
 };
 
-// A folder of the child's own, gone with it.
-struct Folder {
-  std::filesystem::path path =
-      std::filesystem::temp_directory_path() / ("hvp_speed_" + std::to_string(getpid()));
-  Folder() { std::filesystem::create_directories(path); }
-  ~Folder() { std::filesystem::remove_all(path); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-};
-
 double frame_seconds(ThesisScene& scene, const Case& c) {
-  const Folder folder;
+  const app::TemporaryFolder folder("hvp-bench");
   scene.settings.fidelity.bus = c.bus;
   scene.settings.transfer.method = c.method;
   scene.settings.frames = kFrames;
   vp::Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
-  results::FramesCsv frames(folder.path / "frames.csv", scene.settings.budget,
+  results::FramesCsv frames(folder.path() / "frames.csv", scene.settings.budget,
                             results::Columns::times);
-  results::Trace trace(folder.path / "trace.json", platform.session(),
+  results::Trace trace(folder.path() / "trace.json", platform.session(),
                        {c.traced_frames, std::numeric_limits<std::int64_t>::max(),
                         scene.settings.budget, c.traced_frames * scene.settings.period});
   if (c.frames_file) platform.add_observer(frames);

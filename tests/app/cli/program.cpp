@@ -25,9 +25,6 @@ void redirect(const fs::path& file, int descriptor) {
 
 Program::Program(const fs::path& folder, const std::vector<std::string>& arguments,
                  const fs::path& input) {
-  std::string name = (fs::temp_directory_path() / "hvp-output-XXXXXX").string();
-  if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("mkdtemp failed");
-  output_ = name;
   std::vector<std::string> words = {HVP_PROGRAM};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
@@ -42,8 +39,8 @@ Program::Program(const fs::path& folder, const std::vector<std::string>& argumen
       if (opened < 0 || ::dup2(opened, STDIN_FILENO) < 0) ::_exit(126);
       ::close(opened);
     }
-    redirect(output_ / "out", STDOUT_FILENO);
-    redirect(output_ / "err", STDERR_FILENO);
+    redirect(output_.path() / "out", STDOUT_FILENO);
+    redirect(output_.path() / "err", STDERR_FILENO);
     ::execv(argv[0], argv.data());
     ::_exit(127);
   }
@@ -54,8 +51,6 @@ Program::~Program() {
     kill();
     reap(0);
   }
-  std::error_code ignored;
-  fs::remove_all(output_, ignored);
 }
 
 void Program::kill() {
@@ -86,13 +81,13 @@ Ended Program::wait() {
   Ended ended;
   if (WIFEXITED(wait_status_)) ended.status = WEXITSTATUS(wait_status_);
   if (WIFSIGNALED(wait_status_)) ended.signal = WTERMSIG(wait_status_);
-  ended.out = read(output_ / "out");
-  ended.err = read(output_ / "err");
+  ended.out = read(output_.path() / "out");
+  ended.err = read(output_.path() / "err");
   return ended;
 }
 
 std::string Program::out() const {
-  const fs::path file = output_ / "out";
+  const fs::path file = output_.path() / "out";
   return fs::exists(file) ? read(file) : std::string();
 }
 

@@ -6,6 +6,8 @@
 
 #include <sys/types.h>
 
+#include "tests/app/scratch_directory.h"
+
 // The built `hvp`, used as a user does: started in a folder, with arguments.
 namespace hvp::cli {
 
@@ -39,7 +41,7 @@ class Program {
  private:
   void reap(int options);
 
-  std::filesystem::path output_;  // its standard output and error, beside the folder
+  ScratchDirectory output_;  // its standard output and error, beside the folder
   pid_t pid_ = -1;
   bool reaped_ = false;
   int wait_status_ = 0;

@@ -5,9 +5,9 @@
 #include <fstream>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "tests/app/scenario/read_toy.h"
+#include "tests/app/scratch_directory.h"
 
 namespace hvp::scenario::document_test {
 namespace {
@@ -33,18 +33,13 @@ std::string parse_error(const std::string& text) {
 // A folder of its own that goes with the test.
 class Files : public testing::Test {
  protected:
-  Files() : folder_(std::filesystem::temp_directory_path() / "hvp-scenario-XXXXXX") {
-    std::string name = folder_.string();
-    folder_ = ::mkdtemp(name.data());
-  }
-  ~Files() override { std::filesystem::remove_all(folder_); }
-
   std::filesystem::path write(const std::string& name, const std::string& text) {
     std::ofstream(folder_ / name, std::ios::binary) << text;
     return folder_ / name;
   }
 
-  std::filesystem::path folder_;
+  ScratchDirectory place_;
+  const std::filesystem::path folder_ = place_.path();
 };
 
 TEST_F(Files, AreRead) {
