@@ -97,20 +97,6 @@ void Replay::add_force(const Sighting& at, bool fades, std::int64_t frame,
   quality.add(felt);
 }
 
-// The flags of rounding that a run raises at set-up.
-stability::Flags Replay::rounding_flags(const host::FrameComputation& computation,
-                                        bool refined) const {
-  stability::Flags flags;
-  const std::optional<host::RoundingEstimate> estimate = estimate_rounding(scene_, computation);
-  if (!estimate) return flags;
-  if (!estimate->definite(refined)) flags.raise(stability::Flag::negative_curvature);
-  if (refined || scene_.scenario().reference) return flags;
-  if (!estimate->error || estimate->error->displacement > host::Reference{}.tolerance) {
-    flags.raise(stability::Flag::matrix_rounding);
-  }
-  return flags;
-}
-
 Replay::Result Replay::attempt(const fixed::Plan& plan) const {
   const Scenario& s = scene_.scenario();
   Result result;
@@ -125,7 +111,9 @@ Replay::Result Replay::attempt(const fixed::Plan& plan) const {
     plan.settings.check();
     host::FrameComputation computation(scene_.body(), s.contact.diagonal, s.dynamics, plan.settings,
                                        s.budget.period_s, refinement);
-    result.flags = rounding_flags(computation, refined);
+    if (const auto estimate = estimate_rounding(scene_, computation)) {
+      result.flags = estimate->flags(refined, s.reference.has_value());
+    }
     host::WordBoard board(computation.board().matrix(), computation.board().settings());
     const sparse::BlockMatrix rounded = fixed::dequantise(computation.board().words());
     host::ReferenceRun rounded_run(scene_.body(), s.dynamics, s.budget.period_s,

@@ -84,7 +84,6 @@ class Replay {
   void solve_exactly(std::span<const Sighting> recording, std::size_t frames, double hand_over_s);
   void add_force(const Sighting& at, bool fades, std::int64_t frame, const Eigen::Vector3d& force,
                  stability::ForceQuality& quality) const;
-  stability::Flags rounding_flags(const host::FrameComputation& computation, bool refined) const;
 
   const Scene& scene_;
   std::vector<Held> frames_;

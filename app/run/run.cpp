@@ -210,20 +210,6 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
   return o;
 }
 
-// Flags a rounded matrix that is known to be bad and, where no reference measures its effect, one
-// that moves a contact along the probe's way too far. Refinement corrects the rounding.
-stability::Flags rounding_flags(const Scene& scene, const host::RoundingEstimate& rounding,
-                                bool measured) {
-  stability::Flags flags;
-  const bool refined = scene.scenario().refinement.has_value();
-  if (!rounding.definite(refined)) flags.raise(stability::Flag::negative_curvature);
-  if (measured || refined) return flags;
-  const bool too_far =
-      !rounding.error || rounding.error->displacement > host::Reference{}.tolerance;
-  if (too_far) flags.raise(stability::Flag::matrix_rounding);
-  return flags;
-}
-
 results::Outcome simulate(Scene& scene, const RunOptions& options) {
   const Scenario& s = scene.scenario();
   const std::filesystem::path& directory = options.directory;
@@ -327,7 +313,10 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
     outcome.flags.merge(results::margin_flags(outcome.stiffness, s.budget.gain_margin));
   }
   outcome.rounding = rounding;
-  if (rounding) outcome.flags.merge(rounding_flags(scene, *rounding, outcome.accuracy_measured()));
+  if (rounding) {
+    outcome.flags.merge(
+        rounding->flags(scene.scenario().refinement.has_value(), outcome.accuracy_measured()));
+  }
   outcome.trace_cut_at = trace.cut_at();
   if (accuracy) outcome.flags.merge(accuracy->flags());
   const auto began = std::chrono::steady_clock::now();

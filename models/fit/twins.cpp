@@ -20,13 +20,16 @@ namespace hvp::fit {
 
 namespace {
 
-// The normal deviate of one counter, by Box & Muller's transform.
-double gaussian(const random::Draws& draws, std::size_t counter, double deviation) {
-  const random::Draws::Pair u = draws.uniform(static_cast<std::int64_t>(counter));
-  return deviation * std::sqrt(-2 * std::log(u.first)) * std::cos(DeviceTwin::kTwoPi * u.second);
+double noise_of(const random::Draws& draws, std::size_t counter, double deviation) {
+  return gaussian(draws.uniform(static_cast<std::int64_t>(counter)), deviation);
 }
 
 }  // namespace
+
+double gaussian(const random::Draws::Pair& uniform, double deviation) {
+  return deviation * std::sqrt(-2 * std::log(uniform.first)) *
+         std::cos(DeviceTwin::kTwoPi * uniform.second);
+}
 
 DeviceLog DeviceTwin::follow(const std::vector<double>& command) const {
   plant::LinearAxis axis;
@@ -56,7 +59,7 @@ DeviceLog DeviceTwin::follow(const std::vector<double>& command) const {
   const random::Draws draws(seed, "device twin");
   for (std::size_t i = 0; i < command.size(); ++i) {
     double seen = state.x;
-    if (noise > 0) seen += gaussian(draws, i, noise);
+    if (noise > 0) seen += noise_of(draws, i, noise);
     if (step > 0) seen = std::floor(seen / step) * step;
     log.position.push_back(seen);
     const auto at = static_cast<std::ptrdiff_t>(i) - whole;
@@ -98,7 +101,7 @@ IndentationLog press(const RampAndHold& motion, const QlvSettings& settings,
   std::vector<double> force = qlv_force(settings, log, values);
   const random::Draws draws(seed, "indentation");
   for (std::size_t i = 0; i < samples; ++i) {
-    force[i] += gaussian(draws, i, noise);
+    force[i] += noise_of(draws, i, noise);
   }
   return {.time = log.time, .travel = log.depth, .force = force};
 }
@@ -151,7 +154,7 @@ TissueLog touch(const TissueBody& body, const TissueValues& values, const std::v
     tissue.forces(u, force);
     tissue.advance(u);
     log.time.push_back(static_cast<double>(i) * body.period_s);
-    log.force.push_back(force[0].dot(along) + noise * gaussian(draws, i, 1));
+    log.force.push_back(force[0].dot(along) + noise * noise_of(draws, i, 1));
   }
   return log;
 }

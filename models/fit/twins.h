@@ -9,8 +9,13 @@
 #include "models/fit/device_log.h"
 #include "models/fit/qlv_problem.h"
 #include "models/fit/tissue_problem.h"
+#include "models/random/draws.h"
 
 namespace hvp::fit {
+
+// A normal number of mean 0, by Box & Muller's transform: the noise of a twin's log. It is the C
+// library's, so that its last bits are not every machine's.
+double gaussian(const random::Draws::Pair& uniform, double deviation);
 
 // An axis of the plant, which gives logs whose parameters are known.
 struct DeviceTwin {

@@ -64,6 +64,16 @@ RoundingEstimate estimate_rounding(const fem::Body& body, const sparse::BlockMat
   return estimate;
 }
 
+stability::Flags RoundingEstimate::flags(bool refined, bool measured) const {
+  stability::Flags flags;
+  if (!definite(refined)) flags.raise(stability::Flag::negative_curvature);
+  if (measured || refined) return flags;
+  if (!error || error->displacement > Reference{}.tolerance) {
+    flags.raise(stability::Flag::matrix_rounding);
+  }
+  return flags;
+}
+
 void RoundingEstimate::report(config::Figures& f) const {
   f.truth("positive_definite", positive_definite, "of the matrix in words");
   f.truth("resting_positive_definite", resting_positive_definite,

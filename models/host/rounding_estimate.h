@@ -8,6 +8,7 @@
 #include "models/config/figures.h"
 #include "models/fem/body.h"
 #include "models/sparse/block_matrix.h"
+#include "models/stability/flag.h"
 
 namespace hvp::host {
 
@@ -35,6 +36,10 @@ struct RoundingEstimate {
     double force = 0;
   };
   std::optional<Error> error;
+
+  // The flags of a rounding that is known to be bad and, where no reference measures its effect, of
+  // one that moves a contact too far. Refinement corrects the rounding.
+  stability::Flags flags(bool refined, bool measured) const;
 
   void report(config::Figures& f) const;
 };

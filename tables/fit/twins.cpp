@@ -27,9 +27,8 @@ fit::Options options() {
   return o;
 }
 
-double normal(const random::Draws& draws, std::size_t i) {  // Box & Muller
-  const random::Draws::Pair u = draws.uniform(static_cast<std::int64_t>(i));
-  return std::sqrt(-2 * std::log(u.first)) * std::cos(kTwoPi * u.second);
+double normal(const random::Draws& draws, std::size_t i) {
+  return fit::gaussian(draws.uniform(static_cast<std::int64_t>(i)), 1);
 }
 
 // The plant's own axis with dry friction, under a random force.

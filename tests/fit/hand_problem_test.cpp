@@ -37,9 +37,8 @@ struct HandTwin {
     const random::Draws draws(3, "hand twin");
     HandLog log{period, force, {}, intended};
     for (std::size_t i = 0; i < force.size(); ++i) {
-      const random::Draws::Pair u = draws.uniform(static_cast<std::int64_t>(i));
-      log.position.push_back(state.x + noise * std::sqrt(-2 * std::log(u.first)) *
-                                           std::cos(kTwoPi * u.second));
+      log.position.push_back(state.x +
+                             gaussian(draws.uniform(static_cast<std::int64_t>(i)), noise));
       if (i + 1 == force.size()) break;
       plant::LinearAxis::Drive drive;
       drive.external = {force[i], (force[i + 1] - force[i]) / period};

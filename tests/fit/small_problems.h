@@ -11,6 +11,7 @@
 #include <ceres/dynamic_autodiff_cost_function.h>
 
 #include "models/fit/problem.h"
+#include "models/fit/twins.h"
 
 namespace hvp::fit::test {
 
@@ -86,10 +87,9 @@ inline std::vector<double> noise(std::size_t count, double deviation, double col
   std::vector<double> r(count);
   double last = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    const double normal =
-        std::sqrt(-2 * std::log(uniform())) * std::cos(2 * 3.14159265358979323846 * uniform());
+    const random::Draws::Pair pair{uniform(), uniform()};
     const double share = i == 0 ? 1 : std::sqrt(1 - colour * colour);
-    last = colour * last + share * deviation * normal;
+    last = colour * last + gaussian(pair, share * deviation);
     r[i] = last;
   }
   return r;

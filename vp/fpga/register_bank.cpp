@@ -160,7 +160,6 @@ AccessResult RegisterBank::read(std::uint64_t offset, std::span<std::uint8_t> da
   if (!outcome.ok()) return refuse(outcome);
   for (std::size_t done = 0; done < data.size(); done += kWordBytes) {
     const std::size_t i = *register_at(offset + done);
-    if (on_read_[i]) on_read_[i]();
     const std::uint32_t word = value_[i] & kRegisters[i].read_mask;
     std::memcpy(data.data() + done, &word, sizeof word);
   }

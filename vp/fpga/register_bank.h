@@ -58,8 +58,6 @@ class RegisterBank {
   // `written` is the word on the bus, including command bits; `before` is the register's contents
   // before the write. The register has been changed already.
   using WriteCallback = std::function<void(std::uint32_t written, std::uint32_t before)>;
-  // Runs before the register is read and may set it.
-  using ReadCallback = std::function<void()>;
   // Runs after software has written to a memory.
   using MemoryCallback = std::function<void()>;
 
@@ -97,7 +95,6 @@ class RegisterBank {
   void on_write(Register reg, WriteCallback callback) {
     on_write_[index(reg)] = std::move(callback);
   }
-  void on_read(Register reg, ReadCallback callback) { on_read_[index(reg)] = std::move(callback); }
 
   void on_memory_write(Aperture aperture, MemoryCallback callback) {
     on_memory_write_[index(aperture)] = std::move(callback);
@@ -121,7 +118,6 @@ class RegisterBank {
   std::array<std::uint32_t, kRegisters.size()> value_{};
   std::array<std::uint32_t, kRegisters.size()> reset_value_{};
   std::array<WriteCallback, kRegisters.size()> on_write_{};
-  std::array<ReadCallback, kRegisters.size()> on_read_{};
   std::array<std::vector<std::uint32_t>, kApertures.size()> memory_{};
   std::array<MemoryCallback, kApertures.size()> on_memory_write_{};
 };

@@ -79,7 +79,6 @@ class Sequencer : public sc_core::sc_module {
   const Scalars& scalars() const { return scalars_; }
   // The iterations, replacements, breakdowns and flags of the solve.
   const fixed::Report& report() const { return report_; }
-  int pass_of_loop() const { return loops_; }
   const StateClocks& state_clocks() const { return state_clocks_; }
 
  private:
