@@ -22,7 +22,7 @@ Pattern rows_of_packages(int nodes, int packages) {
 }
 
 // A pattern whose fullest partition holds `fullest` packages, as an independent count found for
-// meshes by TetGen (docs/accelerator.md). A few short rows let the partitions balance exactly.
+// meshes by TetGen. A few short rows let the partitions balance exactly.
 Pattern pattern_with(int nodes, int fullest) {
   Pattern p = rows_of_packages(nodes, 5);
   constexpr int kShortRows = 20;

@@ -84,8 +84,8 @@ TEST(BuiltInDevices, TheEp2s60IsThatOfTheThesis) {
   EXPECT_EQ(d.memory("M9K"), nullptr);
 }
 
-// Table 6.4 follows from the multipliers alone, with a reserve of an eighth (facts by computation,
-// docs/accelerator.md); for Stratix III from the count in four-multiplier-adder mode.
+// Table 6.4 follows from the multipliers alone, with a reserve of an eighth, as the page
+// docs/accelerator-tables.md says; for Stratix III from the count in four-multiplier-adder mode.
 TEST(BuiltInDevices, MultipliersGiveThesisTable64) {
   const auto partitions = [](const char* name) {
     const auto& modes = built_in(name).multipliers;

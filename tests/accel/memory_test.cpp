@@ -222,7 +222,7 @@ TEST(LargestMesh, FallsWithPartitions) {
 }
 
 // Table 6.2: 8.4 k ALUTs and 10.5 k registers. The estimate is built from the structure, not
-// fitted; docs/accelerator.md states its error, and it is to stay within a sixth.
+// fitted, and is to stay within the sixth that docs/accelerator.md states.
 TEST(Logic, IsNearThesisTable62) {
   const Usage u = usage(device("EP2S60"), {}, {}, thesis_mesh());
   EXPECT_NEAR(used(u, "logic"), 8400, 8400 / 6.0);

@@ -51,7 +51,7 @@ Architecture on(int devices, VectorWork vectors = VectorWork::split,
 
 double us(std::int64_t clocks) { return static_cast<double>(clocks) * 0.01; }
 
-// facts: independent count, "1000 nodes … on two: 1033 µs with the vectors unsplit, 728 split, plus
+// An independent count: "1000 nodes … on two: 1033 µs with the vectors unsplit, 728 split, plus
 // the links", 60 iterations.
 TEST(SeveralDevices, TwoDevicesMatchTheIndependentCount) {
   const Pattern p = thesis_rows(1000);
@@ -201,7 +201,7 @@ TEST(Scaling, HasAnOptimumAndALimit) {
   EXPECT_LT(steps.back().speed_up, best->speed_up);
   EXPECT_EQ(steps.front().devices, 1);
   EXPECT_DOUBLE_EQ(steps.front().speed_up, 1);
-  EXPECT_NEAR(us(steps.front().clocks), 1338, 0.5);  // facts: 1000 nodes on one device
+  EXPECT_NEAR(us(steps.front().clocks), 1338, 0.5);  // independent: 1000 nodes on one device
   const double limit = speed_up_limit(a, p, {});
   for (const Scaling& s : steps) EXPECT_LT(s.speed_up, limit) << s.devices;
   // A row a device and free links: five packages, a clock a pass, three pipelines, in the first of

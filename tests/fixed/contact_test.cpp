@@ -150,8 +150,8 @@ TEST(StaticContact, LeavingTheRangeIsCounted) {
   EXPECT_GT(press(p, {}).clamped, 0);
 }
 
-// The dynamic system (thesis §3.6.1) is well conditioned (facts: 30 to 44): CG reaches its rounded
-// solution to the last places. What 12 bits do to Â itself is another matter.
+// The dynamic system (thesis §3.6.1) is well conditioned (independent: 30 to 44): CG reaches its
+// rounded solution to the last places. What 12 bits do to Â itself is another matter.
 TEST(DynamicContact, SolutionOfTheRoundedSystemToTheLastPlaces) {
   const Sphere s = sphere();
   const fem::Newmark newmark(s.body.stiffness(), s.body.mass(fem::MassKind::lumped), {}, 2e-3);

@@ -65,7 +65,7 @@ sparse::BlockMatrix body(double poisson, double contrast = 1) {
   return test::make_body(box).stiffness;
 }
 
-// Independent (docs/fixed-point.md): 1.9e-2 after 80 iterations of PCG, 1.0e-3 after 300.
+// Independent: 1.9e-2 after 80 iterations of PCG, 1.0e-3 after 300.
 TEST(HardCase, PoissonRatioOf045Converges) {
   const QuantisedMatrix m = quantise(body(0.45), 12);
   EXPECT_EQ(non_positive_eigenvalues(m), 0);

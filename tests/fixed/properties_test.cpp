@@ -358,8 +358,8 @@ TEST(Solver, ZeroAndNegativeDiagonalsAreNamed) {
 }
 
 TEST(Solver, ScalarOverflowIsNamedAndClamped) {
-  // 32-bit vectors: d'Ad of 720 full words needs more than 64 bits (facts in
-  // docs/fixed-point.md).
+  // 32-bit vectors: d'Ad of 720 full words needs more than 64 bits: 2 · 31 of a product's size and
+  // nearly 10 of the sum.
   Settings s;
   s.method = Method::jacobi_pcg;
   s.vector_bits = 32;

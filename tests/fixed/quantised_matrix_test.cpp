@@ -78,8 +78,7 @@ TEST(QuantisedMatrix, RefusesAPatternThatIsNotSymmetric) {
 }
 
 TEST(QuantisedMatrix, CountsDiagonalsThatRoundToZero) {
-  // Half of the body a thousand times softer than the rest: 12 bits do not reach that far
-  // (facts in docs/fixed-point.md: hundreds of diagonals are lost at a contrast of 1000).
+  // Half of the body ten thousand times softer than the rest: 12 bits do not reach that far.
   test::Box box{.cells_x = 4, .cells_y = 4, .cells_z = 4};
   box.contrast = [](const Eigen::Vector3d& p) { return p.x() < 0.02 ? 1.0 : 1e-4; };
   const sparse::BlockMatrix k = test::make_body(box).stiffness;

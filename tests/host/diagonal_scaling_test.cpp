@@ -1,5 +1,6 @@
 // What diagonal scaling before rounding is worth on meshes of our own: how far a perfect solver
-// ends from the true model, pressed at the highest node. docs/fixed-point.md has the table.
+// ends from the true model, pressed at the highest node. The figures are in the report's
+// properties.
 #include <algorithm>
 #include <array>
 #include <optional>

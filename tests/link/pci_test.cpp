@@ -19,7 +19,7 @@ double gigabytes_per_second(const Pci& pci, std::int64_t bytes) {
 }
 
 // The figures of published PCI throughput: 256-byte writes in one burst, and 3000 bytes in
-// bursts of 64 bytes; docs/pci.md says where they are from.
+// bursts of 64 bytes.
 struct Row {
   PciKind kind;
   double effective_gb_s;

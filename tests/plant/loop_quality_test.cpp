@@ -92,7 +92,7 @@ LoopQuality loop(double stiffness, Picoseconds delay, const Vector3d& displaced,
   return quality;
 }
 
-// The edge is at 1003.3 N/m without delay (facts: exact eigenvalues).
+// The edge is at 1003.3 N/m without delay (exact eigenvalues).
 TEST(LoopQuality, OfALoopInsideTheEdgeIsPassiveAndBeyondItNot) {
   const LoopQuality inside = loop(900, 0, {1e-3, 0, 0});
   EXPECT_TRUE(inside.flags().empty());

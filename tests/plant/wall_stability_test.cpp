@@ -11,7 +11,7 @@ namespace {
 
 constexpr LinearAxis kDevice{.mass = 0.1, .damping = 1};
 
-// Exact discrete eigenvalues, found independently (facts of the field: 0.1 kg, 1 N s/m, 2 ms).
+// Exact discrete eigenvalues, found independently (0.1 kg, 1 N s/m, 2 ms).
 TEST(WallStability, IsTheKnownStiffnessAtEveryDelay) {
   const std::vector<std::pair<double, double>> known = {
       {0, 1003.3},   {0.25e-3, 802.5}, {0.5e-3, 668.9}, {0.773e-3, 566.1},
