@@ -38,17 +38,16 @@ std::string smallest_device(const accel::WordLengths& words, const accel::Patter
 // The host's operations around the board's solves. The force without contact is the conversion of
 // U.
 double host_operations(const sparse::BlockMatrix& matrix, const fixed::Plan& plan) {
-  const fixed::System system = fixed::prepare(matrix, plan.settings);
   const std::vector<double> initial(static_cast<std::size_t>(matrix.rows()));
   const fem::ContactConstraint constraint(matrix, fem::ContactDiagonal::average);
+  const host::BoardSystem board(matrix, plan.settings, constraint.diagonal(), plan.passes > 1);
   std::unique_ptr<host::FrameMethod> method;
   if (plan.passes > 1) {
     host::Refinement refinement;
     refinement.passes = plan.passes;
-    method = std::make_unique<host::RefinedSolve>(refinement, matrix, system, initial);
+    method = std::make_unique<host::RefinedSolve>(refinement, matrix, board.words(), initial);
   } else {
-    method =
-        std::make_unique<host::BoardWords>(constraint, system, 1, initial, fem::Effort::counted);
+    method = std::make_unique<host::BoardWords>(constraint, board, initial, fem::Effort::counted);
   }
   double operations = method->force_operations();
   for (const host::Step& step : method->steps()) operations += step.times * step.operations;
