@@ -30,7 +30,7 @@ INCLUDE = re.compile(rb'^#include "([^"]+)"', re.MULTILINE)
 SOURCES = {".c", ".cpp", ".h", ".py", ".sv", ".rdl", ".toml", ".txt"}
 ALWAYS = ("files", "driver", "vp", "app", "fuzz", "serve", "linux")
 IN_TURN = (
-    *("stability", "statistics", "random", "sparse", "mesh", "fem", "fixed", "accel"),
+    *("stability", "statistics", "random", "sparse", "mesh", "fem", "tissue", "fixed", "accel"),
     *("link", "host", "collision", "plant", "fit", "hard_cases", "plant_cases", "tables"),
 )
 # These run the built program, so that all of it is beneath them.
