@@ -18,6 +18,6 @@ TetMesh generate(const MeshSettings& settings, const Progress& progress = {});
 
 // The same for a given surface, in either winding. The surface is kept if the count can be reached
 // with it; otherwise its triangles are split or decimated.
-TetMesh tetrahedralise(const Surface& surface, int wanted_nodes, const Progress& progress = {});
+TetMesh tetrahedralise(const Surface& raw, int wanted_nodes, const Progress& progress = {});
 
 }  // namespace hvp::mesh
