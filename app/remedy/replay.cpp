@@ -60,9 +60,9 @@ Replay::Replay(const Scene& scene, std::span<const Sighting> recording, std::siz
 void Replay::solve_exactly(std::span<const Sighting> recording, std::size_t frames,
                            double hand_over_s) {
   const Scenario& s = scene_.scenario();
-  const sparse::BlockMatrix& matrix = scene_.computation().matrix();
   const std::size_t probes = recording.front().touches.size();
-  host::ReferenceRun run(scene_.body(), s.dynamics, s.budget.period_s, matrix, matrix, probes);
+  const std::unique_ptr<fem::ReferenceModel> reference = make_reference(scene_);
+  fem::ReferenceModel& run = *reference;
   host::ContactHold contact(scene_.body(), scene_.contacts(), to_picoseconds(hand_over_s), probes);
   const Picoseconds period = to_picoseconds(s.budget.period_s);
   std::vector<collision::Contact> contacts(probes);
@@ -77,7 +77,8 @@ void Replay::solve_exactly(std::span<const Sighting> recording, std::size_t fram
     run.step(hold);
     contact.keep_tips(now.time, now.touches);
     contact.solved(now.time);
-    add_force(now, !hold.let_go.empty(), static_cast<std::int64_t>(i), run.force(), exact_force_);
+    add_force(now, !hold.let_go.empty(), static_cast<std::int64_t>(i), run.forces().front(),
+              exact_force_);
     for (const double u : run.displacement()) largest_ = std::max(largest_, std::abs(u));
     if (i % stride_ != 0 || frames_.size() == frames) continue;
     Held& held = frames_.emplace_back();
@@ -109,15 +110,19 @@ Replay::Result Replay::attempt(const fixed::Plan& plan) const {
   }
   try {
     plan.settings.check();
-    host::FrameComputation computation(scene_.body(), s.contact.diagonal, s.dynamics, plan.settings,
-                                       s.budget.period_s, refinement);
+    host::FrameComputation computation(make_tissue(s, scene_.body()), plan.settings, refinement,
+                                       host::SolvedBy::board, host::Effort::computed);
     if (const auto estimate = estimate_rounding(scene_, computation)) {
       result.flags = estimate->flags(refined, s.reference.has_value());
     }
     host::WordBoard board(computation.board().matrix(), computation.board().settings());
     const sparse::BlockMatrix rounded = fixed::dequantise(computation.board().words());
-    host::ReferenceRun rounded_run(scene_.body(), s.dynamics, s.budget.period_s,
-                                   computation.matrix(), rounded);
+    // The rounded model is one of a linear body; increments are always refined.
+    std::optional<host::ReferenceRun> rounded_run;
+    if (!refined) {
+      rounded_run.emplace(scene_.body(), s.dynamics, s.budget.period_s, computation.matrix(),
+                          rounded);
+    }
     std::vector<std::int32_t> b(computation.displacement().size());
     host::Deviation of_true;
     host::Deviation of_rounded;
@@ -141,9 +146,9 @@ Replay::Result Replay::attempt(const fixed::Plan& plan) const {
       add_force(frame.sighting, !hold.let_go.empty(), number++, force, quality);
       const bool in_contact = hold.present();
       of_true.add(computation.displacement(), frame.exact, 0, in_contact);
-      if (refined || rounded_run.singular()) continue;
-      rounded_run.step(hold);
-      of_rounded.add(computation.displacement(), rounded_run.displacement(), 0, in_contact);
+      if (!rounded_run || rounded_run->singular()) continue;
+      rounded_run->step(hold);
+      of_rounded.add(computation.displacement(), rounded_run->displacement(), 0, in_contact);
     }
     result.flags.merge(host::accuracy_flags(s.reference.value_or(host::Reference{}),
                                             of_true.judged(),

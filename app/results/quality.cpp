@@ -67,7 +67,11 @@ void Strain::report(config::Figures& f) const {
   f.frame("frame", frame, "the frame that has it");
   f.ratio("beyond_limit_share", worst.beyond_share,
           "the largest share of the volume beyond a strain of a tenth");
+  f.ratio("stretched_share", worst.stretched_share,
+          "the part of it that is stretched so far, rotations taken out");
   f.count("inverted_elements", worst.inverted, "turned inside out");
+  f.text("suitable_model", fem::suitable_model(worst),
+         "the object.model.kind whose assumptions these strains meet");
 }
 
 void RefinementFigures::report(config::Figures& f) const {
@@ -206,11 +210,17 @@ void force_lines(Out out, const stability::ForceQuality& force, const ContactFig
   }
 }
 
-void strain_line(Out out, const fem::Strains& strain) {
+void strain_line(Out out, const fem::Strains& strain, bool beyond_linearity) {
   fmt::format_to(out,
                  "  strain         up to {}, {} of the volume beyond {}; {} turned inside out\n",
                  percent(strain.largest), percent(strain.beyond_share), percent(fem::kLinearStrain),
                  counted(strain.inverted, "element"));
+  if (!beyond_linearity) return;
+  fmt::format_to(out,
+                 "  stretched      {} of the volume beyond {} once turns are taken out: that asks "
+                 "for a {} body\n",
+                 percent(strain.stretched_share), percent(fem::kLinearStrain),
+                 fem::suitable_model(strain));
 }
 
 }  // namespace
@@ -230,7 +240,9 @@ std::string force_text(const Outcome& o) {
                    newtons(o.forces[i].peak().value), o.forces[i].peak().frame,
                    percent(o.forces[i].step_share()));
   }
-  if (o.strain) strain_line(out, o.strain->worst);
+  if (o.strain) {
+    strain_line(out, o.strain->worst, o.flags.has(stability::Flag::beyond_linearity));
+  }
   return text;
 }
 

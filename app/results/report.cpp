@@ -56,6 +56,13 @@ void engine_lines(Out out, const app::Scene& scene, const Outcome& o) {
                  100 * e.deviation());
 }
 
+// With increments the matrix is that of the body at rest, whatever its forces are.
+std::string passes_text(const app::Scenario& s) {
+  if (!s.refinement) return {};
+  return fmt::format(", {} in {}", s.object.nonlinear() ? "increments" : "refined",
+                     counted_passes(s.refinement->passes));
+}
+
 void scene_lines(Out out, const app::Scene& scene, const Outcome& o) {
   const app::Scenario& s = scene.scenario();
   if (!s.title.empty()) fmt::format_to(out, "{}\n", scenario::one_line(s.title, 1000));
@@ -65,25 +72,26 @@ void scene_lines(Out out, const app::Scene& scene, const Outcome& o) {
                    s.wall->sides == host::Wall::Sides::one ? "pushes only" : "pushes and pulls");
     return;
   }
-  fmt::format_to(out, "  body        {} nodes, {} tetrahedra; {} nodes in the system, {}\n",
+  fmt::format_to(out, "  body        {} nodes, {} tetrahedra; {} nodes in the system, {}{}\n",
                  scene.quality().nodes, scene.quality().tetrahedra, scene.body().active_nodes(),
-                 s.dynamics ? "dynamic" : "static");
+                 s.dynamics ? "dynamic" : "static",
+                 s.object.nonlinear() ? fmt::format(", {}", tissue::name(s.object.model->kind))
+                                      : std::string());
   fmt::format_to(out, "{}", unit_text(scene));
   if (!scene.has_board()) {
     fmt::format_to(
-        out, "  solver      {}, in double precision on the host; no board\n",
+        out, "  solver      {}{}, in double precision on the host; no board\n",
         s.host.solver == host::SolvedBy::cholesky
             ? std::string("Cholesky factors of the matrix")
             : fmt::format("CG, {}{} iterations", s.solver.stop_residual > 0 ? "at most " : "",
-                          s.solver.iterations));
+                          s.solver.iterations),
+        passes_text(s));
     return;
   }
   const char* most = s.solver.stop_residual > 0 && !s.timing_only() ? "at most " : "";
   fmt::format_to(out, "  solver      {}, {}{} iterations, {}-bit matrix, {}-bit vectors{}\n",
                  display_name(s.solver.method), most, s.solver.iterations, s.solver.matrix_bits,
-                 s.solver.vector_bits,
-                 s.refinement ? fmt::format(", refined in {}", counted_passes(s.refinement->passes))
-                              : std::string());
+                 s.solver.vector_bits, passes_text(s));
   fmt::format_to(out, "  board       {}: {};", scene.board_name(), solve_clocks(scene, o));
   const char* separator = " ";
   for (const accel::Resource& r : scene.usage().resources) {

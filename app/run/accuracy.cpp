@@ -18,6 +18,14 @@ results::Accuracy::Quantity quantity(const host::Deviation& of_true,
           of_rounded.relative(), of_true.of_frame(),       of_rounded.of_frame()};
 }
 
+std::optional<host::ReferenceRun> linear_run(const Scene& scene) {
+  const Scenario& s = scene.scenario();
+  if (s.object.nonlinear()) return std::nullopt;
+  const sparse::BlockMatrix& matrix = scene.computation().matrix();
+  return std::make_optional<host::ReferenceRun>(scene.body(), s.dynamics, s.budget.period_s, matrix,
+                                                matrix, s.probes.size());
+}
+
 }  // namespace
 
 AccuracyTracker::AccuracyTracker(const Scene& scene, const host::Reference& settings)
@@ -25,15 +33,17 @@ AccuracyTracker::AccuracyTracker(const Scene& scene, const host::Reference& sett
       dynamic_(scene.computation().dynamic()),
       has_board_(scene.has_board()),
       refined_(scene.computation().refined() != nullptr),
-      true_run_(scene.body(), scene.scenario().dynamics, scene.scenario().budget.period_s,
-                scene.computation().matrix(), scene.computation().matrix(),
-                scene.scenario().probes.size()),
+      linear_run_(linear_run(scene)),
+      nonlinear_run_(linear_run_ ? nullptr : make_reference(scene)),
+      true_run_(linear_run_ ? static_cast<fem::ReferenceModel&>(*linear_run_) : *nonlinear_run_),
       period_s_(scene.scenario().budget.period_s) {
-  if (!has_board_) return;
+  if (!has_board_ || !linear_run_) return;
   rounded_ = fixed::dequantise(scene.computation().board().words());
   rounded_run_.emplace(scene.body(), scene.scenario().dynamics, scene.scenario().budget.period_s,
                        scene.computation().matrix(), rounded_, scene.scenario().probes.size());
-  if (!true_run_.singular() && !rounded_run_->singular()) both_.emplace(true_run_, *rounded_run_);
+  if (!linear_run_->singular() && !rounded_run_->singular()) {
+    both_.emplace(*linear_run_, *rounded_run_);
+  }
 }
 
 void AccuracyTracker::step(const fem::Hold& hold) {
@@ -90,8 +100,9 @@ stability::Flags AccuracyTracker::flags() const {
   // solver's own error. First touches, where little is displaced, are no matter of convergence.
   const host::Deviation& own = refined_ || !has_board_ ? displacement_ : displacement_rounded_;
   stability::Flags flags = host::accuracy_flags(settings_, displacement_.judged(), own.typical());
-  if (has_board_ && !rounded_run_->positive_definite())
+  if (rounded_run_ && !rounded_run_->positive_definite())
     flags.raise(stability::Flag::negative_curvature);
+  if (true_run_.unsolved() > 0) flags.raise(stability::Flag::not_converged);
   return flags;
 }
 

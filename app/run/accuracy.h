@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -34,7 +35,9 @@ class AccuracyTracker : public vp::FrameObserver {
   bool dynamic_;
   bool has_board_;
   bool refined_;
-  host::ReferenceRun true_run_;
+  std::optional<host::ReferenceRun> linear_run_;
+  std::unique_ptr<fem::ReferenceModel> nonlinear_run_;
+  fem::ReferenceModel& true_run_;  // one of them
   // With the matrix that the board's words stand for; empty where there is no board.
   sparse::BlockMatrix rounded_;
   std::optional<host::ReferenceRun> rounded_run_;

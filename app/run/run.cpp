@@ -92,7 +92,7 @@ class BodyWatches {
  public:
   BodyWatches(vp::Platform& platform, Scene& scene)
       : force_(scene.contacts(), scene.scenario().probes.size()),
-        strain_(scene.body()),
+        strain_(scene.body(), scene.computation().linear()),
         recorder_(scene.scenario().frames) {
     platform.add_observer(recorder_);
     platform.add_observer(force_);
@@ -202,8 +202,10 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
   o.accuracy = accuracy;
   o.error_budgets = error_budgets(s.budget, accuracy);
   if (scene.has_body()) {
-    if (const host::RefinedSolve* refined = scene.computation().refined()) {
-      o.refinement = {refined->passes(), refined->worst_residual(), refined->widened()};
+    if (const host::Increments* increments = scene.computation().increments()) {
+      const host::RefinedSolve* refined = scene.computation().refined();
+      o.refinement = {s.refinement->passes, increments->worst_remaining(),
+                      refined != nullptr ? refined->widened() : 0};
     }
   }
   o.flags = scene_flags(scene, o.servo);

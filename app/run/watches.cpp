@@ -83,8 +83,9 @@ void ForceWatch::solved(const vp::Frame& frame, const vp::Solution& solution) {
   }
 }
 
-StrainWatch::StrainWatch(const fem::Body& body)
+StrainWatch::StrainWatch(const fem::Body& body, bool linear)
     : body_(body),
+      linear_(linear),
       meter_(body.mesh(), fem::kLinearStrain),
       solution_(body.load().size()),
       displacement_(3 * body.mesh().nodes.size()) {}
@@ -97,17 +98,19 @@ void StrainWatch::solved(const vp::Frame& frame, const vp::Solution& solution) {
   const fem::Strains strains = meter_.measure(displacement_);
   const int inverted = std::max(worst_.inverted, strains.inverted);
   const double beyond = std::max(worst_.beyond_share, strains.beyond_share);
+  const double stretched = std::max(worst_.stretched_share, strains.stretched_share);
   if (worst_frame_ < 0 || strains.largest > worst_.largest) {
     worst_ = strains;
     worst_frame_ = frame.number;
   }
   worst_.inverted = inverted;
   worst_.beyond_share = beyond;
+  worst_.stretched_share = stretched;
 }
 
 stability::Flags StrainWatch::flags() const {
   stability::Flags flags;
-  if (fem::beyond_linearity(worst_)) flags.raise(stability::Flag::beyond_linearity);
+  if (linear_ && fem::beyond_linearity(worst_)) flags.raise(stability::Flag::beyond_linearity);
   return flags;
 }
 

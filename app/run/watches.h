@@ -91,7 +91,8 @@ class ForceWatch : public vp::FrameObserver {
 // The body's largest strain, over all frames: a tap is over in a few of them.
 class StrainWatch : public vp::FrameObserver {
  public:
-  explicit StrainWatch(const fem::Body& body);
+  // `linear`: the run's body is, so that strains beyond linear elasticity are flagged.
+  StrainWatch(const fem::Body& body, bool linear);
 
   void solved(const vp::Frame& frame, const vp::Solution& solution) override;
 
@@ -102,6 +103,7 @@ class StrainWatch : public vp::FrameObserver {
 
  private:
   const fem::Body& body_;
+  bool linear_;
   fem::StrainMeter meter_;
   std::vector<double> solution_;      // of the last frame, whose strains are known
   std::vector<double> displacement_;  // all mesh nodes'

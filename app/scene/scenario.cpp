@@ -34,6 +34,10 @@ void Anchor::declare(config::Visitor& v) { v.include(region); }
 void Object::declare(config::Visitor& v) {
   v.table("mesh", mesh, {"the body's shape and how finely it is meshed"});
   v.table("material", material, {"what the body is made of"});
+  v.effect("model", model,
+           {"a body that is not linear: its elements' forces are formed on the host, and the "
+            "matrix at rest serves for the increments; needs [refinement]",
+            "the forces of every element on the host, each pass and once after the force"});
   v.choice("anchored_nodes", anchored_nodes, fem::anchor_treatment_names(),
            {"whether held nodes leave the system or stay as cleared rows",
             "removed: the 500-node mesh then fits the EP2S60, docs/accelerator.md"});
@@ -171,16 +175,20 @@ void Scenario::declare(config::Visitor& v) {
 }
 
 void Scenario::declare_refinement(config::Visitor& v) {
+  std::vector<config::Need> needs = {config::need_numbers()};
+  // A body that is not linear is solved by increments whoever solves.
+  if (!object.nonlinear()) {
+    needs.push_back(config::need_board("the host solves in double precision: nothing to refine"));
+  }
+  needs.push_back({"host.pipeline_depth", {"0"}, "each of its passes needs the one before"});
   v.effect("refinement", refinement,
-           {"the host forms the residual in double precision and the board solves for the "
-            "increment, in several passes a frame",
+           {"the host forms the residual in double precision and the solver, usually the board, "
+            "solves for the increment, in several passes a frame",
             (refinement ? std::to_string(refinement->passes) +
                               " solves a frame, each for what the last left, and a product"
                         : std::string("a solve a pass, and a product")) +
                 " with the matrix on the host for each",
-            {config::need_board("the host solves in double precision: nothing to refine"),
-             config::need_numbers(),
-             {"host.pipeline_depth", {"0"}, "each of its passes needs the one before"}}});
+            needs});
 }
 
 namespace {
@@ -352,6 +360,11 @@ void Scenario::check() const {
   const bool board = host.solver == host::SolvedBy::board;
   if (!board) require_plain_transfer(*this);
   if (timing_only()) require_no_numbers(*this);
+  if (object.nonlinear() && !refinement) {
+    throw InputError("object.model.kind",
+                     "a body that is not linear is solved by increments: expected [refinement] "
+                     "too, whose passes they are");
+  }
   if (function) require_possible(*function, *this);
   if (board && vp::has_engine(fidelity.accelerator)) require_engine(*this);
   if (host.cores == 1 && fidelity.host == vp::Timing::untimed) {

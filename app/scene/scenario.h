@@ -20,6 +20,7 @@
 #include "models/mesh/mesh_settings.h"
 #include "models/mesh/region.h"
 #include "models/sparse/spectrum.h"
+#include "models/tissue/model.h"
 #include "vp/platform_settings.h"
 
 // The scenario: the tables of all parts together. docs/scenario-reference.md is generated from this
@@ -51,9 +52,12 @@ struct Anchor {
 struct Object {
   mesh::MeshSettings mesh;
   fem::Material material;
+  std::optional<tissue::Model> model;
   fem::AnchorTreatment anchored_nodes = fem::AnchorTreatment::removed;
   std::vector<Anchor> anchors;
 
+  // True if the body's forces are not K·u: a frame is then solved by increments.
+  bool nonlinear() const { return model && !model->linear(); }
   void declare(config::Visitor& v);
   void check() const;
 };

@@ -13,6 +13,7 @@
 #include "app/scene/scenario.h"
 #include "models/accel/critical_path.h"
 #include "models/config/input_error.h"
+#include "models/host/reference_run.h"
 #include "models/time/picoseconds.h"
 #include "vp/fpga/register_bank.h"
 
@@ -74,6 +75,23 @@ Scene::Scene(const Scenario& scenario, accel::Device device, const Progress& pro
 
 void Scene::refuse_wall() { refuse_body_of_wall(); }
 
+std::unique_ptr<fem::Tissue> make_tissue(const Scenario& s, const fem::Body& body) {
+  return tissue::make_tissue(body, s.object.model, s.contact.diagonal, s.dynamics,
+                             s.budget.period_s,
+                             s.timing_only() ? host::Effort::counted : host::Effort::computed);
+}
+
+std::unique_ptr<fem::ReferenceModel> make_reference(const Scene& scene) {
+  const Scenario& s = scene.scenario();
+  if (s.object.nonlinear()) {
+    return tissue::make_reference(scene.body(), *s.object.model, s.dynamics, s.budget.period_s,
+                                  s.probes.size());
+  }
+  const sparse::BlockMatrix& matrix = scene.computation().matrix();
+  return std::make_unique<host::ReferenceRun>(scene.body(), s.dynamics, s.budget.period_s, matrix,
+                                              matrix, s.probes.size());
+}
+
 void Scene::build_body(const Progress& progress, Limits limits) {
   if (limits == Limits::refused) require_plausible_size(scenario_, device_, progress);
   body_ = make_body(scenario_, progress);
@@ -82,8 +100,8 @@ void Scene::build_body(const Progress& progress, Limits limits) {
   quality_ = mesh::measure(body_->mesh());
   computation_ = within("solver", [&] {
     return std::make_unique<host::FrameComputation>(
-        *body_, s.contact.diagonal, s.dynamics, s.solver, s.budget.period_s, s.refinement,
-        s.host.solver, s.timing_only() ? host::Effort::counted : host::Effort::computed);
+        make_tissue(s, *body_), s.solver, s.refinement, s.host.solver,
+        s.timing_only() ? host::Effort::counted : host::Effort::computed);
   });
   if (s.host.solver == host::SolvedBy::board) {
     within("accelerator", [&] {

@@ -83,6 +83,12 @@ class Scene {
 // which [output.waveform] writes.
 vp::PlatformSettings platform_settings(const Scene& scene, const std::string& waveform_file = {});
 
+// Builds the body as it is in the servo loop. Keeps a reference to `body`.
+std::unique_ptr<fem::Tissue> make_tissue(const Scenario& scenario, const fem::Body& body);
+
+// The true model of a scene's frames, with a state of its own. Keeps references into the scene.
+std::unique_ptr<fem::ReferenceModel> make_reference(const Scene& scene);
+
 // Builds the elastic body alone, as `hvp export` needs it.
 std::unique_ptr<fem::Body> make_body(const Scenario& scenario, const Progress& progress);
 

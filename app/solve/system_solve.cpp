@@ -206,7 +206,8 @@ void solve_once(const fixed::System& system, std::span<const double> b, Board& b
 void solve_refined(const host::Refinement& refinement, const LinearSystem& given,
                    const fixed::System& system, Board& board, SystemSolution& s) {
   const Vector zero(given.b.size(), 0.0);
-  host::RefinedSolve refined(refinement, given.matrix, system, zero);
+  fem::LinearForces forces(given.matrix);
+  host::RefinedSolve refined(refinement, forces, given.matrix, system, zero);
   std::vector<std::int32_t> b_words(given.b.size());
   std::vector<std::int32_t> x_words(given.b.size());
   refined.begin(given.b, {});

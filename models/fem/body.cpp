@@ -189,6 +189,7 @@ void Body::move_prescribed_to_load(const sparse::BlockMatrix& full_stiffness,
   std::vector<double> elastic(held_displacement_.size());
   full_stiffness.multiply(held_displacement_, elastic);
   load_.assign(at(stiffness_.rows()), 0.0);
+  dead_load_ = load_;
   for (int a = 0; a < active_nodes(); ++a) {
     const std::size_t node = at(node_of_active_[at(a)]);
     for (std::size_t r = 0; r < 3; ++r) {
@@ -197,8 +198,10 @@ void Body::move_prescribed_to_load(const sparse::BlockMatrix& full_stiffness,
         const double diagonal =
             stiffness_.block(static_cast<std::size_t>(stiffness_.find(a, a)))[0];
         f = diagonal * held_displacement_[3 * node + r];
+        dead_load_[3 * at(a) + r] = f;
       } else {
         f = full_load[3 * node + r] - elastic[3 * node + r];
+        dead_load_[3 * at(a) + r] = full_load[3 * node + r];
       }
     }
   }

@@ -55,6 +55,9 @@ class Body {
   sparse::BlockMatrix mass(MassKind kind) const;
   // f over the active nodes, N.
   const std::vector<double>& load() const { return load_; }
+  // The same without what K makes of the prescribed displacements: the load on a body whose forces
+  // are not K·u. A kept node has its diagonal times its displacement.
+  const std::vector<double>& dead_load() const { return dead_load_; }
   // The state to start from: zero, but for prescribed nodes that are kept, which have their
   // displacement. Newmark's integration leaves them there.
   std::vector<double> initial_displacement() const;
@@ -80,6 +83,7 @@ class Body {
   std::vector<int> active_of_node_;
   sparse::BlockMatrix stiffness_;
   std::vector<double> load_;
+  std::vector<double> dead_load_;
 };
 
 // The number of rigid-body modes of a connected part of the mesh whose `held_nodes` are fixed: 6

@@ -148,27 +148,61 @@ Newmark::Newmark(const sparse::BlockMatrix& stiffness, const sparse::BlockMatrix
                                  mass.block_rows(), stiffness.block_rows()));
   }
   const double beta = dynamics_.newmark_beta;
-  const double inertia = 2 / (beta * time_step_ * time_step_);
   const double damping = 2 * dynamics_.newmark_gamma / (beta * time_step_);
-  const double mass_scale = inertia + damping * dynamics_.rayleigh_mass;
   const double stiffness_scale = 1 + damping * dynamics_.rayleigh_stiffness;
   for (double& entry : effective_.value) entry *= stiffness_scale;
+  add_inertia_to(effective_);
+  for (std::vector<double>* state : {&u_, &v_, &a_, &v_tilde_, &a_tilde_, &inertia_}) {
+    state->assign(at(stiffness_.rows()), 0.0);
+  }
+}
+
+double Newmark::inertia_weight() const {
+  const double beta = dynamics_.newmark_beta;
+  const double inertia = 2 / (beta * time_step_ * time_step_);
+  const double damping = 2 * dynamics_.newmark_gamma / (beta * time_step_);
+  return inertia + damping * dynamics_.rayleigh_mass;
+}
+
+void Newmark::add_inertia_to(sparse::BlockMatrix& matrix) const {
+  const double mass_scale = inertia_weight();
   for (int i = 0; i < mass_.block_rows(); ++i) {
     for (int k = mass_.row_begin[at(i)]; k < mass_.row_begin[at(i) + 1]; ++k) {
-      const std::ptrdiff_t found = effective_.find(i, mass_.column[at(k)]);
+      const std::ptrdiff_t found = matrix.find(i, mass_.column[at(k)]);
       if (found < 0) {
         throw InputError(
             fmt::format("the mass matrix couples nodes {} and {}, which the "
                         "stiffness matrix does not",
                         i, mass_.column[at(k)]));
       }
-      double* sum = effective_.block(static_cast<std::size_t>(found));
+      double* sum = matrix.block(static_cast<std::size_t>(found));
       for (std::size_t e = 0; e < 9; ++e) sum[e] += mass_scale * mass_.block(at(k))[e];
     }
   }
-  for (std::vector<double>* state : {&u_, &v_, &a_, &v_tilde_, &a_tilde_, &inertia_}) {
-    state->assign(at(stiffness_.rows()), 0.0);
+}
+
+void Newmark::add_inertia(std::span<const double> u, std::span<double> q) const {
+  const double weight = inertia_weight();
+  if (!lumped_.empty()) {
+    for (std::size_t i = 0; i < q.size(); ++i) q[i] += weight * lumped_[i] * u[i];
+    return;
   }
+  for (std::size_t i = 0; i < at(mass_.block_rows()); ++i) {
+    double row[3];
+    multiply_row(mass_, u, i, row);
+    for (std::size_t r = 0; r < 3; ++r) q[3 * i + r] += weight * row[r];
+  }
+}
+
+Eigen::Vector3d Newmark::inertia(std::span<const double> u, int node) const {
+  double row[3];
+  multiply_row(mass_, u, at(node), row);
+  return inertia_weight() * Eigen::Vector3d(row[0], row[1], row[2]);
+}
+
+double Newmark::inertia_flops() const {
+  const auto rows = static_cast<double>(u_.size());
+  return lumped_.empty() ? 18 * static_cast<double>(mass_.blocks()) + 2 * rows : 3 * rows;
 }
 
 void Newmark::predict() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <span>
 #include <vector>
 
@@ -80,6 +81,19 @@ class Newmark {
 
   double time_step_s() const { return time_step_; }
 
+  // The velocity that a displacement u of this step has, ṽ + velocity_weight()·u, m/s.
+  std::span<const double> predicted_velocity() const { return v_tilde_; }
+  double velocity_weight() const {
+    return 2 * dynamics_.newmark_gamma / (dynamics_.newmark_beta * time_step_);
+  }
+  // What Â has besides the elastic and the damping forces of K: q += (2/(βΔt²) + 2γα/(βΔt))·M·u,
+  // for all nodes or for one.
+  void add_inertia(std::span<const double> u, std::span<double> q) const;
+  Eigen::Vector3d inertia(std::span<const double> u, int node) const;
+  // The same entries in a matrix of K's pattern.
+  void add_inertia_to(sparse::BlockMatrix& matrix) const;
+  double inertia_flops() const;
+
   // The additions and multiplications of one call. The sparse products dominate: 18 for each block
   // of K (none without stiffness damping) and, with the consistent mass, 18 for each block of M.
   double predict_flops() const;
@@ -88,6 +102,8 @@ class Newmark {
   double hold_flops(const Hold& hold) const;
 
  private:
+  double inertia_weight() const;
+
   sparse::BlockMatrix stiffness_;
   sparse::BlockMatrix mass_;
   std::vector<double> lumped_;  // M's diagonal if M is diagonal, otherwise empty

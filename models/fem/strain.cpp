@@ -55,11 +55,25 @@ double largest_principal(const Eigen::Matrix3d& strain) {
   return solver.eigenvalues().cwiseAbs().maxCoeff();
 }
 
+// The largest |σ − 1| of the singular values σ of I + ∇u.
+double largest_stretch(const Eigen::Matrix3d& gradient) {
+  const Eigen::Matrix3d f = Eigen::Matrix3d::Identity() + gradient;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(f.transpose() * f,
+                                                              Eigen::EigenvaluesOnly);
+  return (solver.eigenvalues().cwiseMax(0).cwiseSqrt().array() - 1).abs().maxCoeff();
+}
+
 }  // namespace
 
 bool beyond_linearity(const Strains& strains) {
   return strains.inverted > 0 || strains.largest >= kCollapse ||
          strains.beyond_share > kLinearShare;
+}
+
+std::string_view suitable_model(const Strains& strains) {
+  if (!beyond_linearity(strains)) return "linear";
+  return strains.inverted == 0 && strains.stretched_share <= kLinearShare ? "corotational"
+                                                                          : "neo-hookean-log";
 }
 
 StrainMeter::StrainMeter(const mesh::TetMesh& mesh, double limit) : limit_(limit) {
@@ -74,6 +88,7 @@ StrainMeter::StrainMeter(const mesh::TetMesh& mesh, double limit) : limit_(limit
 Strains StrainMeter::measure(std::span<const double> u_full) const {
   Strains strains;
   double beyond = 0;
+  double stretched = 0;
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     const Element& element = elements_[e];
     Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();  // ∂u_i/∂x_j
@@ -88,13 +103,17 @@ Strains StrainMeter::measure(std::span<const double> u_full) const {
     if (!(bound > std::min(limit_, strains.largest))) continue;
     if ((Eigen::Matrix3d::Identity() + gradient).determinant() <= 0) ++strains.inverted;
     const double principal = largest_principal(strain);
-    if (principal > limit_) beyond += element.volume;
+    if (principal > limit_) {
+      beyond += element.volume;
+      if (largest_stretch(gradient) > limit_) stretched += element.volume;
+    }
     if (principal > strains.largest) {
       strains.largest = principal;
       strains.element = static_cast<int>(e);
     }
   }
   strains.beyond_share = beyond / volume_;
+  strains.stretched_share = stretched / volume_;
   return strains;
 }
 

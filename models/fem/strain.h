@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "models/fem/material.h"
@@ -42,11 +43,17 @@ struct Strains {
   int element = -1;         // the element with this strain
   int inverted = 0;         // elements turned inside out, det(I + ∇u) <= 0
   double beyond_share = 0;  // share of the volume with a principal strain beyond the limit
+  // The part of that share that is stretched beyond the limit, |σ − 1| of a singular value of
+  // I + ∇u: what is left where rotations, which ε takes for strain, are taken out.
+  double stretched_share = 0;
 };
 
 // True if an element is turned inside out or has collapsed, or if more than kLinearShare of the
 // volume is strained by more than kLinearStrain.
 bool beyond_linearity(const Strains& strains);
+// The material law, as object.model.kind names it, whose assumptions such strains meet: linear,
+// corotational where what is beyond is turned and not stretched, neo-Hookean elsewhere.
+std::string_view suitable_model(const Strains& strains);
 
 // Measures strains against the assumptions of linear elasticity (thesis §3.2), which takes ∇u for
 // small: strain without its quadratic terms, and equilibrium in the place of the body at rest. An

@@ -9,6 +9,8 @@
 #include "models/fem/body.h"
 #include "models/fem/contact.h"
 #include "models/fem/hold.h"
+#include "models/fem/integrator.h"
+#include "models/fem/internal_forces.h"
 #include "models/fem/newmark.h"
 #include "models/sparse/block_matrix.h"
 
@@ -30,6 +32,9 @@ class Tissue {
   virtual std::int64_t revision() const = 0;
   // The constraint of contact nodes in system(): b of the modified system, reactions.
   virtual const ContactConstraint& constraint() const = 0;
+
+  // q(u) of the frame's equation load() − q(u) = 0.
+  virtual InternalForces& internal_forces() = 0;
 
   // Takes what contact prescribes in this frame, with the fading forces of released nodes.
   virtual void hold(const Hold& hold) = 0;
@@ -55,9 +60,6 @@ class Tissue {
   virtual double advance_operations() const = 0;
 };
 
-// A frame's steps are computed, or only their operations are counted.
-enum class Effort { computed, counted };
-
 // A body of linear elasticity, thesis §3.5 and §3.6: A is K, or Newmark's Â with inertia, and never
 // changes. With Effort::counted the body stays in its initial state and the force is zero.
 class LinearTissue final : public Tissue {
@@ -73,36 +75,29 @@ class LinearTissue final : public Tissue {
   std::int64_t revision() const override { return 0; }
   const ContactConstraint& constraint() const override { return constraint_; }
 
-  void hold(const Hold& hold) override;
-  std::span<const double> load() const override {
-    return held_.hold().let_go.empty() ? f_ : loaded_;
-  }
-  std::span<const double> external_force() const override { return f_; }
+  InternalForces& internal_forces() override { return internal_; }
+
+  void hold(const Hold& hold) override { integrator_.hold(hold); }
+  std::span<const double> load() const override { return integrator_.load(); }
+  std::span<const double> external_force() const override { return integrator_.external_force(); }
   void forces(std::span<const double> u, std::span<Eigen::Vector3d> of_probes) override;
-  void advance(std::span<const double> u) override;
+  void advance(std::span<const double> u) override { integrator_.advance(u); }
 
-  std::span<const double> initial_displacement() const override { return initial_; }
-  std::span<const double> velocity() const override;
+  std::span<const double> initial_displacement() const override {
+    return integrator_.initial_displacement();
+  }
+  std::span<const double> velocity() const override { return integrator_.velocity(); }
 
-  double hold_operations() const override { return hold_operations_; }
+  double hold_operations() const override { return integrator_.hold_operations(); }
   double force_operations() const override;
-  double advance_operations() const override;
+  double advance_operations() const override { return integrator_.advance_operations(); }
 
  private:
-  void predict();
-
-  const Body& body_;
   Effort effort_;
-  std::optional<Newmark> newmark_;
+  Integrator integrator_;
   sparse::BlockMatrix matrix_;
   ContactConstraint constraint_;
-  KeptHold held_;
-  HeldForces forces_;
-  bool predictors_hold_ = false;  // changed by hold(), not yet used by advance()
-  double hold_operations_ = 0;
-  std::vector<double> initial_;
-  std::vector<double> f_;
-  std::vector<double> loaded_;
+  LinearForces internal_;
 };
 
 }  // namespace hvp::fem

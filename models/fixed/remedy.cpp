@@ -181,6 +181,7 @@ std::vector<Change> changes_for(Flag flag) {
     case Flag::device_at_its_limit:
     case Flag::low_gain_margin:
     case Flag::beyond_linearity:
+    case Flag::inverted_element:
     case Flag::count:
       return {};
   }

@@ -6,6 +6,7 @@
 
 #include "models/config/input_error.h"
 #include "models/host/board_words.h"
+#include "models/host/host_increments.h"
 
 namespace hvp::host {
 
@@ -32,20 +33,40 @@ FrameComputation::FrameComputation(const fem::Body& body, fem::ContactDiagonal d
                                    const fixed::Settings& settings, double period_s,
                                    const std::optional<Refinement>& refinement, SolvedBy solver,
                                    Effort effort)
-    : tissue_(body, diagonal, dynamics, period_s, effort), effort_(effort) {
-  const std::span<const double> initial = tissue_.initial_displacement();
+    : FrameComputation(
+          std::make_unique<fem::LinearTissue>(body, diagonal, dynamics, period_s, effort), settings,
+          refinement, solver, effort) {}
+
+FrameComputation::FrameComputation(std::unique_ptr<fem::Tissue> tissue,
+                                   const fixed::Settings& settings,
+                                   const std::optional<Refinement>& refinement, SolvedBy solver,
+                                   Effort effort)
+    : tissue_(std::move(tissue)), effort_(effort) {
+  const std::span<const double> initial = tissue_->initial_displacement();
+  fem::InternalForces& forces = tissue_->internal_forces();
+  if (!forces.linear() && !refinement) {
+    throw InputError("the body is not linear: expected refinement, which solves by increments");
+  }
   if (std::unique_ptr<HostSolve> solve = make_host_solve(solver, matrix(), settings)) {
     on_host_ = solve.get();
-    method_ = std::make_unique<HostMethod>(solver, std::move(solve), initial);
+    if (forces.linear()) {
+      method_ = std::make_unique<HostMethod>(solver, std::move(solve), initial);
+    } else {
+      auto increments = std::make_unique<HostIncrements>(solver, std::move(solve), *refinement,
+                                                         forces, matrix(), initial, settings);
+      increments_ = &increments->increments();
+      method_ = std::move(increments);
+    }
   } else {
-    board_.emplace(matrix(), settings, tissue_.constraint().diagonal(), refinement.has_value());
+    board_.emplace(matrix(), settings, tissue_->constraint().diagonal(), refinement.has_value());
     if (refinement) {
       auto refined =
-          std::make_unique<RefinedSolve>(*refinement, matrix(), board_->words(), initial);
+          std::make_unique<RefinedSolve>(*refinement, forces, matrix(), board_->words(), initial);
       refined_ = refined.get();
+      increments_ = &refined->increments();
       method_ = std::move(refined);
     } else {
-      method_ = std::make_unique<BoardWords>(tissue_.constraint(), *board_, initial, effort);
+      method_ = std::make_unique<BoardWords>(tissue_->constraint(), *board_, initial, effort);
     }
   }
   if (timing_only() && (refined_ != nullptr || on_host_ != nullptr)) {
@@ -64,7 +85,7 @@ void FrameComputation::set_contact(std::span<const int> patch) {
 void FrameComputation::hold(const fem::Hold& hold) {
   assert(std::ranges::equal(hold.nodes, contact()));
   held_.keep(hold);
-  tissue_.hold(hold);
+  tissue_->hold(hold);
 }
 
 std::vector<Step> FrameComputation::steps() const {

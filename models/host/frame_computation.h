@@ -44,16 +44,22 @@ class FrameComputation {
                    const std::optional<fem::Dynamics>& dynamics, const fixed::Settings& settings,
                    double period_s, const std::optional<Refinement>& refinement = std::nullopt,
                    SolvedBy solver = SolvedBy::board, Effort effort = Effort::computed);
+  // The same for a tissue of any kind. One that is not linear is solved by increments: it needs
+  // refinement's passes, also on the host.
+  FrameComputation(std::unique_ptr<fem::Tissue> tissue, const fixed::Settings& settings,
+                   const std::optional<Refinement>& refinement, SolvedBy solver, Effort effort);
   FrameComputation(const FrameComputation&) = delete;
   FrameComputation& operator=(const FrameComputation&) = delete;
 
-  const sparse::BlockMatrix& matrix() const { return tissue_.system(); }
+  const sparse::BlockMatrix& matrix() const { return tissue_->system(); }
   // The matrix in the board's words, with the settings of its solver. A host that solves has none,
   // and must not be asked.
   bool has_board() const { return board_.has_value(); }
   const BoardSystem& board() const { return board_.value(); }
+  // True if the body's forces are A·u.
+  bool linear() const { return tissue_->internal_forces().linear(); }
   bool timing_only() const { return effort_ == Effort::counted; }
-  bool dynamic() const { return !tissue_.velocity().empty(); }
+  bool dynamic() const { return !tissue_->velocity().empty(); }
 
   // Sets the nodes that follow the probes, ascending; empty without contact. Their displacements
   // are not prescribed until hold().
@@ -64,16 +70,18 @@ class FrameComputation {
   void hold(const fem::Hold& hold);
   fem::Hold held() const { return held_.hold(); }
 
-  void begin() { method_->begin(tissue_.load(), held()); }
+  void begin() { method_->begin(tissue_->load(), held()); }
   FrameMethod& method() { return *method_; }
   const FrameMethod& method() const { return *method_; }
   // The method where it is refinement, and where the host solves; null otherwise.
   const RefinedSolve* refined() const { return refined_; }
   const HostSolve* on_host() const { return on_host_; }
+  // The increments where the body is not linear or the board refines; null otherwise.
+  const Increments* increments() const { return increments_; }
 
   // The force of each probe on the body, N: the forces at its contact nodes, and the fading forces
   // of its released nodes.
-  void forces(std::span<Eigen::Vector3d> of_probes) { tissue_.forces(displacement(), of_probes); }
+  void forces(std::span<Eigen::Vector3d> of_probes) { tissue_->forces(displacement(), of_probes); }
   // The force of the first probe.
   Eigen::Vector3d force() {
     Eigen::Vector3d force;
@@ -81,33 +89,34 @@ class FrameComputation {
     return force;
   }
   // Newmark's update with the accepted solution and the next frame's f̂; nothing when static.
-  void update() { tissue_.advance(displacement()); }
+  void update() { tissue_->advance(displacement()); }
 
   // The accepted displacement, m.
   std::span<const double> displacement() const { return method_->displacement(); }
   // The velocity after the last update(), m/s; empty for a static body.
-  std::span<const double> velocity() const { return tissue_.velocity(); }
+  std::span<const double> velocity() const { return tissue_->velocity(); }
   // f, or f̂ for a body with inertia, of this frame, N.
-  std::span<const double> external_force() const { return tissue_.external_force(); }
+  std::span<const double> external_force() const { return tissue_->external_force(); }
 
   // The operations of each call, conversions to and from words included; those of hold() are the
   // last call's.
-  double hold_operations() const { return tissue_.hold_operations(); }
+  double hold_operations() const { return tissue_->hold_operations(); }
   double force_operations() const {
-    return method_->force_operations() + tissue_.force_operations();
+    return method_->force_operations() + tissue_->force_operations();
   }
-  double update_operations() const { return tissue_.advance_operations(); }
+  double update_operations() const { return tissue_->advance_operations(); }
   // The steps of every frame, in order, with their costs without contact.
   std::vector<Step> steps() const;
 
  private:
-  fem::LinearTissue tissue_;
+  std::unique_ptr<fem::Tissue> tissue_;
   Effort effort_;
   std::optional<BoardSystem> board_;
   fem::KeptHold held_;
   std::unique_ptr<FrameMethod> method_;
   const RefinedSolve* refined_ = nullptr;
   const HostSolve* on_host_ = nullptr;
+  const Increments* increments_ = nullptr;
 };
 
 }  // namespace hvp::host

@@ -72,6 +72,8 @@ class FrameMethod {
   virtual double next_operations() const = 0;
   virtual double force_operations() const { return 0; }
   virtual double finish_operations() const { return 0; }
+  // The operations of the host's own solves in the last next().
+  virtual double solve_operations() const { return 0; }
 
   virtual std::vector<Step> steps() const = 0;
 };

@@ -89,15 +89,13 @@ class HostMethod final : public FrameMethod {
  public:
   HostMethod(SolvedBy solver, std::unique_ptr<HostSolve> solve, std::span<const double> initial);
 
-  const HostSolve& solve() const { return *solve_; }
-
   void set_contact(std::span<const int> nodes) override { solve_->move_contact(nodes); }
   void begin(std::span<const double> f, const fem::Hold& hold) override;
   bool next(std::span<std::int32_t> b) override;
   void accept(std::span<const std::int32_t> /*x*/, stability::Flags /*flags*/) override {}
   std::span<const double> displacement() const override { return u_; }
-  // Its operations are counted by solve().
   double next_operations() const override { return 0; }
+  double solve_operations() const override { return solve_->operations(); }
   std::vector<Step> steps() const override;
 
  private:

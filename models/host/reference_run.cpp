@@ -8,19 +8,12 @@ namespace hvp::host {
 ReferenceRun::ReferenceRun(const fem::Body& body, const std::optional<fem::Dynamics>& dynamics,
                            double period_s, const sparse::BlockMatrix& true_matrix,
                            const sparse::BlockMatrix& solved_matrix, std::size_t probes)
-    : body_(body),
+    : integrator_(body, body.load(), dynamics, period_s),
       constraint_(true_matrix, fem::ContactDiagonal::average),
       solver_(solved_matrix),
-      forces_(true_matrix.block_rows()),
-      f_(body.load()),
-      adjusted_(f_.size()),
+      adjusted_(body.load()),
       u_(body.initial_displacement()),
       of_probes_(probes, Eigen::Vector3d::Zero()) {
-  if (dynamics) {
-    newmark_.emplace(body.stiffness(), body.mass(dynamics->mass), *dynamics, period_s);
-    const std::vector<double> rest(u_.size(), 0.0);
-    newmark_->set_state(u_, rest, rest);
-  }
   if (&true_matrix != &solved_matrix) {
     difference_ = solved_matrix;
     for (std::size_t i = 0; i < difference_.value.size(); ++i) {
@@ -52,13 +45,8 @@ void PairedRuns::step(const fem::Hold& hold) {
 }
 
 void ReferenceRun::form_rhs(const fem::Hold& hold) {
-  if (newmark_) {
-    newmark_->predict();
-    newmark_->rhs(body_.load(), f_);
-    newmark_->hold(hold, f_);
-  }
-  std::copy(f_.begin(), f_.end(), adjusted_.begin());
-  forces_.add_to(hold.let_go, adjusted_);
+  integrator_.hold(hold);
+  std::ranges::copy(integrator_.load(), adjusted_.begin());
   if (hold.present()) put_back_difference(hold);
 }
 
@@ -81,9 +69,12 @@ void ReferenceRun::put_back_difference(const fem::Hold& hold) {
 }
 
 void ReferenceRun::finish(const fem::Hold& hold) {
-  if (hold.present()) constraint_.reaction(u_, f_, hold.nodes, forces_);
-  forces_.sum(hold, of_probes_);
-  if (newmark_) newmark_->update(u_);
+  if (hold.present()) {
+    constraint_.reaction(u_, integrator_.external_force(), hold.nodes,
+                         integrator_.contact_forces());
+  }
+  integrator_.sum_forces(of_probes_);
+  integrator_.advance(u_);
 }
 
 }  // namespace hvp::host

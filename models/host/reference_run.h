@@ -9,14 +9,16 @@
 #include "models/fem/contact.h"
 #include "models/fem/direct_solver.h"
 #include "models/fem/hold.h"
+#include "models/fem/integrator.h"
 #include "models/fem/newmark.h"
+#include "models/fem/reference_model.h"
 
 namespace hvp::host {
 
 // The same frames in double precision, with a state of their own: the run with an exact solver.
 // With the system matrix itself it is the true model; with the matrix that the board's words stand
 // for, it is the rounded model, which a perfect solver would compute from those words.
-class ReferenceRun {
+class ReferenceRun final : public fem::ReferenceModel {
  public:
   // `true_matrix` is K or Â, with which the host forms the right-hand side and the force in both
   // cases; `solved_matrix` has its pattern. Keeps references to both.
@@ -24,17 +26,12 @@ class ReferenceRun {
                const sparse::BlockMatrix& true_matrix, const sparse::BlockMatrix& solved_matrix,
                std::size_t probes = 1);
 
-  // Computes one frame with the run's contact nodes and prescribed displacements. The fading forces
-  // at released nodes are the reference's own.
-  void step(const fem::Hold& hold);
+  void step(const fem::Hold& hold) override;
 
-  std::span<const double> displacement() const { return u_; }  // m, active nodes
-  // The velocity, m/s; empty for a static body.
-  std::span<const double> velocity() const {
-    return newmark_ ? newmark_->velocity() : std::span<const double>();
-  }
-  // The forces on the body of each probe in the last step(), N, and that of the first probe.
-  std::span<const Eigen::Vector3d> forces() const { return of_probes_; }
+  std::span<const double> displacement() const override { return u_; }
+  std::span<const double> velocity() const override { return integrator_.velocity(); }
+  std::span<const Eigen::Vector3d> forces() const override { return of_probes_; }
+  // The force of the first probe, N.
   const Eigen::Vector3d& force() const { return of_probes_.front(); }
   // Properties of the solved matrix without contact.
   bool positive_definite() const { return solver_.positive_definite(); }
@@ -50,13 +47,10 @@ class ReferenceRun {
   void finish(const fem::Hold& hold);
   void put_back_difference(const fem::Hold& hold);
 
-  const fem::Body& body_;
-  std::optional<fem::Newmark> newmark_;
+  fem::Integrator integrator_;
   fem::ContactConstraint constraint_;  // of the true matrix
   fem::DirectSolver solver_;           // of the solved matrix
   sparse::BlockMatrix difference_;     // solved − true; empty where they are the same
-  fem::HeldForces forces_;
-  std::vector<double> f_;
   std::vector<double> adjusted_;
   std::vector<double> u_;
   std::vector<Eigen::Vector3d> of_probes_;

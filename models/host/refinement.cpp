@@ -33,8 +33,6 @@ constexpr double kWiden = 4;
 // within some ten frames.
 constexpr double kForget = 0.75;
 
-double square(double v) { return v * v; }
-
 // ‖A‖∞, the largest sum of magnitudes in a row.
 double row_sum_norm(const sparse::BlockMatrix& matrix) {
   double norm = 0;
@@ -77,76 +75,38 @@ void Refinement::declare(config::Visitor& v) {
               "measured: the displacement is off by 17 to 30 times as much, docs/fixed-point.md"});
 }
 
-RefinedSolve::RefinedSolve(const Refinement& refinement, const sparse::BlockMatrix& matrix,
-                           const fixed::System& system, std::span<const double> initial)
+RefinedSolve::RefinedSolve(const Refinement& refinement, fem::InternalForces& forces,
+                           const sparse::BlockMatrix& matrix, const fixed::System& system,
+                           std::span<const double> initial)
     : matrix_(matrix),
       scaling_(system),
-      start_(system.settings.start),
       tolerance_(refinement.tolerance),
       norm_(row_sum_norm(matrix)),
-      displacement_range_(system.settings.displacement_range),
       displacement_limit_(static_cast<double>(fixed::word_limit(system.settings.vector_bits))),
       force_limit_(static_cast<double>(fixed::word_limit(system.settings.residual_bits()))),
-      u_(initial.begin(), initial.end()),
-      product_(u_.size()),
-      solution_(u_),
-      f_(u_.size()),
-      b_(u_.size()),
-      r_(u_.size()),
-      increment_(u_.size()),
+      increments_(forces, matrix, initial, system.settings.start,
+                  system.settings.displacement_range, scaling_.force_unit()),
+      r_(initial.size()),
+      increment_(initial.size()),
       gain_(at(refinement.passes), 0.0) {
   if (system.settings.matrix_scaling != fixed::MatrixScaling::none) scale_ = system.scale;
-  contact_.reserve(at(matrix.block_rows()));
-  matrix_.multiply(u_, product_);
-  solution_product_ = product_;
-  guess_ = u_;
-  guess_product_ = product_;
-  if (start_ == fixed::Start::zero) {
-    std::fill(guess_.begin(), guess_.end(), 0.0);
-    std::fill(guess_product_.begin(), guess_product_.end(), 0.0);
-  }
 }
 
 void RefinedSolve::begin(std::span<const double> f, const fem::Hold& hold) {
-  for (std::size_t i = 0; i < f.size(); ++i) {
-    if (std::isfinite(f[i])) continue;
-    throw InputError("right-hand side entry " + std::to_string(i) + " is not a finite number");
-  }
-  std::copy(f.begin(), f.end(), f_.begin());
-  contact_.assign(hold.nodes.begin(), hold.nodes.end());
-  u_ = guess_;
-  product_ = guess_product_;
-  current_ = true;
+  increments_.begin(f, hold);
   pass_ = 0;
   pass_flags_ = {};
   flags_ = {};
   clamped_ = 0;
   way_ = 0;
-  b_ = f_;
-  move_contact_to(hold.displacement);
-  since_next_ = begin_operations();
-}
-
-void RefinedSolve::move_contact_to(std::span<const Eigen::Vector3d> displacement) {
-  for (std::size_t n = 0; n < contact_.size(); ++n) {
-    const int node = contact_[n];
-    const Eigen::Vector3d& u_c = displacement[n];
-    double* u = &u_[3 * at(node)];
-    const Eigen::Vector3d back(u[0] - u_c[0], u[1] - u_c[1], u[2] - u_c[2]);
-    matrix_.subtract_column(node, back, product_);
-    matrix_.subtract_column(node, u_c, b_);
+  for (std::size_t n = 0; n < increments_.contact().size(); ++n) {
     for (int i = 0; i < 3; ++i) {
-      const double scale = scale_.empty() ? 1 : scale_[at(3 * node + i)];
-      way_ = std::max(way_, std::abs(back[i]) / (scale * scaling_.displacement_unit()));
-      u[i] = u_c[i];
+      const double scale = scale_.empty() ? 1 : scale_[at(3 * increments_.contact()[n] + i)];
+      const double moved = std::abs(increments_.moved()[n][i]);
+      way_ = std::max(way_, moved / (scale * scaling_.displacement_unit()));
     }
   }
-  for (const int node : contact_) std::fill_n(&b_[3 * at(node)], 3, 0.0);
-}
-
-void RefinedSolve::form_residual() {
-  for (std::size_t i = 0; i < r_.size(); ++i) r_[i] = f_[i] - product_[i];
-  for (const int node : contact_) std::fill_n(&r_[3 * at(node)], 3, 0.0);
+  since_next_ = increments_.begin_operations();
 }
 
 // The pass' unit, as an exponent: the residual fits its word, and so does the increment that the
@@ -165,17 +125,17 @@ int RefinedSolve::exponent_for(double largest) const {
 bool RefinedSolve::next(std::span<std::int32_t> b) {
   next_operations_ = std::exchange(since_next_, 0);
   if (pass_ == passes()) return false;
-  next_operations_ += residual_operations(!current_);
-  if (!current_) matrix_.multiply(u_, product_);
-  current_ = true;
-  form_residual();
+  next_operations_ += residual_operations(!increments_.current());
+  if (!increments_.form_residual()) return false;
+  std::ranges::copy(increments_.residual(), r_.begin());
+  const std::span<const double> u = increments_.displacement();
   double largest = 0;
   double largest_r = 0;
   double largest_u = 0;
   for (std::size_t i = 0; i < r_.size(); ++i) {
     largest = std::max(largest, std::abs(scale_.empty() ? r_[i] : scale_[i] * r_[i]));
     largest_r = std::max(largest_r, std::abs(r_[i]));
-    largest_u = std::max(largest_u, std::abs(u_[i]));
+    largest_u = std::max(largest_u, std::abs(u[i]));
   }
   if (largest_r <= kNoise * norm_ * largest_u) return false;
   exponent_ = exponent_for(largest / scaling_.force_unit());
@@ -191,13 +151,13 @@ void RefinedSolve::accept(std::span<const std::int32_t> x, Flags flags) {
   scaling_.displacements(x, increment_);
   double largest = 0;
   for (const std::int32_t word : x) largest = std::max(largest, std::abs(double{1} * word));
-  for (std::size_t i = 0; i < u_.size(); ++i) {
-    const double u = u_[i] + std::ldexp(increment_[i], exponent_);
+  const std::span<double> displacement = increments_.change();
+  for (std::size_t i = 0; i < displacement.size(); ++i) {
+    const double u = displacement[i] + std::ldexp(increment_[i], exponent_);
     const double limit = scaling_.displacement_limit(i);
-    u_[i] = std::clamp(u, -limit, limit);
-    if (u_[i] != u) ++clamped_;
+    displacement[i] = std::clamp(u, -limit, limit);
+    if (displacement[i] != u) ++clamped_;
   }
-  current_ = false;
   since_next_ = accept_operations();
   pass_flags_.merge(flags);
 
@@ -212,49 +172,13 @@ void RefinedSolve::accept(std::span<const std::int32_t> x, Flags flags) {
 }
 
 void RefinedSolve::finish() {
-  if (!current_) matrix_.multiply(u_, product_);
-  current_ = true;
-  form_residual();
-  double residual = 0;
-  double rhs = 0;
-  double energy = 0;  // −2·(½uᵀAu − bᵀu) outside the contact: positive where u is better than zero
-  // In units in which no square leaves the range of double precision, whatever the load's size.
-  const double force = std::ldexp(1.0, -std::ilogb(scaling_.force_unit()));
-  const double length = std::ldexp(1.0, -std::ilogb(displacement_range_));
-  for (std::size_t i = 0; i < r_.size(); ++i) {
-    residual += square(force * r_[i]);
-    rhs += square(force * b_[i]);
-    energy += length * u_[i] * (force * (b_[i] + r_[i]));
-  }
-  largest_rhs_ = std::max(largest_rhs_, std::sqrt(rhs));
-  residual_ = residual == 0 ? 0 : std::sqrt(residual) / largest_rhs_;
-  worst_residual_ = std::max(worst_residual_, residual_);
-
+  const bool converged = increments_.finish(tolerance_);
   flags_ = pass_flags_;
-  const bool converged = residual_ <= tolerance_;
   if (converged) flags_ = Flags(flags_.bits() & ~repairable().bits());
   if (!converged) flags_.raise(Flag::not_converged);
   if (clamped_ > 0) flags_.raise(Flag::range_exceeded);
-  // A solution that is worse than zero is no start for the next one, which would be worse still.
-  const bool diverged = !converged && energy < 0;
-  if (diverged) flags_.raise(Flag::divergence);
-
-  for (std::size_t i = 0; i < u_.size(); ++i) {
-    const bool keep = start_ != fixed::Start::zero && !diverged;
-    const bool extrapolate = start_ == fixed::Start::extrapolated;
-    guess_[i] = !keep ? 0 : extrapolate ? 2 * u_[i] - solution_[i] : u_[i];
-    guess_product_[i] = !keep         ? 0
-                        : extrapolate ? 2 * product_[i] - solution_product_[i]
-                                      : product_[i];
-  }
-  solution_ = u_;
-  solution_product_ = product_;
-}
-
-void RefinedSolve::abandon() {
-  u_ = solution_;
-  product_ = solution_product_;
-  current_ = true;
+  if (increments_.diverged()) flags_.raise(Flag::divergence);
+  if (increments_.inverted() > 0) flags_.raise(Flag::inverted_element);
 }
 
 double RefinedSolve::conversion() const {
@@ -262,19 +186,10 @@ double RefinedSolve::conversion() const {
   return conversion_operations(matrix_.rows()) + (scale_.empty() ? 0 : entries);
 }
 
-double RefinedSolve::begin_operations() const {
-  double blocks = 0;
-  for (const int node : contact_) {
-    blocks += matrix_.row_begin[at(node) + 1] - matrix_.row_begin[at(node)];
-  }
-  // Two products with the contact's columns; the way that its nodes go.
-  return 36 * blocks + 6 * static_cast<double>(contact_.size());
-}
-
 double RefinedSolve::residual_operations(bool product) const {
   // Subtract, and find the largest of r and u.
   const double residual = 3.0 * matrix_.rows() + conversion();
-  return product ? 18.0 * static_cast<double>(matrix_.blocks()) + residual : residual;
+  return product ? increments_.evaluate_operations() + residual : residual;
 }
 
 double RefinedSolve::accept_operations() const {
@@ -282,12 +197,7 @@ double RefinedSolve::accept_operations() const {
   return 4.0 * matrix_.rows() + conversion();
 }
 
-double RefinedSolve::finish_operations() const {
-  // Subtract; two norms, and an inner product with a sum.
-  const double judge = 8.0 * matrix_.rows();
-  const double extrapolation = start_ == fixed::Start::extrapolated ? 4.0 * matrix_.rows() : 0;
-  return 18.0 * static_cast<double>(matrix_.blocks()) + judge + extrapolation;
-}
+double RefinedSolve::finish_operations() const { return increments_.finish_operations(); }
 
 std::vector<Step> RefinedSolve::steps() const {
   std::vector<Step> steps = {

@@ -7,8 +7,10 @@
 
 #include "models/config/declaration.h"
 #include "models/fem/hold.h"
+#include "models/fem/internal_forces.h"
 #include "models/fixed/system.h"
 #include "models/host/frame_method.h"
+#include "models/host/increments.h"
 #include "models/sparse/block_matrix.h"
 #include "models/stability/flag.h"
 
@@ -27,8 +29,10 @@ struct Refinement {
 // words, and u += Δ. The rounding of Ã then costs passes instead of accuracy, as long as ‖I −
 // A·Ã⁻¹‖ < 1. docs/fixed-point.md, section Refinement.
 //
-// Contact (thesis §3.7) prescribes displacements. u has them before the first residual is formed,
-// so that the contact's rows of r and Δ are zero, whatever stands on their diagonal. That is the
+// Where the body's forces q(u) are not A·u, r = f − q(u): the board then solves for the increments
+// of a Newton's method whose matrix is that of the body at rest. docs/tissue.md.
+//
+// Contact rows of r and Δ are zero, whatever stands on their diagonal (increments.h). That is the
 // residual of the modified system.
 //
 // Each pass has its own unit of a word, a power of two below that of the scenario's
@@ -36,12 +40,14 @@ struct Refinement {
 // A's rows, in m and N. Nothing allocates after construction.
 class RefinedSolve final : public FrameMethod {
  public:
-  // Keeps a reference to `matrix`, which is the matrix before it was rounded. `system` is a result
-  // of prepare(); its settings' start says where a solve begins: at the last solution, at zero, or
-  // at 2·(the last one) − (the one before). `initial` is the solution before the first frame.
-  RefinedSolve(const Refinement& refinement, const sparse::BlockMatrix& matrix,
-               const fixed::System& system, std::span<const double> initial);
+  // Keeps references to `forces` and to `matrix`, which is the matrix before it was rounded.
+  // `system` is a result of prepare(); its settings' start says where a solve begins. `initial` is
+  // the solution before the first frame.
+  RefinedSolve(const Refinement& refinement, fem::InternalForces& forces,
+               const sparse::BlockMatrix& matrix, const fixed::System& system,
+               std::span<const double> initial);
 
+  const Increments& increments() const { return increments_; }
   int passes() const { return static_cast<int>(gain_.size()); }
 
   // Takes the right-hand side f and the prescribed displacements. Throws InputError where an entry
@@ -56,14 +62,12 @@ class RefinedSolve final : public FrameMethod {
   // which the first pass of the next solve then uses.
   void finish() override;
   // Replaces finish() where the solve has failed: the last solution stays.
-  void abandon() override;
+  void abandon() override { increments_.abandon(); }
 
-  std::span<const double> displacement() const override { return u_; }
-  // ‖f − A·u‖ outside the contact after the last finish(), over the largest ‖b‖ so far, where
-  // b = f − A[:, c]·u_c is the right-hand side with the contact moved to it.
-  double residual() const { return residual_; }
-  // The largest residual() of all solves.
-  double worst_residual() const { return worst_residual_; }
+  std::span<const double> displacement() const override { return increments_.displacement(); }
+  // Increments::remaining(), and the largest of all solves.
+  double residual() const { return increments_.remaining(); }
+  double worst_residual() const { return increments_.worst_remaining(); }
   // The flags of the solve that finish() ended. Trouble with the words of one pass that a later
   // pass repaired (saturation, stagnation, divergence) is no flag while residual() is within the
   // tolerance.
@@ -79,42 +83,30 @@ class RefinedSolve final : public FrameMethod {
   std::vector<Step> steps() const override;
 
  private:
-  // The operations of begin() with its contact, of a residual with or without the product A·u (the
-  // first pass has it from finish()), and of accept().
-  double begin_operations() const;
+  // The operations of a residual with or without q(u) (the first pass has it from finish()), and of
+  // accept().
   double residual_operations(bool product) const;
   double accept_operations() const;
-  void move_contact_to(std::span<const Eigen::Vector3d> displacement);
-  void form_residual();
   int exponent_for(double largest) const;
   double conversion() const;
 
   const sparse::BlockMatrix& matrix_;
   fixed::Scaling scaling_;
   std::vector<double> scale_;  // s_i of the words' equations; empty: one
-  fixed::Start start_;
   double tolerance_;
-  double norm_;  // ‖A‖∞
-  double displacement_range_;
+  double norm_;                // ‖A‖∞
   double displacement_limit_;  // the largest value of a word of x
   double force_limit_;         // the largest value of a word of b
 
-  std::vector<double> u_, product_;  // A·u, where `current_`
-  bool current_ = true;
+  Increments increments_;
   double next_operations_ = 0;
-  double since_next_ = 0;                            // operations of begin() and accept()
-  std::vector<double> solution_, solution_product_;  // of the last finish()
-  std::vector<double> guess_, guess_product_;        // the start of the next solve
-  std::vector<double> f_, b_, r_, increment_;
-  std::vector<int> contact_;
+  double since_next_ = 0;              // operations of begin() and accept()
+  std::vector<double> r_, increment_;  // of a pass, in its unit
   int pass_ = 0;
   int exponent_ = 0;      // the pass' unit is 2^exponent of that of the range
   double largest_b_ = 0;  // largest word of b in the pass
   double way_ = 0;  // motion of the contact since the last solve, in words of the range's unit
   std::vector<double> gain_;  // of each pass: largest word of x over that of b
-  double largest_rhs_ = 0;
-  double residual_ = 0;
-  double worst_residual_ = 0;
   stability::Flags pass_flags_, flags_;
   std::int64_t widened_ = 0;
   std::int64_t clamped_ = 0;

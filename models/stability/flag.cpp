@@ -73,8 +73,9 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "refinement.passes, more vector_bits"},
     {"beyond-linearity",
      "the body is deformed further than linear elasticity holds, or turned inside out",
-     "no setting of the board helps: a shallower motion of the probe, a contact.patch_radius, "
-     "which spreads it"},
+     "no setting of the board's words helps: a shallower motion of the probe, a "
+     "contact.patch_radius, which spreads it, or a body that is not linear: object.model.kind, "
+     "of which the strain's line names one, with [refinement]"},
     {"force-clamped", "a force did not fit the device's register and was clamped",
      "no setting of the board helps: a softer wall or body, less wall.damping, a shallower motion "
      "of the probe"},
@@ -104,6 +105,12 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "unstable at its worst delay than budget.gain_margin allows",
      "no setting of the board's words helps: a smaller wall.stiffness or a softer body, a shorter "
      "budget.period, less latency or host.delay, more device.dynamics.damping"},
+    {"inverted-element",
+     "an element of the body was turned inside out, or would have been: a neo-Hookean body takes "
+     "that step back and keeps its last solution",
+     "no setting of the board's words helps: a slower or shallower motion of the probe, a "
+     "contact.patch_radius over which the probe presses, more nodes, or object.model.kind = "
+     "\"corotational\", which goes on"},
 }};
 }  // namespace
 

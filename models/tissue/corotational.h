@@ -38,7 +38,10 @@ struct Corotational {
 
   template <class T>
   Stress<T> stress(const Tensor<T>& f) const {
-    const Polar<T> polar = polar_decomposition(f);
+    return stress(f, polar_decomposition(f));
+  }
+  template <class T>
+  Stress<T> stress(const Tensor<T>& f, const Polar<T>& polar) const {
     const T twice = T(2 * mu);
     const T along = T(lambda) * (contract(polar.rotation, f) - T(3)) - twice;
     return {.p = combine(twice, f, along, polar.rotation),

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 
 #include "models/fem/assembly.h"
 #include "models/index.h"
@@ -11,6 +12,7 @@ namespace hvp::tissue {
 namespace {
 
 constexpr Operations kAddBlock = {.add_multiply = 9};
+constexpr Operations kVelocityGradient = {.add_multiply = 54};
 
 void note(Deformation& found, double determinant, bool defined, const Operations& operations) {
   found.operations += operations;
@@ -19,6 +21,28 @@ void note(Deformation& found, double determinant, bool defined, const Operations
   }
   if (!(determinant > 0)) ++found.inverted;
   if (!defined || !std::isfinite(determinant)) ++found.undefined;
+}
+
+// What the four nodes of an element have in a vector over mesh nodes.
+std::array<Vector<double>, 4> gather(const std::array<int, 4>& nodes, std::span<const double> of) {
+  std::array<Vector<double>, 4> values{};
+  for (std::size_t a = 0; a < 4; ++a) std::copy_n(&of[3 * at(nodes[a])], 3, values[a].begin());
+  return values;
+}
+
+// ∇v = Ḟ.
+Tensor<double> velocity_gradient(const Gradients<double>& g,
+                                 const std::array<Vector<double>, 4>& v) {
+  Tensor<double> rate;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double d1 = v[1][i] - v[0][i];
+    const double d2 = v[2][i] - v[0][i];
+    const double d3 = v[3][i] - v[0][i];
+    for (std::size_t j = 0; j < 3; ++j) {
+      rate[3 * i + j] = d1 * g[1][j] + d2 * g[2][j] + d3 * g[3][j];
+    }
+  }
+  return rate;
 }
 
 }  // namespace
@@ -46,6 +70,25 @@ ElasticBody::ElasticBody(const fem::Body& body, LawKind kind)
       }
     }
   }
+  first_at_node_.assign(body.mesh().nodes.size() + 1, 0);
+  for (const Element& element : elements_) {
+    for (const int node : element.node) ++first_at_node_[at(node) + 1];
+  }
+  std::partial_sum(first_at_node_.begin(), first_at_node_.end(), first_at_node_.begin());
+  at_node_.resize(4 * elements_.size());
+  std::vector<int> next(first_at_node_.begin(), first_at_node_.end() - 1);
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    for (const int node : elements_[e].node) at_node_[at(next[at(node)]++)] = static_cast<int>(e);
+  }
+}
+
+std::span<const int> ElasticBody::elements_at(int node) const {
+  const auto first = at(first_at_node_[at(node)]);
+  return std::span(at_node_).subspan(first, at(first_at_node_[at(node) + 1]) - first);
+}
+
+Viscous ElasticBody::viscous(double damping_s) const {
+  return {damping_s * body_.material().lame_lambda(), damping_s * body_.material().lame_mu()};
 }
 
 // Calls visit(element, F) for each element and notes what the law says of it; visit returns the
@@ -54,12 +97,9 @@ template <class Visit>
 Deformation ElasticBody::each_element(std::span<const double> u, const Visit& visit) const {
   assert(u.size() == 3 * body_.mesh().nodes.size());
   Deformation found;
-  std::array<Vector<double>, 4> moved{};
   for (const Element& element : elements_) {
-    for (std::size_t a = 0; a < 4; ++a) {
-      std::copy_n(&u[3 * at(element.node[a])], 3, moved[a].begin());
-    }
-    const auto answer = visit(element, deformation_gradient(element.gradient, moved));
+    const auto answer =
+        visit(element, deformation_gradient(element.gradient, gather(element.node, u)));
     note(found, answer.determinant, answer.defined, answer.operations);
   }
   found.operations += static_cast<double>(elements_.size()) * kDeformationGradient;
@@ -67,25 +107,83 @@ Deformation ElasticBody::each_element(std::span<const double> u, const Visit& vi
 }
 
 Deformation ElasticBody::internal_forces(std::span<const double> u, std::span<double> f) const {
-  assert(f.size() == u.size());
+  return forces({.u = u, .v = {}}, f, {});
+}
+
+template <class Law>
+void ElasticBody::visit_forces(const Law& law, const Element& element, const Motion& motion,
+                               const Viscous& damping, double times, std::span<double> f,
+                               Tensor<double>* frame, Deformation& found) const {
+  Framed framed =
+      framed_stress(law, deformation_gradient(element.gradient, gather(element.node, motion.u)));
+  Stress<double>& stress = framed.stress;
+  note(found, stress.determinant, stress.defined, stress.operations);
+  found.operations += kDeformationGradient;
+  if (!stress.defined) return;
+  if (!motion.v.empty()) {
+    const Tensor<double> viscous_stress = damping.stress(
+        framed.frame, velocity_gradient(element.gradient, gather(element.node, motion.v)));
+    for (std::size_t i = 0; i < 9; ++i) stress.p[i] += viscous_stress[i];
+    found.operations += kVelocityGradient + Viscous::kStress;
+    if (frame != nullptr) *frame = framed.frame;
+  }
+  if (times != 1) {
+    for (double& p : stress.p) p *= times;
+  }
+  add_forces_of(element, stress.p, f);
+  found.operations += kAddForces;
+}
+
+void ElasticBody::add_forces_of(const Element& element, const Tensor<double>& stress,
+                                std::span<double> f) {
+  std::array<double*, 4> force{};
+  for (std::size_t a = 0; a < 4; ++a) force[a] = &f[3 * at(element.node[a])];
+  tissue::add_forces(stress, element.weighted, force);
+}
+
+Deformation ElasticBody::forces(const Motion& motion, std::span<double> f,
+                                std::span<Tensor<double>> frames) const {
+  assert(f.size() == motion.u.size());
   std::fill(f.begin(), f.end(), 0.0);
-  int added = 0;
-  Deformation found = std::visit(
+  Deformation found;
+  const Viscous damping = viscous(motion.damping_s);
+  std::visit(
       [&](const auto& law) {
-        return each_element(u, [&](const Element& element, const Tensor<double>& gradient) {
-          const Stress<double> stress = law.stress(gradient);
-          if (stress.defined) {
-            std::array<double*, 4> force{};
-            for (std::size_t a = 0; a < 4; ++a) force[a] = &f[3 * at(element.node[a])];
-            add_forces(stress.p, element.weighted, force);
-            ++added;
-          }
-          return stress;
-        });
+        for (std::size_t e = 0; e < elements_.size(); ++e) {
+          Tensor<double>* frame = frames.empty() ? nullptr : &frames[e];
+          visit_forces(law, elements_[e], motion, damping, 1, f, frame, found);
+        }
       },
       law_.form());
-  found.operations += static_cast<double>(added) * kAddForces;
   return found;
+}
+
+Deformation ElasticBody::add_forces(std::span<const int> elements, const Motion& motion,
+                                    double times, std::span<double> f) const {
+  Deformation found;
+  const Viscous damping = viscous(motion.damping_s);
+  std::visit(
+      [&](const auto& law) {
+        for (const int e : elements) {
+          visit_forces(law, elements_[at(e)], motion, damping, times, f, nullptr, found);
+        }
+      },
+      law_.form());
+  return found;
+}
+
+Operations ElasticBody::add_damping(std::span<const Tensor<double>> frames, const Motion& motion,
+                                    std::span<double> f) const {
+  const Viscous damping = viscous(motion.damping_s);
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const Element& element = elements_[e];
+    add_forces_of(element,
+                  damping.stress(frames[e], velocity_gradient(element.gradient,
+                                                              gather(element.node, motion.v))),
+                  f);
+  }
+  return static_cast<double>(elements_.size()) *
+         (kVelocityGradient + Viscous::kStress + kAddForces);
 }
 
 Deformation ElasticBody::energy(std::span<const double> u, double& energy_j) const {
@@ -125,6 +223,16 @@ Deformation ElasticBody::tangent(std::span<const double> u, Linearisation linear
     std::copy_n(body_.stiffness().block(own), 9, k.block(own));
   }
   return found;
+}
+
+void ElasticBody::add_damping_tangent(std::span<const Tensor<double>> frames, double damping_s,
+                                      double weight, sparse::BlockMatrix& k) const {
+  const Viscous damping = viscous(damping_s);
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    Blocks<double> blocks{};
+    damping.add_tangent(frames[e], elements_[e].gradient, elements_[e].volume, weight, blocks);
+    add_blocks(elements_[e], blocks, k);
+  }
 }
 
 Operations ElasticBody::add_blocks(const Element& element, const Blocks<double>& blocks,

@@ -44,6 +44,8 @@ const std::vector<std::pair<std::string_view, LawKind>>& law_names() {
   return names;
 }
 
+std::string_view name(LawKind kind) { return law_names()[static_cast<std::size_t>(kind)].first; }
+
 Law::Law(LawKind kind, const fem::Material& material) : form_(form_of(kind, material)) {}
 
 std::optional<double> Law::energy(const Eigen::Matrix3d& f) const {

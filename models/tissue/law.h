@@ -24,6 +24,7 @@ enum class LawKind {
   neo_hookean_isochoric
 };
 const std::vector<std::pair<std::string_view, LawKind>>& law_names();
+std::string_view name(LawKind kind);
 
 // A hyperelastic, isotropic material: the energy ψ of a deformation gradient F = I + ∇u, its first
 // derivative P and its second, as an element's tangent. For small strains every law is linear

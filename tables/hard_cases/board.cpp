@@ -25,6 +25,7 @@ std::unique_ptr<fixed::Solver> solver_for(fixed::Settings settings, int passes) 
 
 Board::Board(const sparse::BlockMatrix& matrix, const fixed::Plan& plan)
     : matrix_(matrix),
+      forces_(matrix),
       system_(fixed::prepare(matrix, plan.settings)),
       scaling_(system_),
       solver_(solver_for(system_.settings, plan.passes)),
@@ -36,7 +37,7 @@ Board::Board(const sparse::BlockMatrix& matrix, const fixed::Plan& plan)
     host::Refinement refinement;
     refinement.passes = plan.passes;
     refinement.tolerance = kBound;
-    refined_.emplace(refinement, matrix_, system_, u_);
+    refined_.emplace(refinement, forces_, matrix_, system_, u_);
   }
   solver_->load(system_.matrix);
 }

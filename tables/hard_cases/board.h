@@ -44,6 +44,7 @@ class Board {
   stability::Flags solve_refined(std::span<const double> f, const Eigen::Vector3d& u_c);
 
   const sparse::BlockMatrix& matrix_;
+  fem::LinearForces forces_;
   fixed::System system_;
   fixed::Scaling scaling_;
   std::unique_ptr<fixed::Solver> solver_;

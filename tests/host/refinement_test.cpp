@@ -236,7 +236,9 @@ class Bench {
       : load_(load),
         system_(fixed::prepare(load.body.stiffness(), settings)),
         matrix_(system_.matrix),
-        refined(refinement, load.body.stiffness(), system_, std::vector<double>(load.f.size())) {
+        forces_(load.body.stiffness()),
+        refined(refinement, forces_, load.body.stiffness(), system_,
+                std::vector<double>(load.f.size())) {
     settings.start = fixed::Start::zero;
     solver_.emplace(settings);
     matrix_.set_contact(load.contact[0], matrix_.mean_diagonal());
@@ -266,6 +268,7 @@ class Bench {
   fixed::System system_;
   fixed::QuantisedMatrix matrix_;
   std::optional<fixed::ReferenceSolver> solver_;
+  fem::LinearForces forces_;
 
  public:
   RefinedSolve refined;

@@ -29,12 +29,23 @@ class HostSolver : public FrameSolver {
   }
   hvp_status begin(std::uint32_t& /*flags*/) override { return HVP_OK; }
   hvp_status end(std::uint32_t& /*flags*/) override {
+    host::FrameMethod& method = computation_.method();
     computation_.begin();
-    computation_.method().next({});
-    work_.spend(Phase::solve, 0, scaled(computation_.on_host()->operations()));
+    method.next({});
+    if (const double operations = method.next_operations(); operations > 0) {
+      work_.spend(Phase::refinement, 0, operations);
+    }
+    work_.spend(Phase::solve, 0, scaled(method.solve_operations()));
     return HVP_OK;
   }
-  void finish(std::uint32_t& /*flags*/) override {}
+  void finish(std::uint32_t& flags) override {
+    host::FrameMethod& method = computation_.method();
+    method.finish();
+    if (const double operations = method.finish_operations(); operations > 0) {
+      work_.spend(Phase::refinement, 0, operations);
+    }
+    flags |= method.flags().bits();
+  }
   hvp_status close() override { return HVP_OK; }
 
  private:

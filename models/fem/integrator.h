@@ -1,0 +1,79 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "models/fem/body.h"
+#include "models/fem/hold.h"
+#include "models/fem/newmark.h"
+
+namespace hvp::fem {
+
+// A frame's steps are computed, or only their operations are counted.
+enum class Effort { computed, counted };
+
+// The right-hand side of every frame, whatever the body's material: f of a static body or f̂ of
+// Newmark's time step, with what contact prescribes and the fading forces of released nodes.
+//
+//   hold(hold);  …r(u) = load() − q(u) = 0 is solved…  advance(u);
+//
+// Vectors are over active nodes, in m and N. After construction nothing allocates but hold() with
+// more nodes than before. With Effort::counted the body stays in its initial state.
+class Integrator {
+ public:
+  // Keeps references to the body and to `load`, the external force. Without `dynamics` the body is
+  // static. `period_s` is the servo period, the time step. Throws InputError for an unstable rule.
+  Integrator(const Body& body, const std::vector<double>& load,
+             const std::optional<Dynamics>& dynamics, double period_s,
+             Effort effort = Effort::computed);
+  Integrator(const Integrator&) = delete;
+  Integrator& operator=(const Integrator&) = delete;
+
+  // Null for a static body.
+  const Newmark* newmark() const { return newmark_ ? &*newmark_ : nullptr; }
+
+  void hold(const Hold& hold);
+  Hold held() const { return held_.hold(); }
+  // True if hold() predicted anew, because the frame before had no solution.
+  bool predicted_anew() const { return predicted_anew_; }
+  // f or f̂ with the remaining forces of released nodes, and without them.
+  std::span<const double> load() const { return held().let_go.empty() ? f_ : loaded_; }
+  std::span<const double> external_force() const { return f_; }
+  // The contact forces of this frame's nodes, which fade once they are released.
+  HeldForces& contact_forces() { return forces_; }
+  // Gives each probe's force on the body, N, from contact_forces().
+  void sum_forces(std::span<Eigen::Vector3d> of_probes) const { forces_.sum(held(), of_probes); }
+  // Makes the time step with the frame's solution, and the next frame's f̂.
+  void advance(std::span<const double> u);
+
+  std::span<const double> initial_displacement() const { return initial_; }
+  // m/s; empty for a static body.
+  std::span<const double> velocity() const {
+    return newmark_ ? newmark_->velocity() : std::span<const double>();
+  }
+
+  // The additions and multiplications of the last hold() and of advance(), and those of the fading
+  // forces in sum_forces().
+  double hold_operations() const { return hold_operations_; }
+  double advance_operations() const;
+  double fading_operations() const { return 6.0 * static_cast<double>(held().let_go.size()); }
+
+ private:
+  void predict();
+
+  const std::vector<double>& body_load_;
+  Effort effort_;
+  std::optional<Newmark> newmark_;
+  KeptHold held_;
+  HeldForces forces_;
+  bool predictors_hold_ = false;  // changed by hold(), not yet used by advance()
+  bool predicted_anew_ = false;
+  double hold_operations_ = 0;
+  std::vector<double> initial_;
+  std::vector<double> f_;
+  std::vector<double> loaded_;
+};
+
+}  // namespace hvp::fem

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+
+#include "models/fem/hold.h"
+
+namespace hvp::fem {
+
+// A run's frames in double precision, with a state of their own: what a perfect solver would make
+// of them. Vectors are over active nodes.
+class ReferenceModel {
+ public:
+  virtual ~ReferenceModel() = default;
+
+  // Computes one frame with the run's contact nodes and prescribed displacements. The fading forces
+  // at released nodes are the reference's own.
+  virtual void step(const Hold& hold) = 0;
+  virtual std::span<const double> displacement() const = 0;  // m
+  virtual std::span<const double> velocity() const = 0;      // m/s; empty for a static body
+  // The forces on the body of each probe in the last step(), N.
+  virtual std::span<const Eigen::Vector3d> forces() const = 0;
+  // The frames so far whose equation was not solved to rounding: no reference to compare with.
+  virtual std::int64_t unsolved() const { return 0; }
+};
+
+}  // namespace hvp::fem

@@ -1,0 +1,67 @@
+#include "models/host/host_increments.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "models/fem/contact.h"
+
+namespace hvp::host {
+
+HostIncrements::HostIncrements(SolvedBy solver, std::unique_ptr<HostSolve> solve,
+                               const Refinement& refinement, fem::InternalForces& forces,
+                               const sparse::BlockMatrix& matrix, std::span<const double> initial,
+                               const fixed::Settings& settings)
+    : solver_(solver),
+      solve_(std::move(solve)),
+      refinement_(refinement),
+      increments_(forces, matrix, initial, settings.start, settings.displacement_range,
+                  settings.displacement_range * fem::mean_diagonal(matrix)),
+      rows_(matrix.rows()),
+      increment_(initial.size(), 0.0) {}
+
+void HostIncrements::set_contact(std::span<const int> nodes) {
+  still_.assign(nodes.size(), Eigen::Vector3d::Zero());
+  solve_->move_contact(nodes);
+}
+
+void HostIncrements::begin(std::span<const double> f, const fem::Hold& hold) {
+  flags_ = {};
+  increments_.begin(f, hold);
+}
+
+bool HostIncrements::next(std::span<std::int32_t> /*b*/) {
+  next_operations_ = increments_.begin_operations();
+  solve_operations_ = 0;
+  for (int pass = 0; pass < refinement_.passes; ++pass) {
+    next_operations_ += rows_ + (increments_.current() ? 0 : increments_.evaluate_operations());
+    if (!increments_.form_residual()) break;
+    std::ranges::fill(increment_, 0.0);
+    solve_->solve(increments_.residual(), still_, increment_);
+    solve_operations_ += solve_->operations();
+    const std::span<double> u = increments_.change();
+    for (std::size_t i = 0; i < u.size(); ++i) u[i] += increment_[i];
+    next_operations_ += rows_;
+  }
+  return false;
+}
+
+void HostIncrements::finish() {
+  const bool converged = increments_.finish(refinement_.tolerance);
+  if (!converged) flags_.raise(stability::Flag::not_converged);
+  if (increments_.diverged()) flags_.raise(stability::Flag::divergence);
+  if (increments_.inverted() > 0) flags_.raise(stability::Flag::inverted_element);
+}
+
+std::vector<Step> HostIncrements::steps() const {
+  const int passes = refinement_.passes;
+  return {{"first residual (without contact)", Step::Where::host, rows_},
+          {"each further pass' residual", Step::Where::host,
+           2 * rows_ + increments_.evaluate_operations(), passes - 1},
+          {std::string("solve on the host (") + name(solver_) + ")", Step::Where::solver,
+           solve_->most_operations(), passes},
+          {"last increment", Step::Where::host, rows_},
+          {"residual after the force", Step::Where::host, finish_operations(), 1, true}};
+}
+
+}  // namespace hvp::host

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "models/fem/internal_forces.h"
+#include "models/host/host_solve.h"
+#include "models/host/increments.h"
+#include "models/host/refinement.h"
+
+namespace hvp::host {
+
+// The method in which the host solves for the increments of a body that is not linear, with the
+// matrix of the body at rest: as many passes as refinement.passes, or fewer where the residual is
+// within refinement.tolerance before.
+class HostIncrements final : public FrameMethod {
+ public:
+  // Keeps references to `forces` and to `matrix`.
+  HostIncrements(SolvedBy solver, std::unique_ptr<HostSolve> solve, const Refinement& refinement,
+                 fem::InternalForces& forces, const sparse::BlockMatrix& matrix,
+                 std::span<const double> initial, const fixed::Settings& settings);
+
+  const Increments& increments() const { return increments_; }
+
+  void set_contact(std::span<const int> nodes) override;
+  void begin(std::span<const double> f, const fem::Hold& hold) override;
+  // Makes all passes.
+  bool next(std::span<std::int32_t> b) override;
+  void accept(std::span<const std::int32_t> /*x*/, stability::Flags /*flags*/) override {}
+  void finish() override;
+  void abandon() override { increments_.abandon(); }
+
+  std::span<const double> displacement() const override { return increments_.displacement(); }
+  stability::Flags flags() const override { return flags_; }
+
+  // Residuals and increments; HostSolve counts the solves.
+  double next_operations() const override { return next_operations_; }
+  double solve_operations() const override { return solve_operations_; }
+  double finish_operations() const override { return increments_.finish_operations(); }
+  std::vector<Step> steps() const override;
+
+ private:
+  SolvedBy solver_;
+  std::unique_ptr<HostSolve> solve_;
+  Refinement refinement_;
+  Increments increments_;
+  double rows_;
+  std::vector<double> increment_;
+  std::vector<Eigen::Vector3d> still_;  // contact nodes' increments: none
+  stability::Flags flags_;
+  double next_operations_ = 0;
+  double solve_operations_ = 0;
+};
+
+}  // namespace hvp::host

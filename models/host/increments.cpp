@@ -1,0 +1,172 @@
+#include "models/host/increments.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "models/config/input_error.h"
+#include "models/index.h"
+
+namespace hvp::host {
+
+namespace {
+double square(double v) { return v * v; }
+}  // namespace
+
+Increments::Increments(fem::InternalForces& forces, const sparse::BlockMatrix& a,
+                       std::span<const double> initial, fixed::Start start,
+                       double displacement_unit, double force_unit)
+    : forces_(forces),
+      a_(a),
+      start_(start),
+      length_(std::ldexp(1.0, -std::ilogb(displacement_unit))),
+      force_(std::ldexp(1.0, -std::ilogb(force_unit))),
+      u_(initial.begin(), initial.end()),
+      product_(u_.size()),
+      before_(u_),
+      solution_(u_),
+      f_(u_.size()),
+      b_(u_.size()),
+      r_(u_.size()) {
+  contact_.reserve(at(a.block_rows()));
+  moved_.reserve(at(a.block_rows()));
+  forces_.evaluate(u_, product_);
+  solution_product_ = product_;
+  guess_ = u_;
+  guess_product_ = product_;
+  if (start_ == fixed::Start::zero) {
+    std::fill(guess_.begin(), guess_.end(), 0.0);
+    std::fill(guess_product_.begin(), guess_product_.end(), 0.0);
+  }
+}
+
+// Notes what an evaluation found; false where the sums are of no use.
+bool Increments::look(const fem::ElementsFound& found) {
+  inverted_ = std::max(inverted_, found.inverted);
+  return found.defined();
+}
+
+void Increments::begin(std::span<const double> f, const fem::Hold& hold) {
+  for (std::size_t i = 0; i < f.size(); ++i) {
+    if (std::isfinite(f[i])) continue;
+    throw InputError("right-hand side entry " + std::to_string(i) + " is not a finite number");
+  }
+  std::copy(f.begin(), f.end(), f_.begin());
+  contact_.assign(hold.nodes.begin(), hold.nodes.end());
+  u_ = guess_;
+  product_ = guess_product_;
+  current_ = true;
+  first_ = true;
+  diverged_ = false;
+  inverted_ = 0;
+  b_ = f_;
+  moved_.clear();
+  for (std::size_t n = 0; n < contact_.size(); ++n) {
+    const int node = contact_[n];
+    const Eigen::Vector3d& u_c = hold.displacement[n];
+    double* u = &u_[3 * at(node)];
+    moved_.emplace_back(u_c[0] - u[0], u_c[1] - u[1], u_c[2] - u[2]);
+    a_.subtract_column(node, u_c, b_);
+    for (int i = 0; i < 3; ++i) u[i] = u_c[i];
+  }
+  for (const int node : contact_) std::fill_n(&b_[3 * at(node)], 3, 0.0);
+  refused_ = !look(forces_.follow(contact_, moved_, u_, product_));
+  if (refused_) u_ = solution_;
+}
+
+void Increments::form_difference() {
+  for (std::size_t i = 0; i < r_.size(); ++i) r_[i] = f_[i] - product_[i];
+  for (const int node : contact_) std::fill_n(&r_[3 * at(node)], 3, 0.0);
+}
+
+// ‖r‖², in units in which no square leaves the range of double precision, whatever the load's size.
+double Increments::weighed_residual() const {
+  double sum = 0;
+  for (const double r : r_) sum += square(force_ * r);
+  return sum;
+}
+
+bool Increments::form_residual() {
+  if (refused_) return false;
+  if (!current_) {
+    current_ = true;
+    if (!look(forces_.evaluate(u_, product_))) {
+      u_ = before_;
+      refused_ = true;
+      return false;
+    }
+  }
+  form_difference();
+  if (first_ && !forces_.linear()) at_first_ = weighed_residual();
+  first_ = false;
+  return true;
+}
+
+std::span<double> Increments::change() {
+  if (!forces_.linear()) before_ = u_;
+  current_ = false;
+  return u_;
+}
+
+bool Increments::finish(double tolerance) {
+  if (!current_) {
+    current_ = true;
+    refused_ = !look(forces_.evaluate(u_, product_));
+  }
+  if (refused_) {
+    abandon();
+    guess_ = start_ == fixed::Start::zero ? guess_ : solution_;
+    return false;
+  }
+  form_difference();
+  double residual = 0;
+  double rhs = 0;
+  double energy = 0;  // −2·(½uᵀAu − bᵀu) outside the contact: positive where u is better than zero
+  for (std::size_t i = 0; i < r_.size(); ++i) {
+    residual += square(force_ * r_[i]);
+    rhs += square(force_ * b_[i]);
+    energy += length_ * u_[i] * (force_ * (b_[i] + r_[i]));
+  }
+  largest_rhs_ = std::max(largest_rhs_, std::sqrt(rhs));
+  remaining_ = residual == 0 ? 0 : std::sqrt(residual) / largest_rhs_;
+  worst_remaining_ = std::max(worst_remaining_, remaining_);
+  const bool converged = remaining_ <= tolerance;
+  // A solution that is worse than zero is no start for the next one, which would be worse still.
+  // Forces that are not A·u have no such energy: there the residual must not have grown.
+  diverged_ = !converged && (forces_.linear() ? energy < 0 : residual > at_first_);
+  const bool keep = start_ != fixed::Start::zero && !(diverged_ && forces_.linear());
+  const bool extrapolate = start_ == fixed::Start::extrapolated;
+  for (std::size_t i = 0; i < u_.size(); ++i) {
+    guess_[i] = !keep ? 0 : extrapolate ? 2 * u_[i] - solution_[i] : u_[i];
+    guess_product_[i] = !keep         ? 0
+                        : extrapolate ? 2 * product_[i] - solution_product_[i]
+                                      : product_[i];
+  }
+  solution_ = u_;
+  solution_product_ = product_;
+  return converged;
+}
+
+void Increments::abandon() {
+  u_ = solution_;
+  product_ = solution_product_;
+  current_ = true;
+}
+
+double Increments::begin_operations() const {
+  double blocks = 0;
+  for (const int node : contact_) {
+    blocks += a_.row_begin[at(node) + 1] - a_.row_begin[at(node)];
+  }
+  // The product with the contact's columns for b, the change of q; the way that its nodes go.
+  return forces_.follow_operations() + 18 * blocks + 6 * static_cast<double>(contact_.size());
+}
+
+double Increments::finish_operations() const {
+  // Subtract; two norms, and an inner product with a sum.
+  const double judge = 8.0 * a_.rows();
+  const double extrapolation = start_ == fixed::Start::extrapolated ? 4.0 * a_.rows() : 0;
+  return forces_.evaluate_operations() + judge + extrapolation;
+}
+
+}  // namespace hvp::host

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "models/fem/hold.h"
+#include "models/fem/internal_forces.h"
+#include "models/fixed/settings.h"
+#include "models/sparse/block_matrix.h"
+
+namespace hvp::host {
+
+// A frame's solution on its way: u, its residual r = f − q(u), and the increments by which some
+// solver brings it to zero (Newton's method with a matrix that stays, or iterative refinement where
+// q is A·u).
+//
+//   begin(f, hold);  while (form_residual()) { …A·Δ = residual()…  change() += Δ; }  finish();
+//
+// Contact (thesis §3.7) prescribes displacements. u has them before the first residual is formed,
+// so that the contact's rows of r are zero. A step whose elements have no forces is taken back: u
+// is then what it was before it, and the frame is refused.
+//
+// Vectors are over active nodes, in m and N. Nothing allocates after construction.
+class Increments {
+ public:
+  // Keeps references. `a` is the matrix of the increments; `start` says where a solve begins: at
+  // the last solution, at zero, or at 2·(the last one) − (the one before). Displacements and forces
+  // are about the size of their units, so that no square leaves the range of double precision.
+  Increments(fem::InternalForces& forces, const sparse::BlockMatrix& a,
+             std::span<const double> initial, fixed::Start start, double displacement_unit,
+             double force_unit);
+
+  // Throws InputError where an entry of f is not finite.
+  void begin(std::span<const double> f, const fem::Hold& hold);
+  // Forms r(u). False where the present u, or the step that led to it, was refused.
+  bool form_residual();
+  std::span<const double> residual() const { return r_; }
+  // The displacements, to be changed by an increment.
+  std::span<double> change();
+  // Computes what remains, and the start of the next solve. Gives true if that is within
+  // `tolerance`.
+  bool finish(double tolerance);
+  // Replaces finish() where the solve has failed: the last solution stays.
+  void abandon();
+
+  std::span<const double> displacement() const { return u_; }
+  std::span<const int> contact() const { return contact_; }
+  // How far each contact node went in begin(), m.
+  std::span<const Eigen::Vector3d> moved() const { return moved_; }
+
+  // ‖r‖ outside the contact after the last finish(), over the largest ‖b‖ so far, where
+  // b = f − A[:, c]·u_c is the right-hand side with the contact moved to it.
+  double remaining() const { return remaining_; }
+  double worst_remaining() const { return worst_remaining_; }
+  // What finish() found: the solution is worse than none (linear), or than the start of the frame.
+  bool diverged() const { return diverged_; }
+  bool refused() const { return refused_; }
+  // The most elements that were turned inside out since begin(), the refused steps' included.
+  int inverted() const { return inverted_; }
+
+  // True if q(u) is there already, as in the first pass.
+  bool current() const { return current_; }
+  // The operations of the last begin(), of an evaluation of q(u), and of finish().
+  double begin_operations() const;
+  double evaluate_operations() const { return forces_.evaluate_operations(); }
+  double finish_operations() const;
+
+ private:
+  bool look(const fem::ElementsFound& found);
+  void form_difference();
+  double weighed_residual() const;
+
+  fem::InternalForces& forces_;
+  const sparse::BlockMatrix& a_;
+  fixed::Start start_;
+  double length_, force_;  // factors that make displacements and forces of about one
+
+  std::vector<double> u_, product_;  // q(u), where `current_`
+  bool current_ = true;
+  std::vector<double> before_;                       // u before the last change()
+  std::vector<double> solution_, solution_product_;  // of the last finish()
+  std::vector<double> guess_, guess_product_;        // the start of the next solve
+  std::vector<double> f_, b_, r_;
+  std::vector<int> contact_;
+  std::vector<Eigen::Vector3d> moved_;
+  bool first_ = true;    // no residual of this frame has been formed
+  double at_first_ = 0;  // weighed_residual() of the first one
+  double largest_rhs_ = 0;
+  double remaining_ = 0;
+  double worst_remaining_ = 0;
+  bool diverged_ = false;
+  bool refused_ = false;
+  int inverted_ = 0;
+};
+
+}  // namespace hvp::host

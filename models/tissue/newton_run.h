@@ -1,0 +1,63 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "models/fem/direct_solver.h"
+#include "models/fem/reference_model.h"
+#include "models/tissue/nonlinear_tissue.h"
+
+namespace hvp::tissue {
+
+// The frames of a body that is not linear, solved to rounding by Newton's method with factors of
+// the exact tangent. Factors serve as long as each step with them leaves a tenth of the residual or
+// less; the tangent is then formed anew. A step is halved until every element has forces and, once
+// contact is where it is prescribed, until the residual falls.
+class NewtonRun final : public fem::ReferenceModel {
+ public:
+  // A frame's residual is solved to this share of the largest force at a node, a little above what
+  // rounding leaves.
+  static constexpr double kTolerance = 1e-9;
+  static constexpr int kMostSteps = 60;
+
+  // Keeps a reference to the body. Throws as NonlinearTissue does.
+  NewtonRun(const fem::Body& body, LawKind law, const std::optional<fem::Dynamics>& dynamics,
+            double period_s, std::size_t probes);
+
+  void step(const fem::Hold& hold) override;
+  std::span<const double> displacement() const override { return u_; }
+  std::span<const double> velocity() const override { return tissue_.velocity(); }
+  std::span<const Eigen::Vector3d> forces() const override { return of_probes_; }
+  std::int64_t unsolved() const override { return unsolved_; }
+
+  const NonlinearTissue& tissue() const { return tissue_; }
+  // Of the last step(): Newton's steps, and the largest residual after each, N.
+  int steps() const { return static_cast<int>(residual_n_.size()) - 1; }
+  std::span<const double> residual_n() const { return residual_n_; }
+  // Tangents formed so far, and those that were indefinite.
+  std::int64_t tangents() const { return tangents_; }
+  std::int64_t indefinite() const { return indefinite_; }
+
+ private:
+  // The largest component of r outside the contact, N; infinity where an element has no forces.
+  double look_at(std::span<const double> u, std::span<const int> contact);
+  bool solve(const fem::Hold& hold);
+  void factorise();
+  bool make_step(const fem::Hold& hold, double& residual);
+
+  NonlinearTissue tissue_;
+  sparse::BlockMatrix tangent_;
+  std::optional<fem::DirectSolver> factors_;
+  std::vector<double> u_, trial_, q_, r_, direction_;
+  std::vector<Eigen::Vector3d> gap_;  // what contact nodes still have to move, m
+  std::vector<Eigen::Vector3d> of_probes_;
+  std::vector<double> residual_n_;
+  double largest_force_n_ = 0;  // at a node, of the run so far
+  std::int64_t unsolved_ = 0;
+  std::int64_t tangents_ = 0;
+  std::int64_t indefinite_ = 0;
+};
+
+}  // namespace hvp::tissue

@@ -1,0 +1,234 @@
+#include "models/tissue/nonlinear_tissue.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "models/index.h"
+
+namespace hvp::tissue {
+
+namespace {
+
+// Damping is a matter of the elements here, not of the matrix K.
+std::optional<fem::Dynamics> without_stiffness_damping(std::optional<fem::Dynamics> dynamics) {
+  if (dynamics) dynamics->rayleigh_stiffness = 0;
+  return dynamics;
+}
+
+sparse::BlockMatrix system_at_rest(const fem::Body& body,
+                                   const std::optional<fem::Dynamics>& dynamics, double period_s) {
+  if (!dynamics) return body.stiffness();
+  return fem::Newmark(body.stiffness(), body.mass(dynamics->mass), *dynamics, period_s)
+      .effective_matrix();
+}
+
+fem::ElementsFound found(const Deformation& deformation) {
+  return {deformation.inverted, deformation.undefined};
+}
+
+}  // namespace
+
+NonlinearTissue::NonlinearTissue(const fem::Body& body, LawKind law, fem::ContactDiagonal diagonal,
+                                 const std::optional<fem::Dynamics>& dynamics, double period_s)
+    : body_(body),
+      elastic_(body, law),
+      damping_s_(dynamics ? dynamics->rayleigh_stiffness : 0),
+      integrator_(body, body.dead_load(), without_stiffness_damping(dynamics), period_s),
+      matrix_(system_at_rest(body, dynamics, period_s)),
+      constraint_(matrix_, diagonal),
+      kept_diagonal_(at(body.active_nodes()), 0.0),
+      forces_n_(3 * body.mesh().nodes.size(), 0.0),
+      u_full_(forces_n_),
+      v_full_(forces_n_),
+      reaction_n_(forces_n_),
+      u_reaction_(forces_n_),
+      v_reaction_(forces_n_),
+      change_(forces_n_),
+      frames_(damped() ? body.mesh().tetrahedra.size() : 0),
+      chosen_(body.mesh().tetrahedra.size(), 0) {
+  elements_.reserve(chosen_.size());
+  for (int a = 0; a < body.active_nodes(); ++a) {
+    if (!body.held(body.node_of_active()[at(a)])) continue;
+    const auto own = static_cast<std::size_t>(body.stiffness().find(a, a));
+    kept_diagonal_[at(a)] = body.stiffness().block(own)[0];
+  }
+  // At rest, for what the operations are before the first frame.
+  const std::span<const double> initial = initial_displacement();
+  std::vector<double> q(initial.size());
+  evaluate(initial, q);
+  if (damped())
+    damping_operations_ =
+        elastic_.add_damping(frames_, motion(u_full_, change_), forces_n_).total();
+  stale_ = true;
+}
+
+Motion NonlinearTissue::motion(std::span<const double> u, std::span<const double> v) const {
+  return {u, damped() ? v : std::span<const double>(), damping_s_};
+}
+
+// ṽ + c·u at the nodes that move by themselves; the others rest.
+void NonlinearTissue::expand_velocity(std::span<const double> u, std::span<double> v) const {
+  if (!damped()) return;
+  const std::span<const double> predicted = integrator_.newmark()->predicted_velocity();
+  const double weight = integrator_.newmark()->velocity_weight();
+  for (std::size_t a = 0; a < kept_diagonal_.size(); ++a) {
+    const auto node = at(body_.node_of_active()[a]);
+    if (body_.held(static_cast<int>(node))) continue;
+    for (std::size_t i = 0; i < 3; ++i) {
+      v[3 * node + i] = predicted[3 * a + i] + weight * u[3 * a + i];
+    }
+  }
+}
+
+// q over active nodes, from the elements' forces.
+void NonlinearTissue::collect(std::span<const double> u, std::span<double> q) const {
+  for (std::size_t a = 0; a < kept_diagonal_.size(); ++a) {
+    const auto node = at(body_.node_of_active()[a]);
+    for (std::size_t i = 0; i < 3; ++i) {
+      q[3 * a + i] = body_.held(static_cast<int>(node)) ? kept_diagonal_[a] * u[3 * a + i]
+                                                        : forces_n_[3 * node + i];
+    }
+  }
+  if (integrator_.newmark() != nullptr) integrator_.newmark()->add_inertia(u, q);
+}
+
+double NonlinearTissue::collect_operations() const {
+  const auto rows = 3.0 * static_cast<double>(kept_diagonal_.size());
+  const double velocity = damped() ? 2 * rows : 0;
+  return integrator_.newmark() == nullptr ? velocity
+                                          : velocity + integrator_.newmark()->inertia_flops();
+}
+
+fem::ElementsFound NonlinearTissue::evaluate(std::span<const double> u, std::span<double> q) {
+  body_.expand(u, u_full_);
+  expand_velocity(u, v_full_);
+  const Deformation deformation = elastic_.forces(motion(u_full_, v_full_), forces_n_, frames_);
+  stale_ = !deformation.defined();
+  collect(u, q);
+  evaluate_operations_ = deformation.operations.total() + collect_operations();
+  return found(deformation);
+}
+
+void NonlinearTissue::choose_elements_at(std::span<const int> nodes) {
+  elements_.clear();
+  for (const int active : nodes) {
+    for (const int e : elastic_.elements_at(body_.node_of_active()[at(active)])) {
+      if (std::exchange(chosen_[at(e)], 1) == 0) elements_.push_back(e);
+    }
+  }
+  std::ranges::sort(elements_);
+  for (const int e : elements_) chosen_[at(e)] = 0;
+}
+
+// True if u is that of the forces but for `nodes`: the solve may start elsewhere than at the last
+// solution.
+bool NonlinearTissue::elsewhere_as_known(std::span<const int> nodes,
+                                         std::span<const double> u) const {
+  auto next = nodes.begin();
+  for (std::size_t a = 0; a < kept_diagonal_.size(); ++a) {
+    const auto node = at(body_.node_of_active()[a]);
+    if (next != nodes.end() && at(*next) == a) {
+      ++next;
+    } else if (!body_.held(static_cast<int>(node)) &&
+               !std::equal(&u[3 * a], &u[3 * a] + 3, &u_full_[3 * node])) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// Visits the elements at those nodes twice, before and after. What that loses to rounding is gone
+// with the next evaluate(), once a frame.
+fem::ElementsFound NonlinearTissue::follow(std::span<const int> nodes,
+                                           std::span<const Eigen::Vector3d> /*moved*/,
+                                           std::span<const double> u, std::span<double> q) {
+  if (stale_ || !elsewhere_as_known(nodes, u)) {
+    const fem::ElementsFound all = evaluate(u, q);
+    follow_operations_ = evaluate_operations_;
+    return all;
+  }
+  choose_elements_at(nodes);
+  Deformation deformation = elastic_.add_forces(elements_, motion(u_full_, v_full_), -1, forces_n_);
+  double operations = deformation.operations.total();
+  body_.expand(u, u_full_);
+  expand_velocity(u, v_full_);
+  deformation = elastic_.add_forces(elements_, motion(u_full_, v_full_), 1, forces_n_);
+  operations += deformation.operations.total();
+  stale_ = !deformation.defined();
+  collect(u, q);
+  follow_operations_ = operations + collect_operations();
+  return found(deformation);
+}
+
+void NonlinearTissue::hold(const fem::Hold& hold) {
+  integrator_.hold(hold);
+  if (integrator_.predicted_anew()) stale_ = true;
+}
+
+// Visits the elements at the contact's nodes: nobody waits for the others before the force goes
+// out.
+void NonlinearTissue::forces(std::span<const double> u, std::span<Eigen::Vector3d> of_probes) {
+  const fem::Hold hold = integrator_.held();
+  reaction_operations_ = 0;
+  if (hold.present()) {
+    body_.expand(u, u_reaction_);
+    expand_velocity(u, v_reaction_);
+    choose_elements_at(hold.nodes);
+    std::ranges::fill(reaction_n_, 0.0);
+    const Deformation deformation =
+        elastic_.add_forces(elements_, motion(u_reaction_, v_reaction_), 1, reaction_n_);
+    const fem::Newmark* newmark = integrator_.newmark();
+    for (const int active : hold.nodes) {
+      const auto node = at(body_.node_of_active()[at(active)]);
+      Eigen::Vector3d force = Eigen::Map<const Eigen::Vector3d>(&reaction_n_[3 * node]);
+      if (newmark != nullptr) force += newmark->inertia(u, active);
+      force -= Eigen::Map<const Eigen::Vector3d>(&integrator_.external_force()[3 * at(active)]);
+      integrator_.contact_forces().set(active, force);
+    }
+    // Inertia, velocities, f, and the sum over nodes.
+    reaction_operations_ =
+        deformation.operations.total() + 27 * static_cast<double>(hold.nodes.size());
+  }
+  integrator_.sum_forces(of_probes);
+}
+
+// The damping forces of the next time step differ from this one's by those of the change in ṽ.
+void NonlinearTissue::advance(std::span<const double> u) {
+  integrator_.advance(u);
+  if (!damped() || stale_) return;
+  // The step may have been refused after the last evaluation.
+  stale_ = !elsewhere_as_known({}, u);
+  if (stale_) return;
+  change_ = v_full_;
+  expand_velocity(u, v_full_);
+  for (std::size_t i = 0; i < change_.size(); ++i) change_[i] = v_full_[i] - change_[i];
+  damping_operations_ = elastic_.add_damping(frames_, motion(u_full_, change_), forces_n_).total() +
+                        3 * static_cast<double>(change_.size());
+}
+
+double NonlinearTissue::force_operations() const {
+  return integrator_.fading_operations() + reaction_operations_;
+}
+
+double NonlinearTissue::advance_operations() const {
+  return integrator_.advance_operations() + (damped() ? damping_operations_ : 0);
+}
+
+fem::ElementsFound NonlinearTissue::tangent(sparse::BlockMatrix& k) const {
+  const Deformation deformation = elastic_.tangent(u_full_, Linearisation::exact, k);
+  const fem::Newmark* newmark = integrator_.newmark();
+  if (newmark == nullptr) return found(deformation);
+  if (damped()) {
+    elastic_.add_damping_tangent(frames_, damping_s_, newmark->velocity_weight(), k);
+  }
+  newmark->add_inertia_to(k);
+  return found(deformation);
+}
+
+double NonlinearTissue::energy() const {
+  double energy_j = 0;
+  static_cast<void>(elastic_.energy(u_full_, energy_j));
+  return energy_j;
+}
+
+}  // namespace hvp::tissue
