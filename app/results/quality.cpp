@@ -141,20 +141,25 @@ std::string accuracy_text(const app::Scene& scene, const Outcome& o) {
     rounding_lines(out, o);
     return text;
   }
+  const std::optional<host::Reference>& reference = scene.scenario().reference;
+  const bool other = reference && reference->model.value_or(scene.scenario().object.law()) !=
+                                      scene.scenario().object.law();
+  const std::string true_model =
+      other ? fmt::format("{} model", tissue::name(*reference->model)) : "true model";
   if (a.displacement.of_frame && a.force.of_frame) {
     fmt::format_to(out,
-                   "\nAccuracy     error against the true model, of the frame's own displacement "
+                   "\nAccuracy     error against the {}, of the frame's own displacement "
                    "and force, {} in contact\n",
-                   counted(a.displacement.of_frame->frames, "frame"));
+                   true_model, counted(a.displacement.of_frame->frames, "frame"));
     of_frame_line(out, "displacement", a.displacement);
     of_frame_line(out, "contact force", a.force);
     fmt::format_to(out, "  of the run's largest, over all {} in which the body is displaced\n",
                    counted(a.frames, "frame"));
   } else {
     fmt::format_to(out,
-                   "\nAccuracy     error against the true model, of the run's largest, over all {} "
+                   "\nAccuracy     error against the {}, of the run's largest, over all {} "
                    "in which the body is displaced\n",
-                   counted(a.frames, "frame"));
+                   true_model, counted(a.frames, "frame"));
   }
   mean_line(out, "displacement", a.displacement);
   mean_line(out, "contact force", a.force);

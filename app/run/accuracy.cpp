@@ -33,8 +33,10 @@ AccuracyTracker::AccuracyTracker(const Scene& scene, const host::Reference& sett
       dynamic_(scene.computation().dynamic()),
       has_board_(scene.has_board()),
       refined_(scene.computation().refined() != nullptr),
-      linear_run_(linear_run(scene)),
-      nonlinear_run_(linear_run_ ? nullptr : make_reference(scene)),
+      of_another_model_(settings.model.value_or(scene.scenario().object.law()) !=
+                        scene.scenario().object.law()),
+      linear_run_(of_another_model_ ? std::nullopt : linear_run(scene)),
+      nonlinear_run_(linear_run_ ? nullptr : make_reference(scene, settings.model)),
       true_run_(linear_run_ ? static_cast<fem::ReferenceModel&>(*linear_run_) : *nonlinear_run_),
       period_s_(scene.scenario().budget.period_s) {
   if (!has_board_ || !linear_run_) return;
@@ -96,13 +98,16 @@ results::Accuracy AccuracyTracker::accuracy() const {
 }
 
 stability::Flags AccuracyTracker::flags() const {
+  stability::Flags flags;
+  if (true_run_.unsolved() > 0) flags.raise(stability::Flag::not_converged);
+  // What another model would have made of the frames says nothing of the solver.
+  if (of_another_model_) return flags;
   // Refinement and a solve in double precision lead to the true model, so that the way to it is the
   // solver's own error. First touches, where little is displaced, are no matter of convergence.
   const host::Deviation& own = refined_ || !has_board_ ? displacement_ : displacement_rounded_;
-  stability::Flags flags = host::accuracy_flags(settings_, displacement_.judged(), own.typical());
+  flags.merge(host::accuracy_flags(settings_, displacement_.judged(), own.typical()));
   if (rounded_run_ && !rounded_run_->positive_definite())
     flags.raise(stability::Flag::negative_curvature);
-  if (true_run_.unsolved() > 0) flags.raise(stability::Flag::not_converged);
   return flags;
 }
 

@@ -35,6 +35,7 @@ class AccuracyTracker : public vp::FrameObserver {
   bool dynamic_;
   bool has_board_;
   bool refined_;
+  bool of_another_model_;  // the reference is not of the body's own law
   std::optional<host::ReferenceRun> linear_run_;
   std::unique_ptr<fem::ReferenceModel> nonlinear_run_;
   fem::ReferenceModel& true_run_;  // one of them

@@ -58,6 +58,7 @@ struct Object {
 
   // True if the body's forces are not K·u: a frame is then solved by increments.
   bool nonlinear() const { return model && !model->linear(); }
+  tissue::LawKind law() const { return model ? model->kind : tissue::LawKind::linear; }
   void declare(config::Visitor& v);
   void check() const;
 };

@@ -81,10 +81,13 @@ std::unique_ptr<fem::Tissue> make_tissue(const Scenario& s, const fem::Body& bod
                              s.timing_only() ? host::Effort::counted : host::Effort::computed);
 }
 
-std::unique_ptr<fem::ReferenceModel> make_reference(const Scene& scene) {
+std::unique_ptr<fem::ReferenceModel> make_reference(const Scene& scene,
+                                                    std::optional<tissue::LawKind> law) {
   const Scenario& s = scene.scenario();
-  if (s.object.nonlinear()) {
-    return tissue::make_reference(scene.body(), *s.object.model, s.dynamics, s.budget.period_s,
+  tissue::Model model = s.object.model.value_or(tissue::Model{});
+  model.kind = law.value_or(s.object.law());
+  if (!model.linear()) {
+    return tissue::make_reference(scene.body(), model, s.dynamics, s.budget.period_s,
                                   s.probes.size());
   }
   const sparse::BlockMatrix& matrix = scene.computation().matrix();

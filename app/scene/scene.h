@@ -86,8 +86,10 @@ vp::PlatformSettings platform_settings(const Scene& scene, const std::string& wa
 // Builds the body as it is in the servo loop. Keeps a reference to `body`.
 std::unique_ptr<fem::Tissue> make_tissue(const Scenario& scenario, const fem::Body& body);
 
-// The true model of a scene's frames, with a state of its own. Keeps references into the scene.
-std::unique_ptr<fem::ReferenceModel> make_reference(const Scene& scene);
+// The true model of a scene's frames, with a state of its own: the body as it is, or as one of
+// another material law. Keeps references into the scene.
+std::unique_ptr<fem::ReferenceModel> make_reference(
+    const Scene& scene, std::optional<tissue::LawKind> law = std::nullopt);
 
 // Builds the elastic body alone, as `hvp export` needs it.
 std::unique_ptr<fem::Body> make_body(const Scenario& scenario, const Progress& progress);

@@ -266,7 +266,7 @@ SystemSolution solve_system(const LinearSystem& given, const SolveTask& task) {
   const host::Reference defaults;
   // Refinement leads to the true solution, so that the way to it is the solver's own error.
   s.flags.merge(
-      host::accuracy_flags({1, task.tolerance, defaults.solver_tolerance}, s.error,
+      host::accuracy_flags({1, task.tolerance, defaults.solver_tolerance, {}}, s.error,
                            task.settings.refinement ? std::optional(s.error) : s.error_rounded));
   s.x.resize(static_cast<std::size_t>(given.rows));
   return s;

@@ -24,6 +24,14 @@ void Reference::declare(config::Visitor& v) {
              config::between(0, 10),
              {"deviation from the rounded model above which the run is flagged not-converged",
               "60 iterations of CG with a warm start reach 1 to 2 %, docs/fixed-point.md"});
+  std::vector<std::pair<std::string_view, std::optional<tissue::LawKind>>> models = {
+      {"own", std::nullopt}};
+  models.insert(models.end(), tissue::law_names().begin(), tissue::law_names().end());
+  v.choice("model", model, models,
+           {"the law of the true model: the body's own, or another one, with which the run then "
+            "shows what its model is worth; budget.displacement_error and force_error are judged "
+            "against it, and the tolerances above do not apply",
+            "own: what the solver makes of the model that the scenario asks for"});
 }
 
 stability::Flags accuracy_flags(const Reference& settings, const std::optional<double>& error,

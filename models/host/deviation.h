@@ -8,6 +8,7 @@
 #include "models/config/figures.h"
 #include "models/stability/flag.h"
 #include "models/statistics/histogram.h"
+#include "models/tissue/law.h"
 
 namespace hvp::host {
 
@@ -17,6 +18,9 @@ struct Reference {
   int every_frames = 1;
   double tolerance = 0.06;
   double solver_tolerance = 0.02;
+  // The material law of the true model; empty: that of the body. Another one judges the model, and
+  // not the solver: the tolerances then do not apply.
+  std::optional<tissue::LawKind> model;
 
   void declare(config::Visitor& v);
 };

@@ -1,0 +1,131 @@
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "tests/app/cli/program.h"
+#include "tests/app/scratch_directory.h"
+
+// Bodies that are not linear, as a user runs them.
+namespace hvp::cli::tissue_run_test {
+namespace {
+
+using nlohmann::json;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class TissueRun : public ::testing::Test {
+ protected:
+  Ended with(const std::vector<std::string>& changes, const char* name = "thesis-nonlinear.toml") {
+    std::vector<std::string> arguments = {"run",   scenario(name).string(),
+                                          "--out", "out",
+                                          "--set", "output.pictures=false",
+                                          "--set", "output.remedies=false",
+                                          "--set", "output.deformation_every_frames=0",
+                                          "--set", "output.trace_frames=0"};
+    for (const std::string& change : changes) {
+      arguments.emplace_back("--set");
+      arguments.push_back(change);
+    }
+    return hvp(place_.path(), arguments);
+  }
+  json summary(const std::vector<std::string>& changes,
+               const char* name = "thesis-nonlinear.toml") {
+    const Ended ended = with(changes, name);
+    EXPECT_LT(ended.status, 2) << ended.err;
+    out_ = ended.out;
+    return json::parse(read(place_.path() / "out/summary.json"));
+  }
+  static json flags(const json& summary) { return summary.at("stability").at("flags"); }
+  static double mean(const json& summary, const char* of) {
+    return summary.at("accuracy").at(of);
+  }
+
+  ScratchDirectory place_;
+  std::string out_;
+};
+
+struct Law {
+  const char* name;
+  double one_pass, two_passes;  // the mean error of the force, of the run's largest, at most
+};
+
+// The prototype's table (the old matrix, in 12 bits) within a factor of 1.5: mean errors of the
+// force of 1.4e-3 (corotational), 1.2e-3 and 7e-4 (neo-Hookean) with one and two passes. It solved
+// each pass exactly, here are 60 iterations.
+TEST_F(TissueRun, TheOldMatrixServesForEveryLaw) {
+  for (const Law& law :
+       {Law{"corotational", 2.1e-3, 0.5e-3}, Law{"neo-hookean-log", 4.5e-3, 1.05e-3},
+        Law{"neo-hookean-isochoric", 4.5e-3, 1.05e-3}}) {
+    SCOPED_TRACE(law.name);
+    const std::string kind = std::string("object.model.kind=") + law.name;
+    for (const int passes : {1, 2}) {
+      const json s = summary({kind, "refinement.passes=" + std::to_string(passes),
+                              "solver.iterations=60", "host.sustained_rate=100Gflop/s"});
+      EXPECT_LT(mean(s, "force_rel"), passes == 1 ? law.one_pass : law.two_passes) << passes;
+      EXPECT_EQ(s.at("strain").at("inverted_elements"), 0);
+      EXPECT_THAT(flags(s), Not(Contains("inverted-element")));
+    }
+  }
+}
+
+// The linear body's frames against the laws that the scene calls for.
+TEST_F(TissueRun, AnotherModelsTruthShowsWhatTheLinearOneIsWorth) {
+  const json s = summary({"object.model.kind=linear", "reference.model=neo-hookean-log",
+                          "host.sustained_rate=100Gflop/s"});
+  EXPECT_GT(mean(s, "force_rel"), 0.03);
+  EXPECT_LT(mean(s, "force_rel"), 0.12);
+  EXPECT_THAT(out_, HasSubstr("error against the neo-hookean-log model"));
+  // What another model says is no matter of the solver's tolerances.
+  EXPECT_THAT(flags(s), Not(Contains("matrix-rounding")));
+  EXPECT_THAT(flags(s), Not(Contains("not-converged")));
+}
+
+// The same frames by the host alone, with factors or with CG: the same truth.
+TEST_F(TissueRun, TheHostSolvesByIncrementsToo) {
+  const std::vector<std::string> fast = {"host.sustained_rate=100Gflop/s", "frames=350"};
+  for (const char* solver : {"cholesky", "cg"}) {
+    std::vector<std::string> changes = fast;
+    changes.push_back(std::string("host.solver=") + solver);
+    changes.emplace_back("solver.iterations=200");
+    const json s = summary(changes);
+    EXPECT_LT(mean(s, "force_rel"), 1e-3) << solver;
+    EXPECT_THAT(out_, HasSubstr("increments in 2 passes"));
+  }
+}
+
+// A body that is not linear has no A·u = f to solve in one go.
+TEST_F(TissueRun, NeedsIncrements) {
+  const Ended ended = with({"refinement=false"});
+  EXPECT_EQ(ended.status, 2);
+  EXPECT_THAT(ended.err, HasSubstr("object.model.kind"));
+  EXPECT_THAT(ended.err, HasSubstr("expected [refinement] too"));
+}
+
+TEST_F(TissueRun, CountsNoOperationsWithoutNumbers) {
+  const Ended ended = with({"fidelity.numbers=none", "reference=false"});
+  EXPECT_EQ(ended.status, 2);
+}
+
+// A strike that would turn elements inside out: the step is taken back, frame after frame, and the
+// run ends with the flag, finite numbers and no PASS.
+TEST_F(TissueRun, AStrikeEndsInItsFlag) {
+  const std::vector<std::string> strike = {
+      "host.sustained_rate=100Gflop/s", "frames=150", "solver.displacement_range=80mm",
+      "probe.motion=[{phase=\"press\",to=[\"0mm\",\"0mm\",\"15mm\"],duration=\"100ms\"}]"};
+  for (const char* law :
+       {"neo-hookean-log", "neo-hookean-isochoric", "corotational", "st-venant-kirchhoff"}) {
+    std::vector<std::string> changes = strike;
+    changes.push_back(std::string("object.model.kind=") + law);
+    const json s = summary(changes);
+    SCOPED_TRACE(law);
+    EXPECT_NE(s.at("verdict"), "PASS");
+    EXPECT_THAT(flags(s), Contains("inverted-element"));
+    EXPECT_TRUE(s.at("force").at("largest_N").is_number());
+  }
+}
+
+}  // namespace
+}  // namespace hvp::cli::tissue_run_test
