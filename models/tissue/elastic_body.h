@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstddef>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -10,21 +9,10 @@
 #include "models/sparse/block_matrix.h"
 #include "models/tissue/law.h"
 #include "models/tissue/operations.h"
+#include "models/tissue/potential_body.h"
 #include "models/tissue/viscous.h"
 
 namespace hvp::tissue {
-
-// What a call found on its way through the elements.
-struct Deformation {
-  double smallest_determinant = std::numeric_limits<double>::infinity();  // det F; NaN if one is
-  int inverted = 0;                                                       // det F not above zero
-  // Elements for which the law is not defined, which add nothing, or whose det F is not a finite
-  // number. The call's numbers are then no forces and no energy of this body.
-  int undefined = 0;
-  Operations operations = {};  // of this call
-
-  bool defined() const { return undefined == 0; }
-};
 
 // Displacements, and the velocities that stiffness damping brakes.
 struct Motion {
@@ -36,20 +24,18 @@ struct Motion {
 // A body of a hyperelastic material: the energy of its displacements, their internal forces and
 // their stiffness. It knows neither time nor loads nor who solves.
 //
-// Displacements (m) and forces (N) are over all mesh nodes, three each; fem::Body::expand() makes
-// them from active ones. Elements are gone through in ascending order, so that every sum has one
-// order. No call allocates.
-class ElasticBody {
+// Elements are gone through in ascending order, so that every sum has one order.
+class ElasticBody final : public PotentialBody {
  public:
   // Keeps a reference to the body. Throws InputError for a material out of range or an element that
   // is inverted at rest.
   ElasticBody(const fem::Body& body, LawKind kind);
 
-  const fem::Body& body() const { return body_; }
+  const fem::Body& body() const override { return body_; }
   const Law& law() const { return law_; }
 
-  // f = ∂Ψ/∂u. At an anchored or prescribed node it is the force with which its support acts on it.
-  [[nodiscard]] Deformation internal_forces(std::span<const double> u, std::span<double> f) const;
+  [[nodiscard]] Deformation internal_forces(std::span<const double> u,
+                                            std::span<double> f) const override;
   // The same with the forces of damping. `frames` gets the frame in which each element is damped.
   [[nodiscard]] Deformation forces(const Motion& motion, std::span<double> f,
                                    std::span<Tensor<double>> frames) const;
@@ -63,13 +49,11 @@ class ElasticBody {
   // The elements at a mesh node, ascending.
   std::span<const int> elements_at(int node) const;
 
-  // Ψ = Σ V·ψ, J.
-  [[nodiscard]] Deformation energy(std::span<const double> u, double& energy_j) const;
-  // ∂f/∂u over the active nodes, N/m, symmetric to the last bit; `k` has the pattern of
-  // fem::Body::stiffness(), and for the linear law its values. Held nodes that the body keeps have
-  // that matrix' diagonal and nothing else.
+  // Ψ = Σ V·ψ.
+  [[nodiscard]] Deformation energy(std::span<const double> u, double& energy_j) const override;
+  // For the linear law the values of fem::Body::stiffness().
   [[nodiscard]] Deformation tangent(std::span<const double> u, Linearisation linearisation,
-                                    sparse::BlockMatrix& k) const;
+                                    sparse::BlockMatrix& k) const override;
   // Adds the derivative of the damping forces by the velocities, times `weight`, without that of
   // the frames.
   void add_damping_tangent(std::span<const Tensor<double>> frames, double damping_s, double weight,
