@@ -69,7 +69,7 @@ void forces(benchmark::State& state) {
   report(state, body, found.operations);
   state.SetLabel(std::string(law_names()[static_cast<std::size_t>(state.range(0))].first));
 }
-BENCHMARK(forces)->DenseRange(0, 4);
+BENCHMARK(forces)->DenseRange(0, 5);
 
 void tangent(benchmark::State& state) {
   const fem::Body body = box();
@@ -84,7 +84,7 @@ void tangent(benchmark::State& state) {
   report(state, body, found.operations);
   state.SetLabel(std::string(law_names()[static_cast<std::size_t>(state.range(0))].first));
 }
-BENCHMARK(tangent)->DenseRange(0, 4);
+BENCHMARK(tangent)->DenseRange(0, 5);
 
 }  // namespace
 }  // namespace hvp::tissue

@@ -47,8 +47,10 @@ Tensor<double> velocity_gradient(const Gradients<double>& g,
 
 }  // namespace
 
-ElasticBody::ElasticBody(const fem::Body& body, LawKind kind)
-    : body_(body), law_(kind, body.material()), elements_(body.mesh().tetrahedra.size()) {
+ElasticBody::ElasticBody(const fem::Body& body, LawKind kind, const Parameters& parameters)
+    : body_(body),
+      law_(kind, body.material(), parameters),
+      elements_(body.mesh().tetrahedra.size()) {
   const sparse::BlockMatrix& k = body.stiffness();
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     const fem::ElementGeometry geometry = fem::element_geometry(body.mesh(), static_cast<int>(e));

@@ -27,9 +27,9 @@ struct Motion {
 // Elements are gone through in ascending order, so that every sum has one order.
 class ElasticBody final : public PotentialBody {
  public:
-  // Keeps a reference to the body. Throws InputError for a material out of range or an element that
-  // is inverted at rest.
-  ElasticBody(const fem::Body& body, LawKind kind);
+  // Keeps a reference to the body. Throws InputError for a material or a parameter out of range or
+  // an element that is inverted at rest.
+  ElasticBody(const fem::Body& body, LawKind kind, const Parameters& parameters = {});
 
   const fem::Body& body() const override { return body_; }
   const Law& law() const { return law_; }

@@ -78,4 +78,20 @@ constexpr Operations isotropic_blocks_operations(double isotropic) {
   return {.add_multiply = 10 * (48 + isotropic)};
 }
 
+// Adds k_a q_bᵀ + q_a k_bᵀ.
+template <class T>
+void add_pairs(const Gradients<T>& k, const Gradients<T>& q, Blocks<T>& blocks) {
+  std::size_t block = 0;
+  for (std::size_t a = 0; a < 4; ++a) {
+    for (std::size_t b = a; b < 4; ++b) {
+      Tensor<T>& one = blocks[block++];
+      for (std::size_t i = 0; i < 9; ++i) {
+        const std::size_t row = i / 3;
+        const std::size_t column = i % 3;
+        one[i] = one[i] + (k[a][row] * q[b][column] + q[a][row] * k[b][column]);
+      }
+    }
+  }
+}
+
 }  // namespace hvp::tissue

@@ -1,12 +1,21 @@
 #include "models/tissue/law.h"
 
+#include <algorithm>
 #include <cstddef>
+
+#include <fmt/format.h>
+
+#include "models/config/input_error.h"
 
 namespace hvp::tissue {
 namespace {
 
-Law::Form form_of(LawKind kind, const fem::Material& material) {
+// At this b a shear of a tenth multiplies the modulus by e^100.
+constexpr double kLargestB = 1e4;
+
+Law::Form form_of(LawKind kind, const fem::Material& material, const Parameters& parameters) {
   material.check();
+  parameters.check();
   const double lambda = material.lame_lambda();
   const double mu = material.lame_mu();
   switch (kind) {
@@ -20,6 +29,8 @@ Law::Form form_of(LawKind kind, const fem::Material& material) {
       return NeoHookeanLog{lambda, mu};
     case LawKind::neo_hookean_isochoric:
       return NeoHookeanIsochoric{lambda + 2 * mu / 3, mu};
+    case LawKind::fung:
+      return Fung{lambda + 2 * mu / 3, mu, std::max(parameters.exponent, Fung::kLeastB)};
   }
   return Linear{lambda, mu};
 }
@@ -40,13 +51,22 @@ const std::vector<std::pair<std::string_view, LawKind>>& law_names() {
       {"corotational", LawKind::corotational},
       {"st-venant-kirchhoff", LawKind::st_venant_kirchhoff},
       {"neo-hookean-log", LawKind::neo_hookean_log},
-      {"neo-hookean-isochoric", LawKind::neo_hookean_isochoric}};
+      {"neo-hookean-isochoric", LawKind::neo_hookean_isochoric},
+      {"fung", LawKind::fung}};
   return names;
 }
 
 std::string_view name(LawKind kind) { return law_names()[static_cast<std::size_t>(kind)].first; }
 
-Law::Law(LawKind kind, const fem::Material& material) : form_(form_of(kind, material)) {}
+void Parameters::check() const {
+  if (!(exponent >= 0) || !(exponent <= kLargestB)) {
+    throw InputError("exponent",
+                     fmt::format("the exponent b is {}; expected 0 to {}", exponent, kLargestB));
+  }
+}
+
+Law::Law(LawKind kind, const fem::Material& material, const Parameters& parameters)
+    : form_(form_of(kind, material, parameters)) {}
 
 std::optional<double> Law::energy(const Eigen::Matrix3d& f) const {
   const Energy<double> energy =

@@ -10,6 +10,7 @@
 #include "models/fem/assembly.h"
 #include "models/fem/material.h"
 #include "models/tissue/corotational.h"
+#include "models/tissue/fung.h"
 #include "models/tissue/linear.h"
 #include "models/tissue/neo_hookean.h"
 #include "models/tissue/st_venant_kirchhoff.h"
@@ -21,10 +22,20 @@ enum class LawKind {
   corotational,
   st_venant_kirchhoff,
   neo_hookean_log,
-  neo_hookean_isochoric
+  neo_hookean_isochoric,
+  fung
 };
 const std::vector<std::pair<std::string_view, LawKind>>& law_names();
 std::string_view name(LawKind kind);
+
+// What a law has beside the material's small strains.
+struct Parameters {
+  // b of LawKind::fung: its shear modulus is μ·e^(b·(Ī₁ − 3)). 0 is NeoHookeanIsochoric.
+  double exponent = 1;
+
+  // Throws InputError for one that is not finite or out of range.
+  void check() const;
+};
 
 // A hyperelastic, isotropic material: the energy ψ of a deformation gradient F = I + ∇u, its first
 // derivative P and its second, as an element's tangent. For small strains every law is linear
@@ -32,11 +43,11 @@ std::string_view name(LawKind kind);
 // elements asks for the form once, and the compiler knows the law in the loop.
 class Law {
  public:
-  using Form =
-      std::variant<Linear, Corotational, StVenantKirchhoff, NeoHookeanLog, NeoHookeanIsochoric>;
+  using Form = std::variant<Linear, Corotational, StVenantKirchhoff, NeoHookeanLog,
+                            NeoHookeanIsochoric, Fung>;
 
-  // Throws InputError for a material out of range.
-  Law(LawKind kind, const fem::Material& material);
+  // Throws InputError for a material or a parameter out of range.
+  Law(LawKind kind, const fem::Material& material, const Parameters& parameters = {});
 
   LawKind kind() const { return static_cast<LawKind>(form_.index()); }
   const Form& form() const { return form_; }

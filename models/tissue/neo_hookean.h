@@ -133,17 +133,7 @@ struct NeoHookeanIsochoric {
     isotropic_blocks(
         T(2.0 / 3) * third + bulk * (j + j - T(1)), third - bulk * (j - T(1)), h,
         [&](std::size_t a, std::size_t b) { return shear * dot(g[a], g[b]); }, result.blocks);
-    std::size_t block = 0;
-    for (std::size_t a = 0; a < 4; ++a) {
-      for (std::size_t b = a; b < 4; ++b) {
-        Tensor<T>& one = result.blocks[block++];
-        for (std::size_t i = 0; i < 9; ++i) {
-          const std::size_t row = i / 3;
-          const std::size_t column = i % 3;
-          one[i] = one[i] + (k[a][row] * h[b][column] + h[a][row] * k[b][column]);
-        }
-      }
-    }
+    add_pairs(k, h, result.blocks);
     return result;
   }
 };

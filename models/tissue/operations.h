@@ -7,7 +7,7 @@ namespace hvp::tissue {
 struct Operations {
   double add_multiply = 0;  // additions, subtractions and multiplications
   double divisions = 0;
-  double functions = 0;  // square and cube roots and logarithms
+  double functions = 0;  // square and cube roots, logarithms and exponentials
 
   constexpr double total() const { return add_multiply + divisions + functions; }
 

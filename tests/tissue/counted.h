@@ -30,6 +30,8 @@ struct Counted {
   friend Counted sqrt(Counted a) { return function(std::sqrt(a.v)); }
   friend Counted cbrt(Counted a) { return function(std::cbrt(a.v)); }
   friend Counted log(Counted a) { return function(std::log(a.v)); }
+  friend Counted exp(Counted a) { return function(std::exp(a.v)); }
+  friend Counted expm1(Counted a) { return function(std::expm1(a.v)); }
 
  private:
   static Counted add_multiply(double value) {

@@ -13,9 +13,9 @@
 
 namespace hvp::tissue {
 
-inline constexpr std::array<LawKind, 5> kLaws = {
-    LawKind::linear, LawKind::corotational, LawKind::st_venant_kirchhoff, LawKind::neo_hookean_log,
-    LawKind::neo_hookean_isochoric};
+inline constexpr std::array<LawKind, 6> kLaws = {
+    LawKind::linear,          LawKind::corotational,          LawKind::st_venant_kirchhoff,
+    LawKind::neo_hookean_log, LawKind::neo_hookean_isochoric, LawKind::fung};
 
 // E = 10 kPa, ν = 0.45, 1000 kg/m³: the material of every reference value.
 inline fem::Material reference_material() { return {}; }

@@ -46,7 +46,7 @@ TEST(Operations, AreWhatTheKernelsDo) {
   for (const LawKind kind : kLaws) {
     const Law law(kind, reference_material());
     for (const Eigen::Matrix3d& f : {upright, inverted, flat}) {
-      if (law.needs_positive_determinant() && f.determinant() <= 0) continue;
+      if (!law.stress(f).has_value()) continue;
       const Tensor<Counted> rows = counted(f);
       std::visit(
           [&](const auto& form) {
