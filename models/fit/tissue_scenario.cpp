@@ -28,19 +28,18 @@ bool known(const Estimate* estimate) {
   return estimate != nullptr && (estimate->identifiable || estimate->fixed);
 }
 
-// TOML's floating-point numbers have a point or an exponent; {} of fmt writes the shortest text
-// that reads back as the same number.
-std::string number(double value) {
+std::string quantity(double value, std::string_view unit) {
+  return unit.empty() ? toml_number(value) : fmt::format("\"{} {}\"", value, unit);
+}
+
+}  // namespace
+
+// {} of fmt writes the shortest text that reads back as the same number.
+std::string toml_number(double value) {
   std::string text = fmt::format("{}", value);
   if (text.find_first_of(".e") == std::string::npos) text += ".0";
   return text;
 }
-
-std::string quantity(double value, std::string_view unit) {
-  return unit.empty() ? number(value) : fmt::format("\"{} {}\"", value, unit);
-}
-
-}  // namespace
 
 std::span<const TissueKey> tissue_keys() { return kKeys; }
 
@@ -54,8 +53,8 @@ std::vector<ScenarioWord> scenario_words(const TissueBody& body,
   }
   words.push_back({"object.material.density", quantity(body.density_kg_m3, "kg/m3")});
   if (!body.dynamics) return words;
-  words.push_back({"dynamics.newmark_beta", number(body.dynamics->newmark_beta)});
-  words.push_back({"dynamics.newmark_gamma", number(body.dynamics->newmark_gamma)});
+  words.push_back({"dynamics.newmark_beta", toml_number(body.dynamics->newmark_beta)});
+  words.push_back({"dynamics.newmark_gamma", toml_number(body.dynamics->newmark_gamma)});
   const auto& kinds = fem::mass_kind_names();
   const auto kind = std::ranges::find(kinds, body.dynamics->mass,
                                       &std::pair<std::string_view, fem::MassKind>::second);

@@ -17,6 +17,9 @@ struct ScenarioWord {
   std::string value;  // "\"8012.3 Pa\""
 };
 
+// A number as TOML writes it, with a point or an exponent and all its digits.
+std::string toml_number(double value);
+
 // The scenario's key of a parameter of TissueProblem.
 struct TissueKey {
   std::string_view parameter;

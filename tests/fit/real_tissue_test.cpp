@@ -12,6 +12,8 @@
 
 #include "models/fit/fit.h"
 #include "models/fit/qlv_problem.h"
+#include "models/fit/qlv_tissue.h"
+#include "tests/fit/fung_in_frames.h"
 
 // Six records of a rigid indenter in meat, of others and licensed: they are not in the tree. The
 // tests of the same code on records that they make themselves are in qlv_problem_test.cpp.
@@ -40,6 +42,15 @@ IndentationLog read(const std::string& path) {
     log.travel.push_back(travel * 1e-3);
   }
   return log;
+}
+
+// The distance (m) of the tools where the record begins, its fourth column.
+double first_gap(const std::string& path) {
+  std::ifstream file(path);
+  std::string line;
+  std::getline(file, line);
+  std::getline(file, line);
+  return 1e-3 * std::stod(line.substr(line.rfind(',') + 1));
 }
 
 Options whole(int starts) {
@@ -74,13 +85,16 @@ class RealTissue : public testing::Test {
     const char* folder = std::getenv("HVP_DATA");
     if (folder == nullptr) GTEST_SKIP() << "HVP_DATA names no folder with the records";
     for (const char* specimen : kSpecimens) {
-      logs_.push_back(
-          read(std::string(folder) + "/tissue-indentation/230403-" + specimen + ".csv"));
+      const std::string path =
+          std::string(folder) + "/tissue-indentation/230403-" + specimen + ".csv";
+      logs_.push_back(read(path));
+      gaps_.push_back(first_gap(path));
       ASSERT_GT(logs_.back().time.size(), 100U) << specimen;
     }
   }
 
   std::vector<IndentationLog> logs_;
+  std::vector<double> gaps_;  // m
 };
 
 // What an independent fit of these records found is the expectation: 4.1 to 5.8 mN rms, τ₁ 0.26 to
@@ -116,6 +130,46 @@ TEST_F(RealTissue, APowerLawExplainsThemWorse) {
     EXPECT_LT(power.residual_rms, 16e-3);
     EXPECT_GT(power.parameters[3].value, fung.parameters[3].value);
     EXPECT_GT(power.parameters[5].value, fung.parameters[5].value);
+  }
+}
+
+// A specimen is as high as the tools are apart at contact. As a column of Fung's law in frames of a
+// millisecond it leaves about twice what the fit leaves, and less than a hundredth of the force:
+// the law's exponent grows with the square of a small strain, the fit's with the depth. The
+// indenter's face is not known, so that E is one for a square centimetre.
+TEST_F(RealTissue, AColumnOfTheLawHasTheRecordedForce) {
+  for (std::size_t i = 0; i < logs_.size(); ++i) {
+    const QlvProblem problem({}, logs_[i]);
+    const PressedLog& log = problem.log();
+    const Fit fitted = fit(problem, whole(1));
+    std::vector<double> v;
+    for (const Estimate& e : fitted.parameters) v.push_back(e.value);
+    const Specimen specimen{
+        .area_m2 = 1e-4,
+        .height_m = gaps_[i] - std::max(0.0, log.direction * v[6] - log.shallowest()),
+        .poisson_ratio = 0.45};
+    const QlvTissue tissue = qlv_tissue({}, log, v, specimen);
+    const auto left_by = [&log](const std::vector<double>& force) {
+      double sum = 0;
+      for (std::size_t n = 0; n < force.size(); ++n) sum += std::pow(log.force[n] - force[n], 2);
+      return std::sqrt(sum / static_cast<double>(force.size()));
+    };
+    // The fit's own elastic force leaves in frames what it leaves in the fit.
+    EXPECT_NEAR(left_by(fung_in_frames(log, v, 100)), fitted.residual_rms, 1e-5);
+    const double left = left_by(qlv_tissue_force(tissue, specimen, log, v[6], v[7], 1e-3));
+    std::printf("%s: fit %.2f mN, column %.2f mN, %.1f mm, b %.2f, E·A %.2f N\n", kSpecimens[i],
+                1e3 * fitted.residual_rms, 1e3 * left, 1e3 * specimen.height_m, tissue.exponent,
+                tissue.young_modulus_pa * specimen.area_m2);
+    EXPECT_LT(left, 2.5 * fitted.residual_rms);
+    EXPECT_LT(left, 0.01 * log.force_range());
+    EXPECT_LT(
+        std::abs(left * left - std::pow(fitted.residual_rms, 2) - std::pow(tissue.deviation_n, 2)),
+        0.35 * left * left);
+    // Meat stiffens more than its shape does.
+    expect_between({.name = "b", .unit = "", .value = tissue.exponent}, 0.8, 5);
+    QlvTissue neo_hookean = tissue;
+    neo_hookean.exponent = 0;
+    EXPECT_GT(left_by(qlv_tissue_force(neo_hookean, specimen, log, v[6], v[7], 1e-3)), 3 * left);
   }
 }
 
