@@ -55,7 +55,7 @@ TEST(StaticEquilibrium, AgreesWithTheReference) {
       u.assign(scene.load.size(), 0.0);
     }
     before = &row;
-    const ElasticBody elastic(scene.body, row.law);
+    const ElasticBody elastic(scene.body, row.law, {.exponent = row.exponent});
     StaticEquilibrium newton(elastic);
     const Equilibrium found = newton.solve(scene.load, scene.hold(), u);
     ASSERT_TRUE(found.converged()) << static_cast<int>(found.end);
@@ -79,7 +79,7 @@ TEST(StaticEquilibrium, AgreesWithTheReference) {
 TEST(StaticEquilibrium, ConvergesQuadratically) {
   const Scene scene = cube(M_PI / 6);
   for (const LawKind kind :
-       {corotational, st_venant_kirchhoff, neo_hookean_log, neo_hookean_isochoric}) {
+       {corotational, st_venant_kirchhoff, neo_hookean_log, neo_hookean_isochoric, fung}) {
     const ElasticBody elastic(scene.body, kind);
     StaticEquilibrium newton(elastic);
     std::vector<double> u(scene.load.size());
@@ -176,6 +176,51 @@ TEST(StaticEquilibrium, IndefiniteTangentIsNoObstacle) {
     EXPECT_TRUE(found.converged()) << static_cast<int>(found.end);
     EXPECT_GT(found.at_rest, 0);
   }
+}
+
+// The force (N) of a block of 40 × 40 × 20 mm, all lengths times `scale`, whose nodes within 5 mm
+// of the upper face's centre are held `depth` m deeper.
+double indentation(double scale, double depth, double exponent) {
+  const Eigen::Vector3d size = scale * Eigen::Vector3d(0.04, 0.04, 0.02);
+  const Eigen::Vector3d centre(0.5 * size.x(), 0.5 * size.y(), size.z());
+  Scene scene = scene_with(clamped_box(size, {8, 8, 4}, 2), [&](const Eigen::Vector3d& x) {
+    return (x - centre).norm() < scale * 0.00501 && x.z() > 0.999 * size.z();
+  });
+  scene.displacement.assign(scene.watched.size(), Eigen::Vector3d(0, 0, -depth));
+  const ElasticBody elastic(scene.body, fung, {.exponent = exponent});
+  StaticEquilibrium newton(elastic);
+  std::vector<double> u(scene.load.size());
+  const Equilibrium found = newton.solve(scene.load, scene.hold(), u);
+  EXPECT_TRUE(found.converged()) << static_cast<int>(found.end);
+  return -watch(scene, newton.internal_forces(), u).reaction.z();
+}
+
+// What of an indentation is the material's and what the specimen's. With every length doubled the
+// same material has four times the force at twice the depth: twice the stiffness at first touch,
+// and half of what it stiffens with the depth.
+TEST(StaticEquilibrium, AnIndentationIsOfItsSpecimen) {
+  for (const double depth : {1e-4, 2e-3}) {
+    const double force = indentation(1, depth, 3);
+    EXPECT_NEAR(indentation(2, 2 * depth, 3), 4 * force, 1e-8 * force);
+  }
+}
+
+// What b does beneath an indenter: nothing at first touch, and later far less than to a column
+// whose strain is the same everywhere. The recorded specimens have 2 to 3.6 times their first
+// stiffness' force at 3 mm: a column says b = 1 to 5 of them, this block up to 30.
+TEST(StaticEquilibrium, FungStiffensBeneathAnIndenter) {
+  constexpr double kTouch = 1e-6;
+  constexpr double kDeep = 3e-3;
+  const double touch = indentation(1, kTouch, 0);
+  const auto stiffened = [&](double b) {
+    return indentation(1, kDeep, b) / (touch * kDeep / kTouch);
+  };
+  EXPECT_NEAR(indentation(1, kTouch, 30), touch, 1e-5 * touch);
+  EXPECT_LT(stiffened(0), 1.1);
+  EXPECT_GT(stiffened(3), stiffened(0) + 0.1);
+  EXPECT_LT(stiffened(3), 1.35);
+  EXPECT_GT(stiffened(30), 2);
+  EXPECT_LT(stiffened(30), 3.6);
 }
 
 }  // namespace
