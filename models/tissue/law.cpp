@@ -10,9 +10,6 @@
 namespace hvp::tissue {
 namespace {
 
-// At this b a shear of a tenth multiplies the modulus by e^100.
-constexpr double kLargestB = 1e4;
-
 Law::Form form_of(LawKind kind, const fem::Material& material, const Parameters& parameters) {
   material.check();
   parameters.check();
@@ -59,9 +56,9 @@ const std::vector<std::pair<std::string_view, LawKind>>& law_names() {
 std::string_view name(LawKind kind) { return law_names()[static_cast<std::size_t>(kind)].first; }
 
 void Parameters::check() const {
-  if (!(exponent >= 0) || !(exponent <= kLargestB)) {
-    throw InputError("exponent",
-                     fmt::format("the exponent b is {}; expected 0 to {}", exponent, kLargestB));
+  if (!(exponent >= 0) || !(exponent <= kLargestExponent)) {
+    throw InputError("exponent", fmt::format("the exponent b is {}; expected 0 to {}", exponent,
+                                             kLargestExponent));
   }
 }
 

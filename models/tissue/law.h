@@ -32,6 +32,8 @@ std::string_view name(LawKind kind);
 struct Parameters {
   // b of LawKind::fung: its shear modulus is μ·e^(b·(Ī₁ − 3)). 0 is NeoHookeanIsochoric.
   double exponent = 1;
+  // At this b a shear of a tenth multiplies the modulus by e^100.
+  static constexpr double kLargestExponent = 1e4;
 
   // Throws InputError for one that is not finite or out of range.
   void check() const;

@@ -14,6 +14,7 @@ namespace hvp::tissue {
 // linear, as in the thesis.
 struct Model {
   LawKind kind = LawKind::corotational;
+  Parameters parameters = {};
 
   bool linear() const { return kind == LawKind::linear; }
   void declare(config::Visitor& v);

@@ -18,8 +18,8 @@ constexpr int kMostShortenings = 12;
 
 NewtonRun::NewtonRun(const fem::Body& body, LawKind law,
                      const std::optional<fem::Dynamics>& dynamics, double period_s,
-                     std::size_t probes)
-    : tissue_(body, law, fem::ContactDiagonal::average, dynamics, period_s),
+                     std::size_t probes, const Parameters& parameters)
+    : tissue_(body, law, fem::ContactDiagonal::average, dynamics, period_s, parameters),
       tangent_(body.stiffness()),
       u_(body.initial_displacement()),
       trial_(u_),

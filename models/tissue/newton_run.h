@@ -24,7 +24,7 @@ class NewtonRun final : public fem::ReferenceModel {
 
   // Keeps a reference to the body. Throws as NonlinearTissue does.
   NewtonRun(const fem::Body& body, LawKind law, const std::optional<fem::Dynamics>& dynamics,
-            double period_s, std::size_t probes);
+            double period_s, std::size_t probes, const Parameters& parameters = {});
 
   void step(const fem::Hold& hold) override;
   std::span<const double> displacement() const override { return u_; }

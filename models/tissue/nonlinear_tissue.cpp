@@ -29,9 +29,10 @@ fem::ElementsFound found(const Deformation& deformation) {
 }  // namespace
 
 NonlinearTissue::NonlinearTissue(const fem::Body& body, LawKind law, fem::ContactDiagonal diagonal,
-                                 const std::optional<fem::Dynamics>& dynamics, double period_s)
+                                 const std::optional<fem::Dynamics>& dynamics, double period_s,
+                                 const Parameters& parameters)
     : body_(body),
-      elastic_(body, law),
+      elastic_(body, law, parameters),
       damping_s_(dynamics ? dynamics->rayleigh_stiffness : 0),
       integrator_(body, body.dead_load(), without_stiffness_damping(dynamics), period_s),
       matrix_(system_at_rest(body, dynamics, period_s)),

@@ -28,9 +28,10 @@ namespace hvp::tissue {
 class NonlinearTissue final : public fem::Tissue, public fem::InternalForces {
  public:
   // Keeps a reference to the body. Throws InputError for an unstable time integration or a material
-  // out of range.
+  // or a parameter out of range.
   NonlinearTissue(const fem::Body& body, LawKind law, fem::ContactDiagonal diagonal,
-                  const std::optional<fem::Dynamics>& dynamics, double period_s);
+                  const std::optional<fem::Dynamics>& dynamics, double period_s,
+                  const Parameters& parameters = {});
   NonlinearTissue(const NonlinearTissue&) = delete;
   NonlinearTissue& operator=(const NonlinearTissue&) = delete;
 
