@@ -102,7 +102,7 @@ namespace {
 Workload workload_of(const PlatformSettings& settings, const std::optional<SoftBody>& soft) {
   if (!soft) return {.has_board = false};
   const host::FrameComputation& computation = soft->computation;
-  return {.has_board = computation.on_host() == nullptr,
+  return {.has_board = computation.has_board(),
           .numbers = computation.timing_only() ? Numbers::none : Numbers::fixed,
           .memory_bytes = DmaMemory::needed(settings.transfer, settings.solver,
                                             computation.displacement().size()),

@@ -56,6 +56,13 @@ void engine_lines(Out out, const app::Scene& scene, const Outcome& o) {
                  100 * e.deviation());
 }
 
+// What the watch of the run has found; nothing before a run.
+std::string least_limit_text(const fem::ExplicitSteps& steps) {
+  if (!std::isfinite(steps.least_limit_s())) return {};
+  return fmt::format(", in this run below {}",
+                     readable_time(to_picoseconds(steps.least_limit_s())));
+}
+
 // With increments the matrix is that of the body at rest, whatever its forces are.
 std::string passes_text(const app::Scenario& s) {
   if (!s.refinement) return {};
@@ -72,12 +79,21 @@ void scene_lines(Out out, const app::Scene& scene, const Outcome& o) {
                    s.wall->sides == host::Wall::Sides::one ? "pushes only" : "pushes and pulls");
     return;
   }
-  fmt::format_to(out, "  body        {} nodes, {} tetrahedra; {} nodes in the system, {}{}\n",
-                 scene.quality().nodes, scene.quality().tetrahedra, scene.body().active_nodes(),
-                 s.dynamics ? "dynamic" : "static",
-                 s.object.nonlinear() ? fmt::format(", {}", tissue::name(s.object.model->kind))
-                                      : std::string());
+  fmt::format_to(
+      out, "  body        {} nodes, {} tetrahedra; {} nodes in the system, {}{}\n",
+      scene.quality().nodes, scene.quality().tetrahedra, scene.body().active_nodes(),
+      s.dynamics ? "dynamic" : "static",
+      s.object.nonlinear() ? fmt::format(", {}", tissue::name(*s.object.model)) : std::string());
   fmt::format_to(out, "{}", unit_text(scene));
+  if (const fem::ExplicitSteps* steps = scene.computation().explicit_steps()) {
+    fmt::format_to(
+        out,
+        "  solver      none: {} explicit steps of {} a frame on the host, stable at rest "
+        "below {}{}\n",
+        steps->substeps(), readable_time(to_picoseconds(steps->substep_s())),
+        readable_time(to_picoseconds(steps->limit_at_rest_s())), least_limit_text(*steps));
+    return;
+  }
   if (!scene.has_board()) {
     fmt::format_to(
         out, "  solver      {}{}, in double precision on the host; no board\n",

@@ -177,7 +177,9 @@ void Scenario::declare(config::Visitor& v) {
 void Scenario::declare_refinement(config::Visitor& v) {
   std::vector<config::Need> needs = {config::need_numbers()};
   // A body that is not linear is solved by increments whoever solves.
-  if (!object.nonlinear()) {
+  if (host.solver == host::SolvedBy::steps) {
+    needs.push_back({"host.solver", {"board", "cg", "cholesky"}, "explicit steps solve nothing"});
+  } else if (!object.nonlinear()) {
     needs.push_back(config::need_board("the host solves in double precision: nothing to refine"));
   }
   needs.push_back({"host.pipeline_depth", {"0"}, "each of its passes needs the one before"});
@@ -320,6 +322,23 @@ void require_no_numbers(const Scenario& s) {
   }
 }
 
+// Refuses a body that nobody solves.
+void require_way_to_solve(const Scenario& s) {
+  const bool steps = s.host.solver == host::SolvedBy::steps;
+  if (steps && !s.dynamics) {
+    throw InputError("host.solver", "explicit steps move masses: expected [dynamics] too");
+  }
+  if (s.object.model && s.object.model->springs && !steps) {
+    throw InputError("object.model.kind",
+                     "springs have no matrix to solve with: expected host.solver = \"explicit\"");
+  }
+  if (s.object.nonlinear() && !steps && !s.refinement) {
+    throw InputError("object.model.kind",
+                     "a body that is not linear is solved by increments: expected [refinement] "
+                     "too, whose passes they are");
+  }
+}
+
 // Refuses a run that is too long to count. Times are picoseconds in 64 bits, 106 days; a part of
 // them is reserved for the set-up and for what is unfinished at the end.
 void require_countable(const Scenario& s) {
@@ -360,11 +379,7 @@ void Scenario::check() const {
   const bool board = host.solver == host::SolvedBy::board;
   if (!board) require_plain_transfer(*this);
   if (timing_only()) require_no_numbers(*this);
-  if (object.nonlinear() && !refinement) {
-    throw InputError("object.model.kind",
-                     "a body that is not linear is solved by increments: expected [refinement] "
-                     "too, whose passes they are");
-  }
+  require_way_to_solve(*this);
   if (function) require_possible(*function, *this);
   if (board && vp::has_engine(fidelity.accelerator)) require_engine(*this);
   if (host.cores == 1 && fidelity.host == vp::Timing::untimed) {

@@ -76,6 +76,10 @@ Scene::Scene(const Scenario& scenario, accel::Device device, const Progress& pro
 void Scene::refuse_wall() { refuse_body_of_wall(); }
 
 std::unique_ptr<fem::Tissue> make_tissue(const Scenario& s, const fem::Body& body) {
+  if (s.host.solver == host::SolvedBy::steps) {
+    return tissue::make_explicit_tissue(body, s.object.model, s.contact.diagonal, s.dynamics,
+                                        s.budget.period_s, s.host.substeps);
+  }
   return tissue::make_tissue(body, s.object.model, s.contact.diagonal, s.dynamics,
                              s.budget.period_s,
                              s.timing_only() ? host::Effort::counted : host::Effort::computed);
@@ -86,6 +90,11 @@ std::unique_ptr<fem::ReferenceModel> make_reference(const Scene& scene,
   const Scenario& s = scene.scenario();
   tissue::Model model = s.object.model.value_or(tissue::Model{});
   model.kind = law.value_or(s.object.law());
+  if (law) model.springs = false;
+  if (const fem::ExplicitSteps* steps = scene.computation().explicit_steps()) {
+    return tissue::make_fine_steps(scene.body(), model, *s.dynamics, s.budget.period_s,
+                                   steps->substeps(), s.probes.size());
+  }
   if (!model.linear()) {
     return tissue::make_reference(scene.body(), model, s.dynamics, s.budget.period_s,
                                   s.probes.size());
@@ -101,9 +110,10 @@ void Scene::build_body(const Progress& progress, Limits limits) {
   take_samples(scenario_);
   const Scenario& s = scenario_;
   quality_ = mesh::measure(body_->mesh());
+  std::unique_ptr<fem::Tissue> tissue = make_tissue(s, *body_);
   computation_ = within("solver", [&] {
     return std::make_unique<host::FrameComputation>(
-        make_tissue(s, *body_), s.solver, s.refinement, s.host.solver,
+        std::move(tissue), s.solver, s.refinement, s.host.solver,
         s.timing_only() ? host::Effort::counted : host::Effort::computed);
   });
   if (s.host.solver == host::SolvedBy::board) {

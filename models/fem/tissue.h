@@ -8,6 +8,7 @@
 
 #include "models/fem/body.h"
 #include "models/fem/contact.h"
+#include "models/fem/explicit_steps.h"
 #include "models/fem/hold.h"
 #include "models/fem/integrator.h"
 #include "models/fem/internal_forces.h"
@@ -35,6 +36,8 @@ class Tissue {
 
   // q(u) of the frame's equation load() − q(u) = 0.
   virtual InternalForces& internal_forces() = 0;
+  // What makes the time step instead of a solver; null where one solves.
+  virtual ExplicitSteps* explicit_steps() { return nullptr; }
 
   // Takes what contact prescribes in this frame, with the fading forces of released nodes.
   virtual void hold(const Hold& hold) = 0;

@@ -182,6 +182,7 @@ std::vector<Change> changes_for(Flag flag) {
     case Flag::low_gain_margin:
     case Flag::beyond_linearity:
     case Flag::inverted_element:
+    case Flag::unstable_step:
     case Flag::count:
       return {};
   }

@@ -119,13 +119,23 @@ void Host::declare(config::Visitor& v, const config::Condition& body) {
   v.when(body, [&] {
     const auto of_solver = v.variant(
         "solver", solver,
-        {{"board", SolvedBy::board}, {"cg", SolvedBy::cg}, {"cholesky", SolvedBy::cholesky}},
-        {"board: the FPGA; cg, cholesky: no board, the host solves in double precision",
+        {{"board", SolvedBy::board},
+         {"cg", SolvedBy::cg},
+         {"cholesky", SolvedBy::cholesky},
+         {"explicit", SolvedBy::steps}},
+        {"board: the FPGA; cg, cholesky: no board, the host solves in double precision; explicit: "
+         "nothing is solved, the host moves the body by explicit time steps",
          "thesis section 6.2.1"});
-    of_solver.only({SolvedBy::cg, SolvedBy::cholesky}, [&] {
+    of_solver.only({SolvedBy::cg, SolvedBy::cholesky, SolvedBy::steps}, [&] {
       v.quantity("solver_rate", solver_rate_flops, Dimension::throughput, config::between(0, 1e13),
                  {"operations a second of the host's own solve; 0: sustained_rate",
                   "absent: Table 6.3's rate is that of sparse products"});
+    });
+    of_solver.only({SolvedBy::steps}, [&] {
+      v.integer("substeps", substeps, {0, 100'000},
+                {"explicit time steps a frame; 0: as many as take 0.8 of the longest stable one at "
+                 "rest",
+                 "0: a deformed body is stable for less, docs/tissue.md"});
     });
   });
   v.integer("pipeline_depth", pipeline_depth, {0, 1},

@@ -82,6 +82,7 @@ struct Host {
   double timeout_s = 10e-3;
   SolvedBy solver = SolvedBy::board;
   double solver_rate_flops = 0;  // 0: sustained_rate_flops
+  int substeps = 0;              // of explicit time steps, a frame; 0: as many as are stable
   int pipeline_depth = 0;
   double quantum_s = 0;  // the most by which the servo process' time runs ahead in the simulation
   int cores = 2;

@@ -6,6 +6,7 @@
 
 #include "models/config/input_error.h"
 #include "models/host/board_words.h"
+#include "models/host/explicit_method.h"
 #include "models/host/host_increments.h"
 
 namespace hvp::host {
@@ -21,9 +22,16 @@ std::unique_ptr<HostSolve> make_host_solve(SolvedBy solver, const sparse::BlockM
     case SolvedBy::cholesky:
       return std::make_unique<Prefactored>(a);
     case SolvedBy::board:
+    case SolvedBy::steps:
       break;
   }
   return nullptr;
+}
+
+[[noreturn]] void refuse_counting() {
+  throw InputError(
+      "the operations of refinement and of a solve on the host depend on the numbers: "
+      "expected neither where nothing is computed");
 }
 
 }  // namespace
@@ -44,11 +52,15 @@ FrameComputation::FrameComputation(std::unique_ptr<fem::Tissue> tissue,
     : tissue_(std::move(tissue)), effort_(effort) {
   const std::span<const double> initial = tissue_->initial_displacement();
   fem::InternalForces& forces = tissue_->internal_forces();
+  if (fem::ExplicitSteps* steps = tissue_->explicit_steps()) {
+    method_ = std::make_unique<ExplicitMethod>(*steps);
+    if (timing_only()) refuse_counting();
+    return;
+  }
   if (!forces.linear() && !refinement) {
     throw InputError("the body is not linear: expected refinement, which solves by increments");
   }
   if (std::unique_ptr<HostSolve> solve = make_host_solve(solver, matrix(), settings)) {
-    on_host_ = solve.get();
     if (forces.linear()) {
       method_ = std::make_unique<HostMethod>(solver, std::move(solve), initial);
     } else {
@@ -69,11 +81,7 @@ FrameComputation::FrameComputation(std::unique_ptr<fem::Tissue> tissue,
       method_ = std::make_unique<BoardWords>(tissue_->constraint(), *board_, initial, effort);
     }
   }
-  if (timing_only() && (refined_ != nullptr || on_host_ != nullptr)) {
-    throw InputError(
-        "the operations of refinement and of a solve on the host depend on the numbers: "
-        "expected neither where nothing is computed");
-  }
+  if (timing_only() && (refined_ != nullptr || !has_board())) refuse_counting();
 }
 
 void FrameComputation::set_contact(std::span<const int> patch) {

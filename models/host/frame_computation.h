@@ -73,11 +73,12 @@ class FrameComputation {
   void begin() { method_->begin(tissue_->load(), held()); }
   FrameMethod& method() { return *method_; }
   const FrameMethod& method() const { return *method_; }
-  // The method where it is refinement, and where the host solves; null otherwise.
+  // The method where it is refinement; null otherwise.
   const RefinedSolve* refined() const { return refined_; }
-  const HostSolve* on_host() const { return on_host_; }
   // The increments where the body is not linear or the board refines; null otherwise.
   const Increments* increments() const { return increments_; }
+  // The time steps where no system is solved; null otherwise.
+  const fem::ExplicitSteps* explicit_steps() const { return tissue_->explicit_steps(); }
 
   // The force of each probe on the body, N: the forces at its contact nodes, and the fading forces
   // of its released nodes.
@@ -115,7 +116,6 @@ class FrameComputation {
   fem::KeptHold held_;
   std::unique_ptr<FrameMethod> method_;
   const RefinedSolve* refined_ = nullptr;
-  const HostSolve* on_host_ = nullptr;
   const Increments* increments_ = nullptr;
 };
 

@@ -15,6 +15,7 @@ enum class SolvedBy {
   board,     // the FPGA, in fixed point
   cg,        // the host, conjugate gradients in double precision
   cholesky,  // the host, with factors of A that were made before the first frame
+  steps,     // nobody: the host moves the body by explicit time steps
 };
 
 const char* name(SolvedBy solver);
@@ -72,8 +73,9 @@ class FrameMethod {
   virtual double next_operations() const = 0;
   virtual double force_operations() const { return 0; }
   virtual double finish_operations() const { return 0; }
-  // The operations of the host's own solves in the last next().
+  // The operations of the host's own solves in the last next(), and of the last set_contact().
   virtual double solve_operations() const { return 0; }
+  virtual double contact_operations() const { return 0; }
 
   virtual std::vector<Step> steps() const = 0;
 };

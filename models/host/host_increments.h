@@ -37,6 +37,7 @@ class HostIncrements final : public FrameMethod {
   // Residuals and increments; HostSolve counts the solves.
   double next_operations() const override { return next_operations_; }
   double solve_operations() const override { return solve_operations_; }
+  double contact_operations() const override { return solve_->contact_operations(); }
   double finish_operations() const override { return increments_.finish_operations(); }
   std::vector<Step> steps() const override;
 

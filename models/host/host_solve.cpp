@@ -31,6 +31,8 @@ const char* name(SolvedBy solver) {
       return "cg";
     case SolvedBy::cholesky:
       return "cholesky";
+    case SolvedBy::steps:
+      return "explicit";
   }
   return "";
 }

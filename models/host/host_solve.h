@@ -96,6 +96,7 @@ class HostMethod final : public FrameMethod {
   std::span<const double> displacement() const override { return u_; }
   double next_operations() const override { return 0; }
   double solve_operations() const override { return solve_->operations(); }
+  double contact_operations() const override { return solve_->contact_operations(); }
   std::vector<Step> steps() const override;
 
  private:

@@ -111,6 +111,9 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "no setting of the board's words helps: a slower or shallower motion of the probe, a "
      "contact.patch_radius over which the probe presses, more nodes, or object.model.kind = "
      "\"corotational\", which goes on"},
+    {"unstable-step",
+     "an explicit time step was longer than the body, deformed as it was, is stable for",
+     "no setting of the board helps: more host.substeps, or a shallower motion of the probe"},
 }};
 }  // namespace
 

@@ -33,6 +33,7 @@ enum class Flag : std::uint8_t {
   device_at_its_limit,  // the device could not go to, or be read at, its place
   low_gain_margin,      // the contact is too stiff for the loop's delay
   inverted_element,     // an element of a body that is not linear was turned inside out
+  unstable_step,        // an explicit time step was longer than the body's present limit
   count
 };
 

@@ -16,10 +16,10 @@ constexpr int kMostShortenings = 12;
 
 }  // namespace
 
-NewtonRun::NewtonRun(const fem::Body& body, LawKind law,
+NewtonRun::NewtonRun(const fem::Body& body, const Constitution& constitution,
                      const std::optional<fem::Dynamics>& dynamics, double period_s,
-                     std::size_t probes, const Parameters& parameters)
-    : tissue_(body, law, fem::ContactDiagonal::average, dynamics, period_s, parameters),
+                     std::size_t probes)
+    : tissue_(body, constitution, fem::ContactDiagonal::average, dynamics, period_s),
       tangent_(body.stiffness()),
       u_(body.initial_displacement()),
       trial_(u_),

@@ -23,8 +23,8 @@ class NewtonRun final : public fem::ReferenceModel {
   static constexpr int kMostSteps = 60;
 
   // Keeps a reference to the body. Throws as NonlinearTissue does.
-  NewtonRun(const fem::Body& body, LawKind law, const std::optional<fem::Dynamics>& dynamics,
-            double period_s, std::size_t probes, const Parameters& parameters = {});
+  NewtonRun(const fem::Body& body, const Constitution& constitution,
+            const std::optional<fem::Dynamics>& dynamics, double period_s, std::size_t probes);
 
   void step(const fem::Hold& hold) override;
   std::span<const double> displacement() const override { return u_; }

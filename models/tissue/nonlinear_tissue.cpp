@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "models/config/input_error.h"
 #include "models/index.h"
 
 namespace hvp::tissue {
@@ -16,10 +17,32 @@ std::optional<fem::Dynamics> without_stiffness_damping(std::optional<fem::Dynami
 }
 
 sparse::BlockMatrix system_at_rest(const fem::Body& body,
-                                   const std::optional<fem::Dynamics>& dynamics, double period_s) {
+                                   const std::optional<fem::Dynamics>& dynamics, double period_s,
+                                   const std::optional<PronySeries>& series) {
+  if (series) {
+    sparse::BlockMatrix matrix = body.stiffness();
+    for (double& entry : matrix.value) entry *= series->stiffness_factor();
+    if (dynamics) {
+      fem::Newmark(body.stiffness(), body.mass(dynamics->mass), *dynamics, period_s)
+          .add_inertia_to(matrix);
+    }
+    return matrix;
+  }
   if (!dynamics) return body.stiffness();
   return fem::Newmark(body.stiffness(), body.mass(dynamics->mass), *dynamics, period_s)
       .effective_matrix();
+}
+
+std::optional<PronySeries> series_of(const Constitution& constitution,
+                                     const std::optional<fem::Dynamics>& dynamics,
+                                     double period_s) {
+  if (constitution.prony.empty()) return std::nullopt;
+  if (dynamics && dynamics->rayleigh_stiffness > 0) {
+    throw InputError("dynamics.rayleigh_stiffness",
+                     "the forces of object.model.prony relax, which damps already: expected "
+                     "\"0 s\"");
+  }
+  return std::make_optional<PronySeries>(constitution.prony, period_s);
 }
 
 fem::ElementsFound found(const Deformation& deformation) {
@@ -28,14 +51,15 @@ fem::ElementsFound found(const Deformation& deformation) {
 
 }  // namespace
 
-NonlinearTissue::NonlinearTissue(const fem::Body& body, LawKind law, fem::ContactDiagonal diagonal,
-                                 const std::optional<fem::Dynamics>& dynamics, double period_s,
-                                 const Parameters& parameters)
+NonlinearTissue::NonlinearTissue(const fem::Body& body, const Constitution& constitution,
+                                 fem::ContactDiagonal diagonal,
+                                 const std::optional<fem::Dynamics>& dynamics, double period_s)
     : body_(body),
-      elastic_(body, law, parameters),
+      elastic_(body, constitution.law, constitution.parameters),
       damping_s_(dynamics ? dynamics->rayleigh_stiffness : 0),
       integrator_(body, body.dead_load(), without_stiffness_damping(dynamics), period_s),
-      matrix_(system_at_rest(body, dynamics, period_s)),
+      series_(series_of(constitution, dynamics, period_s)),
+      matrix_(system_at_rest(body, dynamics, period_s, series_)),
       constraint_(matrix_, diagonal),
       kept_diagonal_(at(body.active_nodes()), 0.0),
       forces_n_(3 * body.mesh().nodes.size(), 0.0),
@@ -56,6 +80,16 @@ NonlinearTissue::NonlinearTissue(const fem::Body& body, LawKind law, fem::Contac
   // At rest, for what the operations are before the first frame.
   const std::span<const double> initial = initial_displacement();
   std::vector<double> q(initial.size());
+  if (series_) {
+    // What is held displaced from the start has been there for ever.
+    relaxed_n_ = forces_n_;
+    body_.expand(initial, u_full_);
+    static_cast<void>(elastic_.internal_forces(u_full_, forces_n_));
+    memory_.emplace(*series_, forces_n_.size());
+    memory_->rest(forces_n_);
+    memory_operations_ = memory_->commit(forces_n_).total();
+    memory_->rest(forces_n_);
+  }
   evaluate(initial, q);
   if (damped())
     damping_operations_ =
@@ -82,12 +116,14 @@ void NonlinearTissue::expand_velocity(std::span<const double> u, std::span<doubl
 }
 
 // q over active nodes, from the elements' forces.
-void NonlinearTissue::collect(std::span<const double> u, std::span<double> q) const {
+void NonlinearTissue::collect(std::span<const double> u, std::span<double> q) {
+  if (memory_) memory_->forces(forces_n_, relaxed_n_);
+  const std::vector<double>& forces = memory_ ? relaxed_n_ : forces_n_;
   for (std::size_t a = 0; a < kept_diagonal_.size(); ++a) {
     const auto node = at(body_.node_of_active()[a]);
     for (std::size_t i = 0; i < 3; ++i) {
       q[3 * a + i] = body_.held(static_cast<int>(node)) ? kept_diagonal_[a] * u[3 * a + i]
-                                                        : forces_n_[3 * node + i];
+                                                        : forces[3 * node + i];
     }
   }
   if (integrator_.newmark() != nullptr) integrator_.newmark()->add_inertia(u, q);
@@ -95,7 +131,7 @@ void NonlinearTissue::collect(std::span<const double> u, std::span<double> q) co
 
 double NonlinearTissue::collect_operations() const {
   const auto rows = 3.0 * static_cast<double>(kept_diagonal_.size());
-  const double velocity = damped() ? 2 * rows : 0;
+  const double velocity = damped() || memory_ ? 2 * rows : 0;
   return integrator_.newmark() == nullptr ? velocity
                                           : velocity + integrator_.newmark()->inertia_flops();
 }
@@ -178,6 +214,8 @@ void NonlinearTissue::forces(std::span<const double> u, std::span<Eigen::Vector3
     std::ranges::fill(reaction_n_, 0.0);
     const Deformation deformation =
         elastic_.add_forces(elements_, motion(u_reaction_, v_reaction_), 1, reaction_n_);
+    // Elsewhere it is no force of anything, and nobody reads it.
+    if (memory_) memory_->forces(reaction_n_, reaction_n_);
     const fem::Newmark* newmark = integrator_.newmark();
     for (const int active : hold.nodes) {
       const auto node = at(body_.node_of_active()[at(active)]);
@@ -196,6 +234,13 @@ void NonlinearTissue::forces(std::span<const double> u, std::span<Eigen::Vector3
 // The damping forces of the next time step differ from this one's by those of the change in ṽ.
 void NonlinearTissue::advance(std::span<const double> u) {
   integrator_.advance(u);
+  if (memory_) {
+    if (stale_ || !elsewhere_as_known({}, u)) {
+      body_.expand(u, u_full_);
+      stale_ = !elastic_.internal_forces(u_full_, forces_n_).defined();
+    }
+    memory_operations_ = memory_->commit(forces_n_).total();
+  }
   if (!damped() || stale_) return;
   // The step may have been refused after the last evaluation.
   stale_ = !elsewhere_as_known({}, u);
@@ -212,11 +257,15 @@ double NonlinearTissue::force_operations() const {
 }
 
 double NonlinearTissue::advance_operations() const {
-  return integrator_.advance_operations() + (damped() ? damping_operations_ : 0);
+  return integrator_.advance_operations() + (damped() ? damping_operations_ : 0) +
+         memory_operations_;
 }
 
 fem::ElementsFound NonlinearTissue::tangent(sparse::BlockMatrix& k) const {
   const Deformation deformation = elastic_.tangent(u_full_, Linearisation::exact, k);
+  if (series_) {
+    for (double& entry : k.value) entry *= relaxation_factor();
+  }
   const fem::Newmark* newmark = integrator_.newmark();
   if (newmark == nullptr) return found(deformation);
   if (damped()) {

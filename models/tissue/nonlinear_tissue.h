@@ -10,6 +10,7 @@
 #include "models/fem/integrator.h"
 #include "models/fem/internal_forces.h"
 #include "models/fem/tissue.h"
+#include "models/tissue/constitution.h"
 #include "models/tissue/elastic_body.h"
 #include "models/tissue/law.h"
 
@@ -21,17 +22,18 @@ namespace hvp::tissue {
 //
 // with Newmark's f̂ and M̂ = (2/(βΔt²) + 2γα/(βΔt))·M, thesis (3.24)–(3.28) with K·u replaced by the
 // forces of the elements, and damping that turns with them (viscous.h). A solver reaches it by
-// increments with system(): the Â (K where static) of the body at rest, which never changes.
+// increments with system(): the Â (K where static) of the body at rest, which never changes. Where
+// the forces relax (prony.h), K and the tangent have the constant factor of a frame's change.
 //
 // The forces of a frame's solution are formed once, when it is known, and serve the next frame:
 // where contact nodes move only the elements at them are visited.
 class NonlinearTissue final : public fem::Tissue, public fem::InternalForces {
  public:
-  // Keeps a reference to the body. Throws InputError for an unstable time integration or a material
-  // or a parameter out of range.
-  NonlinearTissue(const fem::Body& body, LawKind law, fem::ContactDiagonal diagonal,
-                  const std::optional<fem::Dynamics>& dynamics, double period_s,
-                  const Parameters& parameters = {});
+  // Keeps a reference to the body. Throws InputError for an unstable time integration, a material
+  // or a parameter out of range, and for stiffness damping beside relaxation.
+  NonlinearTissue(const fem::Body& body, const Constitution& constitution,
+                  fem::ContactDiagonal diagonal, const std::optional<fem::Dynamics>& dynamics,
+                  double period_s);
   NonlinearTissue(const NonlinearTissue&) = delete;
   NonlinearTissue& operator=(const NonlinearTissue&) = delete;
 
@@ -71,8 +73,9 @@ class NonlinearTissue final : public fem::Tissue, public fem::InternalForces {
   bool damped() const { return damping_s_ > 0; }
   Motion motion(std::span<const double> u, std::span<const double> v) const;
   void expand_velocity(std::span<const double> u, std::span<double> v) const;
-  void collect(std::span<const double> u, std::span<double> q) const;
+  void collect(std::span<const double> u, std::span<double> q);
   double collect_operations() const;
+  double relaxation_factor() const { return series_ ? series_->stiffness_factor() : 1; }
   bool elsewhere_as_known(std::span<const int> nodes, std::span<const double> u) const;
   void choose_elements_at(std::span<const int> nodes);
 
@@ -80,12 +83,16 @@ class NonlinearTissue final : public fem::Tissue, public fem::InternalForces {
   ElasticBody elastic_;
   double damping_s_;  // β of Rayleigh's damping
   fem::Integrator integrator_;
+  std::optional<PronySeries> series_;
   sparse::BlockMatrix matrix_;
   fem::ContactConstraint constraint_;
   std::vector<double> kept_diagonal_;  // N/m, of each active node that is held; otherwise zero
 
   // The forces of the elements, over mesh nodes, for these displacements and velocities.
   std::vector<double> forces_n_, u_full_, v_full_;
+  std::optional<PronyForces<double>> memory_;  // over mesh nodes
+  std::vector<double> relaxed_n_;              // the elements' forces as they have relaxed
+  double memory_operations_ = 0;
   bool stale_ = true;  // the forces are not those of the last solution in this time step
   std::vector<double> reaction_n_, u_reaction_, v_reaction_;  // scratch of forces()
   std::vector<double> change_;                                // scratch of advance()

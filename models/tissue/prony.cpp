@@ -17,6 +17,14 @@ constexpr double kShareRounding = 1e-9;
 
 }  // namespace
 
+void PronyTerm::declare(config::Visitor& v) {
+  v.quantity("share", share, config::Dimension::dimensionless, config::between(0, 1),
+             {"of the force at once that relaxes away", "0: nothing does"});
+  v.quantity(
+      "time", time_s, config::Dimension::time, config::between(kShortestTime, kLongestTime),
+      {"after which e⁻¹ of that share is left", "of the order in which soft tissue relaxes"});
+}
+
 void check_prony(std::span<const PronyTerm> terms) {
   double sum = 0;
   for (std::size_t i = 0; i < terms.size(); ++i) {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "models/config/declaration.h"
 #include "models/tissue/operations.h"
 
 namespace hvp::tissue {
@@ -17,6 +18,8 @@ namespace hvp::tissue {
 struct PronyTerm {
   double share = 0;   // gᵢ, of the force at once
   double time_s = 1;  // τᵢ
+
+  void declare(config::Visitor& v);
 };
 
 // Throws InputError naming "prony[i].share" or "prony[i].time", and "prony" where the shares

@@ -24,7 +24,7 @@ class HostSolver : public FrameSolver {
   }
   hvp_status move_contact(std::span<const int> nodes) override {
     computation_.set_contact(nodes);
-    work_.spend(Phase::node_update, 0, scaled(computation_.on_host()->contact_operations()));
+    work_.spend(Phase::node_update, 0, scaled(computation_.method().contact_operations()));
     return HVP_OK;
   }
   hvp_status begin(std::uint32_t& /*flags*/) override { return HVP_OK; }
@@ -64,7 +64,7 @@ std::unique_ptr<FrameSolver> make_solver(const BodySettings& settings,
                                          host::FrameComputation& computation,
                                          const DriverPort& port, const Work& work,
                                          HostMemory* memory) {
-  if (computation.on_host() != nullptr) return std::make_unique<HostSolver>(computation, work);
+  if (!computation.has_board()) return std::make_unique<HostSolver>(computation, work);
   return std::make_unique<BoardSolver>(settings.solver, computation, port, work,
                                        settings.hold_saturated, memory);
 }

@@ -1,0 +1,20 @@
+#include "models/host/explicit_method.h"
+
+#include <fmt/format.h>
+
+namespace hvp::host {
+
+bool ExplicitMethod::next(std::span<std::int32_t> /*b*/) {
+  const fem::StepsFound found = steps_.step();
+  operations_ = found.operations;
+  if (found.inverted > 0 || !found.complete) flags_.raise(stability::Flag::inverted_element);
+  if (found.over_limit) flags_.raise(stability::Flag::unstable_step);
+  return false;
+}
+
+std::vector<Step> ExplicitMethod::steps() const {
+  return {{fmt::format("explicit steps, {} a frame", steps_.substeps()), Step::Where::solver,
+           steps_.step_operations()}};
+}
+
+}  // namespace hvp::host
