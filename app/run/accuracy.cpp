@@ -20,7 +20,7 @@ results::Accuracy::Quantity quantity(const host::Deviation& of_true,
 
 std::optional<host::ReferenceRun> linear_run(const Scene& scene) {
   const Scenario& s = scene.scenario();
-  if (s.object.nonlinear()) return std::nullopt;
+  if (s.object.nonlinear() || scene.computation().explicit_steps() != nullptr) return std::nullopt;
   const sparse::BlockMatrix& matrix = scene.computation().matrix();
   return std::make_optional<host::ReferenceRun>(scene.body(), s.dynamics, s.budget.period_s, matrix,
                                                 matrix, s.probes.size());

@@ -42,7 +42,7 @@ int number_of_substeps(int asked, double period_s, double limit_s) {
     return std::max(1, static_cast<int>(std::ceil(period_s / (ExplicitTissue::kShare * limit_s))));
   }
   if (period_s / asked < limit_s) return asked;
-  throw InputError("object.model.substeps",
+  throw InputError("host.substeps",
                    fmt::format("{} a frame are of {:.4g} ms, and at rest the body is stable below "
                                "{:.4g} ms: expected at least {}, or 0 to leave it open",
                                asked, 1e3 * period_s / asked, 1e3 * limit_s,
