@@ -9,6 +9,7 @@
 #include "models/config/declaration.h"
 #include "models/config/input_error.h"
 #include "models/fit/qlv_problem.h"
+#include "models/fit/qlv_tissue.h"
 #include "models/fit/tissue_frames.h"
 #include "models/fit/tissue_problem.h"
 #include "models/fit/tissue_scenario.h"
@@ -193,8 +194,41 @@ struct QlvFitSettings : fit::QlvSettings {
     v.choice("elastic", elastic, {{"fung", fit::Elastic::fung}, {"power", fit::Elastic::power}},
              {"the elastic force over depth: Fung's exponential, or a power law"});
     v.integer("exponentials", exponentials, {1, 3}, {"of the reduced relaxation"});
+    v.effect("specimen", specimen,
+             {"makes a material of the fit: what is strained, as a column with free sides, "
+              "docs/tissue.md"});
   }
+
+  struct Specimen : fit::Specimen {
+    void declare(config::Visitor& v) {
+      v.quantity("area", area_m2, config::Dimension::dimensionless, config::between(1e-12, 1e2),
+                 {"of the indenter's face, m²; the material's E goes with its inverse"});
+      v.quantity("height", height_m, config::Dimension::length, config::between(1e-6, 1e2),
+                 {"of the tissue below the indenter"});
+      v.quantity("poisson_ratio", poisson_ratio, config::Dimension::dimensionless,
+                 config::between(0, 0.4999), {"of the tissue, which the log does not tell"});
+    }
+  };
+  std::optional<Specimen> specimen;
 };
+
+// The tables of a scenario that the fit's material is, and how far its forces are from the fit's.
+void add_material(const QlvFitSettings& settings, const fit::PressedLog& log, FitOutcome& outcome) {
+  std::vector<double> values;
+  for (const fit::Estimate& parameter : outcome.figures.fit.parameters) {
+    values.push_back(parameter.value);
+  }
+  const fit::QlvTissue tissue = within(
+      "specimen", [&] { return fit::qlv_tissue(settings, log, values, *settings.specimen); });
+  for (const fit::ScenarioWord& word : fit::scenario_words(tissue)) {
+    const std::size_t dot = word.key.rfind('.');
+    outcome.settings.push_back({word.key.substr(0, dot), word.key.substr(dot + 1), word.value, ""});
+  }
+  outcome.figures.warnings.push_back(fmt::format(
+      "the material's forces as a column are {:.3g} N (rms) from the fit's: an exponent of strain "
+      "is none of depth",
+      tissue.deviation_n));
+}
 
 const files::LogColumn& travel_of(const files::Log& log) {
   for (const char* name : {"travel", "displacement", "depth", "position"}) {
@@ -213,8 +247,13 @@ FitOutcome fit_qlv(const FitRequest& request) {
   FitOutcome outcome;
   outcome.figures = figures_of("qlv", log, problem.unit(), fit::fit(problem, request.options),
                                problem.warnings());
-  outcome.figures.warnings.emplace_back(
-      "the platform's body is elastic: no key of a scenario stands for these values");
+  if (settings.specimen) {
+    add_material(settings, problem.log(), outcome);
+  } else {
+    outcome.figures.warnings.emplace_back(
+        "c and q are the specimen's: with --set specimen.area and specimen.height they become a "
+        "material, of which a scenario takes the tables");
+  }
   outcome.plot = {"time (s)", "force", "N", {}, {}, {}};
   const fit::PressedLog& pressed = problem.log();
   const std::vector<double>& left = outcome.figures.fit.residuals.front();

@@ -159,6 +159,28 @@ TEST_F(FitCommand, FindsTissueAndDrawsIt) {
   EXPECT_THAT(text.out, HasSubstr("left over"));
 }
 
+// What the fit writes of a specimen is a body that a run takes as it stands.
+TEST_F(FitCommand, MakesATissueThatRuns) {
+  press("tissue.csv", 2e-3, 3);
+  const Ended ended =
+      fit({"tissue.csv", "--model", "qlv", "--starts", "3", "--set", "specimen.area=7.85e-5",
+           "--set", "specimen.height=10mm", "--out", "meat.toml"});
+  ASSERT_EQ(ended.status, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("the material's forces as a column are"));
+  const std::string table = read(place_.path() / "meat.toml");
+  for (const char* words : {"[object.material]", "young_modulus", "[object.model]",
+                            "kind = \"fung\"", "exponent", "prony = [{ share = "}) {
+    EXPECT_THAT(table, HasSubstr(words));
+  }
+  const Ended run =
+      hvp(place_.path(), {"run", scenario("thesis-nonlinear.toml").string(), "--include",
+                          "meat.toml", "--set", "frames=260", "--set", "output.pictures=false",
+                          "--set", "output.remedies=false", "--out", "out"});
+  EXPECT_LT(run.status, 2) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("dynamic, fung"));
+  expect_refused(fit({"tissue.csv", "--model", "qlv", "--set", "specimen.area=7.85e-5"}), "height");
+}
+
 // The platform's own body, pressed by its own probe and solved exactly: what it is made of comes
 // back, up to the node's few hundredths of a millimetre sideways that the model leaves out and
 // says.

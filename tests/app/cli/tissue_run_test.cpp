@@ -118,9 +118,9 @@ TEST_F(TissueRun, MovesByExplicitSteps) {
   for (const char* law : {"linear", "corotational", "neo-hookean-log", "mass-spring"}) {
     SCOPED_TRACE(law);
     const json s = summary({"refinement=false", "host.solver=explicit", "frames=350",
-                            std::string("object.model.kind=") + law});
+                            "host.solver_rate=2Gflop/s", std::string("object.model.kind=") + law});
     EXPECT_EQ(s.at("verdict"), "PASS") << flags(s);
-    EXPECT_LT(mean(s, "force_rel"), 5e-4);
+    EXPECT_LT(mean(s, "force_rel"), 1e-3);
     EXPECT_GT(s.at("force").at("largest").at("N"), 0.05);
     EXPECT_THAT(out_, HasSubstr("explicit steps of"));
   }
@@ -193,7 +193,8 @@ TEST_F(TissueRun, CountsNoOperationsWithoutNumbers) {
 // run ends with the flag, finite numbers and no PASS.
 TEST_F(TissueRun, AStrikeEndsInItsFlag) {
   const std::vector<std::string> strike = {
-      "host.sustained_rate=100Gflop/s", "frames=150", "solver.displacement_range=80mm",
+      "host.sustained_rate=100Gflop/s", "frames=120", "solver.displacement_range=80mm",
+      "reference=false",
       "probe.motion=[{phase=\"press\",to=[\"0mm\",\"0mm\",\"15mm\"],duration=\"100ms\"}]"};
   for (const char* law :
        {"neo-hookean-log", "neo-hookean-isochoric", "corotational", "st-venant-kirchhoff"}) {
