@@ -74,6 +74,16 @@ void Strain::report(config::Figures& f) const {
          "the object.model.kind whose assumptions these strains meet");
 }
 
+void ExplicitFigures::report(config::Figures& f) const {
+  f.count("substeps", substeps, "time steps a frame");
+  f.mean_time("substep_us", 1e12 * substep_s, "the length of each");
+  f.mean_time("limit_at_rest_us", 1e12 * limit_at_rest_s,
+              "the longest stable one of the body at rest");
+  f.mean_time("least_limit_us", 1e12 * least_limit_s,
+              "the least of the estimates in this run, one a frame, which are above the true limit "
+              "by 0.2 % when settled");
+}
+
 void RefinementFigures::report(config::Figures& f) const {
   f.count("passes", passes, "solves a frame");
   f.ratio("worst_residual_rel", worst_residual,
@@ -141,11 +151,10 @@ std::string accuracy_text(const app::Scene& scene, const Outcome& o) {
     rounding_lines(out, o);
     return text;
   }
-  const std::optional<host::Reference>& reference = scene.scenario().reference;
-  const bool other = reference && reference->model.value_or(scene.scenario().object.law()) !=
-                                      scene.scenario().object.law();
-  const std::string true_model =
-      other ? fmt::format("{} model", tissue::name(*reference->model)) : "true model";
+  const app::Scenario& s = scene.scenario();
+  const std::string true_model = s.judged_by_another_model()
+                                     ? fmt::format("{} model", tissue::name(*s.reference->model))
+                                     : "true model";
   if (a.displacement.of_frame && a.force.of_frame) {
     fmt::format_to(out,
                    "\nAccuracy     error against the {}, of the frame's own displacement "

@@ -69,6 +69,16 @@ struct Strain {
   void report(config::Figures& f) const;
 };
 
+// Explicit time steps, where they take a solver's place.
+struct ExplicitFigures {
+  int substeps = 0;
+  double substep_s = 0;
+  double limit_at_rest_s = 0;
+  double least_limit_s = 0;
+
+  void report(config::Figures& f) const;
+};
+
 // The figures of refinement, with [refinement].
 struct RefinementFigures {
   int passes = 0;

@@ -33,8 +33,7 @@ AccuracyTracker::AccuracyTracker(const Scene& scene, const host::Reference& sett
       dynamic_(scene.computation().dynamic()),
       has_board_(scene.has_board()),
       refined_(scene.computation().refined() != nullptr),
-      of_another_model_(settings.model.value_or(scene.scenario().object.law()) !=
-                        scene.scenario().object.law()),
+      of_another_model_(scene.scenario().judged_by_another_model()),
       linear_run_(of_another_model_ ? std::nullopt : linear_run(scene)),
       nonlinear_run_(linear_run_ ? nullptr : make_reference(scene, settings.model)),
       true_run_(linear_run_ ? static_cast<fem::ReferenceModel&>(*linear_run_) : *nonlinear_run_),

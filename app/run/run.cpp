@@ -208,6 +208,12 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
                       refined != nullptr ? refined->widened() : 0};
     }
   }
+  if (scene.has_body()) {
+    if (const fem::ExplicitSteps* steps = scene.computation().explicit_steps()) {
+      o.explicit_steps = {steps->substeps(), steps->substep_s(), steps->limit_at_rest_s(),
+                          steps->least_limit_s()};
+    }
+  }
   o.flags = scene_flags(scene, o.servo);
   return o;
 }

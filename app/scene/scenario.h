@@ -110,6 +110,11 @@ struct Scenario : vp::SystemSettings {
   void declare(config::Visitor& v);
   // The most probes; each has a device and a user. The DAQ board's registers have room for sixteen.
   static constexpr std::size_t kMostProbes = 8;
+  // True if [reference] is of another material law than the body: it judges the model then.
+  bool judged_by_another_model() const {
+    if (!reference || !reference->model) return false;
+    return *reference->model != object.law() || (object.model && object.model->springs);
+  }
   bool timing_only() const { return fidelity.numbers == vp::Numbers::none; }
   // Throws InputError if an effect lacks what it needs, and for keys that exclude each other.
   void check() const;
