@@ -18,6 +18,9 @@ def compared_with_the_host(rng: random.Random, scenario: Scenario) -> Scenario:
     changed = scenario.copy()
     for name in ("dynamics", "fault", "host", "bus", "fidelity", "transfer", "accelerator.several"):
         changed.take_out(name)
+    # A capability is the board's, and the truth is that of a linear body.
+    for name in ("function", "object.model", "object.model.prony", "reference.model"):
+        changed.take_out(name)
     for part in ("accelerator", "bus", "host"):
         changed.values[f"fidelity.{part}"] = '"untimed"'
     for name in ("host.graphics.rate", "host.graphics.drawing_time"):

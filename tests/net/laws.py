@@ -88,6 +88,7 @@ def fewer_frames(rng: random.Random, scenario: Scenario, _: Run) -> Scenario:
         int(fault.get("frame", "-1")) + int(fault.get("count", "1"))
         for fault in scenario.lists.get("fault", [])
     ]
+    needed.append(int(scenario.values.get("output.waveform.first_frame", "-1")) + 1)
     fewest = max([1, *needed])
     return setting(scenario, frames=str(rng.randint(fewest, max(fewest, frames - 1))))
 
