@@ -35,12 +35,12 @@ int export_command(const ExportArguments& arguments) {
   const Progress progress = make_progress(arguments.quiet);
   // No Scene is built, as a system for other tools need not fit the device.
   std::unique_ptr<fem::Body> body;
-  std::optional<fem::LinearTissue> step;
+  std::unique_ptr<fem::Tissue> step;
   try {
     body = make_body(loaded.scenario, progress);
-    if (scenario.dynamics) {
-      step.emplace(*body, scenario.contact.diagonal, scenario.dynamics, scenario.budget.period_s,
-                   fem::Effort::computed);
+    // Where nothing is solved there is only the stiffness.
+    if (scenario.has_memory() && scenario.host.solver != host::SolvedBy::steps) {
+      step = make_tissue(scenario, *body);
     }
   } catch (const InputError& e) {
     throw loaded.document.complete(e);

@@ -51,7 +51,7 @@ Replay::Replay(const Scene& scene, std::span<const Sighting> recording, std::siz
   if (recording.empty()) return;
   const std::size_t unknowns = std::max<std::size_t>(1, scene.body().load().size());
   frames = std::min({frames, recording.size(), kMostNumbers / unknowns});
-  const bool stateless = !scene.scenario().dynamics;
+  const bool stateless = !scene.scenario().has_memory();
   if (stateless) stride_ = (recording.size() + frames - 1) / frames;
   const bool whole = stateless || span == Span::whole;
   solve_exactly(whole ? recording : recording.first(frames), frames, hand_over_s);

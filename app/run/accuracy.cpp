@@ -30,7 +30,7 @@ std::optional<host::ReferenceRun> linear_run(const Scene& scene) {
 
 AccuracyTracker::AccuracyTracker(const Scene& scene, const host::Reference& settings)
     : settings_(settings),
-      dynamic_(scene.computation().dynamic()),
+      has_memory_(scene.scenario().has_memory()),
       has_board_(scene.has_board()),
       refined_(scene.computation().refined() != nullptr),
       of_another_model_(scene.scenario().judged_by_another_model()),
@@ -69,8 +69,8 @@ void AccuracyTracker::solved(const vp::Frame& frame, const vp::Solution& solutio
     has_skipped_ = false;
   }
   const bool compared = frame.number % settings_.every_frames == 0;
-  // A static frame does not depend on others; a dynamic reference has a state and is stepped.
-  if (!compared && !dynamic_) {
+  // A static frame does not depend on others; a reference with a state is stepped.
+  if (!compared && !has_memory_) {
     skipped_.keep(hold);
     has_skipped_ = true;
     return;

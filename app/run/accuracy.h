@@ -32,7 +32,7 @@ class AccuracyTracker : public vp::FrameObserver {
   void step(const fem::Hold& hold);
 
   host::Reference settings_;
-  bool dynamic_;
+  bool has_memory_;
   bool has_board_;
   bool refined_;
   bool of_another_model_;  // the reference is not of the body's own law

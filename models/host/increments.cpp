@@ -53,25 +53,46 @@ void Increments::begin(std::span<const double> f, const fem::Hold& hold) {
   }
   std::copy(f.begin(), f.end(), f_.begin());
   contact_.assign(hold.nodes.begin(), hold.nodes.end());
-  u_ = guess_;
-  product_ = guess_product_;
-  current_ = true;
   first_ = true;
   diverged_ = false;
   inverted_ = 0;
   b_ = f_;
-  moved_.clear();
   for (std::size_t n = 0; n < contact_.size(); ++n) {
-    const int node = contact_[n];
-    const Eigen::Vector3d& u_c = hold.displacement[n];
-    double* u = &u_[3 * at(node)];
-    moved_.emplace_back(u_c[0] - u[0], u_c[1] - u[1], u_c[2] - u[2]);
-    a_.subtract_column(node, u_c, b_);
-    for (int i = 0; i < 3; ++i) u[i] = u_c[i];
+    a_.subtract_column(contact_[n], hold.displacement[n], b_);
   }
   for (const int node : contact_) std::fill_n(&b_[3 * at(node)], 3, 0.0);
-  refused_ = !look(forces_.follow(contact_, moved_, u_, product_));
-  if (refused_) u_ = solution_;
+  refused_ = false;
+  no_start_ = !place_contact(hold, guess_, guess_product_);
+  // The way that the last frames went on may lead where the solution itself did not.
+  if (no_start_ && start_ == fixed::Start::extrapolated) {
+    no_start_ = !place_contact(hold, solution_, solution_product_);
+  }
+  if (no_start_) u_ = solution_;
+}
+
+// Starts from a displacement and its q, with the contact where it is prescribed. False where
+// elements have no forces there.
+bool Increments::place_contact(const fem::Hold& hold, const std::vector<double>& from,
+                               const std::vector<double>& product) {
+  u_ = from;
+  product_ = product;
+  current_ = true;
+  moved_.clear();
+  for (std::size_t n = 0; n < contact_.size(); ++n) {
+    const Eigen::Vector3d& u_c = hold.displacement[n];
+    double* u = &u_[3 * at(contact_[n])];
+    moved_.emplace_back(u_c[0] - u[0], u_c[1] - u[1], u_c[2] - u[2]);
+    for (int i = 0; i < 3; ++i) u[i] = u_c[i];
+  }
+  return look(forces_.follow(contact_, moved_, u_, product_));
+}
+
+// The last increment led where elements have no forces.
+void Increments::take_back() {
+  u_ = before_;
+  refused_ = true;
+  current_ = true;
+  look(forces_.evaluate(u_, product_));
 }
 
 void Increments::form_difference() {
@@ -87,12 +108,11 @@ double Increments::weighed_residual() const {
 }
 
 bool Increments::form_residual() {
-  if (refused_) return false;
+  if (no_start_ || refused_) return false;
   if (!current_) {
     current_ = true;
     if (!look(forces_.evaluate(u_, product_))) {
-      u_ = before_;
-      refused_ = true;
+      take_back();
       return false;
     }
   }
@@ -111,11 +131,11 @@ std::span<double> Increments::change() {
 bool Increments::finish(double tolerance) {
   if (!current_) {
     current_ = true;
-    refused_ = !look(forces_.evaluate(u_, product_));
+    if (!look(forces_.evaluate(u_, product_))) take_back();
   }
-  if (refused_) {
+  if (no_start_) {
     abandon();
-    guess_ = start_ == fixed::Start::zero ? guess_ : solution_;
+    if (start_ != fixed::Start::zero) guess_ = solution_;
     return false;
   }
   form_difference();
@@ -130,7 +150,7 @@ bool Increments::finish(double tolerance) {
   largest_rhs_ = std::max(largest_rhs_, std::sqrt(rhs));
   remaining_ = residual == 0 ? 0 : std::sqrt(residual) / largest_rhs_;
   worst_remaining_ = std::max(worst_remaining_, remaining_);
-  const bool converged = remaining_ <= tolerance;
+  const bool converged = !refused_ && remaining_ <= tolerance;
   // A solution that is worse than zero is no start for the next one, which would be worse still.
   // Forces that are not A·u have no such energy: there the residual must not have grown.
   diverged_ = !converged && (forces_.linear() ? energy < 0 : residual > at_first_);

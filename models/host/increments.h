@@ -18,8 +18,9 @@ namespace hvp::host {
 //   begin(f, hold);  while (form_residual()) { …A·Δ = residual()…  change() += Δ; }  finish();
 //
 // Contact (thesis §3.7) prescribes displacements. u has them before the first residual is formed,
-// so that the contact's rows of r are zero. A step whose elements have no forces is taken back: u
-// is then what it was before it, and the frame is refused.
+// so that the contact's rows of r are zero. An increment after which elements have no forces is
+// taken back, and ends the frame. Where they have none already with the contact in its place, the
+// last solution stays.
 //
 // Vectors are over active nodes, in m and N. Nothing allocates after construction.
 class Increments {
@@ -33,7 +34,7 @@ class Increments {
 
   // Throws InputError where an entry of f is not finite.
   void begin(std::span<const double> f, const fem::Hold& hold);
-  // Forms r(u). False where the present u, or the step that led to it, was refused.
+  // Forms r(u). False where there is no start, or the last increment was taken back.
   bool form_residual();
   std::span<const double> residual() const { return r_; }
   // The displacements, to be changed by an increment.
@@ -55,8 +56,8 @@ class Increments {
   double worst_remaining() const { return worst_remaining_; }
   // What finish() found: the solution is worse than none (linear), or than the start of the frame.
   bool diverged() const { return diverged_; }
-  bool refused() const { return refused_; }
-  // The most elements that were turned inside out since begin(), the refused steps' included.
+  // The most elements that were turned inside out since begin(), those of increments that were
+  // taken back included.
   int inverted() const { return inverted_; }
 
   // True if q(u) is there already, as in the first pass.
@@ -68,6 +69,9 @@ class Increments {
 
  private:
   bool look(const fem::ElementsFound& found);
+  bool place_contact(const fem::Hold& hold, const std::vector<double>& from,
+                     const std::vector<double>& product);
+  void take_back();
   void form_difference();
   double weighed_residual() const;
 
@@ -90,6 +94,7 @@ class Increments {
   double remaining_ = 0;
   double worst_remaining_ = 0;
   bool diverged_ = false;
+  bool no_start_ = false;
   bool refused_ = false;
   int inverted_ = 0;
 };
