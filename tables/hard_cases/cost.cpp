@@ -41,11 +41,13 @@ double host_operations(const sparse::BlockMatrix& matrix, const fixed::Plan& pla
   const std::vector<double> initial(static_cast<std::size_t>(matrix.rows()));
   const fem::ContactConstraint constraint(matrix, fem::ContactDiagonal::average);
   const host::BoardSystem board(matrix, plan.settings, constraint.diagonal(), plan.passes > 1);
+  fem::LinearForces forces(matrix);
   std::unique_ptr<host::FrameMethod> method;
   if (plan.passes > 1) {
     host::Refinement refinement;
     refinement.passes = plan.passes;
-    method = std::make_unique<host::RefinedSolve>(refinement, matrix, board.words(), initial);
+    method =
+        std::make_unique<host::RefinedSolve>(refinement, forces, matrix, board.words(), initial);
   } else {
     method = std::make_unique<host::BoardWords>(constraint, board, initial, fem::Effort::counted);
   }
