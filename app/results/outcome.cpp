@@ -68,7 +68,8 @@ bool Outcome::held() const {
 }
 
 bool Outcome::accuracy_measured() const {
-  return accuracy && accuracy->speaks_for_all(accuracy->displacement);
+  return accuracy && accuracy->speaks_for_all(accuracy->displacement) &&
+         !(accuracy->of_another_model && error_budgets.empty());
 }
 
 bool Outcome::faults_happened() const {

@@ -173,8 +173,14 @@ std::string accuracy_text(const app::Scene& scene, const Outcome& o) {
   mean_line(out, "displacement", a.displacement);
   mean_line(out, "contact force", a.force);
   if (!o.accuracy_measured()) {
-    fmt::format_to(out, "  That is too few of {} in contact to call it measured.\n",
-                   counted(a.in_contact, "frame"));
+    if (a.of_another_model) {
+      fmt::format_to(out,
+                     "  That is the distance of two models: of the solver nothing is measured. "
+                     "budget.displacement_error\n  and force_error judge it.\n");
+    } else {
+      fmt::format_to(out, "  That is too few of {} in contact to call it measured.\n",
+                     counted(a.in_contact, "frame"));
+    }
     rounding_lines(out, o);
   }
   if (!a.displacement.mean_rounded) return text;

@@ -39,6 +39,9 @@ struct Accuracy {
   std::int64_t frames = 0;      // frames compared, without those in which the body is at rest
   std::int64_t in_contact = 0;  // frames in contact, compared or not
   std::int64_t compared = 0;    // those of `in_contact` that were compared
+  // The true model is of another material law than the body: its distance is the model's, and says
+  // nothing of the solver unless a budget is stated for it.
+  bool of_another_model = false;
 
   // True if the frames compared speak for all frames in contact: each was compared, or so many
   // that one in twenty, which the percentiles leave out, is at least one frame.

@@ -92,8 +92,12 @@ void AccuracyTracker::solved(const vp::Frame& frame, const vp::Solution& solutio
 }
 
 results::Accuracy AccuracyTracker::accuracy() const {
-  return {quantity(displacement_, displacement_rounded_), quantity(force_, force_rounded_),
-          displacement_.frames(), in_contact_, compared_};
+  return {quantity(displacement_, displacement_rounded_),
+          quantity(force_, force_rounded_),
+          displacement_.frames(),
+          in_contact_,
+          compared_,
+          of_another_model_};
 }
 
 stability::Flags AccuracyTracker::flags() const {

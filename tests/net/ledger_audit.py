@@ -193,6 +193,9 @@ def errors_are_flagged(run: Run) -> Iterator[str]:
     if "reference" not in run.settings or flags:
         return
     tolerated = run.settings["reference"]
+    model = run.settings.get("object", {}).get("model", {}).get("kind", "linear")
+    if tolerated.get("model", "own") not in ("own", model):
+        return  # the distance of two models, which no tolerance of the solver's bounds
     models = {"": "tolerance", "_quantised": "solver_tolerance"}
     if "refinement" in run.settings:
         del models["_quantised"]

@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -89,6 +90,14 @@ TEST_F(TissueRun, AnotherModelsTruthShowsWhatTheLinearOneIsWorth) {
   // What another model says is no matter of the solver's tolerances.
   EXPECT_THAT(flags(s), Not(Contains("matrix-rounding")));
   EXPECT_THAT(flags(s), Not(Contains("not-converged")));
+  // Nor does a PASS follow from it, but where the scenario says what it may be.
+  EXPECT_EQ(s.at("verdict"), "held; accuracy not measured");
+  for (const auto& [error, verdict] : {std::pair{"0.2", "PASS"}, std::pair{"0.02", "not held"}}) {
+    const json judged =
+        summary({"object.model.kind=linear", "reference.model=neo-hookean-log",
+                 "host.sustained_rate=100Gflop/s", std::string("budget.force_error=") + error});
+    EXPECT_EQ(judged.at("verdict"), verdict);
+  }
 }
 
 // The same frames by the host alone, with factors or with CG: the same truth.
