@@ -51,7 +51,7 @@ fem::Body cube() {
 }
 
 struct Bench {
-  explicit Bench(fixed::Start start = fixed::Start::previous)
+  explicit Bench(fixed::Start start = fixed::Start::warm)
       : body(cube()),
         forces(body.stiffness(), 1e-3),
         increments(forces, body.stiffness(), body.initial_displacement(), start, 1e-3, 1),
