@@ -7,6 +7,7 @@
 #include "app/design/design_figures.h"
 #include "app/results/design_report.h"
 #include "app/results/figures.h"
+#include "models/config/input_error.h"
 
 namespace hvp::app {
 
@@ -21,6 +22,10 @@ int device_command(const DeviceArguments& arguments) {
   const LoadedScenario loaded = load(arguments);
   const Scene scene = build_scene(loaded, make_progress(arguments.quiet), Scene::Limits::reported);
   end_progress(arguments.quiet);
+  if (!scene.has_board()) {
+    throw loaded.document.complete(InputError(
+        "host.solver", "no board is built, whose device this would be: expected \"board\""));
+  }
   const DesignFigures figures = design_figures(scene);
   if (arguments.json) {
     print("{}\n", results::figures_json(results::design_report(scene, figures)).dump(2));

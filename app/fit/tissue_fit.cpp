@@ -218,6 +218,14 @@ void add_material(const QlvFitSettings& settings, const fit::PressedLog& log, Fi
   for (const fit::Estimate& parameter : outcome.figures.fit.parameters) {
     values.push_back(parameter.value);
   }
+  for (const auto& [key, value] : {std::pair{"area", settings.specimen->area_m2},
+                                   std::pair{"height", settings.specimen->height_m}}) {
+    if (value > 0) continue;
+    throw InputError(fmt::format(
+        "--set specimen.{}: not stated; expected a size above 0, of the indenter's face and of the "
+        "tissue below it",
+        key));
+  }
   const fit::QlvTissue tissue = within(
       "specimen", [&] { return fit::qlv_tissue(settings, log, values, *settings.specimen); });
   for (const fit::ScenarioWord& word : fit::scenario_words(tissue)) {

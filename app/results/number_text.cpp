@@ -45,6 +45,7 @@ std::string readable_length(double metres) { return scaled(metres, "m"); }
 
 std::string percent(double ratio) {
   const double p = 100 * ratio;
+  if (p >= 1e6) return fmt::format("{:.2g} %", p);
   if (p >= 10) return fmt::format("{:.0f} %", p);
   if (p >= 1) return fmt::format("{:.1f} %", p);
   return fmt::format("{:.2g} %", p);

@@ -34,10 +34,14 @@ void Anchor::declare(config::Visitor& v) { v.include(region); }
 void Object::declare(config::Visitor& v) {
   v.table("mesh", mesh, {"the body's shape and how finely it is meshed"});
   v.table("material", material, {"what the body is made of"});
+  std::vector<config::Need> needs;
+  if (is_solved && (!model || nonlinear())) {
+    needs.push_back({"refinement", {config::kPresent}, "its passes solve by increments"});
+  }
   v.effect("model", model,
            {"a body that is not linear: its elements' forces are formed on the host, and the "
             "matrix at rest serves for the increments; needs [refinement]",
-            "the forces of every element on the host, each pass and once after the force"});
+            "the forces of every element on the host, each pass and once after the force", needs});
   v.choice("anchored_nodes", anchored_nodes, fem::anchor_treatment_names(),
            {"whether held nodes leave the system or stay as cleared rows",
             "removed: the 500-node mesh then fits the EP2S60, docs/accelerator.md"});
@@ -116,6 +120,7 @@ void Scenario::declare(config::Visitor& v) {
             "no module: the servo process makes the force itself; no board, no collision process"});
   const config::Condition body = config::not_beside(
       "wall", wall.has_value(), "the host renders a wall by itself, without a body or a board");
+  object.is_solved = host.solver != host::SolvedBy::steps;
   v.when(body, [&] {
     v.table("object", object, {"the soft body"});
     v.table("loads", loads, {"what acts on the body besides the user"});

@@ -53,6 +53,7 @@ struct Object {
   mesh::MeshSettings mesh;
   fem::Material material;
   std::optional<tissue::Model> model;
+  bool is_solved = true;  // false with explicit steps; set by Scenario::declare()
   fem::AnchorTreatment anchored_nodes = fem::AnchorTreatment::removed;
   std::vector<Anchor> anchors;
 

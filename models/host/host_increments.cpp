@@ -34,8 +34,10 @@ bool HostIncrements::next(std::span<std::int32_t> /*b*/) {
   next_operations_ = increments_.begin_operations();
   solve_operations_ = 0;
   for (int pass = 0; pass < refinement_.passes; ++pass) {
-    next_operations_ += rows_ + (increments_.current() ? 0 : increments_.evaluate_operations());
-    if (!increments_.form_residual()) break;
+    const bool evaluated = !increments_.current();
+    const bool formed = increments_.form_residual();
+    next_operations_ += rows_ + (evaluated ? increments_.evaluate_operations() : 0);
+    if (!formed) break;
     std::ranges::fill(increment_, 0.0);
     solve_->solve(increments_.residual(), still_, increment_);
     solve_operations_ += solve_->operations();

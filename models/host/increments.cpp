@@ -10,7 +10,14 @@
 namespace hvp::host {
 
 namespace {
+
 double square(double v) { return v * v; }
+
+// A residual of so many times the largest right-hand side is on its way out of double precision.
+constexpr double kBeyond = 1e3;
+// How often an increment is halved after which the residual has grown, a pass.
+constexpr int kMostHalvings = 3;
+
 }  // namespace
 
 Increments::Increments(fem::InternalForces& forces, const sparse::BlockMatrix& a,
@@ -40,10 +47,15 @@ Increments::Increments(fem::InternalForces& forces, const sparse::BlockMatrix& a
   }
 }
 
-// Notes what an evaluation found; false where the sums are of no use.
+// Notes what an evaluation found; false where the sums are of no use: elements without forces, or
+// forces that are beyond all bounds.
 bool Increments::look(const fem::ElementsFound& found) {
   inverted_ = std::max(inverted_, found.inverted);
-  return found.defined();
+  if (forces_.linear()) return true;
+  if (!found.defined()) return false;
+  form_difference();
+  present_ = weighed(r_);
+  return present_ <= square(kBeyond * largest_rhs_) || largest_rhs_ == 0;
 }
 
 void Increments::begin(std::span<const double> f, const fem::Hold& hold) {
@@ -61,6 +73,8 @@ void Increments::begin(std::span<const double> f, const fem::Hold& hold) {
     a_.subtract_column(contact_[n], hold.displacement[n], b_);
   }
   for (const int node : contact_) std::fill_n(&b_[3 * at(node)], 3, 0.0);
+  if (!forces_.linear()) largest_rhs_ = std::max(largest_rhs_, std::sqrt(weighed(b_)));
+  evaluations_ = 0;
   refused_ = false;
   no_start_ = !place_contact(hold, guess_, guess_product_);
   // The way that the last frames went on may lead where the solution itself did not.
@@ -92,6 +106,7 @@ void Increments::take_back() {
   u_ = before_;
   refused_ = true;
   current_ = true;
+  ++evaluations_;
   look(forces_.evaluate(u_, product_));
 }
 
@@ -100,25 +115,46 @@ void Increments::form_difference() {
   for (const int node : contact_) std::fill_n(&r_[3 * at(node)], 3, 0.0);
 }
 
-// ‖r‖², in units in which no square leaves the range of double precision, whatever the load's size.
-double Increments::weighed_residual() const {
+// ‖v‖², in units in which no square leaves the range of double precision, whatever the load's size.
+double Increments::weighed(std::span<const double> v) const {
   double sum = 0;
-  for (const double r : r_) sum += square(force_ * r);
+  for (const double x : v) sum += square(force_ * x);
   return sum;
+}
+
+// Where the residual has grown the last increment was too long for this matrix, and is halved.
+bool Increments::evaluate_increment() {
+  current_ = true;
+  ++evaluations_;
+  bool found = look(forces_.evaluate(u_, product_));
+  for (int i = 0; i < kMostHalvings && !(found && present_ <= before_residual_); ++i) {
+    for (std::size_t k = 0; k < u_.size(); ++k) u_[k] = 0.5 * (u_[k] + before_[k]);
+    ++evaluations_;
+    found = look(forces_.evaluate(u_, product_));
+  }
+  return found;
 }
 
 bool Increments::form_residual() {
   if (no_start_ || refused_) return false;
-  if (!current_) {
-    current_ = true;
-    if (!look(forces_.evaluate(u_, product_))) {
-      take_back();
-      return false;
+  evaluations_ = 0;
+  if (forces_.linear()) {
+    if (!current_) {
+      forces_.evaluate(u_, product_);
+      ++evaluations_;
     }
+    current_ = true;
+    form_difference();
+    return true;
+  }
+  if (!current_ && !evaluate_increment()) {
+    take_back();
+    return false;
   }
   form_difference();
-  if (first_ && !forces_.linear()) at_first_ = weighed_residual();
+  if (first_) at_first_ = present_;
   first_ = false;
+  before_residual_ = present_;
   return true;
 }
 
@@ -180,6 +216,10 @@ double Increments::begin_operations() const {
   }
   // The product with the contact's columns for b, the change of q; the way that its nodes go.
   return forces_.follow_operations() + 18 * blocks + 6 * static_cast<double>(contact_.size());
+}
+
+double Increments::evaluate_operations() const {
+  return std::max(1, evaluations_) * forces_.evaluate_operations();
 }
 
 double Increments::finish_operations() const {

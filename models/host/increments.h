@@ -19,8 +19,9 @@ namespace hvp::host {
 //
 // Contact (thesis §3.7) prescribes displacements. u has them before the first residual is formed,
 // so that the contact's rows of r are zero. An increment after which elements have no forces is
-// taken back, and ends the frame. Where they have none already with the contact in its place, the
-// last solution stays.
+// taken back, and ends the frame; one after which the residual has grown is halved first. Where
+// they have none already with the contact in its place, the last solution stays. Forces that are on
+// their way out of double precision count as none.
 //
 // Vectors are over active nodes, in m and N. Nothing allocates after construction.
 class Increments {
@@ -62,9 +63,10 @@ class Increments {
 
   // True if q(u) is there already, as in the first pass.
   bool current() const { return current_; }
-  // The operations of the last begin(), of an evaluation of q(u), and of finish().
+  // The operations of the last begin(), of the evaluations of q(u) in the last form_residual(), one
+  // at least, and of finish().
   double begin_operations() const;
-  double evaluate_operations() const { return forces_.evaluate_operations(); }
+  double evaluate_operations() const;
   double finish_operations() const;
 
  private:
@@ -73,7 +75,8 @@ class Increments {
                      const std::vector<double>& product);
   void take_back();
   void form_difference();
-  double weighed_residual() const;
+  double weighed(std::span<const double> v) const;
+  bool evaluate_increment();
 
   fem::InternalForces& forces_;
   const sparse::BlockMatrix& a_;
@@ -88,7 +91,10 @@ class Increments {
   std::vector<double> f_, b_, r_;
   std::vector<int> contact_;
   std::vector<Eigen::Vector3d> moved_;
-  bool first_ = true;    // no residual of this frame has been formed
+  bool first_ = true;   // no residual of this frame has been formed
+  double present_ = 0;  // ‖r‖² of the last look(), weighed; of forces that are not A·u
+  double before_residual_ = 0;  // the same before the last increment
+  int evaluations_ = 0;
   double at_first_ = 0;  // weighed_residual() of the first one
   double largest_rhs_ = 0;
   double remaining_ = 0;

@@ -125,8 +125,10 @@ int RefinedSolve::exponent_for(double largest) const {
 bool RefinedSolve::next(std::span<std::int32_t> b) {
   next_operations_ = std::exchange(since_next_, 0);
   if (pass_ == passes()) return false;
-  next_operations_ += residual_operations(!increments_.current());
-  if (!increments_.form_residual()) return false;
+  const bool product = !increments_.current();
+  const bool formed = increments_.form_residual();
+  next_operations_ += residual_operations(product);
+  if (!formed) return false;
   std::ranges::copy(increments_.residual(), r_.begin());
   const std::span<const double> u = increments_.displacement();
   double largest = 0;

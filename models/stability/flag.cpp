@@ -42,7 +42,8 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "refinement leaves than refinement.tolerance",
      "first what other flags say; then a solver.displacement_range twice the displacements if it "
      "is far wider, method = \"jacobi-pcg\", more refinement.passes, more solver.iterations, more "
-     "matrix_bits and vector_bits"},
+     "matrix_bits and vector_bits; of a body that is not linear also smaller loads, or [dynamics]; "
+     "with explicit steps more host.substeps"},
     {"range-exceeded", "a displacement or a right-hand side did not fit its word and was clamped",
      "a solver.displacement_range twice the displacements, static_scale = \"matrix-norm\" (without "
      "a preconditioner), or a slower probe"},
@@ -106,11 +107,11 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "no setting of the board's words helps: a smaller wall.stiffness or a softer body, a shorter "
      "budget.period, less latency or host.delay, more device.dynamics.damping"},
     {"inverted-element",
-     "an element of the body was turned inside out, or would have been: a neo-Hookean body takes "
-     "that step back and keeps its last solution",
+     "an element of the body was turned inside out, or would have been: where it has no forces "
+     "then, that step is taken back",
      "no setting of the board's words helps: a slower or shallower motion of the probe, a "
-     "contact.patch_radius over which the probe presses, more nodes, or object.model.kind = "
-     "\"corotational\", which goes on"},
+     "contact.patch_radius over which the probe presses, more nodes; a corotational body goes on "
+     "where a neo-Hookean one has no forces"},
     {"unstable-step",
      "an explicit time step was longer than the body, deformed as it was, is stable for",
      "no setting of the board helps: more host.substeps, or a shallower motion of the probe"},

@@ -55,8 +55,12 @@ double NewtonRun::look_at(std::span<const double> u, std::span<const int> contac
 void NewtonRun::factorise() {
   static_cast<void>(tissue_.tangent(tangent_));
   ++tangents_;
-  factors_.emplace(tangent_);
-  if (factors_->positive_definite()) return;
+  const bool finite =
+      std::ranges::all_of(tangent_.value, [](double entry) { return std::isfinite(entry); });
+  if (finite) {
+    factors_.emplace(tangent_);
+    if (factors_->positive_definite()) return;
+  }
   // The matrix at rest is downhill where the tangent is not.
   ++indefinite_;
   factors_.emplace(tissue_.system());
