@@ -189,6 +189,7 @@ const Parts kBase = {{"bus", "accelerator", "daq", "access", "servo", "collision
 const Parts kNothing;
 const std::map<std::string, Parts> kAdded = {
     {"wall", kNothing},
+    {"object.model", kNothing},
     {"loads.gravity", kNothing},
     {"dynamics", kNothing},
     {"refinement", kNothing},
