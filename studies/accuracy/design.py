@@ -33,7 +33,7 @@ UNMEASURED = "not measured"
 NO_CONTACT = "no frame in contact"
 
 _KEEP = ("summary.json",)  # for the resources, a list
-_BREAKDOWN_FLAGS = (
+BREAKDOWN_FLAGS = (
     "negative-curvature",
     "zero-diagonal",
     "scalar-overflow",
@@ -41,7 +41,7 @@ _BREAKDOWN_FLAGS = (
     "wrapped",
 )
 _MEMORIES = re.compile(r'(accelerator\.(?:\w+_memory|parity_bits)) = "?([\w-]+)"?')
-_UNFIT = "cannot hold"  # as the program refuses what is too large for a device
+UNFIT = "cannot hold"  # as the program refuses what is too large for a device
 # Counted by the sequencer, and done by the host: neither takes room on the device.
 _NOT_HELD = (ITERATIONS, PASSES)
 # Larger than any of the thesis' time: holds what the scenario's own device does not.
@@ -146,7 +146,7 @@ class DesignStudy:
         """As they stand, and what the scenario's device cannot hold on a larger one."""
         settings = self._settings(parted)
         records = self._records(settings)
-        unfit = [i for i, r in enumerate(records) if _UNFIT in r.message]
+        unfit = [i for i, r in enumerate(records) if UNFIT in r.message]
         roomy = self._records([(*settings[i], f"accelerator.device={ROOMY}") for i in unfit])
         larger = dict(zip(unfit, roomy, strict=True))
         return [
@@ -167,7 +167,7 @@ class DesignStudy:
         groups: dict[tuple[str, ...], list[int]] = {}
         asked: list[tuple[tuple[str, ...], str]] = []
         for index, record in enumerate(records):
-            if _UNFIT in record.message and points[index]:
+            if UNFIT in record.message and points[index]:
                 held = _held({k: v for k, v in points[index].items() if k != partitions.KEY})
                 if held not in groups:
                     found = _MEMORIES.findall(record.message)
@@ -196,7 +196,7 @@ class DesignStudy:
         settings = (*self.overrides, "reference=true")
         (record,) = self._records([settings])
         message = record.message
-        if _UNFIT in message:
+        if UNFIT in message:
             (record,) = self._records([(*settings, f"accelerator.device={ROOMY}")])
         if not record.done:
             raise StudyError(message) if record.failed else InputError(message)
@@ -259,7 +259,7 @@ def _design(
     if not record.done:
         return Design(columns, overrides, record, record.status, record.message, tried)
     broken = (_number(record, "stability.breakdowns") or 0) > 0 or any(
-        flag in _BREAKDOWN_FLAGS for flag in record.flags
+        flag in BREAKDOWN_FLAGS for flag in record.flags
     )
     if broken:
         return Design(columns, overrides, record, "breaks down", " ".join(record.flags), tried)

@@ -36,6 +36,7 @@ from studies.accuracy.ladder import Rung, ladders, resolved_settings
 from studies.accuracy.partitions import KEY as PARTITIONS
 from studies.accuracy.picture import draw
 from studies.command_line import command_of
+from studies.commands import accuracy_models
 from studies.errors import HELD, InputError
 from studies.option_paths import check_folder
 from studies.point import Value
@@ -93,13 +94,14 @@ _READING = (
 
 def declare(parser: argparse.ArgumentParser) -> None:
     """The command's arguments."""
-    parser.add_argument("scenario", type=Path, metavar="SCENARIO.toml")
+    parser.add_argument("scenario", type=Path, metavar="SCENARIO.toml", nargs="?")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="settings")
     parser.add_argument("--full", action="store_true", help="a wider grid, some 200 runs")
     parser.add_argument("--out", type=Path, help="folder; default studies-out/accuracy-SCENARIO")
     parser.add_argument("--store", type=Path, default=DEFAULT_STORE, help="what has been run")
     parser.add_argument("--jobs", type=int, default=0, help="runs at a time; default one a core")
     parser.add_argument("--repeats", type=int, default=1, help="runs for each wall time")
+    accuracy_models.declare(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -109,6 +111,11 @@ def run(arguments: argparse.Namespace) -> int:
             raise InputError(
                 f"--{name}: expected {least} or more, found {getattr(arguments, name)}"
             )
+    if arguments.models:
+        return accuracy_models.run(arguments)
+    accuracy_models.refuse_without_models(arguments)
+    if arguments.scenario is None:
+        raise InputError("SCENARIO.toml: expected a scenario, or --models")
     out: Path = arguments.out or Path("studies-out") / f"accuracy-{arguments.scenario.stem}"
     check_folder("--out", out)
     check_folder("--store", arguments.store, written=False)
