@@ -77,8 +77,8 @@ COLUMNS = (
     Column("address", "", "of the run's record in the store"),
 )  # fmt: skip
 _READING = (
-    "Errors are those of law and solver on the scene's own mesh; the mesh's own error stands in the "
-    "answer. Of a force the budget is the lower end of what people notice; of time it is the "
+    "Errors are those of law and solver on the scene's own mesh; the mesh's own error stands in "
+    "the answer. Of a force the budget is the lower end of what people notice; of time it is the "
     "period. What is late has the error of a host that is not."
 )
 
