@@ -156,6 +156,8 @@ def run(arguments: argparse.Namespace) -> int:
 def _checked(arguments: argparse.Namespace) -> tuple[int, float]:
     if arguments.full:
         raise InputError("--full: does not go with --models: expected --small or neither")
+    if arguments.repeats != 1:
+        raise InputError("--repeats: does not go with --models, which measures no wall times anew")
     most_nodes = arguments.most_nodes
     if most_nodes is None:
         most_nodes = _SMALL_NODES if arguments.small else MOST_NODES

@@ -224,6 +224,7 @@ def test_a_small_study_of_models(
     [
         (["--truth", "fung", "SCENE"], "--truth: belongs to --models"),
         (["--models", "--full"], "--full: does not go with --models"),
+        (["--models", "--repeats", "3"], "--repeats: does not go with --models"),
         (["--models", "--settled", "1"], "--settled: expected a share from 0 to 1"),
         ([], "SCENARIO.toml: expected a scenario, or --models"),
         (["--models", "WALL"], "expected a scenario of a soft body that is touched"),
