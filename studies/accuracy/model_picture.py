@@ -103,7 +103,8 @@ def _mesh(axis: Axes, mesh: MeshError, what: str) -> None:
     if what == "force" and mesh.band is not None:
         # Its lower end may be zero, which a logarithmic axis does not have.
         low = max(mesh.band[0], axis.get_ylim()[0])
-        axis.axhspan(low, mesh.band[1], facecolor="none", edgecolor="#999999", hatch="///", lw=0)
+        axis.axhspan(low, mesh.band[1], facecolor="none", edgecolor="#D4D4D4", hatch="//", lw=0)
+        axis.axhline(mesh.band[1], color="#999999", linewidth=3, alpha=0.7)
     elif what == "displacement" and mesh.displacement:
         axis.axhline(mesh.displacement, color="#999999", linewidth=3, alpha=0.7)
 
@@ -137,7 +138,7 @@ def _handles(scenes: Sequence[tuple[str, Sequence[Measured], MeshError]]) -> lis
             label="hollow: late, or does not fit",
         ),
         Patch(color="#E69F00", alpha=0.35, label="just noticeable force, 7 to 10 %"),
-        Patch(facecolor="none", edgecolor="#999999", hatch="///", label="the mesh's own error"),
+        Patch(facecolor="none", edgecolor="#BBBBBB", hatch="//", label="the mesh's own error"),
     ]  # fmt: skip
 
 

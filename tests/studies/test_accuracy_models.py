@@ -156,10 +156,11 @@ def test_a_refusal_says_how_full_the_board_would_be() -> None:
     assert fullest_asked("hold: 258 multipliers of 144") is None
 
 
-def test_a_late_member_has_the_errors_of_a_host_that_is_not(session: Session) -> None:
+@pytest.mark.parametrize("solver", ["board", "cholesky"])
+def test_a_late_member_has_the_errors_of_a_host_that_is_not(session: Session, solver: str) -> None:
     """Else its skipped ticks would be errors of its law."""
     settings = (*COARSE, "host.sustained_rate=20 Mflop/s")
-    member = Member(TRUTH, "cholesky", {PASSES: 2})
+    member = Member(TRUTH, solver, {PASSES: 2})
     sphere = SCENES / "sphere.toml"
     (slow,) = Scene(session, sphere, settings, TRUTH).run([member])
     (fast,) = Scene(session, sphere, COARSE, TRUTH).run([member])
