@@ -48,7 +48,7 @@ void multiply_k(benchmark::State& state) {
   const fem::Body body = box();
   const std::vector<double> u = displacements(body);
   std::vector<double> f(u.size());
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     body.stiffness().multiply(u, f);
     benchmark::DoNotOptimize(f.data());
   }
@@ -62,7 +62,7 @@ void forces(benchmark::State& state) {
   const std::vector<double> u = body.expand(displacements(body));
   std::vector<double> f(u.size());
   Deformation found;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     found = elastic.internal_forces(u, f);
     benchmark::DoNotOptimize(f.data());
   }
@@ -77,7 +77,7 @@ void tangent(benchmark::State& state) {
   const std::vector<double> u = body.expand(displacements(body));
   sparse::BlockMatrix k = body.stiffness();
   Deformation found;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     found = elastic.tangent(u, Linearisation::exact, k);
     benchmark::DoNotOptimize(k.value.data());
   }
