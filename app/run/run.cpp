@@ -152,7 +152,8 @@ std::optional<vp::SoftBody> soft_body(Scene& scene) {
 std::optional<double> known_contact_stiffness(const Scene& scene) {
   const Scenario& s = scene.scenario();
   if (s.wall) return s.wall->stiffness_N_m;
-  if (!quick_to_factorise(scene)) return std::nullopt;
+  // That of the body at rest, which a body that is not linear has nowhere else.
+  if (s.object.nonlinear() || !quick_to_factorise(scene)) return std::nullopt;
   return contact_stiffness(scene);
 }
 

@@ -36,7 +36,9 @@ void Object::declare(config::Visitor& v) {
   v.table("material", material, {"what the body is made of"});
   std::vector<config::Need> needs;
   if (is_solved && (!model || nonlinear())) {
-    needs.push_back({"refinement", {config::kPresent}, "its passes solve by increments"});
+    needs.push_back({"refinement",
+                     {config::kPresent},
+                     "a body that is not linear is solved by increments, which are its passes"});
   }
   v.effect("model", model,
            {"a body that is not linear: its elements' forces are formed on the host, and the "
@@ -336,11 +338,6 @@ void require_way_to_solve(const Scenario& s) {
   if (s.object.model && s.object.model->springs && !steps) {
     throw InputError("object.model.kind",
                      "springs have no matrix to solve with: expected host.solver = \"explicit\"");
-  }
-  if (s.object.nonlinear() && !steps && !s.refinement) {
-    throw InputError("object.model.kind",
-                     "a body that is not linear is solved by increments: expected [refinement] "
-                     "too, whose passes they are");
   }
 }
 

@@ -77,7 +77,7 @@ void Scene::refuse_wall() { refuse_body_of_wall(); }
 
 std::unique_ptr<fem::Tissue> make_tissue(const Scenario& s, const fem::Body& body) {
   if (s.host.solver == host::SolvedBy::steps) {
-    return tissue::make_explicit_tissue(body, s.object.model, s.contact.diagonal, s.dynamics,
+    return tissue::make_explicit_tissue(body, s.object.model, s.contact.diagonal, *s.dynamics,
                                         s.budget.period_s, s.host.substeps);
   }
   return tissue::make_tissue(body, s.object.model, s.contact.diagonal, s.dynamics,

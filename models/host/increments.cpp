@@ -165,8 +165,10 @@ std::span<double> Increments::change() {
 }
 
 bool Increments::finish(double tolerance) {
+  evaluations_ = 0;
   if (!current_) {
     current_ = true;
+    ++evaluations_;
     if (!look(forces_.evaluate(u_, product_))) take_back();
   }
   if (no_start_) {
@@ -226,7 +228,7 @@ double Increments::finish_operations() const {
   // Subtract; two norms, and an inner product with a sum.
   const double judge = 8.0 * a_.rows();
   const double extrapolation = start_ == fixed::Start::extrapolated ? 4.0 * a_.rows() : 0;
-  return forces_.evaluate_operations() + judge + extrapolation;
+  return evaluate_operations() + judge + extrapolation;
 }
 
 }  // namespace hvp::host

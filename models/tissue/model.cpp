@@ -82,17 +82,14 @@ std::unique_ptr<fem::Tissue> make_tissue(const fem::Body& body, const std::optio
 std::unique_ptr<fem::Tissue> make_explicit_tissue(const fem::Body& body,
                                                   const std::optional<Model>& model,
                                                   fem::ContactDiagonal diagonal,
-                                                  const std::optional<fem::Dynamics>& dynamics,
-                                                  double period_s, int substeps) {
-  if (!dynamics) {
-    throw InputError("host.solver", "explicit steps move masses: expected [dynamics] too");
-  }
+                                                  const fem::Dynamics& dynamics, double period_s,
+                                                  int substeps) {
   if (model && !model->prony.empty()) {
     throw InputError("object.model.prony",
                      "explicit steps have no memory of forces: expected an implicit host.solver");
   }
-  return std::make_unique<ExplicitTissue>(make_potential(body, model), diagonal, *dynamics,
-                                          period_s, substeps);
+  return std::make_unique<ExplicitTissue>(make_potential(body, model), diagonal, dynamics, period_s,
+                                          substeps);
 }
 
 std::unique_ptr<fem::ReferenceModel> make_fine_steps(const fem::Body& body,

@@ -42,8 +42,8 @@ std::unique_ptr<fem::Tissue> make_tissue(const fem::Body& body, const std::optio
 std::unique_ptr<fem::Tissue> make_explicit_tissue(const fem::Body& body,
                                                   const std::optional<Model>& model,
                                                   fem::ContactDiagonal diagonal,
-                                                  const std::optional<fem::Dynamics>& dynamics,
-                                                  double period_s, int substeps);
+                                                  const fem::Dynamics& dynamics, double period_s,
+                                                  int substeps);
 std::unique_ptr<fem::ReferenceModel> make_fine_steps(const fem::Body& body,
                                                      const std::optional<Model>& model,
                                                      const fem::Dynamics& dynamics, double period_s,
