@@ -13,20 +13,17 @@
 namespace hvp::host::increments_test {
 namespace {
 
-// A body that has no forces where a displacement is beyond a limit, and elsewhere none either or
-// those of K·u.
+// A body that has no forces where a displacement is beyond a limit, and elsewhere those of a
+// multiple of K·u.
 class Brittle final : public fem::InternalForces {
  public:
-  Brittle(const sparse::BlockMatrix& k, double limit, bool resists)
-      : k_(k), limit_(limit), resists_(resists) {}
+  Brittle(const sparse::BlockMatrix& k, double limit, double times)
+      : k_(k), limit_(limit), times_(times) {}
 
   bool linear() const override { return false; }
   fem::ElementsFound evaluate(std::span<const double> u, std::span<double> q) override {
-    if (resists_) {
-      k_.multiply(u, q);
-    } else {
-      std::ranges::fill(q, 0.0);
-    }
+    k_.multiply(u, q);
+    for (double& force : q) force *= times_;
     const auto beyond = [this](double x) { return std::abs(x) > limit_; };
     const auto broken = static_cast<int>(std::ranges::count_if(u, beyond));
     return {broken, broken};
@@ -42,7 +39,7 @@ class Brittle final : public fem::InternalForces {
  private:
   const sparse::BlockMatrix& k_;
   double limit_;
-  bool resists_;
+  double times_;
 };
 
 fem::Body cube() {
@@ -55,9 +52,9 @@ fem::Body cube() {
 }
 
 struct Bench {
-  explicit Bench(fixed::Start start = fixed::Start::warm, bool resists = false)
+  explicit Bench(fixed::Start start = fixed::Start::warm, double times = 0)
       : body(cube()),
-        forces(body.stiffness(), 1e-3, resists),
+        forces(body.stiffness(), 1e-3, times),
         increments(forces, body.stiffness(), body.initial_displacement(), start, 1e-3, 1),
         load(body.load()) {}
 
@@ -139,12 +136,21 @@ TEST(Increments, HalveOneThatLeadsTooFar) {
 }
 
 TEST(Increments, HalveOneAfterWhichTheResidualHasGrown) {
-  Bench bench(fixed::Start::warm, true);
+  Bench bench(fixed::Start::warm, 1);
   EXPECT_TRUE(bench.frame(1e-4, 1e-4, 2));
   EXPECT_EQ(bench.made, 2);
   EXPECT_DOUBLE_EQ(bench.elsewhere(), 1e-4 / 8 + 1e-4);
   EXPECT_TRUE(bench.increments.diverged() || bench.increments.remaining() > 0);
   EXPECT_EQ(bench.evaluated, 1 + 3);
+}
+
+// Forces of a million times the load are on their way out of double precision, and count as none.
+TEST(Increments, HaveNoStartWhereForcesAreBeyondAllBounds) {
+  Bench bench(fixed::Start::warm, 1e6);
+  EXPECT_FALSE(bench.frame(1e-4, 0));
+  EXPECT_EQ(bench.made, 0);
+  EXPECT_EQ(bench.at_contact(), 0);
+  EXPECT_TRUE(std::isfinite(bench.increments.remaining()));
 }
 
 // The extrapolated place has no forces, the last solution has.
