@@ -172,6 +172,10 @@ compare() { # item, variant, another
   ((different <= 3)) || printf '  and %d more files of %s\n' "$((different - 3))" "$1"
 }
 
+boardless() { # place, command
+  [[ $2 == @(device|json) ]] && grep -q 'host.solver: no board is built' "$1/$2.errors"
+}
+
 # That nothing came of an item, in all variants alike, must not pass.
 demand() { # item, files…
   local file place=${folder[${variants[0]}]}/out/${1/:/-}
@@ -184,9 +188,9 @@ for item in "${items[@]}"; do
   for variant in "${variants[@]}"; do
     place=${folder[$variant]}/out/${item/:/-}
     [[ -f $place.done ]] || problem "$item: the commands did not come to an end with $variant"
-    # 1 says that a budget did not hold: still a result.
+    # 1 says that a budget did not hold: still a result. So is that a scenario without a board has no device.
     while IFS= read -r -d '' file; do
-      [[ $(<"$file") == 'exit '[01] ]] ||
+      [[ $(<"$file") == 'exit '[01] ]] || boardless "${file%/*}" "$(basename "$file" .status)" ||
         problem "$item: $(basename "$file" .status) ended with $(<"$file"), $variant: $(tail -n 1 "${file%.status}.errors")"
     done < <(find "$place" -maxdepth 1 -name '*.status' -print0)
     [[ $variant == "${variants[0]}" ]] || compare "$item" "${variants[0]}" "$variant"
@@ -198,7 +202,10 @@ for item in "${items[@]}"; do
       ! grep -q '"output.waveform"' "${folder[${variants[0]}]}/out/${item/:/-}/result/summary.json" ||
         demand "$item" result/engine.vcd
       ;;
-    plan:*) demand "$item" {explain,device,json,solve}.printed system/{K,M,b}.mtx x.mtx ;;
+    plan:*)
+      demand "$item" {explain,solve}.printed system/{K,M,b}.mtx x.mtx
+      boardless "${folder[${variants[0]}]}/out/${item/:/-}" device || demand "$item" {device,json}.printed
+      ;;
     mesh:*) demand "$item" mesh.printed mesh.vtu ;;
     solve:*) demand "$item" {plain,refined}.{printed,mtx} ;;
   esac
