@@ -11,6 +11,7 @@
 #include "app/explain/explanation.h"
 #include "app/results/number_text.h"
 #include "app/results/part_files.h"
+#include "app/results/regions.h"
 #include "app/results/scene_figures.h"
 #include "app/scenario/message.h"
 
@@ -150,6 +151,9 @@ void print_explanation(const Scene& scene, const Explanation& e) {
   platform_lines(e.platform);
   workspace_lines(e);
   if (!scene.has_body()) return;
+  if (const std::string regions = results::regions_text(scene); !regions.empty()) {
+    print("\nThe body\n{}", regions);
+  }
   load_lines(e);
   if (scene.spectrum()) {
     print("\nSpectrum of the system without contact\n{}",

@@ -61,7 +61,8 @@ int export_command(const ExportArguments& arguments) {
   sparse::write_matrix_market(b, body->load(), "external force, N, active nodes");
   results::write_through_part_file(out / "b.mtx", b.str());
   const mesh::ElementShapes shapes = mesh::element_shapes(body->mesh());
-  results::write_mesh(out / "mesh.vtu", body->mesh(), {shapes.min_dihedral, shapes.aspect_ratio});
+  results::write_mesh(out / "mesh.vtu", body->mesh(),
+                      {shapes.min_dihedral, shapes.aspect_ratio, body->materials().of_elements()});
   print("K.mtx, M.mtx, {}b.mtx and mesh.vtu in {}: {} nodes, {} in the system\n",
         step ? "A.mtx, " : "", out.string(), body->mesh().nodes.size(), body->active_nodes());
   return kHeld;

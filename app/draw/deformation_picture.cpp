@@ -152,6 +152,11 @@ void draw_legend(Canvas& canvas, const DeformationStep& step, const SceneSizes& 
   canvas.line({x, kY}, {x + 30.0, kY}, scene_colour::kRest, 2.0);
   x += 40.0;
   label("shape at rest");
+  if (!step.regions.empty()) {
+    canvas.line({x, kY}, {x + 30.0, kY}, scene_colour::kRegion, 2.4);
+    x += 40.0;
+    label("region");
+  }
 }
 
 // Puts a label beside the tip of an arrow that points up or down, and above a horizontal one.
@@ -206,6 +211,7 @@ void draw_deformation(PictureWindow& window, const DeformationStep& step, const 
   vtkNew<vtkRenderer> scene;
   build_scene(*scene, step, sizes);
   vtkNew<vtkRenderer> ghost;
+  build_region_outlines(*ghost, step, projection.view);
   build_probe_ghost(*ghost, step, sizes);
   int layer = 1;
   for (vtkRenderer* renderer : {scene.Get(), ghost.Get()}) {

@@ -204,6 +204,25 @@ Vector3d arrow_tip(const Vector3d& probe, const Vector3d& force_N, const SceneSi
   return probe + force_N.normalized() * (sizes.probe_radius + kArrow * sizes.body);
 }
 
+void build_region_outlines(vtkRenderer& renderer, const DeformationStep& step, const View& view) {
+  if (step.regions.empty()) return;
+  std::vector<Vector3d> deformed;
+  for (std::size_t i = 0; i < step.rest.size(); ++i)
+    deformed.push_back(step.rest[i] + step.displacement[i]);
+  const auto points = points_of(deformed);
+  const int last = *std::max_element(step.regions.begin(), step.regions.end());
+  for (int region = 1; region <= last; ++region) {
+    std::vector<std::array<int, 4>> own;
+    for (std::size_t e = 0; e < step.tetrahedra.size(); ++e) {
+      if (step.regions[e] == region) own.push_back(step.tetrahedra[e]);
+    }
+    const auto triangles = outer_faces(own);
+    add_lines(renderer, points,
+              outline(deformed, triangles, edges_of(triangles), view.towards_viewer),
+              scene_colour::kRegion, 2.2);
+  }
+}
+
 void build_scene(vtkRenderer& renderer, const DeformationStep& step, const SceneSizes& sizes) {
   std::vector<Vector3d> deformed;
   for (std::size_t i = 0; i < step.rest.size(); ++i)

@@ -17,6 +17,7 @@ inline constexpr Colour kForce = {206, 62, 40};
 inline constexpr Colour kAnchor = {28, 32, 38};
 inline constexpr Colour kRest = {120, 126, 134};
 inline constexpr Colour kRestFill = {228, 229, 228};
+inline constexpr Colour kRegion = {122, 52, 148};
 }  // namespace scene_colour
 
 // Sizes (m) that the scene and its labels share.
@@ -41,6 +42,10 @@ void build_scene(vtkRenderer& renderer, const DeformationStep& step, const Scene
 // Adds a translucent copy of the probe and the arrow. In a layer above the scene it shows them
 // where the body hides them.
 void build_probe_ghost(vtkRenderer& renderer, const DeformationStep& step, const SceneSizes& sizes);
+
+// Adds the outline of each region where the body has taken it, as seen in `view`, for a layer above
+// the scene: most of a region is inside the body.
+void build_region_outlines(vtkRenderer& renderer, const DeformationStep& step, const View& view);
 
 // Adds the rest shape, flat with its outline as seen in `view`. It belongs into a layer below the
 // scene: where nothing moved the two surfaces coincide, and only the rest shape's parts outside the

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 #include <vtkCellArray.h>
+#include <vtkCellData.h>
 #include <vtkCellType.h>
 #include <vtkDataArray.h>
 #include <vtkDataArraySelection.h>
@@ -45,6 +46,8 @@ bool has_known_types_only(const std::filesystem::path& path) {
   return true;
 }
 
+constexpr const char* kRegions = "region";
+
 // Reads one file and names it in every error.
 class StepFile {
  public:
@@ -57,6 +60,7 @@ class StepFile {
     reader_->SetFileName(path.c_str());
     reader_->UpdateInformation();
     reader_->GetCellDataArraySelection()->DisableAllArrays();
+    reader_->GetCellDataArraySelection()->EnableArray(kRegions);
   }
 
   void skip_point_arrays() { reader_->GetPointDataArraySelection()->DisableAllArrays(); }
@@ -173,6 +177,16 @@ DeformationStep read_step(const std::filesystem::path& path) {
     if (contact.GetComponent(i, 0) != 0.0) step.contact_node = static_cast<int>(i);
   }
   read_tetrahedra(file, grid, step);
+  if (grid.GetCellData()->GetArray(kRegions) != nullptr) {
+    const auto count = static_cast<vtkIdType>(step.tetrahedra.size());
+    vtkDataArray& regions = file.array(*grid.GetCellData(), kRegions, 1, count);
+    for (vtkIdType e = 0; e < count; ++e) {
+      const double region = regions.GetComponent(e, 0);
+      if (!(region >= 0.0 && region <= double(count)))
+        file.fail(fmt::format("cell {} is of region {}", e, region));
+      step.regions.push_back(static_cast<int>(region));
+    }
+  }
 
   vtkFieldData& fields = *grid.GetFieldData();
   step.time_s = file.scalar_field(fields, "time_s");

@@ -13,6 +13,7 @@ struct DeformationStep {
   std::vector<Eigen::Vector3d> rest;
   std::vector<Eigen::Vector3d> displacement;
   std::vector<std::array<int, 4>> tetrahedra;
+  std::vector<int> regions;  // of each tetrahedron, 0: none; empty for a body without regions
   std::vector<int> anchors;  // node indices, ascending
   int contact_node = -1;     // -1: none
   double time_s = 0.0;

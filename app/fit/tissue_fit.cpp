@@ -68,6 +68,11 @@ fit::TissueBody body_of(const FitRequest& request) {
   }
   const Scenario& s = *request.scenario;
   if (s.wall) throw InputError("--scenario: expected one with a body, found a wall");
+  if (!s.object.regions.empty()) {
+    throw InputError(
+        "--scenario: expected a body of one material, which the fit finds: found "
+        "[[object.region]]");
+  }
   const std::unique_ptr<fem::Body> made = make_body(s, {});
   fit::TissueBody body;
   body.mesh = made->mesh();

@@ -37,6 +37,7 @@ std::span<const std::uint8_t> data_of(const OutsideHost::Access& access) {
 std::string settings_of(const app::LoadedScenario& loaded) {
   app::Scenario scenario = loaded.scenario;
   if (!scenario.object.mesh.surface.empty()) scenario.object.mesh = {};
+  scenario.object.regions.clear();
   return results::resolved_text(scenario, loaded.device_file);
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -48,9 +50,17 @@ std::vector<std::vector<std::string>> candidates(const Scenario& s,
     if (s.wall) {
       found.push_back({fmt::format("wall.stiffness = \"{:g} N/m\"", rounded_down(stiffness))});
     } else {
-      const double modulus = s.object.material.young_modulus_pa * stiffness / *budget.contact_N_m;
-      found.push_back(
-          {fmt::format("object.material.young_modulus = \"{:g} Pa\"", rounded_down(modulus))});
+      const double times = stiffness / *budget.contact_N_m;
+      const auto softer = [&](const std::string& table, const fem::Material& material) {
+        return fmt::format("{}.young_modulus = \"{:g} Pa\"", table,
+                           rounded_down(material.young_modulus_pa * times));
+      };
+      std::vector<std::string> settings = {softer("object.material", s.object.material)};
+      for (std::size_t i = 0; i < s.object.regions.size(); ++i) {
+        settings.push_back(softer(fmt::format("object.region[{}]", i),
+                                  s.object.regions[i].material.value_or(s.object.material)));
+      }
+      found.push_back(std::move(settings));
     }
   }
   for (const double times : {2.0, 4.0}) {

@@ -11,6 +11,7 @@
 #include "app/results/flags.h"
 #include "app/results/number_text.h"
 #include "app/results/outcome.h"
+#include "app/results/regions.h"
 #include "app/scenario/message.h"
 #include "app/scene/scene.h"
 #include "driver/hvp_driver.h"
@@ -84,7 +85,7 @@ void scene_lines(Out out, const app::Scene& scene, const Outcome& o) {
       scene.quality().nodes, scene.quality().tetrahedra, scene.body().active_nodes(),
       s.dynamics ? "dynamic" : "static",
       s.object.nonlinear() ? fmt::format(", {}", tissue::name(*s.object.model)) : std::string());
-  fmt::format_to(out, "{}", unit_text(scene));
+  fmt::format_to(out, "{}{}", regions_text(scene), unit_text(scene));
   if (const fem::ExplicitSteps* steps = scene.computation().explicit_steps()) {
     fmt::format_to(
         out,

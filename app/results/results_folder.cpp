@@ -4,8 +4,10 @@
 #include <array>
 #include <cctype>
 #include <cerrno>
+#include <set>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -123,23 +125,50 @@ void copy_through_part_file(const fs::path& from, const fs::path& to) {
   throw std::runtime_error(fmt::format("cannot write {}: {}", to.string(), cause));
 }
 
-// The surface of an earlier run, with another extension.
-void remove_other_surfaces(const fs::path& directory, const std::string& kept) {
-  for (const char* extension : {".stl", ".ply", ".obj", ".vtp", ".vtu"}) {
-    const std::string name = std::string(kStem) + extension;
-    std::error_code ignored;
-    if (name != kept) fs::remove(directory / name, ignored);
-  }
-}
-
 // The names of the copied files.
 std::string device_name() { return std::string(kStem) + ".device.toml"; }
 
-std::string surface_name(const std::string& file) {
+std::string surface_name(const std::string& stem, const std::string& file) {
   std::string extension = fs::path(file).extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return kStem + extension;
+  return stem + extension;
+}
+
+// A surface that a scenario names, and the start of its copy's name.
+struct NamedSurface {
+  std::string stem;
+  config::File* file;
+};
+
+// Those of the body and of its regions.
+std::vector<NamedSurface> surfaces_of(app::Scenario& scenario) {
+  std::vector<NamedSurface> surfaces = {{kStem, &scenario.object.mesh.surface}};
+  for (std::size_t i = 0; i < scenario.object.regions.size(); ++i) {
+    surfaces.push_back(
+        {fmt::format("{}.region{}", kStem, i), &scenario.object.regions[i].volume.surface});
+  }
+  return surfaces;
+}
+
+// The surfaces of an earlier run: the body's with another extension, and regions'.
+void remove_other_surfaces(const fs::path& directory, const std::set<std::string>& kept) {
+  constexpr std::string_view kRegion = ".region";
+  std::error_code ignored;
+  std::vector<fs::path> old;
+  for (const auto& entry : fs::directory_iterator(directory, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(kStem) || kept.contains(name)) continue;
+    std::string_view middle = std::string_view(name).substr(std::string_view(kStem).size());
+    if (middle.starts_with(kRegion)) {
+      middle.remove_prefix(kRegion.size());
+      middle.remove_prefix(std::min(middle.find_first_not_of("0123456789"), middle.size()));
+    }
+    for (const std::string_view extension : {".stl", ".ply", ".obj", ".vtp", ".vtu"}) {
+      if (middle == extension) old.push_back(entry.path());
+    }
+  }
+  for (const fs::path& path : old) fs::remove(path, ignored);
 }
 
 }  // namespace
@@ -150,8 +179,10 @@ std::string resolved_text(const app::Scenario& scenario, const fs::path& device)
   // stay removed.
   resolved.device.model.clear();
   if (!device.empty()) resolved.accelerator.device = device_name();
-  config::File& surface = resolved.object.mesh.surface;
-  if (!surface.empty()) surface = config::File(surface_name(surface.path));
+  for (const NamedSurface& surface : surfaces_of(resolved)) {
+    if (surface.file->empty()) continue;
+    *surface.file = config::File(surface_name(surface.stem, surface.file->path));
+  }
   return scenario::resolved(resolved);
 }
 
@@ -163,10 +194,15 @@ void write_resolved_scenario(const fs::path& directory, const app::Scenario& sce
     std::error_code ignored;
     fs::remove(directory / device_name(), ignored);  // of an earlier run
   }
-  const config::File& surface = scenario.object.mesh.surface;
-  const std::string surface_copy = surface.empty() ? "" : surface_name(surface.path);
-  if (!surface.empty()) copy_through_part_file(surface.path, directory / surface_copy);
-  remove_other_surfaces(directory, surface_copy);
+  app::Scenario named = scenario;
+  std::set<std::string> copies;
+  for (const NamedSurface& surface : surfaces_of(named)) {
+    if (surface.file->empty()) continue;
+    const std::string copy = surface_name(surface.stem, surface.file->path);
+    copy_through_part_file(surface.file->path, directory / copy);
+    copies.insert(copy);
+  }
+  remove_other_surfaces(directory, copies);
   write_through_part_file(directory / (std::string(kStem) + ".toml"),
                           resolved_text(scenario, device));
 }

@@ -49,7 +49,8 @@ SceneFigures scene_figures(const app::Scene& scene) {
   const app::Scenario& s = scene.scenario();
   std::optional<BodyFigures> body;
   if (scene.has_body()) {
-    body = {scene.quality(), scene.body().active_nodes(), scene.computation().matrix().blocks()};
+    body = {scene.quality(), scene.body().active_nodes(), scene.computation().matrix().blocks(),
+            region_figures(scene)};
   }
   return {.title = s.title,
           .frames = s.frames,
@@ -90,6 +91,11 @@ void BodyFigures::report(config::Figures& f) const {
   f.quantity("min_det_jacobian", mesh.min_det_jacobian, "m³",
              "six times the smallest signed volume");
   f.count("blocks", matrix_blocks, "of the matrix");
+  f.when(!regions.empty(), [&] {
+    f.list("regions",
+           "With `[[object.region]]` only: what each has of the body, what no region has first.",
+           regions);
+  });
 }
 
 void SceneFigures::report_fidelity(config::Figures& f) const {

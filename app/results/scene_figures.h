@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "app/results/regions.h"
 #include "models/accel/cycles.h"
 #include "models/accel/memory.h"
 #include "models/config/figures.h"
@@ -57,6 +58,7 @@ struct BodyFigures {
   mesh::Quality mesh;
   int active_nodes = 0;
   std::size_t matrix_blocks = 0;
+  std::vector<RegionFigures> regions;  // empty without [[object.region]]
 
   void report(config::Figures& f) const;
 };

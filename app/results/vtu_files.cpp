@@ -160,17 +160,30 @@ void set_cell_array(vtkUnstructuredGrid& grid, const char* name, int components,
   grid.GetCellData()->AddArray(array);
 }
 
+// Adds the number of each element's region, where there are any.
+void set_regions(vtkUnstructuredGrid& grid, std::span<const int> regions, std::size_t elements) {
+  if (regions.empty()) return;
+  if (regions.size() != elements)
+    throw std::invalid_argument(
+        fmt::format("regions of {} elements for {}", regions.size(), elements));
+  vtkNew<vtkTypeInt32Array> array;
+  array->SetName("region");
+  for (const int region : regions) array->InsertNextValue(region);
+  grid.GetCellData()->AddArray(array);
+}
+
 }  // namespace
 
 std::string step_file_name(int frame) { return fmt::format("deformation_{:06}.vtu", frame); }
 
 DeformationWriter::DeformationWriter(std::filesystem::path directory, const mesh::TetMesh& mesh,
-                                     std::span<const int> anchors)
+                                     std::span<const int> anchors, std::span<const int> regions)
     : directory_(std::move(directory)),
       nodes_(mesh.nodes.size()),
       elements_(mesh.tetrahedra.size()),
       grid_(grid_of(mesh)) {
   grid_->GetPointData()->AddArray(node_marks("anchor", nodes_, anchors));
+  set_regions(*grid_, regions, elements_);
   remove_earlier_steps(directory_);
 }
 
@@ -234,6 +247,7 @@ void write_mesh(const std::filesystem::path& path, const mesh::TetMesh& mesh,
   grid->GetCellData()->AddArray(
       double_array("min_dihedral_angle_deg", 1, quality.min_dihedral_angle_deg));
   grid->GetCellData()->AddArray(double_array("aspect_ratio", 1, quality.aspect_ratio));
+  set_regions(*grid, quality.region, elements);
   write_grid(path, *grid);
 }
 

@@ -39,7 +39,8 @@ struct StepInfo {
 // array `displacement` shows the deformed body).
 //
 // Arrays: points `displacement` (m, 64-bit), `anchor`, `contact` (0 or 1); cells `strain`,
-// `stress`, `von_mises` (Pa; 32-bit, which halves the files); fields `time_s`, `frame`,
+// `stress`, `von_mises` (Pa; 32-bit, which halves the files), and of a body with regions `region`
+// (0: none, 1: object.region[0], …); fields `time_s`, `frame`,
 // `probe_position_m`, `probe_radius_m`, `contact_force_N`; with several probes those of the first
 // one, and `probe1_position_m`, `probe1_contact_force_N`, `probe2_position_m`, …
 //
@@ -47,10 +48,11 @@ struct StepInfo {
 class DeformationWriter {
  public:
   // Removes the steps and the list that an earlier run left in `directory`, which exists.
-  // Anchors are node indices in any order. Throws std::invalid_argument for an index out of
-  // range and std::runtime_error when an old file cannot be removed.
+  // Anchors are node indices in any order. `regions` has a number for each element, 0 for what no
+  // region has, or is empty. Throws std::invalid_argument for an index or a size out of range and
+  // std::runtime_error when an old file cannot be removed.
   DeformationWriter(std::filesystem::path directory, const mesh::TetMesh& mesh,
-                    std::span<const int> anchors);
+                    std::span<const int> anchors, std::span<const int> regions = {});
   ~DeformationWriter();
   DeformationWriter(const DeformationWriter&) = delete;
   DeformationWriter& operator=(const DeformationWriter&) = delete;
@@ -84,11 +86,12 @@ std::string step_file_name(int frame);
 struct ElementQuality {
   std::span<const double> min_dihedral_angle_deg;
   std::span<const double> aspect_ratio;  // longest edge over shortest edge
+  std::span<const int> region = {};      // as DeformationWriter has them
 };
 
-// Writes the mesh with the cell arrays `min_dihedral_angle_deg` and `aspect_ratio`. Throws
-// std::invalid_argument when a span does not have one value a tetrahedron, std::runtime_error when
-// the file cannot be written.
+// Writes the mesh with the cell arrays `min_dihedral_angle_deg` and `aspect_ratio`, and `region`.
+// Throws std::invalid_argument when a span does not have one value a tetrahedron,
+// std::runtime_error when the file cannot be written.
 void write_mesh(const std::filesystem::path& path, const mesh::TetMesh& mesh,
                 const ElementQuality& quality);
 

@@ -19,7 +19,8 @@ void append(std::vector<double>& values, const Six& v) {
 DeformationRecorder::DeformationRecorder(const std::filesystem::path& directory, const Scene& scene)
     : scene_(scene),
       every_frames_(scene.scenario().output.deformation_every_frames),
-      writer_(directory, scene.body().mesh(), scene.body().anchored()),
+      writer_(directory, scene.body().mesh(), scene.body().anchored(),
+              scene.body().materials().of_elements()),
       displacement_(3 * scene.body().mesh().nodes.size()) {}
 
 void DeformationRecorder::solved(const vp::Frame& frame, const vp::Solution& solution) {
@@ -30,7 +31,7 @@ void DeformationRecorder::solved(const vp::Frame& frame, const vp::Solution& sol
   stress_.clear();
   von_mises_.clear();
   for (const fem::ElementStress& e :
-       fem::element_stress(body.mesh(), body.material(), displacement_)) {
+       fem::element_stress(body.mesh(), body.materials(), displacement_)) {
     append(strain_, e.strain);
     append(stress_, e.stress);
     von_mises_.push_back(e.von_mises_pa);

@@ -48,6 +48,10 @@ void Object::declare(config::Visitor& v) {
            {"whether held nodes leave the system or stay as cleared rows",
             "removed: the 500-node mesh then fits the EP2S60, docs/accelerator.md"});
   v.list("anchor", anchors, {"regions whose nodes are held"});
+  v.list("region", regions,
+         {"parts of the body with a material of their own. An element belongs to the last region "
+          "of the list that has its centroid, otherwise to the body"},
+         material);
 }
 
 void Object::check() const {
@@ -56,6 +60,7 @@ void Object::check() const {
                      "the body has no anchor and can move freely: expected at least one "
                      "[[object.anchor]]");
   }
+  fem::check_names(regions);
 }
 
 void Contact::declare(config::Visitor& v) {

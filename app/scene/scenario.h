@@ -13,6 +13,7 @@
 #include "models/fem/loads.h"
 #include "models/fem/material.h"
 #include "models/fem/newmark.h"
+#include "models/fem/region.h"
 #include "models/fixed/settings.h"
 #include "models/host/costs.h"
 #include "models/host/deviation.h"
@@ -56,6 +57,7 @@ struct Object {
   bool is_solved = true;  // false with explicit steps; set by Scenario::declare()
   fem::AnchorTreatment anchored_nodes = fem::AnchorTreatment::removed;
   std::vector<Anchor> anchors;
+  std::vector<fem::Region> regions;
 
   // True if the body's forces are not K·u: a frame is then solved by increments.
   bool nonlinear() const { return model && !model->linear(); }

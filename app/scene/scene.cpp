@@ -14,6 +14,7 @@
 #include "models/accel/critical_path.h"
 #include "models/config/input_error.h"
 #include "models/host/reference_run.h"
+#include "models/mesh/surface_check.h"
 #include "models/time/picoseconds.h"
 #include "vp/fpga/register_bank.h"
 
@@ -41,6 +42,20 @@ std::vector<int> anchored_nodes(const Scenario& s, const mesh::TetMesh& mesh) {
   return nodes;
 }
 
+fem::Materials materials(const Scenario& s, const mesh::TetMesh& mesh) {
+  const std::vector<fem::Region>& regions = s.object.regions;
+  std::vector<mesh::Surface> surfaces(regions.size());
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    const mesh::Volume& volume = regions[i].volume;
+    if (volume.shape != mesh::Volume::Shape::surface) continue;
+    surfaces[i] = within(fmt::format("object.region[{}]", i), [&] {
+      return mesh::check_surface(sandboxed_surface(volume.surface.path, volume.surface_unit));
+    });
+  }
+  return within("object",
+                [&] { return fem::materials_of(mesh, s.object.material, regions, surfaces); });
+}
+
 [[noreturn]] void refuse_body_of_wall() {
   throw InputError("wall", "the scenario has a wall and no body: expected one with [object]");
 }
@@ -54,8 +69,9 @@ std::unique_ptr<fem::Body> make_body(const Scenario& s, const Progress& progress
       within("object.mesh", [&] { return sandboxed_mesh(s.object.mesh, progress); });
   tell(progress, "assembling");
   const std::vector<int> anchored = anchored_nodes(s, mesh);
+  const fem::Materials of_elements = materials(s, mesh);
   try {
-    return std::make_unique<fem::Body>(std::move(mesh), s.object.material, anchored,
+    return std::make_unique<fem::Body>(std::move(mesh), of_elements, anchored,
                                        s.object.anchored_nodes, s.loads);
   } catch (const InputError& e) {
     if (e.key().empty()) throw InputError("object.mesh", e.what());
@@ -146,7 +162,7 @@ void Scene::build_body(const Progress& progress, Limits limits) {
                                           : fixed::prepare(computation_->matrix(), s.solver),
                                       *s.spectrum);
   }
-  locking_ = fem::measure_locking(body_->mesh(), s.object.material);
+  locking_ = fem::measure_locking(body_->mesh(), body_->materials());
 }
 
 void Scene::require_fit() const {

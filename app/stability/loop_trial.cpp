@@ -159,6 +159,9 @@ Trial run_trial(const Scene& scene, double stiffness, const TrialSettings& setti
 Trial run_body(const Scene& scene, double times) {
   Scenario s = scene.scenario();
   s.object.material.young_modulus_pa *= times;
+  for (fem::Region& region : s.object.regions) {
+    if (region.material) region.material->young_modulus_pa *= times;
+  }
   Scene stiffer(s, scene.device(), {}, Scene::Limits::reported);
   const vp::SoftBody soft{stiffer.body(), stiffer.computation(), stiffer.contacts()};
   vp::Platform platform(platform_settings(stiffer), soft, nullptr);

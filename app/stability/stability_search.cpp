@@ -209,9 +209,11 @@ void StabilityFigures::report(config::Figures& f) const {
   f.mean_time("delay_us", delay_s * 1e12,
               "L: from the latch of the position to the force at the motor, mean");
   f.mean_time("period_us", period_s * 1e12, "T");
-  f.quantity("young_modulus_Pa",
-             young_modulus_Pa > 0 ? std::optional(young_modulus_Pa) : std::nullopt, "Pa",
-             "of the body that has stiffness_max at its contact; null for a wall");
+  f.quantity(
+      "young_modulus_Pa", young_modulus_Pa > 0 ? std::optional(young_modulus_Pa) : std::nullopt,
+      "Pa",
+      "of the body that has stiffness_max at its contact, those of its regions in proportion; "
+      "null for a wall");
   f.quantity("wall_damping_N_s_m", damping_N_s_m, "N·s/m", "B");
   f.count("runs", runs, "of the platform");
   f.truth("stuck", stuck,

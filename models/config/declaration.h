@@ -270,21 +270,22 @@ class Visitor {
   }
 
   // Declares an array of tables. A list in the scenario replaces the default one as a whole.
-  template <class Part>
-  void list(std::string_view name, std::vector<Part>& parts, Note note) {
+  // `context` is what an item's declaration takes from elsewhere.
+  template <class Part, class... Context>
+  void list(std::string_view name, std::vector<Part>& parts, Note note, const Context&... context) {
     std::size_t count = parts.size();
     const bool replaced = begin_list(name, count, note);
     if (describes_only()) {
       Part typical{};
       begin_item(0);
-      declare_and_check(typical);
+      declare_and_check(typical, context...);
       end_item();
     } else {
       if (replaced) parts.clear();
       parts.resize(count);
       for (std::size_t i = 0; i < count; ++i) {
         begin_item(i);
-        declare_and_check(parts[i]);
+        declare_and_check(parts[i], context...);
         end_item();
       }
     }

@@ -189,14 +189,14 @@ sparse::BlockMatrix stiffness_pattern(const mesh::TetMesh& mesh) {
   return result;
 }
 
-sparse::BlockMatrix assemble_stiffness(const mesh::TetMesh& mesh, const Material& material) {
-  material.check();
-  const double lambda = material.lame_lambda();
-  const double mu = material.lame_mu();
+sparse::BlockMatrix assemble_stiffness(const mesh::TetMesh& mesh, const Materials& materials) {
+  materials.check(mesh.tetrahedra.size());
+  const std::vector<Lame> lame = lame_constants(materials.table());
   sparse::BlockMatrix k = stiffness_pattern(mesh);
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
     const ElementGeometry geometry = element_geometry(mesh, static_cast<int>(e));
     const auto& node = mesh.tetrahedra[e];
+    const auto [lambda, mu] = lame[materials.index_of(e)];
     for (int a = 0; a < 4; ++a) {
       for (int b = 0; b < 4; ++b) {
         const std::array<double, 9> block = stiffness_block(geometry, lambda, mu, a, b);
@@ -208,9 +208,9 @@ sparse::BlockMatrix assemble_stiffness(const mesh::TetMesh& mesh, const Material
   return k;
 }
 
-sparse::BlockMatrix assemble_mass(const mesh::TetMesh& mesh, const Material& material,
+sparse::BlockMatrix assemble_mass(const mesh::TetMesh& mesh, const Materials& materials,
                                   MassKind kind) {
-  material.check();
+  materials.check(mesh.tetrahedra.size());
   sparse::BlockMatrix m = stiffness_pattern(mesh);
   if (kind == MassKind::lumped) {
     const int nodes = m.block_rows();
@@ -227,7 +227,7 @@ sparse::BlockMatrix assemble_mass(const mesh::TetMesh& mesh, const Material& mat
     for (int a = 0; a < 4; ++a) {
       for (int b = 0; b < 4; ++b) {
         if (kind == MassKind::lumped && a != b) continue;
-        const double factor = mass_factor(geometry, material, kind, a, b);
+        const double factor = mass_factor(geometry, materials.of(e), kind, a, b);
         double* sum = m.block(static_cast<std::size_t>(m.find(node[at(a)], node[at(b)])));
         for (std::size_t i = 0; i < 3; ++i) sum[4 * i] += factor;
       }

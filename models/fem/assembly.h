@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "models/fem/material.h"
+#include "models/fem/materials.h"
 #include "models/mesh/tet_mesh.h"
 #include "models/sparse/block_matrix.h"
 
@@ -64,10 +64,10 @@ sparse::BlockMatrix stiffness_pattern(const mesh::TetMesh& mesh);
 
 // K in N/m over all nodes, without supports, so that it has six rigid-body modes. Symmetric to the
 // last bit.
-sparse::BlockMatrix assemble_stiffness(const mesh::TetMesh& mesh, const Material& material);
+sparse::BlockMatrix assemble_stiffness(const mesh::TetMesh& mesh, const Materials& materials);
 
 // M in kg over all nodes: the lumped one has diagonal blocks only, the consistent one K's pattern.
-sparse::BlockMatrix assemble_mass(const mesh::TetMesh& mesh, const Material& material,
+sparse::BlockMatrix assemble_mass(const mesh::TetMesh& mesh, const Materials& materials,
                                   MassKind kind);
 
 }  // namespace hvp::fem

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cstddef>
 #include <numeric>
+#include <stdexcept>
 #include <string>
 
 #include <fmt/format.h>
@@ -92,11 +93,11 @@ int remaining_rigid_body_modes(const mesh::TetMesh& mesh, std::span<const int> h
   return widest > 1e-6 * farthest.squaredNorm() ? 0 : 1;
 }
 
-Body::Body(mesh::TetMesh mesh, const Material& material, std::span<const int> anchored,
+Body::Body(mesh::TetMesh mesh, const Materials& materials, std::span<const int> anchored,
            AnchorTreatment treatment, const Loads& loads)
-    : mesh_(std::move(mesh)), material_(material), treatment_(treatment) {
-  const sparse::BlockMatrix full_stiffness = assemble_stiffness(mesh_, material_);
-  const std::vector<double> full_load = assemble_loads(mesh_, material_, loads);
+    : mesh_(std::move(mesh)), materials_(materials), treatment_(treatment) {
+  const sparse::BlockMatrix full_stiffness = assemble_stiffness(mesh_, materials_);
+  const std::vector<double> full_load = assemble_loads(mesh_, materials_, loads);
   hold(anchored, loads);
   expect_loads_on_free_nodes(mesh_, loads, held_);
   expect_no_rigid_body_modes(mesh_, held_);
@@ -112,6 +113,11 @@ Body::Body(mesh::TetMesh mesh, const Material& material, std::span<const int> an
   }
   stiffness_ = reduce(full_stiffness);
   move_prescribed_to_load(full_stiffness, full_load);
+}
+
+const Material& Body::material() const {
+  if (materials_.count() > 1) throw std::logic_error("a body of several materials");
+  return materials_.table().front();
 }
 
 void Body::hold(std::span<const int> anchored, const Loads& loads) {
@@ -208,7 +214,7 @@ void Body::move_prescribed_to_load(const sparse::BlockMatrix& full_stiffness,
 }
 
 sparse::BlockMatrix Body::mass(MassKind kind) const {
-  return reduce(assemble_mass(mesh_, material_, kind));
+  return reduce(assemble_mass(mesh_, materials_, kind));
 }
 
 std::vector<double> Body::initial_displacement() const {

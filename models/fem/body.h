@@ -7,7 +7,7 @@
 
 #include "models/fem/assembly.h"
 #include "models/fem/loads.h"
-#include "models/fem/material.h"
+#include "models/fem/materials.h"
 #include "models/mesh/tet_mesh.h"
 #include "models/sparse/block_matrix.h"
 
@@ -32,11 +32,13 @@ class Body {
   // node, a node that is both anchored and prescribed, or prescribed twice and differently, and a
   // load on held nodes alone.
   // The error's key is empty for the mesh, "anchor" for the anchors, otherwise that of the load.
-  Body(mesh::TetMesh mesh, const Material& material, std::span<const int> anchored,
+  Body(mesh::TetMesh mesh, const Materials& materials, std::span<const int> anchored,
        AnchorTreatment treatment, const Loads& loads = {});
 
   const mesh::TetMesh& mesh() const { return mesh_; }
-  const Material& material() const { return material_; }
+  const Materials& materials() const { return materials_; }
+  // Of a body of one material; std::logic_error of another.
+  const Material& material() const;
   AnchorTreatment treatment() const { return treatment_; }
 
   int active_nodes() const { return static_cast<int>(node_of_active_.size()); }
@@ -74,7 +76,7 @@ class Body {
   sparse::BlockMatrix reduce(const sparse::BlockMatrix& full) const;
 
   mesh::TetMesh mesh_;
-  Material material_;
+  Materials materials_;
   AnchorTreatment treatment_;
   std::vector<int> anchored_;
   std::vector<char> held_;

@@ -135,7 +135,7 @@ void add_pressure(const mesh::TetMesh& mesh, std::span<const int> triangles, dou
   }
 }
 
-std::vector<double> assemble_loads(const mesh::TetMesh& mesh, const Material& material,
+std::vector<double> assemble_loads(const mesh::TetMesh& mesh, const Materials& materials,
                                    const Loads& loads) {
   std::vector<double> f(3 * mesh.nodes.size(), 0.0);
   if (loads.gravity) {
@@ -143,7 +143,7 @@ std::vector<double> assemble_loads(const mesh::TetMesh& mesh, const Material& ma
     for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
       const double volume = element_geometry(mesh, static_cast<int>(e)).volume();
       const Eigen::Vector3d share =
-          material.density_kg_m3 * volume / 4 * loads.gravity->acceleration;
+          materials.of(e).density_kg_m3 * volume / 4 * loads.gravity->acceleration;
       for (const int node : mesh.tetrahedra[e]) {
         for (int r = 0; r < 3; ++r) f[3 * at(node) + at(r)] += share[r];
       }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "models/config/declaration.h"
-#include "models/fem/material.h"
+#include "models/fem/materials.h"
 #include "models/mesh/region.h"
 #include "models/mesh/tet_mesh.h"
 
@@ -58,7 +58,7 @@ struct Loads {
 // f of thesis (3.15) over all mesh nodes, three components a node, in newtons: ∫ Hᵀf_b dV of
 // gravity, ∫ H_Sᵀf_S dS of pressures, and the point loads. Throws InputError if a pressure's region
 // contains no boundary triangle, a point load lies off the body, or a number is not finite.
-std::vector<double> assemble_loads(const mesh::TetMesh& mesh, const Material& material,
+std::vector<double> assemble_loads(const mesh::TetMesh& mesh, const Materials& materials,
                                    const Loads& loads);
 
 // Adds the nodal forces of a pressure on the listed boundary triangles: a third of

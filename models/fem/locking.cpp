@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
 #include <vector>
 
 #include <fmt/format.h>
@@ -94,23 +95,28 @@ double cantilever_ratio(double poisson_ratio, int cells) {
 }
 
 double cells_across(const mesh::TetMesh& mesh) {
-  Eigen::Vector3d low = mesh.nodes.at(0);
-  Eigen::Vector3d high = low;
-  for (const Eigen::Vector3d& node : mesh.nodes) {
-    low = low.cwiseMin(node);
-    high = high.cwiseMax(node);
-  }
-  double volume = 0;
-  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
-    volume += element_geometry(mesh, static_cast<int>(e)).volume();
-  }
-  const double cell = std::cbrt(6 * volume / static_cast<double>(mesh.tetrahedra.size()));
-  return (high - low).minCoeff() / cell;
+  std::vector<int> all(mesh.tetrahedra.size());
+  std::iota(all.begin(), all.end(), 0);
+  return cells_across(mesh, all);
 }
 
-std::optional<Locking> measure_locking(const mesh::TetMesh& mesh, const Material& material) {
-  if (!(material.poisson_ratio > kLockingPoissonRatio)) return std::nullopt;
-  const double across = std::min(cells_across(mesh), static_cast<double>(kMostLockingCells));
+double cells_across(const mesh::TetMesh& mesh, std::span<const int> elements) {
+  Eigen::AlignedBox3d box;
+  double volume = 0;
+  for (const int e : elements) {
+    for (const int node : mesh.tetrahedra[at(e)]) box.extend(mesh.nodes[at(node)]);
+    volume += element_geometry(mesh, e).volume();
+  }
+  const double cell = std::cbrt(6 * volume / static_cast<double>(elements.size()));
+  return box.sizes().minCoeff() / cell;
+}
+
+namespace {
+
+Locking locking_of(const mesh::TetMesh& mesh, std::span<const int> elements,
+                   const Material& material) {
+  const double across =
+      std::min(cells_across(mesh, elements), static_cast<double>(kMostLockingCells));
   Locking result;
   result.cells = std::max(2, 2 * static_cast<int>(std::lround(across / 2)));
   result.stiffness_ratio = cantilever_ratio(material.poisson_ratio, result.cells);
@@ -119,6 +125,23 @@ std::optional<Locking> measure_locking(const mesh::TetMesh& mesh, const Material
       "across) bends {:.2f} times as far as it should; use 0.45 or less, or a finer mesh",
       material.poisson_ratio, result.cells, result.stiffness_ratio);
   return result;
+}
+
+}  // namespace
+
+std::optional<Locking> measure_locking(const mesh::TetMesh& mesh, const Materials& materials) {
+  std::vector<std::vector<int>> elements(materials.count());
+  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
+    elements[materials.index_of(e)].push_back(static_cast<int>(e));
+  }
+  std::optional<Locking> worst;
+  for (std::size_t m = 0; m < materials.count(); ++m) {
+    const Material& material = materials.table()[m];
+    if (elements[m].empty() || !(material.poisson_ratio > kLockingPoissonRatio)) continue;
+    const Locking found = locking_of(mesh, elements[m], material);
+    if (!worst || found.stiffness_ratio < worst->stiffness_ratio) worst = found;
+  }
+  return worst;
 }
 
 }  // namespace hvp::fem

@@ -1,9 +1,10 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 
-#include "models/fem/material.h"
+#include "models/fem/materials.h"
 #include "models/mesh/tet_mesh.h"
 
 namespace hvp::fem {
@@ -21,8 +22,9 @@ double cantilever_ratio(double poisson_ratio, int cells);
 inline constexpr int kMostLockingCells = 10;
 
 // The number of cubic cells, of six tetrahedra of the mesh's mean volume each, that fit across the
-// body's bounding box in its thinnest direction.
+// body's bounding box in its thinnest direction; or those of a part, of these elements.
 double cells_across(const mesh::TetMesh& mesh);
+double cells_across(const mesh::TetMesh& mesh, std::span<const int> elements);
 
 struct Locking {
   int cells = 0;               // cells of the solved cantilever
@@ -30,9 +32,10 @@ struct Locking {
   std::string sentence;        // the line for the terminal
 };
 
-// The locking if ν > 0.45, otherwise nothing. The cantilever has the resolution of the mesh,
+// The locking if ν > 0.45, otherwise nothing; of several materials, that of the part that locks
+// most. The cantilever has the resolution of the part's mesh,
 // rounded to an even number of cells and limited to 2 … kMostLockingCells. It stands for bending at
 // this resolution; a body that is only compressed locks less.
-std::optional<Locking> measure_locking(const mesh::TetMesh& mesh, const Material& material);
+std::optional<Locking> measure_locking(const mesh::TetMesh& mesh, const Materials& materials);
 
 }  // namespace hvp::fem

@@ -1,6 +1,7 @@
 #include "models/fem/material.h"
 
 #include <cmath>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -31,6 +32,16 @@ void Material::declare(config::Visitor& v) {
        .source = "soft tissue: 0.45 to 0.49; the end at which linear tetrahedra still work"});
   v.quantity("density", density_kg_m3, config::Dimension::density, kDensity,
              {.help = "mass density ρ", .source = "water; soft tissue is near 1050 kg/m³"});
+}
+
+void Material::declare_of_region(config::Visitor& v) {
+  constexpr std::string_view kOfBody = "that of [object.material]";
+  v.quantity("young_modulus", young_modulus_pa, config::Dimension::pressure, kYoungModulus,
+             {"Young's modulus E of the region", kOfBody});
+  v.quantity("poisson_ratio", poisson_ratio, config::Dimension::dimensionless,
+             config::between(0, kLargestPoissonRatio), {"Poisson's ratio of the region", kOfBody});
+  v.quantity("density", density_kg_m3, config::Dimension::density, kDensity,
+             {"mass density ρ of the region", kOfBody});
 }
 
 void Material::check() const {

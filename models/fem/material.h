@@ -14,13 +14,16 @@ using StrainVector = Eigen::Matrix<double, 6, 1>;
 using StressVector = Eigen::Matrix<double, 6, 1>;
 using StressStrainMatrix = Eigen::Matrix<double, 6, 6>;
 
-// A homogeneous, isotropic, linear elastic solid: the scenario's table [object.material].
+// A homogeneous, isotropic, linear elastic solid: the scenario's table [object.material]. A body
+// of several has fem::Materials.
 struct Material {
   double young_modulus_pa = 10e3;
   double poisson_ratio = 0.45;
   double density_kg_m3 = 1000;
 
   void declare(config::Visitor& v);
+  // The same of a region that has what the body has where nothing is stated.
+  void declare_of_region(config::Visitor& v);
   // Throws InputError naming the parameter that is not finite or out of range.
   void check() const;
 

@@ -19,11 +19,10 @@ double von_mises(const StressVector& s) {
                    3 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
 }
 
-std::vector<ElementStress> element_stress(const mesh::TetMesh& mesh, const Material& material,
+std::vector<ElementStress> element_stress(const mesh::TetMesh& mesh, const Materials& materials,
                                           std::span<const double> u_full) {
   assert(u_full.size() == 3 * mesh.nodes.size());
-  const double lambda = material.lame_lambda();
-  const double mu = material.lame_mu();
+  const std::vector<Lame> lame = lame_constants(materials.table());
   std::vector<ElementStress> result(mesh.tetrahedra.size());
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
     const ElementGeometry geometry = element_geometry(mesh, static_cast<int>(e));
@@ -38,6 +37,7 @@ std::vector<ElementStress> element_stress(const mesh::TetMesh& mesh, const Mater
       strain[4] += g.z() * u[0] + g.x() * u[2];
       strain[5] += g.z() * u[1] + g.y() * u[2];
     }
+    const auto [lambda, mu] = lame[materials.index_of(e)];
     const double dilatation = strain[0] + strain[1] + strain[2];
     for (int i = 0; i < 3; ++i) {
       result[e].stress[i] = lambda * dilatation + 2 * mu * strain[i];

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "models/fem/material.h"
+#include "models/fem/materials.h"
 #include "models/mesh/tet_mesh.h"
 
 namespace hvp::fem {
@@ -21,7 +21,7 @@ struct ElementStress {
 
 // ε = B·û and σ = D·ε (thesis (3.13), (3.3)) of every tetrahedron from the displacements of all
 // mesh nodes (m).
-std::vector<ElementStress> element_stress(const mesh::TetMesh& mesh, const Material& material,
+std::vector<ElementStress> element_stress(const mesh::TetMesh& mesh, const Materials& materials,
                                           std::span<const double> u_full);
 
 // Von Mises' equivalent stress √(½·((σxx − σyy)² + (σyy − σzz)² + (σzz − σxx)²) + 3·(σxy² + σxz² +

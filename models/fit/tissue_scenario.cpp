@@ -66,9 +66,10 @@ std::optional<std::string> locking_warning(const TissueBody& body,
                                            std::span<const Estimate> estimates) {
   const Estimate* ratio = find(estimates, "poisson_ratio");
   if (!known(ratio)) return std::nullopt;
-  const std::optional<fem::Locking> locking = fem::measure_locking(
-      body.mesh,
-      {.young_modulus_pa = 1, .poisson_ratio = ratio->value, .density_kg_m3 = body.density_kg_m3});
+  const std::optional<fem::Locking> locking =
+      fem::measure_locking(body.mesh, fem::Material{.young_modulus_pa = 1,
+                                                    .poisson_ratio = ratio->value,
+                                                    .density_kg_m3 = body.density_kg_m3});
   if (!locking) return std::nullopt;
   return locking->sentence + ": E and ν hold for this mesh";
 }

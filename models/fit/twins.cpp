@@ -125,9 +125,9 @@ TissueLog touch(const TissueBody& body, const TissueValues& values, const std::v
                 const Eigen::Vector3d& direction, const std::vector<double>& displacement,
                 double noise, std::int64_t seed) {
   const fem::Body solid(body.mesh,
-                        {.young_modulus_pa = values.young_modulus,
-                         .poisson_ratio = values.poisson_ratio,
-                         .density_kg_m3 = body.density_kg_m3},
+                        fem::Material{.young_modulus_pa = values.young_modulus,
+                                      .poisson_ratio = values.poisson_ratio,
+                                      .density_kg_m3 = body.density_kg_m3},
                         body.anchored, fem::AnchorTreatment::removed);
   std::optional<fem::Dynamics> dynamics = body.dynamics;
   if (dynamics) {

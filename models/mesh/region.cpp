@@ -90,25 +90,31 @@ void Region::declare(config::Visitor& v) {
     v.vector("direction", direction, Dimension::dimensionless, {},
              {.help = "which way is up; any length but zero", .source = "z points up"});
   });
-  of_kind.only({Kind::half_space}, [&] {
-    v.vector("point", point, Dimension::length, kPosition,
-             {.help = "a point of its plane", .source = "the body's origin"});
-    v.vector("normal", normal, Dimension::dimensionless, {},
-             {.help = "its plane's normal, which points out of the region; any length but zero",
-              .source = "z points up: the region is what lies below"});
-  });
-  of_kind.only({Kind::box}, [&] {
-    v.vector("low_corner", low_corner, Dimension::length, kPosition,
-             {.help = "the corner with the smallest coordinates", .source = "the body's origin"});
-    v.vector("high_corner", high_corner, Dimension::length, kPosition,
-             {.help = "the corner with the largest coordinates", .source = "the body's origin"});
-  });
-  of_kind.only({Kind::sphere}, [&] {
-    v.vector("centre", centre, Dimension::length, kPosition,
-             {.help = "its centre", .source = "the body's origin"});
-    v.quantity("radius", radius, Dimension::length, {0.0, 1e9, true},
-               {.help = "its radius", .required = true});
-  });
+  of_kind.only({Kind::half_space}, [&] { declare_half_space(v); });
+  of_kind.only({Kind::box}, [&] { declare_box(v); });
+  of_kind.only({Kind::sphere}, [&] { declare_sphere(v); });
+}
+
+void Region::declare_half_space(config::Visitor& v) {
+  v.vector("point", point, Dimension::length, kPosition,
+           {.help = "a point of its plane", .source = "the body's origin"});
+  v.vector("normal", normal, Dimension::dimensionless, {},
+           {.help = "its plane's normal, which points out of the region; any length but zero",
+            .source = "z points up: the region is what lies below"});
+}
+
+void Region::declare_box(config::Visitor& v) {
+  v.vector("low_corner", low_corner, Dimension::length, kPosition,
+           {.help = "the corner with the smallest coordinates", .source = "the body's origin"});
+  v.vector("high_corner", high_corner, Dimension::length, kPosition,
+           {.help = "the corner with the largest coordinates", .source = "the body's origin"});
+}
+
+void Region::declare_sphere(config::Visitor& v) {
+  v.vector("centre", centre, Dimension::length, kPosition,
+           {.help = "its centre", .source = "the body's origin"});
+  v.quantity("radius", radius, Dimension::length, {0.0, 1e9, true},
+             {.help = "its radius", .required = true});
 }
 
 void Region::check() const {

@@ -29,6 +29,10 @@ struct Region {
   double radius = 0.0;
 
   void declare(config::Visitor& v);
+  // The keys of one kind.
+  void declare_half_space(config::Visitor& v);
+  void declare_box(config::Visitor& v);
+  void declare_sphere(config::Visitor& v);
   // Throws InputError for a direction or normal of length zero and for an empty box or sphere.
   void check() const;
 };

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <numeric>
+#include <type_traits>
 
 #include "models/fem/assembly.h"
 #include "models/index.h"
@@ -45,17 +46,28 @@ Tensor<double> velocity_gradient(const Gradients<double>& g,
   return rate;
 }
 
+std::vector<Law> laws_of(const fem::Materials& materials, LawKind kind,
+                         const Parameters& parameters) {
+  std::vector<Law> laws;
+  for (const fem::Material& material : materials.table()) {
+    laws.emplace_back(kind, material, parameters);
+  }
+  return laws;
+}
+
 }  // namespace
 
 ElasticBody::ElasticBody(const fem::Body& body, LawKind kind, const Parameters& parameters)
     : body_(body),
-      law_(kind, body.material(), parameters),
+      laws_(laws_of(body.materials(), kind, parameters)),
+      lame_(fem::lame_constants(body.materials().table())),
       elements_(body.mesh().tetrahedra.size()) {
   const sparse::BlockMatrix& k = body.stiffness();
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     const fem::ElementGeometry geometry = fem::element_geometry(body.mesh(), static_cast<int>(e));
     Element& element = elements_[e];
     element.node = body.mesh().tetrahedra[e];
+    element.material = static_cast<int>(body.materials().index_of(e));
     element.volume = geometry.volume();
     for (std::size_t a = 0; a < 4; ++a) {
       for (std::size_t i = 0; i < 3; ++i) {
@@ -89,8 +101,14 @@ std::span<const int> ElasticBody::elements_at(int node) const {
   return std::span(at_node_).subspan(first, at(first_at_node_[at(node) + 1]) - first);
 }
 
-Viscous ElasticBody::viscous(double damping_s) const {
-  return {damping_s * body_.material().lame_lambda(), damping_s * body_.material().lame_mu()};
+Viscous ElasticBody::viscous(const Element& element, double damping_s) const {
+  const fem::Lame& lame = lame_[at(element.material)];
+  return {damping_s * lame.lambda, damping_s * lame.mu};
+}
+
+template <class Law>
+const Law& ElasticBody::law_of(const Element& element) const {
+  return *std::get_if<Law>(&laws_[at(element.material)].form());
 }
 
 // Calls visit(element, F) for each element and notes what the law says of it; visit returns the
@@ -113,18 +131,20 @@ Deformation ElasticBody::internal_forces(std::span<const double> u, std::span<do
 }
 
 template <class Law>
-void ElasticBody::visit_forces(const Law& law, const Element& element, const Motion& motion,
-                               const Viscous& damping, double times, std::span<double> f,
-                               Tensor<double>* frame, Deformation& found) const {
-  Framed framed =
-      framed_stress(law, deformation_gradient(element.gradient, gather(element.node, motion.u)));
+void ElasticBody::visit_forces(const Element& element, const Motion& motion, double times,
+                               std::span<double> f, Tensor<double>* frame,
+                               Deformation& found) const {
+  Framed framed = framed_stress(
+      law_of<Law>(element), deformation_gradient(element.gradient, gather(element.node, motion.u)));
   Stress<double>& stress = framed.stress;
   note(found, stress.determinant, stress.defined, stress.operations);
   found.operations += kDeformationGradient;
   if (!stress.defined) return;
   if (!motion.v.empty()) {
-    const Tensor<double> viscous_stress = damping.stress(
-        framed.frame, velocity_gradient(element.gradient, gather(element.node, motion.v)));
+    const Tensor<double> viscous_stress =
+        viscous(element, motion.damping_s)
+            .stress(framed.frame,
+                    velocity_gradient(element.gradient, gather(element.node, motion.v)));
     for (std::size_t i = 0; i < 9; ++i) stress.p[i] += viscous_stress[i];
     found.operations += kVelocityGradient + Viscous::kStress;
     if (frame != nullptr) *frame = framed.frame;
@@ -148,37 +168,37 @@ Deformation ElasticBody::forces(const Motion& motion, std::span<double> f,
   assert(f.size() == motion.u.size());
   std::fill(f.begin(), f.end(), 0.0);
   Deformation found;
-  const Viscous damping = viscous(motion.damping_s);
   std::visit(
       [&](const auto& law) {
+        using Form = std::decay_t<decltype(law)>;
         for (std::size_t e = 0; e < elements_.size(); ++e) {
           Tensor<double>* frame = frames.empty() ? nullptr : &frames[e];
-          visit_forces(law, elements_[e], motion, damping, 1, f, frame, found);
+          visit_forces<Form>(elements_[e], motion, 1, f, frame, found);
         }
       },
-      law_.form());
+      laws_.front().form());
   return found;
 }
 
 Deformation ElasticBody::add_forces(std::span<const int> elements, const Motion& motion,
                                     double times, std::span<double> f) const {
   Deformation found;
-  const Viscous damping = viscous(motion.damping_s);
   std::visit(
       [&](const auto& law) {
+        using Form = std::decay_t<decltype(law)>;
         for (const int e : elements) {
-          visit_forces(law, elements_[at(e)], motion, damping, times, f, nullptr, found);
+          visit_forces<Form>(elements_[at(e)], motion, times, f, nullptr, found);
         }
       },
-      law_.form());
+      laws_.front().form());
   return found;
 }
 
 Operations ElasticBody::add_damping(std::span<const Tensor<double>> frames, const Motion& motion,
                                     std::span<double> f) const {
-  const Viscous damping = viscous(motion.damping_s);
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     const Element& element = elements_[e];
+    const Viscous damping = viscous(element, motion.damping_s);
     add_forces_of(element,
                   damping.stress(frames[e], velocity_gradient(element.gradient,
                                                               gather(element.node, motion.v))),
@@ -192,13 +212,14 @@ Deformation ElasticBody::energy(std::span<const double> u, double& energy_j) con
   energy_j = 0;
   Deformation found = std::visit(
       [&](const auto& law) {
+        using Form = std::decay_t<decltype(law)>;
         return each_element(u, [&](const Element& element, const Tensor<double>& gradient) {
-          const Energy<double> energy = law.energy(gradient);
+          const Energy<double> energy = law_of<Form>(element).energy(gradient);
           energy_j += element.volume * energy.density;
           return energy;
         });
       },
-      law_.form());
+      laws_.front().form());
   found.operations += {.add_multiply = 2.0 * static_cast<double>(elements_.size())};
   return found;
 }
@@ -210,14 +231,15 @@ Deformation ElasticBody::tangent(std::span<const double> u, Linearisation linear
   Operations added;
   Deformation found = std::visit(
       [&](const auto& law) {
+        using Form = std::decay_t<decltype(law)>;
         return each_element(u, [&](const Element& element, const Tensor<double>& gradient) {
-          const Tangent<double> tangent =
-              law.tangent(gradient, element.gradient, element.volume, linearisation);
+          const Tangent<double> tangent = law_of<Form>(element).tangent(
+              gradient, element.gradient, element.volume, linearisation);
           if (tangent.defined) added += add_blocks(element, tangent.blocks, k);
           return tangent;
         });
       },
-      law_.form());
+      laws_.front().form());
   found.operations += added;
   for (int a = 0; a < body_.active_nodes(); ++a) {
     if (!body_.held(body_.node_of_active()[at(a)])) continue;
@@ -229,10 +251,10 @@ Deformation ElasticBody::tangent(std::span<const double> u, Linearisation linear
 
 void ElasticBody::add_damping_tangent(std::span<const Tensor<double>> frames, double damping_s,
                                       double weight, sparse::BlockMatrix& k) const {
-  const Viscous damping = viscous(damping_s);
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     Blocks<double> blocks{};
-    damping.add_tangent(frames[e], elements_[e].gradient, elements_[e].volume, weight, blocks);
+    viscous(elements_[e], damping_s)
+        .add_tangent(frames[e], elements_[e].gradient, elements_[e].volume, weight, blocks);
     add_blocks(elements_[e], blocks, k);
   }
 }

@@ -21,8 +21,8 @@ struct Motion {
   double damping_s = 0;       // β of Rayleigh's damping, models/tissue/viscous.h
 };
 
-// A body of a hyperelastic material: the energy of its displacements, their internal forces and
-// their stiffness. It knows neither time nor loads nor who solves.
+// A body of hyperelastic materials, all of one kind of law: the energy of its displacements, their
+// internal forces and their stiffness. It knows neither time nor loads nor who solves.
 //
 // Elements are gone through in ascending order, so that every sum has one order.
 class ElasticBody final : public PotentialBody {
@@ -32,7 +32,11 @@ class ElasticBody final : public PotentialBody {
   ElasticBody(const fem::Body& body, LawKind kind, const Parameters& parameters = {});
 
   const fem::Body& body() const override { return body_; }
-  const Law& law() const { return law_; }
+  LawKind kind() const { return laws_.front().kind(); }
+  // As Law::needs_positive_determinant().
+  bool needs_positive_determinant() const { return laws_.front().needs_positive_determinant(); }
+  // Of an element, with its material's constants.
+  const Law& law(std::size_t element) const { return laws_[body_.materials().index_of(element)]; }
 
   [[nodiscard]] Deformation internal_forces(std::span<const double> u,
                                             std::span<double> f) const override;
@@ -62,6 +66,7 @@ class ElasticBody final : public PotentialBody {
  private:
   struct Element {
     std::array<int, 4> node{};
+    int material = 0;              // in the body's table
     double volume = 0;             // m³
     Gradients<double> gradient{};  // 1/m
     Gradients<double> weighted{};  // V times it, m²
@@ -69,20 +74,23 @@ class ElasticBody final : public PotentialBody {
     std::array<int, 16> block{};
   };
 
+  // The law of an element, whose kind is known.
+  template <class Law>
+  const Law& law_of(const Element& element) const;
   template <class Visit>
   Deformation each_element(std::span<const double> u, const Visit& visit) const;
   template <class Law>
-  void visit_forces(const Law& law, const Element& element, const Motion& motion,
-                    const Viscous& damping, double times, std::span<double> f,
+  void visit_forces(const Element& element, const Motion& motion, double times, std::span<double> f,
                     Tensor<double>* frame, Deformation& found) const;
   static void add_forces_of(const Element& element, const Tensor<double>& stress,
                             std::span<double> f);
-  Viscous viscous(double damping_s) const;
+  Viscous viscous(const Element& element, double damping_s) const;
   Operations add_blocks(const Element& element, const Blocks<double>& blocks,
                         sparse::BlockMatrix& k) const;
 
   const fem::Body& body_;
-  Law law_;
+  std::vector<Law> laws_;        // of each material
+  std::vector<fem::Lame> lame_;  // likewise
   std::vector<Element> elements_;
   std::vector<int> first_at_node_;  // of each mesh node, into:
   std::vector<int> at_node_;        // elements

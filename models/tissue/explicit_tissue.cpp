@@ -17,7 +17,7 @@ namespace {
 
 bool is_linear(const PotentialBody& body) {
   const auto* elastic = dynamic_cast<const ElasticBody*>(&body);
-  return elastic != nullptr && elastic->law().kind() == LawKind::linear;
+  return elastic != nullptr && elastic->kind() == LawKind::linear;
 }
 
 double limit_at_rest(const PotentialBody& body, const fem::Dynamics& dynamics) {

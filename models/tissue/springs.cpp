@@ -29,38 +29,47 @@ bool has_direction(double length) { return length > 0 && std::isfinite(length); 
 
 }  // namespace
 
-std::vector<Edge> edges_of(const mesh::TetMesh& mesh) {
-  std::vector<Edge> all;
+std::vector<Edge> edges_of(const mesh::TetMesh& mesh, const fem::Materials& materials) {
+  struct Part {
+    std::array<int, 2> node{};
+    double volume = 0;   // m³
+    double modulus = 0;  // Pa
+  };
+  std::vector<Part> all;
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
     const double volume = fem::element_geometry(mesh, static_cast<int>(e)).volume();
+    const double modulus = materials.of(e).young_modulus_pa;
     const std::array<int, 4>& node = mesh.tetrahedra[e];
     for (std::size_t a = 0; a < 4; ++a) {
       for (std::size_t b = a + 1; b < 4; ++b) {
-        all.push_back({{std::min(node[a], node[b]), std::max(node[a], node[b])}, volume});
+        all.push_back({{std::min(node[a], node[b]), std::max(node[a], node[b])}, volume, modulus});
       }
     }
   }
   std::stable_sort(all.begin(), all.end(),
-                   [](const Edge& x, const Edge& y) { return x.node < y.node; });
+                   [](const Part& x, const Part& y) { return x.node < y.node; });
   std::vector<Edge> edges;
-  for (const Edge& one : all) {
-    if (edges.empty() || edges.back().node != one.node) {
-      edges.push_back(one);
-    } else {
-      edges.back().volume += one.volume;
+  for (std::size_t first = 0, next = 0; first < all.size(); first = next) {
+    // E of the first tetrahedron is taken out of the sum, so that equal ones round as E·ΣV does.
+    double volume = 0;
+    double beyond = 0;
+    for (next = first; next < all.size() && all[next].node == all[first].node; ++next) {
+      volume += all[next].volume;
+      beyond += (all[next].modulus - all[first].modulus) * all[next].volume;
     }
+    edges.push_back({all[first].node, all[first].modulus * volume + beyond});
   }
   return edges;
 }
 
 SpringBody::SpringBody(const fem::Body& body) : body_(body) {
   const mesh::TetMesh& mesh = body.mesh();
-  for (const Edge& edge : edges_of(mesh)) {
+  for (const Edge& edge : edges_of(mesh, body.materials())) {
     Spring spring{.node = edge.node};
     const Eigen::Vector3d rest = mesh.nodes[at(edge.node[1])] - mesh.nodes[at(edge.node[0])];
     std::copy_n(rest.data(), 3, spring.rest.begin());
     spring.length = rest.norm();
-    spring.stiffness = body.material().young_modulus_pa * edge.volume / rest.squaredNorm();
+    spring.stiffness = edge.modulus_volume / rest.squaredNorm();
     spring.pull_at_rest = spring.stiffness * spring.length;
     for (std::size_t a = 0; a < 2; ++a) {
       for (std::size_t b = 0; b < 2; ++b) {

@@ -30,22 +30,22 @@ SpringForce<T> spring_force(const Vector<T>& d, const T& stiffness, const T& pul
 }
 inline constexpr Operations kSpringForce = {.add_multiply = 9, .divisions = 1, .functions = 1};
 
-// An edge of the mesh, and the volume of the tetrahedra that have it.
+// An edge of the mesh, and what the tetrahedra that have it add up to.
 struct Edge {
   std::array<int, 2> node{};  // ascending
-  double volume = 0;          // m³
+  double modulus_volume = 0;  // Σ E·V, N·m
 };
 // All edges, ascending.
-std::vector<Edge> edges_of(const mesh::TetMesh& mesh);
+std::vector<Edge> edges_of(const mesh::TetMesh& mesh, const fem::Materials& materials);
 
 // A mass-spring body: a linear spring along each edge of the mesh, of stiffness
-//   k = E·ΣV/l²
-// with the volume ΣV of the tetrahedra round it (Van Gelder: Approximate simulation of elastic
-// membranes by triangulated spring meshes, 1998, §4, for tetrahedra). Of the body's material it
-// takes E alone: under an affine strain the mean over all directions is that E, and ν is ¼ whatever
-// the material says, as for every network of central forces (Cauchy). The mesh's preferred
-// directions remain: docs/tissue.md has how much. Springs turn with the body. They do not see that
-// an element is turned inside out: a mirrored one is at rest.
+//   k = Σ E·V/l²
+// over the tetrahedra round it, E·ΣV/l² in a body of one material (Van Gelder: Approximate
+// simulation of elastic membranes by triangulated spring meshes, 1998, §4, for tetrahedra). Of the
+// body's material it takes E alone: under an affine strain the mean over all directions is that E,
+// and ν is ¼ whatever the material says, as for every network of central forces (Cauchy). The
+// mesh's preferred directions remain: docs/tissue.md has how much. Springs turn with the body. They
+// do not see that an element is turned inside out: a mirrored one is at rest.
 //
 // Of a `Deformation` it has no determinants; `undefined` counts springs whose length is zero or not
 // finite, which have no direction and add nothing.

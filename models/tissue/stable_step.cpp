@@ -133,22 +133,24 @@ double element_step(const ElasticBody& body, std::span<const double> u) {
       f += Eigen::Map<const Eigen::Vector3d>(&u[3 * at(mesh.tetrahedra[e][a])]) *
            geometry.gradient[a].transpose();
     }
-    const auto k = body.law().tangent(f, geometry, Linearisation::exact);
+    const auto k = body.law(e).tangent(f, geometry, Linearisation::exact);
     if (!k || !k->allFinite()) refuse_undefined(1);
     const Eigen::SelfAdjointEigenSolver<fem::ElementMatrix> modes(*k, Eigen::EigenvaluesOnly);
-    const double mass = body.body().material().density_kg_m3 * geometry.volume() / 4;
+    const double mass = body.body().materials().of(e).density_kg_m3 * geometry.volume() / 4;
     largest = std::max(largest, modes.eigenvalues()[11] / mass);
   }
   return 2 / std::sqrt(largest);
 }
 
-double closed_form_step(const mesh::TetMesh& mesh, const fem::Material& material) {
-  double largest = 0;
+double closed_form_step(const mesh::TetMesh& mesh, const fem::Materials& materials) {
+  double largest = 0;  // (λ + 2μ)/ρ·Σ|∇Λ_a|², 1/s²
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
-    largest = std::max(largest, sum_of_squares(fem::element_geometry(mesh, static_cast<int>(e))));
+    const fem::Material& material = materials.of(e);
+    const double wave = (material.lame_lambda() + 2 * material.lame_mu()) / material.density_kg_m3;
+    largest =
+        std::max(largest, wave * sum_of_squares(fem::element_geometry(mesh, static_cast<int>(e))));
   }
-  const double wave = (material.lame_lambda() + 2 * material.lame_mu()) / material.density_kg_m3;
-  return 2 / std::sqrt(4 * wave * largest);
+  return 2 / std::sqrt(4 * largest);
 }
 
 double lagged_damping_step(double largest_frequency_rad_s, double rayleigh_stiffness_s) {

@@ -38,7 +38,7 @@ FrequencyBounds largest_frequency(const PotentialBody& body, std::span<const dou
 // 1971). `u` is over all mesh nodes. Throws InputError if the law is not defined there.
 double element_step(const ElasticBody& body, std::span<const double> u);
 // The same at rest without an eigenvalue, from ω² ≤ 4(λ + 2μ)/ρ·Σ|∇Λ_a|².
-double closed_form_step(const mesh::TetMesh& mesh, const fem::Material& material);
+double closed_form_step(const mesh::TetMesh& mesh, const fem::Materials& materials);
 
 // The limit if a damping force β·K·v is computed with the velocity of the substep before, as an
 // explicit scheme has to: 2/ω·(√(1 + ξ²) − ξ), ξ = βω/2. β in s.

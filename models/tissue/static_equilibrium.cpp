@@ -175,7 +175,7 @@ Equilibrium StaticEquilibrium::solve(std::span<const double> load, const fem::Ho
       }
       here = look_at(next, load);
       if (!here.deformation.defined()) continue;
-      if (body_.law().needs_positive_determinant() &&
+      if (body_.needs_positive_determinant() &&
           here.deformation.smallest_determinant <
               kLeastOfDeterminant * before.deformation.smallest_determinant) {
         continue;

@@ -7,10 +7,11 @@
 #include <map>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 
 #include "app/mesh/sandboxed_mesh.h"
 #include "models/fem/assembly.h"
-#include "models/fem/material.h"
+#include "models/fem/materials.h"
 #include "models/index.h"
 #include "models/mesh/region.h"
 
@@ -81,27 +82,20 @@ std::vector<int> lowest_nodes(const mesh::TetMesh& mesh, double fraction) {
 }
 
 Body make_body(const mesh::TetMesh& mesh, const Solid& solid, std::span<const int> held) {
-  sparse::BlockMatrix stiffness = fem::stiffness_pattern(mesh);
+  std::vector<fem::Material> table;
+  std::vector<int> of_element;
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
-    const Tetrahedron& node = mesh.tetrahedra[e];
     Vector3d centre = Vector3d::Zero();
-    for (const int n : node) centre += mesh.nodes[at(n)] / 4;
+    for (const int n : mesh.tetrahedra[e]) centre += mesh.nodes[at(n)] / 4;
     fem::Material material;
     material.poisson_ratio = solid.poisson_ratio;
     material.young_modulus_pa = solid.young_modulus_pa;
     if (solid.contrast) material.young_modulus_pa *= solid.contrast(centre);
-    material.check();
-    const fem::ElementGeometry geometry = fem::element_geometry(mesh, static_cast<int>(e));
-    for (int a = 0; a < 4; ++a) {
-      for (int b = 0; b < 4; ++b) {
-        const auto block =
-            fem::stiffness_block(geometry, material.lame_lambda(), material.lame_mu(), a, b);
-        double* sum =
-            stiffness.block(at(static_cast<int>(stiffness.find(node[at(a)], node[at(b)]))));
-        for (std::size_t i = 0; i < 9; ++i) sum[i] += block[i];
-      }
-    }
+    of_element.push_back(static_cast<int>(table.size()));
+    table.push_back(material);
   }
+  const sparse::BlockMatrix stiffness =
+      fem::assemble_stiffness(mesh, {std::move(table), std::move(of_element)});
   Body body{.mesh = mesh, .free_nodes = {}, .stiffness = {}};
   for (int n = 0; n < stiffness.block_rows(); ++n) {
     if (std::find(held.begin(), held.end(), n) == held.end()) body.free_nodes.push_back(n);

@@ -84,6 +84,25 @@ class DeformationTest : public testing::Test {
   StepInfo info_;
 };
 
+TEST_F(DeformationTest, HasTheRegionOfEachElementWhereThereAreAny) {
+  std::vector<int> regions(mesh_.tetrahedra.size(), 0);
+  regions[3] = 2;
+  {
+    DeformationWriter writer(scratch_.path(), mesh_, anchors_, regions);
+    writer.write(0.002, 1, displacement_, info_);
+  }
+  const auto grid = read(scratch_.path() / "deformation_000001.vtu");
+  vtkDataArray* found = grid->GetCellData()->GetArray("region");
+  ASSERT_NE(found, nullptr);
+  for (vtkIdType e = 0; e < grid->GetNumberOfCells(); ++e)
+    EXPECT_EQ(found->GetComponent(e, 0), regions[static_cast<std::size_t>(e)]);
+  regions.pop_back();
+  EXPECT_THROW(DeformationWriter(scratch_.path(), mesh_, anchors_, regions), std::invalid_argument);
+  write_two_steps(scratch_.path());
+  EXPECT_EQ(read(scratch_.path() / "deformation_000001.vtu")->GetCellData()->GetArray("region"),
+            nullptr);
+}
+
 TEST_F(DeformationTest, StepReadBackByVtkHoldsEveryArrayAndValue) {
   write_two_steps(scratch_.path());
   const auto grid = read(scratch_.path() / "deformation_000001.vtu");

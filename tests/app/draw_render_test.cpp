@@ -121,6 +121,15 @@ TEST_F(DrawRenderTest, ShowsTheStepOfTheLargestForceWithItsArrow) {
   EXPECT_EQ(without, 0);
 }
 
+// A region's outline is above the body that hides it; without regions there is none.
+TEST_F(DrawRenderTest, OutlinesRegions) {
+  const auto is_purple = [](const Colour& c) { return c[2] - c[1] > 50 && c[0] - c[1] > 30; };
+  ASSERT_TRUE(draw({}).drawn);
+  const int without = Picture(file("deformation.png")).count(is_purple);
+  ASSERT_TRUE(draw({.lump = true}).drawn);
+  EXPECT_GT(Picture(file("deformation.png")).count(is_purple), without + 800);
+}
+
 TEST_F(DrawRenderTest, LateFramesAreRed) {
   sample::write_run(scratch_.path(), {});
   ASSERT_TRUE(redraw().drawn);

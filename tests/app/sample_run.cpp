@@ -74,7 +74,13 @@ void write_deformation(const std::filesystem::path& directory, const RunShape& s
   const std::vector<double> tensors(6 * elements, 0.0);
   const std::vector<double> scalars(elements, 0.0);
 
-  results::DeformationWriter writer(directory, mesh, anchors);
+  std::vector<int> regions;
+  for (std::size_t e = 0; shape.lump && e < elements; ++e) {
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    for (const int node : mesh.tetrahedra[e]) centre += mesh.nodes[static_cast<std::size_t>(node)];
+    regions.push_back(centre.norm() / 4 < 0.5 * kRadius ? 1 : 0);
+  }
+  results::DeformationWriter writer(directory, mesh, anchors, regions);
   for (int frame = 0; frame < shape.frames; frame += shape.step_every) {
     const double press = pressed_share(frame, shape.frames);
     const int contact = static_cast<int>(top - mesh.nodes.begin());

@@ -19,6 +19,7 @@ struct RunShape {
   int frames = 200;
   int step_every = 50;  // frames between two deformation steps
   int cells = 6;
+  bool lump = false;  // a region round the centre
 };
 
 // A ball whose top is pressed in and let go again, in `directory`, which exists: the deformation

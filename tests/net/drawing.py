@@ -108,7 +108,14 @@ NOT_DRAWN: tuple[str, ...] = (
 )
 NOT_DRAWN += ("device.kinematics", "device.dac", "device.adc", "device.amplifier", "device.motor")
 NOT_DRAWN += ("device.limits",)
-OWN_LISTS = ("object.anchor", "loads.point", "loads.pressure", "loads.prescribed", "probe.motion")
+OWN_LISTS = (
+    "object.anchor",
+    "object.region",
+    "loads.point",
+    "loads.pressure",
+    "loads.prescribed",
+    "probe.motion",
+)
 
 
 def log_uniform(rng: random.Random, low: float, high: float) -> float:
@@ -262,6 +269,19 @@ def draw_region(rng: random.Random, body: Body, sign: int, deep: float) -> Item:
     return item
 
 
+def draw_part(rng: random.Random, body: Body) -> Item:
+    """An upper part of the body with a material of its own."""
+    item = draw_region(rng, body, 1, rng.uniform(0.2, 0.6))
+    while item["kind"] == '"lowest-fraction"':
+        item = draw_region(rng, body, 1, rng.uniform(0.2, 0.6))
+    item["shape"] = item.pop("kind")
+    item["young_modulus"] = quantity(10 ** rng.uniform(3, 6), "pressure")
+    item["density"] = quantity(rng.uniform(500, 3000), "density")
+    if rng.random() < 1 / 2:
+        item["poisson_ratio"] = repr(round(rng.uniform(0, 0.45), 3))
+    return item
+
+
 def in_region(item: Item) -> Item:
     return {f"region.{key}": value for key, value in item.items()}
 
@@ -318,6 +338,8 @@ def draw(rng: random.Random, tables: list[Table]) -> Scenario:
     scenario.values["output.pictures"] = "false"
     body = draw_body(rng, scenario)
     scenario.lists["object.anchor"] = [draw_region(rng, body, -1, rng.uniform(0.1, 0.3))]
+    if rng.random() < EFFECT_SHARE:
+        scenario.lists["object.region"] = [draw_part(rng, body)]
     draw_probe(rng, scenario, body, frames * period)
     draw_loads(rng, scenario, body)
     # The graphics process' rate first: at 33 Hz most frames of a short run know no contact.

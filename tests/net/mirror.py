@@ -80,7 +80,8 @@ def pressed_polyhedron(rng: random.Random, scenario: Scenario) -> Scenario:
     """Held at its lowest corners, pressed in the middle of its highest face. Millimetres of the
     surface become metres only in the scenario."""
     changed = on_the_host(rng, scenario)
-    for name in ("loads.point", "loads.pressure", "loads.prescribed", "object.mesh"):
+    loads = ("loads.point", "loads.pressure", "loads.prescribed")
+    for name in (*loads, "object.mesh", "object.region"):
         changed.take_out(name)
     points = draw_corners(rng)
     triangles = hull(points)

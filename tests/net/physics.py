@@ -59,7 +59,9 @@ def stiffer(_: random.Random, scenario: Scenario, __: Run) -> Scenario | None:
             "contact.release_force": (STIFFER, ""),
         },
     )
-    in_lists(changed, {"loads.point.force": STIFFER, "loads.pressure.pressure": STIFFER})
+    listed = ("loads.point.force", "loads.pressure.pressure")
+    of_regions = ("object.region.young_modulus", "object.region.density")
+    in_lists(changed, dict.fromkeys(listed + of_regions, STIFFER))
     return changed
 
 
@@ -106,6 +108,7 @@ LENGTHS = (
 )
 PLACED = (
     "object.anchor.",
+    "object.region.",
     "loads.pressure.region.",
     "loads.prescribed.region.",
     "loads.point.",
@@ -127,6 +130,7 @@ def twice_as_large(_: random.Random, scenario: Scenario, __: Run) -> Scenario:
         factors["device.encoder.resolution"] = (2, '"55 um"')
     changed = scaled(scenario, factors)
     lengths = {prefix + name: 2.0 for prefix in PLACED for name in PLACES}
+    lengths["object.region.density"] = 1 / 4
     in_lists(changed, lengths | {"probe.motion.to": 2, "loads.point.force": 4})
     return changed
 

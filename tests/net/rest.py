@@ -15,8 +15,9 @@ def pressed_and_held(rng: random.Random, scenario: Scenario) -> Scenario:
     changed = scenario.copy()
     for name in ("dynamics", "loads", "fault", "device.encoder", "host.pipeline_depth"):
         changed.take_out(name)
-    for name in ("contact.release_force", "contact.grip", "object.mesh", "fidelity.numbers"):
+    for name in ("contact.release_force", "contact.grip", "object.mesh", "object.region"):
         changed.take_out(name)
+    changed.take_out("fidelity.numbers")
     half = [rng.uniform(20e-3, 60e-3) for _ in range(3)]
     x, y = (rng.uniform(-0.4, 0.4) * half[axis] for axis in (0, 1))
     deep = rng.uniform(0.02, 0.06) * min(half)

@@ -400,7 +400,7 @@ TEST(ChainMail, LinkKMovesWhatTheSlackLeaves) {
 TEST(ChainMail, MovesABodyAndNotItsAnchors) {
   const fem::Body body = box(fem::CellCut::same);
   std::vector<Link> links;
-  for (const Edge& edge : edges_of(body.mesh())) {
+  for (const Edge& edge : edges_of(body.mesh(), body.materials())) {
     links.push_back({edge.node[0], edge.node[1], 0.001});
   }
   std::vector<char> fixed(body.mesh().nodes.size());

@@ -84,6 +84,7 @@ double phase_us(const json& summary, const std::string& part, const std::string&
 
 double worst_us(const json& summary) { return summary.at("deadline").at("worst_us"); }
 double median_us(const json& summary) { return summary.at("deadline").at("p50_us"); }
+double largest_force(const json& summary) { return summary.at("force").at("largest").at("N"); }
 json flags(const json& summary) { return summary.at("stability").at("flags"); }
 
 const std::vector<std::string> kTimes = {"fidelity.numbers=none", "reference=false"};
@@ -271,6 +272,46 @@ const std::map<std::string, std::vector<Claim>>& claims() {
         {"within 0.1 % of full Newton's in the median frame of contact",
          [](Runs& r) {
            EXPECT_LT(median_error(r.summary("tissue-relaxing.toml"), "force_of_frame"), 1e-3);
+         }}}},
+      {"tissue-inclusion.toml",
+       {{"pressed by 5 mm it answers with 0.73 N where the tissue alone has 0.57 N",
+         [](Runs& r) {
+           const json& s = r.summary("tissue-inclusion.toml");
+           EXPECT_NEAR(largest_force(s), 0.73, 0.005);
+           EXPECT_EQ(s.at("verdict"), "PASS");
+           EXPECT_NEAR(largest_force(r.summary("tissue-inclusion.toml", {"object.region=[]"})),
+                       0.57, 0.005);
+         }},
+        {"0.60 N. Nor is it felt ten times as much where it is ten times as stiff again, 0.85 N",
+         [](Runs& r) {
+           const char* const deeper = R"(object.region[0].centre=["0 mm","0 mm","18 mm"])";
+           EXPECT_NEAR(largest_force(r.summary("tissue-inclusion.toml", {deeper})), 0.60, 0.005);
+           const char* const stiffer = R"(object.region[0].young_modulus="1 MPa")";
+           EXPECT_NEAR(largest_force(r.summary("tissue-inclusion.toml", {stiffer})), 0.85, 0.005);
+         }},
+        {"the worst frame takes 1.035 ms with and without",
+         [](Runs& r) {
+           EXPECT_NEAR(worst_us(r.summary("tissue-inclusion.toml")), 1035, 0.5);
+           EXPECT_EQ(worst_us(r.summary("tissue-inclusion.toml")),
+                     worst_us(r.summary("tissue-inclusion.toml", {"object.region=[]"})));
+         }},
+        {"24 of 2223, 1.3 % of the volume",
+         [](Runs& r) {
+           const json& mesh = r.summary("tissue-inclusion.toml").at("mesh");
+           EXPECT_EQ(mesh.at("tetrahedra"), 2223);
+           EXPECT_EQ(mesh.at("regions").at(1).at("elements"), 24);
+           EXPECT_NEAR(mesh.at("regions").at(1).at("volume_share"), 0.013, 0.0005);
+         }},
+        {"a contrast of ten without a flag. At a hundred the run is `not-converged`, at a million "
+         "diagonals of the soft part round to zero in 12 bits",
+         [](Runs& r) {
+           EXPECT_THAT(flags(r.summary("tissue-inclusion.toml")), testing::IsEmpty());
+           const char* const hundred = R"(object.region[0].young_modulus="1 MPa")";
+           EXPECT_THAT(flags(r.summary("tissue-inclusion.toml", {hundred})),
+                       testing::ElementsAre("not-converged"));
+           const char* const million = R"(object.region[0].young_modulus="10 GPa")";
+           EXPECT_THAT(flags(r.summary("tissue-inclusion.toml", {million})),
+                       testing::Contains("zero-diagonal"));
          }}}},
       {"bean.toml",
        {{"a single node that is pressed by 5 mm leaves linear elasticity, and its force steps by "
