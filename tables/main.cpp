@@ -24,6 +24,8 @@ int run(int argc, char** argv) {
   accelerator->add_flag("--measure", measure, "and Table 6.3, with this machine's row");
   const CLI::App* devices = app.add_subcommand("devices", "the FPGAs that a scenario can name");
   const CLI::App* buses = app.add_subcommand("buses", "what links carry and transfers cost");
+  const CLI::App* elements =
+      app.add_subcommand("elements", "linear and quadratic elements: locking, cost on the board");
   const CLI::App* partitions =
       app.add_subcommand("partitions", "partitions of K: zeros isolated, balance, exchanged words");
   CLI::App* coverage =
@@ -50,6 +52,7 @@ int run(int argc, char** argv) {
   if (devices->parsed()) print(hvp::tables::devices_page());
   if (buses->parsed()) print(hvp::tables::buses_page());
   if (coverage->parsed()) print(hvp::tables::fit_coverage_page(seeds));
+  if (elements->parsed()) print(hvp::tables::elements_page());
   if (partitions->parsed()) print(hvp::tables::partitions_page());
   if (pc->parsed()) print(hvp::tables::pc_table());
   if (hard->parsed()) print(hvp::tables::hard_cases_page());

@@ -15,6 +15,10 @@ std::string buses_page();
 // docs/devices.md: the built-in FPGAs, from their files, and how to add one.
 std::string devices_page();
 
+// docs/elements.md: what linear and quadratic elements make of a body that is pressed and of one
+// that is bent, and what they cost the board.
+std::string elements_page();
+
 // docs/fit-coverage.md: how often the 95 % intervals of every model's parameters cover the truth,
 // over `seeds` seeds of noise.
 std::string fit_coverage_page(int seeds);

@@ -24,6 +24,7 @@ struct MeshArguments {
   std::string unit;     // of a file; empty: the default, like size
   std::string size;     // of a sphere or box
   int nodes = 500;
+  std::string elements = "linear";
   std::filesystem::path out;
   bool quiet = false;
 };
@@ -48,6 +49,11 @@ mesh::MeshSettings settings_of(const MeshArguments& a) {
                                  a.nodes, kMostNodes));
   }
   s.nodes = a.nodes;
+  if (a.elements != "linear" && a.elements != "quadratic") {
+    throw InputError(
+        fmt::format("--elements {}: expected linear or quadratic", scenario::one_line(a.elements)));
+  }
+  s.quadratic = a.elements == "quadratic";
   if (a.surface == "sphere" || a.surface == "box") {
     const bool sphere = a.surface == "sphere";
     s.shape = sphere ? mesh::MeshSettings::Shape::sphere : mesh::MeshSettings::Shape::box;
@@ -127,6 +133,10 @@ void add_mesh(CLI::App& app, int& status) {
       ->type_name("SURFACE");
   command->add_option("--nodes", arguments->nodes, "how many nodes are wanted, 500 by default")
       ->type_name("N");
+  command
+      ->add_option("--elements", arguments->elements,
+                   "linear, with four nodes, or quadratic, with a node on each edge too")
+      ->type_name("KIND");
   command
       ->add_option("--unit", arguments->unit, "length of one unit of the file, \"1 mm\" by default")
       ->type_name("LENGTH");

@@ -110,6 +110,18 @@ class StepFile {
   vtkNew<vtkXMLUnstructuredGridReader> reader_;
 };
 
+// A ten-node tetrahedron as eight of four nodes: one at each corner, and the octahedron between
+// them around its diagonal from the middle of edge 01 (node 4) to that of 23 (node 9). The nodes
+// are numbered as VTK does.
+constexpr std::array<std::array<std::size_t, 4>, 8> kPartsOfTenNodes{{{0, 4, 6, 7},
+                                                                      {4, 1, 5, 8},
+                                                                      {6, 5, 2, 9},
+                                                                      {7, 8, 9, 3},
+                                                                      {4, 9, 5, 6},
+                                                                      {4, 9, 8, 5},
+                                                                      {4, 9, 7, 8},
+                                                                      {4, 9, 6, 7}}};
+
 void read_tetrahedra(const StepFile& file, vtkUnstructuredGrid& grid, DeformationStep& step) {
   const auto nodes = static_cast<vtkIdType>(step.rest.size());
   vtkCellArray* cells = grid.GetCells();
@@ -117,18 +129,27 @@ void read_tetrahedra(const StepFile& file, vtkUnstructuredGrid& grid, Deformatio
   vtkDataArray* offsets = cells->GetOffsetsArray();
   vtkDataArray* connectivity = cells->GetConnectivityArray();
   const vtkIdType count = cells->GetNumberOfCells();
-  if (connectivity->GetNumberOfTuples() != 4 * count) file.fail("has cells of other than 4 nodes");
+  const bool quadratic = grid.GetCellType(0) == VTK_QUADRATIC_TETRA;
+  const vtkIdType size = quadratic ? 10 : 4;
+  if (connectivity->GetNumberOfTuples() != size * count)
+    file.fail("has cells of other than 4 nodes, or of other than 10");
   for (vtkIdType e = 0; e < count; ++e) {
-    if (grid.GetCellType(e) != VTK_TETRA || offsets->GetComponent(e, 0) != 4.0 * double(e))
+    if (grid.GetCellType(e) != (quadratic ? VTK_QUADRATIC_TETRA : VTK_TETRA) ||
+        offsets->GetComponent(e, 0) != static_cast<double>(size * e))
       file.fail(fmt::format("cell {} is not a tetrahedron", e));
-    std::array<int, 4> tetrahedron{};
-    for (vtkIdType corner = 0; corner < 4; ++corner) {
-      const double node = connectivity->GetComponent(4 * e + corner, 0);
+    std::array<int, 10> cell{};
+    for (vtkIdType k = 0; k < size; ++k) {
+      const double node = connectivity->GetComponent(size * e + k, 0);
       if (!(node >= 0.0 && node < static_cast<double>(nodes)))
         file.fail(fmt::format("cell {} names node {} of {}", e, node, nodes));
-      tetrahedron[static_cast<std::size_t>(corner)] = static_cast<int>(node);
+      cell[static_cast<std::size_t>(k)] = static_cast<int>(node);
     }
-    step.tetrahedra.push_back(tetrahedron);
+    if (!quadratic) {
+      step.tetrahedra.push_back({cell[0], cell[1], cell[2], cell[3]});
+      continue;
+    }
+    for (const auto& part : kPartsOfTenNodes)
+      step.tetrahedra.push_back({cell[part[0]], cell[part[1]], cell[part[2]], cell[part[3]]});
   }
 }
 
@@ -178,13 +199,14 @@ DeformationStep read_step(const std::filesystem::path& path) {
   }
   read_tetrahedra(file, grid, step);
   if (grid.GetCellData()->GetArray(kRegions) != nullptr) {
-    const auto count = static_cast<vtkIdType>(step.tetrahedra.size());
+    const vtkIdType count = grid.GetNumberOfCells();
+    const std::size_t parts = step.tetrahedra.size() / static_cast<std::size_t>(count);
     vtkDataArray& regions = file.array(*grid.GetCellData(), kRegions, 1, count);
     for (vtkIdType e = 0; e < count; ++e) {
       const double region = regions.GetComponent(e, 0);
       if (!(region >= 0.0 && region <= double(count)))
         file.fail(fmt::format("cell {} is of region {}", e, region));
-      step.regions.push_back(static_cast<int>(region));
+      step.regions.insert(step.regions.end(), parts, static_cast<int>(region));
     }
   }
 

@@ -73,6 +73,11 @@ fit::TissueBody body_of(const FitRequest& request) {
         "--scenario: expected a body of one material, which the fit finds: found "
         "[[object.region]]");
   }
+  if (s.object.elements != fem::Elements::linear) {
+    throw InputError(
+        "--scenario: tissue is fitted with linear elements: expected "
+        "object.elements = \"linear\"");
+  }
   const std::unique_ptr<fem::Body> made = make_body(s, {});
   fit::TissueBody body;
   body.mesh = made->mesh();

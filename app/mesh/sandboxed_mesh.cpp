@@ -36,6 +36,7 @@ mesh::TetMesh mesh_in_child(int wanted, const Progress& progress, const Work& wo
                                              ByteWriter writer;
                                              writer.points(mesh.nodes);
                                              writer.tuples(mesh.tetrahedra);
+                                             writer.tuples(mesh.mid_edge);
                                              writer.tuples(mesh.boundary);
                                              return writer.bytes();
                                            });
@@ -43,6 +44,7 @@ mesh::TetMesh mesh_in_child(int wanted, const Progress& progress, const Work& wo
   mesh::TetMesh mesh;
   mesh.nodes = reader.points();
   mesh.tetrahedra = reader.tuples<4>();
+  mesh.mid_edge = reader.tuples<6>();
   mesh.boundary = reader.tuples<3>();
   return mesh;
 }
@@ -58,7 +60,7 @@ mesh::TetMesh sandboxed_mesh(const mesh::MeshSettings& settings, const Progress&
   if (progress) progress("reading the surface");
   const mesh::Surface surface = sandboxed_surface(settings.surface.path, settings.surface_unit);
   return mesh_in_child(settings.nodes, progress, [&](const Progress& inner) {
-    return mesh::tetrahedralise(surface, settings.nodes, inner);
+    return mesh::tetrahedralise(surface, settings.nodes, inner, settings.quadratic);
   });
 }
 

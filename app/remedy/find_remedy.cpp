@@ -1,8 +1,10 @@
 #include "app/remedy/find_remedy.h"
 
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "app/remedy/element_remedy.h"
 #include "app/remedy/replay.h"
 
 namespace hvp::app {
@@ -21,6 +23,17 @@ std::optional<results::TriedRemedy> find_remedy(const Scene& scene, const result
     if (progress) progress("running the remedy as it will be printed");
     remedy->was_held = outcome.held();
     verify(*remedy, outcome.flags, again.rerun);
+  }
+  if (again.rerun) {
+    const bool some = remedy && remedy->whole_run && !remedy->taken_away().empty();
+    std::optional<results::TriedRemedy> of_elements =
+        try_element_remedy(scene.scenario(), outcome.flags,
+                           some ? remedy->settings : std::vector<std::string>(), again.rerun);
+    if (of_elements && !of_elements->settings.empty()) {
+      of_elements->was_held = outcome.held();
+      if (remedy) of_elements->attempts += remedy->attempts;
+      remedy = std::move(of_elements);
+    }
   }
   if (!outcome.stiffness || !again.rerun) return remedy;
   const bool helps = remedy && remedy->whole_run && !remedy->taken_away().empty();

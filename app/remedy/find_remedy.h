@@ -16,8 +16,8 @@ struct Again {
 };
 
 // Searches a remedy for a run's flags: first for those of the words and of the hand-over, by
-// solving recorded frames again (`recorder`, null where there is no body), then for those of the
-// loop. Either is then run as it is printed. Absent where nothing was looked for.
+// solving recorded frames again (`recorder`, null where there is no body), then for locking and for
+// the flags of the loop. Either is then run as it is printed. Absent where nothing was looked for.
 std::optional<results::TriedRemedy> find_remedy(const Scene& scene, const results::Outcome& outcome,
                                                 const Recorder* recorder, const Again& again,
                                                 const Progress& progress);

@@ -71,6 +71,18 @@ std::string passes_text(const app::Scenario& s) {
                      counted_passes(s.refinement->passes));
 }
 
+std::string_view elements_text(fem::Elements elements) {
+  switch (elements) {
+    case fem::Elements::linear:
+      break;
+    case fem::Elements::quadratic:
+      return "quadratic ";
+    case fem::Elements::mean_dilatation:
+      return "quadratic mean-dilatation ";
+  }
+  return "";
+}
+
 void scene_lines(Out out, const app::Scene& scene, const Outcome& o) {
   const app::Scenario& s = scene.scenario();
   if (!s.title.empty()) fmt::format_to(out, "{}\n", scenario::one_line(s.title, 1000));
@@ -81,9 +93,9 @@ void scene_lines(Out out, const app::Scene& scene, const Outcome& o) {
     return;
   }
   fmt::format_to(
-      out, "  body        {} nodes, {} tetrahedra; {} nodes in the system, {}{}\n",
-      scene.quality().nodes, scene.quality().tetrahedra, scene.body().active_nodes(),
-      s.dynamics ? "dynamic" : "static",
+      out, "  body        {} nodes, {} {}tetrahedra; {} nodes in the system, {}{}\n",
+      scene.quality().nodes, scene.quality().tetrahedra, elements_text(s.object.elements),
+      scene.body().active_nodes(), s.dynamics ? "dynamic" : "static",
       s.object.nonlinear() ? fmt::format(", {}", tissue::name(*s.object.model)) : std::string());
   fmt::format_to(out, "{}{}", regions_text(scene), unit_text(scene));
   if (const fem::ExplicitSteps* steps = scene.computation().explicit_steps()) {

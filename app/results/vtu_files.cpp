@@ -56,11 +56,14 @@ vtkSmartPointer<vtkUnstructuredGrid> grid_of(const mesh::TetMesh& mesh) {
   vtkNew<vtkTypeInt32Array> offsets;
   vtkNew<vtkTypeInt32Array> connectivity;
   offsets->SetNumberOfValues(static_cast<vtkIdType>(mesh.tetrahedra.size()) + 1);
-  connectivity->SetNumberOfValues(static_cast<vtkIdType>(4 * mesh.tetrahedra.size()));
+  const std::size_t nodes_a_cell = mesh.quadratic() ? 10 : 4;
+  connectivity->SetNumberOfValues(static_cast<vtkIdType>(nodes_a_cell * mesh.tetrahedra.size()));
   vtkIdType next = 0;
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
     offsets->SetValue(static_cast<vtkIdType>(e), static_cast<int>(next));
     for (const int node : mesh.tetrahedra[e]) connectivity->SetValue(next++, node);
+    if (!mesh.quadratic()) continue;
+    for (const int node : mesh.mid_edge[e]) connectivity->SetValue(next++, node);
   }
   offsets->SetValue(static_cast<vtkIdType>(mesh.tetrahedra.size()), static_cast<int>(next));
   vtkNew<vtkCellArray> cells;
@@ -68,7 +71,7 @@ vtkSmartPointer<vtkUnstructuredGrid> grid_of(const mesh::TetMesh& mesh) {
 
   auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
   grid->SetPoints(points);
-  grid->SetCells(VTK_TETRA, cells);
+  grid->SetCells(mesh.quadratic() ? VTK_QUADRATIC_TETRA : VTK_TETRA, cells);
   return grid;
 }
 

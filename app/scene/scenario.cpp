@@ -32,6 +32,13 @@ void Budget::declare(config::Visitor& v) {
 void Anchor::declare(config::Visitor& v) { v.include(region); }
 
 void Object::declare(config::Visitor& v) {
+  v.choice(
+      "elements", elements, fem::elements_names(),
+      {"the tetrahedra: linear ones with four nodes, or quadratic ones with ten, which bend and "
+       "near a Poisson's ratio of one half hardly lock; with mean dilatation they do not "
+       "(docs/finite-elements.md)",
+       "thesis section 3.4: linear interpolation"});
+  mesh.quadratic = elements != fem::Elements::linear;
   v.table("mesh", mesh, {"the body's shape and how finely it is meshed"});
   v.table("material", material, {"what the body is made of"});
   std::vector<config::Need> needs;
@@ -39,6 +46,11 @@ void Object::declare(config::Visitor& v) {
     needs.push_back({"refinement",
                      {config::kPresent},
                      "a body that is not linear is solved by increments, which are its passes"});
+  }
+  if (!model || nonlinear()) {
+    needs.push_back({"object.elements",
+                     {"linear"},
+                     "the forces of a body that is not linear are those of linear tetrahedra"});
   }
   v.effect("model", model,
            {"a body that is not linear: its elements' forces are formed on the host, and the "
@@ -343,6 +355,18 @@ void require_way_to_solve(const Scenario& s) {
   if (s.object.model && s.object.model->springs && !steps) {
     throw InputError("object.model.kind",
                      "springs have no matrix to solve with: expected host.solver = \"explicit\"");
+  }
+  if (s.object.elements == fem::Elements::linear) return;
+  if (steps) {
+    throw InputError("host.solver",
+                     "explicit steps take the forces of linear tetrahedra: expected "
+                     "object.elements = \"linear\", or board, cg or cholesky");
+  }
+  if (s.reference &&
+      s.reference->model.value_or(tissue::LawKind::linear) != tissue::LawKind::linear) {
+    throw InputError("reference.model",
+                     "a body that is not linear has the forces of linear tetrahedra: expected "
+                     "\"linear\", or object.elements = \"linear\"");
   }
 }
 

@@ -55,6 +55,7 @@ struct Object {
   fem::Material material;
   std::optional<tissue::Model> model;
   bool is_solved = true;  // false with explicit steps; set by Scenario::declare()
+  fem::Elements elements = fem::Elements::linear;
   fem::AnchorTreatment anchored_nodes = fem::AnchorTreatment::removed;
   std::vector<Anchor> anchors;
   std::vector<fem::Region> regions;

@@ -72,7 +72,7 @@ std::unique_ptr<fem::Body> make_body(const Scenario& s, const Progress& progress
   const fem::Materials of_elements = materials(s, mesh);
   try {
     return std::make_unique<fem::Body>(std::move(mesh), of_elements, anchored,
-                                       s.object.anchored_nodes, s.loads);
+                                       s.object.anchored_nodes, s.loads, s.object.elements);
   } catch (const InputError& e) {
     if (e.key().empty()) throw InputError("object.mesh", e.what());
     throw InputError((e.key() == "anchor" ? "object." : "loads.") + e.key(), e.what());

@@ -28,12 +28,16 @@ std::vector<int> parts_of(const mesh::TetMesh& mesh) {
     }
     return i;
   };
+  const auto join = [&](int one, int other) {
+    const int x = root(one);
+    const int y = root(other);
+    parent[at(std::max(x, y))] = std::min(x, y);
+  };
   for (const auto& tet : mesh.tetrahedra) {
-    for (std::size_t a = 1; a < 4; ++a) {
-      const int x = root(tet[0]);
-      const int y = root(tet[a]);
-      parent[at(std::max(x, y))] = std::min(x, y);
-    }
+    for (std::size_t a = 1; a < 4; ++a) join(tet[0], tet[a]);
+  }
+  for (std::size_t e = 0; e < mesh.mid_edge.size(); ++e) {
+    for (const int node : mesh.mid_edge[e]) join(mesh.tetrahedra[e][0], node);
   }
   for (int i = 0; i < static_cast<int>(parent.size()); ++i) parent[at(i)] = root(i);
   return parent;
@@ -94,9 +98,16 @@ int remaining_rigid_body_modes(const mesh::TetMesh& mesh, std::span<const int> h
 }
 
 Body::Body(mesh::TetMesh mesh, const Materials& materials, std::span<const int> anchored,
-           AnchorTreatment treatment, const Loads& loads)
+           AnchorTreatment treatment, const Loads& loads, Elements elements)
     : mesh_(std::move(mesh)), materials_(materials), treatment_(treatment) {
-  const sparse::BlockMatrix full_stiffness = assemble_stiffness(mesh_, materials_);
+  if (mesh_.quadratic() != (elements != Elements::linear)) {
+    throw std::invalid_argument(
+        "quadratic elements need a mesh with mid-edge nodes, linear ones "
+        "a mesh without");
+  }
+  const sparse::BlockMatrix full_stiffness =
+      mesh_.quadratic() ? assemble_quadratic_stiffness(mesh_, materials_, elements)
+                        : assemble_stiffness(mesh_, materials_);
   const std::vector<double> full_load = assemble_loads(mesh_, materials_, loads);
   hold(anchored, loads);
   expect_loads_on_free_nodes(mesh_, loads, held_);
@@ -214,7 +225,8 @@ void Body::move_prescribed_to_load(const sparse::BlockMatrix& full_stiffness,
 }
 
 sparse::BlockMatrix Body::mass(MassKind kind) const {
-  return reduce(assemble_mass(mesh_, materials_, kind));
+  return reduce(mesh_.quadratic() ? assemble_quadratic_mass(mesh_, materials_, kind)
+                                  : assemble_mass(mesh_, materials_, kind));
 }
 
 std::vector<double> Body::initial_displacement() const {

@@ -8,6 +8,7 @@
 #include "models/fem/assembly.h"
 #include "models/fem/loads.h"
 #include "models/fem/materials.h"
+#include "models/fem/quadratic_element.h"
 #include "models/mesh/tet_mesh.h"
 #include "models/sparse/block_matrix.h"
 
@@ -32,8 +33,10 @@ class Body {
   // node, a node that is both anchored and prescribed, or prescribed twice and differently, and a
   // load on held nodes alone.
   // The error's key is empty for the mesh, "anchor" for the anchors, otherwise that of the load.
+  // `elements` other than linear need a quadratic mesh, linear ones a mesh that is not; throws
+  // std::invalid_argument otherwise.
   Body(mesh::TetMesh mesh, const Materials& materials, std::span<const int> anchored,
-       AnchorTreatment treatment, const Loads& loads = {});
+       AnchorTreatment treatment, const Loads& loads = {}, Elements elements = Elements::linear);
 
   const mesh::TetMesh& mesh() const { return mesh_; }
   const Materials& materials() const { return materials_; }

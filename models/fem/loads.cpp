@@ -10,6 +10,7 @@
 
 #include "models/config/input_error.h"
 #include "models/fem/assembly.h"
+#include "models/fem/quadratic_element.h"
 #include "models/index.h"
 
 namespace hvp::fem {
@@ -32,8 +33,13 @@ constexpr config::Range kDisplacement = config::between(-1e3, 1e3);
 // The longest edge of all elements that have the node, m.
 double longest_edge_at(const mesh::TetMesh& mesh, int node) {
   double longest = 0;
-  for (const auto& t : mesh.tetrahedra) {
-    if (std::find(t.begin(), t.end(), node) == t.end()) continue;
+  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
+    const std::array<int, 4>& t = mesh.tetrahedra[e];
+    const bool at_corner = std::find(t.begin(), t.end(), node) != t.end();
+    const bool at_middle =
+        mesh.quadratic() &&
+        std::find(mesh.mid_edge[e].begin(), mesh.mid_edge[e].end(), node) != mesh.mid_edge[e].end();
+    if (!at_corner && !at_middle) continue;
     for (std::size_t a = 0; a < 4; ++a) {
       for (std::size_t b = 0; b < a; ++b) {
         longest = std::max(longest, (mesh.nodes[at(t[a])] - mesh.nodes[at(t[b])]).norm());
@@ -128,6 +134,15 @@ void add_pressure(const mesh::TetMesh& mesh, std::span<const int> triangles, dou
     const Eigen::Vector3d& origin = mesh.nodes[at(corner[0])];
     const Eigen::Vector3d twice_area =
         (mesh.nodes[at(corner[1])] - origin).cross(mesh.nodes[at(corner[2])] - origin);
+    if (mesh.quadratic()) {
+      const Eigen::Vector3d force = -pressure_pa / 2 * twice_area;
+      const std::array<double, 6> shares = quadratic_face_shares(at(triangle) % 4);
+      const std::array<int, 6> face = quadratic_face(mesh, triangle);
+      for (std::size_t a = 0; a < 6; ++a) {
+        for (int r = 0; r < 3; ++r) f[3 * at(face[a]) + at(r)] += shares[a] * force[r];
+      }
+      continue;
+    }
     const Eigen::Vector3d share = -pressure_pa / 6 * twice_area;
     for (const int node : corner) {
       for (int r = 0; r < 3; ++r) f[3 * at(node) + at(r)] += share[r];
@@ -142,6 +157,17 @@ std::vector<double> assemble_loads(const mesh::TetMesh& mesh, const Materials& m
     expect_finite(loads.gravity->acceleration, "gravity.acceleration");
     for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
       const double volume = element_geometry(mesh, static_cast<int>(e)).volume();
+      if (mesh.quadratic()) {
+        const Eigen::Vector3d weight =
+            materials.of(e).density_kg_m3 * volume * loads.gravity->acceleration;
+        const std::array<int, kTenNodes> node = mesh.ten_nodes(e);
+        for (std::size_t a = 0; a < kTenNodes; ++a) {
+          for (int r = 0; r < 3; ++r) {
+            f[3 * at(node[a]) + at(r)] += quadratic_volume_share(a) * weight[r];
+          }
+        }
+        continue;
+      }
       const Eigen::Vector3d share =
           materials.of(e).density_kg_m3 * volume / 4 * loads.gravity->acceleration;
       for (const int node : mesh.tetrahedra[e]) {

@@ -62,7 +62,8 @@ std::vector<double> assemble_loads(const mesh::TetMesh& mesh, const Materials& m
                                    const Loads& loads);
 
 // Adds the nodal forces of a pressure on the listed boundary triangles: a third of
-// −p·area·normal a corner, exact for linear interpolation.
+// −p·area·normal a corner, exact for linear interpolation; of a quadratic mesh by
+// quadratic_face_shares().
 void add_pressure(const mesh::TetMesh& mesh, std::span<const int> triangles, double pressure_pa,
                   std::span<double> f);
 

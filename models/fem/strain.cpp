@@ -8,6 +8,7 @@
 #include <cstddef>
 
 #include "models/fem/assembly.h"
+#include "models/fem/quadratic_element.h"
 
 namespace hvp::fem {
 
@@ -27,15 +28,21 @@ std::vector<ElementStress> element_stress(const mesh::TetMesh& mesh, const Mater
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
     const ElementGeometry geometry = element_geometry(mesh, static_cast<int>(e));
     StrainVector& strain = result[e].strain;
-    for (std::size_t a = 0; a < 4; ++a) {
-      const Eigen::Vector3d& g = geometry.gradient[a];
-      const double* u = &u_full[3 * static_cast<std::size_t>(mesh.tetrahedra[e][a])];
+    const auto add = [&](const Eigen::Vector3d& g, int node) {
+      const double* u = &u_full[3 * static_cast<std::size_t>(node)];
       strain[0] += g.x() * u[0];
       strain[1] += g.y() * u[1];
       strain[2] += g.z() * u[2];
       strain[3] += g.y() * u[0] + g.x() * u[1];
       strain[4] += g.z() * u[0] + g.x() * u[2];
       strain[5] += g.z() * u[1] + g.y() * u[2];
+    };
+    if (mesh.quadratic()) {
+      const std::array<Eigen::Vector3d, kTenNodes> mean = mean_gradients(geometry);
+      const std::array<int, kTenNodes> node = mesh.ten_nodes(e);
+      for (std::size_t a = 0; a < kTenNodes; ++a) add(mean[a], node[a]);
+    } else {
+      for (std::size_t a = 0; a < 4; ++a) add(geometry.gradient[a], mesh.tetrahedra[e][a]);
     }
     const auto [lambda, mu] = lame[materials.index_of(e)];
     const double dilatation = strain[0] + strain[1] + strain[2];
@@ -81,11 +88,13 @@ StrainMeter::StrainMeter(const mesh::TetMesh& mesh, double limit) : limit_(limit
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
     const ElementGeometry geometry = element_geometry(mesh, static_cast<int>(e));
     elements_.push_back({mesh.tetrahedra[e], geometry.gradient, geometry.volume()});
+    if (mesh.quadratic()) ten_nodes_.push_back(mesh.ten_nodes(e));
     volume_ += geometry.volume();
   }
 }
 
 Strains StrainMeter::measure(std::span<const double> u_full) const {
+  if (!ten_nodes_.empty()) return measure_quadratic(u_full);
   Strains strains;
   double beyond = 0;
   double stretched = 0;
@@ -110,6 +119,44 @@ Strains StrainMeter::measure(std::span<const double> u_full) const {
     if (principal > strains.largest) {
       strains.largest = principal;
       strains.element = static_cast<int>(e);
+    }
+  }
+  strains.beyond_share = beyond / volume_;
+  strains.stretched_share = stretched / volume_;
+  return strains;
+}
+
+// The strain is linear over an element: its largest principal value, which is convex, is at a
+// corner. The shares are those of the four integration points.
+Strains StrainMeter::measure_quadratic(std::span<const double> u_full) const {
+  Strains strains;
+  double beyond = 0;
+  double stretched = 0;
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const std::array<Eigen::Matrix3d, 4> corner =
+        corner_gradients(ten_nodes_[e], elements_[e].gradient, u_full);
+    double bound = 0;
+    for (const Eigen::Matrix3d& g : corner) {
+      bound = std::max(bound, (0.5 * (g + g.transpose())).norm());
+    }
+    if (!(bound > std::min(limit_, strains.largest))) continue;
+    bool inverted = false;
+    for (const Eigen::Matrix3d& g : corner) {
+      inverted = inverted || (Eigen::Matrix3d::Identity() + g).determinant() <= 0;
+      const double principal = largest_principal(0.5 * (g + g.transpose()));
+      if (principal > strains.largest) {
+        strains.largest = principal;
+        strains.element = static_cast<int>(e);
+      }
+    }
+    if (inverted) ++strains.inverted;
+    if (!(bound > limit_)) continue;
+    const Eigen::Matrix3d far_ones = kFar * (corner[0] + corner[1] + corner[2] + corner[3]);
+    for (const Eigen::Matrix3d& g : corner) {
+      const Eigen::Matrix3d gradient = far_ones + (kNear - kFar) * g;
+      if (!(largest_principal(0.5 * (gradient + gradient.transpose())) > limit_)) continue;
+      beyond += elements_[e].volume / 4;
+      if (largest_stretch(gradient) > limit_) stretched += elements_[e].volume / 4;
     }
   }
   strains.beyond_share = beyond / volume_;

@@ -12,7 +12,8 @@
 
 namespace hvp::fem {
 
-// Strain and stress of one element, constant over it, in the order of material.h.
+// Strain and stress of one element, in the order of material.h: constant over a linear one, the
+// mean over a quadratic one.
 struct ElementStress {
   StrainVector strain = StrainVector::Zero();
   StressVector stress = StressVector::Zero();  // Pa
@@ -69,6 +70,8 @@ class StrainMeter {
   Strains measure(std::span<const double> u_full) const;
 
  private:
+  Strains measure_quadratic(std::span<const double> u_full) const;
+
   struct Element {
     std::array<int, 4> node{};
     std::array<Eigen::Vector3d, 4> gradient;  // 1/m
@@ -78,6 +81,7 @@ class StrainMeter {
   double limit_;
   double volume_ = 0;
   std::vector<Element> elements_;
+  std::vector<std::array<int, 10>> ten_nodes_;  // of quadratic elements
 };
 
 }  // namespace hvp::fem

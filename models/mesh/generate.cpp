@@ -14,6 +14,7 @@
 #include "models/config/input_error.h"
 #include "models/mesh/node_search.h"
 #include "models/mesh/parametric_surface.h"
+#include "models/mesh/quadratic_search.h"
 #include "models/mesh/surface_check.h"
 #include "models/mesh/surface_reader.h"
 #include "models/mesh/surface_resample.h"
@@ -194,26 +195,32 @@ class SurfaceCandidates {
 
 TetMesh generate(const MeshSettings& settings, const Progress& progress) {
   settings.check();
-  switch (settings.shape) {
-    case MeshSettings::Shape::sphere:
-      return mesh_sphere(settings.radius, settings.nodes, progress);
-    case MeshSettings::Shape::box:
-      return mesh_box(settings.size, settings.nodes, progress);
-    case MeshSettings::Shape::surface:
-      break;
+  if (settings.shape == MeshSettings::Shape::surface) {
+    if (progress) progress("reading the surface");
+    return tetrahedralise(read_surface(settings.surface.path, settings.surface_unit),
+                          settings.nodes, progress, settings.quadratic);
   }
-  if (progress) progress("reading the surface");
-  return tetrahedralise(read_surface(settings.surface.path, settings.surface_unit), settings.nodes,
-                        progress);
+  const auto mesh_with = [&](int nodes) {
+    return settings.shape == MeshSettings::Shape::sphere
+               ? mesh_sphere(settings.radius, nodes, progress)
+               : mesh_box(settings.size, nodes, progress);
+  };
+  return settings.quadratic ? mesh_with_mid_edge_nodes(mesh_with, settings.nodes)
+                            : mesh_with(settings.nodes);
 }
 
-TetMesh tetrahedralise(const Surface& raw, int wanted_nodes, const Progress& progress) {
+TetMesh tetrahedralise(const Surface& raw, int wanted_nodes, const Progress& progress,
+                       bool quadratic) {
   if (wanted_nodes < 4) {
     throw InputError("nodes",
                      fmt::format("{} nodes are wanted; a tetrahedron has 4", wanted_nodes));
   }
   const Surface surface = check_surface(raw);
-  return mesh_first_that_fits(SurfaceCandidates(surface, progress), wanted_nodes, progress);
+  const SurfaceCandidates candidates(surface, progress);
+  const auto mesh_with = [&](int nodes) {
+    return mesh_first_that_fits(candidates, nodes, progress);
+  };
+  return quadratic ? mesh_with_mid_edge_nodes(mesh_with, wanted_nodes) : mesh_with(wanted_nodes);
 }
 
 }  // namespace hvp::mesh

@@ -17,7 +17,8 @@ namespace hvp::mesh {
 TetMesh generate(const MeshSettings& settings, const Progress& progress = {});
 
 // The same for a given surface, in either winding. The surface is kept if the count can be reached
-// with it; otherwise its triangles are split or decimated.
-TetMesh tetrahedralise(const Surface& raw, int wanted_nodes, const Progress& progress = {});
+// with it; otherwise its triangles are split or decimated. `quadratic`: of ten-node tetrahedra.
+TetMesh tetrahedralise(const Surface& raw, int wanted_nodes, const Progress& progress = {},
+                       bool quadratic = false);
 
 }  // namespace hvp::mesh

@@ -29,7 +29,8 @@ void MeshSettings::declare(config::Visitor& v) {
                 .source = "surface files carry no unit; millimetres are customary in STL"});
   });
   v.integer("nodes", nodes, {.min = 4, .max = 1'000'000},
-            {.help = "wanted number of nodes, met within 10 %", .source = "thesis §6.2.4: 500"});
+            {.help = "wanted number of nodes, mid-edge nodes included, met within 10 %",
+             .source = "thesis §6.2.4: 500"});
 }
 
 void MeshSettings::check() const {

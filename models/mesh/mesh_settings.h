@@ -23,7 +23,8 @@ struct MeshSettings {
   Eigen::Vector3d size = Eigen::Vector3d::Constant(0.1);  // m, box: its three edges
   config::File surface{};                                 // surface
   double surface_unit = 1e-3;                             // m, one unit of the file
-  int nodes = 500;
+  int nodes = 500;         // of ten-node tetrahedra the mid-edge nodes are among them
+  bool quadratic = false;  // ten-node tetrahedra; set by whoever declares the elements
 
   void declare(config::Visitor& v);
   // Throws InputError if shape `surface` has no file.

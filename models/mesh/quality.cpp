@@ -59,13 +59,16 @@ Shape shape_of(const std::array<Vector3d, 4>& x) {
 
 void count_row_nonzeros(const TetMesh& mesh, Quality& quality) {
   std::vector<std::pair<int, int>> pairs;
-  pairs.reserve(mesh.tetrahedra.size() * 12);
-  for (const auto& t : mesh.tetrahedra) {
-    for (const int i : t) {
-      for (const int j : t) {
+  pairs.reserve(mesh.tetrahedra.size() * (mesh.quadratic() ? 90 : 12));
+  const auto add = [&pairs](const auto& nodes) {
+    for (const int i : nodes) {
+      for (const int j : nodes) {
         if (i != j) pairs.emplace_back(i, j);
       }
     }
+  };
+  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
+    mesh.quadratic() ? add(mesh.ten_nodes(e)) : add(mesh.tetrahedra[e]);
   }
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());

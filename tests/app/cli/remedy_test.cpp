@@ -124,6 +124,11 @@ INSTANTIATE_TEST_SUITE_P(
                 {"matrix-rounding"},
                 {}},
         Trouble{"few-iterations", "", {"solver.iterations=2"}, {"not-converged"}, {}},
+        Trouble{"locking",
+                "",
+                {"object.material.poisson_ratio=0.49", "object.mesh.nodes=120"},
+                {"locking"},
+                {"object.elements=quadratic-mean-dilatation"}},
         // To the letter of thesis §3.7 a patch jumps, and rings.
         Trouble{"jump",
                 "thesis-refined.toml",

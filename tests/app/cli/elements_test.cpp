@@ -1,0 +1,114 @@
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "tests/app/cli/program.h"
+#include "tests/app/scratch_directory.h"
+
+// Quadratic elements, as a user asks for them.
+namespace hvp::cli::elements_test {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class ElementsOfABody : public ::testing::Test {
+ protected:
+  void SetUp() override { write(place_.path() / "s.toml", kSmallScene); }
+  Ended command(const char* name, const std::vector<std::string>& changes) {
+    std::vector<std::string> arguments = {name, "s.toml"};
+    if (name != std::string("explain")) arguments.insert(arguments.end(), {"--out", "out"});
+    for (const std::string& change : changes) {
+      arguments.emplace_back("--set");
+      arguments.push_back(change);
+    }
+    return hvp(place_.path(), arguments);
+  }
+  json run(const std::vector<std::string>& changes) {
+    const Ended ended = command("run", changes);
+    EXPECT_LT(ended.status, 2) << ended.err;
+    out_ = ended.out;
+    return json::parse(read(place_.path() / "out/summary.json"));
+  }
+  void expect_refused(const std::vector<std::string>& changes, const std::string& what) {
+    const Ended ended = command("run", changes);
+    EXPECT_EQ(ended.status, 2) << ended.out;
+    EXPECT_EQ(lines(ended.err).size(), 1U) << ended.err;
+    EXPECT_THAT(ended.err, HasSubstr(what));
+    EXPECT_FALSE(std::filesystem::exists(place_.path() / "out/summary.json"));
+  }
+
+  ScratchDirectory place_;
+  std::string out_;
+};
+
+const std::vector<std::string> kMean = {"object.elements=quadratic-mean-dilatation"};
+
+TEST_F(ElementsOfABody, RunInTheLoop) {
+  const json summary = run({kMean[0], "frames=40", "object.mesh.nodes=200"});
+  EXPECT_NEAR(summary.at("mesh").at("nodes"), 200, 20);
+  EXPECT_GT(summary.at("force").at("largest").at("N"), 0);
+  EXPECT_THAT(out_, HasSubstr(" quadratic mean-dilatation tetrahedra; "));
+  EXPECT_TRUE(std::filesystem::exists(place_.path() / "out/deformation.png"));
+  EXPECT_THAT(read(place_.path() / "out/scenario.resolved.toml"),
+              HasSubstr("elements = \"quadratic-mean-dilatation\""));
+}
+
+TEST_F(ElementsOfABody, AreTheSameWithInertiaAndBothMasses) {
+  for (const char* mass : {"lumped", "consistent"}) {
+    const json summary = run(
+        {kMean[0], "object.mesh.nodes=150", "dynamics=true", std::string("dynamics.mass=") + mass});
+    EXPECT_GT(summary.at("force").at("largest").at("N"), 0) << mass;
+  }
+}
+
+TEST_F(ElementsOfABody, HaveLongerRowsOnTheBoard) {
+  const auto blocks = [&](const char* elements) {
+    const Ended ended =
+        hvp(place_.path(), {"explain", "s.toml", "--json", "--set", "object.mesh.nodes=200",
+                            "--set", std::string("object.elements=") + elements});
+    EXPECT_EQ(ended.status, 0) << ended.err;
+    return json::parse(ended.out).at("mesh").at("blocks").get<double>();
+  };
+  const double linear = blocks("linear");
+  EXPECT_GT(blocks("quadratic"), 1.3 * linear);
+  EXPECT_EQ(blocks("quadratic"), blocks("quadratic-mean-dilatation"));
+}
+
+TEST_F(ElementsOfABody, RefuseWhatIsMadeOfLinearOnes) {
+  expect_refused({kMean[0], "object.model=true", "refinement=true"}, "object.elements");
+  expect_refused({kMean[0], "host.solver=explicit", "dynamics=true"},
+                 "host.solver: explicit steps");
+  expect_refused({kMean[0], "reference.model=neo-hookean-log"}, "reference.model: ");
+}
+
+TEST_F(ElementsOfABody, AnUnknownKindIsRefusedWithTheNearestName) {
+  expect_refused({"object.elements=quadratik"}, "quadratic");
+  expect_refused({"object.elements=quadratic", "object.mesh.nodes=9"},
+                 "a quadratic tetrahedron has 10");
+}
+
+TEST_F(ElementsOfABody, ExportTenNodesAndTheirMatrices) {
+  const Ended ended = command("export", {kMean[0], "object.mesh.nodes=100"});
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_THAT(read(place_.path() / "out/K.mtx"), StartsWith("%%MatrixMarket"));
+  EXPECT_TRUE(std::filesystem::exists(place_.path() / "out/mesh.vtu"));
+}
+
+TEST_F(ElementsOfABody, MeshShowsThem) {
+  const Ended ended = hvp(place_.path(), {"mesh", "sphere", "--nodes", "500", "--elements",
+                                          "quadratic", "--out", "mesh.vtu"});
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("(500 wanted)"));
+  const Ended wrong =
+      hvp(place_.path(), {"mesh", "sphere", "--nodes", "500", "--elements", "cubic"});
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("--elements cubic: expected linear or quadratic"));
+}
+
+}  // namespace
+}  // namespace hvp::cli::elements_test
