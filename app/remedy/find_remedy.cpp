@@ -6,6 +6,7 @@
 
 #include "app/remedy/element_remedy.h"
 #include "app/remedy/replay.h"
+#include "app/remedy/tissue_remedy.h"
 
 namespace hvp::app {
 
@@ -23,6 +24,10 @@ std::optional<results::TriedRemedy> find_remedy(const Scene& scene, const result
     if (progress) progress("running the remedy as it will be printed");
     remedy->was_held = outcome.held();
     verify(*remedy, outcome.flags, again.rerun);
+  }
+  if (!remedy && again.rerun) {
+    remedy = try_tissue_remedy(scene.scenario(), outcome, again.rerun);
+    if (remedy) remedy->was_held = outcome.held();
   }
   if (again.rerun) {
     const bool some = remedy && remedy->whole_run && !remedy->taken_away().empty();

@@ -1,7 +1,6 @@
 #include "app/remedy/loop_remedy.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -24,12 +23,6 @@ double rounded_down(double value) {
 bool of_the_loop(Flags flags) {
   return flags.has(Flag::active_port) || flags.has(Flag::limit_cycle) ||
          flags.has(Flag::low_gain_margin);
-}
-
-std::vector<std::string> override_texts(const std::vector<std::string>& settings) {
-  std::vector<std::string> texts(settings.size());
-  std::ranges::transform(settings, texts.begin(), results::override_text);
-  return texts;
 }
 
 // The contact's stiffness that is aimed at first: passive whoever grips the device or, where
@@ -75,53 +68,19 @@ std::vector<std::vector<std::string>> candidates(const Scenario& s,
   return found;
 }
 
-void note(const WholeRun& run, results::TriedRemedy& remedy) {
-  remedy.left = run.flags;
-  remedy.verdict = run.held ? run.verdict : "not held";
-  remedy.held = run.held;
-  remedy.whole_run = true;
-}
-
 }  // namespace
-
-void verify(results::TriedRemedy& remedy, Flags of_run, const Rerun& rerun) {
-  const Flags not_judged(of_run.bits() & ~remedy.of.bits());
-  remedy.left.merge(not_judged);
-  remedy.of = of_run;
-  if (remedy.settings.empty() || !remedy.fits || !rerun) return;
-  const std::optional<WholeRun> run = rerun(override_texts(remedy.settings));
-  if (run) note(*run, remedy);
-}
 
 std::optional<results::TriedRemedy> try_loop_remedy(const Scenario& s, Flags flags,
                                                     const results::StiffnessBudget& budget,
                                                     const std::vector<std::string>& before,
                                                     const Rerun& rerun) {
   if (!of_the_loop(flags)) return std::nullopt;
-  results::TriedRemedy best;
-  best.of = flags;
-  best.left = flags;
-  best.whole_run = true;
-  best.frames = static_cast<std::size_t>(s.frames);
+  std::vector<std::vector<std::string>> all;
   for (const std::vector<std::string>& settings : candidates(s, budget)) {
-    std::vector<std::string> all = before;
-    all.insert(all.end(), settings.begin(), settings.end());
-    const std::optional<WholeRun> run = rerun(override_texts(all));
-    if (!run) continue;
-    ++best.attempts;
-    // One that raises flags of its own, or does not hold, is no remedy.
-    if (!run->held || (run->flags.bits() & ~flags.bits()) != 0) continue;
-    const int count = std::popcount(run->flags.bits());
-    const int fewest = std::popcount(best.left.bits());
-    // Of those without flags a PASS is better than another word.
-    const bool passes = count == 0 && run->verdict.starts_with("PASS");
-    if (count >= fewest && !passes) continue;
-    note(*run, best);
-    best.settings = all;
-    if (passes) break;
+    all.push_back(before);
+    all.back().insert(all.back().end(), settings.begin(), settings.end());
   }
-  if (best.attempts == 0) return std::nullopt;
-  return best;
+  return try_whole_runs({.flags = flags, .held = true, .frames = s.frames}, all, rerun);
 }
 
 }  // namespace hvp::app

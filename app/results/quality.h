@@ -39,6 +39,10 @@ struct Accuracy {
   std::int64_t frames = 0;      // frames compared, without those in which the body is at rest
   std::int64_t in_contact = 0;  // frames in contact, compared or not
   std::int64_t compared = 0;    // those of `in_contact` that were compared
+  // Of a body that is not linear: the frames whose true solution was not found, and the tangents on
+  // the way to the others that were not positive definite.
+  std::int64_t unsolved = 0;
+  std::int64_t indefinite = 0;
   // The true model is of another material law than the body: its distance is the model's, and says
   // nothing of the solver unless a budget is stated for it.
   bool of_another_model = false;
@@ -87,6 +91,7 @@ struct RefinementFigures {
   int passes = 0;
   double worst_residual = 0;
   std::int64_t widened = 0;
+  std::int64_t without_start = 0;
 
   void report(config::Figures& f) const;
 };

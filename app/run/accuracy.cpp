@@ -97,6 +97,8 @@ results::Accuracy AccuracyTracker::accuracy() const {
           displacement_.frames(),
           in_contact_,
           compared_,
+          true_run_.unsolved(),
+          true_run_.indefinite(),
           of_another_model_};
 }
 

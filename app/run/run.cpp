@@ -206,7 +206,7 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
     if (const host::Increments* increments = scene.computation().increments()) {
       const host::RefinedSolve* refined = scene.computation().refined();
       o.refinement = {s.refinement->passes, increments->worst_remaining(),
-                      refined != nullptr ? refined->widened() : 0};
+                      refined != nullptr ? refined->widened() : 0, increments->without_start()};
     }
   }
   if (scene.has_body()) {

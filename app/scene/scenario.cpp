@@ -126,6 +126,17 @@ std::string kinds_of(const std::vector<vp::Fault>& faults) {
 
 }  // namespace
 
+namespace {
+
+std::string cost_of_time_step(const Scenario& s) {
+  if (s.host.solver == host::SolvedBy::steps) return "explicit time steps in the solve's place";
+  const bool newmark = !s.dynamics || s.dynamics->scheme == fem::Scheme::newmark;
+  return std::string(newmark ? "Newmark's" : "generalised-α's") +
+         " update on the host after the force";
+}
+
+}  // namespace
+
 void Scenario::declare(config::Visitor& v) {
   v.text("title", title, {"one line for the report"});
   v.integer("frames", frames, {1, 100'000'000}, {"servo ticks to simulate", "2 s at 500 Hz"});
@@ -145,7 +156,7 @@ void Scenario::declare(config::Visitor& v) {
     v.table("loads", loads, {"what acts on the body besides the user"});
     v.effect("dynamics", dynamics,
              {"inertia and damping; without it the body is static",
-              "inertia and damping: Newmark's update on the host after the force"});
+              "inertia and damping: " + cost_of_time_step(*this)});
     v.table("contact", contact, {"how the probe takes hold of the body"});
     v.table("solver", solver, {"method and words of the fixed-point solver"});
     declare_refinement(v);
@@ -351,6 +362,11 @@ void require_way_to_solve(const Scenario& s) {
   const bool steps = s.host.solver == host::SolvedBy::steps;
   if (steps && !s.dynamics) {
     throw InputError("host.solver", "explicit steps move masses: expected [dynamics] too");
+  }
+  if (steps && s.dynamics->scheme != fem::Scheme::newmark) {
+    throw InputError("dynamics.scheme",
+                     "explicit steps are central differences, without a scheme of their own: "
+                     "expected none where host.solver is \"explicit\"");
   }
   if (s.object.model && s.object.model->springs && !steps) {
     throw InputError("object.model.kind",

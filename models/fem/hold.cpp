@@ -4,6 +4,13 @@
 
 namespace hvp::fem {
 
+void HeldForces::add_to(std::span<const int> nodes, std::span<double> f) const {
+  for (const int node : nodes) {
+    const Eigen::Vector3d& force = force_[static_cast<std::size_t>(node)];
+    for (int i = 0; i < 3; ++i) f[static_cast<std::size_t>(3 * node + i)] += force[i];
+  }
+}
+
 void HeldForces::add_to(std::span<const LetGo> let_go, std::span<double> f) const {
   for (const LetGo& node : let_go) {
     const Eigen::Vector3d& force = force_[static_cast<std::size_t>(node.node)];

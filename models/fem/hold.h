@@ -58,6 +58,8 @@ class HeldForces {
   void set(int node, const Eigen::Vector3d& force) {
     force_[static_cast<std::size_t>(node)] = force;
   }
+  // f += force at the nodes.
+  void add_to(std::span<const int> nodes, std::span<double> f) const;
   // f += share·force at the released nodes.
   void add_to(std::span<const LetGo> let_go, std::span<double> f) const;
   // Sums the force of each probe on the body, N: the forces of its contact nodes, and the remaining

@@ -24,15 +24,36 @@ constexpr config::Range kRayleighStiffness = config::between(0, 1e3);
 
 }  // namespace
 
+const std::vector<std::pair<std::string_view, Scheme>>& scheme_names() {
+  static const std::vector<std::pair<std::string_view, Scheme>> names = {
+      {"newmark", Scheme::newmark}, {"generalised-alpha", Scheme::generalised_alpha}};
+  return names;
+}
+
 void Dynamics::declare(config::Visitor& v) {
-  v.quantity(
-      "newmark_beta", newmark_beta, config::Dimension::dimensionless, kNewmark,
-      {.help = "Newmark's β in Zienkiewicz's convention: twice the β of most textbooks; "
-               "stable for β ≥ γ ≥ 1/2",
-       .source = "thesis (3.24); average acceleration, which keeps energy and is of order 2"});
-  v.quantity("newmark_gamma", newmark_gamma, config::Dimension::dimensionless, kNewmark,
-             {.help = "Newmark's γ; above 1/2 high frequencies decay and the order falls to 1",
-              .source = "thesis (3.24); average acceleration"});
+  const auto of_scheme = v.variant(
+      "scheme", scheme, scheme_names(),
+      {.help = "the rule of the time integration: newmark; or generalised-alpha, of order 2, which "
+               "damps the frequencies that the time step does not resolve and hardly others",
+       .source = "thesis (3.24)"});
+  of_scheme.only({Scheme::newmark}, [&] {
+    v.quantity(
+        "newmark_beta", newmark_beta, config::Dimension::dimensionless, kNewmark,
+        {.help = "Newmark's β in Zienkiewicz's convention: twice the β of most textbooks; "
+                 "stable for β ≥ γ ≥ 1/2",
+         .source = "thesis (3.24); average acceleration, which keeps energy and is of order 2"});
+    v.quantity("newmark_gamma", newmark_gamma, config::Dimension::dimensionless, kNewmark,
+               {.help = "Newmark's γ; above 1/2 high frequencies decay and the order falls to 1",
+                .source = "thesis (3.24); average acceleration"});
+  });
+  of_scheme.only({Scheme::generalised_alpha}, [&] {
+    v.quantity("spectral_radius", spectral_radius, config::Dimension::dimensionless,
+               config::between(0, 1),
+               {.help = "ρ∞: what a time step leaves of the highest frequencies, all (1) to "
+                        "nothing (0)",
+                .source = "Chung, Hulbert 1993, for any from 0 to 1; about the 0.82 that Newmark's "
+                          "rule has with the γ = 0.6 and β = 0.605 of scenarios/thesis.toml"});
+  });
   v.choice("mass", mass, mass_kind_names(),
            {.help = "mass at the nodes (lumped) or by the interpolation functions (consistent)",
             .source = "thesis §3.6: lumping is the usual simplification"});
@@ -48,6 +69,25 @@ void Dynamics::declare(config::Visitor& v) {
 }
 
 void Dynamics::check() const {
+  if (scheme == Scheme::generalised_alpha) {
+    if (!(spectral_radius >= 0 && spectral_radius <= 1)) {
+      throw InputError("spectral_radius",
+                       fmt::format("ρ∞ is {}; expected 0 to 1", spectral_radius));
+    }
+  } else {
+    check_newmark();
+  }
+  if (!std::isfinite(rayleigh_mass) || !(rayleigh_mass >= 0)) {
+    throw InputError("rayleigh_mass",
+                     fmt::format("Rayleigh's α is {} 1/s; expected 0 or more", rayleigh_mass));
+  }
+  if (!std::isfinite(rayleigh_stiffness) || !(rayleigh_stiffness >= 0)) {
+    throw InputError("rayleigh_stiffness",
+                     fmt::format("Rayleigh's β is {} s; expected 0 or more", rayleigh_stiffness));
+  }
+}
+
+void Dynamics::check_newmark() const {
   if (!std::isfinite(newmark_beta) || !(newmark_beta > 0)) {
     throw InputError(
         "newmark_beta",
@@ -66,17 +106,19 @@ void Dynamics::check() const {
                     "β ≥ γ ≥ 1/2 (Zienkiewicz's β is twice the textbooks': 1/4 there is 0.5 here)",
                     newmark_beta, newmark_gamma, critical_frequency()));
   }
-  if (!std::isfinite(rayleigh_mass) || !(rayleigh_mass >= 0)) {
-    throw InputError("rayleigh_mass",
-                     fmt::format("Rayleigh's α is {} 1/s; expected 0 or more", rayleigh_mass));
-  }
-  if (!std::isfinite(rayleigh_stiffness) || !(rayleigh_stiffness >= 0)) {
-    throw InputError("rayleigh_stiffness",
-                     fmt::format("Rayleigh's β is {} s; expected 0 or more", rayleigh_stiffness));
-  }
+}
+
+Dynamics::Parameters Dynamics::parameters() const {
+  if (scheme == Scheme::newmark) return {newmark_beta, newmark_gamma, 0, 0};
+  const double rho = spectral_radius;
+  const double alpha_m = (2 * rho - 1) / (rho + 1);
+  const double alpha_f = rho / (rho + 1);
+  const double between = 1 - alpha_m + alpha_f;
+  return {between * between / 2, 0.5 - alpha_m + alpha_f, alpha_m, alpha_f};
 }
 
 double Dynamics::critical_frequency() const {
+  if (scheme == Scheme::generalised_alpha) return config::kInfinity;
   if (newmark_gamma < 0.5) return 0;
   if (newmark_beta >= newmark_gamma) return config::kInfinity;
   return std::sqrt(2 / (newmark_gamma - newmark_beta));
@@ -137,6 +179,12 @@ Newmark::Newmark(const sparse::BlockMatrix& stiffness, const sparse::BlockMatrix
       lumped_(diagonal_if_lumped(mass)),
       effective_(stiffness),
       dynamics_(dynamics),
+      beta_(dynamics.parameters().beta),
+      gamma_(dynamics.parameters().gamma),
+      between_ends_(dynamics.scheme == Scheme::generalised_alpha),
+      w_(between_ends_ ? 2 - dynamics.spectral_radius : 1),
+      z_(between_ends_ ? 2 * dynamics.spectral_radius - 1 : 0),
+      s_(between_ends_ ? dynamics.spectral_radius : 0),
       time_step_(time_step_s) {
   dynamics_.check();
   if (!(time_step_s > 0) || !std::isfinite(time_step_s)) {
@@ -147,21 +195,17 @@ Newmark::Newmark(const sparse::BlockMatrix& stiffness, const sparse::BlockMatrix
     throw InputError(fmt::format("the mass matrix has {} nodes and the stiffness matrix {}",
                                  mass.block_rows(), stiffness.block_rows()));
   }
-  const double beta = dynamics_.newmark_beta;
-  const double damping = 2 * dynamics_.newmark_gamma / (beta * time_step_);
-  const double stiffness_scale = 1 + damping * dynamics_.rayleigh_stiffness;
+  const double stiffness_scale = 1 + velocity_weight() * dynamics_.rayleigh_stiffness;
   for (double& entry : effective_.value) entry *= stiffness_scale;
   add_inertia_to(effective_);
   for (std::vector<double>* state : {&u_, &v_, &a_, &v_tilde_, &a_tilde_, &inertia_}) {
     state->assign(at(stiffness_.rows()), 0.0);
   }
+  if (between_ends_) elastic_ = u_;
 }
 
 double Newmark::inertia_weight() const {
-  const double beta = dynamics_.newmark_beta;
-  const double inertia = 2 / (beta * time_step_ * time_step_);
-  const double damping = 2 * dynamics_.newmark_gamma / (beta * time_step_);
-  return inertia + damping * dynamics_.rayleigh_mass;
+  return w_ * acceleration_weight() + velocity_weight() * dynamics_.rayleigh_mass;
 }
 
 void Newmark::add_inertia_to(sparse::BlockMatrix& matrix) const {
@@ -206,8 +250,8 @@ double Newmark::inertia_flops() const {
 }
 
 void Newmark::predict() {
-  const double beta = dynamics_.newmark_beta;
-  const double gamma = dynamics_.newmark_gamma;
+  const double beta = beta_;
+  const double gamma = gamma_;
   const double dt = time_step_;
   const double a_of_u = -2 / (beta * dt * dt);
   const double a_of_v = -2 / (beta * dt);
@@ -220,10 +264,46 @@ void Newmark::predict() {
     v_tilde_[i] = v_of_u * u_[i] + v_of_v * v_[i] + v_of_a * a_[i];
     inertia_[i] = dynamics_.rayleigh_mass * v_tilde_[i] + a_tilde_[i];
   }
+  if (!between_ends_) return;
+  for (std::size_t i = 0; i < u_.size(); ++i) {
+    const double v = v_tilde_[i] + s_ * v_[i];
+    inertia_[i] = dynamics_.rayleigh_mass * v + w_ * a_tilde_[i] + z_ * a_[i];
+    elastic_[i] = dynamics_.rayleigh_stiffness * v + s_ * u_[i];
+  }
 }
 
-void Newmark::rhs(std::span<const double> f, std::span<double> f_hat) const {
+void Newmark::subtract_inertia(std::span<double> f_hat) const {
+  if (!lumped_.empty()) {
+    for (std::size_t i = 0; i < f_hat.size(); ++i) f_hat[i] -= lumped_[i] * inertia_[i];
+    return;
+  }
+  for (std::size_t i = 0; i < at(mass_.block_rows()); ++i) {
+    double inertial[3];
+    multiply_row(mass_, inertia_, i, inertial);
+    for (std::size_t r = 0; r < 3; ++r) f_hat[3 * i + r] -= inertial[r];
+  }
+}
+
+void Newmark::rhs(std::span<const double> f, std::span<const double> q,
+                  std::span<double> f_hat) const {
   assert(f.size() == u_.size() && f_hat.size() == u_.size());
+  assert(!between_ends_ || q.size() == u_.size());
+  if (between_ends_) {
+    for (std::size_t i = 0; i < f_hat.size(); ++i) f_hat[i] = f[i] + s_ * (f[i] - q[i]);
+  } else {
+    std::ranges::copy(f, f_hat.begin());
+  }
+  subtract_inertia(f_hat);
+}
+
+void Newmark::rhs(std::span<const double> f, std::span<double> f_hat) {
+  assert(f.size() == u_.size() && f_hat.size() == u_.size());
+  if (between_ends_) {
+    stiffness_.multiply(elastic_, f_hat);
+    for (std::size_t i = 0; i < f_hat.size(); ++i) f_hat[i] = f[i] + s_ * f[i] - f_hat[i];
+    subtract_inertia(f_hat);
+    return;
+  }
   const double damping = dynamics_.rayleigh_stiffness;
   if (damping != 0) {
     stiffness_.multiply(v_tilde_, f_hat);  // f̂ has C·ṽ / damping first
@@ -247,8 +327,8 @@ void Newmark::rhs(std::span<const double> f, std::span<double> f_hat) const {
 
 void Newmark::hold(const Hold& hold, std::span<double> f_hat) {
   if (hold.elapsed_s == 0) return;
-  const double a_of_u = 2 / (dynamics_.newmark_beta * time_step_ * time_step_);
-  const double v_of_u = 2 * dynamics_.newmark_gamma / (dynamics_.newmark_beta * time_step_);
+  const double a_of_u = acceleration_weight();
+  const double v_of_u = velocity_weight();
   for (std::size_t i = 0; i < hold.nodes.size(); ++i) {
     const int node = hold.nodes[i];
     const Eigen::Vector3d& u = hold.displacement[i];
@@ -261,7 +341,7 @@ void Newmark::hold(const Hold& hold, std::span<double> f_hat) {
       v_tilde_[dof] += q;
       a_tilde_[dof] += p;
       elastic[r] = dynamics_.rayleigh_stiffness * q;
-      inertial[r] = dynamics_.rayleigh_mass * q + p;
+      inertial[r] = dynamics_.rayleigh_mass * q + w_ * p;
     }
     if (dynamics_.rayleigh_stiffness != 0) stiffness_.subtract_column(node, elastic, f_hat);
     mass_.subtract_column(node, inertial, f_hat);
@@ -270,8 +350,8 @@ void Newmark::hold(const Hold& hold, std::span<double> f_hat) {
 
 void Newmark::update(std::span<const double> u_next) {
   assert(u_next.size() == u_.size());
-  const double a_of_u = 2 / (dynamics_.newmark_beta * time_step_ * time_step_);
-  const double v_of_u = 2 * dynamics_.newmark_gamma / (dynamics_.newmark_beta * time_step_);
+  const double a_of_u = acceleration_weight();
+  const double v_of_u = velocity_weight();
   for (std::size_t i = 0; i < u_.size(); ++i) {
     u_[i] = u_next[i];
     a_[i] = a_tilde_[i] + a_of_u * u_next[i];
@@ -287,15 +367,92 @@ void Newmark::set_state(std::span<const double> u, std::span<const double> v,
   std::copy(a.begin(), a.end(), a_.begin());
 }
 
+// Σ over a node's row of M·(ü + α·u̇).
+Eigen::Vector3d Newmark::end_inertia(std::span<const double> u, int node) const {
+  const double weight = acceleration_weight() + dynamics_.rayleigh_mass * velocity_weight();
+  const auto moved = [&](std::size_t dof) {
+    return a_tilde_[dof] + dynamics_.rayleigh_mass * v_tilde_[dof] + weight * u[dof];
+  };
+  const auto row = at(node);
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  if (!lumped_.empty()) {
+    for (std::size_t r = 0; r < 3; ++r) {
+      force[static_cast<int>(r)] = lumped_[3 * row + r] * moved(3 * row + r);
+    }
+    return force;
+  }
+  for (int k = mass_.row_begin[row]; k < mass_.row_begin[row + 1]; ++k) {
+    const double* block = mass_.block(at(k));
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double x = moved(3 * at(mass_.column[at(k)]) + c);
+      for (std::size_t r = 0; r < 3; ++r) force[static_cast<int>(r)] += block[3 * r + c] * x;
+    }
+  }
+  return force;
+}
+
+Eigen::Vector3d Newmark::end_force(std::span<const double> u, std::span<const double> f,
+                                   int node) const {
+  const double damping = dynamics_.rayleigh_stiffness;
+  const double weight = 1 + damping * velocity_weight();
+  const auto row = at(node);
+  Eigen::Vector3d force = end_inertia(u, node);
+  for (int k = stiffness_.row_begin[row]; k < stiffness_.row_begin[row + 1]; ++k) {
+    const double* block = stiffness_.block(at(k));
+    const std::size_t other = 3 * at(stiffness_.column[at(k)]);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double x = weight * u[other + c] + damping * v_tilde_[other + c];
+      for (std::size_t r = 0; r < 3; ++r) force[static_cast<int>(r)] += block[3 * r + c] * x;
+    }
+  }
+  for (std::size_t r = 0; r < 3; ++r) force[static_cast<int>(r)] -= f[3 * row + r];
+  return force;
+}
+
+double Newmark::end_inertia_flops(std::span<const int> nodes) const {
+  // Four for what a component moves; a block's product and sum, or that of a diagonal.
+  double flops = 0;
+  for (const int node : nodes) {
+    const auto row = at(node);
+    flops +=
+        lumped_.empty() ? 30.0 * (mass_.row_begin[row + 1] - mass_.row_begin[row]) : 3.0 * (4 + 1);
+  }
+  return flops;
+}
+
+double Newmark::end_force_flops(std::span<const int> nodes) const {
+  double flops = end_inertia_flops(nodes);
+  const double block = dynamics_.rayleigh_stiffness != 0 ? 18 + 9 : 18;
+  for (const int node : nodes) {
+    const auto row = at(node);
+    flops += block * (stiffness_.row_begin[row + 1] - stiffness_.row_begin[row]) + 3;
+  }
+  return flops;
+}
+
 double Newmark::energy() const {
   return 0.5 * quadratic_form(mass_, v_) + 0.5 * quadratic_form(stiffness_, u_);
 }
 
-double Newmark::predict_flops() const { return 12.0 * static_cast<double>(u_.size()); }
+// ã and ṽ, and what M multiplies.
+double Newmark::predict_flops() const {
+  return (between_ends_ ? 10.0 + 7 : 12.0) * static_cast<double>(u_.size());
+}
+
+double Newmark::rhs_flops_of_forces() const {
+  const auto rows = static_cast<double>(u_.size());
+  const double start = between_ends_ ? 3 * rows : 0;
+  return start + (lumped_.empty() ? 18 * static_cast<double>(mass_.blocks()) + rows : 2 * rows);
+}
 
 double Newmark::rhs_flops() const {
   const auto rows = static_cast<double>(u_.size());
   double flops = 0;
+  if (between_ends_) {
+    // What K multiplies, the product, (1 + s)·f.
+    flops += 3 * rows + 18 * static_cast<double>(stiffness_.blocks()) + 3 * rows;
+    return flops + (lumped_.empty() ? 18 * static_cast<double>(mass_.blocks()) + rows : 2 * rows);
+  }
   if (dynamics_.rayleigh_stiffness != 0) {
     flops += 18 * static_cast<double>(stiffness_.blocks()) + 2 * rows;
   }

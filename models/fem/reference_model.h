@@ -23,6 +23,9 @@ class ReferenceModel {
   virtual std::span<const Eigen::Vector3d> forces() const = 0;
   // The frames so far whose equation was not solved to rounding: no reference to compare with.
   virtual std::int64_t unsolved() const { return 0; }
+  // The tangents so far that were not positive definite: the body gave way there, and the solution
+  // was found by other steps than Newton's. It may be one of several.
+  virtual std::int64_t indefinite() const { return 0; }
 };
 
 }  // namespace hvp::fem

@@ -17,17 +17,12 @@ void LinearTissue::forces(std::span<const double> u, std::span<Eigen::Vector3d> 
     std::ranges::fill(of_probes, Eigen::Vector3d::Zero());
     return;
   }
-  const Hold hold = integrator_.held();
-  if (hold.present()) {
-    constraint_.reaction(u, integrator_.external_force(), hold.nodes, integrator_.contact_forces());
-  }
+  integrator_.find_contact_forces(constraint_, u);
   integrator_.sum_forces(of_probes);
 }
 
 double LinearTissue::force_operations() const {
-  const Hold hold = integrator_.held();
-  const double fading = integrator_.fading_operations();
-  return hold.present() ? fading + constraint_.reaction_flops(hold.nodes) : fading;
+  return integrator_.fading_operations() + integrator_.contact_force_operations(constraint_);
 }
 
 }  // namespace hvp::fem

@@ -39,6 +39,9 @@ class Tissue {
   // What makes the time step instead of a solver; null where one solves.
   virtual ExplicitSteps* explicit_steps() { return nullptr; }
 
+  // The rule of advance(). Absent for a static body, and where the time step is explicit.
+  virtual std::optional<Scheme> scheme() const = 0;
+
   // Takes what contact prescribes in this frame, with the fading forces of released nodes.
   virtual void hold(const Hold& hold) = 0;
   // f, or f̂ for a body with inertia, with the remaining forces of released nodes.
@@ -63,12 +66,12 @@ class Tissue {
   virtual double advance_operations() const = 0;
 };
 
-// A body of linear elasticity, thesis §3.5 and §3.6: A is K, or Newmark's Â with inertia, and never
+// A body of linear elasticity, thesis §3.5 and §3.6: A is K, or Â with inertia, and never
 // changes. With Effort::counted the body stays in its initial state and the force is zero.
 class LinearTissue final : public Tissue {
  public:
-  // Keeps a reference to the body. `period_s` is the servo period, Newmark's time step. Throws
-  // InputError for an unstable time integration.
+  // Keeps a reference to the body. `period_s` is the servo period, the time step. Throws InputError
+  // for an unstable time integration.
   LinearTissue(const Body& body, ContactDiagonal diagonal, const std::optional<Dynamics>& dynamics,
                double period_s, Effort effort);
   LinearTissue(const LinearTissue&) = delete;
@@ -79,6 +82,8 @@ class LinearTissue final : public Tissue {
   const ContactConstraint& constraint() const override { return constraint_; }
 
   InternalForces& internal_forces() override { return internal_; }
+
+  std::optional<Scheme> scheme() const override { return integrator_.scheme(); }
 
   void hold(const Hold& hold) override { integrator_.hold(hold); }
   std::span<const double> load() const override { return integrator_.load(); }

@@ -95,6 +95,10 @@ TissueProblem::TissueProblem(TissueBody body, const std::vector<TissueLog>& logs
     : body_(std::make_shared<const TissueBody>(std::move(body))) {
   if (body_->dynamics) {
     body_->dynamics->check();
+    if (body_->dynamics->scheme != fem::Scheme::newmark) {
+      throw InputError("dynamics.scheme",
+                       "what is fitted moves by Newmark's rule: expected \"newmark\"");
+    }
     if (!(body_->period_s > 0) || !std::isfinite(body_->period_s)) {
       throw InputError(
           fmt::format("the servo period is {} s; expected more than 0", body_->period_s));

@@ -13,8 +13,8 @@ bool ExplicitMethod::next(std::span<std::int32_t> /*b*/) {
 }
 
 std::vector<Step> ExplicitMethod::steps() const {
-  return {{fmt::format("explicit steps, {} a frame", steps_.substeps()), Step::Where::solver,
-           steps_.step_operations()}};
+  return {{fmt::format("explicit steps, {} a frame (without contact)", steps_.substeps()),
+           Step::Where::solver, steps_.step_operations()}};
 }
 
 }  // namespace hvp::host

@@ -28,6 +28,12 @@ std::unique_ptr<HostSolve> make_host_solve(SolvedBy solver, const sparse::BlockM
   return nullptr;
 }
 
+const char* name_of_update(std::optional<fem::Scheme> scheme) {
+  if (!scheme) return "update after the force";
+  return *scheme == fem::Scheme::newmark ? "Newmark's update after the force"
+                                         : "generalised-α's update after the force";
+}
+
 [[noreturn]] void refuse_counting() {
   throw InputError(
       "the operations of refinement and of a solve on the host depend on the numbers: "
@@ -100,7 +106,11 @@ std::vector<Step> FrameComputation::steps() const {
   std::vector<Step> steps = method_->steps();
   const auto after = std::ranges::find(steps, true, &Step::after_force);
   steps.insert(after, {"force (without contact)", Step::Where::host, method_->force_operations()});
-  steps.push_back({"update after the force", Step::Where::host, update_operations(), 1, true});
+  // Explicit steps have made theirs before the force.
+  if (explicit_steps() == nullptr) {
+    steps.push_back(
+        {name_of_update(tissue_->scheme()), Step::Where::host, update_operations(), 1, true});
+  }
   return steps;
 }
 

@@ -36,7 +36,7 @@ using fem::Effort;
 // Nothing allocates after construction but set_contact.
 class FrameComputation {
  public:
-  // Keeps a reference to the body. `period_s` is the servo period, Newmark's time step. Throws
+  // Keeps a reference to the body. `period_s` is the servo period, the time step. Throws
   // InputError for an unstable time integration, a matrix that cannot be put into words, or
   // refinement or a solve on the host that is only to be counted: their operations depend on the
   // numbers.
@@ -89,7 +89,7 @@ class FrameComputation {
     forces({&force, 1});
     return force;
   }
-  // Newmark's update with the accepted solution and the next frame's f̂; nothing when static.
+  // The scheme's update with the accepted solution and the next frame's f̂; nothing when static.
   void update() { tissue_->advance(displacement()); }
 
   // The accepted displacement, m.

@@ -172,6 +172,7 @@ bool Increments::finish(double tolerance) {
     if (!look(forces_.evaluate(u_, product_))) take_back();
   }
   if (no_start_) {
+    ++without_start_;
     abandon();
     if (start_ != fixed::Start::zero) guess_ = solution_;
     return false;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -55,6 +56,8 @@ class Increments {
   // b = f − A[:, c]·u_c is the right-hand side with the contact moved to it.
   double remaining() const { return remaining_; }
   double worst_remaining() const { return worst_remaining_; }
+  // The frames so far without a start, which kept the last solution: none of them is in those.
+  std::int64_t without_start() const { return without_start_; }
   // What finish() found: the solution is worse than none (linear), or than the start of the frame.
   bool diverged() const { return diverged_; }
   // The most elements that were turned inside out since begin(), those of increments that were
@@ -101,6 +104,7 @@ class Increments {
   double worst_remaining_ = 0;
   bool diverged_ = false;
   bool no_start_ = false;
+  std::int64_t without_start_ = 0;
   bool refused_ = false;
   int inverted_ = 0;
 };

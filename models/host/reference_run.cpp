@@ -29,7 +29,7 @@ void ReferenceRun::step(const fem::Hold& hold) {
   } else {
     solver_.solve(adjusted_, u_);
   }
-  finish(hold);
+  finish();
 }
 
 void PairedRuns::step(const fem::Hold& hold) {
@@ -40,8 +40,8 @@ void PairedRuns::step(const fem::Hold& hold) {
   } else {
     pair_.solve(one_.system(), other_.system());
   }
-  one_.finish(hold);
-  other_.finish(hold);
+  one_.finish();
+  other_.finish();
 }
 
 void ReferenceRun::form_rhs(const fem::Hold& hold) {
@@ -68,11 +68,8 @@ void ReferenceRun::put_back_difference(const fem::Hold& hold) {
   }
 }
 
-void ReferenceRun::finish(const fem::Hold& hold) {
-  if (hold.present()) {
-    constraint_.reaction(u_, integrator_.external_force(), hold.nodes,
-                         integrator_.contact_forces());
-  }
+void ReferenceRun::finish() {
+  integrator_.find_contact_forces(constraint_, u_);
   integrator_.sum_forces(of_probes_);
   integrator_.advance(u_);
 }

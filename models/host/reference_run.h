@@ -44,7 +44,7 @@ class ReferenceRun final : public fem::ReferenceModel {
   // The parts of a frame around its solve: the solver's input, and the results of u.
   void form_rhs(const fem::Hold& hold);
   fem::ReferencePair::System system() { return {adjusted_, u_}; }
-  void finish(const fem::Hold& hold);
+  void finish();
   void put_back_difference(const fem::Hold& hold);
 
   fem::Integrator integrator_;

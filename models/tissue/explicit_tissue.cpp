@@ -68,9 +68,9 @@ ExplicitTissue::ExplicitTissue(std::unique_ptr<PotentialBody> body, fem::Contact
       forces_(full_.size()) {
   std::vector<double> q(initial_.size());
   evaluate(initial_, q);
-  // A look differs two evaluations; what it and a substep add is small beside them.
+  // A look at the limit evaluates the forces once more.
   step_operations_ = substeps_ * (evaluate_operations_ + steps_.update_operations().total()) +
-                     evaluate_operations_;
+                     evaluate_operations_ + watch_.operations_beside_forces().total();
 }
 
 void ExplicitTissue::hold(const fem::Hold& hold) {

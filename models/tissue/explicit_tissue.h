@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -42,6 +43,8 @@ class ExplicitTissue final : public fem::Tissue,
   const fem::ContactConstraint& constraint() const override { return constraint_; }
   fem::InternalForces& internal_forces() override { return *this; }
   fem::ExplicitSteps* explicit_steps() override { return this; }
+
+  std::optional<fem::Scheme> scheme() const override { return std::nullopt; }
 
   void hold(const fem::Hold& hold) override;
   std::span<const double> load() const override { return load_; }

@@ -31,14 +31,14 @@ class NewtonRun final : public fem::ReferenceModel {
   std::span<const double> velocity() const override { return tissue_.velocity(); }
   std::span<const Eigen::Vector3d> forces() const override { return of_probes_; }
   std::int64_t unsolved() const override { return unsolved_; }
+  std::int64_t indefinite() const override { return indefinite_; }
 
   const NonlinearTissue& tissue() const { return tissue_; }
   // Of the last step(): Newton's steps, and the largest residual after each, N.
   int steps() const { return static_cast<int>(residual_n_.size()) - 1; }
   std::span<const double> residual_n() const { return residual_n_; }
-  // Tangents formed so far, and those that were indefinite.
+  // Tangents formed so far.
   std::int64_t tangents() const { return tangents_; }
-  std::int64_t indefinite() const { return indefinite_; }
 
  private:
   // The largest component of r outside the contact, N; infinity where an element has no forces.

@@ -108,6 +108,13 @@ NonlinearTissue::NonlinearTissue(const fem::Body& body, const Constitution& cons
     damping_operations_ =
         elastic_.add_damping(frames_, motion(u_full_, change_), forces_n_).total();
   stale_ = true;
+  if (between_ends()) {
+    // At rest: damping has no part in it.
+    at_end_.resize(initial.size());
+    static_cast<void>(elastic_.internal_forces(u_full_, forces_n_));
+    collect_elements(initial, at_end_);
+    integrator_.start(at_end_);
+  }
 }
 
 Motion NonlinearTissue::motion(std::span<const double> u, std::span<const double> v) const {
@@ -128,8 +135,8 @@ void NonlinearTissue::expand_velocity(std::span<const double> u, std::span<doubl
   }
 }
 
-// q over active nodes, from the elements' forces.
-void NonlinearTissue::collect(std::span<const double> u, std::span<double> q) {
+// The elements' forces over active nodes.
+void NonlinearTissue::collect_elements(std::span<const double> u, std::span<double> q) {
   if (memory_) memory_->forces(forces_n_, relaxed_n_);
   const std::vector<double>& forces = memory_ ? relaxed_n_ : forces_n_;
   for (std::size_t a = 0; a < kept_diagonal_.size(); ++a) {
@@ -139,6 +146,10 @@ void NonlinearTissue::collect(std::span<const double> u, std::span<double> q) {
                                                         : forces[3 * node + i];
     }
   }
+}
+
+void NonlinearTissue::collect(std::span<const double> u, std::span<double> q) {
+  collect_elements(u, q);
   if (integrator_.newmark() != nullptr) integrator_.newmark()->add_inertia(u, q);
 }
 
@@ -230,23 +241,48 @@ void NonlinearTissue::forces(std::span<const double> u, std::span<Eigen::Vector3
     // Elsewhere it is no force of anything, and nobody reads it.
     if (memory_) memory_->forces(reaction_n_, reaction_n_);
     const fem::Newmark* newmark = integrator_.newmark();
+    // f̂ has more than what acts at the step's end, where its equation is not that of the end.
+    const std::span<const double> f =
+        between_ends() ? std::span<const double>(body_.dead_load()) : integrator_.external_force();
     for (const int active : hold.nodes) {
       const auto node = at(body_.node_of_active()[at(active)]);
       Eigen::Vector3d force = Eigen::Map<const Eigen::Vector3d>(&reaction_n_[3 * node]);
-      if (newmark != nullptr) force += newmark->inertia(u, active);
-      force -= Eigen::Map<const Eigen::Vector3d>(&integrator_.external_force()[3 * at(active)]);
+      if (newmark != nullptr) {
+        force += between_ends() ? newmark->end_inertia(u, active) : newmark->inertia(u, active);
+      }
+      force -= Eigen::Map<const Eigen::Vector3d>(&f[3 * at(active)]);
       integrator_.contact_forces().set(active, force);
     }
     // Inertia, velocities, f, and the sum over nodes.
     reaction_operations_ =
         deformation.operations.total() + 27 * static_cast<double>(hold.nodes.size());
+    if (between_ends()) reaction_operations_ += newmark->end_inertia_flops(hold.nodes);
   }
   integrator_.sum_forces(of_probes);
 }
 
+// Brings the elements' forces to u, with the velocities of this step. The last evaluation may have
+// been of a step that was refused.
+void NonlinearTissue::find_forces_at(std::span<const double> u) {
+  refind_operations_ = 0;
+  if (!stale_ && elsewhere_as_known({}, u)) return;
+  body_.expand(u, u_full_);
+  expand_velocity(u, v_full_);
+  const Deformation deformation = elastic_.forces(motion(u_full_, v_full_), forces_n_, frames_);
+  stale_ = !deformation.defined();
+  refind_operations_ = deformation.operations.total();
+}
+
 // The damping forces of the next time step differ from this one's by those of the change in ṽ.
 void NonlinearTissue::advance(std::span<const double> u) {
-  integrator_.advance(u);
+  if (between_ends()) {
+    find_forces_at(u);
+    // Without forces at u the last ones stay.
+    if (!stale_) collect_elements(u, at_end_);
+    integrator_.advance(u, at_end_);
+  } else {
+    integrator_.advance(u);
+  }
   if (memory_) {
     if (stale_ || !elsewhere_as_known({}, u)) {
       body_.expand(u, u_full_);
@@ -271,7 +307,7 @@ double NonlinearTissue::force_operations() const {
 
 double NonlinearTissue::advance_operations() const {
   return integrator_.advance_operations() + (damped() ? damping_operations_ : 0) +
-         memory_operations_;
+         memory_operations_ + refind_operations_;
 }
 
 fem::ElementsFound NonlinearTissue::tangent(sparse::BlockMatrix& k) const {

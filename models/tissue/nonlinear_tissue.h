@@ -20,10 +20,12 @@ namespace hvp::tissue {
 //
 //   r(u) = f̂ − M̂·u − f_int(u) − f_damp(u, ṽ + c·u) = 0
 //
-// with Newmark's f̂ and M̂ = (2/(βΔt²) + 2γα/(βΔt))·M, thesis (3.24)–(3.28) with K·u replaced by the
-// forces of the elements, and damping that turns with them (viscous.h). A solver reaches it by
-// increments with system(): the Â (K where static) of the body at rest, which never changes. Where
-// the forces relax (prony.h), K and the tangent have the constant factor of a frame's change.
+// with the scheme's f̂ and M̂ (fem::Newmark), thesis (3.24)–(3.28) with K·u replaced by the forces of
+// the elements, and damping that turns with them (viscous.h). Generalised-α weighs the forces of
+// the step's two ends, it does not ask for those between; r(u) is divided by 1 − α_f. A solver
+// reaches it by increments with system(): the Â (K where static) of the body at rest, which never
+// changes. Where the forces relax (prony.h), K and the tangent have the constant factor of a
+// frame's change.
 //
 // The forces of a frame's solution are formed once, when it is known, and serve the next frame:
 // where contact nodes move only the elements at them are visited.
@@ -41,6 +43,8 @@ class NonlinearTissue final : public fem::Tissue, public fem::InternalForces {
   std::int64_t revision() const override { return 0; }
   const fem::ContactConstraint& constraint() const override { return constraint_; }
   fem::InternalForces& internal_forces() override { return *this; }
+
+  std::optional<fem::Scheme> scheme() const override { return integrator_.scheme(); }
 
   void hold(const fem::Hold& hold) override;
   std::span<const double> load() const override { return integrator_.load(); }
@@ -73,7 +77,12 @@ class NonlinearTissue final : public fem::Tissue, public fem::InternalForces {
   bool damped() const { return damping_s_ > 0; }
   Motion motion(std::span<const double> u, std::span<const double> v) const;
   void expand_velocity(std::span<const double> u, std::span<double> v) const;
+  void collect_elements(std::span<const double> u, std::span<double> q);
   void collect(std::span<const double> u, std::span<double> q);
+  bool between_ends() const {
+    return integrator_.newmark() != nullptr && integrator_.newmark()->between_ends();
+  }
+  void find_forces_at(std::span<const double> u);
   double collect_operations() const;
   double relaxation_factor() const { return series_ ? series_->stiffness_factor() : 1; }
   bool elsewhere_as_known(std::span<const int> nodes, std::span<const double> u) const;
@@ -95,7 +104,8 @@ class NonlinearTissue final : public fem::Tissue, public fem::InternalForces {
   double memory_operations_ = 0;
   bool stale_ = true;  // the forces are not those of the last solution in this time step
   std::vector<double> reaction_n_, u_reaction_, v_reaction_;  // scratch of forces()
-  std::vector<double> change_;                                // scratch of advance()
+  std::vector<double> at_end_;  // scratch of advance(): the elements' forces, over active nodes
+  std::vector<double> change_;  // scratch of advance()
   std::vector<Tensor<double>> frames_;  // of each element, in which it is damped
   std::vector<int> elements_;           // scratch: those at some nodes
   std::vector<char> chosen_;
@@ -103,6 +113,7 @@ class NonlinearTissue final : public fem::Tissue, public fem::InternalForces {
   double follow_operations_ = 0;
   double reaction_operations_ = 0;
   double damping_operations_ = 0;
+  double refind_operations_ = 0;
 };
 
 }  // namespace hvp::tissue

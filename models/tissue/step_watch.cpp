@@ -70,7 +70,7 @@ void StepWatch::look(std::span<const double> u, std::span<const double> f,
   for (std::size_t k = 0; k < x_.size(); ++k) moved_[k] = u[k] + share * x_[k];
   of.expand(moved_, full_);
   const Deformation found = body_.internal_forces(full_, forces_);
-  operations_ = found.operations + static_cast<double>(x_.size()) * kLookAtComponent;
+  operations_ = found.operations + operations_beside_forces();
   if (!found.defined()) return;
 
   // y = M⁻¹K·x in the place of moved_
@@ -90,6 +90,10 @@ void StepWatch::look(std::span<const double> u, std::span<const double> f,
   }
   normalise();
   add_noise(kNoise);
+}
+
+Operations StepWatch::operations_beside_forces() const {
+  return static_cast<double>(x_.size()) * kLookAtComponent;
 }
 
 double StepWatch::stable_step_s() const {

@@ -40,6 +40,8 @@ class StepWatch {
   double stable_step_s() const;
   // That of the last look.
   const Operations& operations() const { return operations_; }
+  // Its part besides the internal forces, the same in every look.
+  Operations operations_beside_forces() const;
 
  private:
   void add_noise(double size);

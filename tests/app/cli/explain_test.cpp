@@ -87,6 +87,31 @@ TEST_F(ExplainJson, AFrameIsTheSumOfItsSteps) {
   EXPECT_DOUBLE_EQ(frame.at("latency_us").get<double>(), static_cast<double>(awaited) / 1e6);
 }
 
+// The update of a moving body by its scheme, and none after explicit steps, which make theirs
+// before.
+TEST_F(ExplainJson, NamesTheUpdateByItsScheme) {
+  const auto last = [](const json& told) {
+    return told.at("frame").at("steps").back().at("what").get<std::string>();
+  };
+  const auto cost = [](const json& told) {
+    for (const json& effect : told.at("effects")) {
+      if (effect.at("path") == "dynamics") return effect.at("adds").get<std::string>();
+    }
+    return std::string();
+  };
+  EXPECT_EQ(last(with({"dynamics=true"})), "Newmark's update after the force");
+  const json generalised = with({"dynamics=true", "dynamics.scheme=generalised-alpha"});
+  EXPECT_EQ(last(generalised), "generalised-α's update after the force");
+  EXPECT_THAT(cost(generalised), HasSubstr("generalised-α"));
+  const json steps =
+      with({"dynamics=true", "dynamics.rayleigh_stiffness=0 s", "host.solver=explicit"});
+  EXPECT_THAT(cost(steps), Not(HasSubstr("Newmark")));
+  for (const json& step : steps.at("frame").at("steps")) {
+    EXPECT_THAT(step.at("what"), Not(HasSubstr("update")));
+  }
+  EXPECT_THAT(steps.at("frame").at("steps").at(0).at("what"), HasSubstr("(without contact)"));
+}
+
 // By the names that a run's summary has, and with its values.
 TEST_F(ExplainJson, AgreesWithTheSummaryOfARun) {
   const json told = with({"frames=2"});

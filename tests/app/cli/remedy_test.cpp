@@ -1,4 +1,8 @@
+#include <functional>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 
@@ -182,6 +186,46 @@ TEST(RemedyOfAHost, IsOfTheHandOverAlone) {
   const json remedy = json::parse(read(place.path() / "out/summary.json")).at("remedy");
   EXPECT_TRUE(remedy.at("works"));
   EXPECT_EQ(remedy.at("set"), json({"contact.hand_over=20ms"}));
+}
+
+// A body that the host solves by itself: the key and the number that the run's own limit asks for.
+TEST(RemedyOfAHost, IsOfItsStepsAndPasses) {
+  const ScratchDirectory place;
+  const auto run = [&](std::vector<std::string> changes) {
+    std::vector<std::string> arguments = {"run",   scenario("thesis-nonlinear.toml").string(),
+                                          "--out", "out",
+                                          "--set", "output.pictures=false",
+                                          "--set", "host.sustained_rate=100Gflop/s",
+                                          "--set", "output.deformation_every_frames=0"};
+    for (std::string& change : changes) {
+      arguments.emplace_back("--set");
+      arguments.push_back(std::move(change));
+    }
+    EXPECT_LT(hvp(place.path(), arguments).status, 2);
+    return json::parse(read(place.path() / "out/summary.json"));
+  };
+  // Three steps a frame are of 667 us, and pressed by 20 mm this body is stable below 556 us.
+  std::vector<std::string> steps = {"refinement=false",
+                                    "host.solver=explicit",
+                                    "frames=300",
+                                    "reference=false",
+                                    "contact.patch_radius=15mm",
+                                    "host.substeps=3",
+                                    "probe.motion=[{phase=\"press\",to=[\"0mm\",\"0mm\",\"20mm\"],"
+                                    "duration=\"500ms\"}]"};
+  // One pass leaves more than [refinement] asks for.
+  std::vector<std::string> passes = {"host.solver=cholesky", "frames=350", "refinement.passes=1"};
+  for (std::vector<std::string>& changes : {std::ref(steps), std::ref(passes)}) {
+    const json before = run(changes);
+    const json remedy = before.at("remedy");
+    ASSERT_FALSE(remedy.is_null()) << before.at("stability").at("flags");
+    EXPECT_TRUE(remedy.at("works")) << remedy;
+    EXPECT_TRUE(remedy.at("whole_run"));
+    for (const json& setting : remedy.at("set")) changes.push_back(setting.get<std::string>());
+    EXPECT_EQ(run(changes).at("stability").at("flags"), json::array()) << remedy;
+  }
+  EXPECT_EQ(steps.back(), "host.substeps=4");
+  EXPECT_EQ(passes.back(), "refinement.passes=2");
 }
 
 // Whatever a scenario's line looks like, the shell's quotes around it are enough.

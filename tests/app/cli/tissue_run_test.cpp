@@ -138,6 +138,40 @@ TEST_F(TissueRun, NothingLeavesDoublePrecision) {
   }
 }
 
+// Another scheme is another trajectory at the same price: in time, with flags as before, and as
+// near to its own truth. What contact feels is that of the frame's end, so that both are alike.
+TEST_F(TissueRun, HoldsItsBudgetWithGeneralisedAlpha) {
+  for (const char* name : {"thesis-nonlinear.toml", "thesis-refined.toml"}) {
+    SCOPED_TRACE(name);
+    const std::vector<std::string> few = {"frames=600"};
+    const json newmark = summary(few, name);
+    std::vector<std::string> changes = few;
+    changes.emplace_back("dynamics.scheme=generalised-alpha");
+    const json s = summary(changes, name);
+    EXPECT_EQ(s.at("verdict"), newmark.at("verdict")) << flags(s);
+    EXPECT_EQ(flags(s), flags(newmark));
+    EXPECT_EQ(s.at("deadline").at("misses"), 0);
+    EXPECT_LT(mean(s, "force_rel"), 3 * mean(newmark, "force_rel") + 1e-4);
+    EXPECT_LT(mean(s, "displacement_rel"), 3 * mean(newmark, "displacement_rel") + 1e-4);
+    const double peak = newmark.at("force").at("largest").at("N");
+    EXPECT_NEAR(s.at("force").at("largest").at("N"), peak, 0.05 * peak);
+  }
+}
+
+TEST_F(TissueRun, GeneralisedAlphaSaysWhereItIsNot) {
+  const Ended steps =
+      with({"refinement=false", "host.solver=explicit", "dynamics.scheme=generalised-alpha"});
+  EXPECT_EQ(steps.status, 2);
+  EXPECT_THAT(steps.err, HasSubstr("dynamics.scheme"));
+  EXPECT_THAT(steps.err, HasSubstr("central differences"));
+  const Ended radius = with({"dynamics.scheme=generalised-alpha", "dynamics.spectral_radius=1.5"});
+  EXPECT_EQ(radius.status, 2);
+  EXPECT_THAT(radius.err, HasSubstr("dynamics.spectral_radius"));
+  const Ended beside = with({"dynamics.spectral_radius=0.5"});
+  EXPECT_EQ(beside.status, 2);
+  EXPECT_THAT(beside.err, HasSubstr("generalised-alpha"));
+}
+
 // A body that is not linear has no A·u = f to solve in one go.
 TEST_F(TissueRun, NeedsIncrements) {
   const Ended ended = with({"refinement=false"});

@@ -1,0 +1,65 @@
+#include "app/remedy/tissue_remedy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace hvp::app {
+
+namespace {
+
+using stability::Flag;
+
+// A tenth between a substep and the estimate of the limit (docs/tissue.md), and more where the
+// motion with it comes nearer to a limit that this run has not seen.
+std::vector<std::vector<std::string>> more_substeps(const results::ExplicitFigures& steps,
+                                                    double period_s) {
+  constexpr double kShare = 0.9;
+  constexpr int kMostSubsteps = 1000;
+  int needed = steps.substeps + 1;
+  if (steps.least_limit_s > 0 && std::isfinite(steps.least_limit_s)) {
+    needed =
+        std::max(needed, static_cast<int>(std::min<double>(
+                             kMostSubsteps, std::ceil(period_s / (kShare * steps.least_limit_s)))));
+  }
+  std::vector<std::vector<std::string>> found;
+  for (const double times : {1.0, 1.5, 2.0, 4.0}) {
+    const int substeps = static_cast<int>(std::ceil(times * needed));
+    if (substeps <= kMostSubsteps) found.push_back({fmt::format("host.substeps = {}", substeps)});
+  }
+  return found;
+}
+
+std::vector<std::vector<std::string>> more_passes(int passes) {
+  std::vector<std::vector<std::string>> found;
+  for (const int times : {2, 4, 8}) {
+    found.push_back({fmt::format("refinement.passes = {}", times * passes)});
+  }
+  return found;
+}
+
+}  // namespace
+
+std::optional<results::TriedRemedy> try_tissue_remedy(const Scenario& s,
+                                                      const results::Outcome& outcome,
+                                                      const Rerun& rerun) {
+  const stability::Flags flags = outcome.flags;
+  const Trouble trouble{.flags = flags, .held = outcome.held(), .frames = s.frames};
+  const bool inexact = flags.has(Flag::not_converged) || flags.has(Flag::divergence);
+  if (outcome.explicit_steps) {
+    if (!inexact && !flags.has(Flag::unstable_step) && !flags.has(Flag::inverted_element)) {
+      return std::nullopt;
+    }
+    return try_whole_runs(trouble, more_substeps(*outcome.explicit_steps, s.budget.period_s),
+                          rerun);
+  }
+  const bool host_solves =
+      s.host.solver == host::SolvedBy::cg || s.host.solver == host::SolvedBy::cholesky;
+  if (!host_solves || !s.refinement || !inexact) return std::nullopt;
+  return try_whole_runs(trouble, more_passes(s.refinement->passes), rerun);
+}
+
+}  // namespace hvp::app

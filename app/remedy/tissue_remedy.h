@@ -1,0 +1,18 @@
+#pragma once
+
+#include <optional>
+
+#include "app/remedy/whole_runs.h"
+#include "app/results/outcome.h"
+#include "app/scene/scenario.h"
+
+namespace hvp::app {
+
+// Searches a remedy, by whole runs, for what a body raises that the host solves by itself: explicit
+// steps get as many substeps as the least limit of the run asks for, and more; a body that is not
+// linear gets more passes. Absent for other runs and flags.
+std::optional<results::TriedRemedy> try_tissue_remedy(const Scenario& scenario,
+                                                      const results::Outcome& outcome,
+                                                      const Rerun& rerun);
+
+}  // namespace hvp::app
