@@ -13,6 +13,7 @@ enum {
   STATE_CONFIGURED,
   STATE_CHECKING,  // load_done was commanded, and the wait for it was interrupted
   STATE_LOADED,
+  STATE_UPDATING,  // update_values was commanded, and the wait for it was interrupted
   STATE_RUNNING,
   STATE_LOST,
 };

@@ -5,11 +5,11 @@
 #include "driver/hvp_bus.h"
 #include "driver/hvp_status.h"
 
-// The driver of the solver board: loads a matrix K, changes single rows of it, sends b, starts a
-// solve of K·U = b, waits for it and fetches U. docs/driver.md shows a frame; docs/registers.md is
-// the board. It reaches the board through the call-backs of struct hvp_bus only and allocates
-// nothing. One thread owns a device handle, and beside it an interrupt's handler may call
-// hvp_irq(); two boards are two handles.
+// The driver of the solver board: loads a matrix K, changes single rows of it or all its entries,
+// sends b, starts a solve of K·U = b, waits for it and fetches U. docs/driver.md shows a frame;
+// docs/registers.md is the board. It reaches the board through the call-backs of struct hvp_bus
+// only and allocates nothing. One thread owns a device handle, and beside it an interrupt's handler
+// may call hvp_irq(); two boards are two handles.
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -50,6 +50,7 @@ struct hvp_device {
   uint32_t format;
   uint32_t method;
   uint32_t nodes;
+  uint32_t blocks;  // of the loaded matrix
   uint32_t job;
   uint32_t last_status;
   uint32_t error_detail;
@@ -184,6 +185,18 @@ hvp_status hvp_begin_load(struct hvp_device* device, struct hvp_load* load,
                           const struct hvp_matrix* matrix);
 hvp_status hvp_continue_load(struct hvp_device* device, struct hvp_load* load, bool* complete);
 hvp_status hvp_end_load(struct hvp_device* device, const struct hvp_load* load);
+
+// Replaces the entries of the loaded matrix and keeps its pattern, its constrained nodes and U:
+// `values` has nine entries a block, in the order in which hvp_load_matrix() had them, n =
+// 9·blocks. Those in the rows and columns of constrained nodes are not used; hvp_restore_node()
+// brings them. By blocks of writes, also where a DMA engine moves b and U. The board solves with
+// neither matrix until this has ended: after an error the matrix has to be loaded again, after a
+// reset if the error is not the board's. HVP_ERROR_TIMEOUT: the board is busy with them timeout_ns
+// after the last was sent. HVP_ERROR_INTERRUPTED while it takes them: call again; nothing is sent
+// twice. HVP_ERROR_CAPABILITY: the board's register map is older than
+// version 2.3.
+hvp_status hvp_update_values(struct hvp_device* device, const int32_t* values, size_t n,
+                             uint64_t timeout_ns);
 
 // Zeroes the node's block row and column but for the diagonal entries, which become `diagonal` > 0
 // (thesis §3.7).

@@ -3,7 +3,7 @@
 
 static_assert(offsetof(hvp_t, BLOCKS) - offsetof(hvp_t, NODES) == 4, "one burst writes both");
 
-enum { UPDATE_WORDS = 4 };
+enum { UPDATE_WORDS = 4, MINOR_VERSION_OF_VALUES = 3 };
 static_assert(offsetof(hvp_t, UPDATE_BLOCKS) - offsetof(hvp_t, UPDATE_NODE) ==
                   4 * (UPDATE_WORDS - 1),
               "one burst writes UPDATE_NODE to UPDATE_BLOCKS");
@@ -88,10 +88,10 @@ hvp_status hvp_continue_load(struct hvp_device* device, struct hvp_load* load, b
 }
 
 // What a board is left in whose check of a matrix ended so, before its answer is looked at.
-static int state_after_check(hvp_status status) {
+static int state_after_check(hvp_status status, int interrupted) {
   switch (status) {
     case HVP_ERROR_INTERRUPTED:
-      return STATE_CHECKING;
+      return interrupted;
     case HVP_ERROR_TIMEOUT:
     case HVP_ERROR_BUS:
     case HVP_ERROR_DATA:
@@ -101,21 +101,31 @@ static int state_after_check(hvp_status status) {
   }
 }
 
-hvp_status hvp_end_load(struct hvp_device* device, const struct hvp_load* load) {
-  if (device == NULL || load == NULL || load->matrix == NULL) return HVP_ERROR_ARGUMENT;
+// Has the board check what was sent, and waits for it. In the state `interrupted` it does so
+// already.
+static hvp_status have_checked(struct hvp_device* device, uint32_t command, int interrupted,
+                               uint64_t timeout_ns) {
   hvp_status status = HVP_OK;
-  if (device->state == STATE_CONFIGURED) {
+  if (device->state != interrupted) {
     hvp_clear_done(device);
-    hvp_write_register(device, HVP_OFFSET(CONTROL), HVP__CONTROL__LOAD_DONE_bm);
+    hvp_write_register(device, HVP_OFFSET(CONTROL), command);
     // A board that has not heard of it would be waited for in vain.
     status = hvp_bus_errors(device);
-  } else if (device->state != STATE_CHECKING) {
-    return HVP_ERROR_STATE;
   }
-  if (status == HVP_OK) status = hvp_await_end(device, HVP_LOAD_TIMEOUT_NS);
-  device->state = state_after_check(status);
+  if (status == HVP_OK) status = hvp_await_end(device, timeout_ns);
+  device->state = state_after_check(status, interrupted);
   if (status != HVP_OK) return status;
-  if ((device->last_status & HVP__STATUS__MATRIX_LOADED_bm) == 0U) return HVP_ERROR_BOARD;
+  const bool loaded = (device->last_status & HVP__STATUS__MATRIX_LOADED_bm) != 0U;
+  return loaded ? HVP_OK : HVP_ERROR_BOARD;
+}
+
+hvp_status hvp_end_load(struct hvp_device* device, const struct hvp_load* load) {
+  if (device == NULL || load == NULL || load->matrix == NULL) return HVP_ERROR_ARGUMENT;
+  if (device->state != STATE_CONFIGURED && device->state != STATE_CHECKING) return HVP_ERROR_STATE;
+  hvp_status status =
+      have_checked(device, HVP__CONTROL__LOAD_DONE_bm, STATE_CHECKING, HVP_LOAD_TIMEOUT_NS);
+  if (status != HVP_OK) return status;
+  device->blocks = load->matrix->blocks;
   if (device->uses_dma) {
     status = hvp_prepare_list(device);
     if (status != HVP_OK) return status;
@@ -131,6 +141,29 @@ hvp_status hvp_load_matrix(struct hvp_device* device, const struct hvp_matrix* m
   bool complete = false;
   while (status == HVP_OK && !complete) status = hvp_continue_load(device, &load, &complete);
   return status == HVP_OK ? hvp_end_load(device, &load) : status;
+}
+
+hvp_status hvp_update_values(struct hvp_device* device, const int32_t* values, size_t n,
+                             uint64_t timeout_ns) {
+  if (device == NULL || values == NULL) return HVP_ERROR_ARGUMENT;
+  if (device->state == STATE_LOADED) {
+    if (n != (size_t)9 * device->blocks) return HVP_ERROR_ARGUMENT;
+    if (device->minor_version < MINOR_VERSION_OF_VALUES) return HVP_ERROR_CAPABILITY;
+    if (!hvp_elements_fit(values, n, matrix_bits(device))) return HVP_ERROR_RANGE;
+    for (size_t sent = 0; sent < n;) {
+      sent = hvp_write_burst(device, HVP_OFFSET(VALUE), values, n, sent, matrix_bits(device));
+      const hvp_status status = hvp_bus_errors(device);
+      if (status == HVP_OK) continue;
+      device->state = STATE_LOST;
+      return status;
+    }
+  } else if (device->state != STATE_UPDATING) {
+    return HVP_ERROR_STATE;
+  }
+  const hvp_status status =
+      have_checked(device, HVP__CONTROL__UPDATE_VALUES_bm, STATE_UPDATING, timeout_ns);
+  if (status == HVP_OK) device->state = STATE_LOADED;
+  return status;
 }
 
 static hvp_status update_node(struct hvp_device* device, uint32_t node, uint32_t kind,

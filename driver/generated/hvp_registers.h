@@ -28,7 +28,7 @@ extern "C" {
 #define HVP__VERSION__MINOR_bm 0xffff
 #define HVP__VERSION__MINOR_bp 0
 #define HVP__VERSION__MINOR_bw 16
-#define HVP__VERSION__MINOR_reset 0x2
+#define HVP__VERSION__MINOR_reset 0x3
 #define HVP__VERSION__MAJOR_bm 0xffff0000
 #define HVP__VERSION__MAJOR_bp 16
 #define HVP__VERSION__MAJOR_bw 16
@@ -111,6 +111,10 @@ extern "C" {
 #define HVP__CONTROL__RUN_LIST_bp 3
 #define HVP__CONTROL__RUN_LIST_bw 1
 #define HVP__CONTROL__RUN_LIST_reset 0x0
+#define HVP__CONTROL__UPDATE_VALUES_bm 0x10
+#define HVP__CONTROL__UPDATE_VALUES_bp 4
+#define HVP__CONTROL__UPDATE_VALUES_bw 1
+#define HVP__CONTROL__UPDATE_VALUES_reset 0x0
 #define HVP__CONTROL__RESET_bm 0x80000000
 #define HVP__CONTROL__RESET_bp 31
 #define HVP__CONTROL__RESET_bw 1
@@ -133,6 +137,10 @@ extern "C" {
 #define HVP__STATUS__MATRIX_LOADED_bp 3
 #define HVP__STATUS__MATRIX_LOADED_bw 1
 #define HVP__STATUS__MATRIX_LOADED_reset 0x0
+#define HVP__STATUS__PATTERN_LOADED_bm 0x10
+#define HVP__STATUS__PATTERN_LOADED_bp 4
+#define HVP__STATUS__PATTERN_LOADED_bw 1
+#define HVP__STATUS__PATTERN_LOADED_reset 0x0
 #define HVP__STATUS__ERROR_CODE_bm 0xff00
 #define HVP__STATUS__ERROR_CODE_bp 8
 #define HVP__STATUS__ERROR_CODE_bw 8
@@ -539,9 +547,9 @@ static_assert(sizeof(hvp_t) == 0x1b40000, "Packing error");
 enum hvp_error_code {
     HVP_ERROR_CODE_NONE = 0, // No error is pending.
     HVP_ERROR_CODE_BAD_SIZE = 1, // load_done: NODES or BLOCKS is zero or beyond the board's capability. Detail: the value.
-    HVP_ERROR_CODE_BAD_MATRIX = 2, // load_done: ROW_BEGIN does not run from 0 to BLOCKS without decreasing, a row has more blocks than CAPABILITY_NODES.max_row_blocks, columns do not ascend or are not below NODES, a diagonal block is missing, a block has no partner at its transpose's place, or an entry is beyond ±(2^(FORMAT.matrix_bits - 1) - 1). Detail: the block row.
-    HVP_ERROR_CODE_BAD_SETTING = 3, // start, run_list, load_done or update_node: a setting is out of the board's range; run_list on a board without an engine blames CAPABILITY_DMA. Detail: the register's offset; ERROR.place: the field's lowest bit.
-    HVP_ERROR_CODE_NOT_LOADED = 4, // start, run_list or update_node without a loaded matrix.
+    HVP_ERROR_CODE_BAD_MATRIX = 2, // load_done: ROW_BEGIN does not run from 0 to BLOCKS without decreasing, a row has more blocks than CAPABILITY_NODES.max_row_blocks, columns do not ascend or are not below NODES, a diagonal block is missing, a block has no partner at its transpose's place, or an entry is beyond ±(2^(FORMAT.matrix_bits - 1) - 1); update_values: the last alone. Detail: the block row.
+    HVP_ERROR_CODE_BAD_SETTING = 3, // start, run_list, load_done, update_values or update_node: a setting is out of the board's range; run_list on a board without an engine blames CAPABILITY_DMA. Detail: the register's offset; ERROR.place: the field's lowest bit.
+    HVP_ERROR_CODE_NOT_LOADED = 4, // start, run_list or update_node without a loaded matrix, update_values without a loaded pattern.
     HVP_ERROR_CODE_BAD_NODE = 5, // update_node: UPDATE_NODE is not below NODES. Detail: the node.
     HVP_ERROR_CODE_BAD_ROW = 6, // update_node: UPDATE_BLOCKS differs from the number of blocks in the row. Detail: the row's own number.
     HVP_ERROR_CODE_ILLEGAL_ACCESS = 7, // An access that the map does not allow was refused. Detail: its offset.
@@ -582,7 +590,7 @@ enum hvp_overflow_mode {
 enum hvp_start_mode {
     HVP_START_MODE_ZERO = 0, // Start from U = 0.
     HVP_START_MODE_WARM = 1, // Start from what the U memory holds: the last solution, or what the host wrote.
-    HVP_START_MODE_EXTRAPOLATED = 2, // Start from 2·U - (the U of the job before), saturating. From U alone where the job before had another mode, where the host has written to U since, and after load_done.
+    HVP_START_MODE_EXTRAPOLATED = 2, // Start from 2·U - (the U of the job before), saturating. From U alone where the job before had another mode, where the host has written to U since, and after load_done and update_values.
 };
 
 // enumeration - packing_mode

@@ -28,16 +28,21 @@ ScriptedBoard::ScriptedBoard(const vp::Capacity& capacity) : bank_(capacity) {
     }
     mirror_interrupts();
   });
-  const auto forget_matrix = [this] { bank_.set(field::kStatusMatrixLoaded, 0); };
+  const auto forget_values = [this] { bank_.set(field::kStatusMatrixLoaded, 0); };
+  const auto forget_matrix = [this, forget_values] {
+    forget_values();
+    bank_.set(field::kStatusPatternLoaded, 0);
+  };
   for (const Register reg :
        {Register::nodes, Register::blocks, Register::format, Register::packing, Register::method}) {
     bank_.on_write(reg, [this, reg, forget_matrix](std::uint32_t, std::uint32_t before) {
       if (bank_.get(reg) != before) forget_matrix();
     });
   }
-  for (const Aperture memory : {Aperture::row_begin, Aperture::column, Aperture::value}) {
+  for (const Aperture memory : {Aperture::row_begin, Aperture::column}) {
     bank_.on_memory_write(memory, forget_matrix);
   }
+  bank_.on_memory_write(Aperture::value, forget_values);
 }
 
 void ScriptedBoard::mirror_interrupts() {
@@ -66,6 +71,9 @@ void ScriptedBoard::control(std::uint32_t written) {
   const bool loaded = bank_.get(field::kStatusMatrixLoaded) != 0;
   if ((written & field::kControlLoadDone.mask()) != 0) {
     begin(Running::load, load_ns);
+  } else if ((written & field::kControlUpdateValues.mask()) != 0) {
+    if (bank_.get(field::kStatusPatternLoaded) == 0) return raise(ErrorCode::not_loaded, 0);
+    begin(Running::update, load_ns);
   } else if ((written & (field::kControlStart.mask() | field::kControlRunList.mask())) != 0) {
     if (!loaded) return raise(ErrorCode::not_loaded, 0);
     list_ = (written & field::kControlStart.mask()) == 0;
@@ -100,6 +108,9 @@ void ScriptedBoard::end() {
   }
   if (what == Running::load) {
     check_matrix();
+  } else if (what == Running::update) {
+    bank_.set(field::kStatusMatrixLoaded, 1);
+    bank_.set(field::kInterruptStatusDone, 1);
   } else {
     bank_.set(Register::result_job, bank_.get(Register::job));
     bank_.set(Register::result_iterations, bank_.get(Register::iterations));
@@ -234,6 +245,7 @@ void ScriptedBoard::check_matrix() {
     }
   }
   bank_.set(field::kStatusMatrixLoaded, 1);
+  bank_.set(field::kStatusPatternLoaded, 1);
   bank_.set(field::kInterruptStatusDone, 1);
 }
 

@@ -56,7 +56,7 @@ class ScriptedBoard {
   std::uint64_t posted_ns = 0;   // writes to memory arrive so late; a read of the board is behind
 
  private:
-  enum class Running { nothing, job, load };
+  enum class Running { nothing, job, load, update };
 
   struct Descriptor {
     std::uint32_t bytes;

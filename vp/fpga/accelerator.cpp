@@ -61,12 +61,13 @@ Accelerator::Accelerator(const sc_core::sc_module_name& name,
   for (const Register reg :
        {Register::method, Register::format, Register::nodes, Register::blocks, Register::packing}) {
     bank_.on_write(reg, [this, reg](std::uint32_t /*written*/, std::uint32_t before) {
-      if (bank_.get(reg) != before) bank_.set(field::kStatusMatrixLoaded, 0);
+      if (bank_.get(reg) != before) forget_matrix();
     });
   }
-  for (const Aperture aperture : {Aperture::row_begin, Aperture::column, Aperture::value}) {
-    bank_.on_memory_write(aperture, [this] { bank_.set(field::kStatusMatrixLoaded, 0); });
+  for (const Aperture aperture : {Aperture::row_begin, Aperture::column}) {
+    bank_.on_memory_write(aperture, [this] { forget_matrix(); });
   }
+  bank_.on_memory_write(Aperture::value, [this] { bank_.set(field::kStatusMatrixLoaded, 0); });
   bank_.on_memory_write(Aperture::u, [this] {
     has_previous_u_ = false;
     give_x();
@@ -166,6 +167,8 @@ void Accelerator::control(std::uint32_t commands) {
     run_list();
   } else if (given(field::kControlLoadDone)) {
     load_done();
+  } else if (given(field::kControlUpdateValues)) {
+    update_values();
   } else if (given(field::kControlUpdateNode)) {
     update_node();
   }
@@ -232,7 +235,13 @@ void Accelerator::drive_interrupt_line(const Tag& tag) {
   }
 }
 
+void Accelerator::forget_matrix() {
+  bank_.set(field::kStatusMatrixLoaded, 0);
+  bank_.set(field::kStatusPatternLoaded, 0);
+}
+
 void Accelerator::load_done() {
+  forget_matrix();
   fixed::Settings settings;
   BoardError error = read_settings(bank_, settings);
   if (error.code == ErrorCode::none) error = read_matrix(bank_, matrix_);
@@ -248,6 +257,34 @@ void Accelerator::load_done() {
   u_.assign(static_cast<std::size_t>(matrix_.rows()), 0);
   give_x();
   begin(Running::load, *commanding_tag_);
+  end_after(timing_->start_load(settings.method));
+}
+
+// Structure, contact and U stay. A solver takes the words in place, so that nothing is allocated in
+// the servo loop; P⁻¹ takes what it takes at the end of a load.
+void Accelerator::update_values() {
+  if (bank_.get(field::kStatusPatternLoaded) == 0) {
+    raise({ErrorCode::not_loaded, 0});
+    return;
+  }
+  fixed::Settings settings;
+  BoardError error = read_settings(bank_, settings);
+  if (error.code == ErrorCode::none) error = read_values(bank_, matrix_);
+  if (error.code != ErrorCode::none) {
+    raise(error);
+    return;
+  }
+  if (!supported(settings)) return;
+  for (int node = 0; node < matrix_.block_rows(); ++node) {
+    if (matrix_.is_contact[static_cast<std::size_t>(node)] != 0) {
+      write_back_node(matrix_, node, bank_);
+    }
+  }
+  timing_->renew(matrix_, settings);
+  if (solver_ != nullptr) solver_->load(matrix_);
+  has_previous_u_ = false;
+  give_x();
+  begin(Running::update, *commanding_tag_);
   end_after(timing_->start_load(settings.method));
 }
 

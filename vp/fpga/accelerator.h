@@ -96,7 +96,7 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   const fixed::Report& report() const { return report_; }
 
  private:
-  enum class Running { nothing, solve, load };
+  enum class Running { nothing, solve, load, update };
 
   void b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
   void answer(tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay);
@@ -109,7 +109,9 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   void solve_listed(const Tag& tag) override;
   CompletionRecord completion(const BoardError& error, const ListBytes& moved) const override;
   void list_ended(const BoardError& error, bool whole, const Tag& tag) override;
+  void forget_matrix();
   void load_done();
+  void update_values();
   void update_node();
   void reset();
   void finish();

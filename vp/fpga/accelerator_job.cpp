@@ -166,8 +166,12 @@ void Accelerator::finish() {
   // A job that nobody waited for any more belongs to no frame.
   if (!ledger_.has(job_tag_.frame)) job_tag_ = {};
   const Running ended = std::exchange(running_, Running::nothing);
-  if (ended == Running::load) {
+  if (ended != Running::solve) {
+    if (ended == Running::update) {
+      ledger_.extend(job_tag_, Part::fpga, Phase::load_values, started_, now_ps());
+    }
     bank_.set(field::kStatusMatrixLoaded, 1);
+    bank_.set(field::kStatusPatternLoaded, 1);
     end_job({});
     return;
   }

@@ -132,6 +132,11 @@ Wrong read_each(const RegisterBank& bank, fixed::Settings& s) {
   return decode(bank, field::kStartModeMode, kStarts, s.start);
 }
 
+// The multipliers have no room for the one negative number without a positive twin.
+std::int32_t largest_entry(unsigned bits) {
+  return static_cast<std::int32_t>((std::uint32_t{1} << (bits - 1)) - 1);
+}
+
 }  // namespace
 
 BoardError bad_setting(Field field) {
@@ -189,13 +194,12 @@ BoardError read_matrix(const RegisterBank& bank, fixed::QuantisedMatrix& matrix)
   }
   if (row_begin[nodes] != blocks) return {ErrorCode::bad_matrix, nodes - 1};
 
-  const std::int32_t limit = static_cast<std::int32_t>((std::uint32_t{1} << (bits - 1)) - 1);
+  const std::int32_t limit = largest_entry(bits);
   matrix.value.reserve(9 * std::size_t{blocks});
   for (std::uint32_t row = 0; row < nodes; ++row) {
     for (std::size_t i = 9 * std::size_t{row_begin[row]}; i < 9 * std::size_t{row_begin[row + 1]};
          ++i) {
       const std::int32_t element = packed_element(value, i, bits, one_a_word);
-      // The multipliers have no room for the one negative number without a positive twin.
       if (element > limit || element < -limit) return {ErrorCode::bad_matrix, row};
       matrix.value.push_back(element);
     }
@@ -203,6 +207,34 @@ BoardError read_matrix(const RegisterBank& bank, fixed::QuantisedMatrix& matrix)
     for (std::uint32_t k = row_begin[row]; k < row_begin[row + 1]; ++k) {
       if (matrix.find(static_cast<int>(column[k]), static_cast<int>(row)) < 0) {
         return {ErrorCode::bad_matrix, row};
+      }
+    }
+  }
+  return {};
+}
+
+BoardError read_values(const RegisterBank& bank, fixed::QuantisedMatrix& matrix) {
+  const auto bits = static_cast<unsigned>(matrix.bits);
+  const bool one_a_word = bank.get(field::kPackingMode) != 0;
+  const std::span<const std::uint32_t> value = bank.memory(Aperture::value);
+  const std::int32_t limit = largest_entry(bits);
+  const auto in_contact = [&matrix](int node) {
+    return matrix.is_contact[static_cast<std::size_t>(node)] != 0;
+  };
+  // Looks at all entries before it takes the first.
+  for (const bool take : {false, true}) {
+    for (int row = 0; row < matrix.block_rows(); ++row) {
+      const auto r = static_cast<std::size_t>(row);
+      for (int k = matrix.row_begin[r]; k < matrix.row_begin[r + 1]; ++k) {
+        const auto block = static_cast<std::size_t>(k);
+        if (in_contact(row) || in_contact(matrix.column[block])) continue;
+        for (std::size_t i = 9 * block; i < 9 * block + 9; ++i) {
+          const std::int32_t element = packed_element(value, i, bits, one_a_word);
+          if (element > limit || element < -limit) {
+            return {ErrorCode::bad_matrix, static_cast<std::uint32_t>(row)};
+          }
+          if (take) matrix.value[i] = element;
+        }
       }
     }
   }

@@ -23,6 +23,11 @@ BoardError bad_setting(Field field);
 // one.
 BoardError read_matrix(const RegisterBank& bank, fixed::QuantisedMatrix& matrix);
 
+// Reads VALUE, as update_values does, into the matrix whose pattern is loaded. Blocks in the rows
+// and columns of contact nodes keep their words. The matrix changes only without an error. Does not
+// allocate.
+BoardError read_values(const RegisterBank& bank, fixed::QuantisedMatrix& matrix);
+
 // Copies the block row and the block column of a node into VALUE, after an update.
 void write_back_node(const fixed::QuantisedMatrix& matrix, int node, RegisterBank& bank);
 

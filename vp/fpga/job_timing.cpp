@@ -84,6 +84,9 @@ class EveryClock : public JobTiming {
   void load(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings) override {
     engine_.load(matrix, settings);
   }
+  void renew(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings) override {
+    engine_.load(matrix, settings);
+  }
   std::optional<std::int64_t> start_load(fixed::Method /*method*/) override {
     engine_.start_inversion();
     return std::nullopt;

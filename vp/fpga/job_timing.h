@@ -29,7 +29,11 @@ class JobTiming {
 
   // Lays the matrix out in the memories. Throws InputError if it does not fit.
   virtual void load(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings) = 0;
-  // Starts the job that ends a load.
+  // Takes other values of the matrix that is laid out, and the start of the next solve with x as
+  // write_x() says. The clocks of a pattern do not depend on them.
+  virtual void renew(const fixed::QuantisedMatrix& /*matrix*/,
+                     const fixed::Settings& /*settings*/) {}
+  // Starts the job that ends a load, or an update of all values.
   virtual std::optional<std::int64_t> start_load(fixed::Method method) = 0;
   // Starts a solve with the report's work.
   virtual std::optional<std::int64_t> start_solve(const fixed::Settings& settings,

@@ -110,15 +110,15 @@ inline constexpr std::uint32_t kRegisterBytes = 0x000000e4;
 // In the order of Register; offsets ascend.
 inline constexpr std::array<RegisterInfo, 48> kRegisters = {{
     {"ID", 0x00000000, 0x48565031, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
-    {"VERSION", 0x00000004, 0x00020002, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"VERSION", 0x00000004, 0x00020003, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_NODES", 0x00000008, 0x00402000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_BLOCKS", 0x0000000c, 0x00050000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_FORMAT", 0x00000010, 0x18202018, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_CLOCK", 0x00000014, 0x000186a0, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_SOLVER", 0x00000018, 0x8000071f, 0xff000fff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_DMA", 0x0000001c, 0x00000000, 0x0000ffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
-    {"CONTROL", 0x00000020, 0x00000000, 0x00000000, 0x8000000f, 0x00000000, 0x8000000f, 0x0000000f},
-    {"STATUS", 0x00000024, 0x00000000, 0xffffff0f, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"CONTROL", 0x00000020, 0x00000000, 0x00000000, 0x8000001f, 0x00000000, 0x8000001f, 0x0000001f},
+    {"STATUS", 0x00000024, 0x00000000, 0xffffff1f, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"INTERRUPT_STATUS", 0x00000028, 0x00000000, 0x00000003, 0x00000003, 0x00000003, 0x00000000, 0x00000000},
     {"INTERRUPT_ENABLE", 0x0000002c, 0x00000000, 0x00000003, 0x00000003, 0x00000000, 0x00000000, 0x00000000},
     {"ERROR", 0x00000030, 0x00000000, 0x00001fff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
@@ -172,9 +172,9 @@ inline constexpr std::array<ApertureInfo, 6> kApertures = {{
 enum class ErrorCode : std::uint32_t {
   none = 0,  // No error is pending.
   bad_size = 1,  // load_done: NODES or BLOCKS is zero or beyond the board's capability. Detail: the value.
-  bad_matrix = 2,  // load_done: ROW_BEGIN does not run from 0 to BLOCKS without decreasing, a row has more blocks than CAPABILITY_NODES.max_row_blocks, columns do not ascend or are not below NODES, a diagonal block is missing, a block has no partner at its transpose's place, or an entry is beyond ±(2^(FORMAT.matrix_bits - 1) - 1). Detail: the block row.
-  bad_setting = 3,  // start, run_list, load_done or update_node: a setting is out of the board's range; run_list on a board without an engine blames CAPABILITY_DMA. Detail: the register's offset; ERROR.place: the field's lowest bit.
-  not_loaded = 4,  // start, run_list or update_node without a loaded matrix.
+  bad_matrix = 2,  // load_done: ROW_BEGIN does not run from 0 to BLOCKS without decreasing, a row has more blocks than CAPABILITY_NODES.max_row_blocks, columns do not ascend or are not below NODES, a diagonal block is missing, a block has no partner at its transpose's place, or an entry is beyond ±(2^(FORMAT.matrix_bits - 1) - 1); update_values: the last alone. Detail: the block row.
+  bad_setting = 3,  // start, run_list, load_done, update_values or update_node: a setting is out of the board's range; run_list on a board without an engine blames CAPABILITY_DMA. Detail: the register's offset; ERROR.place: the field's lowest bit.
+  not_loaded = 4,  // start, run_list or update_node without a loaded matrix, update_values without a loaded pattern.
   bad_node = 5,  // update_node: UPDATE_NODE is not below NODES. Detail: the node.
   bad_row = 6,  // update_node: UPDATE_BLOCKS differs from the number of blocks in the row. Detail: the row's own number.
   illegal_access = 7,  // An access that the map does not allow was refused. Detail: its offset.
@@ -210,7 +210,7 @@ enum class OverflowMode : std::uint32_t {
 enum class StartMode : std::uint32_t {
   zero = 0,  // Start from U = 0.
   warm = 1,  // Start from what the U memory holds: the last solution, or what the host wrote.
-  extrapolated = 2,  // Start from 2·U - (the U of the job before), saturating. From U alone where the job before had another mode, where the host has written to U since, and after load_done.
+  extrapolated = 2,  // Start from 2·U - (the U of the job before), saturating. From U alone where the job before had another mode, where the host has written to U since, and after load_done and update_values.
 };
 
 enum class PackingMode : std::uint32_t {
@@ -244,11 +244,13 @@ inline constexpr Field kControlStart{Register::control, 0, 1};
 inline constexpr Field kControlUpdateNode{Register::control, 1, 1};
 inline constexpr Field kControlLoadDone{Register::control, 2, 1};
 inline constexpr Field kControlRunList{Register::control, 3, 1};
+inline constexpr Field kControlUpdateValues{Register::control, 4, 1};
 inline constexpr Field kControlReset{Register::control, 31, 1};
 inline constexpr Field kStatusBusy{Register::status, 0, 1};
 inline constexpr Field kStatusDone{Register::status, 1, 1};
 inline constexpr Field kStatusError{Register::status, 2, 1};
 inline constexpr Field kStatusMatrixLoaded{Register::status, 3, 1};
+inline constexpr Field kStatusPatternLoaded{Register::status, 4, 1};
 inline constexpr Field kStatusErrorCode{Register::status, 8, 8};
 inline constexpr Field kStatusFlags{Register::status, 16, 16};
 inline constexpr Field kInterruptStatusDone{Register::interrupt_status, 0, 1};

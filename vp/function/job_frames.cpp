@@ -18,7 +18,10 @@ bool between(std::uint64_t offset, Register first, Register last) {
 
 Step step_of_command(std::uint32_t commands) {
   const auto given = [commands](Field command) { return (commands & command.mask()) != 0; };
-  if (given(field::kControlReset) || given(field::kControlLoadDone)) return Step::set_up;
+  for (const Field command :
+       {field::kControlReset, field::kControlLoadDone, field::kControlUpdateValues}) {
+    if (given(command)) return Step::set_up;
+  }
   if (given(field::kControlStart) || given(field::kControlRunList)) return Step::start;
   return given(field::kControlUpdateNode) ? Step::prepare : Step::other;
 }
