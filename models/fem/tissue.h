@@ -13,6 +13,7 @@
 #include "models/fem/integrator.h"
 #include "models/fem/internal_forces.h"
 #include "models/fem/newmark.h"
+#include "models/fem/renewal.h"
 #include "models/sparse/block_matrix.h"
 
 namespace hvp::fem {
@@ -31,6 +32,8 @@ class Tissue {
   virtual const sparse::BlockMatrix& system() const = 0;
   // A number that changes with system(): copies of it have to be renewed then.
   virtual std::int64_t revision() const = 0;
+  // What lets system() follow the deformation; null where nothing does.
+  virtual RenewableSystem* renewable() { return nullptr; }
   // The constraint of contact nodes in system(): b of the modified system, reactions.
   virtual const ContactConstraint& constraint() const = 0;
 

@@ -8,6 +8,7 @@
 
 #include "models/fem/assembly.h"
 #include "models/index.h"
+#include "models/tissue/semidefinite.h"
 
 namespace hvp::tissue {
 namespace {
@@ -229,18 +230,27 @@ Deformation ElasticBody::tangent(std::span<const double> u, Linearisation linear
   assert(k.blocks() == body_.stiffness().blocks());
   std::fill(k.value.begin(), k.value.end(), 0.0);
   Operations added;
+  int projected = 0;
+  const bool projects = linearisation == Linearisation::semidefinite &&
+                        kind() != LawKind::linear && kind() != LawKind::corotational;
   Deformation found = std::visit(
       [&](const auto& law) {
         using Form = std::decay_t<decltype(law)>;
         return each_element(u, [&](const Element& element, const Tensor<double>& gradient) {
-          const Tangent<double> tangent = law_of<Form>(element).tangent(
-              gradient, element.gradient, element.volume, linearisation);
+          Tangent<double> tangent =
+              law_of<Form>(element).tangent(gradient, element.gradient, element.volume, linearisation);
+          if (projects && tangent.defined) {
+            const Projection projection = make_semidefinite(tangent.blocks);
+            projected += projection.changed ? 1 : 0;
+            added += projection.operations;
+          }
           if (tangent.defined) added += add_blocks(element, tangent.blocks, k);
           return tangent;
         });
       },
       laws_.front().form());
   found.operations += added;
+  found.projected = projected;
   for (int a = 0; a < body_.active_nodes(); ++a) {
     if (!body_.held(body_.node_of_active()[at(a)])) continue;
     const auto own = static_cast<std::size_t>(k.find(a, a));
@@ -249,14 +259,17 @@ Deformation ElasticBody::tangent(std::span<const double> u, Linearisation linear
   return found;
 }
 
-void ElasticBody::add_damping_tangent(std::span<const Tensor<double>> frames, double damping_s,
-                                      double weight, sparse::BlockMatrix& k) const {
+Operations ElasticBody::add_damping_tangent(std::span<const Tensor<double>> frames,
+                                            double damping_s, double weight,
+                                            sparse::BlockMatrix& k) const {
+  Operations operations = static_cast<double>(elements_.size()) * Viscous::kTangent;
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     Blocks<double> blocks{};
     viscous(elements_[e], damping_s)
         .add_tangent(frames[e], elements_[e].gradient, elements_[e].volume, weight, blocks);
-    add_blocks(elements_[e], blocks, k);
+    operations += add_blocks(elements_[e], blocks, k);
   }
+  return operations;
 }
 
 Operations ElasticBody::add_blocks(const Element& element, const Blocks<double>& blocks,

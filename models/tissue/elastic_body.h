@@ -59,9 +59,9 @@ class ElasticBody final : public PotentialBody {
   [[nodiscard]] Deformation tangent(std::span<const double> u, Linearisation linearisation,
                                     sparse::BlockMatrix& k) const override;
   // Adds the derivative of the damping forces by the velocities, times `weight`, without that of
-  // the frames.
-  void add_damping_tangent(std::span<const Tensor<double>> frames, double damping_s, double weight,
-                           sparse::BlockMatrix& k) const;
+  // the frames. Gives its operations.
+  Operations add_damping_tangent(std::span<const Tensor<double>> frames, double damping_s,
+                                 double weight, sparse::BlockMatrix& k) const;
 
  private:
   struct Element {

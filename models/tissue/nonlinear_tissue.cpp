@@ -312,16 +312,39 @@ double NonlinearTissue::advance_operations() const {
 
 fem::ElementsFound NonlinearTissue::tangent(sparse::BlockMatrix& k) const {
   const Deformation deformation = elastic_.tangent(u_full_, Linearisation::exact, k);
+  add_to_elastic(k);
+  return found(deformation);
+}
+
+// Relaxation, damping and inertia, to the derivative of the elements' forces. Gives the operations.
+double NonlinearTissue::add_to_elastic(sparse::BlockMatrix& k) const {
+  double operations = 0;
   if (series_) {
     for (double& entry : k.value) entry *= relaxation_factor();
+    operations += static_cast<double>(k.value.size());
   }
   const fem::Newmark* newmark = integrator_.newmark();
-  if (newmark == nullptr) return found(deformation);
+  if (newmark == nullptr) return operations;
   if (damped()) {
-    elastic_.add_damping_tangent(frames_, damping_s_, newmark->velocity_weight(), k);
+    operations +=
+        elastic_.add_damping_tangent(frames_, damping_s_, newmark->velocity_weight(), k).total();
   }
   newmark->add_inertia_to(k);
-  return found(deformation);
+  return operations + newmark->inertia_flops();
+}
+
+fem::FormedSystem NonlinearTissue::form(std::span<const double> u, sparse::BlockMatrix& a) {
+  body_.expand(u, u_reaction_);
+  const Deformation deformation = elastic_.tangent(u_reaction_, Linearisation::semidefinite, a);
+  double operations = deformation.operations.total();
+  if (!deformation.defined()) return {false, 0, operations};
+  operations += add_to_elastic(a);
+  return {true, deformation.projected, operations};
+}
+
+void NonlinearTissue::take(const sparse::BlockMatrix& a) {
+  std::ranges::copy(a.value, matrix_.value.begin());
+  ++revision_;
 }
 
 double NonlinearTissue::energy() const {

@@ -23,13 +23,15 @@ namespace hvp::tissue {
 // with the scheme's f̂ and M̂ (fem::Newmark), thesis (3.24)–(3.28) with K·u replaced by the forces of
 // the elements, and damping that turns with them (viscous.h). Generalised-α weighs the forces of
 // the step's two ends, it does not ask for those between; r(u) is divided by 1 − α_f. A solver
-// reaches it by increments with system(): the Â (K where static) of the body at rest, which never
-// changes. Where the forces relax (prony.h), K and the tangent have the constant factor of a
-// frame's change.
+// reaches it by increments with system(): the Â (K where static) of the body at rest, unless take()
+// replaces it by that of a deformed one. Where the forces relax (prony.h), K and the tangent have
+// the constant factor of a frame's change.
 //
 // The forces of a frame's solution are formed once, when it is known, and serve the next frame:
 // where contact nodes move only the elements at them are visited.
-class NonlinearTissue final : public fem::Tissue, public fem::InternalForces {
+class NonlinearTissue final : public fem::Tissue,
+                              public fem::InternalForces,
+                              public fem::RenewableSystem {
  public:
   // Keeps a reference to the body. Throws InputError for an unstable time integration, a material
   // or a parameter out of range, and for stiffness damping beside relaxation.
@@ -40,7 +42,8 @@ class NonlinearTissue final : public fem::Tissue, public fem::InternalForces {
   NonlinearTissue& operator=(const NonlinearTissue&) = delete;
 
   const sparse::BlockMatrix& system() const override { return matrix_; }
-  std::int64_t revision() const override { return 0; }
+  std::int64_t revision() const override { return revision_; }
+  fem::RenewableSystem* renewable() override { return this; }
   const fem::ContactConstraint& constraint() const override { return constraint_; }
   fem::InternalForces& internal_forces() override { return *this; }
 
@@ -66,6 +69,10 @@ class NonlinearTissue final : public fem::Tissue, public fem::InternalForces {
   double evaluate_operations() const override { return evaluate_operations_; }
   double follow_operations() const override { return follow_operations_; }
 
+  // The damping's part is that of the frames in which the last evaluate() found the elements.
+  fem::FormedSystem form(std::span<const double> u, sparse::BlockMatrix& a) override;
+  void take(const sparse::BlockMatrix& a) override;
+
   // ∂q/∂u at the displacements of the last evaluate(), without the change of the frame in which
   // damping acts. Its pattern is system()'s. Gives the elements that have no tangent.
   fem::ElementsFound tangent(sparse::BlockMatrix& k) const;
@@ -84,6 +91,7 @@ class NonlinearTissue final : public fem::Tissue, public fem::InternalForces {
   }
   void find_forces_at(std::span<const double> u);
   double collect_operations() const;
+  double add_to_elastic(sparse::BlockMatrix& k) const;
   double relaxation_factor() const { return series_ ? series_->stiffness_factor() : 1; }
   bool elsewhere_as_known(std::span<const int> nodes, std::span<const double> u) const;
   void choose_elements_at(std::span<const int> nodes);
@@ -94,6 +102,7 @@ class NonlinearTissue final : public fem::Tissue, public fem::InternalForces {
   fem::Integrator integrator_;
   std::optional<PronySeries> series_;
   sparse::BlockMatrix matrix_;
+  std::int64_t revision_ = 0;
   fem::ContactConstraint constraint_;
   std::vector<double> kept_diagonal_;  // N/m, of each active node that is held; otherwise zero
 

@@ -38,7 +38,8 @@ struct Tangent {
 
 // Which tangent. `warped` turns the linear one with the element, R·K·Rᵀ: it leaves out the change
 // of R, so that it is semidefinite whatever the deformation, and Newton's method converges
-// linearly. The laws without a rotation have the exact one alone.
-enum class Linearisation { exact, warped };
+// linearly. The laws without a rotation have the exact one alone. `semidefinite` is `warped` for a
+// law that has it; of the others a body takes the negative eigenvalues away (semidefinite.h).
+enum class Linearisation { exact, warped, semidefinite };
 
 }  // namespace hvp::tissue

@@ -37,6 +37,8 @@ struct Viscous {
     return product(frame, s);
   }
 
+  // Of add_tangent().
+  static constexpr Operations kTangent = {.add_multiply = 4 * 15 + 30 + 4 + 10 * (6 + 9 * 8)};
   // ∂f_a/∂v_b, N·s/m: V·(λ·h_a h_bᵀ + μ·h_b h_aᵀ + μ·(g_a·g_b)·A·Aᵀ), h = A·g.
   template <class T>
   void add_tangent(const Tensor<T>& frame, const Gradients<T>& g, const T& volume, const T& times,
