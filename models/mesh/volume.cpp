@@ -69,7 +69,10 @@ std::vector<int> elements_in(const Volume& volume, const TetMesh& mesh, const Su
   const Eigen::AlignedBox3d box = box_around(surface.points);
   std::vector<int> inside;
   for (std::size_t e = 0; e < centroids.nodes.size(); ++e) {
-    if (box.contains(centroids.nodes[e]) && winding_number(surface, centroids.nodes[e]) > 0.5) {
+    // A half on a face, and as much as its angle has on an edge or a corner.
+    constexpr double kOutside = 0.01;
+    if (box.contains(centroids.nodes[e]) &&
+        winding_number(surface, centroids.nodes[e]) > kOutside) {
       inside.push_back(static_cast<int>(e));
     }
   }
@@ -86,7 +89,9 @@ double winding_number(const Surface& surface, const Eigen::Vector3d& point) {
     const double lb = b.norm();
     const double lc = c.norm();
     const double along = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-    sum += std::atan2(a.dot(b.cross(c)), along);
+    const double determinant = a.dot(b.cross(c));
+    // From within the triangle as much of it is seen on either side.
+    if (determinant != 0) sum += std::atan2(determinant, along);
   }
   return sum / (2 * std::numbers::pi);
 }

@@ -197,7 +197,7 @@ TEST_F(Regions, ThatCannotBeAreRefused) {
        "s.toml:16: object.region[0]: ", "the centroid of none of the"},
       {"radius = \"1 mm\"\n[[object.region]]\nradius = \"1 m\"\n",
        "s.toml:16: object.region[0]: ", "none of"},
-      {"radius = \"4 mm\"\n[[object.region]]\nradius = \"1 m\"\n",
+      {"radius = \"9 mm\"\n[[object.region]]\nradius = \"1 m\"\n",
        "s.toml:16: object.region[0]: ", "listed later"},
       {"name = \"a\"\nradius = \"4 mm\"\n[[object.region]]\nname = \"a\"\nradius = \"3 mm\"\n",
        "s.toml:20: object.region[1].name: ", "has this name too"},
