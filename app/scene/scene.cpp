@@ -187,8 +187,9 @@ void Scene::require_room_in_registers() const {
   throw InputError(
       "object.mesh.nodes",
       fmt::format("the board's registers have room for {} nodes, {} blocks in a row and {} blocks "
-                  "(docs/registers.md), the system has {}, {} and {}: expected a coarser mesh",
-                  room.nodes, room.row_blocks, room.blocks, rows, longest, blocks));
+                  "(docs/registers.md), the system has {}, {} and {}: expected {}",
+                  room.nodes, room.row_blocks, room.blocks, rows, longest, blocks,
+                  longest > room.row_blocks ? "another number of nodes" : "a coarser mesh"));
 }
 
 std::string Scene::board_name() const {

@@ -42,7 +42,7 @@ extern "C" {
 #define HVP__CAPABILITY_NODES__MAX_ROW_BLOCKS_bm 0xffff0000
 #define HVP__CAPABILITY_NODES__MAX_ROW_BLOCKS_bp 16
 #define HVP__CAPABILITY_NODES__MAX_ROW_BLOCKS_bw 16
-#define HVP__CAPABILITY_NODES__MAX_ROW_BLOCKS_reset 0x40
+#define HVP__CAPABILITY_NODES__MAX_ROW_BLOCKS_reset 0x100
 
 // reg - hvp.CAPABILITY_BLOCKS
 #define HVP__CAPABILITY_BLOCKS__MAX_BLOCKS_bm 0xffffffff
@@ -444,7 +444,7 @@ extern "C" {
 
 // mem - hvp.ROW
 typedef struct __attribute__ ((__packed__)) {
-    uint32_t mem[576];
+    uint32_t mem[2304];
 } hvp__ROW_t;
 
 // mem - hvp.B
@@ -528,7 +528,7 @@ typedef struct __attribute__ ((__packed__)) {
     uint32_t DMA_RECORD_HIGH;
     uint8_t RESERVED_e4_fff[0xf1c];
     hvp__ROW_t ROW;
-    uint8_t RESERVED_1900_1ffff[0x1e700];
+    uint8_t RESERVED_3400_1ffff[0x1cc00];
     hvp__B_t B;
     uint8_t RESERVED_38000_3ffff[0x8000];
     hvp__U_t U;

@@ -22,7 +22,7 @@ constexpr int kFewest = 10;  // the nodes of one tetrahedron
 // Nodes a corner with which the search starts: those of TetGen's sphere of 500 nodes.
 constexpr double kNodesACorner = 6;
 constexpr double kNearEnough = 0.02;  // of the wanted count: the search ends there
-constexpr int kMostMeshes = 12;
+constexpr int kMostMeshes = 24;
 
 struct QuadraticFound {
   std::optional<TetMesh> mesh;  // within the accepted deviation
@@ -35,14 +35,22 @@ QuadraticFound search_corners(const std::function<TetMesh(int)>& mesh_with, int 
   std::set<int> tried;
   double best = kAcceptedDeviation * wanted;
   int corners = std::max(4, static_cast<int>(std::lround(wanted / kNodesACorner)));
-  for (int i = 0; i < kMostMeshes && tried.insert(corners).second; ++i) {
+  const auto untried = [&tried](int from, int step) {
+    while (tried.contains(from)) {
+      if (from <= 4) step = 1;
+      from += step;
+    }
+    return from;
+  };
+  for (int i = 0; i < kMostMeshes; ++i) {
+    tried.insert(corners);
     std::optional<TetMesh> mesh;
     try {
       mesh = mesh_with(corners);
     } catch (const InputError& error) {
       if (error.key() != "nodes") throw;
       found.refusal = error;
-      corners += std::max(1, corners / 10);
+      corners = untried(corners + 1, 1);
       continue;
     }
     const int made = static_cast<int>(mesh->nodes.size());
@@ -55,8 +63,9 @@ QuadraticFound search_corners(const std::function<TetMesh(int)>& mesh_with, int 
       found.mesh = std::move(mesh);
     }
     if (deviation <= std::max(1.0, kNearEnough * wanted)) break;
-    const auto better = static_cast<int>(std::lround(static_cast<double>(made) * wanted / count));
-    corners = std::max(4, better == corners ? corners + (count < wanted ? 1 : -1) : better);
+    // Meshes of few nodes come in jumps: what would repeat one goes a corner further.
+    const auto next = static_cast<int>(std::lround(static_cast<double>(made) * wanted / count));
+    corners = untried(std::max(4, next), count < wanted ? 1 : -1);
   }
   return found;
 }

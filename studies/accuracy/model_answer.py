@@ -13,9 +13,10 @@ FORCE = f"force_{NORM}"
 DISPLACEMENT = f"displacement_{NORM}"
 
 LEFT_OUT = (
-    "Left out: elements of a higher order and mixed ones, which the project does not have, so that "
-    "the reference is linear tetrahedra on finer meshes; a matrix that is renewed from frame to "
-    "frame, since the board keeps the one at rest; relaxation, which multiplies every law alike; "
+    "Left out: mixed elements, which the project does not have, and those of a higher order, which "
+    "it has for the linear law alone, so that the reference is linear tetrahedra on finer meshes; "
+    "a matrix that is renewed from frame to frame, since the board keeps the one at rest; "
+    "relaxation, which multiplies every law alike; "
     "an anisotropic law, for none is there; refinement of the linear body on the host, which is "
     "refused as it has nothing to refine; other words, several boards and other rates of the host, "
     "which `hvp study accuracy` and `hvp study` vary for one model; operations a frame, which "

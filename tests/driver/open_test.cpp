@@ -18,7 +18,7 @@ TEST_F(DriverOnBoard, OpenLooksBeforeItTouches) {
                  "write CONTROL 0x80000000", "read STATUS", "write INTERRUPT_ENABLE 0x3"}));
   const hvp_capability* capability = hvp_capability_of(&device);
   EXPECT_EQ(capability->max_nodes, 64U);
-  EXPECT_EQ(capability->max_row_blocks, 64U);
+  EXPECT_EQ(capability->max_row_blocks, 256U);
   EXPECT_EQ(capability->max_blocks, 1024U);
   EXPECT_EQ(capability->max_matrix_bits, 24U);
   EXPECT_EQ(capability->clock_khz, 100'000U);

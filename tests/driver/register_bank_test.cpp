@@ -183,7 +183,7 @@ TEST_F(Bank, ResetForgetsAllButTheStraps) {
 TEST(RegisterBank, RefusesMoreThanTheMapHasRoomFor) {
   EXPECT_THROW(RegisterBank({.nodes = 8193}), hvp::InputError);
   EXPECT_THROW(RegisterBank({.nodes = 0}), hvp::InputError);
-  EXPECT_THROW(RegisterBank({.row_blocks = 65}), hvp::InputError);
+  EXPECT_THROW(RegisterBank({.row_blocks = 257}), hvp::InputError);
   EXPECT_THROW(RegisterBank({.blocks = 327681}), hvp::InputError);
   EXPECT_NO_THROW(RegisterBank());
 }

@@ -13,7 +13,7 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 TetMesh one_tetrahedron(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                         const Eigen::Vector3d& c, const Eigen::Vector3d& d) {
-  return {.nodes = {a, b, c, d}, .tetrahedra = {{0, 1, 2, 3}}, .boundary = {}};
+  return {.nodes = {a, b, c, d}, .tetrahedra = {{0, 1, 2, 3}}, .mid_edge = {}, .boundary = {}};
 }
 
 // Edge √8, volume 8/3, dihedral angles arccos(1/3).

@@ -24,6 +24,7 @@ inline fem::Material reference_material() { return {}; }
 inline mesh::TetMesh one_tetrahedron() {
   return {.nodes = {{0, 0, 0}, {0.010, 0, 0}, {0.002, 0.009, 0}, {0.003, 0.002, 0.008}},
           .tetrahedra = {{0, 1, 2, 3}},
+          .mid_edge = {},
           .boundary = {}};
 }
 

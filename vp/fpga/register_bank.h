@@ -49,7 +49,7 @@ struct AccessResult {
 // or more than the map has room for.
 struct Capacity {
   std::uint32_t nodes = 8192;
-  std::uint32_t row_blocks = 64;
+  std::uint32_t row_blocks = 256;
   std::uint32_t blocks = 327680;
 };
 

@@ -111,7 +111,7 @@ inline constexpr std::uint32_t kRegisterBytes = 0x000000e4;
 inline constexpr std::array<RegisterInfo, 48> kRegisters = {{
     {"ID", 0x00000000, 0x48565031, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"VERSION", 0x00000004, 0x00020003, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
-    {"CAPABILITY_NODES", 0x00000008, 0x00402000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"CAPABILITY_NODES", 0x00000008, 0x01002000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_BLOCKS", 0x0000000c, 0x00050000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_FORMAT", 0x00000010, 0x18202018, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_CLOCK", 0x00000014, 0x000186a0, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
@@ -161,7 +161,7 @@ inline constexpr std::array<RegisterInfo, 48> kRegisters = {{
 
 // In the order of Aperture; offsets ascend.
 inline constexpr std::array<ApertureInfo, 6> kApertures = {{
-    {"ROW", 0x00001000, 0x00000900, true, true, true},
+    {"ROW", 0x00001000, 0x00002400, true, true, true},
     {"B", 0x00020000, 0x00018000, true, true, true},
     {"U", 0x00040000, 0x00018000, true, true, true},
     {"ROW_BEGIN", 0x00060000, 0x00008004, true, true, true},
