@@ -47,7 +47,8 @@ std::optional<results::TriedRemedy> try_tissue_remedy(const Scenario& s,
                                                       const results::Outcome& outcome,
                                                       const Rerun& rerun) {
   const stability::Flags flags = outcome.flags;
-  const Trouble trouble{.flags = flags, .held = outcome.held(), .frames = s.frames};
+  const Trouble trouble{
+      .flags = flags, .held = outcome.held(), .frames = s.frames, .wants_pass = false};
   const bool inexact = flags.has(Flag::not_converged) || flags.has(Flag::divergence);
   if (outcome.explicit_steps) {
     if (!inexact && !flags.has(Flag::unstable_step) && !flags.has(Flag::inverted_element)) {

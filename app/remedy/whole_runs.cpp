@@ -55,7 +55,7 @@ std::optional<results::TriedRemedy> try_whole_runs(
     if (count >= fewest && !passes) continue;
     note(*run, best);
     best.settings = settings;
-    if (passes || (count == 0 && !trouble.held)) break;
+    if (passes || (count == 0 && !trouble.wants_pass)) break;
   }
   if (best.attempts == 0) return std::nullopt;
   return best;

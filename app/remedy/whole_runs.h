@@ -32,6 +32,8 @@ struct Trouble {
   stability::Flags flags;
   bool held = true;  // every budget held: with a remedy it has to hold, too
   int frames = 0;
+  // Search on for a PASS where one without flags is held with another word.
+  bool wants_pass = true;
 };
 
 // Runs the whole scenario with each candidate in turn. Of those that raise no flags of their own
