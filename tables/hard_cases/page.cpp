@@ -7,6 +7,7 @@
 #include "tables/hard_cases/cases.h"
 #include "tables/hard_cases/constant_load.h"
 #include "tables/hard_cases/cost.h"
+#include "tables/hard_cases/model_cases.h"
 #include "tables/pages.h"
 #include "tables/text.h"
 
@@ -197,6 +198,7 @@ std::string hard_cases_page() {
     text += "\n### " + group.title + "\n\n" + table.text();
   }
   text += kConstantHead + constant_loads() + kConstantTail;
+  text += model_cases_text();
   text += "\n## Flags and remedies\n\n" + flags_and_remedies();
   return text;
 }
