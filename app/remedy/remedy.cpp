@@ -49,7 +49,7 @@ constexpr std::array kOfWords = {
     Flag::saturation,      Flag::negative_curvature, Flag::zero_diagonal,
     Flag::stagnation,      Flag::scalar_overflow,    Flag::divergence,
     Flag::matrix_rounding, Flag::not_converged,      Flag::range_exceeded,
-    Flag::wrapped,         Flag::limit_cycle};
+    Flag::wrapped,         Flag::limit_cycle,        Flag::matrix_word_beyond_scale};
 
 // Flags with which the force is wrong, and therefore also the nodes that are touched.
 constexpr std::array kSevere = {
@@ -163,7 +163,9 @@ Candidate fitting(Candidate candidate, const Rebuild& rebuild) {
 }
 
 fixed::Plan plan_of(const Scenario& s) {
-  return {s.solver, s.refinement ? s.refinement->passes : 1};
+  const fem::MatrixRenewal renewal = s.object.renewal();
+  return {s.solver, s.refinement ? s.refinement->passes : 1,
+          renewal.present() ? renewal.headroom : 0};
 }
 
 // Adds what the settings need of the device, and the worst frame's times with them.

@@ -108,10 +108,12 @@ Replay::Result Replay::attempt(const fixed::Plan& plan) const {
     refinement = s.refinement.value_or(host::Refinement{});
     refinement->passes = plan.passes;
   }
+  fem::MatrixRenewal renewal = s.object.renewal();
+  if (plan.headroom > 0) renewal.headroom = plan.headroom;
   try {
     plan.settings.check();
     host::FrameComputation computation(make_tissue(s, scene_.body()), plan.settings, refinement,
-                                       host::SolvedBy::board, host::Effort::computed);
+                                       host::SolvedBy::board, host::Effort::computed, renewal);
     if (const auto estimate = estimate_rounding(scene_, computation)) {
       result.flags = estimate->flags(refined, s.reference.has_value());
     }
@@ -143,6 +145,10 @@ Replay::Result Replay::attempt(const fixed::Plan& plan) const {
       computation.method().finish();
       result.flags.merge(computation.method().flags());
       computation.update();
+      if (computation.renewal_is_due()) {
+        result.flags.merge(computation.renew());
+        board.renew(computation.board().matrix(), computation.board().diagonal_word());
+      }
       add_force(frame.sighting, !hold.let_go.empty(), number++, force, quality);
       const bool in_contact = hold.present();
       of_true.add(computation.displacement(), frame.exact, 0, in_contact);

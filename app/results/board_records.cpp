@@ -218,6 +218,10 @@ void JobRecord::restored(std::uint32_t node, std::span<const std::int32_t> value
   put_all(changes_, values);
 }
 
+void JobRecord::renewed(std::span<const std::int32_t> /*values*/) {
+  end("all values of the matrix were renewed");
+}
+
 void JobRecord::started(std::span<const std::int32_t> b) {
   if (!job_.empty()) end("a job failed");
   if (ended_) return;

@@ -131,6 +131,7 @@ class JobRecord : public vp::JobObserver {
   void guessed(std::span<const std::int32_t> u) override;
   void constrained(std::uint32_t node, std::int32_t diagonal) override;
   void restored(std::uint32_t node, std::span<const std::int32_t> values) override;
+  void renewed(std::span<const std::int32_t> values) override;
   void started(std::span<const std::int32_t> b) override;
   void solved(std::span<const std::int32_t> u, std::uint32_t flags) override;
   // Throws std::runtime_error where a file is not whole.

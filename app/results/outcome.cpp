@@ -195,6 +195,7 @@ void Outcome::report_stability(config::Figures& f) const {
                   "Remedies), where that was looked for; else null.",
                   remedy);
   f.table_if_present("refinement", "With `[refinement]` only.", refinement);
+  f.table_if_present("matrix", "With `object.model.matrix.renew_every` above 0 only.", matrix);
   f.table_if_present("explicit_steps", "With `host.solver = \"explicit\"` only.", explicit_steps);
   f.table("driver", "What the driver returned, and what the servo loop did then.",
           [&] { report_driver(f, servo); });

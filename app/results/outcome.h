@@ -73,6 +73,7 @@ struct Outcome {
   // The effect of the matrix' words, found at set-up.
   std::optional<host::RoundingEstimate> rounding;
   std::optional<RefinementFigures> refinement;
+  std::optional<MatrixFigures> matrix;  // where it is renewed
   std::optional<ExplicitFigures> explicit_steps;
   // Present where numbers were computed.
   std::optional<stability::ForceQuality> force;  // of the first probe

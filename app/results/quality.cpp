@@ -94,6 +94,20 @@ void ExplicitFigures::report(config::Figures& f) const {
               "by 0.2 % when settled");
 }
 
+void MatrixFigures::report(config::Figures& f) const {
+  f.count("renewed", counts.renewed, "times that the board got the matrix of the deformed body");
+  f.count("not_defined", counts.undefined,
+          "times that elements had no tangent, and the matrix before stayed");
+  f.count("beyond_scale", counts.beyond,
+          "times that entries did not fit their words, and the matrix before stayed");
+  f.count("words_beyond", counts.words_beyond, "those entries");
+  f.count("projected_elements", counts.projected,
+          "elements whose tangent was made semidefinite, the most in a renewal");
+  f.ratio("growth", counts.growth,
+          "the largest entry of a renewed matrix over that of the body at rest: the headroom that "
+          "it needs");
+}
+
 void RefinementFigures::report(config::Figures& f) const {
   f.count("passes", passes, "solves a frame");
   f.ratio("worst_residual_rel", worst_residual,

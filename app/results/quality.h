@@ -9,6 +9,7 @@
 #include "models/config/figures.h"
 #include "models/fem/strain.h"
 #include "models/host/deviation.h"
+#include "models/host/renewal_counts.h"
 #include "models/host/rounding_estimate.h"
 
 namespace hvp::app {
@@ -92,6 +93,13 @@ struct RefinementFigures {
   double worst_residual = 0;
   std::int64_t widened = 0;
   std::int64_t without_start = 0;
+
+  void report(config::Figures& f) const;
+};
+
+// What became of the matrix' renewals, with [object.model.matrix].
+struct MatrixFigures {
+  host::RenewalCounts counts;
 
   void report(config::Figures& f) const;
 };

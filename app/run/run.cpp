@@ -208,6 +208,9 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
       o.refinement = {s.refinement->passes, increments->worst_remaining(),
                       refined != nullptr ? refined->widened() : 0, increments->without_start()};
     }
+    if (const host::RenewalCounts* renewals = scene.computation().renewals()) {
+      o.matrix = {*renewals};
+    }
   }
   if (scene.has_body()) {
     if (const fem::ExplicitSteps* steps = scene.computation().explicit_steps()) {

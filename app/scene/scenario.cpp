@@ -315,11 +315,18 @@ void require_possible(const Scenario& s, const vp::Fault& fault) {
       s.transfer.notification == link::Notification::polling) {
     refuse("interrupts: expected another transfer.notification than \"polling\"");
   }
-  const bool blocks = fault.kind == Kind::corrupted_word || fault.access == vp::FaultAccess::rhs ||
+  // The matrix' values are the processor's blocks also where a DMA engine moves b and U.
+  const bool of_matrix = fault.access == vp::FaultAccess::values;
+  const bool blocks = (fault.kind == Kind::corrupted_word && !of_matrix) ||
+                      fault.access == vp::FaultAccess::rhs ||
                       fault.access == vp::FaultAccess::solution;
   if (blocks && dma) {
     refuse("b and U as the processor's blocks: expected another transfer.method than \"dma\"",
            fault.kind == Kind::corrupted_word ? "kind" : "access");
+  }
+  if (fault.access == vp::FaultAccess::values && !s.object.renewal().present()) {
+    refuse("values that are written in a frame: expected object.model.matrix.renew_every above 0",
+           "access");
   }
   if (fault.access == vp::FaultAccess::status &&
       s.transfer.notification == link::Notification::polling) {
@@ -386,6 +393,14 @@ void require_way_to_solve(const Scenario& s) {
   }
 }
 
+// Refuses to renew a matrix that does not change.
+void require_renewable(const Object& object) {
+  if (!object.renewal().present() || object.model->kind != tissue::LawKind::linear) return;
+  throw InputError("object.model.matrix.renew_every",
+                   "the matrix of a linear law does not change: expected 0, or another "
+                   "object.model.kind");
+}
+
 // Refuses a run that is too long to count. Times are picoseconds in 64 bits, 106 days; a part of
 // them is reserved for the set-up and for what is unfinished at the end.
 void require_countable(const Scenario& s) {
@@ -427,6 +442,7 @@ void Scenario::check() const {
   if (!board) require_plain_transfer(*this);
   if (timing_only()) require_no_numbers(*this);
   require_way_to_solve(*this);
+  require_renewable(object);
   if (function) require_possible(*function, *this);
   if (board && vp::has_engine(fidelity.accelerator)) require_engine(*this);
   if (host.cores == 1 && fidelity.host == vp::Timing::untimed) {

@@ -14,6 +14,7 @@
 #include "models/fem/material.h"
 #include "models/fem/newmark.h"
 #include "models/fem/region.h"
+#include "models/fem/renewal.h"
 #include "models/fixed/settings.h"
 #include "models/host/costs.h"
 #include "models/host/deviation.h"
@@ -63,6 +64,10 @@ struct Object {
   // True if the body's forces are not K·u: a frame is then solved by increments.
   bool nonlinear() const { return model && !model->linear(); }
   tissue::LawKind law() const { return model ? model->kind : tissue::LawKind::linear; }
+  // How often the matrix is renewed; never where the scenario does not say.
+  fem::MatrixRenewal renewal() const {
+    return model && model->matrix ? *model->matrix : fem::MatrixRenewal{};
+  }
   void declare(config::Visitor& v);
   void check() const;
 };

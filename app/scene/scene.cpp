@@ -130,7 +130,7 @@ void Scene::build_body(const Progress& progress, Limits limits) {
   computation_ = within("solver", [&] {
     return std::make_unique<host::FrameComputation>(
         std::move(tissue), s.solver, s.refinement, s.host.solver,
-        s.timing_only() ? host::Effort::counted : host::Effort::computed);
+        s.timing_only() ? host::Effort::counted : host::Effort::computed, s.object.renewal());
   });
   if (s.host.solver == host::SolvedBy::board) {
     within("accelerator", [&] {

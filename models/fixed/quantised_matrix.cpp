@@ -113,12 +113,12 @@ void QuantisedMatrix::restore_row(int node, std::span<const std::int32_t> origin
   }
 }
 
-QuantisedMatrix quantise(const sparse::BlockMatrix& matrix, int bits) {
+QuantisedMatrix quantise(const sparse::BlockMatrix& matrix, int bits, double headroom) {
   if (bits < 2 || bits > 32) {
     throw InputError("a matrix word of " + std::to_string(bits) + " bits; 2 to 32 was expected");
   }
   const double largest = largest_magnitude(matrix);
-  const double scale = largest / static_cast<double>(word_limit(bits));
+  const double scale = headroom * largest / static_cast<double>(word_limit(bits));
   if (scale < std::numeric_limits<double>::min()) {
     throw InputError("the largest entry of the matrix is " + fmt::to_string(largest) +
                      "; an entry was expected whose share of a word is a normal number");

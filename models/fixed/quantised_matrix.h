@@ -48,10 +48,10 @@ struct QuantisedMatrix {
   void restore_row(int node, std::span<const std::int32_t> original);
 };
 
-// Rounds to nearest (ties away from zero), with the largest magnitude at 2^(bits-1) - 1. Symmetric
-// entries stay equal to the last bit. Throws InputError for NaN or infinity (with row and column),
-// a matrix of zeros, or a pattern that is not symmetric.
-QuantisedMatrix quantise(const sparse::BlockMatrix& matrix, int bits);
+// Rounds to nearest (ties away from zero), with `headroom` times the largest magnitude at
+// 2^(bits-1) - 1. Symmetric entries stay equal to the last bit. Throws InputError for NaN or
+// infinity (with row and column), a matrix of zeros, or a pattern that is not symmetric.
+QuantisedMatrix quantise(const sparse::BlockMatrix& matrix, int bits, double headroom = 1);
 
 // The matrix scale · integers that the board solves with, for a reference in double precision.
 sparse::BlockMatrix dequantise(const QuantisedMatrix& matrix);

@@ -19,6 +19,14 @@ using stability::Flag;
 // force or used up.
 using Change = bool (*)(Plan& plan, const Extent& extent);
 
+// By steps, since what the matrix would grow to with other words is not known.
+bool more_headroom(Plan& plan, const Extent& /*extent*/) {
+  constexpr double kMost = 16;
+  if (!(plan.headroom > 0) || plan.headroom >= kMost) return false;
+  plan.headroom = std::min(2 * plan.headroom, kMost);
+  return true;
+}
+
 bool saturate_instead_of_wrapping(Plan& plan, const Extent& /*extent*/) {
   return std::exchange(plan.settings.overflow, Overflow::saturate) != Overflow::saturate;
 }
@@ -167,6 +175,8 @@ std::vector<Change> changes_for(Flag flag) {
               more_passes<kManyPasses>,
               more_iterations<kManyIterations>,
               wider_vectors};
+    case Flag::matrix_word_beyond_scale:
+      return {more_headroom};
     case Flag::limit_cycle:
       return {jacobi, narrower_range, more_passes<kFewPasses>, wider_vectors};
     case Flag::locking:
@@ -196,11 +206,18 @@ bool of_a_refined_solve(Flag flag, const Plan& plan) {
 }
 
 // A cause before what follows from it.
-constexpr std::array<Flag, 11> kCauses = {
-    Flag::wrapped,       Flag::range_exceeded,     Flag::scalar_overflow,
-    Flag::zero_diagonal, Flag::negative_curvature, Flag::saturation,
-    Flag::divergence,    Flag::matrix_rounding,    Flag::stagnation,
-    Flag::not_converged, Flag::limit_cycle};
+constexpr std::array<Flag, 12> kCauses = {Flag::matrix_word_beyond_scale,
+                                          Flag::wrapped,
+                                          Flag::range_exceeded,
+                                          Flag::scalar_overflow,
+                                          Flag::zero_diagonal,
+                                          Flag::negative_curvature,
+                                          Flag::saturation,
+                                          Flag::divergence,
+                                          Flag::matrix_rounding,
+                                          Flag::stagnation,
+                                          Flag::not_converged,
+                                          Flag::limit_cycle};
 
 // Every parameter of the settings as "name = value", in the order of declaration.
 class Listing : public config::QuietVisitor {
@@ -238,6 +255,11 @@ std::vector<std::string> listing(Plan plan) {
   Listing list;
   list.visit(plan.settings);
   list.lines.push_back("refinement.passes = " + std::to_string(plan.passes));
+  if (plan.headroom > 0) {
+    std::array<char, 32> digits{};
+    std::snprintf(digits.data(), digits.size(), "%.3g", plan.headroom);
+    list.lines.push_back("object.model.matrix.headroom = " + std::string(digits.data()));
+  }
   return list.lines;
 }
 

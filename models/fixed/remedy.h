@@ -17,6 +17,8 @@ struct Plan {
   // The solves of a frame; between them the host forms b - A·x in double precision and the board
   // solves for the increment. 1: no refinement.
   int passes = 1;
+  // Of the words over the largest entry of the matrix, where it is renewed; 0: it is not.
+  double headroom = 0;
 
   friend bool operator==(const Plan&, const Plan&) = default;
 };

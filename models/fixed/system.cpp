@@ -48,7 +48,7 @@ sparse::BlockMatrix scaled(const sparse::BlockMatrix& matrix, std::span<const do
   return result;
 }
 
-int static_shift_for(const QuantisedMatrix& matrix) {
+int static_shift_for(const QuantisedMatrix& matrix, double growth) {
   std::uint64_t largest = 1;
   for (int row = 0; row < matrix.block_rows(); ++row) {
     const auto words = matrix.row(row);
@@ -60,22 +60,56 @@ int static_shift_for(const QuantisedMatrix& matrix) {
       largest = std::max(largest, sum);
     }
   }
+  if (growth > 1) {
+    largest = static_cast<std::uint64_t>(std::ceil(growth * static_cast<double>(largest)));
+  }
   return std::min(bit_length(largest - 1), 31);
 }
 
-System prepare(const sparse::BlockMatrix& matrix, const Settings& settings) {
+System prepare(const sparse::BlockMatrix& matrix, const Settings& settings, double headroom) {
   System system{.settings = settings, .matrix = {}, .scale = {}};
   if (settings.matrix_scaling == MatrixScaling::diagonal) {
     system.scale = diagonal_scale(matrix);
-    system.matrix = quantise(scaled(matrix, system.scale), settings.matrix_bits);
+    system.matrix = quantise(scaled(matrix, system.scale), settings.matrix_bits, headroom);
   } else {
     system.scale.assign(at(matrix.rows()), 1.0);
-    system.matrix = quantise(matrix, settings.matrix_bits);
+    system.matrix = quantise(matrix, settings.matrix_bits, headroom);
   }
   system.settings.static_shift = settings.static_scale == StaticScale::matrix_norm
-                                     ? static_shift_for(system.matrix)
+                                     ? static_shift_for(system.matrix, headroom)
                                      : settings.shift();
   return system;
+}
+
+Fit replace_values(const sparse::BlockMatrix& matrix, System& system) {
+  QuantisedMatrix& words = system.matrix;
+  const bool is_scaled = system.settings.matrix_scaling != MatrixScaling::none;
+  const auto limit = static_cast<double>(word_limit(words.bits));
+  Fit fit;
+  // Looks at all entries before it takes the first.
+  for (const bool take : {false, true}) {
+    for (int row = 0; row < words.block_rows(); ++row) {
+      for (int k = words.row_begin[at(row)]; k < words.row_begin[at(row) + 1]; ++k) {
+        for (int e = 0; e < 9; ++e) {
+          double entry = matrix.block(at(k))[e];
+          if (is_scaled) {
+            entry *= system.scale[at(3 * row + e / 3)] *
+                     system.scale[at(3 * words.column[at(k)] + e % 3)];
+          }
+          // Ties away from zero, as quantise() has them.
+          const double word = std::round(entry / words.scale);
+          if (take) {
+            words.value[9 * at(k) + at(e)] = static_cast<std::int32_t>(word);
+            continue;
+          }
+          if (!(std::abs(word) <= limit)) ++fit.beyond;
+          fit.filling = std::max(fit.filling, std::abs(entry / words.scale) / limit);
+        }
+      }
+    }
+    if (fit.beyond > 0) break;
+  }
+  return fit;
 }
 
 sparse::BlockMatrix dequantise(const System& system) {

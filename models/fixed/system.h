@@ -20,9 +20,21 @@ struct System {
   std::vector<double> scale;
 };
 
-// Scales and rounds a matrix as the settings say. Throws InputError as quantise() does, and if a
-// diagonal entry that is to be scaled is not above zero.
-System prepare(const sparse::BlockMatrix& matrix, const Settings& settings);
+// Scales and rounds a matrix as the settings say. With `headroom` above one the largest word leaves
+// room for an entry so much larger, and the static shift for rows. Throws InputError as quantise()
+// does, and if a diagonal entry that is to be scaled is not above zero.
+System prepare(const sparse::BlockMatrix& matrix, const Settings& settings, double headroom = 1);
+
+// How the entries of another matrix fit the words of a system.
+struct Fit {
+  std::int64_t beyond = 0;  // entries that do not
+  double filling = 0;       // the largest, in the largest of a word
+};
+
+// Replaces the system's words by those of a matrix with the same pattern, at the same scale. Where
+// an entry does not fit its word, or is not a finite number, the words stay as they are. Does not
+// allocate.
+Fit replace_values(const sparse::BlockMatrix& matrix, System& system);
 
 // The matrix that the board's words stand for, in the units of the matrix that was prepared:
 // S⁻¹·Ã·S⁻¹.
@@ -32,8 +44,8 @@ sparse::BlockMatrix dequantise(const System& system);
 sparse::BlockMatrix scaled(const sparse::BlockMatrix& matrix, std::span<const double> scale);
 
 // The least static shift m with which b = A·x cannot overflow its vector word for any x that fits
-// its word: 2^m >= the largest sum of magnitudes of a row.
-int static_shift_for(const QuantisedMatrix& matrix);
+// its word: 2^m >= the largest sum of magnitudes of a row, of rows that grow by this factor.
+int static_shift_for(const QuantisedMatrix& matrix, double growth = 1);
 
 // The host's side of the interface to the board: the unit of each word, and the conversions. One
 // unit of x is u = displacement_range / (2^(vector_bits-1) - 1); one unit of the right-hand side is

@@ -26,8 +26,8 @@ fixed::Settings settings_of_board(const fixed::System& system, bool increments) 
 }  // namespace
 
 BoardSystem::BoardSystem(const sparse::BlockMatrix& matrix, const fixed::Settings& settings,
-                         double contact_diagonal, bool increments)
-    : system_(fixed::prepare(matrix, settings)),
+                         double contact_diagonal, bool increments, double headroom)
+    : system_(fixed::prepare(matrix, settings, headroom)),
       settings_(settings_of_board(system_, increments)),
       scaling_(system_),
       diagonal_word_(word_of(contact_diagonal, system_)) {}

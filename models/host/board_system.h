@@ -13,10 +13,17 @@ namespace hvp::host {
 class BoardSystem {
  public:
   // `contact_diagonal` is the value on the diagonal of a contact node, N/m. `increments`: the board
-  // is asked for increments, and starts each solve at zero. Throws InputError for a matrix that
+  // is asked for increments, and starts each solve at zero. The words leave room for entries
+  // `headroom` times the largest. Throws InputError for a matrix that
   // cannot be put into words.
   BoardSystem(const sparse::BlockMatrix& matrix, const fixed::Settings& settings,
-              double contact_diagonal, bool increments);
+              double contact_diagonal, bool increments, double headroom = 1);
+
+  // Replaces the words by those of a matrix with the same pattern, at the same scale, unless one of
+  // them does not fit.
+  fixed::Fit renew(const sparse::BlockMatrix& matrix) {
+    return fixed::replace_values(matrix, system_);
+  }
 
   const fixed::System& words() const { return system_; }
   const fixed::QuantisedMatrix& matrix() const { return system_.matrix; }

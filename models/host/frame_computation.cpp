@@ -6,6 +6,7 @@
 
 #include "models/config/input_error.h"
 #include "models/host/board_words.h"
+#include "models/host/costs.h"
 #include "models/host/explicit_method.h"
 #include "models/host/host_increments.h"
 
@@ -54,8 +55,14 @@ FrameComputation::FrameComputation(const fem::Body& body, fem::ContactDiagonal d
 FrameComputation::FrameComputation(std::unique_ptr<fem::Tissue> tissue,
                                    const fixed::Settings& settings,
                                    const std::optional<Refinement>& refinement, SolvedBy solver,
-                                   Effort effort)
-    : tissue_(std::move(tissue)), effort_(effort) {
+                                   Effort effort, const fem::MatrixRenewal& renewal)
+    : tissue_(std::move(tissue)), effort_(effort), renewal_(renewal) {
+  if (renewal_.present()) {
+    if (solver != SolvedBy::board || tissue_->renewable() == nullptr) {
+      throw InputError("only the words of a board for a body that is not linear are renewed");
+    }
+    formed_ = matrix();
+  }
   const std::span<const double> initial = tissue_->initial_displacement();
   fem::InternalForces& forces = tissue_->internal_forces();
   if (fem::ExplicitSteps* steps = tissue_->explicit_steps()) {
@@ -76,7 +83,8 @@ FrameComputation::FrameComputation(std::unique_ptr<fem::Tissue> tissue,
       method_ = std::move(increments);
     }
   } else {
-    board_.emplace(matrix(), settings, tissue_->constraint().diagonal(), refinement.has_value());
+    board_.emplace(matrix(), settings, tissue_->constraint().diagonal(), refinement.has_value(),
+                   renewal_.present() ? renewal_.headroom : 1.0);
     if (refinement) {
       auto refined =
           std::make_unique<RefinedSolve>(*refinement, forces, matrix(), board_->words(), initial);
@@ -100,6 +108,38 @@ void FrameComputation::hold(const fem::Hold& hold) {
   assert(std::ranges::equal(hold.nodes, contact()));
   held_.keep(hold);
   tissue_->hold(hold);
+}
+
+bool FrameComputation::renewal_is_due() {
+  if (!renewal_.present() || ++frames_since_renewal_ < renewal_.every) return false;
+  frames_since_renewal_ = 0;
+  return true;
+}
+
+stability::Flags FrameComputation::renew() {
+  fem::RenewableSystem& system = *tissue_->renewable();
+  const fem::FormedSystem formed = system.form(displacement(), formed_);
+  renew_operations_ = formed.operations;
+  if (!formed.defined) {
+    ++renewals_.undefined;
+    return {};
+  }
+  renewals_.projected = std::max<std::int64_t>(renewals_.projected, formed.projected);
+  const int entries = static_cast<int>(formed_.value.size());
+  const bool scaled = board_->settings().matrix_scaling != fixed::MatrixScaling::none;
+  renew_operations_ += conversion_operations(entries) + (scaled ? 2.0 * entries : 0);
+  const fixed::Fit fit = board_->renew(formed_);
+  renewals_.growth = std::max(renewals_.growth, fit.filling * renewal_.headroom);
+  if (fit.beyond > 0) {
+    ++renewals_.beyond;
+    renewals_.words_beyond += fit.beyond;
+    stability::Flags flags;
+    flags.raise(stability::Flag::matrix_word_beyond_scale);
+    return flags;
+  }
+  system.take(formed_);
+  ++renewals_.renewed;
+  return {};
 }
 
 std::vector<Step> FrameComputation::steps() const {

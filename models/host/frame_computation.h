@@ -16,6 +16,7 @@
 #include "models/host/frame_method.h"
 #include "models/host/host_solve.h"
 #include "models/host/refinement.h"
+#include "models/host/renewal_counts.h"
 
 namespace hvp::host {
 
@@ -45,9 +46,11 @@ class FrameComputation {
                    double period_s, const std::optional<Refinement>& refinement = std::nullopt,
                    SolvedBy solver = SolvedBy::board, Effort effort = Effort::computed);
   // The same for a tissue of any kind. One that is not linear is solved by increments: it needs
-  // refinement's passes, also on the host.
+  // refinement's passes, also on the host. `renewal` needs a board and a tissue whose system can be
+  // renewed.
   FrameComputation(std::unique_ptr<fem::Tissue> tissue, const fixed::Settings& settings,
-                   const std::optional<Refinement>& refinement, SolvedBy solver, Effort effort);
+                   const std::optional<Refinement>& refinement, SolvedBy solver, Effort effort,
+                   const fem::MatrixRenewal& renewal = {});
   FrameComputation(const FrameComputation&) = delete;
   FrameComputation& operator=(const FrameComputation&) = delete;
 
@@ -92,6 +95,20 @@ class FrameComputation {
   // The scheme's update with the accepted solution and the next frame's f̂; nothing when static.
   void update() { tissue_->advance(displacement()); }
 
+  // To be called after update() of a frame that was solved: true where renew() is due, after every
+  // so many of them.
+  bool renewal_is_due();
+  // Forms the matrix of the body as the accepted solution deforms it, and its words. Where it
+  // cannot be formed, or does not fit the words at the scale of the body at rest, both stay as they
+  // are; the latter raises the flag that is returned.
+  stability::Flags renew();
+  // Of the last renew().
+  double renew_operations() const { return renew_operations_; }
+  // Changes with matrix() and board().matrix().
+  std::int64_t revision() const { return tissue_->revision(); }
+  // Null where the matrix is never renewed.
+  const RenewalCounts* renewals() const { return renewal_.present() ? &renewals_ : nullptr; }
+
   // The accepted displacement, m.
   std::span<const double> displacement() const { return method_->displacement(); }
   // The velocity after the last update(), m/s; empty for a static body.
@@ -117,6 +134,12 @@ class FrameComputation {
   std::unique_ptr<FrameMethod> method_;
   const RefinedSolve* refined_ = nullptr;
   const Increments* increments_ = nullptr;
+
+  fem::MatrixRenewal renewal_;
+  sparse::BlockMatrix formed_;  // of a renewal; empty without
+  int frames_since_renewal_ = 0;
+  double renew_operations_ = 0;
+  RenewalCounts renewals_;
 };
 
 }  // namespace hvp::host

@@ -34,6 +34,14 @@ void WordBoard::set_contact(std::span<const int> nodes, std::int32_t diagonal) {
   }
 }
 
+void WordBoard::renew(const fixed::QuantisedMatrix& matrix, std::int32_t diagonal) {
+  const std::vector<int> contact = contact_;
+  set_contact({}, diagonal);
+  matrix_.value = matrix.value;
+  solver_->load(matrix_);
+  set_contact(contact, diagonal);
+}
+
 fixed::Report WordBoard::solve(std::span<const std::int32_t> b) {
   if (settings_.start == fixed::Start::extrapolated) {
     fixed::extrapolate(x_, previous_, settings_.vector_bits);

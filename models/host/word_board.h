@@ -20,6 +20,8 @@ class WordBoard {
 
   // Sets the contact nodes (active, ascending); `diagonal` is the word on their diagonals.
   void set_contact(std::span<const int> nodes, std::int32_t diagonal);
+  // Takes other values of the same pattern, and keeps the contact.
+  void renew(const fixed::QuantisedMatrix& matrix, std::int32_t diagonal);
   fixed::Report solve(std::span<const std::int32_t> b);
   std::span<const std::int32_t> solution() const { return x_; }
 

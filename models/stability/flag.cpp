@@ -119,6 +119,11 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
     {"unstable-step",
      "an explicit time step was longer than the body, deformed as it was, is stable for",
      "no setting of the board helps: more host.substeps, or a shallower motion of the probe"},
+    {"matrix-word-beyond-scale",
+     "an entry of the renewed matrix did not fit its word at the scale of the body at rest, and "
+     "the "
+     "matrix before it stayed",
+     "more object.model.matrix.headroom; matrix.growth says how much was needed"},
 }};
 }  // namespace
 

@@ -34,6 +34,7 @@ enum class Flag : std::uint8_t {
   low_gain_margin,      // the contact is too stiff for the loop's delay
   inverted_element,     // an element of a body that is not linear was turned inside out
   unstable_step,        // an explicit time step was longer than the body's present limit
+  matrix_word_beyond_scale,  // a renewed matrix did not fit the words at the scale of the first
   count
 };
 

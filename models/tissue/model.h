@@ -7,6 +7,7 @@
 
 #include "models/config/declaration.h"
 #include "models/fem/reference_model.h"
+#include "models/fem/renewal.h"
 #include "models/fem/tissue.h"
 #include "models/tissue/law.h"
 #include "models/tissue/prony.h"
@@ -20,6 +21,7 @@ struct Model {
   bool springs = false;  // in place of elements: `kind` does not matter
   Parameters parameters = {};
   std::vector<PronyTerm> prony;
+  std::optional<fem::MatrixRenewal> matrix;  // absent: that of the body at rest
 
   // True if its forces are K·u.
   bool linear() const { return kind == LawKind::linear && !springs && prony.empty(); }

@@ -87,6 +87,7 @@ NEEDS = {
     "transfer.dma": {"transfer.method": '"dma"'},
     "bus.pcie": {"transfer.method": '"write-combined-io"'},
     "object.model": {"refinement.passes": "3"},
+    "object.model.matrix": {"refinement.passes": "3"},
 }
 MEETS_NEEDS = 0.9
 TEXTS = {"accelerator.device": DEVICES, "title": ["drawn", 'a "quoted" title', "Nähe, 力"]}

@@ -25,6 +25,7 @@ std::uint32_t word_of(const tlm::tlm_generic_payload& transaction) {
 FaultAccess access_of(const tlm::tlm_generic_payload& transaction) {
   const std::uint64_t offset = transaction.get_address();
   const bool read = transaction.is_read();
+  if (!read && within(offset, Aperture::value)) return FaultAccess::values;
   if (!read && within(offset, Aperture::b)) return FaultAccess::rhs;
   if (read && within(offset, Aperture::u)) return FaultAccess::solution;
   if (!read && offset == offset_of(Register::control) &&
@@ -65,9 +66,9 @@ void FaultyWire::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_
     replay(transaction, *bad, request_wire_bytes(transaction), delay);
     return;
   }
-  // The words of b and U go one by one with programmed I/O.
+  // The words of b, U and the matrix go one by one with programmed I/O.
   const bool block = transaction.get_data_length() > 4 || access == FaultAccess::rhs ||
-                     access == FaultAccess::solution;
+                     access == FaultAccess::solution || access == FaultAccess::values;
   const Fault* corrupted = block ? plan_.strike(FaultKind::corrupted_word, frame, access) : nullptr;
   if (corrupted == nullptr) {
     to_board_(transaction, delay);

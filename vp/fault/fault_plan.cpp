@@ -23,7 +23,7 @@ std::vector<std::pair<std::string_view, FaultKind>> kind_names() {
 
 std::vector<std::pair<std::string_view, FaultAccess>> access_names() {
   std::vector<std::pair<std::string_view, FaultAccess>> names;
-  for (int i = 0; i <= static_cast<int>(FaultAccess::solution); ++i) {
+  for (int i = 0; i <= static_cast<int>(FaultAccess::values); ++i) {
     const auto access = static_cast<FaultAccess>(i);
     names.emplace_back(name(access), access);
   }
@@ -76,6 +76,8 @@ const char* name(FaultAccess access) {
       return "acknowledge";
     case FaultAccess::solution:
       return "solution";
+    case FaultAccess::values:
+      return "values";
   }
   return "";
 }
@@ -163,13 +165,13 @@ void Fault::check_injected() const {
   if (kind == FaultKind::aer_uncorrectable &&
       (access == FaultAccess::status || access == FaultAccess::solution)) {
     throw InputError("access", fmt::format("only a write is poisoned: expected \"first\", \"rhs\", "
-                                           "\"start\" or \"acknowledge\", found \"{}\"",
+                                           "\"start\", \"acknowledge\" or \"values\", found \"{}\"",
                                            name(access)));
   }
   if (corrupted && access != FaultAccess::first && access != FaultAccess::rhs &&
-      access != FaultAccess::solution) {
-    throw InputError("access", fmt::format("only blocks are corrupted: expected \"first\", \"rhs\" "
-                                           "or \"solution\", found \"{}\"",
+      access != FaultAccess::solution && access != FaultAccess::values) {
+    throw InputError("access", fmt::format("only blocks are corrupted: expected \"first\", "
+                                           "\"rhs\", \"solution\" or \"values\", found \"{}\"",
                                            name(access)));
   }
 }

@@ -35,7 +35,7 @@ inline constexpr int kFaultKinds = 12;
 const char* name(FaultKind kind);
 
 // The access of a frame to the solver board that a fault hits.
-enum class FaultAccess { first, rhs, start, status, acknowledge, solution };
+enum class FaultAccess { first, rhs, start, status, acknowledge, solution, values };
 
 const char* name(FaultAccess access);
 

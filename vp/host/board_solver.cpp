@@ -55,6 +55,7 @@ hvp_status BoardSolver::make(Piece piece, bool& complete) {
       matrix_ = {static_cast<std::uint32_t>(k.block_rows()),
                  static_cast<std::uint32_t>(k.column.size()), k.row_begin.data(), k.column.data(),
                  k.value.data()};
+      revision_ = computation_.revision();
       return hvp_begin_load(&device_, &load_, &matrix_);
     }
     case Piece::load:
@@ -183,6 +184,19 @@ void BoardSolver::finish(std::uint32_t& flags) {
   const double operations = method.finish_operations();
   if (operations > 0) work_.spend(phase_, 0, operations);
   flags |= method.flags().bits();
+}
+
+// The board has its pattern and its contact; the values alone go there.
+hvp_status BoardSolver::renew() {
+  if (revision_ == computation_.revision()) return HVP_OK;
+  const std::span<const std::int32_t> values = computation_.board().matrix().value;
+  work_.spend(Phase::load_values, work_.costs().driver_s(values.size()));
+  const auto timeout_ns = static_cast<std::uint64_t>(1e9 * work_.costs().timeout_s);
+  const hvp_status status = hvp_update_values(&device_, values.data(), values.size(), timeout_ns);
+  if (status != HVP_OK) return status;
+  revision_ = computation_.revision();
+  if (observer_ != nullptr) observer_->renewed(values);
+  return HVP_OK;
 }
 
 hvp_status BoardSolver::start() {

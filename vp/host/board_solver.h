@@ -32,6 +32,7 @@ class BoardSolver : public FrameSolver {
   hvp_status begin(std::uint32_t& flags) override;
   hvp_status end(std::uint32_t& flags) override;
   void finish(std::uint32_t& flags) override;
+  hvp_status renew() override;
   void observe(JobObserver& observer) override { observer_ = &observer; }
   hvp_status close() override { return hvp_close(&device_); }
   Mended take_mended() override { return std::exchange(mended_, {}); }
@@ -65,6 +66,7 @@ class BoardSolver : public FrameSolver {
   hvp_device device_{};
   hvp_load load_{};
   hvp_matrix matrix_{};
+  std::int64_t revision_ = 0;  // of the matrix on the board
   Piece next_ = Piece::open;
   bool guess_is_stale_ = false;
   Picoseconds deadline_ = 0;

@@ -183,6 +183,15 @@ void BodyRendering::advance(Frame& frame) {
   computation_.update();
   held_.solved(frame.born);
   work_.spend(Phase::update, 0, computation_.update_operations());
+  if (computation_.renewal_is_due()) renew(frame);
+}
+
+// The next frame's increments are those of the body as it is deformed now.
+void BodyRendering::renew(Frame& frame) {
+  frame.flags |= computation_.renew().bits();
+  work_.spend(Phase::assemble, 0, computation_.renew_operations());
+  const hvp_status status = solver_->renew();
+  if (status != HVP_OK) health_.renewal_failed(status, frame.number, frame.flags);
 }
 
 void BodyRendering::publish(const Frame& frame) {

@@ -69,6 +69,7 @@ class BodyRendering : public Rendering {
  private:
   void search(Frame& frame);
   void move_contact(Frame& frame);
+  void renew(Frame& frame);
 
   BodySettings settings_;
   const fem::Body& body_;

@@ -22,6 +22,8 @@ class JobObserver {
   virtual void constrained(std::uint32_t node, std::int32_t diagonal) = 0;
   // `values` are nine for each block, with the row's blocks in the matrix' order.
   virtual void restored(std::uint32_t node, std::span<const std::int32_t> values) = 0;
+  // All values of the matrix, in its order.
+  virtual void renewed(std::span<const std::int32_t> values) = 0;
   virtual void started(std::span<const std::int32_t> b) = 0;
   // `flags` is hvp_last_flags().
   virtual void solved(std::span<const std::int32_t> u, std::uint32_t flags) = 0;
@@ -50,6 +52,9 @@ class FrameSolver {
   virtual hvp_status end(std::uint32_t& flags) = 0;
   // Makes the work that remains after the force is out.
   virtual void finish(std::uint32_t& flags) = 0;
+  // Gives the solver the system's values where they have changed since it took them last. Between
+  // solves; after an error it has to be set up again.
+  virtual hvp_status renew() { return HVP_OK; }
   virtual hvp_status close() = 0;
 
   // Reports the board's jobs; a solver without a board has none.

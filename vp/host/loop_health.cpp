@@ -103,9 +103,20 @@ void LoopHealth::fail(const SolveEnd& end) {
   note(end.status, end.frame);
   ++counts_.driver_errors;
   notice_failure(end.frame);
-  if (solver_.survives(end.status)) return;
+  if (!solver_.survives(end.status)) lose(end.status, end.frame);
+}
+
+void LoopHealth::lose(hvp_status status, std::int64_t frame) {
   lost_contact_ = true;
-  recovery_.begin(end.frame, end.status);
+  recovery_.begin(frame, status);
+}
+
+void LoopHealth::renewal_failed(hvp_status status, std::int64_t frame, std::uint32_t& flags) {
+  count_mended(frame);
+  flags |= bit(stability::Flag::solver_timeout);
+  note(status, frame);
+  notice_failure(frame);
+  lose(status, frame);
 }
 
 // Counts the errors that the driver has put right in the meantime.

@@ -90,6 +90,9 @@ class LoopHealth {
   // Counts the outcome of a solve, attributes errors to faults and raises the flags of a failure.
   void solve_ended(const SolveEnd& end, std::uint32_t& flags);
 
+  // The frame has its force, but the solver lost its matrix while it got another one.
+  void renewal_failed(hvp_status status, std::int64_t frame, std::uint32_t& flags);
+
   // True if the solver has failed and was not given up.
   bool recovers() const { return !recovery_.ready() && !recovery_.given_up(); }
   // Recovers the solver as far as the time until `until` allows.
@@ -100,6 +103,7 @@ class LoopHealth {
 
  private:
   void fail(const SolveEnd& end);
+  void lose(hvp_status status, std::int64_t frame);
   void count_mended(std::int64_t frame);
   void count_ticks_without_force(std::int64_t until);
   void note(hvp_status status, std::int64_t frame);

@@ -190,6 +190,7 @@ const Parts kNothing;
 const std::map<std::string, Parts> kAdded = {
     {"wall", kNothing},
     {"object.model", kNothing},
+    {"object.model.matrix", kNothing},
     {"loads.gravity", kNothing},
     {"dynamics", kNothing},
     {"refinement", kNothing},
