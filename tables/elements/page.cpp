@@ -45,7 +45,8 @@ A block of 2 × 2 × 1, its floor clamped, under a pressure on the middle quarte
 8 × 8 × 4 cells, quadratic ones in 4 × 4 × 2, so that the nodes are the same. The compliance f·u over that of quadratic
 elements with mean dilatation in cells of half the size: 1 is converged, less is too stiff. *Blocks*: of 3 × 3 entries
 in the matrix. *Packages*: of the fullest of the partitions of the default `[accelerator]`, each a clock of a product;
-the memory of an EP2S60 holds 512. *κ*: condition number of the matrix with a unit diagonal, ν = 0.45 and 0.49.
+whether a device has the memory for them, `hvp device` says. *κ*: condition number of the matrix with a unit diagonal,
+ν = 0.45 and 0.49.
 
 )";
 
