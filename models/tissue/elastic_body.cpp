@@ -227,6 +227,17 @@ Deformation ElasticBody::energy(std::span<const double> u, double& energy_j) con
 
 Deformation ElasticBody::tangent(std::span<const double> u, Linearisation linearisation,
                                  sparse::BlockMatrix& k) const {
+  return assemble(u, linearisation, 0, k);
+}
+
+Deformation ElasticBody::supported_tangent(std::span<const double> u, double support,
+                                           sparse::BlockMatrix& k) const {
+  return assemble(u, Linearisation::semidefinite, support, k);
+}
+
+Deformation ElasticBody::assemble(std::span<const double> u, Linearisation linearisation,
+                                  double support, sparse::BlockMatrix& k) const {
+  const double support_of_volume = support * body_.material().density_kg_m3;
   assert(k.blocks() == body_.stiffness().blocks());
   std::fill(k.value.begin(), k.value.end(), 0.0);
   Operations added;
@@ -240,7 +251,8 @@ Deformation ElasticBody::tangent(std::span<const double> u, Linearisation linear
           Tangent<double> tangent =
               law_of<Form>(element).tangent(gradient, element.gradient, element.volume, linearisation);
           if (projects && tangent.defined) {
-            const Projection projection = make_semidefinite(tangent.blocks);
+            const Projection projection =
+                make_semidefinite(tangent.blocks, support_of_volume * element.volume);
             projected += projection.changed ? 1 : 0;
             added += projection.operations;
           }

@@ -58,6 +58,11 @@ class ElasticBody final : public PotentialBody {
   // For the linear law the values of fem::Body::stiffness().
   [[nodiscard]] Deformation tangent(std::span<const double> u, Linearisation linearisation,
                                     sparse::BlockMatrix& k) const override;
+  // The same with Linearisation::semidefinite, where inertia stands on the diagonal too: `support`
+  // is that of an element at each of its nodes over its mass, N/(m·kg). Elements that it makes
+  // definite keep their exact tangent.
+  [[nodiscard]] Deformation supported_tangent(std::span<const double> u, double support,
+                                              sparse::BlockMatrix& k) const;
   // Adds the derivative of the damping forces by the velocities, times `weight`, without that of
   // the frames. Gives its operations.
   Operations add_damping_tangent(std::span<const Tensor<double>> frames, double damping_s,
@@ -77,6 +82,8 @@ class ElasticBody final : public PotentialBody {
   // The law of an element, whose kind is known.
   template <class Law>
   const Law& law_of(const Element& element) const;
+  Deformation assemble(std::span<const double> u, Linearisation linearisation, double support,
+                       sparse::BlockMatrix& k) const;
   template <class Visit>
   Deformation each_element(std::span<const double> u, const Visit& visit) const;
   template <class Law>

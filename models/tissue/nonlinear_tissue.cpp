@@ -49,6 +49,17 @@ std::optional<PronySeries> series_of(const Constitution& constitution,
   return std::make_optional<PronySeries>(constitution.prony, period_s);
 }
 
+// M̂'s share of an element at each of its nodes, over the element's mass: a fourth of a lumped mass,
+// and the least eigenvalue, a twentieth, of a consistent one.
+double inertia_support(const std::optional<fem::Dynamics>& dynamics, double period_s) {
+  if (!dynamics) return 0;
+  const double share = dynamics->mass == fem::MassKind::lumped ? 1.0 / 4 : 1.0 / 20;
+  const double inertia = 2 / (dynamics->newmark_beta * period_s * period_s);
+  const double damping =
+      2 * dynamics->newmark_gamma / (dynamics->newmark_beta * period_s) * dynamics->rayleigh_mass;
+  return share * (inertia + damping);
+}
+
 fem::ElementsFound found(const Deformation& deformation) {
   return {deformation.inverted, deformation.undefined};
 }
@@ -64,6 +75,7 @@ NonlinearTissue::NonlinearTissue(const fem::Body& body, const Constitution& cons
       integrator_(body, body.dead_load(), without_stiffness_damping(dynamics), period_s),
       series_(series_of(constitution, dynamics, period_s)),
       matrix_(system_at_rest(body, dynamics, period_s, series_)),
+      support_(inertia_support(dynamics, period_s)),
       constraint_(matrix_, diagonal),
       kept_diagonal_(at(body.active_nodes()), 0.0),
       forces_n_(3 * body.mesh().nodes.size(), 0.0),
@@ -335,7 +347,7 @@ double NonlinearTissue::add_to_elastic(sparse::BlockMatrix& k) const {
 
 fem::FormedSystem NonlinearTissue::form(std::span<const double> u, sparse::BlockMatrix& a) {
   body_.expand(u, u_reaction_);
-  const Deformation deformation = elastic_.tangent(u_reaction_, Linearisation::semidefinite, a);
+  const Deformation deformation = elastic_.supported_tangent(u_reaction_, support_, a);
   double operations = deformation.operations.total();
   if (!deformation.defined()) return {false, 0, operations};
   operations += add_to_elastic(a);

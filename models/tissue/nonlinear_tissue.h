@@ -103,6 +103,7 @@ class NonlinearTissue final : public fem::Tissue,
   std::optional<PronySeries> series_;
   sparse::BlockMatrix matrix_;
   std::int64_t revision_ = 0;
+  double support_;  // of inertia at each node of an element over its mass, N/(m·kg)
   fem::ContactConstraint constraint_;
   std::vector<double> kept_diagonal_;  // N/m, of each active node that is held; otherwise zero
 

@@ -108,12 +108,12 @@ constexpr Operations kOuter = {.add_multiply = 12 * 6 + 10 * 9 * 3};
 
 }  // namespace
 
-Projection make_semidefinite(Blocks<double>& blocks) {
+Projection make_semidefinite(Blocks<double>& blocks, double support) {
   Projection result{.changed = false, .operations = kReduced + kDefinite};
   Matrix m = reduced(blocks);
   double trace = 0;
   for (std::size_t i = 0; i < kRows; ++i) trace += std::abs(m[i][i]);
-  if (definite(m, 0x1p-24 * trace)) return result;
+  if (definite(m, std::max(support, 0x1p-24 * trace))) return result;
   result.changed = true;
   Matrix vectors{};
   for (std::size_t i = 0; i < kRows; ++i) vectors[i][i] = 1;

@@ -18,7 +18,9 @@ struct Projection {
 // nodes have three zero eigenvalues; the other nine are those of the blocks in an orthonormal basis
 // without them. A factorisation finds most elements as they should be; the others are diagonalised
 // by Jacobi's rotations. An eigenvalue above −2⁻²⁴ of the trace counts as rounding: it is below
-// half a unit of the longest words of a matrix.
-Projection make_semidefinite(Blocks<double>& blocks);
+// half a unit of the longest words of a matrix. `support` (N/m) is what else stands on the twelve
+// diagonal entries, such as inertia: an element whose eigenvalues are above −support is left as it
+// is.
+Projection make_semidefinite(Blocks<double>& blocks, double support = 0);
 
 }  // namespace hvp::tissue

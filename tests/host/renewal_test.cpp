@@ -110,12 +110,13 @@ ForceError drag(LawKind law, double depth, double way, const fem::MatrixRenewal&
 
 // Pressed by 10 mm and dragged by 30 mm, with matrix words of 12 bits and one pass: the prototype's
 // sphere, whose old matrix oscillates (worst error 1.0) and whose renewed one has a mean of 1.7e-3
-// and a worst of 8e-3. It solved each pass exactly and rounded its matrix without headroom; here
-// the mean is up to 1.9 times as large.
+// and a worst of 8e-3, within a factor of 1.5; but for the corotational law's mean, which is 1.7
+// times as large: its warped tangent leaves out how the elements turn.
 TEST(RenewedMatrix, ServesWhereTheOldOneDoesNot) {
   for (const LawKind law : {LawKind::corotational, LawKind::neo_hookean_isochoric}) {
     const ForceError renewed = drag(law, 10e-3, 30e-3, {.every = 50, .headroom = 1.25});
-    EXPECT_LT(renewed.mean, 2 * 1.7e-3) << static_cast<int>(law);
+    const double factor = law == LawKind::corotational ? 2 : 1.5;
+    EXPECT_LT(renewed.mean, factor * 1.7e-3) << static_cast<int>(law);
     EXPECT_LT(renewed.worst, 1.5 * 8e-3) << static_cast<int>(law);
     EXPECT_FALSE(renewed.flags.has(stability::Flag::divergence));
     ASSERT_TRUE(renewed.renewals);
@@ -128,7 +129,7 @@ TEST(RenewedMatrix, ServesWhereTheOldOneDoesNot) {
     } else {
       EXPECT_GT(renewed.renewals->growth, 1.05);
       EXPECT_LT(renewed.renewals->growth, 1.25);
-      EXPECT_GT(renewed.renewals->projected, 0);
+      EXPECT_LT(renewed.renewals->projected, 50);  // with its inertia, hardly any
     }
   }
   EXPECT_GT(drag(LawKind::neo_hookean_isochoric, 10e-3, 30e-3, {}).worst, 0.5);

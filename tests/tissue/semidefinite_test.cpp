@@ -85,6 +85,18 @@ TEST(Semidefinite, LeavesTheBodyAtRestAsItIs) {
   EXPECT_EQ(blocks, before);
 }
 
+// What else stands on the diagonal decides which elements are changed.
+TEST(Semidefinite, LeavesWhatItsSupportMakesDefinite) {
+  const Blocks<double> exact = tangent({0.8, 0, 0, 0, 0.8, 0, 0, 0, 0.9});
+  const double negative = -least(whole(exact));
+  ASSERT_GT(negative, 0);
+  Blocks<double> blocks = exact;
+  EXPECT_FALSE(make_semidefinite(blocks, 1.01 * negative).changed);
+  EXPECT_EQ(blocks, exact);
+  EXPECT_TRUE(make_semidefinite(blocks, 0.99 * negative).changed);
+  EXPECT_GE(least(whole(blocks)), -1e-12 * whole(exact).norm());
+}
+
 fem::Dynamics damped() {
   return {.newmark_beta = 0.605,
           .newmark_gamma = 0.6,

@@ -307,7 +307,7 @@ TEST_F(AcceleratorTest, UpdateHoldsTheNextAccessForItsPackages) {
       }
     }
     s.sleep(1);
-    EXPECT_EQ(board.peek(Register::status), 8U);  // matrix_loaded, nothing raised
+    EXPECT_EQ(board.peek(Register::status), 0x18U);  // matrix and pattern loaded, nothing raised
   });
 }
 
@@ -339,7 +339,7 @@ TEST_F(AcceleratorTest, ConstrainAndRestoreLeaveTheMatrixAsLoaded) {
     board.poke(Register::update_blocks, static_cast<std::uint32_t>(row.size() / 9));
     board.command(field::kControlUpdateNode);
     EXPECT_EQ(board.get(Aperture::value, k().value.size(), 12), k().value);
-    EXPECT_EQ(board.peek(Register::status), 8U);
+    EXPECT_EQ(board.peek(Register::status), 0x18U);
   });
 }
 

@@ -122,12 +122,12 @@ TEST_F(Replay, AWordThatAFaultAltersIsTheFirst) {
   const json figures = this->figures(1, faulty);
   EXPECT_EQ(figures["first"]["what"], "access");
   EXPECT_EQ(figures["first"]["place"], "STATUS");
-  EXPECT_EQ(figures["first"]["recorded"]["word"], "0x0000000a");
+  EXPECT_EQ(figures["first"]["recorded"]["word"], "0x0000001a");
   EXPECT_EQ(figures["first"]["replayed"]["word"], "0xffffffff");
   EXPECT_EQ(figures["first"]["recorded"]["begin_us"], figures["first"]["replayed"]["begin_us"]);
   EXPECT_EQ(figures["compared"]["accesses"]["differ"], 1);
   const cli::Ended ended = replay(faulty);
-  EXPECT_THAT(ended.out, HasSubstr(", STATUS\n  recorded  read STATUS: 0x0000000a, from "));
+  EXPECT_THAT(ended.out, HasSubstr(", STATUS\n  recorded  read STATUS: 0x0000001a, from "));
   EXPECT_THAT(ended.out, HasSubstr("\n  replayed  read STATUS: 0xffffffff, from "));
 }
 
