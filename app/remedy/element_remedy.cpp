@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -18,16 +20,15 @@ std::vector<std::string> texts_of(const std::vector<std::string>& settings) {
   return texts;
 }
 
-// What helps short words against the larger condition number; nothing where `before` has an answer
-// for the words already.
-std::vector<std::vector<std::string>> words_to_try(const Scenario& s,
-                                                   const std::vector<std::string>& before) {
+// What helps against the larger condition number, the cheapest first.
+std::vector<std::vector<std::string>> words_to_try(const Scenario& s) {
   std::vector<std::vector<std::string>> tried = {{}};
-  if (!before.empty() || s.host.solver != host::SolvedBy::board) return tried;
+  if (s.host.solver != host::SolvedBy::board) return tried;
   const std::string scaled = "solver.matrix_scaling = \"diagonal\"";
   tried.push_back({scaled});
   for (const int passes : {2, 4}) {
-    tried.push_back({scaled, fmt::format("refinement.passes = {}", passes)});
+    tried.push_back({scaled, fmt::format("solver.iterations = {}", 2 * s.solver.iterations),
+                     fmt::format("refinement.passes = {}", passes)});
   }
   return tried;
 }
@@ -40,7 +41,6 @@ bool has_linear_elements(const Scenario& s) {
 }  // namespace
 
 std::optional<results::TriedRemedy> try_element_remedy(const Scenario& s, stability::Flags flags,
-                                                       const std::vector<std::string>& before,
                                                        const Rerun& rerun) {
   if (!flags.has(Flag::locking) || !has_linear_elements(s)) return std::nullopt;
   results::TriedRemedy best;
@@ -49,13 +49,12 @@ std::optional<results::TriedRemedy> try_element_remedy(const Scenario& s, stabil
   best.whole_run = true;
   best.frames = static_cast<std::size_t>(s.frames);
   for (const double share : {1.0, 0.7, 0.5}) {
-    std::vector<std::string> elements = before;
-    elements.emplace_back("object.elements = \"quadratic-mean-dilatation\"");
+    std::vector<std::string> elements = {"object.elements = \"quadratic-mean-dilatation\""};
     if (share < 1) {
       const double tens = std::floor(share * s.object.mesh.nodes / 10);
       elements.push_back(fmt::format("object.mesh.nodes = {:.0f}", 10 * tens));
     }
-    for (const std::vector<std::string>& words : words_to_try(s, before)) {
+    for (const std::vector<std::string>& words : words_to_try(s)) {
       std::vector<std::string> all = elements;
       all.insert(all.end(), words.begin(), words.end());
       const std::optional<WholeRun> run = rerun(texts_of(all));

@@ -1,5 +1,6 @@
 #include "app/remedy/find_remedy.h"
 
+#include <bit>
 #include <string>
 #include <utility>
 #include <vector>
@@ -30,11 +31,13 @@ std::optional<results::TriedRemedy> find_remedy(const Scene& scene, const result
     if (remedy) remedy->was_held = outcome.held();
   }
   if (again.rerun) {
-    const bool some = remedy && remedy->whole_run && !remedy->taken_away().empty();
     std::optional<results::TriedRemedy> of_elements =
-        try_element_remedy(scene.scenario(), outcome.flags,
-                           some ? remedy->settings : std::vector<std::string>(), again.rerun);
-    if (of_elements && !of_elements->settings.empty()) {
+        try_element_remedy(scene.scenario(), outcome.flags, again.rerun);
+    const auto left = [](const std::optional<results::TriedRemedy>& tried) {
+      return std::popcount(tried->left.bits());
+    };
+    if (of_elements && !of_elements->settings.empty() &&
+        (!remedy || left(of_elements) < left(remedy))) {
       of_elements->was_held = outcome.held();
       if (remedy) of_elements->attempts += remedy->attempts;
       remedy = std::move(of_elements);
