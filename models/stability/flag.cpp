@@ -50,9 +50,8 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
     {"locking", "linear tetrahedra are too stiff at this Poisson's ratio",
      "object.elements = \"quadratic-mean-dilatation\", on fewer object.mesh.nodes where longer "
      "rows do not fit the device, with solver.matrix_scaling = \"diagonal\", more "
-     "solver.iterations and refinement.passes for the larger condition number; or a Poisson's "
-     "ratio "
-     "of at most 0.45, or more nodes"},
+     "solver.iterations and refinement.passes for the larger condition number; or a "
+     "Poisson's ratio of at most 0.45, or more nodes"},
     {"poor-elements", "the mesh has slivers: dihedral angles under 5 or over 175 degrees",
      "no setting of the board helps: a surface without needle-shaped triangles, or another node "
      "count"},
