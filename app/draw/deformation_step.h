@@ -13,9 +13,9 @@ struct DeformationStep {
   std::vector<Eigen::Vector3d> rest;
   std::vector<Eigen::Vector3d> displacement;
   std::vector<std::array<int, 4>> tetrahedra;  // eight for a ten-node one
-  std::vector<int> regions;                    // of each tetrahedron, 0: none; empty for a body without regions
-  std::vector<int> anchors;                    // node indices, ascending
-  int contact_node = -1;                       // -1: none
+  std::vector<int> regions;  // of each tetrahedron, 0: none; empty for a body without regions
+  std::vector<int> anchors;  // node indices, ascending
+  int contact_node = -1;     // -1: none
   double time_s = 0.0;
   int frame = 0;
   Eigen::Vector3d probe = Eigen::Vector3d::Zero();

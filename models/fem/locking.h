@@ -33,9 +33,9 @@ struct Locking {
 };
 
 // The locking of linear tetrahedra if ν > 0.45, otherwise nothing; of several materials, that of
-// the part that locks most. The cantilever has the resolution of the part's mesh, rounded to an even
-// number of cells and limited to 2 … kMostLockingCells. It stands for bending at this resolution; a
-// body that is only compressed locks less.
+// the part that locks most. The cantilever has the resolution of the part's mesh, rounded to an
+// even number of cells and limited to 2 … kMostLockingCells. It stands for bending at this
+// resolution; a body that is only compressed locks less.
 std::optional<Locking> measure_locking(const mesh::TetMesh& mesh, const Materials& materials);
 
 }  // namespace hvp::fem

@@ -134,8 +134,10 @@ class Newmark {
   // The velocity that a displacement u of this step has, ṽ + velocity_weight()·u, m/s.
   std::span<const double> predicted_velocity() const { return v_tilde_; }
   double velocity_weight() const { return 2 * gamma_ / (beta_ * time_step_); }
-  // What Â has besides the elastic and the damping forces of K: q += (w·2/(βΔt²) + 2γα/(βΔt))·M·u,
-  // for all nodes or for one.
+  // w·2/(βΔt²) + 2γα/(βΔt), 1/s²: what M has in Â.
+  double inertia_weight() const;
+  // What Â has besides the elastic and the damping forces of K: q += inertia_weight()·M·u, for all
+  // nodes or for one.
   void add_inertia(std::span<const double> u, std::span<double> q) const;
   Eigen::Vector3d inertia(std::span<const double> u, int node) const;
   // The same entries in a matrix of K's pattern.
@@ -153,7 +155,6 @@ class Newmark {
   double end_inertia_flops(std::span<const int> nodes) const;
 
  private:
-  double inertia_weight() const;
   double acceleration_weight() const { return 2 / (beta_ * time_step_ * time_step_); }
   void subtract_inertia(std::span<double> f_hat) const;
 

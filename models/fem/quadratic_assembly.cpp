@@ -47,8 +47,8 @@ sparse::BlockMatrix assemble_quadratic_stiffness(const mesh::TetMesh& mesh,
   materials.check(mesh.tetrahedra.size());
   sparse::BlockMatrix k = quadratic_pattern(mesh);
   for (std::size_t e = 0; e < mesh.mid_edge.size(); ++e) {
-    const TenNodeMatrix element = quadratic_stiffness(element_geometry(mesh, static_cast<int>(e)),
-                                                      materials.of(e), elements);
+    const TenNodeMatrix element =
+        quadratic_stiffness(element_geometry(mesh, static_cast<int>(e)), materials.of(e), elements);
     const std::array<int, kTenNodes> node = mesh.ten_nodes(e);
     for (std::size_t a = 0; a < kTenNodes; ++a) {
       for (std::size_t b = 0; b < kTenNodes; ++b) {

@@ -237,22 +237,22 @@ Deformation ElasticBody::supported_tangent(std::span<const double> u, double sup
 
 Deformation ElasticBody::assemble(std::span<const double> u, Linearisation linearisation,
                                   double support, sparse::BlockMatrix& k) const {
-  const double support_of_volume = support * body_.material().density_kg_m3;
   assert(k.blocks() == body_.stiffness().blocks());
   std::fill(k.value.begin(), k.value.end(), 0.0);
   Operations added;
   int projected = 0;
-  const bool projects = linearisation == Linearisation::semidefinite &&
-                        kind() != LawKind::linear && kind() != LawKind::corotational;
+  const bool projects = linearisation == Linearisation::semidefinite && kind() != LawKind::linear &&
+                        kind() != LawKind::corotational;
   Deformation found = std::visit(
       [&](const auto& law) {
         using Form = std::decay_t<decltype(law)>;
         return each_element(u, [&](const Element& element, const Tensor<double>& gradient) {
-          Tangent<double> tangent =
-              law_of<Form>(element).tangent(gradient, element.gradient, element.volume, linearisation);
+          Tangent<double> tangent = law_of<Form>(element).tangent(gradient, element.gradient,
+                                                                  element.volume, linearisation);
           if (projects && tangent.defined) {
+            const double density = body_.materials().table()[at(element.material)].density_kg_m3;
             const Projection projection =
-                make_semidefinite(tangent.blocks, support_of_volume * element.volume);
+                make_semidefinite(tangent.blocks, support * density * element.volume);
             projected += projection.changed ? 1 : 0;
             added += projection.operations;
           }

@@ -51,13 +51,11 @@ std::optional<PronySeries> series_of(const Constitution& constitution,
 
 // M̂'s share of an element at each of its nodes, over the element's mass: a fourth of a lumped mass,
 // and the least eigenvalue, a twentieth, of a consistent one.
-double inertia_support(const std::optional<fem::Dynamics>& dynamics, double period_s) {
-  if (!dynamics) return 0;
+double inertia_support(const std::optional<fem::Dynamics>& dynamics,
+                       const fem::Newmark* integration) {
+  if (integration == nullptr) return 0;
   const double share = dynamics->mass == fem::MassKind::lumped ? 1.0 / 4 : 1.0 / 20;
-  const double inertia = 2 / (dynamics->newmark_beta * period_s * period_s);
-  const double damping =
-      2 * dynamics->newmark_gamma / (dynamics->newmark_beta * period_s) * dynamics->rayleigh_mass;
-  return share * (inertia + damping);
+  return share * integration->inertia_weight();
 }
 
 fem::ElementsFound found(const Deformation& deformation) {
@@ -75,7 +73,7 @@ NonlinearTissue::NonlinearTissue(const fem::Body& body, const Constitution& cons
       integrator_(body, body.dead_load(), without_stiffness_damping(dynamics), period_s),
       series_(series_of(constitution, dynamics, period_s)),
       matrix_(system_at_rest(body, dynamics, period_s, series_)),
-      support_(inertia_support(dynamics, period_s)),
+      support_(inertia_support(dynamics, integrator_.newmark())),
       constraint_(matrix_, diagonal),
       kept_diagonal_(at(body.active_nodes()), 0.0),
       forces_n_(3 * body.mesh().nodes.size(), 0.0),
