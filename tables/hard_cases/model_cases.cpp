@@ -54,10 +54,10 @@ fem::Body body_of(const MovedBlock& block) {
   mesh::TetMesh mesh =
       fem::structured_box({0.02, 0.02, kCell * block.layers}, {4, 4, block.layers});
   const std::vector<int> clamped = lowest(mesh);
-  return fem::Body(
-      std::move(mesh),
-      {.young_modulus_pa = block.young_modulus_pa, .poisson_ratio = block.poisson_ratio}, clamped,
-      fem::AnchorTreatment::removed);
+  return fem::Body(std::move(mesh),
+                   fem::Material{.young_modulus_pa = block.young_modulus_pa,
+                                 .poisson_ratio = block.poisson_ratio},
+                   clamped, fem::AnchorTreatment::removed);
 }
 
 fem::Dynamics dynamics() {
