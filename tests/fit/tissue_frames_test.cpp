@@ -24,9 +24,9 @@ constexpr std::int64_t kHandOver = 30'000'000'000;
 TouchedFrames run(const TissueBody& body, int node, std::size_t found, std::size_t released,
                   std::size_t frames) {
   const fem::Body solid(body.mesh,
-                        {.young_modulus_pa = kTrueTissue.young_modulus,
-                         .poisson_ratio = kTrueTissue.poisson_ratio,
-                         .density_kg_m3 = body.density_kg_m3},
+                        fem::Material{.young_modulus_pa = kTrueTissue.young_modulus,
+                                      .poisson_ratio = kTrueTissue.poisson_ratio,
+                                      .density_kg_m3 = body.density_kg_m3},
                         body.anchored, fem::AnchorTreatment::removed);
   std::optional<fem::Dynamics> dynamics = body.dynamics;
   if (dynamics) {
