@@ -141,7 +141,7 @@ TEST_F(DriverOnBoard, UpdatesThatCannotBeAreNotSent) {
   EXPECT_EQ(hvp_constrain_node(&device, 0, 2048), HVP_ERROR_RANGE);
   EXPECT_EQ(hvp_restore_node(&device, kNodes, matrix.value.data(), 2), HVP_ERROR_BAD_NODE);
   EXPECT_EQ(hvp_restore_node(&device, 0, matrix.value.data(), 0), HVP_ERROR_BAD_ROW);
-  EXPECT_EQ(hvp_restore_node(&device, 0, matrix.value.data(), 65), HVP_ERROR_BAD_ROW);
+  EXPECT_EQ(hvp_restore_node(&device, 0, matrix.value.data(), 257), HVP_ERROR_BAD_ROW);
   matrix.value[4] = 5000;
   EXPECT_EQ(hvp_restore_node(&device, 0, matrix.value.data(), 2), HVP_ERROR_RANGE);
   EXPECT_TRUE(board.take_log().empty());

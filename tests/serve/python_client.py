@@ -35,7 +35,7 @@ ITERATIONS, STATIC_SHIFT, NODES = 0x44, 0x54, 0x6C
 DMA_LIST, DMA_COUNT, DMA_RECORD = 0xD0, 0xD8, 0xDC
 B, U, ROW_BEGIN, COLUMN, VALUE = 0x20000, 0x40000, 0x60000, 0x200000, 0x1000000
 START, LOAD_DONE, RUN_LIST = 1, 4, 8
-DONE, LOADED = 2, 8
+DONE, LOADED, PATTERN_LOADED = 2, 8, 16
 
 SHIFT = 10
 LOAD = (300, -200, 100)
@@ -153,7 +153,7 @@ class Client(unittest.TestCase):
                 self.assertTrue(client.wait_interrupt(TIMEOUT_S))
                 if hit:
                     self.assertEqual(client.read32(STATUS), 0xFFFFFFFF)
-                self.assertEqual(client.read32(STATUS), DONE | LOADED)
+                self.assertEqual(client.read32(STATUS), DONE | LOADED | PATTERN_LOADED)
                 client.write32(INTERRUPT_STATUS, 3)
             client.inject("kind=lost-interrupt,frame=4")
             self.start(client)
