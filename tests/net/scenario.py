@@ -23,7 +23,8 @@ class Scenario:
     def text(self) -> str:
         lines = [f"{key} = {value}" for key, value in self.values.items()]
         for effect in sorted(self.effects):
-            if not any(key.startswith(f"{effect}.") for key in (*self.values, *self.lists)):
+            inside = (*self.values, *self.lists, *self.effects)
+            if not any(key.startswith(f"{effect}.") for key in inside):
                 lines.append(f"{effect} = {{}}")
         for name, items in self.lists.items():
             inner = ["{" + ", ".join(f"{k} = {v}" for k, v in item.items()) + "}" for item in items]
