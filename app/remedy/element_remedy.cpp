@@ -33,8 +33,8 @@ std::vector<std::vector<std::string>> words_to_try(const Scenario& s) {
   return tried;
 }
 
-bool has_linear_elements(const Scenario& s) {
-  return s.object.elements == fem::Elements::linear && !s.object.nonlinear() &&
+bool may_have_mean_dilatation(const Scenario& s) {
+  return s.object.elements != fem::Elements::mean_dilatation && !s.object.nonlinear() &&
          s.host.solver != host::SolvedBy::steps && !s.judged_by_another_model();
 }
 
@@ -42,7 +42,7 @@ bool has_linear_elements(const Scenario& s) {
 
 std::optional<results::TriedRemedy> try_element_remedy(const Scenario& s, stability::Flags flags,
                                                        const Rerun& rerun) {
-  if (!flags.has(Flag::locking) || !has_linear_elements(s)) return std::nullopt;
+  if (!flags.has(Flag::locking) || !may_have_mean_dilatation(s)) return std::nullopt;
   results::TriedRemedy best;
   best.of = flags;
   best.left = flags;

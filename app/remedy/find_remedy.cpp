@@ -36,8 +36,9 @@ std::optional<results::TriedRemedy> find_remedy(const Scene& scene, const result
     const auto left = [](const std::optional<results::TriedRemedy>& tried) {
       return std::popcount(tried->left.bits());
     };
-    if (of_elements && !of_elements->settings.empty() &&
-        (!remedy || left(of_elements) < left(remedy))) {
+    // Where nothing helps, the attempts are said.
+    if (of_elements &&
+        (!remedy || (!of_elements->settings.empty() && left(of_elements) < left(remedy)))) {
       of_elements->was_held = outcome.held();
       if (remedy) of_elements->attempts += remedy->attempts;
       remedy = std::move(of_elements);

@@ -33,7 +33,7 @@ std::vector<RegionFigures> region_figures(const app::Scene& scene) {
   for (const fem::Share& share : shares) whole += share.volume_m3;
   for (std::size_t m = 0; m < shares.size(); ++m) {
     const fem::Material& material = materials.table()[m];
-    figures.push_back({.name = m == 0 ? "object.material" : fem::name_of(regions, m - 1),
+    figures.push_back({.name = m == 0 ? std::string(fem::kOfBody) : fem::name_of(regions, m - 1),
                        .elements = shares[m].elements,
                        .volume_m3 = shares[m].volume_m3,
                        .share = shares[m].volume_m3 / whole,

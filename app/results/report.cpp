@@ -57,6 +57,16 @@ void engine_lines(Out out, const app::Scene& scene, const Outcome& o) {
                  100 * e.deviation());
 }
 
+// What locks, with the name of its part where there are several.
+std::string locking_text(const app::Scene& scene) {
+  const fem::Locking& locking = *scene.locking();
+  const std::vector<fem::Region>& regions = scene.scenario().object.regions;
+  if (regions.empty()) return locking.sentence;
+  const std::size_t m = locking.material;
+  return (m == 0 ? std::string(fem::kOfBody) : fem::name_of(regions, m - 1)) + ": " +
+         locking.sentence;
+}
+
 // What the watch of the run has found; nothing before a run.
 std::string least_limit_text(const fem::ExplicitSteps& steps) {
   if (!std::isfinite(steps.least_limit_s())) return {};
@@ -290,7 +300,7 @@ void stability_lines(Out out, const app::Scene& scene, const Outcome& o) {
     fmt::format_to(out, "    remedy: {}\n", d.remedy);
   }
   if (o.remedy) fmt::format_to(out, "{}", remedy_text(*o.remedy));
-  if (scene.locking()) fmt::format_to(out, "    {}\n", scene.locking()->sentence);
+  if (scene.locking()) fmt::format_to(out, "    {}\n", locking_text(scene));
   if (o.flags.empty()) fmt::format_to(out, "  no flags\n");
 }
 

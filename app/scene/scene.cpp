@@ -162,7 +162,7 @@ void Scene::build_body(const Progress& progress, Limits limits) {
                                           : fixed::prepare(computation_->matrix(), s.solver),
                                       *s.spectrum);
   }
-  locking_ = fem::measure_locking(body_->mesh(), body_->materials());
+  locking_ = fem::measure_locking(body_->mesh(), body_->materials(), s.object.elements);
 }
 
 void Scene::require_fit() const {

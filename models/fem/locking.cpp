@@ -2,9 +2,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -13,8 +15,10 @@
 #include "models/fem/assembly.h"
 #include "models/fem/direct_solver.h"
 #include "models/fem/loads.h"
+#include "models/fem/quadratic_element.h"
 #include "models/fem/structured_box.h"
 #include "models/index.h"
+#include "models/mesh/mid_edge_nodes.h"
 
 namespace hvp::fem {
 namespace {
@@ -41,18 +45,21 @@ void hold_components(sparse::BlockMatrix& a, const std::vector<char>& held) {
 
 }  // namespace
 
-double cantilever_ratio(double poisson_ratio, int cells) {
-  if (cells < 2 || cells > kMostLockingCells || cells % 2 != 0) {
+double cantilever_ratio(double poisson_ratio, int cells, Elements elements) {
+  if (cells < 2 || cells > most_locking_cells(elements) || cells % 2 != 0) {
     throw InputError(
         fmt::format("the cantilever has {} cells a side; expected an even number "
                     "from 2 to {}",
-                    cells, kMostLockingCells));
+                    cells, most_locking_cells(elements)));
   }
   const Material material{.young_modulus_pa = 1, .poisson_ratio = poisson_ratio};
   const int half = cells / 2;
   const int along = static_cast<int>(kSlenderness) * cells;
-  const mesh::TetMesh mesh = structured_box({kSlenderness, 0.5, 0.5}, {along, half, half});
-  sparse::BlockMatrix k = assemble_stiffness(mesh, material);
+  const bool linear = elements == Elements::linear;
+  mesh::TetMesh mesh = structured_box({kSlenderness, 0.5, 0.5}, {along, half, half});
+  if (!linear) mesh = mesh::with_mid_edge_nodes(std::move(mesh));
+  sparse::BlockMatrix k = linear ? assemble_stiffness(mesh, material)
+                                 : assemble_quadratic_stiffness(mesh, material, elements);
 
   // x runs along the beam and z is the direction of the force. Bending is symmetric about y = 0
   // (no v there) and antisymmetric about z = 0 (no u, no v there).
@@ -69,14 +76,21 @@ double cantilever_ratio(double poisson_ratio, int cells) {
   std::vector<double> f(at(k.rows()), 0.0);
   double face_area = 0;
   std::vector<double> share(mesh.nodes.size(), 0.0);
-  for (const auto& triangle : mesh.boundary) {
+  for (std::size_t t = 0; t < mesh.boundary.size(); ++t) {
+    const std::array<int, 3>& triangle = mesh.boundary[t];
     const Eigen::Vector3d& a = mesh.nodes[at(triangle[0])];
     const Eigen::Vector3d& b = mesh.nodes[at(triangle[1])];
     const Eigen::Vector3d& c = mesh.nodes[at(triangle[2])];
     if (std::min({a.x(), b.x(), c.x()}) < kSlenderness) continue;
     const double area = (b - a).cross(c - a).norm() / 2;
     face_area += area;
-    for (const int node : triangle) share[at(node)] += area / 3;
+    if (linear) {
+      for (const int node : triangle) share[at(node)] += area / 3;
+      continue;
+    }
+    const std::array<double, 6> shares = quadratic_face_shares(t % 4);
+    const std::array<int, 6> face = quadratic_face(mesh, static_cast<int>(t));
+    for (std::size_t i = 0; i < 6; ++i) share[at(face[i])] += shares[i] * area;
   }
   const double quarter_force = 0.25;
   for (std::size_t i = 0; i < share.size(); ++i) {
@@ -113,13 +127,22 @@ double cells_across(const mesh::TetMesh& mesh, std::span<const int> elements) {
 
 namespace {
 
-Locking locking_of(const mesh::TetMesh& mesh, std::span<const int> elements,
-                   const Material& material) {
+Locking locking_of(const mesh::TetMesh& mesh, std::span<const int> part, const Material& material,
+                   Elements elements) {
   const double across =
-      std::min(cells_across(mesh, elements), static_cast<double>(kMostLockingCells));
+      std::min(cells_across(mesh, part), static_cast<double>(most_locking_cells(elements)));
   Locking result;
   result.cells = std::max(2, 2 * static_cast<int>(std::lround(across / 2)));
-  result.stiffness_ratio = cantilever_ratio(material.poisson_ratio, result.cells);
+  result.stiffness_ratio = cantilever_ratio(material.poisson_ratio, result.cells, elements);
+  if (elements == Elements::quadratic) {
+    result.sentence = fmt::format(
+        "Poisson's ratio {} locks quadratic tetrahedra where a body is pressed, though a "
+        "cantilever "
+        "at this resolution ({} cells across) bends {:.2f} times as far as it should; use mean "
+        "dilatation (object.elements), or 0.45 or less",
+        material.poisson_ratio, result.cells, result.stiffness_ratio);
+    return result;
+  }
   result.sentence = fmt::format(
       "Poisson's ratio {} locks linear tetrahedra: a cantilever at this resolution ({} cells "
       "across) bends {:.2f} times as far as it should; use quadratic elements (object.elements), "
@@ -130,18 +153,20 @@ Locking locking_of(const mesh::TetMesh& mesh, std::span<const int> elements,
 
 }  // namespace
 
-std::optional<Locking> measure_locking(const mesh::TetMesh& mesh, const Materials& materials) {
-  if (mesh.quadratic()) return std::nullopt;
-  std::vector<std::vector<int>> elements(materials.count());
+std::optional<Locking> measure_locking(const mesh::TetMesh& mesh, const Materials& materials,
+                                       Elements elements) {
+  if (elements == Elements::mean_dilatation) return std::nullopt;
+  std::vector<std::vector<int>> parts(materials.count());
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
-    elements[materials.index_of(e)].push_back(static_cast<int>(e));
+    parts[materials.index_of(e)].push_back(static_cast<int>(e));
   }
   std::optional<Locking> worst;
   for (std::size_t m = 0; m < materials.count(); ++m) {
     const Material& material = materials.table()[m];
-    if (elements[m].empty() || !(material.poisson_ratio > kLockingPoissonRatio)) continue;
-    const Locking found = locking_of(mesh, elements[m], material);
-    if (!worst || found.stiffness_ratio < worst->stiffness_ratio) worst = found;
+    if (parts[m].empty() || !(material.poisson_ratio > kLockingPoissonRatio)) continue;
+    Locking found = locking_of(mesh, parts[m], material, elements);
+    found.material = m;
+    if (!worst || found.stiffness_ratio < worst->stiffness_ratio) worst = std::move(found);
   }
   return worst;
 }

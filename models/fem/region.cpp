@@ -24,6 +24,11 @@ std::string name_of(std::span<const Region> regions, std::size_t index) {
 
 void check_names(std::span<const Region> regions) {
   for (std::size_t i = 0; i < regions.size(); ++i) {
+    if (name_of(regions, i) == kOfBody) {
+      throw InputError(
+          fmt::format("region[{}].name", i),
+          fmt::format("\"{}\" is the name of what no region has; expected another", kOfBody));
+    }
     for (std::size_t earlier = 0; earlier < i; ++earlier) {
       if (name_of(regions, i) != name_of(regions, earlier)) continue;
       throw InputError(

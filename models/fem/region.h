@@ -3,6 +3,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "models/config/declaration.h"
@@ -11,6 +12,9 @@
 #include "models/mesh/volume.h"
 
 namespace hvp::fem {
+
+// The name of what no region has.
+inline constexpr std::string_view kOfBody = "object.material";
 
 // A part of the body with a material of its own: a table of the scenario's [[object.region]].
 struct Region {

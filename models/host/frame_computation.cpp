@@ -111,7 +111,8 @@ void FrameComputation::hold(const fem::Hold& hold) {
 }
 
 bool FrameComputation::renewal_is_due() {
-  if (!renewal_.present() || ++frames_since_renewal_ < renewal_.every) return false;
+  if (!renewal_.present() || refined_->passes_made() == 0) return false;
+  if (++frames_since_renewal_ < renewal_.every || refined_->increments().diverged()) return false;
   frames_since_renewal_ = 0;
   return true;
 }

@@ -95,8 +95,8 @@ class FrameComputation {
   // The scheme's update with the accepted solution and the next frame's f̂; nothing when static.
   void update() { tissue_->advance(displacement()); }
 
-  // To be called after update() of a frame that was solved: true where renew() is due, after every
-  // so many of them.
+  // To be called after update(): true where renew() is due, after every so many frames in which the
+  // board solved. One whose residual grew is no place to take a matrix from: the next is.
   bool renewal_is_due();
   // Forms the matrix of the body as the accepted solution deforms it, and its words. Where it
   // cannot be formed, or does not fit the words at the scale of the body at rest, both stay as they

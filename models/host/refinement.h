@@ -49,6 +49,9 @@ class RefinedSolve final : public FrameMethod {
 
   const Increments& increments() const { return increments_; }
   int passes() const { return static_cast<int>(gain_.size()); }
+  // Those of the last solve for which the board was asked: none where nothing presses a body at
+  // rest.
+  int passes_made() const { return pass_; }
 
   // Takes the right-hand side f and the prescribed displacements. Throws InputError where an entry
   // of f is not finite.

@@ -47,7 +47,7 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
     {"range-exceeded", "a displacement or a right-hand side did not fit its word and was clamped",
      "a solver.displacement_range twice the displacements, static_scale = \"matrix-norm\" (without "
      "a preconditioner), or a slower probe"},
-    {"locking", "linear tetrahedra are too stiff at this Poisson's ratio",
+    {"locking", "tetrahedra that are too stiff at this Poisson's ratio",
      "object.elements = \"quadratic-mean-dilatation\", on fewer object.mesh.nodes where longer "
      "rows do not fit the device, with solver.matrix_scaling = \"diagonal\", more "
      "solver.iterations and refinement.passes for the larger condition number; or a "

@@ -105,6 +105,7 @@ ITEMS = {
         "region.point": '["0 m", "0 m", "49 mm"]',
         "region.normal": "[0, 0, -1]",
     },
+    "object.region": {"radius": '"30 mm"'},
     "probe.motion": {
         "phase": '"press"',
         "to": '["10 mm", "10 mm", "40 mm"]',
@@ -119,6 +120,7 @@ REGIONS = {
     },
     '"sphere"': {"centre": '["0 mm", "0 mm", "-50 mm"]', "radius": '"45 mm"'},
 }
+SURFACES = {'"surface"': {"surface": f'"{TOP / "scenarios" / "surfaces" / "bean.stl"}"'}}
 FAULTS = {'"late-dma"': {"delay": '"1 us"'}, '"truncated-dma"': {"bytes": "4"}}
 
 # What is said about an override that is put together wrongly here, or about a value outside its
@@ -198,13 +200,16 @@ def item_case(key: Number, value: str, listed: str) -> Case:
     prefix = inner.rpartition(".")[0]
     prefix += "." if prefix else ""
     overrides = []
+    if listed == "object.region" and key.conditions:  # of another shape
+        fields = {}
     if prefix:  # a region
         fields = {name: text for name, text in fields.items() if not name.startswith(prefix)}
     for name, chosen in key.conditions:
         fields[name.removeprefix(f"{listed}.")] = chosen
-        extra = {**REGIONS, **FAULTS}.get(chosen, {})
+        extra = {**REGIONS, **FAULTS, **SURFACES}.get(chosen, {})
         fields.update({prefix + field: text for field, text in extra.items()})
-        overrides += NEEDS.get(chosen, [])
+        if not extra:
+            overrides += NEEDS.get(chosen, [])
     if key.full == "fault.rate":
         del fields["frame"]
     fields[inner] = value
