@@ -73,9 +73,9 @@ sparse::BlockMatrix assemble_quadratic_mass(const mesh::TetMesh& mesh, const Mat
                                             MassKind kind);
 
 // ∇u at the four corners of element `e` from the displacements of all mesh nodes: entry (i, j) is
-// ∂u_i/∂x_j. It varies linearly in between.
-std::array<Eigen::Matrix3d, 4> corner_gradients(
-    const std::array<int, 10>& nodes, const std::array<Eigen::Vector3d, 4>& barycentric_gradients,
-    std::span<const double> u_full);
+// ∂u_i/∂x_j. It varies linearly in between. `g` are the gradients of the barycentric coordinates.
+std::array<Eigen::Matrix3d, 4> corner_gradients(const std::array<int, 10>& nodes,
+                                                const std::array<Eigen::Vector3d, 4>& g,
+                                                std::span<const double> u_full);
 
 }  // namespace hvp::fem

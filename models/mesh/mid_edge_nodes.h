@@ -8,6 +8,6 @@ namespace hvp::mesh {
 // and of each boundary triangle four. The given nodes keep their numbers; those of the edges follow
 // in the order of their ends, the lower one first. The board deals its rows by length
 // (accel::deal_rows), so that no numbering balances its partitions better than another.
-TetMesh with_mid_edge_nodes(TetMesh linear);
+TetMesh with_mid_edge_nodes(TetMesh mesh);
 
 }  // namespace hvp::mesh

@@ -66,8 +66,12 @@ std::string model_cases_text() {
     if (!trail.first.converged()) {
       remedy = trail.remedied() ? "`" + difference(hard_case.plan, trail.plan) + "`"
                                 : "no setting helps";
-      if (!trail.last.converged() && trail.remedied()) remedy = "in vain: " + remedy;
-      if (trail.remedied()) then = error_of(trail.last) + ", " + flags_of(trail.last);
+      if (!trail.last.converged() && trail.remedied()) remedy.insert(0, "in vain: ");
+      if (trail.remedied()) {
+        then = error_of(trail.last);
+        then += ", ";
+        then += flags_of(trail.last);
+      }
     }
     table.add({hard_case.name, hard_case.expected, error_of(trail.first), flags_of(trail.first),
                remedy, then});
