@@ -125,7 +125,8 @@ void Region::check() const {
     throw InputError("normal", "has length zero; expected a direction such as [0, 0, 1]");
   }
   if (kind == Kind::box && !(low_corner.array() <= high_corner.array()).all()) {
-    throw InputError("high_corner", "is below low_corner in at least one coordinate: expected none below");
+    throw InputError("high_corner",
+                     "is below low_corner in at least one coordinate: expected none below");
   }
   if (kind == Kind::box && low_corner == high_corner) {
     throw InputError("high_corner", "equals low_corner; expected two different corners");
