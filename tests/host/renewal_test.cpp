@@ -3,6 +3,7 @@
 // precision.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -133,6 +134,37 @@ TEST(RenewedMatrix, ServesWhereTheOldOneDoesNot) {
     }
   }
   EXPECT_GT(drag(LawKind::neo_hookean_isochoric, 10e-3, 30e-3, {}).worst, 0.5);
+}
+
+// Nothing presses the body at first: the board is not asked, and has no frame to renew after.
+TEST(RenewedMatrix, CountsTheFramesInWhichTheBoardSolved) {
+  const fem::Body body = tissue::thesis_sphere();
+  const std::vector<int> nodes = tissue::cap(body, 0.012);
+  FrameComputation computation(
+      tissue::make_tissue(body, model_of(LawKind::corotational), fem::ContactDiagonal::average,
+                          undamped(), kPeriod, Effort::computed),
+      words(), Refinement{.passes = 1}, SolvedBy::board, Effort::computed, {.every = 2});
+  WordBoard board(computation.board().matrix(), computation.board().settings());
+  std::vector<std::int32_t> b(computation.displacement().size());
+  const auto is_due = [&](const fem::Hold& hold) {
+    computation.hold(hold);
+    computation.begin();
+    while (computation.method().next(b)) {
+      const fixed::Report report = board.solve(b);
+      computation.method().accept(board.solution(), report.flags);
+    }
+    computation.method().finish();
+    computation.update();
+    return computation.renewal_is_due();
+  };
+  for (int frame = 0; frame < 3; ++frame) EXPECT_FALSE(is_due({}));
+  computation.set_contact(nodes);
+  board.set_contact(nodes, computation.board().diagonal_word());
+  const std::vector<Eigen::Vector3d> place(nodes.size(), Eigen::Vector3d(0, 0, -1e-3));
+  const fem::Hold hold{nodes, place, {}, kPeriod};
+  EXPECT_FALSE(is_due(hold));
+  EXPECT_TRUE(is_due(hold));
+  EXPECT_FALSE(is_due(hold));
 }
 
 TEST(RenewedMatrix, NeedsABoardAndABodyThatIsNotLinear) {
