@@ -34,16 +34,10 @@ void Accuracy::report(config::Figures& f) const {
   f.frame("force_worst_frame", force.worst_frame, "which that is");
   f.count("frames", frames, "that were compared");
   f.count("frames_in_contact", in_contact, "with contact, compared or not");
-  f.when(unsolved > 0, [&] {
-    f.count("unsolved_frames", unsolved,
-            "where there are some: frames whose true solution was not found to rounding");
-  });
-  f.when(indefinite > 0, [&] {
-    f.count("indefinite_tangents", indefinite,
-            "where there are some: of a body that is not linear, tangents on the way to the true "
-            "solution that were not positive definite. It gave way there, as in buckling, and may "
-            "have another solution");
-  });
+  f.count("unsolved_frames", unsolved, "whose true solution was not found to rounding");
+  f.count("indefinite_tangents", indefinite,
+          "of a body that is not linear: tangents on the way to the true solution that were not "
+          "positive definite. It gave way there, as in buckling, and may have another solution");
   f.table_or_null(
       "displacement_of_frame",
       "|v - v_ref|/|v_ref| over the frames in contact. Percentiles are right within one "
@@ -113,11 +107,9 @@ void RefinementFigures::report(config::Figures& f) const {
   f.ratio("worst_residual_rel", worst_residual,
           "the largest ‖b - A·u‖ that a frame left, over the largest ‖b‖ up to it");
   f.count("widened", widened, "passes whose increment did not fit its words");
-  f.when(without_start > 0, [&] {
-    f.count("frames_without_start", without_start,
-            "where there are some: frames that kept the last solution, since elements had no "
-            "forces with the contact in its place. The largest residual is of the others");
-  });
+  f.count("frames_without_start", without_start,
+          "that kept the last solution, since elements had no forces with the contact in its "
+          "place. The largest residual is of the others");
 }
 
 namespace {
