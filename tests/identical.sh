@@ -4,7 +4,7 @@
 # performance.json, and what the other commands print and write. Every scenario runs whole, so that
 # all that it has is reached: 1000 frames take a Debug build 10 s, and two programs run at once. A
 # difference names what was run, the file and its first line that differs.
-#   tests/identical.sh RELEASE DEBUG CLANG [NAME…]   three builds of the program: `./hvp test identical`
+#   tests/identical.sh RELEASE OTHER… [-- NAME…]     builds of the program: `./hvp test identical`
 #   tests/identical.sh --against OLD NEW [NAME…]     the program before a change, and after it
 # With names, the scenarios, surfaces and matrices that are called so. HVP_JOBS is how many run at
 # once, by default as many as there are processors.
@@ -30,16 +30,26 @@ variant() { # name, program, folder, environment…
   mkdir -p "$scratch/$3/out"
   cp -r "$top/scenarios" "$top/tests/data/matrix_market" "$scratch/$3"
 }
-(($# >= 3)) || usage
-names=("${@:4}")
-if [[ $1 == --against ]]; then
+names=()
+if [[ ${1:-} == --against ]]; then
+  (($# >= 3)) || usage
   variant old "$2" old
   variant new "$3" new
-elif [[ $1 != -* ]]; then
+  names=("${@:4}")
+elif [[ $# -ge 2 && $1 != -* && $2 != -* ]]; then
   variant release "$1" release
   variant elsewhere "$1" somewhere/else TZ=Asia/Kolkata OMP_NUM_THREADS=1 HVP_KERNEL=portable
-  variant debug "$2" a/build/without/optimisation
-  variant clang "$3" clang/release
+  shift
+  while (($# > 0)); do
+    if [[ $1 == -- ]]; then
+      names=("${@:2}")
+      break
+    fi
+    # build/clang/app/hvp is called clang.
+    other=${1%/app/hvp} other=${other##*/}
+    variant "$other" "$1" "another/build/$other"
+    shift
+  done
 else
   usage
 fi

@@ -13,7 +13,7 @@ one of all that it depends on. Chosen are
 On a new machine nothing has a stamp: a room's own files then count as changed where one of the last
 commits touched them.
 
-    python3 tests/rooms.py STAMPS choose     the rooms, a line each
+    python3 tests/rooms.py STAMPS choose     the rooms, a line each; last those that run the program
     python3 tests/rooms.py STAMPS passed ROOM…
 """
 
@@ -33,8 +33,9 @@ IN_TURN = (
     *("stability", "statistics", "random", "sparse", "mesh", "fem", "tissue", "fixed", "accel"),
     *("link", "host", "collision", "plant", "fit", "hard_cases", "plant_cases", "tables"),
 )
-# These run the built program, so that all of it is beneath them.
-WITH_THE_PROGRAM = ("app", "serve", "linux", "plant_cases", "fixed")
+# These run the built program, so that all of it is beneath them, and these the board alone.
+WITH_THE_PROGRAM = ("app", "serve", "plant_cases")
+WITH_THE_BOARD = ("linux",)
 SHARES = 3
 RECENT_COMMITS = 30
 
@@ -69,7 +70,7 @@ def beneath(room: str) -> set[str]:
     """The folders that a room's tests depend on, its own among them."""
     reached: set[str] = set()
     waiting = [f"tests/{room}"]
-    if room in WITH_THE_PROGRAM:
+    if room in WITH_THE_PROGRAM + WITH_THE_BOARD:
         waiting += ["app", "vp", "driver"]
     while waiting:
         folder = waiting.pop()
@@ -114,7 +115,10 @@ def choose(stamps: Path) -> list[str]:
             changed = lately_touched(room)
         if room in ALWAYS or changed or place % SHARES == commit % SHARES:
             chosen.append(room)
-    return chosen
+    # From nothing there is time for a few rooms, from another one on with every commit.
+    turn = commit % max(1, len(chosen))
+    chosen = chosen[turn:] + chosen[:turn]
+    return sorted(chosen, key=lambda room: room in WITH_THE_PROGRAM)
 
 
 def main() -> int:
