@@ -153,8 +153,8 @@ void draw_legend(Canvas& canvas, const DeformationStep& step, const SceneSizes& 
   x += 40.0;
   label("shape at rest");
   if (!step.regions.empty()) {
-    canvas.line({x, kY}, {x + 30.0, kY}, scene_colour::kRegion, 2.4);
-    x += 40.0;
+    canvas.disc({x + 9.0, kY}, 9.0, faded(scene_colour::kRegion, 0.5));
+    x += 28.0;
     label("region");
   }
 }
@@ -211,7 +211,7 @@ void draw_deformation(PictureWindow& window, const DeformationStep& step, const 
   vtkNew<vtkRenderer> scene;
   build_scene(*scene, step, sizes);
   vtkNew<vtkRenderer> ghost;
-  build_region_outlines(*ghost, step, projection.view);
+  build_regions(*ghost, step);
   build_probe_ghost(*ghost, step, sizes);
   int layer = 1;
   for (vtkRenderer* renderer : {scene.Get(), ghost.Get()}) {

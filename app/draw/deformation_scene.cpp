@@ -204,7 +204,8 @@ Vector3d arrow_tip(const Vector3d& probe, const Vector3d& force_N, const SceneSi
   return probe + force_N.normalized() * (sizes.probe_radius + kArrow * sizes.body);
 }
 
-void build_region_outlines(vtkRenderer& renderer, const DeformationStep& step, const View& view) {
+void build_regions(vtkRenderer& renderer, const DeformationStep& step) {
+  constexpr double kOpacity = 0.35;
   if (step.regions.empty()) return;
   std::vector<Vector3d> deformed;
   for (std::size_t i = 0; i < step.rest.size(); ++i)
@@ -217,9 +218,12 @@ void build_region_outlines(vtkRenderer& renderer, const DeformationStep& step, c
       if (step.regions[e] == region) own.push_back(step.tetrahedra[e]);
     }
     const auto triangles = outer_faces(own);
-    add_lines(renderer, points,
-              outline(deformed, triangles, edges_of(triangles), view.towards_viewer),
-              scene_colour::kRegion, 2.2);
+    vtkNew<vtkPolyData> shell;
+    shell->SetPoints(points);
+    shell->SetPolys(cells_of(std::span<const std::array<int, 3>>(triangles)));
+    const auto actor = add_actor(renderer, shell, faded(scene_colour::kRegion, kOpacity));
+    actor->GetProperty()->BackfaceCullingOn();
+    soften(*actor->GetProperty());
   }
 }
 

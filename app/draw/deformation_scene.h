@@ -43,9 +43,9 @@ void build_scene(vtkRenderer& renderer, const DeformationStep& step, const Scene
 // where the body hides them.
 void build_probe_ghost(vtkRenderer& renderer, const DeformationStep& step, const SceneSizes& sizes);
 
-// Adds the outline of each region where the body has taken it, as seen in `view`, for a layer above
-// the scene: most of a region is inside the body.
-void build_region_outlines(vtkRenderer& renderer, const DeformationStep& step, const View& view);
+// Adds each region where the body has taken it, translucent, for a layer above the scene: most of a
+// region is inside the body.
+void build_regions(vtkRenderer& renderer, const DeformationStep& step);
 
 // Adds the rest shape, flat with its outline as seen in `view`. It belongs into a layer below the
 // scene: where nothing moved the two surfaces coincide, and only the rest shape's parts outside the

@@ -1,6 +1,8 @@
 #include "app/results/number_text.h"
 
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -42,6 +44,15 @@ std::string scaled(double value, std::string_view unit) {
 std::string newtons(double force) { return scaled(force, "N"); }
 
 std::string readable_length(double metres) { return scaled(metres, "m"); }
+
+std::string readable_stress(double pascal) {
+  constexpr std::array<std::pair<double, char>, 3> kPrefixes = {
+      {{1e9, 'G'}, {1e6, 'M'}, {1e3, 'k'}}};
+  for (const auto& [size, prefix] : kPrefixes) {
+    if (pascal >= 0.9995 * size) return fmt::format("{:.3g} {}Pa", pascal / size, prefix);
+  }
+  return scaled(pascal, "Pa");
+}
 
 std::string percent(double ratio) {
   const double p = 100 * ratio;

@@ -31,9 +31,10 @@ std::string counted(std::int64_t count, std::string_view what);
 // "42 %", "4.2 %", "0.038 %".
 std::string percent(double ratio);
 
-// Three significant digits and the unit: "1.42 N", "98.1 mN", "52.0 mm".
+// Three significant digits and the unit: "1.42 N", "98.1 mN", "52.0 mm", "10.0 kPa".
 std::string newtons(double force);
 std::string readable_length(double metres);
+std::string readable_stress(double pascal);
 
 // A line for each matrix whose spectrum was bounded: κ, the smallest and the largest eigenvalue.
 std::string spectrum_text(const fixed::SystemSpectrum& spectrum);

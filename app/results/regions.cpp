@@ -57,9 +57,9 @@ std::string regions_text(const app::Scene& scene) {
       continue;
     }
     fmt::format_to(std::back_inserter(text),
-                   "{}, {} of the volume, {:.4g} kPa, Poisson's ratio {:g}, {:g} kg/m³\n",
-                   counted(r.elements, "element"), percent(r.share), 1e-3 * r.young_modulus_pa,
-                   r.poisson_ratio, r.density_kg_m3);
+                   "{}, {} of the volume, {}, Poisson's ratio {:g}, {:g} kg/m³\n",
+                   counted(r.elements, "element"), percent(r.share),
+                   readable_stress(r.young_modulus_pa), r.poisson_ratio, r.density_kg_m3);
   }
   return text;
 }

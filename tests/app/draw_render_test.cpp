@@ -121,9 +121,9 @@ TEST_F(DrawRenderTest, ShowsTheStepOfTheLargestForceWithItsArrow) {
   EXPECT_EQ(without, 0);
 }
 
-// A region's outline is above the body that hides it; without regions there is none.
-TEST_F(DrawRenderTest, OutlinesRegions) {
-  const auto is_purple = [](const Colour& c) { return c[2] - c[1] > 50 && c[0] - c[1] > 30; };
+// A region is seen through the body that hides it; without regions there is none.
+TEST_F(DrawRenderTest, ShowsRegions) {
+  const auto is_purple = [](const Colour& c) { return c[2] - c[1] > 15 && c[0] - c[1] > 10; };
   ASSERT_TRUE(draw({}).drawn);
   const int without = Picture(file("deformation.png")).count(is_purple);
   ASSERT_TRUE(draw({.lump = true}).drawn);
