@@ -97,9 +97,9 @@ void MatrixFigures::report(config::Figures& f) const {
   f.count("words_beyond", counts.words_beyond, "those entries");
   f.count("projected_elements", counts.projected,
           "elements whose tangent was made semidefinite, the most in a renewal");
-  f.ratio("growth", counts.growth,
+  f.ratio("growth", counts.growth > 0 ? std::optional(counts.growth) : std::nullopt,
           "the largest entry of a renewed matrix over that of the body at rest: the headroom that "
-          "it needs");
+          "it needs; null where none was formed");
 }
 
 void RefinementFigures::report(config::Figures& f) const {

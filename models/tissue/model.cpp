@@ -1,5 +1,8 @@
 #include "models/tissue/model.h"
 
+#include <utility>
+#include <vector>
+
 #include "models/config/effects.h"
 #include "models/config/input_error.h"
 #include "models/tissue/elastic_body.h"
@@ -64,14 +67,19 @@ void Model::declare(config::Visitor& v) {
                {"b: a shear of γ multiplies the shear modulus by e^(b·γ²)",
                 "the least of recorded meat pressed as a column, docs/tissue.md"});
   });
+  // One that is never renewed asks for nothing.
+  std::vector<config::Need> needs;
+  if (!matrix || matrix->present()) {
+    needs = {config::need_board("a host has no words of a matrix to renew"),
+             {"refinement",
+              {config::kPresent},
+              "it is the matrix of the increments, which are its passes"}};
+  }
   v.effect("matrix", matrix,
            {"the board's matrix is formed anew of the deformed body, every so many frames",
             "of a renewal: the tangent of every element on the host, and all values of the matrix "
             "over the bus, after the force",
-            {config::need_board("a host has no words of a matrix to renew"),
-             {"refinement",
-              {config::kPresent},
-              "it is the matrix of the increments, which are its passes"}}});
+            std::move(needs)});
   v.list("prony", prony,
          {"terms of a relaxation: each takes a share of the force at once away in its time"});
 }
