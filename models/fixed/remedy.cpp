@@ -193,6 +193,8 @@ std::vector<Change> changes_for(Flag flag) {
     case Flag::beyond_linearity:
     case Flag::inverted_element:
     case Flag::unstable_step:
+    case Flag::bus_error:
+    case Flag::board_error:
     case Flag::count:
       return {};
   }

@@ -55,9 +55,9 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
     {"poor-elements", "the mesh has slivers: dihedral angles under 5 or over 175 degrees",
      "no setting of the board helps: a surface without needle-shaped triangles, or another node "
      "count"},
-    {"solver-timeout", "the driver got no solution from the board in time",
-     "no setting of the solver's words helps: what the driver's ERROR lines say; where it timed "
-     "out, a longer host.timeout, fewer solver.iterations, or why the board is late in trace.json"},
+    {"solver-timeout", "the board did not end in time what the driver waited for",
+     "no setting of the solver's words helps: a longer host.timeout, fewer solver.iterations, or "
+     "why the board is late in trace.json"},
     {"wrapped", "a word of the solver did not fit and lost its high bits",
      "solver.overflow = \"saturate\", and then what that run's flags say"},
     {"force-step",
@@ -123,6 +123,12 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "the "
      "matrix before it stayed",
      "more object.model.matrix.headroom; matrix.growth says how much was needed"},
+    {"bus-error",
+     "the bus lost or damaged what went between host and board, or nobody answered there",
+     "no setting of the solver's words helps: what the driver's ERROR lines say, and more "
+     "host.recovery.retries where there is time for them"},
+    {"board-error", "the board refused what the driver asked for, or failed",
+     "no setting of the solver's words helps: what the driver's ERROR lines say"},
 }};
 }  // namespace
 

@@ -35,6 +35,8 @@ enum class Flag : std::uint8_t {
   inverted_element,     // an element of a body that is not linear was turned inside out
   unstable_step,        // an explicit time step was longer than the body's present limit
   matrix_word_beyond_scale,  // a renewed matrix did not fit the words at the scale of the first
+  bus_error,                 // what went between host and board was lost or damaged
+  board_error,               // the board refused a command, or failed
   count
 };
 

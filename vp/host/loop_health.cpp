@@ -6,7 +6,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include "models/stability/flag.h"
 #include "vp/frame/frame_tag.h"
 
 namespace hvp::vp {
@@ -60,6 +59,25 @@ bool may_pass(hvp_status status) {
 }
 }  // namespace
 
+stability::Flag flag_of(hvp_status status) {
+  switch (status) {
+    case HVP_ERROR_SATURATED:
+      return stability::Flag::saturation;
+    case HVP_ERROR_TIMEOUT:
+    case HVP_ERROR_INTERRUPTED:
+      return stability::Flag::solver_timeout;
+    case HVP_ERROR_BUS:
+    case HVP_ERROR_DATA:
+    case HVP_ERROR_DMA:
+    case HVP_ERROR_SHORT_TRANSFER:
+    case HVP_ERROR_STALE_RESULT:  // the start or the record did not arrive
+    case HVP_ERROR_NO_DEVICE:
+      return stability::Flag::bus_error;
+    default:
+      return stability::Flag::board_error;
+  }
+}
+
 void LoopHealth::set_up_failed(hvp_status status, int failed) {
   note(status, -1);
   notice_failure(0);
@@ -93,8 +111,7 @@ void LoopHealth::solve_ended(const SolveEnd& end, std::uint32_t& flags) {
     notice(FaultKind::late_dma, end.frame);
     return;
   }
-  flags |= end.status == HVP_ERROR_SATURATED ? bit(stability::Flag::saturation)
-                                             : bit(stability::Flag::solver_timeout);
+  flags |= bit(flag_of(end.status));
   ++counts_.held_frames;
   if (end.attempted) fail(end);
 }
@@ -113,7 +130,7 @@ void LoopHealth::lose(hvp_status status, std::int64_t frame) {
 
 void LoopHealth::renewal_failed(hvp_status status, std::int64_t frame, std::uint32_t& flags) {
   count_mended(frame);
-  flags |= bit(stability::Flag::solver_timeout);
+  flags |= bit(flag_of(status));
   note(status, frame);
   notice_failure(frame);
   lose(status, frame);

@@ -5,6 +5,7 @@
 
 #include "driver/hvp_driver.h"
 #include "models/host/costs.h"
+#include "models/stability/flag.h"
 #include "vp/fault/fault_plan.h"
 #include "vp/frame/servo_counts.h"
 #include "vp/host/frame_solver.h"
@@ -53,6 +54,10 @@ class BoardRecovery {
   std::int64_t failed_attempts_ = 0;
   std::int64_t given_up_at_ = -1;
 };
+
+// The flag of a frame that this error has left without a solution, or whose new matrix it lost.
+// The status is none of success.
+stability::Flag flag_of(hvp_status status);
 
 // The servo loop's record of its solver's health: counts failures, reports noticed faults to the
 // fault plan, and has the solver recovered.
