@@ -85,6 +85,7 @@ typedef enum hvp_area {
   HVP_AREA_TO_BOARD,  // likewise: b
   HVP_AREA_TO_HOST,   // the board writes, the processor reads: U
   HVP_AREA_RECORD,    // the processor clears, the board writes, the processor reads
+  HVP_AREA_VALUES,    // the processor writes, the board reads: new entries of the matrix
 } hvp_area;
 
 // The owner of memory from now on; the other side does not access it.
@@ -101,9 +102,17 @@ struct hvp_dma {
   uint64_t list_address;
   uint32_t* record;  // HVP_RECORD_WORDS
   uint64_t record_address;
+  // Optional: memory from which the board fetches new entries of the matrix (hvp_update_values()),
+  // and a list of its own, HVP_DESCRIPTOR_WORDS for each of these segments, 65535 at most. A matrix
+  // whose entries do not fit gets them by blocks, and so does a board whose register map is older
+  // than version 2.4.
+  const struct hvp_segment* values;
+  size_t values_count;
+  uint32_t* values_list;
+  uint64_t values_list_address;
   // Optional, where memory is not coherent or accesses to it are reordered. The driver owns no
   // memory until it asks for it: PROCESSOR before it reads or writes `part`, DEVICE afterwards. A
-  // part is in one segment, or in the list or the record, and is no longer than the words accessed.
+  // part is in one segment, or in a list or the record, and is no longer than the words accessed.
   // A second PROCESSOR without a DEVICE in between orders what is read after it behind what was
   // read before.
   void* context;

@@ -79,6 +79,8 @@ void hvp_clear_done(struct hvp_device* device);
 
 // With DMA, prepares the list for the loaded matrix and the registers that point to it.
 hvp_status hvp_prepare_list(struct hvp_device* device);
+// Copies 9·blocks entries of the matrix into their segments.
+void hvp_fill_values(struct hvp_device* device, const int32_t* values);
 // Copies b, of 3·nodes elements, into its segments.
 void hvp_fill_segments(struct hvp_device* device, const int32_t* b);
 // Copies U out of its segments.

@@ -2,10 +2,15 @@
 #include "driver/hvp_device.h"
 #include "driver/hvp_memory.h"
 
-enum { LIST_REGISTERS = 5, MINOR_VERSION_OF_DMA = 1, LIST_ALIGNMENT = 32 };
+enum { LIST_REGISTERS = 5, VALUES_REGISTERS = 3, LIST_ALIGNMENT = 32 };
+enum { MINOR_VERSION_OF_DMA = 1, MINOR_VERSION_OF_FETCHED_VALUES = 4 };
 static_assert(offsetof(hvp_t, DMA_RECORD_HIGH) - offsetof(hvp_t, DMA_LIST_LOW) ==
                   4 * (LIST_REGISTERS - 1),
               "one burst writes DMA_LIST_LOW to DMA_RECORD_HIGH");
+static_assert(offsetof(hvp_t, DMA_VALUES_COUNT) - offsetof(hvp_t, DMA_LIST_LOW) ==
+                  4 * (LIST_REGISTERS + VALUES_REGISTERS - 1),
+              "or on to DMA_VALUES_COUNT");
+#define MOST_VALUES_SEGMENTS (HVP__DMA_VALUES_COUNT__COUNT_bm >> HVP__DMA_VALUES_COUNT__COUNT_bp)
 
 enum { DESCRIPTOR_TO_HOST = 1 };
 
@@ -22,10 +27,13 @@ enum {
 };
 static_assert(RECORD_JOB == (int)HVP_RECORD_WORDS - 1, "the job comes last");
 
-static uint32_t bytes_of(const struct hvp_device* device, uint32_t bits) {
-  const size_t per_word = hvp_elements_per_word(device, bits);
-  const size_t words = hvp_words_of((size_t)3 * device->nodes, per_word);
+static uint32_t bytes_of(const struct hvp_device* device, size_t n, uint32_t bits) {
+  const size_t words = hvp_words_of(n, hvp_elements_per_word(device, bits));
   return (uint32_t)(words * sizeof(uint32_t));
+}
+
+static uint32_t bytes_of_values(const struct hvp_device* device) {
+  return bytes_of(device, (size_t)9 * device->blocks, matrix_bits(device));
 }
 
 // How many of the segments `bytes` take; 0 if all of them are too small.
@@ -56,7 +64,10 @@ static bool dma_is_sane(const struct hvp_dma* dma) {
          (dma->list_address & (LIST_ALIGNMENT - 1U)) == 0U &&
          (dma->record_address & (LIST_ALIGNMENT - 1U)) == 0U &&
          segments_are_sane(dma->to_board, dma->to_board_count) &&
-         segments_are_sane(dma->to_host, dma->to_host_count);
+         segments_are_sane(dma->to_host, dma->to_host_count) &&
+         (dma->values_count == 0U ||
+          (dma->values_list != NULL && (dma->values_list_address & (LIST_ALIGNMENT - 1U)) == 0U &&
+           segments_are_sane(dma->values, dma->values_count)));
 }
 
 static void hand_over(const struct hvp_device* device, hvp_area area, struct hvp_segment part,
@@ -71,11 +82,10 @@ static void hand_over_record(const struct hvp_device* device, hvp_owner owner) {
   hand_over(device, HVP_AREA_RECORD, record, owner);
 }
 
-static void hand_over_list(const struct hvp_device* device, size_t descriptors, hvp_owner owner) {
-  const struct hvp_dma* dma = &device->dma;
+static void hand_over_list(const struct hvp_device* device, uint32_t* words, uint64_t address,
+                           size_t descriptors, hvp_owner owner) {
   const struct hvp_segment list = {
-      dma->list, dma->list_address,
-      (uint32_t)(descriptors * HVP_DESCRIPTOR_WORDS * sizeof(uint32_t))};
+      words, address, (uint32_t)(descriptors * HVP_DESCRIPTOR_WORDS * sizeof(uint32_t))};
   hand_over(device, HVP_AREA_LIST, list, owner);
 }
 
@@ -108,18 +118,39 @@ static uint32_t* describe(uint32_t* words, const struct hvp_segment* segments, u
   return words;
 }
 
+// The list of the loaded matrix' entries, and the registers that point to it. Returns how many
+// registers those are: none where the entries go by blocks.
+static size_t prepare_values(struct hvp_device* device, uint32_t* registers) {
+  const struct hvp_dma* dma = &device->dma;
+  device->bytes_of_values = 0U;
+  if (dma->values_count == 0U || device->minor_version < MINOR_VERSION_OF_FETCHED_VALUES) return 0U;
+  const uint32_t bytes = bytes_of_values(device);
+  const size_t count = segments_for(dma->values, dma->values_count, bytes);
+  if (count == 0U) return 0U;
+
+  hand_over_list(device, dma->values_list, dma->values_list_address, count, HVP_OWNER_PROCESSOR);
+  (void)describe(dma->values_list, dma->values, bytes, 0U, HVP_OFFSET(VALUE));
+  hand_over_list(device, dma->values_list, dma->values_list_address, count, HVP_OWNER_DEVICE);
+  device->bytes_of_values = bytes;
+  registers[0] = (uint32_t)dma->values_list_address;
+  registers[1] = (uint32_t)(dma->values_list_address >> 32U);
+  registers[2] = PLACE(count, HVP__DMA_VALUES_COUNT__COUNT);
+  return VALUES_REGISTERS;
+}
+
 hvp_status hvp_prepare_list(struct hvp_device* device) {
   const struct hvp_dma* dma = &device->dma;
-  const uint32_t to_board = bytes_of(device, rhs_bits(device));
-  const uint32_t to_host = bytes_of(device, vector_bits(device));
+  const size_t unknowns = (size_t)3 * device->nodes;
+  const uint32_t to_board = bytes_of(device, unknowns, rhs_bits(device));
+  const uint32_t to_host = bytes_of(device, unknowns, vector_bits(device));
   const size_t first = segments_for(dma->to_board, dma->to_board_count, to_board);
   const size_t second = segments_for(dma->to_host, dma->to_host_count, to_host);
   if (first == 0U || second == 0U) return HVP_ERROR_ARGUMENT;
 
-  hand_over_list(device, first + second, HVP_OWNER_PROCESSOR);
+  hand_over_list(device, dma->list, dma->list_address, first + second, HVP_OWNER_PROCESSOR);
   uint32_t* behind = describe(dma->list, dma->to_board, to_board, 0U, HVP_OFFSET(B));
   (void)describe(behind, dma->to_host, to_host, DESCRIPTOR_TO_HOST, HVP_OFFSET(U));
-  hand_over_list(device, first + second, HVP_OWNER_DEVICE);
+  hand_over_list(device, dma->list, dma->list_address, first + second, HVP_OWNER_DEVICE);
   device->bytes_to_board = to_board;
   device->bytes_to_host = to_host;
 
@@ -129,7 +160,9 @@ hvp_status hvp_prepare_list(struct hvp_device* device) {
   words[2] = PLACE(first, HVP__DMA_COUNT__TO_BOARD) | PLACE(second, HVP__DMA_COUNT__TO_HOST);
   words[3] = (uint32_t)dma->record_address;
   words[4] = (uint32_t)(dma->record_address >> 32U);
-  device->bus.write_block(device->bus.context, HVP_OFFSET(DMA_LIST_LOW), words, LIST_REGISTERS);
+  const size_t more = prepare_values(device, &words[LIST_REGISTERS]);
+  device->bus.write_block(device->bus.context, HVP_OFFSET(DMA_LIST_LOW), words,
+                          LIST_REGISTERS + more);
   return HVP_OK;
 }
 
@@ -154,7 +187,8 @@ hvp_status hvp_use_dma(struct hvp_device* device, const struct hvp_dma* dma) {
   }
   if (!dma_is_sane(dma)) return HVP_ERROR_ARGUMENT;
   const uint32_t most = hvp_dma_descriptors(device);
-  if (dma->to_board_count > most || dma->to_host_count > most - dma->to_board_count) {
+  if (dma->to_board_count > most || dma->to_host_count > most - dma->to_board_count ||
+      dma->values_count > MOST_VALUES_SEGMENTS) {
     return HVP_ERROR_CAPABILITY;
   }
   const bool used = device->uses_dma;
@@ -170,23 +204,32 @@ hvp_status hvp_use_dma(struct hvp_device* device, const struct hvp_dma* dma) {
   return status;
 }
 
-void hvp_fill_segments(struct hvp_device* device, const int32_t* b) {
-  const size_t n = (size_t)3 * device->nodes;
-  const size_t per_word = hvp_elements_per_word(device, rhs_bits(device));
-  const struct hvp_segment* segment = device->dma.to_board;
-  hand_over_segments(device, HVP_AREA_TO_BOARD, segment, device->bytes_to_board,
-                     HVP_OWNER_PROCESSOR);
+// Packs n elements of `bits` bits, which are `bytes` then, into the segments of an area.
+static void fill(struct hvp_device* device, hvp_area area, const struct hvp_segment* segments,
+                 uint32_t bytes, const int32_t* elements, size_t n, uint32_t bits) {
+  const size_t per_word = hvp_elements_per_word(device, bits);
+  const struct hvp_segment* segment = segments;
+  hand_over_segments(device, area, segments, bytes, HVP_OWNER_PROCESSOR);
   size_t word = 0;
   for (size_t i = 0; i < n; i += per_word) {
     if (word == segment->bytes >> 2U) {
       ++segment;
       word = 0;
     }
-    hvp_store_word(&segment->memory[word], hvp_pack_word(b, n, i, per_word));
+    hvp_store_word(&segment->memory[word], hvp_pack_word(elements, n, i, per_word));
     ++word;
   }
-  hand_over_segments(device, HVP_AREA_TO_BOARD, device->dma.to_board, device->bytes_to_board,
-                     HVP_OWNER_DEVICE);
+  hand_over_segments(device, area, segments, bytes, HVP_OWNER_DEVICE);
+}
+
+void hvp_fill_segments(struct hvp_device* device, const int32_t* b) {
+  fill(device, HVP_AREA_TO_BOARD, device->dma.to_board, device->bytes_to_board, b,
+       (size_t)3 * device->nodes, rhs_bits(device));
+}
+
+void hvp_fill_values(struct hvp_device* device, const int32_t* values) {
+  fill(device, HVP_AREA_VALUES, device->dma.values, device->bytes_of_values, values,
+       (size_t)9 * device->blocks, matrix_bits(device));
 }
 
 void hvp_empty_segments(struct hvp_device* device, int32_t* u) {
@@ -205,6 +248,14 @@ void hvp_empty_segments(struct hvp_device* device, int32_t* u) {
   }
   hand_over_segments(device, HVP_AREA_TO_HOST, device->dma.to_host, device->bytes_to_host,
                      HVP_OWNER_DEVICE);
+}
+
+size_t hvp_dma_values_bytes(const struct hvp_device* device) {
+  if (device == NULL || device->state != STATE_LOADED || !device->uses_dma ||
+      device->minor_version < MINOR_VERSION_OF_FETCHED_VALUES) {
+    return 0U;
+  }
+  return bytes_of_values(device);
 }
 
 void hvp_run_list(struct hvp_device* device) {

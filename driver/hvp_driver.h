@@ -66,6 +66,7 @@ struct hvp_device {
   struct hvp_dma dma;
   uint32_t bytes_to_board;  // of a list for the loaded matrix
   uint32_t bytes_to_host;
+  uint32_t bytes_of_values;  // likewise; 0: they go by blocks
 };
 
 // The choices of struct hvp_solver_config; docs/fixed-point.md defines them.
@@ -189,12 +190,12 @@ hvp_status hvp_end_load(struct hvp_device* device, const struct hvp_load* load);
 // Replaces the entries of the loaded matrix and keeps its pattern, its constrained nodes and U:
 // `values` has nine entries a block, in the order in which hvp_load_matrix() had them, n =
 // 9·blocks. Those in the rows and columns of constrained nodes are not used; hvp_restore_node()
-// brings them. By blocks of writes, also where a DMA engine moves b and U. The board solves with
-// neither matrix until this has ended: after an error the matrix has to be loaded again, after a
-// reset if the error is not the board's. HVP_ERROR_TIMEOUT: the board is busy with them timeout_ns
-// after the last was sent. HVP_ERROR_INTERRUPTED while it takes them: call again; nothing is sent
-// twice. HVP_ERROR_CAPABILITY: the board's register map is older than
-// version 2.3.
+// brings them. With memory for them (`values` of struct hvp_dma) the board's DMA engine fetches
+// them, else they are blocks of writes. The board solves with neither matrix until this has ended:
+// after an error the matrix has to be loaded again, after a reset if the error is not the board's.
+// HVP_ERROR_TIMEOUT: the board is busy with them timeout_ns after the last was sent, or after it
+// was told to fetch them. HVP_ERROR_INTERRUPTED while it takes them: call again; nothing is sent
+// twice. HVP_ERROR_CAPABILITY: the board's register map is older than version 2.3.
 hvp_status hvp_update_values(struct hvp_device* device, const int32_t* values, size_t n,
                              uint64_t timeout_ns);
 
@@ -213,11 +214,16 @@ uint32_t hvp_dma_descriptors(const struct hvp_device* device);
 
 // Lets the board's DMA engine move b and U from now on: hvp_write_rhs() packs b into memory,
 // hvp_start() rings the doorbell, hvp_wait() reads the completion record, hvp_read_solution()
-// unpacks U; all other transfers are unchanged. Keeps a copy of *dma, not of the segments. Null
+// unpacks U, and hvp_update_values() packs entries where there is memory for them; all other
+// transfers are unchanged. Keeps a copy of *dma, not of the segments. Null
 // returns to blocks. It is allowed between jobs only. HVP_ERROR_CAPABILITY: no engine, or not for
 // so many segments. HVP_ERROR_ARGUMENT: an address, or segments too small for the loaded matrix; a
 // matrix that is loaded later and does not fit is refused then.
 hvp_status hvp_use_dma(struct hvp_device* device, const struct hvp_dma* dma);
+
+// The bytes that all entries of the loaded matrix take in `values` of struct hvp_dma; 0 where the
+// board's engine does not fetch them, or no matrix is loaded.
+size_t hvp_dma_values_bytes(const struct hvp_device* device);
 
 // The right-hand side; n = 3·nodes.
 hvp_status hvp_write_rhs(struct hvp_device* device, const int32_t* b, size_t n);

@@ -126,6 +126,7 @@ hvp_status hvp_end_load(struct hvp_device* device, const struct hvp_load* load) 
       have_checked(device, HVP__CONTROL__LOAD_DONE_bm, STATE_CHECKING, HVP_LOAD_TIMEOUT_NS);
   if (status != HVP_OK) return status;
   device->blocks = load->matrix->blocks;
+  device->bytes_of_values = 0U;
   if (device->uses_dma) {
     status = hvp_prepare_list(device);
     if (status != HVP_OK) return status;
@@ -143,25 +144,36 @@ hvp_status hvp_load_matrix(struct hvp_device* device, const struct hvp_matrix* m
   return status == HVP_OK ? hvp_end_load(device, &load) : status;
 }
 
+// By blocks, each of which the bus may have lost.
+static hvp_status write_values(struct hvp_device* device, const int32_t* values, size_t n) {
+  hvp_status status = HVP_OK;
+  for (size_t sent = 0; sent < n && status == HVP_OK;) {
+    sent = hvp_write_burst(device, HVP_OFFSET(VALUE), values, n, sent, matrix_bits(device));
+    status = hvp_bus_errors(device);
+  }
+  if (status != HVP_OK) device->state = STATE_LOST;
+  return status;
+}
+
 hvp_status hvp_update_values(struct hvp_device* device, const int32_t* values, size_t n,
                              uint64_t timeout_ns) {
   if (device == NULL || values == NULL) return HVP_ERROR_ARGUMENT;
+  const bool fetched = device->uses_dma && device->bytes_of_values != 0U;
   if (device->state == STATE_LOADED) {
     if (n != (size_t)9 * device->blocks) return HVP_ERROR_ARGUMENT;
     if (device->minor_version < MINOR_VERSION_OF_VALUES) return HVP_ERROR_CAPABILITY;
     if (!hvp_elements_fit(values, n, matrix_bits(device))) return HVP_ERROR_RANGE;
-    for (size_t sent = 0; sent < n;) {
-      sent = hvp_write_burst(device, HVP_OFFSET(VALUE), values, n, sent, matrix_bits(device));
-      const hvp_status status = hvp_bus_errors(device);
-      if (status == HVP_OK) continue;
-      device->state = STATE_LOST;
-      return status;
+    if (fetched) {
+      hvp_fill_values(device, values);
+    } else {
+      const hvp_status status = write_values(device, values, n);
+      if (status != HVP_OK) return status;
     }
   } else if (device->state != STATE_UPDATING) {
     return HVP_ERROR_STATE;
   }
-  const hvp_status status =
-      have_checked(device, HVP__CONTROL__UPDATE_VALUES_bm, STATE_UPDATING, timeout_ns);
+  const uint32_t command = fetched ? HVP__CONTROL__FETCH_VALUES_bm : HVP__CONTROL__UPDATE_VALUES_bm;
+  const hvp_status status = have_checked(device, command, STATE_UPDATING, timeout_ns);
   if (status == HVP_OK) device->state = STATE_LOADED;
   return status;
 }

@@ -4,6 +4,7 @@
 
 #include "models/time/picoseconds.h"
 #include "vp/host/board_access.h"
+#include "vp/host/board_solver.h"
 #include "vp/host/dma_memory.h"
 #include "vp/host/rendering.h"
 #include "vp/main_stack.h"
@@ -99,13 +100,21 @@ void HostAssembly::watch(BoardAssembly& board) {
 
 namespace {
 
+// What the board's engine needs of the host's memory.
+std::size_t memory_of(const PlatformSettings& settings, const host::FrameComputation& computation) {
+  const Transfer& transfer = settings.transfer;
+  if (transfer.method != Transfer::Method::dma) return 0;
+  return DmaMemory::needed(
+      transfer.engine(), DmaBytes::of(transfer, settings.solver, computation.displacement().size(),
+                                      renewed_entries(computation)));
+}
+
 Workload workload_of(const PlatformSettings& settings, const std::optional<SoftBody>& soft) {
   if (!soft) return {.has_board = false};
   const host::FrameComputation& computation = soft->computation;
   return {.has_board = computation.has_board(),
           .numbers = computation.timing_only() ? Numbers::none : Numbers::fixed,
-          .memory_bytes = DmaMemory::needed(settings.transfer, settings.solver,
-                                            computation.displacement().size()),
+          .memory_bytes = memory_of(settings, computation),
           .vertices = static_cast<std::int64_t>(soft->contacts.surface().surface_nodes().size())};
 }
 

@@ -99,7 +99,7 @@ void require_possible(const Scenario& s, const vp::Fault& fault) {
       s.transfer.notification == link::Notification::polling) {
     refuse("interrupts: expected another transfer.notification than \"polling\"");
   }
-  // The matrix' values are the processor's blocks also where a DMA engine moves b and U.
+  // A DMA engine's fetch of the matrix' values has faults of its own (vp/fpga/dma_values.cpp).
   const bool of_matrix = fault.access == vp::FaultAccess::values;
   const bool blocks = (fault.kind == Kind::corrupted_word && !of_matrix) ||
                       fault.access == vp::FaultAccess::rhs ||

@@ -28,7 +28,7 @@ extern "C" {
 #define HVP__VERSION__MINOR_bm 0xffff
 #define HVP__VERSION__MINOR_bp 0
 #define HVP__VERSION__MINOR_bw 16
-#define HVP__VERSION__MINOR_reset 0x3
+#define HVP__VERSION__MINOR_reset 0x4
 #define HVP__VERSION__MAJOR_bm 0xffff0000
 #define HVP__VERSION__MAJOR_bp 16
 #define HVP__VERSION__MAJOR_bw 16
@@ -115,6 +115,10 @@ extern "C" {
 #define HVP__CONTROL__UPDATE_VALUES_bp 4
 #define HVP__CONTROL__UPDATE_VALUES_bw 1
 #define HVP__CONTROL__UPDATE_VALUES_reset 0x0
+#define HVP__CONTROL__FETCH_VALUES_bm 0x20
+#define HVP__CONTROL__FETCH_VALUES_bp 5
+#define HVP__CONTROL__FETCH_VALUES_bw 1
+#define HVP__CONTROL__FETCH_VALUES_reset 0x0
 #define HVP__CONTROL__RESET_bm 0x80000000
 #define HVP__CONTROL__RESET_bp 31
 #define HVP__CONTROL__RESET_bw 1
@@ -442,6 +446,24 @@ extern "C" {
 #define HVP__DMA_RECORD_HIGH__HIGH_bw 32
 #define HVP__DMA_RECORD_HIGH__HIGH_reset 0x0
 
+// reg - hvp.DMA_VALUES_LOW
+#define HVP__DMA_VALUES_LOW__LOW_bm 0xffffffff
+#define HVP__DMA_VALUES_LOW__LOW_bp 0
+#define HVP__DMA_VALUES_LOW__LOW_bw 32
+#define HVP__DMA_VALUES_LOW__LOW_reset 0x0
+
+// reg - hvp.DMA_VALUES_HIGH
+#define HVP__DMA_VALUES_HIGH__HIGH_bm 0xffffffff
+#define HVP__DMA_VALUES_HIGH__HIGH_bp 0
+#define HVP__DMA_VALUES_HIGH__HIGH_bw 32
+#define HVP__DMA_VALUES_HIGH__HIGH_reset 0x0
+
+// reg - hvp.DMA_VALUES_COUNT
+#define HVP__DMA_VALUES_COUNT__COUNT_bm 0xffff
+#define HVP__DMA_VALUES_COUNT__COUNT_bp 0
+#define HVP__DMA_VALUES_COUNT__COUNT_bw 16
+#define HVP__DMA_VALUES_COUNT__COUNT_reset 0x0
+
 // mem - hvp.ROW
 typedef struct __attribute__ ((__packed__)) {
     uint32_t mem[2304];
@@ -526,7 +548,10 @@ typedef struct __attribute__ ((__packed__)) {
     uint32_t DMA_COUNT;
     uint32_t DMA_RECORD_LOW;
     uint32_t DMA_RECORD_HIGH;
-    uint8_t RESERVED_e4_fff[0xf1c];
+    uint32_t DMA_VALUES_LOW;
+    uint32_t DMA_VALUES_HIGH;
+    uint32_t DMA_VALUES_COUNT;
+    uint8_t RESERVED_f0_fff[0xf10];
     hvp__ROW_t ROW;
     uint8_t RESERVED_3400_1ffff[0x1cc00];
     hvp__B_t B;
@@ -547,15 +572,15 @@ static_assert(sizeof(hvp_t) == 0x1b40000, "Packing error");
 enum hvp_error_code {
     HVP_ERROR_CODE_NONE = 0, // No error is pending.
     HVP_ERROR_CODE_BAD_SIZE = 1, // load_done: NODES or BLOCKS is zero or beyond the board's capability. Detail: the value.
-    HVP_ERROR_CODE_BAD_MATRIX = 2, // load_done: ROW_BEGIN does not run from 0 to BLOCKS without decreasing, a row has more blocks than CAPABILITY_NODES.max_row_blocks, columns do not ascend or are not below NODES, a diagonal block is missing, a block has no partner at its transpose's place, or an entry is beyond ±(2^(FORMAT.matrix_bits - 1) - 1); update_values: the last alone. Detail: the block row.
-    HVP_ERROR_CODE_BAD_SETTING = 3, // start, run_list, load_done, update_values or update_node: a setting is out of the board's range; run_list on a board without an engine blames CAPABILITY_DMA. Detail: the register's offset; ERROR.place: the field's lowest bit.
-    HVP_ERROR_CODE_NOT_LOADED = 4, // start, run_list or update_node without a loaded matrix, update_values without a loaded pattern.
+    HVP_ERROR_CODE_BAD_MATRIX = 2, // load_done: ROW_BEGIN does not run from 0 to BLOCKS without decreasing, a row has more blocks than CAPABILITY_NODES.max_row_blocks, columns do not ascend or are not below NODES, a diagonal block is missing, a block has no partner at its transpose's place, or an entry is beyond ±(2^(FORMAT.matrix_bits - 1) - 1); update_values and fetch_values: the last alone. Detail: the block row.
+    HVP_ERROR_CODE_BAD_SETTING = 3, // start, run_list, load_done, update_values, fetch_values or update_node: a setting is out of the board's range; run_list and fetch_values on a board without an engine blame CAPABILITY_DMA. Detail: the register's offset; ERROR.place: the field's lowest bit.
+    HVP_ERROR_CODE_NOT_LOADED = 4, // start, run_list or update_node without a loaded matrix, update_values or fetch_values without a loaded pattern.
     HVP_ERROR_CODE_BAD_NODE = 5, // update_node: UPDATE_NODE is not below NODES. Detail: the node.
     HVP_ERROR_CODE_BAD_ROW = 6, // update_node: UPDATE_BLOCKS differs from the number of blocks in the row. Detail: the row's own number.
     HVP_ERROR_CODE_ILLEGAL_ACCESS = 7, // An access that the map does not allow was refused. Detail: its offset.
     HVP_ERROR_CODE_INTERNAL_FAULT = 8, // The solver stopped on a fault of its own.
-    HVP_ERROR_CODE_BAD_DESCRIPTOR = 9, // run_list: a descriptor is not what DMA_LIST_LOW describes. Detail: its place in the list, from 0.
-    HVP_ERROR_CODE_DMA_FAILED = 10, // run_list: the host's memory did not answer the engine. On PCI Express its writes are posted, and it hears of its reads alone. Detail: the descriptor's place in the list; 0xfffffffe: the list itself; 0xffffffff: the completion record, which is not written then.
+    HVP_ERROR_CODE_BAD_DESCRIPTOR = 9, // run_list: a descriptor is not what DMA_LIST_LOW describes; fetch_values: not what DMA_VALUES_LOW does. Detail: its place in the list, from 0.
+    HVP_ERROR_CODE_DMA_FAILED = 10, // run_list or fetch_values: the host's memory did not answer the engine, or a word of VALUE arrived damaged. On PCI Express its writes are posted, and it hears of its reads alone. Detail: the descriptor's place in the list; 0xfffffffe: the list itself; 0xffffffff: the completion record, which is not written then.
 };
 
 // enumeration - solver_method
@@ -590,7 +615,7 @@ enum hvp_overflow_mode {
 enum hvp_start_mode {
     HVP_START_MODE_ZERO = 0, // Start from U = 0.
     HVP_START_MODE_WARM = 1, // Start from what the U memory holds: the last solution, or what the host wrote.
-    HVP_START_MODE_EXTRAPOLATED = 2, // Start from 2·U - (the U of the job before), saturating. From U alone where the job before had another mode, where the host has written to U since, and after load_done and update_values.
+    HVP_START_MODE_EXTRAPOLATED = 2, // Start from 2·U - (the U of the job before), saturating. From U alone where the job before had another mode, where the host has written to U since, and after load_done, update_values and fetch_values.
 };
 
 // enumeration - packing_mode

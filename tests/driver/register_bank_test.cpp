@@ -41,7 +41,7 @@ class Bank : public ::testing::Test {
 
 TEST_F(Bank, StartsAtTheResetValuesAndItsOwnCapacity) {
   ASSERT_TRUE(read(offset(Register::id), 4).ok());
-  EXPECT_EQ(got, (std::vector<std::uint32_t>{0x48565031, 0x00020003, 4U << 16 | 10U, 30}));
+  EXPECT_EQ(got, (std::vector<std::uint32_t>{0x48565031, 0x00020004, 4U << 16 | 10U, 30}));
   ASSERT_TRUE(read(offset(Register::iterations)).ok());
   EXPECT_EQ(got[0], 60U);
 }
@@ -118,8 +118,9 @@ TEST_F(Bank, BusyLocksSettingsMemoriesAndCommandsButNotTheWayOut) {
   EXPECT_EQ(write(offset(Register::update_node), {0}).access, Access::busy);
   EXPECT_EQ(write(offset(Aperture::b), {1}).access, Access::busy);
   EXPECT_EQ(read(offset(Aperture::u)).access, Access::busy);
-  for (const auto command : {field::kControlStart, field::kControlUpdateNode,
-                             field::kControlLoadDone, field::kControlUpdateValues}) {
+  for (const auto command :
+       {field::kControlStart, field::kControlUpdateNode, field::kControlLoadDone,
+        field::kControlUpdateValues, field::kControlFetchValues}) {
     EXPECT_EQ(write(offset(Register::control), {command.mask()}).access, Access::busy);
   }
   EXPECT_TRUE(write(offset(Register::control), {field::kControlReset.mask()}).ok());

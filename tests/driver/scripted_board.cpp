@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <span>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -64,6 +65,7 @@ void ScriptedBoard::control(std::uint32_t written) {
   if ((written & field::kControlReset.mask()) != 0) {
     running_ = Running::nothing;
     list_ = false;
+    fetches_ = false;
     bank_.reset();
     return;
   }
@@ -73,6 +75,11 @@ void ScriptedBoard::control(std::uint32_t written) {
     begin(Running::load, load_ns);
   } else if ((written & field::kControlUpdateValues.mask()) != 0) {
     if (bank_.get(field::kStatusPatternLoaded) == 0) return raise(ErrorCode::not_loaded, 0);
+    begin(Running::update, load_ns);
+  } else if ((written & field::kControlFetchValues.mask()) != 0) {
+    if (bank_.get(field::kStatusPatternLoaded) == 0) return raise(ErrorCode::not_loaded, 0);
+    bank_.set(field::kStatusMatrixLoaded, 0);
+    fetches_ = true;
     begin(Running::update, load_ns);
   } else if ((written & (field::kControlStart.mask() | field::kControlRunList.mask())) != 0) {
     if (!loaded) return raise(ErrorCode::not_loaded, 0);
@@ -100,6 +107,7 @@ void ScriptedBoard::end() {
   running_ = Running::nothing;
   bank_.set(field::kStatusBusy, 0);
   if (list_) bring_b();
+  if (std::exchange(fetches_, false)) bring_values();
   if (end_with != ErrorCode::none) {
     raise(end_with, 0x1234);
     if (list_) take_out_u();
@@ -179,13 +187,27 @@ void ScriptedBoard::bring_b() {
   to_board_ = 0;
   for (std::uint32_t i = 0; i < bank_.get(field::kDmaCountToBoard); ++i) {
     const Descriptor d = descriptor(list, i);
-    const std::size_t to =
-        (d.offset - vp::kApertures[static_cast<std::size_t>(Aperture::b)].offset) / 4;
-    for (std::size_t k = 0; k < d.bytes / 4; ++k) {
-      bank_.memory(Aperture::b)[to + k] = fetched(d.word + k);
-    }
+    bring(Aperture::b, d);
     to_board_ += d.bytes;
   }
+}
+
+void ScriptedBoard::bring(Aperture aperture, const Descriptor& d) {
+  const std::size_t to = (d.offset - vp::kApertures[static_cast<std::size_t>(aperture)].offset) / 4;
+  for (std::size_t k = 0; k < d.bytes / 4; ++k) {
+    bank_.memory(aperture)[to + k] = fetched(d.word + k);
+  }
+}
+
+void ScriptedBoard::bring_values() {
+  const std::size_t list =
+      memory_word(bank_.get(Register::dma_values_low), bank_.get(Register::dma_values_high));
+  const std::uint32_t count = bank_.get(field::kDmaValuesCountCount);
+  if (list >= memory_.size() || 8 * std::size_t{count} > memory_.size() - list) {
+    raise(ErrorCode::dma_failed, 0xfffffffe);
+    return;
+  }
+  for (std::uint32_t i = 0; i < count; ++i) bring(Aperture::value, descriptor(list, i));
 }
 
 void ScriptedBoard::take_out_u() {

@@ -73,6 +73,8 @@ class ScriptedBoard {
   bool unreachable() const;
   Descriptor descriptor(std::size_t list, std::uint32_t i) const;
   void bring_b();
+  void bring(vp::Aperture aperture, const Descriptor& descriptor);
+  void bring_values();
   void take_out_u();
   void deliver();
   void place(std::size_t word, std::uint32_t value);
@@ -95,6 +97,7 @@ class ScriptedBoard {
   std::vector<Posted> posted_;
   std::uint64_t deliver_at_ = 0;
   bool list_ = false;
+  bool fetches_ = false;
   std::uint32_t to_board_ = 0;
   std::uint32_t to_host_ = 0;
   Running running_ = Running::nothing;

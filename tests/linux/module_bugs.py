@@ -110,9 +110,9 @@ BUGS = (
         (
             Change(
                 CORE.format("hvp_dma.c"),
-                "  device->bus.write_block(device->bus.context, HVP_OFFSET(DMA_LIST_LOW), words, "
-                "LIST_REGISTERS);\n",
-                "  (void)words;\n",
+                "  device->bus.write_block(device->bus.context, HVP_OFFSET(DMA_LIST_LOW), words,\n"
+                "                          LIST_REGISTERS + more);\n",
+                "  (void)words;\n  (void)more;\n",
             ),
         ),
         "list-not-set",

@@ -39,8 +39,9 @@ class Driven {
  public:
   explicit Driven(const std::function<void(PlatformSettings&)>& change = {}) {
     if (change) change(scene.settings);
-    const std::size_t memory =
-        DmaMemory::needed(scene.settings.transfer, scene.settings.solver, kUnknowns);
+    const std::size_t memory = DmaMemory::needed(
+        scene.settings.transfer.engine(),
+        DmaBytes::of(scene.settings.transfer, scene.settings.solver, kUnknowns, 0));
     side.emplace(scene.settings, Workload{.memory_bytes = memory}, session, ledger);
     const Transfer& transfer = scene.settings.transfer;
     access.emplace("access", transfer.notification == link::Notification::msi);
@@ -78,8 +79,7 @@ class Driven {
     const Transfer& transfer = scene.settings.transfer;
     if (transfer.method == Transfer::Method::dma) {
       segments.emplace(*side->board()->memory(), transfer.engine(),
-                       transfer.rhs_bytes(scene.settings.solver, kUnknowns),
-                       transfer.solution_bytes(scene.settings.solver, kUnknowns));
+                       DmaBytes::of(transfer, scene.settings.solver, kUnknowns, 0));
       ASSERT_EQ(hvp_use_dma(&device, &segments->dma()), HVP_OK);
     }
     const hvp_solver_config config = driver_config(scene.settings.solver);

@@ -327,8 +327,8 @@ TEST(TransferSettings, TooManySegmentsAreRefused) {
   HostMemory memory("memory", 1 << 20);
   link::DmaEngine engine;
   engine.segment_bytes = 64;
-  EXPECT_NO_THROW(DmaMemory(memory, engine, 128 * 64, 128 * 64));
-  EXPECT_THROW(DmaMemory(memory, engine, 128 * 64, 128 * 64 + 4), InputError);
+  EXPECT_NO_THROW(DmaMemory(memory, engine, {128 * 64, 128 * 64}));
+  EXPECT_THROW(DmaMemory(memory, engine, {128 * 64, 128 * 64 + 4}), InputError);
 }
 
 }  // namespace

@@ -93,7 +93,8 @@ FaultPlan& BoardAssembly::plan_faults() {
   accelerator_.inject(*faults_,
                       [this](tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay) {
                         wire_->b_transport(transaction, delay);
-                      });
+                      },
+                      settings_.bus.pcie ? &*settings_.bus.pcie : nullptr);
   line_->lose(*faults_);
   return *faults_;
 }

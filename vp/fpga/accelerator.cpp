@@ -85,10 +85,10 @@ Accelerator::Accelerator(const sc_core::sc_module_name& name,
   if (const sc_core::sc_event* ended = timing_->ended()) sensitive << *ended;
 }
 
-void Accelerator::inject(FaultPlan& plan, Transport wire) {
+void Accelerator::inject(FaultPlan& plan, Transport wire, const link::Pcie* link) {
   faults_ = &plan;
   wire_ = std::move(wire);
-  if (dma_ != nullptr) dma_->inject(plan);
+  if (dma_ != nullptr) dma_->inject(plan, link);
 }
 
 void Accelerator::require_supported(Timing level, const fixed::Settings& settings) {
@@ -167,6 +167,8 @@ void Accelerator::control(std::uint32_t commands) {
     run_list();
   } else if (given(field::kControlLoadDone)) {
     load_done();
+  } else if (given(field::kControlFetchValues)) {
+    fetch_values();
   } else if (given(field::kControlUpdateValues)) {
     update_values();
   } else if (given(field::kControlUpdateNode)) {
@@ -260,21 +262,31 @@ void Accelerator::load_done() {
   end_after(timing_->start_load(settings.method));
 }
 
-// Structure, contact and U stay. A solver takes the words in place, so that nothing is allocated in
-// the servo loop; P⁻¹ takes what it takes at the end of a load.
-void Accelerator::update_values() {
+bool Accelerator::may_renew(fixed::Settings& settings) {
   if (bank_.get(field::kStatusPatternLoaded) == 0) {
     raise({ErrorCode::not_loaded, 0});
-    return;
+    return false;
   }
+  if (const BoardError error = read_settings(bank_, settings); error.code != ErrorCode::none) {
+    raise(error);
+    return false;
+  }
+  return supported(settings);
+}
+
+void Accelerator::update_values() {
   fixed::Settings settings;
-  BoardError error = read_settings(bank_, settings);
-  if (error.code == ErrorCode::none) error = read_values(bank_, matrix_);
-  if (error.code != ErrorCode::none) {
+  if (!may_renew(settings)) return;
+  if (const BoardError error = read_values(bank_, matrix_); error.code != ErrorCode::none) {
     raise(error);
     return;
   }
-  if (!supported(settings)) return;
+  renew(settings, *commanding_tag_);
+}
+
+// Structure, contact and U stay. A solver takes the words in place, so that nothing is allocated in
+// the servo loop; P⁻¹ takes what it takes at the end of a load.
+void Accelerator::renew(const fixed::Settings& settings, const Tag& tag) {
   for (int node = 0; node < matrix_.block_rows(); ++node) {
     if (matrix_.is_contact[static_cast<std::size_t>(node)] != 0) {
       write_back_node(matrix_, node, bank_);
@@ -284,7 +296,7 @@ void Accelerator::update_values() {
   if (solver_ != nullptr) solver_->load(matrix_);
   has_previous_u_ = false;
   give_x();
-  begin(Running::update, *commanding_tag_);
+  begin(Running::update, tag);
   end_after(timing_->start_load(settings.method));
 }
 

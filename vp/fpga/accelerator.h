@@ -72,9 +72,9 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   // Returns to the state after power-on without a request by software.
   void power_on();
   // Makes the board's own faults happen as planned, and lets what comes from the bus pass `wire`,
-  // from now on. Keeps a reference to the plan.
+  // from now on. `link` is the board's; null on PCI. Keeps a reference to the plan.
   using Transport = std::function<void(tlm::tlm_generic_payload&, sc_core::sc_time&)>;
-  void inject(FaultPlan& plan, Transport wire);
+  void inject(FaultPlan& plan, Transport wire, const link::Pcie* link);
   // The end of that wire at the board.
   Transport behind();
 
@@ -109,9 +109,13 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   void solve_listed(const Tag& tag) override;
   CompletionRecord completion(const BoardError& error, const ListBytes& moved) const override;
   void list_ended(const BoardError& error, bool whole, const Tag& tag) override;
+  void values_fetched(const BoardError& error, const Tag& tag) override;
   void forget_matrix();
   void load_done();
+  bool may_renew(fixed::Settings& settings);
   void update_values();
+  void fetch_values();
+  void renew(const fixed::Settings& settings, const Tag& tag);
   void update_node();
   void reset();
   void finish();

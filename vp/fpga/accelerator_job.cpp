@@ -114,6 +114,38 @@ void Accelerator::run_list() {
   dma_->ring(job_tag_);
 }
 
+// From here to the end there is no matrix, so that nobody solves with half of one.
+void Accelerator::fetch_values() {
+  if (bank_.get(field::kCapabilityDmaMaxDescriptors) == 0) {
+    raise(bad_setting(field::kCapabilityDmaMaxDescriptors));
+    return;
+  }
+  if (bank_.get(Register::dma_values_low) % kDescriptorBytes != 0) {
+    raise(bad_setting(field::kDmaValuesLowLow));
+    return;
+  }
+  fixed::Settings settings;
+  if (!may_renew(settings)) return;
+  bank_.set(field::kStatusMatrixLoaded, 0);
+  bank_.set(field::kStatusBusy, 1);
+  job_tag_ = *commanding_tag_;
+  dma_->fetch_values(job_tag_);
+}
+
+void Accelerator::values_fetched(const BoardError& error, const Tag& tag) {
+  job_tag_ = tag;
+  BoardError found = error;
+  if (found.code == ErrorCode::none) found = read_values(bank_, matrix_);
+  if (found.code != ErrorCode::none) {
+    end_job(found);
+    return;
+  }
+  // The settings have been checked, and are locked since.
+  fixed::Settings settings;
+  read_settings(bank_, settings);
+  renew(settings, tag);
+}
+
 void Accelerator::solve_listed(const Tag& tag) {
   compute();
   begin_solve(tag);

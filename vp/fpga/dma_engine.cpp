@@ -47,6 +47,7 @@ DmaEngine::~DmaEngine() { payload_.clear_extension(&extension_); }
 void DmaEngine::ring(const Tag& tag) {
   hold(rung_tag_, tag);
   rung_ = true;
+  rung_for_values_ = false;
   rung_at_ = now_ps();
   work_.notify(sc_core::SC_ZERO_TIME);
 }
@@ -93,7 +94,7 @@ void DmaEngine::run() {
       post_message();
     } else if (rung_) {
       rung_ = false;
-      run_list();
+      rung_for_values_ ? run_values() : run_list();
     } else {
       wait(work_);
     }
@@ -124,7 +125,9 @@ void DmaEngine::run_list() {
   solved_ = false;
   let_latency_pass(rung_at_);
   BoardError error;
-  if (!given_up() && settings_.dma->prefetches_descriptors) error = fetch(0, to_board + to_host);
+  if (!given_up() && settings_.dma->prefetches_descriptors) {
+    error = fetch(list_address(), 0, to_board + to_host);
+  }
   if (!given_up() && error.code == ErrorCode::none) error = move(Way::to_board, 0, to_board);
   if (!given_up() && error.code == ErrorCode::none) {
     owner_.solve_listed(tag_);
@@ -181,12 +184,16 @@ std::uint32_t DmaEngine::missing(std::uint32_t bytes) {
   return fault == nullptr ? 0 : std::min(bytes, static_cast<std::uint32_t>(fault->bytes));
 }
 
-BoardError DmaEngine::fetch(std::uint32_t first, std::uint32_t count) {
+std::uint64_t DmaEngine::list_address() const {
+  return address_of(bank_.get(Register::dma_list_low), bank_.get(Register::dma_list_high));
+}
+
+// Of a list, `count` descriptors from `first` on.
+BoardError DmaEngine::fetch(std::uint64_t list, std::uint32_t first, std::uint32_t count) {
   if (count == 0) return {};
-  const std::uint64_t list =
-      address_of(bank_.get(Register::dma_list_low), bank_.get(Register::dma_list_high));
   const std::span<std::uint32_t> words =
-      std::span(descriptors_).subspan(first * kDescriptorWords, count * kDescriptorWords);
+      std::span(descriptors_)
+          .subspan(first % kMaxDescriptors * kDescriptorWords, count * kDescriptorWords);
   const bool there =
       transport(MasterPurpose::descriptors, list + std::uint64_t{first} * kDescriptorBytes,
                 bytes_of(words), tag_, Phase::descriptor);
@@ -198,7 +205,7 @@ BoardError DmaEngine::move(Way way, std::uint32_t first, std::uint32_t count) {
   const std::uint64_t generation = generation_;
   for (std::uint32_t place = first; place < first + count; ++place) {
     if (!settings_.dma->prefetches_descriptors) {
-      const BoardError error = fetch(place, 1);
+      const BoardError error = fetch(list_address(), place, 1);
       if (error.code != ErrorCode::none || generation != generation_) return error;
     }
     const std::optional<Descriptor> descriptor = parse(way, place);
@@ -210,20 +217,35 @@ BoardError DmaEngine::move(Way way, std::uint32_t first, std::uint32_t count) {
   return {};
 }
 
+Aperture DmaEngine::aperture_of(Way way) {
+  switch (way) {
+    case Way::to_board:
+      return Aperture::b;
+    case Way::to_host:
+      return Aperture::u;
+    case Way::values:
+      break;
+  }
+  return Aperture::value;
+}
+
+std::uint8_t* DmaEngine::on_board(Way way, std::uint32_t offset) {
+  const Aperture aperture = aperture_of(way);
+  return reinterpret_cast<std::uint8_t*>(bank_.memory(aperture).data()) +
+         (offset - kApertures[static_cast<std::size_t>(aperture)].offset);
+}
+
 bool DmaEngine::move_segment(Way way, const Descriptor& d) {
   const std::uint64_t generation = generation_;
   const std::span<std::uint8_t> data = std::span(segment_).first(d.bytes);
-  const Aperture aperture = way == Way::to_board ? Aperture::b : Aperture::u;
-  const std::span<std::uint32_t> words = bank_.memory(aperture);
-  std::uint8_t* const on_board = reinterpret_cast<std::uint8_t*>(words.data()) +
-                                 (d.offset - kApertures[static_cast<std::size_t>(aperture)].offset);
+  std::uint8_t* const words = on_board(way, d.offset);
   if (way == Way::to_board) {
     if (!transport(MasterPurpose::b, d.address, data, tag_)) return false;
     if (generation != generation_) return false;
-    std::memcpy(on_board, data.data(), data.size());
+    std::memcpy(words, data.data(), data.size());
     moved_.to_board += d.bytes;
   } else {
-    std::memcpy(data.data(), on_board, data.size());
+    std::memcpy(data.data(), words, data.size());
     const std::uint32_t sent = d.bytes - missing(d.bytes);
     whole_ = whole_ && sent == d.bytes;
     if (sent > 0 && !transport(MasterPurpose::u, d.address, data.first(sent), tag_)) {
@@ -236,14 +258,14 @@ bool DmaEngine::move_segment(Way way, const Descriptor& d) {
 
 std::optional<DmaEngine::Descriptor> DmaEngine::parse(Way way, std::uint32_t place) const {
   const std::span<const std::uint32_t> words =
-      std::span(descriptors_).subspan(place * kDescriptorWords, kDescriptorWords);
+      std::span(descriptors_).subspan(place % kMaxDescriptors * kDescriptorWords, kDescriptorWords);
   const Descriptor d{words[1], address_of(words[2], words[3]), words[4]};
   const bool reserved = words[0] != (way == Way::to_host ? kToHost : 0) || words[5] != 0 ||
                         words[6] != 0 || words[7] != 0;
   const bool aligned = d.bytes % 4 == 0 && d.address % 4 == 0 && d.offset % 4 == 0;
   const bool wraps = d.address + d.bytes < d.address;
   if (reserved || !aligned || d.bytes == 0 || wraps) return std::nullopt;
-  const Aperture aperture = way == Way::to_board ? Aperture::b : Aperture::u;
+  const Aperture aperture = aperture_of(way);
   const std::uint32_t base = kApertures[static_cast<std::size_t>(aperture)].offset;
   const std::uint64_t size = 4 * std::uint64_t{bank_.memory(aperture).size()};
   if (d.offset < base || d.offset - base > size || d.bytes > size - (d.offset - base)) {
@@ -262,7 +284,8 @@ bool DmaEngine::write_record(const BoardError& error) {
 bool DmaEngine::transport(MasterPurpose purpose, std::uint64_t address,
                           std::span<std::uint8_t> data, Tag& tag, std::optional<Phase> phase) {
   if (to_memory.size() == 0) return false;
-  const bool read = purpose == MasterPurpose::descriptors || purpose == MasterPurpose::b;
+  const bool read = purpose == MasterPurpose::descriptors || purpose == MasterPurpose::b ||
+                    purpose == MasterPurpose::values;
   const Picoseconds began = now_ps();
   const std::int64_t frame = tag.frame;
   for (MasterObserver* const observer : observers_) {
@@ -298,6 +321,8 @@ const char* name(MasterPurpose purpose) {
       return "record";
     case MasterPurpose::message:
       return "message";
+    case MasterPurpose::values:
+      return "values";
   }
   return "";
 }

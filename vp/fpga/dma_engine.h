@@ -49,12 +49,15 @@ class ListOwner {
   // The list has ended and its record is written, or could not be written. It is whole if it moved
   // as many bytes as its descriptors say.
   virtual void list_ended(const BoardError& error, bool whole, const Tag& tag) = 0;
+  // VALUE has been brought whole, or not.
+  virtual void values_fetched(const BoardError& error, const Tag& tag) = 0;
 };
 
 // The board's bus master: works through a list of descriptors (CONTROL.run_list in
-// docs/registers.md) and sends interrupts as messages. It is one process with one transaction at a
-// time; every request goes out through to_memory with the job's tag, so that a frame's critical
-// path runs through it. It exists only if a scenario asks for one of the two.
+// docs/registers.md), or of those that bring VALUE, and sends interrupts as messages. It is one
+// process with one transaction at a time; every request goes out through to_memory with the job's
+// tag, so that a frame's critical path runs through it. It exists only if a scenario asks for one
+// of the two.
 class DmaEngine : public sc_core::sc_module {
  public:
   // The largest number of descriptors in a list: 32 bytes each, 8 KiB of the board's memory.
@@ -70,8 +73,11 @@ class DmaEngine : public sc_core::sc_module {
 
   // Reports every transaction at its begin and at its end, from now on.
   void observe(MasterObserver& observer) { observers_.push_back(&observer); }
-  // Makes the engine's faults happen as planned, from now on.
-  void inject(FaultPlan& plan) { faults_ = &plan; }
+  // Makes the engine's faults happen as planned, from now on. `link` is the board's; null on PCI.
+  void inject(FaultPlan& plan, const link::Pcie* link) {
+    faults_ = &plan;
+    link_ = link;
+  }
 
   bool has_lists() const { return settings_.dma.has_value(); }
   bool sends_messages() const { return settings_.messages; }
@@ -79,6 +85,8 @@ class DmaEngine : public sc_core::sc_module {
   // The doorbell, when the registers DMA_* are set. The frame is kept open until the list has
   // ended.
   void ring(const Tag& tag);
+  // Likewise, when the registers DMA_VALUES_* are set.
+  void fetch_values(const Tag& tag);
   // The solve has ended, and its span is the tag's newest.
   void solved(const Tag& tag, const BoardError& error);
   // Sends an interrupt as soon as the current transaction has ended.
@@ -95,16 +103,24 @@ class DmaEngine : public sc_core::sc_module {
     std::uint64_t address;
     std::uint32_t offset;
   };
-  enum class Way { to_board, to_host };
+  enum class Way { to_board, to_host, values };
 
   void run();
   void run_list();
+  void run_values();
   void post_message();
   void be_late();
   std::uint32_t missing(std::uint32_t bytes);
   void let_latency_pass(Picoseconds since);
-  BoardError fetch(std::uint32_t first, std::uint32_t count);
+  std::uint64_t list_address() const;
+  BoardError fetch(std::uint64_t list, std::uint32_t first, std::uint32_t count);
   BoardError move(Way way, std::uint32_t first, std::uint32_t count);
+  BoardError move_values(std::uint32_t count);
+  bool move_values_segment(const Descriptor& descriptor);
+  bool survive_faults(std::span<std::uint8_t> data);
+  void come_again(const Fault& fault, std::size_t bytes);
+  static Aperture aperture_of(Way way);
+  std::uint8_t* on_board(Way way, std::uint32_t offset);
   bool move_segment(Way way, const Descriptor& descriptor);
   std::optional<Descriptor> parse(Way way, std::uint32_t place) const;
   bool write_record(const BoardError& error);
@@ -119,10 +135,12 @@ class DmaEngine : public sc_core::sc_module {
   ListOwner& owner_;
   Ledger& ledger_;
   FaultPlan* faults_ = nullptr;
+  const link::Pcie* link_ = nullptr;
   std::vector<MasterObserver*> observers_;
 
   sc_core::sc_event work_;
   bool rung_ = false;
+  bool rung_for_values_ = false;
   bool solved_ = false;
   bool message_ = false;
   std::uint64_t generation_ = 0;  // number of aborts
@@ -140,8 +158,8 @@ class DmaEngine : public sc_core::sc_module {
 
   tlm::tlm_generic_payload payload_;
   FrameTag extension_;
-  std::vector<std::uint32_t> descriptors_;  // the current list's, by index
-  std::vector<std::uint8_t> segment_;       // as long as the longest of B or U
+  std::vector<std::uint32_t> descriptors_;  // the current list's, by index; of values, by turns
+  std::vector<std::uint8_t> segment_;       // as long as the longest of B or U, or of values
 };
 
 }  // namespace hvp::vp

@@ -8,7 +8,7 @@
 namespace hvp::vp {
 
 // What the board's own transactions are for.
-enum class MasterPurpose { descriptors, b, u, record, message };
+enum class MasterPurpose { descriptors, b, u, record, message, values };
 const char* name(MasterPurpose purpose);
 
 // A transaction of the board's own, as its engine sees it.

@@ -58,6 +58,9 @@ enum class Register : std::uint8_t {
   dma_count,  // DMA: descriptors
   dma_record_low,  // DMA: completion record, low half
   dma_record_high,  // DMA: completion record, high half
+  dma_values_low,  // DMA: list of values, low half
+  dma_values_high,  // DMA: list of values, high half
+  dma_values_count,  // DMA: descriptors of values
 };
 
 enum class Aperture : std::uint8_t {
@@ -105,19 +108,19 @@ struct Field {
 
 inline constexpr std::uint32_t kBarBytes = 0x02000000;
 // Registers lie below this offset, memories above.
-inline constexpr std::uint32_t kRegisterBytes = 0x000000e4;
+inline constexpr std::uint32_t kRegisterBytes = 0x000000f0;
 
 // In the order of Register; offsets ascend.
-inline constexpr std::array<RegisterInfo, 48> kRegisters = {{
+inline constexpr std::array<RegisterInfo, 51> kRegisters = {{
     {"ID", 0x00000000, 0x48565031, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
-    {"VERSION", 0x00000004, 0x00020003, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
+    {"VERSION", 0x00000004, 0x00020004, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_NODES", 0x00000008, 0x01002000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_BLOCKS", 0x0000000c, 0x00050000, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_FORMAT", 0x00000010, 0x18202018, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_CLOCK", 0x00000014, 0x000186a0, 0xffffffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_SOLVER", 0x00000018, 0x8000071f, 0xff000fff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"CAPABILITY_DMA", 0x0000001c, 0x00000000, 0x0000ffff, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
-    {"CONTROL", 0x00000020, 0x00000000, 0x00000000, 0x8000001f, 0x00000000, 0x8000001f, 0x0000001f},
+    {"CONTROL", 0x00000020, 0x00000000, 0x00000000, 0x8000003f, 0x00000000, 0x8000003f, 0x0000003f},
     {"STATUS", 0x00000024, 0x00000000, 0xffffff1f, 0x00000000, 0x00000000, 0x00000000, 0x00000000},
     {"INTERRUPT_STATUS", 0x00000028, 0x00000000, 0x00000003, 0x00000003, 0x00000003, 0x00000000, 0x00000000},
     {"INTERRUPT_ENABLE", 0x0000002c, 0x00000000, 0x00000003, 0x00000003, 0x00000000, 0x00000000, 0x00000000},
@@ -157,6 +160,9 @@ inline constexpr std::array<RegisterInfo, 48> kRegisters = {{
     {"DMA_COUNT", 0x000000d8, 0x00000000, 0xffffffff, 0xffffffff, 0x00000000, 0x00000000, 0xffffffff},
     {"DMA_RECORD_LOW", 0x000000dc, 0x00000000, 0xffffffff, 0xffffffff, 0x00000000, 0x00000000, 0xffffffff},
     {"DMA_RECORD_HIGH", 0x000000e0, 0x00000000, 0xffffffff, 0xffffffff, 0x00000000, 0x00000000, 0xffffffff},
+    {"DMA_VALUES_LOW", 0x000000e4, 0x00000000, 0xffffffff, 0xffffffff, 0x00000000, 0x00000000, 0xffffffff},
+    {"DMA_VALUES_HIGH", 0x000000e8, 0x00000000, 0xffffffff, 0xffffffff, 0x00000000, 0x00000000, 0xffffffff},
+    {"DMA_VALUES_COUNT", 0x000000ec, 0x00000000, 0x0000ffff, 0x0000ffff, 0x00000000, 0x00000000, 0x0000ffff},
 }};
 
 // In the order of Aperture; offsets ascend.
@@ -172,15 +178,15 @@ inline constexpr std::array<ApertureInfo, 6> kApertures = {{
 enum class ErrorCode : std::uint32_t {
   none = 0,  // No error is pending.
   bad_size = 1,  // load_done: NODES or BLOCKS is zero or beyond the board's capability. Detail: the value.
-  bad_matrix = 2,  // load_done: ROW_BEGIN does not run from 0 to BLOCKS without decreasing, a row has more blocks than CAPABILITY_NODES.max_row_blocks, columns do not ascend or are not below NODES, a diagonal block is missing, a block has no partner at its transpose's place, or an entry is beyond ±(2^(FORMAT.matrix_bits - 1) - 1); update_values: the last alone. Detail: the block row.
-  bad_setting = 3,  // start, run_list, load_done, update_values or update_node: a setting is out of the board's range; run_list on a board without an engine blames CAPABILITY_DMA. Detail: the register's offset; ERROR.place: the field's lowest bit.
-  not_loaded = 4,  // start, run_list or update_node without a loaded matrix, update_values without a loaded pattern.
+  bad_matrix = 2,  // load_done: ROW_BEGIN does not run from 0 to BLOCKS without decreasing, a row has more blocks than CAPABILITY_NODES.max_row_blocks, columns do not ascend or are not below NODES, a diagonal block is missing, a block has no partner at its transpose's place, or an entry is beyond ±(2^(FORMAT.matrix_bits - 1) - 1); update_values and fetch_values: the last alone. Detail: the block row.
+  bad_setting = 3,  // start, run_list, load_done, update_values, fetch_values or update_node: a setting is out of the board's range; run_list and fetch_values on a board without an engine blame CAPABILITY_DMA. Detail: the register's offset; ERROR.place: the field's lowest bit.
+  not_loaded = 4,  // start, run_list or update_node without a loaded matrix, update_values or fetch_values without a loaded pattern.
   bad_node = 5,  // update_node: UPDATE_NODE is not below NODES. Detail: the node.
   bad_row = 6,  // update_node: UPDATE_BLOCKS differs from the number of blocks in the row. Detail: the row's own number.
   illegal_access = 7,  // An access that the map does not allow was refused. Detail: its offset.
   internal_fault = 8,  // The solver stopped on a fault of its own.
-  bad_descriptor = 9,  // run_list: a descriptor is not what DMA_LIST_LOW describes. Detail: its place in the list, from 0.
-  dma_failed = 10,  // run_list: the host's memory did not answer the engine. On PCI Express its writes are posted, and it hears of its reads alone. Detail: the descriptor's place in the list; 0xfffffffe: the list itself; 0xffffffff: the completion record, which is not written then.
+  bad_descriptor = 9,  // run_list: a descriptor is not what DMA_LIST_LOW describes; fetch_values: not what DMA_VALUES_LOW does. Detail: its place in the list, from 0.
+  dma_failed = 10,  // run_list or fetch_values: the host's memory did not answer the engine, or a word of VALUE arrived damaged. On PCI Express its writes are posted, and it hears of its reads alone. Detail: the descriptor's place in the list; 0xfffffffe: the list itself; 0xffffffff: the completion record, which is not written then.
 };
 
 enum class SolverMethod : std::uint32_t {
@@ -210,7 +216,7 @@ enum class OverflowMode : std::uint32_t {
 enum class StartMode : std::uint32_t {
   zero = 0,  // Start from U = 0.
   warm = 1,  // Start from what the U memory holds: the last solution, or what the host wrote.
-  extrapolated = 2,  // Start from 2·U - (the U of the job before), saturating. From U alone where the job before had another mode, where the host has written to U since, and after load_done and update_values.
+  extrapolated = 2,  // Start from 2·U - (the U of the job before), saturating. From U alone where the job before had another mode, where the host has written to U since, and after load_done, update_values and fetch_values.
 };
 
 enum class PackingMode : std::uint32_t {
@@ -245,6 +251,7 @@ inline constexpr Field kControlUpdateNode{Register::control, 1, 1};
 inline constexpr Field kControlLoadDone{Register::control, 2, 1};
 inline constexpr Field kControlRunList{Register::control, 3, 1};
 inline constexpr Field kControlUpdateValues{Register::control, 4, 1};
+inline constexpr Field kControlFetchValues{Register::control, 5, 1};
 inline constexpr Field kControlReset{Register::control, 31, 1};
 inline constexpr Field kStatusBusy{Register::status, 0, 1};
 inline constexpr Field kStatusDone{Register::status, 1, 1};
@@ -307,6 +314,9 @@ inline constexpr Field kDmaCountToBoard{Register::dma_count, 0, 16};
 inline constexpr Field kDmaCountToHost{Register::dma_count, 16, 16};
 inline constexpr Field kDmaRecordLowLow{Register::dma_record_low, 0, 32};
 inline constexpr Field kDmaRecordHighHigh{Register::dma_record_high, 0, 32};
+inline constexpr Field kDmaValuesLowLow{Register::dma_values_low, 0, 32};
+inline constexpr Field kDmaValuesHighHigh{Register::dma_values_high, 0, 32};
+inline constexpr Field kDmaValuesCountCount{Register::dma_values_count, 0, 16};
 
 }  // namespace field
 

@@ -168,7 +168,8 @@ void DriverRules::judge_numbers(const RegisterBank& bank, std::uint64_t offset,
       Number{Register::interrupt_enable, 3},
       Number{Register::control, field::kControlStart.mask() | field::kControlUpdateNode.mask() |
                                     field::kControlLoadDone.mask() | field::kControlRunList.mask() |
-                                    field::kControlUpdateValues.mask()},
+                                    field::kControlUpdateValues.mask() |
+                                    field::kControlFetchValues.mask()},
   };
   const auto judge = [&](std::uint64_t place, std::uint32_t word, std::uint32_t most) {
     if (word <= most || turned(word) > most) return;

@@ -18,8 +18,8 @@ bool between(std::uint64_t offset, Register first, Register last) {
 
 Step step_of_command(std::uint32_t commands) {
   const auto given = [commands](Field command) { return (commands & command.mask()) != 0; };
-  for (const Field command :
-       {field::kControlReset, field::kControlLoadDone, field::kControlUpdateValues}) {
+  for (const Field command : {field::kControlReset, field::kControlLoadDone,
+                              field::kControlUpdateValues, field::kControlFetchValues}) {
     if (given(command)) return Step::set_up;
   }
   if (given(field::kControlStart) || given(field::kControlRunList)) return Step::start;
@@ -38,7 +38,7 @@ Step step_of(Command command, std::uint64_t offset, std::span<const std::uint8_t
   if (in(Aperture::b, offset) || in(Aperture::row, offset)) return Step::prepare;
   if (between(offset, Register::update_node, Register::update_blocks)) return Step::prepare;
   const bool settings = between(offset, Register::method, Register::packing) ||
-                        between(offset, Register::dma_list_low, Register::dma_record_high);
+                        between(offset, Register::dma_list_low, Register::dma_values_count);
   const bool matrix = in(Aperture::row_begin, offset) || in(Aperture::column, offset) ||
                       in(Aperture::value, offset);
   return settings || matrix ? Step::set_up : Step::other;

@@ -13,6 +13,11 @@ bool contains(std::span<const int> ascending, int node) {
 }
 }  // namespace
 
+std::size_t renewed_entries(const host::FrameComputation& computation) {
+  const bool renewed = computation.has_board() && computation.renewals() != nullptr;
+  return renewed ? computation.board().matrix().value.size() : 0;
+}
+
 BoardSolver::BoardSolver(const fixed::Settings& settings, host::FrameComputation& computation,
                          const DriverPort& port, const Work& work, bool reject_saturated,
                          HostMemory* memory)
@@ -27,8 +32,8 @@ BoardSolver::BoardSolver(const fixed::Settings& settings, host::FrameComputation
   scratch_.resize(std::max<std::size_t>(HVP_MIN_SCRATCH_WORDS, b_.size()));
   const Transfer& transfer = port.transfer();
   if (memory == nullptr || transfer.method != Transfer::Method::dma) return;
-  dma_.emplace(*memory, transfer.engine(), transfer.rhs_bytes(settings, b_.size()),
-               transfer.solution_bytes(settings, u_.size()));
+  dma_.emplace(*memory, transfer.engine(),
+               DmaBytes::of(transfer, settings, b_.size(), renewed_entries(computation)));
 }
 
 hvp_status BoardSolver::set_up_piece(bool& done) {

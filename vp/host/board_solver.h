@@ -13,14 +13,17 @@
 
 namespace hvp::vp {
 
+// The entries of the board's matrix where it is renewed during a run; else 0.
+std::size_t renewed_entries(const host::FrameComputation& computation);
+
 // A solver of frames on the board: sends b in words and receives U, in several passes with
 // refinement. It reaches the board through the driver alone.
 class BoardSolver : public FrameSolver {
  public:
   // Keeps references. `settings` are the board's; `port` is the driver's connection to it.
   // `reject_saturated`: a saturated solve counts as failed. `memory` is the memory from which a DMA
-  // engine reads b and to which it writes U; null without one. Throws InputError with the key
-  // "transfer.dma.segment_bytes" if the engine has too few descriptors.
+  // engine reads b and a renewed matrix and to which it writes U; null without one. Throws
+  // InputError with the key "transfer.dma.segment_bytes" if the engine has too few descriptors.
   BoardSolver(const fixed::Settings& settings, host::FrameComputation& computation,
               const DriverPort& port, const Work& work, bool reject_saturated = false,
               HostMemory* memory = nullptr);

@@ -11,22 +11,29 @@
 
 namespace hvp::vp {
 
-// The places of b, U, the descriptors and the completion record in the host's memory. As an
-// operating system would give them, they are in separate segments, those of b and of U in turn.
+// The bytes that the board's engine moves, in multiples of 4: b and U of a frame, and the values of
+// a renewed matrix where one is renewed.
+struct DmaBytes {
+  std::size_t b = 0;
+  std::size_t u = 0;
+  std::size_t values = 0;
+
+  // `renewed_entries`: of the matrix, where it is renewed; else 0.
+  static DmaBytes of(const Transfer& transfer, const fixed::Settings& solver, std::size_t unknowns,
+                     std::size_t renewed_entries);
+};
+
+// The places of b, U, the descriptors and the completion record in the host's memory, and behind
+// them those of the values. As an operating system would give them, they are in separate segments,
+// those of b and of U in turn.
 class DmaMemory {
  public:
-  // The number of bytes used from the memory's beginning. `b_bytes` and `u_bytes` are multiples of
-  // 4.
-  static std::size_t needed(const link::DmaEngine& engine, std::size_t b_bytes,
-                            std::size_t u_bytes);
-  // As above, for `transfer` and this number of unknowns; 0 without a DMA engine.
-  static std::size_t needed(const Transfer& transfer, const fixed::Settings& solver,
-                            std::size_t unknowns);
+  // The number of bytes used from the memory's beginning.
+  static std::size_t needed(const link::DmaEngine& engine, const DmaBytes& bytes);
 
   // Throws InputError with the key "transfer.dma.segment_bytes" if the board's engine has too few
   // descriptors. The memory has to outlive the object.
-  DmaMemory(HostMemory& memory, const link::DmaEngine& engine, std::size_t b_bytes,
-            std::size_t u_bytes);
+  DmaMemory(HostMemory& memory, const link::DmaEngine& engine, const DmaBytes& bytes);
 
   // The argument of hvp_use_dma(). It is valid as long as this object.
   const hvp_dma& dma() const { return dma_; }
@@ -34,6 +41,7 @@ class DmaMemory {
  private:
   std::vector<hvp_segment> to_board_;
   std::vector<hvp_segment> to_host_;
+  std::vector<hvp_segment> values_;
   hvp_dma dma_{};
 };
 

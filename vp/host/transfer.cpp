@@ -12,7 +12,8 @@ void Transfer::declare(config::Visitor& v) {
        {"dma", Method::dma}},
       {"bursts: the processor moves blocks, in the bridge's bursts both ways, on PCI only; "
        "programmed-io: a store or a load a word; write-combined-io: stores in bursts, a load a "
-       "word; dma: the board moves b and U, all else goes in bursts",
+       "word; dma: the board moves b, U and the values of a renewed matrix, all else goes in "
+       "bursts",
        "the link of thesis section 6.2.1 at its best: processors read uncached words one by one "
        "(docs/transfers.md)"});
   const auto of_notification = v.variant(
@@ -54,6 +55,11 @@ std::size_t Transfer::rhs_bytes(const fixed::Settings& solver, std::size_t unkno
 std::size_t Transfer::solution_bytes(const fixed::Settings& solver, std::size_t unknowns) const {
   const link::Payload words{0, 0, solver.vector_bits, packed};
   return static_cast<std::size_t>(words.bytes(static_cast<std::int64_t>(unknowns)));
+}
+
+std::size_t Transfer::values_bytes(const fixed::Settings& solver, std::size_t entries) const {
+  const link::Payload words{0, 0, solver.matrix_bits, packed};
+  return static_cast<std::size_t>(words.bytes(static_cast<std::int64_t>(entries)));
 }
 
 bool Transfer::plain() const {

@@ -28,6 +28,8 @@ struct Transfer {
   // The number of bytes in which b and U are transferred.
   std::size_t rhs_bytes(const fixed::Settings& solver, std::size_t unknowns) const;
   std::size_t solution_bytes(const fixed::Settings& solver, std::size_t unknowns) const;
+  // Likewise so many entries of the matrix.
+  std::size_t values_bytes(const fixed::Settings& solver, std::size_t entries) const;
   // True for the transfer of a board without a DMA engine and with an interrupt line.
   bool plain() const;
 };
