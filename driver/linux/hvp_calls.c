@@ -123,6 +123,7 @@ static const struct call_entry calls[] = {
 	{HVP_IOC_READ_RESULT, hvp_call_read_result, NULL, NULL},
 	{HVP_IOC_SOLVE, hvp_call_solve, hvp_bring_rhs, hvp_give_solution},
 	{HVP_IOC_STATISTICS, call_statistics, NULL, NULL},
+	{HVP_IOC_UPDATE, hvp_call_update, hvp_bring_values, NULL},
 };
 
 /* Needs no board that answers. */
@@ -170,7 +171,8 @@ static void note_call(struct hvp_board *board, unsigned int command, hvp_status 
 
 /*
  * A wait that a signal ended goes on by itself where no handler ran, as after a suspend or under a
- * debugger. A load may always be repeated; the two halves of a solve may not.
+ * debugger. A load may always be repeated, and so may an update of values; the two halves of a
+ * solve may not.
  */
 static long result_of(const struct hvp_board *board, unsigned int command, hvp_status status)
 {
@@ -178,6 +180,7 @@ static long result_of(const struct hvp_board *board, unsigned int command, hvp_s
 		return -hvp_errno_of(status);
 	switch (command) {
 	case HVP_IOC_LOAD:
+	case HVP_IOC_UPDATE:
 		return hvp_caller_error(&board->device);
 	case HVP_IOC_WAIT:
 		return -ERESTARTNOHAND;

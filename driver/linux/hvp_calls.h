@@ -13,6 +13,7 @@
  * @matrix: of %HVP_IOC_LOAD
  * @constraint: of %HVP_IOC_CONSTRAIN
  * @row: of %HVP_IOC_RESTORE
+ * @values: of %HVP_IOC_UPDATE
  * @vector: of %HVP_IOC_WRITE_RHS, %HVP_IOC_WRITE_GUESS and %HVP_IOC_READ_SOLUTION
  * @wait: of %HVP_IOC_WAIT
  * @solve: of %HVP_IOC_SOLVE
@@ -26,6 +27,7 @@ union hvp_call {
 	struct hvp_ioc_matrix matrix;
 	struct hvp_ioc_constraint constraint;
 	struct hvp_ioc_row row;
+	struct hvp_ioc_values values;
 	struct hvp_ioc_vector vector;
 	struct hvp_ioc_wait wait;
 	struct hvp_ioc_solve solve;
@@ -52,14 +54,19 @@ int hvp_bring_matrix(struct hvp_board *board, const union hvp_call *call,
 		     struct hvp_brought *brought);
 int hvp_bring_row(struct hvp_board *board, const union hvp_call *call,
 		  struct hvp_brought *brought);
+int hvp_bring_values(struct hvp_board *board, const union hvp_call *call,
+		     struct hvp_brought *brought);
 void hvp_call_load(struct hvp_board *board, union hvp_call *call,
 		   const struct hvp_brought *brought);
+void hvp_call_update(struct hvp_board *board, union hvp_call *call,
+		     const struct hvp_brought *brought);
 void hvp_call_constrain(struct hvp_board *board, union hvp_call *call,
 			const struct hvp_brought *brought);
 void hvp_call_restore(struct hvp_board *board, union hvp_call *call,
 		      const struct hvp_brought *brought);
 
 /* hvp_job_calls.c */
+u64 hvp_wait_limit(u64 timeout_ns);
 int hvp_bring_vector(struct hvp_board *board, const union hvp_call *call,
 		     struct hvp_brought *brought);
 int hvp_bring_rhs(struct hvp_board *board, const union hvp_call *call,

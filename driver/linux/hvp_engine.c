@@ -20,6 +20,7 @@
 
 /* Each direction has one segment. */
 #define LIST_WORDS   (HVP_ENGINE_DESCRIPTORS * HVP_DESCRIPTOR_WORDS)
+#define VALUES_BYTES ((size_t)64 << 10) /* of a segment of values: pages in a row are few */
 #define SHARED_BYTES ((LIST_WORDS + HVP_RECORD_WORDS) * sizeof(u32))
 
 static void sync_segment(struct hvp_board *board, const struct hvp_segment *part,
@@ -39,6 +40,7 @@ static void engine_sync(void *context, hvp_area area, const struct hvp_segment *
 {
 	switch (area) {
 	case HVP_AREA_TO_BOARD:
+	case HVP_AREA_VALUES:
 		sync_segment(context, part, DMA_TO_DEVICE, owner);
 		break;
 	case HVP_AREA_TO_HOST:
@@ -148,7 +150,7 @@ int hvp_engine_make(struct hvp_board *board)
 }
 
 /**
- * hvp_engine_use() - have the engine move b and U from now on
+ * hvp_engine_use() - have the engine move b, U and what there is memory for from now on
  * @board: between two jobs
  *
  * Return: what hvp_use_dma() says.
@@ -156,6 +158,7 @@ int hvp_engine_make(struct hvp_board *board)
 hvp_status hvp_engine_use(struct hvp_board *board)
 {
 	const struct hvp_engine_memory *engine = &board->engine;
+	const struct hvp_values_memory *values = engine->values;
 	const struct hvp_dma dma = {
 		.to_board = &engine->to_board,
 		.to_board_count = 1,
@@ -165,11 +168,85 @@ hvp_status hvp_engine_use(struct hvp_board *board)
 		.list_address = engine->shared_address,
 		.record = engine->shared + LIST_WORDS,
 		.record_address = engine->shared_address + LIST_WORDS * sizeof(u32),
+		.values = values ? values->segments : NULL,
+		.values_count = values ? values->count : 0,
+		.values_list = values ? values->list : NULL,
+		.values_list_address = values ? values->list_address : 0,
 		.context = board,
 		.sync = engine_sync,
 	};
 
 	return hvp_use_dma(&board->device, &dma);
+}
+
+static int map_values(struct hvp_board *board, struct hvp_values_memory *values, size_t bytes)
+{
+	int ret = 0;
+
+	while (!ret && values->bytes < bytes) {
+		const size_t part = min_t(size_t, bytes - values->bytes, VALUES_BYTES);
+		struct hvp_segment *segment = &values->segments[values->count];
+
+		ret = map_pages(board, segment, PAGE_ALIGN(part), DMA_TO_DEVICE);
+		if (ret)
+			break;
+		values->bytes += segment->bytes;
+		values->count++;
+	}
+	return ret;
+}
+
+static struct hvp_values_memory *make_values(struct hvp_board *board, size_t bytes)
+{
+	struct device *dev = &board->function->dev;
+	const size_t most = DIV_ROUND_UP(bytes, VALUES_BYTES);
+	struct hvp_values_memory *values = NULL;
+	void *group = devres_open_group(dev, NULL, GFP_KERNEL);
+
+	if (!group)
+		return NULL;
+	values = devm_kzalloc(dev, struct_size(values, segments, most), GFP_KERNEL);
+	if (!values)
+		goto fail;
+	values->group = group;
+	values->list = dmam_alloc_coherent(dev, most * HVP_DESCRIPTOR_WORDS * sizeof(u32),
+					   &values->list_address, GFP_KERNEL);
+	if (!values->list || map_values(board, values, bytes))
+		goto fail;
+	devres_close_group(dev, group);
+	return values;
+
+fail:
+	devres_release_group(dev, group);
+	return NULL;
+}
+
+/**
+ * hvp_engine_hold_values() - have memory from which the engine fetches the loaded matrix' values
+ * @board: whose program is about to update them
+ *
+ * Few programs do, and the largest matrix has megabytes. Where they cannot be had, the values go by
+ * blocks.
+ */
+void hvp_engine_hold_values(struct hvp_board *board)
+{
+	const size_t bytes = hvp_dma_values_bytes(&board->device);
+	struct hvp_engine_memory *engine = &board->engine;
+	struct hvp_values_memory *before = engine->values;
+	struct hvp_values_memory *made;
+
+	if (!bytes || (before && before->bytes >= bytes))
+		return;
+	made = make_values(board, bytes);
+	if (!made)
+		return;
+	engine->values = made;
+	if (hvp_engine_use(board) != HVP_OK) {
+		engine->values = before;
+		before = made;
+	}
+	if (before)
+		devres_release_group(&board->function->dev, before->group);
 }
 
 /**

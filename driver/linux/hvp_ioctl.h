@@ -51,7 +51,7 @@ struct hvp_ioc_head {
 	__u32 detail;		/* out: hvp_error_detail() */
 };
 
-#define HVP_IOC_F_DMA		0x01 /* b and U go by the board's DMA engine */
+#define HVP_IOC_F_DMA		0x01 /* b, U and values go by the board's DMA engine */
 #define HVP_IOC_F_MSI		0x02 /* interrupts are messages */
 #define HVP_IOC_F_POLLED	0x04 /* there are no interrupts */
 
@@ -134,6 +134,18 @@ struct hvp_ioc_row {
 	__u64 values;		/* const __s32[9 * blocks] */
 };
 
+/*
+ * All entries of the loaded matrix anew, its pattern stays; n is 9 * blocks.
+ * EINTR: call again with the same values.
+ */
+struct hvp_ioc_values {
+	struct hvp_ioc_head head;
+	__u64 values;		/* const __s32[n] */
+	__u64 timeout_ns;	/* of the wait after the last was sent */
+	__u32 n;
+	__u32 pad;
+};
+
 /* b, a guess or U; n is 3 * nodes. */
 struct hvp_ioc_vector {
 	struct hvp_ioc_head head;
@@ -202,5 +214,6 @@ struct hvp_ioc_statistics {
 #define HVP_IOC_READ_RESULT	_IOWR(HVP_IOC_MAGIC, 0x0b, struct hvp_ioc_result)
 #define HVP_IOC_SOLVE		_IOWR(HVP_IOC_MAGIC, 0x0c, struct hvp_ioc_solve)
 #define HVP_IOC_STATISTICS	_IOWR(HVP_IOC_MAGIC, 0x0d, struct hvp_ioc_statistics)
+#define HVP_IOC_UPDATE		_IOWR(HVP_IOC_MAGIC, 0x0e, struct hvp_ioc_values)
 
 #endif

@@ -8,7 +8,13 @@
 
 #include "hvp_calls.h"
 
-static u64 wait_limit(u64 timeout_ns)
+/**
+ * hvp_wait_limit() - the longest wait that a call makes
+ * @timeout_ns: that a program asks for
+ *
+ * Return: @timeout_ns, cut to what the module's parameter allows.
+ */
+u64 hvp_wait_limit(u64 timeout_ns)
 {
 	return min_t(u64, timeout_ns, (u64)hvp_longest_wait_ms() * NSEC_PER_MSEC);
 }
@@ -115,7 +121,7 @@ static hvp_status await_job(struct hvp_board *board, u64 timeout_ns)
 
 	if (!timeout_ns)
 		clear_bit(HVP_BOARD_INTERRUPT, &board->flags);
-	status = hvp_wait(&board->device, wait_limit(timeout_ns));
+	status = hvp_wait(&board->device, hvp_wait_limit(timeout_ns));
 	if (status == HVP_OK || status == HVP_ERROR_SATURATED)
 		hvp_engine_take(board);
 	return status;

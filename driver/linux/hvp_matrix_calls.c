@@ -59,6 +59,36 @@ void hvp_call_load(struct hvp_board *board, union hvp_call *call,
 		call->head.status = hvp_load_matrix(&board->device, &matrix);
 }
 
+static bool values_fit(const struct hvp_board *board, const struct hvp_ioc_values *given)
+{
+	return given->n <= (u64)9 * hvp_capability_of(&board->device)->max_blocks;
+}
+
+int hvp_bring_values(struct hvp_board *board, const union hvp_call *call,
+		     struct hvp_brought *brought)
+{
+	const struct hvp_ioc_values *given = &call->values;
+
+	if (given->pad)
+		return -EINVAL;
+	if (!values_fit(board, given))
+		return 0;
+	return bring(&brought->elements[0], given->values, given->n);
+}
+
+void hvp_call_update(struct hvp_board *board, union hvp_call *call,
+		     const struct hvp_brought *brought)
+{
+	const struct hvp_ioc_values *given = &call->values;
+
+	call->head.status = HVP_ERROR_ARGUMENT;
+	if (!values_fit(board, given))
+		return;
+	hvp_engine_hold_values(board);
+	call->head.status = hvp_update_values(&board->device, brought->elements[0], given->n,
+					      hvp_wait_limit(given->timeout_ns));
+}
+
 void hvp_call_constrain(struct hvp_board *board, union hvp_call *call,
 			const struct hvp_brought *brought)
 {

@@ -28,11 +28,30 @@
  */
 
 /**
+ * struct hvp_values_memory - what the board's DMA engine fetches new entries of a matrix from
+ * @group: of the device's resources
+ * @list: its descriptors; coherent
+ * @list_address: where the board sees @list
+ * @count: of @segments
+ * @bytes: of all of them
+ * @segments: the entries as they travel
+ */
+struct hvp_values_memory {
+	void *group;
+	u32 *list;
+	dma_addr_t list_address;
+	size_t count;
+	size_t bytes;
+	struct hvp_segment segments[];
+};
+
+/**
  * struct hvp_engine_memory - what the board's DMA engine works in
  * @usable: all of it is there, and the board has an engine
  * @mapped: a program has mapped b or U, and may still
  * @to_board: b as it travels; whole pages
  * @to_host: U likewise
+ * @values: made when a program first updates values of so large a matrix; NULL before
  * @shared: the list of descriptors, then the completion record; coherent
  * @shared_address: where the board sees @shared
  */
@@ -41,6 +60,7 @@ struct hvp_engine_memory {
 	bool mapped;
 	struct hvp_segment to_board;
 	struct hvp_segment to_host;
+	struct hvp_values_memory *values;
 	u32 *shared;
 	dma_addr_t shared_address;
 };
@@ -153,6 +173,7 @@ irqreturn_t hvp_bar_interrupt(int irq, void *context);
 #define HVP_ENGINE_DESCRIPTORS 2
 int hvp_engine_make(struct hvp_board *board);
 hvp_status hvp_engine_use(struct hvp_board *board);
+void hvp_engine_hold_values(struct hvp_board *board);
 void hvp_engine_forget(struct hvp_board *board);
 void hvp_engine_give(struct hvp_board *board);
 void hvp_engine_take(struct hvp_board *board);

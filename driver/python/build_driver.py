@@ -81,6 +81,7 @@ hvp_status hvp_client_configure(struct hvp_client*, const struct hvp_solver_conf
 hvp_status hvp_client_load_matrix(struct hvp_client*, const struct hvp_matrix*);
 hvp_status hvp_client_constrain_node(struct hvp_client*, uint32_t, int32_t);
 hvp_status hvp_client_restore_node(struct hvp_client*, uint32_t, const int32_t*, uint32_t);
+hvp_status hvp_client_update_values(struct hvp_client*, const int32_t*, size_t, uint64_t);
 hvp_status hvp_client_write_rhs(struct hvp_client*, const int32_t*, size_t);
 hvp_status hvp_client_write_initial_guess(struct hvp_client*, const int32_t*, size_t);
 hvp_status hvp_client_start(struct hvp_client*);

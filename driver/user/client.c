@@ -105,6 +105,11 @@ hvp_status hvp_client_restore_node(struct hvp_client* client, uint32_t node, con
   TO_KIND(restore_node, client, node, values, blocks);
 }
 
+hvp_status hvp_client_update_values(struct hvp_client* client, const int32_t* values, size_t n,
+                                    uint64_t timeout_ns) {
+  TO_KIND(update_values, client, values, n, timeout_ns);
+}
+
 hvp_status hvp_client_write_rhs(struct hvp_client* client, const int32_t* b, size_t n) {
   TO_KIND(write_rhs, client, b, n);
 }

@@ -17,6 +17,8 @@ struct client_calls {
   hvp_status (*constrain_node)(struct hvp_client* client, uint32_t node, int32_t diagonal);
   hvp_status (*restore_node)(struct hvp_client* client, uint32_t node, const int32_t* values,
                              uint32_t blocks);
+  hvp_status (*update_values)(struct hvp_client* client, const int32_t* values, size_t n,
+                              uint64_t timeout_ns);
   hvp_status (*write_rhs)(struct hvp_client* client, const int32_t* b, size_t n);
   hvp_status (*write_initial_guess)(struct hvp_client* client, const int32_t* u, size_t n);
   hvp_status (*start)(struct hvp_client* client);

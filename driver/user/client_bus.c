@@ -75,6 +75,11 @@ static hvp_status restore_node_bus(struct hvp_client* client, uint32_t node, con
   return say(of(client), hvp_restore_node(&of(client)->device, node, values, blocks));
 }
 
+static hvp_status update_values_bus(struct hvp_client* client, const int32_t* values, size_t n,
+                                    uint64_t timeout_ns) {
+  return say(of(client), hvp_update_values(&of(client)->device, values, n, timeout_ns));
+}
+
 static hvp_status write_rhs_bus(struct hvp_client* client, const int32_t* b, size_t n) {
   return say(of(client), hvp_write_rhs(&of(client)->device, b, n));
 }
@@ -118,6 +123,7 @@ static const struct client_calls bus_calls = {
     .load_matrix = load_matrix_bus,
     .constrain_node = constrain_node_bus,
     .restore_node = restore_node_bus,
+    .update_values = update_values_bus,
     .write_rhs = write_rhs_bus,
     .write_initial_guess = write_initial_guess_bus,
     .start = start_bus,

@@ -152,6 +152,14 @@ static hvp_status restore_node_file(struct hvp_client* client, uint32_t node, co
   return ask(client, HVP_IOC_RESTORE, &call.head, &call);
 }
 
+static hvp_status update_values_file(struct hvp_client* client, const int32_t* values, size_t n,
+                                     uint64_t timeout_ns) {
+  if (n > UINT32_MAX) return missing();
+  struct hvp_ioc_values call = {
+      .values = address_of(values), .timeout_ns = timeout_ns, .n = (uint32_t)n};
+  return ask(client, HVP_IOC_UPDATE, &call.head, &call);
+}
+
 static hvp_status send_vector(struct hvp_client* client, unsigned long request,
                               const int32_t* elements, size_t n) {
   if (n > UINT32_MAX) return missing();
@@ -229,6 +237,7 @@ static const struct client_calls file_calls = {
     .load_matrix = load_matrix_file,
     .constrain_node = constrain_node_file,
     .restore_node = restore_node_file,
+    .update_values = update_values_file,
     .write_rhs = write_rhs_file,
     .write_initial_guess = write_initial_guess_file,
     .start = start_file,

@@ -2,18 +2,24 @@
 #include <errno.h>
 #include <stdlib.h>
 
+#include "driver/generated/hvp_registers.h"
 #include "driver/user/client.h"
 #include "driver/user/vfio_user_client.h"
 
-// The driver in the program, over the socket of `hvp serve`. Where the board has an engine, b and U
-// go through memory that the program shares with it.
+// The driver in the program, over the socket of `hvp serve`. Where the board has an engine, b, U
+// and new values go through memory that the program shares with it.
 
-// Bus addresses and bytes of that memory: b and U of the largest matrix that a board holds, a page
-// for the list and one for the record.
+// Bus addresses and bytes of that memory: b, U and the values of the largest matrix that a board
+// holds, and a page each for the list, the record and the list of values.
 enum {
   VECTOR_BYTES = 3 * 8192 * 4,
+  VALUES_BYTES = sizeof(hvp__VALUE_t),
   PAGE_BYTES = 4096,
-  AREA_BYTES = 2 * VECTOR_BYTES + 2 * PAGE_BYTES
+  LIST_AT = 2 * VECTOR_BYTES,
+  RECORD_AT = LIST_AT + PAGE_BYTES,
+  VALUES_LIST_AT = RECORD_AT + PAGE_BYTES,
+  VALUES_AT = VALUES_LIST_AT + PAGE_BYTES,
+  AREA_BYTES = VALUES_AT + VALUES_BYTES
 };
 #define AREA_ADDRESS ((uint64_t)0x40000000)
 
@@ -22,6 +28,7 @@ struct socket_board {
   void* area;  // null: none
   struct hvp_segment to_board;
   struct hvp_segment to_host;
+  struct hvp_segment values;
 };
 
 static void leave(void* context) {
@@ -47,8 +54,10 @@ static hvp_status share_memory(struct socket_board* board, struct hvp_client* cl
   if (status != 0) return client_failed(HVP_ERROR_BUS, -status);
   board->to_board = part(board, 0U, VECTOR_BYTES);
   board->to_host = part(board, VECTOR_BYTES, VECTOR_BYTES);
-  const struct hvp_segment list = part(board, (size_t)2 * VECTOR_BYTES, PAGE_BYTES);
-  const struct hvp_segment record = part(board, (size_t)2 * VECTOR_BYTES + PAGE_BYTES, PAGE_BYTES);
+  board->values = part(board, VALUES_AT, VALUES_BYTES);
+  const struct hvp_segment list = part(board, LIST_AT, PAGE_BYTES);
+  const struct hvp_segment record = part(board, RECORD_AT, PAGE_BYTES);
+  const struct hvp_segment values_list = part(board, VALUES_LIST_AT, PAGE_BYTES);
   const struct hvp_dma dma = {.to_board = &board->to_board,
                               .to_board_count = 1U,
                               .to_host = &board->to_host,
@@ -56,7 +65,11 @@ static hvp_status share_memory(struct socket_board* board, struct hvp_client* cl
                               .list = list.memory,
                               .list_address = list.bus_address,
                               .record = record.memory,
-                              .record_address = record.bus_address};
+                              .record_address = record.bus_address,
+                              .values = &board->values,
+                              .values_count = 1U,
+                              .values_list = values_list.memory,
+                              .values_list_address = values_list.bus_address};
   const hvp_status used = hvp_client_use_dma(client, &dma);
   return used == HVP_ERROR_CAPABILITY ? HVP_OK : used;
 }

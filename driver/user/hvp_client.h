@@ -20,7 +20,7 @@ struct hvp_client;
 
 // The properties of the connection to the board.
 struct hvp_client_info {
-  bool dma;                  // b and U go by the board's DMA engine
+  bool dma;                  // b, U and new values of the matrix go by the board's DMA engine
   bool interrupts;           // false: the driver polls
   bool messages;             // interrupts are messages, not a line
   uint32_t longest_wait_ms;  // a longer one is cut to it; 0: none is
@@ -68,6 +68,8 @@ hvp_status hvp_client_load_matrix(struct hvp_client* client, const struct hvp_ma
 hvp_status hvp_client_constrain_node(struct hvp_client* client, uint32_t node, int32_t diagonal);
 hvp_status hvp_client_restore_node(struct hvp_client* client, uint32_t node, const int32_t* values,
                                    uint32_t blocks);
+hvp_status hvp_client_update_values(struct hvp_client* client, const int32_t* values, size_t n,
+                                    uint64_t timeout_ns);
 hvp_status hvp_client_write_rhs(struct hvp_client* client, const int32_t* b, size_t n);
 hvp_status hvp_client_write_initial_guess(struct hvp_client* client, const int32_t* u, size_t n);
 hvp_status hvp_client_start(struct hvp_client* client);

@@ -6,7 +6,7 @@
 // The driver's suite on a board that `hvp serve` has: SOCKET and the suite's own arguments. Each
 // case is a client of its own.
 
-enum { PAGE_BYTES = 4096, AREA_BYTES = 4 * PAGE_BYTES };
+enum { PAGE_BYTES = 4096, AREA_BYTES = 6 * PAGE_BYTES };
 #define AREA_ADDRESS ((uint64_t)0x10000000)
 
 static struct {
@@ -14,9 +14,10 @@ static struct {
   struct hvp_vfio_user way;
   struct hvp_bus bus;
   int give_up_with;
-  void* area;  // b, U, the list and the record, a page each
+  void* area;  // b, U, the list, the record, values and their list, a page each
   struct hvp_segment to_board;
   struct hvp_segment to_host;
+  struct hvp_segment values;
   struct hvp_dma dma;
 } served;
 
@@ -60,6 +61,7 @@ static hvp_status open_served(void* context, struct hvp_client** client) {
   }
   served.to_board = page(0);
   served.to_host = page(1);
+  served.values = page(4);
   served.dma = (struct hvp_dma){.to_board = &served.to_board,
                                 .to_board_count = 1,
                                 .to_host = &served.to_host,
@@ -67,7 +69,11 @@ static hvp_status open_served(void* context, struct hvp_client** client) {
                                 .list = page(2).memory,
                                 .list_address = page(2).bus_address,
                                 .record = page(3).memory,
-                                .record_address = page(3).bus_address};
+                                .record_address = page(3).bus_address,
+                                .values = &served.values,
+                                .values_count = 1,
+                                .values_list = page(5).memory,
+                                .values_list_address = page(5).bus_address};
   const hvp_status status = hvp_client_open_bus(client, &bus);
   if (status == HVP_OK) {
     hvp_client_at_close(*client, leave, NULL);

@@ -150,6 +150,16 @@ class Board:
         self._repeat(lib.hvp_client_load_matrix, k.to_c())
         self._nodes = k.nodes
 
+    def update_values(self, values: ArrayLike, timeout: float) -> None:
+        """Other entries for the matrix that is loaded: blocks of 3 x 3, as load() had them. What
+        is constrained stays so. BoardError with Status.ERROR_TIMEOUT where the board is busy with
+        them so many seconds after the last was sent; then reset()."""
+        blocks = words(values, "values")
+        if blocks.ndim != BLOCK or blocks.shape[1:] != (BLOCK, BLOCK):
+            raise ValueError("values: expected blocks of 3 x 3")
+        elements = ffi.from_buffer("int32_t[]", blocks.reshape(-1))
+        self._repeat(lib.hvp_client_update_values, elements, blocks.size, _nanoseconds(timeout))
+
     def constrain(self, node: int, diagonal: int) -> None:
         """Zeroes the node's row and column but for the diagonal."""
         self._call(lib.hvp_client_constrain_node, node, diagonal)

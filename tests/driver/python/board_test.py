@@ -27,7 +27,7 @@ class ScriptedBoard:
     def __init__(self) -> None:
         self.words: dict[int, int] = {
             ID: 0x48565031,
-            VERSION: 0x00020002,
+            VERSION: 0x00020003,
             NODES_CAN: 0x00400010,
             BLOCKS_CAN: 64,
             FORMAT_CAN: 0x20202020,
@@ -56,7 +56,7 @@ class ScriptedBoard:
         elif self.error:
             self.words[STATUS] = ERROR | LOADED | self.error << 8
             self.words[ERROR_DETAIL] = METHOD
-        elif value & 4:
+        elif value & 0x14:
             self.words[STATUS] = DONE | LOADED
         elif value & 1 and self.ends:
             self.words[STATUS] = DONE | LOADED
@@ -138,6 +138,26 @@ def test_solves(scripted: ScriptedBoard) -> None:
         assert board.read_result().job == 1
         assert board.statistics == hvp_board.Statistics(0, 0)
         assert scripted.waits[-1] == 1_000_000_000
+
+
+def test_updates_values(scripted: ScriptedBoard) -> None:
+    with loaded(scripted) as board:
+        board.update_values(MATRIX.value + 5, timeout=0.25)
+        assert scripted.read32(VALUE) == 5 | 6 << 16
+        assert scripted.waits[-1] == 250_000_000
+        with pytest.raises(ValueError, match="blocks of 3 x 3"):
+            board.update_values(MATRIX.value.reshape(-1), timeout=0.25)
+        with pytest.raises(hvp_board.BoardError) as caught:
+            board.update_values(MATRIX.value[1:], timeout=0.25)
+        assert caught.value.status == Status.ERROR_ARGUMENT
+
+
+def test_an_older_board_has_no_update_of_values(scripted: ScriptedBoard) -> None:
+    scripted.words[VERSION] = 0x00020002
+    with loaded(scripted) as board:
+        with pytest.raises(hvp_board.BoardError) as caught:
+            board.update_values(MATRIX.value, timeout=0.25)
+        assert caught.value.status == Status.ERROR_CAPABILITY
 
 
 def test_changes_nodes(scripted: ScriptedBoard) -> None:

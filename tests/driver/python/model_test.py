@@ -71,6 +71,13 @@ def test_a_fault_comes_when_it_is_asked_for(model: VfioUser) -> None:
         assert caught.value.status == Status.ERROR_TIMEOUT
 
 
+def test_updates_values(model: VfioUser) -> None:
+    with opened(model) as board:
+        assert board.solve(B, timeout=5.0).tolist() == U
+        board.update_values(np.diag([32, 16, 8]).reshape(1, 3, 3), timeout=5.0)
+        assert board.solve(B, timeout=5.0).tolist() == (2 * np.array(U)).tolist()
+
+
 def test_a_wrong_word_changes_nothing(model: VfioUser) -> None:
     with opened(model) as board:
         with pytest.raises(ModelError, match='kind=lost: expected "lost-interrupt"'):

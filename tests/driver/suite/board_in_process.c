@@ -8,14 +8,15 @@
 enum { MOST_OVERRIDES = 32, AREA_BYTES = 4096 };
 #define AREA_ADDRESS ((uint64_t)0x10000000)
 
-// b, U, the list and the record, a page each.
-static _Alignas(AREA_BYTES) uint32_t area[4][AREA_BYTES / sizeof(uint32_t)];
+// b, U, the list, the record, values and their list, a page each.
+static _Alignas(AREA_BYTES) uint32_t area[6][AREA_BYTES / sizeof(uint32_t)];
 
 static struct {
   struct hvp_board* board;
   int give_up_with;
   struct hvp_segment to_board;
   struct hvp_segment to_host;
+  struct hvp_segment values;
   struct hvp_dma dma;
 } in_process;
 
@@ -78,6 +79,7 @@ int board_in_process(struct suite_board* board, int argc, char** argv) {
   if (hvp_board_map(in_process.board, AREA_ADDRESS, area, sizeof area)) {
     in_process.to_board = page(0);
     in_process.to_host = page(1);
+    in_process.values = page(4);
     in_process.dma = (struct hvp_dma){.to_board = &in_process.to_board,
                                       .to_board_count = 1,
                                       .to_host = &in_process.to_host,
@@ -85,7 +87,11 @@ int board_in_process(struct suite_board* board, int argc, char** argv) {
                                       .list = area[2],
                                       .list_address = page(2).bus_address,
                                       .record = area[3],
-                                      .record_address = page(3).bus_address};
+                                      .record_address = page(3).bus_address,
+                                      .values = &in_process.values,
+                                      .values_count = 1,
+                                      .values_list = area[5],
+                                      .values_list_address = page(5).bus_address};
   }
   *board = (struct suite_board){
       .open = open_board, .peek = peek, .poke = poke, .interrupt_wait = interrupt_wait, .dma = dma};

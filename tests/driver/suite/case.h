@@ -73,6 +73,9 @@ void problem_constrain(struct problem* p, uint32_t node, int32_t diagonal);
 // The largest |b − K·u/2^SHIFT|, in words.
 int32_t problem_residual(const struct problem* p, const int32_t* u);
 
+// Another matrix of the same pattern, that 12-bit words hold.
+void problem_change(struct problem* p);
+
 // From here on by DMA, where it is not so already. False: the case is left out, or has failed.
 bool case_use_dma(struct suite_case* c);
 // Configured, and loaded with the problem's matrix. False: the case has failed.
@@ -84,6 +87,8 @@ bool case_begin_longest_job(struct suite_case* c, struct problem* p);
   if ((c)->board->time_runs_on) SKIP(c, "the job may end before the next call here")
 // Solved within what the words allow; keeps U's hash. False: the case has failed.
 bool case_solve(struct suite_case* c, const struct problem* p, int32_t* u);
+// Updates of all values between solves, also while a node is held.
+void case_update_values(struct suite_case* c);
 void case_hash(struct suite_case* c, const int32_t* u, size_t n);
 
 #endif

@@ -194,6 +194,10 @@ static hvp_status node(unsigned long request, const void* argument) {
   return hvp_client_restore_node(inner, call->node, elements(call->values), call->blocks);
 }
 
+static hvp_status update_values(const struct hvp_ioc_values* call) {
+  return hvp_client_update_values(inner, elements(call->values), call->n, call->timeout_ns);
+}
+
 static hvp_status count(struct hvp_ioc_statistics* call) {
   struct hvp_statistics statistics;
   (void)hvp_client_statistics(inner, &statistics);
@@ -234,6 +238,9 @@ static bool known(unsigned long request, void* argument, hvp_status* status) {
       return true;
     case HVP_IOC_READ_RESULT:
       *status = read_result(argument);
+      return true;
+    case HVP_IOC_UPDATE:
+      *status = update_values(argument);
       return true;
     case HVP_IOC_STATISTICS:
       *status = count(argument);

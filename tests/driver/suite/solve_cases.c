@@ -111,6 +111,41 @@ static void changes_nodes(struct suite_case* c) {
   (void)case_solve(c, &p, u);
 }
 
+void case_update_values(struct suite_case* c) {
+  struct problem p;
+  struct problem held;
+  int32_t u[UNKNOWNS];
+  int32_t again[UNKNOWNS];
+  enum { NODE = 5, VALUES = 9 * BLOCKS };
+  problem_make(&p);
+  EXPECT_STATUS(c, hvp_client_update_values(c->client, p.value, VALUES, LONG_NS), HVP_ERROR_STATE);
+  if (!case_load(c, &p) || !case_solve(c, &p, u)) return;
+  problem_change(&p);
+  EXPECT_OK(c, hvp_client_update_values(c->client, p.value, VALUES, LONG_NS));
+  if (!case_solve(c, &p, u)) return;
+  // The words of a board that was loaded with them.
+  if (!case_load(c, &p) || !case_solve(c, &p, again)) return;
+  EXPECT(c, memcmp(u, again, sizeof u) == 0);
+  // A node that is held stays so until it gets its row of the new matrix.
+  EXPECT_OK(c, hvp_client_constrain_node(c->client, NODE, 1000));
+  problem_change(&p);
+  EXPECT_OK(c, hvp_client_update_values(c->client, p.value, VALUES, LONG_NS));
+  held = p;
+  problem_constrain(&held, NODE, 1000);
+  if (!case_solve(c, &held, u)) return;
+  EXPECT_OK(c, hvp_client_restore_node(c->client, NODE, &p.value[9 * p.row_begin[NODE]], 3U));
+  if (!case_solve(c, &p, u)) return;
+  // What cannot be is not sent.
+  EXPECT_STATUS(c, hvp_client_update_values(c->client, p.value, VALUES - 1, LONG_NS),
+                HVP_ERROR_ARGUMENT);
+  EXPECT_STATUS(c, hvp_client_update_values(c->client, NULL, VALUES, LONG_NS), HVP_ERROR_ARGUMENT);
+  held = p;
+  held.value[0] = 2048;
+  EXPECT_STATUS(c, hvp_client_update_values(c->client, held.value, VALUES, LONG_NS),
+                HVP_ERROR_RANGE);
+  (void)case_solve(c, &p, u);
+}
+
 static void every_method(struct suite_case* c) {
   struct problem p;
   int32_t u[UNKNOWNS];
@@ -201,6 +236,7 @@ const struct case_entry solve_cases[] = {
     {"initial-guess", starts_from_a_guess},
     {"stop-residual", stops_at_a_residual},
     {"update-nodes", changes_nodes},
+    {"update-values", case_update_values},
     {"methods", every_method},
     {"word-lengths", other_words},
     {"saturation", saturation_is_said},

@@ -3,7 +3,7 @@
 #include "driver/generated/hvp_registers.h"
 #include "tests/driver/suite/case.h"
 
-// b and U by the board's DMA engine, and how the board interrupts.
+// b, U and values by the board's DMA engine, and how the board interrupts.
 
 bool case_use_dma(struct suite_case* c) {
   if (hvp_client_info_of(c->client)->dma) return true;
@@ -35,6 +35,16 @@ static void by_dma(struct suite_case* c) {
   problem_constrain(&p, 3U, 1000);
   EXPECT_OK(c, hvp_client_constrain_node(c->client, 3U, 1000));
   (void)case_solve(c, &p, u);
+}
+
+// Where the registers can be seen, they say that the engine has fetched them.
+static void values_by_dma(struct suite_case* c) {
+  if (!case_use_dma(c)) return;
+  case_update_values(c);
+  if (c->result != CASE_PASSED || c->board->peek == NULL) return;
+  const uint32_t list =
+      c->board->peek(c->board->context, (uint32_t)offsetof(hvp_t, DMA_VALUES_COUNT));
+  EXPECT(c, list == 1U);
 }
 
 static void dma_and_blocks_agree(struct suite_case* c) {
@@ -155,6 +165,7 @@ static void messages(struct suite_case* c) {
 
 const struct case_entry transfer_cases[] = {
     {"dma", by_dma},
+    {"dma-update-values", values_by_dma},
     {"dma-and-blocks", dma_and_blocks_agree},
     {"dma-mapped", mapped},
     {"dma-next-program", next_program_finds_nothing},
