@@ -154,6 +154,10 @@ class Program {
                          .list_address = kAddress,
                          .record = memory_.data() + 32,
                          .record_address = kAddress + 128,
+                         .values = nullptr,
+                         .values_count = 0,
+                         .values_list = nullptr,
+                         .values_list_address = 0,
                          .context = nullptr,
                          .sync = nullptr};
     if (status == HVP_OK && dma_) status = hvp_use_dma(&device, &dma);

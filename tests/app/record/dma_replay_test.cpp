@@ -40,6 +40,10 @@ class DmaReplay : public test::RecordedProgram {
               .list_address = kAt,
               .record = words.data() + 128,
               .record_address = kAt + 512,
+              .values = nullptr,
+              .values_count = 0,
+              .values_list = nullptr,
+              .values_list_address = 0,
               .context = nullptr,
               .sync = nullptr};
 };

@@ -37,7 +37,7 @@ TEST(OutsideHost, SizesOfAnAccess) {
   host.command(kMemorySpace);
   std::array<std::uint32_t, 2> pair{};
   EXPECT_TRUE(host.host->access(Command::read, 0, Host::bytes(pair)));
-  EXPECT_EQ(pair, (std::array<std::uint32_t, 2>{0x4856'5031, 0x0002'0003}));
+  EXPECT_EQ(pair, (std::array<std::uint32_t, 2>{0x4856'5031, 0x0002'0004}));
   EXPECT_EQ(host.side->board()->accelerator().illegal_accesses(), 0);
   for (const std::size_t size : {1U, 2U}) {
     std::array<std::uint8_t, 2> data{};
