@@ -449,10 +449,11 @@ TEST_F(DmaEngineTest, ResetGivesTheListUpWhereverItIs) {
 // Whatever software does to registers, lists and memory, with doorbells and resets at any time:
 // each list ends, and after a reset the board solves.
 TEST_F(DmaEngineTest, ComesBackAfterThousandsOfRandomLists) {
-  constexpr std::array<Register, 9> kSome = {
-      Register::dma_list_low,     Register::dma_list_high,   Register::dma_count,
-      Register::dma_record_low,   Register::dma_record_high, Register::interrupt_status,
-      Register::interrupt_enable, Register::packing,         Register::static_shift};
+  constexpr std::array<Register, 12> kSome = {
+      Register::dma_list_low,     Register::dma_list_high,    Register::dma_count,
+      Register::dma_record_low,   Register::dma_record_high,  Register::dma_values_low,
+      Register::dma_values_high,  Register::dma_values_count, Register::interrupt_status,
+      Register::interrupt_enable, Register::packing,          Register::static_shift};
   std::uint32_t state = 1;
   const auto random = [&state](std::uint32_t below) {
     state = state * 1664525U + 1013904223U;  // Knuth's congruential generator
@@ -480,6 +481,13 @@ TEST_F(DmaEngineTest, ComesBackAfterThousandsOfRandomLists) {
             board.poke(kSome[random(kSome.size())], random(1U << 24) << random(9));
           ledger_.open(++frame, now_ps());
           Tag tag{frame, kBirth};
+          // A list of b and U is none of values, but for its form.
+          if (random(8) == 0) {
+            board.poke(Register::dma_values_low, kList);
+            board.poke(Register::dma_values_count, random(4));
+            board.command(field::kControlFetchValues, &tag);
+            s.sleep(random(2) == 0 ? random(30'000) * kNs : 1'000 * kUs);
+          }
           board.poke(Register::control, field::kControlRunList.mask(), &tag);
           s.sleep(random(4) == 0 ? random(30'000) * kNs : 1'000 * kUs);
           if (random(8) == 0) board.command(field::kControlReset);
