@@ -35,7 +35,11 @@ DmaEngine::DmaEngine(const sc_core::sc_module_name& name, const MasterSettings& 
   payload_.set_dmi_allowed(false);
   if (settings_.dma) {
     descriptors_.resize(kMaxDescriptors * kDescriptorWords);
-    segment_.resize(4 * std::max(bank.memory(Aperture::b).size(), bank.memory(Aperture::u).size()));
+    // Of values an outside host may have longer ones.
+    const std::size_t of_values = std::min(4 * bank.memory(Aperture::value).size(),
+                                           static_cast<std::size_t>(settings_.dma->segment_bytes));
+    segment_.resize(std::max(
+        {4 * bank.memory(Aperture::b).size(), 4 * bank.memory(Aperture::u).size(), of_values}));
   }
   SC_HAS_PROCESS(DmaEngine);
   SC_THREAD(run);
