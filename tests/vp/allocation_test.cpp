@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/allocation_count.h"
+#include "tests/vp/pressed_scene.h"
 #include "tests/vp/small_scene.h"
 #include "vp/bus/bus_meter.h"
 #include "vp/frame/latency_statistics.h"
@@ -94,6 +95,21 @@ TEST(Allocation, NoneInPassesOfRefinement) {
   test::SmallScene scene(options);
   scene.touch();
   expect_none(scene, 1);
+}
+
+// Every fifth frame gives the board another matrix.
+TEST(Allocation, NoneInARenewalByDma) {
+  test::PressedScene scene({});
+  scene.settings.transfer.method = Transfer::Method::dma;
+  scene.settings.transfer.dma.emplace();
+  scene.settings.frames = 202;
+  Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
+  Count count;
+  platform.add_observer(count);
+  platform.run();
+  ASSERT_GT(count.first, 0U);
+  EXPECT_EQ(count.last - count.first, 0U);
+  EXPECT_GT(scene.computation.renewals()->renewed, 20);
 }
 
 // A device with everything, in a hand that presses it into a wall.

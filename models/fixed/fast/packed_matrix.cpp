@@ -54,22 +54,24 @@ void PackedMatrix::place_nodes(const QuantisedMatrix& matrix) {
   const auto length = [&](std::size_t node) {
     return matrix.row_begin[node + 1] - matrix.row_begin[node];
   };
-  std::vector<std::size_t> order(nodes);
-  std::iota(order.begin(), order.end(), std::size_t{0});
+  order_.resize(nodes);
+  std::iota(order_.begin(), order_.end(), std::size_t{0});
   for (std::size_t first = 0; first < nodes; first += kWindow) {
-    const auto begin = order.begin() + static_cast<std::ptrdiff_t>(first);
-    const auto end = order.begin() + static_cast<std::ptrdiff_t>(std::min(first + kWindow, nodes));
-    std::stable_sort(begin, end,
-                     [&](std::size_t a, std::size_t b) { return length(a) < length(b); });
+    const auto begin = order_.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto end = order_.begin() + static_cast<std::ptrdiff_t>(std::min(first + kWindow, nodes));
+    // Stable, and without the memory that std::stable_sort takes: a renewal is in the frame loop.
+    std::sort(begin, end, [&](std::size_t a, std::size_t b) {
+      return length(a) != length(b) ? length(a) < length(b) : a < b;
+    });
   }
   place_.resize(nodes);
-  for (std::size_t place = 0; place < nodes; ++place) place_[order[place]] = place;
+  for (std::size_t place = 0; place < nodes; ++place) place_[order_[place]] = place;
   padded_rows_ = 3 * ((nodes + kVectorNodes - 1) / kVectorNodes * kVectorNodes);
 
   slice_begin_.assign(padded_rows_ / (3 * kSliceNodes) + 1, 0);
   for (std::size_t place = 0; place < nodes; ++place) {
     int& steps = slice_begin_[place / kSliceNodes + 1];
-    steps = std::max(steps, length(order[place]));
+    steps = std::max(steps, length(order_[place]));
   }
   value_begin_.assign(slice_begin_.size(), 0);
   for (std::size_t slice = 1; slice < slice_begin_.size(); ++slice) {

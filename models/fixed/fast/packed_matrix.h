@@ -70,6 +70,7 @@ class PackedMatrix {
   int vector_bits_ = 16;
   std::size_t padded_rows_ = 0;
   std::vector<std::size_t> place_;        // the place of every node
+  std::vector<std::size_t> order_;        // the node of every place
   std::vector<int> slice_begin_;          // in steps of eight blocks
   std::vector<std::size_t> value_begin_;  // the first paired word of a slice
   Aligned<std::uint16_t> short_column_;   // the place of every block's node (paired),
