@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -13,6 +14,7 @@
 #include "app/scenario/quantity.h"
 #include "app/scenario/toml_text.h"
 #include "models/config/input_error.h"
+#include "models/fem/quadratic_element.h"
 #include "models/mesh/quality.h"
 
 namespace hvp::app {
@@ -49,11 +51,14 @@ mesh::MeshSettings settings_of(const MeshArguments& a) {
                                  a.nodes, kMostNodes));
   }
   s.nodes = a.nodes;
-  if (a.elements != "linear" && a.elements != "quadratic") {
+  const auto& kinds = fem::elements_names();
+  const auto kind = std::ranges::find(kinds, a.elements, [](const auto& k) { return k.first; });
+  if (kind == kinds.end()) {
     throw InputError(
-        fmt::format("--elements {}: expected linear or quadratic", scenario::one_line(a.elements)));
+        fmt::format("--elements {}: expected linear, quadratic or quadratic-mean-dilatation",
+                    scenario::one_line(a.elements)));
   }
-  s.quadratic = a.elements == "quadratic";
+  s.quadratic = kind->second != fem::Elements::linear;
   if (a.surface == "sphere" || a.surface == "box") {
     const bool sphere = a.surface == "sphere";
     s.shape = sphere ? mesh::MeshSettings::Shape::sphere : mesh::MeshSettings::Shape::box;
@@ -135,7 +140,8 @@ void add_mesh(CLI::App& app, int& status) {
       ->type_name("N");
   command
       ->add_option("--elements", arguments->elements,
-                   "linear, with four nodes, or quadratic, with a node on each edge too")
+                   "linear, with four nodes, or quadratic, with a node on each edge too, as "
+                   "quadratic-mean-dilatation has them")
       ->type_name("KIND");
   command
       ->add_option("--unit", arguments->unit, "length of one unit of the file, \"1 mm\" by default")

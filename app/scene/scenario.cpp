@@ -45,11 +45,6 @@ void Object::declare(config::Visitor& v) {
                      {config::kPresent},
                      "a body that is not linear is solved by increments, which are its passes"});
   }
-  if (!model || nonlinear()) {
-    needs.push_back({"object.elements",
-                     {"linear"},
-                     "the forces of a body that is not linear are those of linear tetrahedra"});
-  }
   v.effect("model", model,
            {"a body that is not linear: its elements' forces are formed on the host, and the "
             "matrix at rest serves for the increments; needs [refinement]",

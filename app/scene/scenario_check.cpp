@@ -163,17 +163,10 @@ void require_way_to_solve(const Scenario& s) {
     throw InputError("object.model.kind",
                      "springs have no matrix to solve with: expected host.solver = \"explicit\"");
   }
-  if (s.object.elements == fem::Elements::linear) return;
-  if (steps) {
-    throw InputError("host.solver",
-                     "explicit steps take the forces of linear tetrahedra: expected "
-                     "object.elements = \"linear\", or board, cg or cholesky");
-  }
-  if (s.reference &&
-      s.reference->model.value_or(tissue::LawKind::linear) != tissue::LawKind::linear) {
-    throw InputError("reference.model",
-                     "a body that is not linear has the forces of linear tetrahedra: expected "
-                     "\"linear\", or object.elements = \"linear\"");
+  if (s.object.elements != fem::Elements::linear && s.object.model && s.object.model->springs) {
+    throw InputError("object.elements",
+                     "springs run along the edges of linear tetrahedra: expected \"linear\", or "
+                     "another object.model.kind");
   }
 }
 

@@ -99,7 +99,7 @@ int remaining_rigid_body_modes(const mesh::TetMesh& mesh, std::span<const int> h
 
 Body::Body(mesh::TetMesh mesh, const Materials& materials, std::span<const int> anchored,
            AnchorTreatment treatment, const Loads& loads, Elements elements)
-    : mesh_(std::move(mesh)), materials_(materials), treatment_(treatment) {
+    : mesh_(std::move(mesh)), materials_(materials), treatment_(treatment), elements_(elements) {
   if (mesh_.quadratic() != (elements != Elements::linear)) {
     throw std::invalid_argument(
         "quadratic elements need a mesh with mid-edge nodes, linear ones "

@@ -43,6 +43,7 @@ class Body {
   // Of a body of one material; std::logic_error of another.
   const Material& material() const;
   AnchorTreatment treatment() const { return treatment_; }
+  Elements elements() const { return elements_; }
 
   int active_nodes() const { return static_cast<int>(node_of_active_.size()); }
   // The mesh node of each active node, ascending.
@@ -81,6 +82,7 @@ class Body {
   mesh::TetMesh mesh_;
   Materials materials_;
   AnchorTreatment treatment_;
+  Elements elements_;
   std::vector<int> anchored_;
   std::vector<char> held_;
   std::vector<double> held_displacement_;  // three for each mesh node; zero if not prescribed

@@ -18,8 +18,10 @@ struct Corotational {
   static constexpr Operations kStress = {.add_multiply = 47};
   static constexpr Operations kWarped =
       isotropic_blocks_operations(6) + Operations{.add_multiply = 60 + 2};
+  // Of add_turning(), its factor apart.
+  static constexpr Operations kTurning = {.add_multiply = 544, .divisions = 1};
   static constexpr Operations kExact =
-      isotropic_blocks_operations(6) + Operations{.add_multiply = 610, .divisions = 1};
+      isotropic_blocks_operations(6) + kTurning + Operations{.add_multiply = 60 + 2 + 4};
 
   template <class T>
   Energy<T> energy(const Tensor<T>& f) const {
@@ -66,21 +68,26 @@ struct Corotational {
     isotropic_blocks(
         T(lambda) * volume, exact ? T(0) : shear, h,
         [&](std::size_t a, std::size_t b) { return shear * dot(g[a], g[b]); }, result.blocks);
-    if (exact) add_turning(f, r, h, volume, result.blocks);
+    if (exact) {
+      add_turning(
+          f, r, h,
+          [&](const T& stretch) { return volume * (T(lambda) * (stretch - T(3)) - T(2 * mu)); },
+          result.blocks);
+    }
     result.operations += exact ? kExact : kWarped;
     return result;
   }
 
- private:
-  // V·c·[h_a]ᵀ·D⁻¹·[h_b]
-  template <class T>
-  void add_turning(const Tensor<T>& f, const Tensor<T>& r, const Gradients<T>& h, const T& volume,
-                   Blocks<T>& k) const {
+  // Adds c·[h_a]ᵀ·D⁻¹·[h_b], the change of R, where c, with the volume in it, is a function of tr
+  // S.
+  template <class T, class Factor>
+  static void add_turning(const Tensor<T>& f, const Tensor<T>& r, const Gradients<T>& h,
+                          const Factor& factor, Blocks<T>& k) {
     Tensor<T> d = symmetric_product(f, r);
     const T stretch = trace(d);
     for (std::size_t i = 0; i < 9; ++i) d[i] = i % 4 == 0 ? stretch - d[i] : -d[i];
     const Tensor<T> cofactor = cofactors(d);
-    const T scale = volume * (T(lambda) * (stretch - T(3)) - T(2 * mu)) / determinant(d, cofactor);
+    const T scale = factor(stretch) / determinant(d, cofactor);
     Tensor<T> n;  // V·c·D⁻¹, symmetric
     for (std::size_t i = 0; i < 9; ++i) n[i] = scale * cofactor[i];
 

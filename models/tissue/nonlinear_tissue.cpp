@@ -49,13 +49,11 @@ std::optional<PronySeries> series_of(const Constitution& constitution,
   return std::make_optional<PronySeries>(constitution.prony, period_s);
 }
 
-// M̂'s share of an element at each of its nodes, over the element's mass: a fourth of a lumped mass,
-// and the least eigenvalue, a twentieth, of a consistent one.
-double inertia_support(const std::optional<fem::Dynamics>& dynamics,
+// M̂'s share of an element's point at each of its corners, over the point's part of the mass.
+double inertia_support(const fem::Body& body, const std::optional<fem::Dynamics>& dynamics,
                        const fem::Newmark* integration) {
   if (integration == nullptr) return 0;
-  const double share = dynamics->mass == fem::MassKind::lumped ? 1.0 / 4 : 1.0 / 20;
-  return share * integration->inertia_weight();
+  return least_inertia_share(body.elements(), dynamics->mass) * integration->inertia_weight();
 }
 
 fem::ElementsFound found(const Deformation& deformation) {
@@ -73,7 +71,7 @@ NonlinearTissue::NonlinearTissue(const fem::Body& body, const Constitution& cons
       integrator_(body, body.dead_load(), without_stiffness_damping(dynamics), period_s),
       series_(series_of(constitution, dynamics, period_s)),
       matrix_(system_at_rest(body, dynamics, period_s, series_)),
-      support_(inertia_support(dynamics, integrator_.newmark())),
+      support_(inertia_support(body, dynamics, integrator_.newmark())),
       constraint_(matrix_, diagonal),
       kept_diagonal_(at(body.active_nodes()), 0.0),
       forces_n_(3 * body.mesh().nodes.size(), 0.0),
@@ -83,7 +81,7 @@ NonlinearTissue::NonlinearTissue(const fem::Body& body, const Constitution& cons
       u_reaction_(forces_n_),
       v_reaction_(forces_n_),
       change_(forces_n_),
-      frames_(damped() ? body.mesh().tetrahedra.size() : 0),
+      frames_(damped() ? elastic_.points() : 0),
       chosen_(body.mesh().tetrahedra.size(), 0) {
   elements_.reserve(chosen_.size());
   for (int a = 0; a < body.active_nodes(); ++a) {
@@ -107,7 +105,8 @@ NonlinearTissue::NonlinearTissue(const fem::Body& body, const Constitution& cons
   // What an evaluation takes before the first frame is that of a body strained by some per cent:
   // the corotational law's rotation takes longer than at rest.
   std::vector<double> strained(initial.begin(), initial.end());
-  const double size = 0.02 * std::cbrt(fem::element_geometry(body.mesh(), 0).volume());
+  const double size = (body.mesh().quadratic() ? 0.01 : 0.02) *
+                      std::cbrt(fem::element_geometry(body.mesh(), 0).volume());
   std::uint32_t noise = kFirstNoise;
   for (double& u : strained) u += size * next_noise(noise);
   evaluate(strained, q);

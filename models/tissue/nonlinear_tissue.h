@@ -103,7 +103,7 @@ class NonlinearTissue final : public fem::Tissue,
   std::optional<PronySeries> series_;
   sparse::BlockMatrix matrix_;
   std::int64_t revision_ = 0;
-  double support_;  // of inertia at each node of an element over its mass, N/(m·kg)
+  double support_;  // of inertia at the corners of a point over its mass, N/(m·kg)
   fem::ContactConstraint constraint_;
   std::vector<double> kept_diagonal_;  // N/m, of each active node that is held; otherwise zero
 
@@ -116,7 +116,7 @@ class NonlinearTissue final : public fem::Tissue,
   std::vector<double> reaction_n_, u_reaction_, v_reaction_;  // scratch of forces()
   std::vector<double> at_end_;  // scratch of advance(): the elements' forces, over active nodes
   std::vector<double> change_;  // scratch of advance()
-  std::vector<Tensor<double>> frames_;  // of each element, in which it is damped
+  std::vector<Tensor<double>> frames_;  // of each element's points, in which they are damped
   std::vector<int> elements_;           // scratch: those at some nodes
   std::vector<char> chosen_;
   double evaluate_operations_ = 0;

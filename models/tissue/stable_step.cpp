@@ -6,6 +6,7 @@
 #include <cassert>
 #include <cmath>
 #include <cstdint>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -85,6 +86,10 @@ double sum_of_squares(const fem::ElementGeometry& geometry) {
   return sum;
 }
 
+void expect_linear(const mesh::TetMesh& mesh) {
+  if (mesh.quadratic()) throw std::invalid_argument("a bound of linear elements");
+}
+
 }  // namespace
 
 FrequencyBounds largest_frequency(const sparse::BlockMatrix& k, std::span<const double> mass) {
@@ -124,6 +129,7 @@ FrequencyBounds largest_frequency(const PotentialBody& body, std::span<const dou
 
 double element_step(const ElasticBody& body, std::span<const double> u) {
   const mesh::TetMesh& mesh = body.body().mesh();
+  expect_linear(mesh);
   assert(u.size() == 3 * mesh.nodes.size());
   double largest = 0;  // eigenvalue of K_e over the mass of a node
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
@@ -143,6 +149,7 @@ double element_step(const ElasticBody& body, std::span<const double> u) {
 }
 
 double closed_form_step(const mesh::TetMesh& mesh, const fem::Materials& materials) {
+  expect_linear(mesh);
   double largest = 0;  // (λ + 2μ)/ρ·Σ|∇Λ_a|², 1/s²
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
     const fem::Material& material = materials.of(e);

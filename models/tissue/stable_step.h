@@ -35,7 +35,8 @@ FrequencyBounds largest_frequency(const PotentialBody& body, std::span<const dou
 
 // The shortest step 2/ω of a single free element with a quarter of its mass at each node, s, which
 // is never above the exact one: an assembled eigenvalue is a mean of elements' (Irons, Treharne
-// 1971). `u` is over all mesh nodes. Throws InputError if the law is not defined there.
+// 1971). Of linear elements; throws std::invalid_argument of others. `u` is over all mesh nodes.
+// Throws InputError if the law is not defined there.
 double element_step(const ElasticBody& body, std::span<const double> u);
 // The same at rest without an eigenvalue, from ω² ≤ 4(λ + 2μ)/ρ·Σ|∇Λ_a|².
 double closed_form_step(const mesh::TetMesh& mesh, const fem::Materials& materials);
