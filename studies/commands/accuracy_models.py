@@ -12,7 +12,7 @@ import pandas as pd
 from studies.accuracy.families import SETTINGS, members
 from studies.accuracy.ladder import resolved_settings
 from studies.accuracy.measured import LOAD, MEDIAN, NORMS, Measured, Scene, front
-from studies.accuracy.mesh_error import MeshError, mesh_error
+from studies.accuracy.mesh_error import ELEMENTS, MeshError, mesh_error
 from studies.accuracy.model_answer import (
     DISPLACEMENT,
     FORCE,
@@ -107,6 +107,11 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "--most-nodes", type=int, help=f"of the finest mesh; default {MOST_NODES}", metavar="N"
     )
     models.add_argument(
+        "--reference-elements",
+        choices=ELEMENTS,
+        help=f"of the finer meshes that the mesh's own error is taken from; default {ELEMENTS[0]}",
+    )
+    models.add_argument(
         "--settled",
         type=float,
         metavar="SHARE",
@@ -117,7 +122,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 def refuse_without_models(arguments: argparse.Namespace) -> None:
     """Throws InputError for an option that needs --models."""
-    for name in ("truth", "small", "most_nodes", "settled"):
+    for name in ("truth", "small", "most_nodes", "reference_elements", "settled"):
         if getattr(arguments, name) not in (None, False):
             raise InputError(f"--{name.replace('_', '-')}: belongs to --models")
 
@@ -143,7 +148,11 @@ def run(arguments: argparse.Namespace) -> int:
         if isinstance(resolved, str):
             raise InputError(resolved)
     found = [
-        _Of(scene, scene.run(members(arguments.small)), mesh_error(scene, most_nodes, share))
+        _Of(
+            scene,
+            scene.run(members(arguments.small)),
+            mesh_error(scene, most_nodes, share, arguments.reference_elements or ELEMENTS[0]),
+        )
         for scene in scenes
     ]
     _check(found)
@@ -284,13 +293,17 @@ def _row(scene: str, one: Measured, on_front: bool) -> dict[str, Value]:
 
 def _meshes_csv(found: Sequence[_Of]) -> str:
     """Every mesh of the true law, and what its size's force tends to."""
-    rows = [
-        (of.scene.name, nodes, force, of.mesh.limit.force if of.mesh.limit else None)
-        for of in found
-        for size in of.mesh.sizes
-        for nodes, force in zip(size.nodes, size.forces, strict=True)
-    ]
-    frame = pd.DataFrame(rows, columns=["scene", "nodes", "force_N", "limit_N"])
+    rows: list[tuple[str, str, int, float, float | None]] = []
+    for of in found:
+        limit = of.mesh.limit.force if of.mesh.limit else None
+        own = of.mesh.of_own_size
+        apart = [own] if own is not None and own not in of.mesh.sizes else []
+        for size in (*apart, *of.mesh.sizes):
+            rows += [
+                (of.scene.name, size.elements, nodes, force, limit)
+                for nodes, force in zip(size.nodes, size.forces, strict=True)
+            ]
+    frame = pd.DataFrame(rows, columns=["scene", "elements", "nodes", "force_N", "limit_N"])
     return str(frame.to_csv(index=False))
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from studies.accuracy.families import LAWS, SOLVERS, Member, members
-from studies.accuracy.fields import Field, difference
+from studies.accuracy.fields import Array, Field, difference
 from studies.accuracy.grid import PASSES
 from studies.accuracy.measured import Measured, Scene, front, fullest_asked
 from studies.accuracy.mesh_error import (
@@ -117,6 +117,18 @@ def test_a_scene_rests_at_the_end_of_its_first_hold() -> None:
     assert frames_to_rest({"wall": {}}) is None
 
 
+def quadratic(corners: Array, elements: Array) -> tuple[Array, Array]:
+    """With a node of its own in the middle of each element's edges, in VTK's order."""
+    points, ten = list(corners), []
+    for element in elements:
+        middles = []
+        for a, b in ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)):
+            middles.append(len(points))
+            points.append((corners[element[a]] + corners[element[b]]) / 2)
+        ten.append([*element, *middles])
+    return np.array(points), np.array(ten)
+
+
 def test_fields_on_two_meshes_are_held_against_each_other() -> None:
     corners = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)], dtype=float)
     six = np.array(
@@ -129,6 +141,14 @@ def test_fields_on_two_meshes_are_held_against_each_other() -> None:
     # A linear field is the same on any mesh of linear elements.
     assert difference(field, other) == pytest.approx(0.0, abs=1e-12)
     assert field.volumes.sum() == pytest.approx(1.0) == other.volumes.sum()
+    # A quadratic one is the same on any mesh of quadratic elements, but not on linear ones.
+    ten, more = quadratic(corners, six)
+    fewer, less = quadratic(corners, five)
+    curved = Field(ten, more, ten @ gradient * ten)
+    also = Field(fewer, less, fewer @ gradient * fewer)
+    assert difference(curved, also) == pytest.approx(0.0, abs=1e-12)
+    assert curved.volumes.sum() == pytest.approx(1.0)
+    assert difference(Field(corners, six, corners @ gradient * corners), curved) > 0.1
     larger = Field(corners, five, 1.25 * corners @ gradient)
     assert difference(field, larger) == pytest.approx(0.2)
 
@@ -209,6 +229,8 @@ def test_a_small_study_of_models(
     with (tmp_path / "a" / "meshes.csv").open(encoding="utf-8") as file:
         meshes = list(csv.DictReader(file))
     assert len(meshes) == 9 and all(math.isfinite(float(row["force_N"])) for row in meshes)
+    # The scene's own size, and twice quadratic ones.
+    assert [row["elements"] for row in meshes] == ["linear"] * 3 + ["quadratic"] * 6
 
     # The same command finds every run in the store and writes the same bytes.
     stored = {path: path.stat().st_mtime_ns for path in (tmp_path / "store").rglob("*.json")}
