@@ -184,44 +184,70 @@ template <class Law>
 void ElementLoop<Kind>::visit_forces(const Element& element, const Motion& motion, double times,
                                      std::span<double> f, Tensor<double>* frames,
                                      Deformation& found) const {
-  const AtPoints<Tensor<double>> gradient = deformation_gradients(element, motion.u);
   const Law& law = law_of<Law>(element);
-  AtPoints<Framed> framed =
-      at_points<kPoints>([&](std::size_t p) { return framed_stress(law, gradient[p]); });
-  Seen seen;
-  for (const Framed& one : framed) seen.add(one.stress);
-  if constexpr (Kind::kMeanDilatation) {
-    if (seen.defined) {
-      const Mean mean = mean_of<Law>(element, gradient);
-      for (std::size_t p = 0; p < kPoints; ++p) {
-        for (std::size_t i = 0; i < 9; ++i) {
-          framed[p].stress.p[i] += mean.energy.pressure * mean.at[p].gradient[i];
+  // One point needs no arrays, and a frame's loop over linear elements is as fast without.
+  if constexpr (kPoints == 1) {
+    Framed framed = framed_stress(
+        law, deformation_gradient(element.gradient, gather_nodes(element.node, motion.u)));
+    Stress<double>& stress = framed.stress;
+    note(found, stress);
+    found.operations += kDeformationGradient;
+    if (!stress.defined) return;
+    if (!motion.v.empty()) {
+      const Tensor<double> damping =
+          viscous(element, motion.damping_s)
+              .stress(framed.frame,
+                      velocity_gradient(element.gradient, gather_nodes(element.node, motion.v)));
+      for (std::size_t i = 0; i < 9; ++i) stress.p[i] += damping[i];
+      found.operations += damping_operations<Kind>();
+      if (frames != nullptr) *frames = framed.frame;
+    }
+    if (times != 1) {
+      for (double& p : stress.p) p *= times;
+    }
+    std::array<double*, 4> force{};
+    for (std::size_t a = 0; a < 4; ++a) force[a] = &f[3 * at(element.node[a])];
+    tissue::add_forces(stress.p, element.weighted, force);
+    found.operations += kForcesOfElement<Kind>;
+  } else {
+    const AtPoints<Tensor<double>> gradient = deformation_gradients(element, motion.u);
+    AtPoints<Framed> framed =
+        at_points<kPoints>([&](std::size_t p) { return framed_stress(law, gradient[p]); });
+    Seen seen;
+    for (const Framed& one : framed) seen.add(one.stress);
+    if constexpr (Kind::kMeanDilatation) {
+      if (seen.defined) {
+        const Mean mean = mean_of<Law>(element, gradient);
+        for (std::size_t p = 0; p < kPoints; ++p) {
+          for (std::size_t i = 0; i < 9; ++i) {
+            framed[p].stress.p[i] += mean.energy.pressure * mean.at[p].gradient[i];
+          }
         }
+        seen.operations += mean.operations + static_cast<double>(kPoints) * kAddPressure;
       }
-      seen.operations += mean.operations + static_cast<double>(kPoints) * kAddPressure;
     }
-  }
-  note(found, seen);
-  found.operations += gradients_operations<Kind>(kDeformationGradient);
-  if (!seen.defined) return;
-  AtPoints<Tensor<double>> stress =
-      at_points<kPoints>([&](std::size_t p) { return framed[p].stress.p; });
-  if (!motion.v.empty()) {
-    const AtPoints<Tensor<double>> damping =
-        damping_stresses(element, motion, [&](std::size_t p) { return framed[p].frame; });
-    for (std::size_t p = 0; p < kPoints; ++p) {
-      for (std::size_t i = 0; i < 9; ++i) stress[p][i] += damping[p][i];
-      if (frames != nullptr) frames[p] = framed[p].frame;
+    note(found, seen);
+    found.operations += gradients_operations<Kind>(kDeformationGradient);
+    if (!seen.defined) return;
+    AtPoints<Tensor<double>> stress =
+        at_points<kPoints>([&](std::size_t p) { return framed[p].stress.p; });
+    if (!motion.v.empty()) {
+      const AtPoints<Tensor<double>> damping =
+          damping_stresses(element, motion, [&](std::size_t p) { return framed[p].frame; });
+      for (std::size_t p = 0; p < kPoints; ++p) {
+        for (std::size_t i = 0; i < 9; ++i) stress[p][i] += damping[p][i];
+        if (frames != nullptr) frames[p] = framed[p].frame;
+      }
+      found.operations += damping_operations<Kind>();
     }
-    found.operations += damping_operations<Kind>();
-  }
-  if (times != 1) {
-    for (Tensor<double>& one : stress) {
-      for (double& p : one) p *= times;
+    if (times != 1) {
+      for (Tensor<double>& one : stress) {
+        for (double& p : one) p *= times;
+      }
     }
+    add_forces_of(element, stress, f);
+    found.operations += kForcesOfElement<Kind>;
   }
-  add_forces_of(element, stress, f);
-  found.operations += kForcesOfElement<Kind>;
 }
 
 template <class Kind>

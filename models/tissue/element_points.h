@@ -43,7 +43,9 @@ struct Seen {
   }
 };
 
-inline void note(Deformation& found, const Seen& seen) {
+// Of a law's answer, or of what is seen at several points.
+template <class Answer>
+void note(Deformation& found, const Answer& seen) {
   found.operations += seen.operations;
   if (seen.determinant < found.smallest_determinant || std::isnan(seen.determinant)) {
     found.smallest_determinant = seen.determinant;
