@@ -15,7 +15,19 @@
 
 namespace hvp::tissue {
 
-using namespace points;
+using points::at_points;
+using points::damping_operations;
+using points::gather_nodes;
+using points::gradient_of_mean;
+using points::gradients_operations;
+using points::kAddBlock;
+using points::kAddPressure;
+using points::kForcesOfElement;
+using points::kGradientOfMean;
+using points::kMeanOfPoints;
+using points::note;
+using points::Seen;
+using points::velocity_gradient;
 
 namespace {
 

@@ -120,7 +120,7 @@ struct MeanDilatation<Linear> {
   template <class T>
   static Dilatation<T> measure(const Tensor<T>& f) {
     Dilatation<T> result{.s = trace(f) - T(3), .operations = kMeasure};
-    for (const std::size_t i : {0, 4, 8}) result.gradient[i] = T(1);
+    for (std::size_t i = 0; i < 9; i += 4) result.gradient[i] = T(1);
     return result;
   }
   template <class T>
@@ -158,7 +158,7 @@ struct MeanDilatation<StVenantKirchhoff> {
     for (std::size_t a = 0; a < 4; ++a) {
       for (std::size_t b = a; b < 4; ++b, ++block) {
         const T along = weighted_pressure * dot(g[a], g[b]);
-        for (const std::size_t i : {0, 4, 8}) k[block][i] = k[block][i] + along;
+        for (std::size_t i = 0; i < 9; i += 4) k[block][i] = k[block][i] + along;
       }
     }
     return kHessian;

@@ -186,16 +186,16 @@ struct TenNodes {
       }
     }
     BlocksOf<T, 10> of_nodes() const {
-      std::array<std::array<Tensor<T>, 10>, 4> half;  // ½·ΣK_p·A + ΣK_p·S_p
+      std::array<std::array<Tensor<T>, 10>, 4> half{};  // ½·ΣK_p·A + ΣK_p·S_p
       for (std::size_t c = 0; c < 4; ++c) {
-        std::array<Tensor<T>, 4> row;
+        std::array<Tensor<T>, 4> row{};
         for (std::size_t d = 0; d < 4; ++d) row[d] = everywhere(c, d);
         for (std::size_t b = 0; b < 10; ++b) {
           const Tensor<T> product = by_nodes(b, 0.5, [&](std::size_t d) { return row[d]; });
           half[c][b] = combine(T(1), product, T(ten_nodes::kNearer), mixed_[c][b]);
         }
       }
-      std::array<std::array<Tensor<T>, 10>, 10> y;
+      std::array<std::array<Tensor<T>, 10>, 10> y{};
       for (std::size_t a = 0; a < 10; ++a) {
         for (std::size_t b = 0; b < 10; ++b) {
           y[a][b] = by_nodes(a, 1, [&](std::size_t c) { return half[c][b]; });
