@@ -13,6 +13,9 @@ namespace {
 // Factors that leave more than this share of the residual are formed anew.
 constexpr double kSlow = 0.1;
 constexpr int kMostShortenings = 12;
+// So many slow steps in a row with the matrix at rest, and Newton's own step is tried where the
+// tangent is not positive definite: it lowers the residual there too, but may lead far.
+constexpr int kPatience = 4;
 
 }  // namespace
 
@@ -52,18 +55,27 @@ double NewtonRun::look_at(std::span<const double> u, std::span<const int> contac
   return largest;
 }
 
-void NewtonRun::factorise() {
+// Forms the tangent where the run is and chooses the factors of the next steps. The matrix at rest
+// is downhill where the tangent is not positive definite; `anyhow` is Newton's step all the same.
+void NewtonRun::factorise(bool anyhow) {
   static_cast<void>(tissue_.tangent(tangent_));
   ++tangents_;
   const bool finite =
       std::ranges::all_of(tangent_.value, [](double entry) { return std::isfinite(entry); });
   if (finite) {
-    factors_.emplace(tangent_);
-    if (factors_->positive_definite()) return;
+    exact_.emplace(tangent_);
+    if (exact_->positive_definite()) {
+      factors_ = &*exact_;
+      return;
+    }
   }
-  // The matrix at rest is downhill where the tangent is not.
   ++indefinite_;
-  factors_.emplace(tissue_.system());
+  if (finite && anyhow && !exact_->singular()) {
+    factors_ = &*exact_;
+    return;
+  }
+  if (!at_rest_) at_rest_.emplace(tissue_.system());
+  factors_ = &*at_rest_;
 }
 
 bool NewtonRun::solve(const fem::Hold& hold) {
@@ -71,9 +83,11 @@ bool NewtonRun::solve(const fem::Hold& hold) {
   double residual = look_at(u_, hold.nodes);
   residual_n_.push_back(residual);
   if (!std::isfinite(residual)) return false;
-  if (!factors_) factorise();
+  if (factors_ == nullptr) factorise(false);
   bool fresh = false;
-  for (int i = 0; i < kMostSteps; ++i) {
+  int slow_at_rest = 0;
+  const std::int64_t last_tangent = tangents_ + kMostTangents;
+  for (int i = 0; i < kMostSteps && tangents_ < last_tangent; ++i) {
     gap_.clear();
     bool there = true;
     for (std::size_t n = 0; n < hold.nodes.size(); ++n) {
@@ -88,13 +102,15 @@ bool NewtonRun::solve(const fem::Hold& hold) {
       factors_->solve(r_, direction_);
     }
     const double before = residual;
+    const bool at_rest = at_rest_ && factors_ == &*at_rest_;
     const bool taken = make_step(hold, residual);
-    if (!taken && fresh) return false;
+    if (!taken && fresh && at_rest) return false;
     if (taken) residual_n_.push_back(residual);
     fresh = false;
     if (!taken || (there && residual > kSlow * before)) {
+      slow_at_rest = at_rest ? slow_at_rest + 1 : 0;
       look_at(u_, hold.nodes);
-      factorise();
+      factorise(taken && slow_at_rest >= kPatience);
       fresh = true;
     }
   }
