@@ -165,6 +165,13 @@ void print_explanation(const Scene& scene, const Explanation& e) {
   for (const FrameStep& step : e.steps) {
     print("  {:<34} {:>10}\n", step.what, results::readable_time(step.ps));
   }
+  if (!e.renewal.empty()) {
+    print("\nOn top, in a frame that renews the matrix, one of {} that the board solves\n",
+          e.renew_every);
+    for (const FrameStep& step : e.renewal) {
+      print("  {:<34} {:>10}\n", step.what, results::readable_time(step.ps));
+    }
+  }
   if (!scene.has_board()) return;
   print("{}{}{}", results::clocks_text(scene), results::several_text(scene),
         results::resources_text(scene));

@@ -133,6 +133,8 @@ Explanation explain(Scene& scene) {
   if (!scene.has_body()) return e;
   e.loads = placed_loads(scene);
   e.steps = frame_steps(scene);
+  e.renew_every = scene.scenario().object.renewal().every;
+  e.renewal = renewal_steps(scene);
   return e;
 }
 
@@ -186,19 +188,30 @@ ordered_json workspace_json(const Explanation& e) {
   return list;
 }
 
+ordered_json steps_json(const std::vector<FrameStep>& steps) {
+  ordered_json list = ordered_json::array();
+  for (const FrameStep& step : steps) {
+    list.push_back({{"what", step.what},
+                    {"ps", step.ps},
+                    {"us", static_cast<double>(step.ps) / 1e6},
+                    {"times", step.times},
+                    {"after_force", step.after_force}});
+  }
+  return list;
+}
+
 ordered_json frame_json(const Explanation& e) {
   if (e.steps.empty()) return nullptr;
-  ordered_json steps = ordered_json::array();
-  for (const FrameStep& step : e.steps) {
-    steps.push_back({{"what", step.what},
-                     {"ps", step.ps},
-                     {"us", static_cast<double>(step.ps) / 1e6},
-                     {"times", step.times},
-                     {"after_force", step.after_force}});
+  ordered_json frame = {{"steps", steps_json(e.steps)},
+                        {"latency_us", static_cast<double>(latency_ps(e.steps)) / 1e6},
+                        {"frame_us", static_cast<double>(frame_ps(e.steps)) / 1e6}};
+  if (!e.renewal.empty()) {
+    const std::int64_t whole = frame_ps(e.steps) + frame_ps(e.renewal);
+    frame["renewal"] = {{"every", e.renew_every},
+                        {"steps", steps_json(e.renewal)},
+                        {"frame_us", static_cast<double>(whole) / 1e6}};
   }
-  return {{"steps", steps},
-          {"latency_us", static_cast<double>(latency_ps(e.steps)) / 1e6},
-          {"frame_us", static_cast<double>(frame_ps(e.steps)) / 1e6}};
+  return frame;
 }
 
 }  // namespace

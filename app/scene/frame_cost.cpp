@@ -4,45 +4,58 @@
 
 #include "models/host/costs.h"
 #include "models/link/interconnect.h"
+#include "models/time/picoseconds.h"
 
 namespace hvp::app {
 
 namespace {
-struct MovedVectors {
-  std::int64_t send_ps;
-  std::int64_t receive_ps;
-};
 
-MovedVectors moved_over(const link::PcieInterconnect& link, vp::Transfer::Method method,
-                        std::int64_t b, std::int64_t u) {
-  using Method = vp::Transfer::Method;
-  if (method == Method::dma) return {link.dma_read(b).latency_ps, link.dma_write(u).latency_ps};
-  return {link.processor_write(b, method != Method::programmed_io).latency_ps,
-          link.processor_read(u).latency_ps};
+using Method = vp::Transfer::Method;
+
+std::int64_t payload_bytes(const Scenario& s, int bits, std::int64_t elements) {
+  return link::Payload{0, 0, bits, s.transfer.packed}.bytes(elements);
 }
 
-// The time of a transfer that is alone on the bus, without doorbells and interrupts.
-MovedVectors moved_vectors(const Scenario& s, int nodes) {
-  using Method = vp::Transfer::Method;
-  const std::int64_t unknowns = std::int64_t{3} * nodes;
-  const auto bytes = [&](int bits) {
-    return link::Payload{0, 0, bits, s.transfer.packed}.bytes(unknowns);
-  };
-  const std::int64_t b = bytes(s.solver.residual_bits());
-  const std::int64_t u = bytes(s.solver.vector_bits);
-  if (s.bus.pcie) return moved_over(link::PcieInterconnect(*s.bus.pcie), s.transfer.method, b, u);
-  const link::Pci& pci = s.bus.pci;
-  switch (s.transfer.method) {
-    case Method::bursts:
-      return {pci.write_ps(b), pci.read_ps(u)};
-    case Method::programmed_io:
-      return {b / 4 * pci.write_ps(4), u / 4 * pci.read_ps(4)};
-    case Method::write_combined_io:
-      return {pci.write_ps(b), u / 4 * pci.read_ps(4)};
-    case Method::dma:
-      return {pci.read_wire_ps(b), pci.write_wire_ps(u)};
+// The times of transfers to and from the board that are alone on the bus, without doorbells and
+// interrupts.
+std::int64_t send_ps(const Scenario& s, std::int64_t bytes) {
+  const Method method = s.transfer.method;
+  if (s.bus.pcie) {
+    const link::PcieInterconnect link(*s.bus.pcie);
+    if (method == Method::dma) return link.dma_read(bytes).latency_ps;
+    return link.processor_write(bytes, method != Method::programmed_io).latency_ps;
   }
-  return {};
+  const link::Pci& pci = s.bus.pci;
+  switch (method) {
+    case Method::bursts:
+    case Method::write_combined_io:
+      return pci.write_ps(bytes);
+    case Method::programmed_io:
+      return bytes / 4 * pci.write_ps(4);
+    case Method::dma:
+      return pci.read_wire_ps(bytes);
+  }
+  return 0;
+}
+
+std::int64_t receive_ps(const Scenario& s, std::int64_t bytes) {
+  const Method method = s.transfer.method;
+  if (s.bus.pcie) {
+    const link::PcieInterconnect link(*s.bus.pcie);
+    if (method == Method::dma) return link.dma_write(bytes).latency_ps;
+    return link.processor_read(bytes).latency_ps;
+  }
+  const link::Pci& pci = s.bus.pci;
+  switch (method) {
+    case Method::bursts:
+      return pci.read_ps(bytes);
+    case Method::programmed_io:
+    case Method::write_combined_io:
+      return bytes / 4 * pci.read_ps(4);
+    case Method::dma:
+      return pci.write_wire_ps(bytes);
+  }
+  return 0;
 }
 
 }  // namespace
@@ -62,16 +75,37 @@ std::vector<FrameStep> frame_steps(const Scene& scene, int nodes, std::int64_t s
   std::vector<FrameStep> steps;
   for (const host::Step& step : scene.computation().steps()) {
     if (step.where == host::Step::Where::board) {
-      const MovedVectors moved = moved_vectors(s, nodes);
-      steps.push_back({"send b", bus_takes_time ? moved.send_ps : 0, step.times});
+      const std::int64_t unknowns = std::int64_t{3} * nodes;
+      const std::int64_t b = payload_bytes(s, s.solver.residual_bits(), unknowns);
+      const std::int64_t u = payload_bytes(s, s.solver.vector_bits, unknowns);
+      steps.push_back({"send b", bus_takes_time ? send_ps(s, b) : 0, step.times});
       steps.push_back({"solve", solve_ps, step.times});
-      steps.push_back({"receive U", bus_takes_time ? moved.receive_ps : 0, step.times});
+      steps.push_back({"receive U", bus_takes_time ? receive_ps(s, u) : 0, step.times});
       continue;
     }
     const double rate = step.where == host::Step::Where::solver ? s.host.solver_speed() : 1;
     const std::int64_t ps = host_takes_time ? s.host.compute_ps(step.operations / rate * grown) : 0;
     steps.push_back({step.what, ps, step.times, step.after_force});
   }
+  return steps;
+}
+
+std::vector<FrameStep> renewal_steps(const Scene& scene) {
+  const Scenario& s = scene.scenario();
+  if (!s.object.renewal().present() || !scene.has_board()) return {};
+  const host::FrameComputation& computation = scene.computation();
+  const std::size_t entries = computation.board().matrix().value.size();
+  std::vector<FrameStep> steps;
+  const auto add = [&](const char* what, vp::Timing level, std::int64_t ps) {
+    steps.push_back({what, level == vp::Timing::untimed ? 0 : ps, 1, true});
+  };
+  add("assemble: tangents, in words", s.fidelity.host,
+      s.host.compute_ps(computation.typical_renew_operations()));
+  add("load values: the driver", s.fidelity.host, to_picoseconds(s.host.driver_s(entries)));
+  add("send the values", s.fidelity.bus,
+      send_ps(s, payload_bytes(s, s.solver.matrix_bits, static_cast<std::int64_t>(entries))));
+  add("load values: the board", s.fidelity.accelerator,
+      scene.board().load(s.solver.method) * s.accelerator.clock_period_ps());
   return steps;
 }
 

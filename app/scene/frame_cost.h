@@ -23,6 +23,10 @@ std::vector<FrameStep> frame_steps(const Scene& scene);
 // host's operations and the bytes on the bus grow with the nodes.
 std::vector<FrameStep> frame_steps(const Scene& scene, int nodes, std::int64_t solve_ps);
 
+// What a frame that renews the matrix takes on top of its steps, in order and after the force;
+// empty where it is never renewed.
+std::vector<FrameStep> renewal_steps(const Scene& scene);
+
 // The time of all steps in sequence, and of the steps for which the force waits.
 std::int64_t frame_ps(const std::vector<FrameStep>& steps);
 std::int64_t latency_ps(const std::vector<FrameStep>& steps);

@@ -126,9 +126,7 @@ stability::Flags FrameComputation::renew() {
     return {};
   }
   renewals_.projected = std::max<std::int64_t>(renewals_.projected, formed.projected);
-  const int entries = static_cast<int>(formed_.value.size());
-  const bool scaled = board_->settings().matrix_scaling != fixed::MatrixScaling::none;
-  renew_operations_ += conversion_operations(entries) + (scaled ? 2.0 * entries : 0);
+  renew_operations_ += words_operations();
   const fixed::Fit fit = board_->renew(formed_);
   renewals_.growth = std::max(renewals_.growth, fit.filling * renewal_.headroom);
   if (fit.beyond > 0) {
@@ -141,6 +139,18 @@ stability::Flags FrameComputation::renew() {
   system.take(formed_);
   ++renewals_.renewed;
   return {};
+}
+
+// Of the formed matrix into words.
+double FrameComputation::words_operations() const {
+  const int entries = static_cast<int>(formed_.value.size());
+  const bool scaled = board_->settings().matrix_scaling != fixed::MatrixScaling::none;
+  return conversion_operations(entries) + (scaled ? 2.0 * entries : 0);
+}
+
+double FrameComputation::typical_renew_operations() const {
+  if (!renewal_.present()) return 0;
+  return tissue_->renewable()->typical_operations() + words_operations();
 }
 
 std::vector<Step> FrameComputation::steps() const {

@@ -104,6 +104,8 @@ class FrameComputation {
   stability::Flags renew();
   // Of the last renew().
   double renew_operations() const { return renew_operations_; }
+  // What renew() takes of a body that is strained by some per cent; zero where nothing is renewed.
+  double typical_renew_operations() const;
   // Changes with matrix() and board().matrix().
   std::int64_t revision() const { return tissue_->revision(); }
   // Null where the matrix is never renewed.
@@ -127,6 +129,8 @@ class FrameComputation {
   std::vector<Step> steps() const;
 
  private:
+  double words_operations() const;
+
   std::unique_ptr<fem::Tissue> tissue_;
   Effort effort_;
   std::optional<BoardSystem> board_;

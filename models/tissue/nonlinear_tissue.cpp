@@ -104,12 +104,7 @@ NonlinearTissue::NonlinearTissue(const fem::Body& body, const Constitution& cons
   }
   // What an evaluation takes before the first frame is that of a body strained by some per cent:
   // the corotational law's rotation takes longer than at rest.
-  std::vector<double> strained(initial.begin(), initial.end());
-  const double size = (body.mesh().quadratic() ? 0.01 : 0.02) *
-                      std::cbrt(fem::element_geometry(body.mesh(), 0).volume());
-  std::uint32_t noise = kFirstNoise;
-  for (double& u : strained) u += size * next_noise(noise);
-  evaluate(strained, q);
+  evaluate(strained(), q);
   const double typical = evaluate_operations_;
   evaluate(initial, q);
   evaluate_operations_ = std::max(evaluate_operations_, typical);
@@ -124,6 +119,17 @@ NonlinearTissue::NonlinearTissue(const fem::Body& body, const Constitution& cons
     collect_elements(initial, at_end_);
     integrator_.start(at_end_);
   }
+}
+
+// The body strained by some per cent.
+std::vector<double> NonlinearTissue::strained() const {
+  const std::span<const double> initial = initial_displacement();
+  std::vector<double> displaced(initial.begin(), initial.end());
+  const double size = (body_.mesh().quadratic() ? 0.01 : 0.02) *
+                      std::cbrt(fem::element_geometry(body_.mesh(), 0).volume());
+  std::uint32_t noise = kFirstNoise;
+  for (double& u : displaced) u += size * next_noise(noise);
+  return displaced;
 }
 
 Motion NonlinearTissue::motion(std::span<const double> u, std::span<const double> v) const {
@@ -349,6 +355,11 @@ fem::FormedSystem NonlinearTissue::form(std::span<const double> u, sparse::Block
   if (!deformation.defined()) return {false, 0, operations};
   operations += add_to_elastic(a);
   return {true, deformation.projected, operations};
+}
+
+double NonlinearTissue::typical_operations() {
+  sparse::BlockMatrix formed = matrix_;
+  return form(strained(), formed).operations;
 }
 
 void NonlinearTissue::take(const sparse::BlockMatrix& a) {

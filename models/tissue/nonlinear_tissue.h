@@ -71,6 +71,7 @@ class NonlinearTissue final : public fem::Tissue,
 
   // The damping's part is that of the frames in which the last evaluate() found the elements.
   fem::FormedSystem form(std::span<const double> u, sparse::BlockMatrix& a) override;
+  double typical_operations() override;
   void take(const sparse::BlockMatrix& a) override;
 
   // ∂q/∂u at the displacements of the last evaluate(), without the change of the frame in which
@@ -81,6 +82,7 @@ class NonlinearTissue final : public fem::Tissue,
   const ElasticBody& elastic() const { return elastic_; }
 
  private:
+  std::vector<double> strained() const;
   bool damped() const { return damping_s_ > 0; }
   Motion motion(std::span<const double> u, std::span<const double> v) const;
   void expand_velocity(std::span<const double> u, std::span<double> v) const;

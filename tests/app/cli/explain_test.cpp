@@ -122,6 +122,64 @@ TEST_F(ExplainJson, AgreesWithTheSummaryOfARun) {
   }
 }
 
+// What a frame that renews its matrix has on top is what the run then measures: the host's part to
+// a tenth, as it depends on the deformation; bus and board to what the accesses around them take.
+TEST(ExplainRenewal, IsWhatARunMeasures) {
+  const ScratchDirectory place;
+  for (const std::string transfer : {"bursts", "programmed-io"}) {
+    SCOPED_TRACE(transfer);
+    std::vector<std::string> changes = {"frames=160",
+                                        "object.model.matrix.renew_every=40",
+                                        "solver.method=jacobi-pcg",
+                                        "budget.period=8 ms",
+                                        "output.pictures=false",
+                                        "output.remedies=false",
+                                        "reference=false",
+                                        "transfer.method=" + transfer,
+                                        "output.trace_frames=0"};
+    std::vector<std::string> arguments = {scenario("thesis-nonlinear.toml").string()};
+    for (const std::string& change : changes) {
+      arguments.emplace_back("--set");
+      arguments.push_back(change);
+    }
+    std::vector<std::string> run = {"run", "--out", "out"};
+    run.insert(run.end(), arguments.begin(), arguments.end());
+    std::vector<std::string> explain = {"explain", "--json"};
+    explain.insert(explain.end(), arguments.begin(), arguments.end());
+    ASSERT_LE(hvp(place.path(), run).status, 1);
+    const json renewal = json::parse(hvp(place.path(), explain).out).at("frame").at("renewal");
+    EXPECT_EQ(renewal.at("every"), 40);
+    const json& steps = renewal.at("steps");
+    ASSERT_EQ(steps.size(), 4U);
+    const auto us = [&](std::size_t step) { return steps.at(step).at("us").get<double>(); };
+    const json trace = json::parse(read(place.path() / "out/trace.json")).at("traceEvents");
+    // The first of each, and what the bus does between those of host and board.
+    const auto first = [&](const char* part, const char* phase) {
+      for (const json& event : trace) {
+        if (event.value("cat", "") == part && event.at("name") == phase) return event;
+      }
+      ADD_FAILURE() << part << " " << phase;
+      return json({{"ts", 0.0}, {"dur", 0.0}});
+    };
+    const json assemble = first("host", "assemble");
+    const json driver = first("host", "load values");
+    const json board = first("fpga", "load values");
+    double moved = 0;
+    for (const json& event : trace) {
+      if (event.value("cat", "") != "bus" || event.at("pid") != 1 || event.at("ph") != "X")
+        continue;
+      const double start = event.at("ts").get<double>();
+      if (start < driver.at("ts") || start >= board.at("ts")) continue;
+      moved += event.at("dur").get<double>();
+    }
+    EXPECT_GT(us(0), 100);
+    EXPECT_NEAR(us(0), assemble.at("dur").get<double>(), 0.1 * us(0));
+    EXPECT_NEAR(us(1), driver.at("dur").get<double>(), 1e-3 * us(1));
+    EXPECT_NEAR(us(2), moved, 0.02 * us(2));
+    EXPECT_NEAR(us(3), board.at("dur").get<double>(), 1e-3 * us(3));
+  }
+}
+
 TEST_F(ExplainJson, TimesEveryEffectOrSaysWhyNot) {
   const json told = with({"frames=10"}, {"--measure"});
   const json& measured = told.at("measured");
