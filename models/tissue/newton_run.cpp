@@ -83,10 +83,10 @@ bool NewtonRun::solve(const fem::Hold& hold) {
   double residual = look_at(u_, hold.nodes);
   residual_n_.push_back(residual);
   if (!std::isfinite(residual)) return false;
+  const std::int64_t last_tangent = tangents_ + kMostTangents;
   if (factors_ == nullptr) factorise(false);
   bool fresh = false;
   int slow_at_rest = 0;
-  const std::int64_t last_tangent = tangents_ + kMostTangents;
   for (int i = 0; i < kMostSteps && tangents_ < last_tangent; ++i) {
     gap_.clear();
     bool there = true;

@@ -275,5 +275,27 @@ TEST(RegionsOfTissue, LayersCarryTheSameStressAtLargeStrain) {
   EXPECT_NEAR(force, -stress(1e4, low) * 1e-4, 1e-8 * force);
 }
 
+// Inertia keeps an element's tangent definite: that of its own region, and of no other.
+TEST(RegionsOfTissue, SupportEachElementByItsOwnDensity) {
+  fem::Material light{.young_modulus_pa = 1e4, .poisson_ratio = 0.45, .density_kg_m3 = 1};
+  fem::Material heavy = light;
+  heavy.density_kg_m3 = 1e9;
+  const auto projected = [](const fem::Body& body) {
+    std::vector<double> squeezed(3 * body.mesh().nodes.size());
+    for (std::size_t n = 0; n < body.mesh().nodes.size(); ++n) {
+      const Vector3d& x = body.mesh().nodes[n];
+      for (int i = 0; i < 3; ++i) squeezed[3 * n + at(i)] = (i == 2 ? -0.1 : -0.2) * x[i];
+    }
+    const ElasticBody elastic(body, LawKind::neo_hookean_isochoric);
+    sparse::BlockMatrix k = body.stiffness();
+    return elastic.supported_tangent(squeezed, 1e6, k).projected;
+  };
+  const int all = projected(box({light}));
+  EXPECT_GT(all, 100);
+  EXPECT_EQ(projected(box({heavy})), 0);
+  EXPECT_EQ(projected(box({light, heavy})), all / 2);
+  EXPECT_EQ(projected(box({heavy, light})), all / 2);
+}
+
 }  // namespace
 }  // namespace hvp::tissue::regions_test
