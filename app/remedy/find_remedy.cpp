@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "app/remedy/element_remedy.h"
 #include "app/remedy/replay.h"
 #include "app/remedy/tissue_remedy.h"
@@ -12,17 +14,25 @@
 namespace hvp::app {
 
 std::optional<results::TriedRemedy> find_remedy(const Scene& scene, const results::Outcome& outcome,
-                                                const Recorder* recorder, const Again& again,
+                                                const Recorder* recorder, const Again& searched,
                                                 const Progress& progress) {
+  int whole_runs = 0;
+  Again again = searched;
+  if (searched.rerun && progress) {
+    again.rerun = [&](const std::vector<std::string>& texts) {
+      progress(fmt::format("looking for a remedy: whole run {}", ++whole_runs));
+      return searched.rerun(texts);
+    };
+  }
   std::optional<results::TriedRemedy> remedy;
   if (recorder != nullptr && again.rebuild) {
-    remedy = try_remedies(scene, outcome.flags, recorder->sightings(),
-                          {outcome.verdict.worst_latency(), outcome.verdict.worst_load(),
-                           outcome.verdict.budget(), outcome.verdict.period()},
-                          again.rebuild, progress);
+    remedy = try_remedies(
+        scene, outcome.flags, recorder->sightings(),
+        {outcome.verdict.worst_latency(), outcome.verdict.worst_load(), outcome.verdict.budget(),
+         outcome.verdict.period(), outcome.matrix ? outcome.matrix->counts.growth : 0},
+        again.rebuild, progress);
   }
   if (remedy) {
-    if (progress) progress("running the remedy as it will be printed");
     remedy->was_held = outcome.held();
     verify(*remedy, outcome.flags, again.rerun);
   }
@@ -47,7 +57,6 @@ std::optional<results::TriedRemedy> find_remedy(const Scene& scene, const result
   if (!outcome.stiffness || !again.rerun) return remedy;
   const bool helps = remedy && remedy->whole_run && !remedy->taken_away().empty();
   const stability::Flags flags = helps ? remedy->left : outcome.flags;
-  if (progress) progress("looking for a remedy of the loop");
   std::optional<results::TriedRemedy> of_loop =
       try_loop_remedy(scene.scenario(), flags, *outcome.stiffness,
                       helps ? remedy->settings : std::vector<std::string>(), again.rerun);

@@ -19,7 +19,7 @@ struct Again {
 // solving recorded frames again (`recorder`, null where there is no body), then for locking and for
 // the flags of the loop. Either is then run as it is printed. Absent where nothing was looked for.
 std::optional<results::TriedRemedy> find_remedy(const Scene& scene, const results::Outcome& outcome,
-                                                const Recorder* recorder, const Again& again,
+                                                const Recorder* recorder, const Again& searched,
                                                 const Progress& progress);
 
 }  // namespace hvp::app

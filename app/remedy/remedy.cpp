@@ -164,7 +164,7 @@ Candidate fitting(Candidate candidate, const Rebuild& rebuild) {
 
 fixed::Plan plan_of(const Scenario& s) {
   const fem::MatrixRenewal renewal = s.object.renewal();
-  return {s.solver, s.refinement ? s.refinement->passes : 1,
+  return {s.solver, s.refinement ? s.refinement->passes : 1, renewal.every,
           renewal.present() ? renewal.headroom : 0};
 }
 
@@ -180,8 +180,10 @@ void complete(const Scene& scene, const Measured& measured, const Rebuild& rebui
   const std::vector<FrameStep> now = frame_steps(scene);
   const std::vector<FrameStep> then = frame_steps(*candidate.scene());
   remedy.before = {measured.latency_ps, measured.load_ps};
+  const std::int64_t renewal =
+      frame_ps(renewal_steps(*candidate.scene())) - frame_ps(renewal_steps(scene));
   remedy.after = {measured.latency_ps + latency_ps(then) - latency_ps(now),
-                  measured.load_ps + frame_ps(then) - frame_ps(now)};
+                  measured.load_ps + frame_ps(then) - frame_ps(now) + renewal};
   const auto within = [](std::int64_t time, std::int64_t limit) {
     return static_cast<double>(time) <= kReserve * static_cast<double>(limit);
   };
@@ -193,28 +195,32 @@ class SolverSearch {
  public:
   // The search uses the frames of `few`; those of `all` decide.
   SolverSearch(const Scene& scene, Flags flags, const Replay& few, const Replay& all,
-               const Measured& measured, const Rebuild& rebuild)
+               const Measured& measured, const Rebuild& rebuild, const Progress& progress)
       : scene_(scene),
         flags_(flags),
         few_(few),
         all_(all),
         measured_(measured),
-        rebuild_(rebuild) {}
+        rebuild_(rebuild),
+        progress_(progress) {
+    extent_.largest_displacement = all.largest_displacement();
+    extent_.renewable = scene.scenario().object.nonlinear() && scene.has_board();
+    extent_.growth = measured.growth;
+  }
 
   // Searches settings in addition to those of `remedy`.
   results::TriedRemedy find(results::TriedRemedy remedy, int most_passes) {
     const fixed::Plan original = plan_of(scene_.scenario());
     const fixed::Attempt attempt = [this](const fixed::Plan& plan) { return trial(few_, plan); };
-    const fixed::Extent extent{.largest_displacement = all_.largest_displacement(),
-                               .most_passes = most_passes};
+    extent_.most_passes = most_passes;
     fixed::Search search = fixed::follow_remedies(original, {.refused = false, .flags = flags_},
-                                                  extent, attempt, kMostAttempts);
+                                                  extent_, attempt, kMostAttempts);
     fixed::take_back(original, attempt, search);
     if (takes_longer(search.plan, original)) {
       fixed::save_time(std::max(1, original.settings.iterations / 4), attempt, search);
     }
     remedy.attempts += search.attempts;
-    if (search.last.cured()) go_on_with_all(search, extent, remedy);
+    if (search.last.cured()) go_on_with_all(search, remedy);
     if (search.plan == original) {
       remedy.left.merge(search.last.flags.empty() ? flags_ : search.last.flags);
       return remedy;
@@ -236,16 +242,24 @@ class SolverSearch {
 
  private:
   fixed::Trial trial(const Replay& replay, const fixed::Plan& plan) {
+    ++attempts_;
+    if (progress_) {
+      progress_(fmt::format("looking for a remedy: attempt {}, of {} frames", attempts_,
+                            replay.frames()));
+    }
     last_ = replay.attempt(plan);
+    // Of a run that goes astray the growth says nothing.
+    if (last_.flags.has(Flag::matrix_word_beyond_scale)) {
+      extent_.growth = std::max(extent_.growth, last_.growth);
+    }
     return {.refused = last_.refused, .flags = last_.flags};
   }
 
   // A plan that is enough for a few frames may not be enough for all.
-  void go_on_with_all(fixed::Search& search, const fixed::Extent& extent,
-                      results::TriedRemedy& remedy) {
+  void go_on_with_all(fixed::Search& search, results::TriedRemedy& remedy) {
     const fixed::Attempt attempt = [this](const fixed::Plan& plan) { return trial(all_, plan); };
     const fixed::Trial first = attempt(search.plan);
-    search = fixed::follow_remedies(search.plan, first, extent, attempt, kMostWithAll);
+    search = fixed::follow_remedies(search.plan, first, extent_, attempt, kMostWithAll);
     remedy.attempts += 1 + search.attempts;
     remedy.frames = all_.frames();
   }
@@ -260,6 +274,9 @@ class SolverSearch {
   const Replay& all_;
   const Measured& measured_;
   const Rebuild& rebuild_;
+  const Progress& progress_;
+  fixed::Extent extent_;
+  int attempts_ = 0;
   Replay::Result last_;  // of the last attempt
 };
 
@@ -310,11 +327,11 @@ std::optional<results::TriedRemedy> try_remedies(const Scene& scene, Flags flags
     if (!remedy.settings.empty()) complete(scene, measured, rebuild, remedy);
     return remedy;
   }
-  const Replay all(scene, recording, recording.size(), hand_over_s, Replay::Span::whole);
+  const Replay all(scene, recording, recording.size(), hand_over_s, Replay::Span::whole, progress);
   // A limit cycle shows only over many frames.
   const std::size_t few = solver.has(Flag::limit_cycle) ? recording.size() : few_frames(scene);
-  const Replay first(scene, recording, few, hand_over_s, Replay::Span::first);
-  SolverSearch search(scene, solver, first, all, measured, rebuild);
+  const Replay first(scene, recording, few, hand_over_s, Replay::Span::first, progress);
+  SolverSearch search(scene, solver, first, all, measured, rebuild, progress);
   results::TriedRemedy found = search.find(remedy, fixed::Extent{}.most_passes);
   // Frames in which nothing is displaced are no trial.
   if (!(all.largest_displacement() > 0)) found.frames = 0;

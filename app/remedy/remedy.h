@@ -20,12 +20,13 @@ namespace hvp::app {
 // `--set`, and with Limits::reported.
 using Rebuild = std::function<std::unique_ptr<Scene>(const std::vector<std::string>& overrides)>;
 
-// Latency and load of the run's worst frame, and their limits, ps.
+// Latency and load of the run's worst frame, and their limits, ps; and what became of its matrix.
 struct Measured {
   std::int64_t latency_ps = 0;
   std::int64_t load_ps = 0;
   std::int64_t budget_ps = 0;  // of the latency
   std::int64_t period_ps = 0;  // of the load
+  double growth = 0;  // of a renewed matrix, over that of the body at rest; 0: none is renewed
 };
 
 // Searches a remedy for a run's flags. It adds remedies and solves the first recorded frames again

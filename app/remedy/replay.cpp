@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include <fmt/format.h>
+
 #include "app/scene/unit_contacts.h"
 #include "models/config/input_error.h"
 #include "models/host/contact_hold.h"
@@ -32,6 +34,7 @@ namespace {
 
 // The displacements of every frame that is solved again are kept, in 64 MB at most.
 constexpr std::size_t kMostNumbers = 8'000'000;
+constexpr std::size_t kShown = 16;  // frames from one line of progress to the next
 
 // Solves one frame as the board would, with all its passes.
 void solve(host::FrameComputation& computation, host::WordBoard& board,
@@ -46,7 +49,7 @@ void solve(host::FrameComputation& computation, host::WordBoard& board,
 }  // namespace
 
 Replay::Replay(const Scene& scene, std::span<const Sighting> recording, std::size_t frames,
-               double hand_over_s, Span span)
+               double hand_over_s, Span span, const Progress& progress)
     : scene_(scene) {
   if (recording.empty()) return;
   const std::size_t unknowns = std::max<std::size_t>(1, scene.body().load().size());
@@ -54,11 +57,11 @@ Replay::Replay(const Scene& scene, std::span<const Sighting> recording, std::siz
   const bool stateless = !scene.scenario().has_memory();
   if (stateless) stride_ = (recording.size() + frames - 1) / frames;
   const bool whole = stateless || span == Span::whole;
-  solve_exactly(whole ? recording : recording.first(frames), frames, hand_over_s);
+  solve_exactly(whole ? recording : recording.first(frames), frames, hand_over_s, progress);
 }
 
 void Replay::solve_exactly(std::span<const Sighting> recording, std::size_t frames,
-                           double hand_over_s) {
+                           double hand_over_s, const Progress& progress) {
   const Scenario& s = scene_.scenario();
   const std::size_t probes = recording.front().touches.size();
   const std::unique_ptr<fem::ReferenceModel> reference = make_reference(scene_);
@@ -67,6 +70,10 @@ void Replay::solve_exactly(std::span<const Sighting> recording, std::size_t fram
   const Picoseconds period = to_picoseconds(s.budget.period_s);
   std::vector<collision::Contact> contacts(probes);
   for (std::size_t i = 0; i < recording.size(); ++i) {
+    if (progress && i % kShown == 0) {
+      progress(fmt::format("looking for a remedy: the true solution of frame {} of {}", i + 1,
+                           recording.size()));
+    }
     const Sighting& now = recording[i];
     std::ranges::transform(now.touches, contacts.begin(), &collision::Touch::contact);
     if (!std::ranges::equal(contacts, contact.contacts())) {
@@ -109,6 +116,7 @@ Replay::Result Replay::attempt(const fixed::Plan& plan) const {
     refinement->passes = plan.passes;
   }
   fem::MatrixRenewal renewal = s.object.renewal();
+  renewal.every = plan.renew_every;
   if (plan.headroom > 0) renewal.headroom = plan.headroom;
   try {
     plan.settings.check();
@@ -147,6 +155,7 @@ Replay::Result Replay::attempt(const fixed::Plan& plan) const {
       computation.update();
       if (computation.renewal_is_due()) {
         result.flags.merge(computation.renew());
+        result.growth = computation.renewals()->growth;
         board.renew(computation.board().matrix(), computation.board().diagonal_word());
       }
       add_force(frame.sighting, !hold.let_go.empty(), number++, force, quality);

@@ -54,7 +54,7 @@ class Replay {
   // of a static body, which has no state, frames spread over all of the recording, of a dynamic one
   // the first.
   Replay(const Scene& scene, std::span<const Sighting> recording, std::size_t frames,
-         double hand_over_s, Span span);
+         double hand_over_s, Span span, const Progress& progress = {});
 
   // The quality of the exact solution's force, to which rounding does not contribute.
   const stability::ForceQuality& exact_force() const { return exact_force_; }
@@ -70,6 +70,7 @@ class Replay {
     // ‖u − u_true‖/‖u_true‖ over the frames in contact, median and 95 %.
     double median = 0;
     double p95 = 0;
+    double growth = 0;  // of a renewed matrix, over that of the body at rest
   };
   Result attempt(const fixed::Plan& plan) const;
 
@@ -81,7 +82,8 @@ class Replay {
     std::vector<double> exact;
   };
 
-  void solve_exactly(std::span<const Sighting> recording, std::size_t frames, double hand_over_s);
+  void solve_exactly(std::span<const Sighting> recording, std::size_t frames, double hand_over_s,
+                     const Progress& progress);
   void add_force(const Sighting& at, bool fades, std::int64_t frame, const Eigen::Vector3d& force,
                  stability::ForceQuality& quality) const;
 

@@ -35,8 +35,9 @@ std::vector<std::vector<std::string>> more_substeps(const results::ExplicitFigur
 
 std::vector<std::vector<std::string>> more_passes(int passes) {
   std::vector<std::vector<std::string>> found;
-  for (const int times : {2, 4, 8}) {
-    found.push_back({fmt::format("refinement.passes = {}", times * passes)});
+  constexpr int kMostPasses = 16;  // that a scenario may ask for
+  for (int more = 2 * passes; more < 2 * kMostPasses && passes < kMostPasses; more *= 2) {
+    found.push_back({fmt::format("refinement.passes = {}", std::min(more, kMostPasses))});
   }
   return found;
 }

@@ -36,15 +36,21 @@ class ProgressTicker : public vp::FrameObserver {
 
   void solved(const vp::Frame& frame, const vp::Solution& /*solution*/) override {
     const std::int64_t percent = 100 * (frame.number + 1) / frames_;
-    if (percent == last_) return;
+    const auto now = std::chrono::steady_clock::now();
+    if (percent == last_ && now - shown_ < kLongest) return;
     last_ = percent;
+    shown_ = now;
     progress_(fmt::format("simulating: frame {} of {} ({} %)", frame.number + 1, frames_, percent));
   }
 
  private:
+  // A frame whose truth is hard to find takes a second.
+  static constexpr std::chrono::milliseconds kLongest{500};
+
   const Progress& progress_;
   std::int64_t frames_;
   std::int64_t last_ = -1;
+  std::chrono::steady_clock::time_point shown_;
 };
 
 // Meters of the PCI bus and, where there is a link, of each of its directions.

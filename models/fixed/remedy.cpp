@@ -19,11 +19,39 @@ using stability::Flag;
 // force or used up.
 using Change = bool (*)(Plan& plan, const Extent& extent);
 
-// By steps, since what the matrix would grow to with other words is not known.
-bool more_headroom(Plan& plan, const Extent& /*extent*/) {
-  constexpr double kMost = 16;
-  if (!(plan.headroom > 0) || plan.headroom >= kMost) return false;
-  plan.headroom = std::min(2 * plan.headroom, kMost);
+constexpr double kMostHeadroom = 16;
+
+// What the matrix has grown to, with a fiftieth for what it grows to with other words, in two
+// digits.
+double wanted_headroom(const Extent& extent) {
+  constexpr double kReserveOfGrowth = 1.02;
+  if (!(extent.growth > 0)) return 0;
+  return std::max(1.0, std::ceil(10 * kReserveOfGrowth * extent.growth) / 10);
+}
+
+// By steps where what the matrix grows to is not known, or was not enough.
+bool more_headroom(Plan& plan, const Extent& extent) {
+  if (!(plan.headroom > 0) || plan.headroom >= kMostHeadroom) return false;
+  const double wanted = wanted_headroom(extent);
+  plan.headroom = std::min(wanted > plan.headroom ? wanted : 2 * plan.headroom, kMostHeadroom);
+  return true;
+}
+
+// Headroom that is not used costs its logarithm in bits of every word.
+bool less_headroom(Plan& plan, const Extent& extent) {
+  constexpr double kDefault = 1.25;
+  const double wanted = wanted_headroom(extent);
+  const double less = wanted > 0 ? wanted : std::max(kDefault, plan.headroom / 2);
+  if (!(plan.headroom >= 2 * less)) return false;
+  plan.headroom = less;
+  return true;
+}
+
+// The matrix at rest leads away from a body that is deformed too far.
+bool renewed_matrix(Plan& plan, const Extent& extent) {
+  if (!extent.renewable || plan.renew_every > 0) return false;
+  plan.renew_every = 50;
+  plan.headroom = 1.25;
   return true;
 }
 
@@ -114,12 +142,30 @@ bool wider_vectors(Plan& plan, const Extent& /*extent*/) {
   return true;
 }
 
+constexpr int kFewPasses = 4;
+constexpr int kManyPasses = 6;
+
 // Passes and iterations are tried in two stages, with wider words between them: a matrix that is
 // rounded too far cannot be made good by time.
 template <int kMost>
 bool more_passes(Plan& plan, const Extent& extent) {
   if (plan.passes >= std::min(kMost, extent.most_passes)) return false;
   ++plan.passes;
+  return true;
+}
+
+// Increments of a matrix that is not the tangent come nearer by a factor a pass, whatever the
+// words.
+bool second_increment(Plan& plan, const Extent& extent) {
+  if (!extent.renewable || plan.passes > 1 || extent.most_passes < 2) return false;
+  plan.passes = 2;
+  return true;
+}
+
+bool many_increments(Plan& plan, const Extent& extent) {
+  constexpr int kMost = 16;  // that a scenario may ask for
+  if (!extent.renewable || plan.passes >= kMost || extent.most_passes < kManyPasses) return false;
+  plan.passes = std::min(kMost, 2 * plan.passes);
   return true;
 }
 
@@ -131,16 +177,19 @@ bool more_iterations(Plan& plan, const Extent& /*extent*/) {
   return true;
 }
 
-constexpr int kFewPasses = 4;
-constexpr int kManyPasses = 6;
 constexpr int kFewIterations = 320;
 constexpr int kManyIterations = 1280;
 
 // The changes for a refinement whose passes do not come closer. Refinement widens the unit of the
 // pass after one that saturated, and solves again what the board has solved too coarsely.
-constexpr std::array<Change, 5> kForRefinement = {
-    more_passes<kFewPasses>, more_iterations<kFewIterations>, wider_matrix,
-    more_passes<kManyPasses>, more_iterations<kManyIterations>};
+constexpr std::array<Change, 8> kForRefinement = {less_headroom,
+                                                  more_passes<kFewPasses>,
+                                                  renewed_matrix,
+                                                  more_iterations<kFewIterations>,
+                                                  wider_matrix,
+                                                  more_passes<kManyPasses>,
+                                                  more_iterations<kManyIterations>,
+                                                  many_increments};
 
 std::vector<Change> changes_for(Flag flag) {
   switch (flag) {
@@ -155,7 +204,9 @@ std::vector<Change> changes_for(Flag flag) {
       return {diagonal_scaling, wider_matrix};
     case Flag::saturation:
     case Flag::divergence:
-      return {dynamic_scaling,
+      return {less_headroom,
+              second_increment,
+              dynamic_scaling,
               coefficients_with_their_own_shift,
               static_scale_of_the_norm,
               wider_range,
@@ -167,14 +218,17 @@ std::vector<Change> changes_for(Flag flag) {
     case Flag::matrix_rounding:
       return {diagonal_scaling, more_passes<kFewPasses>, wider_matrix, more_passes<kManyPasses>};
     case Flag::not_converged:
-      return {narrower_range,
+      return {less_headroom,
+              narrower_range,
               jacobi,
               more_passes<kFewPasses>,
+              renewed_matrix,
               more_iterations<kFewIterations>,
               wider_matrix,
               more_passes<kManyPasses>,
               more_iterations<kManyIterations>,
-              wider_vectors};
+              wider_vectors,
+              many_increments};
     case Flag::matrix_word_beyond_scale:
       return {more_headroom};
     case Flag::limit_cycle:
@@ -257,6 +311,9 @@ std::vector<std::string> listing(Plan plan) {
   Listing list;
   list.visit(plan.settings);
   list.lines.push_back("refinement.passes = " + std::to_string(plan.passes));
+  if (plan.renew_every > 0) {
+    list.lines.push_back("object.model.matrix.renew_every = " + std::to_string(plan.renew_every));
+  }
   if (plan.headroom > 0) {
     std::array<char, 32> digits{};
     std::snprintf(digits.data(), digits.size(), "%.3g", plan.headroom);
@@ -314,7 +371,12 @@ Search follow_remedies(const Plan& plan, const Trial& first, const Extent& exten
 
 void take_back(const Plan& original, const Attempt& attempt, Search& search) {
   using TakeBack = void (*)(Plan&, const Plan&);
-  constexpr std::array<TakeBack, 11> kOneByOne = {
+  constexpr std::array<TakeBack, 13> kOneByOne = {
+      [](Plan& p, const Plan& o) {
+        p.renew_every = o.renew_every;
+        p.headroom = o.headroom;
+      },
+      [](Plan& p, const Plan& o) { p.headroom = o.renew_every > 0 ? o.headroom : p.headroom; },
       [](Plan& p, const Plan& o) { p.settings.matrix_bits = o.settings.matrix_bits; },
       [](Plan& p, const Plan& o) { p.settings.vector_bits = o.settings.vector_bits; },
       [](Plan& p, const Plan& o) { p.settings.scalar_bits = o.settings.scalar_bits; },

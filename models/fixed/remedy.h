@@ -17,17 +17,22 @@ struct Plan {
   // The solves of a frame; between them the host forms b - A·x in double precision and the board
   // solves for the increment. 1: no refinement.
   int passes = 1;
-  // Of the words over the largest entry of the matrix, where it is renewed; 0: it is not.
+  // Where the matrix is renewed: after so many frames, and the room of the words over its largest
+  // entry at rest. 0: it is not.
+  int renew_every = 0;
   double headroom = 0;
 
   friend bool operator==(const Plan&, const Plan&) = default;
 };
 
-// The largest displacement that the host knows of, for displacement_range, and the passes for which
-// there is time.
+// What the host knows of the frames: the largest displacement, for displacement_range; the passes
+// for which there is time; whether there is a matrix that could be renewed, of a body that is not
+// linear and is solved by increments; and what the renewed one has grown to.
 struct Extent {
   double largest_displacement = 0;  // m; 0: unknown
   int most_passes = 6;
+  bool renewable = false;
+  double growth = 0;  // its largest entry over that at rest; 0: unknown
 };
 
 // One change of a plan.

@@ -12,7 +12,9 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "solver.dynamic_scaling and scaling_down = true, coefficient_format = \"own-shift\", "
      "static_scale = \"matrix-norm\" (without a preconditioner), a displacement_range twice the "
      "displacements, method = \"jacobi-pcg\", more matrix_bits and vector_bits; with refinement "
-     "more refinement.passes, then more solver.iterations, then more bits"},
+     "more refinement.passes, then more solver.iterations, then more bits"
+     "; of a body that is not linear as for divergence: object.model.matrix.renew_every = 50, or a "
+     "headroom nearer to matrix.growth"},
     {"negative-curvature", "d'Ad was not positive: the rounded matrix is not positive definite",
      "solver.matrix_scaling = \"diagonal\", then more matrix_bits and vector_bits; where 24 bits "
      "leave it indefinite no setting of the board helps: more anchors, less contrast of stiffness "
@@ -24,14 +26,18 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "residual was as small as the words allow",
      "solver.dynamic_scaling and scaling_down = true, coefficient_format = \"own-shift\", method = "
      "\"jacobi-pcg\", more refinement.passes, more solver.vector_bits; with refinement more "
-     "refinement.passes, then more solver.iterations, then more matrix_bits and vector_bits"},
+     "refinement.passes, then more solver.iterations, then more matrix_bits and vector_bits"
+     "; of a body that is not linear as for divergence: object.model.matrix.renew_every = 50, or a "
+     "headroom nearer to matrix.growth"},
     {"scalar-overflow", "an inner product left its 64 bits",
      "solver.scalar_bits = 128, or fewer vector_bits"},
     {"divergence", "the residual at the end was larger than at the start and than b",
      "as for saturation: solver.dynamic_scaling and scaling_down = true, coefficient_format = "
      "\"own-shift\", static_scale = \"matrix-norm\" (without a preconditioner), a "
      "displacement_range twice the displacements, method = \"jacobi-pcg\", more matrix_bits and "
-     "vector_bits; with refinement more refinement.passes, then more solver.iterations"},
+     "vector_bits; with refinement more refinement.passes, then more solver.iterations; of a body "
+     "that is not linear object.model.matrix.renew_every = 50, or a headroom nearer to "
+     "matrix.growth"},
     {"matrix-rounding",
      "rounding the matrix to its words moves the solution further from the true model than "
      "reference.tolerance",
@@ -42,7 +48,9 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "refinement leaves than refinement.tolerance",
      "first what other flags say; then a solver.displacement_range twice the displacements if it "
      "is far wider, method = \"jacobi-pcg\", more refinement.passes, more solver.iterations, more "
-     "matrix_bits and vector_bits; of a body that is not linear also smaller loads, or [dynamics]; "
+     "matrix_bits and vector_bits; of a body that is not linear also "
+     "object.model.matrix.renew_every = 50 or a headroom nearer to matrix.growth, smaller loads, "
+     "or [dynamics]; "
      "with explicit steps more host.substeps"},
     {"range-exceeded", "a displacement or a right-hand side did not fit its word and was clamped",
      "a solver.displacement_range twice the displacements, static_scale = \"matrix-norm\" (without "

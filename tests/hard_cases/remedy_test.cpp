@@ -2,6 +2,7 @@
 
 #include <set>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -118,6 +119,55 @@ TEST(Remedy, MovesTheRangeBothWays) {
 }
 
 TEST(Remedy, HasNothingForNoFlag) { EXPECT_FALSE(next_remedy(Flags{}, Plan{})); }
+
+// A matrix that is renewed asks for what it grew to, and no more.
+TEST(Remedy, AsksForTheHeadroomThatTheMatrixTakes) {
+  Plan plan;
+  plan.renew_every = 5;
+  plan.headroom = 1;
+  const auto more = next_remedy(only(Flag::matrix_word_beyond_scale), plan, {.growth = 1.43});
+  ASSERT_TRUE(more);
+  EXPECT_EQ(more->change, "object.model.matrix.headroom = 1.5");
+  plan.headroom = 16;
+  const auto less = next_remedy(only(Flag::divergence), plan, {.growth = 1.43});
+  ASSERT_TRUE(less);
+  EXPECT_EQ(less->change, "object.model.matrix.headroom = 1.5");
+  // What it takes is not known: by halves, to the default.
+  const auto half = next_remedy(only(Flag::not_converged), plan);
+  ASSERT_TRUE(half);
+  EXPECT_EQ(half->change, "object.model.matrix.headroom = 8");
+  plan.headroom = 2;
+  const auto other = next_remedy(only(Flag::divergence), plan);
+  ASSERT_TRUE(other);
+  EXPECT_EQ(other->plan.headroom, 2);
+}
+
+// A residual that grows between increments: two passes, then a renewal, and passes to the end.
+TEST(Remedy, RenewsTheMatrixOfABodyThatIsNotLinear) {
+  const Extent extent{.renewable = true};
+  Plan plan;
+  const auto second = next_remedy(only(Flag::divergence), plan, extent);
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->change, "refinement.passes = 2");
+  plan = second->plan;
+  std::vector<int> passes;
+  bool renewed = false;
+  while (const auto remedy = next_remedy(only(Flag::divergence), plan, extent)) {
+    if (remedy->plan.renew_every > plan.renew_every) {
+      EXPECT_EQ(remedy->change,
+                "object.model.matrix.renew_every = 50, object.model.matrix.headroom = 1.25");
+      EXPECT_LE(plan.passes, 4);
+      renewed = true;
+    }
+    ASSERT_LE(passes.size(), 40U);
+    plan = remedy->plan;
+    passes.push_back(plan.passes);
+  }
+  EXPECT_TRUE(renewed);
+  EXPECT_EQ(plan.passes, 16);
+  // A linear body has no other matrix.
+  EXPECT_NE(next_remedy(only(Flag::divergence), Plan{})->plan.passes, 2);
+}
 
 }  // namespace
 }  // namespace hvp::fixed::remedy_test
