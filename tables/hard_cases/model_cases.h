@@ -6,6 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "models/fem/newmark.h"
+#include "models/fem/renewal.h"
+#include "models/host/renewal_counts.h"
 #include "models/stability/flag.h"
 #include "models/tissue/model.h"
 #include "tables/hard_cases/cases.h"
@@ -18,10 +21,16 @@ namespace hvp::tables {
 struct ModelPlan {
   tissue::Model model;          // object.model
   int passes = 2;               // refinement.passes
-  bool explicit_steps = false;  // host.solver = "explicit"; otherwise "cholesky"
-  int substeps = 0;             // host.substeps; 0: as many as are stable at rest
-  double poisson_ratio = 0;     // object.material.poisson_ratio, where a remedy may change it
-  int slower = 1;               // the motion takes so many times as many frames
+  bool explicit_steps = false;  // host.solver = "explicit"
+  bool board = false;           // "board"; otherwise "cholesky"
+  int matrix_bits = 12;         // solver.matrix_bits; four more are solver.vector_bits
+  bool scaled = false;          // solver.matrix_scaling = "diagonal"
+  fem::MatrixRenewal renewal;   // object.model.matrix
+  fem::Scheme scheme = fem::Scheme::newmark;  // dynamics.scheme
+  double period_s = 2e-3;                     // budget.period, the step
+  int substeps = 0;                           // host.substeps; 0: as many as are stable at rest
+  double poisson_ratio = 0;  // object.material.poisson_ratio, where a remedy may change it
+  int slower = 1;            // the motion takes so many times as many frames
 };
 
 // "object.model.kind = "corotational", refinement.passes = 4": what differs.
@@ -34,10 +43,12 @@ struct ModelOutcome {
   // Of displacements, the mean over the frames over the largest norm; none where the frames or
   // their truth are no numbers.
   std::optional<double> error;
-  double least_limit_s = 0;  // of explicit steps; otherwise 0
-  int substeps = 0;          // likewise
-  int unsolved = 0;          // frames whose truth Newton's method did not find
-  bool finite = true;        // every displacement and force was a number
+  double least_limit_s = 0;                     // of explicit steps; otherwise 0
+  int substeps = 0;                             // likewise
+  int unsolved = 0;                             // frames whose truth Newton's method did not find
+  std::optional<host::RenewalCounts> renewals;  // with renewal
+  double least_determinant = 1;                 // det F of any element of the truth
+  bool finite = true;                           // every displacement and force was a number
 
   stability::Flags flags() const {
     stability::Flags all = run;
@@ -58,7 +69,10 @@ struct ModelCase {
   std::function<ModelOutcome(const ModelPlan&)> attempt;
 };
 
+// Solved by the host's factors, and explicit steps.
 std::vector<ModelCase> model_cases();
+// Solved in the board's words.
+std::vector<ModelCase> board_cases();
 
 struct ModelTrail {
   ModelOutcome first, last;
