@@ -104,7 +104,7 @@ class FrameComputation {
   stability::Flags renew();
   // Of the last renew().
   double renew_operations() const { return renew_operations_; }
-  // What renew() takes of a body that is strained by some per cent; zero where nothing is renewed.
+  // What renew() takes of a body that is hardly strained; zero where nothing is renewed.
   double typical_renew_operations() const;
   // Changes with matrix() and board().matrix().
   std::int64_t revision() const { return tissue_->revision(); }
