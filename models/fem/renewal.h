@@ -32,7 +32,7 @@ class RenewableSystem {
   // The matrix of a frame's equation for the body displaced so, positive semidefinite, into a
   // matrix with system()'s pattern, which it may not be. Does not allocate.
   virtual FormedSystem form(std::span<const double> u, sparse::BlockMatrix& a) = 0;
-  // What form() takes of a body that is strained by some per cent, for what is known of a renewal
+  // What form() takes of a body that is hardly strained, for what is known of a renewal
   // before the first frame. Allocates a matrix.
   virtual double typical_operations() = 0;
   // Makes this matrix system(), and raises the tissue's revision().
