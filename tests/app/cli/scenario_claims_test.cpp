@@ -197,7 +197,7 @@ const std::map<std::string, std::vector<Claim>>& claims() {
        {{"within 0.16 % of full Newton's in the median frame of contact. With the matrix at rest "
          "it "
          "is 1.6 % off, and frames diverge; with one pass a frame that matrix ends in forces many "
-         "times too large, where the renewed one stays within 0.9 %",
+         "times too large, where the renewed one is 0.9 % off",
          [](Runs& r) {
            const char* name = "tissue-renewed.toml";
            const char* at_rest = "object.model.matrix=false";
@@ -209,7 +209,7 @@ const std::map<std::string, std::vector<Claim>>& claims() {
            EXPECT_THAT(flags(r.summary(name, {at_rest})), testing::Contains("divergence"));
            const json& broken = r.summary(name, {at_rest, one_pass});
            EXPECT_GT(broken.at("accuracy").at("force_of_frame").at("worst"), 10);
-           EXPECT_LT(force(r.summary(name, {one_pass})), 9e-3);
+           EXPECT_NEAR(force(r.summary(name, {one_pass})), 9e-3, 1e-3);
            EXPECT_THAT(flags(r.summary(name, {one_pass})),
                        testing::Not(testing::Contains("divergence")));
          }},
@@ -230,9 +230,12 @@ const std::map<std::string, std::vector<Claim>>& claims() {
            EXPECT_EQ(s.at("matrix").at("beyond_scale"), 5);
            EXPECT_THAT(flags(s), testing::Contains("matrix-word-beyond-scale"));
          }},
-        {"`force-step`",
+        {"up to 20 % off and not converged, and the force steps and swings there (`not-converged`, "
+         "`force-step`, `limit-cycle`)",
          [](Runs& r) {
-           EXPECT_THAT(flags(r.summary("tissue-renewed.toml")), testing::Contains("force-step"));
+           const json& s = r.summary("tissue-renewed.toml");
+           EXPECT_NEAR(s.at("accuracy").at("force_of_frame").at("worst"), 0.20, 0.02);
+           EXPECT_EQ(flags(s), json::array({"not-converged", "force-step", "limit-cycle"}));
          }}}},
       {"tissue-corotational.toml",
        {{"1.23 ms of load at 1 Gflop/s: 500 Hz hold from 0.6 Gflop/s on",
