@@ -52,9 +52,11 @@ std::vector<std::string> needs_of(const Effect& effect) {
 std::vector<std::string> switch_on(const Effect& effect) {
   if (effect.path == "transfer.dma") return {"transfer.method=dma"};
   std::vector<std::string> settings = needs_of(effect);
-  settings.insert(settings.begin(), effect.path == "fault"
-                                        ? "fault[0]={kind='lost-interrupt', frame=1}"
-                                        : effect.path + "=true");
+  std::string on = effect.path + "=true";
+  if (effect.path == "fault") on = "fault[0]={kind='lost-interrupt', frame=1}";
+  // By itself it renews nothing.
+  if (effect.path == "object.model.matrix") on = "object.model.matrix.renew_every=5";
+  settings.insert(settings.begin(), on);
   return settings;
 }
 

@@ -136,7 +136,7 @@ TEST(ExplainRenewal, IsWhatARunMeasures) {
                                         "output.remedies=false",
                                         "reference=false",
                                         "transfer.method=" + transfer,
-                                        "output.trace_frames=0"};
+                                        "output.trace_frames=160"};
     std::vector<std::string> arguments = {scenario("thesis-nonlinear.toml").string()};
     for (const std::string& change : changes) {
       arguments.emplace_back("--set");
