@@ -7,6 +7,7 @@ namespace hvp::fem {
 // What a frame of explicit time integration met.
 struct StepsFound {
   int inverted = 0;         // the most elements turned inside out
+  int overflown = 0;        // elements whose energy was beyond their law's bound
   bool complete = true;     // false: a substep led where elements have no forces, and ended it
   bool over_limit = false;  // the substep was above the limit that the body had by the end
   double operations = 0;    // additions, multiplications, divisions and roots

@@ -10,7 +10,8 @@ namespace hvp::fem {
 // What an evaluation found on its way through the elements. A linear body finds nothing.
 struct ElementsFound {
   int inverted = 0;   // turned inside out: det F is not above zero
-  int undefined = 0;  // of those, the ones that have no forces: the sums are then of no use
+  int undefined = 0;  // without forces: the sums are then of no use
+  int overflown = 0;  // of those, the ones whose energy is beyond their law's bound
 
   bool defined() const { return undefined == 0; }
 };
@@ -24,6 +25,9 @@ class InternalForces {
 
   // True where q(u) = A·u for ever, with the A of Tissue::system().
   virtual bool linear() const = 0;
+  // What rounding alone may make of a component of q at rest, N: a residual below it is none. Zero
+  // where q is A·u.
+  virtual double rounding_n() const { return 0; }
   virtual ElementsFound evaluate(std::span<const double> u, std::span<double> q) = 0;
   // Brings q, as evaluate() gave it for the solution of the frame before, to this frame and to `u`,
   // in which each of `nodes` has moved by `moved` since.

@@ -23,8 +23,10 @@ class ReferenceModel {
   virtual std::span<const Eigen::Vector3d> forces() const = 0;
   // The frames so far whose equation was not solved to rounding: no reference to compare with.
   virtual std::int64_t unsolved() const { return 0; }
-  // The tangents so far that were not positive definite: the body gave way there, and the solution
-  // was found by other steps than Newton's. It may be one of several.
+  // Those of them in which an element's energy was beyond what its law is defined for.
+  virtual std::int64_t overflown() const { return 0; }
+  // The tangents of solved frames so far that were not positive definite: the body gave way there,
+  // and the solution was found by other steps than Newton's. It may be one of several.
   virtual std::int64_t indefinite() const { return 0; }
 };
 

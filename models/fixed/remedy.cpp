@@ -246,6 +246,8 @@ std::vector<Change> changes_for(Flag flag) {
     case Flag::low_gain_margin:
     case Flag::beyond_linearity:
     case Flag::inverted_element:
+    case Flag::no_start:
+    case Flag::energy_overflow:
     case Flag::unstable_step:
     case Flag::bus_error:
     case Flag::board_error:

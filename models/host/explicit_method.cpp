@@ -7,7 +7,8 @@ namespace hvp::host {
 bool ExplicitMethod::next(std::span<std::int32_t> /*b*/) {
   const fem::StepsFound found = steps_.step();
   operations_ = found.operations;
-  if (found.inverted > 0 || !found.complete) flags_.raise(stability::Flag::inverted_element);
+  if (found.inverted > 0) flags_.raise(stability::Flag::inverted_element);
+  if (found.overflown > 0) flags_.raise(stability::Flag::energy_overflow);
   if (found.over_limit) flags_.raise(stability::Flag::unstable_step);
   return false;
 }

@@ -51,8 +51,7 @@ bool HostIncrements::next(std::span<std::int32_t> /*b*/) {
 void HostIncrements::finish() {
   const bool converged = increments_.finish(refinement_.tolerance);
   if (!converged) flags_.raise(stability::Flag::not_converged);
-  if (increments_.diverged()) flags_.raise(stability::Flag::divergence);
-  if (increments_.inverted() > 0) flags_.raise(stability::Flag::inverted_element);
+  flags_.merge(increments_.flags());
 }
 
 std::vector<Step> HostIncrements::steps() const {

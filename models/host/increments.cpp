@@ -28,6 +28,7 @@ Increments::Increments(fem::InternalForces& forces, const sparse::BlockMatrix& a
       start_(start),
       length_(std::ldexp(1.0, -std::ilogb(displacement_unit))),
       force_(std::ldexp(1.0, -std::ilogb(force_unit))),
+      noise_(forces.rounding_n()),
       u_(initial.begin(), initial.end()),
       product_(u_.size()),
       before_(u_),
@@ -51,11 +52,14 @@ Increments::Increments(fem::InternalForces& forces, const sparse::BlockMatrix& a
 // forces that are beyond all bounds.
 bool Increments::look(const fem::ElementsFound& found) {
   inverted_ = std::max(inverted_, found.inverted);
+  overflown_ = std::max(overflown_, found.overflown);
   if (forces_.linear()) return true;
   if (!found.defined()) return false;
   form_difference();
   present_ = weighed(r_);
-  return present_ <= square(kBeyond * largest_rhs_) || largest_rhs_ == 0;
+  // A right-hand side that is rounding alone bounds nothing.
+  const double rounding = force_ * noise_ * std::sqrt(static_cast<double>(r_.size()));
+  return present_ <= square(kBeyond * largest_rhs_) || largest_rhs_ <= rounding;
 }
 
 void Increments::begin(std::span<const double> f, const fem::Hold& hold) {
@@ -68,6 +72,7 @@ void Increments::begin(std::span<const double> f, const fem::Hold& hold) {
   first_ = true;
   diverged_ = false;
   inverted_ = 0;
+  overflown_ = 0;
   b_ = f_;
   for (std::size_t n = 0; n < contact_.size(); ++n) {
     a_.subtract_column(contact_[n], hold.displacement[n], b_);
@@ -115,6 +120,12 @@ void Increments::form_difference() {
   for (const int node : contact_) std::fill_n(&r_[3 * at(node)], 3, 0.0);
 }
 
+// Forces that cancel at rest leave their rounding, which no solver can take away. Never true of
+// A·u, whose forces at rest are zero.
+bool Increments::rounding_alone() const {
+  return noise_ > 0 && std::ranges::all_of(r_, [this](double r) { return std::abs(r) <= noise_; });
+}
+
 // ‖v‖², in units in which no square leaves the range of double precision, whatever the load's size.
 double Increments::weighed(std::span<const double> v) const {
   double sum = 0;
@@ -155,7 +166,7 @@ bool Increments::form_residual() {
   if (first_) at_first_ = present_;
   first_ = false;
   before_residual_ = present_;
-  return true;
+  return !rounding_alone();
 }
 
 std::span<double> Increments::change() {
@@ -187,7 +198,7 @@ bool Increments::finish(double tolerance) {
     energy += length_ * u_[i] * (force_ * (b_[i] + r_[i]));
   }
   largest_rhs_ = std::max(largest_rhs_, std::sqrt(rhs));
-  remaining_ = residual == 0 ? 0 : std::sqrt(residual) / largest_rhs_;
+  remaining_ = residual == 0 || rounding_alone() ? 0 : std::sqrt(residual) / largest_rhs_;
   worst_remaining_ = std::max(worst_remaining_, remaining_);
   const bool converged = !refused_ && remaining_ <= tolerance;
   // A solution that is worse than zero is no start for the next one, which would be worse still.
@@ -210,6 +221,15 @@ void Increments::abandon() {
   u_ = solution_;
   product_ = solution_product_;
   current_ = true;
+}
+
+stability::Flags Increments::flags() const {
+  stability::Flags flags;
+  if (diverged_) flags.raise(stability::Flag::divergence);
+  if (no_start_) flags.raise(stability::Flag::no_start);
+  if (inverted_ > 0) flags.raise(stability::Flag::inverted_element);
+  if (overflown_ > 0) flags.raise(stability::Flag::energy_overflow);
+  return flags;
 }
 
 double Increments::begin_operations() const {

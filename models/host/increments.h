@@ -9,6 +9,7 @@
 #include "models/fem/internal_forces.h"
 #include "models/fixed/settings.h"
 #include "models/sparse/block_matrix.h"
+#include "models/stability/flag.h"
 
 namespace hvp::host {
 
@@ -36,7 +37,8 @@ class Increments {
 
   // Throws InputError where an entry of f is not finite.
   void begin(std::span<const double> f, const fem::Hold& hold);
-  // Forms r(u). False where there is no start, or the last increment was taken back.
+  // Forms r(u). False where there is no start, the last increment was taken back, or nothing is
+  // left but what rounding makes of the forces.
   bool form_residual();
   std::span<const double> residual() const { return r_; }
   // The displacements, to be changed by an increment.
@@ -63,6 +65,10 @@ class Increments {
   // The most elements that were turned inside out since begin(), those of increments that were
   // taken back included.
   int inverted() const { return inverted_; }
+  // The same of elements whose energy is beyond what their law is defined for.
+  int overflown() const { return overflown_; }
+  // What that adds up to: divergence, no-start, inverted-element and energy-overflow.
+  stability::Flags flags() const;
 
   // True if q(u) is there already, as in the first pass.
   bool current() const { return current_; }
@@ -78,6 +84,7 @@ class Increments {
                      const std::vector<double>& product);
   void take_back();
   void form_difference();
+  bool rounding_alone() const;
   double weighed(std::span<const double> v) const;
   bool evaluate_increment();
 
@@ -85,6 +92,7 @@ class Increments {
   const sparse::BlockMatrix& a_;
   fixed::Start start_;
   double length_, force_;  // factors that make displacements and forces of about one
+  double noise_;           // N, of a component of r: below it all is rounding
 
   std::vector<double> u_, product_;  // q(u), where `current_`
   bool current_ = true;
@@ -107,6 +115,7 @@ class Increments {
   std::int64_t without_start_ = 0;
   bool refused_ = false;
   int inverted_ = 0;
+  int overflown_ = 0;
 };
 
 }  // namespace hvp::host

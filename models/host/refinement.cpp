@@ -179,8 +179,7 @@ void RefinedSolve::finish() {
   if (converged) flags_ = Flags(flags_.bits() & ~repairable().bits());
   if (!converged) flags_.raise(Flag::not_converged);
   if (clamped_ > 0) flags_.raise(Flag::range_exceeded);
-  if (increments_.diverged()) flags_.raise(Flag::divergence);
-  if (increments_.inverted() > 0) flags_.raise(Flag::inverted_element);
+  flags_.merge(increments_.flags());
 }
 
 double RefinedSolve::conversion() const {

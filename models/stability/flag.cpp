@@ -137,6 +137,16 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "host.recovery.retries where there is time for them"},
     {"board-error", "the board refused what the driver asked for, or failed",
      "no setting of the solver's words helps: what the driver's ERROR lines say"},
+    {"no-start",
+     "a frame kept the last solution and its force: with the contact in its place elements had no "
+     "forces, or forces beyond all bounds",
+     "no setting of the board's words helps: what inverted-element or energy-overflow say, else a "
+     "slower or shallower motion of the probe, or a contact.patch_radius over which it presses"},
+    {"energy-overflow",
+     "the strain energy of an element of the body, exponential in its strain, was beyond what the "
+     "law is defined for",
+     "no setting of the board's words helps: a smaller object.model.exponent, a shallower motion "
+     "of the probe, or a contact.patch_radius over which it presses"},
 }};
 }  // namespace
 

@@ -37,6 +37,8 @@ enum class Flag : std::uint8_t {
   matrix_word_beyond_scale,  // a renewed matrix did not fit the words at the scale of the first
   bus_error,                 // what went between host and board was lost or damaged
   board_error,               // the board refused a command, or failed
+  no_start,                  // a frame had no forces with its contact in place
+  energy_overflow,           // an element's energy was beyond what its law is defined for
   count
 };
 

@@ -131,6 +131,7 @@ Substeps CentralDifferences::step(int substeps, const fem::Hold& hold) {
     note(result, found);
     if (!found.defined()) {
       result.undefined = found.undefined;
+      result.overflown = found.overflown;
       body.expand(u_, full_);
       break;
     }

@@ -18,6 +18,7 @@ struct Substeps {
   double smallest_determinant = std::numeric_limits<double>::infinity();  // det F
   int inverted = 0;   // the most elements with det F not above zero
   int undefined = 0;  // elements without defined forces in the substep that was not done
+  int overflown = 0;  // those of them that are not turned inside out: Deformation::overflown
   Operations operations = {};
 
   bool complete() const { return done == asked; }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include "models/index.h"
@@ -19,6 +21,23 @@ std::vector<Law> laws_of(const fem::Materials& materials, LawKind kind,
 }
 
 }  // namespace
+
+double rounding_of_forces(const fem::Body& body) {
+  double longest = 0;
+  const mesh::TetMesh& mesh = body.mesh();
+  for (const auto& tetrahedron : mesh.tetrahedra) {
+    for (std::size_t a = 1; a < 4; ++a) {
+      longest = std::max(longest,
+                         (mesh.nodes[at(tetrahedron[a])] - mesh.nodes[at(tetrahedron[0])]).norm());
+    }
+  }
+  double stiffest = 0;
+  for (const double entry : body.stiffness().value) {
+    stiffest = std::max(stiffest, std::abs(entry));
+  }
+  constexpr double kRoundings = 4;
+  return kRoundings * std::numeric_limits<double>::epsilon() * stiffest * longest;
+}
 
 ElasticBody::ElasticBody(const fem::Body& body, LawKind kind, const Parameters& parameters)
     : body_(body),

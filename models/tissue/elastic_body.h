@@ -14,6 +14,10 @@
 
 namespace hvp::tissue {
 
+// What rounding alone makes of a component of the elements' forces at rest, N: a few roundings of a
+// stress of λ on an element's face, as the stiffest entry of K times the longest edge.
+double rounding_of_forces(const fem::Body& body);
+
 // A body of hyperelastic materials, all of one kind of law: the energy of its displacements, their
 // internal forces and their stiffness. It knows neither time nor loads nor who solves.
 //

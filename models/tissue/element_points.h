@@ -52,6 +52,7 @@ void note(Deformation& found, const Answer& seen) {
   }
   if (!(seen.determinant > 0)) ++found.inverted;
   if (!seen.defined || !std::isfinite(seen.determinant)) ++found.undefined;
+  if (!seen.defined && seen.determinant > 0 && std::isfinite(seen.determinant)) ++found.overflown;
 }
 
 // Of each point what `of` gives for it.

@@ -92,7 +92,8 @@ fem::StepsFound ExplicitTissue::step() {
   // Nodes in contact count as free: they may be let go in the next frame, which is stable for less.
   watch_.look(steps_.displacement(), steps_.internal_forces());
   least_limit_ = std::min(least_limit_, watch_.stable_step_s());
-  return {.inverted = done.inverted + done.undefined,
+  return {.inverted = done.inverted + done.undefined - done.overflown,
+          .overflown = done.overflown,
           .complete = done.complete(),
           .over_limit = steps_.substep_s() > watch_.stable_step_s(),
           .operations = done.operations.total() + watch_.operations().total()};
@@ -117,7 +118,7 @@ fem::ElementsFound ExplicitTissue::evaluate(std::span<const double> u, std::span
     std::copy_n(&forces_[3 * at(node[a])], 3, &q[3 * a]);
   }
   evaluate_operations_ = deformation.operations.total();
-  return {deformation.inverted, deformation.undefined};
+  return {deformation.inverted, deformation.undefined, deformation.overflown};
 }
 
 fem::ElementsFound ExplicitTissue::follow(std::span<const int> /*nodes*/,
@@ -134,7 +135,9 @@ FineSteps::FineSteps(std::unique_ptr<PotentialBody> body, const fem::Dynamics& d
 
 void FineSteps::step(const fem::Hold& hold) {
   tissue_.hold(hold);
-  if (!tissue_.step().complete) ++unsolved_;
+  const fem::StepsFound found = tissue_.step();
+  if (!found.complete) ++unsolved_;
+  if (found.overflown > 0) ++overflown_;
   tissue_.forces(tissue_.displacement(), of_probes_);
 }
 

@@ -104,11 +104,13 @@ class FineSteps final : public fem::ReferenceModel {
   std::span<const double> velocity() const override { return tissue_.velocity(); }
   std::span<const Eigen::Vector3d> forces() const override { return of_probes_; }
   std::int64_t unsolved() const override { return unsolved_; }
+  std::int64_t overflown() const override { return overflown_; }
 
  private:
   ExplicitTissue tissue_;
   std::vector<Eigen::Vector3d> of_probes_;
   std::int64_t unsolved_ = 0;
+  std::int64_t overflown_ = 0;
 };
 
 }  // namespace hvp::tissue

@@ -29,13 +29,24 @@ NewtonRun::NewtonRun(const fem::Body& body, const Constitution& constitution,
       q_(u_.size()),
       r_(u_.size()),
       direction_(u_.size()),
+      rounding_n_(tissue_.rounding_n()),
       of_probes_(probes, Eigen::Vector3d::Zero()) {
   residual_n_.reserve(kMostSteps + 1);
 }
 
 void NewtonRun::step(const fem::Hold& hold) {
   tissue_.hold(hold);
-  if (!solve(hold)) ++unsolved_;
+  const std::int64_t indefinite = indefinite_;
+  overflows_ = false;
+  if (tries() && solve(hold)) {
+    unsolved_in_a_row_ = 0;
+  } else {
+    ++unsolved_;
+    ++unsolved_in_a_row_;
+    if (overflows_) ++overflown_;
+    // Where no solution was found the body did not give way on the way to one.
+    indefinite_ = indefinite;
+  }
   // The forces of the last evaluation may be those of a step that was not taken.
   look_at(u_, hold.nodes);
   tissue_.forces(u_, of_probes_);
@@ -43,7 +54,9 @@ void NewtonRun::step(const fem::Hold& hold) {
 }
 
 double NewtonRun::look_at(std::span<const double> u, std::span<const int> contact) {
-  if (!tissue_.evaluate(u, q_).defined()) return std::numeric_limits<double>::infinity();
+  const fem::ElementsFound found = tissue_.evaluate(u, q_);
+  overflows_ = overflows_ || found.overflown > 0;
+  if (!found.defined()) return std::numeric_limits<double>::infinity();
   const std::span<const double> f = tissue_.load();
   for (std::size_t i = 0; i < r_.size(); ++i) {
     r_[i] = f[i] - q_[i];
@@ -95,7 +108,7 @@ bool NewtonRun::solve(const fem::Hold& hold) {
       gap_.push_back(hold.displacement[n] - Eigen::Vector3d(u[0], u[1], u[2]));
       there = there && gap_.back().isZero(0);
     }
-    if (there && residual <= kTolerance * largest_force_n_) return true;
+    if (there && residual <= std::max(kTolerance * largest_force_n_, rounding_n_)) return true;
     if (hold.present()) {
       factors_->solve_with_contact(r_, hold.nodes, gap_, direction_);
     } else {

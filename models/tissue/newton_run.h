@@ -19,12 +19,15 @@ namespace hvp::tissue {
 class NewtonRun final : public fem::ReferenceModel {
  public:
   // A frame's residual is solved to this share of the largest force at a node, a little above what
-  // rounding leaves.
+  // rounding leaves, or to what rounding makes of the forces at rest.
   static constexpr double kTolerance = 1e-9;
   // What a frame may take; one that takes more is counted as unsolved. Frames that are solved have
   // been seen to form 5 tangents, and 11 where the body is turned inside out.
   static constexpr int kMostSteps = 60;
   static constexpr int kMostTangents = 24;
+  // After so many unsolved frames in a row one in so many is tried, until one is solved: the others
+  // stay where the last one ended, and count as unsolved.
+  static constexpr int kPatienceFrames = 16;
 
   // Keeps a reference to the body. Throws as NonlinearTissue does.
   NewtonRun(const fem::Body& body, const Constitution& constitution,
@@ -36,6 +39,7 @@ class NewtonRun final : public fem::ReferenceModel {
   std::span<const Eigen::Vector3d> forces() const override { return of_probes_; }
   std::int64_t unsolved() const override { return unsolved_; }
   std::int64_t indefinite() const override { return indefinite_; }
+  std::int64_t overflown() const override { return overflown_; }
 
   const NonlinearTissue& tissue() const { return tissue_; }
   // Of the last step(): Newton's steps, and the largest residual after each, N.
@@ -47,6 +51,9 @@ class NewtonRun final : public fem::ReferenceModel {
  private:
   // The largest component of r outside the contact, N; infinity where an element has no forces.
   double look_at(std::span<const double> u, std::span<const int> contact);
+  bool tries() const {
+    return unsolved_in_a_row_ < kPatienceFrames || unsolved_in_a_row_ % kPatienceFrames == 0;
+  }
   bool solve(const fem::Hold& hold);
   void factorise(bool anyhow);
   bool make_step(const fem::Hold& hold, double& residual);
@@ -56,13 +63,17 @@ class NewtonRun final : public fem::ReferenceModel {
   std::optional<fem::DirectSolver> exact_, at_rest_;
   fem::DirectSolver* factors_ = nullptr;  // one of them
   std::vector<double> u_, trial_, q_, r_, direction_;
+  double rounding_n_;                 // of a force at rest
   std::vector<Eigen::Vector3d> gap_;  // what contact nodes still have to move, m
   std::vector<Eigen::Vector3d> of_probes_;
   std::vector<double> residual_n_;
   double largest_force_n_ = 0;  // at a node, of the run so far
   std::int64_t unsolved_ = 0;
+  std::int64_t unsolved_in_a_row_ = 0;
   std::int64_t tangents_ = 0;
   std::int64_t indefinite_ = 0;
+  std::int64_t overflown_ = 0;
+  bool overflows_ = false;  // an evaluation of this frame was beyond the law's energy
 };
 
 }  // namespace hvp::tissue

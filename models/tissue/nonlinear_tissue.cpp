@@ -57,7 +57,7 @@ double inertia_support(const fem::Body& body, const std::optional<fem::Dynamics>
 }
 
 fem::ElementsFound found(const Deformation& deformation) {
-  return {deformation.inverted, deformation.undefined};
+  return {deformation.inverted, deformation.undefined, deformation.overflown};
 }
 
 }  // namespace
@@ -81,6 +81,7 @@ NonlinearTissue::NonlinearTissue(const fem::Body& body, const Constitution& cons
       u_reaction_(forces_n_),
       v_reaction_(forces_n_),
       change_(forces_n_),
+      rounding_n_(rounding_of_forces(body)),
       frames_(damped() ? elastic_.points() : 0),
       chosen_(body.mesh().tetrahedra.size(), 0) {
   elements_.reserve(chosen_.size());

@@ -63,6 +63,7 @@ class NonlinearTissue final : public fem::Tissue,
   double advance_operations() const override;
 
   bool linear() const override { return false; }
+  double rounding_n() const override { return rounding_n_; }
   fem::ElementsFound evaluate(std::span<const double> u, std::span<double> q) override;
   fem::ElementsFound follow(std::span<const int> nodes, std::span<const Eigen::Vector3d> moved,
                             std::span<const double> u, std::span<double> q) override;
@@ -118,6 +119,7 @@ class NonlinearTissue final : public fem::Tissue,
   std::vector<double> reaction_n_, u_reaction_, v_reaction_;  // scratch of forces()
   std::vector<double> at_end_;  // scratch of advance(): the elements' forces, over active nodes
   std::vector<double> change_;  // scratch of advance()
+  double rounding_n_;           // of the elements' forces at rest
   std::vector<Tensor<double>> frames_;  // of each element's points, in which they are damped
   std::vector<int> elements_;           // scratch: those at some nodes
   std::vector<char> chosen_;

@@ -17,6 +17,8 @@ struct Deformation {
   // Elements for which the law is not defined, which add nothing, or whose det F is not a finite
   // number. The call's numbers are then no forces and no energy of this body.
   int undefined = 0;
+  // Those of `undefined` that are not turned inside out: their law's energy is beyond its bound.
+  int overflown = 0;
   int projected =
       0;  // elements whose tangent was not semidefinite, with Linearisation::semidefinite
   Operations operations = {};  // of this call

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 
 #include "models/fem/direct_solver.h"
 #include "models/index.h"
@@ -25,22 +24,6 @@ double largest_component(std::span<const double> v) {
   return largest;
 }
 
-// What rounding alone makes of the forces: a few roundings of a stress of λ on an element's face,
-// as the stiffest entry of K times the longest edge.
-double rounding_of(const fem::Body& body) {
-  double longest = 0;
-  const mesh::TetMesh& mesh = body.mesh();
-  for (const auto& tetrahedron : mesh.tetrahedra) {
-    for (std::size_t a = 1; a < 4; ++a) {
-      longest = std::max(longest,
-                         (mesh.nodes[at(tetrahedron[a])] - mesh.nodes[at(tetrahedron[0])]).norm());
-    }
-  }
-  constexpr double kRoundings = 4;
-  return kRoundings * std::numeric_limits<double>::epsilon() *
-         largest_component(body.stiffness().value) * longest;
-}
-
 bool finite(std::span<const double> v) {
   return std::all_of(v.begin(), v.end(), [](double x) { return std::isfinite(x); });
 }
@@ -50,7 +33,7 @@ bool finite(std::span<const double> v) {
 StaticEquilibrium::StaticEquilibrium(const ElasticBody& body, Settings settings)
     : body_(body),
       settings_(settings),
-      rounding_n_(rounding_of(body.body())),
+      rounding_n_(rounding_of_forces(body.body())),
       is_free_(at(body.body().active_nodes())),
       tangent_(body.body().stiffness()),
       u_full_(3 * body.body().mesh().nodes.size()),

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "models/fem/direct_solver.h"
 #include "models/tissue/model.h"
 #include "tests/tissue/pressed_sphere.h"
 
@@ -41,11 +42,32 @@ struct Pressed {
   std::int64_t most_tangents = 0;
 };
 
-// Flattened to nothing there is no truth to find, and a frame ends.
+// Pressed through itself the body gives way in frame after frame: tangents are formed up to the
+// bound, the last of them not positive definite, and the frame ends.
 TEST(NewtonRun, FormsSoManyTangentsAFrameAndNoMore) {
-  const Pressed pressed(0.15, 3);
+  const Pressed pressed(0.06, 2);
   EXPECT_GT(pressed.run.unsolved(), 0);
-  EXPECT_LE(pressed.most_tangents, NewtonRun::kMostTangents);
+  EXPECT_EQ(pressed.most_tangents, NewtonRun::kMostTangents);
+  sparse::BlockMatrix tangent = pressed.body.stiffness();
+  static_cast<void>(pressed.run.tissue().tangent(tangent));
+  EXPECT_FALSE(fem::DirectSolver(tangent).positive_definite());
+}
+
+// Beyond the exponent of its law a frame has no solution. That is no buckling: what is found on the
+// way to nowhere does not count as one.
+TEST(NewtonRun, TellsAnEnergyBeyondItsLawFromGivingWay) {
+  const fem::Body body = thesis_sphere();
+  Constitution stiff(LawKind::fung);
+  stiff.parameters.exponent = 2000;
+  NewtonRun run(body, stiff, lightly_damped(), kPeriod, 1);
+  const std::vector<int> nodes = cap(body, 0.012);
+  for (int frame = 1; frame <= 3; ++frame) {
+    const std::vector<Eigen::Vector3d> place(nodes.size(), Eigen::Vector3d(0, 0, -5e-3 * frame));
+    run.step({nodes, place, {}, kPeriod});
+  }
+  EXPECT_GT(run.unsolved(), 0);
+  EXPECT_EQ(run.overflown(), run.unsolved());
+  EXPECT_EQ(run.indefinite(), 0);
 }
 
 }  // namespace
