@@ -138,8 +138,9 @@ void Outcome::report_numbers(config::Figures& f) const {
           "frames; a static reference is then solved in those alone, a dynamic one has a state and "
           "is stepped in each. It takes no simulated time.",
           [&] {
-            f.truth("measured", accuracy.has_value(),
-                    "there was a reference. Else all but `rounding` is null");
+            f.truth("measured", accuracy && accuracy->displacement.mean,
+                    "there was a reference, and a frame in which the body is displaced was "
+                    "compared with it. Else all figures but `rounding` are null");
             f.report(accuracy.value_or(Accuracy{}));
             f.table_or_null("rounding",
                             "what the words alone do to a few contacts along the probe's way, at "

@@ -110,6 +110,7 @@ void RefinementFigures::report(config::Figures& f) const {
   f.count("frames_without_start", without_start,
           "that kept the last solution, since elements had no forces with the contact in its "
           "place. The largest residual is of the others");
+  f.frame("first_without_start", first_without_start, "the first of them");
 }
 
 namespace {
@@ -130,7 +131,12 @@ void of_frame_line(Out out, std::string_view what, const Accuracy::Quantity& q) 
   fmt::format_to(out, "\n");
 }
 
-void mean_line(Out out, std::string_view what, const Accuracy::Quantity& q) {
+void mean_line(Out out, std::string_view what, const Accuracy::Quantity& q,
+               std::int64_t in_contact) {
+  if (!q.mean) {
+    fmt::format_to(out, "  {:<14} {}\n", what, in_contact == 0 ? "no contact" : "not measurable");
+    return;
+  }
   fmt::format_to(out, "  {:<14} mean {}, worst {} (frame {})", what, ratio(q.mean), ratio(q.worst),
                  q.worst_frame);
   if (q.mean_rounded) fmt::format_to(out, "; from the rounded model {}", percent(*q.mean_rounded));
@@ -191,8 +197,8 @@ std::string accuracy_text(const app::Scene& scene, const Outcome& o) {
                    "in which the body is displaced\n",
                    true_model, counted(a.frames, "frame"));
   }
-  mean_line(out, "displacement", a.displacement);
-  mean_line(out, "contact force", a.force);
+  mean_line(out, "displacement", a.displacement, a.in_contact);
+  mean_line(out, "contact force", a.force, a.in_contact);
   if (a.unsolved > 0) {
     fmt::format_to(out, "  of the true model {} could not be solved\n",
                    counted(a.unsolved, "frame"));
@@ -208,6 +214,8 @@ std::string accuracy_text(const app::Scene& scene, const Outcome& o) {
       fmt::format_to(out,
                      "  That is the distance of two models: of the solver nothing is measured. "
                      "budget.displacement_error\n  and force_error judge it.\n");
+    } else if (a.in_contact == 0) {
+      fmt::format_to(out, "  No frame was in contact: that is too little to call it measured.\n");
     } else {
       fmt::format_to(out, "  That is too few of {} in contact to call it measured.\n",
                      counted(a.in_contact, "frame"));

@@ -93,6 +93,7 @@ struct RefinementFigures {
   double worst_residual = 0;
   std::int64_t widened = 0;
   std::int64_t without_start = 0;
+  std::int64_t first_without_start = -1;
 
   void report(config::Figures& f) const;
 };

@@ -291,6 +291,13 @@ void stability_lines(Out out, const app::Scene& scene, const Outcome& o) {
                    "    the driver: {}\n",
                    counted(o.servo.held_frames, "frame"), hvp_status_text(o.servo.last_error));
   }
+  if (o.refinement && o.refinement->without_start > 0) {
+    fmt::format_to(out,
+                   "  {} kept the last solution and its force, the first in frame {}: with the "
+                   "contact in its place the body had no forces\n",
+                   counted(o.refinement->without_start, "frame"),
+                   o.refinement->first_without_start);
+  }
   for (unsigned i = 0; i < static_cast<unsigned>(stability::Flag::count); ++i) {
     const auto flag = static_cast<stability::Flag>(i);
     if (!o.flags.has(flag)) continue;

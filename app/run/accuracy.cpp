@@ -105,6 +105,7 @@ results::Accuracy AccuracyTracker::accuracy() const {
 stability::Flags AccuracyTracker::flags() const {
   stability::Flags flags;
   if (true_run_.unsolved() > 0) flags.raise(stability::Flag::not_converged);
+  if (true_run_.overflown() > 0) flags.raise(stability::Flag::energy_overflow);
   // What another model would have made of the frames says nothing of the solver.
   if (of_another_model_) return flags;
   // Refinement and a solve in double precision lead to the true model, so that the way to it is the

@@ -212,7 +212,8 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
     if (const host::Increments* increments = scene.computation().increments()) {
       const host::RefinedSolve* refined = scene.computation().refined();
       o.refinement = {s.refinement->passes, increments->worst_remaining(),
-                      refined != nullptr ? refined->widened() : 0, increments->without_start()};
+                      refined != nullptr ? refined->widened() : 0, increments->without_start(),
+                      contact.first_without_start()};
     }
     if (const host::RenewalCounts* renewals = scene.computation().renewals()) {
       o.matrix = {*renewals};

@@ -28,6 +28,13 @@ bool ContactWatch::begins_pressed(const vp::Frame& frame) {
   });
 }
 
+void ContactWatch::closed(const vp::Frame& frame, const vp::CriticalPath& /*path*/) {
+  if (first_without_start_ >= 0) return;
+  if (stability::Flags(frame.flags).has(stability::Flag::no_start)) {
+    first_without_start_ = frame.number;
+  }
+}
+
 stability::Flags ContactWatch::flags() const {
   stability::Flags flags;
   if (begins_pressed_) flags.raise(stability::Flag::force_step);

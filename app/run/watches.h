@@ -34,6 +34,9 @@ class ContactWatch : public vp::FrameObserver {
     if (frame.in_contact()) ++figures_.frames_in_contact;
     if (frame.number == 0 && !pulls_) begins_pressed_ = begins_pressed(frame);
   }
+  void closed(const vp::Frame& frame, const vp::CriticalPath& path) override;
+  // The first frame with the flag no_start; −1: none.
+  std::int64_t first_without_start() const { return first_without_start_; }
   // The figures from frames; those that only the processes count are zero.
   virtual results::ContactFigures figures() const { return figures_; }
   // The flag force_step where the first frame has a force, which nothing had before.
@@ -48,6 +51,7 @@ class ContactWatch : public vp::FrameObserver {
  private:
   bool pulls_;
   bool begins_pressed_ = false;
+  std::int64_t first_without_start_ = -1;
 };
 
 // Finds also how near the probe came to a body before the first contact, and how deep it was in the
