@@ -128,6 +128,12 @@ Explanation explain(Scene& scene) {
   Explanation e;
   e.parts = explained_parts(scene);
   e.effects = config::survey_effects(scene.scenario()).effects();
+  // A matrix that is never renewed has its table, and nothing is built for it.
+  const std::optional<tissue::Model>& model = scene.scenario().object.model;
+  for (config::Effect& effect : e.effects) {
+    if (effect.path != "object.model.matrix" || !model || !model->matrix) continue;
+    effect.present = model->matrix->present();
+  }
   e.platform = platform_parts(scene);
   e.workspace = workspace(scene);
   if (!scene.has_body()) return e;

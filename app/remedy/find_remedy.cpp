@@ -13,6 +13,23 @@
 
 namespace hvp::app {
 
+namespace {
+
+// Where nothing helps, the attempts are said.
+void take_better(std::optional<results::TriedRemedy> found, bool was_held,
+                 std::optional<results::TriedRemedy>& remedy) {
+  if (!found) return;
+  const auto left = [](const results::TriedRemedy& tried) {
+    return std::popcount(tried.left.bits());
+  };
+  if (remedy && (found->settings.empty() || left(*found) >= left(*remedy))) return;
+  found->was_held = was_held;
+  if (remedy) found->attempts += remedy->attempts;
+  remedy = std::move(found);
+}
+
+}  // namespace
+
 std::optional<results::TriedRemedy> find_remedy(const Scene& scene, const results::Outcome& outcome,
                                                 const Recorder* recorder, const Again& searched,
                                                 const Progress& progress) {
@@ -41,18 +58,9 @@ std::optional<results::TriedRemedy> find_remedy(const Scene& scene, const result
     if (remedy) remedy->was_held = outcome.held();
   }
   if (again.rerun) {
-    std::optional<results::TriedRemedy> of_elements =
-        try_element_remedy(scene.scenario(), outcome.flags, again.rerun);
-    const auto left = [](const std::optional<results::TriedRemedy>& tried) {
-      return std::popcount(tried->left.bits());
-    };
-    // Where nothing helps, the attempts are said.
-    if (of_elements &&
-        (!remedy || (!of_elements->settings.empty() && left(of_elements) < left(remedy)))) {
-      of_elements->was_held = outcome.held();
-      if (remedy) of_elements->attempts += remedy->attempts;
-      remedy = std::move(of_elements);
-    }
+    take_better(try_law_remedy(scene.scenario(), outcome, again.rerun), outcome.held(), remedy);
+    take_better(try_element_remedy(scene.scenario(), outcome.flags, again.rerun), outcome.held(),
+                remedy);
   }
   if (!outcome.stiffness || !again.rerun) return remedy;
   const bool helps = remedy && remedy->whole_run && !remedy->taken_away().empty();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -26,6 +27,11 @@ std::vector<std::vector<std::string>> more_substeps(const results::ExplicitFigur
                              kMostSubsteps, std::ceil(period_s / (kShare * steps.least_limit_s)))));
   }
   std::vector<std::vector<std::string>> found;
+  // A body that was thrown apart says little of the limit that a stable run would have.
+  if (needed > 2 * steps.substeps) {
+    found.push_back({fmt::format("host.substeps = {}", steps.substeps + 1)});
+    found.push_back({fmt::format("host.substeps = {}", 2 * steps.substeps + 1)});
+  }
   for (const double times : {1.0, 1.5, 2.0, 4.0}) {
     const int substeps = static_cast<int>(std::ceil(times * needed));
     if (substeps <= kMostSubsteps) found.push_back({fmt::format("host.substeps = {}", substeps)});
@@ -62,6 +68,29 @@ std::optional<results::TriedRemedy> try_tissue_remedy(const Scenario& s,
       s.host.solver == host::SolvedBy::cg || s.host.solver == host::SolvedBy::cholesky;
   if (!host_solves || !s.refinement || !inexact) return std::nullopt;
   return try_whole_runs(trouble, more_passes(s.refinement->passes), rerun);
+}
+
+std::optional<results::TriedRemedy> try_law_remedy(const Scenario& s,
+                                                   const results::Outcome& outcome,
+                                                   const Rerun& rerun) {
+  const std::optional<tissue::Model>& model = s.object.model;
+  const bool gives_way = model && (model->springs || model->kind == tissue::LawKind::corotational ||
+                                   model->kind == tissue::LawKind::st_venant_kirchhoff);
+  const bool beyond =
+      outcome.flags.has(Flag::inverted_element) || outcome.flags.has(Flag::beyond_linearity);
+  if (!gives_way || !beyond) return std::nullopt;
+  std::vector<std::vector<std::string>> candidates;
+  for (const std::string_view kind : {"neo-hookean-isochoric", "neo-hookean-log"}) {
+    const std::string law = fmt::format("object.model.kind = \"{}\"", kind);
+    candidates.push_back({law});
+    if (!s.refinement) continue;
+    for (const std::vector<std::string>& passes : more_passes(s.refinement->passes)) {
+      candidates.push_back({law, passes.front()});
+    }
+  }
+  return try_whole_runs(
+      {.flags = outcome.flags, .held = outcome.held(), .frames = s.frames, .wants_pass = false},
+      candidates, rerun);
 }
 
 }  // namespace hvp::app

@@ -15,4 +15,11 @@ std::optional<results::TriedRemedy> try_tissue_remedy(const Scenario& scenario,
                                                       const results::Outcome& outcome,
                                                       const Rerun& rerun);
 
+// Searches another law, by whole runs, for a corotational or St Venant-Kirchhoff body or springs
+// that were turned inside out or stretched beyond the law: a neo-Hookean one, with more passes
+// where it is solved. Absent for other runs and flags.
+std::optional<results::TriedRemedy> try_law_remedy(const Scenario& scenario,
+                                                   const results::Outcome& outcome,
+                                                   const Rerun& rerun);
+
 }  // namespace hvp::app

@@ -41,7 +41,11 @@ std::string scaled(double value, std::string_view unit) {
 
 }  // namespace
 
-std::string newtons(double force) { return scaled(force, "N"); }
+std::string newtons(double force) {
+  if (!std::isfinite(force)) return "not measurable";
+  return std::abs(force) > kMeasurable ? fmt::format("beyond {:g} N", kMeasurable)
+                                       : scaled(force, "N");
+}
 
 std::string readable_length(double metres) { return scaled(metres, "m"); }
 
@@ -56,6 +60,8 @@ std::string readable_stress(double pascal) {
 
 std::string percent(double ratio) {
   const double p = 100 * ratio;
+  if (!std::isfinite(p)) return "not measurable";
+  if (ratio >= kMeasurable) return fmt::format("beyond {:g} %", 100 * kMeasurable);
   if (p >= 1e6) return fmt::format("{:.2g} %", p);
   if (p >= 10) return fmt::format("{:.0f} %", p);
   if (p >= 1) return fmt::format("{:.1f} %", p);

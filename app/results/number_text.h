@@ -28,7 +28,11 @@ std::string readable_time(vp::Picoseconds time);
 // "1 frame", "2 frames".
 std::string counted(std::int64_t count, std::string_view what);
 
-// "42 %", "4.2 %", "0.038 %".
+// Ratios and forces (N) beyond it are no figures of a body that still moves as one: what is printed
+// says that they are beyond, and result files have null. Percentiles end there (host::Deviation).
+inline constexpr double kMeasurable = 1e6;
+
+// "42 %", "4.2 %", "0.038 %"; "beyond 1e+08 %" or "not measurable".
 std::string percent(double ratio);
 
 // Three significant digits and the unit: "1.42 N", "98.1 mN", "52.0 mm", "10.0 kPa".

@@ -11,6 +11,14 @@
 
 namespace hvp::results {
 
+namespace {
+
+std::optional<double> measurable(const std::optional<double>& ratio) {
+  return ratio && *ratio < kMeasurable ? ratio : std::nullopt;
+}
+
+}  // namespace
+
 bool Accuracy::speaks_for_all(const Quantity& quantity) const {
   constexpr std::int64_t kEnough = 20;
   if (!quantity.of_frame) return false;
@@ -19,18 +27,18 @@ bool Accuracy::speaks_for_all(const Quantity& quantity) const {
 
 void Accuracy::report(config::Figures& f) const {
   f.ratio(
-      "displacement_rel", displacement.mean,
+      "displacement_rel", measurable(displacement.mean),
       "mean of |v - v_ref| over the frames compared, divided by the run's largest |v_ref|. v_ref "
       "is the double-precision solution of the true (unrounded) system. Frames in which nothing "
-      "moves are not compared");
-  f.ratio("force_rel", force.mean, "likewise");
-  f.ratio("displacement_rel_quantised", displacement.mean_rounded,
+      "moves are not compared. null, here and below, where it is beyond 1e6");
+  f.ratio("force_rel", measurable(force.mean), "likewise");
+  f.ratio("displacement_rel_quantised", measurable(displacement.mean_rounded),
           "the mean, against the system as the matrix' words have it");
-  f.ratio("force_rel_quantised", force.mean_rounded, "likewise");
-  f.ratio("displacement_worst_rel", displacement.worst,
+  f.ratio("force_rel_quantised", measurable(force.mean_rounded), "likewise");
+  f.ratio("displacement_worst_rel", measurable(displacement.worst),
           "of the frame that is worst by this measure");
   f.frame("displacement_worst_frame", displacement.worst_frame, "which that is");
-  f.ratio("force_worst_rel", force.worst, "likewise");
+  f.ratio("force_worst_rel", measurable(force.worst), "likewise");
   f.frame("force_worst_frame", force.worst_frame, "which that is");
   f.count("frames", frames, "that were compared");
   f.count("frames_in_contact", in_contact, "with contact, compared or not");
@@ -54,9 +62,7 @@ void Accuracy::report(config::Figures& f) const {
 }
 
 void ErrorBudget::report(config::Figures& f) const {
-  const auto figure = [this](double value) {
-    return measured ? std::optional(value) : std::nullopt;
-  };
+  const auto figure = [this](double value) { return measured ? measurable(value) : std::nullopt; };
   f.ratio("limit_rel", limit, "what the scenario states");
   f.ratio("p95_rel", figure(p95), "95 % of the frames in contact are within it, of their own size");
   f.ratio("worst_rel", figure(worst), "of all frames compared, of the run's largest");
@@ -75,7 +81,9 @@ void Strain::report(config::Figures& f) const {
           "the part of it that is stretched so far, rotations taken out");
   f.count("inverted_elements", worst.inverted, "turned inside out");
   f.text("suitable_model", fem::suitable_model(worst),
-         "the object.model.kind whose assumptions these strains meet");
+         "the simplest object.model.kind that these strains are not beyond, by the rule of "
+         "beyond-linearity. The force at a pressed node may still differ: reference.model says by "
+         "how much");
 }
 
 void ExplicitFigures::report(config::Figures& f) const {
@@ -275,11 +283,14 @@ void strain_line(Out out, const fem::Strains& strain, bool beyond_linearity) {
                  percent(strain.largest), percent(strain.beyond_share), percent(fem::kLinearStrain),
                  counted(strain.inverted, "element"));
   if (!beyond_linearity) return;
-  fmt::format_to(out,
-                 "  stretched      {} of the volume beyond {} once turns are taken out: that asks "
-                 "for a {} body\n",
-                 percent(strain.stretched_share), percent(fem::kLinearStrain),
-                 fem::suitable_model(strain));
+  fmt::format_to(
+      out,
+      "  stretched      {}{} of the volume beyond {} once turns are taken out: that asks "
+      "for a {} body\n",
+      strain.largest_stretch >= fem::kCollapse
+          ? fmt::format("up to {}, ", percent(strain.largest_stretch))
+          : std::string(),
+      percent(strain.stretched_share), percent(fem::kLinearStrain), fem::suitable_model(strain));
 }
 
 }  // namespace

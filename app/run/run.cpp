@@ -98,7 +98,7 @@ class BodyWatches {
  public:
   BodyWatches(vp::Platform& platform, Scene& scene)
       : force_(scene.contacts(), scene.scenario().probes.size()),
-        strain_(scene.body(), scene.computation().linear()),
+        strain_(scene.body(), scene.scenario().object.model),
         recorder_(scene.scenario().frames) {
     platform.add_observer(recorder_);
     platform.add_observer(force_);

@@ -90,12 +90,18 @@ void ForceWatch::solved(const vp::Frame& frame, const vp::Solution& solution) {
   }
 }
 
-StrainWatch::StrainWatch(const fem::Body& body, bool linear)
+StrainWatch::StrainWatch(const fem::Body& body, const std::optional<tissue::Model>& model)
     : body_(body),
-      linear_(linear),
+      law_(tissue::LawKind::linear),
       meter_(body.mesh(), fem::kLinearStrain),
       solution_(body.load().size()),
-      displacement_(3 * body.mesh().nodes.size()) {}
+      displacement_(3 * body.mesh().nodes.size()) {
+  if (model && model->springs) {
+    law_.reset();
+  } else if (model) {
+    law_ = model->kind;
+  }
+}
 
 void StrainWatch::solved(const vp::Frame& frame, const vp::Solution& solution) {
   // A body at rest, which has been measured, is not measured again.
@@ -106,6 +112,7 @@ void StrainWatch::solved(const vp::Frame& frame, const vp::Solution& solution) {
   const int inverted = std::max(worst_.inverted, strains.inverted);
   const double beyond = std::max(worst_.beyond_share, strains.beyond_share);
   const double stretched = std::max(worst_.stretched_share, strains.stretched_share);
+  const double largest_stretch = std::max(worst_.largest_stretch, strains.largest_stretch);
   if (worst_frame_ < 0 || strains.largest > worst_.largest) {
     worst_ = strains;
     worst_frame_ = frame.number;
@@ -113,11 +120,20 @@ void StrainWatch::solved(const vp::Frame& frame, const vp::Solution& solution) {
   worst_.inverted = inverted;
   worst_.beyond_share = beyond;
   worst_.stretched_share = stretched;
+  worst_.largest_stretch = largest_stretch;
 }
 
 stability::Flags StrainWatch::flags() const {
   stability::Flags flags;
-  if (linear_ && fem::beyond_linearity(worst_)) flags.raise(stability::Flag::beyond_linearity);
+  // Springs do not see the volume between them; a law's own elements are watched where their
+  // forces are formed.
+  if (!law_ && worst_.inverted > 0) flags.raise(stability::Flag::inverted_element);
+  const bool in_strain =
+      law_ == tissue::LawKind::corotational || law_ == tissue::LawKind::st_venant_kirchhoff;
+  if ((law_ == tissue::LawKind::linear && fem::beyond_linearity(worst_)) ||
+      (in_strain && fem::beyond_linear_stretch(worst_))) {
+    flags.raise(stability::Flag::beyond_linearity);
+  }
   return flags;
 }
 

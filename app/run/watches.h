@@ -17,6 +17,7 @@
 #include "models/plant/wall_stability.h"
 #include "models/stability/flag.h"
 #include "models/stability/force_quality.h"
+#include "models/tissue/model.h"
 #include "vp/frame/ledger.h"
 
 // Observers of frames that collect a run's figures. Each keeps the reference that it is given.
@@ -95,8 +96,8 @@ class ForceWatch : public vp::FrameObserver {
 // The body's largest strain, over all frames: a tap is over in a few of them.
 class StrainWatch : public vp::FrameObserver {
  public:
-  // `linear`: the run's body is, so that strains beyond linear elasticity are flagged.
-  StrainWatch(const fem::Body& body, bool linear);
+  // `model` is the run's law, absent: linear. Strains beyond what it assumes are flagged.
+  StrainWatch(const fem::Body& body, const std::optional<tissue::Model>& model);
 
   void solved(const vp::Frame& frame, const vp::Solution& solution) override;
 
@@ -107,7 +108,7 @@ class StrainWatch : public vp::FrameObserver {
 
  private:
   const fem::Body& body_;
-  bool linear_;
+  std::optional<tissue::LawKind> law_;  // absent: springs
   fem::StrainMeter meter_;
   std::vector<double> solution_;      // of the last frame, whose strains are known
   std::vector<double> displacement_;  // all mesh nodes'

@@ -45,10 +45,13 @@ void Object::declare(config::Visitor& v) {
                      {config::kPresent},
                      "a body that is not linear is solved by increments, which are its passes"});
   }
-  v.effect("model", model,
-           {"a body that is not linear: its elements' forces are formed on the host, and the "
-            "matrix at rest serves for the increments; needs [refinement]",
-            "the forces of every element on the host, each pass and once after the force", needs});
+  v.effect(
+      "model", model,
+      {"a body that is not linear: its elements' forces are formed on the host, and the "
+       "matrix at rest serves for the increments; needs [refinement]",
+       is_solved ? "the forces of every element on the host, each pass and once after the force"
+                 : "the forces of every element or spring on the host, each substep",
+       needs});
   v.choice("anchored_nodes", anchored_nodes, fem::anchor_treatment_names(),
            {"whether held nodes leave the system or stay as cleared rows",
             "removed: the 500-node mesh then fits the EP2S60, docs/accelerator.md"});

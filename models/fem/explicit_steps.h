@@ -9,7 +9,8 @@ struct StepsFound {
   int inverted = 0;         // the most elements turned inside out
   int overflown = 0;        // elements whose energy was beyond their law's bound
   bool complete = true;     // false: a substep led where elements have no forces, and ended it
-  bool over_limit = false;  // the substep was above the limit that the body had by the end
+  bool over_limit = false;  // the substep was above the limit that the body had by the end, or
+                            // threw the body apart and was not done
   double operations = 0;    // additions, multiplications, divisions and roots
 };
 

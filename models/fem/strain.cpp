@@ -77,10 +77,14 @@ bool beyond_linearity(const Strains& strains) {
          strains.beyond_share > kLinearShare;
 }
 
+bool beyond_linear_stretch(const Strains& strains) {
+  return strains.inverted > 0 || strains.largest_stretch >= kCollapse ||
+         strains.stretched_share > kLinearShare;
+}
+
 std::string_view suitable_model(const Strains& strains) {
   if (!beyond_linearity(strains)) return "linear";
-  return strains.inverted == 0 && strains.stretched_share <= kLinearShare ? "corotational"
-                                                                          : "neo-hookean-log";
+  return beyond_linear_stretch(strains) ? "neo-hookean-log" : "corotational";
 }
 
 StrainMeter::StrainMeter(const mesh::TetMesh& mesh, double limit) : limit_(limit) {
@@ -114,7 +118,9 @@ Strains StrainMeter::measure(std::span<const double> u_full) const {
     const double principal = largest_principal(strain);
     if (principal > limit_) {
       beyond += element.volume;
-      if (largest_stretch(gradient) > limit_) stretched += element.volume;
+      const double stretch = largest_stretch(gradient);
+      if (stretch > limit_) stretched += element.volume;
+      strains.largest_stretch = std::max(strains.largest_stretch, stretch);
     }
     if (principal > strains.largest) {
       strains.largest = principal;
@@ -156,7 +162,9 @@ Strains StrainMeter::measure_quadratic(std::span<const double> u_full) const {
       const Eigen::Matrix3d gradient = far_ones + (kNear - kFar) * g;
       if (!(largest_principal(0.5 * (gradient + gradient.transpose())) > limit_)) continue;
       beyond += elements_[e].volume / 4;
-      if (largest_stretch(gradient) > limit_) stretched += elements_[e].volume / 4;
+      const double stretch = largest_stretch(gradient);
+      if (stretch > limit_) stretched += elements_[e].volume / 4;
+      strains.largest_stretch = std::max(strains.largest_stretch, stretch);
     }
   }
   strains.beyond_share = beyond / volume_;

@@ -47,13 +47,20 @@ struct Strains {
   // The part of that share that is stretched beyond the limit, |σ − 1| of a singular value of
   // I + ∇u: what is left where rotations, which ε takes for strain, are taken out.
   double stretched_share = 0;
+  double largest_stretch = 0;  // the largest |σ − 1| where the strain is beyond the limit
 };
 
 // True if an element is turned inside out or has collapsed, or if more than kLinearShare of the
 // volume is strained by more than kLinearStrain.
 bool beyond_linearity(const Strains& strains);
-// The material law, as object.model.kind names it, whose assumptions such strains meet: linear,
-// corotational where what is beyond is turned and not stretched, neo-Hookean elsewhere.
+// The same of a law that is linear in strain and turns with the body (corotational, St Venant and
+// Kirchhoff's): an element is turned inside out, or stretched by kCollapse, or more than
+// kLinearShare of the volume is stretched by more than kLinearStrain.
+bool beyond_linear_stretch(const Strains& strains);
+// The simplest material law, as object.model.kind names it, that is not beyond its assumptions:
+// linear within beyond_linearity(), corotational within beyond_linear_stretch(), neo-Hookean
+// elsewhere. Up to kLinearShare of the volume may be beyond, so that the force at a pressed node
+// may still be off by more than the small strains elsewhere suggest.
 std::string_view suitable_model(const Strains& strains);
 
 // Measures strains against the assumptions of linear elasticity (thesis §3.2), which takes ∇u for

@@ -115,9 +115,12 @@ std::optional<double> Deviation::judged() const {
 
 void Deviation::OfFrame::report(config::Figures& f) const {
   f.count("frames", frames, "that were compared");
-  f.ratio("median", median, "half of them are within it");
-  f.ratio("p95", p95, "95 % of them are within it");
-  f.ratio("worst", worst, "the largest");
+  const auto measurable = [](double share) {
+    return share < kLargestShare ? std::optional(share) : std::nullopt;
+  };
+  f.ratio("median", measurable(median), "half of them are within it; null where it is beyond 1e6");
+  f.ratio("p95", measurable(p95), "95 % of them are within it; likewise");
+  f.ratio("worst", measurable(worst), "the largest; likewise");
   f.count("worst_frame", worst_frame, "the frame that has it");
 }
 

@@ -52,7 +52,9 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "object.model.matrix.renew_every = 50 or a headroom nearer to matrix.growth, smaller loads, "
      "or [dynamics]; "
      "with explicit steps more host.substeps"},
-    {"range-exceeded", "a displacement or a right-hand side did not fit its word and was clamped",
+    {"range-exceeded",
+     "a displacement or a right-hand side did not fit its word and was clamped: where it was a "
+     "contact's, what was held is not what the contact asked for, and the force is wrong",
      "a solver.displacement_range twice the displacements, static_scale = \"matrix-norm\" (without "
      "a preconditioner), or a slower probe"},
     {"locking", "tetrahedra that are too stiff at this Poisson's ratio",
@@ -84,7 +86,8 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "solver.displacement_range twice the displacements, more "
      "refinement.passes, more vector_bits"},
     {"beyond-linearity",
-     "the body is deformed further than linear elasticity holds, or turned inside out",
+     "the body is deformed further than linear elasticity holds, or stretched further than a law "
+     "that is linear in strain, or turned inside out",
      "no setting of the board's words helps: a shallower motion of the probe, a "
      "contact.patch_radius, which spreads it, or a body that is not linear: object.model.kind, "
      "of which the strain's line names one, with [refinement]"},
@@ -121,10 +124,13 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "an element of the body was turned inside out, or would have been: where it has no forces "
      "then, that step is taken back",
      "no setting of the board's words helps: a slower or shallower motion of the probe, a "
-     "contact.patch_radius over which the probe presses, more nodes; a corotational body goes on "
-     "where a neo-Hookean one has no forces"},
+     "contact.patch_radius over which the probe presses, more nodes; of a corotational or St "
+     "Venant-Kirchhoff body, which hardly resists it, and of springs, which do not see volume, "
+     "object.model.kind = \"neo-hookean-isochoric\"; of a neo-Hookean one more "
+     "refinement.passes"},
     {"unstable-step",
-     "an explicit time step was longer than the body, deformed as it was, is stable for",
+     "an explicit time step was longer than the body, deformed as it was, is stable for; one that "
+     "would throw it apart is not done, and the last state stays",
      "no setting of the board helps: more host.substeps, or a shallower motion of the probe"},
     {"matrix-word-beyond-scale",
      "an entry of the renewed matrix did not fit its word at the scale of the body at rest, and "

@@ -1,5 +1,6 @@
 #include "models/tissue/central_differences.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -25,11 +26,26 @@ void note(Substeps& substeps, const Deformation& found) {
   substeps.inverted = std::max(substeps.inverted, found.inverted);
 }
 
+double diagonal_of(const mesh::TetMesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& node : mesh.nodes) box.extend(node);
+  return box.diagonal().norm();
+}
+
+bool all_finite(std::span<const double> values) {
+  double sum = 0;
+  for (const double value : values) sum += 0 * value;  // NaN where the value is not finite
+  return sum == 0;
+}
+
 }  // namespace
 
 CentralDifferences::CentralDifferences(const PotentialBody& body, std::span<const double> load,
                                        double rayleigh_mass_per_s, double substep_s)
-    : body_(body), damping_(rayleigh_mass_per_s), substep_(substep_s) {
+    : body_(body),
+      damping_(rayleigh_mass_per_s),
+      substep_(substep_s),
+      reach_(diagonal_of(body.body().mesh())) {
   if (!(substep_s > 0) || !std::isfinite(substep_s)) {
     throw InputError(
         fmt::format("the substep is {} s; expected a finite value above 0", substep_s));
@@ -126,10 +142,15 @@ Substeps CentralDifferences::step(int substeps, const fem::Hold& hold) {
     result.operations += update_operations() +
                          static_cast<double>(hold.nodes.size()) * kMoveOfNode +
                          (hold.present() ? Operations{.divisions = 1} : Operations());
+    if (!within_reach()) {
+      result.exploded = true;
+      break;
+    }
     body.expand(next_u_, full_);
     const Deformation found = body_.internal_forces(full_, next_internal_);
     note(result, found);
-    if (!found.defined()) {
+    result.exploded = found.defined() && !all_finite(next_internal_);
+    if (!found.defined() || result.exploded) {
       result.undefined = found.undefined;
       result.overflown = found.overflown;
       body.expand(u_, full_);
@@ -141,6 +162,19 @@ Substeps CentralDifferences::step(int substeps, const fem::Hold& hold) {
     ++result.done;
   }
   return result;
+}
+
+// True if every free node moves by no more than reach_ in the next substep.
+bool CentralDifferences::within_reach() const {
+  double largest = 0;
+  for (std::size_t a = 0; a < mass_.size(); ++a) {
+    if (held_[a] || in_contact_[a]) continue;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double went = std::abs(next_went_[3 * a + i]);
+      if (!(went <= largest)) largest = went;
+    }
+  }
+  return largest <= reach_;
 }
 
 double CentralDifferences::velocity_of(std::size_t node, std::size_t dof) const {

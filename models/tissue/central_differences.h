@@ -16,9 +16,10 @@ struct Substeps {
   int asked = 0;
   int done = 0;
   double smallest_determinant = std::numeric_limits<double>::infinity();  // det F
-  int inverted = 0;   // the most elements with det F not above zero
-  int undefined = 0;  // elements without defined forces in the substep that was not done
-  int overflown = 0;  // those of them that are not turned inside out: Deformation::overflown
+  int inverted = 0;       // the most elements with det F not above zero
+  int undefined = 0;      // elements without defined forces in the substep that was not done
+  int overflown = 0;      // those of them that are not turned inside out: Deformation::overflown
+  bool exploded = false;  // that substep threw a node further than the body is wide
   Operations operations = {};
 
   bool complete() const { return done == asked; }
@@ -56,8 +57,10 @@ class CentralDifferences {
   // displacements count; the forces of released nodes that fade belong to the load
   // (fem::HeldForces::add_to).
   //
-  // A substep after which the internal forces are not defined is not done, and ends the call: the
-  // state is then that of the last one before it.
+  // A substep after which the internal forces are not defined, or not finite, is not done, and ends
+  // the call: the state is then that of the last one before it. So does one in which a free node
+  // moves by more than the diagonal of the body at rest: nothing that is stable is so fast, and the
+  // forces of the next substeps would leave the range of the numbers.
   Substeps step(int substeps, const fem::Hold& hold = {});
 
   std::span<const double> displacement() const { return u_; }  // m
@@ -86,10 +89,12 @@ class CentralDifferences {
  private:
   double velocity_of(std::size_t node, std::size_t dof) const;
   Eigen::Vector3d reaction_of(int node) const;
+  bool within_reach() const;
 
   const PotentialBody& body_;
   double damping_;  // α, 1/s
   double substep_;  // Δt, s
+  double reach_;    // m, the diagonal of the body at rest
   double kept_;     // (1 − αΔt/2)/(1 + αΔt/2)
   std::vector<double> mass_;
   std::vector<double> gain_;  // Δt²/(m·(1 + αΔt/2)), s²/kg, one for each active node

@@ -95,7 +95,7 @@ fem::StepsFound ExplicitTissue::step() {
   return {.inverted = done.inverted + done.undefined - done.overflown,
           .overflown = done.overflown,
           .complete = done.complete(),
-          .over_limit = steps_.substep_s() > watch_.stable_step_s(),
+          .over_limit = done.exploded || steps_.substep_s() > watch_.stable_step_s(),
           .operations = done.operations.total() + watch_.operations().total()};
 }
 

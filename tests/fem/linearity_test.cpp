@@ -88,6 +88,39 @@ TEST(BeyondLinearity, IsAFewElementsTurnedOrCollapsedOrAQuarterOfTheVolumeStrain
   EXPECT_TRUE(beyond_linearity({0.5, 3, 1, 0.01}));
 }
 
+TEST(BeyondLinearity, OfALawThatTurnsIsTheSameRuleOfStretch) {
+  EXPECT_FALSE(beyond_linear_stretch({5.0, 3, 0, 0.9, 0.24, 0.99}));
+  EXPECT_TRUE(beyond_linear_stretch({5.0, 3, 0, 0.9, 0.26, 0.99}));
+  EXPECT_TRUE(beyond_linear_stretch({5.0, 3, 0, 0.9, 0.01, 1.0}));
+  EXPECT_TRUE(beyond_linear_stretch({5.0, 3, 1, 0.9, 0.01, 0.5}));
+}
+
+// The simplest law that is not beyond its own rule.
+TEST(BeyondLinearity, NamesTheLawByTheSameRules) {
+  EXPECT_EQ(suitable_model({0.99, 3, 0, 0.24, 0.2, 0.9}), "linear");
+  EXPECT_EQ(suitable_model({0.99, 3, 0, 0.9, 0.24, 0.99}), "corotational");
+  EXPECT_EQ(suitable_model({1.09, 3, 0, 0.25, 0.24, 1.0}), "neo-hookean-log");
+  EXPECT_EQ(suitable_model({0.99, 3, 0, 0.9, 0.26, 0.5}), "neo-hookean-log");
+  EXPECT_EQ(suitable_model({0.99, 3, 1, 0.1, 0.1, 0.5}), "neo-hookean-log");
+}
+
+// A body stretched to 2.5 times its length; turned by a right angle, it is not stretched.
+TEST(StrainMeter, TakesTurnsOutOfTheStretch) {
+  const mesh::TetMesh mesh = jittered_box({0.05, 0.05, 0.05}, {2, 2, 2});
+  std::vector<double> stretched(3 * mesh.nodes.size(), 0.0);
+  std::vector<double> turned(stretched.size(), 0.0);
+  for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
+    const Eigen::Vector3d& x = mesh.nodes[n];
+    stretched[3 * n] = 1.5 * x.x();
+    turned[3 * n] = -x.y() - x.x();
+    turned[3 * n + 1] = x.x() - x.y();
+  }
+  EXPECT_NEAR(StrainMeter(mesh, kLimit).measure(stretched).largest_stretch, 1.5, 1e-12);
+  const Strains strains = StrainMeter(mesh, kLimit).measure(turned);
+  EXPECT_NEAR(strains.largest, 1, 1e-12);
+  EXPECT_NEAR(strains.largest_stretch, 0, 1e-7);
+}
+
 TEST(StrainMeter, AtRestThereIsNoStrain) {
   const mesh::TetMesh mesh = jittered_box({0.05, 0.05, 0.05}, {2, 2, 2});
   const Strains strains =

@@ -242,6 +242,30 @@ TEST_F(TissueRun, AStepBeyondThePresentLimitIsFlagged) {
   }
 }
 
+// Dropped deep into a coarse body, two steps a frame throw one apart that is linear in Green's
+// strain: its force stays a number, the flag says so and more steps are the tried remedy.
+TEST_F(TissueRun, ABodyThrownApartIsFlaggedAndStaysFinite) {
+  const json s = summary({"refinement=false", "host.solver=explicit", "object.mesh.nodes=150",
+                          "frames=450", "object.model.kind=st-venant-kirchhoff",
+                          "probe.motion=[{phase=\"approach\",to=[\"0mm\",\"0mm\",\"-60mm\"],"
+                          "duration=\"600ms\"}]"});
+  EXPECT_THAT(flags(s), Contains("unstable-step"));
+  ASSERT_TRUE(s.at("force").at("largest").at("N").is_number());
+  EXPECT_LT(s.at("force").at("largest").at("N"), 1e4);
+  for (const char* word : {"inf N", "nan"}) EXPECT_THAT(out_, Not(HasSubstr(word)));
+}
+
+// Springs along edges do not see that a tetrahedron between them is turned inside out.
+TEST_F(TissueRun, SpringsTurnedInsideOutAreFlagged) {
+  const json s = summary({"refinement=false", "host.solver=explicit", "frames=450",
+                          "object.model.kind=mass-spring",
+                          "probe.motion=[{phase=\"approach\",to=[\"0mm\",\"0mm\",\"50mm\"],"
+                          "duration=\"300ms\"},{phase=\"press\",to=[\"0mm\",\"0mm\",\"30mm\"],"
+                          "duration=\"300ms\"}]"});
+  ASSERT_GT(s.at("strain").at("inverted_elements"), 0);
+  EXPECT_THAT(flags(s), Contains("inverted-element"));
+}
+
 // The stiffness of the contact at rest is not that of a body which stiffens: no margin follows, and
 // no PASS.
 TEST_F(TissueRun, HasNoGainMarginFromTheBodyAtRest) {
