@@ -103,13 +103,12 @@ std::vector<ModelCase> model_cases() {
   cases.push_back(made("step doubled, generalised-α corotational",
                        "stable at any step; too few passes", remedied, unsolved,
                        step_doubled(generalised(of_law(corotational))), kSlowPress));
-  cases.push_back(made("contrast 1e6, corotational",
-                       "the stiff layer's rounding is above what its truth may leave", hopeless,
-                       unsolved, of_law(corotational), kOnStiff));
+  cases.push_back(made("contrast 1e6, corotational", "stiff and soft turn alike: too few passes",
+                       remedied, unsolved, of_law(corotational), kOnStiff));
   cases.push_back(made("fast strike, explicit neo-hookean-log", "the limit falls below the step",
                        remedied, Flag::unstable_step, by_steps(neo_hookean_log), kStrike));
   cases.push_back(made("inversion, explicit neo-hookean-log", "the limit falls far below the step",
-                       remedied, inverted, by_steps(neo_hookean_log), kThrough));
+                       remedied, Flag::unstable_step, by_steps(neo_hookean_log), kThrough));
   cases.push_back(made("ν = 0.4999, explicit corotational", "more substeps from the start",
                        converges, std::nullopt, locked(by_steps(corotational)), kIncompressible));
   cases.push_back(made("step doubled, explicit neo-hookean-log",

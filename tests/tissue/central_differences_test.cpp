@@ -288,7 +288,7 @@ TEST(CentralDifferences, DoNotEnterWhatIsNotDefined) {
       continue;
     }
     EXPECT_FALSE(pushed.complete());
-    EXPECT_GT(pushed.undefined, 0);
+    EXPECT_TRUE(pushed.undefined > 0 || pushed.exploded) << static_cast<int>(kind);
     EXPECT_GT(pushed.done, 0);
     EXPECT_NEAR(tip(dynamics).x(), -0.02 * pushed.done / 10, 1e-15);
     const std::vector<double> before(dynamics.displacement().begin(),

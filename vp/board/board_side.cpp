@@ -90,11 +90,12 @@ FaultPlan& BoardAssembly::plan_faults() {
   wire_ = std::make_unique<FaultyWire>(*faults_, bus_errors_,
                                        settings_.bus.pcie ? &*settings_.bus.pcie : nullptr,
                                        accelerator_.behind());
-  accelerator_.inject(*faults_,
-                      [this](tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay) {
-                        wire_->b_transport(transaction, delay);
-                      },
-                      settings_.bus.pcie ? &*settings_.bus.pcie : nullptr);
+  accelerator_.inject(
+      *faults_,
+      [this](tlm::tlm_generic_payload& transaction, sc_core::sc_time& delay) {
+        wire_->b_transport(transaction, delay);
+      },
+      settings_.bus.pcie ? &*settings_.bus.pcie : nullptr);
   line_->lose(*faults_);
   return *faults_;
 }
