@@ -94,28 +94,28 @@ class Increments {
   double length_, force_;  // factors that make displacements and forces of about one
   double noise_;           // N, of a component of r: below it all is rounding
 
-  std::vector<double> u_, product_;  // q(u), where `current_`
-  bool current_ = true;
+  std::vector<double> u_, product_;                  // q(u), where `current_`
   std::vector<double> before_;                       // u before the last change()
   std::vector<double> solution_, solution_product_;  // of the last finish()
   std::vector<double> guess_, guess_product_;        // the start of the next solve
   std::vector<double> f_, b_, r_;
   std::vector<int> contact_;
   std::vector<Eigen::Vector3d> moved_;
-  bool first_ = true;   // no residual of this frame has been formed
   double present_ = 0;  // ‖r‖² of the last look(), weighed; of forces that are not A·u
   double before_residual_ = 0;  // the same before the last increment
-  int evaluations_ = 0;
-  double at_first_ = 0;  // weighed_residual() of the first one
+  double at_first_ = 0;         // weighed_residual() of the first one
   double largest_rhs_ = 0;
   double remaining_ = 0;
   double worst_remaining_ = 0;
-  bool diverged_ = false;
-  bool no_start_ = false;
   std::int64_t without_start_ = 0;
-  bool refused_ = false;
+  int evaluations_ = 0;
   int inverted_ = 0;
   int overflown_ = 0;
+  bool current_ = true;
+  bool first_ = true;  // no residual of this frame has been formed
+  bool diverged_ = false;
+  bool no_start_ = false;
+  bool refused_ = false;
 };
 
 }  // namespace hvp::host
