@@ -293,7 +293,7 @@ void stability_lines(Out out, const app::Scene& scene, const Outcome& o) {
   }
   if (o.refinement && o.refinement->without_start > 0) {
     fmt::format_to(out,
-                   "  {} kept the last solution and its force, the first in frame {}: with the "
+                   "  {} kept the last solution, the first in frame {}: with the "
                    "contact in its place the body had no forces\n",
                    counted(o.refinement->without_start, "frame"),
                    o.refinement->first_without_start);

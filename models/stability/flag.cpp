@@ -144,7 +144,7 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
     {"board-error", "the board refused what the driver asked for, or failed",
      "no setting of the solver's words helps: what the driver's ERROR lines say"},
     {"no-start",
-     "a frame kept the last solution and its force: with the contact in its place elements had no "
+     "a frame kept the last solution: with the contact in its place elements had no "
      "forces, or forces beyond all bounds",
      "no setting of the board's words helps: what inverted-element or energy-overflow say, else a "
      "slower or shallower motion of the probe, or a contact.patch_radius over which it presses"},
