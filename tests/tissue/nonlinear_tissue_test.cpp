@@ -16,25 +16,21 @@
 #include "models/tissue/newton_run.h"
 #include "models/tissue/static_equilibrium.h"
 #include "tests/allocation_count.h"
+#include "tests/tissue/moving.h"
 #include "tests/tissue/static_problems.h"
 
 namespace hvp::tissue::nonlinear_tissue_test {
 namespace {
 
 using namespace statics;
+using moving::damped;
+using moving::largest;
+using moving::largest_difference;
 using enum LawKind;
 
 constexpr double kPeriod = 2e-3;
 constexpr std::array<LawKind, 5> kAll = {linear, corotational, st_venant_kirchhoff, neo_hookean_log,
                                          neo_hookean_isochoric};
-
-fem::Dynamics damped() {
-  return {.newmark_beta = 0.605,
-          .newmark_gamma = 0.6,
-          .mass = fem::MassKind::lumped,
-          .rayleigh_mass = 0.1,
-          .rayleigh_stiffness = 1e-3};
-}
 
 fem::Dynamics generalised_alpha(double radius) {
   return {.scheme = fem::Scheme::generalised_alpha,
@@ -53,18 +49,6 @@ std::vector<double> shaken(const fem::Body& body, double size) {
 
 void put(std::vector<double>& at_nodes, std::size_t node, const Eigen::Vector3d& x) {
   std::copy_n(x.data(), 3, &at_nodes[3 * node]);
-}
-
-double largest(std::span<const double> v) {
-  double most = 0;
-  for (const double x : v) most = std::max(most, std::abs(x));
-  return most;
-}
-
-double largest_difference(std::span<const double> a, std::span<const double> b) {
-  double most = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
-  return most;
 }
 
 // With the linear law the elements' forces are A·u, in every frame of a moving body: another way to

@@ -24,6 +24,7 @@
 #include "models/tissue/step_watch.h"
 #include "tests/allocation_count.h"
 #include "tests/fem/box_meshes.h"
+#include "tests/tissue/moving.h"
 #include "tests/tissue/static_problems.h"
 
 // Bodies of ten-node elements in the servo loop, at rest and by explicit steps.
@@ -31,6 +32,9 @@ namespace hvp::tissue::quadratic_tissue_test {
 namespace {
 
 using namespace statics;
+using moving::damped;
+using moving::largest;
+using moving::largest_difference;
 using enum LawKind;
 using fem::Elements;
 
@@ -50,26 +54,6 @@ Scene pressed(Elements elements, double p, const fem::Material& material = refer
       });
   scene.displacement.assign(scene.watched.size(), Eigen::Vector3d(0, 0, -p));
   return scene;
-}
-
-fem::Dynamics damped() {
-  return {.newmark_beta = 0.605,
-          .newmark_gamma = 0.6,
-          .mass = fem::MassKind::lumped,
-          .rayleigh_mass = 0.1,
-          .rayleigh_stiffness = 1e-3};
-}
-
-double largest(std::span<const double> v) {
-  double most = 0;
-  for (const double x : v) most = std::max(most, std::abs(x));
-  return most;
-}
-
-double largest_difference(std::span<const double> a, std::span<const double> b) {
-  double most = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
-  return most;
 }
 
 // With the linear law the elements' forces are A·u, damping and inertia included.

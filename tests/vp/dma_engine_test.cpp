@@ -12,8 +12,8 @@
 #include <gtest/gtest.h>
 
 #include "models/fixed/reference_solver.h"
-#include "tests/vp/board_rig.h"
 #include "tests/vp/expected_time.h"
+#include "tests/vp/memory_rig.h"
 #include "tests/vp/small_scene.h"
 #include "tests/vp/stimulus.h"
 #include "vp/bus/host_memory.h"
@@ -38,50 +38,25 @@ constexpr std::size_t kMemoryBytes = 0x4000;
 constexpr std::uint32_t kVectorBytes = 2 * SmallScene::kUnknowns;
 constexpr Picoseconds kEngine = 200 * kNs;
 
-using Descriptor = std::array<std::uint32_t, kDescriptorWords>;
-
-Descriptor to_board(std::uint64_t from, std::uint32_t bytes, std::uint32_t at = 0) {
-  return {0,
-          bytes,
-          static_cast<std::uint32_t>(from),
-          static_cast<std::uint32_t>(from >> 32),
-          static_cast<std::uint32_t>(test::offset_of(Aperture::b)) + at,
-          0,
-          0,
-          0};
-}
-Descriptor to_host(std::uint64_t to, std::uint32_t bytes, std::uint32_t at = 0) {
-  return {1,
-          bytes,
-          static_cast<std::uint32_t>(to),
-          static_cast<std::uint32_t>(to >> 32),
-          static_cast<std::uint32_t>(test::offset_of(Aperture::u)) + at,
-          0,
-          0,
-          0};
-}
-
 // The board's bursts on PCI 32/33, without the processor's way.
 Picoseconds board_write(int bytes) { return test::pci(bytes, 4, 0); }
 Picoseconds board_read(int bytes) { return test::pci(bytes, 4 + 8, 0); }
 
-class DmaEngineTest : public test::BoardRig, public testing::Test {
+class DmaEngineTest : public test::MemoryRig, public testing::Test {
  protected:
+  static Descriptor to_board(std::uint64_t from, std::uint32_t bytes, std::uint32_t at = 0) {
+    return descriptor(false, from, bytes, Aperture::b, at);
+  }
+  static Descriptor to_host(std::uint64_t to, std::uint32_t bytes, std::uint32_t at = 0) {
+    return descriptor(true, to, bytes, Aperture::u, at);
+  }
   using Script = std::function<void(Stimulus&, BoardMaster&)>;
 
   // The board's requests go over a PCI bus; the script's accesses reach its registers at once.
   void run(const Script& script, const MasterSettings& master = {link::DmaEngine{}, false}) {
     build_bus();
     build({}, Timing::loosely_timed, master);
-    memory_ = std::make_unique<HostMemory>("memory", kMemoryBytes);
-    idle_ = std::make_unique<Stimulus>("idle", [](Stimulus&) {});
-    idle_->to_target.bind(bus_->from_host);
-    target_ = std::make_unique<HostMemory>("target", 4);
-    bus_->attach(target_->from_bus, 0x4000'0000, 4);
-    if (accelerator_->dma() != nullptr) {
-      accelerator_->dma()->to_memory.bind(bus_->from_board);
-      bus_->attach_memory(memory_->from_bus);
-    }
+    connect_memory(kMemoryBytes);
     if (!master.messages) {
       run_with_line(script);
       return;
@@ -141,8 +116,6 @@ class DmaEngineTest : public test::BoardRig, public testing::Test {
   }
 
   std::vector<std::int32_t> b_ = test::words(SmallScene::kUnknowns, 200);
-  std::unique_ptr<HostMemory> memory_, target_;
-  std::unique_ptr<Stimulus> idle_;
 };
 
 TEST_F(DmaEngineTest, ListTakesItsClocksAndItsSpansFollowEachOther) {

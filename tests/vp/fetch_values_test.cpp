@@ -11,8 +11,8 @@
 #include <gtest/gtest.h>
 
 #include "models/fixed/reference_solver.h"
-#include "tests/vp/board_rig.h"
 #include "tests/vp/expected_time.h"
+#include "tests/vp/memory_rig.h"
 #include "vp/bus/host_memory.h"
 #include "vp/fpga/accelerator.h"
 
@@ -26,7 +26,6 @@ using test::kUs;
 using test::SmallScene;
 using test::Stimulus;
 using Words = std::vector<std::int32_t>;
-using Descriptor = std::array<std::uint32_t, kDescriptorWords>;
 
 constexpr std::uint64_t kList = 0x400;
 constexpr std::uint64_t kValues = 0x2000;
@@ -35,19 +34,11 @@ constexpr Picoseconds kEngine = 200 * kNs;
 
 Picoseconds board_read(std::uint32_t bytes) { return test::pci(static_cast<int>(bytes), 4 + 8, 0); }
 
-Descriptor to_values(std::uint64_t from, std::uint32_t bytes, std::uint32_t at = 0) {
-  return {0,
-          bytes,
-          static_cast<std::uint32_t>(from),
-          static_cast<std::uint32_t>(from >> 32),
-          static_cast<std::uint32_t>(test::offset_of(Aperture::value)) + at,
-          0,
-          0,
-          0};
-}
-
-class FetchValues : public test::BoardRig, public testing::Test {
+class FetchValues : public test::MemoryRig, public testing::Test {
  protected:
+  static Descriptor to_values(std::uint64_t from, std::uint32_t bytes, std::uint32_t at = 0) {
+    return descriptor(false, from, bytes, Aperture::value, at);
+  }
   using Script = std::function<void(Stimulus&, BoardMaster&)>;
 
   void run(const Script& script, const MasterSettings& master = {link::DmaEngine{}, false}) {
@@ -57,13 +48,7 @@ class FetchValues : public test::BoardRig, public testing::Test {
   }
   void connect() {
     build_bus();
-    memory_ = std::make_unique<HostMemory>("memory", kMemoryBytes);
-    idle_ = std::make_unique<Stimulus>("idle", [](Stimulus&) {});
-    idle_->to_target.bind(bus_->from_host);
-    target_ = std::make_unique<HostMemory>("target", 4);
-    bus_->attach(target_->from_bus, 0x4000'0000, 4);
-    accelerator_->dma()->to_memory.bind(bus_->from_board);
-    bus_->attach_memory(memory_->from_bus);
+    connect_memory(kMemoryBytes);
   }
 
   // Half of K, which has the same pattern.
@@ -119,8 +104,6 @@ class FetchValues : public test::BoardRig, public testing::Test {
   }
 
   Words b_ = test::words(SmallScene::kUnknowns, 200);
-  std::unique_ptr<HostMemory> memory_, target_;
-  std::unique_ptr<Stimulus> idle_;
 };
 
 TEST_F(FetchValues, TakesItsClocksAndItsSpansFollowEachOther) {

@@ -20,16 +20,8 @@ using ::testing::Not;
 class MatrixRenewal : public ::testing::Test {
  protected:
   Ended with(const std::vector<std::string>& changes, const char* name = "thesis-nonlinear.toml") {
-    std::vector<std::string> arguments = {"run",   scenario(name).string(),
-                                          "--out", "out",
-                                          "--set", "output.pictures=false",
-                                          "--set", "output.remedies=false",
-                                          "--set", "output.deformation_every_frames=0"};
+    std::vector<std::string> arguments = run_for_figures(name, changes);
     if (with_fault_) arguments.insert(arguments.begin() + 2, {"--include", "fault.toml"});
-    for (const std::string& change : changes) {
-      arguments.emplace_back("--set");
-      arguments.push_back(change);
-    }
     return hvp(place_.path(), arguments);
   }
   json summary() const { return json::parse(read(place_.path() / "out/summary.json")); }

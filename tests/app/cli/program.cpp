@@ -140,6 +140,21 @@ std::string slug(const std::string& text) {
 
 fs::path scenario(const std::string& name) { return fs::path(HVP_SCENARIOS) / name; }
 
+std::vector<std::string> run_for_figures(const std::string& name,
+                                         const std::vector<std::string>& changes) {
+  std::vector<std::string> arguments = {"run", scenario(name).string(), "--out", "out"};
+  const auto set = [&arguments](const std::string& change) {
+    arguments.emplace_back("--set");
+    arguments.push_back(change);
+  };
+  for (const char* none : {"output.pictures=false", "output.remedies=false",
+                           "output.deformation_every_frames=0", "output.trace_frames=0"}) {
+    set(none);
+  }
+  for (const std::string& change : changes) set(change);
+  return arguments;
+}
+
 const char* const kSmallScene = R"(title = "A small box"
 frames = 40
 

@@ -64,6 +64,11 @@ std::string slug(const std::string& text);
 // The project's scenarios/<name>.
 std::filesystem::path scenario(const std::string& name);
 
+// The arguments of a run of one of them into "out", with changes, of which only figures are wanted:
+// nothing is drawn, traced or looked for.
+std::vector<std::string> run_for_figures(const std::string& name,
+                                         const std::vector<std::string>& changes);
+
 // A small static scene that is touched within a few frames: a box of 60 nodes, pressed from its
 // first tick.
 extern const char* const kSmallScene;

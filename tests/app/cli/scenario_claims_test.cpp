@@ -28,17 +28,7 @@ class Runs {
     std::string key = name;
     for (const std::string& change : changes) key += " " + change;
     if (const auto found = summaries_.find(key); found != summaries_.end()) return found->second;
-    std::vector<std::string> arguments = {"run",   scenario(name).string(),
-                                          "--out", "out",
-                                          "--set", "output.pictures=false",
-                                          "--set", "output.remedies=false",
-                                          "--set", "output.deformation_every_frames=0",
-                                          "--set", "output.trace_frames=0"};
-    for (const std::string& change : changes) {
-      arguments.emplace_back("--set");
-      arguments.push_back(change);
-    }
-    const Ended ended = hvp(place_.path(), arguments);
+    const Ended ended = hvp(place_.path(), run_for_figures(name, changes));
     EXPECT_LT(ended.status, 2) << ended.err;
     return summaries_[key] = json::parse(read(place_.path() / "out/summary.json"));
   }

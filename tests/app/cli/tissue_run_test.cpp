@@ -21,17 +21,7 @@ using ::testing::Not;
 class TissueRun : public ::testing::Test {
  protected:
   Ended with(const std::vector<std::string>& changes, const char* name = "thesis-nonlinear.toml") {
-    std::vector<std::string> arguments = {"run",   scenario(name).string(),
-                                          "--out", "out",
-                                          "--set", "output.pictures=false",
-                                          "--set", "output.remedies=false",
-                                          "--set", "output.deformation_every_frames=0",
-                                          "--set", "output.trace_frames=0"};
-    for (const std::string& change : changes) {
-      arguments.emplace_back("--set");
-      arguments.push_back(change);
-    }
-    return hvp(place_.path(), arguments);
+    return hvp(place_.path(), run_for_figures(name, changes));
   }
   json summary(const std::vector<std::string>& changes,
                const char* name = "thesis-nonlinear.toml") {
@@ -253,6 +243,31 @@ TEST_F(TissueRun, ABodyThrownApartIsFlaggedAndStaysFinite) {
   ASSERT_TRUE(s.at("force").at("largest").at("N").is_number());
   EXPECT_LT(s.at("force").at("largest").at("N"), 1e4);
   for (const char* word : {"inf N", " nan", "-nan"}) EXPECT_THAT(out_, Not(HasSubstr(word)));
+}
+
+// Fung's energy grows as an exponential: of a steep one two passes lead where there is no start for
+// the next frame. The frames that only repeat the last solution are counted, flagged and said, and
+// what is beyond all bounds has a name of its own where nothing is turned inside out.
+TEST_F(TissueRun, FramesWithoutAStartAreFlaggedAndCounted) {
+  const auto steep = [this](const char* exponent) {
+    return summary({"frames=170", "reference=false", exponent}, "tissue-relaxing.toml");
+  };
+  const json gentle = steep("object.model.exponent=1");
+  EXPECT_EQ(gentle.at("refinement").at("frames_without_start"), 0);
+  EXPECT_TRUE(gentle.at("refinement").at("first_without_start").is_null());
+  EXPECT_THAT(flags(gentle), Not(Contains("no-start")));
+  EXPECT_THAT(out_, Not(HasSubstr("kept the last solution")));
+  for (const char* exponent : {"object.model.exponent=200", "object.model.exponent=2000"}) {
+    const json s = steep(exponent);
+    EXPECT_THAT(flags(s), Contains("no-start")) << exponent;
+    EXPECT_NE(s.at("verdict"), "PASS");
+    const int kept = s.at("refinement").at("frames_without_start");
+    EXPECT_EQ(s.at("refinement").at("first_without_start"), 170 - kept) << exponent;
+    EXPECT_THAT(out_, HasSubstr(std::to_string(kept) + " frames kept the last solution"));
+    EXPECT_EQ(s.at("strain").at("inverted_elements"), 0);
+    EXPECT_GT(kept, 0) << exponent;
+  }
+  EXPECT_THAT(flags(steep("object.model.exponent=2000")), Contains("energy-overflow"));
 }
 
 // Springs along edges do not see that a tetrahedron between them is turned inside out.
