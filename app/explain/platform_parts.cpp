@@ -58,7 +58,7 @@ void add_modules(const std::vector<sc_core::sc_object*>& objects, json& modules)
 std::string look_at_platform(Scene& scene) {
   std::optional<vp::SoftBody> soft;
   if (scene.has_body()) {
-    soft.emplace(vp::SoftBody{scene.body(), scene.computation(), scene.contacts()});
+    soft.emplace(soft_body(scene));
   }
   // SystemC's warning that a waveform's file is not written is suppressed, as nothing is simulated
   // here.

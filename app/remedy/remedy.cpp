@@ -295,7 +295,8 @@ std::optional<results::TriedRemedy> try_remedies(const Scene& scene, Flags flags
                                                  const Measured& measured, const Rebuild& rebuild,
                                                  const Progress& progress) {
   Flags solver = scene.has_board() ? among(flags, kOfWords) : Flags();
-  Flags hand_over = of_hand_over(flags);
+  // A proxy is not handed over.
+  Flags hand_over = scene.glide() == nullptr ? of_hand_over(flags) : Flags();
   if (!scene.scenario().faults.empty()) {
     // No setting undoes the effect of faults on the force.
     hand_over = Flags();

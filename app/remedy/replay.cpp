@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <memory>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -39,11 +42,32 @@ constexpr std::size_t kShown = 16;  // frames from one line of progress to the n
 // Solves one frame as the board would, with all its passes.
 void solve(host::FrameComputation& computation, host::WordBoard& board,
            std::vector<std::int32_t>& b) {
-  computation.begin();
   while (computation.method().next(b)) {
     const fixed::Report report = board.solve(b);
     computation.method().accept(board.solution(), report.flags);
   }
+}
+
+// The same frame where contact is a proxy, with all of its solves.
+void solve_with_proxies(host::FrameComputation& computation, host::GlidingContact& contact,
+                        const fem::Hold& hold, host::WordBoard& board,
+                        std::vector<std::int32_t>& b) {
+  contact.look(hold.tips, computation.displacement());
+  if (contact.needs_solution()) {
+    computation.hold(contact.hold());
+    computation.begin();
+    solve(computation, board, b);
+  }
+  contact.solve(computation.displacement());
+  if (!contact.changes()) return;
+  computation.hold(contact.hold());
+  if (contact.needs_solution()) {
+    computation.go_on(contact.way());
+  } else {
+    computation.begin();
+  }
+  solve(computation, board, b);
+  contact.apply();
 }
 
 }  // namespace
@@ -69,6 +93,7 @@ void Replay::solve_exactly(std::span<const Sighting> recording, std::size_t fram
   host::ContactHold contact(scene_.body(), scene_.contacts(), to_picoseconds(hand_over_s), probes);
   const Picoseconds period = to_picoseconds(s.budget.period_s);
   std::vector<collision::Contact> contacts(probes);
+  std::vector<Eigen::Vector3d> tips;
   for (std::size_t i = 0; i < recording.size(); ++i) {
     if (progress && i % kShown == 0) {
       progress(fmt::format("looking for a remedy: the true solution of frame {} of {}", i + 1,
@@ -76,11 +101,14 @@ void Replay::solve_exactly(std::span<const Sighting> recording, std::size_t fram
     }
     const Sighting& now = recording[i];
     std::ranges::transform(now.touches, contacts.begin(), &collision::Touch::contact);
-    if (!std::ranges::equal(contacts, contact.contacts())) {
+    if (scene_.glide() == nullptr && !std::ranges::equal(contacts, contact.contacts())) {
       contact.nodes_of(contacts);
       contact.change(contacts, now.time, now.touches, {run.displacement(), run.velocity()});
     }
-    const fem::Hold hold = contact.hold(now.time, now.touches, period);
+    tips.clear();
+    std::ranges::transform(now.touches, std::back_inserter(tips), &collision::Touch::tip);
+    const fem::Hold hold = scene_.glide() != nullptr ? fem::Hold::of_loads({}, tips)
+                                                     : contact.hold(now.time, now.touches, period);
     run.step(hold);
     contact.keep_tips(now.time, now.touches);
     contact.solved(now.time);
@@ -99,7 +127,9 @@ void Replay::add_force(const Sighting& at, bool fades, std::int64_t frame,
                        const Eigen::Vector3d& force, stability::ForceQuality& quality) const {
   stability::FeltForce felt{
       frame, to_seconds(at.time), at.touch().tip, force, at.touch().contact.node, fades, 0};
-  if (at.touch().contact.present()) {
+  if (at.touch().contact.spot.present()) {
+    felt.foot = at.touch().foot;
+  } else if (at.touch().contact.present()) {
     felt.pull = force.dot(scene_.contacts().surface().rest_normal(at.touch().contact.node));
   }
   quality.add(felt);
@@ -128,10 +158,18 @@ Replay::Result Replay::attempt(const fixed::Plan& plan) const {
     host::WordBoard board(computation.board().matrix(), computation.board().settings());
     const sparse::BlockMatrix rounded = fixed::dequantise(computation.board().words());
     // The rounded model is one of a linear body; increments are always refined.
-    std::optional<host::ReferenceRun> rounded_run;
+    std::unique_ptr<fem::ReferenceModel> rounded_run;
+    bool rounded_singular = false;
     if (!refined) {
-      rounded_run.emplace(scene_.body(), s.dynamics, s.budget.period_s, computation.matrix(),
-                          rounded);
+      auto linear = std::make_unique<host::ReferenceRun>(
+          scene_.body(), s.dynamics, s.budget.period_s, computation.matrix(), rounded);
+      rounded_singular = linear->singular();
+      rounded_run = with_own_contact(scene_, std::move(linear));
+    }
+    std::optional<host::GlidingContact> glides;
+    if (scene_.glide() != nullptr) {
+      glides.emplace(scene_.body(), *scene_.glide());
+      if (glides->needs_solution()) computation.expect_to_go_on();
     }
     std::vector<std::int32_t> b(computation.displacement().size());
     host::Deviation of_true;
@@ -147,9 +185,16 @@ Replay::Result Replay::attempt(const fixed::Plan& plan) const {
         board.set_contact(hold.nodes, computation.board().diagonal_word());
         present = hold.nodes;
       }
-      computation.hold(hold);
-      solve(computation, board, b);
-      const Eigen::Vector3d force = computation.force();
+      Eigen::Vector3d force;
+      if (glides) {
+        solve_with_proxies(computation, *glides, hold, board, b);
+        force = glides->forces().front();
+      } else {
+        computation.hold(hold);
+        computation.begin();
+        solve(computation, board, b);
+        force = computation.force();
+      }
       computation.method().finish();
       result.flags.merge(computation.method().flags());
       computation.update();
@@ -159,9 +204,12 @@ Replay::Result Replay::attempt(const fixed::Plan& plan) const {
         board.renew(computation.board().matrix(), computation.board().diagonal_word());
       }
       add_force(frame.sighting, !hold.let_go.empty(), number++, force, quality);
-      const bool in_contact = hold.present();
+      const bool in_contact =
+          std::ranges::any_of(frame.sighting.touches, [](const collision::Touch& touch) {
+            return touch.contact.present();
+          });
       of_true.add(computation.displacement(), frame.exact, 0, in_contact);
-      if (!rounded_run || rounded_run->singular()) continue;
+      if (!rounded_run || rounded_singular) continue;
       rounded_run->step(hold);
       of_rounded.add(computation.displacement(), rounded_run->displacement(), 0, in_contact);
     }

@@ -19,7 +19,27 @@ void ContactFigures::report(config::Figures& f) const {
   f.count("changes", changes, "how often the contact node changed");
   f.count("collision_passes", collision_passes, "of the collision process");
   f.time("longest_pass_us", longest_pass, "the longest of them");
-  f.ratio("share", share(), "of all frames, those in contact: with a node held");
+  f.ratio("share", share(), "of all frames, those in contact");
+  f.table_or_null("proxy", "where contact.kind is \"proxy\"; else null",
+                  proxy.any() ? std::make_optional(proxy) : std::nullopt);
+}
+
+void ProxyFigures::add(const collision::Touch& touch, std::int64_t number) {
+  if (!touch.contact.spot.present()) return;
+  ++touches;
+  if (touch.slides) ++sliding;
+  if (frame >= 0 && touch.gap <= largest_gap) return;
+  largest_gap = touch.gap;
+  frame = number;
+}
+
+void ProxyFigures::report(config::Figures& f) const {
+  f.count("touches", touches, "frames in contact, counted for each probe");
+  f.count("sliding", sliding, "those of them in which friction did not hold it");
+  f.quantity("largest_gap_m", largest_gap, "m", "from a tip to the body's surface at its proxy");
+  f.frame("largest_gap_frame", frame, "the frame that has it");
+  f.count("compliance_bytes", bytes, "of the table of the surface's compliances, on the host");
+  f.count("compliance_solves", solves, "that the table took at set-up");
 }
 
 namespace {

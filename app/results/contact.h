@@ -26,6 +26,21 @@ struct Approach {
   void report(config::Figures& f) const;
 };
 
+// The frames of proxies: the table `contact.proxy`.
+struct ProxyFigures {
+  std::int64_t touches = 0;  // frames in contact, counted for each probe
+  std::int64_t sliding = 0;  // of them
+  double largest_gap = 0;    // m
+  std::int64_t frame = -1;   // that has it
+  // Set-up: the table, and the solves for it.
+  std::int64_t bytes = 0;
+  std::int64_t solves = 0;
+
+  bool any() const { return bytes > 0; }
+  void add(const collision::Touch& touch, std::int64_t number);
+  void report(config::Figures& f) const;
+};
+
 // The table `contact` of summary.json.
 struct ContactFigures {
   std::int64_t frames = 0;
@@ -33,6 +48,7 @@ struct ContactFigures {
   std::int64_t changes = 0;  // of the contact node
   std::int64_t collision_passes = 0;
   vp::Picoseconds longest_pass = 0;
+  ProxyFigures proxy;
   // The nearest place; absent once the probe has touched the body.
   std::optional<Approach> nearest;
   // The deepest place in the body without contact, where that is a flag.

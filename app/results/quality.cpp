@@ -254,6 +254,12 @@ namespace {
 void force_lines(Out out, const stability::ForceQuality& force, const ContactFigures& contact) {
   fmt::format_to(out, "\nForce        largest {} (frame {}), contact in {} of the frames\n",
                  newtons(force.peak().value), force.peak().frame, percent(contact.share()));
+  if (const ProxyFigures& proxy = contact.proxy; proxy.touches > 0) {
+    fmt::format_to(
+        out, "  proxy          glides in {} of its frames; up to {} from the tip (frame {})\n",
+        percent(static_cast<double>(proxy.sliding) / static_cast<double>(proxy.touches)),
+        readable_length(proxy.largest_gap), proxy.frame);
+  }
   fmt::format_to(out, "  step           {} from one frame to the next, {} of it (frame {})\n",
                  newtons(force.step().value), percent(force.step_share()), force.step().frame);
   for (std::size_t i = 0; i < stability::ForceQuality::kSpans.size(); ++i) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
 namespace hvp::app {
 
@@ -20,7 +21,10 @@ results::Accuracy::Quantity quantity(const host::Deviation& of_true,
 
 std::optional<host::ReferenceRun> linear_run(const Scene& scene) {
   const Scenario& s = scene.scenario();
-  if (s.object.nonlinear() || scene.computation().explicit_steps() != nullptr) return std::nullopt;
+  if (s.object.nonlinear() || scene.computation().explicit_steps() != nullptr ||
+      scene.glide() != nullptr) {
+    return std::nullopt;
+  }
   const sparse::BlockMatrix& matrix = scene.computation().matrix();
   return std::make_optional<host::ReferenceRun>(scene.body(), s.dynamics, s.budget.period_s, matrix,
                                                 matrix, s.probes.size());
@@ -35,16 +39,19 @@ AccuracyTracker::AccuracyTracker(const Scene& scene, const host::Reference& sett
       refined_(scene.computation().refined() != nullptr),
       of_another_model_(scene.scenario().judged_by_another_model()),
       linear_run_(of_another_model_ ? std::nullopt : linear_run(scene)),
-      nonlinear_run_(linear_run_ ? nullptr : make_reference(scene, settings.model)),
-      true_run_(linear_run_ ? static_cast<fem::ReferenceModel&>(*linear_run_) : *nonlinear_run_),
+      other_run_(linear_run_ ? nullptr : make_reference(scene, settings.model)),
+      true_run_(linear_run_ ? static_cast<fem::ReferenceModel&>(*linear_run_) : *other_run_),
       period_s_(scene.scenario().budget.period_s) {
-  if (!has_board_ || !linear_run_) return;
+  if (!has_board_ || of_another_model_ || !true_run_.linear()) return;
   rounded_ = fixed::dequantise(scene.computation().board().words());
-  rounded_run_.emplace(scene.body(), scene.scenario().dynamics, scene.scenario().budget.period_s,
-                       scene.computation().matrix(), rounded_, scene.scenario().probes.size());
-  if (!linear_run_->singular() && !rounded_run_->singular()) {
-    both_.emplace(*linear_run_, *rounded_run_);
+  auto rounded = std::make_unique<host::ReferenceRun>(
+      scene.body(), scene.scenario().dynamics, scene.scenario().budget.period_s,
+      scene.computation().matrix(), rounded_, scene.scenario().probes.size());
+  rounded_run_ = rounded.get();
+  if (linear_run_ && !linear_run_->singular() && !rounded->singular()) {
+    both_.emplace(*linear_run_, *rounded);
   }
+  rounded_model_ = with_own_contact(scene, std::move(rounded));
 }
 
 void AccuracyTracker::step(const fem::Hold& hold) {
@@ -53,6 +60,7 @@ void AccuracyTracker::step(const fem::Hold& hold) {
     return;
   }
   true_run_.step(hold);
+  if (has_rounded()) rounded_model_->step(hold);
 }
 
 void AccuracyTracker::solved(const vp::Frame& frame, const vp::Solution& solution) {
@@ -85,9 +93,9 @@ void AccuracyTracker::solved(const vp::Frame& frame, const vp::Solution& solutio
   displacement_.add(solution.displacement, true_run_.displacement(), frame.number, in_contact);
   force_.add(components(forces_), components(true_run_.forces()), frame.number, in_contact);
   if (!has_rounded()) return;
-  displacement_rounded_.add(solution.displacement, rounded_run_->displacement(), frame.number,
+  displacement_rounded_.add(solution.displacement, rounded_model_->displacement(), frame.number,
                             in_contact);
-  force_rounded_.add(components(forces_), components(rounded_run_->forces()), frame.number,
+  force_rounded_.add(components(forces_), components(rounded_model_->forces()), frame.number,
                      in_contact);
 }
 

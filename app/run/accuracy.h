@@ -28,7 +28,7 @@ class AccuracyTracker : public vp::FrameObserver {
   stability::Flags flags() const;
 
  private:
-  bool has_rounded() const { return rounded_run_ && !rounded_run_->singular(); }
+  bool has_rounded() const { return rounded_run_ != nullptr && !rounded_run_->singular(); }
   void step(const fem::Hold& hold);
 
   host::Reference settings_;
@@ -36,12 +36,14 @@ class AccuracyTracker : public vp::FrameObserver {
   bool has_board_;
   bool refined_;
   bool of_another_model_;  // the reference is not of the body's own law
+  // With what contact prescribes; where contact is a proxy each reference finds its own.
   std::optional<host::ReferenceRun> linear_run_;
-  std::unique_ptr<fem::ReferenceModel> nonlinear_run_;
+  std::unique_ptr<fem::ReferenceModel> other_run_;
   fem::ReferenceModel& true_run_;  // one of them
   // With the matrix that the board's words stand for; empty where there is no board.
   sparse::BlockMatrix rounded_;
-  std::optional<host::ReferenceRun> rounded_run_;
+  std::unique_ptr<fem::ReferenceModel> rounded_model_;
+  const host::ReferenceRun* rounded_run_ = nullptr;  // of that model, what solves
   std::optional<host::PairedRuns> both_;  // where there is a rounded model that can be solved
   host::Deviation displacement_, force_;
   host::Deviation displacement_rounded_, force_rounded_;

@@ -149,9 +149,9 @@ results::ProbeColumns probe_columns_of(const Scenario& s) {
           s.hand, s.wall};
 }
 
-std::optional<vp::SoftBody> soft_body(Scene& scene) {
+std::optional<vp::SoftBody> body_of(Scene& scene) {
   if (!scene.has_body()) return std::nullopt;
-  return vp::SoftBody{scene.body(), scene.computation(), scene.contacts()};
+  return soft_body(scene);
 }
 
 // The stiffness that the device is pressed against, where it is known within a run's set-up, N/m.
@@ -202,6 +202,10 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
   o.bus.busy = platform.bus().busy();
   o.contact = contact.figures();
   o.contact.changes = o.servo.contact_changes;
+  if (const host::GlideTables* glide = scene.glide()) {
+    o.contact.proxy.bytes = static_cast<std::int64_t>(glide->bytes());
+    o.contact.proxy.solves = glide->solves();
+  }
   if (const vp::CollisionProcess* collision = platform.collision()) {
     o.contact.collision_passes = collision->passes();
     o.contact.longest_pass = collision->longest_pass();
@@ -249,8 +253,8 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   std::optional<results::WaveformFile> waveform;
   if (s.output.waveform) waveform.emplace(directory, "engine");
   vp::Platform platform(
-      platform_settings(scene, waveform ? waveform->tracer_file() : std::string()),
-      soft_body(scene), registers ? &*registers : nullptr);
+      platform_settings(scene, waveform ? waveform->tracer_file() : std::string()), body_of(scene),
+      registers ? &*registers : nullptr);
   if (registers && platform.board() != nullptr) registers->watch(*platform.board());
   std::optional<results::JobRecord> jobs;
   if (options.record_jobs) {

@@ -86,6 +86,10 @@ void ForceWatch::solved(const vp::Frame& frame, const vp::Solution& solution) {
     if (touch.contact.present()) {
       felt.pull = touch.force.dot(contacts_.surface().rest_normal(touch.contact.node));
     }
+    if (touch.contact.spot.present()) {
+      felt.foot = touch.foot;
+      felt.pull = std::min(felt.pull, 0.0);  // never: that would end the contact
+    }
     qualities_[i].add(felt);
   }
 }

@@ -33,6 +33,7 @@ class ContactWatch : public vp::FrameObserver {
   void solved(const vp::Frame& frame, const vp::Solution& /*solution*/) override {
     ++figures_.frames;
     if (frame.in_contact()) ++figures_.frames_in_contact;
+    for (const collision::Touch& touch : frame.touches) figures_.proxy.add(touch, frame.number);
     if (frame.number == 0 && !pulls_) begins_pressed_ = begins_pressed(frame);
   }
   void closed(const vp::Frame& frame, const vp::CriticalPath& path) override;

@@ -73,14 +73,21 @@ std::vector<FrameStep> frame_steps(const Scene& scene, int nodes, std::int64_t s
   const bool host_takes_time = s.fidelity.host != vp::Timing::untimed;
   const bool bus_takes_time = s.fidelity.bus != vp::Timing::untimed;
   std::vector<FrameStep> steps;
-  for (const host::Step& step : scene.computation().steps()) {
+  const host::GlideTables* glide = scene.glide();
+  const std::vector<host::Step> of_frame =
+      glide == nullptr ? scene.computation().steps()
+                       : scene.computation().steps_with_loads(
+                             host::GlideTables::typical_operations(s.probes.size()),
+                             glide->free_displacement.empty());
+  for (const host::Step& step : of_frame) {
     if (step.where == host::Step::Where::board) {
       const std::int64_t unknowns = std::int64_t{3} * nodes;
       const std::int64_t b = payload_bytes(s, s.solver.residual_bits(), unknowns);
       const std::int64_t u = payload_bytes(s, s.solver.vector_bits, unknowns);
-      steps.push_back({"send b", bus_takes_time ? send_ps(s, b) : 0, step.times});
-      steps.push_back({"solve", solve_ps, step.times});
-      steps.push_back({"receive U", bus_takes_time ? receive_ps(s, u) : 0, step.times});
+      const bool after = step.after_force;
+      steps.push_back({"send b", bus_takes_time ? send_ps(s, b) : 0, step.times, after});
+      steps.push_back({"solve", solve_ps, step.times, after});
+      steps.push_back({"receive U", bus_takes_time ? receive_ps(s, u) : 0, step.times, after});
       continue;
     }
     const double rate = step.where == host::Step::Where::solver ? s.host.solver_speed() : 1;

@@ -17,6 +17,7 @@
 #include "models/mesh/surface_check.h"
 #include "models/time/picoseconds.h"
 #include "vp/fpga/register_bank.h"
+#include "vp/host/soft_body.h"
 
 namespace hvp::app {
 
@@ -101,8 +102,10 @@ std::unique_ptr<fem::Tissue> make_tissue(const Scenario& s, const fem::Body& bod
                              s.timing_only() ? host::Effort::counted : host::Effort::computed);
 }
 
-std::unique_ptr<fem::ReferenceModel> make_reference(const Scene& scene,
-                                                    std::optional<tissue::LawKind> law) {
+namespace {
+
+std::unique_ptr<fem::ReferenceModel> reference_of_body(const Scene& scene,
+                                                       std::optional<tissue::LawKind> law) {
   const Scenario& s = scene.scenario();
   tissue::Model model = s.object.model.value_or(tissue::Model{});
   model.kind = law.value_or(s.object.law());
@@ -118,6 +121,24 @@ std::unique_ptr<fem::ReferenceModel> make_reference(const Scene& scene,
   const sparse::BlockMatrix& matrix = scene.computation().matrix();
   return std::make_unique<host::ReferenceRun>(scene.body(), s.dynamics, s.budget.period_s, matrix,
                                               matrix, s.probes.size());
+}
+
+}  // namespace
+
+std::unique_ptr<fem::ReferenceModel> make_reference(const Scene& scene,
+                                                    std::optional<tissue::LawKind> law) {
+  return with_own_contact(scene, reference_of_body(scene, law));
+}
+
+std::unique_ptr<fem::ReferenceModel> with_own_contact(const Scene& scene,
+                                                      std::unique_ptr<fem::ReferenceModel> body) {
+  if (scene.glide() == nullptr) return body;
+  return std::make_unique<host::GlidingReference>(
+      std::move(body), std::make_unique<host::GlidingContact>(scene.body(), *scene.glide()));
+}
+
+vp::SoftBody soft_body(Scene& scene) {
+  return {scene.body(), scene.computation(), scene.contacts(), scene.glide()};
 }
 
 void Scene::build_body(const Progress& progress, Limits limits) {
@@ -153,6 +174,17 @@ void Scene::build_body(const Progress& progress, Limits limits) {
   contacts_ = within("contact", [&] {
     return std::make_unique<collision::ContactSearch>(body_->mesh(), held, s.contact.search);
   });
+  if (s.contact.search.kind == collision::ContactKind::proxy) {
+    tell(progress, "solving for the compliance of the surface");
+    std::vector<double> radii;
+    for (const auto& probe : s.probes) radii.push_back(probe.radius);
+    glide_ = within("contact", [&] {
+      return std::make_unique<host::GlideTables>(*body_, computation_->matrix(),
+                                                 s.dynamics.has_value(), computation_->linear(),
+                                                 s.contact.search.friction, radii);
+    });
+    if (glide_->free_displacement.empty()) computation_->expect_to_go_on();
+  }
   if (s.spectrum) {
     tell(progress, "bounding the spectrum");
     // The words are asked for whoever solves.

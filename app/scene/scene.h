@@ -15,7 +15,12 @@
 #include "models/fem/locking.h"
 #include "models/fixed/spectrum.h"
 #include "models/host/frame_computation.h"
+#include "models/host/gliding_contact.h"
 #include "models/mesh/quality.h"
+
+namespace hvp::vp {
+struct SoftBody;
+}  // namespace hvp::vp
 
 namespace hvp::app {
 
@@ -39,6 +44,8 @@ class Scene {
   host::FrameComputation& computation() { return of_body(computation_); }
   const host::FrameComputation& computation() const { return of_body(computation_); }
   collision::ContactSearch& contacts() { return of_body(contacts_); }
+  // What contact by a proxy needs; null where contact is a node's.
+  const host::GlideTables* glide() const { return glide_.get(); }
   const collision::ContactSearch& contacts() const { return of_body(contacts_); }
   const mesh::Quality& quality() const { return quality_; }
   // False if the host solves. board() and pattern() then throw InputError, and usage() is empty.
@@ -73,6 +80,7 @@ class Scene {
   std::unique_ptr<fem::Body> body_;
   std::unique_ptr<host::FrameComputation> computation_;
   std::unique_ptr<collision::ContactSearch> contacts_;
+  std::unique_ptr<host::GlideTables> glide_;
   std::optional<accel::BoardClocks> board_;
   accel::Usage usage_;
   std::optional<fixed::SystemSpectrum> spectrum_;
@@ -90,6 +98,13 @@ std::unique_ptr<fem::Tissue> make_tissue(const Scenario& scenario, const fem::Bo
 // another material law. Keeps references into the scene.
 std::unique_ptr<fem::ReferenceModel> make_reference(
     const Scene& scene, std::optional<tissue::LawKind> law = std::nullopt);
+
+// The same model where contact is a proxy: with one of its own. Else `body` itself.
+std::unique_ptr<fem::ReferenceModel> with_own_contact(const Scene& scene,
+                                                      std::unique_ptr<fem::ReferenceModel> body);
+
+// The body as the platform takes it. Keeps references into the scene, which must have one.
+vp::SoftBody soft_body(Scene& scene);
 
 // Builds the elastic body alone, as `hvp export` needs it.
 std::unique_ptr<fem::Body> make_body(const Scenario& scenario, const Progress& progress);

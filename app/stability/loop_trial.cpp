@@ -163,8 +163,7 @@ Trial run_body(const Scene& scene, double times) {
     if (region.material) region.material->young_modulus_pa *= times;
   }
   Scene stiffer(s, scene.device(), {}, Scene::Limits::reported);
-  const vp::SoftBody soft{stiffer.body(), stiffer.computation(), stiffer.contacts()};
-  vp::Platform platform(platform_settings(stiffer), soft, nullptr);
+  vp::Platform platform(platform_settings(stiffer), soft_body(stiffer), nullptr);
   LoopWatch watch(stiffer.scenario());
   platform.add_observer(watch);
   platform.run();

@@ -3,6 +3,23 @@
 namespace hvp::collision {
 
 void ContactSettings::declare(config::Visitor& v) {
+  const auto of_kind = v.variant(
+      "kind", kind, {{"node", ContactKind::node}, {"proxy", ContactKind::proxy}},
+      {.help = "what the tip touches: a node of the mesh, which follows it, or a point of the "
+               "surface, which presses on the body, sticks by friction and glides beyond",
+       .source = "node is thesis 3.7; docs/collision.md measures both on a slide"});
+  of_kind.only({ContactKind::proxy}, [&] {
+    v.quantity("friction", friction, config::Dimension::dimensionless, config::between(0.0, 1e6),
+               {.help = "Coulomb's coefficient between probe and body",
+                .source = "chosen: a moist surface under a gloved finger is between 0.1 and 0.5"});
+  });
+  of_kind.only({ContactKind::node}, [&] { declare_node(v); });
+  v.effect("fresh", fresh,
+           {"contact is found anew in every frame: what if the contact node had no age?",
+            "no simulated time; a search a frame"});
+}
+
+void ContactSettings::declare_node(config::Visitor& v) {
   v.choice("grip", grip, {{"offset", Grip::offset}, {"snap", Grip::snap}},
            {.help = "where the contact node is relative to the tip: at its sideways distance when "
                     "contact began, or at the tip itself",
@@ -24,9 +41,6 @@ void ContactSettings::declare(config::Visitor& v) {
              {.help = "how long a new contact node takes from where it is to the tip; 0 s jumps, "
                       "which is a blow to a body with mass",
               .source = "one period of the collision process; thesis 3.7 jumps"});
-  v.effect("fresh", fresh,
-           {"contact is found anew in every frame: what if the contact node had no age?",
-            "no simulated time; a search a frame"});
 }
 
 }  // namespace hvp::collision

@@ -7,13 +7,24 @@
 
 namespace hvp::collision {
 
-// The node that follows a probe, and its offset. node = -1: no contact.
+// A point of a body's surface, at rest or as deformed: weights of the corners of a triangle.
+struct SurfaceSpot {
+  int triangle = -1;                                 // of mesh::TetMesh::boundary; −1: none
+  Eigen::Vector3d weight = Eigen::Vector3d::Zero();  // of its corners, none negative, sum one
+
+  bool present() const { return triangle >= 0; }
+  friend bool operator==(const SurfaceSpot&, const SurfaceSpot&) = default;
+};
+
+// The node that follows a probe, and its offset. node = -1: no contact. Where contact is a proxy,
+// its spot, and of that triangle's corners the nearest one as `node`.
 //
 // The node's prescribed displacement is tip + offset − rest position: see
 // ContactSearch::prescribed_displacement.
 struct Contact {
   int node = -1;                                     // node of the mesh
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  // m, along the surface when contact began
+  SurfaceSpot spot = {};
 
   bool present() const { return node >= 0; }
   friend bool operator==(const Contact&, const Contact&) = default;
@@ -24,6 +35,16 @@ struct Touch {
   Eigen::Vector3d tip = Eigen::Vector3d::Zero();  // m
   Contact contact = {};
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  // on the body, N
+  // Of a proxy, zero else.
+  Eigen::Vector3d foot = Eigen::Vector3d::Zero();  // its place on the surface at rest, m
+  double gap = 0;                                  // from the tip to the body's surface there, m
+  bool slides = false;
+};
+
+// What the tip touches.
+enum class ContactKind {
+  node,   // a node, or a patch of nodes, follows the tip: thesis §3.7
+  proxy,  // a point of the surface presses on the body and glides (proxy_contact.h)
 };
 
 // The rule for a contact node's offset from the tip.
@@ -40,6 +61,8 @@ struct FreshContact {
 
 // Rules of contact: scenario table [contact]. docs/collision.md gives the reasons.
 struct ContactSettings {
+  ContactKind kind = ContactKind::node;
+  double friction = 0.3;  // of a proxy: Coulomb's coefficient
   Grip grip = Grip::offset;
   double hysteresis = 0.05;    // fraction by which another node must be nearer to take over
   double release_force = 0.0;  // N, pull along the outward normal above which contact ends
@@ -48,6 +71,9 @@ struct ContactSettings {
   std::optional<FreshContact> fresh = {};
 
   void declare(config::Visitor& v);
+
+ private:
+  void declare_node(config::Visitor& v);
 };
 
 }  // namespace hvp::collision

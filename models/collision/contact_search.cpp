@@ -205,6 +205,28 @@ std::span<const Pass> ContactSearch::keep(std::span<const Contact> present,
   return passes_;
 }
 
+SurfaceSpot ContactSearch::spot_of(const SurfacePoint& point) const {
+  const std::array<int, 3>& corners = surface_.triangles()[at(point.triangle)];
+  return {point.triangle,
+          barycentric_weights(point.point, surface_.position(corners[0]),
+                              surface_.position(corners[1]), surface_.position(corners[2]))};
+}
+
+std::span<const Pass> ContactSearch::nearest(std::span<const Touch> touches,
+                                             std::span<const double> displacement) {
+  surface_.update(displacement);
+  SearchCost cost;
+  passes_.clear();
+  for (const Touch& touch : touches) {
+    if (!touch.tip.allFinite()) throw InputError("the probe is not at a finite position");
+    const SurfacePoint point = surface_.closest(touch.tip);
+    cost += point.cost;
+    passes_.push_back({.contact = {.spot = spot_of(point)}});
+  }
+  pass_flops_ = surface_.update_flops() + cost.flops();
+  return passes_;
+}
+
 // A release takes a pass of its own: this U still has the surface at the tip, so that only the next
 // one tells whether the tip touches the released body.
 template <class Pulls>

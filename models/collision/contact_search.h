@@ -49,6 +49,11 @@ class ContactSearch {
   std::span<const Pass> pass_without_force(std::span<const Touch> touches,
                                            std::span<const double> displacement);
 
+  // Finds the point of the surface that is nearest to each tip, where a proxy may begin: no contact
+  // is decided.
+  std::span<const Pass> nearest(std::span<const Touch> touches,
+                                std::span<const double> displacement);
+
   // Keeps the contacts, which must not be judged by this U; only the surface follows, for the
   // picture.
   std::span<const Pass> keep(std::span<const Contact> present,
@@ -72,6 +77,7 @@ class ContactSearch {
   const DeformedSurface& surface() const { return surface_; }
 
  private:
+  SurfaceSpot spot_of(const SurfacePoint& point) const;
   void require_touchable(const Contact& present) const;
   bool pulls(const Touch& touch) const;
   bool pulls_off(const Touch& touch) const;

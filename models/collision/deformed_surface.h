@@ -52,6 +52,8 @@ class DeformedSurface {
   // The nodes of the surface, ascending.
   const std::vector<int>& surface_nodes() const { return surface_nodes_; }
   bool on_surface(int node) const { return ring_begin_[at(node) + 1] > ring_begin_[at(node)]; }
+  // The triangles across a triangle's sides ab, bc, ca.
+  const std::array<int, 3>& neighbours(int triangle) const { return neighbour_[at(triangle)]; }
   // The triangles around a surface node, ascending.
   std::span<const int> ring(int node) const;
 

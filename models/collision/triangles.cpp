@@ -64,6 +64,20 @@ TrianglePoint closest_point(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
   return best;
 }
 
+Eigen::Vector3d barycentric_weights(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
+                                    const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+  const Eigen::Vector3d area = area_vector(a, b, c);
+  Eigen::Vector3d weight(area_vector(b, c, p).dot(area), area_vector(c, a, p).dot(area),
+                         area_vector(a, b, p).dot(area));
+  weight = weight.cwiseMax(0);
+  if (const double sum = weight.sum(); sum > 0) return weight / sum;
+  const Eigen::Vector3d squared((p - a).squaredNorm(), (p - b).squaredNorm(),
+                                (p - c).squaredNorm());
+  Eigen::Index nearest = 0;
+  squared.minCoeff(&nearest);
+  return Eigen::Vector3d::Unit(nearest);
+}
+
 namespace {
 
 constexpr int kLeafTriangles = 4;

@@ -25,6 +25,11 @@ struct TrianglePoint {
 TrianglePoint closest_point(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
                             const Eigen::Vector3d& b, const Eigen::Vector3d& c);
 
+// The weights of the corners at a point of the triangle: none is negative, their sum is one. A
+// triangle without area gives the corner that is nearest.
+Eigen::Vector3d barycentric_weights(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
+                                    const Eigen::Vector3d& b, const Eigen::Vector3d& c);
+
 // Additions, multiplications and divisions of one closest_point whose foot lies outside:
 // 9 for differences, 9 + 6 for the normal and its square, 2 × 14 for two coordinates, 1, and
 // 3 sides of 29.

@@ -53,6 +53,10 @@ class Body {
   // True if the node is anchored or has a prescribed displacement.
   bool held(int node) const { return held_[static_cast<std::size_t>(node)]; }
   const std::vector<int>& anchored() const { return anchored_; }
+  // The displacement of such a node, m; zero of others.
+  Eigen::Vector3d held_displacement(int node) const {
+    return Eigen::Vector3d(&held_displacement_[3 * static_cast<std::size_t>(node)]);
+  }
 
   // K over the active nodes, N/m.
   const sparse::BlockMatrix& stiffness() const { return stiffness_; }

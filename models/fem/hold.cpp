@@ -31,6 +31,9 @@ void HeldForces::sum(const Hold& hold, std::span<Eigen::Vector3d> on_probes) con
       fading += node.share * force_[static_cast<std::size_t>(node.node)];
     }
     on_probes[probe] = held + fading;
+    for (const ContactLoad& load : hold.loads) {
+      if (static_cast<std::size_t>(load.probe) == probe) on_probes[probe] += load.force;
+    }
   }
 }
 
@@ -43,6 +46,14 @@ void KeptHold::keep(const Hold& hold) {
   let_go_.assign(hold.let_go.begin(), hold.let_go.end());
   elapsed_s_ = hold.elapsed_s;
   probe_.assign(hold.probe.begin(), hold.probe.end());
+  loads_.assign(hold.loads.begin(), hold.loads.end());
+  tips_.assign(hold.tips.begin(), hold.tips.end());
+}
+
+void add_loads(std::span<const ContactLoad> loads, std::span<double> f) {
+  for (const ContactLoad& load : loads) {
+    for (int i = 0; i < 3; ++i) f[static_cast<std::size_t>(3 * load.node + i)] += load.force[i];
+  }
 }
 
 }  // namespace hvp::fem

@@ -46,9 +46,10 @@ void Integrator::hold(const Hold& hold) {
   }
   if (effort_ == Effort::counted) return;
   if (newmark_) newmark_->hold(hold, f_);
-  if (hold.let_go.empty()) return;
+  if (hold.let_go.empty() && hold.loads.empty()) return;
   std::ranges::copy(f_, loaded_.begin());
   forces_.add_to(hold.let_go, loaded_);
+  add_loads(hold.loads, loaded_);
 }
 
 void Integrator::find_contact_forces(const ContactConstraint& system, std::span<const double> u) {
@@ -77,6 +78,7 @@ void Integrator::advance(std::span<const double> u) {
     std::ranges::fill(acted_, 0.0);
     forces_.add_to(held().nodes, acted_);
     forces_.add_to(held().let_go, acted_);
+    add_loads(held().loads, acted_);
   }
   newmark_->update(u);
   predict();

@@ -48,8 +48,10 @@ class Integrator {
   Hold held() const { return held_.hold(); }
   // True if hold() predicted anew, because the frame before had no solution.
   bool predicted_anew() const { return predicted_anew_; }
-  // f or f̂ with the remaining forces of released nodes, and without them.
-  std::span<const double> load() const { return held().let_go.empty() ? f_ : loaded_; }
+  // f or f̂ with the remaining forces of released nodes and the loads of contact, and without them.
+  std::span<const double> load() const {
+    return held().let_go.empty() && held().loads.empty() ? f_ : loaded_;
+  }
   std::span<const double> external_force() const { return f_; }
   // The contact forces of this frame's nodes, which fade once they are released.
   HeldForces& contact_forces() { return forces_; }
@@ -75,7 +77,10 @@ class Integrator {
   double hold_operations() const { return hold_operations_; }
   double advance_operations() const;
   double contact_force_operations(const ContactConstraint& system) const;
-  double fading_operations() const { return 6.0 * static_cast<double>(held().let_go.size()); }
+  double fading_operations() const {
+    return 6.0 * static_cast<double>(held().let_go.size()) +
+           3.0 * static_cast<double>(held().loads.size());
+  }
 
  private:
   void predict();

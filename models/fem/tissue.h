@@ -45,11 +45,13 @@ class Tissue {
   // The rule of advance(). Absent for a static body, and where the time step is explicit.
   virtual std::optional<Scheme> scheme() const = 0;
 
-  // Takes what contact prescribes in this frame, with the fading forces of released nodes.
+  // Takes what contact does in this frame, with the fading forces of released nodes. Loads may be
+  // given again before advance(), once the contact's forces are known better.
   virtual void hold(const Hold& hold) = 0;
-  // f, or f̂ for a body with inertia, with the remaining forces of released nodes.
+  // f, or f̂ for a body with inertia, with the remaining forces of released nodes and the contact's
+  // loads.
   virtual std::span<const double> load() const = 0;
-  // The same without the forces of released nodes.
+  // The same without those.
   virtual std::span<const double> external_force() const = 0;
   // Gives each probe's force on the body, N: that of its contact nodes, and the remaining forces of
   // the nodes that it released.

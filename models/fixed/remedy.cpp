@@ -248,6 +248,8 @@ std::vector<Change> changes_for(Flag flag) {
     case Flag::inverted_element:
     case Flag::no_start:
     case Flag::energy_overflow:
+    case Flag::proxy_at_rim:
+    case Flag::contact_doubtful:
     case Flag::unstable_step:
     case Flag::bus_error:
     case Flag::board_error:

@@ -28,6 +28,11 @@ void BoardWords::begin(std::span<const double> f, const fem::Hold& hold) {
   clamped_ = 0;
 }
 
+void BoardWords::go_on(std::span<const double> f, double /*way*/) {
+  f_ = f;
+  sent_ = false;
+}
+
 bool BoardWords::next(std::span<std::int32_t> b) {
   next_operations_ = 0;
   if (sent_) return false;

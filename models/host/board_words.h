@@ -20,6 +20,7 @@ class BoardWords final : public FrameMethod {
              std::span<const double> initial, fem::Effort effort);
 
   void begin(std::span<const double> f, const fem::Hold& hold) override;
+  void go_on(std::span<const double> f, double way) override;
   bool next(std::span<std::int32_t> b) override;
   void accept(std::span<const std::int32_t> x, stability::Flags flags) override;
 

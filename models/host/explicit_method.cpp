@@ -1,8 +1,14 @@
 #include "models/host/explicit_method.h"
 
+#include <stdexcept>
+
 #include <fmt/format.h>
 
 namespace hvp::host {
+
+void ExplicitMethod::go_on(std::span<const double> /*f*/, double /*way*/) {
+  throw std::logic_error("explicit steps do not go on with another load");
+}
 
 bool ExplicitMethod::next(std::span<std::int32_t> /*b*/) {
   const fem::StepsFound found = steps_.step();

@@ -16,6 +16,8 @@ class ExplicitMethod final : public FrameMethod {
   explicit ExplicitMethod(fem::ExplicitSteps& steps) : steps_(steps) {}
 
   void begin(std::span<const double> /*f*/, const fem::Hold& /*hold*/) override { flags_ = {}; }
+  // Steps have no matrix whose compliance contact by loads could use. Throws std::logic_error.
+  void go_on(std::span<const double> f, double way) override;
   bool next(std::span<std::int32_t> b) override;
   void accept(std::span<const std::int32_t> /*x*/, stability::Flags /*flags*/) override {}
 

@@ -31,6 +31,9 @@ using fem::Effort;
 //   begin();  while (method().next(b)) { …the board solves… method().accept(u, flags); }
 //   force();  method().finish();  update();
 //
+// Where contact is a load, its forces are known only once the system has been solved with those of
+// the frame before: hold(loads) again and go_on() lead to the frame's solution, after the force.
+//
 // With timing only, the same calls cost the same operations and compute nothing: right-hand sides
 // and words stay as they are, the body stays in its initial state, the force is zero.
 //
@@ -74,6 +77,11 @@ class FrameComputation {
   fem::Hold held() const { return held_.hold(); }
 
   void begin() { method_->begin(tissue_->load(), held()); }
+  // Says that go_on() follows in every frame that is solved.
+  void expect_to_go_on() { method_->expect_to_go_on(); }
+  // Goes on from the solution so far with the present loads, which move no node by much more than
+  // `way`, m.
+  void go_on(double way) { method_->go_on(tissue_->load(), way); }
   FrameMethod& method() { return *method_; }
   const FrameMethod& method() const { return *method_; }
   // The method where it is refinement; null otherwise.
@@ -127,6 +135,9 @@ class FrameComputation {
   double update_operations() const { return tissue_->advance_operations(); }
   // The steps of every frame, in order, with their costs without contact.
   std::vector<Step> steps() const;
+  // The same where contact is a load, whose forces take so many operations; they wait for a first
+  // solve, or for none.
+  std::vector<Step> steps_with_loads(double contact_operations, bool first_solve) const;
 
  private:
   double words_operations() const;

@@ -42,6 +42,7 @@ struct Step {
 //   begin(f, hold);
 //   while (next(b)) { …the board solves…  accept(x, flags); }
 //   …the force goes out…
+//   go_on(f);  while (next(b)) {…}            // where contact is a load that is known by now
 //   finish();                                 // or abandon(), where the board failed
 //
 // Vectors are over A's rows, in m and N. Nothing allocates after construction but set_contact.
@@ -53,6 +54,12 @@ class FrameMethod {
   virtual void set_contact(std::span<const int> /*nodes*/) {}
   // The storage of `f` and `hold` must stay valid until finish().
   virtual void begin(std::span<const double> f, const fem::Hold& hold) = 0;
+  // Says that go_on() follows in every frame: passes are then divided between the two solves, at
+  // least one each.
+  virtual void expect_to_go_on() {}
+  // Goes on from the solution so far with another load, which moves no node by much more than
+  // `way`, m; nothing is prescribed. The same storage.
+  virtual void go_on(std::span<const double> f, double way) = 0;
   // Writes the board's next right-hand side in words. False where the solution is complete.
   virtual bool next(std::span<std::int32_t> b) = 0;
   // Takes the board's solution; `flags` are those of that solve.

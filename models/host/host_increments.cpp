@@ -27,17 +27,29 @@ void HostIncrements::set_contact(std::span<const int> nodes) {
 
 void HostIncrements::begin(std::span<const double> f, const fem::Hold& hold) {
   flags_ = {};
+  went_on_ = false;
   increments_.begin(f, hold);
+  begin_operations_ = increments_.begin_operations();
+}
+
+void HostIncrements::go_on(std::span<const double> f, double /*way*/) {
+  went_on_ = true;
+  increments_.go_on(f);
 }
 
 bool HostIncrements::next(std::span<std::int32_t> /*b*/) {
-  next_operations_ = increments_.begin_operations();
+  next_operations_ = std::exchange(begin_operations_, 0);
   solve_operations_ = 0;
-  for (int pass = 0; pass < refinement_.passes; ++pass) {
+  const host::Refinement::Passes passes = refinement_.divided(goes_on_);
+  for (int pass = 0; pass < (went_on_ ? passes.most_after : passes.before); ++pass) {
     const bool evaluated = !increments_.current();
     const bool formed = increments_.form_residual();
     next_operations_ += rows_ + (evaluated ? increments_.evaluate_operations() : 0);
     if (!formed) break;
+    if (went_on_ && pass >= passes.after) {
+      next_operations_ += increments_.within_operations();
+      if (increments_.within(refinement_.tolerance)) break;
+    }
     std::ranges::fill(increment_, 0.0);
     solve_->solve(increments_.residual(), still_, increment_);
     solve_operations_ += solve_->operations();
@@ -55,7 +67,7 @@ void HostIncrements::finish() {
 }
 
 std::vector<Step> HostIncrements::steps() const {
-  const int passes = refinement_.passes;
+  const int passes = refinement_.divided(goes_on_).before;
   return {{"first residual (without contact)", Step::Where::host, rows_},
           {"each further pass' residual", Step::Where::host,
            2 * rows_ + increments_.evaluate_operations(), passes - 1},

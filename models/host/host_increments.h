@@ -25,6 +25,8 @@ class HostIncrements final : public FrameMethod {
 
   void set_contact(std::span<const int> nodes) override;
   void begin(std::span<const double> f, const fem::Hold& hold) override;
+  void expect_to_go_on() override { goes_on_ = true; }
+  void go_on(std::span<const double> f, double way) override;
   // Makes all passes.
   bool next(std::span<std::int32_t> b) override;
   void accept(std::span<const std::int32_t> /*x*/, stability::Flags /*flags*/) override {}
@@ -50,6 +52,9 @@ class HostIncrements final : public FrameMethod {
   std::vector<double> increment_;
   std::vector<Eigen::Vector3d> still_;  // contact nodes' increments: none
   stability::Flags flags_;
+  bool goes_on_ = false;
+  bool went_on_ = false;
+  double begin_operations_ = 0;  // since the last next()
   double next_operations_ = 0;
   double solve_operations_ = 0;
 };

@@ -91,6 +91,7 @@ class HostMethod final : public FrameMethod {
 
   void set_contact(std::span<const int> nodes) override { solve_->move_contact(nodes); }
   void begin(std::span<const double> f, const fem::Hold& hold) override;
+  void go_on(std::span<const double> f, double /*way*/) override { f_ = f; }
   bool next(std::span<std::int32_t> b) override;
   void accept(std::span<const std::int32_t> /*x*/, stability::Flags /*flags*/) override {}
   std::span<const double> displacement() const override { return u_; }

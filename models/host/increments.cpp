@@ -32,6 +32,7 @@ Increments::Increments(fem::InternalForces& forces, const sparse::BlockMatrix& a
       u_(initial.begin(), initial.end()),
       product_(u_.size()),
       before_(u_),
+      gone_on_from_(u_),
       solution_(u_),
       f_(u_.size()),
       b_(u_.size()),
@@ -62,11 +63,30 @@ bool Increments::look(const fem::ElementsFound& found) {
   return present_ <= square(kBeyond * largest_rhs_) || largest_rhs_ <= rounding;
 }
 
-void Increments::begin(std::span<const double> f, const fem::Hold& hold) {
+void Increments::require_finite(std::span<const double> f) const {
   for (std::size_t i = 0; i < f.size(); ++i) {
     if (std::isfinite(f[i])) continue;
     throw InputError("right-hand side entry " + std::to_string(i) + " is not a finite number");
   }
+}
+
+void Increments::go_on(std::span<const double> f) {
+  require_finite(f);
+  std::copy(f.begin(), f.end(), f_.begin());
+  b_ = f_;
+  gone_on_from_ = u_;
+  went_on_ = true;
+  first_ = true;
+  refused_ = false;
+  if (forces_.linear() || no_start_) return;
+  largest_rhs_ = std::max(largest_rhs_, std::sqrt(weighed(b_)));
+  // The next increment is measured by this load, too.
+  if (current_) present_ = (form_difference(), weighed(r_));
+}
+
+void Increments::begin(std::span<const double> f, const fem::Hold& hold) {
+  require_finite(f);
+  went_on_ = false;
   std::copy(f.begin(), f.end(), f_.begin());
   contact_.assign(hold.nodes.begin(), hold.nodes.end());
   first_ = true;
@@ -169,6 +189,10 @@ bool Increments::form_residual() {
   return !rounding_alone();
 }
 
+bool Increments::within(double tolerance) const {
+  return std::sqrt(weighed(r_)) <= tolerance * std::max(largest_rhs_, std::sqrt(weighed(b_)));
+}
+
 std::span<double> Increments::change() {
   if (!forces_.linear()) before_ = u_;
   current_ = false;
@@ -184,6 +208,7 @@ bool Increments::finish(double tolerance) {
   }
   if (no_start_) {
     ++without_start_;
+    went_on_ = false;
     abandon();
     if (start_ != fixed::Start::zero) guess_ = solution_;
     return false;
@@ -218,6 +243,11 @@ bool Increments::finish(double tolerance) {
 }
 
 void Increments::abandon() {
+  if (went_on_) {
+    u_ = gone_on_from_;
+    current_ = false;
+    return;
+  }
   u_ = solution_;
   product_ = solution_product_;
   current_ = true;

@@ -37,16 +37,24 @@ class Increments {
 
   // Throws InputError where an entry of f is not finite.
   void begin(std::span<const double> f, const fem::Hold& hold);
+  // Goes on from the displacements so far with another right-hand side, without contact nodes. What
+  // finish() judges then is that of this one.
+  void go_on(std::span<const double> f);
   // Forms r(u). False where there is no start, the last increment was taken back, or nothing is
   // left but what rounding makes of the forces.
   bool form_residual();
   std::span<const double> residual() const { return r_; }
+  // True if what form_residual() found is within `tolerance` of the largest right-hand side so far,
+  // this one included.
+  bool within(double tolerance) const;
+  double within_operations() const { return 4.0 * a_.rows(); }
   // The displacements, to be changed by an increment.
   std::span<double> change();
   // Computes what remains, and the start of the next solve. Gives true if that is within
   // `tolerance`.
   bool finish(double tolerance);
-  // Replaces finish() where the solve has failed: the last solution stays.
+  // Replaces finish() where the solve has failed: the last solution stays. Where that happened
+  // after go_on(), what was there then stays, and finish() follows.
   void abandon();
 
   std::span<const double> displacement() const { return u_; }
@@ -79,6 +87,7 @@ class Increments {
   double finish_operations() const;
 
  private:
+  void require_finite(std::span<const double> f) const;
   bool look(const fem::ElementsFound& found);
   bool place_contact(const fem::Hold& hold, const std::vector<double>& from,
                      const std::vector<double>& product);
@@ -96,6 +105,7 @@ class Increments {
 
   std::vector<double> u_, product_;                  // q(u), where `current_`
   std::vector<double> before_;                       // u before the last change()
+  std::vector<double> gone_on_from_;                 // u in go_on()
   std::vector<double> solution_, solution_product_;  // of the last finish()
   std::vector<double> guess_, guess_product_;        // the start of the next solve
   std::vector<double> f_, b_, r_;
@@ -116,6 +126,7 @@ class Increments {
   bool diverged_ = false;
   bool no_start_ = false;
   bool refused_ = false;
+  bool went_on_ = false;
 };
 
 }  // namespace hvp::host

@@ -22,14 +22,14 @@ ReferenceRun::ReferenceRun(const fem::Body& body, const std::optional<fem::Dynam
   }
 }
 
-void ReferenceRun::step(const fem::Hold& hold) {
+void ReferenceRun::solve(const fem::Hold& hold) {
   form_rhs(hold);
   if (hold.present()) {
     solver_.solve_with_contact(adjusted_, hold.nodes, hold.displacement, u_);
   } else {
     solver_.solve(adjusted_, u_);
   }
-  finish();
+  find_forces();
 }
 
 void PairedRuns::step(const fem::Hold& hold) {
@@ -40,8 +40,10 @@ void PairedRuns::step(const fem::Hold& hold) {
   } else {
     pair_.solve(one_.system(), other_.system());
   }
-  one_.finish();
-  other_.finish();
+  for (ReferenceRun* run : {&one_, &other_}) {
+    run->find_forces();
+    run->advance();
+  }
 }
 
 void ReferenceRun::form_rhs(const fem::Hold& hold) {
@@ -68,10 +70,9 @@ void ReferenceRun::put_back_difference(const fem::Hold& hold) {
   }
 }
 
-void ReferenceRun::finish() {
+void ReferenceRun::find_forces() {
   integrator_.find_contact_forces(constraint_, u_);
   integrator_.sum_forces(of_probes_);
-  integrator_.advance(u_);
 }
 
 }  // namespace hvp::host

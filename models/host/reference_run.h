@@ -26,7 +26,9 @@ class ReferenceRun final : public fem::ReferenceModel {
                const sparse::BlockMatrix& true_matrix, const sparse::BlockMatrix& solved_matrix,
                std::size_t probes = 1);
 
-  void step(const fem::Hold& hold) override;
+  void solve(const fem::Hold& hold) override;
+  void advance() override { integrator_.advance(u_); }
+  bool linear() const override { return true; }
 
   std::span<const double> displacement() const override { return u_; }
   std::span<const double> velocity() const override { return integrator_.velocity(); }
@@ -44,7 +46,7 @@ class ReferenceRun final : public fem::ReferenceModel {
   // The parts of a frame around its solve: the solver's input, and the results of u.
   void form_rhs(const fem::Hold& hold);
   fem::ReferencePair::System system() { return {adjusted_, u_}; }
-  void finish();
+  void find_forces();
   void put_back_difference(const fem::Hold& hold);
 
   fem::Integrator integrator_;

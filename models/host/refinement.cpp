@@ -88,13 +88,29 @@ RefinedSolve::RefinedSolve(const Refinement& refinement, fem::InternalForces& fo
                   system.settings.displacement_range, scaling_.force_unit()),
       r_(initial.size()),
       increment_(initial.size()),
+      passes_(refinement.passes),
+      divided_(refinement.divided(false)),
       gain_(at(refinement.passes), 0.0) {
   if (system.settings.matrix_scaling != fixed::MatrixScaling::none) scale_ = system.scale;
+}
+
+Refinement::Passes Refinement::divided(bool goes_on) const {
+  if (!goes_on) return {passes, 0, 0};
+  const int before = (passes + 1) / 2;
+  return {before, std::max(1, passes - before), passes + 1};
+}
+
+void RefinedSolve::expect_to_go_on() {
+  divided_ = Refinement{passes_, tolerance_}.divided(true);
+  gain_.assign(at(divided_.before + divided_.most_after), 0.0);
 }
 
 void RefinedSolve::begin(std::span<const double> f, const fem::Hold& hold) {
   increments_.begin(f, hold);
   pass_ = 0;
+  first_pass_ = 0;
+  end_ = divided_.before;
+  passes_made_ = 0;
   pass_flags_ = {};
   flags_ = {};
   clamped_ = 0;
@@ -109,12 +125,21 @@ void RefinedSolve::begin(std::span<const double> f, const fem::Hold& hold) {
   since_next_ = increments_.begin_operations();
 }
 
+void RefinedSolve::go_on(std::span<const double> f, double way) {
+  increments_.go_on(f);
+  pass_ = divided_.before;
+  first_pass_ = pass_;
+  end_ = divided_.before + divided_.most_after;
+  const double least_scale = scale_.empty() ? 1 : *std::ranges::min_element(scale_);
+  way_ = way / (least_scale * scaling_.displacement_unit());
+}
+
 // The pass' unit, as an exponent: the residual fits its word, and so does the increment that the
 // gain foretells. `largest` is the residual's largest word in the range's own unit.
 int RefinedSolve::exponent_for(double largest) const {
   const auto pass = at(pass_);
   double gain = gain_[pass];
-  if (gain == 0) gain = pass > 0 ? kUnknown * gain_[pass - 1] : way_ / largest;
+  if (gain == 0) gain = pass_ > first_pass_ ? kUnknown * gain_[pass - 1] : way_ / largest;
   // No increment is beyond the range that the scenario states.
   if (gain == 0) return 0;
   const double filling =
@@ -124,11 +149,15 @@ int RefinedSolve::exponent_for(double largest) const {
 
 bool RefinedSolve::next(std::span<std::int32_t> b) {
   next_operations_ = std::exchange(since_next_, 0);
-  if (pass_ == passes()) return false;
+  if (pass_ == end_) return false;
   const bool product = !increments_.current();
   const bool formed = increments_.form_residual();
   next_operations_ += residual_operations(product);
   if (!formed) return false;
+  if (first_pass_ > 0 && pass_ >= first_pass_ + divided_.after) {
+    next_operations_ += increments_.within_operations();
+    if (increments_.within(tolerance_)) return false;
+  }
   std::ranges::copy(increments_.residual(), r_.begin());
   const std::span<const double> u = increments_.displacement();
   double largest = 0;
@@ -171,6 +200,7 @@ void RefinedSolve::accept(std::span<const std::int32_t> x, Flags flags) {
     gain = std::max((largest + 1) / largest_b_, kForget * gain);
   }
   ++pass_;
+  ++passes_made_;
 }
 
 void RefinedSolve::finish() {
@@ -204,8 +234,8 @@ std::vector<Step> RefinedSolve::steps() const {
   std::vector<Step> steps = {
       {"first residual (without contact)", Step::Where::host, residual_operations(false)},
       {"each further pass' residual", Step::Where::host,
-       accept_operations() + residual_operations(true), passes() - 1},
-      {"", Step::Where::board, 0, passes()},
+       accept_operations() + residual_operations(true), divided_.before - 1},
+      {"", Step::Where::board, 0, divided_.before},
       {"last increment", Step::Where::host, accept_operations()},
       {"residual after the force", Step::Where::host, finish_operations(), 1, true}};
   return steps;

@@ -21,6 +21,15 @@ struct Refinement {
   int passes = 2;
   double tolerance = 1e-3;
 
+  // The passes of a frame's two solves, where contact is a load that only the first one tells;
+  // else all are made at once.
+  struct Passes {
+    int before = 0;  // the force
+    int after = 0;
+    int most_after = 0;  // while the residual is beyond `tolerance`
+  };
+  Passes divided(bool goes_on) const;
+
   void declare(config::Visitor& v);
 };
 
@@ -48,10 +57,10 @@ class RefinedSolve final : public FrameMethod {
                std::span<const double> initial);
 
   const Increments& increments() const { return increments_; }
-  int passes() const { return static_cast<int>(gain_.size()); }
+  int passes() const { return passes_; }
   // Those of the last solve for which the board was asked: none where nothing presses a body at
   // rest.
-  int passes_made() const { return pass_; }
+  int passes_made() const { return passes_made_; }
 
   // Takes the right-hand side f and the prescribed displacements. Throws InputError where an entry
   // of f is not finite.
@@ -59,6 +68,8 @@ class RefinedSolve final : public FrameMethod {
   // Writes the next pass' residual in the board's words. False where nothing is left to solve: all
   // passes are through, or the residual is zero.
   bool next(std::span<std::int32_t> b) override;
+  void expect_to_go_on() override;
+  void go_on(std::span<const double> f, double way) override;
   // Adds the board's increment; `flags` are those of its solve.
   void accept(std::span<const std::int32_t> x, stability::Flags flags) override;
   // Computes the remaining residual and the start of the next solve. It takes a product with A,
@@ -105,7 +116,11 @@ class RefinedSolve final : public FrameMethod {
   double next_operations_ = 0;
   double since_next_ = 0;              // operations of begin() and accept()
   std::vector<double> r_, increment_;  // of a pass, in its unit
+  int passes_;                         // of the scenario
+  Refinement::Passes divided_;
   int pass_ = 0;
+  int first_pass_ = 0, end_ = 0;  // of the present solve
+  int passes_made_ = 0;
   int exponent_ = 0;      // the pass' unit is 2^exponent of that of the range
   double largest_b_ = 0;  // largest word of b in the pass
   double way_ = 0;  // motion of the contact since the last solve, in words of the range's unit

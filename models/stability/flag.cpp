@@ -153,6 +153,16 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "law is defined for",
      "no setting of the board's words helps: a smaller object.model.exponent, a shallower motion "
      "of the probe, or a contact.patch_radius over which it presses"},
+    {"proxy-at-rim",
+     "a proxy stood beside nodes that do not move, or went over an edge of more than 40 degrees, "
+     "where its force changes as on no smooth surface",
+     "no setting of the board helps: a motion of the probe that stays on one face, away from what "
+     "is anchored; contact.friction of 0.1 or more, with which no energy is made there"},
+    {"contact-doubtful",
+     "the tip was further from its proxy than half of its depth, or deeper than half of the body, "
+     "or the friction's cone was not reached in a frame's steps",
+     "no setting of the board helps: a slower or shallower motion of the probe, more nodes, which "
+     "stiffen the coupling, or a larger probe.radius"},
 }};
 }  // namespace
 

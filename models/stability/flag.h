@@ -39,6 +39,8 @@ enum class Flag : std::uint8_t {
   board_error,               // the board refused a command, or failed
   no_start,                  // a frame had no forces with its contact in place
   energy_overflow,           // an element's energy was beyond what its law is defined for
+  proxy_at_rim,              // a proxy stood where its force is not that of a smooth surface
+  contact_doubtful,          // a proxy's force is not what friction and coupling would have it
   count
 };
 

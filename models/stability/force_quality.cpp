@@ -107,7 +107,7 @@ void ForceQuality::watch_hand_over(const FeltForce& felt) {
       // Where a frame is longer than the span there is nothing to look back to.
       if (middle == nullptr || first == nullptr || middle == first) continue;
       const double force = std::max({now.force.norm(), middle->force.norm(), first->force.norm()});
-      const double way = (now.tip - touched_->tip).norm();
+      const double way = (now.tip - felt.foot.value_or(touched_->tip)).norm();
       if (!(force > kNoForce) || !(way > 0)) continue;
       const double change = (now.force - 2 * middle->force + first->force).norm() / force;
       const double explained = (now.tip - 2 * middle->tip + first->tip).norm() / way;

@@ -21,6 +21,9 @@ struct FeltForce {
   // The component of the force along the surface's outward normal at rest, N: positive where the
   // tip pulls at the body, which no tip can.
   double pull = 0;
+  // Where the surface is at rest that the force is of, m: the tip's way there is what it presses.
+  // Absent: where the contact began.
+  std::optional<Eigen::Vector3d> foot = {};
 };
 
 // A figure and its frame; −1 where there is none.
@@ -39,8 +42,8 @@ struct WorstFrame {
 // A hand-over from node to node may spread its step over many frames. While a contact lasts and has
 // been handed over within 2·w, the second difference F(t) − 2·F(t−w) + F(t−2w) is the change that
 // the trend before does not explain; what the tip's own motion explains of it, |F|·|Δ²x|/|x − x_0|
-// with x_0 the place of the first touch, is taken off. Beyond kNoticeable of the largest of the
-// three forces, for w of 30 or of 100 ms, it raises `force-step` too.
+// with x_0 the place of the first touch or the foot, is taken off. Beyond kNoticeable of the
+// largest of the three forces, for w of 30 or of 100 ms, it raises `force-step` too.
 //
 // An alternation is a frame whose change is opposite to that of the frame before, as that one was
 // to its own predecessor. Alternations whose three changes exceed kRingingShare of the largest

@@ -133,7 +133,7 @@ FineSteps::FineSteps(std::unique_ptr<PotentialBody> body, const fem::Dynamics& d
               kFiner * substeps),
       of_probes_(probes, Eigen::Vector3d::Zero()) {}
 
-void FineSteps::step(const fem::Hold& hold) {
+void FineSteps::solve(const fem::Hold& hold) {
   tissue_.hold(hold);
   const fem::StepsFound found = tissue_.step();
   if (!found.complete) ++unsolved_;

@@ -99,7 +99,9 @@ class FineSteps final : public fem::ReferenceModel {
   FineSteps(std::unique_ptr<PotentialBody> body, const fem::Dynamics& dynamics, double period_s,
             int substeps, std::size_t probes);
 
-  void step(const fem::Hold& hold) override;
+  void solve(const fem::Hold& hold) override;
+  // The substeps are the time step.
+  void advance() override {}
   std::span<const double> displacement() const override { return tissue_.displacement(); }
   std::span<const double> velocity() const override { return tissue_.velocity(); }
   std::span<const Eigen::Vector3d> forces() const override { return of_probes_; }

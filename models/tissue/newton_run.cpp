@@ -34,11 +34,11 @@ NewtonRun::NewtonRun(const fem::Body& body, const Constitution& constitution,
   residual_n_.reserve(kMostSteps + 1);
 }
 
-void NewtonRun::step(const fem::Hold& hold) {
+void NewtonRun::solve(const fem::Hold& hold) {
   tissue_.hold(hold);
   const std::int64_t indefinite = indefinite_;
   overflows_ = false;
-  if (tries() && solve(hold)) {
+  if (tries() && find_solution(hold)) {
     unsolved_in_a_row_ = 0;
   } else {
     ++unsolved_;
@@ -50,7 +50,6 @@ void NewtonRun::step(const fem::Hold& hold) {
   // The forces of the last evaluation may be those of a step that was not taken.
   look_at(u_, hold.nodes);
   tissue_.forces(u_, of_probes_);
-  tissue_.advance(u_);
 }
 
 double NewtonRun::look_at(std::span<const double> u, std::span<const int> contact) {
@@ -91,7 +90,7 @@ void NewtonRun::factorise(bool anyhow) {
   factors_ = &*at_rest_;
 }
 
-bool NewtonRun::solve(const fem::Hold& hold) {
+bool NewtonRun::find_solution(const fem::Hold& hold) {
   residual_n_.clear();
   double residual = look_at(u_, hold.nodes);
   residual_n_.push_back(residual);

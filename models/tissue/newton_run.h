@@ -33,7 +33,8 @@ class NewtonRun final : public fem::ReferenceModel {
   NewtonRun(const fem::Body& body, const Constitution& constitution,
             const std::optional<fem::Dynamics>& dynamics, double period_s, std::size_t probes);
 
-  void step(const fem::Hold& hold) override;
+  void solve(const fem::Hold& hold) override;
+  void advance() override { tissue_.advance(u_); }
   std::span<const double> displacement() const override { return u_; }
   std::span<const double> velocity() const override { return tissue_.velocity(); }
   std::span<const Eigen::Vector3d> forces() const override { return of_probes_; }
@@ -42,7 +43,7 @@ class NewtonRun final : public fem::ReferenceModel {
   std::int64_t overflown() const override { return overflown_; }
 
   const NonlinearTissue& tissue() const { return tissue_; }
-  // Of the last step(): Newton's steps, and the largest residual after each, N.
+  // Of the last solve(): Newton's steps, and the largest residual after each, N.
   int steps() const { return static_cast<int>(residual_n_.size()) - 1; }
   std::span<const double> residual_n() const { return residual_n_; }
   // Tangents formed so far.
@@ -54,7 +55,7 @@ class NewtonRun final : public fem::ReferenceModel {
   bool tries() const {
     return unsolved_in_a_row_ < kPatienceFrames || unsolved_in_a_row_ % kPatienceFrames == 0;
   }
-  bool solve(const fem::Hold& hold);
+  bool find_solution(const fem::Hold& hold);
   void factorise(bool anyhow);
   bool make_step(const fem::Hold& hold, double& residual);
 

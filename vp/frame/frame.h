@@ -63,17 +63,18 @@ enum class Phase : std::uint8_t {
   assemble,        // host: the matrix of the body as it is deformed, in the board's words
   load_values,     // host: the driver's work on them; fpga: the preconditioner for them
   bridge_status,   // host: a read of the errors that the bridge has recorded; not over the bus
+  contact,         // host: where the proxies are, and their forces
   count
 };
 inline constexpr auto kPhases = static_cast<std::size_t>(Phase::count);
 inline constexpr std::array<std::string_view, kPhases> kPhaseNames = {
-    "release",      "wake-up",     "blocked",     "context switch", "sample",     "read",
-    "write",        "block read",  "block write", "arbitration",    "posting",    "dma read",
-    "dma write",    "descriptor",  "message",     "to memory",      "dma engine", "contact lookup",
-    "hold",         "node update", "form rhs",    "solve",          "interrupt",  "pipeline",
-    "wait",         "polling",     "driver",      "force",          "convert",    "delay",
-    "motor",        "update",      "refinement",  "recovery",       "assemble",   "load values",
-    "bridge status"};
+    "release",       "wake-up",     "blocked",     "context switch", "sample",     "read",
+    "write",         "block read",  "block write", "arbitration",    "posting",    "dma read",
+    "dma write",     "descriptor",  "message",     "to memory",      "dma engine", "contact lookup",
+    "hold",          "node update", "form rhs",    "solve",          "interrupt",  "pipeline",
+    "wait",          "polling",     "driver",      "force",          "convert",    "delay",
+    "motor",         "update",      "refinement",  "recovery",       "assemble",   "load values",
+    "bridge status", "contact"};
 static_assert(!kPhaseNames.back().empty(), "a phase has no name");
 
 std::string_view name(Part part);

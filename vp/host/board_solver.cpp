@@ -153,9 +153,19 @@ bool BoardSolver::next() {
 
 hvp_status BoardSolver::begin(std::uint32_t& flags) {
   computation_.begin();
+  return start_first(flags);
+}
+
+hvp_status BoardSolver::go_on(double way, std::uint32_t& flags) {
+  computation_.go_on(way);
+  return start_first(flags);
+}
+
+hvp_status BoardSolver::start_first(std::uint32_t& flags) {
+  const std::int64_t counted = computation_.method().clamped();
   waits_for_board_ = next();
   flags |= computation_.method().flags().bits();
-  clamped_words_ += computation_.method().clamped();
+  clamped_words_ += computation_.method().clamped() - counted;
   const hvp_status status = waits_for_board_ ? start() : HVP_OK;
   if (status != HVP_OK) computation_.method().abandon();
   return status;

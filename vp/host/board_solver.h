@@ -33,6 +33,7 @@ class BoardSolver : public FrameSolver {
   void set_deadline(Picoseconds time) override { deadline_ = time; }
   hvp_status move_contact(std::span<const int> nodes) override;
   hvp_status begin(std::uint32_t& flags) override;
+  hvp_status go_on(double way, std::uint32_t& flags) override;
   hvp_status end(std::uint32_t& flags) override;
   void finish(std::uint32_t& flags) override;
   hvp_status renew() override;
@@ -49,6 +50,7 @@ class BoardSolver : public FrameSolver {
   hvp_status make(Piece piece, bool& complete);
   hvp_status restore_node(int node, std::span<const int> nodes);
   bool next();
+  hvp_status start_first(std::uint32_t& flags);
   hvp_status start();
   hvp_status receive();
   hvp_status wait();

@@ -27,10 +27,22 @@ class HostSolver : public FrameSolver {
     work_.spend(Phase::node_update, 0, scaled(computation_.method().contact_operations()));
     return HVP_OK;
   }
-  hvp_status begin(std::uint32_t& /*flags*/) override { return HVP_OK; }
+  hvp_status begin(std::uint32_t& /*flags*/) override {
+    goes_on_ = false;
+    return HVP_OK;
+  }
+  hvp_status go_on(double way, std::uint32_t& /*flags*/) override {
+    goes_on_ = true;
+    way_ = way;
+    return HVP_OK;
+  }
   hvp_status end(std::uint32_t& /*flags*/) override {
     host::FrameMethod& method = computation_.method();
-    computation_.begin();
+    if (goes_on_) {
+      computation_.go_on(way_);
+    } else {
+      computation_.begin();
+    }
     method.next({});
     if (const double operations = method.next_operations(); operations > 0) {
       work_.spend(Phase::refinement, 0, operations);
@@ -54,11 +66,9 @@ class HostSolver : public FrameSolver {
 
   host::FrameComputation& computation_;
   const Work& work_;
+  bool goes_on_ = false;
+  double way_ = 0;
 };
-
-}  // namespace
-
-namespace {
 
 std::unique_ptr<FrameSolver> make_solver(const BodySettings& settings,
                                          host::FrameComputation& computation,
@@ -87,7 +97,13 @@ BodyRendering::BodyRendering(const BodySettings& settings, const SoftBody& soft,
       report_{{}, -1},
       forces_(held_.contacts().size(), Eigen::Vector3d::Zero()),
       force_sum_(forces_),
-      displacement_(body_.expand(computation_.displacement())) {}
+      tips_(probes, Eigen::Vector3d::Zero()),
+      displacement_(body_.expand(computation_.displacement())) {
+  if (soft.glide == nullptr) return;
+  glides_.emplace(body_, *soft.glide, !computation_.timing_only());
+  set_up_operations_ = soft.glide->set_up_operations();
+  if (glides_->needs_solution()) computation_.expect_to_go_on();
+}
 
 BodyRendering::~BodyRendering() = default;
 
@@ -99,10 +115,12 @@ void BodyRendering::set_up() {
     bool done = false;
     hvp_status status = HVP_OK;
     while (status == HVP_OK && !done) status = solver_->set_up_piece(done);
-    if (done) return;
+    if (done) break;
     health_.set_up_failed(status, ++failed);
     sc_core::wait(to_sc_time(policy.back_off(failed) * settings_.period));
   }
+  // The compliances of the surface are solved for by the host.
+  if (glides_) work_.spend(Phase::contact, 0, set_up_operations_);
 }
 
 void BodyRendering::close(std::int64_t ticks) { health_.closed(solver_->close(), ticks); }
@@ -128,7 +146,8 @@ void BodyRendering::search(Frame& frame) {
     touches_[i].force = forces_[i];
   }
   body_.expand(computation_.displacement(), displacement_);
-  const auto passes = computation_.timing_only()
+  const auto passes = glides_ ? contacts_.nearest(touches_, displacement_)
+                      : computation_.timing_only()
                           ? contacts_.pass_without_force(touches_, displacement_)
                           : contacts_.pass(touches_, displacement_);
   report_.contacts.resize(passes.size());
@@ -143,6 +162,38 @@ void BodyRendering::begin(FrameStep& step) {
   step.attempted = frame.solved();
   if (step.attempted) {
     solver_->set_deadline(frame.born + (1 + settings_.costs.pipeline_depth) * settings_.period);
+  }
+  if (glides_) {
+    begin_with_proxies(step);
+  } else {
+    begin_with_nodes(step);
+  }
+}
+
+// The first solve is with the forces of the frame before; what they have to be now, its result
+// tells.
+void BodyRendering::begin_with_proxies(FrameStep& step) {
+  Frame& frame = *step.frame;
+  frame.contact_age = 0;
+  if (!frame.solved()) return;
+  health_.told_contact();
+  std::ranges::transform(frame.touches, tips_.begin(), &collision::Touch::tip);
+  glides_->suggest(report_.contacts);
+  glides_->look(tips_, computation_.displacement());
+  if (const double operations = glides_->look_operations(); operations > 0) {
+    work_.spend(Phase::contact, 0, operations);
+  }
+  if (!glides_->needs_solution()) return;
+  computation_.hold(glides_->hold());
+  if (const double operations = computation_.hold_operations(); operations > 0) {
+    work_.spend(Phase::hold, 0, operations);
+  }
+  frame.status = solver_->begin(frame.flags);
+}
+
+void BodyRendering::begin_with_nodes(FrameStep& step) {
+  Frame& frame = *step.frame;
+  if (step.attempted) {
     if (health_.lost_contact() || !std::ranges::equal(report_.contacts, held_.contacts())) {
       move_contact(frame);
     }
@@ -172,13 +223,55 @@ void BodyRendering::move_contact(Frame& frame) {
 
 void BodyRendering::collect(FrameStep& step) {
   Frame& frame = *step.frame;
-  if (frame.solved()) frame.status = solver_->end(frame.flags);
+  const bool solves = !glides_ || glides_->needs_solution();
+  if (frame.solved() && solves) frame.status = solver_->end(frame.flags);
   health_.solve_ended({frame.number, frame.status, step.attempted}, frame.flags);
-  if (frame.solved()) computation_.forces(forces_);
+  if (glides_) {
+    if (frame.solved()) {
+      const std::int64_t before = touching();
+      glides_->solve(computation_.displacement());
+      work_.spend(Phase::contact, 0, glides_->solve_operations());
+      std::ranges::copy(glides_->forces(), forces_.begin());
+      frame.flags |= glides_->flags().bits();
+      if (touching() != before) ++health_.counts().contact_changes;
+    }
+    for (std::size_t i = 0; i < forces_.size(); ++i) glides_->describe(i, frame.touches[i]);
+  } else if (frame.solved()) {
+    computation_.forces(forces_);
+  }
   for (std::size_t i = 0; i < forces_.size(); ++i) frame.touches[i].force = forces_[i];
 }
 
+// Of the solution in words; a proxy's forces need none where the body's do not wait for a solve.
+double BodyRendering::force_operations() const {
+  return glides_ && !glides_->needs_solution() ? 0 : computation_.force_operations();
+}
+
+std::int64_t BodyRendering::touching() const {
+  return std::ranges::count_if(glides_->contacts(), &collision::Contact::present);
+}
+
+// Solves for the body under the forces that went out.
+void BodyRendering::press(Frame& frame) {
+  if (!glides_->changes()) return;
+  computation_.hold(glides_->hold());
+  if (const double operations = computation_.hold_operations(); operations > 0) {
+    work_.spend(Phase::hold, 0, operations);
+  }
+  hvp_status status = glides_->needs_solution() ? solver_->go_on(glides_->way(), frame.flags)
+                                                : solver_->begin(frame.flags);
+  if (status == HVP_OK) status = solver_->end(frame.flags);
+  if (status == HVP_OK) {
+    glides_->apply();
+    work_.spend(Phase::update, 0, computation_.force_operations());
+    return;
+  }
+  computation_.hold(glides_->applied());
+  health_.failed_after_force(status, frame.number, frame.flags);
+}
+
 void BodyRendering::advance(Frame& frame) {
+  if (glides_) press(frame);
   solver_->finish(frame.flags);
   computation_.update();
   held_.solved(frame.born);
@@ -191,7 +284,7 @@ void BodyRendering::renew(Frame& frame) {
   frame.flags |= computation_.renew().bits();
   work_.spend(Phase::assemble, 0, computation_.renew_operations());
   const hvp_status status = solver_->renew();
-  if (status != HVP_OK) health_.renewal_failed(status, frame.number, frame.flags);
+  if (status != HVP_OK) health_.failed_after_force(status, frame.number, frame.flags);
 }
 
 void BodyRendering::publish(const Frame& frame) {

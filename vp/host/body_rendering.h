@@ -3,14 +3,13 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
-#include "models/collision/contact_search.h"
-#include "models/fem/body.h"
 #include "models/fixed/settings.h"
 #include "models/host/contact_hold.h"
 #include "models/host/costs.h"
-#include "models/host/frame_computation.h"
+#include "models/host/gliding_contact.h"
 #include "vp/bus/host_memory.h"
 #include "vp/host/board_access.h"
 #include "vp/host/driver_port.h"
@@ -18,15 +17,9 @@
 #include "vp/host/frame_solver.h"
 #include "vp/host/loop_health.h"
 #include "vp/host/rendering.h"
+#include "vp/host/soft_body.h"
 
 namespace hvp::vp {
-
-// The body that the user touches. All members have to outlive the platform.
-struct SoftBody {
-  const fem::Body& body;
-  host::FrameComputation& computation;
-  collision::ContactSearch& contacts;
-};
 
 struct BodySettings {
   Picoseconds period = 2'000'000'000;
@@ -54,7 +47,7 @@ class BodyRendering : public Rendering {
   void look(Frame& frame) override;
   void begin(FrameStep& step) override;
   void collect(FrameStep& step) override;
-  double force_operations() const override { return computation_.force_operations(); }
+  double force_operations() const override;
   void advance(Frame& frame) override;
   void publish(const Frame& frame) override;
   void note(const Frame& frame) override;
@@ -68,6 +61,10 @@ class BodyRendering : public Rendering {
 
  private:
   void search(Frame& frame);
+  void begin_with_nodes(FrameStep& step);
+  void begin_with_proxies(FrameStep& step);
+  void press(Frame& frame);
+  std::int64_t touching() const;
   void move_contact(Frame& frame);
   void renew(Frame& frame);
 
@@ -81,14 +78,17 @@ class BodyRendering : public Rendering {
   std::unique_ptr<FrameSolver> solver_;
   LoopHealth health_;
   host::ContactHold held_;
+  std::optional<host::GlidingContact> glides_;  // in place of held_'s nodes
 
   ContactReport report_;  // as the newest frame has read it
   std::vector<Eigen::Vector3d> forces_;
   // The sum for the mean force since the last report of the collision process.
   std::vector<Eigen::Vector3d> force_sum_;
   std::int64_t force_frames_ = 0;
+  double set_up_operations_ = 0;
   // Scratch of a search in this frame.
   std::vector<collision::Touch> touches_;
+  std::vector<Eigen::Vector3d> tips_;
   std::vector<double> displacement_;
 };
 

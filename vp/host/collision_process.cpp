@@ -43,7 +43,9 @@ void CollisionProcess::run() {
 // it again would aim the contact anew, as often as passes are faster than frames.
 void CollisionProcess::search(const SceneState& scene) {
   std::span<const collision::Pass> passes;
-  if (!std::ranges::equal(scene.touches, reported_, {}, &collision::Touch::contact)) {
+  if (search_.settings().kind == collision::ContactKind::proxy) {
+    passes = search_.nearest(scene.touches, scene.displacement);
+  } else if (!std::ranges::equal(scene.touches, reported_, {}, &collision::Touch::contact)) {
     passes = search_.keep(reported_, scene.displacement);
   } else if (scene.has_force) {
     passes = search_.pass(scene.touches, scene.displacement);

@@ -48,7 +48,10 @@ class FrameSolver {
   virtual hvp_status move_contact(std::span<const int> nodes) = 0;
   // Works until the solver has its job and the host need not wait for it.
   virtual hvp_status begin(std::uint32_t& flags) = 0;
-  // Waits for the solve that begin() started and takes the solution.
+  // The same after the force is out, from the solution so far, where contact is a load that was not
+  // known before and moves no node by much more than `way`, m.
+  virtual hvp_status go_on(double way, std::uint32_t& flags) = 0;
+  // Waits for the solve that begin() or go_on() started and takes the solution.
   virtual hvp_status end(std::uint32_t& flags) = 0;
   // Makes the work that remains after the force is out.
   virtual void finish(std::uint32_t& flags) = 0;

@@ -128,12 +128,12 @@ void LoopHealth::lose(hvp_status status, std::int64_t frame) {
   recovery_.begin(frame, status);
 }
 
-void LoopHealth::renewal_failed(hvp_status status, std::int64_t frame, std::uint32_t& flags) {
+void LoopHealth::failed_after_force(hvp_status status, std::int64_t frame, std::uint32_t& flags) {
   count_mended(frame);
   flags |= bit(flag_of(status));
   note(status, frame);
   notice_failure(frame);
-  lose(status, frame);
+  if (!solver_.survives(status)) lose(status, frame);
 }
 
 // Counts the errors that the driver has put right in the meantime.

@@ -95,8 +95,9 @@ class LoopHealth {
   // Counts the outcome of a solve, attributes errors to faults and raises the flags of a failure.
   void solve_ended(const SolveEnd& end, std::uint32_t& flags);
 
-  // The frame has its force, but the solver lost its matrix while it got another one.
-  void renewal_failed(hvp_status status, std::int64_t frame, std::uint32_t& flags);
+  // The frame has its force, but what came after it failed: a solve with the contact's loads, or
+  // the renewal of the matrix.
+  void failed_after_force(hvp_status status, std::int64_t frame, std::uint32_t& flags);
 
   // True if the solver has failed and was not given up.
   bool recovers() const { return !recovery_.ready() && !recovery_.given_up(); }

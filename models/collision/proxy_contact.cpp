@@ -1,0 +1,362 @@
+#include "models/collision/proxy_contact.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "models/config/input_error.h"
+#include "models/index.h"
+
+namespace hvp::collision {
+
+namespace {
+
+// Additions and multiplications: a block times its weights, added to another one; a block times a
+// force; a triangle that was tried (kTriangleFlops has the distance, nine more its place).
+constexpr double kBlock = 19;
+constexpr double kProduct = 15;
+constexpr double kTried = kTriangleFlops + 9;
+// Normal, cone and step of a probe.
+constexpr double kCone = 120;
+
+std::vector<bool> moving(const fem::Body& body) {
+  std::vector<bool> moves(body.mesh().nodes.size());
+  for (std::size_t node = 0; node < moves.size(); ++node) {
+    const auto n = static_cast<int>(node);
+    moves[node] = body.active_index(n) >= 0 && !body.held(n);
+  }
+  return moves;
+}
+
+// Solves the n × n system m·x = d in place by Gauss' elimination; m is symmetric and positive
+// definite, so that no pivot is sought.
+void solve_dense(std::span<double> m, std::span<double> d, std::size_t n) {
+  for (std::size_t k = 0; k < n; ++k) {
+    for (std::size_t i = k + 1; i < n; ++i) {
+      const double factor = m[n * i + k] / m[n * k + k];
+      for (std::size_t j = k + 1; j < n; ++j) m[n * i + j] -= factor * m[n * k + j];
+      d[i] -= factor * d[k];
+    }
+  }
+  for (std::size_t i = n; i-- > 0;) {
+    for (std::size_t j = i + 1; j < n; ++j) d[i] -= m[n * i + j] * d[j];
+    d[i] /= m[n * i + i];
+  }
+}
+
+}  // namespace
+
+ProxyContact::ProxyContact(const fem::Body& body, const DeformedSurface& surface,
+                           SurfaceCompliance& statics, SurfaceCompliance& system,
+                           ProxySettings settings)
+    : body_(body),
+      statics_(statics),
+      system_(system),
+      settings_(std::move(settings)),
+      walk_(surface, moving(body)),
+      sought_(settings_.coupling.size()),
+      probes_(settings_.coupling.size()) {
+  const std::size_t probes = probes_.size();
+  loads_.reserve(3 * probes);
+  applied_.reserve(3 * probes);
+  present_.reserve(probes);
+  apart_.resize(probes);
+  own_.resize(probes);
+  s_.resize(probes);
+  m_.resize(9 * probes * probes);
+  d_.resize(3 * probes);
+}
+
+Eigen::Vector3d ProxyContact::displacement(std::span<const double> u, int node) const {
+  const int active = body_.active_index(node);
+  if (active < 0) return body_.held_displacement(node);
+  const double* at_node = &u[3 * at(active)];
+  return {at_node[0], at_node[1], at_node[2]};
+}
+
+void ProxyContact::look(std::span<const Eigen::Vector3d> tips, std::span<const double> u) {
+  operations_ = 0;
+  const auto of_node = [&](int node) { return displacement(u, node); };
+  for (std::size_t i = 0; i < probes_.size(); ++i) {
+    if (!tips[i].allFinite()) throw InputError("the probe is not at a finite position");
+    Probe& probe = probes_[i];
+    if (probe.spot.present() || !sought_[i].present()) continue;
+    long tried = 0;
+    sought_[i] = walk_.nearest(tips[i], sought_[i], of_node, tried);
+    operations_ += kTried * static_cast<double>(tried) + kCone;
+    if (!walk_.touchable(sought_[i].triangle)) continue;
+    const Eigen::Vector3d place = walk_.rest(sought_[i]) + walk_.displaced(sought_[i], of_node);
+    if ((tips[i] - place).dot(walk_.normal(sought_[i])) > 0) continue;
+    probe = {};
+    probe.spot = sought_[i];
+  }
+}
+
+Eigen::Matrix3d ProxyContact::between(SurfaceCompliance& of, const SurfaceSpot& a,
+                                      const SurfaceSpot& b) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    for (Eigen::Index j = 0; j < 3; ++j) {
+      const int node = walk_.corners(a.triangle)[static_cast<std::size_t>(i)];
+      const int other = walk_.corners(b.triangle)[static_cast<std::size_t>(j)];
+      sum += a.weight[i] * b.weight[j] * of.block(node, other);
+    }
+  }
+  operations_ += 9 * kBlock;
+  return sum;
+}
+
+Eigen::Matrix3d ProxyContact::coupling(const SurfaceSpot& spot, double s0) {
+  Eigen::Matrix3d sum = s0 * Eigen::Matrix3d::Identity();
+  const std::array<int, 3>& t = walk_.corners(spot.triangle);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = (i + 1) % 3;
+    const Eigen::Matrix3d cross = statics_.block(t[i], t[j]);
+    const double weight =
+        spot.weight[static_cast<Eigen::Index>(i)] * spot.weight[static_cast<Eigen::Index>(j)];
+    sum += weight *
+           (statics_.block(t[i], t[i]) + statics_.block(t[j], t[j]) - cross - cross.transpose());
+  }
+  operations_ += 3 * (kBlock + 27);
+  return sum;
+}
+
+void ProxyContact::solve(std::span<const Eigen::Vector3d> tips, std::span<const double> u1) {
+  solve(tips, u1, applied_);
+}
+
+void ProxyContact::solve_free(std::span<const Eigen::Vector3d> tips,
+                              std::span<const double> u_free) {
+  solve(tips, u_free, {});
+}
+
+void ProxyContact::solve(std::span<const Eigen::Vector3d> tips, std::span<const double> u,
+                         std::span<const fem::ContactLoad> in_u) {
+  const auto solved_before = system_.solves() + (&statics_ == &system_ ? 0 : statics_.solves());
+  operations_ = 0;
+  tips_ = tips;
+  u_ = u;
+  in_u_ = in_u;
+  for (std::size_t i = 0; i < probes_.size(); ++i) {
+    if (!tips[i].allFinite()) throw InputError("the probe is not at a finite position");
+    Probe& probe = probes_[i];
+    const SurfaceSpot spot = probe.spot;
+    probe = {};
+    probe.spot = spot;
+  }
+  // A contact that has ended leaves the others with other forces.
+  for (int step = 0;; ++step) {
+    do {
+      solve_for_forces();
+    } while (release_one());
+    if (!slide(step < settings_.steps)) break;
+  }
+  for (const std::size_t i : present_) {
+    Probe& probe = probes_[i];
+    const Eigen::Vector3d moved = between(system_, probe.spot, probe.spot) * probe.force;
+    probe.pressed = moved.norm();
+    probe.gap = coupling(probe.spot, settings_.coupling[i]) * probe.force;
+    probe.apart = (moved + probe.gap).norm();
+    probe.depth = (walk_.rest(probe.spot) - tips[i]).dot(probe.normal);
+    probe.at_rim = probe.at_rim || walk_.at_anchor(probe.spot);
+  }
+  form_loads();
+  const auto solves =
+      system_.solves() + (&statics_ == &system_ ? 0 : statics_.solves()) - solved_before;
+  operations_ += static_cast<double>(solves) * system_.solve_operations();
+}
+
+// λ of all probes in contact where they are now.
+void ProxyContact::solve_for_forces() {
+  present_.clear();
+  for (std::size_t i = 0; i < probes_.size(); ++i) {
+    if (probes_[i].spot.present()) present_.push_back(i);
+  }
+  const std::size_t n = 3 * present_.size();
+  const auto of_node = [this](int node) { return displacement(u_, node); };
+  for (std::size_t p = 0; p < present_.size(); ++p) {
+    const SurfaceSpot& spot = probes_[present_[p]].spot;
+    Eigen::Vector3d apart = tips_[present_[p]] - walk_.rest(spot) - walk_.displaced(spot, of_node);
+    for (const fem::ContactLoad& load : in_u_) {
+      const int other = body_.node_of_active()[at(load.node)];
+      for (std::size_t i = 0; i < 3; ++i) {
+        apart += spot.weight[static_cast<Eigen::Index>(i)] *
+                 (system_.block(walk_.corners(spot.triangle)[i], other) * load.force);
+      }
+      operations_ += 3 * (kProduct + 6);
+    }
+    for (int r = 0; r < 3; ++r) d_[3 * p + at(r)] = apart[r];
+    for (std::size_t q = 0; q <= p; ++q) {
+      Eigen::Matrix3d block = between(system_, spot, probes_[present_[q]].spot);
+      if (q == p) {
+        block += coupling(spot, settings_.coupling[present_[p]]);
+        own_[p] = block;
+      }
+      for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 3; ++c) {
+          m_[n * (3 * p + at(r)) + 3 * q + at(c)] = block(r, c);
+          m_[n * (3 * q + at(c)) + 3 * p + at(r)] = block(r, c);
+        }
+      }
+    }
+    operations_ += 30;
+  }
+  solve_dense({m_.data(), n * n}, {d_.data(), n}, n);
+  const auto rows = static_cast<double>(n);
+  operations_ += rows * rows * (2 * rows / 3 + 2);
+  for (std::size_t p = 0; p < present_.size(); ++p) {
+    Probe& probe = probes_[present_[p]];
+    probe.force = {d_[3 * p], d_[3 * p + 1], d_[3 * p + 2]};
+    probe.normal = walk_.normal(probe.spot);
+  }
+}
+
+double ProxyContact::typical_operations(std::size_t probes) {
+  const auto p = static_cast<double>(probes);
+  const double rows = 3 * p;
+  const double solve = p * (p + 1) / 2 * 9 * kBlock + p * (3 * (kBlock + 27) + 30) +
+                       3 * p * p * 3 * (kProduct + 6) + rows * rows * (2 * rows / 3 + 2);
+  return 2 * (solve + kCone * p) + p * (9 * kBlock + 3 * (kBlock + 27) + kCone + 9);
+}
+
+void ProxyContact::leave(Probe& probe) {
+  // The surface is sought again from where it was left.
+  sought_[static_cast<std::size_t>(&probe - probes_.data())] = probe.spot;
+  probe = {};
+}
+
+// The tip that pulls the most leaves.
+bool ProxyContact::release_one() {
+  Probe* leaves = nullptr;
+  double most = 0;
+  for (const std::size_t i : present_) {
+    const double pull = probes_[i].force.dot(probes_[i].normal);
+    if (pull >= 0 && (leaves == nullptr || pull > most)) {
+      leaves = &probes_[i];
+      most = pull;
+    }
+  }
+  if (leaves == nullptr) return false;
+  leave(*leaves);
+  return true;
+}
+
+// Moves each proxy whose force is outside of its cone by what brings the force onto it, or, where
+// it may not move any more, leaves out what is outside. True where one has moved.
+bool ProxyContact::slide(bool move) {
+  bool moved = false;
+  for (std::size_t p = 0; p < present_.size(); ++p) {
+    Probe& probe = probes_[present_[p]];
+    operations_ += kCone;
+    const double normal = -probe.force.dot(probe.normal);
+    const Eigen::Vector3d tangential = probe.force + normal * probe.normal;
+    const double size = tangential.norm();
+    const double limit = settings_.friction * normal;
+    if (!(size > limit)) continue;
+    probe.sliding = true;
+    const Eigen::Vector3d on_cone = (limit / size) * tangential;
+    if (move) {
+      const SurfaceWalk::Step step = walk_.go(probe.spot, own_[p] * (tangential - on_cone));
+      probe.at_rim = probe.at_rim || step.stopped || step.creased;
+      operations_ += kCone * step.triangles;
+      if (!(step.spot == probe.spot)) {
+        probe.spot = step.spot;
+        moved = true;
+        continue;
+      }
+    }
+    probe.off_cone = size - limit > kOnCone * normal;
+    probe.force = on_cone - normal * probe.normal;
+  }
+  return moved;
+}
+
+void ProxyContact::form_loads() {
+  loads_.clear();
+  for (const std::size_t i : present_) {
+    const Probe& probe = probes_[i];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int node = walk_.corners(probe.spot.triangle)[k];
+      if (!system_.has(node)) continue;
+      loads_.push_back({body_.active_index(node),
+                        probe.spot.weight[static_cast<Eigen::Index>(k)] * probe.force,
+                        static_cast<int>(i)});
+    }
+    operations_ += 9;
+  }
+}
+
+void ProxyContact::press_nowhere() {
+  present_.clear();
+  for (std::size_t i = 0; i < probes_.size(); ++i) {
+    if (!probes_[i].spot.present()) continue;
+    probes_[i].normal = walk_.normal(probes_[i].spot);
+    present_.push_back(i);
+  }
+  operations_ = 0;
+  form_loads();
+  const auto n = 3 * static_cast<double>(present_.size());
+  operations_ += n * n * (kBlock + 2 * n / 3 + 2) + 2 * kCone * n / 3;
+}
+
+void ProxyContact::apply() { applied_.assign(loads_.begin(), loads_.end()); }
+
+void ProxyContact::release_all() {
+  for (Probe& probe : probes_) {
+    if (probe.spot.present()) leave(probe);
+  }
+}
+
+Eigen::MatrixXd ProxyContact::compliance() {
+  std::vector<const Probe*> present;
+  std::vector<double> s0;
+  for (std::size_t i = 0; i < probes_.size(); ++i) {
+    if (!probes_[i].spot.present()) continue;
+    present.push_back(&probes_[i]);
+    s0.push_back(settings_.coupling[i]);
+  }
+  Eigen::MatrixXd m(3 * static_cast<Eigen::Index>(present.size()),
+                    3 * static_cast<Eigen::Index>(present.size()));
+  for (std::size_t p = 0; p < present.size(); ++p) {
+    for (std::size_t q = 0; q < present.size(); ++q) {
+      Eigen::Matrix3d block = between(system_, present[p]->spot, present[q]->spot);
+      if (p == q) block += coupling(present[p]->spot, s0[p]);
+      m.block<3, 3>(3 * static_cast<Eigen::Index>(p), 3 * static_cast<Eigen::Index>(q)) = block;
+    }
+  }
+  return m;
+}
+
+double coupling_compliance(const fem::Body& body, const DeformedSurface& surface,
+                           SurfaceCompliance& statics, double radius, bool dynamic) {
+  constexpr double kShare = 0.3;
+  constexpr double kFlat = 1.53;  // kernel radius of a flat end, over its radius
+  constexpr double kKernel = 0.766;
+  constexpr double kLocal = 1.3;  // a node's own compliance is 1/(1.3·E·h)
+  double of_nodes = 0;
+  int nodes = 0;
+  for (const int node : surface.surface_nodes()) {
+    if (!statics.has(node)) continue;
+    const Eigen::Vector3d& n = surface.rest_normal(node);
+    of_nodes += n.dot(statics.block(node, node) * n);
+    ++nodes;
+  }
+  double edges = 0;
+  for (const std::array<int, 3>& t : surface.triangles()) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      edges += (surface.rest_position(t[(i + 1) % 3]) - surface.rest_position(t[i])).norm();
+    }
+  }
+  const double h = edges / (3 * static_cast<double>(surface.triangles().size()));
+  const fem::Material& material = body.materials().table().front();
+  const double young = material.young_modulus_pa;
+  const double plane = young / (1 - material.poisson_ratio * material.poisson_ratio);
+  const double share = dynamic && nodes > 0 ? kShare * of_nodes / nodes : 0;
+  const double size =
+      radius > 0 ? kKernel / (plane * kFlat * radius) - 1 / (kLocal * young * h) : 0;
+  return std::max({0.0, share, size});
+}
+
+}  // namespace hvp::collision

@@ -1,0 +1,176 @@
+#include "models/host/gliding_contact.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <utility>
+
+#include "models/fem/direct_solver.h"
+#include "models/index.h"
+
+namespace hvp::host {
+
+namespace {
+
+// The forces of a body that is not linear are repeated until they change by no more than this
+// share, or so often.
+constexpr double kSettled = 1e-10;
+constexpr int kMostRepetitions = 40;
+
+}  // namespace
+
+GlideTables::GlideTables(const fem::Body& body, const sparse::BlockMatrix& system, bool is_dynamic,
+                         bool linear, double friction, std::span<const double> radii)
+    : surface(body.mesh()), statics(body, body.stiffness(), surface.surface_nodes()) {
+  if (is_dynamic) dynamic.emplace(body, system, surface.surface_nodes());
+  settings.friction = friction;
+  for (const double radius : radii) {
+    settings.coupling.push_back(
+        collision::coupling_compliance(body, surface, statics, radius, is_dynamic));
+  }
+  Eigen::AlignedBox3d box;
+  for (const int node : surface.surface_nodes()) box.extend(surface.rest_position(node));
+  half_extent = 0.5 * box.sizes().minCoeff();
+  if (is_dynamic || !linear) return;
+  free_displacement.resize(body.load().size());
+  fem::DirectSolver(system).solve(body.load(), free_displacement);
+}
+
+std::size_t GlideTables::bytes() const {
+  return statics.bytes() + (dynamic ? dynamic->bytes() : 0);
+}
+
+std::int64_t GlideTables::solves() const {
+  return statics.solves() + (dynamic ? dynamic->solves() : 0);
+}
+
+double GlideTables::set_up_operations() const {
+  double operations = static_cast<double>(statics.solves()) * statics.solve_operations();
+  if (dynamic) operations += static_cast<double>(dynamic->solves()) * dynamic->solve_operations();
+  return operations;
+}
+
+GlidingContact::GlidingContact(const fem::Body& body, const GlideTables& tables, bool rendered)
+    : tables_(tables),
+      rendered_(rendered),
+      statics_(tables.statics),
+      dynamic_(tables.dynamic),
+      proxy_(body, tables.surface, statics_, dynamic_ ? *dynamic_ : statics_, tables.settings),
+      tips_(proxy_.size(), Eigen::Vector3d::Zero()),
+      contacts_(proxy_.size()),
+      forces_(proxy_.size(), Eigen::Vector3d::Zero()) {}
+
+void GlidingContact::suggest(std::span<const collision::Contact> nearest) {
+  suggested_ = true;
+  for (std::size_t i = 0; i < nearest.size(); ++i) {
+    if (nearest[i].spot.present()) proxy_.suggest(i, nearest[i].spot);
+  }
+}
+
+void GlidingContact::look(std::span<const Eigen::Vector3d> tips, std::span<const double> u) {
+  solved_ = false;
+  std::ranges::copy(tips, tips_.begin());
+  if (!rendered_) proxy_.release_all();
+  if (!suggested_) {
+    for (std::size_t i = 0; i < tips.size(); ++i) {
+      if (!contacts_[i].present()) proxy_.suggest(i, proxy_.walk().nearest_at_rest(tips[i]));
+    }
+  }
+  proxy_.look(tips_, u);
+  look_operations_ = proxy_.operations();
+}
+
+void GlidingContact::solve(std::span<const double> u1) {
+  if (!rendered_) {
+    proxy_.press_nowhere();
+  } else if (needs_solution()) {
+    proxy_.solve(tips_, u1);
+  } else {
+    proxy_.solve_free(tips_, tables_.free_displacement);
+  }
+  solved_ = true;
+  solve_operations_ = proxy_.operations();
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const collision::ProxyContact::Probe& probe = proxy_.probes()[i];
+    forces_[i] = probe.force;
+    contacts_[i] = {};
+    if (!probe.spot.present()) continue;
+    Eigen::Index nearest = 0;
+    probe.spot.weight.maxCoeff(&nearest);
+    contacts_[i].node =
+        tables_.surface.triangles()[at(probe.spot.triangle)][static_cast<std::size_t>(nearest)];
+    contacts_[i].spot = probe.spot;
+  }
+}
+
+bool GlidingContact::changes() const {
+  return !placed_ || !proxy_.loads().empty() || !proxy_.applied().empty();
+}
+
+double GlideTables::typical_operations(std::size_t probes) {
+  return collision::ProxyContact::typical_operations(probes);
+}
+
+stability::Flags GlidingContact::flags() const {
+  // The coupling has at most that share of the depth.
+  constexpr double kGapShare = 0.5;
+  stability::Flags flags;
+  for (const collision::ProxyContact::Probe& probe : proxy_.probes()) {
+    if (!probe.spot.present()) continue;
+    if (probe.at_rim) flags.raise(stability::Flag::proxy_at_rim);
+    const bool doubtful = probe.off_cone || probe.gap.norm() > kGapShare * probe.apart ||
+                          probe.depth > tables_.half_extent;
+    if (doubtful) flags.raise(stability::Flag::contact_doubtful);
+  }
+  return flags;
+}
+
+void GlidingContact::describe(std::size_t i, collision::Touch& touch) const {
+  const collision::ProxyContact::Probe& probe = proxy_.probes()[i];
+  touch.contact = contacts_[i];
+  touch.force = forces_[i];
+  touch.gap = probe.gap.norm();
+  touch.slides = probe.sliding;
+  if (probe.spot.present()) touch.foot = proxy_.walk().rest(probe.spot);
+}
+
+// The proxy stands between its place without contact and the tip.
+double GlidingContact::way() const {
+  double way = 0;
+  for (const collision::ProxyContact::Probe& probe : proxy_.probes()) {
+    if (probe.spot.present()) way = std::max(way, probe.pressed);
+  }
+  return way;
+}
+
+void GlidingContact::apply() {
+  placed_ = true;
+  proxy_.apply();
+}
+
+GlidingReference::GlidingReference(std::unique_ptr<fem::ReferenceModel> inner,
+                                   std::unique_ptr<GlidingContact> contact)
+    : inner_(std::move(inner)), contact_(std::move(contact)) {}
+
+void GlidingReference::solve(const fem::Hold& hold) {
+  contact_->look(hold.tips, inner_->displacement());
+  inner_->solve(contact_->hold());
+  contact_->solve(inner_->displacement());
+  for (int i = 0; i < kMostRepetitions; ++i) {
+    if (!contact_->changes()) return;
+    inner_->solve(contact_->hold());
+    contact_->apply();
+    if (inner_->linear()) return;
+    before_.assign(contact_->forces().begin(), contact_->forces().end());
+    contact_->solve(inner_->displacement());
+    double change = 0;
+    double largest = 0;
+    for (std::size_t k = 0; k < before_.size(); ++k) {
+      change = std::max(change, (contact_->forces()[k] - before_[k]).norm());
+      largest = std::max(largest, contact_->forces()[k].norm());
+    }
+    if (change <= kSettled * largest) return;
+  }
+  ++unsettled_;
+}
+
+}  // namespace hvp::host
