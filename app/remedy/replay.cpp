@@ -128,7 +128,7 @@ void Replay::add_force(const Sighting& at, bool fades, std::int64_t frame,
   stability::FeltForce felt{
       frame, to_seconds(at.time), at.touch().tip, force, at.touch().contact.node, fades, 0};
   if (at.touch().contact.spot.present()) {
-    felt.foot = at.touch().foot;
+    felt.foot = scene_.glide()->surface.closest(at.touch().tip).point;
   } else if (at.touch().contact.present()) {
     felt.pull = force.dot(scene_.contacts().surface().rest_normal(at.touch().contact.node));
   }
@@ -204,10 +204,9 @@ Replay::Result Replay::attempt(const fixed::Plan& plan) const {
         board.renew(computation.board().matrix(), computation.board().diagonal_word());
       }
       add_force(frame.sighting, !hold.let_go.empty(), number++, force, quality);
-      const bool in_contact =
-          std::ranges::any_of(frame.sighting.touches, [](const collision::Touch& touch) {
-            return touch.contact.present();
-          });
+      const bool in_contact = std::ranges::any_of(
+          frame.sighting.touches,
+          [](const collision::Touch& touch) { return touch.contact.present(); });
       of_true.add(computation.displacement(), frame.exact, 0, in_contact);
       if (!rounded_run || rounded_singular) continue;
       rounded_run->step(hold);

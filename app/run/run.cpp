@@ -97,7 +97,8 @@ class BusMeters {
 class BodyWatches {
  public:
   BodyWatches(vp::Platform& platform, Scene& scene)
-      : force_(scene.contacts(), scene.scenario().probes.size()),
+      : force_(scene.contacts(), scene.glide() != nullptr ? &scene.glide()->surface : nullptr,
+               scene.scenario().probes.size()),
         strain_(scene.body(), scene.scenario().object.model),
         recorder_(scene.scenario().frames) {
     platform.add_observer(recorder_);

@@ -38,6 +38,7 @@ void ContactWatch::closed(const vp::Frame& frame, const vp::CriticalPath& /*path
 stability::Flags ContactWatch::flags() const {
   stability::Flags flags;
   if (begins_pressed_) flags.raise(stability::Flag::force_step);
+  if (figures_.proxy.mostly_gap()) flags.raise(stability::Flag::contact_doubtful);
   return flags;
 }
 
@@ -86,9 +87,10 @@ void ForceWatch::solved(const vp::Frame& frame, const vp::Solution& solution) {
     if (touch.contact.present()) {
       felt.pull = touch.force.dot(contacts_.surface().rest_normal(touch.contact.node));
     }
-    if (touch.contact.spot.present()) {
-      felt.foot = touch.foot;
-      felt.pull = std::min(felt.pull, 0.0);  // never: that would end the contact
+    if (touch.contact.spot.present() && at_rest_ != nullptr) {
+      // Found by itself: where a proxy stands is what is judged.
+      felt.foot = at_rest_->closest(touch.tip).point;
+      felt.pull = 0;
     }
     qualities_[i].add(felt);
   }

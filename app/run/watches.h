@@ -81,8 +81,10 @@ class ApproachWatch : public ContactWatch {
 // The quality of the force, in every run that computes one.
 class ForceWatch : public vp::FrameObserver {
  public:
-  ForceWatch(const collision::ContactSearch& contacts, std::size_t probes)
-      : contacts_(contacts), qualities_(probes) {}
+  // `at_rest` is the surface where contact glides; null where it is a node's.
+  ForceWatch(const collision::ContactSearch& contacts, const collision::DeformedSurface* at_rest,
+             std::size_t probes)
+      : contacts_(contacts), at_rest_(at_rest), qualities_(probes) {}
 
   void solved(const vp::Frame& frame, const vp::Solution& solution) override;
 
@@ -91,6 +93,7 @@ class ForceWatch : public vp::FrameObserver {
 
  private:
   const collision::ContactSearch& contacts_;
+  const collision::DeformedSurface* at_rest_;
   std::vector<stability::ForceQuality> qualities_;
 };
 

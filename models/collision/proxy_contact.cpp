@@ -158,7 +158,6 @@ void ProxyContact::solve(std::span<const Eigen::Vector3d> tips, std::span<const 
     const Eigen::Vector3d moved = between(system_, probe.spot, probe.spot) * probe.force;
     probe.pressed = moved.norm();
     probe.gap = coupling(probe.spot, settings_.coupling[i]) * probe.force;
-    probe.apart = (moved + probe.gap).norm();
     probe.depth = (walk_.rest(probe.spot) - tips[i]).dot(probe.normal);
     probe.at_rim = probe.at_rim || walk_.at_anchor(probe.spot);
   }

@@ -53,7 +53,6 @@ class ProxyContact {
     Eigen::Vector3d force = Eigen::Vector3d::Zero();   // λ, on the body
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // outward, length one
     Eigen::Vector3d gap = Eigen::Vector3d::Zero();     // tip − x = S·λ, m
-    double apart = 0;       // from the tip to X as it is without contact, m
     double depth = 0;       // of the tip below X at rest, along the normal, m
     double pressed = 0;     // |W·λ|: how far the force moves X from where it is without, m
     bool sliding = false;   // X moved, or the force was brought onto the cone

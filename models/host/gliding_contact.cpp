@@ -111,15 +111,12 @@ double GlideTables::typical_operations(std::size_t probes) {
 }
 
 stability::Flags GlidingContact::flags() const {
-  // The coupling has at most that share of the depth.
-  constexpr double kGapShare = 0.5;
   stability::Flags flags;
   for (const collision::ProxyContact::Probe& probe : proxy_.probes()) {
     if (!probe.spot.present()) continue;
     if (probe.at_rim) flags.raise(stability::Flag::proxy_at_rim);
-    const bool doubtful = probe.off_cone || probe.gap.norm() > kGapShare * probe.apart ||
-                          probe.depth > tables_.half_extent;
-    if (doubtful) flags.raise(stability::Flag::contact_doubtful);
+    if (probe.off_cone || probe.depth > tables_.half_extent)
+      flags.raise(stability::Flag::contact_doubtful);
   }
   return flags;
 }
@@ -129,6 +126,7 @@ void GlidingContact::describe(std::size_t i, collision::Touch& touch) const {
   touch.contact = contacts_[i];
   touch.force = forces_[i];
   touch.gap = probe.gap.norm();
+  touch.depth = probe.depth;
   touch.slides = probe.sliding;
   if (probe.spot.present()) touch.foot = proxy_.walk().rest(probe.spot);
 }

@@ -279,7 +279,9 @@ double Increments::finish_operations() const {
   // Subtract; two norms, and an inner product with a sum.
   const double judge = 8.0 * a_.rows();
   const double extrapolation = start_ == fixed::Start::extrapolated ? 4.0 * a_.rows() : 0;
-  return evaluate_operations() + judge + extrapolation;
+  // After go_on() a residual that was looked at already is there.
+  const double evaluation = went_on_ && evaluations_ == 0 ? 0 : evaluate_operations();
+  return evaluation + judge + extrapolation;
 }
 
 }  // namespace hvp::host

@@ -89,7 +89,8 @@ const ForceQuality::Past* ForceQuality::past(double time_s) const {
 }
 
 void ForceQuality::watch_hand_over(const FeltForce& felt) {
-  const Past now{felt.time_s, felt.force, felt.tip};
+  const Past now{felt.time_s, felt.force,
+                 felt.foot ? Eigen::Vector3d(felt.tip - *felt.foot) : felt.tip};
   if (felt.contact < 0) {
     touched_.reset();
   } else if (!touched_ || last_.contact < 0) {
@@ -107,10 +108,10 @@ void ForceQuality::watch_hand_over(const FeltForce& felt) {
       // Where a frame is longer than the span there is nothing to look back to.
       if (middle == nullptr || first == nullptr || middle == first) continue;
       const double force = std::max({now.force.norm(), middle->force.norm(), first->force.norm()});
-      const double way = (now.tip - felt.foot.value_or(touched_->tip)).norm();
+      const double way = (felt.foot ? now.way : Eigen::Vector3d(now.way - touched_->way)).norm();
       if (!(force > kNoForce) || !(way > 0)) continue;
       const double change = (now.force - 2 * middle->force + first->force).norm() / force;
-      const double explained = (now.tip - 2 * middle->tip + first->tip).norm() / way;
+      const double explained = (now.way - 2 * middle->way + first->way).norm() / way;
       if (change > explained) keep_worst(handed_over_[i], change - explained, felt.frame);
     }
   }

@@ -21,8 +21,8 @@ struct FeltForce {
   // The component of the force along the surface's outward normal at rest, N: positive where the
   // tip pulls at the body, which no tip can.
   double pull = 0;
-  // Where the surface is at rest that the force is of, m: the tip's way there is what it presses.
-  // Absent: where the contact began.
+  // The point of the body's surface at rest that is nearest to the tip, m, where contact glides:
+  // what the tip presses is its way from there. Absent: from where the contact began.
   std::optional<Eigen::Vector3d> foot = {};
 };
 
@@ -41,9 +41,9 @@ struct WorstFrame {
 //
 // A hand-over from node to node may spread its step over many frames. While a contact lasts and has
 // been handed over within 2·w, the second difference F(t) − 2·F(t−w) + F(t−2w) is the change that
-// the trend before does not explain; what the tip's own motion explains of it, |F|·|Δ²x|/|x − x_0|
-// with x_0 the place of the first touch or the foot, is taken off. Beyond kNoticeable of the
-// largest of the three forces, for w of 30 or of 100 ms, it raises `force-step` too.
+// the trend before does not explain; what the tip's own motion explains of it, |F|·|Δ²d|/|d| with
+// d = x − x_0 and x_0 the place of the first touch or the foot, is taken off. Beyond kNoticeable of
+// the largest of the three forces, for w of 30 or of 100 ms, it raises `force-step` too.
 //
 // An alternation is a frame whose change is opposite to that of the frame before, as that one was
 // to its own predecessor. Alternations whose three changes exceed kRingingShare of the largest
@@ -111,7 +111,7 @@ class ForceQuality {
   struct Past {
     double time_s = 0;
     Eigen::Vector3d force = Eigen::Vector3d::Zero();
-    Eigen::Vector3d tip = Eigen::Vector3d::Zero();
+    Eigen::Vector3d way = Eigen::Vector3d::Zero();  // tip, or tip − foot
   };
   static constexpr std::size_t kPasts = 64;
   // They cover twice the longest span.
