@@ -17,7 +17,7 @@ bool untimed(const PlatformSettings& settings) { return settings.fidelity.host =
 
 ServoSettings servo_settings(const PlatformSettings& settings, std::size_t probes) {
   return {settings.period, settings.frames, settings.host.pipeline_depth,
-          DaqBoard::read_bytes(settings.device, probes)};
+          DaqBoard::read_bytes(settings.devices_of(probes))};
 }
 
 BodySettings body_settings(const PlatformSettings& settings, bool refined) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -28,13 +30,41 @@ struct SystemSettings {
   BusSettings bus;
   Transfer transfer;
   host::Host host;
-  std::optional<host::Wall> wall;  // instead of a body
-  plant::DeviceSettings device;
-  std::optional<plant::Hand> hand;  // at each device
-  std::vector<plant::Trajectory> probes{1};
+  std::optional<host::Wall> wall;   // instead of a body
+  plant::DeviceSettings device;     // of each probe without its own
+  std::optional<plant::Hand> hand;  // likewise, at each such device with mass
+  std::vector<plant::Probe> probes{1};
   Fidelity fidelity;
   std::optional<PciFunction> function;  // beyond the least
   std::vector<Fault> faults;
+
+  // The device of a probe, its own or the shared one. The board is always that of `device`.
+  const plant::DeviceSettings& device_of(std::size_t probe) const {
+    const bool own = probe < probes.size() && probes[probe].device;
+    return own ? *probes[probe].device : device;
+  }
+  // The hand at a probe's device: its own, or the shared one where the device has mass.
+  std::optional<plant::Hand> hand_of(std::size_t probe) const {
+    if (probe < probes.size() && probes[probe].hand) return probes[probe].hand;
+    return device_of(probe).dynamics ? hand : std::nullopt;
+  }
+  // True where forces move a probe's device.
+  bool has_mass(std::size_t probe) const { return device_of(probe).dynamics.has_value(); }
+  bool any_has_mass() const {
+    for (std::size_t i = 0; i < probes.size(); ++i) {
+      if (has_mass(i)) return true;
+    }
+    return false;
+  }
+  bool any_own_device() const {
+    return std::ranges::any_of(probes, [](const plant::Probe& p) { return p.device.has_value(); });
+  }
+  // The devices' settings, one a probe.
+  std::vector<const plant::DeviceSettings*> devices_of(std::size_t count) const {
+    std::vector<const plant::DeviceSettings*> all;
+    for (std::size_t i = 0; i < count; ++i) all.push_back(&device_of(i));
+    return all;
+  }
 };
 
 // The frames in which the engine is traced into a VCD file. Cycle-accurate only.

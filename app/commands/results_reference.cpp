@@ -22,6 +22,11 @@ namespace hvp::app {
 
 namespace {
 
+// Of two probes, each with all that a device may have.
+results::ProbeColumns all_columns() {
+  return {std::vector<results::ProbeColumnsOf>(2, {{}, true, true, plant::Hand{}}), {}};
+}
+
 using nlohmann::ordered_json;
 
 constexpr std::string_view kTable = ".*";
@@ -81,7 +86,7 @@ std::string reference_json(std::string_view version) {
   j["columns"] = ordered_json::array();
   append(j["columns"], results::frame_columns());
   j["further_columns"] = ordered_json::array();
-  const results::ProbeColumns all{std::vector<plant::Trajectory>(2), true, true, plant::Hand{}, {}};
+  const results::ProbeColumns all = all_columns();
   for (std::size_t probe = 0; probe < 2; ++probe) {
     append(j["further_columns"], results::probe_columns(all, probe));
   }
@@ -141,7 +146,7 @@ std::string results_reference_page() {
   for (const results::FrameColumn& column : results::frame_columns()) {
     text += fmt::format("| `{}` | {} |\n", column.name, cell(column.help));
   }
-  results::ProbeColumns all{std::vector<plant::Trajectory>(2), true, true, plant::Hand{}, {}};
+  const results::ProbeColumns all = all_columns();
   text +=
       "\nBehind these, with `[device.dynamics]` and for each further `[[probe]]`; names of a "
       "further "

@@ -95,12 +95,21 @@ accel::Device find(const scenario::Document& document, const accel::Architecture
 
 namespace {
 
-constexpr std::string_view kTable = "device";
-constexpr std::string_view kDeviceKey = "device.model";
+const scenario::Node* member(const scenario::Node* table, std::string_view name) {
+  return table != nullptr && table->is_table() ? table->find(name) : nullptr;
+}
 
-const scenario::Node* named_model(const scenario::Document& document) {
-  const scenario::Node* device = document.root().find(kTable);
-  return device != nullptr && device->is_table() ? device->find("model") : nullptr;
+// The keys of the tables with a haptic device's keys: [device] and those of [[probe]].
+std::vector<std::string> device_keys(const scenario::Document& document) {
+  std::vector<std::string> keys = {"device"};
+  const scenario::Node* probe = document.root().find("probe");
+  if (member(probe, "device") != nullptr) keys.emplace_back("probe.device");
+  if (probe == nullptr || !probe->is_array()) return keys;
+  for (std::size_t i = 0; i < probe->members.size(); ++i) {
+    if (member(&probe->members[i], "device") == nullptr) continue;
+    keys.push_back(fmt::format("probe[{}].device", i));
+  }
+  return keys;
 }
 
 }  // namespace
@@ -111,20 +120,22 @@ std::vector<std::string_view> haptic_names() {
   return names;
 }
 
-void put_device_under(scenario::Document& document) {
-  const scenario::Node* model = named_model(document);
+namespace {
+
+void put_model_under(scenario::Document& document, const std::string& table) {
+  const scenario::Node* model = member(document.find(table), "model");
   // The reader refuses a value that is not a text.
   if (model == nullptr || model->text.empty() || model->is_table() || model->is_array()) return;
   const std::string name = model->text;
+  const std::string key = table + ".model";
   if (names_file(name)) {
-    document.put_file_under(kTable,
-                            scenario::openable_file(document, std::string(kDeviceKey), name));
+    document.put_file_under(table, scenario::openable_file(document, key, name));
     return;
   }
   const auto files = embedded_haptic_devices();
   const auto file = std::ranges::find(files, name, &EmbeddedFile::name);
   if (file != files.end()) {
-    document.put_text_under(kTable, file->text, fmt::format("haptic-devices/{}.toml", name));
+    document.put_text_under(table, file->text, fmt::format("haptic-devices/{}.toml", name));
     return;
   }
   const std::vector<std::string_view> names = haptic_names();
@@ -132,7 +143,13 @@ void put_device_under(scenario::Document& document) {
                                     fmt::join(names, ", "), scenario::in_quotes(name));
   const std::string_view close = scenario::nearest(name, names);
   if (!close.empty()) message += fmt::format("; did you mean \"{}\"?", close);
-  throw scenario::SourceError(std::string(kDeviceKey), document.locate(kDeviceKey) + message);
+  throw scenario::SourceError(key, document.locate(key) + message);
+}
+
+}  // namespace
+
+void put_devices_under(scenario::Document& document) {
+  for (const std::string& table : device_keys(document)) put_model_under(document, table);
 }
 
 }  // namespace hvp::devices

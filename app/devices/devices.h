@@ -42,9 +42,9 @@ accel::Device find(const scenario::Document& document, const accel::Architecture
 // The names of the built-in haptic devices in alphabetical order.
 std::vector<std::string_view> haptic_names();
 
-// Lays the document's [device] over the file of the haptic device that device.model names; without
-// that key it does nothing. Throws SourceError if there is no such device or file, or if the file
-// is wrong.
-void put_device_under(scenario::Document& document);
+// Lays the document's [device], and each probe's own, over the file of the haptic device that its
+// key `model` names; without that key it does nothing. Throws SourceError if there is no such
+// device or file, or if the file is wrong.
+void put_devices_under(scenario::Document& document);
 
 }  // namespace hvp::devices

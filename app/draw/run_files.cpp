@@ -190,9 +190,14 @@ std::optional<LoopSeries> read_loop(const std::filesystem::path& path) {
   std::ifstream file = open_file(path);
   files::CsvTable table(file, path.filename().string());
   std::vector<std::string> prefixes;
-  for (std::string prefix; table.find(prefix + "tip_x_m");
-       prefix = fmt::format("probe{}_", prefixes.size())) {
-    prefixes.push_back(prefix);
+  // A probe without a device of mass has its contact alone.
+  for (std::size_t i = 0;; ++i) {
+    const std::string prefix = i == 0 ? "" : fmt::format("probe{}_", i);
+    if (table.find(prefix + "tip_x_m")) {
+      prefixes.push_back(prefix);
+    } else if (!table.find(prefix + "contact_node")) {
+      break;
+    }
   }
   if (prefixes.empty()) return {};
 

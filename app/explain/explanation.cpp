@@ -98,10 +98,12 @@ WorkspacePoint workspace_point(const plant::DeviceSettings& d, const plant::Kine
 // Describes the device at places along the probes' way.
 std::vector<WorkspacePoint> workspace(const Scene& scene) {
   std::vector<WorkspacePoint> points;
-  const plant::DeviceSettings& d = scene.scenario().device;
-  if (!d.kinematics) return points;
-  const std::unique_ptr<plant::Kinematics> kinematics = plant::make_kinematics(*d.kinematics);
-  for (const plant::Trajectory& probe : scene.scenario().probes) {
+  const Scenario& s = scene.scenario();
+  for (std::size_t i = 0; i < s.probes.size(); ++i) {
+    const plant::DeviceSettings& d = s.device_of(i);
+    if (!d.kinematics) continue;
+    const std::unique_ptr<plant::Kinematics> kinematics = plant::make_kinematics(*d.kinematics);
+    const plant::Trajectory& probe = s.probes[i];
     points.push_back(workspace_point(d, *kinematics, probe.start));
     for (const plant::Segment& stroke : probe.motion) {
       points.push_back(workspace_point(d, *kinematics, stroke.to));
@@ -127,7 +129,7 @@ std::vector<PlacedLoad> placed_loads(const Scene& scene) {
 Explanation explain(Scene& scene) {
   Explanation e;
   e.parts = explained_parts(scene);
-  e.effects = config::survey_effects(scene.scenario()).effects();
+  e.effects = scene.scenario().effects();
   // A matrix that is never renewed has its table, and nothing is built for it.
   const std::optional<tissue::Model>& model = scene.scenario().object.model;
   for (config::Effect& effect : e.effects) {

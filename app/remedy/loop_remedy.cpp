@@ -57,8 +57,9 @@ std::vector<std::vector<std::string>> candidates(const Scenario& s,
     }
   }
   for (const double times : {2.0, 4.0}) {
-    found.push_back({fmt::format("device.dynamics.damping = \"{:g} N s/m\"",
-                                 times * s.device.dynamics->damping_N_s_m)});
+    const std::size_t probe = budget.probe.value_or(0);
+    found.push_back({fmt::format("{}.dynamics.damping = \"{:g} N s/m\"", s.device_key(probe),
+                                 times * s.device_of(probe).dynamics->damping_N_s_m)});
   }
   if (s.host.delay) found.push_back({"host.delay = false"});
   if (budget.worst_delay_s < 0.45 * s.budget.period_s) {

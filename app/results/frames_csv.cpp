@@ -79,7 +79,7 @@ std::vector<FrameColumn> probe_columns(const ProbeColumns& of, std::size_t index
     add("contact_node", "as the first probe's columns of these names");
     for (const char* name : {"x_m", "y_m", "z_m", "fx_N", "fy_N", "fz_N"}) add(name, "likewise");
   }
-  if (!of.devices) return columns;
+  if (!of.probes[index].device) return columns;
   vector("tip", "m", "with `[device.dynamics]`: where the tip was when it was latched");
   vector("intended", "m", "where the hand wanted it; empty where nobody holds the device");
   vector("motor", "N", "the motors' real force on the tip then");
@@ -90,7 +90,7 @@ std::vector<FrameColumn> probe_columns(const ProbeColumns& of, std::size_t index
       "the start");
   add("fed_in",
       "1 where that is below zero by more than rounding explains: the loop fed energy in");
-  if (!of.currents) return columns;
+  if (!of.probes[index].currents) return columns;
   vector("commanded", "A", "with `[device.motor]`: the current that the frame's force asks for");
   vector("current", "A", "what converter and amplifier make of it, before the amplifier's lag");
   vector("read", "A", "with `[device.adc]`: the current as the host read it; else 0");
@@ -99,7 +99,11 @@ std::vector<FrameColumn> probe_columns(const ProbeColumns& of, std::size_t index
 
 FramesCsv::FramesCsv(const std::filesystem::path& path, vp::Picoseconds budget, Columns columns,
                      ProbeColumns probes)
-    : stream_(path), budget_(budget), columns_(columns), probes_(std::move(probes)) {
+    : stream_(path),
+      budget_(budget),
+      columns_(columns),
+      probes_(std::move(probes)),
+      at_start_J_(probes_.probes.size()) {
   std::string header;
   for (const FrameColumn& column : frame_columns()) {
     header += (header.empty() ? "" : ",") + column.name;
@@ -135,7 +139,7 @@ void FramesCsv::closed(const vp::Frame& f, const vp::CriticalPath& path) {
   stream_.write({line.data(), line.size()});
   for (std::size_t i = 0; i < probes_.probes.size(); ++i) {
     if (i > 0) stream_.write(further_fields(f.touches[i], columns_));
-    if (probes_.devices) stream_.write(device_fields(f, i));
+    if (probes_.probes[i].device) stream_.write(device_fields(f, i));
   }
   stream_.write("\n");
 }
@@ -145,22 +149,22 @@ std::string FramesCsv::device_fields(const vp::Frame& f, std::size_t i) {
   const vp::DeviceRecord& d = f.devices[i];
   append(fields, d.plant.tip.position);
   const vp::Picoseconds latched = f.time + f.latched - f.born;
-  const std::optional<plant::Hand>& hand = probes_.hand;
+  const ProbeColumnsOf& of = probes_.probes[i];
+  const std::optional<plant::Hand>& hand = of.hand;
   if (hand && !(hand->lets_go_s > 0 && to_seconds(latched) >= hand->lets_go_s)) {
-    append(fields, probes_.probes[i].state_ps(latched).position);
+    append(fields, of.probe.state_ps(latched).position);
   } else {
     fields += ",,,";
   }
   append(fields, d.plant.motor_force);
   append(fields, d.plant.hand_force);
   const plant::Energy& e = d.plant.energy;
-  if (i == at_start_J_.size()) {
-    at_start_J_.push_back(probes_.wall ? probes_.wall->energy(d.plant.tip.position) : 0);
-  }
-  const double at_port = at_start_J_[i] + e.at_port();
+  std::optional<double>& at_start = at_start_J_[i];
+  if (!at_start) at_start = probes_.wall ? probes_.wall->energy(d.plant.tip.position) : 0;
+  const double at_port = *at_start + e.at_port();
   fields += fmt::format(",{},{},{}", shortest(e.kinetic + e.springs), shortest(at_port),
                         plant::LoopEnergy::fed_in(at_port, e) ? 1 : 0);
-  if (probes_.currents) {
+  if (of.currents) {
     append(fields, d.drive.commanded_current);
     append(fields, d.drive.current);
     append(fields, d.read_current);

@@ -24,13 +24,17 @@ struct FrameColumn {
 // All columns in their order.
 std::vector<FrameColumn> frame_columns();
 
+// What a probe has columns of.
+struct ProbeColumnsOf {
+  plant::Trajectory probe;
+  bool device = false;              // it has mass
+  bool currents = false;            // and motors
+  std::optional<plant::Hand> hand;  // the hand that intends the motion
+};
 // The reason for further columns at the end of a line: further probes, and devices with mass.
 struct ProbeColumns {
-  std::vector<plant::Trajectory> probes = std::vector<plant::Trajectory>(1);
-  bool devices = false;             // the devices have mass
-  bool currents = false;            // the devices have motors
-  std::optional<plant::Hand> hand;  // the hand that intends the motion
-  std::optional<host::Wall> wall;   // whose spring has energy at the start
+  std::vector<ProbeColumnsOf> probes = std::vector<ProbeColumnsOf>(1);
+  std::optional<host::Wall> wall;  // whose spring has energy at the start
 };
 // The columns of probe `index`. Names of further probes have a prefix such as "probe1_".
 std::vector<FrameColumn> probe_columns(const ProbeColumns& of, std::size_t index);
@@ -51,7 +55,8 @@ class FramesCsv : public vp::FrameObserver {
 
   Columns columns_;
   ProbeColumns probes_;
-  std::vector<double> at_start_J_;  // in the wall's spring in the first frame, one a probe
+  std::vector<std::optional<double>>
+      at_start_J_;  // in the wall's spring in the first frame, one a probe
 };
 
 }  // namespace hvp::results

@@ -64,6 +64,10 @@ stability::Flags margin_flags(const std::optional<StiffnessBudget>& budget, doub
 }
 
 void StiffnessBudget::report(config::Figures& f) const {
+  f.when(probe.has_value(), [&] {
+    f.count("probe", static_cast<std::int64_t>(probe.value_or(0)),
+            "with `[probe.device]`: whose device it is, from 0");
+  });
   f.mean_time(
       "delay_us", delay_s * 1e12,
       "from the latch to the force at the motor, the mean of the frames in contact in which a "
@@ -178,6 +182,7 @@ std::string loop_text(const Outcome& o) {
   std::string text;
   const Out out = std::back_inserter(text);
   for (std::size_t i = 0; i < o.loop.size(); ++i) {
+    if (o.loop[i].empty()) continue;  // a device without mass beside others
     fmt::format_to(out, "\nLoop         {}\n",
                    o.loop.size() > 1 ? fmt::format("device {}", i) : "the device and its hand");
     device_lines(out, o.loop[i]);
@@ -192,12 +197,13 @@ std::string stiffness_text(const std::optional<StiffnessBudget>& budget) {
   const auto time = [](double seconds) {
     return readable_time(static_cast<vp::Picoseconds>(std::llround(seconds * 1e12)));
   };
-  fmt::format_to(out,
-                 "\nStiffness    a wall up to {:.4g} N/m is stable, passive up to {:.4g} N/m: the "
-                 "force is {} late, the mean\n             of {}{}\n",
-                 budget->stable_N_m, budget->passive_N_m, time(budget->delay_s),
-                 counted(budget->frames, "frame"),
-                 budget->moving ? " in contact whose force changes" : "");
+  fmt::format_to(
+      out,
+      "\nStiffness    {}a wall up to {:.4g} N/m is stable, passive up to {:.4g} N/m: the "
+      "force is {} late, the mean\n             of {}{}\n",
+      budget->probe ? fmt::format("device {}, with the least: ", *budget->probe) : "",
+      budget->stable_N_m, budget->passive_N_m, time(budget->delay_s),
+      counted(budget->frames, "frame"), budget->moving ? " in contact whose force changes" : "");
   if (budget->worst_delay_s > budget->delay_s) {
     fmt::format_to(out, "  at worst {}: {:.4g} N/m, passive {:.4g} N/m\n",
                    time(budget->worst_delay_s), budget->edge_N_m, budget->worst_passive_N_m);

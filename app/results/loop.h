@@ -41,6 +41,8 @@ struct StiffnessBudget {
   double without_delay_N_m = 0;
   std::optional<double> contact_N_m;  // of the wall, or of the body at its contact
   std::vector<Share> shares;          // largest cost first
+  // Whose device it is; absent where all have the same.
+  std::optional<std::size_t> probe;
 
   // The gain margin: how many times stiffer the contact could be before the linear loop with the
   // worst delay is unstable. Absent where nothing moved in contact or the contact's stiffness is

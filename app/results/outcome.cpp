@@ -167,10 +167,24 @@ void Outcome::report_numbers(config::Figures& f) const {
                     "([stability.md](stability.md)); null for a delay of more than 16 periods.",
                     stiffness);
   });
+  f.when(!stiffnesses.empty(), [&] {
+    f.list(
+        "stiffnesses",
+        "With `[probe.device]` only: the same of each device with mass; `stiffness` is the least "
+        "of them.",
+        stiffnesses);
+  });
   f.table_or_null("missed_contact",
                   "How deep the tip was in the body while nothing was held, where that is flagged "
                   "`contact-missed`; else null.",
                   contact.missed);
+}
+
+void Outcome::take_stiffnesses(std::vector<StiffnessBudget> budgets) {
+  const auto least = std::ranges::min_element(budgets, {}, &StiffnessBudget::edge_N_m);
+  if (least == budgets.end()) return;
+  stiffness = *least;
+  if (least->probe) stiffnesses = std::move(budgets);
 }
 
 void Outcome::report_stability(config::Figures& f) const {

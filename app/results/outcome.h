@@ -79,9 +79,11 @@ struct Outcome {
   std::optional<stability::ForceQuality> force;  // of the first probe
   std::vector<stability::ForceQuality> forces;   // one a probe, where there are several
   std::optional<Strain> strain;
-  // One for each device with mass, and the stiffness that the loop is stable with.
+  // One for each device where any has mass, empty of one without, and the stiffness that the loop
+  // is stable with: the least, where devices differ, and that of each.
   std::vector<plant::LoopQuality> loop;
   std::optional<StiffnessBudget> stiffness;
+  std::vector<StiffnessBudget> stiffnesses;
 
   stability::Flags flags;
   // Counts of the board's words and solves.
@@ -95,6 +97,8 @@ struct Outcome {
   // The first frame that output.trace_size left out of trace.json.
   std::optional<std::int64_t> trace_cut_at;
 
+  // Takes the budgets of the devices, in their order.
+  void take_stiffnesses(std::vector<StiffnessBudget> budgets);
   // True if the run meets every budget that the scenario states.
   bool held() const;
   bool partial() const { return ticks < scene.frames; }

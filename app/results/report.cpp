@@ -345,7 +345,8 @@ std::string report(const app::Scene& scene, const Outcome& o) {
   bus_lines(out, o);
   attribution_lines(out, o);
   text += stiffness_text(o.stiffness);
-  if (const auto& limits = scene.scenario().device.limits;
+  if (const auto& limits =
+          scene.scenario().device_of(o.stiffness ? o.stiffness->probe.value_or(0) : 0).limits;
       o.stiffness && limits && limits->stiffness_N_m > 0) {
     fmt::format_to(out, "  the device's maker    states up to {:g} N/m\n", limits->stiffness_N_m);
   }

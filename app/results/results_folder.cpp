@@ -178,6 +178,9 @@ std::string resolved_text(const app::Scenario& scenario, const fs::path& device)
   // The resolved text has all parameters of the model's file, and those that the user removed must
   // stay removed.
   resolved.device.model.clear();
+  for (plant::Probe& probe : resolved.probes) {
+    if (probe.device) probe.device->model.clear();
+  }
   if (!device.empty()) resolved.accelerator.device = device_name();
   for (const NamedSurface& surface : surfaces_of(resolved)) {
     if (surface.file->empty()) continue;

@@ -66,7 +66,7 @@ SceneFigures scene_figures(const app::Scene& scene) {
 
 std::vector<std::string> effects(const app::Scenario& s) {
   std::vector<std::string> names;
-  for (const config::Effect& effect : config::survey_effects(s).effects()) {
+  for (const config::Effect& effect : s.effects()) {
     if (effect.present) names.push_back(effect.path);
   }
   return names;

@@ -47,6 +47,11 @@ bool SettingsJson::begin_effect(std::string_view name, bool& present, const conf
   return true;
 }
 
+bool SettingsJson::begin_optional(std::string_view name, bool& present, config::Note note) {
+  if (present) begin_table(name, note);
+  return present;
+}
+
 bool SettingsJson::begin_list(std::string_view name, std::size_t& /*count*/, config::Note) {
   ordered_json& list = put(name) = ordered_json::array();
   stack_.push_back(&list);

@@ -25,6 +25,8 @@ class SettingsJson : public scenario::KeyVisitor {
   void end_table() override { stack_.pop_back(); }
   bool begin_effect(std::string_view name, bool& present, const config::EffectNote&) override;
   void end_effect() override { stack_.pop_back(); }
+  bool begin_optional(std::string_view name, bool& present, config::Note) override;
+  void end_optional() override { stack_.pop_back(); }
   bool begin_list(std::string_view name, std::size_t& count, config::Note) override;
   void begin_item(std::size_t index) override;
   void end_item() override { stack_.pop_back(); }

@@ -146,8 +146,13 @@ std::vector<results::ErrorBudget> error_budgets(const Budget& budget,
 }
 
 results::ProbeColumns probe_columns_of(const Scenario& s) {
-  return {s.probes, s.device.dynamics.has_value(), s.device.dynamics && s.device.motor.has_value(),
-          s.hand, s.wall};
+  results::ProbeColumns columns{{}, s.wall};
+  for (std::size_t i = 0; i < s.probes.size(); ++i) {
+    const plant::DeviceSettings& device = s.device_of(i);
+    columns.probes.push_back(
+        {s.probes[i], s.has_mass(i), s.has_mass(i) && device.motor, s.hand_of(i)});
+  }
+  return columns;
 }
 
 std::optional<vp::SoftBody> body_of(Scene& scene) {
@@ -290,7 +295,7 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   std::optional<BodyWatches> body;
   if (!s.timing_only() && scene.has_body()) body.emplace(platform, scene);
   std::optional<LoopWatch> loop;
-  if (s.device.dynamics) {
+  if (s.any_has_mass()) {
     loop.emplace(s);
     platform.add_observer(*loop);
   }
@@ -333,7 +338,7 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
       outcome.loop = loop->qualities();
       outcome.flags.merge(loop->flags());
     }
-    outcome.stiffness = loop->stiffness(known_contact_stiffness(scene));
+    outcome.take_stiffnesses(loop->stiffnesses(known_contact_stiffness(scene)));
     outcome.flags.merge(results::margin_flags(outcome.stiffness, s.budget.gain_margin));
   }
   outcome.rounding = rounding;

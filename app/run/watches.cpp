@@ -146,14 +146,16 @@ stability::Flags StrainWatch::flags() const {
 LoopWatch::LoopWatch(const Scenario& scenario)
     : scenario_(scenario), qualities_(scenario.probes.size()) {
   forces_.reserve(scenario.probes.size());
-  const auto& kinematics = scenario.device.kinematics;
-  if (kinematics) kinematics_ = plant::make_kinematics(*kinematics);
+  for (std::size_t i = 0; i < scenario.probes.size(); ++i) {
+    const auto& kinematics = scenario.device_of(i).kinematics;
+    kinematics_.push_back(kinematics ? plant::make_kinematics(*kinematics) : nullptr);
+  }
 }
 
 // A hand rests where its intended motion does; nobody's rests always. What comes after it has let
 // go is not compared with what was before.
 bool LoopWatch::rests(std::size_t probe, Picoseconds time) const {
-  const std::optional<plant::Hand>& hand = scenario_.hand;
+  const std::optional<plant::Hand> hand = scenario_.hand_of(probe);
   if (!hand) return true;
   if (hand->lets_go_s > 0 && to_seconds(time) >= hand->lets_go_s) {
     return to_seconds(time) >= hand->lets_go_s + scenario_.budget.period_s;
@@ -188,13 +190,14 @@ void LoopWatch::closed(const vp::Frame& frame, const vp::CriticalPath& path) {
   if (force_changed(frame) && frame.in_contact()) moving_.add(frame, path);
   const Picoseconds latched = frame.time + frame.latched - frame.born;
   for (std::size_t i = 0; i < frame.devices.size(); ++i) {
+    if (!scenario_.has_mass(i)) continue;
     const vp::DeviceRecord& record = frame.devices[i];
     plant::LoopSample sample{frame.number,      to_seconds(latched), {}, record.plant, record.drive,
                              record.read_wrong, rests(i, latched)};
     sample.view = {frame.touches[i].tip, -frame.touches[i].force, 0};
     if (scenario_.wall) sample.view.stored = scenario_.wall->energy(record.plant.tip.position);
     sample.unreachable =
-        kinematics_ && !kinematics_->regular_joints(record.plant.tip.position).has_value();
+        kinematics_[i] && !kinematics_[i]->regular_joints(record.plant.tip.position).has_value();
     qualities_[i].add(sample);
   }
 }
@@ -210,20 +213,35 @@ double LoopWatch::mean_delay_s() const {
   return to_seconds(delays().sum) / static_cast<double>(delays().frames);
 }
 
-std::optional<plant::LinearAxis> LoopWatch::axis_without_hand() const {
-  const std::optional<plant::Hand>& hand = scenario_.hand;
+std::optional<plant::LinearAxis> LoopWatch::axis_without_hand(std::size_t probe) const {
+  const std::optional<plant::Hand> hand = scenario_.hand_of(probe);
   const double run_s = static_cast<double>(scenario_.frames) * scenario_.budget.period_s;
   if (!hand || !(hand->lets_go_s > 0) || hand->lets_go_s >= run_s) return std::nullopt;
   Scenario alone = scenario_;
   alone.hand.reset();
+  alone.probes[probe].hand.reset();
   const Eigen::Vector3d direction = alone.wall ? alone.wall->direction() : Eigen::Vector3d::UnitZ();
-  const std::optional<plant::WallLoop> loop = wall_loop(alone, 0, direction);
+  const std::optional<plant::WallLoop> loop = wall_loop(alone, probe, 0, direction);
   if (!loop) return std::nullopt;
   return loop->device;
 }
 
-std::optional<results::StiffnessBudget> LoopWatch::stiffness(
+std::vector<results::StiffnessBudget> LoopWatch::stiffnesses(
     std::optional<double> contact_N_m) const {
+  std::vector<results::StiffnessBudget> all;
+  const bool own = scenario_.any_own_device();
+  for (std::size_t i = 0; i < scenario_.probes.size(); ++i) {
+    if (!scenario_.has_mass(i)) continue;
+    std::optional<results::StiffnessBudget> budget = stiffness(i, contact_N_m);
+    if (budget && own) budget->probe = i;
+    if (budget) all.push_back(std::move(*budget));
+    if (!own) break;
+  }
+  return all;
+}
+
+std::optional<results::StiffnessBudget> LoopWatch::stiffness(
+    std::size_t probe, std::optional<double> contact_N_m) const {
   if (delays().frames == 0) return std::nullopt;
   std::vector<results::StiffnessBudget::Share> shares;
   const auto& parts = delays().parts;
@@ -234,20 +252,21 @@ std::optional<results::StiffnessBudget> LoopWatch::stiffness(
   }
   const Eigen::Vector3d direction =
       scenario_.wall ? scenario_.wall->direction() : Eigen::Vector3d::UnitZ();
-  const std::optional<plant::WallLoop> loop = wall_loop(scenario_, mean_delay_s(), direction);
+  const std::optional<plant::WallLoop> loop =
+      wall_loop(scenario_, probe, mean_delay_s(), direction);
   if (!loop) return std::nullopt;
-  return results::stiffness_budget(*loop, scenario_.device.dynamics->damping_N_s_m,
+  return results::stiffness_budget(*loop, scenario_.device_of(probe).dynamics->damping_N_s_m,
                                    {.worst_delay_s = to_seconds(delays().worst),
                                     .frames = delays().frames,
                                     .moving = moving_.frames > 0,
                                     .contact_N_m = contact_N_m,
-                                    .let_go = axis_without_hand(),
+                                    .let_go = axis_without_hand(probe),
                                     .after_latch = std::move(shares)});
 }
 
-std::optional<plant::WallLoop> wall_loop(const Scenario& s, double delay_s,
+std::optional<plant::WallLoop> wall_loop(const Scenario& s, std::size_t probe, double delay_s,
                                          const Eigen::Vector3d& direction) {
-  const plant::Plant plant = plant::plant_of(s.device, s.hand, s.probes.front());
+  const plant::Plant plant = plant::plant_of(s.device_of(probe), s.hand_of(probe), s.probes[probe]);
   std::optional<plant::LinearAxis> axis;
   for (int i = 0; i < 3; ++i) {
     if (direction[i] == 0) continue;

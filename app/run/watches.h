@@ -127,24 +127,28 @@ class LoopWatch : public vp::FrameObserver {
 
   void closed(const vp::Frame& frame, const vp::CriticalPath& path) override;
 
-  // One a device.
+  // One a device; empty of one without mass.
   const std::vector<plant::LoopQuality>& qualities() const { return qualities_; }
   stability::Flags flags() const;
   // The time from the latch to the force at the motor, s: the mean of the frames in contact in
   // which a force changes, or of all frames where there are none. A frame in which nothing moves
   // may have nothing to solve; its short delay makes no moving loop any stiffer.
   double mean_delay_s() const;
-  // `contact_N_m` is the stiffness of the wall or of the body at its contact, where it is known.
-  std::optional<results::StiffnessBudget> stiffness(std::optional<double> contact_N_m) const;
+  // Of each device with mass, in their order: one where no probe has its own, for they are alike
+  // then. `contact_N_m` is the stiffness of the wall or of the body at its contact, where it is
+  // known. Empty where a budget is not computed.
+  std::vector<results::StiffnessBudget> stiffnesses(std::optional<double> contact_N_m) const;
 
  private:
   bool rests(std::size_t probe, Picoseconds time) const;
   bool force_changed(const vp::Frame& frame);
   // The device's axis without the hand, where that lets go during the run.
-  std::optional<plant::LinearAxis> axis_without_hand() const;
+  std::optional<plant::LinearAxis> axis_without_hand(std::size_t probe) const;
+  std::optional<results::StiffnessBudget> stiffness(std::size_t probe,
+                                                    std::optional<double> contact_N_m) const;
 
   const Scenario& scenario_;
-  std::unique_ptr<plant::Kinematics> kinematics_;  // null without [device.kinematics]
+  std::vector<std::unique_ptr<plant::Kinematics>> kinematics_;  // null without any
   std::vector<plant::LoopQuality> qualities_;
   struct Delays {
     std::int64_t frames = 0;
@@ -164,7 +168,7 @@ class LoopWatch : public vp::FrameObserver {
 // The loop of a probe's device and a wall with the scenario's damping, along `direction` (of any
 // length but zero), for the computation of exact eigenvalues. Absent where `direction` is no axis
 // of the device and its masses differ: its axes are then coupled.
-std::optional<plant::WallLoop> wall_loop(const Scenario& scenario, double delay_s,
-                                         const Eigen::Vector3d& direction);
+std::optional<plant::WallLoop> wall_loop(const Scenario& scenario, std::size_t probe,
+                                         double delay_s, const Eigen::Vector3d& direction);
 
 }  // namespace hvp::app

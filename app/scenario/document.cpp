@@ -170,14 +170,34 @@ Node Document::stack_named(const Named& named, const Chain& above) {
   return stack(text, file, above, true);
 }
 
+namespace {
+
+// Goes from `root` along a key as far as there are nodes. Returns the last one, and whether that is
+// the key's own.
+template <class Tree>
+std::pair<Tree*, bool> along(Tree& root, std::string_view key) {
+  Tree* place = &root;
+  for (const KeyStep& step : split_key(key)) {
+    Tree* next = place->is_table() ? place->find(step.name) : nullptr;
+    if (next == nullptr) return {place, false};
+    place = next;
+    for (const std::size_t index : step.indices) {
+      if (!place->is_array() || index >= place->members.size()) return {place, false};
+      place = &place->members[index];
+    }
+  }
+  return {place, true};
+}
+
+}  // namespace
+
 void Document::put_text_under(std::string_view table, std::string_view text,
                               const std::filesystem::path& file_name) {
   Node lower = parse_file(text, file_name, false);
   set_file(lower, static_cast<int>(files_.size()));
-  Node wrapped;
-  wrapped.add(table, std::move(lower));
-  lay_over(std::move(root_), wrapped);
-  root_ = std::move(wrapped);
+  Node& upper = *along(root_, table).first;
+  lay_over(std::move(upper), lower);
+  upper = std::move(lower);
   files_.push_back(file_name);
 }
 
@@ -230,20 +250,13 @@ std::string Document::locate(const Origin& origin, std::string_view key) const {
   return override_prefix(source.text) + (source.key == key ? "" : shown);
 }
 
-// Returns the node of a key, or of the nearest table around it.
-const Node& Document::at(std::string_view key) const {
-  const Node* place = &root_;
-  for (const KeyStep& step : split_key(key)) {
-    const Node* next = place->is_table() ? place->find(step.name) : nullptr;
-    if (next == nullptr) break;
-    place = next;
-    for (const std::size_t index : step.indices) {
-      if (!place->is_array() || index >= place->members.size()) break;
-      place = &place->members[index];
-    }
-  }
-  return *place;
+const Node* Document::find(std::string_view key) const {
+  const auto found = along(root_, key);
+  return found.second ? found.first : nullptr;
 }
+
+// Returns the node of a key, or of the nearest table around it.
+const Node& Document::at(std::string_view key) const { return *along(root_, key).first; }
 
 std::string Document::locate(std::string_view key) const {
   if (key.empty()) return files_.empty() ? "" : name_of(files_[scenario_]) + ": ";

@@ -52,13 +52,15 @@ class Document {
   // Makes a document of overrides alone, for a command without a scenario. Its errors name no file.
   static Document of_overrides(const std::vector<std::string>& overrides);
 
-  // Lays the document's top-level table `table` over the same table of another text or file, as
-  // over a base. Throws SourceError as load() does.
+  // Lays the document's table `table`, which is there ("device", "probe[1].device"), over the same
+  // table of another text or file, as over a base. Throws SourceError as load() does.
   void put_text_under(std::string_view table, std::string_view text,
                       const std::filesystem::path& file_name);
   void put_file_under(std::string_view table, const std::filesystem::path& file);
 
   const Node& root() const { return root_; }
+  // The node of a key, or null.
+  const Node* find(std::string_view key) const;
 
   // Converts a path that stands at `key`, and is relative to the folder of the file with that key,
   // into one relative to the program's working folder. A path of an override is relative to the

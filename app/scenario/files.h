@@ -28,6 +28,11 @@ class FileVisitor : public config::QuietVisitor {
   void end_table() override { path_.pop_back(); }
   bool begin_effect(std::string_view name, bool& present, const config::EffectNote&) override;
   void end_effect() override { path_.pop_back(); }
+  bool begin_optional(std::string_view name, bool& present, config::Note) override {
+    if (present) enter(name);
+    return present;
+  }
+  void end_optional() override { path_.pop_back(); }
   bool begin_list(std::string_view name, std::size_t&, config::Note) override;
   void begin_item(std::size_t index) override;
   void end_item() override { path_.pop_back(); }

@@ -46,6 +46,13 @@ bool Describer::begin_effect(std::string_view name, bool& /*present*/,
   return true;
 }
 
+// Its keys stand under the table whose place it takes.
+bool Describer::begin_optional(std::string_view name, bool& /*present*/, Note note) {
+  open(OutlineTable::Kind::optional, name, note);
+  stack_.pop_back();
+  return false;
+}
+
 bool Describer::begin_list(std::string_view name, std::size_t& /*count*/, Note note) {
   open(OutlineTable::Kind::list, name, note);
   return false;

@@ -21,7 +21,7 @@ struct OutlineRow {
 };
 
 struct OutlineTable {
-  enum class Kind { table, effect, list };
+  enum class Kind { table, effect, list, optional };
   std::string path;  // "host.jitter"; empty for the root
   Kind kind = Kind::table;
   std::size_t parent = 0;  // the index of the table around it; the root's own for the root
@@ -51,6 +51,7 @@ class Describer : public KeyVisitor {
   void end_table() override { stack_.pop_back(); }
   bool begin_effect(std::string_view name, bool& present, const config::EffectNote& note) override;
   void end_effect() override { stack_.pop_back(); }
+  bool begin_optional(std::string_view name, bool& present, config::Note note) override;
   bool begin_list(std::string_view name, std::size_t& count, config::Note note) override;
   void begin_item(std::size_t /*index*/) override {}
   void end_item() override {}

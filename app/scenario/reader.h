@@ -45,6 +45,10 @@ class Reader : public config::Visitor {
   void end_table() override { leave(); }
   bool begin_effect(std::string_view name, bool& present, const config::EffectNote& note) override;
   void end_effect() override { leave(); }
+  bool begin_optional(std::string_view name, bool& present, config::Note note) override {
+    return begin_effect(name, present, {.help = note.help});
+  }
+  void end_optional() override { leave(); }
   bool is_list(std::string_view name, std::size_t count) override;
   bool begin_list(std::string_view name, std::size_t& count, config::Note note) override;
   void begin_item(std::size_t index) override;

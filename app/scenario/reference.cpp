@@ -86,6 +86,8 @@ std::string sentence(const OutlineTable& table) {
     text = "**Effect**: simulated only where the scenario has this table. ";
   } else if (table.kind == OutlineTable::Kind::list) {
     text = "**List**: one table an item. ";
+  } else if (table.kind == OutlineTable::Kind::optional) {
+    text = "**Optional**: absent where the scenario does not have this table. ";
   }
   if (table.required) text += "Required. ";
   text += only_with(table.conditions);

@@ -57,6 +57,11 @@ bool Writer::begin_effect(std::string_view name, bool& present, const config::Ef
   return present;
 }
 
+bool Writer::begin_optional(std::string_view name, bool& present, Note note) {
+  if (present) begin_table(name, note);
+  return present;
+}
+
 void Writer::end_effect() { stack_.pop_back(); }
 
 bool Writer::begin_list(std::string_view name, std::size_t& count, Note) {

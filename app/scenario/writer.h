@@ -24,6 +24,8 @@ class Writer : public KeyVisitor {
   void end_table() override;
   bool begin_effect(std::string_view name, bool& present, const config::EffectNote&) override;
   void end_effect() override;
+  bool begin_optional(std::string_view name, bool& present, config::Note note) override;
+  void end_optional() override { end_table(); }
   bool begin_list(std::string_view name, std::size_t& count, config::Note) override;
   void begin_item(std::size_t index) override;
   void end_item() override;

@@ -174,12 +174,14 @@ void Scenario::declare(config::Visitor& v) {
                config::need_timed_host(), config::need_numbers()}});
   });
   v.table("device", device, {"the haptic device"});
+  // A probe's own device with mass gives a shared hand something to hold.
+  std::vector<config::Need> mass = {
+      {"device.dynamics", {config::kPresent}, "a hand moves a device that has mass"}};
+  if (any_has_mass()) mass.clear();
   v.effect("hand", hand,
            {"who holds the device: a spring and a damper between the intended motion, [probe], and "
             "the device, with or without a mass of its own",
-            "no module: part of the device's motion",
-            {config::Need{
-                "device.dynamics", {config::kPresent}, "a hand moves a device that has mass"}}});
+            "no module: part of the device's motion", mass});
   v.one_or_more("probe", probes, {"the probe's prescribed motion; [[probe]] for each of several"});
   v.when(body, [&] {
     v.effect("reference", reference,

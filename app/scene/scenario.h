@@ -7,6 +7,7 @@
 
 #include "models/collision/contact.h"
 #include "models/config/declaration.h"
+#include "models/config/effects.h"
 #include "models/config/input_error.h"
 #include "models/fem/body.h"
 #include "models/fem/contact.h"
@@ -119,6 +120,16 @@ struct Scenario : vp::SystemSettings {
   void declare(config::Visitor& v);
   // The most probes; each has a device and a user. The DAQ board's registers have room for sixteen.
   static constexpr std::size_t kMostProbes = 8;
+  // The key of a probe's table: "probe", or "probe[1]" where there are several.
+  std::string probe_key(std::size_t probe) const {
+    return probes.size() > 1 ? "probe[" + std::to_string(probe) + "]" : "probe";
+  }
+  // The key of the table that describes a probe's device: "device", or "probe[1].device".
+  std::string device_key(std::size_t probe) const {
+    return probes.at(probe).device ? probe_key(probe) + ".device" : "device";
+  }
+  // All effects, absent ones included, those of probes' own devices last.
+  std::vector<config::Effect> effects() const;
   // True if [reference] is of another material law than the body: it judges the model then.
   bool judged_by_another_model() const {
     if (!reference || !reference->model) return false;

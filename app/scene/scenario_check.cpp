@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include "app/scene/scenario.h"
 #include "models/config/effects.h"
@@ -197,6 +198,17 @@ void require_countable(const Scenario& s) {
 
 }  // namespace
 
+std::vector<config::Effect> Scenario::effects() const {
+  std::vector<config::Effect> all = config::survey_effects(*this).effects();
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    for (config::Effect& effect : probes[i].effects()) {
+      effect.path = probe_key(i) + "." + effect.path;
+      all.push_back(std::move(effect));
+    }
+  }
+  return all;
+}
+
 void Scenario::check() const {
   if (budget.states_errors() && !reference) {
     throw InputError(
@@ -211,12 +223,15 @@ void Scenario::check() const {
   }
   for (std::size_t i = 0; i < probes.size(); ++i) {
     try {
-      plant::require_reachable(device, probes[i]);
-      plant::make_device(device, hand, probes[i]);
+      if (probes[i].hand && !has_mass(i)) {
+        throw InputError("hand", "a hand moves a device that has mass: expected [" + device_key(i) +
+                                     ".dynamics] too");
+      }
+      plant::require_reachable(device_of(i), probes[i]);
+      plant::make_device(device_of(i), hand_of(i), probes[i]);
     } catch (const InputError& e) {
-      if (e.key().starts_with("device.")) throw;
-      const std::string item = probes.size() > 1 ? "[" + std::to_string(i) + "]" : "";
-      throw InputError("probe" + item + "." + e.key(), e.what());
+      if (e.key().starts_with("device.") && !probes[i].device) throw;
+      throw InputError(probe_key(i) + "." + e.key(), e.what());
     }
   }
   if (wall) return;

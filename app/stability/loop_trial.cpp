@@ -109,7 +109,7 @@ class TrialWatch : public vp::FrameObserver {
 };
 
 double still(const Scenario& s) {
-  const std::optional<plant::Encoder>& encoder = s.device.encoder;
+  const std::optional<plant::Encoder>& encoder = s.device_of(0).encoder;
   if (!encoder) return kRegister;
   const double step = encoder->at == plant::Encoder::At::tip ? encoder->resolution : 0;
   return std::max(kRegister, kCounts * step);
@@ -121,10 +121,10 @@ constexpr double kSwings = 4 * 8;
 constexpr double kMostFrames = 400'000;
 
 double frames_for(const Scenario& s, double stiffness, const TrialSettings& settings) {
-  const plant::Plant plant = plant::plant_of(s.device, s.hand, s.probes.front());
+  const plant::Plant plant = plant::plant_of(s.device_of(0), s.hand_of(0), s.probes.front());
   double mass = 0;
   for (int i = 0; i < 3; ++i) mass = std::max(mass, plant.axis(i).mass);
-  if (s.hand) mass += s.hand->mass_kg;
+  if (plant.hand) mass += plant.hand->mass_kg;
   const double swing_s = 2 * std::numbers::pi * std::sqrt(mass / stiffness);
   return std::max<double>(settings.frames, kSwings * swing_s / s.budget.period_s);
 }
@@ -138,11 +138,11 @@ Trial run_trial(const Scene& scene, double stiffness, const TrialSettings& setti
   p.frames = 4 * std::max(1, static_cast<int>(frames) / 4);
   const double depth = settings.push_N / stiffness;
   const Eigen::Vector3d n = wall.direction();
-  plant::Trajectory rest = p.probes.front();
+  plant::Probe rest = p.probes.front();
   rest.start += (wall.depth(rest.start) - depth) * n;
   rest.motion = {{.phase = plant::Stroke::hold, .to = rest.start, .duration = 1}};
   p.probes = {rest};
-  plant::Plant plant = plant::plant_of(p.device, p.hand, rest);
+  plant::Plant plant = plant::plant_of(p.device_of(0), p.hand_of(0), rest);
   plant.displaced = -kDisplaced * depth * n;
   plant.push = -settings.push_N * n;
   if (plant.gravity) plant.push -= plant.weight();

@@ -20,9 +20,9 @@ constexpr double kLastDamping = 0.97;  // of the one at which no stiffness is st
 constexpr double kStiffest = 1000;     // times the scenario's own body
 
 void require_loop(const Scenario& s) {
-  if (!s.device.dynamics) {
-    throw InputError("device.dynamics",
-                     "a device without mass has no stability: expected [device.dynamics]");
+  if (!s.has_mass(0)) {
+    const std::string key = s.device_key(0) + ".dynamics";
+    throw InputError(key, "a device without mass has no stability: expected [" + key + "]");
   }
 }
 
@@ -51,13 +51,14 @@ class Search {
     // A first run gives the delay with which the eigenvalues predict the result.
     stable(s.wall ? kFirst : own_N_m_);
     const std::optional<plant::WallLoop> loop = wall_loop(
-        s, delay_s_, s.wall ? s.wall->direction() : Eigen::Vector3d(Eigen::Vector3d::UnitZ()));
+        s, 0, delay_s_, s.wall ? s.wall->direction() : Eigen::Vector3d(Eigen::Vector3d::UnitZ()));
     if (loop && delay_s_ <= StabilityFigures::kMostPeriods * loop->period_s) {
       figures.linear_computed = true;
       figures.stiffness_linear = plant::largest_stable_stiffness(*loop);
     }
     if (loop) {
-      figures.stiffness_passive = plant::passive_stiffness(*loop, s.device.dynamics->damping_N_s_m);
+      figures.stiffness_passive =
+          plant::passive_stiffness(*loop, s.device_of(0).dynamics->damping_N_s_m);
     }
     bracket(figures.stiffness_linear > 0 ? figures.stiffness_linear : kFirst);
     // The tolerance is larger for a body: a run takes a hundred times as long and has a delay of
@@ -70,9 +71,9 @@ class Search {
     figures.stiffness_max = below_;
     figures.left_m = left_m_;
     figures.unstable_from = unstable_from_;
-    const auto& encoder = s.device.encoder;
-    if (encoder && encoder->at == plant::Encoder::At::tip && s.device.friction) {
-      figures.encoder_bound = 2 * s.device.friction->force_N / encoder->resolution;
+    const auto& encoder = s.device_of(0).encoder;
+    if (encoder && encoder->at == plant::Encoder::At::tip && s.device_of(0).friction) {
+      figures.encoder_bound = 2 * s.device_of(0).friction->force_N / encoder->resolution;
     }
     if (!s.wall) {
       figures.young_modulus_Pa = s.object.material.young_modulus_pa * below_ / own_N_m_;
@@ -157,7 +158,7 @@ std::vector<StabilityFigures> stability_map(const Scene& scene, const SearchSett
   map.push_back(undamped);
   // Finds the limit of the linear loop by doubling and bisection.
   const auto linear = [&](double damping) {
-    const auto loop = wall_loop(damped(scene, damping).scenario(), undamped.delay_s,
+    const auto loop = wall_loop(damped(scene, damping).scenario(), 0, undamped.delay_s,
                                 scene.scenario().wall->direction());
     return loop ? plant::largest_stable_stiffness(*loop) : 0;
   };
@@ -171,7 +172,7 @@ std::vector<StabilityFigures> stability_map(const Scene& scene, const SearchSett
   }
   // The bound of passivity ends where the wall is damped as much as the device. At that end the
   // remaining stiffness is too small for a trial.
-  std::vector<double> dampings = {scene.scenario().device.dynamics->damping_N_s_m};
+  std::vector<double> dampings = {scene.scenario().device_of(0).dynamics->damping_N_s_m};
   for (int i = 1; i < count; ++i) dampings.push_back(kLastDamping * some * i / (count - 1));
   std::ranges::sort(dampings);
   for (const double damping : dampings) {

@@ -243,6 +243,20 @@ class Visitor {
     table(name, parts.front(), note);
   }
 
+  // Declares a table that may be left out and is then absent: something else takes its place, and
+  // it is no effect. `name = true` of --set makes one with its defaults.
+  template <class Part>
+  void optional_table(std::string_view name, std::optional<Part>& part, Note note) {
+    bool present = part.has_value();
+    const bool enter = begin_optional(name, present, note);
+    if (describes_only()) return;
+    if (!present) part.reset();
+    if (!enter) return;
+    if (!part) part.emplace();
+    declare_and_check(*part);
+    end_optional();
+  }
+
   // Declares an effect: it is present if and only if the scenario has its table.
   template <class Part>
   void effect(std::string_view name, std::optional<Part>& part, const EffectNote& note) {
@@ -298,6 +312,10 @@ class Visitor {
   // Returns true where the visit is to enter the part. A reader sets `present`.
   virtual bool begin_effect(std::string_view name, bool& present, const EffectNote&) = 0;
   virtual void end_effect() = 0;
+  // Likewise. A visitor that needs the declaration only sees that there is such a table, whose keys
+  // are those of another one.
+  virtual bool begin_optional(std::string_view /*name*/, bool& /*present*/, Note) { return false; }
+  virtual void end_optional() {}
   // Says that the list that has just ended is an effect.
   virtual void list_is_effect(std::string_view /*name*/, bool /*present*/, const EffectNote&) {}
   // True where a part of one_or_more() is an array of tables.

@@ -26,11 +26,19 @@ void DeviceLimits::declare(config::Visitor& v) {
 }
 
 void DeviceSettings::declare(config::Visitor& v) {
+  declare_model(v);
+  v.table("daq", daq, {"the data acquisition board"});
+  declare_parts(v);
+}
+
+void DeviceSettings::declare_model(config::Visitor& v) {
   v.text("model", model,
          {"a ready device: a name of haptic-devices/, or a file that ends in .toml with keys of "
           "this table. What the scenario states itself counts more",
           "none: an ideal device that its user moves whatever the force"});
-  v.table("daq", daq, {"the data acquisition board"});
+}
+
+void DeviceSettings::declare_parts(config::Visitor& v) {
   v.effect(
       "encoder", encoder,
       {"the position is read in steps", "no cost: the position is rounded where it is latched"});
@@ -75,6 +83,44 @@ void DeviceSettings::check() const {
                      "\"joints\" needs a device that has some: expected "
                      "[device.kinematics] too, or \"tip\"");
   }
+}
+
+void OwnDevice::declare(config::Visitor& v) {
+  declare_model(v);
+  declare_parts(v);
+}
+
+namespace {
+
+// A probe's own tables by themselves: what an effect of its device needs is looked for here.
+struct OwnTables {
+  OwnDevice device;
+
+  void declare(config::Visitor& v) { v.table("device", device, {"the probe's own device"}); }
+};
+
+}  // namespace
+
+void Probe::declare(config::Visitor& v) {
+  Trajectory::declare(v);
+  v.optional_table("device", device,
+                   {"the probe's own device, in place of [device] as a whole and with its keys but "
+                    "`daq`, since the board is one; without this table the probe has [device]"});
+  v.optional_table("hand", hand,
+                   {"who holds the probe's device, in place of [hand] as a whole and with its "
+                    "keys; without this table [hand] does, where the device has mass"});
+}
+
+void Probe::check() const {
+  Trajectory::check();
+  if (device) config::survey_effects(OwnTables{*device}).require_needs();
+}
+
+std::vector<config::Effect> Probe::effects() const {
+  std::vector<config::Effect> own;
+  if (device) own = config::survey_effects(OwnTables{*device}).effects();
+  if (hand) own.push_back({"hand", true, "who holds the device", {}, {}});
+  return own;
 }
 
 Plant plant_of(const DeviceSettings& settings, const std::optional<Hand>& hand,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "models/config/declaration.h"
+#include "models/config/effects.h"
 #include "models/plant/daq.h"
 #include "models/plant/device.h"
 #include "models/plant/encoder.h"
@@ -44,6 +45,34 @@ struct DeviceSettings {
   void declare(config::Visitor& v);
   // Throws InputError: encoders at the joints of a device without kinematics.
   void check() const;
+
+ protected:
+  void declare_model(config::Visitor& v);
+  void declare_parts(config::Visitor& v);  // all but the board
+};
+
+// A probe's own device, in place of [device] as a whole. The board is the scenario's, and `daq` is
+// not used.
+struct OwnDevice : DeviceSettings {
+  void declare(config::Visitor& v);
+};
+
+// The scenario's table [probe]: a motion and, where they are not the scenario's shared ones, the
+// device and the hand that have it.
+struct Probe : Trajectory {
+  std::optional<OwnDevice> device;
+  std::optional<Hand> hand;
+
+  Probe() = default;
+  Probe(const Trajectory& trajectory) : Trajectory(trajectory) {}
+
+  void declare(config::Visitor& v);
+  // Throws InputError as Trajectory::check() does, and where an effect of its own device lacks what
+  // it needs.
+  void check() const;
+  // The effects of its own tables, present and absent, with paths from [probe] on; empty where it
+  // has none.
+  std::vector<config::Effect> effects() const;
 };
 
 // The device of these settings, gripped by `hand` where there is one, whose intended motion is

@@ -44,6 +44,7 @@ class LoopEnergy {
   // Adds a frame; frames come in their order. `plant` is the device's state at the frame's latch.
   void add(const HostView& view, const PlantState& plant);
 
+  bool empty() const { return !any_; }  // no frame was added
   double body() const { return body_; }
   double encoder() const { return true_ - body_; }
   double latency() const { return last_.works.of_host - true_; }
@@ -95,6 +96,7 @@ class LoopQuality {
   // Adds a frame; frames come in their order.
   void add(const LoopSample& sample);
 
+  bool empty() const { return energy_.empty(); }
   const LoopEnergy& energy() const { return energy_; }
   const RestWatch& rest() const { return rest_; }
   std::int64_t saturated_frames() const { return saturated_; }

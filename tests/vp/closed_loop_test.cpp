@@ -127,6 +127,20 @@ TEST(ClosedLoop, TwoProbesAreIndependentAndMirrorImages) {
   EXPECT_GT(largest, 0.5);
 }
 
+// Currents of the devices with an ADC alone are read.
+TEST(ClosedLoop, OnlyADeviceWithAConverterHasWordsOfCurrents) {
+  PlatformSettings s = wall_settings(300);
+  s.fidelity.bus = Timing::loosely_timed;
+  s.frames = 1;
+  s.probes.assign(3, resting({0, 0, 1e-3}));
+  s.probes[1].device.emplace();
+  s.probes[1].device->motor = plant::Motor{};
+  s.probes[1].device->amplifier = plant::Amplifier{};
+  s.probes[1].device->adc = plant::Adc{};
+  const link::Pci& pci = s.bus.pci;
+  EXPECT_EQ(run(s)[0].latency(), pci.write_ps(4) + pci.read_ps(3 * 12 + 12) + pci.write_ps(3 * 12));
+}
+
 // A block of positions for each probe, and currents behind them: the bus takes longer.
 struct Words {
   std::size_t probes;

@@ -29,7 +29,8 @@ plant::Trajectory steady() {
 struct Bench {
   explicit Bench(Stimulus::Script script, std::optional<plant::Encoder> steps = std::nullopt,
                  Picoseconds delay = 0)
-      : daq("daq", with(std::move(steps)), {&path}, session, ledger, delay),
+      : settings(with(std::move(steps))),
+        daq("daq", settings.daq, {&settings}, {&path}, session, ledger, delay),
         master("master", std::move(script)) {
     master.to_target.bind(daq.from_bus);
   }
@@ -38,6 +39,7 @@ struct Bench {
     settings.encoder = std::move(steps);
     return settings;
   }
+  plant::DeviceSettings settings;
   plant::PrescribedPath path{steady()};
   Session session{5 * kUs};
   Ledger ledger;

@@ -117,8 +117,8 @@ class DeviceAssembly {
   DeviceAssembly(const PlatformSettings& settings, const Session& session, Ledger& ledger)
       : own_(make_devices(settings)),
         devices_(settings.haptic_devices.empty() ? pointers(own_) : settings.haptic_devices),
-        daq_("daq", settings.device, devices_, session, ledger,
-             settings.host.delay ? to_picoseconds(settings.host.delay->time_s) : 0) {}
+        daq_("daq", settings.device.daq, settings.devices_of(devices_.size()), devices_, session,
+             ledger, settings.host.delay ? to_picoseconds(settings.host.delay->time_s) : 0) {}
 
   void connect(BusAssembly& buses) { buses.pci().attach(daq_.from_bus, kDaqBase, DaqBoard::kSize); }
   plant::Device& device(std::size_t probe) { return *devices_[probe]; }
@@ -129,8 +129,9 @@ class DeviceAssembly {
   static Owned make_devices(const PlatformSettings& settings) {
     Owned own;
     if (!settings.haptic_devices.empty()) return own;
-    for (const plant::Trajectory& probe : settings.probes) {
-      own.push_back(plant::make_device(settings.device, settings.hand, probe));
+    for (std::size_t i = 0; i < settings.probes.size(); ++i) {
+      own.push_back(
+          plant::make_device(settings.device_of(i), settings.hand_of(i), settings.probes[i]));
     }
     return own;
   }

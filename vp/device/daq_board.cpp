@@ -7,25 +7,37 @@
 
 namespace hvp::vp {
 
-DaqBoard::DaqBoard(const sc_core::sc_module_name& name, const plant::DeviceSettings& settings,
-                   std::vector<plant::Device*> devices, const Session& session, Ledger& ledger,
-                   Picoseconds delay)
+DaqBoard::Channel::Channel(const plant::DeviceSettings& settings, plant::Device& behind)
+    : encoder(settings.encoder),
+      limits(settings.limits),
+      adc(settings.adc),
+      kinematics(settings.kinematics ? plant::make_kinematics(*settings.kinematics) : nullptr),
+      stage(settings.dac, settings.amplifier, settings.motor, kinematics.get()),
+      device(&behind) {}
+
+std::size_t DaqBoard::read_bytes(const std::vector<const plant::DeviceSettings*>& devices) {
+  std::size_t bytes = 0;
+  for (const plant::DeviceSettings* device : devices) bytes += device->adc ? 24 : 12;
+  return bytes;
+}
+
+DaqBoard::DaqBoard(const sc_core::sc_module_name& name, const plant::Daq& board,
+                   const std::vector<const plant::DeviceSettings*>& settings,
+                   const std::vector<plant::Device*>& devices, const Session& session,
+                   Ledger& ledger, Picoseconds delay)
     : sc_module(name),
       from_bus("from_bus"),
-      encoder_(settings.encoder),
-      limits_(settings.limits),
-      adc_(settings.adc),
-      kinematics_(settings.kinematics ? plant::make_kinematics(*settings.kinematics) : nullptr),
-      stage_(settings.dac, settings.amplifier, settings.motor, kinematics_.get()),
-      devices_(std::move(devices)),
       session_(session),
       ledger_(ledger),
-      sampling_(to_picoseconds(settings.daq.sampling_delay)),
-      output_(to_picoseconds(settings.daq.output_delay)),
+      sampling_(to_picoseconds(board.sampling_delay)),
+      output_(to_picoseconds(board.output_delay)),
       delay_(delay),
-      latched_(read_bytes(settings, devices_.size()) / 4),
-      tips_(devices_.size(), Eigen::Vector3d::Zero()),
-      moving_(std::ranges::any_of(devices_, [](const auto* d) { return d->has_mass(); })) {
+      latched_(read_bytes(settings) / 4),
+      moving_(std::ranges::any_of(devices, [](const auto* d) { return d->has_mass(); })) {
+  channels_.reserve(devices.size());
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    channels_.emplace_back(*settings.at(i), *devices[i]);
+  }
   from_bus.register_b_transport(this, &DaqBoard::b_transport);
 }
 
@@ -40,7 +52,7 @@ void DaqBoard::b_transport(tlm::tlm_generic_payload& transaction, sc_core::sc_ti
     latch(tag);
   } else if (transaction.is_read() && address == kPosition && bytes == 4 * latched_.size()) {
     std::memcpy(transaction.get_data_ptr(), latched_.data(), bytes);
-  } else if (transaction.is_write() && address == kForce && bytes == 12 * devices_.size()) {
+  } else if (transaction.is_write() && address == kForce && bytes == 12 * channels_.size()) {
     put_out(transaction.get_data_ptr(), tag);
   } else {
     transaction.set_response_status(tlm::TLM_ADDRESS_ERROR_RESPONSE);
@@ -51,23 +63,22 @@ void DaqBoard::latch(Tag& tag) {
   const Picoseconds start = now_ps();
   DeviceRecord* record = records(tag);
   if (tag.frame >= 0) ledger_.frame(tag.frame).latched = start;
-  for (std::size_t d = 0; d < devices_.size(); ++d) {
-    tips_[d] = devices_[d]->at(start - session_.begin).position;
-    plant::Encoder::Reading reading{tips_[d], false};
-    if (encoder_) reading = encoder_->read(tips_[d], kinematics_.get());
+  std::size_t currents = 3 * channels_.size();  // the next word of a current
+  for (std::size_t d = 0; d < channels_.size(); ++d) {
+    Channel& channel = channels_[d];
+    channel.tip = channel.device->at(start - session_.begin).position;
+    plant::Encoder::Reading reading = channel.read();
     for (std::size_t i = 0; i < 3; ++i) {
       const plant::Counts counts =
           plant::kPosition.to_counts(reading.position[static_cast<Eigen::Index>(i)]);
       latched_[3 * d + i] = counts.value;
       reading.wrong = reading.wrong || counts.saturated;
     }
-    if (record == nullptr && !adc_) continue;
-    const plant::PlantState plant = devices_[d]->plant();
-    const Eigen::Vector3d current =
-        adc_ ? read_currents(plant) : Eigen::Vector3d(Eigen::Vector3d::Zero());
-    for (std::size_t i = 0; adc_ && i < 3; ++i) {
-      latched_[3 * (devices_.size() + d) + i] =
-          plant::kCurrent.to_counts(current[static_cast<Eigen::Index>(i)]).value;
+    if (record == nullptr && !channel.adc) continue;
+    const plant::PlantState plant = channel.device->plant();
+    const Eigen::Vector3d current = channel.read_currents(plant);
+    for (int i = 0; channel.adc && i < 3; ++i) {
+      latched_[currents++] = plant::kCurrent.to_counts(current[i]).value;
     }
     if (record == nullptr) continue;
     record[d].plant = plant;
@@ -81,30 +92,37 @@ void DaqBoard::latch(Tag& tag) {
 DeviceRecord* DaqBoard::records(const Tag& tag) {
   if (!moving_ || tag.frame < 0) return nullptr;
   std::vector<DeviceRecord>& records = ledger_.frame(tag.frame).devices;
-  records.resize(devices_.size());
+  records.resize(channels_.size());
   return records.data();
 }
 
-Eigen::Vector3d DaqBoard::read_currents(const plant::PlantState& plant) const {
-  return stage_.currents(plant.motor_force, plant.tip.position).unaryExpr([this](double current) {
-    return adc_->read(current);
+plant::Encoder::Reading DaqBoard::Channel::read() const {
+  if (!encoder) return {tip, false};
+  return encoder->read(tip, kinematics.get());
+}
+
+// Zero without an ADC.
+Eigen::Vector3d DaqBoard::Channel::read_currents(const plant::PlantState& plant) const {
+  if (!adc) return Eigen::Vector3d::Zero();
+  return stage.currents(plant.motor_force, plant.tip.position).unaryExpr([this](double current) {
+    return adc->read(current);
   });
 }
 
-plant::Drive DaqBoard::driven(const Eigen::Vector3d& force, const Eigen::Vector3d& tip) const {
-  plant::Drive drive = stage_.drive(force, tip);
-  if (!limits_) return drive;
-  const double limit = limits_->force_N;
+plant::Drive DaqBoard::Channel::driven(const Eigen::Vector3d& force) const {
+  plant::Drive drive = stage.drive(force, tip);
+  if (!limits) return drive;
+  const double limit = limits->force_N;
   const double asked = force.norm();
   const bool clamped = asked > limit;
-  if (clamped) drive = stage_.drive(force * (limit / asked), tip);
+  if (clamped) drive = stage.drive(force * (limit / asked), tip);
   // A converter that rounds to its nearest step may round beyond the limit: the largest part of the
   // force that it does not.
   constexpr double kRounding = 1e-9;
   constexpr int kShares = 64;
   for (int part = kShares - 1; part >= 0 && drive.force.norm() > (1 + kRounding) * limit; --part) {
     const double share = static_cast<double>(part) / kShares;
-    drive = stage_.drive(force * (share * std::min(1.0, limit / asked)), tip);
+    drive = stage.drive(force * (share * std::min(1.0, limit / asked)), tip);
   }
   drive.current_saturated = drive.current_saturated || clamped;
   return drive;
@@ -116,15 +134,15 @@ void DaqBoard::put_out(const unsigned char* words, const Tag& tag) {
   const Picoseconds settled = start + output_;
   const Picoseconds there = settled + delay_;
   DeviceRecord* record = records(tag);
-  for (std::size_t d = 0; d < devices_.size(); ++d) {
+  for (std::size_t d = 0; d < channels_.size(); ++d) {
     std::array<std::int32_t, 3> counts{};
     std::memcpy(counts.data(), words, sizeof(counts));
     words += sizeof(counts);
     const Eigen::Vector3d force(plant::kForce.to_value(counts[0]),
                                 plant::kForce.to_value(counts[1]),
                                 plant::kForce.to_value(counts[2]));
-    const plant::Drive drive = driven(force, tips_[d]);
-    devices_[d]->drive(there - session_.begin, drive.force, force);
+    const plant::Drive drive = channels_[d].driven(force);
+    channels_[d].device->drive(there - session_.begin, drive.force, force);
     if (record != nullptr) record[d].drive = drive;
   }
   Tag output = tag;

@@ -700,6 +700,25 @@ const std::map<std::string, std::vector<Claim>>& claims() {
            const double two = r.summary("pinch.toml").at("deadline").at("worst_us");
            EXPECT_NEAR(two - one, 7, 0.5);
          }}}},
+      {"pinch-two-devices.toml",
+       {{"0.46 N on it, 1.14 N on the other",
+         [](Runs& r) {
+           const json& forces = r.summary("pinch-two-devices.toml").at("forces");
+           EXPECT_NEAR(forces.at(0).at("largest").at("N"), 0.46, 0.005);
+           EXPECT_NEAR(forces.at(1).at("largest").at("N"), 1.14, 0.005);
+         }},
+        {"the right one is the first to be unstable",
+         [](Runs& r) {
+           EXPECT_EQ(r.summary("pinch-two-devices.toml").at("stiffness").at("probe"), 1);
+         }},
+        {"flagged force-ringing and limit-cycle; pinch.toml has no flag",
+         [](Runs& r) {
+           const auto flags = [&](const char* name) {
+             return r.summary(name).at("stability").at("flags");
+           };
+           EXPECT_EQ(flags("pinch-two-devices.toml"), json({"force-ringing", "limit-cycle"}));
+           EXPECT_TRUE(flags("pinch.toml").empty());
+         }}}},
       {"engine-waveform.toml", {}},
   };
   return all;
