@@ -16,8 +16,12 @@ namespace {
 bool untimed(const PlatformSettings& settings) { return settings.fidelity.host == Timing::untimed; }
 
 ServoSettings servo_settings(const PlatformSettings& settings, std::size_t probes) {
-  return {settings.period, settings.frames, settings.host.pipeline_depth,
-          DaqBoard::read_bytes(settings.devices_of(probes))};
+  return {settings.period,
+          settings.frames,
+          settings.host.pipeline_depth,
+          DaqBoard::read_bytes(settings.devices_of(probes)),
+          {settings.host.virtual_coupling, settings.host.passivity, settings.wall,
+           to_seconds(settings.period)}};
 }
 
 BodySettings body_settings(const PlatformSettings& settings, bool refined) {

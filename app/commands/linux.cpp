@@ -151,6 +151,8 @@ std::vector<std::string> not_counted(const Scenario& s) {
   add(host.wake_up.has_value(), "host.wake_up");
   add(host.interrupt_latencies && !s.guest, "host.interrupt_latencies");
   add(host.delay.has_value(), "host.delay");
+  add(host.virtual_coupling.has_value(), "host.virtual_coupling");
+  add(host.passivity.has_value(), "host.passivity");
   add(host.cores == 1, "host.cores");
   add(s.transfer.notification == link::Notification::polling, "transfer.notification");
   return all;

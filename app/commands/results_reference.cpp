@@ -24,7 +24,7 @@ namespace {
 
 // Of two probes, each with all that a device may have.
 results::ProbeColumns all_columns() {
-  return {std::vector<results::ProbeColumnsOf>(2, {{}, true, true, plant::Hand{}}), {}};
+  return {std::vector<results::ProbeColumnsOf>(2, {{}, true, true, plant::Hand{}}), {}, true, true};
 }
 
 using nlohmann::ordered_json;

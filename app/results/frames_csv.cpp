@@ -18,11 +18,11 @@ void append(std::string& fields, const Eigen::Vector3d& vector) {
 }
 
 // The fields of a probe that is not the first one.
-std::string further_fields(const collision::Touch& touch, Columns columns) {
-  std::string fields = fmt::format(",{}", touch.contact.node);
-  append(fields, touch.tip);
+std::string further_fields(const vp::Frame& f, std::size_t probe, Columns columns) {
+  std::string fields = fmt::format(",{}", f.touches[probe].contact.node);
+  append(fields, f.read(probe));
   if (columns == Columns::all) {
-    append(fields, -touch.force);
+    append(fields, -f.sent(probe));
   } else {
     fields += ",,,";
   }
@@ -79,6 +79,15 @@ std::vector<FrameColumn> probe_columns(const ProbeColumns& of, std::size_t index
     add("contact_node", "as the first probe's columns of these names");
     for (const char* name : {"x_m", "y_m", "z_m", "fx_N", "fy_N", "fz_N"}) add(name, "likewise");
   }
+  if (of.tools) {
+    vector("tool", "m", "with `[host.virtual_coupling]`: where the tool was that body or wall saw");
+  }
+  if (of.passivity) {
+    vector("damping", "N",
+           "with `[host.passivity]`: what the controller added to the force on the probe; it is in "
+           "`force_N`");
+    add("observed_J", "what its observer had counted by then");
+  }
   if (!of.probes[index].device) return columns;
   vector("tip", "m", "with `[device.dynamics]`: where the tip was when it was latched");
   vector("intended", "m", "where the hand wanted it; empty where nobody holds the device");
@@ -116,7 +125,8 @@ FramesCsv::FramesCsv(const std::filesystem::path& path, vp::Picoseconds budget, 
 
 void FramesCsv::closed(const vp::Frame& f, const vp::CriticalPath& path) {
   // A host that is another program has probes of its own.
-  const collision::Touch touch = f.touches.empty() ? collision::Touch{} : f.touch();
+  collision::Touch touch;
+  if (!f.touches.empty()) touch = {f.read(0), f.touch().contact, f.sent(0)};
   fmt::memory_buffer line;
   const auto out = std::back_inserter(line);
   fmt::format_to(out, "{},{},{},{},{},{},{},{},{},{},{},", f.number, microseconds(f.time),
@@ -138,10 +148,21 @@ void FramesCsv::closed(const vp::Frame& f, const vp::CriticalPath& path) {
   fmt::format_to(out, ",{}", hvp_status_name(f.status));
   stream_.write({line.data(), line.size()});
   for (std::size_t i = 0; i < probes_.probes.size(); ++i) {
-    if (i > 0) stream_.write(further_fields(f.touches[i], columns_));
+    if (i > 0) stream_.write(further_fields(f, i, columns_));
+    if (!f.ports.empty()) stream_.write(port_fields(f, i));
     if (probes_.probes[i].device) stream_.write(device_fields(f, i));
   }
   stream_.write("\n");
+}
+
+std::string FramesCsv::port_fields(const vp::Frame& f, std::size_t i) const {
+  std::string fields;
+  if (probes_.tools) append(fields, f.touches[i].tip);
+  if (probes_.passivity) {
+    append(fields, -f.ports[i].damping);
+    fields += "," + shortest(f.ports[i].observed_J + 0.0);
+  }
+  return fields;
 }
 
 std::string FramesCsv::device_fields(const vp::Frame& f, std::size_t i) {

@@ -35,6 +35,8 @@ struct ProbeColumnsOf {
 struct ProbeColumns {
   std::vector<ProbeColumnsOf> probes = std::vector<ProbeColumnsOf>(1);
   std::optional<host::Wall> wall;  // whose spring has energy at the start
+  bool tools = false;              // the host has a virtual coupling
+  bool passivity = false;          // the host has a passivity controller
 };
 // The columns of probe `index`. Names of further probes have a prefix such as "probe1_".
 std::vector<FrameColumn> probe_columns(const ProbeColumns& of, std::size_t index);
@@ -51,6 +53,7 @@ class FramesCsv : public vp::FrameObserver {
  private:
   PartStream stream_;
   vp::Picoseconds budget_;
+  std::string port_fields(const vp::Frame& frame, std::size_t index) const;
   std::string device_fields(const vp::Frame& frame, std::size_t index);
 
   Columns columns_;

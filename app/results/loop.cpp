@@ -178,6 +178,32 @@ void device_lines(Out out, const plant::LoopQuality& q) {
 
 }  // namespace
 
+namespace {
+
+void port_lines(Out out, const Outcome& o) {
+  const std::size_t probes = std::max(o.tools.size(), o.passivity.size());
+  for (std::size_t i = 0; i < probes; ++i) {
+    fmt::format_to(out, "\nHost port    {}\n",
+                   probes > 1 ? fmt::format("probe {}", i) : "between rendering and device");
+    if (!o.tools.empty()) {
+      fmt::format_to(out, "  coupling       stretched by up to {}\n",
+                     readable_length(o.tools[i].largest_stretch()));
+    }
+    if (o.passivity.empty()) continue;
+    const host::PassivityController& c = o.passivity[i];
+    fmt::format_to(out, "  observer       {} in the end, at least {}\n", joules(c.observed_J()),
+                   joules(c.least_J()));
+    fmt::format_to(out, "  controller     {}\n",
+                   c.frames_acted() == 0
+                       ? std::string("did not act")
+                       : fmt::format("acted in {}, in {} at its bound; up to {:.3g} N s/m",
+                                     counted(c.frames_acted(), "frame"), c.frames_bound(),
+                                     c.largest_damping_N_s_m()));
+  }
+}
+
+}  // namespace
+
 std::string loop_text(const Outcome& o) {
   std::string text;
   const Out out = std::back_inserter(text);
@@ -187,6 +213,7 @@ std::string loop_text(const Outcome& o) {
                    o.loop.size() > 1 ? fmt::format("device {}", i) : "the device and its hand");
     device_lines(out, o.loop[i]);
   }
+  port_lines(out, o);
   return text;
 }
 

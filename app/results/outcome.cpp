@@ -174,6 +174,17 @@ void Outcome::report_numbers(config::Figures& f) const {
         "of them.",
         stiffnesses);
   });
+  f.when(!tools.empty(), [&] {
+    f.list("virtual_coupling",
+           "With `[host.virtual_coupling]` only: of each probe's tool ([host.md](host.md)).",
+           tools);
+  });
+  f.when(!passivity.empty(), [&] {
+    f.list("passivity",
+           "With `[host.passivity]` only: observer and controller of each probe "
+           "([host.md](host.md)).",
+           passivity);
+  });
   f.table_or_null("missed_contact",
                   "How deep the tip was in the body while nothing was held, where that is flagged "
                   "`contact-missed`; else null.",

@@ -84,6 +84,9 @@ struct Outcome {
   std::vector<plant::LoopQuality> loop;
   std::optional<StiffnessBudget> stiffness;
   std::vector<StiffnessBudget> stiffnesses;
+  // One a probe, with their effects.
+  std::vector<host::VirtualTool> tools;
+  std::vector<host::PassivityController> passivity;
 
   stability::Flags flags;
   // Counts of the board's words and solves.

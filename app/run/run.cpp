@@ -146,7 +146,8 @@ std::vector<results::ErrorBudget> error_budgets(const Budget& budget,
 }
 
 results::ProbeColumns probe_columns_of(const Scenario& s) {
-  results::ProbeColumns columns{{}, s.wall};
+  results::ProbeColumns columns{
+      {}, s.wall, s.host.virtual_coupling.has_value(), s.host.passivity.has_value()};
   for (std::size_t i = 0; i < s.probes.size(); ++i) {
     const plant::DeviceSettings& device = s.device_of(i);
     columns.probes.push_back(
@@ -163,10 +164,12 @@ std::optional<vp::SoftBody> body_of(Scene& scene) {
 // The stiffness that the device is pressed against, where it is known within a run's set-up, N/m.
 std::optional<double> known_contact_stiffness(const Scene& scene) {
   const Scenario& s = scene.scenario();
-  if (s.wall) return s.wall->stiffness_N_m;
   // That of the body at rest, which a body that is not linear has nowhere else.
-  if (s.object.nonlinear() || !quick_to_factorise(scene)) return std::nullopt;
-  return contact_stiffness(scene);
+  if (!s.wall && (s.object.nonlinear() || !quick_to_factorise(scene))) return std::nullopt;
+  const std::optional<double> contact =
+      s.wall ? std::optional(s.wall->stiffness_N_m) : contact_stiffness(scene);
+  if (!contact || !s.host.virtual_coupling) return contact;
+  return s.host.virtual_coupling->in_series(*contact);
 }
 
 // The flags that were raised before the first frame, or follow from counts.
@@ -194,6 +197,10 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
   o.set_up = platform.servo().set_up_time();
   o.simulated = vp::now_ps() - platform.session().begin;
   o.servo = platform.servo().counts();
+  if (const vp::DevicePort* port = platform.servo().port()) {
+    o.tools = port->tools();
+    o.passivity = port->controllers();
+  }
   if (const vp::FaultPlan* faults = platform.faults()) {
     o.faults.assign(faults->records().begin(), faults->records().end());
   }

@@ -194,7 +194,7 @@ void LoopWatch::closed(const vp::Frame& frame, const vp::CriticalPath& path) {
     const vp::DeviceRecord& record = frame.devices[i];
     plant::LoopSample sample{frame.number,      to_seconds(latched), {}, record.plant, record.drive,
                              record.read_wrong, rests(i, latched)};
-    sample.view = {frame.touches[i].tip, -frame.touches[i].force, 0};
+    sample.view = {frame.read(i), -frame.sent(i), 0};
     if (scenario_.wall) sample.view.stored = scenario_.wall->energy(record.plant.tip.position);
     sample.unreachable =
         kinematics_[i] && !kinematics_[i]->regular_joints(record.plant.tip.position).has_value();

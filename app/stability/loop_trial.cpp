@@ -136,7 +136,8 @@ Trial run_trial(const Scene& scene, double stiffness, const TrialSettings& setti
   const double frames = frames_for(scene.scenario(), stiffness, settings);
   if (frames > kMostFrames) return {.decided = false};
   p.frames = 4 * std::max(1, static_cast<int>(frames) / 4);
-  const double depth = settings.push_N / stiffness;
+  const auto& coupling = p.host.virtual_coupling;
+  const double depth = settings.push_N / (coupling ? coupling->in_series(stiffness) : stiffness);
   const Eigen::Vector3d n = wall.direction();
   plant::Probe rest = p.probes.front();
   rest.start += (wall.depth(rest.start) - depth) * n;

@@ -174,6 +174,16 @@ void Host::declare(config::Visitor& v, const config::Condition& body) {
            {"every force is at the motor so much later, with nothing else changed: what if the "
             "latency were longer?",
             "no module: a force is told to the device for a later time"});
+  v.effect("virtual_coupling", virtual_coupling,
+           {"a spring and a damper between the position that was read and the tool that body or "
+            "wall see",
+            "no module: the tool's place, 24 operations a probe and frame, 32 before a wall, in "
+            "the step `hold`"});
+  v.effect("passivity", passivity,
+           {"the host counts the energy at the device's port, and damps where the loop has given "
+            "more than it got",
+            "no module: 10 operations a probe and frame, 19 more where it damps, in the step "
+            "`force`"});
   v.when(body, [&] {
     v.table("graphics", graphics, {"the 33 Hz collision and graphics process"}, cores);
     v.table("recovery", recovery, {"what the servo process does about a board that fails"});

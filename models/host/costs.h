@@ -6,7 +6,9 @@
 
 #include "models/config/declaration.h"
 #include "models/host/frame_method.h"
+#include "models/host/passivity.h"
 #include "models/host/shared_core.h"
+#include "models/host/virtual_coupling.h"
 #include "models/random/distribution.h"
 
 namespace hvp::host {
@@ -91,6 +93,8 @@ struct Host {
   std::optional<random::TimeDistribution> wake_up;
   std::optional<InterruptLatencies> interrupt_latencies;
   std::optional<Delay> delay;
+  std::optional<VirtualCoupling> virtual_coupling;
+  std::optional<Passivity> passivity;
   Graphics graphics;
   Recovery recovery;
 

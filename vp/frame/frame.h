@@ -102,6 +102,14 @@ struct DeviceRecord {
   plant::Drive drive;
 };
 
+// What the host had between its rendering and a haptic device, with the effects
+// [host.virtual_coupling] and [host.passivity].
+struct PortRecord {
+  Eigen::Vector3d read = Eigen::Vector3d::Zero();     // the position that was read, m
+  Eigen::Vector3d damping = Eigen::Vector3d::Zero();  // N, added to the force on the body
+  double observed_J = 0;                              // the controller's count
+};
+
 // One tick of the servo loop, from its birth at n·T to the force at the motor and the end of the
 // work that belongs to its period. The servo process writes what the frame saw and did, step by
 // step; the ledger alone writes spans.
@@ -110,9 +118,11 @@ struct Frame {
   Picoseconds born = 0;
   Picoseconds time = 0;  // its birth, since the servo loop began
 
-  // One entry for each probe: the position read for its tip, its contact, and the force on the
-  // body.
+  // One entry for each probe: the position read for its tip, or that of its virtual tool, its
+  // contact, and the force on the body.
   std::vector<collision::Touch> touches;
+  // One entry for each probe; empty without the effects of the port.
+  std::vector<PortRecord> ports;
   // One entry for each device with mass; empty if no device has mass.
   std::vector<DeviceRecord> devices;
   Picoseconds latched = 0;  // when the positions were latched
@@ -128,6 +138,15 @@ struct Frame {
 
   bool solved() const { return status == HVP_OK; }
   bool in_contact() const;
+  // The position that the host read of a probe, m, and what it sends to the device, as the force on
+  // the body, N.
+  const Eigen::Vector3d& read(std::size_t probe) const {
+    return ports.empty() ? touches[probe].tip : ports[probe].read;
+  }
+  Eigen::Vector3d sent(std::size_t probe) const {
+    if (ports.empty()) return touches[probe].force;
+    return touches[probe].force + ports[probe].damping;
+  }
   // The first probe's.
   const collision::Touch& touch() const { return touches.front(); }
   Picoseconds latency() const { return spans[static_cast<std::size_t>(force_at_motor)].end - born; }

@@ -82,6 +82,8 @@ Frame& Ledger::open(std::int64_t number, Picoseconds born) {
   fresh.spans.clear();
   fresh.touches = std::move(entry->frame.touches);
   fresh.touches.clear();
+  fresh.ports = std::move(entry->frame.ports);
+  fresh.ports.clear();
   fresh.devices = std::move(entry->frame.devices);
   fresh.devices.clear();
   *entry = {std::move(fresh)};

@@ -26,6 +26,7 @@ ServoProcess::ServoProcess(const sc_core::sc_module_name& name, const ServoSetti
   SC_HAS_PROCESS(ServoProcess);
   SC_THREAD(run);
   set_stack_size(kServoStackBytes);
+  if (settings.port.present()) port_.emplace(settings.port, rendering.probes());
 }
 
 void ServoProcess::run() {
@@ -163,7 +164,7 @@ void ServoProcess::take_pending() {
 
 void ServoProcess::hand_out_pending() {
   resume(*pending_);
-  const Frame& frame = *pending_->frame;
+  Frame& frame = *pending_->frame;
   deliver(frame);
   publish(frame);
   rendering_.note(frame);
@@ -173,12 +174,22 @@ void ServoProcess::hand_out_pending() {
 
 void ServoProcess::sense(Frame& frame) {
   daq_.read_positions(frame.touches);
+  if (port_) {
+    port_->read(frame);
+    const double operations = port_->read_operations();
+    if (operations > 0) work_.spend(Phase::hold, 0, operations);
+  }
   rendering_.look(frame);
 }
 
-void ServoProcess::deliver(const Frame& frame) {
-  if (frame.solved()) work_.spend(Phase::force, 0, rendering_.force_operations());
-  if (!daq_.write_forces(frame.touches)) ++rendering_.counts().clamped_forces;
+void ServoProcess::deliver(Frame& frame) {
+  double operations = frame.solved() ? rendering_.force_operations() : 0;
+  if (port_) {
+    port_->send(frame);
+    operations += port_->send_operations();
+  }
+  if (frame.solved() || operations > 0) work_.spend(Phase::force, 0, operations);
+  if (!daq_.write_forces(frame)) ++rendering_.counts().clamped_forces;
 }
 
 void ServoProcess::advance(Frame& frame) {

@@ -19,6 +19,7 @@
 #include "vp/frame/servo_counts.h"
 #include "vp/frame/verdict.h"
 #include "vp/host/board_access.h"
+#include "vp/host/device_port.h"
 #include "vp/host/dispatcher.h"
 #include "vp/host/frame_solver.h"
 #include "vp/host/rendering.h"
@@ -45,12 +46,13 @@ class DaqDriver {
 
   // Writes the devices' forces, the reactions to the forces on the body. Returns false if a force
   // was outside its register's range.
-  bool write_forces(std::span<const collision::Touch> touches) {
+  bool write_forces(const Frame& frame) {
     bool fits = true;
     std::size_t next = 0;
-    for (const collision::Touch& touch : touches) {
+    for (std::size_t probe = 0; probe < frame.touches.size(); ++probe) {
+      const Eigen::Vector3d force = frame.sent(probe);
       for (int i = 0; i < 3; ++i) {
-        const plant::Counts c = plant::kForce.to_counts(-touch.force[i]);
+        const plant::Counts c = plant::kForce.to_counts(-force[i]);
         counts_[next++] = c.value;
         fits = fits && !c.saturated;
       }
@@ -71,6 +73,7 @@ struct ServoSettings {
   std::int64_t frames = 1000;
   int pipeline_depth = 0;
   std::size_t daq_read_bytes = 12;
+  DevicePort::Settings port;
 };
 
 // The servo process (thesis §6.2.2), with the steps of Fig. 6.2: read the positions, form the
@@ -97,6 +100,8 @@ class ServoProcess : public sc_core::sc_module {
   // The event of the loop's begin, with which the host's other processes start.
   sc_core::sc_event& begun() { return begun_; }
   const ServoCounts& counts() const { return rendering_.counts(); }
+  // Null without the effects of the port.
+  const DevicePort* port() const { return port_ ? &*port_ : nullptr; }
   // The exception that ended the servo loop; null if there was none.
   std::exception_ptr failure() const { return failure_; }
   // The duration of set-up, including the load of K.
@@ -115,7 +120,7 @@ class ServoProcess : public sc_core::sc_module {
 
   // The steps of Fig. 6.2 before and after the rendering's.
   void sense(Frame& frame);
-  void deliver(const Frame& frame);
+  void deliver(Frame& frame);
   void advance(Frame& frame);
   void publish(const Frame& frame);
   void observe(const Frame& frame);
@@ -134,6 +139,7 @@ class ServoProcess : public sc_core::sc_module {
   Session& session_;
   sc_core::sc_event begun_;
   DaqDriver daq_;
+  std::optional<DevicePort> port_;
 
   std::optional<FrameStep> pending_;  // the frame whose solution is still to come
   std::function<void()> drain_ = [] {};

@@ -209,6 +209,8 @@ const std::map<std::string, Parts> kAdded = {
     {"host.wake_up", kNothing},
     {"host.interrupt_latencies", kNothing},
     {"host.delay", kNothing},
+    {"host.virtual_coupling", kNothing},
+    {"host.passivity", kNothing},
     {"guest", kNothing},
     {"function", kNothing},
     {"contact.fresh", kNothing},

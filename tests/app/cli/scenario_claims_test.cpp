@@ -626,6 +626,46 @@ const std::map<std::string, std::vector<Claim>>& claims() {
            const json& s = r.summary("wall-in-hand.toml", {"wall.stiffness=5750 N/m"});
            EXPECT_THAT(s.at("stability").at("flags"), ::testing::Contains("limit-cycle"));
          }}}},
+      {"passive-wall.toml",
+       {{"the tip comes to the wall, swings, and ends within 0.02 mm; the observer never owes 0.1 "
+         "mJ",
+         [](Runs& r) {
+           const json& s = r.summary("passive-wall.toml");
+           const json& cycle = s.at("loop").at(0).at("oscillation");
+           if (!cycle.is_null()) {
+             EXPECT_LT(cycle.at("amplitude_m"), 2e-5);
+             EXPECT_FALSE(cycle.at("grows"));
+           }
+           EXPECT_GT(s.at("passivity").at(0).at("least_J"), -1e-4);
+           EXPECT_NEAR(s.at("stiffness").at("stable_N_m"), 5610, 1);
+         }},
+        {"what that takes: damping in a part of the frames, up to the bound of 20 N s/m",
+         [](Runs& r) {
+           const json& port = r.summary("passive-wall.toml").at("passivity").at(0);
+           EXPECT_GT(port.at("frames_acted"), 0);
+           EXPECT_LT(port.at("frames_acted"), 1000);
+           EXPECT_EQ(port.at("largest_damping_N_s_m"), 20);
+         }},
+        {"without it the same hand fights a limit cycle, fed with a tenth of a joule",
+         [](Runs& r) {
+           const json& s = r.summary("passive-wall.toml", {"host.passivity=false"});
+           EXPECT_THAT(s.at("stability").at("flags"), ::testing::Contains("limit-cycle"));
+           EXPECT_GT(s.at("loop").at(0).at("oscillation").at("amplitude_m"), 4e-4);
+           EXPECT_LT(s.at("loop").at(0).at("energy").at("port").at("least_J"), -0.1);
+         }},
+        {"a virtual coupling of 3000 N/m in its place",
+         [](Runs& r) {
+           const auto coupled = [&r](const std::string& stiffness) -> const json& {
+             return r.summary("passive-wall.toml",
+                              {"host.passivity=false", "host.virtual_coupling.stiffness=3000 N/m",
+                               "host.virtual_coupling.damping=0 N s/m", stiffness});
+           };
+           const json& s = coupled("wall.stiffness=7000 N/m");
+           EXPECT_TRUE(s.at("loop").at(0).at("oscillation").is_null());
+           EXPECT_DOUBLE_EQ(s.at("stiffness").at("contact_N_m"), 2100);
+           const json& hard = coupled("wall.stiffness=1e6 N/m");
+           EXPECT_TRUE(hard.at("loop").at(0).at("oscillation").is_null());
+         }}}},
       {"free-motion.toml",
        {{"79 % of what the hand spends is lost to its dry friction",
          [](Runs& r) {
