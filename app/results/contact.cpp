@@ -30,6 +30,7 @@ void ProxyFigures::add(const collision::Touch& touch, std::int64_t number) {
   ++touches;
   if (touch.slides) ++sliding;
   largest_depth = std::max(largest_depth, touch.depth);
+  largest_unresolved = std::max(largest_unresolved, touch.unresolved);
   if (frame >= 0 && touch.gap <= largest_gap) return;
   largest_gap = touch.gap;
   frame = number;
@@ -40,6 +41,10 @@ void ProxyFigures::report(config::Figures& f) const {
   f.count("sliding", sliding, "those of them in which friction did not hold it");
   f.quantity("largest_gap_m", largest_gap, "m", "from a tip to the body's surface at its proxy");
   f.frame("largest_gap_frame", frame, "the frame that has it");
+  f.quantity(
+      "largest_unresolved_m", largest_unresolved, "m",
+      "of such a gap, what is not the size of the probe's end but that of the elements. Over "
+      "half of the depth: `contact-doubtful`");
   f.quantity("largest_depth_m", largest_depth, "m", "of a tip below the surface at rest");
   f.count("compliance_bytes", bytes, "of the table of the surface's compliances, on the host");
   f.count("compliance_solves", solves, "that the table took at set-up");

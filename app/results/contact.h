@@ -28,18 +28,19 @@ struct Approach {
 
 // The frames of proxies: the table `contact.proxy`.
 struct ProxyFigures {
-  std::int64_t touches = 0;  // frames in contact, counted for each probe
-  std::int64_t sliding = 0;  // of them
-  double largest_gap = 0;    // m
-  std::int64_t frame = -1;   // that has it
-  double largest_depth = 0;  // m, below the surface at rest
+  std::int64_t touches = 0;       // frames in contact, counted for each probe
+  std::int64_t sliding = 0;       // of them
+  double largest_gap = 0;         // m
+  std::int64_t frame = -1;        // that has it
+  double largest_unresolved = 0;  // m
+  double largest_depth = 0;       // m, below the surface at rest
   // Set-up: the table, and the solves for it.
   std::int64_t bytes = 0;
   std::int64_t solves = 0;
 
   bool any() const { return bytes > 0; }
-  // True if the coupling takes more of the depth than the body.
-  bool mostly_gap() const { return largest_gap > 0.5 * largest_depth; }
+  // True if what elements do not resolve takes more of the depth than all else.
+  bool mostly_unresolved() const { return largest_unresolved > 0.5 * largest_depth; }
   void add(const collision::Touch& touch, std::int64_t number);
   void report(config::Figures& f) const;
 };

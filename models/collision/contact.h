@@ -38,6 +38,7 @@ struct Touch {
   // Of a proxy, zero else.
   Eigen::Vector3d foot = Eigen::Vector3d::Zero();  // its place on the surface at rest, m
   double gap = 0;                                  // from the tip to the body's surface there, m
+  double unresolved = 0;                           // of that, what elements do not resolve, m
   double depth = 0;                                // of the tip below the surface at rest there, m
   bool slides = false;
 };

@@ -158,6 +158,7 @@ void ProxyContact::solve(std::span<const Eigen::Vector3d> tips, std::span<const 
     const Eigen::Vector3d moved = between(system_, probe.spot, probe.spot) * probe.force;
     probe.pressed = moved.norm();
     probe.gap = coupling(probe.spot, settings_.coupling[i]) * probe.force;
+    probe.unresolved = (probe.gap - settings_.kernel[i] * probe.force).norm();
     probe.depth = (walk_.rest(probe.spot) - tips[i]).dot(probe.normal);
     probe.at_rim = probe.at_rim || walk_.at_anchor(probe.spot);
   }
@@ -328,8 +329,8 @@ Eigen::MatrixXd ProxyContact::compliance() {
   return m;
 }
 
-double coupling_compliance(const fem::Body& body, const DeformedSurface& surface,
-                           SurfaceCompliance& statics, double radius, bool dynamic) {
+CouplingCompliance coupling_compliance(const fem::Body& body, const DeformedSurface& surface,
+                                       SurfaceCompliance& statics, double radius, bool dynamic) {
   constexpr double kShare = 0.3;
   constexpr double kFlat = 1.53;  // kernel radius of a flat end, over its radius
   constexpr double kKernel = 0.766;
@@ -355,7 +356,7 @@ double coupling_compliance(const fem::Body& body, const DeformedSurface& surface
   const double share = dynamic && nodes > 0 ? kShare * of_nodes / nodes : 0;
   const double size =
       radius > 0 ? kKernel / (plane * kFlat * radius) - 1 / (kLocal * young * h) : 0;
-  return std::max({0.0, share, size});
+  return {std::max({0.0, share, size}), std::max(0.0, size)};
 }
 
 }  // namespace hvp::collision

@@ -40,6 +40,7 @@ struct ProxySettings {
   double friction = 0.3;         // Coulomb's coefficient; infinite: it sticks
   int steps = 3;                 // of X in a frame, at most
   std::vector<double> coupling;  // s0 of each probe, m/N
+  std::vector<double> kernel;    // of that, what the size of the probe's end asks for, m/N
 };
 
 class ProxyContact {
@@ -53,6 +54,7 @@ class ProxyContact {
     Eigen::Vector3d force = Eigen::Vector3d::Zero();   // λ, on the body
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // outward, length one
     Eigen::Vector3d gap = Eigen::Vector3d::Zero();     // tip − x = S·λ, m
+    double unresolved = 0;  // |S·λ| without the kernel's part: what elements do not resolve, m
     double depth = 0;       // of the tip below X at rest, along the normal, m
     double pressed = 0;     // |W·λ|: how far the force moves X from where it is without, m
     bool sliding = false;   // X moved, or the force was brought onto the cone
@@ -131,7 +133,11 @@ class ProxyContact {
 // and c_node the mean compliance of its free nodes along their normals; `share` is 0.3 for a body
 // with inertia, whose nodes would ring, else zero. A radius of zero, or one that elements resolve,
 // leaves the first. The material is the first of the body's.
-double coupling_compliance(const fem::Body& body, const DeformedSurface& surface,
-                           SurfaceCompliance& statics, double radius, bool dynamic);
+struct CouplingCompliance {
+  double s0 = 0;
+  double kernel = 0;  // the second of the two, or zero
+};
+CouplingCompliance coupling_compliance(const fem::Body& body, const DeformedSurface& surface,
+                                       SurfaceCompliance& statics, double radius, bool dynamic);
 
 }  // namespace hvp::collision

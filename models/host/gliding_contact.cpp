@@ -24,8 +24,10 @@ GlideTables::GlideTables(const fem::Body& body, const sparse::BlockMatrix& syste
   if (is_dynamic) dynamic.emplace(body, system, surface.surface_nodes());
   settings.friction = friction;
   for (const double radius : radii) {
-    settings.coupling.push_back(
-        collision::coupling_compliance(body, surface, statics, radius, is_dynamic));
+    const collision::CouplingCompliance of_probe =
+        collision::coupling_compliance(body, surface, statics, radius, is_dynamic);
+    settings.coupling.push_back(of_probe.s0);
+    settings.kernel.push_back(of_probe.kernel);
   }
   Eigen::AlignedBox3d box;
   for (const int node : surface.surface_nodes()) box.extend(surface.rest_position(node));
@@ -126,6 +128,7 @@ void GlidingContact::describe(std::size_t i, collision::Touch& touch) const {
   touch.contact = contacts_[i];
   touch.force = forces_[i];
   touch.gap = probe.gap.norm();
+  touch.unresolved = probe.unresolved;
   touch.depth = probe.depth;
   touch.slides = probe.sliding;
   if (probe.spot.present()) touch.foot = proxy_.walk().rest(probe.spot);

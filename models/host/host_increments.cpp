@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "models/fem/contact.h"
+#include "models/stability/force_quality.h"
 
 namespace hvp::host {
 
@@ -30,6 +31,11 @@ void HostIncrements::begin(std::span<const double> f, const fem::Hold& hold) {
   went_on_ = false;
   increments_.begin(f, hold);
   begin_operations_ = increments_.begin_operations();
+}
+
+void HostIncrements::expect_to_go_on() {
+  goes_on_ = true;
+  increments_.set_imperceptible(stability::ForceQuality::kNoForce);
 }
 
 void HostIncrements::go_on(std::span<const double> f, double /*way*/) {

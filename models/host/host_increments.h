@@ -25,7 +25,7 @@ class HostIncrements final : public FrameMethod {
 
   void set_contact(std::span<const int> nodes) override;
   void begin(std::span<const double> f, const fem::Hold& hold) override;
-  void expect_to_go_on() override { goes_on_ = true; }
+  void expect_to_go_on() override;
   void go_on(std::span<const double> f, double way) override;
   // Makes all passes.
   bool next(std::span<std::int32_t> b) override;

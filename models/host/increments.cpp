@@ -190,7 +190,8 @@ bool Increments::form_residual() {
 }
 
 bool Increments::within(double tolerance) const {
-  return std::sqrt(weighed(r_)) <= tolerance * std::max(largest_rhs_, std::sqrt(weighed(b_)));
+  const double limit = tolerance * std::max(largest_rhs_, std::sqrt(weighed(b_)));
+  return std::sqrt(weighed(r_)) <= std::max(limit, force_ * imperceptible_n_);
 }
 
 std::span<double> Increments::change() {
@@ -225,7 +226,8 @@ bool Increments::finish(double tolerance) {
   largest_rhs_ = std::max(largest_rhs_, std::sqrt(rhs));
   remaining_ = residual == 0 || rounding_alone() ? 0 : std::sqrt(residual) / largest_rhs_;
   worst_remaining_ = std::max(worst_remaining_, remaining_);
-  const bool converged = !refused_ && remaining_ <= tolerance;
+  const bool felt = std::sqrt(residual) > force_ * imperceptible_n_;
+  const bool converged = !refused_ && (remaining_ <= tolerance || !felt);
   // A solution that is worse than zero is no start for the next one, which would be worse still.
   // Forces that are not A·u have no such energy: there the residual must not have grown.
   diverged_ = !converged && (forces_.linear() ? energy < 0 : residual > at_first_);

@@ -44,8 +44,10 @@ class Increments {
   // left but what rounding makes of the forces.
   bool form_residual();
   std::span<const double> residual() const { return r_; }
+  // A residual of less than this is no force that anybody feels, and converged, N; zero at first.
+  void set_imperceptible(double force_n) { imperceptible_n_ = force_n; }
   // True if what form_residual() found is within `tolerance` of the largest right-hand side so far,
-  // this one included.
+  // this one included, or imperceptible.
   bool within(double tolerance) const;
   double within_operations() const { return 4.0 * a_.rows(); }
   // The displacements, to be changed by an increment.
@@ -101,7 +103,8 @@ class Increments {
   const sparse::BlockMatrix& a_;
   fixed::Start start_;
   double length_, force_;  // factors that make displacements and forces of about one
-  double noise_;           // N, of a component of r: below it all is rounding
+  double imperceptible_n_ = 0;
+  double noise_;  // N, of a component of r: below it all is rounding
 
   std::vector<double> u_, product_;                  // q(u), where `current_`
   std::vector<double> before_;                       // u before the last change()

@@ -11,6 +11,7 @@
 #include "models/fixed/word.h"
 #include "models/host/costs.h"
 #include "models/index.h"
+#include "models/stability/force_quality.h"
 
 namespace hvp::host {
 
@@ -97,12 +98,13 @@ RefinedSolve::RefinedSolve(const Refinement& refinement, fem::InternalForces& fo
 Refinement::Passes Refinement::divided(bool goes_on) const {
   if (!goes_on) return {passes, 0, 0};
   const int before = (passes + 1) / 2;
-  return {before, std::max(1, passes - before), passes + 1};
+  return {before, std::max(1, passes - before), passes};
 }
 
 void RefinedSolve::expect_to_go_on() {
   divided_ = Refinement{passes_, tolerance_}.divided(true);
   gain_.assign(at(divided_.before + divided_.most_after), 0.0);
+  increments_.set_imperceptible(stability::ForceQuality::kNoForce);
 }
 
 void RefinedSolve::begin(std::span<const double> f, const fem::Hold& hold) {

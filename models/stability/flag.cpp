@@ -159,8 +159,8 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "no setting of the board helps: a motion of the probe that stays on one face, away from what "
      "is anchored; contact.friction of 0.1 or more, with which no energy is made there"},
     {"contact-doubtful",
-     "the tip was further from the surface than half of the largest depth, or deeper than half of "
-     "the body, "
+     "elements are so large beside the probe that their coupling takes more than half of the "
+     "depth, the tip was deeper than half of the body, "
      "or the friction's cone was not reached in a frame's steps",
      "no setting of the board helps: a slower or shallower motion of the probe, more nodes, which "
      "stiffen the coupling, or a larger probe.radius"},

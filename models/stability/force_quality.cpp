@@ -110,7 +110,11 @@ void ForceQuality::watch_hand_over(const FeltForce& felt) {
       const double force = std::max({now.force.norm(), middle->force.norm(), first->force.norm()});
       const double way = (felt.foot ? now.way : Eigen::Vector3d(now.way - touched_->way)).norm();
       if (!(force > kNoForce) || !(way > 0)) continue;
-      const double change = (now.force - 2 * middle->force + first->force).norm() / force;
+      // Friction turns a force that glides; of a node's, each turn is one of its hand-overs.
+      const double change =
+          (felt.foot ? std::abs(now.force.norm() - 2 * middle->force.norm() + first->force.norm())
+                     : (now.force - 2 * middle->force + first->force).norm()) /
+          force;
       const double explained = (now.way - 2 * middle->way + first->way).norm() / way;
       if (change > explained) keep_worst(handed_over_[i], change - explained, felt.frame);
     }
