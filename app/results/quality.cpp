@@ -232,20 +232,21 @@ std::string accuracy_text(const app::Scene& scene, const Outcome& o) {
   }
   if (!a.displacement.mean_rounded) return text;
   if (scene.scenario().refinement) {
-    fmt::format_to(
-        out,
-        "  Both models are solved in double precision. The rounded one is where the "
-        "board would end\n  without refinement; the passes lead to the true one. When and "
-        "where contact was found is\n  the run's own in both: its error is not in these "
-        "figures.\n");
+    fmt::format_to(out,
+                   "  Both models are solved in double precision. The rounded one is where the "
+                   "board would end\n  without refinement; the passes lead to the true one.");
   } else {
     fmt::format_to(
         out,
         "  Both models are solved in double precision. The rounded one has the matrix as "
         "the board's\n  words hold it: its figure is the solver's own error, the rest "
-        "is the rounding. When and where\n  contact was found is the run's own in both: its error "
-        "is not in these figures.\n");
+        "is the rounding.");
   }
+  text +=
+      scene.glide() != nullptr
+          ? " Each finds\n  its contact by itself from the tip.\n"
+          : " When and where\n  contact was found is the run's own in both: its error is not in "
+            "these figures.\n";
   return text;
 }
 

@@ -626,6 +626,33 @@ const std::map<std::string, std::vector<Claim>>& claims() {
            const json& s = r.summary("wall-in-hand.toml", {"wall.stiffness=5750 N/m"});
            EXPECT_THAT(s.at("stability").at("flags"), ::testing::Contains("limit-cycle"));
          }}}},
+      {"slide.toml",
+       {{"the force changes by less than a tenth",
+         [](Runs& r) {
+           const json& force = r.summary("slide.toml").at("force");
+           EXPECT_LT(force.at("handed_over").at("within_30_ms_rel"), 0.1);
+           EXPECT_LT(force.at("handed_over").at("within_100_ms_rel"), 0.1);
+         }},
+        {"the friction is 0.3 of what presses, and there is no flag",
+         [](Runs& r) {
+           const json& s = r.summary("slide.toml");
+           EXPECT_EQ(s.at("stability").at("flags"), json::array());
+           const json& proxy = s.at("contact").at("proxy");
+           EXPECT_GT(proxy.at("sliding"), 800);
+         }},
+        {"at 0.36 ms the force is at the motor",
+         [](Runs& r) {
+           EXPECT_NEAR(r.summary("slide.toml").at("deadline").at("worst_us"), 360, 5);
+         }},
+        {"the force reaches 3.1 N where 0.17 N would be right, changes by 46 % of itself within 30 "
+         "ms, and is flagged",
+         [](Runs& r) {
+           EXPECT_NEAR(r.summary("slide.toml").at("force").at("largest").at("N"), 0.17, 0.005);
+           const json& s = r.summary("slide.toml", {"contact.kind=node"});
+           EXPECT_NEAR(s.at("force").at("largest").at("N"), 3.1, 0.05);
+           EXPECT_NEAR(s.at("force").at("handed_over").at("within_30_ms_rel"), 0.46, 0.005);
+           EXPECT_THAT(s.at("stability").at("flags").dump(), HasSubstr("force-step"));
+         }}}},
       {"passive-wall.toml",
        {{"the tip comes to the wall, swings, and ends within 0.02 mm; the observer never owes 0.1 "
          "mJ",
