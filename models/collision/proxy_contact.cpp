@@ -62,9 +62,8 @@ ProxyContact::ProxyContact(const fem::Body& body, const DeformedSurface& surface
   loads_.reserve(3 * probes);
   applied_.reserve(3 * probes);
   present_.reserve(probes);
-  apart_.resize(probes);
+  drag_.resize(probes);
   own_.resize(probes);
-  s_.resize(probes);
   m_.resize(9 * probes * probes);
   d_.resize(3 * probes);
 }
@@ -254,10 +253,15 @@ bool ProxyContact::slide(bool move) {
     const Eigen::Vector3d tangential = probe.force + normal * probe.normal;
     const double size = tangential.norm();
     const double limit = settings_.friction * normal;
-    if (!(size > limit)) continue;
+    // M changes on the way, so that X may have gone too far and leaves a force within the cone.
+    Eigen::Vector3d& drag = drag_[present_[p]];
+    const bool outside = size > limit;
+    const bool too_far = !outside && probe.sliding && tangential.dot(drag) > 0;
+    if (!outside && !too_far) continue;
+    if (!probe.sliding) drag = tangential;
     probe.sliding = true;
     const Eigen::Vector3d on_cone = (limit / size) * tangential;
-    if (move) {
+    if (move && (outside || limit - size > kOnCone * limit)) {
       const SurfaceWalk::Step step = walk_.go(probe.spot, own_[p] * (tangential - on_cone));
       probe.at_rim = probe.at_rim || step.stopped || step.creased;
       operations_ += kCone * step.triangles;
@@ -267,7 +271,7 @@ bool ProxyContact::slide(bool move) {
         continue;
       }
     }
-    probe.off_cone = size - limit > kOnCone * normal;
+    probe.off_cone = std::abs(size - limit) > kOnCone * normal;
     probe.force = on_cone - normal * probe.normal;
   }
   return moved;

@@ -45,7 +45,7 @@ struct ProxySettings {
 
 class ProxyContact {
  public:
-  // Within this share of the normal force outside of the cone, X has come to rest on it.
+  // Within this share of the normal force beside the cone, X has come to rest on it.
   static constexpr double kOnCone = 0.01;
 
   // One of a probe, after solve().
@@ -117,10 +117,11 @@ class ProxyContact {
   std::vector<SurfaceSpot> sought_;
   std::vector<Probe> probes_;
   std::vector<fem::ContactLoad> loads_, applied_;
-  // Scratch of a solve: the probes in contact, their distances d and M.
+  // Scratch of a solve: the probes in contact, of each probe the tangential force from which it
+  // began to slide, the blocks of M's diagonal, M and the distances.
   std::vector<std::size_t> present_;
-  std::vector<Eigen::Vector3d> apart_;
-  std::vector<Eigen::Matrix3d> own_, s_;
+  std::vector<Eigen::Vector3d> drag_;
+  std::vector<Eigen::Matrix3d> own_;
   std::vector<double> m_, d_;
   std::span<const Eigen::Vector3d> tips_;
   std::span<const double> u_;
