@@ -1,5 +1,6 @@
 #include "app/scene/unit_contacts.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <limits>
 
@@ -87,7 +88,28 @@ bool quick_to_factorise(const Scene& scene) {
   return scene.body().stiffness().block_rows() <= kMostNodes;
 }
 
+namespace {
+
+// Of proxies. Between nodes the compliance is linear, so that the nodes have the extremes.
+std::optional<double> proxy_stiffness(const Scene& scene) {
+  collision::SurfaceCompliance statics = scene.glide()->statics;
+  std::optional<double> stiffest;
+  for (std::size_t i = 0; i < scene.scenario().probes.size(); ++i) {
+    for (const Place& place : touched(scene, scene.scenario().probes[i])) {
+      const Eigen::Vector3d& n = scene.contacts().surface().rest_normal(place.node);
+      const Eigen::Matrix3d compliance =
+          statics.block(place.node, place.node) +
+          scene.glide()->settings.coupling[i] * Eigen::Matrix3d::Identity();
+      stiffest = std::max(stiffest.value_or(0), n.dot(compliance.inverse() * n));
+    }
+  }
+  return stiffest;
+}
+
+}  // namespace
+
 std::optional<double> contact_stiffness(const Scene& scene) {
+  if (scene.glide() != nullptr) return proxy_stiffness(scene);
   const fem::Body& body = scene.body();
   host::ReferenceRun run(body, std::nullopt, scene.scenario().budget.period_s, body.stiffness(),
                          body.stiffness());

@@ -62,6 +62,7 @@ ProxyContact::ProxyContact(const fem::Body& body, const DeformedSurface& surface
   loads_.reserve(3 * probes);
   applied_.reserve(3 * probes);
   present_.reserve(probes);
+  settings_.kernel.resize(probes);
   drag_.resize(probes);
   own_.resize(probes);
   m_.resize(9 * probes * probes);

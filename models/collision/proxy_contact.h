@@ -40,7 +40,7 @@ struct ProxySettings {
   double friction = 0.3;         // Coulomb's coefficient; infinite: it sticks
   int steps = 3;                 // of X in a frame, at most
   std::vector<double> coupling;  // s0 of each probe, m/N
-  std::vector<double> kernel;    // of that, what the size of the probe's end asks for, m/N
+  std::vector<double> kernel;    // of that, what the probe's size asks for, m/N; missing: none
 };
 
 class ProxyContact {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/allocation_count.h"
+#include "tests/vp/gliding_scene.h"
 #include "tests/vp/pressed_scene.h"
 #include "tests/vp/small_scene.h"
 #include "vp/bus/bus_meter.h"
@@ -95,6 +96,22 @@ TEST(Allocation, NoneInPassesOfRefinement) {
   test::SmallScene scene(options);
   scene.touch();
   expect_none(scene, 1);
+}
+
+TEST(Allocation, NoneWhereContactGlides) {
+  test::SmallScene::Options options;
+  options.dynamics = fem::Dynamics{};
+  options.refinement = host::Refinement{};
+  test::GlidingScene glide(options);
+  // A slide has frames of many lengths, of which the verdict keeps each.
+  glide.scene.touch();
+  glide.scene.settings.frames = 202;
+  Platform platform(glide.scene.settings, glide.soft(), nullptr);
+  Count count;
+  platform.add_observer(count);
+  platform.run();
+  ASSERT_GT(count.first, 0U);
+  EXPECT_EQ(count.last - count.first, 0U);
 }
 
 // Every fifth frame gives the board another matrix.
