@@ -83,7 +83,7 @@ expect 'a package has another version' 1 "$(configured)"
 packages 'cmake 3.25'
 printf 'deinstall verilator 5.006-2\n' >>"$scratch/installed"
 expect 'a package has gone' 1 "$(configured)"
-touch "$top/CMakePresets.json"
+touch -d '1 minute' "$top/CMakePresets.json"  # Later than this moment's tick.
 expect 'the presets have changed' 1 "$(configured)"
 
 rm -r "$top/build"
