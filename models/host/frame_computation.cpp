@@ -170,15 +170,15 @@ std::vector<Step> FrameComputation::steps_with_loads(double contact_operations,
   std::vector<Step> steps;
   const std::vector<Step> of_method = method_->steps();
   for (const Step& step : of_method) {
-    if (first_solve && !step.after_force) steps.push_back(step);
+    if (first_solve && !step.after_force && step.times > 0) steps.push_back(step);
   }
   if (first_solve) {
     steps.push_back({"U out of its words", Step::Where::host, method_->force_operations()});
   }
   steps.push_back({"the proxies' forces", Step::Where::host, contact_operations});
-  for (Step step : of_method) {
-    step.after_force = true;
+  for (const Step& step : first_solve ? method_->further_steps() : of_method) {
     steps.push_back(step);
+    steps.back().after_force = true;
   }
   steps.push_back({"U out of its words", Step::Where::host, method_->force_operations(), 1, true});
   steps.push_back(

@@ -85,6 +85,15 @@ class FrameMethod {
   virtual double contact_operations() const { return 0; }
 
   virtual std::vector<Step> steps() const = 0;
+  // The same of a second solve, by go_on(), and of finish() after it. All of them are after the
+  // force.
+  virtual std::vector<Step> further_steps() const { return after_force(steps()); }
+
+ protected:
+  static std::vector<Step> after_force(std::vector<Step> steps) {
+    for (Step& step : steps) step.after_force = true;
+    return steps;
+  }
 };
 
 }  // namespace hvp::host

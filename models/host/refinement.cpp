@@ -243,4 +243,19 @@ std::vector<Step> RefinedSolve::steps() const {
   return steps;
 }
 
+// The residual that the last pass leaves is looked at before it is known to be the last.
+std::vector<Step> RefinedSolve::further_steps() const {
+  const double looked = divided_.most_after > divided_.after
+                            ? residual_operations(true) + increments_.within_operations()
+                            : 0;
+  const double judged =
+      looked > 0 ? finish_operations() - increments_.evaluate_operations() : finish_operations();
+  return after_force(
+      {{"residual with the new forces", Step::Where::host, residual_operations(true),
+        divided_.after},
+       {"", Step::Where::board, 0, divided_.after},
+       {"last increment, and what it leaves", Step::Where::host, accept_operations() + looked},
+       {"judgement of that", Step::Where::host, judged}});
+}
+
 }  // namespace hvp::host

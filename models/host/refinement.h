@@ -95,6 +95,7 @@ class RefinedSolve final : public FrameMethod {
   double next_operations() const override { return next_operations_; }
   double finish_operations() const override;
   std::vector<Step> steps() const override;
+  std::vector<Step> further_steps() const override;
 
  private:
   // The operations of a residual with or without q(u) (the first pass has it from finish()), and of
