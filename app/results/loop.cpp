@@ -191,14 +191,14 @@ void port_lines(Out out, const Outcome& o) {
     }
     if (o.passivity.empty()) continue;
     const host::PassivityController& c = o.passivity[i];
-    fmt::format_to(out, "  observer       {} in the end, at least {}\n", joules(c.observed_J()),
-                   joules(c.least_J()));
+    fmt::format_to(out, "  observer       {} in the end, at least {}\n", joules(c.observed_j()),
+                   joules(c.least_j()));
     fmt::format_to(out, "  controller     {}\n",
                    c.frames_acted() == 0
                        ? std::string("did not act")
                        : fmt::format("acted in {}, in {} at its bound; up to {:.3g} N s/m",
                                      counted(c.frames_acted(), "frame"), c.frames_bound(),
-                                     c.largest_damping_N_s_m()));
+                                     c.largest_damping()));
   }
 }
 

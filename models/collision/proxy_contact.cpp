@@ -82,6 +82,12 @@ void ProxyContact::look(std::span<const Eigen::Vector3d> tips, std::span<const d
   for (std::size_t i = 0; i < probes_.size(); ++i) {
     if (!tips[i].allFinite()) throw InputError("the probe is not at a finite position");
     Probe& probe = probes_[i];
+    if (probe.spot.present()) {
+      // Beyond an edge the tip may be behind the plane of the proxy's face and in the air.
+      SearchCost cost;
+      if (walk_.outside(tips[i], of_node, cost) > 0) leave(probe);
+      operations_ += cost.flops() + kCone;
+    }
     if (probe.spot.present() || !sought_[i].present()) continue;
     long tried = 0;
     sought_[i] = walk_.nearest(tips[i], sought_[i], of_node, tried);

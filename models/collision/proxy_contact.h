@@ -70,8 +70,9 @@ class ProxyContact {
   std::size_t size() const { return probes_.size(); }
   // Takes the spot from which a probe without contact seeks the surface nearest to it.
   void suggest(std::size_t probe, const SurfaceSpot& spot) { sought_[probe] = spot; }
-  // `u` is the last solution. Contact begins where the tip is on or inside the surface displaced by
-  // it; a probe without a suggested spot has no contact.
+  // `u` is the last solution. Contact ends where the tip is outside of the body. It begins where
+  // the tip is on or inside the surface displaced by it; a probe without a suggested spot has no
+  // contact.
   void look(std::span<const Eigen::Vector3d> tips, std::span<const double> u);
   void solve(std::span<const Eigen::Vector3d> tips, std::span<const double> u1);
   // The same from a displacement that no contact has part in.

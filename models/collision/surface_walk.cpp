@@ -171,8 +171,7 @@ SurfaceWalk::Step SurfaceWalk::go(const SurfaceSpot& from, const Eigen::Vector3d
   return step;
 }
 
-SurfaceSpot SurfaceWalk::nearest_at_rest(const Eigen::Vector3d& p) const {
-  const SurfacePoint point = surface_.closest(p);
+SurfaceSpot SurfaceWalk::spot_of(const SurfacePoint& point) const {
   const std::array<int, 3>& t = corners(point.triangle);
   return {point.triangle,
           barycentric_weights(point.point, surface_.rest_position(t[0]),

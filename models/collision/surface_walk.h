@@ -61,10 +61,21 @@ class SurfaceWalk {
   SurfaceSpot nearest(const Eigen::Vector3d& p, const SurfaceSpot& from, const Displacement& u,
                       long& tried) const;
   // The spot at rest that is nearest to p.
-  SurfaceSpot nearest_at_rest(const Eigen::Vector3d& p) const;
+  SurfaceSpot nearest_at_rest(const Eigen::Vector3d& p) const {
+    return spot_of(surface_.closest(p));
+  }
+  // How far p is outside of the surface displaced by u, at the place that is nearest to p at rest:
+  // negative inside. Counts the search.
+  template <class Displacement>
+  double outside(const Eigen::Vector3d& p, const Displacement& u, SearchCost& cost) const {
+    const SurfacePoint point = surface_.closest(p);
+    cost += point.cost;
+    return point.signed_distance - displaced(spot_of(point), u).dot(point.normal);
+  }
 
  private:
   static std::size_t index(int i) { return static_cast<std::size_t>(i); }
+  SurfaceSpot spot_of(const SurfacePoint& point) const;
   void find_normals();
   bool crease(int triangle, int side) const;
   Eigen::Vector3d facet(int triangle) const;

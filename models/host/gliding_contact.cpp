@@ -123,15 +123,15 @@ stability::Flags GlidingContact::flags() const {
   return flags;
 }
 
-void GlidingContact::describe(std::size_t i, collision::Touch& touch) const {
-  const collision::ProxyContact::Probe& probe = proxy_.probes()[i];
-  touch.contact = contacts_[i];
-  touch.force = forces_[i];
-  touch.gap = probe.gap.norm();
-  touch.unresolved = probe.unresolved;
-  touch.depth = probe.depth;
-  touch.slides = probe.sliding;
-  if (probe.spot.present()) touch.foot = proxy_.walk().rest(probe.spot);
+void GlidingContact::describe(std::size_t probe, collision::Touch& touch) const {
+  const collision::ProxyContact::Probe& state = proxy_.probes()[probe];
+  touch.contact = contacts_[probe];
+  touch.force = forces_[probe];
+  touch.gap = state.gap.norm();
+  touch.unresolved = state.unresolved;
+  touch.depth = state.depth;
+  touch.slides = state.sliding;
+  if (state.spot.present()) touch.foot = proxy_.walk().rest(state.spot);
 }
 
 // The proxy stands between its place without contact and the tip.

@@ -48,11 +48,11 @@ class PassivityController {
   // True if the last call of damping() gave a force.
   bool acts() const { return acts_; }
 
-  double observed_J() const { return energy_; }
-  double least_J() const { return least_; }
+  double observed_j() const { return energy_; }
+  double least_j() const { return least_; }
   std::int64_t frames_acted() const { return acted_; }
   std::int64_t frames_bound() const { return bound_; }
-  double largest_damping_N_s_m() const { return largest_; }
+  double largest_damping() const { return largest_; }
 
   void report(config::Figures& f) const;
   // Of no run.

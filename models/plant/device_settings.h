@@ -64,6 +64,8 @@ struct Probe : Trajectory {
   std::optional<Hand> hand;
 
   Probe() = default;
+  // One with the shared device and hand is its motion.
+  // NOLINTNEXTLINE(google-explicit-constructor)
   Probe(const Trajectory& trajectory) : Trajectory(trajectory) {}
 
   void declare(config::Visitor& v);

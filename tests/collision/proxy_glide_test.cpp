@@ -47,6 +47,21 @@ TEST(ProxyGlide, GlidesEvenly) {
   EXPECT_LT(range(force.size()), 1.3 * 0.04);
 }
 
+// A tip that presses on a side face and rises above the top is behind the face's plane, and in the
+// air.
+TEST(ProxyGlide, LetsGoOfATipThatIsOutsideOfTheBody) {
+  for (const double friction : {0.0, 0.3, 1e6}) {
+    Glide glide({.friction = friction});
+    Vector3d tip(0.06, 0.033, 0.02);
+    glide.begin({tip});
+    glide.move(tip, {0.05, 0.033, 0.02}, 1e-4);
+    EXPECT_GT(glide.contact.probes()[0].force.norm(), 0.1);
+    glide.move(tip, {0.05, 0.033, 0.035}, 1e-4);
+    EXPECT_FALSE(glide.contact.probes()[0].spot.present()) << friction;
+    EXPECT_EQ(glide.contact.probes()[0].force, Vector3d::Zero());
+  }
+}
+
 // The force does not step where X goes into another triangle.
 TEST(ProxyGlide, DoesNotStepBetweenTriangles) {
   double at_changes[2] = {};

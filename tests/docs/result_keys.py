@@ -20,7 +20,10 @@ from typing import Any
 TOP = Path(__file__).resolve().parents[2]
 PAGE = TOP / "docs" / "results-reference.md"
 # By the scenario that they are of.
-EXTRA_OF = {"beyond the edge": ("wall.toml", ["wall.stiffness=1100 N/m"])}
+EXTRA_OF = {
+    "beyond the edge": ("wall.toml", ["wall.stiffness=1100 N/m"]),
+    "a virtual tool": ("wall.toml", ["host.virtual_coupling.stiffness=3000 N/m", "frames=2"]),
+}
 EXTRA = {
     "spectrum": ["spectrum=true", "solver.matrix_scaling=diagonal", "frames=2"],
     "several devices": ["accelerator.several.devices=2", "frames=2"],

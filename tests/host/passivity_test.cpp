@@ -35,7 +35,7 @@ TEST(PassivityObserver, CountsTheIntegralOfASpringAndWhatHoldingItsForceGives) {
     const Vector3d added = controller.damping(places[n], kStiffness * places[n]);
     ASSERT_TRUE(added.isZero(0)) << "far from its start the spring has more than it gave: " << n;
     const double integral = 0.5 * kStiffness * places[n].squaredNorm();
-    ASSERT_NEAR(controller.observed_J(), integral - held, 1e-14) << n;
+    ASSERT_NEAR(controller.observed_j(), integral - held, 1e-14) << n;
   }
   EXPECT_GT(held, 0);
 }
@@ -47,13 +47,13 @@ TEST(PassivityController, PaysWithinAFrameWhatIsOwed) {
   controller.damping(Vector3d::Zero(), -2 * step.normalized());
   const Vector3d added = controller.damping(step, Vector3d::Zero());
   const double owed = 2 * step.norm();
-  EXPECT_NEAR(controller.observed_J(), -owed, 1e-15);
+  EXPECT_NEAR(controller.observed_j(), -owed, 1e-15);
   EXPECT_NEAR(added.dot(step), owed, 1e-15);
   EXPECT_NEAR((added.normalized() - step.normalized()).norm(), 0, 1e-12);
-  EXPECT_NEAR(controller.largest_damping_N_s_m(), owed * kPeriod / step.squaredNorm(), 1e-9);
+  EXPECT_NEAR(controller.largest_damping(), owed * kPeriod / step.squaredNorm(), 1e-9);
   controller.damping(2 * step, Vector3d::Zero());
-  EXPECT_NEAR(controller.observed_J(), 0, 1e-15);
-  EXPECT_NEAR(controller.least_J(), -owed, 1e-15);
+  EXPECT_NEAR(controller.observed_j(), 0, 1e-15);
+  EXPECT_NEAR(controller.least_j(), -owed, 1e-15);
   EXPECT_EQ(controller.frames_bound(), 0);
 }
 
@@ -67,11 +67,11 @@ TEST(PassivityController, OwesOnWhatItsBoundsLeave) {
     // 4 N s/m at 0.05 m/s are 0.2 N: of 0.2 mJ a frame pays 0.02 mJ.
     for (int n = 1; n <= 8; ++n) {
       EXPECT_NEAR(controller.damping(n * step, Vector3d::Zero()).z(), 0.2, 1e-12) << n;
-      EXPECT_NEAR(controller.observed_J(), -2e-4 + (n - 1) * 2e-5, 1e-15) << n;
+      EXPECT_NEAR(controller.observed_j(), -2e-4 + (n - 1) * 2e-5, 1e-15) << n;
     }
     EXPECT_EQ(controller.frames_acted(), 8);
     EXPECT_EQ(controller.frames_bound(), 8);
-    EXPECT_NEAR(controller.largest_damping_N_s_m(), 4, 1e-9);
+    EXPECT_NEAR(controller.largest_damping(), 4, 1e-9);
   }
 }
 
@@ -82,7 +82,7 @@ TEST(PassivityController, LetsADeviceAtRestRest) {
   ASSERT_TRUE(controller.acts());
   EXPECT_TRUE(controller.damping(Vector3d(0, 0, 1e-3), Vector3d::Zero()).isZero(0));
   EXPECT_FALSE(controller.acts());
-  EXPECT_LT(controller.observed_J(), 0);
+  EXPECT_LT(controller.observed_j(), 0);
 }
 
 }  // namespace

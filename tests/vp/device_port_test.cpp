@@ -113,7 +113,7 @@ TEST(DevicePort, TheObserverCountsTheIntegralOfForceOverWay) {
     EXPECT_NEAR(frame.ports[0].observed_J, expected, 1e-15);
   }
   EXPECT_NEAR(before, 2e-3, 1e-12);
-  EXPECT_NEAR(run.controller().observed_J(), counted(run.frames(), 0), 1e-15);
+  EXPECT_NEAR(run.controller().observed_j(), counted(run.frames(), 0), 1e-15);
 }
 
 // One frame in the pipeline: a force goes out when the position after its own has been read.
@@ -125,8 +125,8 @@ TEST(DevicePort, WithAPipelineTheObserverTakesTheNewestPosition) {
   s.frames = 80;
   const WallRun run(s);
   ASSERT_EQ(run.frames().size(), 80U);
-  EXPECT_GT(run.controller().observed_J(), 0);
-  EXPECT_NEAR(run.controller().observed_J(), counted(run.frames(), 1), 1e-15);
+  EXPECT_GT(run.controller().observed_j(), 0);
+  EXPECT_NEAR(run.controller().observed_j(), counted(run.frames(), 1), 1e-15);
 }
 
 // The loop of 0.1 kg and 1 N s/m without a hand bears 1003 N/m; this wall is beyond that.
@@ -162,7 +162,7 @@ TEST(DevicePort, AControllerKeepsWhatIsOwedAndTheSwingSmall) {
   const double stored = 0.5 * 1300 * 1e-6;
   EXPECT_LT(swing(run.frames()), 1e-3);
   EXPECT_GT(run.controller().frames_acted(), 0);
-  EXPECT_GT(run.controller().least_J(), -2 * stored);
+  EXPECT_GT(run.controller().least_j(), -2 * stored);
   for (const Frame& frame : run.frames()) {
     EXPECT_LE(frame.ports[0].damping.norm(), host::Passivity{}.largest_force_N);
   }

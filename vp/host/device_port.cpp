@@ -31,7 +31,7 @@ void DevicePort::send(Frame& frame) {
     if (controllers_.empty()) continue;
     host::PassivityController& controller = controllers_[i];
     frame.ports[i].damping = controller.damping(newest_[i], forces_[i]);
-    frame.ports[i].observed_J = controller.observed_J();
+    frame.ports[i].observed_J = controller.observed_j();
     send_operations_ += host::PassivityController::kObserves +
                         (controller.acts() ? host::PassivityController::kDamps : 0);
   }

@@ -639,9 +639,9 @@ const std::map<std::string, std::vector<Claim>>& claims() {
            EXPECT_EQ(s.at("stability").at("flags"), json::array());
            EXPECT_GT(s.at("contact").at("proxy").at("sliding"), 800);
          }},
-        {"the force is out at 360 us",
+        {"the force is out at 365 us",
          [](Runs& r) {
-           EXPECT_NEAR(r.summary("slide.toml").at("deadline").at("worst_us"), 360, 1);
+           EXPECT_NEAR(r.summary("slide.toml").at("deadline").at("worst_us"), 365, 1);
          }},
         {"3.1 N where 0.17 N would be right, which change by 46 % of themselves within 30 ms, and "
          "are flagged",
