@@ -19,10 +19,11 @@ constexpr int kMostRepetitions = 40;
 }  // namespace
 
 GlideTables::GlideTables(const fem::Body& body, const sparse::BlockMatrix& system, bool is_dynamic,
-                         bool linear, double friction, std::span<const double> radii)
+                         bool linear, double friction, std::span<const double> probe_radii)
     : surface(body.mesh()), statics(body, body.stiffness(), surface.surface_nodes()) {
   if (is_dynamic) dynamic.emplace(body, system, surface.surface_nodes());
   settings.friction = friction;
+  radii.assign(probe_radii.begin(), probe_radii.end());
   for (const double radius : radii) {
     const collision::CouplingCompliance of_probe =
         collision::coupling_compliance(body, surface, statics, radius, is_dynamic);
@@ -112,10 +113,31 @@ double GlideTables::typical_operations(std::size_t probes) {
   return collision::ProxyContact::typical_operations(probes);
 }
 
+// Two ends in one place: each has a coupling of its own, and together they are too stiff.
+bool GlidingContact::overlap() const {
+  const auto probes = proxy_.probes();
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (!probes[i].spot.present() || !probes[j].spot.present()) continue;
+      const Eigen::Vector3d apart =
+          proxy_.walk().rest(probes[i].spot) - proxy_.walk().rest(probes[j].spot);
+      if (apart.norm() < tables_.radii[i] + tables_.radii[j]) return true;
+    }
+  }
+  return false;
+}
+
 stability::Flags GlidingContact::flags() const {
   stability::Flags flags;
-  for (const collision::ProxyContact::Probe& probe : proxy_.probes()) {
+  if (overlap()) flags.raise(stability::Flag::contact_doubtful);
+  for (std::size_t i = 0; i < tables_.radii.size(); ++i) {
+    const collision::ProxyContact::Probe& probe = proxy_.probes()[i];
     if (!probe.spot.present()) continue;
+    // The coupling is that of a small indentation, which no strain of an element shows.
+    const double diameter = 2 * tables_.radii[i];
+    if (diameter > 0 && probe.gap.norm() > diameter) {
+      flags.raise(stability::Flag::contact_doubtful);
+    }
     if (probe.at_rim) flags.raise(stability::Flag::proxy_at_rim);
     if (probe.off_cone || probe.depth > tables_.half_extent)
       flags.raise(stability::Flag::contact_doubtful);

@@ -27,12 +27,13 @@ struct GlideTables {
   // of each probe is that of its end, m. Throws InputError for a matrix that is not positive
   // definite.
   GlideTables(const fem::Body& body, const sparse::BlockMatrix& system, bool dynamic, bool linear,
-              double friction, std::span<const double> radii);
+              double friction, std::span<const double> probe_radii);
 
   collision::DeformedSurface surface;                   // stays at rest
   collision::SurfaceCompliance statics;                 // of K
   std::optional<collision::SurfaceCompliance> dynamic;  // of Â; absent for a static body
   collision::ProxySettings settings;
+  std::vector<double> radii;  // of the probes' ends, m
   // The displacement without contact of a static linear body, m; empty otherwise.
   std::vector<double> free_displacement;
 
@@ -96,6 +97,8 @@ class GlidingContact {
   std::span<const fem::ContactLoad> next_loads() const {
     return solved_ ? proxy_.loads() : proxy_.applied();
   }
+
+  bool overlap() const;
 
   const GlideTables& tables_;
   bool rendered_;

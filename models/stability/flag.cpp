@@ -160,10 +160,11 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "is anchored; contact.friction of 0.1 or more, with which no energy is made there"},
     {"contact-doubtful",
      "elements are so large beside the probe that their coupling takes more than half of the "
-     "depth, the tip was deeper than half of the body, "
+     "depth, the tip was deeper than half of the body or further from the surface than a diameter "
+     "of its probe, two probes were in one place, "
      "or the friction's cone was not reached in a frame's steps",
      "no setting of the board helps: a slower or shallower motion of the probe, more nodes, which "
-     "stiffen the coupling, or a larger probe.radius"},
+     "stiffen the coupling, a larger probe.radius, or probes that stay apart"},
 }};
 }  // namespace
 
