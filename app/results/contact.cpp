@@ -17,7 +17,8 @@ void Approach::report(config::Figures& f) const {
 }
 
 void ContactFigures::report(config::Figures& f) const {
-  f.count("changes", changes, "how often the contact node changed");
+  f.count("changes", changes,
+          "frames in which a probe's contact node is another one than in the frame before");
   f.count("collision_passes", collision_passes, "of the collision process");
   f.time("longest_pass_us", longest_pass, "the longest of them");
   f.ratio("share", share(), "of all frames, those in contact");

@@ -59,12 +59,14 @@ class BusMeters {
   explicit BusMeters(vp::Platform& platform)
       : bus_({[&platform] { return platform.bus().busy(); },
               [&platform] { return platform.bus().busy_until_now(); },
-              [&platform] { return platform.bus().uses(); }}) {
+              [&platform] { return platform.bus().uses(); },
+              [&platform] { return platform.bus().uses_until_now(); }}) {
     platform.add_observer(bus_);
     if (platform.pcie() == nullptr) return;
     const auto direction = [&platform](link::PcieSide sender) {
       const auto busy = [&platform, sender] { return platform.pcie()->busy(sender); };
-      return vp::BusMeter::Bus{busy, busy, [&platform] { return platform.pcie()->uses(); }};
+      const auto uses = [&platform] { return platform.pcie()->uses(); };
+      return vp::BusMeter::Bus{busy, busy, uses, uses};
     };
     to_board_.emplace(direction(link::PcieSide::root));
     to_host_.emplace(direction(link::PcieSide::device));

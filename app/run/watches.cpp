@@ -81,15 +81,19 @@ stability::Flags ApproachWatch::flags() const {
 void ForceWatch::solved(const vp::Frame& frame, const vp::Solution& solution) {
   for (std::size_t i = 0; i < qualities_.size(); ++i) {
     const collision::Touch& touch = frame.touches[i];
-    stability::FeltForce felt{
-        frame.number,       to_seconds(frame.time),        touch.tip, touch.force,
-        touch.contact.node, !solution.hold.let_go.empty(), 0};
+    stability::FeltForce felt{frame.number,
+                              to_seconds(frame.time),
+                              frame.read(i),
+                              frame.sent(i),
+                              touch.contact.node,
+                              !solution.hold.let_go.empty(),
+                              0};
     if (touch.contact.present()) {
       felt.pull = touch.force.dot(contacts_.surface().rest_normal(touch.contact.node));
     }
     if (touch.contact.spot.present() && at_rest_ != nullptr) {
       // Found by itself: where a proxy stands is what is judged.
-      felt.foot = at_rest_->closest(touch.tip).point;
+      felt.foot = at_rest_->closest(felt.tip).point;
       felt.pull = 0;
     }
     qualities_[i].add(felt);

@@ -135,11 +135,10 @@ struct Scenario : vp::SystemSettings {
     if (!reference || !reference->model) return false;
     return *reference->model != object.law() || (object.model && object.model->springs);
   }
-  // True if a frame's solution depends on those before.
   // True where a frame depends on those before it.
   bool has_memory() const {
     return dynamics || (object.model && !object.model->prony.empty()) ||
-           contact.search.kind == collision::ContactKind::proxy;
+           (!wall && contact.search.kind == collision::ContactKind::proxy);
   }
   bool timing_only() const { return fidelity.numbers == vp::Numbers::none; }
   // Throws InputError if an effect lacks what it needs, and for keys that exclude each other.

@@ -173,15 +173,21 @@ void PciArbiter::release(std::int64_t clock) {
 }
 
 std::int64_t PciArbiter::taken_ps(std::int64_t until_ps) const {
+  std::int64_t taken = held_ps();
+  for (int i = 0; i < count_; ++i) taken += owned_ps(i, until_ps);
+  return taken;
+}
+
+std::int64_t PciArbiter::owned_ps(int master, std::int64_t until_ps) const {
   PciArbiter then = *this;
   then.observer_ = nullptr;
   then.run(clock_of(until_ps));  // a grant at the clock under way has been decided
-  std::int64_t taken = then.held_ps();
-  for (int i = 0; i < count_; ++i) taken += then.at(i).statistics.owned_ps;
+  const std::int64_t owned = then.at(master).statistics.owned_ps;
   const std::int64_t free = then.free_ * clocks_.period_ps();
   const std::int64_t began = then.address_ * clocks_.period_ps();
-  if (then.owner_ >= 0) return taken + until_ps - began;
-  return taken - std::max<std::int64_t>(0, free - until_ps);
+  if (then.owner_ == master) return owned + until_ps - began;
+  if (then.owner_ >= 0 || then.last_owner_ != master) return owned;
+  return owned - std::max<std::int64_t>(0, free - until_ps);
 }
 
 std::int64_t PciArbiter::forecast(int master) const {

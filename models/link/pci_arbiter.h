@@ -61,6 +61,9 @@ class PciArbiter {
   // The time for which the bus was owned or occupied until `until_ps`, which is not before the last
   // advance().
   std::int64_t taken_ps(std::int64_t until_ps) const;
+  // A master's part of that, without held_ps(): what of a hold comes after `until_ps` is taken off
+  // the master that owned the bus last.
+  std::int64_t owned_ps(int master, std::int64_t until_ps) const;
   bool busy(int master) const { return at(master).busy; }
   // True if the master's last request has released the bus by the time of the last advance().
   bool done(int master) const { return !at(master).busy; }

@@ -62,11 +62,13 @@ void Trajectory::declare(config::Visitor& v) {
   v.vector(
       "start", start, config::Dimension::length, kReach,
       {.help = "where the probe is at the start, in the body's coordinates", .required = true});
-  v.quantity("radius", radius, config::Dimension::length,
-             {.min = 0.0, .max = 1.0, .min_open = true},
-             {.help = "radius of the probe sphere in pictures; contact is with its centre",
-              .source = "chosen to be seen beside a body of a few centimetres (thesis Fig. 6.3 "
-                        "shows the user as a small sphere, without a size)"});
+  v.quantity(
+      "radius", radius, config::Dimension::length, {.min = 0.0, .max = 1.0, .min_open = true},
+      {.help =
+           "radius of the probe's flat end, which a body yields to where contact.kind = \"proxy\"; "
+           "a node and a wall are touched by its centre, and pictures show a sphere",
+       .source = "chosen to be seen beside a body of a few centimetres (thesis Fig. 6.3 "
+                 "shows the user as a small sphere, without a size)"});
   v.choice("interpolation", interpolation,
            {{"minimum-jerk", Interpolation::minimum_jerk}, {"linear", Interpolation::linear}},
            {.help = "how a stroke passes from its start to its end",

@@ -73,7 +73,8 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
     {"force-step",
      "the force changes by more than a tenth of its largest value from one frame to the next, or "
      "by more than can go unnoticed while a contact is handed from node to node",
-     "a longer contact.hand_over, a slower probe, or a shorter budget.period"},
+     "of a node, contact.kind = \"proxy\", else a longer contact.hand_over; a slower probe, or a "
+     "shorter budget.period"},
     {"force-ringing", "the force turns back and forth from frame to frame",
      "a contact.hand_over of at least 20 ms, dynamics.newmark_gamma above 0.5, a finer "
      "device.encoder.resolution, a smaller contact.patch_radius"},

@@ -78,8 +78,10 @@ def stl(points: list[Point], triangles: list[Triangle]) -> str:
 
 def pressed_polyhedron(rng: random.Random, scenario: Scenario) -> Scenario:
     """Held at its lowest corners, pressed in the middle of its highest face. Millimetres of the
-    surface become metres only in the scenario."""
+    surface become metres only in the scenario. Contact is found anew in every frame: how long a
+    search takes, and so when a pass of the collision process ends, is the mesher's order too."""
     changed = on_the_host(rng, scenario)
+    changed.effects.add("contact.fresh")
     loads = ("loads.point", "loads.pressure", "loads.prescribed")
     for name in (*loads, "object.mesh", "object.region"):
         changed.take_out(name)

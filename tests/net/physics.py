@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from deformation_step import array
-from laws import Law, first_difference
+from laws import Law, glides
 from run_files import Frame, Run
 from scenario import Scenario, vector
 
@@ -42,6 +42,26 @@ def in_lists(scenario: Scenario, factors: dict[str, float]) -> None:
                     item[name] = times(item[name], factor)
 
 
+def tables_of(scenario: Scenario) -> set[str]:
+    return {name.rpartition(".")[0] for name in scenario.values} | scenario.effects
+
+
+def of_the_port(
+    scenario: Scenario, stiffness: float, damping: float
+) -> dict[str, tuple[float, str]]:
+    """What the host has between body and device, where the scenario names it."""
+    factors: dict[str, tuple[float, str]] = {}
+    there = tables_of(scenario)
+    if "host.virtual_coupling" in there:
+        factors["host.virtual_coupling.stiffness"] = (stiffness, '"800 N/m"')
+        factors["host.virtual_coupling.damping"] = (damping, '"5 N s/m"')
+        factors["host.virtual_coupling.expected_stiffness"] = (stiffness, "")
+    if "host.passivity" in there:
+        factors["host.passivity.largest_damping"] = (damping, '"20 N s/m"')
+        factors["host.passivity.largest_force"] = (stiffness, '"8.5 N"')
+    return factors
+
+
 # Twice would do, but for solver.matrix_scaling, which takes the root of the diagonal.
 STIFFER = 4
 
@@ -51,36 +71,39 @@ def stiffer(_: random.Random, scenario: Scenario, __: Run) -> Scenario | None:
     diagonal of one has no unit and does not grow."""
     if scenario.values.get("contact.diagonal") == '"one"':
         return None
-    changed = scaled(
-        scenario,
-        {
-            "object.material.young_modulus": (STIFFER, '"10 kPa"'),
-            "object.material.density": (STIFFER, '"1000 kg/m3"'),
-            "contact.release_force": (STIFFER, ""),
-        },
-    )
+    # After a proxy's force, refinement ends where nobody feels what is left, in newtons.
+    if glides(scenario) and "refinement" in tables_of(scenario):
+        return None
+    factors = {
+        "object.material.young_modulus": (STIFFER, '"10 kPa"'),
+        "object.material.density": (STIFFER, '"1000 kg/m3"'),
+        "contact.release_force": (STIFFER, ""),
+    }
+    changed = scaled(scenario, factors | of_the_port(scenario, STIFFER, STIFFER))
     listed = ("loads.point.force", "loads.pressure.pressure")
     of_regions = ("object.region.young_modulus", "object.region.density")
     in_lists(changed, dict.fromkeys(listed + of_regions, STIFFER))
     return changed
 
 
-FORCES = slice(11, 15)  # columns of frames.csv
+def of_a_force(column: str) -> bool:
+    return column.endswith(("_N", "_J"))
 
 
 def as_many_times_the_force(before: Run, after: Run) -> Iterator[str]:
     """To the last bit, and all else the same."""
-    one = [line.split(",") for line in before.text("frames.csv").splitlines()]
-    other = [line.split(",") for line in after.text("frames.csv").splitlines()]
+    one, other = before.rows, after.rows
     if len(one) != len(other):
         yield f"frames.csv has {len(one)} lines, then {len(other)}"
-    for a, b in zip(one[1:], other[1:], strict=False):
-        if a[: FORCES.start] + a[FORCES.stop :] != b[: FORCES.start] + b[FORCES.stop :]:
-            yield first_difference("frames.csv", ",".join(a), ",".join(b))
-            return
-        for old, new in zip(a[FORCES], b[FORCES], strict=True):
-            if old and STIFFER * float(old) != float(new):
-                yield f"frame {a[0]}: a force of {old} N became {new} N, not {STIFFER} times that"
+    for a, b in zip(one, other, strict=False):
+        for column, old in a.items():
+            new = b[column]
+            if of_a_force(column) and old:
+                if STIFFER * float(old) != float(new):
+                    yield f"frame {a['frame']}: {column} of {old} became {new}, not {STIFFER} times"
+                    return
+            elif old != new:
+                yield f"frame {a['frame']}: {column} of {old} became {new}"
                 return
 
 
@@ -132,6 +155,10 @@ def twice_as_large(_: random.Random, scenario: Scenario, __: Run) -> Scenario:
     factors = dict.fromkeys(LENGTHS, (2.0, ""))
     factors["object.material.density"] = (1 / 4, '"1000 kg/m3"')
     factors["contact.release_force"] = (4, "")
+    factors["probe.radius"] = (2, '"3 mm"')
+    factors |= of_the_port(scenario, 2, 2)
+    if "host.passivity" in tables_of(scenario):
+        factors["host.passivity.largest_force"] = (4, '"8.5 N"')
     if "loads.gravity" in scenario.effects:
         standard = '["0 m/s2", "0 m/s2", "-9.80665 m/s2"]'
         factors["loads.gravity.acceleration"] = (2, standard)

@@ -29,7 +29,8 @@ void expect_none(test::SmallScene& scene, int contact_changes) {
   LatencyStatistics latency;
   BusMeter bus({[&platform] { return platform.bus().busy(); },
                 [&platform] { return platform.bus().busy_until_now(); },
-                [&platform] { return platform.bus().uses(); }});
+                [&platform] { return platform.bus().uses(); },
+                [&platform] { return platform.bus().uses_until_now(); }});
   Count count;
   platform.add_observer(latency);
   platform.add_observer(bus);

@@ -1,10 +1,13 @@
 #include "vp/bus/bus_meter.h"
 
-#include <numeric>
+#include <algorithm>
+#include <map>
+#include <string_view>
 
 #include <gtest/gtest.h>
 
 #include "tests/vp/small_scene.h"
+#include "tests/vp/tenure_log.h"
 #include "vp/platform.h"
 
 namespace hvp::vp::bus_meter_test {
@@ -28,7 +31,8 @@ class BusSpans : public FrameObserver {
 BusMeter::Bus meter_of(const Platform& platform) {
   return {[&platform] { return platform.bus().busy(); },
           [&platform] { return platform.bus().busy_until_now(); },
-          [&platform] { return platform.bus().uses(); }};
+          [&platform] { return platform.bus().uses(); },
+          [&platform] { return platform.bus().uses_until_now(); }};
 }
 
 TEST(BusMeter, CountsTheFramesTransactionsAndNotTheSetUp) {
@@ -85,6 +89,28 @@ TEST(BusMeter, KnowsWhoTookTheBus) {
   EXPECT_GE(meter.worst_share(), meter.share());
 }
 
+// Of each initiator what its tenures in the servo loop sum to, to the picosecond.
+TEST(BusMeter, CountsTheTenuresOfTheLoop) {
+  test::SmallScene scene;
+  scene.touch();
+  scene.settings.frames = 3;
+  scene.settings.fidelity.bus = Timing::approximately_timed;
+  scene.settings.bus.traffic = BusTraffic{.period_s = 13.6e-6};
+  Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
+  BusMeter meter(meter_of(platform));
+  test::TenureLog log;
+  platform.add_observer(meter);
+  platform.add_tenure_sink(log);
+  platform.run();
+  meter.ended();
+  const Picoseconds begin = platform.servo().set_up_time();
+  std::map<std::string_view, Picoseconds> busy;
+  for (const Tenure& tenure : log.of(Resource::bus)) {
+    if (tenure.end > begin) busy[tenure.user] += tenure.end - std::max(tenure.start, begin);
+  }
+  for (const BusUse& use : meter.uses()) EXPECT_EQ(use.busy, busy[use.name]) << use.name;
+}
+
 // Every word of a frame's data over a link of the board's own: what is taken of each direction can
 // be counted from the packets.
 TEST(BusMeter, KnowsEachDirectionOfALink) {
@@ -96,7 +122,8 @@ TEST(BusMeter, KnowsEachDirectionOfALink) {
   Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
   const auto meter_of = [&platform](link::PcieSide side) {
     const auto busy = [&platform, side] { return platform.pcie()->busy(side); };
-    return BusMeter::Bus{busy, busy, [&platform] { return platform.pcie()->uses(); }};
+    const auto uses = [&platform] { return platform.pcie()->uses(); };
+    return BusMeter::Bus{busy, busy, uses, uses};
   };
   BusMeter to_board(meter_of(link::PcieSide::root));
   BusMeter to_host(meter_of(link::PcieSide::device));

@@ -96,7 +96,8 @@ TEST(GraphicsTraffic, PicturesLongerThanAFrameFillItAndNoMore) {
   Platform platform(scene.settings, scene.body, scene.computation, scene.contacts);
   BusMeter meter({[&platform] { return platform.bus().busy(); },
                   [&platform] { return platform.bus().busy_until_now(); },
-                  [&platform] { return platform.bus().uses(); }});
+                  [&platform] { return platform.bus().uses(); },
+                  [&platform] { return platform.bus().uses_until_now(); }});
   platform.add_observer(meter);
   platform.run();
   meter.ended();

@@ -8,9 +8,9 @@
 namespace hvp::vp {
 
 void BusMeter::begun() {
-  uses_ = bus_.uses();
+  uses_ = bus_.uses_until_now();
   begin_ = now_ps();
-  busy_ = bus_.busy();
+  busy_ = bus_.until_now();
 }
 
 void BusMeter::solved(const Frame& /*frame*/, const Solution& /*solution*/) {

@@ -26,11 +26,13 @@ using BusUses = std::vector<BusUse>;
 class BusMeter : public FrameObserver {
  public:
   // All counts are since the simulation began. `busy` is the sum over the initiators, and for a
-  // link that of one direction; `until_now` is its part before the call, exact to the picosecond.
+  // link that of one direction; `until_now` is its part before the call, exact to the picosecond,
+  // as is `uses_until_now` of each initiator.
   struct Bus {
     std::function<Picoseconds()> busy;
     std::function<Picoseconds()> until_now;
     std::function<BusUses()> uses;
+    std::function<BusUses()> uses_until_now;
   };
 
   explicit BusMeter(Bus bus) : bus_(std::move(bus)) {}

@@ -36,9 +36,9 @@ struct ServoCounts {
   Mended mended;
   std::int64_t recoveries = 0;  // times that the board was set up again
   std::int64_t failed_set_ups = 0;
-  std::int64_t given_up_at = -1;  // the frame in which the board was given up; −1: never
-  std::int64_t contact_changes = 0;
-  std::uint32_t flags = 0;  // stability::Flags of all solves
+  std::int64_t given_up_at = -1;     // the frame in which the board was given up; −1: never
+  std::int64_t contact_changes = 0;  // frames in which a probe touches another node than before
+  std::uint32_t flags = 0;           // stability::Flags of all solves
   hvp_status last_error = HVP_OK;
 };
 

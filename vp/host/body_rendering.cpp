@@ -218,7 +218,6 @@ void BodyRendering::move_contact(Frame& frame) {
   if (std::ranges::equal(report_.contacts, held_.contacts())) return;
   held_.change(report_.contacts, frame.born, frame.touches,
                {computation_.displacement(), computation_.velocity()});
-  ++health_.counts().contact_changes;
 }
 
 void BodyRendering::collect(FrameStep& step) {
@@ -228,12 +227,10 @@ void BodyRendering::collect(FrameStep& step) {
   health_.solve_ended({frame.number, frame.status, step.attempted}, frame.flags);
   if (glides_) {
     if (frame.solved()) {
-      const std::int64_t before = touching();
       glides_->solve(computation_.displacement());
       work_.spend(Phase::contact, 0, glides_->solve_operations());
       std::ranges::copy(glides_->forces(), forces_.begin());
       frame.flags |= glides_->flags().bits();
-      if (touching() != before) ++health_.counts().contact_changes;
     }
     for (std::size_t i = 0; i < forces_.size(); ++i) glides_->describe(i, frame.touches[i]);
   } else if (frame.solved()) {
@@ -245,10 +242,6 @@ void BodyRendering::collect(FrameStep& step) {
 // Of the solution in words; a proxy's forces need none where the body's do not wait for a solve.
 double BodyRendering::force_operations() const {
   return glides_ && !glides_->needs_solution() ? 0 : computation_.force_operations();
-}
-
-std::int64_t BodyRendering::touching() const {
-  return std::ranges::count_if(glides_->contacts(), &collision::Contact::present);
 }
 
 // Solves for the body under the forces that went out.

@@ -64,7 +64,6 @@ class BodyRendering : public Rendering {
   void begin_with_nodes(FrameStep& step);
   void begin_with_proxies(FrameStep& step);
   void press(Frame& frame);
-  std::int64_t touching() const;
   void move_contact(Frame& frame);
   void renew(Frame& frame);
 

@@ -11,7 +11,6 @@ void WallRendering::begin(FrameStep& step) {
     // The wall has no nodes but this one.
     touch.contact.node = touches ? 0 : -1;
     touch.force = -wall_.force(depth, before_[i].value_or(depth), period_s_);
-    if (touches && !(before_[i] && *before_[i] > 0)) ++counts_.contact_changes;
     before_[i] = depth;
   }
 }

@@ -1,5 +1,6 @@
 #include "vp/host/servo_process.h"
 
+#include <algorithm>
 #include <exception>
 
 namespace hvp::vp {
@@ -22,7 +23,8 @@ ServoProcess::ServoProcess(const sc_core::sc_module_name& name, const ServoSetti
       verdict_(verdict),
       session_(session),
       begun_("begun"),
-      daq_(access, rendering.probes(), settings.daq_read_bytes) {
+      daq_(access, rendering.probes(), settings.daq_read_bytes),
+      nodes_(rendering.probes(), -1) {
   SC_HAS_PROCESS(ServoProcess);
   SC_THREAD(run);
   set_stack_size(kServoStackBytes);
@@ -109,6 +111,7 @@ void ServoProcess::frame(std::int64_t number) {
   sense(frame);
   rendering_.begin(step);
   rendering_.collect(step);
+  damp(frame);
   deliver(frame);
   advance(frame);
   publish(frame);
@@ -157,6 +160,7 @@ void ServoProcess::drain(std::int64_t tick) {
 void ServoProcess::take_pending() {
   resume(*pending_);
   rendering_.collect(*pending_);
+  damp(*pending_->frame);
   observe(*pending_->frame);
   advance(*pending_->frame);
   put_aside(*pending_);
@@ -182,12 +186,14 @@ void ServoProcess::sense(Frame& frame) {
   rendering_.look(frame);
 }
 
+// Before the frame is observed: its record has all that goes out.
+void ServoProcess::damp(Frame& frame) {
+  if (port_) port_->send(frame);
+}
+
 void ServoProcess::deliver(Frame& frame) {
   double operations = frame.solved() ? rendering_.force_operations() : 0;
-  if (port_) {
-    port_->send(frame);
-    operations += port_->send_operations();
-  }
+  if (port_) operations += port_->send_operations();
   if (frame.solved() || operations > 0) work_.spend(Phase::force, 0, operations);
   if (!daq_.write_forces(frame)) ++rendering_.counts().clamped_forces;
 }
@@ -201,7 +207,15 @@ void ServoProcess::publish(const Frame& frame) {
   rendering_.publish(frame);
 }
 
-void ServoProcess::observe(const Frame& frame) { ledger_.solved(frame, rendering_.solution()); }
+void ServoProcess::observe(const Frame& frame) {
+  if (!std::ranges::equal(frame.touches, nodes_, {},
+                          [](const collision::Touch& touch) { return touch.contact.node; })) {
+    ++rendering_.counts().contact_changes;
+    std::ranges::transform(frame.touches, nodes_.begin(),
+                           [](const collision::Touch& touch) { return touch.contact.node; });
+  }
+  ledger_.solved(frame, rendering_.solution());
+}
 
 // Until the next tick; one span for all of it.
 void ServoProcess::recover(std::int64_t number) {

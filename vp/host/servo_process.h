@@ -120,6 +120,7 @@ class ServoProcess : public sc_core::sc_module {
 
   // The steps of Fig. 6.2 before and after the rendering's.
   void sense(Frame& frame);
+  void damp(Frame& frame);
   void deliver(Frame& frame);
   void advance(Frame& frame);
   void publish(const Frame& frame);
@@ -140,6 +141,7 @@ class ServoProcess : public sc_core::sc_module {
   sc_core::sc_event begun_;
   DaqDriver daq_;
   std::optional<DevicePort> port_;
+  std::vector<int> nodes_;  // that the probes touched in the frame before; −1: none
 
   std::optional<FrameStep> pending_;  // the frame whose solution is still to come
   std::function<void()> drain_ = [] {};

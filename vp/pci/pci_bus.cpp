@@ -192,6 +192,7 @@ void PciBus::occupy_whole(const Service& service, std::int64_t first) {
   const Picoseconds time = alone(service);
   free_at_ = now_ps() + time;
   use(service.master).busy += time;
+  last_user_ = service.master;
   errands_[static_cast<std::size_t>(service.master)] = {service.phase, service.frame};
   owned(service.master, now_ps(), free_at_);
   Picoseconds before = 0;
@@ -258,6 +259,7 @@ void PciBus::keep_bus(Master master, Picoseconds time) {
   } else {
     free_at_ = now_ps() + time;
     use(master).busy += time;
+    last_user_ = master;
     owned(master, now_ps(), free_at_);
   }
   wait(to_sc_time(time));
@@ -285,6 +287,18 @@ Picoseconds PciBus::busy() const {
   if (!arbiter_) return sum;
   for (int master = 0; master < kMasters; ++master) sum += arbiter_->statistics(master).owned_ps;
   return sum;
+}
+
+BusUses PciBus::uses_until_now() const {
+  BusUses uses(uses_.begin(), uses_.end());
+  for (int master = 0; arbiter_ && master < kMasters; ++master) {
+    uses[static_cast<std::size_t>(master)].busy += arbiter_->owned_ps(master, now_ps());
+  }
+  if (!arbiter_) {
+    uses[static_cast<std::size_t>(last_user_)].busy -=
+        std::max<Picoseconds>(0, free_at_ - now_ps());
+  }
+  return uses;
 }
 
 Picoseconds PciBus::busy_until_now() const {

@@ -75,6 +75,8 @@ class PciBus : public sc_core::sc_module, private link::PciArbiter::Observer {
   // transaction when it begins (loosely timed), or a tenure when it has been followed to its end.
   Picoseconds busy_until_now() const;
   BusUses uses() const;
+  // Likewise the part of each master's before now.
+  BusUses uses_until_now() const;
 
  private:
   struct Window {
@@ -142,6 +144,7 @@ class PciBus : public sc_core::sc_module, private link::PciArbiter::Observer {
   Picoseconds free_at_ = 0;
   std::array<int, kMasters> asking_{};  // loosely timed
   std::array<BusUse, kMasters> uses_;
+  int last_user_ = 0;  // of the loosely-timed bus
   std::array<Errand, kMasters> errands_;
 
   std::unique_ptr<link::PciArbiter> arbiter_;  // approximately timed
