@@ -181,12 +181,14 @@ void LoopWatch::Delays::add(const vp::Frame& frame, const vp::CriticalPath& path
 }
 
 bool LoopWatch::force_changed(const vp::Frame& frame) {
-  const bool same = std::ranges::equal(frame.touches, forces_, {}, &collision::Touch::force);
-  if (!same) {
-    forces_.clear();
-    for (const collision::Touch& touch : frame.touches) forces_.push_back(touch.force);
+  bool changed = forces_.empty();
+  forces_.resize(frame.touches.size());
+  for (std::size_t i = 0; i < forces_.size(); ++i) {
+    const Eigen::Vector3d sent = frame.sent(i);
+    changed = changed || sent != forces_[i];
+    forces_[i] = sent;
   }
-  return !same;
+  return changed;
 }
 
 void LoopWatch::closed(const vp::Frame& frame, const vp::CriticalPath& path) {

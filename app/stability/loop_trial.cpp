@@ -47,7 +47,7 @@ class TrialWatch : public vp::FrameObserver {
     left_ = left_ || (quarter >= 2 && depth < 0 && wall_.sides == host::Wall::Sides::one);
     // A force that is clamped at the end keeps a swing from growing, not from going on.
     const bool clamped = device.drive.dac_saturated || device.drive.current_saturated ||
-                         frame.touch().force.cwiseAbs().maxCoeff() > plant::kForce.largest();
+                         frame.sent(0).cwiseAbs().maxCoeff() > plant::kForce.largest();
     saturated_ = saturated_ || (quarter == 3 && clamped);
     delay_ += frame.born + frame.latency() - frame.latched;
     ++frames_;

@@ -40,6 +40,7 @@ void PciArbiter::hold(int master, std::int64_t until_ps) {
   held_ += until - free_;
   report(master, free_, until);
   free_ = until;
+  last_user_ = master;
 }
 
 void PciArbiter::advance(std::int64_t time_ps) { run(time_ps / clocks_.period_ps()); }
@@ -88,6 +89,7 @@ bool PciArbiter::attempt_in_vain(const Master& m, std::int64_t clock) const {
 void PciArbiter::begin_tenure(std::int64_t clock) {
   owner_ = winner(clock);
   last_owner_ = owner_;
+  last_user_ = owner_;
   address_ = clock;
   Master& m = at(owner_);
   m.statistics.waiting_ps += (clock - m.requested) * clocks_.period_ps();
@@ -173,21 +175,29 @@ void PciArbiter::release(std::int64_t clock) {
 }
 
 std::int64_t PciArbiter::taken_ps(std::int64_t until_ps) const {
-  std::int64_t taken = held_ps();
-  for (int i = 0; i < count_; ++i) taken += owned_ps(i, until_ps);
+  const PciArbiter then = followed(until_ps);
+  std::int64_t taken = then.held_ps();
+  for (int i = 0; i < count_; ++i) taken += then.owned_before(i, until_ps);
   return taken;
 }
 
 std::int64_t PciArbiter::owned_ps(int master, std::int64_t until_ps) const {
+  return followed(until_ps).owned_before(master, until_ps);
+}
+
+// A copy that nobody observes, up to the clock under way: a grant there has been decided.
+PciArbiter PciArbiter::followed(std::int64_t until_ps) const {
   PciArbiter then = *this;
   then.observer_ = nullptr;
-  then.run(clock_of(until_ps));  // a grant at the clock under way has been decided
-  const std::int64_t owned = then.at(master).statistics.owned_ps;
-  const std::int64_t free = then.free_ * clocks_.period_ps();
-  const std::int64_t began = then.address_ * clocks_.period_ps();
-  if (then.owner_ == master) return owned + until_ps - began;
-  if (then.owner_ >= 0 || then.last_owner_ != master) return owned;
-  return owned - std::max<std::int64_t>(0, free - until_ps);
+  then.run(clock_of(until_ps));
+  return then;
+}
+
+std::int64_t PciArbiter::owned_before(int master, std::int64_t until_ps) const {
+  const std::int64_t owned = at(master).statistics.owned_ps;
+  if (owner_ == master) return owned + until_ps - address_ * clocks_.period_ps();
+  if (owner_ >= 0 || last_user_ != master) return owned;
+  return owned - std::max<std::int64_t>(0, free_ * clocks_.period_ps() - until_ps);
 }
 
 std::int64_t PciArbiter::forecast(int master) const {

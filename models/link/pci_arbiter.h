@@ -61,8 +61,8 @@ class PciArbiter {
   // The time for which the bus was owned or occupied until `until_ps`, which is not before the last
   // advance().
   std::int64_t taken_ps(std::int64_t until_ps) const;
-  // A master's part of that, without held_ps(): what of a hold comes after `until_ps` is taken off
-  // the master that owned the bus last.
+  // A master's part of that, without held_ps(). What of a hold comes after `until_ps` is taken off
+  // the master that holds: its owned and its held time sum to what it had by then.
   std::int64_t owned_ps(int master, std::int64_t until_ps) const;
   bool busy(int master) const { return at(master).busy; }
   // True if the master's last request has released the bus by the time of the last advance().
@@ -100,6 +100,8 @@ class PciArbiter {
   std::int64_t clock_of(std::int64_t time_ps) const;
   void run(std::int64_t to);
   std::int64_t next_grant() const;
+  PciArbiter followed(std::int64_t until_ps) const;
+  std::int64_t owned_before(int master, std::int64_t until_ps) const;
   int winner(std::int64_t clock) const;
   void begin_tenure(std::int64_t clock);
   bool attempt_in_vain(const Master& m, std::int64_t clock) const;
@@ -115,6 +117,7 @@ class PciArbiter {
   std::array<Master, kMaxMasters> masters_{};
   int owner_ = -1;
   int last_owner_ = -1;
+  int last_user_ = -1;        // the last owner or, later, who held
   bool retrying_ = false;     // the tenure ends in a retry
   std::int64_t address_ = 0;  // clock of the tenure's address phase
   std::int64_t planned_ = 0;  // its data phases if nothing cuts it

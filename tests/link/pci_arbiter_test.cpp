@@ -261,18 +261,23 @@ TEST(PciArbiter, AgreesWithAMachineThatTakesEveryClock) {
 // What was owned, from address phase to turnaround.
 class Owned : public PciArbiter::Observer {
  public:
-  void owned(int /*master*/, std::int64_t start_ps, std::int64_t end_ps) override {
-    tenures_.push_back({start_ps, end_ps});
+  void owned(int master, std::int64_t start_ps, std::int64_t end_ps) override {
+    tenures_.push_back({master, start_ps, end_ps});
   }
-  std::int64_t until(std::int64_t time) const {
+  std::int64_t until(std::int64_t time) const { return until(time, 0) + until(time, 1); }
+  std::int64_t until(std::int64_t time, int master) const {
     std::int64_t sum = 0;
-    for (const auto& t : tenures_)
-      sum += std::clamp<std::int64_t>(time - t.start, 0, t.end - t.start);
+    for (const auto& t : tenures_) {
+      if (t.master == master) sum += std::clamp<std::int64_t>(time - t.start, 0, t.end - t.start);
+    }
     return sum;
   }
 
+  int last() const { return tenures_.back().master; }
+
  private:
   struct Tenure {
+    int master;
     std::int64_t start;
     std::int64_t end;
   };
@@ -295,11 +300,22 @@ TEST(PciArbiter, WhatIsTakenByAnInstantDoesNotWaitForTheTenuresEnd) {
   for (std::int64_t t = 1'234'567; t < 100'000'000; t += 7'777) {
     const std::int64_t taken = bus.taken_ps(t);
     ASSERT_EQ(taken, owned.until(t)) << "at " << t << " ps";
+    for (const int master : {0, 1}) {
+      ASSERT_EQ(bus.owned_ps(master, t), owned.until(t, master)) << master << " at " << t << " ps";
+    }
     ASSERT_LE(taken - last, 7'777 + 1'234'567 * (last == 0 ? 1 : 0));
     last = taken;
   }
-  followed.hold(0, 100'600'000);
-  EXPECT_EQ(followed.taken_ps(200'000'000), owned.until(200'000'000));
+  // The master that did not own the bus last holds it: what it has of that sums with what it owned.
+  const int holder = owned.last() == 0 ? 1 : 0;
+  const std::int64_t before = followed.held_ps();
+  followed.hold(holder, 100'600'000);
+  const std::int64_t held = followed.held_ps() - before;
+  for (const std::int64_t t : {100'000'000, 100'333'333, 200'000'000}) {
+    EXPECT_EQ(followed.taken_ps(t), owned.until(t)) << t;
+    EXPECT_EQ(followed.owned_ps(holder, t) + held, owned.until(t, holder)) << t;
+    EXPECT_EQ(followed.owned_ps(1 - holder, t), owned.until(t, 1 - holder)) << t;
+  }
 }
 
 TEST(PciArbiter, ForecastIsWhatHappensWhenNobodyElseAsks) {

@@ -168,6 +168,48 @@ TEST(DevicePort, AControllerKeepsWhatIsOwedAndTheSwingSmall) {
   }
 }
 
+// Whoever observes a frame that is solved sees the force that goes out, in a pipeline too.
+class SentWhenSolved : public FrameObserver {
+ public:
+  void solved(const Frame& frame, const Solution& /*solution*/) override {
+    sent.push_back(frame.sent(0));
+  }
+  std::vector<Vector3d> sent;
+};
+
+void expect_what_goes_out_when_solved(int pipeline_depth) {
+  PlatformSettings s = unstable();
+  s.host.passivity = host::Passivity{};
+  s.host.pipeline_depth = pipeline_depth;
+  s.frames = 400;
+  Platform platform(s, std::nullopt, nullptr);
+  SentWhenSolved observer;
+  FrameLog log;
+  platform.add_observer(observer);
+  platform.add_observer(log);
+  platform.run();
+  ASSERT_EQ(observer.sent.size(), log.frames.size());
+  int damped = 0;
+  for (std::size_t n = 0; n < log.frames.size(); ++n) {
+    if (!log.frames[n].ports[0].damping.isZero(0)) ++damped;
+    EXPECT_EQ(observer.sent[n], log.frames[n].sent(0)) << n;
+  }
+  EXPECT_GT(damped, 0);
+}
+
+TEST(DevicePort, AnObserverOfAFrameSeesItsDamping) { expect_what_goes_out_when_solved(0); }
+
+TEST(DevicePort, AnObserverOfAPipelinedFrameSeesItsDamping) { expect_what_goes_out_when_solved(1); }
+
+// A wall has one node; a probe that swings through its face touches it and leaves it.
+TEST(DevicePort, ContactOfAWallChangesWhereItBeginsAndWhereItEnds) {
+  PlatformSettings s = wall_settings(500);
+  s.probes.front().motion.back() = {
+      .phase = plant::Stroke::release, .to = s.probes.front().start, .duration = 0.2};
+  const WallRun run(s);
+  EXPECT_EQ(run.platform.servo().counts().contact_changes, 2);
+}
+
 // Body, board and probes; the second probe hovers.
 TEST(DevicePort, EachProbeHasItsOwn) {
   SmallScene scene;

@@ -149,6 +149,25 @@ TEST(GlidingFrame, KeepsFrictionWithinItsCone) {
 }
 
 // The scene stays as it is where nothing touches it: one solve a frame, none for the contact.
+// The node is the proxy's nearest corner, which changes as the proxy glides.
+TEST(GlidingFrame, CountsEveryChangeOfItsContactNode) {
+  GlidingScene glide(refined(2, true));
+  glide.scene.slide(0.2);
+  glide.scene.settings.frames = 120;
+  glide.run();
+  int node = -1;
+  std::int64_t changes = 0;
+  std::int64_t touches = 0;
+  for (const Frame& frame : glide.log.frames) {
+    const int now = frame.touch().contact.node;
+    if (now != node) ++changes;
+    if (now >= 0 && node < 0) ++touches;
+    node = now;
+  }
+  EXPECT_GT(changes, touches);
+  EXPECT_EQ(glide.platform->servo().counts().contact_changes, changes);
+}
+
 TEST(GlidingFrame, SolvesOnceWithoutContact) {
   GlidingScene glide(refined(2, true));
   glide.scene.hover();

@@ -291,12 +291,13 @@ Picoseconds PciBus::busy() const {
 
 BusUses PciBus::uses_until_now() const {
   BusUses uses(uses_.begin(), uses_.end());
-  for (int master = 0; arbiter_ && master < kMasters; ++master) {
-    uses[static_cast<std::size_t>(master)].busy += arbiter_->owned_ps(master, now_ps());
-  }
   if (!arbiter_) {
     uses[static_cast<std::size_t>(last_user_)].busy -=
         std::max<Picoseconds>(0, free_at_ - now_ps());
+    return uses;
+  }
+  for (int master = 0; master < kMasters; ++master) {
+    uses[static_cast<std::size_t>(master)].busy += arbiter_->owned_ps(master, now_ps());
   }
   return uses;
 }
