@@ -31,6 +31,7 @@ BOUNDS = {
     "object.material.poisson_ratio": (0.0, 0.49),
     "object.material.density": (100.0, 5000.0),
     "contact.patch_radius": (1e-3, 30e-3),
+    "probe.radius": (1e-4, 30e-3),
     "contact.release_force": (1e-4, 1e-1),
     "contact.hand_over": (1e-3, 60e-3),
     "loads.gravity.acceleration": (0.1, 10.0),
