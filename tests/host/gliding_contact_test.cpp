@@ -26,7 +26,7 @@ struct Block {
         contact(body, tables) {}
 
   // Presses all tips from the surface by `depth`, in steps.
-  void press(std::vector<Vector3d> tips, double depth) {
+  void press(const std::vector<Vector3d>& tips, double depth) {
     for (int i = 0; i <= 10; ++i) {
       std::vector<Vector3d> now = tips;
       for (Vector3d& tip : now) tip.z() -= depth * i / 10;
