@@ -44,9 +44,15 @@ double seconds(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double>(to - from).count();
 }
 
-// Runs the same command with further overrides in a process of its own.
+// ps of a figure in µs; zero where there is none.
+std::int64_t picoseconds(const nlohmann::json& us) {
+  return us.is_number() ? std::llround(1e6 * us.get<double>()) : 0;
+}
+
+// Runs the same command with further overrides in a process of its own, which looks for a remedy
+// itself if it `searches`.
 std::optional<WholeRun> whole_run(const RunArguments& arguments,
-                                  const std::vector<std::string>& changes) {
+                                  const std::vector<std::string>& changes, bool searches) {
   using nlohmann::json;
   std::vector<std::string> words = {"run", std::filesystem::absolute(arguments.scenario).string(),
                                     "--quiet"};
@@ -56,8 +62,8 @@ std::optional<WholeRun> whole_run(const RunArguments& arguments,
   }
   std::vector<std::string> overrides = arguments.overrides;
   overrides.insert(overrides.end(), changes.begin(), changes.end());
-  overrides.insert(overrides.end(),
-                   {"output.pictures=false", "output.remedies=false", "output.trace_frames=0"});
+  overrides.insert(overrides.end(), {"output.pictures=false", "output.trace_frames=0",
+                                     searches ? "output.remedies=true" : "output.remedies=false"});
   for (const std::string& text : overrides) {
     words.emplace_back("--set");
     words.push_back(text);
@@ -74,7 +80,13 @@ std::optional<WholeRun> whole_run(const RunArguments& arguments,
       if (!summary.is_discarded()) {
         result = {results::flags_named(
                       summary.at("stability").at("flags").get<std::vector<std::string>>()),
-                  summary.at("held").get<bool>(), summary.at("verdict").get<std::string>()};
+                  summary.at("held").get<bool>(),
+                  summary.at("verdict").get<std::string>(),
+                  {picoseconds(summary.at("deadline").at("worst_us")),
+                   picoseconds(summary.at("load").at("worst_us"))},
+                  {}};
+        const json& remedy = summary.at("remedy");
+        if (remedy.is_object()) result->remedy = remedy.at("set").get<std::vector<std::string>>();
       }
     }
   } catch (const std::exception&) {
@@ -110,8 +122,10 @@ int run_command(const RunArguments& arguments) {
       changed.overrides.insert(changed.overrides.end(), overrides.begin(), overrides.end());
       return std::make_unique<Scene>(build_scene(load(changed), {}, Scene::Limits::reported));
     };
-    const Rerun again = [&arguments](const std::vector<std::string>& changes) {
-      return whole_run(arguments, changes);
+    const auto again = [&arguments](bool searches) -> Rerun {
+      return [&arguments, searches](const std::vector<std::string>& changes) {
+        return whole_run(arguments, changes, searches);
+      };
     };
     outcome = run(scene, {out,
                           loaded.device_file,
@@ -119,7 +133,7 @@ int run_command(const RunArguments& arguments) {
                           arguments.trace_dma,
                           arguments.record_jobs,
                           progress,
-                          {rebuild, again}});
+                          {rebuild, again(false), again(true)}});
   } catch (const InputError& e) {
     throw loaded.document.complete(e);
   } catch (const Interrupted& e) {

@@ -52,6 +52,8 @@ Projection fit(const DeformationStep& step, const SceneSizes& sizes) {
     }
   }
   shown.push_back(sizes.arrow_tip);
+  shown.push_back(step.tip);
+  for (const DeformationStep::Probe& probe : step.further_probes) shown.push_back(probe.tip);
   const Extent extent = extent_in(projection.view, shown);
   projection.centre_m = extent.centre();
   const Point room = kSceneHigh - kSceneLow - Point(40.0, 40.0);
@@ -149,6 +151,12 @@ void draw_legend(Canvas& canvas, const DeformationStep& step, const SceneSizes& 
     x += 46.0;
     label("force on the probe");
   }
+  if (step.probe != step.tip) {
+    canvas.line({x, kY}, {x + 24.0, kY}, scene_colour::kGap, 1.5);
+    canvas.disc({x + 24.0, kY}, 3.0, scene_colour::kGap);
+    x += 36.0;
+    label("gap to the device's tip");
+  }
   canvas.line({x, kY}, {x + 30.0, kY}, scene_colour::kRest, 2.0);
   x += 40.0;
   label("shape at rest");
@@ -178,6 +186,14 @@ void label_arrow(Canvas& canvas, const DeformationStep::Probe& probe, const Scen
   canvas.text(at, words, text);
 }
 
+// The way from a proxy to the device's tip, which is inside of the body.
+void draw_gap(Canvas& canvas, const Eigen::Vector3d& place, const Eigen::Vector3d& tip,
+              const Projection& projection) {
+  if (place == tip) return;
+  canvas.line(projection.at(place), projection.at(tip), scene_colour::kGap, 1.5);
+  canvas.disc(projection.at(tip), 3.0, scene_colour::kGap);
+}
+
 void paint(Canvas& canvas, const DeformationStep& step, const SceneSizes& sizes,
            const Projection& projection, const Caption& caption) {
   const double force = step.force_N.norm();
@@ -186,7 +202,11 @@ void paint(Canvas& canvas, const DeformationStep& step, const SceneSizes& sizes,
       fmt::format("largest displacement {} mm · {}", four_digits(1e3 * sizes.max_displacement),
                   force > 0.0 ? fmt::format("contact force {} N", four_digits(force))
                               : std::string("no contact")));
-  if (force > 0.0) label_arrow(canvas, {step.probe, step.force_N}, sizes, projection);
+  draw_gap(canvas, step.probe, step.tip, projection);
+  for (const DeformationStep::Probe& probe : step.further_probes) {
+    draw_gap(canvas, probe.place, probe.tip, projection);
+  }
+  if (force > 0.0) label_arrow(canvas, {step.probe, step.force_N, step.tip}, sizes, projection);
   for (const DeformationStep::Probe& probe : step.further_probes) {
     if (probe.force_N.norm() > 0.0) label_arrow(canvas, probe, sizes, projection);
   }

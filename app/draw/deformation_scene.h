@@ -17,6 +17,7 @@ inline constexpr Colour kForce = {206, 62, 40};
 inline constexpr Colour kAnchor = {28, 32, 38};
 inline constexpr Colour kRest = {120, 126, 134};
 inline constexpr Colour kRestFill = {228, 229, 228};
+inline constexpr Colour kGap = {28, 32, 38};
 inline constexpr Colour kRegion = {122, 52, 148};
 }  // namespace scene_colour
 

@@ -213,15 +213,22 @@ DeformationStep read_step(const std::filesystem::path& path) {
   vtkFieldData& fields = *grid.GetFieldData();
   step.time_s = file.scalar_field(fields, "time_s");
   step.frame = static_cast<int>(file.scalar_field(fields, "frame"));
-  step.probe = file.vector_field(fields, "probe_position_m");
+  step.tip = file.vector_field(fields, "probe_position_m");
+  // What stands on the surface is drawn there.
+  const auto place = [&](const std::string& proxy, const Eigen::Vector3d& tip) {
+    return fields.GetArray(proxy.c_str()) == nullptr ? tip
+                                                     : file.vector_field(fields, proxy.c_str());
+  };
+  step.probe = place("proxy_position_m", step.tip);
   step.probe_radius = file.scalar_field(fields, "probe_radius_m");
   step.force_N = file.vector_field(fields, "contact_force_N");
   for (int i = 1;; ++i) {
     const std::string name = fmt::format("probe{}_position_m", i);
     if (fields.GetArray(name.c_str()) == nullptr) break;
     const std::string force = fmt::format("probe{}_contact_force_N", i);
-    step.further_probes.push_back(
-        {file.vector_field(fields, name.c_str()), file.vector_field(fields, force.c_str())});
+    const Eigen::Vector3d tip = file.vector_field(fields, name.c_str());
+    step.further_probes.push_back({place(fmt::format("probe{}_proxy_position_m", i), tip),
+                                   file.vector_field(fields, force.c_str()), tip});
   }
   return step;
 }

@@ -18,11 +18,13 @@ struct DeformationStep {
   int contact_node = -1;     // -1: none
   double time_s = 0.0;
   int frame = 0;
-  Eigen::Vector3d probe = Eigen::Vector3d::Zero();
+  Eigen::Vector3d probe = Eigen::Vector3d::Zero();  // of a proxy, on the deformed surface
+  Eigen::Vector3d tip = Eigen::Vector3d::Zero();    // of the device
   double probe_radius = 0.0;
   struct Probe {
     Eigen::Vector3d place;
     Eigen::Vector3d force_N;  // the body's force on the probe
+    Eigen::Vector3d tip = place;
   };
   std::vector<Probe> further_probes;
   Eigen::Vector3d force_N = Eigen::Vector3d::Zero();  // the body's force on the first probe

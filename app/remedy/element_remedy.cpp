@@ -65,6 +65,7 @@ std::optional<results::TriedRemedy> try_element_remedy(const Scenario& s, stabil
       best.left = run->flags;
       best.verdict = run->verdict;
       best.held = run->held;
+      best.after = run->worst;
       best.settings = all;
       if (run->flags.empty()) return best;
     }

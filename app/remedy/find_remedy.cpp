@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "app/remedy/contact_remedy.h"
 #include "app/remedy/element_remedy.h"
 #include "app/remedy/replay.h"
 #include "app/remedy/tissue_remedy.h"
@@ -15,32 +16,39 @@ namespace hvp::app {
 
 namespace {
 
+// Takes what leaves fewer flags than the remedy that is there, or as few where it is `preferred`.
 // Where nothing helps, the attempts are said.
 void take_better(std::optional<results::TriedRemedy> found, bool was_held,
-                 std::optional<results::TriedRemedy>& remedy) {
+                 std::optional<results::TriedRemedy>& remedy, bool preferred = false) {
   if (!found) return;
   const auto left = [](const results::TriedRemedy& tried) {
     return std::popcount(tried.left.bits());
   };
-  if (remedy && (found->settings.empty() || left(*found) >= left(*remedy))) return;
+  if (remedy) {
+    const bool fewer = left(*found) < left(*remedy);
+    const bool as_few = left(*found) == left(*remedy) && (found->held || !remedy->held);
+    if (found->settings.empty() || !(fewer || (preferred && as_few))) return;
+  }
   found->was_held = was_held;
   if (remedy) found->attempts += remedy->attempts;
   remedy = std::move(found);
 }
 
-}  // namespace
-
-std::optional<results::TriedRemedy> find_remedy(const Scene& scene, const results::Outcome& outcome,
-                                                const Recorder* recorder, const Again& searched,
-                                                const Progress& progress) {
+std::optional<results::TriedRemedy> search_remedy(const Scene& scene,
+                                                  const results::Outcome& outcome,
+                                                  const Recorder* recorder, const Again& searched,
+                                                  const Progress& progress) {
   int whole_runs = 0;
   Again again = searched;
-  if (searched.rerun && progress) {
-    again.rerun = [&](const std::vector<std::string>& texts) {
+  const auto counted = [&](const Rerun& rerun) -> Rerun {
+    if (!rerun || !progress) return rerun;
+    return [&](const std::vector<std::string>& texts) {
       progress(fmt::format("looking for a remedy: whole run {}", ++whole_runs));
-      return searched.rerun(texts);
+      return rerun(texts);
     };
-  }
+  };
+  again.rerun = counted(searched.rerun);
+  again.search = counted(searched.search);
   std::optional<results::TriedRemedy> remedy;
   if (recorder != nullptr && again.rebuild) {
     remedy = try_remedies(
@@ -58,6 +66,11 @@ std::optional<results::TriedRemedy> find_remedy(const Scene& scene, const result
     if (remedy) remedy->was_held = outcome.held();
   }
   if (again.rerun) {
+    // A longer hand-over only spreads a node's steps.
+    take_better(try_contact_remedy(scene.scenario(), outcome,
+                                   remedy ? remedy->settings : std::vector<std::string>(),
+                                   again.rerun, again.search),
+                outcome.held(), remedy, true);
     take_better(try_law_remedy(scene.scenario(), outcome, again.rerun), outcome.held(), remedy);
     take_better(try_element_remedy(scene.scenario(), outcome.flags, again.rerun), outcome.held(),
                 remedy);
@@ -73,6 +86,21 @@ std::optional<results::TriedRemedy> find_remedy(const Scene& scene, const result
   of_loop->of = outcome.flags;
   if (remedy) of_loop->attempts += remedy->attempts;
   return of_loop;
+}
+
+}  // namespace
+
+std::optional<results::TriedRemedy> find_remedy(const Scene& scene, const results::Outcome& outcome,
+                                                const Recorder* recorder, const Again& searched,
+                                                const Progress& progress) {
+  std::optional<results::TriedRemedy> remedy =
+      search_remedy(scene, outcome, recorder, searched, progress);
+  if (!remedy || !remedy->whole_run || remedy->after.latency_ps <= 0) return remedy;
+  const vp::Verdict& run = outcome.verdict;
+  remedy->before = {run.worst_latency(), run.worst_load()};
+  remedy->in_time =
+      remedy->after.latency_ps <= run.budget() && remedy->after.load_ps <= run.period();
+  return remedy;
 }
 
 }  // namespace hvp::app

@@ -13,6 +13,7 @@ namespace hvp::app {
 struct Again {
   Rebuild rebuild;  // the scene
   Rerun rerun;      // the whole run
+  Rerun search;     // the whole run, with a search for its own remedy
 };
 
 // Searches a remedy for a run's flags: first for those of the words and of the hand-over, by

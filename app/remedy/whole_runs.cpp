@@ -20,6 +20,7 @@ void note(const WholeRun& run, results::TriedRemedy& remedy) {
   remedy.verdict = run.held ? run.verdict : "not held";
   remedy.held = run.held;
   remedy.whole_run = true;
+  remedy.after = run.worst;
 }
 
 }  // namespace

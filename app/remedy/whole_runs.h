@@ -15,6 +15,8 @@ struct WholeRun {
   stability::Flags flags;
   bool held = false;
   std::string verdict;
+  results::TriedRemedy::Cost worst = {};  // over all its frames
+  std::vector<std::string> remedy = {};   // its own, where one was looked for
 };
 
 // Runs the whole scenario with further overrides, in the form of `--set`; absent where the run

@@ -222,6 +222,10 @@ void DeformationWriter::write(double time_s, int frame, std::span<const double> 
     set_field(*grid_, fmt::format("probe{}_contact_force_N", i + 1).c_str(),
               {info.further_forces_N[i].data(), 3});
   }
+  for (std::size_t i = 0; i < info.proxies_m.size(); ++i) {
+    const std::string probe = i == 0 ? "" : fmt::format("probe{}_", i);
+    set_field(*grid_, (probe + "proxy_position_m").c_str(), {info.proxies_m[i].data(), 3});
+  }
 
   write_grid(directory_ / step_file_name(frame), *grid_);
   steps_.push_back({time_s, frame});

@@ -26,6 +26,9 @@ struct StepInfo {
   // Centres of the probes beside the first one, and the body's forces on them.
   std::span<const Eigen::Vector3d> further_probes_m;
   std::span<const Eigen::Vector3d> further_forces_N;
+  // Where each probe's proxy is on the deformed surface, or the probe itself without contact. Empty
+  // where no contact is a proxy.
+  std::span<const Eigen::Vector3d> proxies_m;
   std::span<const int> contact_nodes;                         // mesh nodes, one a contact
   Eigen::Vector3d contact_force_N = Eigen::Vector3d::Zero();  // the body's force on the probe
   // Six values an element, in VTK's order xx yy zz xy yz xz; shear strains as the model has them.
@@ -42,7 +45,9 @@ struct StepInfo {
 // `stress`, `von_mises` (Pa; 32-bit, which halves the files), and of a body with regions `region`
 // (0: none, 1: object.region[0], …); fields `time_s`, `frame`,
 // `probe_position_m`, `probe_radius_m`, `contact_force_N`; with several probes those of the first
-// one, and `probe1_position_m`, `probe1_contact_force_N`, `probe2_position_m`, …
+// one, and `probe1_position_m`, `probe1_contact_force_N`, `probe2_position_m`, … Where contact is a
+// proxy, `proxy_position_m`, `probe1_proxy_position_m`, … too, which is the probe's own position
+// without contact.
 //
 // The list is written last, so that it never names a step that does not exist.
 class DeformationWriter {

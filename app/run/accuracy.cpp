@@ -37,6 +37,7 @@ AccuracyTracker::AccuracyTracker(const Scene& scene, const host::Reference& sett
       has_memory_(scene.scenario().has_memory()),
       has_board_(scene.has_board()),
       refined_(scene.computation().refined() != nullptr),
+      glides_(scene.glide() != nullptr),
       of_another_model_(scene.scenario().judged_by_another_model()),
       linear_run_(of_another_model_ ? std::nullopt : linear_run(scene)),
       other_run_(linear_run_ ? nullptr : make_reference(scene, settings.model)),
@@ -110,6 +111,21 @@ results::Accuracy AccuracyTracker::accuracy() const {
           of_another_model_};
 }
 
+bool AccuracyTracker::found_late() const {
+  // A node is what the run has found in its references, too.
+  if (!glides_ || host::accuracy_flags(settings_, displacement_.judged(), std::nullopt).empty()) {
+    return false;
+  }
+  // Where both models are as far off in the worst frames, and near in the others, no word is to
+  // blame.
+  const bool by_words = has_board_ && !refined_;
+  if (!by_words) return displacement_.typical().value_or(0) <= settings_.solver_tolerance;
+  const std::optional<double> rounded = displacement_rounded_.judged();
+  return rounded &&
+         host::accuracy_flags(settings_, displacement_.typical(), std::nullopt).empty() &&
+         !host::accuracy_flags(settings_, rounded, std::nullopt).empty();
+}
+
 stability::Flags AccuracyTracker::flags() const {
   stability::Flags flags;
   if (true_run_.unsolved() > 0) flags.raise(stability::Flag::not_converged);
@@ -119,7 +135,10 @@ stability::Flags AccuracyTracker::flags() const {
   // Refinement and a solve in double precision lead to the true model, so that the way to it is the
   // solver's own error. First touches, where little is displaced, are no matter of convergence.
   const host::Deviation& own = refined_ || !has_board_ ? displacement_ : displacement_rounded_;
-  flags.merge(host::accuracy_flags(settings_, displacement_.judged(), own.typical()));
+  const bool late = found_late();
+  if (late) flags.raise(stability::Flag::contact_missed);
+  flags.merge(host::accuracy_flags(
+      settings_, late ? displacement_.typical() : displacement_.judged(), own.typical()));
   if (rounded_run_ && !rounded_run_->positive_definite())
     flags.raise(stability::Flag::negative_curvature);
   return flags;

@@ -24,10 +24,13 @@ class AccuracyTracker : public vp::FrameObserver {
   void solved(const vp::Frame& frame, const vp::Solution& solution) override;
 
   results::Accuracy accuracy() const;
-  // The flags matrix_rounding, not_converged and those of the rounded matrix.
+  // The flags matrix_rounding, not_converged, contact_missed, where a contact that was found late
+  // is what the error comes from, and those of the rounded matrix.
   stability::Flags flags() const;
 
  private:
+  // The error is of frames in which the run had not found its contact yet.
+  bool found_late() const;
   bool has_rounded() const { return rounded_run_ != nullptr && !rounded_run_->singular(); }
   void step(const fem::Hold& hold);
 
@@ -35,6 +38,7 @@ class AccuracyTracker : public vp::FrameObserver {
   bool has_memory_;
   bool has_board_;
   bool refined_;
+  bool glides_;
   bool of_another_model_;  // the reference is not of the body's own law
   // With what contact prescribes; where contact is a proxy each reference finds its own.
   std::optional<host::ReferenceRun> linear_run_;

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "models/fem/strain.h"
+#include "models/index.h"
 
 namespace hvp::app {
 
@@ -52,11 +53,29 @@ void DeformationRecorder::solved(const vp::Frame& frame, const vp::Solution& sol
   }
   info.further_probes_m = further_probes_;
   info.further_forces_N = further_forces_;
+  proxies_.clear();
+  if (scene_.glide() != nullptr) {
+    for (const collision::Touch& touch : frame.touches) proxies_.push_back(place(touch));
+  }
+  info.proxies_m = proxies_;
   info.contact_force_N = -frame.touch().force;
   info.strain = strain_;
   info.stress_Pa = stress_;
   info.von_mises_Pa = von_mises_;
   writer_.write(to_seconds(frame.time), static_cast<int>(frame.number), displacement_, info);
+}
+
+Eigen::Vector3d DeformationRecorder::place(const collision::Touch& touch) const {
+  const collision::SurfaceSpot& spot = touch.contact.spot;
+  if (!spot.present()) return touch.tip;
+  const mesh::TetMesh& mesh = scene_.body().mesh();
+  Eigen::Vector3d place = touch.foot;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto node = static_cast<std::size_t>(mesh.boundary[at(spot.triangle)][k]);
+    place += spot.weight[static_cast<Eigen::Index>(k)] *
+             Eigen::Map<const Eigen::Vector3d>(&displacement_[3 * node]);
+  }
+  return place;
 }
 
 }  // namespace hvp::app

@@ -19,6 +19,9 @@ class DeformationRecorder : public vp::FrameObserver {
   void finish() { writer_.finish(); }
 
  private:
+  // Where a probe's proxy is on the deformed surface, m; the tip without contact.
+  Eigen::Vector3d place(const collision::Touch& touch) const;
+
   const Scene& scene_;
   int every_frames_;
   results::DeformationWriter writer_;
@@ -26,6 +29,7 @@ class DeformationRecorder : public vp::FrameObserver {
   std::vector<double> strain_, stress_, von_mises_;
   std::vector<Eigen::Vector3d> further_probes_;
   std::vector<Eigen::Vector3d> further_forces_;
+  std::vector<Eigen::Vector3d> proxies_;
   std::vector<int> contact_nodes_;
 };
 

@@ -94,6 +94,7 @@ void ForceWatch::solved(const vp::Frame& frame, const vp::Solution& solution) {
     if (touch.contact.spot.present() && at_rest_ != nullptr) {
       // Found by itself: where a proxy stands is what is judged.
       felt.foot = at_rest_->closest(felt.tip).point;
+      felt.normal = touch.normal;
       felt.pull = 0;
     }
     qualities_[i].add(felt);

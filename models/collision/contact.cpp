@@ -7,7 +7,8 @@ void ContactSettings::declare(config::Visitor& v) {
       "kind", kind, {{"node", ContactKind::node}, {"proxy", ContactKind::proxy}},
       {.help = "what the tip touches: a node of the mesh, which follows it, or a point of the "
                "surface, which presses on the body, sticks by friction and glides beyond",
-       .source = "node is thesis 3.7; docs/collision.md measures both on a slide"});
+       .source = "proxy: on a slide a node runs ahead of the tip, which docs/collision.md "
+                 "measures; node is thesis 3.7"});
   of_kind.only({ContactKind::proxy}, [&] {
     v.quantity("friction", friction, config::Dimension::dimensionless, config::between(0.0, 1e6),
                {.help = "Coulomb's coefficient between probe and body",

@@ -36,10 +36,11 @@ struct Touch {
   Contact contact = {};
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  // on the body, N
   // Of a proxy, zero else.
-  Eigen::Vector3d foot = Eigen::Vector3d::Zero();  // its place on the surface at rest, m
-  double gap = 0;                                  // from the tip to the body's surface there, m
-  double unresolved = 0;                           // of that, what elements do not resolve, m
-  double depth = 0;                                // of the tip below the surface at rest there, m
+  Eigen::Vector3d foot = Eigen::Vector3d::Zero();    // its place on the surface at rest, m
+  double gap = 0;                                    // from the tip to the body's surface there, m
+  double unresolved = 0;                             // of that, what elements do not resolve, m
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // of the surface at rest there, outward
+  double depth = 0;  // of the tip below the surface at rest there, m
   bool slides = false;
 };
 
@@ -63,7 +64,7 @@ struct FreshContact {
 
 // Rules of contact: scenario table [contact]. docs/collision.md gives the reasons.
 struct ContactSettings {
-  ContactKind kind = ContactKind::node;
+  ContactKind kind = ContactKind::proxy;
   double friction = 0.3;  // of a proxy: Coulomb's coefficient
   Grip grip = Grip::offset;
   double hysteresis = 0.05;    // fraction by which another node must be nearer to take over

@@ -83,7 +83,8 @@ void ProxyContact::look(std::span<const Eigen::Vector3d> tips, std::span<const d
     if (!tips[i].allFinite()) throw InputError("the probe is not at a finite position");
     Probe& probe = probes_[i];
     if (probe.spot.present()) {
-      // Beyond an edge the tip may be behind the plane of the proxy's face and in the air.
+      // Beyond an edge the tip may be behind the plane of the proxy's face and in the air. The
+      // surface that was pressed follows a tip that lifts: between that and rest λ decides.
       SearchCost cost;
       if (walk_.outside(tips[i], of_node, cost) > 0) leave(probe);
       operations_ += cost.flops() + kCone;
@@ -148,9 +149,7 @@ void ProxyContact::solve(std::span<const Eigen::Vector3d> tips, std::span<const 
   for (std::size_t i = 0; i < probes_.size(); ++i) {
     if (!tips[i].allFinite()) throw InputError("the probe is not at a finite position");
     Probe& probe = probes_[i];
-    const SurfaceSpot spot = probe.spot;
-    probe = {};
-    probe.spot = spot;
+    probe = {.spot = probe.spot, .strongest = probe.strongest};
   }
   // A contact that has ended leaves the others with other forces.
   for (int step = 0;; ++step) {
@@ -260,6 +259,7 @@ bool ProxyContact::slide(bool move) {
     const Eigen::Vector3d tangential = probe.force + normal * probe.normal;
     const double size = tangential.norm();
     const double limit = settings_.friction * normal;
+    probe.strongest = std::max(probe.strongest, normal);
     // M changes on the way, so that X may have gone too far and leaves a force within the cone.
     Eigen::Vector3d& drag = drag_[present_[p]];
     const bool outside = size > limit;
@@ -278,7 +278,7 @@ bool ProxyContact::slide(bool move) {
         continue;
       }
     }
-    probe.off_cone = std::abs(size - limit) > kOnCone * normal;
+    probe.off_cone = std::abs(size - limit) > kOnCone * probe.strongest;
     probe.force = on_cone - normal * probe.normal;
   }
   return moved;

@@ -45,7 +45,8 @@ struct ProxySettings {
 
 class ProxyContact {
  public:
-  // Within this share of the normal force beside the cone, X has come to rest on it.
+  // Within this share of the normal force beside the cone, X has come to rest on it. Of the largest
+  // normal force since contact began, it is what the force may be beside the cone without a flag.
   static constexpr double kOnCone = 0.01;
 
   // One of a probe, after solve().
@@ -60,6 +61,7 @@ class ProxyContact {
     bool sliding = false;   // X moved, or the force was brought onto the cone
     bool at_rim = false;    // X is beside what does not move, or went over a crease
     bool off_cone = false;  // after all steps
+    double strongest = 0;   // of the normal forces since contact began, N
   };
 
   // Keeps references. `statics` is the compliance of K, `system` that of the frame's matrix: the
@@ -70,9 +72,9 @@ class ProxyContact {
   std::size_t size() const { return probes_.size(); }
   // Takes the spot from which a probe without contact seeks the surface nearest to it.
   void suggest(std::size_t probe, const SurfaceSpot& spot) { sought_[probe] = spot; }
-  // `u` is the last solution. Contact ends where the tip is outside of the body. It begins where
-  // the tip is on or inside the surface displaced by it; a probe without a suggested spot has no
-  // contact.
+  // `u` is the last solution. Contact ends where the tip is outside of the body, both at rest and
+  // displaced by it. It begins where the tip is on or inside the surface displaced by it; a probe
+  // without a suggested spot has no contact.
   void look(std::span<const Eigen::Vector3d> tips, std::span<const double> u);
   void solve(std::span<const Eigen::Vector3d> tips, std::span<const double> u1);
   // The same from a displacement that no contact has part in.

@@ -64,13 +64,14 @@ class SurfaceWalk {
   SurfaceSpot nearest_at_rest(const Eigen::Vector3d& p) const {
     return spot_of(surface_.closest(p));
   }
-  // How far p is outside of the surface displaced by u, at the place that is nearest to p at rest:
-  // negative inside. Counts the search.
+  // How far p is outside both of the surface at rest and of that displaced by u, at the place that
+  // is nearest to p at rest: negative inside of either. Counts the search.
   template <class Displacement>
   double outside(const Eigen::Vector3d& p, const Displacement& u, SearchCost& cost) const {
     const SurfacePoint point = surface_.closest(p);
     cost += point.cost;
-    return point.signed_distance - displaced(spot_of(point), u).dot(point.normal);
+    const double pressed = displaced(spot_of(point), u).dot(point.normal);
+    return point.signed_distance - std::max(pressed, 0.0);
   }
 
  private:

@@ -153,7 +153,9 @@ void GlidingContact::describe(std::size_t probe, collision::Touch& touch) const 
   touch.unresolved = state.unresolved;
   touch.depth = state.depth;
   touch.slides = state.sliding;
-  if (state.spot.present()) touch.foot = proxy_.walk().rest(state.spot);
+  if (!state.spot.present()) return;
+  touch.foot = proxy_.walk().rest(state.spot);
+  touch.normal = state.normal;
 }
 
 // The proxy stands between its place without contact and the tip.

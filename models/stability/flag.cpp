@@ -99,7 +99,7 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "the tip was inside the body and nothing was held: on a part that is anchored, or between two "
      "passes of the collision process",
      "no setting of the board helps: a probe that touches what is free, a higher "
-     "host.graphics.rate, a slower probe"},
+     "host.graphics.rate, contact.fresh, a slower probe"},
     {"active-port", "the loop fed energy into device and hand: what is felt there is not passive",
      "no setting of the board's words helps: what loop.energy.fed_by names: a smaller "
      "wall.stiffness or a softer body, a moderate "

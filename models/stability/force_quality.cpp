@@ -89,8 +89,11 @@ const ForceQuality::Past* ForceQuality::past(double time_s) const {
 }
 
 void ForceQuality::watch_hand_over(const FeltForce& felt) {
-  const Past now{felt.time_s, felt.force,
-                 felt.foot ? Eigen::Vector3d(felt.tip - *felt.foot) : felt.tip};
+  Past now{felt.time_s, felt.force, felt.force.norm(), felt.tip};
+  if (felt.foot) {
+    now.force = felt.force.dot(felt.normal) * felt.normal;
+    now.way -= *felt.foot;
+  }
   if (felt.contact < 0) {
     touched_.reset();
   } else if (!touched_ || last_.contact < 0) {
@@ -107,10 +110,10 @@ void ForceQuality::watch_hand_over(const FeltForce& felt) {
       const Past* first = past(began_s);
       // Where a frame is longer than the span there is nothing to look back to.
       if (middle == nullptr || first == nullptr || middle == first) continue;
-      const double force = std::max({now.force.norm(), middle->force.norm(), first->force.norm()});
+      const double force = std::max({now.size, middle->size, first->size});
       const double way = (felt.foot ? now.way : Eigen::Vector3d(now.way - touched_->way)).norm();
       if (!(force > kNoForce) || !(way > 0)) continue;
-      // Friction turns a force that glides; of a node's, each turn is one of its hand-overs.
+      // The normal turns with the surface; a node's force turns with its hand-overs.
       const double change =
           (felt.foot ? std::abs(now.force.norm() - 2 * middle->force.norm() + first->force.norm())
                      : (now.force - 2 * middle->force + first->force).norm()) /

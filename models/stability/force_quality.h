@@ -24,6 +24,7 @@ struct FeltForce {
   // The point of the body's surface at rest that is nearest to the tip, m, where contact glides:
   // what the tip presses is its way from there. Absent: from where the contact began.
   std::optional<Eigen::Vector3d> foot = {};
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // of the surface where it glides
 };
 
 // A figure and its frame; −1 where there is none.
@@ -43,7 +44,9 @@ struct WorstFrame {
 // been handed over within 2·w, the second difference F(t) − 2·F(t−w) + F(t−2w) is the change that
 // the trend before does not explain; what the tip's own motion explains of it, |F|·|Δ²d|/|d| with
 // d = x − x_0 and x_0 the place of the first touch or the foot, is taken off. Beyond kNoticeable of
-// the largest of the three forces, for w of 30 or of 100 ms, it raises `force-step` too.
+// the largest of the three forces, for w of 30 or of 100 ms, it raises `force-step` too. Of a
+// contact that glides the change is that of the force along the normal: its friction turns, comes
+// and goes with the tip's motion, and is bound to what presses.
 //
 // An alternation is a frame whose change is opposite to that of the frame before, as that one was
 // to its own predecessor. Alternations whose three changes exceed kRingingShare of the largest
@@ -110,8 +113,9 @@ class ForceQuality {
   // A force and a place to look back to.
   struct Past {
     double time_s = 0;
-    Eigen::Vector3d force = Eigen::Vector3d::Zero();
-    Eigen::Vector3d way = Eigen::Vector3d::Zero();  // tip, or tip − foot
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();  // where contact glides, along the normal
+    double size = 0;                                  // of the whole force
+    Eigen::Vector3d way = Eigen::Vector3d::Zero();    // tip, or tip − foot
   };
   static constexpr std::size_t kPasts = 64;
   // They cover twice the longest span.

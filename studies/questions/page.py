@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from studies.errors import StudyError
-from studies.questions import board, loop, numbers
+from studies.questions import board, contacts, loop, numbers
 from studies.questions.answer import Answer, Row, rows_of
 from studies.questions.question_file import FOLDER, Question
 from studies.record import Record
@@ -24,6 +24,7 @@ ANSWERS: Mapping[str, Callable[[Sequence[Row]], Answer]] = {
     "stiffness": loop.stiffness,
     "jitter": loop.jitter,
     "effects-ladder": loop.effects_ladder,
+    "contacts": contacts.contacts,
 }
 
 _MADE = "<!-- Made by `./hvp questions`: do not edit. -->"
@@ -77,7 +78,7 @@ def index(answers: Mapping[str, tuple[Question, Answer]]) -> str:
     ]
     return "\n".join(
         [
-            "# Ten questions",
+            "# Questions of an architect",
             "",
             _MADE,
             "",

@@ -22,6 +22,7 @@ NAMES = (
     "stiffness",
     "jitter",
     "effects-ladder",
+    "contacts",
 )
 
 

@@ -95,6 +95,21 @@ TEST(ProxyGlide, DoesNotStepBetweenTriangles) {
   EXPECT_LT(at_changes[1], 0.2 * at_changes[0]);
 }
 
+// The surface is where the last frame has pressed it when the tip lifts by more than its gap: the
+// body follows, as it is pressed there on the way down.
+TEST(ProxyGlide, FollowsATipThatLiftsByMoreThanItsGap) {
+  Glide glide({});
+  Vector3d tip = glide.at_top(0.031, 0.032);
+  glide.begin({tip});
+  glide.move(tip, glide.at_top(0.031, 0.032, 0.001), 1e-4);
+  const Vector3d pressed = glide.contact.probes()[0].force;
+  glide.move(tip, glide.at_top(0.031, 0.032, 0.004), 1e-4);
+  ASSERT_LT(glide.contact.probes()[0].gap.norm(), 0.003);
+  glide.move(tip, glide.at_top(0.031, 0.032, 0.001), 0.003);
+  EXPECT_TRUE(glide.contact.probes()[0].spot.present());
+  EXPECT_LT((glide.contact.probes()[0].force - pressed).norm(), 1e-9 * pressed.norm());
+}
+
 // Without friction the hand gets back what it gave. A point that is hard makes energy between its
 // node and the middle of a triangle; in the middle of the block the proxy does not.
 TEST(ProxyGlide, MakesNoEnergyWithoutFriction) {

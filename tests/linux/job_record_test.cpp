@@ -97,6 +97,8 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(Recorded{"StaticBox", "", {}, 40},
                       Recorded{"DynamicBody", "thesis.toml", {"frames=200"}, 200},
                       Recorded{"MovingContact", "bean.toml", {"frames=200"}, 200},
+                      Recorded{
+                          "GlidingContact", "bean.toml", {"frames=200", "contact.kind=proxy"}, 71},
                       Recorded{"TwoProbesRefined", "pinch.toml", {"frames=200"}, 116},
                       Recorded{"FromZero", "", {"solver.start=zero"}, 40},
                       Recorded{"NeverScaled", "", {"solver.dynamic_scaling=false"}, 40},

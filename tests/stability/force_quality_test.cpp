@@ -82,6 +82,28 @@ TEST(ForceQuality, AHandOverThatIsFeltIsFlaggedHoweverItIsSpread) {
   EXPECT_GE(quality.handed_over(0).frame, 250);
 }
 
+// A tip at constant depth begins to slide at 0.5 s: what presses goes to `share` of itself within
+// 60 ms, and its friction comes.
+ForceQuality begun_to_slide(double share) {
+  ForceQuality quality;
+  for (int n = 0; n < 500; ++n) {
+    const double t = kPeriod * n;
+    const double part = std::clamp((t - 0.5) / 0.06, 0.0, 1.0);
+    const double presses = 0.3 * (1 + (share - 1) * part);
+    FeltForce felt{n, t, {part, 0, -1e-2}, {part * presses, 0, -presses}, t < 0.5 ? 7 : 8};
+    felt.foot = {part, 0, 0};
+    felt.normal = Eigen::Vector3d::UnitZ();
+    quality.add(felt);
+  }
+  return quality;
+}
+
+TEST(ForceQuality, FrictionThatComesIsNoStepAndWhatPressesIs) {
+  EXPECT_FALSE(begun_to_slide(1.0).flags().has(Flag::force_step));
+  EXPECT_NEAR(begun_to_slide(1.0).handed_over(0).value, 0, 1e-12);
+  EXPECT_TRUE(begun_to_slide(0.8).flags().has(Flag::force_step));
+}
+
 // A press that begins and ends changes the force by all of it, with a hand-over on the way.
 TEST(ForceQuality, AHandOverWithinAPressIsNotBlamedForThePress) {
   const auto smooth = [](double t) { return t * t * t * (10 - 15 * t + 6 * t * t); };

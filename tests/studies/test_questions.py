@@ -1,4 +1,4 @@
-"""The ten questions: each answer has the shape that it has to have, not only a run behind it."""
+"""The questions: each answer has the shape that it has to have, not only a run behind it."""
 
 import itertools
 from collections.abc import Callable, Sequence
@@ -49,8 +49,7 @@ def falls(some: Sequence[float]) -> bool:
     return all(after <= before for before, after in itertools.pairwise(some))
 
 
-def test_there_are_ten_each_with_file_text_and_answer() -> None:
-    assert len(NAMES) == 10
+def test_each_has_file_text_and_answer() -> None:
     assert tuple(ANSWERS) == NAMES
     for name in NAMES:
         question = read_question(name)
@@ -220,6 +219,26 @@ def test_ladder_rises_and_the_wall_falls(ask: Ask) -> None:
     # Late wake-ups are the worst frame's, hardly the wall's.
     assert rows[-1][loop.WORST] > 1.5 * rows[-2][loop.WORST]
     assert wall[-1] > 0.9 * wall[0]
+
+
+def test_a_proxy_more_costs_the_host_alone(ask: Ask) -> None:
+    rows = ask("contacts", probes=["1", "8"], host=["1 Gflop/s", "4 Gflop/s"])
+
+    def force_us(probes: str, contact: str, host: str) -> float:
+        row = where(rows, probes=probes, contact=contact, host=host)[0]
+        assert row["deadline.misses"] == 0
+        assert row["load.misses"] == 0
+        return float(row[loop.WORST])
+
+    for host in ("1 Gflop/s", "4 Gflop/s"):
+        assert force_us("8", "proxy", host) > force_us("1", "proxy", host)
+        assert force_us("8", "proxy", host) < force_us("1", "node", host)
+    # What grows but for some words on the bus is arithmetic: a host that is four times as fast.
+    slow = force_us("8", "proxy", "1 Gflop/s") - force_us("1", "proxy", "1 Gflop/s")
+    fast = force_us("8", "proxy", "4 Gflop/s") - force_us("1", "proxy", "4 Gflop/s")
+    assert 3 < slow / fast <= 4
+    proxies = where(rows, contact="proxy")
+    assert len(set(column(proxies, "contact.proxy.compliance_bytes"))) == 1
 
 
 def test_page_has_its_numbers_from_the_runs(session: Session) -> None:

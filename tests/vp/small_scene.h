@@ -88,6 +88,7 @@ struct SmallScene {
  private:
   static collision::ContactSettings contact_settings(const Options& options) {
     collision::ContactSettings c;
+    c.kind = collision::ContactKind::node;
     c.patch_radius = options.patch_radius;
     c.hand_over_s = options.hand_over_s;
     return c;

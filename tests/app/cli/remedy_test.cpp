@@ -86,8 +86,12 @@ TEST_P(Remedy, WorksAsPrinted) {
 INSTANTIATE_TEST_SUITE_P(
     Scenarios, Remedy,
     ::testing::Values(
-        Trouble{
-            "thesis", "thesis.toml", {}, {"matrix-rounding", "not-converged"}, {}, {"force-step"}},
+        Trouble{"thesis",
+                "thesis.toml",
+                {},
+                {"matrix-rounding", "not-converged", "force-step"},
+                {"solver.iterations=15", "refinement.passes=2", "contact.kind=proxy"}},
+        Trouble{"refined", "thesis-refined.toml", {}, {"force-step"}, {"contact.kind=proxy"}},
         Trouble{"without-a-reference",
                 "thesis.toml",
                 {"reference=false", "loads.gravity=true", "frames=400"},
@@ -99,13 +103,15 @@ INSTANTIATE_TEST_SUITE_P(
                 {"matrix-rounding"},
                 {},
                 {"force-step"}},
-        // What costs nothing in a frame, before bits and passes.
+        // The proxy, and what the words of a run with a proxy need.
         Trouble{"static",
                 "thesis-static.toml",
                 {},
-                {"matrix-rounding"},
-                {"solver.matrix_scaling=diagonal"},
-                {"force-step"}},
+                {"matrix-rounding", "force-step"},
+                {"contact.kind=proxy"}},
+        // What costs nothing in a frame, before bits and passes.
+        Trouble{
+            "static-glides", "thesis-static.toml", {"contact.kind=proxy"}, {"matrix-rounding"}, {}},
         Trouble{"range",
                 "thesis-static.toml",
                 {"solver.displacement_range=1mm", "reference=false", "frames=500",

@@ -72,6 +72,11 @@ double phase_us(const json& summary, const std::string& part, const std::string&
   return 0;
 }
 
+double share_that_glides(const json& summary) {
+  const json& proxy = summary.at("contact").at("proxy");
+  return proxy.at("sliding").get<double>() / proxy.at("touches").get<double>();
+}
+
 double worst_us(const json& summary) { return summary.at("deadline").at("worst_us"); }
 double median_us(const json& summary) { return summary.at("deadline").at("p50_us"); }
 double largest_force(const json& summary) { return summary.at("force").at("largest").at("N"); }
@@ -651,6 +656,38 @@ const std::map<std::string, std::vector<Claim>>& claims() {
            EXPECT_NEAR(s.at("force").at("largest").at("N"), 3.1, 0.05);
            EXPECT_NEAR(s.at("force").at("handed_over").at("within_30_ms_rel"), 0.46, 0.005);
            EXPECT_THAT(s.at("stability").at("flags").dump(), HasSubstr("force-step"));
+         }}}},
+      {"slide-by-node.toml",
+       {{"the run is flagged, and the remedy that was tried, a proxy, leaves no flag",
+         [](Runs& r) {
+           const json& s = r.summary("slide-by-node.toml");
+           EXPECT_THAT(flags(s), testing::Contains("force-step"));
+           EXPECT_EQ(flags(r.summary("slide-by-node.toml", {"contact.kind=proxy"})), json::array());
+         }},
+        {"it is out after 997 us, a proxy's after 365 us",
+         [](Runs& r) {
+           EXPECT_NEAR(worst_us(r.summary("slide-by-node.toml")), 997, 0.5);
+           EXPECT_NEAR(worst_us(r.summary("slide.toml")), 365, 0.5);
+         }}}},
+      {"stick-slip.toml",
+       {{"it glides in 52 % of its frames, on the wet box in 77 %",
+         [](Runs& r) {
+           EXPECT_NEAR(share_that_glides(r.summary("stick-slip.toml")), 0.52, 0.005);
+           EXPECT_NEAR(share_that_glides(r.summary("slide.toml")), 0.77, 0.005);
+         }},
+        {"no flag: what presses does not change where the drag does",
+         [](Runs& r) {
+           EXPECT_EQ(flags(r.summary("stick-slip.toml")), json::array());
+           const json& force = r.summary("stick-slip.toml").at("force");
+           EXPECT_LT(force.at("handed_over").at("within_100_ms_rel"), 0.05);
+         }}}},
+      {"grasp.toml",
+       {{"glides, in 39 % of its frames here and in 28 % with µ of 1",
+         [](Runs& r) {
+           EXPECT_EQ(flags(r.summary("grasp.toml")), json::array());
+           EXPECT_NEAR(share_that_glides(r.summary("grasp.toml")), 0.39, 0.005);
+           EXPECT_NEAR(share_that_glides(r.summary("grasp.toml", {"contact.friction=1"})), 0.28,
+                       0.005);
          }}}},
       {"passive-wall.toml",
        {{"the tip comes to the wall, swings, and ends within 0.02 mm; the observer never owes 0.1 "
