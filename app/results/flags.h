@@ -38,8 +38,8 @@ struct TriedRemedy {
   double p95 = 0;
   bool fits = true;      // the words that it needs fit the device
   std::string shortage;  // what is missing where they do not fit
-  // The run's worst latency and load, and those with the settings: of the whole run or, where it was
-  // not repeated, by annotated costs of the frame's large steps.
+  // The run's worst latency and load, and those with the settings: of the whole run or, where it
+  // was not repeated, by annotated costs of the frame's large steps.
   struct Cost {
     std::int64_t latency_ps = 0;
     std::int64_t load_ps = 0;
