@@ -39,8 +39,9 @@ from rest import REST
 from run_files import Run
 from scenario import Scenario
 from scenario_reference import Table, tables_of
+from slides import SLIDES
 
-LAWS = (*IDENTITIES, *LOADS_AND_MATTER, *REST, AGAINST_THE_HOST, MIRROR)
+LAWS = (*IDENTITIES, *LOADS_AND_MATTER, *REST, *SLIDES, AGAINST_THE_HOST, MIRROR)
 LONGEST_RUN_S = 60  # of the processor, whatever else the machine does
 HANGS_AFTER_S = 900
 REFUSED = 2

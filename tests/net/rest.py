@@ -4,7 +4,7 @@ import math
 import random
 from collections.abc import Iterator
 
-from laws import Law, setting
+from laws import Law, glides, setting
 from physics import HOST, on_the_host
 from run_files import Run
 from scenario import Scenario, quantity, vector
@@ -30,10 +30,11 @@ def pressed_and_held(rng: random.Random, scenario: Scenario) -> Scenario:
         "frames": "160",
         "host.graphics.rate": '"100 Hz"',
         "host.graphics.drawing_time": '"1 ms"',
-        "contact.hand_over": '"20 ms"',
         "probe.start": vector((x, y, half[2])),
         "output.deformation_every_frames": "150",
     }
+    if not glides(changed):
+        changed.values["contact.hand_over"] = '"20 ms"'
     bottom = {"kind": '"half-space"', "point": f'["0 m", "0 m", {below}]', "normal": "[0, 0, 1]"}
     changed.lists["object.anchor"] = [bottom]
     press = {"phase": '"press"', "to": vector((x, y, half[2] - deep)), "duration": '"100 ms"'}
