@@ -96,6 +96,11 @@ void ProxyContact::look(std::span<const Eigen::Vector3d> tips, std::span<const d
     if (!walk_.touchable(sought_[i].triangle)) continue;
     const Eigen::Vector3d place = walk_.rest(sought_[i]) + walk_.displaced(sought_[i], of_node);
     if ((tips[i] - place).dot(walk_.normal(sought_[i])) > 0) continue;
+    // Over an edge the nearest face may be one whose plane the tip is behind, however far away.
+    SearchCost cost;
+    const bool is_outside = walk_.outside(tips[i], of_node, cost) > 0;
+    operations_ += cost.flops();
+    if (is_outside) continue;
     probe = {};
     probe.spot = sought_[i];
   }

@@ -155,6 +155,25 @@ TEST(ProxyContact, TwoProbesAreOneSystem) {
   }
 }
 
+// A block whose edge stands highest: what is nearest to a tip far above it is on that edge, beside
+// which the plane of the side face leans over the tip.
+TEST(ProxyContact, DoesNotBeginInTheAirOverAnEdge) {
+  for (const double height : {1.0, 0.1, 0.04}) {
+    test::Glide glide({});
+    for (std::size_t node = 0; node < glide.body.mesh().nodes.size(); ++node) {
+      const int active = glide.body.active_index(static_cast<int>(node));
+      const Vector3d& x = glide.body.mesh().nodes[node];
+      if (active < 0 || x.x() < 0.05) continue;
+      glide.u[3 * at(active)] = 0.002;
+      glide.u[3 * at(active) + 2] = 0.004;
+    }
+    const Vector3d tip(0.0605, 0.033, height);
+    glide.contact.suggest(0, glide.contact.walk().nearest_at_rest({0.06, 0.033, 0.025}));
+    glide.contact.look(std::vector<Vector3d>{tip}, glide.u);
+    EXPECT_FALSE(glide.contact.probes()[0].spot.present()) << height;
+  }
+}
+
 TEST(ProxyContact, LetsGoAndNeverPulls) {
   Glide glide({});
   Vector3d tip = glide.at_top(0.0262, 0.033);
