@@ -44,8 +44,8 @@ void ProxyFigures::report(config::Figures& f) const {
   f.frame("largest_gap_frame", frame, "the frame that has it");
   f.quantity(
       "largest_unresolved_m", largest_unresolved, "m",
-      "of such a gap, what is not the size of the probe's end but that of the elements. Over "
-      "half of the depth: `contact-doubtful`");
+      "of the depth, what a probe of its size would not have: elements are small beside it, and a "
+      "body with mass needs a coupling. Over a fifth: `contact-doubtful`");
   f.quantity("largest_depth_m", largest_depth, "m", "of a tip below the surface at rest");
   f.count("compliance_bytes", bytes, "of the table of the surface's compliances, on the host");
   f.count("compliance_solves", solves, "that the table took at set-up");

@@ -97,9 +97,10 @@ std::optional<double> proxy_stiffness(const Scene& scene) {
   for (std::size_t i = 0; i < scene.scenario().probes.size(); ++i) {
     for (const Place& place : touched(scene, scene.scenario().probes[i])) {
       const Eigen::Vector3d& n = scene.contacts().surface().rest_normal(place.node);
+      const collision::ProxySettings& settings = scene.glide()->settings;
+      const double coupling = settings.coupling[i] + settings.of_node[i][at(place.node)];
       const Eigen::Matrix3d compliance =
-          statics.block(place.node, place.node) +
-          scene.glide()->settings.coupling[i] * Eigen::Matrix3d::Identity();
+          statics.block(place.node, place.node) + coupling * Eigen::Matrix3d::Identity();
       stiffest = std::max(stiffest.value_or(0), n.dot(compliance.inverse() * n));
     }
   }

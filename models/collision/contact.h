@@ -36,9 +36,9 @@ struct Touch {
   Contact contact = {};
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  // on the body, N
   // Of a proxy, zero else.
-  Eigen::Vector3d foot = Eigen::Vector3d::Zero();    // its place on the surface at rest, m
-  double gap = 0;                                    // from the tip to the body's surface there, m
-  double unresolved = 0;                             // of that, what elements do not resolve, m
+  Eigen::Vector3d foot = Eigen::Vector3d::Zero();  // its place on the surface at rest, m
+  double gap = 0;                                  // from the tip to the body's surface there, m
+  double unresolved = 0;  // of the depth, what a probe of its size would not have, m
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // of the surface at rest there, outward
   double depth = 0;  // of the tip below the surface at rest there, m
   bool slides = false;

@@ -62,7 +62,8 @@ ProxyContact::ProxyContact(const fem::Body& body, const DeformedSurface& surface
   loads_.reserve(3 * probes);
   applied_.reserve(3 * probes);
   present_.reserve(probes);
-  settings_.kernel.resize(probes);
+  settings_.excess.resize(probes);
+  settings_.of_node.resize(probes);
   drag_.resize(probes);
   own_.resize(probes);
   m_.resize(9 * probes * probes);
@@ -120,9 +121,16 @@ Eigen::Matrix3d ProxyContact::between(SurfaceCompliance& of, const SurfaceSpot& 
   return sum;
 }
 
-Eigen::Matrix3d ProxyContact::coupling(const SurfaceSpot& spot, double s0) {
-  Eigen::Matrix3d sum = s0 * Eigen::Matrix3d::Identity();
+Eigen::Matrix3d ProxyContact::coupling(const SurfaceSpot& spot, std::size_t probe) {
   const std::array<int, 3>& t = walk_.corners(spot.triangle);
+  double own = settings_.coupling[probe];
+  if (const std::vector<double>& of_node = settings_.of_node[probe]; !of_node.empty()) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      own += spot.weight[static_cast<Eigen::Index>(i)] * of_node[at(t[i])];
+    }
+    operations_ += 6;
+  }
+  Eigen::Matrix3d sum = own * Eigen::Matrix3d::Identity();
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t j = (i + 1) % 3;
     const Eigen::Matrix3d cross = statics_.block(t[i], t[j]);
@@ -167,8 +175,8 @@ void ProxyContact::solve(std::span<const Eigen::Vector3d> tips, std::span<const 
     Probe& probe = probes_[i];
     const Eigen::Vector3d moved = between(system_, probe.spot, probe.spot) * probe.force;
     probe.pressed = moved.norm();
-    probe.gap = coupling(probe.spot, settings_.coupling[i]) * probe.force;
-    probe.unresolved = (probe.gap - settings_.kernel[i] * probe.force).norm();
+    probe.gap = coupling(probe.spot, i) * probe.force;
+    probe.unresolved = settings_.excess[i] * -probe.force.dot(probe.normal);
     probe.depth = (walk_.rest(probe.spot) - tips[i]).dot(probe.normal);
     probe.at_rim = probe.at_rim || walk_.at_anchor(probe.spot);
   }
@@ -201,7 +209,7 @@ void ProxyContact::solve_for_forces() {
     for (std::size_t q = 0; q <= p; ++q) {
       Eigen::Matrix3d block = between(system_, spot, probes_[present_[q]].spot);
       if (q == p) {
-        block += coupling(spot, settings_.coupling[present_[p]]);
+        block += coupling(spot, present_[p]);
         own_[p] = block;
       }
       for (int r = 0; r < 3; ++r) {
@@ -326,53 +334,21 @@ void ProxyContact::release_all() {
 }
 
 Eigen::MatrixXd ProxyContact::compliance() {
-  std::vector<const Probe*> present;
-  std::vector<double> s0;
+  std::vector<std::size_t> present;
   for (std::size_t i = 0; i < probes_.size(); ++i) {
-    if (!probes_[i].spot.present()) continue;
-    present.push_back(&probes_[i]);
-    s0.push_back(settings_.coupling[i]);
+    if (probes_[i].spot.present()) present.push_back(i);
   }
   Eigen::MatrixXd m(3 * static_cast<Eigen::Index>(present.size()),
                     3 * static_cast<Eigen::Index>(present.size()));
   for (std::size_t p = 0; p < present.size(); ++p) {
     for (std::size_t q = 0; q < present.size(); ++q) {
-      Eigen::Matrix3d block = between(system_, present[p]->spot, present[q]->spot);
-      if (p == q) block += coupling(present[p]->spot, s0[p]);
+      const SurfaceSpot& spot = probes_[present[p]].spot;
+      Eigen::Matrix3d block = between(system_, spot, probes_[present[q]].spot);
+      if (p == q) block += coupling(spot, present[p]);
       m.block<3, 3>(3 * static_cast<Eigen::Index>(p), 3 * static_cast<Eigen::Index>(q)) = block;
     }
   }
   return m;
-}
-
-CouplingCompliance coupling_compliance(const fem::Body& body, const DeformedSurface& surface,
-                                       SurfaceCompliance& statics, double radius, bool dynamic) {
-  constexpr double kShare = 0.3;
-  constexpr double kFlat = 1.53;  // kernel radius of a flat end, over its radius
-  constexpr double kKernel = 0.766;
-  constexpr double kLocal = 1.3;  // a node's own compliance is 1/(1.3·E·h)
-  double of_nodes = 0;
-  int nodes = 0;
-  for (const int node : surface.surface_nodes()) {
-    if (!statics.has(node)) continue;
-    const Eigen::Vector3d& n = surface.rest_normal(node);
-    of_nodes += n.dot(statics.block(node, node) * n);
-    ++nodes;
-  }
-  double edges = 0;
-  for (const std::array<int, 3>& t : surface.triangles()) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      edges += (surface.rest_position(t[(i + 1) % 3]) - surface.rest_position(t[i])).norm();
-    }
-  }
-  const double h = edges / (3 * static_cast<double>(surface.triangles().size()));
-  const fem::Material& material = body.materials().table().front();
-  const double young = material.young_modulus_pa;
-  const double plane = young / (1 - material.poisson_ratio * material.poisson_ratio);
-  const double share = dynamic && nodes > 0 ? kShare * of_nodes / nodes : 0;
-  const double size =
-      radius > 0 ? kKernel / (plane * kFlat * radius) - 1 / (kLocal * young * h) : 0;
-  return {std::max({0.0, share, size}), std::max(0.0, size)};
 }
 
 }  // namespace hvp::collision

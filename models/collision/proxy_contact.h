@@ -40,7 +40,10 @@ struct ProxySettings {
   double friction = 0.3;         // Coulomb's coefficient; infinite: it sticks
   int steps = 3;                 // of X in a frame, at most
   std::vector<double> coupling;  // s0 of each probe, m/N
-  std::vector<double> kernel;    // of that, what the probe's size asks for, m/N; missing: none
+  // What each mesh node adds to it, m/N; missing: nothing.
+  std::vector<std::vector<double>> of_node = {};
+  // By how much the coupling is too soft for the probe, m/N; missing: by nothing.
+  std::vector<double> excess = {};
 };
 
 class ProxyContact {
@@ -55,7 +58,7 @@ class ProxyContact {
     Eigen::Vector3d force = Eigen::Vector3d::Zero();   // λ, on the body
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // outward, length one
     Eigen::Vector3d gap = Eigen::Vector3d::Zero();     // tip − x = S·λ, m
-    double unresolved = 0;  // |S·λ| without the kernel's part: what elements do not resolve, m
+    double unresolved = 0;  // of the depth, what a probe of its size would not have, m
     double depth = 0;       // of the tip below X at rest, along the normal, m
     double pressed = 0;     // |W·λ|: how far the force moves X from where it is without, m
     bool sliding = false;   // X moved, or the force was brought onto the cone
@@ -103,7 +106,7 @@ class ProxyContact {
  private:
   Eigen::Vector3d displacement(std::span<const double> u, int node) const;
   Eigen::Matrix3d between(SurfaceCompliance& of, const SurfaceSpot& a, const SurfaceSpot& b);
-  Eigen::Matrix3d coupling(const SurfaceSpot& spot, double s0);
+  Eigen::Matrix3d coupling(const SurfaceSpot& spot, std::size_t probe);
   void solve(std::span<const Eigen::Vector3d> tips, std::span<const double> u,
              std::span<const fem::ContactLoad> in_u);
   void solve_for_forces();
@@ -131,17 +134,5 @@ class ProxyContact {
   std::span<const fem::ContactLoad> in_u_;
   double operations_ = 0;
 };
-
-// s0 of a probe on a body, m/N: max(share·c_node, 0.766/(E*·r) − c_loc) with r = 1.53 times the
-// radius of the probe's flat end, E* = E/(1 − ν²), c_loc = 1/(1.3·E·h) of the surface's mean edge h
-// and c_node the mean compliance of its free nodes along their normals; `share` is 0.3 for a body
-// with inertia, whose nodes would ring, else zero. A radius of zero, or one that elements resolve,
-// leaves the first. The material is the first of the body's.
-struct CouplingCompliance {
-  double s0 = 0;
-  double kernel = 0;  // the second of the two, or zero
-};
-CouplingCompliance coupling_compliance(const fem::Body& body, const DeformedSurface& surface,
-                                       SurfaceCompliance& statics, double radius, bool dynamic);
 
 }  // namespace hvp::collision

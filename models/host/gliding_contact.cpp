@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "models/collision/probe_coupling.h"
 #include "models/fem/direct_solver.h"
 #include "models/index.h"
 
@@ -24,11 +25,15 @@ GlideTables::GlideTables(const fem::Body& body, const sparse::BlockMatrix& syste
   if (is_dynamic) dynamic.emplace(body, system, surface.surface_nodes());
   settings.friction = friction;
   radii.assign(probe_radii.begin(), probe_radii.end());
+  const collision::NodeCompliance nodes(body, surface, statics);
+  const collision::Answer answer = is_dynamic ? collision::Answer::with_mass
+                                   : linear   ? collision::Answer::tabulated
+                                              : collision::Answer::repeated;
   for (const double radius : radii) {
-    const collision::CouplingCompliance of_probe =
-        collision::coupling_compliance(body, surface, statics, radius, is_dynamic);
-    settings.coupling.push_back(of_probe.s0);
-    settings.kernel.push_back(of_probe.kernel);
+    collision::ProbeCoupling coupling(body, nodes, radius, answer);
+    settings.coupling.push_back(coupling.s0);
+    settings.of_node.push_back(std::move(coupling.of_node));
+    settings.excess.push_back(coupling.excess);
   }
   Eigen::AlignedBox3d box;
   for (const int node : surface.surface_nodes()) box.extend(surface.rest_position(node));

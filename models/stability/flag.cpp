@@ -160,12 +160,13 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "no setting of the board helps: a motion of the probe that stays on one face, away from what "
      "is anchored; contact.friction of 0.1 or more, with which no energy is made there"},
     {"contact-doubtful",
-     "elements are so large beside the probe that their coupling takes more than half of the "
-     "depth, the tip was deeper than half of the body or further from the surface than a diameter "
+     "the probe is so large beside the elements of a body with mass that more than a fifth of its "
+     "depth is the softness of a point, the tip was deeper than half of the body or further from "
+     "the surface than a diameter "
      "of its probe, two probes were in one place, "
      "or the friction's cone was not reached in a frame's steps",
-     "no setting of the board helps: a slower or shallower motion of the probe, more nodes, which "
-     "stiffen the coupling, a larger probe.radius, or probes that stay apart"},
+     "no setting of the board helps: a slower or shallower motion of the probe, fewer nodes or a "
+     "smaller probe.radius where it is large beside elements, or probes that stay apart"},
 }};
 }  // namespace
 

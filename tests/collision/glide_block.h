@@ -79,7 +79,7 @@ class Glide {
                               : nullptr),
         solver(matrix),
         contact(body, surface, statics, options.newmark ? *other : statics,
-                {.friction = options.friction, .steps = 3, .coupling = options.s0, .kernel = {}}),
+                {.friction = options.friction, .steps = 3, .coupling = options.s0}),
         s0(options.s0),
         u(static_cast<std::size_t>(body.stiffness().rows())),
         free(u.size()) {}
