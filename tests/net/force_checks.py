@@ -80,7 +80,30 @@ def clear_of(value: float, threshold: float) -> bool:
     return abs(value - threshold) > CLEAR * threshold
 
 
+METRES = {"m": 1.0, "mm": 1e-3, "um": 1e-6}
+
+
+def metres(text: str) -> float:
+    value, unit = text.split()
+    return float(value) * METRES[unit]
+
+
+def touched_from_afar(run: Run) -> Iterator[str]:
+    """No gap between a tip and the surface it presses on is longer than the body."""
+    proxy = run.summary["contact"]["proxy"]
+    if proxy is None:
+        return
+    mesh = run.settings["object"]["mesh"]
+    if mesh["shape"] == "surface":
+        return
+    size = mesh.get("size") or 3 * [mesh["radius"]]
+    longest = 2 * math.hypot(*(metres(text) for text in size))
+    if proxy["largest_gap_m"] > longest:
+        yield f"a proxy was {proxy['largest_gap_m']} m from its tip, on a body of {longest} m"
+
+
 def complaints(run: Run) -> Iterator[str]:
+    yield from touched_from_afar(run)
     said = run.summary.get("force")
     forces = forces_of(run.frames)
     if said is None or len(forces) != len(run.frames) or "forces" in run.summary:
