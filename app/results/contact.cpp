@@ -42,10 +42,10 @@ void ProxyFigures::report(config::Figures& f) const {
   f.count("sliding", sliding, "those of them in which friction did not hold it");
   f.quantity("largest_gap_m", largest_gap, "m", "from a tip to the body's surface at its proxy");
   f.frame("largest_gap_frame", frame, "the frame that has it");
-  f.quantity(
-      "largest_unresolved_m", largest_unresolved, "m",
-      "of the depth, what a probe of its size would not have: elements are small beside it, and a "
-      "body with mass needs a coupling. Over a fifth: `contact-doubtful`");
+  f.quantity("largest_unresolved_m", largest_unresolved, "m",
+             "of the depth, what a probe of its size would not have: elements are small beside it, "
+             "or none "
+             "of them is away from edges. Over a tenth: `contact-doubtful`");
   f.quantity("largest_depth_m", largest_depth, "m", "of a tip below the surface at rest");
   f.count("compliance_bytes", bytes, "of the table of the surface's compliances, on the host");
   f.count("compliance_solves", solves, "that the table took at set-up");

@@ -40,7 +40,7 @@ struct ProxyFigures {
 
   bool any() const { return bytes > 0; }
   // True if what elements do not resolve takes more of the depth than all else.
-  bool mostly_unresolved() const { return largest_unresolved > 0.2 * largest_depth; }
+  bool mostly_unresolved() const { return largest_unresolved > 0.1 * largest_depth; }
   void add(const collision::Touch& touch, std::int64_t number);
   void report(config::Figures& f) const;
 };

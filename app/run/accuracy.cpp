@@ -135,6 +135,12 @@ stability::Flags AccuracyTracker::flags() const {
   // Refinement and a solve in double precision lead to the true model, so that the way to it is the
   // solver's own error. First touches, where little is displaced, are no matter of convergence.
   const host::Deviation& own = refined_ || !has_board_ ? displacement_ : displacement_rounded_;
+  // Nothing but its contact is an exact solver's own.
+  if (glides_ && !has_board_ && true_run_.linear()) {
+    if (!host::accuracy_flags(settings_, displacement_.judged(), std::nullopt).empty())
+      flags.raise(stability::Flag::contact_missed);
+    return flags;
+  }
   const bool late = found_late();
   if (late) flags.raise(stability::Flag::contact_missed);
   flags.merge(host::accuracy_flags(

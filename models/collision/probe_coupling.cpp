@@ -21,6 +21,7 @@ constexpr double kFarthest = 2.5;
 constexpr std::size_t kFewest = 4;  // nodes around
 constexpr double kSmooth = 0.9;     // the cosine between normals of one face
 constexpr double kOneInTen = 0.9;
+constexpr std::size_t kFewestEven = 8;  // one in so many
 
 double plane_modulus(const fem::Body& body) {
   const fem::Material& material = body.materials().table().front();
@@ -94,6 +95,7 @@ NodeCompliance::NodeCompliance(const fem::Body& body, const DeformedSurface& sur
     sum += own - *far;
     ++found;
   }
+  free = nodes;
   if (nodes > 0) mean /= static_cast<double>(nodes);
   if (found == 0) {
     const double young = body.materials().table().front().young_modulus_pa;
@@ -127,6 +129,8 @@ ProbeCoupling::ProbeCoupling(const fem::Body& body, const NodeCompliance& nodes,
     aim = std::max(of_size, *tenth);
   }
   excess = radius > 0 ? aim - of_size : 0;
+  // Where hardly a node is away from edges, nobody knows what is the elements'.
+  if (radius > 0 && kFewestEven * needed.size() < nodes.free) excess = nodes.mean_local;
   s0 = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < of_node.size(); ++i) {
     const double local = std::isnan(nodes.local[i]) ? nodes.mean_local : nodes.local[i];

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "models/collision/deformed_surface.h"
@@ -21,6 +22,7 @@ struct NodeCompliance {
   // Takes the columns of all surface nodes. `statics` is of K.
   NodeCompliance(const fem::Body& body, const DeformedSurface& surface, SurfaceCompliance& statics);
 
+  std::size_t free = 0;       // surface nodes that move
   double mean = 0;            // of the free surface nodes' c, m/N
   double mean_local = 0;      // of those that have a local part; 1/(1.3·E·h) where none has
   std::vector<double> local;  // of each mesh node; NaN at rims and anchors, and within the body

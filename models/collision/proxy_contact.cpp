@@ -143,6 +143,27 @@ Eigen::Matrix3d ProxyContact::coupling(const SurfaceSpot& spot, std::size_t prob
   return sum;
 }
 
+// Statics along the normal are linear over a triangle, b_i·(n·G_ii·n + s_i).
+double ProxyContact::steepness(const Probe& probe, std::size_t of) {
+  const std::array<int, 3>& t = walk_.corners(probe.spot.triangle);
+  std::array<Eigen::Vector3d, 3> x;
+  std::array<double, 3> total{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    x[i] = walk_.rest_position(t[i]);
+    total[i] = probe.normal.dot(statics_.block(t[i], t[i]) * probe.normal);
+    if (!settings_.of_node[of].empty()) total[i] += settings_.of_node[of][at(t[i])];
+  }
+  // The gradient within the plane: n × (edge opposite to each corner), over twice the area.
+  const Eigen::Vector3d across = (x[1] - x[0]).cross(x[2] - x[0]);
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < 3; ++i) {
+    gradient += total[i] * across.cross(x[(i + 2) % 3] - x[(i + 1) % 3]);
+  }
+  constexpr double kSteepness = 150;
+  operations_ += kSteepness;
+  return -0.5 * probe.force.dot(probe.normal) * gradient.norm() / across.squaredNorm();
+}
+
 void ProxyContact::solve(std::span<const Eigen::Vector3d> tips, std::span<const double> u1) {
   solve(tips, u1, applied_);
 }
@@ -179,6 +200,7 @@ void ProxyContact::solve(std::span<const Eigen::Vector3d> tips, std::span<const 
     probe.unresolved = settings_.excess[i] * -probe.force.dot(probe.normal);
     probe.depth = (walk_.rest(probe.spot) - tips[i]).dot(probe.normal);
     probe.at_rim = probe.at_rim || walk_.at_anchor(probe.spot);
+    probe.steepness = steepness(probe, i);
   }
   form_loads();
   const auto solves =

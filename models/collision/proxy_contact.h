@@ -61,6 +61,7 @@ class ProxyContact {
     double unresolved = 0;  // of the depth, what a probe of its size would not have, m
     double depth = 0;       // of the tip below X at rest, along the normal, m
     double pressed = 0;     // |W·λ|: how far the force moves X from where it is without, m
+    double steepness = 0;  // ½·λn·|∂M/∂x|: friction below it pays less than the way to there gives
     bool sliding = false;   // X moved, or the force was brought onto the cone
     bool at_rim = false;    // X is beside what does not move, or went over a crease
     bool off_cone = false;  // after all steps
@@ -107,6 +108,7 @@ class ProxyContact {
   Eigen::Vector3d displacement(std::span<const double> u, int node) const;
   Eigen::Matrix3d between(SurfaceCompliance& of, const SurfaceSpot& a, const SurfaceSpot& b);
   Eigen::Matrix3d coupling(const SurfaceSpot& spot, std::size_t probe);
+  double steepness(const Probe& probe, std::size_t of);
   void solve(std::span<const Eigen::Vector3d> tips, std::span<const double> u,
              std::span<const fem::ContactLoad> in_u);
   void solve_for_forces();

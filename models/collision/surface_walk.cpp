@@ -37,6 +37,17 @@ bool SurfaceWalk::crease(int triangle, int side) const {
   return facet(triangle).dot(facet(across)) < kCreaseCosine;
 }
 
+bool SurfaceWalk::near_crease(const SurfaceSpot& spot, double reach) const {
+  const std::array<int, 3>& t = corners(spot.triangle);
+  for (int side = 0; side < 3; ++side) {
+    const Eigen::Vector3d a = surface_.rest_position(t[index(side)]);
+    const Eigen::Vector3d b = surface_.rest_position(t[index((side + 1) % 3)]);
+    const double distance = (rest(spot) - a).cross(b - a).norm() / (b - a).norm();
+    if (distance < reach && crease(spot.triangle, side)) return true;
+  }
+  return false;
+}
+
 // A corner's normal is the mean of those triangles around it that are reached without a crease,
 // weighted by their angles there.
 void SurfaceWalk::find_normals() {

@@ -27,6 +27,7 @@ class SurfaceWalk {
     return surface_.triangles()[index(triangle)];
   }
   Eigen::Vector3d rest(const SurfaceSpot& spot) const;
+  const Eigen::Vector3d& rest_position(int node) const { return surface_.rest_position(node); }
   // The normals of the corners by the spot's weights: outward, length one.
   Eigen::Vector3d normal(const SurfaceSpot& spot) const;
   // The displacement of the spot. `u` has three components for each mesh node.
@@ -43,6 +44,9 @@ class SurfaceWalk {
   bool touchable(int triangle) const;
   // True where a corner of weight is one that does not move.
   bool at_anchor(const SurfaceSpot& spot) const;
+
+  // True where the spot is nearer than `reach` to a crease of its triangle, m.
+  bool near_crease(const SurfaceSpot& spot, double reach) const;
 
   // Where a step ended.
   struct Step {

@@ -16,6 +16,8 @@ namespace {
 // share, or so often.
 constexpr double kSettled = 1e-10;
 constexpr int kMostRepetitions = 40;
+// Of the force along the normal, what may drive a slide without a flag.
+constexpr double kNoticeableSteepness = 0.05;
 
 }  // namespace
 
@@ -143,7 +145,11 @@ stability::Flags GlidingContact::flags() const {
     if (diameter > 0 && probe.gap.norm() > diameter) {
       flags.raise(stability::Flag::contact_doubtful);
     }
-    if (probe.at_rim) flags.raise(stability::Flag::proxy_at_rim);
+    // On the way to a stiffer place a hand gets back more than it gave, unless friction takes it.
+    const bool makes_energy =
+        probe.sliding && probe.steepness - tables_.settings.friction > kNoticeableSteepness;
+    const bool at_rim = probe.at_rim || proxy_.walk().near_crease(probe.spot, tables_.radii[i]);
+    if (at_rim || makes_energy) flags.raise(stability::Flag::proxy_at_rim);
     if (probe.off_cone || probe.depth > tables_.half_extent)
       flags.raise(stability::Flag::contact_doubtful);
   }

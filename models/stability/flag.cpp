@@ -155,13 +155,15 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "no setting of the board's words helps: a smaller object.model.exponent, a shallower motion "
      "of the probe, or a contact.patch_radius over which it presses"},
     {"proxy-at-rim",
-     "a proxy stood beside nodes that do not move, or went over an edge of more than 40 degrees, "
-     "where its force changes as on no smooth surface",
-     "no setting of the board helps: a motion of the probe that stays on one face, away from what "
-     "is anchored; contact.friction of 0.1 or more, with which no energy is made there"},
+     "a proxy stood beside nodes that do not move, within its radius of an edge of more than 40 "
+     "degrees, or slid to where the body is stiffer by more than friction pays for: its force "
+     "changes as on no smooth surface, and gives the hand energy",
+     "no setting of the board helps: a motion of the probe that stays on one face, away from edges "
+     "and what is anchored; a larger contact.friction, with which no energy is made there"},
     {"contact-doubtful",
-     "the probe is so large beside the elements of a body with mass that more than a fifth of its "
-     "depth is the softness of a point, the tip was deeper than half of the body or further from "
+     "the probe is so large beside the elements, or the mesh so coarse, that more than a tenth of "
+     "its depth is the softness of a point, the tip was deeper than half of the body or further "
+     "from "
      "the surface than a diameter "
      "of its probe, two probes were in one place, "
      "or the friction's cone was not reached in a frame's steps",

@@ -19,10 +19,10 @@ constexpr double kRadius = 3e-3;
 
 // A static block of 6 × 6 × 3 cm that is held at its floor, and its probes.
 struct Block {
-  explicit Block(std::size_t probes)
+  explicit Block(std::size_t probes, double friction = 0.3)
       : mesh(fem::structured_box({0.06, 0.06, 0.03}, {6, 6, 3})),
         body(mesh, fem::Material{}, fem::floor_nodes(mesh), fem::AnchorTreatment::removed),
-        tables(body, body.stiffness(), false, true, 0.3, std::vector<double>(probes, kRadius)),
+        tables(body, body.stiffness(), false, true, friction, std::vector<double>(probes, kRadius)),
         contact(body, tables) {}
 
   // Presses all tips from the surface by `depth`, in steps.
@@ -65,6 +65,32 @@ TEST(GlidingContact, FlagsProbesThatAreInOnePlace) {
   Block together(2);
   together.press({{0.03, 0.032, 0.03}, {0.03 + 1.9 * kRadius, 0.032, 0.03}}, 2e-3);
   EXPECT_TRUE(together.contact.flags().has(Flag::contact_doubtful));
+}
+
+// On the top, 3 mm deep: the flags of all places of a slide along x.
+stability::Flags slid(double friction, double from, double to) {
+  Block block(1, friction);
+  block.press({{from, 0.032, 0.03}}, 3e-3);
+  stability::Flags flags;
+  for (int i = 0; i <= 40; ++i) {
+    const std::vector<Vector3d> tip = {{from + (to - from) * i / 40, 0.032, 0.027}};
+    block.contact.look(tip, block.tables.free_displacement);
+    block.contact.solve(block.tables.free_displacement);
+    flags.merge(block.contact.flags());
+  }
+  return flags;
+}
+
+TEST(GlidingContact, FlagsAnEdgeThatIsWithinTheProbesRadius) {
+  EXPECT_TRUE(slid(1.0, 0.058, 0.058).has(Flag::proxy_at_rim));
+  EXPECT_FALSE(slid(1.0, 0.056, 0.056).has(Flag::proxy_at_rim));
+}
+
+// The block is softer towards its edges: from there to the middle a hand is paid for it.
+TEST(GlidingContact, FlagsAWayToAStifferPlaceThatFrictionDoesNotPayFor) {
+  EXPECT_TRUE(slid(0.0, 0.055, 0.045).has(Flag::proxy_at_rim));
+  EXPECT_FALSE(slid(0.3, 0.055, 0.045).has(Flag::proxy_at_rim));
+  EXPECT_FALSE(slid(0.0, 0.035, 0.025).has(Flag::proxy_at_rim));
 }
 
 }  // namespace
