@@ -25,9 +25,9 @@ struct Experiment {
 Experiment run(const std::string& name) {
   const ScratchDirectory place;
   Experiment e;
-  e.ended =
-      hvp(place.path(), {"run", scenario(name), "--out", "out", "--set", "output.pictures=false",
-                         "--set", "frames=" + std::to_string(kFrames)});
+  e.ended = hvp(place.path(),
+                {"run", scenario(name), "--out", "out", "--set", "output.pictures=false", "--set",
+                 "output.remedies=false", "--set", "frames=" + std::to_string(kFrames)});
   EXPECT_EQ(e.ended.status, 0) << e.ended.err;
   e.summary = json::parse(read(place.path() / "out/summary.json"));
   // A null would be less than any number below.
@@ -88,7 +88,7 @@ TEST(Figures, Dynamic) {
   EXPECT_LE(a.at("displacement_rel_quantised"), 0.02);
   EXPECT_THAT(e.summary.at("stability").at("flags").dump(), HasSubstr("matrix-rounding"));
   EXPECT_THAT(e.ended.out, HasSubstr("FLAG matrix-rounding"));
-  EXPECT_THAT(e.ended.out, Not(HasSubstr("PASS: ")));
+  EXPECT_THAT(e.ended.out, Not(HasSubstr("PASS")));
 }
 
 TEST(Figures, Static) {
@@ -101,7 +101,7 @@ TEST(Figures, Static) {
   EXPECT_GE(displacement.at("median"), 0.06);
   EXPECT_LE(displacement.at("median"), 0.09);
   EXPECT_EQ(e.summary.at("stability").at("flags"), json({"matrix-rounding", "force-step"}));
-  EXPECT_THAT(e.ended.out, Not(HasSubstr("PASS: ")));
+  EXPECT_THAT(e.ended.out, Not(HasSubstr("PASS")));
 }
 
 TEST(Figures, Preconditioned) {
@@ -121,7 +121,7 @@ TEST(Figures, Refined) {
   EXPECT_LE(e.summary.at("accuracy").at("force_rel"), 1e-3);
   // Only the hand-over from node to node is flagged.
   EXPECT_EQ(e.summary.at("stability").at("flags"), json({"force-step"}));
-  EXPECT_THAT(e.ended.out, Not(HasSubstr("PASS: ")));
+  EXPECT_THAT(e.ended.out, Not(HasSubstr("PASS")));
   EXPECT_EQ(e.summary.at("refinement").at("passes"), 2);
   EXPECT_THAT(e.summary.at("effects").dump(), HasSubstr("refinement"));
 

@@ -109,9 +109,6 @@ INSTANTIATE_TEST_SUITE_P(
                 {},
                 {"matrix-rounding", "force-step"},
                 {"contact.kind=proxy"}},
-        // What costs nothing in a frame, before bits and passes.
-        Trouble{
-            "static-glides", "thesis-static.toml", {"contact.kind=proxy"}, {"matrix-rounding"}, {}},
         Trouble{"range",
                 "thesis-static.toml",
                 {"solver.displacement_range=1mm", "reference=false", "frames=500",

@@ -25,7 +25,8 @@ Judged judged(const std::string& name, const std::vector<std::string>& sets) {
   if (name.empty()) write(place.path() / "s.toml", kSmallScene);
   std::vector<std::string> arguments = {"run",   name.empty() ? "s.toml" : scenario(name).string(),
                                         "--out", "out",
-                                        "--set", "output.pictures=false"};
+                                        "--set", "output.pictures=false",
+                                        "--set", "output.remedies=false"};
   for (const std::string& set : sets) {
     arguments.emplace_back("--set");
     arguments.push_back(set);
