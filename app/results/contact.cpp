@@ -8,6 +8,7 @@
 
 #include "app/results/number_text.h"
 #include "app/scene/scene.h"
+#include "models/stability/force_quality.h"
 
 namespace hvp::results {
 
@@ -31,7 +32,10 @@ void ProxyFigures::add(const collision::Touch& touch, std::int64_t number) {
   ++touches;
   if (touch.slides) ++sliding;
   largest_depth = std::max(largest_depth, touch.depth);
-  largest_unresolved = std::max(largest_unresolved, touch.unresolved);
+  // Of each probe in each frame: a deep press must not hide a shallow one.
+  if (touch.force.norm() > stability::ForceQuality::kNoForce && touch.depth > 0) {
+    largest_unresolved = std::max(largest_unresolved, touch.unresolved / touch.depth);
+  }
   if (frame >= 0 && touch.gap <= largest_gap) return;
   largest_gap = touch.gap;
   frame = number;
@@ -42,10 +46,10 @@ void ProxyFigures::report(config::Figures& f) const {
   f.count("sliding", sliding, "those of them in which friction did not hold it");
   f.quantity("largest_gap_m", largest_gap, "m", "from a tip to the body's surface at its proxy");
   f.frame("largest_gap_frame", frame, "the frame that has it");
-  f.quantity("largest_unresolved_m", largest_unresolved, "m",
-             "of the depth, what a probe of its size would not have: elements are small beside it, "
-             "or none "
-             "of them is away from edges. Over a tenth: `contact-doubtful`");
+  f.ratio("largest_unresolved_rel", largest_unresolved,
+          "of a tip's depth, in any frame of any probe, what a probe of its size would not have: "
+          "elements are small beside it, or none of them is away from edges. Over a tenth: "
+          "`contact-doubtful`");
   f.quantity("largest_depth_m", largest_depth, "m", "of a tip below the surface at rest");
   f.count("compliance_bytes", bytes, "of the table of the surface's compliances, on the host");
   f.count("compliance_solves", solves, "that the table took at set-up");

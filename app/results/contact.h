@@ -32,15 +32,14 @@ struct ProxyFigures {
   std::int64_t sliding = 0;       // of them
   double largest_gap = 0;         // m
   std::int64_t frame = -1;        // that has it
-  double largest_unresolved = 0;  // m
+  double largest_unresolved = 0;  // share of the tip's depth in that frame, of a force that is felt
   double largest_depth = 0;       // m, below the surface at rest
   // Set-up: the table, and the solves for it.
   std::int64_t bytes = 0;
   std::int64_t solves = 0;
 
   bool any() const { return bytes > 0; }
-  // True if what elements do not resolve takes more of the depth than all else.
-  bool mostly_unresolved() const { return largest_unresolved > 0.1 * largest_depth; }
+  bool too_soft() const { return largest_unresolved > 0.1; }
   void add(const collision::Touch& touch, std::int64_t number);
   void report(config::Figures& f) const;
 };

@@ -38,6 +38,8 @@ AccuracyTracker::AccuracyTracker(const Scene& scene, const host::Reference& sett
       has_board_(scene.has_board()),
       refined_(scene.computation().refined() != nullptr),
       glides_(scene.glide() != nullptr),
+      exact_(scene.scenario().host.solver == host::SolvedBy::cholesky &&
+             !scene.scenario().object.nonlinear()),
       of_another_model_(scene.scenario().judged_by_another_model()),
       linear_run_(of_another_model_ ? std::nullopt : linear_run(scene)),
       other_run_(linear_run_ ? nullptr : make_reference(scene, settings.model)),
@@ -136,7 +138,7 @@ stability::Flags AccuracyTracker::flags() const {
   // solver's own error. First touches, where little is displaced, are no matter of convergence.
   const host::Deviation& own = refined_ || !has_board_ ? displacement_ : displacement_rounded_;
   // Nothing but its contact is an exact solver's own.
-  if (glides_ && !has_board_ && true_run_.linear()) {
+  if (glides_ && exact_) {
     if (!host::accuracy_flags(settings_, displacement_.judged(), std::nullopt).empty())
       flags.raise(stability::Flag::contact_missed);
     return flags;

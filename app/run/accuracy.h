@@ -39,6 +39,7 @@ class AccuracyTracker : public vp::FrameObserver {
   bool has_board_;
   bool refined_;
   bool glides_;
+  bool exact_;             // a linear body is solved for in double precision, by a factorisation
   bool of_another_model_;  // the reference is not of the body's own law
   // With what contact prescribes; where contact is a proxy each reference finds its own.
   std::optional<host::ReferenceRun> linear_run_;

@@ -38,7 +38,7 @@ void ContactWatch::closed(const vp::Frame& frame, const vp::CriticalPath& /*path
 stability::Flags ContactWatch::flags() const {
   stability::Flags flags;
   if (begins_pressed_) flags.raise(stability::Flag::force_step);
-  if (figures_.proxy.mostly_unresolved()) flags.raise(stability::Flag::contact_doubtful);
+  if (figures_.proxy.too_soft()) flags.raise(stability::Flag::contact_doubtful);
   return flags;
 }
 

@@ -23,9 +23,25 @@ constexpr double kSmooth = 0.9;     // the cosine between normals of one face
 constexpr double kOneInTen = 0.9;
 constexpr std::size_t kFewestEven = 8;  // one in so many
 
-double plane_modulus(const fem::Body& body) {
-  const fem::Material& material = body.materials().table().front();
+double plane_modulus(const fem::Material& material) {
   return material.young_modulus_pa / (1 - material.poisson_ratio * material.poisson_ratio);
+}
+
+// E* of each mesh node: the mean over the elements around it, Pa.
+std::vector<double> plane_moduli(const fem::Body& body) {
+  const fem::Materials& materials = body.materials();
+  std::vector<double> modulus(body.mesh().nodes.size(), plane_modulus(materials.table().front()));
+  if (materials.of_elements().empty()) return modulus;
+  std::ranges::fill(modulus, 0);
+  std::vector<int> elements(modulus.size(), 0);
+  for (std::size_t e = 0; e < body.mesh().tetrahedra.size(); ++e) {
+    for (const int node : body.mesh().tetrahedra[e]) {
+      modulus[at(node)] += plane_modulus(materials.of(e));
+      ++elements[at(node)];
+    }
+  }
+  for (std::size_t i = 0; i < modulus.size(); ++i) modulus[i] /= std::max(1, elements[i]);
+  return modulus;
 }
 
 double mean_edge(const DeformedSurface& surface) {
@@ -72,10 +88,10 @@ std::optional<double> far_part(const DeformedSurface& surface, SurfaceCompliance
 NodeCompliance::NodeCompliance(const fem::Body& body, const DeformedSurface& surface,
                                SurfaceCompliance& statics)
     : local(body.mesh().nodes.size(), std::numeric_limits<double>::quiet_NaN()),
-      least(local.size(), 0.0) {
+      least(local.size(), 0.0),
+      plane(plane_moduli(body)) {
   constexpr double kLocal = 1.3;  // of nodes as docs/finite-elements.md has them
   const double edge = mean_edge(surface);
-  const double plane = plane_modulus(body);
   std::size_t nodes = 0;
   std::size_t found = 0;
   double sum = 0;
@@ -89,7 +105,7 @@ NodeCompliance::NodeCompliance(const fem::Body& body, const DeformedSurface& sur
     mean += own;
     ++nodes;
     if (!is_smooth(surface, node)) continue;
-    const std::optional<double> far = far_part(surface, statics, node, edge, plane);
+    const std::optional<double> far = far_part(surface, statics, node, edge, plane[at(node)]);
     if (!far) continue;
     local[at(node)] = own - *far;
     sum += own - *far;
@@ -105,39 +121,38 @@ NodeCompliance::NodeCompliance(const fem::Body& body, const DeformedSurface& sur
   mean_local = sum / static_cast<double>(found);
 }
 
-ProbeCoupling::ProbeCoupling(const fem::Body& body, const NodeCompliance& nodes, double radius,
-                             Answer answer)
+ProbeCoupling::ProbeCoupling(const NodeCompliance& nodes, double radius, Answer answer)
     : of_node(nodes.local.size()) {
   constexpr double kShare = 0.3;
   constexpr double kFlat = 1.53;  // kernel radius of a flat end, over its radius
   constexpr double kKernel = 0.766;
   constexpr double kTaken = 0.8;
-  const double of_size = radius > 0 ? kKernel / (plane_modulus(body) * kFlat * radius) : 0;
   const double of_mass = answer == Answer::with_mass ? kShare * nodes.mean : 0;
   const auto floor = [&](std::size_t node) {
     return answer == Answer::tabulated && radius > 0 ? -kTaken * nodes.least[node] : of_mass;
   };
-  std::vector<double> needed;
+  const auto of_size = [&](std::size_t node) {
+    return radius > 0 ? kKernel / (nodes.plane[node] * kFlat * radius) : 0;
+  };
+  std::vector<double> short_of;
   for (std::size_t i = 0; i < of_node.size(); ++i) {
-    if (!std::isnan(nodes.local[i])) needed.push_back(nodes.local[i] + floor(i));
+    if (!std::isnan(nodes.local[i])) short_of.push_back(nodes.local[i] + floor(i) - of_size(i));
   }
-  double aim = std::max(of_size, nodes.mean_local + of_mass);
-  if (!needed.empty()) {
-    const auto tenth = needed.begin() + static_cast<std::ptrdiff_t>(
-                                            kOneInTen * static_cast<double>(needed.size() - 1));
-    std::ranges::nth_element(needed, tenth);
-    aim = std::max(of_size, *tenth);
-  }
-  excess = radius > 0 ? aim - of_size : 0;
+  const bool coarse = kFewestEven * short_of.size() < nodes.free;
+  if (short_of.empty()) short_of.push_back(nodes.mean_local + of_mass - of_size(0));
+  const auto tenth = short_of.begin() + static_cast<std::ptrdiff_t>(
+                                            kOneInTen * static_cast<double>(short_of.size() - 1));
+  std::ranges::nth_element(short_of, tenth);
+  const double more = std::max(0.0, *tenth);
   // Where hardly a node is away from edges, nobody knows what is the elements'.
-  if (radius > 0 && kFewestEven * needed.size() < nodes.free) excess = nodes.mean_local;
+  if (radius > 0) excess = coarse ? nodes.mean_local : more;
   s0 = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < of_node.size(); ++i) {
     const double local = std::isnan(nodes.local[i]) ? nodes.mean_local : nodes.local[i];
-    of_node[i] = std::max(floor(i), aim - local);
+    of_node[i] = std::max(floor(i), of_size(i) + more - local);
     s0 = std::min(s0, of_node[i]);
   }
-  for (double& more : of_node) more -= s0;
+  for (double& own : of_node) own -= s0;
 }
 
 }  // namespace hvp::collision

@@ -17,7 +17,7 @@ namespace hvp::collision {
 //   c_i = n·G_ii·n,   local_i = c_i − mean_j(n·G_ji·n − 1/(π·E*·|x_j − x_i|)),   G = K⁻¹
 //
 // over the nodes j at 1.2 to 2.5 mean edges; the fraction is Boussinesq's (Johnson, Contact
-// Mechanics, 1985, 3.19) and E* = E/(1 − ν²) of the body's first material.
+// Mechanics, 1985, 3.19) and E* = E/(1 − ν²) of the elements around the node, on average.
 struct NodeCompliance {
   // Takes the columns of all surface nodes. `statics` is of K.
   NodeCompliance(const fem::Body& body, const DeformedSurface& surface, SurfaceCompliance& statics);
@@ -27,6 +27,7 @@ struct NodeCompliance {
   double mean_local = 0;      // of those that have a local part; 1/(1.3·E·h) where none has
   std::vector<double> local;  // of each mesh node; NaN at rims and anchors, and within the body
   std::vector<double> least;  // of each mesh node, in any direction; zero within the body
+  std::vector<double> plane;  // E* of each mesh node, Pa
 };
 
 // How a body answers a force, and what the coupling may be then: 0.3·mean or more, so that nodes
@@ -35,15 +36,16 @@ struct NodeCompliance {
 enum class Answer { with_mass, repeated, tabulated };
 
 // The coupling of a probe, m/N at each node: what takes the elements' size and shape out of its
-// force. s_i = max(floor_i, k − local_i), where k is the compliance 0.766/(E*·r) of the indentation
-// by the probe, r = 1.53 times the radius of its flat end. Where more than one node in ten would
-// need less than its floor, k is what makes nine in ten even, and the probe is felt too soft.
+// force. s_i = max(floor_i, k_i + more − local_i), where k_i is the compliance 0.766/(E*·r) of the
+// indentation by the probe, r = 1.53 times the radius of its flat end. Where more than one node in
+// ten would need less than its floor, `more` makes nine in ten even, and the probe is felt too
+// soft.
 struct ProbeCoupling {
-  ProbeCoupling(const fem::Body& body, const NodeCompliance& nodes, double radius, Answer answer);
+  ProbeCoupling(const NodeCompliance& nodes, double radius, Answer answer);
 
   double s0 = 0;                // of all nodes
   std::vector<double> of_node;  // beyond it, of each mesh node
-  double excess = 0;            // by how much k is larger than the probe's
+  double excess = 0;            // `more`, or all that is of elements where hardly a node is even
 };
 
 }  // namespace hvp::collision

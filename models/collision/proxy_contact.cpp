@@ -20,6 +20,9 @@ constexpr double kProduct = 15;
 constexpr double kTried = kTriangleFlops + 9;
 // Normal, cone and step of a probe.
 constexpr double kCone = 120;
+// What nodes add to a coupling, and how their compliances change over a triangle.
+constexpr double kOfNodes = 6;
+constexpr double kSteepness = 150;
 
 std::vector<bool> moving(const fem::Body& body) {
   std::vector<bool> moves(body.mesh().nodes.size());
@@ -128,7 +131,7 @@ Eigen::Matrix3d ProxyContact::coupling(const SurfaceSpot& spot, std::size_t prob
     for (std::size_t i = 0; i < 3; ++i) {
       own += spot.weight[static_cast<Eigen::Index>(i)] * of_node[at(t[i])];
     }
-    operations_ += 6;
+    operations_ += kOfNodes;
   }
   Eigen::Matrix3d sum = own * Eigen::Matrix3d::Identity();
   for (std::size_t i = 0; i < 3; ++i) {
@@ -159,7 +162,6 @@ double ProxyContact::steepness(const Probe& probe, std::size_t of) {
   for (std::size_t i = 0; i < 3; ++i) {
     gradient += total[i] * across.cross(x[(i + 2) % 3] - x[(i + 1) % 3]);
   }
-  constexpr double kSteepness = 150;
   operations_ += kSteepness;
   return -0.5 * probe.force.dot(probe.normal) * gradient.norm() / across.squaredNorm();
 }
@@ -256,9 +258,10 @@ void ProxyContact::solve_for_forces() {
 double ProxyContact::typical_operations(std::size_t probes) {
   const auto p = static_cast<double>(probes);
   const double rows = 3 * p;
-  const double solve = p * (p + 1) / 2 * 9 * kBlock + p * (3 * (kBlock + 27) + 30) +
+  const double solve = p * (p + 1) / 2 * 9 * kBlock + p * (3 * (kBlock + 27) + kOfNodes + 30) +
                        3 * p * p * 3 * (kProduct + 6) + rows * rows * (2 * rows / 3 + 2);
-  return 2 * (solve + kCone * p) + p * (9 * kBlock + 3 * (kBlock + 27) + kCone + 9);
+  return 2 * (solve + kCone * p) +
+         p * (9 * kBlock + 3 * (kBlock + 27) + kOfNodes + kSteepness + kCone + 9);
 }
 
 void ProxyContact::leave(Probe& probe) {

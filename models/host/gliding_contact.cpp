@@ -32,7 +32,7 @@ GlideTables::GlideTables(const fem::Body& body, const sparse::BlockMatrix& syste
                                    : linear   ? collision::Answer::tabulated
                                               : collision::Answer::repeated;
   for (const double radius : radii) {
-    collision::ProbeCoupling coupling(body, nodes, radius, answer);
+    collision::ProbeCoupling coupling(nodes, radius, answer);
     settings.coupling.push_back(coupling.s0);
     settings.of_node.push_back(std::move(coupling.of_node));
     settings.excess.push_back(coupling.excess);

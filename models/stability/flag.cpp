@@ -156,8 +156,8 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "of the probe, or a contact.patch_radius over which it presses"},
     {"proxy-at-rim",
      "a proxy stood beside nodes that do not move, within its radius of an edge of more than 40 "
-     "degrees, or slid to where the body is stiffer by more than friction pays for: its force "
-     "changes as on no smooth surface, and gives the hand energy",
+     "degrees, or slid where the body's stiffness changes by more than friction pays for: its "
+     "force changes as on no smooth surface, and may give the hand energy",
      "no setting of the board helps: a motion of the probe that stays on one face, away from edges "
      "and what is anchored; a larger contact.friction, with which no energy is made there"},
     {"contact-doubtful",

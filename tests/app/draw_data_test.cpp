@@ -15,6 +15,7 @@
 #include "app/draw/plot_data.h"
 #include "app/draw/run_files.h"
 #include "app/draw/view.h"
+#include "app/results/vtu_files.h"
 #include "tests/app/sample_run.h"
 #include "tests/app/scratch_directory.h"
 
@@ -225,6 +226,36 @@ TEST(Step, IsTheOneWithTheLargestForce) {
   EXPECT_NEAR(step.force_N.z(), 1.2, 1e-12);
   EXPECT_EQ(step.anchors, sample::lowest_nodes(sample::ball(0.05, 2), 0.1));
   EXPECT_EQ(step.tetrahedra, sample::ball(0.05, 2).tetrahedra);
+}
+
+// A proxy stands on the surface, and is drawn there.
+TEST(Step, HasEachProbeWhereItsProxyIs) {
+  const ScratchDirectory directory;
+  const mesh::TetMesh mesh = sample::ball(0.05, 2);
+  const std::vector<double> none(6 * mesh.tetrahedra.size());
+  const std::vector<double> still(3 * mesh.nodes.size());
+  const std::vector<Eigen::Vector3d> proxies = {{0.01, -0.02, 0.055}, {0.02, 0.01, 0.05}};
+  const std::vector<Eigen::Vector3d> tips = {{0.02, 0.01, 0.045}};
+  const std::vector<Eigen::Vector3d> forces = {{0, 0, 0.5}};
+  results::StepInfo info;
+  info.probe_position_m = {0.01, -0.02, 0.05};
+  info.further_probes_m = tips;
+  info.further_forces_N = forces;
+  info.strain = info.stress_Pa = none;
+  info.von_mises_Pa = {none.data(), mesh.tetrahedra.size()};
+  results::DeformationWriter writer(directory.path(), mesh, {});
+  writer.write(0.002, 1, still, info);
+  info.proxies_m = proxies;
+  writer.write(0.004, 2, still, info);
+  const DeformationStep node = read_step(directory.path() / "deformation_000001.vtu");
+  EXPECT_EQ(node.probe, info.probe_position_m);
+  EXPECT_EQ(node.tip, node.probe);
+  const DeformationStep step = read_step(directory.path() / "deformation_000002.vtu");
+  EXPECT_EQ(step.probe, proxies[0]);
+  EXPECT_EQ(step.tip, info.probe_position_m);
+  ASSERT_EQ(step.further_probes.size(), 1u);
+  EXPECT_EQ(step.further_probes[0].place, proxies[1]);
+  EXPECT_EQ(step.further_probes[0].tip, tips[0]);
 }
 
 TEST(Step, IsTheLastOneWhereNothingIsTouched) {

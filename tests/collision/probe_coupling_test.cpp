@@ -54,7 +54,7 @@ struct Uneven {
     return found;
   }
   std::vector<double> totals(double radius, Answer answer) {
-    const ProbeCoupling coupling(body, nodes, radius, answer);
+    const ProbeCoupling coupling(nodes, radius, answer);
     return compliances(&coupling);
   }
 
@@ -101,9 +101,9 @@ TEST(ProbeCoupling, IsThatOfTheProbesSizeOnAnyMesh) {
 // A body with mass keeps a coupling: the probe is too soft there by what is said.
 TEST(ProbeCoupling, SaysByHowMuchALargeProbeIsTooSoft) {
   Uneven block(0.01);
-  EXPECT_EQ(ProbeCoupling(block.body, block.nodes, 3e-3, Answer::tabulated).excess, 0);
-  EXPECT_EQ(ProbeCoupling(block.body, block.nodes, 0.5e-3, Answer::with_mass).excess, 0);
-  const ProbeCoupling soft(block.body, block.nodes, 12e-3, Answer::with_mass);
+  EXPECT_EQ(ProbeCoupling(block.nodes, 3e-3, Answer::tabulated).excess, 0);
+  EXPECT_EQ(ProbeCoupling(block.nodes, 0.5e-3, Answer::with_mass).excess, 0);
+  const ProbeCoupling soft(block.nodes, 12e-3, Answer::with_mass);
   EXPECT_GT(soft.excess, 0.2 * block.nodes.mean);
   const double least = 0.3 * block.nodes.mean;
   int even = 0;
@@ -117,11 +117,41 @@ TEST(ProbeCoupling, SaysByHowMuchALargeProbeIsTooSoft) {
   EXPECT_GT(even, 20);
 }
 
+// A block whose half beyond x = 30 mm is five times as stiff: each half has its own indentation.
+TEST(ProbeCoupling, KnowsTheMaterialAroundItsNode) {
+  const Uneven soft(0.01);
+  fem::Material hard;
+  hard.young_modulus_pa *= 5;
+  std::vector<int> of_element;
+  for (const auto& t : soft.body.mesh().tetrahedra) {
+    Vector3d centre = Vector3d::Zero();
+    for (const int node : t) centre += soft.body.mesh().nodes[static_cast<std::size_t>(node)] / 4;
+    of_element.push_back(centre.x() > 0.03 ? 1 : 0);
+  }
+  const fem::Body body(Uneven::mesh_of(0.01), fem::Materials({fem::Material{}, hard}, of_element),
+                       Uneven::floor_of(0.01), fem::AnchorTreatment::removed);
+  const DeformedSurface surface(body.mesh());
+  SurfaceCompliance statics(body, body.stiffness(), surface.surface_nodes());
+  const NodeCompliance nodes(body, surface, statics);
+  const ProbeCoupling large(nodes, 2e-3, Answer::tabulated);
+  const ProbeCoupling small(nodes, 1e-3, Answer::tabulated);
+  int halves = 0;
+  for (const int node : surface.surface_nodes()) {
+    const auto i = static_cast<std::size_t>(node);
+    const double x = surface.rest_position(node).x();
+    if (std::isnan(nodes.local[i]) || std::abs(x - 0.03) < 0.014) continue;
+    const double more = small.s0 + small.of_node[i] - large.s0 - large.of_node[i];
+    EXPECT_NEAR(more, of_size(2e-3) / (x > 0.03 ? 5 : 1), 1e-12) << x;
+    ++halves;
+  }
+  EXPECT_GT(halves, 8);
+}
+
 // The table's own compliance is not used up by what is taken off it.
 TEST(ProbeCoupling, LeavesEveryNodeACompliance) {
   Uneven block(0.006);
   for (const double radius : {1e-3, 6e-3, 0.1}) {
-    const ProbeCoupling coupling(block.body, block.nodes, radius, Answer::tabulated);
+    const ProbeCoupling coupling(block.nodes, radius, Answer::tabulated);
     for (const int node : block.surface.surface_nodes()) {
       if (!block.statics.has(node)) continue;
       const auto i = static_cast<std::size_t>(node);

@@ -86,6 +86,25 @@ TEST(Verdict, AccuracyIsOfAFramesOwnSizeFirst) {
   EXPECT_LT(own.at("frames"), a.at("frames"));  // those in contact
 }
 
+// The graphics process finds a touch up to a pass late, and a body with mass swings from it.
+TEST(Verdict, AContactThatIsFoundLateIsNoFaultOfTheSolver) {
+  const std::vector<std::string> late = {"contact.kind=proxy", "dynamics=true",
+                                         "probe.start=[\"1 mm\", \"1 mm\", \"10.01 mm\"]"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.end(), late.begin(), late.end());
+    return flags(judged("", more));
+  };
+  const json exact = with({"host.solver=cholesky"});
+  EXPECT_THAT(exact, Contains("contact-missed"));
+  EXPECT_THAT(exact, Not(Contains("matrix-rounding")));
+  EXPECT_THAT(exact, Not(Contains("not-converged")));
+  EXPECT_THAT(with({"host.solver=cholesky", "contact.fresh=true"}),
+              Not(Contains("contact-missed")));
+  // A host that iterates may stop too early, and is told so.
+  EXPECT_THAT(with({"host.solver=cg", "solver.iterations=2", "contact.fresh=true"}),
+              Contains("not-converged"));
+}
+
 TEST(Verdict, AProbeThatTouchesNothingIsNoPass) {
   const Judged j = judged("", {"probe.start=[\"1 mm\", \"1 mm\", \"14 mm\"]",
                                "probe.motion=[{phase=\"approach\", to=[\"1 mm\", \"1 mm\", "
