@@ -76,9 +76,8 @@ std::vector<FrameStep> frame_steps(const Scene& scene, int nodes, std::int64_t s
   const host::GlideTables* glide = scene.glide();
   const std::vector<host::Step> of_frame =
       glide == nullptr ? scene.computation().steps()
-                       : scene.computation().steps_with_loads(
-                             host::GlideTables::typical_operations(s.probes.size()),
-                             glide->free_displacement.empty());
+                       : scene.computation().steps_with_loads(glide->typical_operations(),
+                                                              glide->free_displacement.empty());
   for (const host::Step& step : of_frame) {
     if (step.where == host::Step::Where::board) {
       const std::int64_t unknowns = std::int64_t{3} * nodes;

@@ -138,7 +138,7 @@ struct Scenario : vp::SystemSettings {
   // True where a frame depends on those before it.
   bool has_memory() const {
     return dynamics || (object.model && !object.model->prony.empty()) ||
-           (!wall && contact.search.kind == collision::ContactKind::proxy);
+           (!wall && contact.search.glides());
   }
   bool timing_only() const { return fidelity.numbers == vp::Numbers::none; }
   // Throws InputError if an effect lacks what it needs, and for keys that exclude each other.

@@ -160,10 +160,11 @@ void require_way_to_solve(const Scenario& s) {
                      "explicit steps are central differences, without a scheme of their own: "
                      "expected none where host.solver is \"explicit\"");
   }
-  if (steps && s.contact.search.kind == collision::ContactKind::proxy) {
-    throw InputError("contact.kind",
-                     "a proxy needs the compliance of a matrix, and explicit steps have none: "
-                     "expected \"node\" where host.solver is \"explicit\"");
+  if (steps && s.contact.search.glides()) {
+    throw InputError(
+        "contact.kind",
+        "a proxy or a patch needs the compliance of a matrix, and explicit steps have none: "
+        "expected \"node\" where host.solver is \"explicit\"");
   }
   if (s.object.model && s.object.model->springs && !steps) {
     throw InputError("object.model.kind",

@@ -174,14 +174,14 @@ void Scene::build_body(const Progress& progress, Limits limits) {
   contacts_ = within("contact", [&] {
     return std::make_unique<collision::ContactSearch>(body_->mesh(), held, s.contact.search);
   });
-  if (s.contact.search.kind == collision::ContactKind::proxy) {
+  if (s.contact.search.glides()) {
     tell(progress, "solving for the compliance of the surface");
     std::vector<double> radii;
     for (const auto& probe : s.probes) radii.push_back(probe.radius);
     glide_ = within("contact", [&] {
       return std::make_unique<host::GlideTables>(*body_, computation_->matrix(),
                                                  s.dynamics.has_value(), computation_->linear(),
-                                                 s.contact.search.friction, radii);
+                                                 s.contact.search, radii);
     });
     if (glide_->free_displacement.empty()) computation_->expect_to_go_on();
   }

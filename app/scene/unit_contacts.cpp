@@ -1,6 +1,5 @@
 #include "app/scene/unit_contacts.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <limits>
 
@@ -90,18 +89,13 @@ bool quick_to_factorise(const Scene& scene) {
 
 namespace {
 
-// Of proxies. Between nodes the compliance is linear, so that the nodes have the extremes.
+// Of proxies and patches. Between nodes the compliance is about linear, so that the nodes have the
+// extremes. A device is as heavy in each direction: what the body is stiffest in decides.
 std::optional<double> proxy_stiffness(const Scene& scene) {
-  collision::SurfaceCompliance statics = scene.glide()->statics;
   std::optional<double> stiffest;
   for (std::size_t i = 0; i < scene.scenario().probes.size(); ++i) {
     for (const Place& place : touched(scene, scene.scenario().probes[i])) {
-      const Eigen::Vector3d& n = scene.contacts().surface().rest_normal(place.node);
-      const collision::ProxySettings& settings = scene.glide()->settings;
-      const double coupling = settings.coupling[i] + settings.of_node[i][at(place.node)];
-      const Eigen::Matrix3d compliance =
-          statics.block(place.node, place.node) + coupling * Eigen::Matrix3d::Identity();
-      stiffest = std::max(stiffest.value_or(0), n.dot(compliance.inverse() * n));
+      stiffest = std::max(stiffest.value_or(0), scene.glide()->stiffness(i, place.node));
     }
   }
   return stiffest;

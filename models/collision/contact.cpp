@@ -4,12 +4,14 @@ namespace hvp::collision {
 
 void ContactSettings::declare(config::Visitor& v) {
   const auto of_kind = v.variant(
-      "kind", kind, {{"node", ContactKind::node}, {"proxy", ContactKind::proxy}},
+      "kind", kind,
+      {{"node", ContactKind::node}, {"proxy", ContactKind::proxy}, {"patch", ContactKind::patch}},
       {.help = "what the tip touches: a node of the mesh, which follows it, or a point of the "
-               "surface, which presses on the body, sticks by friction and glides beyond",
+               "surface, which presses on the body, sticks by friction and glides beyond, or a "
+               "patch as large as the probe, which does so for probes larger than an element",
        .source = "proxy: on a slide a node runs ahead of the tip, which docs/collision.md "
                  "measures; node is thesis 3.7"});
-  of_kind.only({ContactKind::proxy}, [&] {
+  of_kind.only({ContactKind::proxy, ContactKind::patch}, [&] {
     v.quantity("friction", friction, config::Dimension::dimensionless, config::between(0.0, 1e6),
                {.help = "Coulomb's coefficient between probe and body",
                 .source = "chosen: a moist surface under a gloved finger is between 0.1 and 0.5"});
@@ -21,11 +23,12 @@ void ContactSettings::declare(config::Visitor& v) {
 }
 
 void ContactSettings::declare_node(config::Visitor& v) {
-  v.choice("grip", grip, {{"offset", Grip::offset}, {"snap", Grip::snap}},
-           {.help = "where the contact node is relative to the tip: at its sideways distance when "
-                    "contact began, or at the tip itself",
-            .source = "snap is thesis 3.7; offset touches without a sideways jump of up to half "
-                      "an element, which the thesis does not treat"});
+  v.choice(
+      "grip", grip, {{"offset", Grip::offset}, {"snap", Grip::snap}},
+      {.help = "where the contact node is relative to the tip: at the tip itself, or at its "
+               "sideways distance when contact began, which touches without a sideways jump of "
+               "up to half an element and runs ahead of the tip on a slide",
+       .source = "snap is thesis 3.7"});
   v.quantity("hysteresis", hysteresis, config::Dimension::dimensionless, config::between(0.0, 0.9),
              {.help = "fraction by which another node must be nearer to the tip for contact to "
                       "slide there",
@@ -39,9 +42,10 @@ void ContactSettings::declare_node(config::Visitor& v) {
                       "0 mm is one node, whose stiffness falls with the element size",
               .source = "zero: single-point contact, thesis 3.7"});
   v.quantity("hand_over", hand_over_s, config::Dimension::time, config::between(0.0, 1.0),
-             {.help = "how long a new contact node takes from where it is to the tip; 0 s jumps, "
-                      "which is a blow to a body with mass",
-              .source = "one period of the collision process; thesis 3.7 jumps"});
+             {.help = "how long a new contact node takes from where it is to its place; 0 s jumps, "
+                      "which is a blow to a body with mass: one period of the collision process, "
+                      "30 ms, is gentle",
+              .source = "thesis 3.7, whose prescribed node is there at once"});
 }
 
 }  // namespace hvp::collision

@@ -48,6 +48,7 @@ struct Touch {
 enum class ContactKind {
   node,   // a node, or a patch of nodes, follows the tip: thesis §3.7
   proxy,  // a point of the surface presses on the body and glides (proxy_contact.h)
+  patch,  // a patch of the surface as large as the probe does (footprint.h)
 };
 
 // The rule for a contact node's offset from the tip.
@@ -65,14 +66,15 @@ struct FreshContact {
 // Rules of contact: scenario table [contact]. docs/collision.md gives the reasons.
 struct ContactSettings {
   ContactKind kind = ContactKind::proxy;
-  double friction = 0.3;  // of a proxy: Coulomb's coefficient
-  Grip grip = Grip::offset;
+  double friction = 0.3;  // of a proxy or a patch: Coulomb's coefficient
+  Grip grip = Grip::snap;
   double hysteresis = 0.05;    // fraction by which another node must be nearer to take over
   double release_force = 0.0;  // N, pull along the outward normal above which contact ends
   double patch_radius = 0.0;   // m; 0: a single node
-  double hand_over_s = 30e-3;  // 0: the prescribed displacement jumps
+  double hand_over_s = 0.0;    // 0: the prescribed displacement jumps
   std::optional<FreshContact> fresh = {};
 
+  bool glides() const { return kind != ContactKind::node; }
   void declare(config::Visitor& v);
 
  private:

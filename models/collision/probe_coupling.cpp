@@ -22,6 +22,12 @@ constexpr std::size_t kFewest = 4;  // nodes around
 constexpr double kSmooth = 0.9;     // the cosine between normals of one face
 constexpr double kOneInTen = 0.9;
 constexpr std::size_t kFewestEven = 8;  // one in so many
+constexpr double kKernel = 0.766;  // compliance of the kernel (1 − q²)², times E* and its radius
+constexpr double kFlat = 1.53;     // kernel radius of a flat end, over its radius
+constexpr double kOfPoint = 0.3;   // of the mean compliance, where nodes have mass
+constexpr double kOfMass = 0.1;    // of a patch, which has more mass
+constexpr double kStiffer = 0.2;   // elements than the kernel that they stand for
+constexpr double kOfPatch = 1.5;   // mean edges
 
 double plane_modulus(const fem::Material& material) {
   return material.young_modulus_pa / (1 - material.poisson_ratio * material.poisson_ratio);
@@ -83,11 +89,36 @@ std::optional<double> far_part(const DeformedSurface& surface, SurfaceCompliance
   return sum / static_cast<double>(count);
 }
 
+// The footprint of the contact at a node.
+Footprint footprint_at(const DeformedSurface& surface, int node, Footprints* shapes) {
+  Footprint footprint{{node}, {1.0}};
+  if (shapes == nullptr) return footprint;
+  SurfaceSpot spot{.triangle = surface.ring(node).front()};
+  const std::array<int, 3>& t = surface.triangles()[at(spot.triangle)];
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (t[i] == node) spot.weight[static_cast<Eigen::Index>(i)] = 1;
+  }
+  shapes->find(spot, footprint);
+  return footprint;
+}
+
+Eigen::Matrix3d block_of(SurfaceCompliance& statics, const Footprint& footprint) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < footprint.nodes.size(); ++i) {
+    for (std::size_t j = 0; j < footprint.nodes.size(); ++j) {
+      sum += footprint.weight[i] * footprint.weight[j] *
+             statics.block(footprint.nodes[i], footprint.nodes[j]);
+    }
+  }
+  return sum;
+}
+
 }  // namespace
 
 NodeCompliance::NodeCompliance(const fem::Body& body, const DeformedSurface& surface,
-                               SurfaceCompliance& statics)
+                               SurfaceCompliance& statics, Footprints* shapes)
     : local(body.mesh().nodes.size(), std::numeric_limits<double>::quiet_NaN()),
+      own(local.size(), 0.0),
       least(local.size(), 0.0),
       plane(plane_moduli(body)) {
   constexpr double kLocal = 1.3;  // of nodes as docs/finite-elements.md has them
@@ -98,36 +129,42 @@ NodeCompliance::NodeCompliance(const fem::Body& body, const DeformedSurface& sur
   for (const int node : surface.surface_nodes()) {
     if (!statics.has(node)) continue;
     const Eigen::Vector3d& n = surface.rest_normal(node);
-    const Eigen::Matrix3d block = statics.block(node, node);
-    const double own = n.dot(block * n);
+    const Footprint footprint = footprint_at(surface, node, shapes);
+    const Eigen::Matrix3d block = block_of(statics, footprint);
+    own[at(node)] = n.dot(block * n);
     least[at(node)] = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(block, Eigen::EigenvaluesOnly)
                           .eigenvalues()[0];
-    mean += own;
+    mean += own[at(node)];
     ++nodes;
-    if (!is_smooth(surface, node)) continue;
+    if (!is_smooth(surface, node) || footprint.at_rim) continue;
     const std::optional<double> far = far_part(surface, statics, node, edge, plane[at(node)]);
     if (!far) continue;
-    local[at(node)] = own - *far;
-    sum += own - *far;
+    local[at(node)] = own[at(node)] - *far;
+    sum += local[at(node)];
     ++found;
   }
   free = nodes;
   if (nodes > 0) mean /= static_cast<double>(nodes);
+  with_mass = (shapes == nullptr ? kOfPoint : kOfMass) * mean;
+  const bool coarse = shapes == nullptr ? kFewestEven * found < free : found == 0;
   if (found == 0) {
     const double young = body.materials().table().front().young_modulus_pa;
-    mean_local = 1 / (kLocal * young * edge);
-    return;
+    mean_local = shapes == nullptr ? 1 / (kLocal * young * edge)
+                                   : kKernel / (plane.front() * shapes->radius());
+  } else {
+    mean_local = sum / static_cast<double>(found);
   }
-  mean_local = sum / static_cast<double>(found);
+  if (coarse) unknown = (shapes == nullptr ? 1 : kStiffer) * mean_local;
+}
+
+double patch_radius(const DeformedSurface& surface, double radius) {
+  return std::max(kFlat * radius, kOfPatch * mean_edge(surface));
 }
 
 ProbeCoupling::ProbeCoupling(const NodeCompliance& nodes, double radius, Answer answer)
     : of_node(nodes.local.size()) {
-  constexpr double kShare = 0.3;
-  constexpr double kFlat = 1.53;  // kernel radius of a flat end, over its radius
-  constexpr double kKernel = 0.766;
   constexpr double kTaken = 0.8;
-  const double of_mass = answer == Answer::with_mass ? kShare * nodes.mean : 0;
+  const double of_mass = answer == Answer::with_mass ? nodes.with_mass : 0;
   const auto floor = [&](std::size_t node) {
     return answer == Answer::tabulated && radius > 0 ? -kTaken * nodes.least[node] : of_mass;
   };
@@ -138,14 +175,12 @@ ProbeCoupling::ProbeCoupling(const NodeCompliance& nodes, double radius, Answer 
   for (std::size_t i = 0; i < of_node.size(); ++i) {
     if (!std::isnan(nodes.local[i])) short_of.push_back(nodes.local[i] + floor(i) - of_size(i));
   }
-  const bool coarse = kFewestEven * short_of.size() < nodes.free;
   if (short_of.empty()) short_of.push_back(nodes.mean_local + of_mass - of_size(0));
   const auto tenth = short_of.begin() + static_cast<std::ptrdiff_t>(
                                             kOneInTen * static_cast<double>(short_of.size() - 1));
   std::ranges::nth_element(short_of, tenth);
   const double more = std::max(0.0, *tenth);
-  // Where hardly a node is away from edges, nobody knows what is the elements'.
-  if (radius > 0) excess = coarse ? nodes.mean_local : more;
+  if (radius > 0) excess = nodes.unknown > 0 ? nodes.unknown : more;
   s0 = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < of_node.size(); ++i) {
     const double local = std::isnan(nodes.local[i]) ? nodes.mean_local : nodes.local[i];

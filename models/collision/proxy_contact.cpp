@@ -24,15 +24,6 @@ constexpr double kCone = 120;
 constexpr double kOfNodes = 6;
 constexpr double kSteepness = 150;
 
-std::vector<bool> moving(const fem::Body& body) {
-  std::vector<bool> moves(body.mesh().nodes.size());
-  for (std::size_t node = 0; node < moves.size(); ++node) {
-    const auto n = static_cast<int>(node);
-    moves[node] = body.active_index(n) >= 0 && !body.held(n);
-  }
-  return moves;
-}
-
 // Solves the n × n system m·x = d in place by Gauss' elimination; m is symmetric and positive
 // definite, so that no pivot is sought.
 void solve_dense(std::span<double> m, std::span<double> d, std::size_t n) {
@@ -58,12 +49,22 @@ ProxyContact::ProxyContact(const fem::Body& body, const DeformedSurface& surface
       statics_(statics),
       system_(system),
       settings_(std::move(settings)),
-      walk_(surface, moving(body)),
+      walk_(surface, moving_nodes(body)),
       sought_(settings_.coupling.size()),
       probes_(settings_.coupling.size()) {
   const std::size_t probes = probes_.size();
-  loads_.reserve(3 * probes);
-  applied_.reserve(3 * probes);
+  settings_.patch.resize(probes);
+  settings_.along.resize(probes);
+  std::size_t nodes = 0;
+  for (std::size_t i = 0; i < probes; ++i) {
+    shapes_.emplace_back(surface, walk_, settings_.patch[i]);
+    footprints_.emplace_back();
+    footprints_[i].nodes.reserve(shapes_[i].most());
+    footprints_[i].weight.reserve(shapes_[i].most());
+    nodes += shapes_[i].most();
+  }
+  loads_.reserve(nodes);
+  applied_.reserve(nodes);
   present_.reserve(probes);
   settings_.excess.resize(probes);
   settings_.of_node.resize(probes);
@@ -110,17 +111,42 @@ void ProxyContact::look(std::span<const Eigen::Vector3d> tips, std::span<const d
   }
 }
 
-Eigen::Matrix3d ProxyContact::between(SurfaceCompliance& of, const SurfaceSpot& a,
-                                      const SurfaceSpot& b) {
+std::size_t ProxyContact::most_nodes() const {
+  std::size_t most = 0;
+  for (const Footprints& shape : shapes_) most = std::max(most, shape.most());
+  return most;
+}
+
+// True where a patch has a node that does not move.
+bool ProxyContact::over_anchor(std::size_t probe) const {
+  return settings_.patch[probe] > 0 &&
+         std::ranges::any_of(footprints_[probe].nodes,
+                             [this](int node) { return !system_.has(node); });
+}
+
+void ProxyContact::find_footprint(std::size_t probe) {
+  shapes_[probe].find(probes_[probe].spot, footprints_[probe]);
+  operations_ += shapes_[probe].operations();
+}
+
+Eigen::Vector3d ProxyContact::displaced(const Footprint& footprint,
+                                        std::span<const double> u) const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < footprint.nodes.size(); ++i) {
+    sum += footprint.weight[i] * displacement(u, footprint.nodes[i]);
+  }
+  return sum;
+}
+
+Eigen::Matrix3d ProxyContact::between(SurfaceCompliance& of, const Footprint& a,
+                                      const Footprint& b) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    for (Eigen::Index j = 0; j < 3; ++j) {
-      const int node = walk_.corners(a.triangle)[static_cast<std::size_t>(i)];
-      const int other = walk_.corners(b.triangle)[static_cast<std::size_t>(j)];
-      sum += a.weight[i] * b.weight[j] * of.block(node, other);
+  for (std::size_t i = 0; i < a.nodes.size(); ++i) {
+    for (std::size_t j = 0; j < b.nodes.size(); ++j) {
+      sum += a.weight[i] * b.weight[j] * of.block(a.nodes[i], b.nodes[j]);
     }
   }
-  operations_ += 9 * kBlock;
+  operations_ += kBlock * static_cast<double>(a.nodes.size() * b.nodes.size());
   return sum;
 }
 
@@ -134,6 +160,8 @@ Eigen::Matrix3d ProxyContact::coupling(const SurfaceSpot& spot, std::size_t prob
     operations_ += kOfNodes;
   }
   Eigen::Matrix3d sum = own * Eigen::Matrix3d::Identity();
+  // A patch is even by its size.
+  if (settings_.patch[probe] > 0) return sum;
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t j = (i + 1) % 3;
     const Eigen::Matrix3d cross = statics_.block(t[i], t[j]);
@@ -146,14 +174,17 @@ Eigen::Matrix3d ProxyContact::coupling(const SurfaceSpot& spot, std::size_t prob
   return sum;
 }
 
-// Statics along the normal are linear over a triangle, b_i·(n·G_ii·n + s_i).
+// Statics along the normal are linear over a triangle, b_i·(n·G_ii·n + s_i), and a patch's about
+// so.
 double ProxyContact::steepness(const Probe& probe, std::size_t of) {
   const std::array<int, 3>& t = walk_.corners(probe.spot.triangle);
   std::array<Eigen::Vector3d, 3> x;
   std::array<double, 3> total{};
   for (std::size_t i = 0; i < 3; ++i) {
     x[i] = walk_.rest_position(t[i]);
-    total[i] = probe.normal.dot(statics_.block(t[i], t[i]) * probe.normal);
+    total[i] = settings_.along[of].empty()
+                   ? probe.normal.dot(statics_.block(t[i], t[i]) * probe.normal)
+                   : settings_.along[of][at(t[i])];
     if (!settings_.of_node[of].empty()) total[i] += settings_.of_node[of][at(t[i])];
   }
   // The gradient within the plane: n × (edge opposite to each corner), over twice the area.
@@ -196,12 +227,13 @@ void ProxyContact::solve(std::span<const Eigen::Vector3d> tips, std::span<const 
   }
   for (const std::size_t i : present_) {
     Probe& probe = probes_[i];
-    const Eigen::Vector3d moved = between(system_, probe.spot, probe.spot) * probe.force;
+    const Eigen::Vector3d moved = between(system_, footprints_[i], footprints_[i]) * probe.force;
     probe.pressed = moved.norm();
     probe.gap = coupling(probe.spot, i) * probe.force;
     probe.unresolved = settings_.excess[i] * -probe.force.dot(probe.normal);
     probe.depth = (walk_.rest(probe.spot) - tips[i]).dot(probe.normal);
-    probe.at_rim = probe.at_rim || walk_.at_anchor(probe.spot);
+    probe.at_rim =
+        probe.at_rim || walk_.at_anchor(probe.spot) || footprints_[i].at_rim || over_anchor(i);
     probe.steepness = steepness(probe, i);
   }
   form_loads();
@@ -214,24 +246,25 @@ void ProxyContact::solve(std::span<const Eigen::Vector3d> tips, std::span<const 
 void ProxyContact::solve_for_forces() {
   present_.clear();
   for (std::size_t i = 0; i < probes_.size(); ++i) {
-    if (probes_[i].spot.present()) present_.push_back(i);
+    if (!probes_[i].spot.present()) continue;
+    present_.push_back(i);
+    find_footprint(i);
   }
   const std::size_t n = 3 * present_.size();
-  const auto of_node = [this](int node) { return displacement(u_, node); };
   for (std::size_t p = 0; p < present_.size(); ++p) {
     const SurfaceSpot& spot = probes_[present_[p]].spot;
-    Eigen::Vector3d apart = tips_[present_[p]] - walk_.rest(spot) - walk_.displaced(spot, of_node);
+    const Footprint& footprint = footprints_[present_[p]];
+    Eigen::Vector3d apart = tips_[present_[p]] - walk_.rest(spot) - displaced(footprint, u_);
     for (const fem::ContactLoad& load : in_u_) {
       const int other = body_.node_of_active()[at(load.node)];
-      for (std::size_t i = 0; i < 3; ++i) {
-        apart += spot.weight[static_cast<Eigen::Index>(i)] *
-                 (system_.block(walk_.corners(spot.triangle)[i], other) * load.force);
+      for (std::size_t i = 0; i < footprint.nodes.size(); ++i) {
+        apart += footprint.weight[i] * (system_.block(footprint.nodes[i], other) * load.force);
       }
-      operations_ += 3 * (kProduct + 6);
+      operations_ += (kProduct + 6) * static_cast<double>(footprint.nodes.size());
     }
     for (int r = 0; r < 3; ++r) d_[3 * p + at(r)] = apart[r];
     for (std::size_t q = 0; q <= p; ++q) {
-      Eigen::Matrix3d block = between(system_, spot, probes_[present_[q]].spot);
+      Eigen::Matrix3d block = between(system_, footprint, footprints_[present_[q]]);
       if (q == p) {
         block += coupling(spot, present_[p]);
         own_[p] = block;
@@ -255,13 +288,15 @@ void ProxyContact::solve_for_forces() {
   }
 }
 
-double ProxyContact::typical_operations(std::size_t probes) {
+double ProxyContact::typical_operations(std::size_t probes, std::size_t nodes) {
   const auto p = static_cast<double>(probes);
+  const auto of_one = static_cast<double>(nodes);
   const double rows = 3 * p;
-  const double solve = p * (p + 1) / 2 * 9 * kBlock + p * (3 * (kBlock + 27) + kOfNodes + 30) +
-                       3 * p * p * 3 * (kProduct + 6) + rows * rows * (2 * rows / 3 + 2);
+  const double solve = p * (p + 1) / 2 * of_one * of_one * kBlock +
+                       p * (3 * (kBlock + 27) + kOfNodes + 30) +
+                       of_one * p * p * of_one * (kProduct + 6) + rows * rows * (2 * rows / 3 + 2);
   return 2 * (solve + kCone * p) +
-         p * (9 * kBlock + 3 * (kBlock + 27) + kOfNodes + kSteepness + kCone + 9);
+         p * (of_one * of_one * kBlock + 3 * (kBlock + 27) + kOfNodes + kSteepness + kCone + 9);
 }
 
 void ProxyContact::leave(Probe& probe) {
@@ -325,15 +360,13 @@ bool ProxyContact::slide(bool move) {
 void ProxyContact::form_loads() {
   loads_.clear();
   for (const std::size_t i : present_) {
-    const Probe& probe = probes_[i];
-    for (std::size_t k = 0; k < 3; ++k) {
-      const int node = walk_.corners(probe.spot.triangle)[k];
-      if (!system_.has(node)) continue;
-      loads_.push_back({body_.active_index(node),
-                        probe.spot.weight[static_cast<Eigen::Index>(k)] * probe.force,
-                        static_cast<int>(i)});
+    const Footprint& footprint = footprints_[i];
+    for (std::size_t k = 0; k < footprint.nodes.size(); ++k) {
+      if (!system_.has(footprint.nodes[k])) continue;
+      loads_.push_back({body_.active_index(footprint.nodes[k]),
+                        footprint.weight[k] * probes_[i].force, static_cast<int>(i)});
     }
-    operations_ += 9;
+    operations_ += 3 * static_cast<double>(footprint.nodes.size());
   }
 }
 
@@ -345,9 +378,16 @@ void ProxyContact::press_nowhere() {
     present_.push_back(i);
   }
   operations_ = 0;
+  double blocks = 0;
+  for (const std::size_t i : present_) {
+    find_footprint(i);
+    for (const std::size_t j : present_) {
+      blocks += static_cast<double>(footprints_[i].nodes.size() * footprints_[j].nodes.size());
+    }
+  }
   form_loads();
   const auto n = 3 * static_cast<double>(present_.size());
-  operations_ += n * n * (kBlock + 2 * n / 3 + 2) + 2 * kCone * n / 3;
+  operations_ += blocks * kBlock + n * n * (2 * n / 3 + 2) + 2 * kCone * n / 3;
 }
 
 void ProxyContact::apply() { applied_.assign(loads_.begin(), loads_.end()); }
@@ -361,14 +401,16 @@ void ProxyContact::release_all() {
 Eigen::MatrixXd ProxyContact::compliance() {
   std::vector<std::size_t> present;
   for (std::size_t i = 0; i < probes_.size(); ++i) {
-    if (probes_[i].spot.present()) present.push_back(i);
+    if (!probes_[i].spot.present()) continue;
+    present.push_back(i);
+    find_footprint(i);
   }
   Eigen::MatrixXd m(3 * static_cast<Eigen::Index>(present.size()),
                     3 * static_cast<Eigen::Index>(present.size()));
   for (std::size_t p = 0; p < present.size(); ++p) {
     for (std::size_t q = 0; q < present.size(); ++q) {
       const SurfaceSpot& spot = probes_[present[p]].spot;
-      Eigen::Matrix3d block = between(system_, spot, probes_[present[q]].spot);
+      Eigen::Matrix3d block = between(system_, footprints_[present[p]], footprints_[present[q]]);
       if (p == q) block += coupling(spot, present[p]);
       m.block<3, 3>(3 * static_cast<Eigen::Index>(p), 3 * static_cast<Eigen::Index>(q)) = block;
     }

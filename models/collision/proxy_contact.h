@@ -8,6 +8,7 @@
 
 #include "models/collision/contact.h"
 #include "models/collision/deformed_surface.h"
+#include "models/collision/footprint.h"
 #include "models/collision/surface_compliance.h"
 #include "models/collision/surface_walk.h"
 #include "models/fem/body.h"
@@ -24,6 +25,7 @@ namespace hvp::collision {
 // so that the static compliance C·G·Cᵀ + S is linear between nodes: a point load alone is up to
 // twice as compliant at a node as between nodes. λ is the force on the body. It ends where it would
 // pull, and lies in Coulomb's cone: beyond it X moves over the surface.
+// Of a patch, C has the weights of its nodes (footprint.h), and S = s0·I.
 //
 // Several probes have one M, with C_p·A⁻¹·C_qᵀ beside the diagonal.
 //
@@ -44,6 +46,10 @@ struct ProxySettings {
   std::vector<std::vector<double>> of_node = {};
   // By how much the coupling is too soft for the probe, m/N; missing: by nothing.
   std::vector<double> excess = {};
+  // The radius of each probe's patch, m; missing or 0: it is a point.
+  std::vector<double> patch = {};
+  // Of a patch at each mesh node, n·C·G·Cᵀ·n there, m/N.
+  std::vector<std::vector<double>> along = {};
 };
 
 class ProxyContact {
@@ -72,6 +78,8 @@ class ProxyContact {
   // same object for a static body. `surface` stays at rest.
   ProxyContact(const fem::Body& body, const DeformedSurface& surface, SurfaceCompliance& statics,
                SurfaceCompliance& system, ProxySettings settings);
+  ProxyContact(const ProxyContact&) = delete;
+  ProxyContact& operator=(const ProxyContact&) = delete;
 
   std::size_t size() const { return probes_.size(); }
   // Takes the spot from which a probe without contact seeks the surface nearest to it.
@@ -89,8 +97,7 @@ class ProxyContact {
   void release_all();
 
   std::span<const Probe> probes() const { return probes_; }
-  // λ at the corners of each contact's triangle, three a contact. A corner without unknowns has
-  // none.
+  // λ at the nodes of each contact's footprint. A node without unknowns has none.
   std::span<const fem::ContactLoad> loads() const { return loads_; }
   std::span<const fem::ContactLoad> applied() const { return applied_; }
   // M over the probes that are in contact, in their order, for tests and for what a loop's
@@ -101,13 +108,18 @@ class ProxyContact {
   // The additions, multiplications and divisions of the last look() or solve(), solves for columns
   // included.
   double operations() const { return operations_; }
-  // Those of a frame in which so many probes slide by one step.
-  static double typical_operations(std::size_t probes);
+  // Those of a frame in which so many probes slide by one step, their footprints of so many nodes.
+  static double typical_operations(std::size_t probes, std::size_t nodes = 3);
+  // The nodes of a footprint, at the most.
+  std::size_t most_nodes() const;
 
  private:
   Eigen::Vector3d displacement(std::span<const double> u, int node) const;
-  Eigen::Matrix3d between(SurfaceCompliance& of, const SurfaceSpot& a, const SurfaceSpot& b);
+  Eigen::Vector3d displaced(const Footprint& footprint, std::span<const double> u) const;
+  Eigen::Matrix3d between(SurfaceCompliance& of, const Footprint& a, const Footprint& b);
   Eigen::Matrix3d coupling(const SurfaceSpot& spot, std::size_t probe);
+  void find_footprint(std::size_t probe);
+  bool over_anchor(std::size_t probe) const;
   double steepness(const Probe& probe, std::size_t of);
   void solve(std::span<const Eigen::Vector3d> tips, std::span<const double> u,
              std::span<const fem::ContactLoad> in_u);
@@ -122,6 +134,8 @@ class ProxyContact {
   SurfaceCompliance& system_;
   ProxySettings settings_;
   SurfaceWalk walk_;
+  std::vector<Footprints> shapes_;  // of each probe
+  std::vector<Footprint> footprints_;
   std::vector<SurfaceSpot> sought_;
   std::vector<Probe> probes_;
   std::vector<fem::ContactLoad> loads_, applied_;

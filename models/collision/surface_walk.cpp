@@ -19,6 +19,15 @@ constexpr int kMostTriangles = 256;
 
 }  // namespace
 
+std::vector<bool> moving_nodes(const fem::Body& body) {
+  std::vector<bool> moves(body.mesh().nodes.size());
+  for (std::size_t node = 0; node < moves.size(); ++node) {
+    const auto n = static_cast<int>(node);
+    moves[node] = body.active_index(n) >= 0 && !body.held(n);
+  }
+  return moves;
+}
+
 SurfaceWalk::SurfaceWalk(const DeformedSurface& surface, std::vector<bool> moves)
     : surface_(surface), moves_(std::move(moves)) {
   find_normals();

@@ -7,8 +7,12 @@
 
 #include "models/collision/contact.h"
 #include "models/collision/deformed_surface.h"
+#include "models/fem/body.h"
 
 namespace hvp::collision {
+
+// True for each mesh node that has unknowns.
+std::vector<bool> moving_nodes(const fem::Body& body);
 
 // A body's surface at rest, as a proxy moves over it: points by weights of corners, normals that
 // change smoothly but for creases, steps from triangle to triangle. Nothing allocates after

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "models/collision/probe_coupling.h"
+#include <fmt/format.h>
+
+#include "models/config/input_error.h"
 #include "models/fem/direct_solver.h"
 #include "models/index.h"
 
@@ -22,20 +24,35 @@ constexpr double kNoticeableSteepness = 0.05;
 }  // namespace
 
 GlideTables::GlideTables(const fem::Body& body, const sparse::BlockMatrix& system, bool is_dynamic,
-                         bool linear, double friction, std::span<const double> probe_radii)
+                         bool linear, const collision::ContactSettings& contact,
+                         std::span<const double> probe_radii)
     : surface(body.mesh()), statics(body, body.stiffness(), surface.surface_nodes()) {
   if (is_dynamic) dynamic.emplace(body, system, surface.surface_nodes());
-  settings.friction = friction;
+  settings.friction = contact.friction;
   radii.assign(probe_radii.begin(), probe_radii.end());
-  const collision::NodeCompliance nodes(body, surface, statics);
   const collision::Answer answer = is_dynamic ? collision::Answer::with_mass
                                    : linear   ? collision::Answer::tabulated
                                               : collision::Answer::repeated;
-  for (const double radius : radii) {
-    collision::ProbeCoupling coupling(nodes, radius, answer);
-    settings.coupling.push_back(coupling.s0);
-    settings.of_node.push_back(std::move(coupling.of_node));
-    settings.excess.push_back(coupling.excess);
+  if (contact.kind == collision::ContactKind::patch) {
+    if (!statics.tabulated()) {
+      throw InputError("kind", fmt::format("patches need the compliances of all {} surface nodes "
+                                           "in a table of {} MiB: expected fewer nodes, or "
+                                           "\"proxy\"",
+                                           surface.surface_nodes().size(),
+                                           collision::SurfaceCompliance::kLargestTable >> 20));
+    }
+    const collision::SurfaceWalk walk(surface, collision::moving_nodes(body));
+    for (const double radius : radii) {
+      settings.patch.push_back(collision::patch_radius(surface, radius));
+      collision::Footprints shapes(surface, walk, settings.patch.back());
+      const collision::NodeCompliance nodes(body, surface, statics, &shapes);
+      couple(nodes, radius, answer);
+      settings.along.push_back(nodes.own);
+      footprint_nodes_ = std::max(footprint_nodes_, shapes.most());
+    }
+  } else {
+    const collision::NodeCompliance nodes(body, surface, statics);
+    for (const double radius : radii) couple(nodes, radius, answer);
   }
   Eigen::AlignedBox3d box;
   for (const int node : surface.surface_nodes()) box.extend(surface.rest_position(node));
@@ -43,6 +60,20 @@ GlideTables::GlideTables(const fem::Body& body, const sparse::BlockMatrix& syste
   if (is_dynamic || !linear) return;
   free_displacement.resize(body.load().size());
   fem::DirectSolver(system).solve(body.load(), free_displacement);
+}
+
+void GlideTables::couple(const collision::NodeCompliance& nodes, double radius,
+                         collision::Answer answer) {
+  collision::ProbeCoupling coupling(nodes, radius, answer);
+  settings.coupling.push_back(coupling.s0);
+  settings.of_node.push_back(std::move(coupling.of_node));
+  settings.excess.push_back(coupling.excess);
+  least_.push_back(nodes.least);
+}
+
+double GlideTables::stiffness(std::size_t probe, int node) const {
+  return 1 /
+         (least_[probe][at(node)] + settings.coupling[probe] + settings.of_node[probe][at(node)]);
 }
 
 std::size_t GlideTables::bytes() const {
@@ -116,8 +147,8 @@ bool GlidingContact::changes() const {
   return !placed_ || !proxy_.loads().empty() || !proxy_.applied().empty();
 }
 
-double GlideTables::typical_operations(std::size_t probes) {
-  return collision::ProxyContact::typical_operations(probes);
+double GlideTables::typical_operations() const {
+  return collision::ProxyContact::typical_operations(radii.size(), footprint_nodes_);
 }
 
 // Two ends in one place: each has a coupling of its own, and together they are too stiff.

@@ -10,6 +10,7 @@
 
 #include "models/collision/contact.h"
 #include "models/collision/deformed_surface.h"
+#include "models/collision/probe_coupling.h"
 #include "models/collision/proxy_contact.h"
 #include "models/collision/surface_compliance.h"
 #include "models/fem/body.h"
@@ -25,9 +26,9 @@ namespace hvp::host {
 struct GlideTables {
   // `system` is the matrix of every frame, K or Â. `linear`: the body's forces are A·u. The radius
   // of each probe is that of its end, m. Throws InputError for a matrix that is not positive
-  // definite.
+  // definite, and for patches on a body whose compliances do not stand in a table.
   GlideTables(const fem::Body& body, const sparse::BlockMatrix& system, bool dynamic, bool linear,
-              double friction, std::span<const double> probe_radii);
+              const collision::ContactSettings& contact, std::span<const double> probe_radii);
 
   collision::DeformedSurface surface;                   // stays at rest
   collision::SurfaceCompliance statics;                 // of K
@@ -39,12 +40,22 @@ struct GlideTables {
 
   double half_extent = 0;  // of the body at rest, along the axis in which it is thinnest, m
 
+  // The largest eigenvalue of (C·G·Cᵀ + S)⁻¹ with X at a surface node that moves, N/m: what a tip
+  // feels of a body at rest in the direction in which it is stiffest.
+  double stiffness(std::size_t probe, int node) const;
+
   std::size_t bytes() const;
   std::int64_t solves() const;
   // The additions and multiplications of those solves.
   double set_up_operations() const;
-  // What the forces of so many probes take in a frame in which they slide.
-  static double typical_operations(std::size_t probes);
+  // What the probes' forces take in a frame in which they slide.
+  double typical_operations() const;
+
+ private:
+  void couple(const collision::NodeCompliance& nodes, double radius, collision::Answer answer);
+
+  std::size_t footprint_nodes_ = 3;         // of a probe, at the most
+  std::vector<std::vector<double>> least_;  // eigenvalue of C·G·Cᵀ of each probe at each mesh node
 };
 
 // The contact of the frames by proxies, kind = "proxy", in a run, in a reference or in a replay:

@@ -167,8 +167,10 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "the surface than a diameter "
      "of its probe, two probes were in one place, "
      "or the friction's cone was not reached in a frame's steps",
-     "no setting of the board helps: a slower or shallower motion of the probe, fewer nodes or a "
-     "smaller probe.radius where it is large beside elements, or probes that stay apart"},
+     "no setting of the board helps: contact.kind = \"patch\" where the probe is large beside the "
+     "elements; a slower or shallower motion of the probe, fewer nodes or a smaller probe.radius, "
+     "or "
+     "probes that stay apart"},
 }};
 }  // namespace
 

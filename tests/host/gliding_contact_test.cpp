@@ -22,7 +22,9 @@ struct Block {
   explicit Block(std::size_t probes, double friction = 0.3)
       : mesh(fem::structured_box({0.06, 0.06, 0.03}, {6, 6, 3})),
         body(mesh, fem::Material{}, fem::floor_nodes(mesh), fem::AnchorTreatment::removed),
-        tables(body, body.stiffness(), false, true, friction, std::vector<double>(probes, kRadius)),
+        tables(body, body.stiffness(), false, true,
+               collision::ContactSettings{.friction = friction},
+               std::vector<double>(probes, kRadius)),
         contact(body, tables) {}
 
   // Presses all tips from the surface by `depth`, in steps.

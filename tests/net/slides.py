@@ -1,5 +1,5 @@
-"""A proxy is pressed into the top of a box, slides to and fro twice, and is lifted off: what its
-force obeys whoever solves, at any rate, friction, encoder and latency."""
+"""A proxy or a patch is pressed into the top of a box, slides to and fro twice, and is lifted off:
+what its force obeys whoever solves, at any rate, friction, encoder and latency."""
 
 import itertools
 import math
@@ -66,7 +66,7 @@ def to_and_fro(rng: random.Random, _: Scenario) -> Scenario:
             "object.mesh.nodes": str(rng.randint(120, 300)),
             "object.material.young_modulus": f'"{rng.uniform(5, 50):.4g} kPa"',
             "object.material.poisson_ratio": f"{rng.uniform(0.2, 0.45):.3g}",
-            "contact.kind": '"proxy"',
+            "contact.kind": rng.choice(('"proxy"', '"proxy"', '"patch"')),
             "contact.friction": rng.choice(("0", "0.1", "0.3", "1", "1e6")),
             "probe.start": vector((*places[0], top + 1e-3)),
             "probe.radius": f'"{rng.uniform(1, 5):.3g} mm"',

@@ -17,7 +17,7 @@ struct GlidingScene {
   explicit GlidingScene(const SmallScene::Options& options)
       : scene(options),
         tables(scene.body, scene.computation.matrix(), options.dynamics.has_value(),
-               scene.computation.linear(), kFriction, radii()),
+               scene.computation.linear(), settings(), radii()),
         contacts(scene.body.mesh(), SmallScene::floor(), settings()) {
     if (tables.free_displacement.empty()) scene.computation.expect_to_go_on();
   }
@@ -42,6 +42,7 @@ struct GlidingScene {
   static collision::ContactSettings settings() {
     collision::ContactSettings c;
     c.kind = collision::ContactKind::proxy;
+    c.friction = kFriction;
     return c;
   }
 };

@@ -43,7 +43,7 @@ void CollisionProcess::run() {
 // it again would aim the contact anew, as often as passes are faster than frames.
 void CollisionProcess::search(const SceneState& scene) {
   std::span<const collision::Pass> passes;
-  if (search_.settings().kind == collision::ContactKind::proxy) {
+  if (search_.settings().glides()) {
     passes = search_.nearest(scene.touches, scene.displacement);
   } else if (!std::ranges::equal(scene.touches, reported_, {}, &collision::Touch::contact)) {
     passes = search_.keep(reported_, scene.displacement);

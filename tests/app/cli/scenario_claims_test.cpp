@@ -644,6 +644,18 @@ const std::map<std::string, std::vector<Claim>>& claims() {
            EXPECT_EQ(s.at("stability").at("flags"), json::array());
            EXPECT_GT(s.at("contact").at("proxy").at("sliding"), 800);
          }},
+        {"the force of 95 % of the frames is within 0.1 % of what the same contact has in double "
+         "precision, and the worst is off by less than 0.5 % of the largest",
+         [](Runs& r) {
+           // And so on the thesis' sphere.
+           const std::vector<std::string> proxy = {"contact.kind=proxy"};
+           for (const json* s :
+                {&r.summary("slide.toml"), &r.summary("thesis-refined.toml", proxy)}) {
+             const json& accuracy = s->at("accuracy");
+             EXPECT_LT(accuracy.at("force_of_frame").at("p95"), 1e-3);
+             EXPECT_LT(accuracy.at("force_worst_rel"), 5e-3);
+           }
+         }},
         {"the force is out at 368 us",
          [](Runs& r) {
            EXPECT_NEAR(r.summary("slide.toml").at("deadline").at("worst_us"), 368, 0.5);

@@ -190,6 +190,29 @@ TEST_F(SlideTable, OfABlockWhateverItsFriction) {
   }
 }
 
+// The patch of a small probe is felt as its proxy is, that of a large one on any mesh alike, where
+// a proxy is flagged.
+TEST_F(SlideTable, OfABlockByAPatch) {
+  const double proxy = glide(kBlock, 250, 450, 0.3).mean;
+  for (const char* dynamics : {"dynamics=false", "dynamics=true"}) {
+    const Glide patch = glide(kBlock, 250, 450, 0.3, {"contact.kind=patch", dynamics});
+    EXPECT_NEAR(patch.mean / proxy, 1, 0.03) << dynamics;
+    EXPECT_LT(patch.within_30_ms, kPrototype * 0.04) << dynamics;
+    EXPECT_LT(patch.within_100_ms, kPrototype * 0.07) << dynamics;
+    EXPECT_LT(patch.off_cone, 1e-12);
+    EXPECT_EQ(patch.alternations, 0);
+  }
+  double mean = 0;
+  for (const char* nodes : {"196", "500", "1183"}) {
+    const Glide large = glide(
+        kBlock, 250, 450, 0.3,
+        {"contact.kind=patch", "probe.radius=8 mm", fmt::format("object.mesh.nodes={}", nodes)});
+    EXPECT_LT(large.within_30_ms, kPrototype * 0.04) << nodes;
+    if (mean == 0) mean = large.mean;
+    EXPECT_NEAR(large.mean / mean, 1, 0.06) << nodes;
+  }
+}
+
 TEST_F(SlideTable, OfTheSphere) {
   for (const double friction : {0.0, 0.1, 0.3}) {
     const Glide still = glide(sphere(), 290, 450, friction);
