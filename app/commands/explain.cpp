@@ -46,6 +46,10 @@ void workspace_lines(const Explanation& e) {
       }
       print(" along x, y, z");
     }
+    if (point.mass) {
+      print(", {:.3g}, {:.3g} and {:.3g} g along x, y and z", 1e3 * point.mass->x(),
+            1e3 * point.mass->y(), 1e3 * point.mass->z());
+    }
     print("\n");
   }
 }

@@ -84,6 +84,9 @@ WorkspacePoint workspace_point(const plant::DeviceSettings& d, const plant::Kine
     const auto step = plant::resolution(kinematics, d.encoder->joints.step(), tip);
     if (step) point.steps = {(*step)[2], (*step)[0]};
   }
+  if (d.dynamics && d.dynamics->at == plant::DeviceDynamics::At::joints) {
+    point.mass = d.dynamics->joints.apparent_mass(kinematics, tip);
+  }
   point.limited = d.motor && d.amplifier;
   if (!point.limited) return point;
   const Eigen::Vector3d torque =
@@ -191,6 +194,7 @@ ordered_json workspace_json(const Explanation& e) {
         one["force_limit_N"].push_back(force ? ordered_json(*force) : ordered_json(nullptr));
       }
     }
+    if (point.mass) one["apparent_mass_kg"] = vector_json(*point.mass);
     list.push_back(std::move(one));
   }
   return list;

@@ -31,6 +31,8 @@ struct WorkspacePoint {
   // The limits of motor and amplifier along x, y and z in N; absent along an axis without a limit.
   bool limited = false;
   std::array<std::optional<double>, 3> force_limit = {};
+  // The apparent mass along x, y and z in kg, where it follows the pose.
+  std::optional<Eigen::Vector3d> mass;
 };
 
 // A point load and the node at which it acts.

@@ -273,7 +273,13 @@ std::optional<results::StiffnessBudget> LoopWatch::stiffness(
 
 std::optional<plant::WallLoop> wall_loop(const Scenario& s, std::size_t probe, double delay_s,
                                          const Eigen::Vector3d& direction) {
-  const plant::Plant plant = plant::plant_of(s.device_of(probe), s.hand_of(probe), s.probes[probe]);
+  plant::Plant plant = plant::plant_of(s.device_of(probe), s.hand_of(probe), s.probes[probe]);
+  if (s.wall && plant.pose_of_mass()) {
+    // The mass of the pose at the wall, before the probe's start.
+    Eigen::Vector3d& place = plant.intended.start;
+    const Eigen::Vector3d at_wall = place + s.wall->depth(place) * s.wall->direction();
+    if (plant.pose_of_mass()->regular_joints(at_wall)) place = at_wall;
+  }
   std::optional<plant::LinearAxis> axis;
   for (int i = 0; i < 3; ++i) {
     if (direction[i] == 0) continue;

@@ -44,7 +44,8 @@ void DeviceSettings::declare_parts(config::Visitor& v) {
       {"the position is read in steps", "no cost: the position is rounded where it is latched"});
   v.effect("dynamics", dynamics,
            {"the device has mass and damping, and forces move it",
-            "no module: its motion is integrated exactly between changes of the force"});
+            "no module: its motion is integrated exactly between changes of the force and, where "
+            "its mass follows the pose, of that, once a millisecond"});
   v.effect("friction", friction,
            {"dry friction, with exact stick and slip",
             "no module: the instants at which it sticks and slips are found",
@@ -80,6 +81,11 @@ void DeviceSettings::declare_parts(config::Visitor& v) {
 void DeviceSettings::check() const {
   if (encoder && encoder->at == Encoder::At::joints && !kinematics) {
     throw InputError("encoder.at",
+                     "\"joints\" needs a device that has some: expected "
+                     "[device.kinematics] too, or \"tip\"");
+  }
+  if (dynamics && dynamics->at == DeviceDynamics::At::joints && !kinematics) {
+    throw InputError("dynamics.at",
                      "\"joints\" needs a device that has some: expected "
                      "[device.kinematics] too, or \"tip\"");
   }
@@ -130,6 +136,7 @@ Plant plant_of(const DeviceSettings& settings, const std::optional<Hand>& hand,
   plant.hand = hand;
   plant.friction = settings.friction;
   plant.gravity = settings.gravity;
+  plant.kinematics = settings.kinematics;
   if (settings.amplifier) plant.force_lag_rate = settings.amplifier->lag_rate();
   plant.intended = probe;
   return plant;

@@ -43,7 +43,7 @@ struct DeviceSettings {
   std::optional<DeviceLimits> limits;
 
   void declare(config::Visitor& v);
-  // Throws InputError: encoders at the joints of a device without kinematics.
+  // Throws InputError: encoders or inertia at the joints of a device without kinematics.
   void check() const;
 
  protected:

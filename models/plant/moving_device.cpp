@@ -25,6 +25,8 @@ MovingDevice::MovingDevice(const Plant& plant)
     : friction_(plant.friction),
       weight_(plant.weight()),
       push_(plant.push),
+      pose_(plant.pose_of_mass()),
+      joints_(plant.dynamics.joints),
       intended_(plant.intended),
       lets_go_(kNever),
       held_(plant.hand.has_value()) {
@@ -35,7 +37,8 @@ MovingDevice::MovingDevice(const Plant& plant)
     try {
       AxisSeries::steps(axes_[i], to_seconds(kPiece));
     } catch (const std::length_error& e) {
-      throw InputError("device.dynamics.mass", std::string("is too small: ") + e.what());
+      throw InputError(pose_ ? "device.dynamics.inertia" : "device.dynamics.mass",
+                       std::string("is too small: ") + e.what());
     }
     states[i].hand_x = intended_.start[component(i)];
     states[i].x = states[i].hand_x + plant.displaced[component(i)];
@@ -109,6 +112,7 @@ void MovingDevice::move_anchor(Picoseconds time) {
   std::array<LinearAxis::State, 3> then = states(time);
   anchor_.energy = flowed(time, then);
   if (held_ && time >= lets_go_) let_go(then);
+  if (pose_ && time % kPiece == 0) follow_pose(then);
   anchor_.time = time;
   carry_on(then);
 }
@@ -124,6 +128,19 @@ void MovingDevice::let_go(std::array<LinearAxis::State, 3>& states) {
     anchor_.energy.let_go += before.kinetic + before.springs - after.kinetic - after.springs;
   }
   held_ = false;
+}
+
+void MovingDevice::follow_pose(std::array<LinearAxis::State, 3>& states) {
+  const auto masses = joints_.apparent_mass(*pose_, {states[0].x, states[1].x, states[2].x});
+  if (!masses) return;
+  for (std::size_t i = 0; i < 3; ++i) {
+    LinearAxis& axis = axes_[i];
+    const double rides = axis.grip_is_rigid() ? axis.hand_mass : 0;
+    const double before = axis.mass + rides;
+    axis.mass = (*masses)[component(i)];
+    states[i].v *= std::sqrt(before / (axis.mass + rides));
+    if (axis.grip_is_rigid()) states[i].hand_v = states[i].v;
+  }
 }
 
 void MovingDevice::carry_on(const std::array<LinearAxis::State, 3>& states) {

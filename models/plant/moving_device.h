@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 
 #include "models/plant/axis_motion.h"
 #include "models/plant/device.h"
@@ -33,6 +34,10 @@ class PrescribedPath : public Device {
 // within a stroke, so that the motion is exact to rounding. The times of queries change no bit of
 // it: the motion is carried on only from changes of the force, ends of strokes, the hand's letting
 // go and whole milliseconds, and from changes of friction in between, which are found then.
+//
+// A mass that follows the pose is taken from it at whole milliseconds and held in between. There
+// the velocity changes so that the kinetic energy does not: that is the part −½·m′·v of the
+// Coriolis forces, which along one axis is all of them. At a singular pose the last mass stays.
 class MovingDevice final : public Device {
  public:
   // Throws InputError: a motion too fast to be followed.
@@ -54,6 +59,8 @@ class MovingDevice final : public Device {
 
   void move_anchor(Picoseconds time);
   void let_go(std::array<LinearAxis::State, 3>& states);
+  // Takes the masses from the pose.
+  void follow_pose(std::array<LinearAxis::State, 3>& states);
   // Finds the motion from the anchor's time on.
   void carry_on(const std::array<LinearAxis::State, 3>& states);
   double since_anchor(Picoseconds time) const { return to_seconds(time - anchor_.time); }
@@ -67,8 +74,10 @@ class MovingDevice final : public Device {
 
   std::array<LinearAxis, 3> axes_;
   std::optional<Friction> friction_;
-  Eigen::Vector3d weight_;  // N
-  Eigen::Vector3d push_;    // N
+  Eigen::Vector3d weight_;            // N
+  Eigen::Vector3d push_;              // N
+  std::unique_ptr<Kinematics> pose_;  // null where the mass is the same in every pose
+  JointInertia joints_;
   Trajectory intended_;
   Picoseconds stroke_begins_ = 0;
   Trajectory::Piece stroke_{};  // the intended motion's, from there on

@@ -88,11 +88,20 @@ void Hand::hold(LinearAxis& axis) const {
 }
 
 void DeviceDynamics::declare(config::Visitor& v) {
-  v.quantity("mass", mass_kg, config::Dimension::mass, {.min = 1e-4, .max = 1e3},
-             {"apparent mass at the tip",
-              "data sheets: a PHANTOM Premium 1.5 has less than 75 g, an Omni 45 g"});
-  v.vector("mass_factor", mass_factor, config::Dimension::dimensionless, config::between(1e-3, 1e3),
-           {"of the apparent mass along x, y and z", "the same along each axis"});
+  const auto where =
+      v.variant("at", at, {{"tip", At::tip}, {"joints", At::joints}},
+                {"where the inertia is always the same: at the tip, or at the joints of "
+                 "[device.kinematics], and then the apparent mass follows the pose",
+                 "tip: what data sheets state"});
+  where.only({At::tip}, [&] {
+    v.quantity("mass", mass_kg, config::Dimension::mass, {.min = 1e-4, .max = 1e3},
+               {"apparent mass at the tip",
+                "data sheets: a PHANTOM Premium 1.5 has less than 75 g, an Omni 45 g"});
+    v.vector("mass_factor", mass_factor, config::Dimension::dimensionless,
+             config::between(1e-3, 1e3),
+             {"of the apparent mass along x, y and z", "the same along each axis"});
+  });
+  where.only({At::joints}, [&] { v.include(joints); });
   v.quantity("damping", damping_N_s_m, config::Dimension::damping, config::between(0, 1e4),
              {"viscous damping of the device",
               "assumed; CHAI3D lets a Premium 1.5 be damped with 5 N s/m"});
@@ -107,9 +116,24 @@ void Gravity::declare(config::Visitor& v) {
               "absent: a desktop device's links are heavy in the hand"});
 }
 
+std::unique_ptr<Kinematics> Plant::pose_of_mass() const {
+  if (dynamics.at == DeviceDynamics::At::tip) return nullptr;
+  return make_kinematics(kinematics.value());
+}
+
+Eigen::Vector3d Plant::masses() const {
+  const std::unique_ptr<Kinematics> pose = pose_of_mass();
+  if (!pose) return dynamics.mass_kg * dynamics.mass_factor;
+  const auto masses = dynamics.joints.apparent_mass(*pose, intended.start);
+  if (masses) return *masses;
+  throw InputError("start",
+                   "has no apparent mass: expected a place that the device reaches with "
+                   "no joints in line");
+}
+
 LinearAxis Plant::axis(int i) const {
   LinearAxis axis;
-  axis.mass = dynamics.mass_kg * dynamics.mass_factor[i];
+  axis.mass = masses()[i];
   axis.damping = dynamics.damping_N_s_m;
   axis.lag_rate = force_lag_rate;
   if (hand) hand->hold(axis);
@@ -118,8 +142,10 @@ LinearAxis Plant::axis(int i) const {
 
 Eigen::Vector3d Plant::weight() const {
   if (!gravity) return Eigen::Vector3d::Zero();
-  const Eigen::Vector3d masses = dynamics.mass_kg * dynamics.mass_factor;
-  return (1 - gravity->compensated) * masses.cwiseProduct(gravity->acceleration);
+  const Eigen::Vector3d heavy = dynamics.at == DeviceDynamics::At::joints
+                                    ? Eigen::Vector3d::Constant(dynamics.joints.tip_mass_kg)
+                                    : masses();
+  return (1 - gravity->compensated) * heavy.cwiseProduct(gravity->acceleration);
 }
 
 }  // namespace hvp::plant

@@ -1,10 +1,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <optional>
 
 #include "models/config/declaration.h"
+#include "models/plant/joint_inertia.h"
 #include "models/plant/linear_axis.h"
+#include "models/plant/linkages.h"
 #include "models/plant/trajectory.h"
 
 namespace hvp::plant {
@@ -47,16 +50,22 @@ struct Hand {
   void hold(LinearAxis& axis) const;
 };
 
-// The effect [device.dynamics]: the device is a mass that its motors and the hand move.
+// The effect [device.dynamics]: the device is a mass that its motors and the hand move. The mass is
+// the same in every pose, or follows the pose, where the inertia is the joints'.
 struct DeviceDynamics {
+  enum class At { tip, joints };
+
   double mass_kg = 0.1;
   double damping_N_s_m = 1;
   Eigen::Vector3d mass_factor = Eigen::Vector3d::Ones();  // along x, y and z, of mass_kg
+  At at = At::tip;
+  JointInertia joints{};
 
   void declare(config::Visitor& v);
 };
 
-// The effect [device.gravity]: the apparent mass has weight.
+// The effect [device.gravity]: the apparent mass has weight; of a device whose inertia is the
+// joints', the mass at its tip.
 struct Gravity {
   Eigen::Vector3d acceleration = {0, 0, -9.80665};  // m/s²
   double compensated = 0;                           // the compensated share of the weight
@@ -70,7 +79,8 @@ struct Plant {
   std::optional<Hand> hand{};
   std::optional<Friction> friction{};
   std::optional<Gravity> gravity{};
-  double force_lag_rate = 0;  // 1/s; 0: no lag
+  std::optional<KinematicsSettings> kinematics{};  // of DeviceDynamics::At::joints; else unused
+  double force_lag_rate = 0;                       // 1/s; 0: no lag
   Trajectory intended{};
 
   // For programs that study the device by itself: the distance of its tip at time 0 from the start
@@ -79,7 +89,12 @@ struct Plant {
   Eigen::Vector3d displaced = Eigen::Vector3d::Zero();  // m
   Eigen::Vector3d push = Eigen::Vector3d::Zero();       // N
 
-  // Axis i (0 to 2), gripped by the hand where there is one.
+  // The device's kinematics where its mass follows the pose; null where it does not.
+  std::unique_ptr<Kinematics> pose_of_mass() const;
+  // The apparent mass along each axis at the start of the intended motion, kg. Throws InputError
+  // where it follows the pose and that is a singular one.
+  Eigen::Vector3d masses() const;
+  // Axis i (0 to 2) with that mass, gripped by the hand where there is one.
   LinearAxis axis(int i) const;
   // The weight of the device, N; a hand carries its own.
   Eigen::Vector3d weight() const;

@@ -238,6 +238,24 @@ TEST_F(LoopCommands, AReadyDeviceIsUnderWhatTheScenarioSays) {
   EXPECT_THAT(ended.err, HasSubstr("own.toml:2: device.friction.force: out of range"));
 }
 
+// The mass of a model, which is at the tip, gives way to the inertia of joints.
+TEST_F(LoopCommands, AMassFollowsThePoseWhereTheInertiaIsInTheJoints) {
+  const std::vector<std::string> joints = {"device.model=premium-1.5",
+                                           "device.kinematics.home=['0 mm', '0 mm', '-60 mm']",
+                                           "device.dynamics.at=joints", "wall.stiffness=300 N/m"};
+  const json loop = run(joints).at("loop").at(0);
+  EXPECT_LT(std::abs(loop.at("energy").at("imbalance_rel").get<double>()), 1e-12);
+  const Ended explained = with("explain", joints);
+  ASSERT_EQ(explained.status, 0) << explained.err;
+  EXPECT_THAT(explained.out, HasSubstr(" g along x, y and z"));
+  expect_refused({"device.dynamics.at=joints"},
+                 "device.dynamics.at=joints: \"joints\" needs a device that has some: expected "
+                 "[device.kinematics] too, or \"tip\"");
+  std::vector<std::string> both = joints;
+  both.emplace_back("device.dynamics.mass=50 g");
+  expect_refused(both, "belongs to at = \"tip\" only, found \"joints\"");
+}
+
 TEST_F(LoopCommands, WhatCannotBeIsRefusedInALine) {
   expect_refused({"device.dynamics.mass=0 g"}, "device.dynamics.mass=0 g: out of range");
   expect_refused({"device.dynamics.mass=-1 kg"}, "out of range");
