@@ -24,7 +24,10 @@ namespace {
 
 // Of two probes, each with all that a device may have.
 results::ProbeColumns all_columns() {
-  return {std::vector<results::ProbeColumnsOf>(2, {{}, true, true, plant::Hand{}}), {}, true, true};
+  return {std::vector<results::ProbeColumnsOf>(2, {{}, true, true, plant::Hand{}, true}),
+          {},
+          true,
+          true};
 }
 
 using nlohmann::ordered_json;

@@ -93,12 +93,15 @@ std::vector<FrameColumn> probe_columns(const ProbeColumns& of, std::size_t index
   vector("intended", "m", "where the hand wanted it; empty where nobody holds the device");
   vector("motor", "N", "the motors' real force on the tip then");
   vector("hand", "N", "the hand's");
-  add("stored_J", "kinetic energy and the hand's springs then");
+  add("stored_J", "kinetic energy and the springs of structure and hand then");
   add("port_J",
       "what all but masses and hand have absorbed until then, with what the wall's spring had at "
       "the start");
   add("fed_in",
       "1 where that is below zero by more than rounding explains: the loop fed energy in");
+  if (of.probes[index].structure) {
+    vector("handle", "m", "with `[device.structure]`: where the handle was then");
+  }
   if (!of.probes[index].currents) return columns;
   vector("commanded", "A", "with `[device.motor]`: the current that the frame's force asks for");
   vector("current", "A", "what converter and amplifier make of it, before the amplifier's lag");
@@ -185,6 +188,7 @@ std::string FramesCsv::device_fields(const vp::Frame& f, std::size_t i) {
   const double at_port = *at_start + e.at_port();
   fields += fmt::format(",{},{},{}", shortest(e.kinetic + e.springs), shortest(at_port),
                         plant::LoopEnergy::fed_in(at_port, e) ? 1 : 0);
+  if (of.structure) append(fields, d.plant.handle.position);
   if (of.currents) {
     append(fields, d.drive.commanded_current);
     append(fields, d.drive.current);

@@ -30,6 +30,7 @@ struct ProbeColumnsOf {
   bool device = false;              // it has mass
   bool currents = false;            // and motors
   std::optional<plant::Hand> hand;  // the hand that intends the motion
+  bool structure = false;           // the hand holds a handle
 };
 // The reason for further columns at the end of a line: further probes, and devices with mass.
 struct ProbeColumns {

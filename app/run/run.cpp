@@ -152,8 +152,8 @@ results::ProbeColumns probe_columns_of(const Scenario& s) {
       {}, s.wall, s.host.virtual_coupling.has_value(), s.host.passivity.has_value()};
   for (std::size_t i = 0; i < s.probes.size(); ++i) {
     const plant::DeviceSettings& device = s.device_of(i);
-    columns.probes.push_back(
-        {s.probes[i], s.has_mass(i), s.has_mass(i) && device.motor, s.hand_of(i)});
+    columns.probes.push_back({s.probes[i], s.has_mass(i), s.has_mass(i) && device.motor,
+                              s.hand_of(i), s.has_mass(i) && device.structure});
   }
   return columns;
 }

@@ -123,7 +123,7 @@ constexpr double kMostFrames = 400'000;
 double frames_for(const Scenario& s, double stiffness, const TrialSettings& settings) {
   const plant::Plant plant = plant::plant_of(s.device_of(0), s.hand_of(0), s.probes.front());
   double mass = 0;
-  for (int i = 0; i < 3; ++i) mass = std::max(mass, plant.axis(i).mass);
+  for (int i = 0; i < 3; ++i) mass = std::max(mass, plant.masses()[i]);
   if (plant.hand) mass += plant.hand->mass_kg;
   const double swing_s = 2 * std::numbers::pi * std::sqrt(mass / stiffness);
   return std::max<double>(settings.frames, kSwings * swing_s / s.budget.period_s);

@@ -24,6 +24,8 @@ struct CommandWork {
 // The mechanical state of a device. Forces and energy are 0 where it has no mass.
 struct PlantState {
   TipState tip;
+  // What the hand holds, beyond the device's structure; the tip without one.
+  TipState handle{};
   Eigen::Vector3d motor_force = Eigen::Vector3d::Zero();  // N, the real one, after any lag
   Eigen::Vector3d hand_force = Eigen::Vector3d::Zero();   // N, on the device
   Energy energy{};
@@ -59,7 +61,7 @@ class Device {
   virtual void advance(Picoseconds from, Picoseconds to, const Eigen::Vector3d& force) = 0;
   // The tip after the last advance().
   virtual TipState state() const = 0;
-  virtual PlantState mechanics() const { return {.tip = state()}; }
+  virtual PlantState mechanics() const { return {.tip = state(), .handle = state()}; }
 
   struct Change {
     Picoseconds from;

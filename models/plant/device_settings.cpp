@@ -46,6 +46,11 @@ void DeviceSettings::declare_parts(config::Visitor& v) {
            {"the device has mass and damping, and forces move it",
             "no module: its motion is integrated exactly between changes of the force and, where "
             "its mass follows the pose, of that, once a millisecond"});
+  v.effect("structure", structure,
+           {"the device bends: one structural mode between motors and encoders on one side and the "
+            "hand on the other",
+            "no module: a second mass in its exact motion",
+            {config::Need{"device.dynamics", {config::kPresent}, kNoMass}}});
   v.effect("friction", friction,
            {"dry friction, with exact stick and slip",
             "no module: the instants at which it sticks and slips are found",
@@ -137,6 +142,7 @@ Plant plant_of(const DeviceSettings& settings, const std::optional<Hand>& hand,
   plant.friction = settings.friction;
   plant.gravity = settings.gravity;
   plant.kinematics = settings.kinematics;
+  plant.structure = settings.structure;
   if (settings.amplifier) plant.force_lag_rate = settings.amplifier->lag_rate();
   plant.intended = probe;
   return plant;

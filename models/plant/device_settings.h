@@ -33,6 +33,7 @@ struct DeviceSettings {
   Daq daq;
   std::optional<Encoder> encoder;
   std::optional<DeviceDynamics> dynamics;
+  std::optional<Structure> structure;
   std::optional<Friction> friction;
   std::optional<Gravity> gravity;
   std::optional<KinematicsSettings> kinematics;

@@ -41,9 +41,11 @@ struct Power {
 
 Power power(const LinearAxis& axis, const LinearAxis::State& s, double intended, double speed) {
   const double pulled = speed - s.hand_v;
-  const double slipped = axis.grip_is_rigid() ? 0 : s.hand_v - s.v;
+  const double slipped = axis.grip_is_rigid() ? 0 : s.hand_v - s.handle_v;
+  const double bent = s.handle_v - s.v;
   const double hand = axis.hand_stiffness * (intended - s.hand_x) + axis.hand_damping * pulled;
-  return {s.force * s.v, hand * speed, axis.damping * s.v * s.v,
+  return {s.force * s.v, hand * speed,
+          axis.damping * s.v * s.v + axis.structure_damping * bent * bent,
           axis.hand_damping * pulled * pulled + axis.grip_damping * slipped * slipped};
 }
 

@@ -11,14 +11,14 @@ class AxisSeries;
 struct Energy {
   double at_start = 0;  // kinetic and in springs, at the start
   double kinetic = 0;   // of device and hand, now
-  double springs = 0;   // in the hand's springs, now
+  double springs = 0;   // in the springs of structure and hand, now
 
   double by_motors = 0;     // ∫F·v, of the real force
   double by_intention = 0;  // by the moving end of the hand's spring and damper
   double by_gravity = 0;
   double by_push = 0;
 
-  double device_damping = 0;  // this and the next are losses
+  double device_damping = 0;  // of its structure too; this and the next are losses
   double hand_damping = 0;
   double friction = 0;
   double let_go = 0;  // the energy that has left with the hand

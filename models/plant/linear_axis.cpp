@@ -14,7 +14,7 @@
 namespace hvp::plant {
 
 LinearAxis::Drive LinearAxis::Drive::after(double seconds) const {
-  return {shifted(intended, seconds), shifted(external, seconds), command, stuck};
+  return {shifted(intended, seconds), shifted(external, seconds), command, stuck, on_handle};
 }
 
 double LinearAxis::rate() const {
@@ -22,7 +22,18 @@ double LinearAxis::rate() const {
   // eigenvalues, and these the roots of λ² + λB + K (Fujiwara).
   double damped = 0;
   double stiff = 0;
-  if (grip_is_rigid()) {
+  if (has_structure()) {
+    const bool rigid = grip_is_rigid();
+    const double handle = rigid ? handle_mass + hand_mass : handle_mass;
+    damped = (damping + structure_damping) / mass +
+             (structure_damping + (rigid ? hand_damping : grip_damping)) / handle;
+    stiff = structure_stiffness / mass +
+            (structure_stiffness + (rigid ? hand_stiffness : grip_stiffness)) / handle;
+    if (!rigid) {
+      damped += (hand_damping + grip_damping) / hand_mass;
+      stiff += (hand_stiffness + grip_stiffness) / hand_mass;
+    }
+  } else if (grip_is_rigid()) {
     damped = (damping + hand_damping) / (mass + hand_mass);
     stiff = hand_stiffness / (mass + hand_mass);
   } else {
@@ -35,9 +46,13 @@ double LinearAxis::rate() const {
 LinearAxis::State LinearAxis::settled(State state, const Drive& drive) const {
   if (drive.stuck) state.v = 0;
   if (lag_rate == 0) state.force = drive.command;
+  if (!has_structure()) {
+    state.handle_x = state.x;
+    state.handle_v = state.v;
+  }
   if (grip_is_rigid()) {
-    state.hand_x = state.x;
-    state.hand_v = state.v;
+    state.hand_x = state.handle_x;
+    state.hand_v = state.handle_v;
   }
   return state;
 }
@@ -60,9 +75,14 @@ LinearAxis::Net LinearAxis::net_at_rest(const State& state, const Drive& drive) 
   const double u = drive.intended[0];
   const double external = drive.external[0];
   const bool rigid = grip_is_rigid();
-  const double stiffness = rigid ? hand_stiffness : grip_stiffness;
-  const double end = rigid ? u : state.hand_x;
-  const double damped = rigid ? hand_damping * drive.intended[1] : grip_damping * state.hand_v;
+  double stiffness = rigid ? hand_stiffness : grip_stiffness;
+  double end = rigid ? u : state.hand_x;
+  double damped = rigid ? hand_damping * drive.intended[1] : grip_damping * state.hand_v;
+  if (has_structure()) {
+    stiffness = structure_stiffness;
+    end = state.handle_x;
+    damped = structure_damping * state.handle_v;
+  }
   const double terms = std::abs(state.force) + std::abs(external) + std::abs(damped) +
                        stiffness * (std::abs(end) + std::abs(state.x));
   constexpr double kUlps = 8 * std::numeric_limits<double>::epsilon();
@@ -71,7 +91,15 @@ LinearAxis::Net LinearAxis::net_at_rest(const State& state, const Drive& drive) 
 
 double LinearAxis::hand_force(const State& state, const Drive& drive) const {
   if (!grip_is_rigid()) {
-    return grip_stiffness * (state.hand_x - state.x) + grip_damping * (state.hand_v - state.v);
+    return grip_stiffness * (state.hand_x - held_x(state)) +
+           grip_damping * (state.hand_v - held_v(state));
+  }
+  if (has_structure()) {
+    const double pulled = hand_stiffness * (drive.intended[0] - state.handle_x) +
+                          hand_damping * (drive.intended[1] - state.handle_v);
+    const double net = pulled + drive.on_handle - structure_stiffness * (state.handle_x - state.x) -
+                       structure_damping * (state.handle_v - state.v);
+    return pulled - hand_mass * net / (handle_mass + hand_mass);
   }
   const double net = net_at_rest(state, drive).force - (damping + hand_damping) * state.v;
   const double acceleration = drive.stuck ? 0 : net / (mass + hand_mass);
@@ -80,13 +108,16 @@ double LinearAxis::hand_force(const State& state, const Drive& drive) const {
 }
 
 double LinearAxis::kinetic_energy(const State& state) const {
-  return 0.5 * (mass * state.v * state.v + hand_mass * state.hand_v * state.hand_v);
+  return 0.5 * (mass * state.v * state.v + hand_mass * state.hand_v * state.hand_v +
+                handle_mass * state.handle_v * state.handle_v);
 }
 
 double LinearAxis::spring_energy(const State& state, const Drive& drive) const {
   const double stretched = drive.intended[0] - state.hand_x;
-  const double gripped = grip_is_rigid() ? 0 : state.hand_x - state.x;
-  return 0.5 * (hand_stiffness * stretched * stretched + grip_stiffness * gripped * gripped);
+  const double gripped = grip_is_rigid() ? 0 : state.hand_x - held_x(state);
+  const double bent = held_x(state) - state.x;
+  return 0.5 * (hand_stiffness * stretched * stretched + grip_stiffness * gripped * gripped +
+                structure_stiffness * bent * bent);
 }
 
 namespace {
@@ -134,6 +165,7 @@ AxisSeries::AxisSeries(const LinearAxis& axis, double step, std::size_t terms,
     : terms_(terms),
       stuck_(drive.stuck),
       rigid_(axis.grip_is_rigid()),
+      structured_(axis.has_structure()),
       lags_(axis.lag_rate > 0),
       external_(drive.external),
       hand_{} {
@@ -152,8 +184,12 @@ AxisSeries::AxisSeries(const LinearAxis& axis, double step, std::size_t terms,
   hand_x_[0] = from.hand_x;
   hand_v_[0] = from.hand_v;
   force_[0] = from.force;
+  handle_x_[0] = from.handle_x;
+  handle_v_[0] = from.handle_v;
   run_force(axis.lag_rate * step, drive.command);
-  if (rigid_) {
+  if (structured_) {
+    run_with_structure(axis, step, drive.on_handle);
+  } else if (rigid_) {
     run_rigid(axis, step);
   } else {
     run_with_grip(axis, step);
@@ -199,6 +235,38 @@ void AxisSeries::run_with_grip(const LinearAxis& axis, double step) {
   }
 }
 
+void AxisSeries::run_with_structure(const LinearAxis& axis, double step, double on_handle) {
+  const double per_mass = stuck_ ? 0 : step / axis.mass;
+  const double per_handle_mass = step / (axis.handle_mass + (rigid_ ? axis.hand_mass : 0));
+  const double per_hand_mass = rigid_ ? 0 : step / axis.hand_mass;
+  for (std::size_t n = 0; n + 1 < terms_; ++n) {
+    const double structure = axis.structure_stiffness * (handle_x_[n] - x_[n]) +
+                             axis.structure_damping * (handle_v_[n] - v_[n]);
+    const double pulled_at = rigid_ ? handle_x_[n] : hand_x_[n];
+    const double pulled_with = rigid_ ? handle_v_[n] : hand_v_[n];
+    double driven = force_[n] - axis.damping * v_[n];
+    double hand = -axis.hand_stiffness * pulled_at - axis.hand_damping * pulled_with;
+    if (n < hand_.size()) {
+      driven += external_[n];
+      hand += hand_[n];
+    }
+    double on_it = n == 0 ? on_handle : 0;
+    if (rigid_) {
+      on_it += hand;
+    } else {
+      const double grip = axis.grip_stiffness * (hand_x_[n] - handle_x_[n]) +
+                          axis.grip_damping * (hand_v_[n] - handle_v_[n]);
+      on_it += grip;
+      hand_v_[n + 1] = per_hand_mass * kInverse[n + 1] * (hand - grip);
+      hand_x_[n + 1] = step * kInverse[n + 1] * hand_v_[n];
+    }
+    v_[n + 1] = per_mass * kInverse[n + 1] * (driven + structure);
+    x_[n + 1] = step * kInverse[n + 1] * v_[n];
+    handle_v_[n + 1] = per_handle_mass * kInverse[n + 1] * (on_it - structure);
+    handle_x_[n + 1] = step * kInverse[n + 1] * handle_v_[n];
+  }
+}
+
 std::optional<double> AxisSeries::reverses() const {
   return first_root(std::span(v_).first(terms_));
 }
@@ -206,12 +274,21 @@ std::optional<double> AxisSeries::reverses() const {
 std::optional<AxisSeries::Change> AxisSeries::pulled_loose(const LinearAxis& axis,
                                                            double hold) const {
   Coefficients net;
+  const bool by_hand = rigid_ && !structured_;
   for (std::size_t n = 0; n < terms_; ++n) {
     net[n] = force_[n];
-    if (n < hand_.size()) net[n] += external_[n] + (rigid_ ? hand_[n] : 0);
-    if (!rigid_) net[n] += axis.grip_stiffness * hand_x_[n] + axis.grip_damping * hand_v_[n];
+    if (n < hand_.size()) net[n] += external_[n] + (by_hand ? hand_[n] : 0);
+    if (structured_) {
+      net[n] += axis.structure_stiffness * handle_x_[n] + axis.structure_damping * handle_v_[n];
+    } else if (!rigid_) {
+      net[n] += axis.grip_stiffness * hand_x_[n] + axis.grip_damping * hand_v_[n];
+    }
   }
-  net[0] -= (rigid_ ? axis.hand_stiffness : axis.grip_stiffness) * x_[0];
+  if (structured_) {
+    net[0] -= axis.structure_stiffness * x_[0];
+  } else {
+    net[0] -= (rigid_ ? axis.hand_stiffness : axis.grip_stiffness) * x_[0];
+  }
 
   const std::span<double> coefficients = std::span(net).first(terms_);
   const double at_first = net[0];

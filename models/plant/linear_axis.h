@@ -17,22 +17,33 @@ namespace hvp::plant {
 //
 // y is the position of the hand's mass, f the motor's force, which lags behind its command c. The
 // grip (k_g, b_g) may be rigid; then y = x, and the hand's mass moves with the device.
+//
+// With a structure the device is two masses, and the hand holds the second one, the handle at z, on
+// which e₂ acts: z takes the place of x in the hand's equations and in the grip's force on it, and
+//
+//   m·x″   = f + e − b·x′ + k_s·(z − x) + b_s·(z′ − x′)
+//   m₂·z″  = e₂ − k_s·(z − x) − b_s·(z′ − x′) + k_g·(y − z) + b_g·(y′ − z′)
 struct LinearAxis {
-  double mass = 1;            // m, kg, positive
-  double damping = 0;         // b, N·s/m
-  double hand_stiffness = 0;  // k_h, N/m
-  double hand_damping = 0;    // b_h, N·s/m
-  double hand_mass = 0;       // m_h, kg
-  double grip_stiffness = 0;  // k_g, N/m; 0: rigid
-  double grip_damping = 0;    // b_g, N·s/m; of a grip that is not rigid
-  double lag_rate = 0;        // r, 1/s; 0: no lag, the force is the command at once
+  double mass = 1;                 // m, kg, positive
+  double damping = 0;              // b, N·s/m
+  double hand_stiffness = 0;       // k_h, N/m
+  double hand_damping = 0;         // b_h, N·s/m
+  double hand_mass = 0;            // m_h, kg
+  double grip_stiffness = 0;       // k_g, N/m; 0: rigid
+  double grip_damping = 0;         // b_g, N·s/m; of a grip that is not rigid
+  double lag_rate = 0;             // r, 1/s; 0: no lag, the force is the command at once
+  double handle_mass = 0;          // m₂, kg; 0: no structure
+  double structure_stiffness = 0;  // k_s, N/m
+  double structure_damping = 0;    // b_s, N·s/m
 
   struct State {
-    double x = 0;       // m
-    double v = 0;       // m/s
-    double hand_x = 0;  // y, m; x where the grip is rigid
-    double hand_v = 0;  // m/s
-    double force = 0;   // f, N
+    double x = 0;         // m
+    double v = 0;         // m/s
+    double hand_x = 0;    // y, m; z where the grip is rigid
+    double hand_v = 0;    // m/s
+    double force = 0;     // f, N
+    double handle_x = 0;  // z, m; x without a structure
+    double handle_v = 0;  // m/s
     bool operator==(const State&) const = default;
   };
 
@@ -41,15 +52,18 @@ struct LinearAxis {
     Polynomial intended{};  // u, m
     Polynomial external{};  // e, N
     double command = 0;     // c, N
-    bool stuck = false;     // the axis sticks: v is 0; force and hand go on
+    bool stuck = false;     // the axis sticks: v is 0; force, handle and hand go on
+    double on_handle = 0;   // e₂, N; of an axis with a structure
 
     Drive after(double seconds) const;
   };
 
   bool grip_is_rigid() const { return grip_stiffness == 0 || hand_mass == 0; }
+  bool has_structure() const { return handle_mass > 0; }
   // An upper bound of the moduli of all eigenvalues, 1/s.
   double rate() const;
-  // The state with its dependent members set: y where the grip is rigid, f where there is no lag.
+  // The state with its dependent members set: y where the grip is rigid, f where there is no lag, z
+  // without a structure.
   State settled(State state, const Drive& drive) const;
 
   // The state `seconds` after `from`, exact to rounding (AxisSeries). The number of steps is a
@@ -62,12 +76,16 @@ struct LinearAxis {
     double rounding;
   };
   Net net_at_rest(const State& state, const Drive& drive) const;
-  // The hand's force on the device, N.
+  // The hand's force on the device or its handle, N.
   double hand_force(const State& state, const Drive& drive) const;
 
-  // The kinetic energy of device and hand, J.
+  // Place and velocity of what the hand holds, m, m/s.
+  double held_x(const State& state) const { return has_structure() ? state.handle_x : state.x; }
+  double held_v(const State& state) const { return has_structure() ? state.handle_v : state.v; }
+
+  // The kinetic energy of device, handle and hand, J.
   double kinetic_energy(const State& state) const;
-  // The energy in the hand's springs, J.
+  // The energy in the springs of structure and hand, J.
   double spring_energy(const State& state, const Drive& drive) const;
 };
 
@@ -107,6 +125,7 @@ class AxisSeries {
  private:
   void run_rigid(const LinearAxis& axis, double step);
   void run_with_grip(const LinearAxis& axis, double step);
+  void run_with_structure(const LinearAxis& axis, double step, double on_handle);
   void run_force(double rate_times_step, double command);
 
   template <std::size_t Count>
@@ -115,10 +134,11 @@ class AxisSeries {
   std::size_t terms_;
   bool stuck_;
   bool rigid_;
+  bool structured_;
   bool lags_;
   Polynomial external_;  // N, of s
   Polynomial hand_;      // k_h·u + b_h·u′, N, of s
-  Coefficients x_, v_, hand_x_, hand_v_, force_;
+  Coefficients x_, v_, hand_x_, hand_v_, force_, handle_x_, handle_v_;
 };
 
 template <std::size_t Count>
@@ -135,8 +155,10 @@ template <std::size_t Count>
 std::array<LinearAxis::State, Count> AxisSeries::at(const std::array<double, Count>& s) const {
   const std::array<double, Count> x = sums(x_, s);
   const std::array<double, Count> v = sums(v_, s);
-  const std::array<double, Count> hand_x = rigid_ ? x : sums(hand_x_, s);
-  const std::array<double, Count> hand_v = rigid_ ? v : sums(hand_v_, s);
+  const std::array<double, Count> handle_x = structured_ ? sums(handle_x_, s) : x;
+  const std::array<double, Count> handle_v = structured_ ? sums(handle_v_, s) : v;
+  const std::array<double, Count> hand_x = rigid_ ? handle_x : sums(hand_x_, s);
+  const std::array<double, Count> hand_v = rigid_ ? handle_v : sums(hand_v_, s);
   std::array<double, Count> force{};
   if (lags_) {
     force = sums(force_, s);
@@ -144,7 +166,9 @@ std::array<LinearAxis::State, Count> AxisSeries::at(const std::array<double, Cou
     force.fill(force_[0]);
   }
   std::array<LinearAxis::State, Count> states;
-  for (std::size_t i = 0; i < Count; ++i) states[i] = {x[i], v[i], hand_x[i], hand_v[i], force[i]};
+  for (std::size_t i = 0; i < Count; ++i) {
+    states[i] = {x[i], v[i], hand_x[i], hand_v[i], force[i], handle_x[i], handle_v[i]};
+  }
   return states;
 }
 

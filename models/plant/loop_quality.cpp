@@ -48,13 +48,13 @@ void LoopEnergy::report(config::Figures& f) const {
     joules("gravity", e.by_gravity, "of the weight");
   });
   f.table("lost_J", "What is heat.", [&] {
-    joules("device_damping", e.device_damping, "of the device's damping");
+    joules("device_damping", e.device_damping, "of the device's damping, its structure's too");
     joules("hand_damping", e.hand_damping, "of the hand's dampers");
     joules("friction", e.friction, "of dry friction");
     joules("let_go", e.let_go, "what has left with a hand that let go");
   });
   joules("stored_J", e.kinetic + e.springs - e.at_start,
-         "kinetic energy and the hand's springs, more than at the start");
+         "kinetic energy and the springs of structure and hand, more than at the start");
   f.ratio("imbalance_rel", e.moved() > 0 ? e.imbalance() / e.moved() : 0,
           "what is stored, less all works, plus all losses, of the energy moved: rounding");
   f.table("of_motors_J", "Whose doing the motors' work is; positive: that part fed energy in.",

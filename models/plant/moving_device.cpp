@@ -25,6 +25,7 @@ MovingDevice::MovingDevice(const Plant& plant)
     : friction_(plant.friction),
       weight_(plant.weight()),
       push_(plant.push),
+      handle_share_(plant.structure ? plant.structure->handle_share : 0),
       pose_(plant.pose_of_mass()),
       joints_(plant.dynamics.joints),
       intended_(plant.intended),
@@ -42,6 +43,7 @@ MovingDevice::MovingDevice(const Plant& plant)
     }
     states[i].hand_x = intended_.start[component(i)];
     states[i].x = states[i].hand_x + plant.displaced[component(i)];
+    states[i].handle_x = states[i].x;
   }
   carry_on(states);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -83,6 +85,8 @@ PlantState MovingDevice::mechanics() const {
   for (std::size_t i = 0; i < 3; ++i) {
     const LinearAxis::Drive drive = anchor_.axes[i].drive_at(since_anchor(reached_));
     now.motor_force[component(i)] = axes[i].force;
+    now.handle.position[component(i)] = axes[i].handle_x;
+    now.handle.velocity[component(i)] = axes[i].handle_v;
     now.hand_force[component(i)] = axes_[i].hand_force(axes[i], drive);
     now.energy += stored(i, axes[i], drive);
   }
@@ -101,11 +105,22 @@ Energy MovingDevice::flowed(Picoseconds time, const std::array<LinearAxis::State
   Energy sum = anchor_.energy;
   for (std::size_t i = 0; i < 3; ++i) {
     sum += anchor_.axes[i].flowed(since_anchor(time));
-    const double way = then[i].x - anchor_.axes[i].at(0).x;
+    const LinearAxis::State before = anchor_.axes[i].at(0);
+    double way = then[i].x - before.x;
+    double way_of_push = way;
+    if (axes_[i].has_structure()) {
+      way_of_push = then[i].handle_x - before.handle_x;
+      way += handle_share_ * (way_of_push - way);
+    }
     sum.by_gravity += weight_[component(i)] * way;
-    sum.by_push += push_[component(i)] * way;
+    sum.by_push += push_[component(i)] * way_of_push;
   }
   return sum;
+}
+
+double MovingDevice::on_handle(std::size_t i) const {
+  if (!axes_[i].has_structure()) return 0;
+  return handle_share_ * weight_[component(i)] + push_[component(i)];
 }
 
 void MovingDevice::move_anchor(Picoseconds time) {
@@ -133,13 +148,22 @@ void MovingDevice::let_go(std::array<LinearAxis::State, 3>& states) {
 void MovingDevice::follow_pose(std::array<LinearAxis::State, 3>& states) {
   const auto masses = joints_.apparent_mass(*pose_, {states[0].x, states[1].x, states[2].x});
   if (!masses) return;
+  const auto kept = [](double before, double after) { return std::sqrt(before / after); };
   for (std::size_t i = 0; i < 3; ++i) {
     LinearAxis& axis = axes_[i];
-    const double rides = axis.grip_is_rigid() ? axis.hand_mass : 0;
-    const double before = axis.mass + rides;
-    axis.mass = (*masses)[component(i)];
-    states[i].v *= std::sqrt(before / (axis.mass + rides));
-    if (axis.grip_is_rigid()) states[i].hand_v = states[i].v;
+    LinearAxis::State& state = states[i];
+    const LinearAxis before = axis;
+    axis.handle_mass = handle_share_ * (*masses)[component(i)];
+    axis.mass = (*masses)[component(i)] - axis.handle_mass;
+    const double rides = axis.grip_is_rigid() ? axis.hand_mass : 0;  // with what the hand holds
+    if (axis.has_structure()) {
+      state.v *= kept(before.mass, axis.mass);
+      state.handle_v *= kept(before.handle_mass + rides, axis.handle_mass + rides);
+    } else {
+      state.v *= kept(before.mass + rides, axis.mass + rides);
+      state.handle_v = state.v;
+    }
+    if (axis.grip_is_rigid()) state.hand_v = state.handle_v;
   }
 }
 
@@ -159,7 +183,8 @@ void MovingDevice::carry_on(const std::array<LinearAxis::State, 3>& states) {
     if (held_) {
       drive.intended = shifted(stroke_.position[i], to_seconds(time - stroke_begins_));
     }
-    drive.external[0] = weight_[component(i)] + push_[component(i)];
+    drive.on_handle = on_handle(i);
+    drive.external[0] = weight_[component(i)] + push_[component(i)] - drive.on_handle;
     drive.command = command_[component(i)];
     const double length = to_seconds(until - time);
     const double known = anchor_.axes[i].begin(axes_[i], friction_, states[i], drive, length);

@@ -57,6 +57,8 @@ class MovingDevice final : public Device {
   TipState state() const override;
   PlantState mechanics() const override;
 
+  // The force that weight and push exert on the handle along axis i, N; 0 without a structure.
+  double on_handle(std::size_t i) const;
   void move_anchor(Picoseconds time);
   void let_go(std::array<LinearAxis::State, 3>& states);
   // Takes the masses from the pose.
@@ -76,6 +78,7 @@ class MovingDevice final : public Device {
   std::optional<Friction> friction_;
   Eigen::Vector3d weight_;            // N
   Eigen::Vector3d push_;              // N
+  double handle_share_;               // of mass and weight; 0 without a structure
   std::unique_ptr<Kinematics> pose_;  // null where the mass is the same in every pose
   JointInertia joints_;
   Trajectory intended_;

@@ -1,5 +1,8 @@
 #include "models/plant/plant.h"
 
+#include <numbers>
+#include <string_view>
+
 #include "fmt/format.h"
 #include "models/config/input_error.h"
 
@@ -18,6 +21,29 @@ void Friction::check() const {
   throw InputError("static_force",
                    fmt::format("{:g} N; expected 0, or at least force, which is {:g} N",
                                static_force_N, force_N));
+}
+
+void Structure::declare(config::Visitor& v) {
+  constexpr std::string_view kAssumed =
+      "assumed: real devices have tens to hundreds of Hz, hardly damped (Diaz & Gil 2010; "
+      "Cavusoglu, Feygin & Tendick 2002)";
+  v.quantity("frequency", frequency_Hz, config::Dimension::frequency, config::between(1, 1e4),
+             {"of the mode of the device in nobody's hand, with its motors free", kAssumed});
+  v.quantity("damping_ratio", damping_ratio, config::Dimension::dimensionless,
+             config::between(0, 1), {"of that mode, of the critical damping", kAssumed});
+  v.quantity(
+      "handle_share", handle_share, config::Dimension::dimensionless, config::between(0.01, 0.99),
+      {"of the apparent mass that is beyond the structure, with the handle", "assumed: half"});
+}
+
+void Structure::divide(LinearAxis& axis) const {
+  const double whole = axis.mass;
+  axis.handle_mass = handle_share * whole;
+  axis.mass = whole - axis.handle_mass;
+  const double reduced = axis.mass * axis.handle_mass / whole;
+  const double omega = 2 * std::numbers::pi * frequency_Hz;
+  axis.structure_stiffness = reduced * omega * omega;
+  axis.structure_damping = 2 * damping_ratio * reduced * omega;
 }
 
 namespace {
@@ -136,6 +162,7 @@ LinearAxis Plant::axis(int i) const {
   axis.mass = masses()[i];
   axis.damping = dynamics.damping_N_s_m;
   axis.lag_rate = force_lag_rate;
+  if (structure) structure->divide(axis);
   if (hand) hand->hold(axis);
   return axis;
 }

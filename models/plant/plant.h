@@ -64,6 +64,20 @@ struct DeviceDynamics {
   void declare(config::Visitor& v);
 };
 
+// The effect [device.structure]: the device's first structural mode along each axis, between the
+// part that motors drive and encoders read, which every result calls the tip, and the handle, which
+// the hand holds (Diaz & Gil 2010).
+struct Structure {
+  double frequency_Hz = 100;
+  double damping_ratio = 0.05;
+  double handle_share = 0.5;
+
+  void declare(config::Visitor& v);
+  // Divides the mass of an axis. With both masses free they swing at that frequency against each
+  // other, without damping: k_s = m·m₂/(m + m₂)·ω², and b_s is that share of the critical damping.
+  void divide(LinearAxis& axis) const;
+};
+
 // The effect [device.gravity]: the apparent mass has weight; of a device whose inertia is the
 // joints', the mass at its tip.
 struct Gravity {
@@ -80,12 +94,13 @@ struct Plant {
   std::optional<Friction> friction{};
   std::optional<Gravity> gravity{};
   std::optional<KinematicsSettings> kinematics{};  // of DeviceDynamics::At::joints; else unused
-  double force_lag_rate = 0;                       // 1/s; 0: no lag
+  std::optional<Structure> structure{};
+  double force_lag_rate = 0;  // 1/s; 0: no lag
   Trajectory intended{};
 
   // For programs that study the device by itself: the distance of its tip at time 0 from the start
   // of the intended motion (a hand's mass on a soft grip begins at that start, and nothing moves),
-  // and a force that pushes it all the time.
+  // and a force that pushes it, or its handle, all the time.
   Eigen::Vector3d displaced = Eigen::Vector3d::Zero();  // m
   Eigen::Vector3d push = Eigen::Vector3d::Zero();       // N
 

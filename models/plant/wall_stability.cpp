@@ -8,27 +8,31 @@ namespace hvp::plant {
 
 namespace {
 
-constexpr Eigen::Index kSize = 5;
-using Vector = Eigen::Matrix<double, kSize, 1>;
-using Matrix = Eigen::Matrix<double, kSize, kSize>;
+// The state of an axis: five members, and two more with a structure.
+constexpr Eigen::Index kPlain = 5;
+constexpr Eigen::Index kStructured = 7;
 
 // The response of a unit of a state, or of a constant command, after so many seconds.
+template <Eigen::Index Size>
 struct Response {
-  Matrix of_state;
-  Vector of_command;
+  Eigen::Matrix<double, Size, Size> of_state;
+  Eigen::Matrix<double, Size, 1> of_command;
 };
 
-Response response(const LinearAxis& device, double seconds) {
+template <Eigen::Index Size>
+Response<Size> response(const LinearAxis& device, double seconds) {
+  using Vector = Eigen::Matrix<double, kStructured, 1>;
   const auto column = [&](const LinearAxis::State& from, double command) {
     LinearAxis::Drive drive;
     drive.command = command;
     const LinearAxis::State s = device.after(seconds, from, drive);
-    return Vector(s.x, s.v, s.hand_x, s.hand_v, s.force);
+    const Vector all{{s.x, s.v, s.hand_x, s.hand_v, s.force, s.handle_x, s.handle_v}};
+    return Eigen::Matrix<double, Size, 1>(all.head<Size>());
   };
-  Response r;
-  for (Eigen::Index i = 0; i < kSize; ++i) {
-    const Vector unit = Vector::Unit(i);
-    r.of_state.col(i) = column({unit[0], unit[1], unit[2], unit[3], unit[4]}, 0);
+  Response<Size> r;
+  for (Eigen::Index i = 0; i < Size; ++i) {
+    const Vector u = Vector::Unit(i);
+    r.of_state.col(i) = column({u[0], u[1], u[2], u[3], u[4], u[5], u[6]}, 0);
   }
   r.of_command = column({}, 1);
   return r;
@@ -36,6 +40,7 @@ Response response(const LinearAxis& device, double seconds) {
 
 // The loop's map from one sample to the next, for any stiffness of the wall. The responses take
 // nearly all of the time, and no stiffness changes them: they are formed once.
+template <Eigen::Index Size>
 class LoopMap {
  public:
   explicit LoopMap(const WallLoop& loop)
@@ -43,8 +48,8 @@ class LoopMap {
         age_(static_cast<Eigen::Index>(std::floor(loop.delay_s / loop.period_s))) {
     const double samples = static_cast<double>(age_);
     const double rest = std::max(0.0, loop.delay_s - samples * loop.period_s);
-    before_ = response(loop.device, rest);
-    after_ = response(loop.device, loop.period_s - rest);
+    before_ = response<Size>(loop.device, rest);
+    after_ = response<Size>(loop.device, loop.period_s - rest);
   }
 
   double spectral_radius(double stiffness) const {
@@ -55,37 +60,32 @@ class LoopMap {
   // The state is the axis' and the positions read before, the last one first: a force that is `age`
   // samples old needs two of them.
   Eigen::MatrixXd map(double stiffness) const {
-    const Eigen::Index size = kSize + age_ + 2;
+    const Eigen::Index size = Size + age_ + 2;
     // Position n − k in the state.
-    const auto read = [](Eigen::Index k) { return k == 0 ? Eigen::Index{0} : kSize + k - 1; };
+    const auto read = [](Eigen::Index k) { return k == 0 ? Eigen::Index{0} : Size + k - 1; };
     Eigen::MatrixXd map = Eigen::MatrixXd::Zero(size, size);
-    const auto add_force = [&](const Vector& response_to_it, Eigen::Index old) {
-      map.block<kSize, 1>(0, read(old)) -= (stiffness + slope_) * response_to_it;
-      map.block<kSize, 1>(0, read(old + 1)) += slope_ * response_to_it;
+    const auto add_force = [&](const Eigen::Matrix<double, Size, 1>& response_to_it,
+                               Eigen::Index old) {
+      map.block<Size, 1>(0, read(old)) -= (stiffness + slope_) * response_to_it;
+      map.block<Size, 1>(0, read(old + 1)) += slope_ * response_to_it;
     };
-    map.topLeftCorner<kSize, kSize>() = after_.of_state * before_.of_state;
+    map.topLeftCorner<Size, Size>() = after_.of_state * before_.of_state;
     add_force(after_.of_state * before_.of_command, age_ + 1);
     add_force(after_.of_command, age_);
-    map(kSize, 0) = 1;
-    for (Eigen::Index i = kSize + 1; i < size; ++i) map(i, i - 1) = 1;
+    map(Size, 0) = 1;
+    for (Eigen::Index i = Size + 1; i < size; ++i) map(i, i - 1) = 1;
     return map;
   }
 
-  double slope_;       // N/m, of the wall's damping between two samples
-  Eigen::Index age_;   // of a force, in whole samples
-  Response before_{};  // until the force that is computed now acts
-  Response after_{};   // from then to the next sample
+  double slope_;             // N/m, of the wall's damping between two samples
+  Eigen::Index age_;         // of a force, in whole samples
+  Response<Size> before_{};  // until the force that is computed now acts
+  Response<Size> after_{};   // from then to the next sample
 };
 
-}  // namespace
-
-double spectral_radius(const WallLoop& loop, double stiffness) {
-  return LoopMap(loop).spectral_radius(stiffness);
-}
-
-double largest_stable_stiffness(const WallLoop& loop) {
+template <Eigen::Index Size>
+double largest_stable(const LoopMap<Size>& map) {
   // A free device has an eigenvalue of one without a wall: stability begins above none.
-  const LoopMap map(loop);
   const auto stable = [&map](double stiffness) {
     return map.spectral_radius(stiffness) < 1 + 1e-13;
   };
@@ -103,6 +103,18 @@ double largest_stable_stiffness(const WallLoop& loop) {
     (stable(middle) ? below : above) = middle;
   }
   return below;
+}
+
+}  // namespace
+
+double spectral_radius(const WallLoop& loop, double stiffness) {
+  return loop.device.has_structure() ? LoopMap<kStructured>(loop).spectral_radius(stiffness)
+                                     : LoopMap<kPlain>(loop).spectral_radius(stiffness);
+}
+
+double largest_stable_stiffness(const WallLoop& loop) {
+  return loop.device.has_structure() ? largest_stable(LoopMap<kStructured>(loop))
+                                     : largest_stable(LoopMap<kPlain>(loop));
 }
 
 double stiffness_cost(const WallLoop& loop, double part_s) {

@@ -105,6 +105,7 @@ NOT_DRAWN: tuple[str, ...] = (
     "wall",
     "hand",
     "device.dynamics",
+    "device.structure",
     "device.friction",
     "device.gravity",
 )

@@ -256,6 +256,22 @@ TEST_F(LoopCommands, AMassFollowsThePoseWhereTheInertiaIsInTheJoints) {
   expect_refused(both, "belongs to at = \"tip\" only, found \"joints\"");
 }
 
+// A soft structure hides the hand's damping from the wall: runs and eigenvalues agree on the edge.
+TEST_F(LoopCommands, AStructureIsInEigenvaluesRunsAndLedger) {
+  const std::vector<std::string> soft = {"hand=true", "device.structure.frequency=60 Hz"};
+  const json j = stability(soft);
+  const double linear = j.at("stiffness_linear");
+  EXPECT_LT(linear, 5200) << "without it 5610";
+  EXPECT_NEAR(j.at("stiffness_max"), linear, 0.005 * linear);
+  std::vector<std::string> softer = soft;
+  softer.emplace_back("wall.stiffness=500 N/m");
+  const json loop = run(softer).at("loop").at(0);
+  EXPECT_LT(std::abs(loop.at("energy").at("imbalance_rel").get<double>()), 1e-12);
+  EXPECT_THAT(read(place_.path() / "out/frames.csv"), HasSubstr("handle_z_m"));
+  expect_refused({"device.dynamics=false", "device.structure=true"},
+                 "device.structure=true: only a device with mass can be moved by a force");
+}
+
 TEST_F(LoopCommands, WhatCannotBeIsRefusedInALine) {
   expect_refused({"device.dynamics.mass=0 g"}, "device.dynamics.mass=0 g: out of range");
   expect_refused({"device.dynamics.mass=-1 kg"}, "out of range");

@@ -217,6 +217,7 @@ const std::map<std::string, Parts> kAdded = {
     {"hand", kNothing},
     {"device.encoder", kNothing},
     {"device.dynamics", kNothing},
+    {"device.structure", kNothing},
     {"device.friction", kNothing},
     {"device.gravity", kNothing},
     {"device.kinematics", kNothing},
