@@ -77,7 +77,7 @@ TEST_F(OwnDevices, TakeThePlaceOfTheSharedTableAsAWhole) {
   const Ended once = with("resolve", tables);
   ASSERT_EQ(once.status, 0) << once.err;
   const std::string own = once.out.substr(once.out.find("[probe.device]"));
-  EXPECT_THAT(own, HasSubstr("[probe.device.dynamics]\nmass = \"45 g\""));
+  EXPECT_THAT(own, HasSubstr("[probe.device.dynamics]\nat = \"tip\"\nmass = \"45 g\""));
   EXPECT_THAT(own, HasSubstr("[probe.device.friction]\nforce = \"260 mN\""));
   EXPECT_THAT(own, HasSubstr("[probe.hand]\nmodel = \"arm\""));
   EXPECT_THAT(own, HasSubstr("# [probe.device.motor] is not in this scenario"));
