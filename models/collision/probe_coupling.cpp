@@ -161,6 +161,37 @@ double patch_radius(const DeformedSurface& surface, double radius) {
   return std::max(kFlat * radius, kOfPatch * mean_edge(surface));
 }
 
+Answer answer_of(bool with_mass, bool linear) {
+  if (with_mass) return Answer::with_mass;
+  return linear ? Answer::tabulated : Answer::repeated;
+}
+
+double own_coupling(const std::array<int, 3>& corners, const Eigen::Vector3d& weight, double s0,
+                    std::span<const double> of_node) {
+  double own = s0;
+  if (!of_node.empty()) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      own += weight[static_cast<Eigen::Index>(i)] * of_node[at(corners[i])];
+    }
+  }
+  return own;
+}
+
+Eigen::Matrix3d coupling_compliance(SurfaceCompliance& statics, const std::array<int, 3>& corners,
+                                    const Eigen::Vector3d& weight, double s0,
+                                    std::span<const double> of_node) {
+  Eigen::Matrix3d sum = own_coupling(corners, weight, s0, of_node) * Eigen::Matrix3d::Identity();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = (i + 1) % 3;
+    const Eigen::Matrix3d cross = statics.block(corners[i], corners[j]);
+    const double of_edge =
+        weight[static_cast<Eigen::Index>(i)] * weight[static_cast<Eigen::Index>(j)];
+    sum += of_edge * (statics.block(corners[i], corners[i]) +
+                      statics.block(corners[j], corners[j]) - cross - cross.transpose());
+  }
+  return sum;
+}
+
 ProbeCoupling::ProbeCoupling(const NodeCompliance& nodes, double radius, Answer answer)
     : of_node(nodes.local.size()) {
   constexpr double kTaken = 0.8;

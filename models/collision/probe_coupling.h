@@ -1,6 +1,9 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <array>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "models/collision/deformed_surface.h"
@@ -48,6 +51,8 @@ double patch_radius(const DeformedSurface& surface, double radius);
 // or so little that it takes 0.8 off a node's own compliance, where the force follows from the
 // table alone.
 enum class Answer { with_mass, repeated, tabulated };
+// `linear`: the body's forces are K·u.
+Answer answer_of(bool with_mass, bool linear);
 
 // The coupling of a probe, m/N at each node: what takes the elements' size and shape out of its
 // force. s_i = max(floor_i, k_i + more − local_i), where k_i is the compliance 0.766/(E*·r) of the
@@ -61,5 +66,15 @@ struct ProbeCoupling {
   std::vector<double> of_node;  // beyond it, of each mesh node
   double excess = 0;            // `more`, or what is unknown where hardly a node is even
 };
+
+// s0 + Σ b_i·s_i at a point of a triangle with these corners, m/N, b being `weight`. `of_node` has
+// s_i of each mesh node; empty: none.
+double own_coupling(const std::array<int, 3>& corners, const Eigen::Vector3d& weight, double s0,
+                    std::span<const double> of_node);
+// The coupling compliance S of a proxy, m/N: s0·I + Σ b_i·s_i·I + Σ b_i·b_j·(G_ii + G_jj − G_ij −
+// G_ji) over the triangle's edges.
+Eigen::Matrix3d coupling_compliance(SurfaceCompliance& statics, const std::array<int, 3>& corners,
+                                    const Eigen::Vector3d& weight, double s0,
+                                    std::span<const double> of_node);
 
 }  // namespace hvp::collision

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "models/collision/probe_coupling.h"
 #include "models/config/input_error.h"
 #include "models/index.h"
 
@@ -151,27 +152,17 @@ Eigen::Matrix3d ProxyContact::between(SurfaceCompliance& of, const Footprint& a,
 }
 
 Eigen::Matrix3d ProxyContact::coupling(const SurfaceSpot& spot, std::size_t probe) {
-  const std::array<int, 3>& t = walk_.corners(spot.triangle);
-  double own = settings_.coupling[probe];
-  if (const std::vector<double>& of_node = settings_.of_node[probe]; !of_node.empty()) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      own += spot.weight[static_cast<Eigen::Index>(i)] * of_node[at(t[i])];
-    }
-    operations_ += kOfNodes;
-  }
-  Eigen::Matrix3d sum = own * Eigen::Matrix3d::Identity();
-  // A patch is even by its size.
-  if (settings_.patch[probe] > 0) return sum;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::size_t j = (i + 1) % 3;
-    const Eigen::Matrix3d cross = statics_.block(t[i], t[j]);
-    const double weight =
-        spot.weight[static_cast<Eigen::Index>(i)] * spot.weight[static_cast<Eigen::Index>(j)];
-    sum += weight *
-           (statics_.block(t[i], t[i]) + statics_.block(t[j], t[j]) - cross - cross.transpose());
+  const std::vector<double>& of_node = settings_.of_node[probe];
+  if (!of_node.empty()) operations_ += kOfNodes;
+  if (settings_.patch[probe] > 0) {
+    // A patch is even by its size.
+    return own_coupling(walk_.corners(spot.triangle), spot.weight, settings_.coupling[probe],
+                        of_node) *
+           Eigen::Matrix3d::Identity();
   }
   operations_ += 3 * (kBlock + 27);
-  return sum;
+  return coupling_compliance(statics_, walk_.corners(spot.triangle), spot.weight,
+                             settings_.coupling[probe], of_node);
 }
 
 // Statics along the normal are linear over a triangle, b_i·(n·G_ii·n + s_i), and a patch's about

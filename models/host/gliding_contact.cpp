@@ -30,9 +30,7 @@ GlideTables::GlideTables(const fem::Body& body, const sparse::BlockMatrix& syste
   if (is_dynamic) dynamic.emplace(body, system, surface.surface_nodes());
   settings.friction = contact.friction;
   radii.assign(probe_radii.begin(), probe_radii.end());
-  const collision::Answer answer = is_dynamic ? collision::Answer::with_mass
-                                   : linear   ? collision::Answer::tabulated
-                                              : collision::Answer::repeated;
+  const collision::Answer answer = collision::answer_of(is_dynamic, linear);
   if (contact.kind == collision::ContactKind::patch) {
     if (!statics.tabulated()) {
       throw InputError("kind", fmt::format("patches need the compliances of all {} surface nodes "
