@@ -27,6 +27,7 @@ results::ProbeColumns all_columns() {
   return {std::vector<results::ProbeColumnsOf>(2, {{}, true, true, plant::Hand{}, true}),
           {},
           true,
+          true,
           true};
 }
 
@@ -151,9 +152,9 @@ std::string results_reference_page() {
   }
   const results::ProbeColumns all = all_columns();
   text +=
-      "\nBehind these, with `[device.dynamics]` and for each further `[[probe]]`; names of a "
-      "further "
-      "probe begin with `probe1_`, `probe2_`, …\n\n| column | what it is |\n|---|---|\n";
+      "\nBehind these, with a proxy, with `[device.dynamics]` and for each further `[[probe]]`; "
+      "names of a further probe begin with `probe1_`, `probe2_`, …\n\n"
+      "| column | what it is |\n|---|---|\n";
   for (std::size_t i = 0; i < 2; ++i) {
     for (const results::FrameColumn& column : results::probe_columns(all, i)) {
       if (i == 1 && column.name.starts_with("probe1_tip")) break;

@@ -79,6 +79,13 @@ std::vector<FrameColumn> probe_columns(const ProbeColumns& of, std::size_t index
     add("contact_node", "as the first probe's columns of these names");
     for (const char* name : {"x_m", "y_m", "z_m", "fx_N", "fy_N", "fz_N"}) add(name, "likewise");
   }
+  if (of.proxies) {
+    vector(
+        "foot", "m",
+        "with `contact.kind = \"proxy\"`: the point of the surface at rest; zero without contact");
+    add("gap_m", "from the tip to the body's surface there; zero without contact");
+    add("slides", "1 where it moved over the surface, or the force came onto Coulomb's cone");
+  }
   if (of.tools) {
     vector("tool", "m", "with `[host.virtual_coupling]`: where the tool was that body or wall saw");
   }
@@ -152,10 +159,21 @@ void FramesCsv::closed(const vp::Frame& f, const vp::CriticalPath& path) {
   stream_.write({line.data(), line.size()});
   for (std::size_t i = 0; i < probes_.probes.size(); ++i) {
     if (i > 0) stream_.write(further_fields(f, i, columns_));
+    if (probes_.proxies) stream_.write(proxy_fields(f, i));
     if (!f.ports.empty()) stream_.write(port_fields(f, i));
     if (probes_.probes[i].device) stream_.write(device_fields(f, i));
   }
   stream_.write("\n");
+}
+
+std::string FramesCsv::proxy_fields(const vp::Frame& f, std::size_t i) const {
+  // A host that is another program has contacts of its own.
+  collision::Touch touch;
+  if (i < f.touches.size() && f.touches[i].contact.present()) touch = f.touches[i];
+  std::string fields;
+  append(fields, touch.foot);
+  if (columns_ == Columns::times) return fields + ",,";
+  return fields + fmt::format(",{},{}", shortest(touch.gap), touch.slides ? 1 : 0);
 }
 
 std::string FramesCsv::port_fields(const vp::Frame& f, std::size_t i) const {

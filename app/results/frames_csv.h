@@ -32,12 +32,14 @@ struct ProbeColumnsOf {
   std::optional<plant::Hand> hand;  // the hand that intends the motion
   bool structure = false;           // the hand holds a handle
 };
-// The reason for further columns at the end of a line: further probes, and devices with mass.
+// The reason for further columns at the end of a line: further probes, proxies, and devices with
+// mass.
 struct ProbeColumns {
   std::vector<ProbeColumnsOf> probes = std::vector<ProbeColumnsOf>(1);
   std::optional<host::Wall> wall;  // whose spring has energy at the start
   bool tools = false;              // the host has a virtual coupling
   bool passivity = false;          // the host has a passivity controller
+  bool proxies = false;            // contact is a proxy
 };
 // The columns of probe `index`. Names of further probes have a prefix such as "probe1_".
 std::vector<FrameColumn> probe_columns(const ProbeColumns& of, std::size_t index);
@@ -54,6 +56,7 @@ class FramesCsv : public vp::FrameObserver {
  private:
   PartStream stream_;
   vp::Picoseconds budget_;
+  std::string proxy_fields(const vp::Frame& frame, std::size_t index) const;
   std::string port_fields(const vp::Frame& frame, std::size_t index) const;
   std::string device_fields(const vp::Frame& frame, std::size_t index);
 

@@ -148,8 +148,11 @@ std::vector<results::ErrorBudget> error_budgets(const Budget& budget,
 }
 
 results::ProbeColumns probe_columns_of(const Scenario& s) {
-  results::ProbeColumns columns{
-      {}, s.wall, s.host.virtual_coupling.has_value(), s.host.passivity.has_value()};
+  results::ProbeColumns columns{{},
+                                s.wall,
+                                s.host.virtual_coupling.has_value(),
+                                s.host.passivity.has_value(),
+                                !s.wall && s.contact.search.kind == collision::ContactKind::proxy};
   for (std::size_t i = 0; i < s.probes.size(); ++i) {
     const plant::DeviceSettings& device = s.device_of(i);
     columns.probes.push_back({s.probes[i], s.has_mass(i), s.has_mass(i) && device.motor,
