@@ -12,6 +12,7 @@
 #include "models/fit/qlv_tissue.h"
 #include "models/fit/tissue_frames.h"
 #include "models/fit/tissue_problem.h"
+#include "models/fit/tissue_proxy_frames.h"
 #include "models/fit/tissue_scenario.h"
 
 namespace hvp::app {
@@ -39,9 +40,10 @@ struct TissueFitSettings {
   bool frames = false;
 
   void declare(config::Visitor& v) {
-    v.boolean("frames", frames,
-              {"the log is a frames.csv of `hvp run`: the node, its way and its force are in it",
-               "a machine's log has none of them"});
+    v.boolean(
+        "frames", frames,
+        {"the log is a frames.csv of `hvp run`: where it touched, its way and its force are in it",
+         "a machine's log has none of them"});
     v.one_or_more("contact", contacts,
                   {"where the logs were taken; two contacts give Poisson's ratio"});
   }
@@ -89,6 +91,27 @@ fit::TissueBody body_of(const FitRequest& request) {
   return body;
 }
 
+bool touches_by_proxy(const FitRequest& request) {
+  return request.scenario->contact.search.kind == collision::ContactKind::proxy;
+}
+
+// What the frames of a run with a proxy do not tell, or tell otherwise.
+void expect_one_proxy_alone(const Scenario& s) {
+  const auto refuse = [](const char* found) {
+    throw InputError(fmt::format(
+        "--scenario: frames of a proxy are fitted as of one probe that acts on the body alone: "
+        "found {}",
+        found));
+  };
+  if (s.probes.size() > 1) refuse("several [[probe]]");
+  if (s.host.virtual_coupling) refuse("[host.virtual_coupling], whose tool touches the body");
+  if (s.host.passivity) refuse("[host.passivity], which adds to the force");
+  const std::unique_ptr<fem::Body> made = make_body(s, {});
+  if (std::ranges::any_of(made->load(), [](double newton) { return newton != 0; })) {
+    refuse("loads on the body");
+  }
+}
+
 std::vector<double> displacement_of(const files::Log& log) {
   for (const char* name : {"travel", "depth"}) {
     if (log.find(name) != nullptr) return log.column(name, "m").values;
@@ -133,12 +156,36 @@ fit::FrameTouches touches_of_run(const FitRequest& request, const fit::TissueBod
     asked.reading.columns.push_back(fmt::format("force{}_N=f{}_N", axis, axis));
   }
   log = asked.read({"node", "tipx", "tipy", "tipz", "forcex", "forcey", "forcez"});
-  fit::TouchedFrames frames{
-      log.time, vectors_of(log, "tip", "m"), {}, vectors_of(log, "force", "N")};
+  const bool proxy = touches_by_proxy(request);
+  const bool by_proxy = std::ranges::find(log.left_aside, "foot_x_m") != log.left_aside.end();
+  if (proxy != by_proxy) {
+    const auto contact = [](bool is_proxy) { return is_proxy ? "a proxy" : "a node"; };
+    throw InputError(
+        fmt::format("{}:1: {} column foot_x_m, so that the contact is {}, and that of --scenario "
+                    "is {}: expected the scenario of the run",
+                    log.file, by_proxy ? "has a" : "has no", contact(by_proxy), contact(proxy)));
+  }
+  fit::GlidingFrames frames;
+  frames.time = log.time;
+  frames.tip = vectors_of(log, "tip", "m");
+  frames.force = vectors_of(log, "force", "N");
   for (const double node : log.find("node")->values) {
     frames.contact_node.push_back(static_cast<int>(node));
   }
-  return fit::touches_of_frames(body, frames, direction, request.scenario->contact.search);
+  if (!proxy) {
+    return fit::touches_of_frames(body, frames, direction, request.scenario->contact.search);
+  }
+  expect_one_proxy_alone(*request.scenario);
+  asked.reading.columns = {"time_us=born_us", "slides_counts=slides"};
+  for (const char* axis : {"x", "y", "z"}) {
+    asked.reading.columns.push_back(fmt::format("foot{}_m=foot_{}_m", axis, axis));
+  }
+  const files::Log feet = asked.read({"slides", "footx", "footy", "footz"});
+  frames.foot = vectors_of(feet, "foot", "m");
+  for (const double slides : feet.find("slides")->values) frames.slides.push_back(slides != 0);
+  return fit::touches_of_frames(
+      body, frames, direction,
+      {request.scenario->probes.front().radius, request.scenario->contact.search.friction});
 }
 
 }  // namespace
@@ -164,11 +211,13 @@ FitOutcome fit_tissue(const FitRequest& request) {
       throw InputError(fmt::format("--set contact.node={}: the mesh has {} nodes", node,
                                    body.mesh.nodes.size()));
     }
-    touches.push_back({{node},
-                       contact.direction,
-                       log.time,
-                       displacement_of(log),
-                       log.column("force", "N").values});
+    fit::TissueLog touch{
+        {node}, contact.direction, log.time, displacement_of(log), log.column("force", "N").values};
+    if (touches_by_proxy(request)) {
+      touch.proxy = press_at_node(body, node, contact.direction, touch.displacement,
+                                  request.scenario->probes.front().radius);
+    }
+    touches.push_back(std::move(touch));
   }
   const fit::TissueProblem problem(body, touches);
   // With thousands of unknowns an evaluation takes a good part of a second, and the valley in E, ν

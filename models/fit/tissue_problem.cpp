@@ -26,22 +26,28 @@ constexpr double kStiffest = 1e13;
 constexpr double kSoftTissue = 100;
 constexpr double kRubber = 1e9;
 
-std::optional<TissueForce> force_of(const TissueSystem& system, const TissueBody& body,
-                                    const TissueValues& values, const ContactMotion& motion,
-                                    bool derivatives) {
-  return body.dynamics ? dynamic_force(system, body, values, motion, derivatives)
-                       : static_force(system, values, motion, derivatives);
-}
-
 }  // namespace
 
 // A log as its cost function needs it.
 struct TissueProblem::Touch {
   std::vector<int> nodes;
   Eigen::Vector3d direction;
-  std::shared_ptr<const TissueSystem> system;
+  std::shared_ptr<const TissueSystem> system;  // of a proxy: the body without a contact
   ContactMotion motion;
+  std::shared_ptr<const ProxyPlaces> places;  // of a proxy
+  ProxyTouch proxy;
   std::vector<double> force;
+
+  std::optional<TissueForce> static_response(const TissueValues& values, bool derivatives) const {
+    return places ? static_proxy_force(*places, proxy, values, derivatives)
+                  : static_force(*system, values, motion, derivatives);
+  }
+  std::optional<TissueForce> response(const TissueBody& body, const TissueValues& values,
+                                      bool derivatives) const {
+    if (!body.dynamics) return static_response(values, derivatives);
+    return places ? dynamic_proxy_force(*system, body, *places, proxy, values, derivatives)
+                  : dynamic_force(*system, body, values, motion, derivatives);
+  }
 };
 
 class TissueProblem::Cost final : public ceres::CostFunction {
@@ -62,8 +68,7 @@ class TissueProblem::Cost final : public ceres::CostFunction {
       return false;
     }
     double* jacobian = jacobians != nullptr ? jacobians[0] : nullptr;
-    const std::optional<TissueForce> model =
-        force_of(*touch_->system, *body_, values, touch_->motion, jacobian != nullptr);
+    const std::optional<TissueForce> model = touch_->response(*body_, values, jacobian != nullptr);
     if (!model) return false;
     const std::vector<double>& force = touch_->force;
     for (std::size_t i = 0; i < force.size(); ++i) {
@@ -118,8 +123,19 @@ TissueProblem::Touch TissueProblem::make_touch(const TissueLog& log, std::size_t
   Touch touch;
   touch.nodes = checked.nodes;
   touch.direction = checked.direction;
+  touch.force = checked.force;
+  if (checked.proxy) {
+    if (!places_) {
+      places_ = std::make_shared<ProxyPlaces>(*body_);
+      untouched_ = std::make_shared<const TissueSystem>(*body_);
+    }
+    touch.system = untouched_;
+    touch.places = places_;
+    touch.proxy = proxy_touch(*places_, *checked.proxy, checked.direction, checked.time.size());
+    return touch;
+  }
   for (const auto& other : touches_) {
-    if (other->nodes == touch.nodes && other->direction == touch.direction) {
+    if (!other->places && other->nodes == touch.nodes && other->direction == touch.direction) {
       touch.system = other->system;
     }
   }
@@ -127,7 +143,6 @@ TissueProblem::Touch TissueProblem::make_touch(const TissueLog& log, std::size_t
     touch.system = std::make_shared<const TissueSystem>(*body_, touch.nodes, touch.direction);
   }
   touch.motion = contact_motion(*body_, checked.displacement);
-  touch.force = checked.force;
   return touch;
 }
 
@@ -136,8 +151,7 @@ double TissueProblem::start_of_young_modulus() const {
   double along = 0;
   double square = 0;
   for (const auto& touch : touches_) {
-    const std::optional<TissueForce> unit =
-        static_force(*touch->system, {1, kStartPoisson, 0, 0}, touch->motion, false);
+    const std::optional<TissueForce> unit = touch->static_response({1, kStartPoisson, 0, 0}, false);
     if (!unit) throw InputError("the body's stiffness is not positive definite at a contact");
     for (std::size_t i = 0; i < touch->force.size(); ++i) {
       along += unit->force[i] * touch->force[i];

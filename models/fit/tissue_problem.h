@@ -2,10 +2,12 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "models/fit/problem.h"
+#include "models/fit/tissue_proxy.h"
 #include "models/fit/tissue_response.h"
 #include "models/fit/tissue_system.h"
 
@@ -17,10 +19,13 @@ struct TissueLog {
   std::vector<int> nodes;  // nodes of the mesh, ascending, that move together
   Eigen::Vector3d direction = Eigen::Vector3d(0, 0, -1);  // of any length; into the body
   std::vector<double> time;                               // s, evenly spaced
-  std::vector<double> displacement;                       // m, along the direction
+  std::vector<double> displacement;  // m, along the direction; of a proxy that of its tip from X
   // N, on the body along the direction: positive where the displacement is. A log with the sign of
   // the force on the hand is reversed, with a warning.
   std::vector<double> force;
+  // In place of the nodes: the contact is a proxy, which the tip pulls at, so that the body may
+  // also be pressed aside.
+  std::optional<ProxyPath> proxy = {};
 };
 
 // The problem of finding E, ν and Rayleigh's α and β (for a static body only E and ν) of the
@@ -58,6 +63,9 @@ class TissueProblem final : public Problem {
   void declare_parameters();
 
   std::shared_ptr<const TissueBody> body_;
+  // Of logs whose contact is a proxy.
+  std::shared_ptr<ProxyPlaces> places_;
+  std::shared_ptr<const TissueSystem> untouched_;
   std::vector<std::shared_ptr<const Touch>> touches_;
   std::vector<Parameter> parameters_;
   std::vector<std::string> warnings_;

@@ -4,6 +4,7 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -49,6 +50,7 @@ Lame lame(double young_modulus, double poisson_ratio) {
 
 // Over the active nodes: K at λ = μ = 1 Pa, at λ = 0 and μ = 1 Pa, and M.
 struct TissueSystem::Assembled {
+  fem::Body body;
   sparse::BlockMatrix both;
   sparse::BlockMatrix mu;
   sparse::BlockMatrix mass;
@@ -64,11 +66,26 @@ struct TissueSystem::Assembled {
   }
 };
 
+// E = 2.5, ν = ¼ gives λ = μ = 1; E = 2, ν = 0 gives λ = 0, μ = 1.
+TissueSystem::Assembled TissueSystem::assemble(const TissueBody& body) {
+  fem::Body both = make_body(body, 2.5, 0.25);
+  sparse::BlockMatrix stiffness = both.stiffness();
+  sparse::BlockMatrix mass;
+  if (body.dynamics) mass = both.mass(body.dynamics->mass);
+  return {std::move(both), std::move(stiffness), make_body(body, 2, 0).stiffness(),
+          std::move(mass)};
+}
+
+TissueSystem::TissueSystem(const TissueBody& body)
+    : lumped(body.dynamics && body.dynamics->mass == fem::MassKind::lumped) {
+  reduce(assemble(body), {}, Eigen::Vector3d::Zero());
+}
+
 TissueSystem::TissueSystem(const TissueBody& body, std::span<const int> contact,
-                           const Eigen::Vector3d& direction) {
-  // E = 2.5, ν = ¼ gives λ = μ = 1; E = 2, ν = 0 gives λ = 0, μ = 1.
-  const fem::Body both = make_body(body, 2.5, 0.25);
-  const fem::Body mu = make_body(body, 2, 0);
+                           const Eigen::Vector3d& direction)
+    : lumped(body.dynamics && body.dynamics->mass == fem::MassKind::lumped) {
+  const Assembled full = assemble(body);
+  const fem::Body& both = full.body;
   if (!direction.allFinite() || !(direction.norm() > 0)) {
     throw InputError("the contact's direction has no length; expected a vector such as 0 0 -1");
   }
@@ -91,11 +108,6 @@ TissueSystem::TissueSystem(const TissueBody& body, std::span<const int> contact,
   if (static_cast<int>(active.size()) == both.active_nodes()) {
     throw InputError("the contact holds every node that is free; expected some that it does not");
   }
-  Assembled full{both.stiffness(), mu.stiffness(), {}};
-  if (body.dynamics) {
-    full.mass = both.mass(body.dynamics->mass);
-    lumped = body.dynamics->mass == fem::MassKind::lumped;
-  }
   reduce(full, active, direction.normalized());
 }
 
@@ -113,6 +125,10 @@ void TissueSystem::reduce(const Assembled& full, std::span<const int> contact,
   std::vector<int> place(at(k.block_rows()), -1);  // a node's first unknown; −1: touched
   for (std::size_t i = 0; i < order.size(); ++i) {
     place[at(free[at(order[i])])] = static_cast<int>(3 * i);
+  }
+  first_unknown.assign(full.body.mesh().nodes.size(), -1);
+  for (std::size_t i = 0; i < place.size(); ++i) {
+    first_unknown[at(full.body.node_of_active()[i])] = place[i];
   }
 
   struct Entry {

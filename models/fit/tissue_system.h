@@ -68,6 +68,9 @@ class TissueSystem {
   // named twice, and for a contact that leaves no node free.
   TissueSystem(const TissueBody& body, std::span<const int> contact,
                const Eigen::Vector3d& direction);
+  // The body without a contact: every node that is not anchored has its unknowns. Throws InputError
+  // for what fem::Body refuses.
+  explicit TissueSystem(const TissueBody& body);
 
   int unknowns() const { return static_cast<int>(row_begin.size()) - 1; }
 
@@ -77,8 +80,9 @@ class TissueSystem {
   std::vector<int> column;
   std::vector<LamePair> stiffness;
   std::vector<double> mass;
-  bool lumped = false;           // M is diagonal
-  std::vector<double> diagonal;  // the diagonal of M; empty unless lumped
+  bool lumped = false;             // M is diagonal
+  std::vector<double> diagonal;    // the diagonal of M; empty unless lumped
+  std::vector<int> first_unknown;  // of each mesh node's three; −1: it has none
 
   // The entries of k_f and m_f that are not zero.
   struct Coupling {
@@ -92,6 +96,7 @@ class TissueSystem {
 
  private:
   struct Assembled;
+  static Assembled assemble(const TissueBody& body);
   void reduce(const Assembled& full, std::span<const int> contact,
               const Eigen::Vector3d& direction);
 };

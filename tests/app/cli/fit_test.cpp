@@ -221,6 +221,68 @@ duration = "0.1 s"
   EXPECT_EQ(explained.status, 0) << explained.err;
 }
 
+// The same of a body that a proxy pressed, at rest or with inertia, and slid over: how the force
+// comes about is known to the last digit.
+TEST_F(FitCommand, FindsWhatABodyUnderAProxyIsMadeOf) {
+  const auto written = [&](const std::string& base) {
+    return "base = \"" + scenario(base).string() + R"("
+frames = 300
+reference = false
+[contact]
+kind = "proxy"
+[object.mesh]
+nodes = 159
+[object.material]
+young_modulus = "7 kPa"
+[host]
+solver = "cholesky"
+[probe]
+start = ["2 mm", "1 mm", "52 mm"]
+[[probe.motion]]
+phase = "press"
+to = ["2 mm", "1 mm", "45 mm"]
+duration = "0.2 s"
+[[probe.motion]]
+phase = "slide"
+to = ["9 mm", "1 mm", "45 mm"]
+duration = "0.3 s"
+)";
+  };
+  write("static.toml", written("thesis-static.toml"));
+  write("dynamic.toml", written("thesis.toml"));
+  for (const std::string name : {"static", "dynamic"}) {
+    ASSERT_LT(hvp(place_.path(), {"run", name + ".toml", "--out", name, "--set",
+                                  "output.pictures=false", "--set", "output.remedies=false"})
+                  .status,
+              2);
+    std::vector<std::string> arguments = {name + "/frames.csv",
+                                          "--model",
+                                          "tissue",
+                                          "--scenario",
+                                          name + ".toml",
+                                          "--set",
+                                          "frames=true",
+                                          "--starts",
+                                          "2",
+                                          "--json",
+                                          "--fix",
+                                          "poisson_ratio=0.45"};
+    const Ended ended = fit(arguments);
+    ASSERT_EQ(ended.status, 0) << ended.err;
+    const json fitted = json::parse(ended.out);
+    EXPECT_NEAR(parameter(fitted, "young_modulus").at("value"), 7000, 1e-3 * 7000) << name;
+    EXPECT_LT(fitted.at("residual_rms"), 1e-6);
+    const auto refused = [&](const std::string& table, const std::string& words) {
+      write("other.toml", "base = \"" + name + ".toml\"\n" + table);
+      arguments[4] = "other.toml";
+      expect_refused(fit(arguments), words);
+    };
+    refused("[contact]\nkind = \"node\"\n",
+            "the contact is a proxy, and that of --scenario is a node");
+    refused("[loads.gravity]\n", "found loads on the body");
+  }
+}
+
 TEST_F(FitCommand, FindsAHand) {
   // m x" = F - b x' - k x for a hand of 1.5 kg on 375 N/m with 4.5 N s/m, in its two closed forms.
   std::string text = "time_ms,force_N,position_mm,intended_mm\n";
