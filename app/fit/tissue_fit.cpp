@@ -80,6 +80,11 @@ fit::TissueBody body_of(const FitRequest& request) {
         "--scenario: tissue is fitted with linear elements: expected "
         "object.elements = \"linear\"");
   }
+  if (s.contact.search.kind == collision::ContactKind::patch) {
+    throw InputError(
+        "--scenario: tissue is fitted under a node or a proxy: expected another contact.kind than "
+        "\"patch\"");
+  }
   const std::unique_ptr<fem::Body> made = make_body(s, {});
   fit::TissueBody body;
   body.mesh = made->mesh();

@@ -23,7 +23,10 @@ const Eigen::Vector3d kSize(0.08, 0.08, 0.04);
 
 fem::Body block() {
   mesh::TetMesh mesh = fem::structured_box(kSize, {8, 8, 4});
-  const std::vector<int> floor = fem::floor_nodes(mesh);
+  std::vector<int> floor;
+  for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
+    if (mesh.nodes[n].z() == 0) floor.push_back(static_cast<int>(n));
+  }
   return fem::Body(std::move(mesh), {}, floor, fem::AnchorTreatment::removed);
 }
 

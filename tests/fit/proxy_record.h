@@ -34,7 +34,8 @@ inline GlidingFrames glide(const TissueBody& body, const TissueValues& values,
                                  fem::Effort::computed);
   const sparse::BlockMatrix& system = tissue.system();
   const std::array<double, 1> radii = {probe.radius_m};
-  const host::GlideTables tables(solid, system, dynamics.has_value(), true, probe.friction, radii);
+  const host::GlideTables tables(solid, system, dynamics.has_value(), true,
+                                 collision::ContactSettings{.friction = probe.friction}, radii);
   auto own = std::make_unique<host::GlidingContact>(solid, tables);
   const host::GlidingContact& contact = *own;
   host::GlidingReference reference(

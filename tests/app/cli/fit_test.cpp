@@ -279,6 +279,7 @@ duration = "0.3 s"
     };
     refused("[contact]\nkind = \"node\"\n",
             "the contact is a proxy, and that of --scenario is a node");
+    refused("[contact]\nkind = \"patch\"\n", "expected another contact.kind than \"patch\"");
     refused("[loads.gravity]\n", "found loads on the body");
   }
 }
