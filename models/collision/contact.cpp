@@ -23,12 +23,11 @@ void ContactSettings::declare(config::Visitor& v) {
 }
 
 void ContactSettings::declare_node(config::Visitor& v) {
-  v.choice(
-      "grip", grip, {{"offset", Grip::offset}, {"snap", Grip::snap}},
-      {.help = "where the contact node is relative to the tip: at the tip itself, or at its "
-               "sideways distance when contact began, which touches without a sideways jump of "
-               "up to half an element and runs ahead of the tip on a slide",
-       .source = "snap is thesis 3.7"});
+  v.choice("grip", grip, {{"offset", Grip::offset}, {"snap", Grip::snap}},
+           {.help = "where the contact node is relative to the tip: at its sideways distance when "
+                    "contact began, or at the tip itself",
+            .source = "snap is thesis 3.7; offset touches without a sideways jump of up to half "
+                      "an element, which the thesis does not treat"});
   v.quantity("hysteresis", hysteresis, config::Dimension::dimensionless, config::between(0.0, 0.9),
              {.help = "fraction by which another node must be nearer to the tip for contact to "
                       "slide there",
@@ -42,10 +41,9 @@ void ContactSettings::declare_node(config::Visitor& v) {
                       "0 mm is one node, whose stiffness falls with the element size",
               .source = "zero: single-point contact, thesis 3.7"});
   v.quantity("hand_over", hand_over_s, config::Dimension::time, config::between(0.0, 1.0),
-             {.help = "how long a new contact node takes from where it is to its place; 0 s jumps, "
-                      "which is a blow to a body with mass: one period of the collision process, "
-                      "30 ms, is gentle",
-              .source = "thesis 3.7, whose prescribed node is there at once"});
+             {.help = "how long a new contact node takes from where it is to the tip; 0 s jumps, "
+                      "which is a blow to a body with mass",
+              .source = "one period of the collision process; thesis 3.7 jumps"});
 }
 
 }  // namespace hvp::collision

@@ -67,11 +67,11 @@ struct FreshContact {
 struct ContactSettings {
   ContactKind kind = ContactKind::proxy;
   double friction = 0.3;  // of a proxy or a patch: Coulomb's coefficient
-  Grip grip = Grip::snap;
+  Grip grip = Grip::offset;
   double hysteresis = 0.05;    // fraction by which another node must be nearer to take over
   double release_force = 0.0;  // N, pull along the outward normal above which contact ends
   double patch_radius = 0.0;   // m; 0: a single node
-  double hand_over_s = 0.0;    // 0: the prescribed displacement jumps
+  double hand_over_s = 30e-3;  // 0: the prescribed displacement jumps
   std::optional<FreshContact> fresh = {};
 
   bool glides() const { return kind != ContactKind::node; }

@@ -105,7 +105,7 @@ TEST(ContactSearch, IsAgainstTheDeformedSurface) {
 // exactly the penetration that the pass missed.
 TEST(ContactSearch, OffsetTakesTheNodeWithoutASidewaysJump) {
   Block block;
-  ContactSearch search = block.search({.grip = Grip::offset});
+  ContactSearch search = block.search();
   const Vector3d tip(0.0235, 0.0315, kTop - 3e-4);
   ASSERT_EQ(block.step(search, tip, kPress), ContactEvent::started);
   const Vector3d d = search.prescribed_displacement(block.contact, tip);
@@ -143,7 +143,7 @@ TEST(ContactSearch, HoldsUnderAStraightPressHoweverDeep) {
 TEST(ContactSearch, SlidesToTheNodeThatIsNearer) {
   for (const double depth : {0.0005, 0.002}) {
     Block block;
-    ContactSearch search = block.search({.grip = Grip::offset});
+    ContactSearch search = block.search();
     const Vector3d from(0.02, 0.03, kTop - depth);
     ASSERT_EQ(block.step(search, from, kPress), ContactEvent::started);
     const int first = block.contact.node;
@@ -409,7 +409,7 @@ TEST(Patch, DoesNotReachThroughAThinBody) {
 TEST(Patch, SlidesAtTheMiddleAtAnyDepth) {
   for (const double depth : {0.001, 0.006}) {
     Block block;
-    ContactSearch search = block.search({.grip = Grip::offset, .patch_radius = 0.0101});
+    ContactSearch search = block.search({.patch_radius = 0.0101});
     const Vector3d from(0.02, 0.03, kTop - depth);
     ASSERT_EQ(block.step(search, from, kPress), ContactEvent::started);
     int visited = 1;

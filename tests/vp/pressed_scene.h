@@ -37,10 +37,7 @@ struct PressedScene {
                     solver(options.method), host::Refinement{.passes = 1}, host::SolvedBy::board,
                     host::Effort::computed,
                     {.every = options.renew_every, .headroom = options.headroom}),
-        contacts(body.mesh(), SmallScene::floor(),
-                 {.kind = collision::ContactKind::node,
-                  .grip = collision::Grip::offset,
-                  .hand_over_s = 30e-3}) {
+        contacts(body.mesh(), SmallScene::floor(), {.kind = collision::ContactKind::node}) {
     settings.solver = computation.board().settings();
     settings.period = to_picoseconds(2e-3);
     settings.budget = settings.period;

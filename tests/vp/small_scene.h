@@ -89,7 +89,6 @@ struct SmallScene {
   static collision::ContactSettings contact_settings(const Options& options) {
     collision::ContactSettings c;
     c.kind = collision::ContactKind::node;
-    c.grip = collision::Grip::offset;
     c.patch_radius = options.patch_radius;
     c.hand_over_s = options.hand_over_s;
     return c;

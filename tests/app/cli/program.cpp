@@ -157,7 +157,7 @@ std::vector<std::string> run_for_figures(const std::string& name,
 
 const char* const kSmallScene = R"(title = "A small box"
 frames = 40
-contact = { kind = "node", grip = "offset", hand_over = "30 ms" }
+contact.kind = "node"
 [budget]
 period = "2 ms"
 
