@@ -136,6 +136,12 @@ INSTANTIATE_TEST_SUITE_P(
                 {"object.material.poisson_ratio=0.49", "object.mesh.nodes=120"},
                 {"locking"},
                 {"object.elements=quadratic-mean-dilatation"}},
+        // A point is too soft for a probe larger than an element.
+        Trouble{"large-probe",
+                "slide.toml",
+                {"probe.radius=8 mm", "frames=500"},
+                {"contact-doubtful"},
+                {"contact.kind=patch"}},
         // To the letter of thesis §3.7 a patch jumps, and rings.
         Trouble{"jump",
                 "thesis-refined.toml",
