@@ -160,6 +160,8 @@ std::size_t AxisSeries::count_terms(double rate_times_step, const LinearAxis::Dr
   return std::min(n, kMostTerms);
 }
 
+// Of each series only the terms that are used are written.
+// NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init)
 AxisSeries::AxisSeries(const LinearAxis& axis, double step, std::size_t terms,
                        const LinearAxis::State& from, const LinearAxis::Drive& drive)
     : terms_(terms),
