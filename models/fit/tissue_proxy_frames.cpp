@@ -33,7 +33,7 @@ void expect_columns(const GlidingFrames& frames, const Eigen::Vector3d& directio
 }
 
 collision::SurfaceSpot spot_at(const ProxyPlaces& places, const Eigen::Vector3d& foot) {
-  const collision::SurfaceSpot spot = places.walk().nearest_at_rest(foot);
+  collision::SurfaceSpot spot = places.walk().nearest_at_rest(foot);
   const double off = (places.walk().rest(spot) - foot).norm();
   if (off <= kOnSurface * (1 + foot.norm())) return spot;
   throw InputError(fmt::format(
