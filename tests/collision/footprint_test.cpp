@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -143,6 +144,49 @@ TEST(Footprint, OfALargeProbeIsAsStiffAsTheProbeOnAnyMesh) {
     total.push_back(sum / count);
   }
   EXPECT_NEAR(total[0], total[1], 0.05 * total[1]) << "of the body's and the probe's";
+}
+
+// Against the body's own answer to the loads: what is left between tip and patch is S·λ, the loads
+// add up to λ, and two patches feel each other.
+TEST(Footprint, OfPatchesInContactLeavesTheGapOfTheirCouplings) {
+  constexpr double kRadius = 0.016;
+  const std::vector<double> s0 = {0.002, 0.0035};
+  test::Glide glide({.friction = std::numeric_limits<double>::infinity(),
+                     .s0 = s0,
+                     .newmark = true,
+                     .patch = {kRadius, kRadius}});
+  glide.begin({glide.at_top(0.021, 0.0287), glide.at_top(0.0392, 0.0311)});
+  const std::vector<Vector3d> tips = {glide.at_top(0.0217, 0.0287, 2e-3),
+                                      glide.at_top(0.0392, 0.0302, 1.3e-3)};
+  glide.frame(tips);
+  const Vector3d felt = glide.contact.probes()[0].force;
+  Footprints patches(glide.surface, glide.contact.walk(), kRadius);
+  Footprint footprint;
+  std::vector<Vector3d> pressed(2, Vector3d::Zero());
+  for (const fem::ContactLoad& load : glide.contact.loads()) {
+    pressed[static_cast<std::size_t>(load.probe)] += load.force;
+  }
+  for (std::size_t i = 0; i < 2; ++i) {
+    const ProxyContact::Probe& probe = glide.contact.probes()[i];
+    ASSERT_TRUE(probe.spot.present());
+    ASSERT_GT(test::normal_force(probe), 0.01);
+    patches.find(probe.spot, footprint);
+    ASSERT_GT(footprint.nodes.size(), 6u);
+    Vector3d apart = tips[i] - glide.contact.walk().rest(probe.spot);
+    for (std::size_t k = 0; k < footprint.nodes.size(); ++k) {
+      const auto first = 3 * static_cast<std::size_t>(glide.body.active_index(footprint.nodes[k]));
+      apart -= footprint.weight[k] * Vector3d(&glide.u[first]);
+    }
+    EXPECT_LT((apart - s0[i] * probe.force).norm(), 1e-12 * tips[i].norm()) << i;
+    EXPECT_LT((pressed[i] - probe.force).norm(), 1e-13) << i;
+  }
+  test::Glide alone({.friction = std::numeric_limits<double>::infinity(),
+                     .s0 = {s0[0]},
+                     .newmark = true,
+                     .patch = {kRadius}});
+  alone.begin({alone.at_top(0.021, 0.0287)});
+  alone.frame({tips[0]});
+  EXPECT_GT((alone.contact.probes()[0].force - felt).norm(), 1e-4);
 }
 
 TEST(Footprint, FindsWithoutAllocation) {

@@ -67,6 +67,7 @@ class Glide {
     fem::CellCut cut = fem::CellCut::same;
     bool newmark = false;
     std::size_t table = SurfaceCompliance::kLargestTable;
+    std::vector<double> patch = {};
   };
 
   explicit Glide(const Options& options)
@@ -79,7 +80,10 @@ class Glide {
                               : nullptr),
         solver(matrix),
         contact(body, surface, statics, options.newmark ? *other : statics,
-                {.friction = options.friction, .steps = 3, .coupling = options.s0}),
+                {.friction = options.friction,
+                 .steps = 3,
+                 .coupling = options.s0,
+                 .patch = options.patch}),
         s0(options.s0),
         u(static_cast<std::size_t>(body.stiffness().rows())),
         free(u.size()) {}

@@ -18,22 +18,6 @@ namespace {
 const Eigen::Vector3d kDown(0, 0, -1);
 const ProxyProbe kProbe{.radius_m = 4e-3, .friction = 0.3};
 
-double largest(const std::vector<double>& x) {
-  double most = 0;
-  for (const double value : x) most = std::max(most, std::abs(value));
-  return most;
-}
-
-void expect_near(const std::vector<double>& x, const std::vector<double>& expected,
-                 double tolerance) {
-  ASSERT_EQ(x.size(), expected.size());
-  const double scale = largest(expected);
-  ASSERT_GT(scale, 0);
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    ASSERT_NEAR(x[i], expected[i], tolerance * scale) << "sample " << i;
-  }
-}
-
 // The first touch of a run, and what the model makes of it.
 struct Pressed {
   Pressed(TissueBody the_body, double aside, int frames = 300, const ProxyProbe& probe = kProbe)

@@ -1,7 +1,12 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <optional>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "models/fit/twins.h"
 #include "tests/fem/box_meshes.h"
@@ -34,6 +39,23 @@ inline int node_near(const TissueBody& body, const Eigen::Vector3d& place) {
 
 inline std::vector<double> shaken(int frames, double period_s) {
   return press_and_sweep({.duration = frames * period_s}, period_s);
+}
+
+inline double largest(const std::vector<double>& x) {
+  double most = 0;
+  for (const double value : x) most = std::max(most, std::abs(value));
+  return most;
+}
+
+// Expects each sample within `tolerance` of the largest one that is expected.
+inline void expect_near(const std::vector<double>& x, const std::vector<double>& expected,
+                        double tolerance) {
+  ASSERT_EQ(x.size(), expected.size());
+  const double scale = largest(expected);
+  ASSERT_GT(scale, 0);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    ASSERT_NEAR(x[i], expected[i], tolerance * scale) << "sample " << i;
+  }
 }
 
 }  // namespace hvp::fit

@@ -15,22 +15,6 @@ namespace {
 
 const Eigen::Vector3d kDown(0.3, -0.2, -1);
 
-double largest(const std::vector<double>& x) {
-  double most = 0;
-  for (const double value : x) most = std::max(most, std::abs(value));
-  return most;
-}
-
-void expect_near(const std::vector<double>& x, const std::vector<double>& expected,
-                 double tolerance) {
-  ASSERT_EQ(x.size(), expected.size());
-  const double scale = largest(expected);
-  ASSERT_GT(scale, 0);
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    ASSERT_NEAR(x[i], expected[i], tolerance * scale) << "sample " << i;
-  }
-}
-
 struct Touched {
   TissueBody body;
   std::vector<int> nodes;

@@ -13,6 +13,7 @@
 #include "models/plant/moving_device.h"
 #include "tests/allocation_count.h"
 #include "tests/plant/kinematics_cases.h"
+#include "tests/plant/wall_run.h"
 
 namespace hvp::plant::joint_inertia_test {
 namespace {
@@ -228,19 +229,7 @@ Plant everything(KinematicsSettings::Kind kind) {
 }
 
 std::vector<PlantState> against_a_wall(const Plant& plant, Picoseconds every) {
-  MovingDevice device(plant);
-  std::vector<PlantState> seen;
-  for (Picoseconds t = 0; t <= 1000 * kMillisecond; t += 2 * kMillisecond) {
-    for (Picoseconds asked = t - 2 * kMillisecond + every; asked < t; asked += every) {
-      if (asked > 0) device.at(asked);
-    }
-    const TipState tip = device.at(t);
-    seen.push_back(device.plant());
-    const Vector3d force = 300 * (kHome - Vector3d(0, 0, 0.01) - tip.position);
-    device.drive(t + 300'000'000, force);
-    device.drive(t + 1'000'000'000, 0.7 * force);
-  }
-  return seen;
+  return pulled_to_a_wall(plant, kHome - Vector3d(0, 0, 0.01), every);
 }
 
 TEST(AMassThatFollowsThePose, KeepsTheLedgerClosedAndDoesNotHangOnQueries) {

@@ -13,6 +13,7 @@
 #include "models/plant/plant.h"
 #include "models/plant/wall_stability.h"
 #include "tests/allocation_count.h"
+#include "tests/plant/wall_run.h"
 
 namespace hvp::plant::structure_test {
 namespace {
@@ -206,19 +207,7 @@ TEST(Structure, MovesAsFineStepsDo) {
 }
 
 std::vector<PlantState> against_a_wall(const Plant& plant, Picoseconds every) {
-  MovingDevice device(plant);
-  std::vector<PlantState> seen;
-  for (Picoseconds t = 0; t <= 1200 * kMillisecond; t += 2 * kMillisecond) {
-    for (Picoseconds asked = t - 2 * kMillisecond + every; asked < t; asked += every) {
-      if (asked > 0) device.at(asked);
-    }
-    const TipState tip = device.at(t);
-    seen.push_back(device.plant());
-    const Vector3d force = 300 * (Vector3d(0, 0, 0.04) - tip.position);
-    device.drive(t + 300'000'000, force);
-    device.drive(t + 1'900'000'000, 0.7 * force);
-  }
-  return seen;
+  return pulled_to_a_wall(plant, Vector3d(0, 0, 0.04), every);
 }
 
 Plant of_mask(int mask) {
