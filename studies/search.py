@@ -9,6 +9,7 @@ import optuna
 from optuna.trial import Trial
 
 from studies.device_size import size
+from studies.errors import InputError
 from studies.point import Value
 from studies.record import Record
 from studies.search_space import Search
@@ -88,13 +89,40 @@ def find(search: Search, session: Session, progress: Callable[[int], None] | Non
             progress(len(found.tried))
 
     if search.combinations <= search.trials:
-        run(product(*(range(len(dimension.values)) for dimension in search.dimensions)))
+        all_choices = list(product(*(range(len(d.values)) for d in search.dimensions)))
+        run(all_choices[:_TOGETHER])
+        _require_measured(found)
+        run(all_choices)
         return found
     _propose(found, run)
     while new := [c for c in _neighbours_of_best(found) if c not in found.tried]:
         run(new)
         found.steps += 1
     return found
+
+
+class UnmeasuredError(InputError):
+    """What a search judges by is in none of its first runs."""
+
+    def __init__(self, metric: str, runs: int) -> None:
+        why = (
+            ": no frame in contact was compared with the true model, or there is no [reference]"
+            if metric.startswith("accuracy.")
+            else ""
+        )
+        super().__init__(f"{metric}: was not measured in any of the first {runs} runs{why}")
+        self.metric = metric
+
+
+def _require_measured(found: Found) -> None:
+    """Throws UnmeasuredError where all runs so far have figures, and none what is asked for: the
+    others would be as many runs for nothing."""
+    done = [tried for tried in found.tried.values() if tried.record.done]
+    asked = [one.metric for one in found.search.objectives]
+    asked += [one.metric for one in found.search.constraints]
+    for metric in asked:
+        if done and all(tried.figures.get(metric) is None for tried in done):
+            raise UnmeasuredError(metric, len(done))
 
 
 def judge(search: Search, choice: Choice, record: Record) -> Tried:
@@ -120,10 +148,8 @@ def _violation(constraint: Bound, figures: dict[str, Value]) -> float:
 
 
 def _device(search: Search, choice: Choice, record: Record) -> str:
-    for dimension, number in zip(search.dimensions, choice, strict=True):
-        if dimension.key == _DEVICE:
-            return str(dimension.values[number])
-    for override in reversed(search.overrides):
+    # An axis may set it beside other keys; what is set last is what the scenario has.
+    for override in reversed(search.point(choice).overrides):
         if override.startswith(f"{_DEVICE}="):
             return override.partition("=")[2].strip('"')
     return str(record.metrics.get("board.device", ""))
@@ -159,6 +185,8 @@ def _propose(found: Found, run: Callable[[Iterable[Choice]], None]) -> None:
             asked = [study.ask() for _ in range(count)]
             choices = [_suggest(search, trial) for trial in asked]
             run(choices)
+            if found.proposals == 0:
+                _require_measured(found)
             for trial, choice in zip(asked, choices, strict=True):
                 tried = found.tried[choice]
                 for number, violation in enumerate(tried.violations):

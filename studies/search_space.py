@@ -98,9 +98,23 @@ def search_of(study: Study, file: Path) -> Search:
 
 def check_metrics(search: Search, file: Path, known: Mapping[str, Figure]) -> None:
     """Throws InputError, with the line, for a metric that is none of the figures."""
+    for metric, place in _places(search, file):
+        check_metric(place, metric, known)
+
+
+def place_of(search: Search, file: Path, metric: str) -> str:
+    """The file, line and key that first ask for a metric."""
+    return dict(reversed(_places(search, file)))[metric]
+
+
+def _places(search: Search, file: Path) -> list[tuple[str, str]]:
     text = file.read_text(encoding="utf-8")
     wanted = [("objective", index, one.metric) for index, one in enumerate(search.objectives)]
     demanded = [("constraint", index, one.metric) for index, one in enumerate(search.constraints)]
-    for where, index, metric in wanted + demanded:
-        line = line_of(text, ("search", where, index, "metric"))
-        check_metric(f"{file}:{line}: search.{where}.metric", metric, known)
+    return [
+        (
+            metric,
+            f"{file}:{line_of(text, ('search', where, index, 'metric'))}: search.{where}.metric",
+        )
+        for where, index, metric in wanted + demanded
+    ]

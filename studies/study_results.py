@@ -25,8 +25,8 @@ _DEFAULT: dict[Command, tuple[str, ...]] = {
     "run": (
         "deadline.worst_us",
         "deadline.misses",
-        "accuracy.displacement_rel",
-        "accuracy.force_rel",
+        "accuracy.displacement_of_frame.p95",
+        "accuracy.force_of_frame.p95",
     ),
     "device": ("fits", "clock.highest_hz", "mesh.frame_us", "largest_mesh.nodes"),
     "stability": ("stiffness_max", "stiffness_linear", "delay_us"),

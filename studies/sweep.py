@@ -17,7 +17,7 @@ from studies.results import Column
 
 BUDGET = "deadline.budget_us"
 WORST = "deadline.worst_us"
-DEFAULT_METRICS = (WORST, "deadline.held", "accuracy.displacement_rel", "force.largest.N")
+DEFAULT_METRICS = (WORST, "deadline.held", "accuracy.displacement_of_frame.p95", "force.largest.N")
 
 
 @dataclass(frozen=True)

@@ -40,6 +40,7 @@ void add_serve(CLI::App& app, int& status);
 void add_linux(CLI::App& app, int& status);
 void add_replay(CLI::App& app, int& status);
 void add_fit(CLI::App& app, int& status);
+void add_measure(CLI::App& app, int& status);
 void add_solve(CLI::App& app, int& status);
 void add_mesh(CLI::App& app, int& status);
 void add_export(CLI::App& app, int& status);

@@ -39,7 +39,7 @@ ExplainedPart numbers(const Scene& scene) {
                         "undeformed body; no words, forces or deformation",
                         s.solver.iterations)};
   }
-  if (!scene.has_board()) return {"numbers", "double", "of the host"};
+  if (!scene.has_board()) return {"numbers", host::name(s.host.precision), "of the host"};
   return {"numbers", vp::name(s.fidelity.numbers),
           fmt::format("{}-bit matrix, {}-bit vectors", s.solver.matrix_bits, s.solver.vector_bits)};
 }

@@ -222,6 +222,8 @@ void Outcome::report_stability(config::Figures& f) const {
                   remedy);
   f.table_if_present("refinement", "With `[refinement]` only.", refinement);
   f.table_if_present("matrix", "With `object.model.matrix.renew_every` above 0 only.", matrix);
+  f.table_if_present("host_solve", "Where the host solves, see [host-solvers.md](host-solvers.md).",
+                     host_solve);
   f.table_if_present("explicit_steps", "With `host.solver = \"explicit\"` only.", explicit_steps);
   f.table("driver", "What the driver returned, and what the servo loop did then.",
           [&] { report_driver(f, servo); });
@@ -235,10 +237,9 @@ void Outcome::report_parts(config::Figures& f) const {
                   scene.condition);
   scene.report_resources(f);
   f.table_or_null("accelerator", "Null where the host solves.", accelerator);
-  f.text(
-      "solver", scene.solver,
-      "who solves: `board`, or the host itself by `cg` or `cholesky`; `wall`: there is nothing to "
-      "solve");
+  f.text("solver", scene.solver,
+         "who solves: `board`, or the host itself, by `host.solver`; `wall`: there is nothing to "
+         "solve");
   f.table("bus", "Of the PCI bus, set-up, which loads K, included.", bus);
   f.table_or_null("mesh",
                   "The body, and how well its tetrahedra are shaped ([mesh.md](mesh.md)); null for "

@@ -8,6 +8,7 @@
 
 #include "app/results/contact.h"
 #include "app/results/flags.h"
+#include "app/results/host_solve.h"
 #include "app/results/latency.h"
 #include "app/results/loop.h"
 #include "app/results/quality.h"
@@ -75,6 +76,7 @@ struct Outcome {
   std::optional<RefinementFigures> refinement;
   std::optional<MatrixFigures> matrix;  // where it is renewed
   std::optional<ExplicitFigures> explicit_steps;
+  std::optional<HostSolveFigures> host_solve;
   // Present where numbers were computed.
   std::optional<stability::ForceQuality> force;  // of the first probe
   std::vector<stability::ForceQuality> forces;   // one a probe, where there are several

@@ -74,6 +74,51 @@ std::string least_limit_text(const fem::ExplicitSteps& steps) {
                      readable_time(to_picoseconds(steps.least_limit_s())));
 }
 
+// True where what a frame takes is drawn, so that another run of it may miss what this one did not.
+bool draws_times(const std::vector<std::string>& effects) {
+  constexpr std::array<std::string_view, 7> kDrawn = {"host.jitter",
+                                                      "host.wake_up",
+                                                      "host.interrupt_latencies",
+                                                      "bus.read_latencies",
+                                                      "bus.pcie.root_complex_latencies",
+                                                      "bus.traffic",
+                                                      "bus.graphics_traffic"};
+  return std::ranges::any_of(
+      effects, [&](const auto& effect) { return std::ranges::count(kDrawn, effect) > 0; });
+}
+
+// What so many ticks say of all: none late of 1000 is no proof that none ever is.
+std::string miss_text(const vp::Verdict& v) {
+  const std::int64_t ticks = v.frames() + v.skipped_ticks();
+  if (ticks == 0) return {};
+  const statistics::Proportion p = v.miss_share();
+  constexpr const char* kOf = "(95 %, if ticks are independent)";
+  if (v.misses() == 0) {
+    return fmt::format("\n  a miss         in less than {} of all ticks {}", percent(p.high), kOf);
+  }
+  return fmt::format("\n  a miss         in {} of these ticks, in {} to {} of all {}",
+                     percent(p.share), percent(p.low), percent(p.high), kOf);
+}
+
+std::string host_solver_text(const app::Scenario& s) {
+  switch (s.host.solver) {
+    case host::SolvedBy::cholesky:
+      return "Cholesky factors of the matrix";
+    case host::SolvedBy::inverse:
+      return "the matrix' inverse";
+    case host::SolvedBy::superposition:
+      return "superposition of the inverse's columns";
+    case host::SolvedBy::condensed:
+      return "the inverse at the surface, factors for the rest";
+    case host::SolvedBy::cg:
+    case host::SolvedBy::board:
+    case host::SolvedBy::steps:
+      break;
+  }
+  return fmt::format("CG, {}{} iterations", s.solver.stop_residual > 0 ? "at most " : "",
+                     s.solver.iterations);
+}
+
 // With increments the matrix is that of the body at rest, whatever its forces are.
 std::string passes_text(const app::Scenario& s) {
   if (!s.refinement) return {};
@@ -118,13 +163,9 @@ void scene_lines(Out out, const app::Scene& scene, const Outcome& o) {
     return;
   }
   if (!scene.has_board()) {
-    fmt::format_to(
-        out, "  solver      {}{}, in double precision on the host; no board\n",
-        s.host.solver == host::SolvedBy::cholesky
-            ? std::string("Cholesky factors of the matrix")
-            : fmt::format("CG, {}{} iterations", s.solver.stop_residual > 0 ? "at most " : "",
-                          s.solver.iterations),
-        passes_text(s));
+    fmt::format_to(out, "  solver      {}{}, in {} precision on the host; no board\n",
+                   host_solver_text(s), passes_text(s),
+                   s.host.precision == host::Precision::single_precision ? "single" : "double");
     return;
   }
   const char* most = s.solver.stop_residual > 0 && !s.timing_only() ? "at most " : "";
@@ -188,6 +229,7 @@ void verdict_lines(Out out, const Outcome& o) {
   if (const std::int64_t held = o.servo.held_frames; held > 0) {
     fmt::format_to(out, ", {} without a solution", held);
   }
+  if (draws_times(o.scene.effects)) fmt::format_to(out, "{}", miss_text(v));
   fmt::format_to(out, "\n  load           {}: worst {} of {}",
                  v.load_held() ? qualified : "EXCEEDED", readable_time(v.worst_load()),
                  readable_time(v.period()));

@@ -38,7 +38,7 @@ AccuracyTracker::AccuracyTracker(const Scene& scene, const host::Reference& sett
       has_board_(scene.has_board()),
       refined_(scene.computation().refined() != nullptr),
       glides_(scene.glide() != nullptr),
-      exact_(scene.scenario().host.solver == host::SolvedBy::cholesky &&
+      exact_(host::is_exact(scene.scenario().host.solver, scene.scenario().host.precision) &&
              !scene.scenario().object.nonlinear()),
       of_another_model_(scene.scenario().judged_by_another_model()),
       linear_run_(of_another_model_ ? std::nullopt : linear_run(scene)),

@@ -11,6 +11,7 @@
 #include "app/remedy/replay.h"
 #include "app/results/board_records.h"
 #include "app/results/frames_csv.h"
+#include "app/results/host_solve.h"
 #include "app/results/outcome.h"
 #include "app/results/part_files.h"
 #include "app/results/results_folder.h"
@@ -246,6 +247,7 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
       o.explicit_steps = {steps->substeps(), steps->substep_s(), steps->limit_at_rest_s(),
                           steps->least_limit_s()};
     }
+    o.host_solve = results::host_solve_figures(scene);
   }
   o.flags = scene_flags(scene, o.servo);
   return o;

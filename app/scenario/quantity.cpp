@@ -104,13 +104,17 @@ constexpr Unit kThroughput[] = {
     {"flop/s", "1", 0, kWrite},  {"kflop/s", "1", 3, kWrite},  {"Mflop/s", "1", 6, kWrite},
     {"Gflop/s", "1", 9, kWrite}, {"Tflop/s", "1", 12, kWrite},
 };
+constexpr Unit kBandwidth[] = {
+    {"B/s", "1", 0, kWrite},  {"kB/s", "1", 3, kWrite},  {"MB/s", "1", 6, kWrite},
+    {"GB/s", "1", 9, kWrite}, {"TB/s", "1", 12, kWrite},
+};
 constexpr Unit kDataSize[] = {
     {"B", "1", 0, kWrite},           {"kB", "1", 3, kWrite},    {"MB", "1", 6, kWrite},
     {"GB", "1", 9, kWrite},          {"KiB", "1024", 0, kRead}, {"MiB", "1048576", 0, kRead},
     {"GiB", "1073741824", 0, kRead},
 };
 
-constexpr std::array<DimensionUnits, 21> kDimensions = {{
+constexpr std::array<DimensionUnits, 22> kDimensions = {{
     {Dimension::dimensionless, "a number", "0.5", {}},
     {Dimension::time, "a time", "2 ms", kTime},
     {Dimension::frequency, "a frequency", "100 MHz", kFrequency},
@@ -131,6 +135,7 @@ constexpr std::array<DimensionUnits, 21> kDimensions = {{
     {Dimension::transconductance, "a current for a voltage", "0.5 A/V", kTransconductance},
     {Dimension::torque_constant, "a torque for a current", "23.4 mN m/A", kTorqueConstant},
     {Dimension::throughput, "a throughput", "298 Mflop/s", kThroughput},
+    {Dimension::bandwidth, "a bandwidth", "20 GB/s", kBandwidth},
     {Dimension::data_size, "a data size", "64 B", kDataSize},
 }};
 

@@ -211,7 +211,9 @@ void Scenario::declare_refinement(config::Visitor& v) {
   std::vector<config::Need> needs = {config::need_numbers()};
   // A body that is not linear is solved by increments whoever solves.
   if (host.solver == host::SolvedBy::steps) {
-    needs.push_back({"host.solver", {"board", "cg", "cholesky"}, "explicit steps solve nothing"});
+    needs.push_back({"host.solver",
+                     {"board", "cg", "cholesky", "inverse", "superposition", "condensed"},
+                     "explicit steps solve nothing"});
   } else if (!object.nonlinear()) {
     needs.push_back(config::need_board("the host solves in double precision: nothing to refine"));
   }

@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "app/scene/scenario.h"
 #include "models/config/effects.h"
 #include "models/config/input_error.h"
@@ -152,6 +154,14 @@ void require_no_numbers(const Scenario& s) {
 // Refuses a body that nobody solves.
 void require_way_to_solve(const Scenario& s) {
   const bool steps = s.host.solver == host::SolvedBy::steps;
+  if (s.host.solver == host::SolvedBy::superposition && (s.dynamics || s.object.nonlinear())) {
+    throw InputError(
+        "host.solver",
+        fmt::format("superposition has columns where contact can be, and a body {} loads all its "
+                    "nodes in every frame: expected \"inverse\", \"condensed\", \"cholesky\" or "
+                    "\"cg\"",
+                    s.dynamics ? "with inertia" : "that is not linear"));
+  }
   if (steps && !s.dynamics) {
     throw InputError("host.solver", "explicit steps move masses: expected [dynamics] too");
   }

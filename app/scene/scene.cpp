@@ -92,6 +92,23 @@ Scene::Scene(const Scenario& scenario, accel::Device device, const Progress& pro
 
 void Scene::refuse_wall() { refuse_body_of_wall(); }
 
+namespace {
+
+// Who solves, with the nodes that contact can load or move: those of the surface.
+host::SolverChoice solver_of(const Scenario& s, const fem::Body& body) {
+  std::vector<int> touchable;
+  for (const auto& triangle : body.mesh().boundary) {
+    for (const int node : triangle) {
+      if (const int active = body.active_index(node); active >= 0) touchable.push_back(active);
+    }
+  }
+  std::ranges::sort(touchable);
+  touchable.erase(std::ranges::unique(touchable).begin(), touchable.end());
+  return {s.host.solver, s.host.precision, std::move(touchable)};
+}
+
+}  // namespace
+
 std::unique_ptr<fem::Tissue> make_tissue(const Scenario& s, const fem::Body& body) {
   if (s.host.solver == host::SolvedBy::steps) {
     return tissue::make_explicit_tissue(body, s.object.model, s.contact.diagonal, *s.dynamics,
@@ -150,7 +167,7 @@ void Scene::build_body(const Progress& progress, Limits limits) {
   std::unique_ptr<fem::Tissue> tissue = make_tissue(s, *body_);
   computation_ = within("solver", [&] {
     return std::make_unique<host::FrameComputation>(
-        std::move(tissue), s.solver, s.refinement, s.host.solver,
+        std::move(tissue), s.solver, s.refinement, solver_of(s, *body_),
         s.timing_only() ? host::Effort::counted : host::Effort::computed, s.object.renewal());
   });
   if (s.host.solver == host::SolvedBy::board) {

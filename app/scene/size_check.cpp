@@ -94,17 +94,40 @@ double nodes_of_factor(double bytes) { return std::pow(bytes / 235, 2.0 / 3.0); 
 
 // The number of factors: those of [reference], true and rounded, and that of the host's own solve.
 int factors(const Scenario& s) {
-  return (s.reference ? 2 : 0) + (s.host.solver == host::SolvedBy::cholesky ? 1 : 0);
+  const bool factorised = s.host.solver != host::SolvedBy::board &&
+                          s.host.solver != host::SolvedBy::cg &&
+                          s.host.solver != host::SolvedBy::steps;
+  return (s.reference ? 2 : 0) + (factorised ? 1 : 0);
+}
+
+double memory_bytes() {
+  return static_cast<double>(::sysconf(_SC_PHYS_PAGES)) *
+         static_cast<double>(::sysconf(_SC_PAGESIZE));
+}
+
+// Refuses a dense inverse that this machine has no room for. That of the nodes of the surface is
+// smaller, by how much only the mesh tells.
+void require_room_for_inverse(const Scenario& s) {
+  if (s.host.solver != host::SolvedBy::inverse) return;
+  const double entry = s.host.precision == host::Precision::single_precision ? 4 : 8;
+  const double bytes = entry * std::pow(3.0 * s.object.mesh.nodes, 2);
+  const double room = memory_bytes() / 2;
+  if (bytes <= room) return;
+  throw InputError(
+      "object.mesh.nodes",
+      fmt::format("the inverse of {} nodes takes about {:.0f} GB, and there is room for {:.0f} GB: "
+                  "expected at most about {:.0f} nodes, or host.solver = \"condensed\" or "
+                  "\"cholesky\"",
+                  s.object.mesh.nodes, bytes * 1e-9, room * 1e-9, std::sqrt(room / entry) / 3));
 }
 
 void require_room_on_host(const Scenario& s) {
+  require_room_for_inverse(s);
   const int count = factors(s);
   if (count == 0) return;
   // Entries of a factor are counted in 32 bits, and take a number and an index.
   constexpr double kLargest = 2147483647.0 * 12;
-  const double memory =
-      static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
-  const double room = std::min(kLargest, memory / count);
+  const double room = std::min(kLargest, memory_bytes() / count);
   if (factor_bytes(s.object.mesh.nodes) <= room) return;
   throw InputError(
       "object.mesh.nodes",

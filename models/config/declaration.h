@@ -44,6 +44,7 @@ enum class Dimension {
   transconductance,  // A/V
   torque_constant,   // N·m/A
   throughput,        // operations a second (flop/s)
+  bandwidth,         // bytes a second
   data_size,         // bytes
 };
 

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
+#include "models/fem/dense_lu.h"
 #include "models/index.h"
 
 namespace hvp::fem {
@@ -18,43 +19,6 @@ namespace hvp::fem {
 namespace {
 
 std::size_t index(Eigen::Index i) { return static_cast<std::size_t>(i); }
-
-// LU with partial pivoting, in place, of the small dense matrix S. Plain loops: Eigen's dense
-// kernels block by the size of the machine's caches, and the bits with them.
-void factorise_dense(std::vector<double>& a, std::vector<std::size_t>& pivot) {
-  const std::size_t n = pivot.size();
-  for (std::size_t k = 0; k < n; ++k) {
-    std::size_t largest = k;
-    for (std::size_t i = k + 1; i < n; ++i) {
-      if (std::abs(a[i * n + k]) > std::abs(a[largest * n + k])) largest = i;
-    }
-    pivot[k] = largest;
-    if (!(std::abs(a[largest * n + k]) > 0)) {
-      throw InputError("the contact's compliance matrix is singular");
-    }
-    if (largest != k) {
-      std::swap_ranges(&a[k * n], &a[k * n] + n, &a[largest * n]);
-    }
-    for (std::size_t i = k + 1; i < n; ++i) {
-      const double factor = a[i * n + k] / a[k * n + k];
-      a[i * n + k] = factor;
-      for (std::size_t j = k + 1; j < n; ++j) a[i * n + j] -= factor * a[k * n + j];
-    }
-  }
-}
-
-void solve_dense(const std::vector<double>& a, const std::vector<std::size_t>& pivot,
-                 std::vector<double>& x) {
-  const std::size_t n = pivot.size();
-  for (std::size_t k = 0; k < n; ++k) std::swap(x[k], x[pivot[k]]);
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = 0; j < i; ++j) x[i] -= a[i * n + j] * x[j];
-  }
-  for (std::size_t i = n; i-- > 0;) {
-    for (std::size_t j = i + 1; j < n; ++j) x[i] -= a[i * n + j] * x[j];
-    x[i] /= a[i * n + i];
-  }
-}
 
 }  // namespace
 
@@ -83,6 +47,17 @@ DirectSolver::DirectSolver(const sparse::BlockMatrix& a) : rows_(a.rows()) {
     if (!std::isfinite(pivot) || std::abs(pivot) <= 1e-14 * largest) singular_ = true;
     if (pivot < 0) ++negative_pivots_;
   }
+}
+
+double DirectSolver::factor_operations() const {
+  if (pivot_.empty()) return 0;
+  const auto& l = factorisation_.matrixL().nestedExpression();
+  double sum = 0;
+  for (int column = 0; column < rows_; ++column) {
+    const double below = l.outerIndexPtr()[column + 1] - l.outerIndexPtr()[column];
+    sum += below * (below + 2);
+  }
+  return sum;
 }
 
 std::size_t DirectSolver::factor_nonzeros() const {
@@ -127,18 +102,17 @@ void DirectSolver::prepare_contact(std::span<const int> patch) {
   const std::size_t n = index(rows_);
   const std::size_t m = 3 * patch.size();
   contact_columns_.assign(m * n, 0.0);
-  contact_schur_.assign(m * m, 0.0);
-  contact_pivot_.assign(m, 0);
+  contact_schur_.resize(m);
   contact_force_.assign(m, 0.0);
   for (std::size_t c = 0; c < m; ++c) {
     const std::span<double> column(&contact_columns_[c * n], n);
     column[3 * index(patch[c / 3]) + c % 3] = 1;
     solve(column, column);
     for (std::size_t r = 0; r < m; ++r) {
-      contact_schur_[r * m + c] = column[3 * index(patch[r / 3]) + r % 3];
+      contact_schur_(r, c) = column[3 * index(patch[r / 3]) + r % 3];
     }
   }
-  factorise_dense(contact_schur_, contact_pivot_);
+  contact_schur_.factorise();
   contact_.assign(patch.begin(), patch.end());
 }
 
@@ -170,7 +144,7 @@ void DirectSolver::impose_contact(std::span<const Eigen::Vector3d> u, std::span<
   for (std::size_t c = 0; c < m; ++c) {
     contact_force_[c] = held(c) - x[3 * index(contact_[c / 3]) + c % 3];
   }
-  solve_dense(contact_schur_, contact_pivot_, contact_force_);
+  contact_schur_.solve(contact_force_);
   for (std::size_t c = 0; c < m; ++c) {
     const double* column = &contact_columns_[c * n];
     for (std::size_t i = 0; i < n; ++i) x[i] += contact_force_[c] * column[i];

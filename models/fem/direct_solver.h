@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "models/fem/dense_lu.h"
 #include "models/fem/substitution.h"
 #include "models/sparse/block_matrix.h"
 
@@ -43,6 +44,9 @@ class DirectSolver {
 
   // The number of non-zeros of L below the diagonal.
   std::size_t factor_nonzeros() const;
+  // The additions, multiplications and divisions that make L and D: c(c + 2) for a column with c
+  // entries below the diagonal.
+  double factor_operations() const;
 
  private:
   friend class ReferencePair;
@@ -61,12 +65,11 @@ class DirectSolver {
   int negative_pivots_ = 0;
   std::vector<double> pivot_;  // D
   Substitution substitution_;
-  mutable std::vector<double> scratch_;     // in the permuted order
-  std::vector<int> contact_;                // the nodes of the three members below
-  std::vector<double> contact_columns_;     // W, column by column
-  std::vector<double> contact_schur_;       // LU factors of S, row by row
-  std::vector<std::size_t> contact_pivot_;  // the row exchanged with row i in step i
-  std::vector<double> contact_force_;       // λ
+  mutable std::vector<double> scratch_;  // in the permuted order
+  std::vector<int> contact_;             // the nodes of the three members below
+  std::vector<double> contact_columns_;  // W, column by column
+  DenseLu contact_schur_;                // of S
+  std::vector<double> contact_force_;    // λ
 };
 
 // Two systems that are solved side by side, with a matrix and its rounded counterpart of the same

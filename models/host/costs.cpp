@@ -99,10 +99,24 @@ void Delay::declare(config::Visitor& v) {
 }
 
 void Host::declare(config::Visitor& v, const config::Condition& body) {
-  v.quantity("sustained_rate", sustained_rate_flops, Dimension::throughput,
-             config::between(1e6, 1e12),
-             {"operations a second in sparse products",
-              "thesis Table 6.3: Netburst at 2.8 GHz, the host's family"});
+  const auto of_model = v.variant(
+      "model", model,
+      {{name(ProcessorModel::one_rate), ProcessorModel::one_rate},
+       {name(ProcessorModel::thesis_pc), ProcessorModel::thesis_pc},
+       {name(ProcessorModel::desktop_2026), ProcessorModel::desktop_2026},
+       {name(ProcessorModel::measured), ProcessorModel::measured}},
+      {"what the host's work costs: all of it at one rate, or by its kind and by the memory that "
+       "holds it, for the thesis' PC, a present one, or one that `hvp measure host` has measured",
+       "thesis section 6.2.1 counts operations"});
+  of_model.only({ProcessorModel::one_rate}, [&] {
+    v.quantity("sustained_rate", sustained_rate_flops, Dimension::throughput,
+               config::between(1e6, 1e12),
+               {"operations a second in sparse products",
+                "thesis Table 6.3: Netburst at 2.8 GHz, the host's family"});
+  });
+  of_model.only({ProcessorModel::measured}, [&] {
+    v.table("processor", processor, {"what a core of the host does in a second"});
+  });
   v.quantity(
       "contact_lookup", contact_lookup_s, Dimension::time, config::between(0, 1e-3),
       {"fetching the contact node from the collision process", "assumed: a lock and a copy"});
@@ -122,15 +136,30 @@ void Host::declare(config::Visitor& v, const config::Condition& body) {
         {{"board", SolvedBy::board},
          {"cg", SolvedBy::cg},
          {"cholesky", SolvedBy::cholesky},
+         {"inverse", SolvedBy::inverse},
+         {"superposition", SolvedBy::superposition},
+         {"condensed", SolvedBy::condensed},
          {"explicit", SolvedBy::steps}},
-        {"board: the FPGA; cg, cholesky: no board, the host solves in double precision; explicit: "
-         "nothing is solved, the host moves the body by explicit time steps",
+        {"board: the FPGA; the others have no board: cg; cholesky: factors of A; inverse: A's "
+         "inverse; superposition: its columns where contact can be; condensed: the inverse there, "
+         "factors for the rest after the force; explicit: nothing is solved, the host moves the "
+         "body by explicit time steps",
          "thesis section 6.2.1"});
-    of_solver.only({SolvedBy::cg, SolvedBy::cholesky, SolvedBy::steps}, [&] {
-      v.quantity("solver_rate", solver_rate_flops, Dimension::throughput, config::between(0, 1e13),
-                 {"operations a second of the host's own solve; 0: sustained_rate",
-                  "absent: Table 6.3's rate is that of sparse products"});
+    of_solver.only({SolvedBy::inverse, SolvedBy::superposition, SolvedBy::condensed}, [&] {
+      v.choice("precision", precision,
+               {{"double", Precision::double_precision}, {"single", Precision::single_precision}},
+               {"of the inverse and its products", "as everything else on the host"});
     });
+    of_solver.only({SolvedBy::cg, SolvedBy::cholesky, SolvedBy::inverse, SolvedBy::superposition,
+                    SolvedBy::condensed, SolvedBy::steps},
+                   [&] {
+                     of_model.only({ProcessorModel::one_rate}, [&] {
+                       v.quantity("solver_rate", solver_rate_flops, Dimension::throughput,
+                                  config::between(0, 1e13),
+                                  {"operations a second of the host's own solve; 0: sustained_rate",
+                                   "absent: Table 6.3's rate is that of sparse products"});
+                     });
+                   });
     of_solver.only({SolvedBy::steps}, [&] {
       v.integer("substeps", substeps, {0, 100'000},
                 {"explicit time steps a frame; 0: as many as take 0.8 of the longest stable one at "
@@ -206,12 +235,31 @@ double Host::driver_s(std::size_t words) const {
   return driver_call_s + driver_word_s * static_cast<double>(words);
 }
 
-double Host::solver_speed() const {
-  return solver_rate_flops > 0 ? solver_rate_flops / sustained_rate_flops : 1;
+const Processor* Host::prices() const {
+  switch (model) {
+    case ProcessorModel::one_rate:
+      return nullptr;
+    case ProcessorModel::measured:
+      return &processor;
+    case ProcessorModel::thesis_pc:
+    case ProcessorModel::desktop_2026:
+      break;
+  }
+  return &built_in(model);
+}
+
+double Host::rate_flops() const {
+  const Processor* priced = prices();
+  return priced == nullptr ? sustained_rate_flops : priced->sparse_flops;
 }
 
 std::int64_t Host::compute_ps(double operations) const {
-  return to_picoseconds(operations / sustained_rate_flops);
+  return to_picoseconds(operations / rate_flops());
+}
+
+double Host::solve_s(const SolveWork& work, const SolveMemory& memory) const {
+  if (const Processor* priced = prices()) return priced->seconds(work, memory.working_set);
+  return work.operations() / (solver_rate_flops > 0 ? solver_rate_flops : sustained_rate_flops);
 }
 
 double conversion_operations(int words) { return 4.0 * words; }

@@ -7,6 +7,7 @@
 #include "models/config/declaration.h"
 #include "models/host/frame_method.h"
 #include "models/host/passivity.h"
+#include "models/host/processor.h"
 #include "models/host/shared_core.h"
 #include "models/host/virtual_coupling.h"
 #include "models/random/distribution.h"
@@ -83,7 +84,10 @@ struct Host {
   double interrupt_latency_s = 5e-6;
   double timeout_s = 10e-3;
   SolvedBy solver = SolvedBy::board;
-  double solver_rate_flops = 0;  // 0: sustained_rate_flops
+  Precision precision = Precision::double_precision;
+  ProcessorModel model = ProcessorModel::one_rate;
+  Processor processor = built_in(ProcessorModel::desktop_2026);  // of a model that is measured
+  double solver_rate_flops = 0;  // of one_rate; 0: sustained_rate_flops
   int substeps = 0;              // of explicit time steps, a frame; 0: as many as are stable
   int pipeline_depth = 0;
   double quantum_s = 0;  // the most by which the servo process' time runs ahead in the simulation
@@ -108,10 +112,14 @@ struct Host {
   // The driver's own time, without its bus accesses, in a call that packs or unpacks so many vector
   // words.
   double driver_s(std::size_t words) const;
-  // The rate of the host's own solve divided by that of its other steps.
-  double solver_speed() const;
-  // The time of so many additions and multiplications, in whole picoseconds.
+  // Operations a second of the host's steps beside its own solve.
+  double rate_flops() const;
+  // The time of so many additions and multiplications beside a solve, in whole picoseconds.
   std::int64_t compute_ps(double operations) const;
+  // The time of the host's own solve, in s.
+  double solve_s(const SolveWork& work, const SolveMemory& memory) const;
+  // Null where one rate prices all.
+  const Processor* prices() const;
 };
 
 // The operations of converting `words` numbers from double precision to the board's words, or back:

@@ -21,7 +21,7 @@ bool ExplicitMethod::next(std::span<std::int32_t> /*b*/) {
 
 std::vector<Step> ExplicitMethod::steps() const {
   return {{fmt::format("explicit steps, {} a frame (without contact)", steps_.substeps()),
-           Step::Where::solver, steps_.step_operations()}};
+           Step::Where::solver, 0, 1, false, SolveWork{.sparse = steps_.step_operations()}}};
 }
 
 }  // namespace hvp::host

@@ -24,7 +24,7 @@ class ExplicitMethod final : public FrameMethod {
   std::span<const double> displacement() const override { return steps_.displacement(); }
   stability::Flags flags() const override { return flags_; }
   double next_operations() const override { return 0; }
-  double solve_operations() const override { return operations_; }
+  SolveWork solve_work() const override { return {.sparse = operations_}; }
   std::vector<Step> steps() const override;
 
  private:

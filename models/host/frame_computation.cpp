@@ -7,6 +7,7 @@
 #include "models/config/input_error.h"
 #include "models/host/board_words.h"
 #include "models/host/costs.h"
+#include "models/host/dense_solve.h"
 #include "models/host/explicit_method.h"
 #include "models/host/host_increments.h"
 
@@ -14,14 +15,18 @@ namespace hvp::host {
 
 namespace {
 
-std::unique_ptr<HostSolve> make_host_solve(SolvedBy solver, const sparse::BlockMatrix& a,
+std::unique_ptr<HostSolve> make_host_solve(const SolverChoice& solver, const sparse::BlockMatrix& a,
                                            const fixed::Settings& settings) {
-  switch (solver) {
+  switch (solver.by) {
     case SolvedBy::cg:
       return std::make_unique<ConjugateGradients>(a, settings.iterations, settings.stop_residual,
                                                   settings.start != fixed::Start::zero);
     case SolvedBy::cholesky:
       return std::make_unique<Prefactored>(a);
+    case SolvedBy::inverse:
+    case SolvedBy::superposition:
+    case SolvedBy::condensed:
+      return make_dense_solve(solver, a);
     case SolvedBy::board:
     case SolvedBy::steps:
       break;
@@ -46,19 +51,20 @@ const char* name_of_update(std::optional<fem::Scheme> scheme) {
 FrameComputation::FrameComputation(const fem::Body& body, fem::ContactDiagonal diagonal,
                                    const std::optional<fem::Dynamics>& dynamics,
                                    const fixed::Settings& settings, double period_s,
-                                   const std::optional<Refinement>& refinement, SolvedBy solver,
-                                   Effort effort)
+                                   const std::optional<Refinement>& refinement,
+                                   const SolverChoice& solver, Effort effort)
     : FrameComputation(
           std::make_unique<fem::LinearTissue>(body, diagonal, dynamics, period_s, effort), settings,
           refinement, solver, effort) {}
 
 FrameComputation::FrameComputation(std::unique_ptr<fem::Tissue> tissue,
                                    const fixed::Settings& settings,
-                                   const std::optional<Refinement>& refinement, SolvedBy solver,
-                                   Effort effort, const fem::MatrixRenewal& renewal)
+                                   const std::optional<Refinement>& refinement,
+                                   const SolverChoice& solver, Effort effort,
+                                   const fem::MatrixRenewal& renewal)
     : tissue_(std::move(tissue)), effort_(effort), renewal_(renewal) {
   if (renewal_.present()) {
-    if (solver != SolvedBy::board || tissue_->renewable() == nullptr) {
+    if (solver.by != SolvedBy::board || tissue_->renewable() == nullptr) {
       throw InputError("only the words of a board for a body that is not linear are renewed");
     }
     formed_ = matrix();
@@ -75,9 +81,9 @@ FrameComputation::FrameComputation(std::unique_ptr<fem::Tissue> tissue,
   }
   if (std::unique_ptr<HostSolve> solve = make_host_solve(solver, matrix(), settings)) {
     if (forces.linear()) {
-      method_ = std::make_unique<HostMethod>(solver, std::move(solve), initial);
+      method_ = std::make_unique<HostMethod>(solver.by, std::move(solve), initial);
     } else {
-      auto increments = std::make_unique<HostIncrements>(solver, std::move(solve), *refinement,
+      auto increments = std::make_unique<HostIncrements>(solver.by, std::move(solve), *refinement,
                                                          forces, matrix(), initial, settings);
       increments_ = &increments->increments();
       method_ = std::move(increments);

@@ -47,13 +47,13 @@ class FrameComputation {
   FrameComputation(const fem::Body& body, fem::ContactDiagonal diagonal,
                    const std::optional<fem::Dynamics>& dynamics, const fixed::Settings& settings,
                    double period_s, const std::optional<Refinement>& refinement = std::nullopt,
-                   SolvedBy solver = SolvedBy::board, Effort effort = Effort::computed);
+                   const SolverChoice& solver = {}, Effort effort = Effort::computed);
   // The same for a tissue of any kind. One that is not linear is solved by increments: it needs
   // refinement's passes, also on the host. `renewal` needs a board and a tissue whose system can be
   // renewed.
   FrameComputation(std::unique_ptr<fem::Tissue> tissue, const fixed::Settings& settings,
-                   const std::optional<Refinement>& refinement, SolvedBy solver, Effort effort,
-                   const fem::MatrixRenewal& renewal = {});
+                   const std::optional<Refinement>& refinement, const SolverChoice& solver,
+                   Effort effort, const fem::MatrixRenewal& renewal = {});
   FrameComputation(const FrameComputation&) = delete;
   FrameComputation& operator=(const FrameComputation&) = delete;
 

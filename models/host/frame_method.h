@@ -3,19 +3,45 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "models/fem/hold.h"
+#include "models/host/solve_work.h"
 #include "models/stability/flag.h"
 
 namespace hvp::host {
 
 // The solver of the frame's system. The scenario's key host.solver.
 enum class SolvedBy {
-  board,     // the FPGA, in fixed point
-  cg,        // the host, conjugate gradients in double precision
-  cholesky,  // the host, with factors of A that were made before the first frame
-  steps,     // nobody: the host moves the body by explicit time steps
+  board,          // the FPGA, in fixed point
+  cg,             // the host, conjugate gradients
+  cholesky,       // the host, with factors of A that were made before the first frame
+  inverse,        // the host, with A's inverse
+  superposition,  // the host, with the columns of A's inverse of all that can be touched
+  condensed,      // the host, with A's inverse at what can be touched, and factors of the rest
+  steps,          // nobody: the host moves the body by explicit time steps
+};
+
+// The numbers of the host's own solve.
+enum class Precision { double_precision, single_precision };
+
+const char* name(Precision precision);
+
+// True of a host's solve that errs by rounding to double precision alone.
+bool is_exact(SolvedBy solver, Precision precision);
+
+// Who solves a frame's system.
+struct SolverChoice {
+  SolvedBy by = SolvedBy::board;
+  Precision precision = Precision::double_precision;
+  // The nodes that contact can load or move, ascending; empty: all.
+  std::vector<int> touchable;
+
+  // NOLINTNEXTLINE(google-explicit-constructor): most callers choose nothing else.
+  SolverChoice(SolvedBy solver = SolvedBy::board) : by(solver) {}
+  SolverChoice(SolvedBy solver, Precision numbers, std::vector<int> nodes)
+      : by(solver), precision(numbers), touchable(std::move(nodes)) {}
 };
 
 const char* name(SolvedBy solver);
@@ -25,7 +51,7 @@ const char* name(SolvedBy solver);
 struct Step {
   enum class Where {
     host,    // its operations, at the host's rate
-    solver,  // its operations, at the rate of host.solver_rate
+    solver,  // its work, at what host.model says of the host's own solve
     board,   // b goes there, the board solves, U comes back
   };
   std::string what;
@@ -33,6 +59,9 @@ struct Step {
   double operations = 0;
   int times = 1;
   bool after_force = false;
+  // Of a step at the solver.
+  SolveWork work = {};
+  SolveMemory memory = {};
 };
 
 // The way in which a frame's system A·u = f with prescribed displacements is solved: by the board
@@ -80,9 +109,13 @@ class FrameMethod {
   virtual double next_operations() const = 0;
   virtual double force_operations() const { return 0; }
   virtual double finish_operations() const { return 0; }
-  // The operations of the host's own solves in the last next(), and of the last set_contact().
-  virtual double solve_operations() const { return 0; }
-  virtual double contact_operations() const { return 0; }
+  // The work of the host's own solves: in the last next(); of the last set_contact(); after the
+  // force; before the first frame.
+  virtual SolveWork solve_work() const { return {}; }
+  virtual SolveWork contact_work() const { return {}; }
+  virtual SolveWork rest_work() const { return {}; }
+  virtual SolveWork set_up_work() const { return {}; }
+  virtual SolveMemory memory() const { return {}; }
 
   virtual std::vector<Step> steps() const = 0;
   // The same of a second solve, by go_on(), and of finish() after it. All of them are after the

@@ -45,7 +45,7 @@ void HostIncrements::go_on(std::span<const double> f, double /*way*/) {
 
 bool HostIncrements::next(std::span<std::int32_t> /*b*/) {
   next_operations_ = std::exchange(begin_operations_, 0);
-  solve_operations_ = 0;
+  solve_work_ = {};
   const host::Refinement::Passes passes = refinement_.divided(goes_on_);
   for (int pass = 0; pass < (went_on_ ? passes.most_after : passes.before); ++pass) {
     const bool evaluated = !increments_.current();
@@ -58,7 +58,8 @@ bool HostIncrements::next(std::span<std::int32_t> /*b*/) {
     }
     std::ranges::fill(increment_, 0.0);
     solve_->solve(increments_.residual(), still_, increment_);
-    solve_operations_ += solve_->operations();
+    // The next pass needs every node.
+    solve_work_ += solve_->work() + solve_->rest_work();
     const std::span<double> u = increments_.change();
     for (std::size_t i = 0; i < u.size(); ++i) u[i] += increment_[i];
     next_operations_ += rows_;
@@ -77,8 +78,8 @@ std::vector<Step> HostIncrements::steps() const {
   return {{"first residual (without contact)", Step::Where::host, rows_},
           {"each further pass' residual", Step::Where::host,
            2 * rows_ + increments_.evaluate_operations(), passes - 1},
-          {std::string("solve on the host (") + name(solver_) + ")", Step::Where::solver,
-           solve_->most_operations(), passes},
+          {std::string("solve on the host (") + name(solver_) + ")", Step::Where::solver, 0, passes,
+           false, solve_->most_work() + solve_->rest_work(), solve_->memory()},
           {"last increment", Step::Where::host, rows_},
           {"residual after the force", Step::Where::host, finish_operations(), 1, true}};
 }

@@ -38,8 +38,10 @@ class HostIncrements final : public FrameMethod {
 
   // Residuals and increments; HostSolve counts the solves.
   double next_operations() const override { return next_operations_; }
-  double solve_operations() const override { return solve_operations_; }
-  double contact_operations() const override { return solve_->contact_operations(); }
+  SolveWork solve_work() const override { return solve_work_; }
+  SolveWork contact_work() const override { return solve_->contact_work(); }
+  SolveWork set_up_work() const override { return solve_->set_up_work(); }
+  SolveMemory memory() const override { return solve_->memory(); }
   double finish_operations() const override { return increments_.finish_operations(); }
   std::vector<Step> steps() const override;
 
@@ -56,7 +58,7 @@ class HostIncrements final : public FrameMethod {
   bool went_on_ = false;
   double begin_operations_ = 0;  // since the last next()
   double next_operations_ = 0;
-  double solve_operations_ = 0;
+  SolveWork solve_work_;
 };
 
 }  // namespace hvp::host

@@ -17,11 +17,53 @@ double dot(std::span<const double> a, std::span<const double> b) {
   return sum;
 }
 
-double product_operations(const sparse::BlockMatrix& a) {
-  return 18.0 * static_cast<double>(a.blocks());
-}
+constexpr double kEntry = sizeof(double);
+constexpr double kIndex = sizeof(int);
 
 }  // namespace
+
+SolveWork product_work(const sparse::BlockMatrix& a) {
+  const auto blocks = static_cast<double>(a.blocks());
+  // A, its block columns and rows, x and y.
+  return {.sparse = 18 * blocks,
+          .bytes = blocks * (9 * kEntry + kIndex) + a.block_rows() * kIndex + 2 * a.rows() * kEntry,
+          .barriers = 1};
+}
+
+SolveWork triangular_work(const fem::DirectSolver& solver) {
+  const auto entries = static_cast<double>(solver.factor_nonzeros());
+  // L and its transpose, an addition and a multiplication an entry each; D between them. L is read
+  // twice, and the vector there and back: permuted, twice substituted, divided.
+  return {.triangular = 4 * entries + solver.rows(),
+          .bytes = 2 * entries * (kEntry + kIndex) + solver.rows() * (8 * kEntry + 2 * kIndex),
+          .barriers = 2};
+}
+
+SolveWork factor_work(const fem::DirectSolver& solver) {
+  const auto entries = static_cast<double>(solver.factor_nonzeros());
+  return {.triangular = solver.factor_operations(), .bytes = entries * (kEntry + kIndex)};
+}
+
+SolveWork prescribed_work(double m, double n, double entry_bytes) {
+  if (m == 0) return {};
+  SolveWork work{.dense = 2 * m * m, .bytes = m * m * kEntry + m * n * entry_bytes};
+  (entry_bytes < kEntry ? work.dense_single : work.dense) += 2 * m * n;
+  return work;
+}
+
+SolveWork small_factor_work(double m) {
+  return {.dense = 2.0 / 3.0 * m * m * m, .bytes = m * m * kEntry};
+}
+
+const char* name(Precision precision) {
+  return precision == Precision::single_precision ? "single" : "double";
+}
+
+bool is_exact(SolvedBy solver, Precision precision) {
+  const bool direct = solver == SolvedBy::cholesky || solver == SolvedBy::inverse ||
+                      solver == SolvedBy::superposition || solver == SolvedBy::condensed;
+  return direct && precision == Precision::double_precision;
+}
 
 const char* name(SolvedBy solver) {
   switch (solver) {
@@ -31,6 +73,12 @@ const char* name(SolvedBy solver) {
       return "cg";
     case SolvedBy::cholesky:
       return "cholesky";
+    case SolvedBy::inverse:
+      return "inverse";
+    case SolvedBy::superposition:
+      return "superposition";
+    case SolvedBy::condensed:
+      return "condensed";
     case SolvedBy::steps:
       return "explicit";
   }
@@ -55,12 +103,31 @@ void ConjugateGradients::clear_contact(std::span<double> v) const {
   for (const int node : contact_) std::fill_n(v.begin() + 3 * node, 3, 0.0);
 }
 
-// The first residual and what the stop test needs, and the iterations; as solve() counts them.
-double ConjugateGradients::most_operations() const {
+// The first residual, its norm, and what the stop test needs.
+SolveWork ConjugateGradients::first_residual_work() const {
   const auto n = static_cast<double>(r_.size());
-  const double product = product_operations(a_);
-  const double begin = product + 3 * n + (stop_residual_ > 0 ? product + 3 * n : 0);
-  return begin + most_iterations_ * (product + 10 * n + 2);
+  SolveWork work = product_work(a_) + SolveWork{.dense = 3 * n, .bytes = 7 * n * kEntry};
+  if (stop_residual_ > 0) {
+    work += product_work(a_) + SolveWork{.dense = 3 * n, .bytes = 6 * n * kEntry};
+  }
+  return work;
+}
+
+// A product, two inner products and three vector updates, and the two quotients between them.
+SolveWork ConjugateGradients::iteration_work() const {
+  const auto n = static_cast<double>(r_.size());
+  return product_work(a_) + SolveWork{.dense = 10 * n + 2, .bytes = 12 * n * kEntry, .barriers = 3};
+}
+
+SolveWork ConjugateGradients::most_work() const {
+  return first_residual_work() + most_iterations_ * iteration_work();
+}
+
+SolveMemory ConjugateGradients::memory() const {
+  const double matrix = product_work(a_).bytes;
+  const auto n = static_cast<double>(r_.size());
+  const double all = matrix + 3 * n * kEntry;
+  return {all, all, n * kEntry, n * kEntry};
 }
 
 void ConjugateGradients::place_contact(std::span<const Eigen::Vector3d> held,
@@ -74,11 +141,9 @@ void ConjugateGradients::solve(std::span<const double> f, std::span<const Eigen:
                                std::span<double> u) {
   if (!warm_start_) std::fill(u.begin(), u.end(), 0.0);
   place_contact(held, u);
-  const auto n = static_cast<double>(r_.size());
   a_.multiply(u, q_);
   for (std::size_t i = 0; i < r_.size(); ++i) r_[i] = f[i] - q_[i];
   clear_contact(r_);
-  operations_ = product_operations(a_) + n;
 
   double limit = 0;
   if (stop_residual_ > 0) {
@@ -89,11 +154,9 @@ void ConjugateGradients::solve(std::span<const double> f, std::span<const Eigen:
     for (std::size_t i = 0; i < q_.size(); ++i) q_[i] = f[i] - q_[i];
     clear_contact(q_);
     limit = stop_residual_ * stop_residual_ * dot(q_, q_);
-    operations_ += product_operations(a_) + 3 * n;
   }
   d_ = r_;
   double rr = dot(r_, r_);
-  operations_ += 2 * n;
   for (made_ = 0; made_ < most_iterations_ && rr > limit; ++made_) {
     a_.multiply(d_, q_);
     clear_contact(q_);
@@ -108,9 +171,8 @@ void ConjugateGradients::solve(std::span<const double> f, std::span<const Eigen:
     const double beta = next / rr;
     for (std::size_t i = 0; i < r_.size(); ++i) d_[i] = r_[i] + beta * d_[i];
     rr = next;
-    // A product, two inner products and three vector updates.
-    operations_ += product_operations(a_) + 10 * n + 2;
   }
+  work_ = first_residual_work() + made_ * iteration_work();
 }
 
 Prefactored::Prefactored(const sparse::BlockMatrix& a)
@@ -120,16 +182,19 @@ Prefactored::Prefactored(const sparse::BlockMatrix& a)
   }
 }
 
-// L and its transpose, an addition and a multiplication an entry each; D between them.
-double Prefactored::triangular_operations() const {
-  return 4.0 * static_cast<double>(solver_.factor_nonzeros()) + solver_.rows();
+SolveMemory Prefactored::memory() const {
+  const double vector = solver_.rows() * kEntry;
+  const double factors =
+      static_cast<double>(solver_.factor_nonzeros()) * (kEntry + kIndex) + 3 * vector;
+  const auto m = 3.0 * static_cast<double>(contact_.size());
+  return {factors + m * vector, factors + m * vector, vector, vector};
 }
 
 void Prefactored::move_contact(std::span<const int> nodes) {
   contact_.assign(nodes.begin(), nodes.end());
-  const auto m = 3.0 * static_cast<double>(nodes.size());
   // A⁻¹'s columns, and the factors of the small dense matrix.
-  contact_operations_ = m * triangular_operations() + 2.0 / 3.0 * m * m * m;
+  const int m = 3 * static_cast<int>(nodes.size());
+  contact_work_ = m * triangular_work(solver_) + small_factor_work(m);
 }
 
 void Prefactored::solve(std::span<const double> f, std::span<const Eigen::Vector3d> held,
@@ -141,8 +206,7 @@ void Prefactored::solve(std::span<const double> f, std::span<const Eigen::Vector
   } else {
     solver_.solve_with_contact(right_hand_side_, contact_, held, u);
   }
-  // The small system, and its force's share of every unknown.
-  operations_ = triangular_operations() + 2 * m * m + 2 * m * solver_.rows();
+  work_ = triangular_work(solver_) + prescribed_work(m, solver_.rows(), kEntry);
 }
 
 HostMethod::HostMethod(SolvedBy solver, std::unique_ptr<HostSolve> solve,
@@ -160,8 +224,13 @@ bool HostMethod::next(std::span<std::int32_t> /*b*/) {
 }
 
 std::vector<Step> HostMethod::steps() const {
-  return {{std::string("solve on the host (") + name(solver_) + ")", Step::Where::solver,
-           solve_->most_operations()}};
+  std::vector<Step> all = {{std::string("solve on the host (") + name(solver_) + ")",
+                            Step::Where::solver, 0, 1, false, solve_->most_work(),
+                            solve_->memory()}};
+  if (const SolveWork rest = solve_->rest_work(); rest.operations() > 0) {
+    all.push_back({"the other nodes", Step::Where::solver, 0, 1, true, rest, solve_->memory()});
+  }
+  return all;
 }
 
 }  // namespace hvp::host

@@ -8,12 +8,13 @@
 
 #include "models/fem/direct_solver.h"
 #include "models/host/frame_method.h"
+#include "models/host/solve_work.h"
 #include "models/sparse/block_matrix.h"
 
 namespace hvp::host {
 
-// A solver of a frame's system A·u = f with prescribed displacements of contact nodes, on the host
-// in double precision, that counts its operations. Vectors are over A's rows, in m and N.
+// A solver of a frame's system A·u = f with prescribed displacements of contact nodes, on the host,
+// that counts what it does. Vectors are over A's rows, in m and N.
 class HostSolve {
  public:
   virtual ~HostSolve() = default;
@@ -23,16 +24,33 @@ class HostSolve {
   // iteration starts.
   virtual void solve(std::span<const double> f, std::span<const Eigen::Vector3d> held,
                      std::span<double> u) = 0;
-  // The additions, multiplications and divisions of the last call of each function.
-  double contact_operations() const { return contact_operations_; }
-  double operations() const { return operations_; }
-  // The operations of a solve without contact that makes all its iterations.
-  virtual double most_operations() const = 0;
+  // What the last call of each function did.
+  const SolveWork& contact_work() const { return contact_work_; }
+  const SolveWork& work() const { return work_; }
+  // What remains of a solve once the contact's surroundings are known: the force does not wait for
+  // it.
+  virtual SolveWork rest_work() const { return {}; }
+  // The work of a solve without contact that makes all its iterations; and that of the constructor.
+  virtual SolveWork most_work() const = 0;
+  virtual SolveWork set_up_work() const { return {}; }
+  virtual SolveMemory memory() const = 0;
 
  protected:
-  double contact_operations_ = 0;
-  double operations_ = 0;
+  SolveWork contact_work_;
+  SolveWork work_;
 };
+
+// A·x: its operations and bytes.
+SolveWork product_work(const sparse::BlockMatrix& a);
+// Two triangular solves and D between them.
+SolveWork triangular_work(const fem::DirectSolver& solver);
+// The factors of A.
+SolveWork factor_work(const fem::DirectSolver& solver);
+// What prescribed displacements of m unknowns add to a solve of n rows: the small system, and its
+// force's share of every unknown, of columns with entries of so many bytes.
+SolveWork prescribed_work(double m, double n, double entry_bytes);
+// The LU factors of the small system.
+SolveWork small_factor_work(double m);
 
 // Hestenes & Stiefel's conjugate gradients on the nodes that are not prescribed: the others keep
 // their displacement, so that their rows of residual and direction stay zero.
@@ -46,10 +64,13 @@ class ConjugateGradients : public HostSolve {
   void move_contact(std::span<const int> nodes) override;
   void solve(std::span<const double> f, std::span<const Eigen::Vector3d> held,
              std::span<double> u) override;
-  double most_operations() const override;
+  SolveWork most_work() const override;
+  SolveMemory memory() const override;
   int iterations() const { return made_; }
 
  private:
+  SolveWork first_residual_work() const;
+  SolveWork iteration_work() const;
   void clear_contact(std::span<double> v) const;
   void place_contact(std::span<const Eigen::Vector3d> held, std::span<double> u) const;
 
@@ -73,12 +94,12 @@ class Prefactored : public HostSolve {
   void move_contact(std::span<const int> nodes) override;
   void solve(std::span<const double> f, std::span<const Eigen::Vector3d> held,
              std::span<double> u) override;
-  double most_operations() const override { return triangular_operations(); }
+  SolveWork most_work() const override { return triangular_work(solver_); }
+  SolveWork set_up_work() const override { return factor_work(solver_); }
+  SolveMemory memory() const override;
   std::size_t factor_nonzeros() const { return solver_.factor_nonzeros(); }
 
  private:
-  double triangular_operations() const;
-
   fem::DirectSolver solver_;
   std::vector<int> contact_;
   std::vector<double> right_hand_side_;
@@ -96,8 +117,11 @@ class HostMethod final : public FrameMethod {
   void accept(std::span<const std::int32_t> /*x*/, stability::Flags /*flags*/) override {}
   std::span<const double> displacement() const override { return u_; }
   double next_operations() const override { return 0; }
-  double solve_operations() const override { return solve_->operations(); }
-  double contact_operations() const override { return solve_->contact_operations(); }
+  SolveWork solve_work() const override { return solve_->work(); }
+  SolveWork contact_work() const override { return solve_->contact_work(); }
+  SolveWork rest_work() const override { return solve_->rest_work(); }
+  SolveWork set_up_work() const override { return solve_->set_up_work(); }
+  SolveMemory memory() const override { return solve_->memory(); }
   std::vector<Step> steps() const override;
 
  private:

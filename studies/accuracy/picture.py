@@ -13,7 +13,7 @@ from studies.accuracy.answer import short
 from studies.accuracy.design import ERROR, FORCE_ERROR, Design, front
 from studies.whole_file import write_whole
 
-_MARKERS = {"fits": "o", "late": "^", "breaks down": "X", "does not fit": "s"}
+_MARKERS = {"fits": "o", "late": "^", "beyond budget": "v", "breaks down": "X", "does not fit": "s"}
 _DPI = 110
 
 
@@ -91,7 +91,10 @@ def draw(
             axis.xaxis.set_minor_formatter(NullFormatter())
             axis.yaxis.set_major_formatter(FuncFormatter(lambda error, _: short(error)))
             axis.set_xlabel("worst latency of a frame [ms]")
-            axis.set_title(f"error of {what} against the true model", fontsize=9)
+            axis.set_title(
+                f"error of a frame's own {what}, 95 % of those in contact, against the true model",
+                fontsize=9,
+            )
             axis.grid(color="#E4E4E4")
             axis.set_axisbelow(True)
         handles, labels = figure.axes[0].get_legend_handles_labels()

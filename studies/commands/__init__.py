@@ -14,6 +14,7 @@ COMMANDS: dict[str, tuple[str, str, str]] = {
     "study": ("study", "add_study", "run a scenario over axes of its keys"),
     "study screen": ("screen", "add_screen", "which effects and fidelity levels the answers need"),
     "study accuracy": ("accuracy", "add_accuracy", "what accuracy costs in time"),
+    "study solvers": ("solvers", "add_solvers", "who should solve: the board or a core"),
     "sweep": ("sweep", "add_sweep", "run a scenario with every value of a key"),
     "compare": ("compare", "add_compare", "what differs between runs"),
     "report": ("report", "add_report", "a run as one page for a browser"),

@@ -14,6 +14,7 @@ from studies.accuracy.between import refine
 from studies.accuracy.design import (
     BUDGET,
     ERROR,
+    ERROR_MEANS,
     FORCE_ERROR,
     NO_CONTACT,
     UNMEASURED,
@@ -67,15 +68,16 @@ COLUMNS = (
     Column(
         "state",
         "",
-        "fits, late, breaks down, does not fit, not measured, refused, crashed or timed out",
+        "fits, late, beyond budget, breaks down, does not fit, not measured, refused, crashed or "
+        "timed out",
     ),
     Column("status", "", "of the run; of one on a larger device where it does not fit"),
     Column(
         "message", "", "why it does not fit, was not measured or was refused; flags of a breakdown"
     ),
     Column("worst_us", "us", "worst latency of a frame"),
-    Column("displacement_rel", "", "error against the true model, accuracy.displacement_rel"),
-    Column("force_rel", "", "likewise of the contact force"),
+    Column("displacement_error", "", f"against the true model, {ERROR_MEANS}"),
+    Column("force_error", "", "likewise of the contact force"),
     Column("share", "", "the fullest kind of resource, of what the device has"),
     Column("frames", "", "compared with the true model"),
     Column("front", "", "on the Pareto front of time and displacement error"),
@@ -186,8 +188,8 @@ def _write_design(
             mark=0,
         )
         for error, y, name in (
-            (ERROR, "displacement_rel", "Displacement"),
-            (FORCE_ERROR, "force_rel", "Contact force"),
+            (ERROR, "displacement_error", "Displacement"),
+            (FORCE_ERROR, "force_error", "Contact force"),
         )
     ]
     write_study_report(
@@ -204,7 +206,7 @@ def _write_design(
     print("\n".join(answer))
     print(f"{len(designs)} sets: {counted(designs)}.\n")
     shown = [table[0], *(table[i] for i in best[ERROR] if i)]
-    names = (*SETTINGS, "state", "worst_us", "displacement_rel", "force_rel", "share")
+    names = (*SETTINGS, "state", "worst_us", "displacement_error", "force_error", "share")
     print("The scenario's own, and the Pareto front of what fits and is in time:\n")
     print(text_table(names, [tuple(row.get(name) for name in names) for row in shown]) + "\n")
 
@@ -218,8 +220,8 @@ def _rows(designs: Sequence[Design], shares: Sequence[float | None]) -> list[dic
             "status": design.record.status,
             "message": design.message,
             "worst_us": design.time_us,
-            "displacement_rel": design.error(ERROR),
-            "force_rel": design.error(FORCE_ERROR),
+            "displacement_error": design.error(ERROR),
+            "force_error": design.error(FORCE_ERROR),
             "share": share,
             "frames": design.record.metrics.get("accuracy.frames"),
             "front": design in best,

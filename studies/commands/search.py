@@ -14,9 +14,9 @@ from studies.program import Figure, find_program
 from studies.report.study_page import Plot
 from studies.report.table_page import write_table_report
 from studies.results import write_results
-from studies.search import find
+from studies.search import UnmeasuredError, find
 from studies.search_picture import axes_of, chart
-from studies.search_space import check_metrics, search_of
+from studies.search_space import check_metrics, place_of, search_of
 from studies.search_text import WITHIN, plan, table, words
 from studies.study_file import Study
 from studies.sweep import all_refused
@@ -27,9 +27,6 @@ def run(arguments: argparse.Namespace, study: Study) -> int:
     """Carry it out; returns the exit status: 1 where nothing keeps every bound."""
     file: Path = arguments.study
     search = search_of(study, file)
-    if arguments.dry_run:
-        print(plan(search))
-        return HELD
     program = find_program()
     for option in ("scheduler", "slurm", "array_size"):
         if getattr(arguments, option):
@@ -38,12 +35,17 @@ def run(arguments: argparse.Namespace, study: Study) -> int:
     flags = Figure("flags", "", "how many flags the run raised")
     known = program.figures() | FIGURES | {flags.name: flags}
     check_metrics(search, file, known)
+    if arguments.dry_run:
+        print(plan(search))
+        return HELD
     out = arguments.out or Path("studies-out") / file.stem
     check_folder("--out", out)
     session = session_of(arguments, study, program)
-    found = find(
-        search, session, _progress if sys.stderr.isatty() and not arguments.quiet else None
-    )
+    progress = _progress if sys.stderr.isatty() and not arguments.quiet else None
+    try:
+        found = find(search, session, progress)
+    except UnmeasuredError as error:
+        raise InputError(f"{place_of(search, file, error.metric)}: {error}") from error
     records = [tried.record for tried in found.tried.values()]
     reason = all_refused(records)
     if reason is not None:

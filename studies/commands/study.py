@@ -69,12 +69,12 @@ def _run(arguments: argparse.Namespace) -> int:
     if study.search is not None:
         return search.run(arguments, study)
     points = points_of(study, file)
+    program = find_program()
+    _check_metrics(study, file, program)
     if arguments.dry_run:
         print(_table(study, points))
         print(f"\n{count_of(len(points), 'point')}")
         return HELD
-    program = find_program()
-    _check_metrics(study, file, program)
     check_folder("--out", arguments.out or Path("studies-out") / file.stem)
     session = session_of(arguments, study, program)
     if arguments.slurm is not None:

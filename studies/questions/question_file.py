@@ -12,6 +12,7 @@ FOLDER = Path(__file__).resolve().parent
 
 # In the order of the list of questions.
 NAMES = (
+    "solvers",
     "partitions",
     "devices",
     "word-lengths",

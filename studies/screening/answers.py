@@ -188,7 +188,8 @@ def influence(
     load = relative("latency", "load.worst_us", least_us)
     worst = relative("latency", "deadline.worst_us", least_us)
     accuracies = [
-        difference("accuracy", f"accuracy.{name}") for name in ("displacement_rel", "force_rel")
+        difference("accuracy", f"accuracy.{name}_of_frame.p95")
+        for name in ("displacement", "force")
     ]
     stabilities = [
         relative("stability", "stiffness.stable_N_m"),

@@ -43,14 +43,14 @@ def test_errors_are_read_as_powers_and_states_by_symbols(browser: Browser, tmp_p
     frame = pd.DataFrame(
         {
             "worst_us": [144.7, 204.5, 657.3, 1200.0, 4097.2],
-            "displacement_rel": [1.97e-1, 3.48e-3, 1.88e-8, 4.4e-12, 1.9e-8],
+            "displacement_error": [1.97e-1, 3.48e-3, 1.88e-8, 4.4e-12, 1.9e-8],
             "share": [1.0, 0.96, 0.79, 1.125, 0.9],
             "state": ["fits", "fits", "fits", "does not fit", "late"],
         }
     )
     plot = Plot(
         "worst_us",
-        "displacement_rel",
+        "displacement_error",
         colour="share",
         symbol="state",
         log_x=True,

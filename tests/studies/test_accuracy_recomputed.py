@@ -1,5 +1,6 @@
 """The errors of the table, formed again: exported K, displacements as drawn, double precision."""
 
+import math
 import subprocess
 from collections.abc import Mapping
 from pathlib import Path
@@ -32,7 +33,7 @@ def matrix_market(path: Path) -> Array:
 
 
 def recomputed(design: Design, scenario: Path, program: Path, folder: Path) -> tuple[float, float]:
-    """Mean errors of displacement and contact force over the run's largest, frame by frame."""
+    """Errors of a frame's own displacement and contact force: 95 % of the frames are within."""
     run = [str(program), "run", str(scenario), "--out", str(folder / "run"), "--quiet"]
     export = [str(program), "export", str(scenario), "--out", str(folder / "system"), "--quiet"]
     drawn = ("output.pictures=false", "output.remedies=false", "output.deformation_every_frames=1")
@@ -60,7 +61,8 @@ def recomputed(design: Design, scenario: Path, program: Path, folder: Path) -> t
             (float(np.linalg.norm(moved - true)), float(np.linalg.norm(rows @ (moved - true))))
         )
         sizes.append((float(np.linalg.norm(true)), float(np.linalg.norm(rows @ true))))
-    displacement, force = np.mean(errors, axis=0) / np.max(sizes, axis=0)
+    own = np.sort(np.array(errors) / np.array(sizes), axis=0)
+    displacement, force = own[math.ceil(0.95 * len(own)) - 1]
     return float(displacement), float(force)
 
 
@@ -79,5 +81,6 @@ def test_errors_are_those_of_the_exported_stiffness(
     }
     (design,) = DesignStudy(session, scenario, SETTINGS).run([columns])
     displacement, force = recomputed(design, scenario, session.program.path, tmp_path)
-    assert displacement == pytest.approx(design.error(), rel=1e-9)
-    assert force == pytest.approx(design.error(FORCE_ERROR), rel=1e-9)
+    # The upper end of a bin, one part in 64 wide.
+    assert displacement <= (design.error() or 0) <= displacement * (1 + 1 / 64)
+    assert force <= (design.error(FORCE_ERROR) or 0) <= force * (1 + 1 / 64)

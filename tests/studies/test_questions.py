@@ -8,7 +8,7 @@ import pytest
 
 from studies.errors import InputError, StudyError
 from studies.program import Program
-from studies.questions import loop, numbers, thesis_tables
+from studies.questions import loop, numbers, solvers, thesis_tables
 from studies.questions.answer import Row, line, rows_of, where
 from studies.questions.page import ANSWERS, answer, index, page
 from studies.questions.question_file import FOLDER, NAMES, Question, read_question
@@ -254,3 +254,42 @@ def test_page_has_its_numbers_from_the_runs(session: Session) -> None:
 def test_line_takes_two_columns() -> None:
     made = line("a", [{"x": 1, "y": 2.0}, {"x": 2, "y": None}], "x", "y")
     assert (made.x, made.y) == ([1, 2], [2.0, None])
+
+
+def test_the_page_says_who_beats_whom() -> None:
+    def row(solver: str, load: float, force: float, displacement: float) -> Row:
+        return {
+            "solver": solver,
+            "host": "desktop-2026",
+            "load.worst_us": load,
+            "accuracy.force_of_frame.p95": force,
+            "accuracy.displacement_of_frame.p95": displacement,
+        }
+
+    rows = [
+        row("board", 800.0, 0.3, 0.2),
+        row("cg", 50.0, 1e-4, 1e-4),
+        row("cholesky", 200.0, 0.0, 0.0),
+    ]
+    said = solvers.verdict(rows)
+    assert said.startswith("A core beats the board: a period's work takes a core of today 0.2 ms")
+    assert "(cholesky)" in said and "0.8 ms with a force that is 30 % off" in said
+    assert solvers.verdict([rows[0], row("cholesky", 900.0, 0.0, 0.0)]).startswith(
+        "The board beats"
+    )
+
+
+def test_the_page_of_solvers_begins_with_its_own_table() -> None:
+    """What the page says first is the least of its rows."""
+    text = (FOLDER.parents[1] / "docs/questions/solvers.md").read_text(encoding="utf-8")
+    cells = [
+        [c.strip() for c in line.split("|")[1:-1]] for line in text.splitlines() if "|" in line
+    ]
+    table = [row for row in cells if row[1] == "desktop-2026" and row[3][0].isdigit()]
+    exact = [r for r in table if not r[0].startswith("board") and float(r[6] or 0) < 1e-9]
+    least = min(exact, key=lambda row: float(row[3]))
+    board = next(row for row in table if row[0] == "board")
+    first = next(line for line in text.splitlines() if "beats" in line)
+    assert first.startswith("A core beats") == (float(least[3]) < float(board[3]))
+    for figure in (least[3], board[3], least[0]):
+        assert figure in first

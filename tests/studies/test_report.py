@@ -32,7 +32,7 @@ def test_a_study_has_the_figures_of_its_csv(browser: Browser, study_page: Path) 
     )
     assert points == [
         there["deadline.worst_us"].tolist(),
-        there["accuracy.displacement_rel"].tolist(),
+        there["accuracy.displacement_of_frame.p95"].tolist(),
     ]
     assert "1 refused" in browser.run(
         "return document.getElementById('plots').parentNode.textContent"

@@ -227,7 +227,7 @@ def test_a_wide_table_is_printed_in_strips(browser: Browser, tmp_path: Path) -> 
     frame = pd.DataFrame({f"figure.{column}": [column, column + 0.5] for column in range(20)})
     frame["solver.method"] = "cg"
     frame["deadline.worst_us"] = [100.0, 101.0]
-    frame["accuracy.displacement_rel"] = [0.1, 0.01]
+    frame["accuracy.displacement_of_frame.p95"] = [0.1, 0.01]
     frame["message"] = ["", "a line that goes on for longer than a column of figures is wide"]
     page = write_study_page(tmp_path, frame)
     browser.open(page)

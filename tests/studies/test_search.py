@@ -7,12 +7,13 @@ from pathlib import Path
 import pytest
 
 from studies.cli import main
+from studies.device_size import size
 from studies.errors import InputError
 from studies.program import Figure, Program
 from studies.record import Record
-from studies.search import Choice, Found, find, judge, neighbours
+from studies.search import Choice, Found, UnmeasuredError, find, judge, neighbours
 from studies.search_picture import axes_of, chart
-from studies.search_space import Dimension, Search, check_metrics, search_of
+from studies.search_space import Dimension, Search, check_metrics, place_of, search_of
 from studies.search_tables import Bound
 from studies.search_text import words
 from studies.session import Session
@@ -195,7 +196,6 @@ def test_a_study_with_a_search_is_one(
     Path("small.toml").write_text(text.replace("at_most = 0", "at_most = -1"), encoding="utf-8")
     assert main(["study", "small.toml"]) == 1
     assert "nothing that keeps every bound" in capsys.readouterr().out
-    monkeypatch.delenv("HVP_PROGRAM")
     assert main(["study", "small.toml", "--dry-run"]) == 0
     shown = capsys.readouterr().out
     assert "all 12 combinations" in shown
@@ -284,3 +284,52 @@ def test_of_what_was_not_measured_nothing_is_claimed(
     assert f"{len(nothing.tried)} crashed: signal 11" in said
     for certain in ("nearest", "nothing else can be better", "is better"):
         assert certain not in said
+
+
+class _Measuring(Session):
+    """Runs that have some figures and lack others."""
+
+    def run(self, points, progress=None):  # type: ignore[no-untyped-def]  # noqa: ARG002
+        self.runs = getattr(self, "runs", 0) + len(points)
+        return [Record("", "held", 0, metrics={"cost": 1.0, "time": None}) for _ in points]
+
+
+@pytest.mark.parametrize("trials", [3, 100])
+def test_what_no_run_measures_ends_the_search(
+    session: Session, tmp_path: Path, trials: int
+) -> None:
+    """At the first runs, and with the line that asks for it."""
+    text = SPACE.format(values=list(range(40)), trials=trials, objectives=COST)
+    search = _read(tmp_path, text)
+    measuring = _Measuring(session.program, session.store)
+    with pytest.raises(UnmeasuredError, match="time: was not measured in any of the first") as met:
+        find(search, measuring)
+    assert measuring.runs <= 4
+    file = tmp_path / "search.toml"
+    place = place_of(search, file, met.value.metric)
+    line = int(place.split(":")[1])
+    assert 'metric = "time"' in file.read_text(encoding="utf-8").splitlines()[line - 1]
+
+
+def test_the_device_is_what_an_axis_of_several_keys_sets(tmp_path: Path) -> None:
+    """And of what is set twice the last."""
+    text = """
+scenario = "s.toml"
+set = ["accelerator.device=EP2S60"]
+[[axis]]
+name = "board"
+keys = ["accelerator.device", "accelerator.clock"]
+values = [["LFE5U-85F", "84 MHz"], ["EP3SE110", "100 MHz"]]
+[search]
+trials = 4
+[[search.objective]]
+metric = "device.logic_cells"
+"""
+    search = _read(tmp_path, text)
+    refused = Record("", "refused", 2, "does not fit")
+    sizes = [judge(search, (i,), refused).figures["device.logic_cells"] for i in range(2)]
+    assert sizes == [
+        size("LFE5U-85F", tmp_path)["device.logic_cells"],
+        size("EP3SE110", tmp_path)["device.logic_cells"],
+    ]
+    assert len(set(sizes)) == 2

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "models/fem/direct_solver.h"
+#include "models/host/processor.h"
+#include "models/time/picoseconds.h"
 #include "tests/vp/expected_frame.h"
 #include "vp/platform.h"
 
@@ -40,7 +42,8 @@ TEST(HostSolver, TriangularSolvesTakeTheirOperations) {
   const fem::DirectSolver factors(scene.computation.matrix());
   const double operations =
       4.0 * static_cast<double>(factors.factor_nonzeros()) + SmallScene::kUnknowns;
-  EXPECT_EQ(run.platform.session().begin, 0);
+  // Before the first frame the factors are made.
+  EXPECT_EQ(run.platform.session().begin, test::compute(factors.factor_operations()));
   for (const Frame& frame : run.log.frames) {
     EXPECT_EQ(frame.latency(), around_the_solve() + test::compute(operations));
   }
@@ -80,6 +83,31 @@ TEST(HostSolver, AMeasuredRateScalesTheSolveAlone) {
   const double operations =
       4.0 * static_cast<double>(factors.factor_nonzeros()) + SmallScene::kUnknowns;
   EXPECT_EQ(run.log.frames[0].latency(), around_the_solve() + test::compute(operations / 4));
+}
+
+// A processor that is priced by kind and bytes: its triangular solves, what they move, and a call.
+TEST(HostSolver, AProcessorPricesKindsAndBytes) {
+  SmallScene scene(solved_by(host::SolvedBy::cholesky));
+  scene.settings.host.model = host::ProcessorModel::desktop_2026;
+  const Simulated run(scene);
+  const fem::DirectSolver factors(scene.computation.matrix());
+  const host::Processor& p = host::built_in(host::ProcessorModel::desktop_2026);
+  const auto entries = static_cast<double>(factors.factor_nonzeros());
+  const double n = SmallScene::kUnknowns;
+  const double seconds = p.call_s + (4 * entries + n) / p.triangular_flops +
+                         (24 * entries + 72 * n) / p.bandwidth(12 * entries + 32 * n);
+  EXPECT_EQ(run.log.frames[0].latency(), around_the_solve() + to_picoseconds(seconds));
+}
+
+// What can be found after the force does not keep it waiting.
+TEST(HostSolver, TheInteriorIsSolvedForAfterTheForce) {
+  SmallScene scene(solved_by(host::SolvedBy::condensed));
+  const Simulated run(scene);
+  const host::FrameMethod& method = scene.computation.method();
+  for (const Frame& frame : run.log.frames) {
+    EXPECT_EQ(frame.latency(), around_the_solve() + test::compute(method.solve_work().operations()))
+        << frame.number;
+  }
 }
 
 // The numbers are those of the double-precision reference, frame by frame.

@@ -49,15 +49,22 @@ Picoseconds Verdict::percentile(double share) const {
   return 0;
 }
 
+statistics::Proportion Verdict::miss_share() const {
+  const std::int64_t ticks = frames_ + skipped_;
+  return ticks > 0 ? statistics::proportion_of(misses(), ticks) : statistics::Proportion{};
+}
+
 void Verdict::report_deadline(config::Figures& f) const {
   f.time("period_us", period_, "from tick to tick");
   f.time("budget_us", budget_, "from a tick until its force is due");
   f.time("worst_us", worst_, "of all frames");
   f.time("p50_us", percentile(0.50), "half of the frames are within it");
   f.time("p99_us", percentile(0.99), "99 % of the frames are within it");
+  f.time("p999_us", percentile(0.999), "99.9 % of the frames are within it");
   f.count("misses", misses(), "late forces, skipped ticks, and frames whose solve failed");
   f.count("frames", frames_, "ticks that had a frame");
   f.count("skipped_ticks", skipped_, "ticks that had none");
+  f.table("miss_share", "Misses over ticks.", miss_share());
   f.count("worst_frame", worst_frame_, "number of the frame with the worst latency");
 }
 

@@ -6,6 +6,7 @@
 
 #include "models/config/figures.h"
 #include "models/statistics/histogram.h"
+#include "models/statistics/proportion.h"
 #include "vp/frame/ledger.h"
 
 namespace hvp::vp {
@@ -29,6 +30,8 @@ class Verdict : public FrameObserver {
   std::int64_t late_forces() const { return late_; }
   std::int64_t unsolved() const { return unsolved_; }
   std::int64_t misses() const { return late_ + unsolved_ + skipped_; }
+  // The share of all ticks, with its interval for ticks that are independent.
+  statistics::Proportion miss_share() const;
   std::int64_t overloads() const { return overloads_ + skipped_; }
   bool force_in_time() const { return misses() == 0; }
   bool load_held() const { return overloads() == 0; }

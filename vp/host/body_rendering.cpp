@@ -10,7 +10,7 @@ namespace hvp::vp {
 namespace {
 
 // The solver without a board: the servo process solves, on its own core. Each step costs its
-// operations at the rate host.solver_rate.
+// operations as host.model prices them.
 class HostSolver : public FrameSolver {
  public:
   // Keeps references.
@@ -19,12 +19,13 @@ class HostSolver : public FrameSolver {
 
   hvp_status set_up_piece(bool& done) override {
     computation_.set_contact({});
+    spend(Phase::solve, computation_.method().set_up_work());
     done = true;
     return HVP_OK;
   }
   hvp_status move_contact(std::span<const int> nodes) override {
     computation_.set_contact(nodes);
-    work_.spend(Phase::node_update, 0, scaled(computation_.method().contact_operations()));
+    spend(Phase::node_update, computation_.method().contact_work());
     return HVP_OK;
   }
   hvp_status begin(std::uint32_t& /*flags*/) override {
@@ -47,12 +48,15 @@ class HostSolver : public FrameSolver {
     if (const double operations = method.next_operations(); operations > 0) {
       work_.spend(Phase::refinement, 0, operations);
     }
-    work_.spend(Phase::solve, 0, scaled(method.solve_operations()));
+    spend(Phase::solve, method.solve_work());
     return HVP_OK;
   }
   void finish(std::uint32_t& flags) override {
     host::FrameMethod& method = computation_.method();
     method.finish();
+    if (const host::SolveWork rest = method.rest_work(); rest.operations() > 0) {
+      spend(Phase::solve, rest);
+    }
     if (const double operations = method.finish_operations(); operations > 0) {
       work_.spend(Phase::refinement, 0, operations);
     }
@@ -61,8 +65,9 @@ class HostSolver : public FrameSolver {
   hvp_status close() override { return HVP_OK; }
 
  private:
-  // In operations of the host's other steps.
-  double scaled(double operations) const { return operations / work_.costs().solver_speed(); }
+  void spend(Phase phase, const host::SolveWork& work) const {
+    work_.spend(phase, work_.costs().solve_s(work, computation_.method().memory()));
+  }
 
   host::FrameComputation& computation_;
   const Work& work_;

@@ -1,0 +1,87 @@
+"""`hvp study solvers SCENARIO`: the board or a core of the host, and in which way."""
+
+import argparse
+import platform
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pandas as pd
+
+from studies.command_line import command_of
+from studies.errors import HELD, InputError
+from studies.option_paths import check_folder
+from studies.program import find_program
+from studies.report.study_page import Plot, write_study_report
+from studies.results import CSV, write_results
+from studies.session import Session
+from studies.solvers.contest import entries
+from studies.solvers.decision import COLUMNS, FORCE, LOAD, Outcome, row, words
+from studies.store import DEFAULT_STORE, Store
+from studies.text_table import text_table
+
+if TYPE_CHECKING:
+    from studies.commands import Subparsers
+
+_SHOWN = ("host", "solver", "status", "worst_us", "p999_us", LOAD, "miss_high", FORCE)
+
+
+def declare(parser: argparse.ArgumentParser) -> None:
+    """The command's arguments."""
+    parser.add_argument("scenario", type=Path, metavar="SCENARIO.toml")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="settings")
+    parser.add_argument(
+        "--host", type=Path, metavar="HOST.toml", help="one more host: what hvp measure host wrote"
+    )
+    parser.add_argument("--out", type=Path, help="folder; default studies-out/solvers-SCENARIO")
+    parser.add_argument("--store", type=Path, default=DEFAULT_STORE, help="what has been run")
+    parser.add_argument("--jobs", type=int, default=0, help="runs at a time; default one a core")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run every solver on every host, write the results and print them."""
+    if arguments.jobs < 0:
+        raise InputError(f"--jobs: expected 0 or more, found {arguments.jobs}")
+    scenario: Path = arguments.scenario
+    out: Path = arguments.out or Path("studies-out") / f"solvers-{scenario.stem}"
+    check_folder("--out", out)
+    check_folder("--store", arguments.store, written=False)
+    program = find_program()
+    session = Session(program, Store(arguments.store))
+    if arguments.jobs:
+        session.workers = arguments.jobs
+    tried = list(entries(program, scenario, tuple(arguments.settings), arguments.host))
+    records = session.run([entry.point for entry in tried])
+    outcomes = [Outcome(entry, record) for entry, record in zip(tried, records, strict=True)]
+    answer = words(outcomes)
+    rows = [row(outcome) for outcome in outcomes]
+    write_results(out, rows, COLUMNS)
+    _report(out, arguments, answer, program.version)
+    headings = [column.heading for column in COLUMNS if column.name in _SHOWN]
+    print("\n".join(answer))
+    print(text_table(headings, [[cells[name] for name in _SHOWN] for cells in rows]))
+    print(f"Written to {out}")
+    return HELD
+
+
+def _report(out: Path, arguments: argparse.Namespace, answer: list[str], version: str) -> None:
+    frame = pd.read_csv(out / CSV, keep_default_na=False, na_values=[""])
+    write_study_report(
+        out,
+        title=f"Who solves {arguments.scenario.name}",
+        frame=frame,
+        units={column.name: column.unit for column in COLUMNS if column.unit},
+        helps={column.name: column.help for column in COLUMNS},
+        plots=[Plot(LOAD, FORCE, title="Work of the worst period, and error of the force")],
+        words=answer,
+        commands=[command_of(arguments, "study solvers")],
+        versions={"hvp": version, "python": platform.python_version()},
+    )
+
+
+def add_solvers(subparsers: "Subparsers") -> None:
+    """Declare the command."""
+    parser = subparsers.add_parser(
+        "study solvers", help="the board or a core of the host, and in which way"
+    )
+    declare(parser)
+    parser.set_defaults(run=run)

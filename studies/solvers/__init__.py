@@ -1,0 +1,1 @@
+"""Who should solve a scenario's frames: the board, or the host, in which way."""
