@@ -1,6 +1,7 @@
 """The first question of all: who should solve."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from studies.plot import Chart, Limit, Panel
 from studies.questions.answer import Answer, Row, line, number, where
@@ -29,7 +30,10 @@ def solvers(rows: Sequence[Row]) -> Answer:
         [
             Panel(
                 "ms",
-                [line(host, where(ran, host=host), "solver", "load_ms") for host in (_THEN, _NOW)],
+                [
+                    replace(line(host, where(ran, host=host), "solver", "load_ms"), joined=False)
+                    for host in (_THEN, _NOW)
+                ],
                 [Limit(_PERIOD_MS, "500 Hz")],
                 log=True,
             )

@@ -1,6 +1,6 @@
 #include "models/fem/newmark.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -12,6 +12,7 @@
 #include "models/fem/body.h"
 #include "models/fem/contact.h"
 #include "models/fem/direct_solver.h"
+#include "tests/algebra.h"
 #include "tests/allocation_count.h"
 #include "tests/fem/box_meshes.h"
 
@@ -208,9 +209,9 @@ TEST(Newmark, AHeldNodeDoesNotRing) {
 double modal_error(const Body& body, Dynamics dynamics, int steps) {
   const Eigen::MatrixXd k = body.stiffness().to_eigen().toDense();
   const Eigen::MatrixXd m = body.mass(dynamics.mass).to_eigen().toDense();
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> eigen(k, m);
-  const double omega = std::sqrt(eigen.eigenvalues()[0]);
-  Eigen::VectorXd mode = eigen.eigenvectors().col(0);
+  const test::SymmetricModes modes = test::generalised_modes(k, m);
+  const double omega = std::sqrt(modes.values[0]);
+  Eigen::VectorXd mode = modes.vectors.col(0);
   mode /= mode.cwiseAbs().maxCoeff();
   const double decay = (dynamics.rayleigh_mass + dynamics.rayleigh_stiffness * omega * omega) / 2;
   const double damped = std::sqrt(omega * omega - decay * decay);

@@ -1,4 +1,3 @@
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "models/fem/quadratic_element.h"
 #include "models/index.h"
 #include "models/mesh/mid_edge_nodes.h"
+#include "tests/algebra.h"
 #include "tests/fem/box_meshes.h"
 #include "tests/fem/quadratic_truth.h"
 
@@ -144,8 +144,8 @@ double condition(const sparse::BlockMatrix& k) {
   Eigen::MatrixXd a = k.to_eigen().toDense();
   const Eigen::VectorXd d = a.diagonal().cwiseSqrt().cwiseInverse();
   a = d.asDiagonal() * a * d.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(a, Eigen::EigenvaluesOnly);
-  return eigen.eigenvalues().maxCoeff() / eigen.eigenvalues().minCoeff();
+  const Eigen::VectorXd eigenvalues = test::symmetric_eigenvalues(a);
+  return eigenvalues.maxCoeff() / eigenvalues.minCoeff();
 }
 
 TEST(QuadraticLocking, ConditionsAsTheTableSays) {

@@ -7,6 +7,7 @@
 
 #include "models/fem/material.h"
 #include "models/mesh/tet_mesh.h"
+#include "tests/algebra.h"
 
 // The ten-node tetrahedron once more, in another way: interpolation by solving for the coefficients
 // of the monomials, integrals by Gauss' rule in collapsed coordinates.
@@ -35,7 +36,7 @@ class Element {
     for (int a = 0; a < 10; ++a) {
       at_nodes.row(a) = monomials(node[static_cast<std::size_t>(a)]).transpose();
     }
-    coefficient_ = at_nodes.inverse();
+    coefficient_ = test::inverse(at_nodes);
   }
   Element(const mesh::TetMesh& mesh, std::size_t e) : Element(positions(mesh, e)) {}
 

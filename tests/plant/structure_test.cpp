@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <numbers>
 #include <string>
-#include <unsupported/Eigen/MatrixFunctions>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -12,6 +11,7 @@
 #include "models/plant/moving_device.h"
 #include "models/plant/plant.h"
 #include "models/plant/wall_stability.h"
+#include "tests/algebra.h"
 #include "tests/allocation_count.h"
 #include "tests/plant/wall_run.h"
 
@@ -114,7 +114,7 @@ TEST(Structure, InAHandIsTheMatrixExponential) {
     y << from.x, from.v, from.handle_x, from.handle_v, from.hand_x, from.hand_v, from.force, 0.6,
         0.01, -0.2, 1;
     for (const double t : {1e-5, 1e-3, 0.05, 1.0}) {
-      const Vector expected = (equations(axis, -0.35) * t).exp() * y;
+      const Vector expected = test::exponential(equations(axis, -0.35) * t) * y;
       const LinearAxis::State s = axis.after(t, from, drive);
       const std::array<double, 7> moved = {s.x,      s.v,      s.handle_x, s.handle_v,
                                            s.hand_x, s.hand_v, s.force};
@@ -130,7 +130,7 @@ TEST(Structure, InAHandIsTheMatrixExponential) {
 TEST(Structure, ItsRateBoundsItsEigenvalues) {
   for (const bool rigid : {true, false}) {
     const LinearAxis axis = in_an_arm(rigid);
-    const double fastest = equations(axis, 0).eigenvalues().cwiseAbs().maxCoeff();
+    const double fastest = test::spectral_radius(equations(axis, 0));
     EXPECT_GE(axis.rate(), fastest);
     EXPECT_LE(axis.rate(), 8 * fastest);
   }
@@ -290,8 +290,8 @@ TEST(Structure, IsAbsentWhereItIsNotNamed) {
 // The loop's map, formed from the matrix exponential of the equations.
 double edge_by_matrices(const LinearAxis& axis, double period, double late) {
   const auto radius = [&](double stiffness) {
-    const Matrix before = (equations(axis, 0) * late).exp();
-    const Matrix after = (equations(axis, 0) * (period - late)).exp();
+    const Matrix before = test::exponential(equations(axis, 0) * late);
+    const Matrix after = test::exponential(equations(axis, 0) * (period - late));
     // The lag is left out: the command is the force, in the seventh state.
     Eigen::Matrix<double, 8, 8> map = Eigen::Matrix<double, 8, 8>::Zero();
     const auto first = before.topLeftCorner<6, 6>().eval();
@@ -300,7 +300,7 @@ double edge_by_matrices(const LinearAxis& axis, double period, double late) {
     map.block<6, 1>(0, 6) -= stiffness * second * before.block<6, 1>(0, 6);
     map.block<6, 1>(0, 0) -= stiffness * after.block<6, 1>(0, 6);
     map(6, 0) = 1;
-    return map.eigenvalues().cwiseAbs().maxCoeff();
+    return test::spectral_radius(map);
   };
   double stable = 1;
   double unstable = 1;
