@@ -28,7 +28,7 @@ BodySettings body_settings(const PlatformSettings& settings, bool refined) {
   // A pass of a refined solve that saturates is mended by the next one.
   const bool hold_saturated =
       !refined && host::guards(settings.host.recovery.hold_saturated, !settings.faults.empty());
-  return {settings.period, settings.host, settings.solver, hold_saturated};
+  return {settings.period, settings.host, settings.solver, hold_saturated, settings.seed};
 }
 
 SceneState at_rest(const SoftBody& soft, BoardSide& side) {

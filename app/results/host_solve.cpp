@@ -29,14 +29,15 @@ std::optional<HostSolveFigures> host_solve_figures(const app::Scene& scene) {
   figures.memory_bytes = memory.kept;
   figures.working_set_bytes = memory.working_set;
   for (const host::Step& step : method.steps()) {
+    if (step.where == host::Step::Where::core) {
+      figures.rest_ps += step.times * to_picoseconds(host.core_solve_s(step.work, step.memory));
+    }
     if (step.where != host::Step::Where::solver) continue;
-    const std::int64_t ps = to_picoseconds(host.solve_s(step.work, step.memory));
-    (step.after_force ? figures.rest_ps : figures.solve_ps) += ps * step.times;
-    if (step.after_force) continue;
+    figures.solve_ps += step.times * to_picoseconds(host.solve_s(step.work, step.memory));
     figures.operations += step.times * step.work.operations();
     figures.bytes += step.times * step.work.bytes;
   }
-  figures.set_up_ps = to_picoseconds(host.solve_s(method.set_up_work(), memory));
+  figures.set_up_ps = to_picoseconds(host.core_solve_s(method.set_up_work(), memory));
   return figures;
 }
 

@@ -76,13 +76,14 @@ std::string least_limit_text(const fem::ExplicitSteps& steps) {
 
 // True where what a frame takes is drawn, so that another run of it may miss what this one did not.
 bool draws_times(const std::vector<std::string>& effects) {
-  constexpr std::array<std::string_view, 7> kDrawn = {"host.jitter",
+  constexpr std::array<std::string_view, 8> kDrawn = {"host.jitter",
                                                       "host.wake_up",
                                                       "host.interrupt_latencies",
                                                       "bus.read_latencies",
                                                       "bus.pcie.root_complex_latencies",
                                                       "bus.traffic",
-                                                      "bus.graphics_traffic"};
+                                                      "bus.graphics_traffic",
+                                                      "host.gpu.latencies"};
   return std::ranges::any_of(
       effects, [&](const auto& effect) { return std::ranges::count(kDrawn, effect) > 0; });
 }
@@ -163,9 +164,9 @@ void scene_lines(Out out, const app::Scene& scene, const Outcome& o) {
     return;
   }
   if (!scene.has_board()) {
-    fmt::format_to(out, "  solver      {}{}, in {} precision on the host; no board\n",
-                   host_solver_text(s), passes_text(s),
-                   s.host.precision == host::Precision::single_precision ? "single" : "double");
+    fmt::format_to(out, "  solver      {}{}, in {} precision on the {}; no board\n",
+                   host_solver_text(s), passes_text(s), host::name(s.host.precision),
+                   s.host.gpu ? "host's GPU" : "host");
     return;
   }
   const char* most = s.solver.stop_residual > 0 && !s.timing_only() ? "at most " : "";

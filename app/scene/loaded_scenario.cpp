@@ -65,6 +65,7 @@ void take_samples(Scenario& scenario) {
   take(scenario.host.jitter, "host.jitter");
   take(scenario.host.wake_up, "host.wake_up");
   take(scenario.host.interrupt_latencies, "host.interrupt_latencies");
+  if (scenario.host.gpu) take(scenario.host.gpu->latencies, "host.gpu.latencies");
   take(scenario.bus.read_latencies, "bus.read_latencies");
   if (scenario.bus.pcie) {
     take(scenario.bus.pcie->root_complex_latencies, "bus.pcie.root_complex_latencies");

@@ -199,6 +199,13 @@ void Host::declare(config::Visitor& v, const config::Condition& body) {
             {config::need_timed_host(),
              config::need_board("no board interrupts"),
              {"transfer.notification", {"intx", "msi"}, "nothing interrupts"}}});
+  v.when(body, [&] {
+    v.effect("gpu", gpu,
+             {"the host's own solve is made by a GPU, in host.precision",
+              random::drawn("no module: what the solve takes",
+                            gpu ? gpu->latencies : std::optional<GpuLatencies>()),
+              Gpu::needs()});
+  });
   v.effect("delay", delay,
            {"every force is at the motor so much later, with nothing else changed: what if the "
             "latency were longer?",
@@ -220,6 +227,12 @@ void Host::declare(config::Visitor& v, const config::Condition& body) {
 }
 
 void Host::check() const {
+  constexpr double kLeastRate = 1e6;
+  if (solver_rate_flops > 0 && solver_rate_flops < kLeastRate) {
+    throw InputError(
+        "solver_rate",
+        fmt::format("expected 0, or at least 1 Mflop/s, found {:g} flop/s", solver_rate_flops));
+  }
   if (pipeline_depth > 0 && solver != SolvedBy::board) {
     throw InputError("pipeline_depth",
                      "expected 0: without a board nothing solves while the host does other work");
@@ -258,6 +271,10 @@ std::int64_t Host::compute_ps(double operations) const {
 }
 
 double Host::solve_s(const SolveWork& work, const SolveMemory& memory) const {
+  return gpu ? gpu->seconds(work, memory) : core_solve_s(work, memory);
+}
+
+double Host::core_solve_s(const SolveWork& work, const SolveMemory& memory) const {
   if (const Processor* priced = prices()) return priced->seconds(work, memory.working_set);
   return work.operations() / (solver_rate_flops > 0 ? solver_rate_flops : sustained_rate_flops);
 }

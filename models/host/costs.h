@@ -6,6 +6,7 @@
 
 #include "models/config/declaration.h"
 #include "models/host/frame_method.h"
+#include "models/host/gpu.h"
 #include "models/host/passivity.h"
 #include "models/host/processor.h"
 #include "models/host/shared_core.h"
@@ -88,7 +89,8 @@ struct Host {
   ProcessorModel model = ProcessorModel::one_rate;
   Processor processor = built_in(ProcessorModel::desktop_2026);  // of a model that is measured
   double solver_rate_flops = 0;  // of one_rate; 0: sustained_rate_flops
-  int substeps = 0;              // of explicit time steps, a frame; 0: as many as are stable
+  std::optional<Gpu> gpu;
+  int substeps = 0;  // of explicit time steps, a frame; 0: as many as are stable
   int pipeline_depth = 0;
   double quantum_s = 0;  // the most by which the servo process' time runs ahead in the simulation
   int cores = 2;
@@ -116,8 +118,10 @@ struct Host {
   double rate_flops() const;
   // The time of so many additions and multiplications beside a solve, in whole picoseconds.
   std::int64_t compute_ps(double operations) const;
-  // The time of the host's own solve, in s.
+  // The time of the host's own solve, in s: on the GPU where there is one, else on a core.
   double solve_s(const SolveWork& work, const SolveMemory& memory) const;
+  // On a core in any case: the set-up, contact that moves, what is solved for after the force.
+  double core_solve_s(const SolveWork& work, const SolveMemory& memory) const;
   // Null where one rate prices all.
   const Processor* prices() const;
 };

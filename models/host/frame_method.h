@@ -52,6 +52,7 @@ struct Step {
   enum class Where {
     host,    // its operations, at the host's rate
     solver,  // its work, at what host.model says of the host's own solve
+    core,    // its work, on a core whoever solves
     board,   // b goes there, the board solves, U comes back
   };
   std::string what;

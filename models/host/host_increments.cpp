@@ -60,6 +60,7 @@ bool HostIncrements::next(std::span<std::int32_t> /*b*/) {
     solve_->solve(increments_.residual(), still_, increment_);
     // The next pass needs every node.
     solve_work_ += solve_->work() + solve_->rest_work();
+    ++solve_work_.calls;
     const std::span<double> u = increments_.change();
     for (std::size_t i = 0; i < u.size(); ++i) u[i] += increment_[i];
     next_operations_ += rows_;

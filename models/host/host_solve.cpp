@@ -228,7 +228,7 @@ std::vector<Step> HostMethod::steps() const {
                             Step::Where::solver, 0, 1, false, solve_->most_work(),
                             solve_->memory()}};
   if (const SolveWork rest = solve_->rest_work(); rest.operations() > 0) {
-    all.push_back({"the other nodes", Step::Where::solver, 0, 1, true, rest, solve_->memory()});
+    all.push_back({"the other nodes", Step::Where::core, 0, 1, true, rest, solve_->memory()});
   }
   return all;
 }

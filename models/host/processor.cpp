@@ -64,9 +64,9 @@ double Processor::bandwidth(double working_set) const {
 
 double Processor::seconds(const SolveWork& work, double working_set) const {
   if (work.operations() == 0) return 0;
-  return call_s + work.dense / dense_flops + work.dense_single / single_flops +
-         work.sparse / sparse_flops + work.triangular / triangular_flops +
-         work.bytes / bandwidth(working_set);
+  return std::max(1, work.calls) * call_s + work.dense / dense_flops +
+         work.dense_single / single_flops + work.sparse / sparse_flops +
+         work.triangular / triangular_flops + work.bytes / bandwidth(working_set);
 }
 
 const char* name(ProcessorModel model) {

@@ -16,6 +16,7 @@ struct SolveWork {
   // The parts of the solve of which each needs all of the one before: where several workers solve,
   // they wait for each other so often.
   int barriers = 0;
+  int calls = 0;  // solves, one after the other; 0: one
 
   double operations() const { return dense + dense_single + sparse + triangular; }
 
@@ -26,12 +27,13 @@ struct SolveWork {
     triangular += other.triangular;
     bytes += other.bytes;
     barriers += other.barriers;
+    calls += other.calls;
     return *this;
   }
   friend SolveWork operator+(SolveWork a, const SolveWork& b) { return a += b; }
   friend SolveWork operator*(int times, const SolveWork& a) {
-    return {times * a.dense,      times * a.dense_single, times * a.sparse,
-            times * a.triangular, times * a.bytes,        times * a.barriers};
+    return {times * a.dense, times * a.dense_single, times * a.sparse, times * a.triangular,
+            times * a.bytes, times * a.barriers,     times * a.calls};
   }
 };
 

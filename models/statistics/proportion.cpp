@@ -16,12 +16,13 @@ constexpr double kBeyond = 0.05;
 double outwards(double value, bool up) {
   if (!(value > 0)) return 0;
   if (value > 0.5) return 1 - outwards(1 - value, !up);
-  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2);
-  const double scaled = value / unit;
+  // A power of ten is a whole number, and a quotient of two of them the number that its digits say.
+  const double tenths = std::pow(10.0, 2 - std::floor(std::log10(value)));
+  const double scaled = value * tenths;
   // A digit that is whole but for rounding stays.
   constexpr double kRounding = 1e-6;
-  return std::min(1.0,
-                  unit * (up ? std::ceil(scaled - kRounding) : std::floor(scaled + kRounding)));
+  const double digits = up ? std::ceil(scaled - kRounding) : std::floor(scaled + kRounding);
+  return std::min(1.0, digits / tenths);
 }
 
 }  // namespace

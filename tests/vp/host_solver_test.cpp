@@ -95,7 +95,7 @@ TEST(HostSolver, AProcessorPricesKindsAndBytes) {
   const auto entries = static_cast<double>(factors.factor_nonzeros());
   const double n = SmallScene::kUnknowns;
   const double seconds = p.call_s + (4 * entries + n) / p.triangular_flops +
-                         (24 * entries + 72 * n) / p.bandwidth(12 * entries + 32 * n);
+                         (24 * entries + 72 * n) / p.bandwidth(12 * entries + 24 * n);
   EXPECT_EQ(run.log.frames[0].latency(), around_the_solve() + to_picoseconds(seconds));
 }
 

@@ -4,18 +4,22 @@
 
 #include "models/time/picoseconds.h"
 #include "vp/host/board_solver.h"
+#include "vp/latency_draws.h"
 
 namespace hvp::vp {
 
 namespace {
 
-// The solver without a board: the servo process solves, on its own core. Each step costs its
-// operations as host.model prices them.
+// The solver without a board: the servo process solves, on its own core or on a GPU. Each step
+// costs its operations as host.model prices them.
 class HostSolver : public FrameSolver {
  public:
   // Keeps references.
-  HostSolver(host::FrameComputation& computation, const Work& work)
-      : computation_(computation), work_(work) {}
+  HostSolver(host::FrameComputation& computation, const Work& work, std::int64_t seed)
+      : computation_(computation), work_(work) {
+    const std::optional<host::Gpu>& gpu = work.costs().gpu;
+    if (gpu && gpu->latencies) latencies_.emplace(*gpu->latencies, seed, "host.gpu.latencies");
+  }
 
   hvp_status set_up_piece(bool& done) override {
     computation_.set_contact({});
@@ -48,7 +52,9 @@ class HostSolver : public FrameSolver {
     if (const double operations = method.next_operations(); operations > 0) {
       work_.spend(Phase::refinement, 0, operations);
     }
-    spend(Phase::solve, method.solve_work());
+    const double latency = latencies_ ? to_seconds(latencies_->next(work_.tag().frame)) : 0.0;
+    work_.spend(Phase::solve,
+                work_.costs().solve_s(method.solve_work(), method.memory()) + latency);
     return HVP_OK;
   }
   void finish(std::uint32_t& flags) override {
@@ -66,11 +72,12 @@ class HostSolver : public FrameSolver {
 
  private:
   void spend(Phase phase, const host::SolveWork& work) const {
-    work_.spend(phase, work_.costs().solve_s(work, computation_.method().memory()));
+    work_.spend(phase, work_.costs().core_solve_s(work, computation_.method().memory()));
   }
 
   host::FrameComputation& computation_;
   const Work& work_;
+  std::optional<LatencyDraws> latencies_;
   bool goes_on_ = false;
   double way_ = 0;
 };
@@ -79,7 +86,9 @@ std::unique_ptr<FrameSolver> make_solver(const BodySettings& settings,
                                          host::FrameComputation& computation,
                                          const DriverPort& port, const Work& work,
                                          HostMemory* memory) {
-  if (!computation.has_board()) return std::make_unique<HostSolver>(computation, work);
+  if (!computation.has_board()) {
+    return std::make_unique<HostSolver>(computation, work, settings.seed);
+  }
   return std::make_unique<BoardSolver>(settings.solver, computation, port, work,
                                        settings.hold_saturated, memory);
 }

@@ -26,6 +26,7 @@ struct BodySettings {
   host::Host costs;
   fixed::Settings solver;
   bool hold_saturated = false;  // a saturated solve gets a held force
+  std::int64_t seed = 1;
 };
 
 // The rendering of a soft body in finite elements: fetch the contact node, form the modified force

@@ -208,6 +208,8 @@ const std::map<std::string, Parts> kAdded = {
     {"host.jitter", kNothing},
     {"host.wake_up", kNothing},
     {"host.interrupt_latencies", kNothing},
+    {"host.gpu", kNothing},
+    {"host.gpu.latencies", kNothing},
     {"host.delay", kNothing},
     {"host.virtual_coupling", kNothing},
     {"host.passivity", kNothing},
