@@ -14,15 +14,28 @@ from studies.program import find_program
 from studies.report.study_page import Plot, write_study_report
 from studies.results import CSV, write_results
 from studies.session import Session
-from studies.solvers.contest import entries
-from studies.solvers.decision import COLUMNS, FORCE, LOAD, Outcome, row, words
+from studies.solvers.contest import contest
+from studies.solvers.decision import COLUMNS, FORCE, LOAD, Outcome, require_figures, row, words
 from studies.store import DEFAULT_STORE, Store
 from studies.text_table import text_table
 
 if TYPE_CHECKING:
     from studies.commands import Subparsers
 
-_SHOWN = ("host", "solver", "status", "worst_us", "p999_us", LOAD, "miss_high", FORCE)
+_SHOWN = (
+    "host",
+    "solver",
+    "status",
+    "worst_us",
+    "p999_us",
+    LOAD,
+    "miss_high",
+    FORCE,
+    "displacement_error",
+    "memory_bytes",
+    "set_up_us",
+    "flags",
+)
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -49,10 +62,11 @@ def run(arguments: argparse.Namespace) -> int:
     session = Session(program, Store(arguments.store))
     if arguments.jobs:
         session.workers = arguments.jobs
-    tried = list(entries(program, scenario, tuple(arguments.settings), arguments.host))
-    records = session.run([entry.point for entry in tried])
-    outcomes = [Outcome(entry, record) for entry, record in zip(tried, records, strict=True)]
-    answer = words(outcomes)
+    held = contest(program, scenario, tuple(arguments.settings), arguments.host)
+    records = session.run([entry.point for entry in held.entries])
+    outcomes = [Outcome(entry, record) for entry, record in zip(held.entries, records, strict=True)]
+    require_figures(outcomes, scenario)
+    answer = words(outcomes, held.left_out)
     rows = [row(outcome) for outcome in outcomes]
     write_results(out, rows, COLUMNS)
     _report(out, arguments, answer, program.version)

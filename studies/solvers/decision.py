@@ -2,11 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
+from studies.errors import InputError
 from studies.point import Value
 from studies.record import Record
 from studies.results import Column
-from studies.solvers.contest import BOARD, Entry
+from studies.solvers.contest import BOARD, MEASURED, Entry
 
 WORST = "worst_us"
 LOAD = "load_us"
@@ -69,7 +71,11 @@ class Outcome:
     @property
     def name(self) -> str:
         """As a sentence calls it."""
-        who = "the board" if self.on_board else f"a core by {self.entry.solver.label}"
+        solver = self.entry.solver
+        who = "the board" if self.on_board else f"a core by {solver.label}"
+        if solver.launch:
+            way = filter(None, (solver.name, solver.precision, solver.launch))
+            who = f"a GPU by {', '.join(way)}"
         return f"{who} ({self.entry.host})"
 
 
@@ -84,16 +90,37 @@ def row(outcome: Outcome) -> dict[str, Value]:
         "flags": " ".join(record.flags) if record.done else None,
         "message": None if record.done else record.message,
     }
-    return cells | {name: outcome.metric(name) for name in _METRICS}
+    figures = {name: outcome.metric(name) for name in _METRICS}
+    if not outcome.entry.drawn:
+        # Every run of it is the same.
+        figures["miss_low"] = figures["miss_high"] = None
+    return cells | figures
 
 
-def words(outcomes: Sequence[Outcome]) -> list[str]:
+def require_figures(outcomes: Sequence[Outcome], scenario: Path) -> None:
+    """Throws InputError where there is nothing to compare: every run was refused, or no frame was
+    in contact, where a solver that does nothing is as good as any."""
+    if not any(outcome.record.done for outcome in outcomes):
+        raise InputError(f"{scenario}: every run was refused: {outcomes[0].record.message}")
+    if all(outcome.metric(FORCE) is None for outcome in outcomes):
+        raise InputError(
+            f"{scenario}: frames: no frame in contact was compared with the true model: expected "
+            "frames until the probe touches the body"
+        )
+
+
+def words(outcomes: Sequence[Outcome], left_out: Sequence[str] = ()) -> list[str]:
     """The answer first: whether a host does without the board, then each host's best."""
     hosts = list(dict.fromkeys(o.entry.host for o in outcomes))
-    return [
-        _answer(outcomes),
-        *(_of_host([o for o in outcomes if o.entry.host == h]) for h in hosts),
-    ]
+    lines = [_answer(outcomes)]
+    lines += [_of_host([o for o in outcomes if o.entry.host == host]) for host in hosts]
+    if left_out:
+        lines.append(f"Without a board there is no {', '.join(left_out)}: left out for the hosts.")
+    if MEASURED in hosts:
+        lines.append(
+            f"{MEASURED} wakes as late as its file says; the other hosts as the scenario says."
+        )
+    return lines
 
 
 def best(outcomes: Sequence[Outcome]) -> Outcome | None:
@@ -103,22 +130,39 @@ def best(outcomes: Sequence[Outcome]) -> Outcome | None:
 
 
 def _answer(outcomes: Sequence[Outcome]) -> str:
-    host = best([o for o in outcomes if not o.on_board])
+    hosts = [o for o in outcomes if not o.on_board]
+    # A card is bought too: a core that would do comes before it.
+    host = best([o for o in hosts if not o.entry.solver.launch]) or best(hosts)
     boards = [o for o in outcomes if o.on_board]
     board = best(boards)
+    who = "GPU" if host and host.entry.solver.launch else "core"
     if host and board:
+        faster = (host.metric(LOAD) or 0) < (board.metric(LOAD) or 0)
         first = (
-            "A core beats the board"
-            if (host.metric(LOAD) or 0) < (board.metric(LOAD) or 0)
-            else "The board is faster than a core, and a core would do"
+            f"A {who} beats the board"
+            if faster
+            else f"The board is faster than a {who}, and a {who} would do"
         )
-        return f"{first}: {_figures(host)}; {_figures(board)}."
+        return f"{first}{_but(host, board)}: {_figures(host)}; {_figures(board)}."
     if host:
-        return f"A core does what the board does not: {_figures(host)}; {_figures(_least(boards))}."
+        return (
+            f"A {who} does what the board does not: {_figures(host)}; {_figures(_least(boards))}."
+        )
     if board:
-        others = _least([o for o in outcomes if not o.on_board])
-        return f"The board is needed: {_figures(board)}; {_figures(others)}."
+        return f"The board is needed: {_figures(board)}; {_figures(_least(hosts))}."
     return f"Nobody holds every budget; the least work: {_figures(_least(outcomes))}."
+
+
+def _but(host: Outcome, board: Outcome) -> str:
+    """What a faster one is worse at."""
+    of_host, of_board = host.metric(FORCE) or 0.0, board.metric(FORCE) or 0.0
+    if of_host > of_board:
+        return (
+            f" in time, with a force that is {of_host / of_board:.2g} times further off"
+            if of_board
+            else ""
+        )
+    return ""
 
 
 def _least(outcomes: Sequence[Outcome]) -> Outcome:
@@ -135,7 +179,7 @@ def _of_host(outcomes: Sequence[Outcome]) -> str:
     if chosen:
         text += f"; least work {_figures(chosen)}"
     if refused:
-        text += f"; without figures {', '.join(refused)}"
+        text += f"; without figures: {'; '.join(refused)}"
     return text + "."
 
 
@@ -147,8 +191,28 @@ def _figures(outcome: Outcome) -> str:
     return (
         f"{outcome.name} has its worst force after {_ms(outcome.metric(WORST))} of "
         f"{_ms(budget)}, its worst period's work takes {_ms(outcome.metric(LOAD))}, "
-        f"{'force not compared' if error is None else f'95 % of its forces within {error:.2g}'}"
+        f"{_force(error)}{_missed(outcome)}{_flags(outcome)}"
     )
+
+
+def _force(error: float | None) -> str:
+    if error is None:
+        return "its force was not compared"
+    if error == 0:
+        return "its force is that of the true model"
+    return f"95 % of its forces are within {100 * error:.2g} % of the true model's"
+
+
+def _missed(outcome: Outcome) -> str:
+    most = outcome.metric("miss_high")
+    if not outcome.entry.drawn or most is None:
+        return ""
+    return f", less than {100 * most:.2g} % of all ticks miss (95 %, if they are independent)"
+
+
+def _flags(outcome: Outcome) -> str:
+    flags = outcome.record.flags
+    return f", flagged {', '.join(flags)}" if flags else ""
 
 
 def _ms(microseconds: float | None) -> str:
