@@ -62,25 +62,12 @@ fem::Body cube(int cells) {
           fem::Material{}, floor, fem::AnchorTreatment::removed};
 }
 
-// The nodes of the surface, in the numbers of the system.
-std::vector<int> touchable(const fem::Body& body) {
-  std::vector<int> nodes;
-  for (const auto& triangle : body.mesh().boundary) {
-    for (const int node : triangle) {
-      if (const int active = body.active_index(node); active >= 0) nodes.push_back(active);
-    }
-  }
-  std::ranges::sort(nodes);
-  nodes.erase(std::ranges::unique(nodes).begin(), nodes.end());
-  return nodes;
-}
-
 // The solvers of one body, ready to be timed.
 class Timed {
  public:
   Timed(int cells, bool held_out) : body_(cube(cells)), held_out_(held_out) {
     const sparse::BlockMatrix& a = body_.stiffness();
-    const std::vector<int> surface = touchable(body_);
+    const std::vector<int> surface = host::touchable_nodes(body_);
     f_.resize(static_cast<std::size_t>(a.rows()));
     u_.resize(f_.size());
     for (std::size_t i = 0; i < f_.size(); ++i) f_[i] = 1e-3 * std::sin(static_cast<double>(i + 1));

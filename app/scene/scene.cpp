@@ -13,6 +13,7 @@
 #include "app/scene/scenario.h"
 #include "models/accel/critical_path.h"
 #include "models/config/input_error.h"
+#include "models/host/dense_solve.h"
 #include "models/host/reference_run.h"
 #include "models/mesh/surface_check.h"
 #include "models/time/picoseconds.h"
@@ -96,15 +97,7 @@ namespace {
 
 // Who solves, with the nodes that contact can load or move: those of the surface.
 host::SolverChoice solver_of(const Scenario& s, const fem::Body& body) {
-  std::vector<int> touchable;
-  for (const auto& triangle : body.mesh().boundary) {
-    for (const int node : triangle) {
-      if (const int active = body.active_index(node); active >= 0) touchable.push_back(active);
-    }
-  }
-  std::ranges::sort(touchable);
-  touchable.erase(std::ranges::unique(touchable).begin(), touchable.end());
-  return {s.host.solver, s.host.precision, std::move(touchable)};
+  return {s.host.solver, s.host.precision, host::touchable_nodes(body)};
 }
 
 }  // namespace

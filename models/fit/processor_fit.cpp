@@ -103,7 +103,9 @@ Searched search(const std::vector<SolveTime>& times, const host::Processor& from
       new ceres::NumericDiffCostFunction<Pull, ceres::CENTRAL, kFigures, kFigures>(new Pull{begin}),
       nullptr, z.data());
   // Where the bytes take all of the time, any rate would do: no core of today has more.
-  for (int i = 1; i < 5; ++i) problem.SetParameterUpperBound(z.data(), i, std::log(kMostRates[i]));
+  for (std::size_t i = 1; i < kMostRates.size(); ++i) {
+    problem.SetParameterUpperBound(z.data(), static_cast<int>(i), std::log(kMostRates[i]));
+  }
   problem.SetParameterUpperBound(z.data(), kLastCache,
                                  std::log(std::max(start.caches.back().size_bytes, 1.0)));
   problem.SetParameterLowerBound(z.data(), kLastCache,

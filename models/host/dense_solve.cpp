@@ -445,6 +445,18 @@ std::unique_ptr<HostSolve> make_with(const SolverChoice& choice, const sparse::B
 
 }  // namespace
 
+std::vector<int> touchable_nodes(const fem::Body& body) {
+  std::vector<int> nodes;
+  for (const auto& triangle : body.mesh().boundary) {
+    for (const int node : triangle) {
+      if (const int active = body.active_index(node); active >= 0) nodes.push_back(active);
+    }
+  }
+  std::ranges::sort(nodes);
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
 std::unique_ptr<HostSolve> make_dense_solve(const SolverChoice& choice,
                                             const sparse::BlockMatrix& a) {
   return choice.precision == Precision::single_precision ? make_with<float>(choice, a)

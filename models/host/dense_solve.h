@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "models/fem/body.h"
 #include "models/fem/dense_lu.h"
 #include "models/fem/direct_solver.h"
 #include "models/host/host_solve.h"
@@ -144,6 +145,10 @@ extern template class Superposition<float>;
 extern template class Superposition<double>;
 extern template class Condensed<float>;
 extern template class Condensed<double>;
+
+// The nodes of a body's surface that can move, in the numbers of its system, ascending: contact
+// loads and moves no others.
+std::vector<int> touchable_nodes(const fem::Body& body);
 
 // Makes a host's solver. Throws InputError for a matrix that is not positive definite, and where
 // the choice is not a host's.

@@ -19,17 +19,8 @@ struct Cube {
                  fem::AnchorTreatment::removed};
   const sparse::BlockMatrix& a = body.stiffness();
   std::size_t n = static_cast<std::size_t>(a.rows());
-  std::vector<int> surface;
+  std::vector<int> surface = touchable_nodes(body);
 
-  Cube() {
-    for (const auto& triangle : body.mesh().boundary) {
-      for (const int node : triangle) {
-        if (const int active = body.active_index(node); active >= 0) surface.push_back(active);
-      }
-    }
-    std::ranges::sort(surface);
-    surface.erase(std::ranges::unique(surface).begin(), surface.end());
-  }
   static std::vector<int> floor() {
     std::vector<int> nodes;
     for (int i = 0; i < 25; ++i) nodes.push_back(i);
@@ -70,6 +61,13 @@ class DenseSolve : public testing::TestWithParam<Case> {
   }
   Cube cube_;
 };
+
+// A box of 4 × 4 × 4 cells on its floor has 125 nodes, 27 of them inside and 25 on the floor.
+TEST(TouchableNodes, AreThoseOfTheSurfaceThatMove) {
+  const Cube cube;
+  EXPECT_EQ(cube.surface.size(), 125U - 27U - 25U);
+  EXPECT_TRUE(std::ranges::is_sorted(cube.surface));
+}
 
 // Loads on the surface and, once, inside; contact at none, two and one of the nodes.
 TEST_P(DenseSolve, FindsWhatFactorsFind) {
