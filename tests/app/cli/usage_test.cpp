@@ -69,8 +69,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Wrong{{},
               "expected a command: run, explain, device, stability, serve, linux, replay, fit, "
-              "solve, "
-              "mesh, export, resolve, reference"},
+              "measure, solve, mesh, export, resolve, reference"},
         Wrong{{"rum"}, "unknown command rum; did you mean run?"},
         Wrong{{"simulate"}, "unknown command simulate; there is run, explain"},
         Wrong{{"study", "axes.toml"}, "hvp: study is run by ./hvp study …"},
