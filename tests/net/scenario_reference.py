@@ -27,6 +27,7 @@ UNITS = {
     "density": "kg/m3",
     "angle": "rad",
     "throughput": "flop/s",
+    "bandwidth": "B/s",
     "data size": "B",
     "number": "",
 }
