@@ -82,6 +82,9 @@ NEEDS = {
     "bus.traffic": ["fidelity.bus=approximately-timed"],
     "bus.graphics_traffic": ["fidelity.bus=approximately-timed"],
     "output.waveform": ["fidelity.accelerator=cycle-accurate"],
+    "host.solver_rate": ["host.solver=cg"],
+    "host.gpu": ["host.solver=inverse"],
+    "host.gpu.latencies": ["host.solver=inverse"],
     "device.dac": ["device.amplifier=true", "device.motor=true"],
     "device.adc": ["device.amplifier=true", "device.motor=true"],
     "device.amplifier": ["device.motor=true"],
@@ -227,11 +230,13 @@ def cases(keys: list[Number], lists: set[str]) -> Iterator[Case]:
             if listed is not None:
                 yield item_case(key, value, listed)
                 continue
-            overrides = list(NEEDS.get(key.table, []))
+            overrides = [*NEEDS.get(key.table, []), *NEEDS.get(key.full, [])]
             if key.table == "object.mesh":
                 overrides.append('object.mesh={shape = "box", nodes = 60}')
             for name, chosen in key.conditions:
                 overrides.append(f"{name}={chosen}")
+                if chosen == '"measured"' and not name.endswith("distribution"):
+                    continue  # a host's model, which has a table of its own
                 overrides += [need.format(table=key.table) for need in NEEDS.get(chosen, [])]
             yield Case(key.full, value, (*overrides, f"{key.full}={value}"))
 
