@@ -8,11 +8,31 @@
 
 #include "app/results/figures.h"
 #include "app/results/scene_figures.h"
+#include "app/scenario/quantity.h"
 #include "models/plant/kinematics.h"
 
 namespace hvp::app {
 
 namespace {
+
+// What a core of the host does in a second, so that a price can be formed by hand.
+std::string price_text(const host::Processor& p) {
+  using config::Dimension;
+  const auto rate = [](double value) {
+    return scenario::format_quantity(value, Dimension::throughput);
+  };
+  std::string text =
+      fmt::format("{} a call; {} dense, {} in single precision, {} sparse, {} triangular",
+                  scenario::format_quantity(p.call_s, Dimension::time), rate(p.dense_flops),
+                  rate(p.single_flops), rate(p.sparse_flops), rate(p.triangular_flops));
+  for (const host::Processor::Tier& tier : p.caches) {
+    text +=
+        fmt::format("; {} at {}", scenario::format_quantity(tier.size_bytes, Dimension::data_size),
+                    scenario::format_quantity(tier.bandwidth, Dimension::bandwidth));
+  }
+  return text + "; memory at " +
+         scenario::format_quantity(p.memory_bandwidth, Dimension::bandwidth);
+}
 
 ExplainedPart accelerator(const Scene& scene) {
   const Scenario& s = scene.scenario();
@@ -72,6 +92,9 @@ std::vector<ExplainedPart> explained_parts(const Scene& scene) {
                                      1 / s.budget.period_s, s.host.graphics.rate_hz,
                                      s.host.cores == 1 ? "on one core" : "a core each")
                        : fmt::format("servo at {:g} Hz", 1 / s.budget.period_s)});
+  if (const host::Processor* prices = s.host.prices()) {
+    parts.push_back({"prices", host::name(s.host.model), price_text(*prices)});
+  }
   parts.push_back(numbers(scene));
   return parts;
 }

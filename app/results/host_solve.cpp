@@ -30,14 +30,15 @@ std::optional<HostSolveFigures> host_solve_figures(const app::Scene& scene) {
   figures.working_set_bytes = memory.working_set;
   for (const host::Step& step : method.steps()) {
     if (step.where == host::Step::Where::core) {
-      figures.rest_ps += step.times * to_picoseconds(host.core_solve_s(step.work, step.memory));
+      figures.rest_ps +=
+          step.times * to_picoseconds(host.core_solve_s(step.work, step.memory.working_set));
     }
     if (step.where != host::Step::Where::solver) continue;
     figures.solve_ps += step.times * to_picoseconds(host.solve_s(step.work, step.memory));
     figures.operations += step.times * step.work.operations();
     figures.bytes += step.times * step.work.bytes;
   }
-  figures.set_up_ps = to_picoseconds(host.core_solve_s(method.set_up_work(), memory));
+  figures.set_up_ps = to_picoseconds(host.core_solve_s(method.set_up_work(), memory.set_up));
   return figures;
 }
 

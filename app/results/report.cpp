@@ -94,11 +94,13 @@ std::string miss_text(const vp::Verdict& v) {
   if (ticks == 0) return {};
   const statistics::Proportion p = v.miss_share();
   constexpr const char* kOf = "(95 %, if ticks are independent)";
+  // Three digits, as the bounds have: fewer would round inwards.
   if (v.misses() == 0) {
-    return fmt::format("\n  a miss         in less than {} of all ticks {}", percent(p.high), kOf);
+    return fmt::format("\n  a miss         in less than {:.3g} % of all ticks {}", 100 * p.high,
+                       kOf);
   }
-  return fmt::format("\n  a miss         in {} of these ticks, in {} to {} of all {}",
-                     percent(p.share), percent(p.low), percent(p.high), kOf);
+  return fmt::format("\n  a miss         in {} of these ticks, in {:.3g} % to {:.3g} % of all {}",
+                     percent(p.share), 100 * p.low, 100 * p.high, kOf);
 }
 
 std::string host_solver_text(const app::Scenario& s) {

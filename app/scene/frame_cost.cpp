@@ -89,11 +89,12 @@ std::vector<FrameStep> frame_steps(const Scene& scene, int nodes, std::int64_t s
       steps.push_back({"receive U", bus_takes_time ? receive_ps(s, u) : 0, step.times, after});
       continue;
     }
-    const std::int64_t alone = step.where == host::Step::Where::solver
-                                   ? to_picoseconds(s.host.solve_s(step.work, step.memory))
-                               : step.where == host::Step::Where::core
-                                   ? to_picoseconds(s.host.core_solve_s(step.work, step.memory))
-                                   : s.host.compute_ps(step.operations * grown);
+    const std::int64_t alone =
+        step.where == host::Step::Where::solver
+            ? to_picoseconds(s.host.solve_s(step.work, step.memory))
+        : step.where == host::Step::Where::core
+            ? to_picoseconds(s.host.core_solve_s(step.work, step.memory.working_set))
+            : s.host.compute_ps(step.operations * grown);
     const std::int64_t ps = host_takes_time ? alone : 0;
     steps.push_back({step.what, ps, step.times, step.after_force});
   }

@@ -97,7 +97,8 @@ namespace {
 
 // Who solves, with the nodes that contact can load or move: those of the surface.
 host::SolverChoice solver_of(const Scenario& s, const fem::Body& body) {
-  return {s.host.solver, s.host.precision, host::touchable_nodes(body)};
+  return {s.host.solver, s.host.precision, host::touchable_nodes(body),
+          s.dynamics.has_value() || s.object.nonlinear()};
 }
 
 }  // namespace

@@ -271,11 +271,11 @@ std::int64_t Host::compute_ps(double operations) const {
 }
 
 double Host::solve_s(const SolveWork& work, const SolveMemory& memory) const {
-  return gpu ? gpu->seconds(work, memory) : core_solve_s(work, memory);
+  return gpu ? gpu->seconds(work, memory) : core_solve_s(work, memory.working_set);
 }
 
-double Host::core_solve_s(const SolveWork& work, const SolveMemory& memory) const {
-  if (const Processor* priced = prices()) return priced->seconds(work, memory.working_set);
+double Host::core_solve_s(const SolveWork& work, double working_set) const {
+  if (const Processor* priced = prices()) return priced->seconds(work, working_set);
   return work.operations() / (solver_rate_flops > 0 ? solver_rate_flops : sustained_rate_flops);
 }
 

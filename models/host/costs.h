@@ -121,7 +121,7 @@ struct Host {
   // The time of the host's own solve, in s: on the GPU where there is one, else on a core.
   double solve_s(const SolveWork& work, const SolveMemory& memory) const;
   // On a core in any case: the set-up, contact that moves, what is solved for after the force.
-  double core_solve_s(const SolveWork& work, const SolveMemory& memory) const;
+  double core_solve_s(const SolveWork& work, double working_set) const;
   // Null where one rate prices all.
   const Processor* prices() const;
 };

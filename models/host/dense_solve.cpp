@@ -2,13 +2,8 @@
 
 #include <algorithm>
 #include <numeric>
-#include <stdexcept>
-#include <string>
-
-#include <fmt/format.h>
 
 #include "models/config/input_error.h"
-#include "models/host/columns.h"
 #include "models/index.h"
 
 namespace hvp::host {
@@ -114,96 +109,11 @@ double rows_of(std::span<const double> f) { return static_cast<double>(f.size())
 }  // namespace
 
 template <class Real>
-ComplianceColumns<Real>::ComplianceColumns(const fem::DirectSolver& solver,
-                                           std::span<const int> nodes, std::span<const int> rows)
-    : rows_(3 * rows.size()),
-      columns_(3 * nodes.size() * rows_),
-      place_(at(solver.rows() / 3), -1),
-      row_(place_.size(), -1) {
-  noted_.reserve(3 * nodes.size());
-  factors_.reserve(3 * nodes.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) row_[at(rows[i])] = static_cast<int>(i);
-  std::vector<double> x(at(solver.rows()));
-  auto entry = columns_.begin();
-  for (std::size_t n = 0; n < nodes.size(); ++n) {
-    place_[at(nodes[n])] = static_cast<int>(n);
-    for (int axis = 0; axis < 3; ++axis) {
-      std::ranges::fill(x, 0.0);
-      x[at(3 * nodes[n] + axis)] = 1;
-      solver.solve(x, x);
-      for (const int row : rows) {
-        for (int i = 0; i < 3; ++i) *entry++ = static_cast<Real>(x[at(3 * row + i)]);
-      }
-    }
-  }
-}
-
-template <class Real>
-void ComplianceColumns<Real>::note(std::size_t column, double factor) {
-  if (factor == 0) return;
-  noted_.push_back(&columns_[column * rows_]);
-  factors_.push_back(static_cast<Real>(factor));
-}
-
-template <class Real>
-void ComplianceColumns<Real>::add_noted(std::span<Real> x) {
-  add_columns(noted_, factors_, x);
-  noted_.clear();
-  factors_.clear();
-}
-
-template <class Real>
-void ComplianceColumns<Real>::prescribe(std::span<const int> nodes) {
-  const std::size_t m = 3 * nodes.size();
-  prescribed_.clear();
-  prescribed_row_.clear();
-  for (const int node : nodes) {
-    if (place_[at(node)] < 0 || row_[at(node)] < 0) {
-      throw InputError(
-          fmt::format("node {} has no column: it is not among those that can be "
-                      "touched",
-                      node));
-    }
-    prescribed_.push_back(place_[at(node)]);
-    prescribed_row_.push_back(row_[at(node)]);
-  }
-  force_.assign(m, 0.0);
-  schur_.resize(m);
-  for (std::size_t c = 0; c < m; ++c) {
-    const Real* column = &columns_[(3 * at(prescribed_[c / 3]) + c % 3) * rows_];
-    for (std::size_t r = 0; r < m; ++r) {
-      schur_(r, c) = static_cast<double>(column[3 * at(prescribed_row_[r / 3]) + r % 3]);
-    }
-  }
-  schur_.factorise();
-}
-
-template <class Real>
-void ComplianceColumns<Real>::impose(std::span<const Eigen::Vector3d> displacements,
-                                     std::span<Real> x) {
-  const auto held = [&](std::size_t c) {
-    return displacements[c / 3][static_cast<Eigen::Index>(c % 3)];
-  };
-  const auto row = [&](std::size_t c) { return 3 * at(prescribed_row_[c / 3]) + c % 3; };
-  for (std::size_t c = 0; c < force_.size(); ++c) {
-    force_[c] = held(c) - static_cast<double>(x[row(c)]);
-  }
-  schur_.solve(force_);
-  for (std::size_t c = 0; c < force_.size(); ++c) {
-    note(3 * at(prescribed_[c / 3]) + c % 3, force_[c]);
-  }
-  add_noted(x);
-  for (std::size_t c = 0; c < force_.size(); ++c) x[row(c)] = static_cast<Real>(held(c));
-}
-
-template class ComplianceColumns<float>;
-template class ComplianceColumns<double>;
-
-template <class Real>
 DenseInverse<Real>::DenseInverse(const sparse::BlockMatrix& a)
     : inverse_([&] {
         const std::unique_ptr<fem::DirectSolver> solver = positive_factors(a);
         set_up_ = columns_work(*solver, at(a.rows()));
+        factors_ = factor_bytes(*solver);
         const std::vector<int> nodes = all_nodes(a);
         return ComplianceColumns<Real>(*solver, nodes, nodes);
       }()),
@@ -238,7 +148,7 @@ SolveWork DenseInverse<Real>::most_work() const {
 template <class Real>
 SolveMemory DenseInverse<Real>::memory() const {
   const double vector = static_cast<double>(x_.size() * sizeof(Real));
-  return {inverse_.bytes(), inverse_.bytes() + 2 * vector, vector, vector};
+  return {inverse_.bytes(), inverse_.bytes() + 2 * vector, vector, vector, factors_};
 }
 
 template <class Real>
@@ -283,6 +193,7 @@ void Superposition<Real>::solve(std::span<const double> f, std::span<const Eigen
   }
   columns_.add_noted(x_);
   work_ = superposed_work(added);
+  touched_ = added + columns_.prescribed_unknowns();
   if (rest) {
     solver_->solve(elsewhere_, elsewhere_);
     for (std::size_t i = 0; i < x_.size(); ++i) x_[i] += static_cast<Real>(elsewhere_[i]);
@@ -305,25 +216,29 @@ SolveWork Superposition<Real>::superposed_work(double columns) const {
 
 template <class Real>
 SolveWork Superposition<Real>::most_work() const {
-  return superposed_work(9);
+  return superposed_work(kOfAFacet);
 }
 
 template <class Real>
 SolveMemory Superposition<Real>::memory() const {
   const double vector = static_cast<double>(x_.size() * sizeof(Real));
   const double loads = 2 * static_cast<double>(x_.size() * sizeof(double));
-  // A frame touches the nine columns of a facet, and mostly those of the frame before.
-  return {columns_.bytes() + loads + 2 * vector, 12 * vector + loads, vector, vector};
+  // A frame touches the columns that it adds, and mostly those of the frame before.
+  return {columns_.bytes() + loads + 2 * vector, (touched_ + 3) * vector + loads, vector, vector,
+          factor_bytes(*solver_)};
 }
 
 template <class Real>
-Condensed<Real>::Condensed(const sparse::BlockMatrix& a, std::span<const int> touchable)
-    : touchable_(nodes_or_all(touchable, a)),
+Condensed<Real>::Condensed(const sparse::BlockMatrix& a, std::span<const int> touchable,
+                           bool all_loads_change)
+    : all_loads_change_(all_loads_change),
+      touchable_(nodes_or_all(touchable, a)),
       interior_(nodes_without(a, touchable_)),
       coupling_(blocks_between(a, interior_, touchable_)),
       inverse_([&] {
         const std::unique_ptr<fem::DirectSolver> solver = positive_factors(a);
         set_up_ = columns_work(*solver, 3 * touchable_.size());
+        all_factors_ = factor_bytes(*solver);
         return ComplianceColumns<Real>(*solver, touchable_, touchable_);
       }()),
       interior_load_(3 * interior_.size()),
@@ -400,8 +315,8 @@ SolveWork Condensed<Real>::touchable_work() const {
 template <class Real>
 SolveWork Condensed<Real>::most_work() const {
   SolveWork work = touchable_work();
-  // The interior's loads change where the body has inertia.
-  if (factors_ != nullptr) work += triangular_work(*factors_) + product_work(coupling_);
+  if (factors_ != nullptr && all_loads_change_)
+    work += triangular_work(*factors_) + product_work(coupling_);
   return work;
 }
 
@@ -413,7 +328,7 @@ SolveMemory Condensed<Real>::memory() const {
     kept += static_cast<double>(factors_->factor_nonzeros()) * (sizeof(double) + sizeof(int)) +
             product_work(coupling_).bytes;
   }
-  return {kept, kept + 2 * vector, vector, vector};
+  return {kept, kept + 2 * vector, vector, vector, all_factors_};
 }
 
 template class DenseInverse<float>;
@@ -433,7 +348,7 @@ std::unique_ptr<HostSolve> make_with(const SolverChoice& choice, const sparse::B
     case SolvedBy::superposition:
       return std::make_unique<Superposition<Real>>(a, choice.touchable);
     case SolvedBy::condensed:
-      return std::make_unique<Condensed<Real>>(a, choice.touchable);
+      return std::make_unique<Condensed<Real>>(a, choice.touchable, choice.all_loads_change);
     case SolvedBy::board:
     case SolvedBy::cg:
     case SolvedBy::cholesky:

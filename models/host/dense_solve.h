@@ -1,60 +1,15 @@
 #pragma once
 
-#include <algorithm>
-#include <cstddef>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "models/fem/body.h"
-#include "models/fem/dense_lu.h"
 #include "models/fem/direct_solver.h"
+#include "models/host/compliance_columns.h"
 #include "models/host/host_solve.h"
 
 namespace hvp::host {
-
-// The nodes of which a solver keeps columns of A⁻¹, and what prescribed displacements of some of
-// them need: S = Eᵀ·A⁻¹·E in factors, in double precision.
-template <class Real>
-class ComplianceColumns {
- public:
-  // Solves for three columns for each of `nodes` (ascending), of which it keeps the rows of `rows`
-  // (nodes, ascending).
-  ComplianceColumns(const fem::DirectSolver& solver, std::span<const int> nodes,
-                    std::span<const int> rows);
-
-  std::size_t rows() const { return rows_; }
-  std::size_t count() const { return columns_.size() / std::max<std::size_t>(rows_, 1); }
-  // The place of a node among `nodes`, or -1.
-  int place(int node) const { return place_[static_cast<std::size_t>(node)]; }
-  // Adds column·factor to what add_noted() adds to x, over the rows that are kept. A column times
-  // zero changes nothing, and is left out: a host that multiplies by all pays for it all the same.
-  void note(std::size_t column, double factor);
-  void add_noted(std::span<Real> x);
-  double bytes() const { return static_cast<double>(columns_.size() * sizeof(Real)); }
-
-  // Sets the nodes whose displacements are prescribed. Throws InputError for one that is not among
-  // the nodes with columns.
-  void prescribe(std::span<const int> nodes);
-  double prescribed_unknowns() const { return static_cast<double>(force_.size()); }
-  // Adds to x = A⁻¹f what the forces at the prescribed nodes do.
-  void impose(std::span<const Eigen::Vector3d> displacements, std::span<Real> x);
-
- private:
-  std::size_t rows_;
-  std::vector<Real> columns_;    // column by column
-  std::vector<int> place_;       // of each node of A
-  std::vector<int> row_;         // of each node of A among the rows, or -1
-  std::vector<int> prescribed_;  // places of nodes
-  std::vector<int> prescribed_row_;
-  fem::DenseLu schur_;
-  std::vector<double> force_;
-  std::vector<const Real*> noted_;
-  std::vector<Real> factors_;
-};
-
-extern template class ComplianceColumns<float>;
-extern template class ComplianceColumns<double>;
 
 // Multiplies every right-hand side by A⁻¹, which is made before the first frame. It takes contact
 // anywhere, and any load; A⁻¹ is dense, so that memory grows with the square of the nodes.
@@ -73,6 +28,7 @@ class DenseInverse final : public HostSolve {
 
  private:
   SolveWork set_up_;
+  double factors_ = 0;  // bytes
   ComplianceColumns<Real> inverse_;
   std::vector<Real> x_;
 };
@@ -89,17 +45,19 @@ class Superposition final : public HostSolve {
   void move_contact(std::span<const int> nodes) override;
   void solve(std::span<const double> f, std::span<const Eigen::Vector3d> held,
              std::span<double> u) override;
-  // With the loads of a proxy: three nodes.
+  // With the loads of a proxy, on the three nodes of a facet.
   SolveWork most_work() const override;
   SolveWork set_up_work() const override { return set_up_; }
   SolveMemory memory() const override;
 
  private:
+  static constexpr double kOfAFacet = 9;
   SolveWork superposed_work(double columns) const;
 
   std::unique_ptr<fem::DirectSolver> solver_;
   ComplianceColumns<Real> columns_;
   SolveWork set_up_;
+  double touched_ = kOfAFacet;  // columns, in the last solve
   std::vector<double> first_f_;
   std::vector<Real> first_x_;
   std::vector<Real> x_;
@@ -111,8 +69,9 @@ class Superposition final : public HostSolve {
 template <class Real>
 class Condensed final : public HostSolve {
  public:
-  // `touchable` ascends; empty: all nodes, and then it is the inverse.
-  Condensed(const sparse::BlockMatrix& a, std::span<const int> touchable);
+  // `touchable` ascends; empty: all nodes, and then it is the inverse. `all_loads_change`: the
+  // interior's do too, from frame to frame.
+  Condensed(const sparse::BlockMatrix& a, std::span<const int> touchable, bool all_loads_change);
 
   void move_contact(std::span<const int> nodes) override;
   void solve(std::span<const double> f, std::span<const Eigen::Vector3d> held,
@@ -125,10 +84,11 @@ class Condensed final : public HostSolve {
  private:
   SolveWork touchable_work() const;
 
+  bool all_loads_change_;
+  double all_factors_ = 0;  // of A, bytes
   std::vector<int> touchable_;
   std::vector<int> interior_;
-  sparse::BlockMatrix
-      coupling_;  // A's blocks between an interior node's row and a touchable column
+  sparse::BlockMatrix coupling_;  // A in interior rows and touchable columns
   SolveWork set_up_;
   std::unique_ptr<fem::DirectSolver> factors_;  // of A's interior part; null where all is touchable
   ComplianceColumns<Real> inverse_;

@@ -37,11 +37,13 @@ struct SolverChoice {
   Precision precision = Precision::double_precision;
   // The nodes that contact can load or move, ascending; empty: all.
   std::vector<int> touchable;
+  // Whether other nodes' loads change too: with inertia, and where the body is not linear.
+  bool all_loads_change = true;
 
   // NOLINTNEXTLINE(google-explicit-constructor): most callers choose nothing else.
   SolverChoice(SolvedBy solver = SolvedBy::board) : by(solver) {}
-  SolverChoice(SolvedBy solver, Precision numbers, std::vector<int> nodes)
-      : by(solver), precision(numbers), touchable(std::move(nodes)) {}
+  SolverChoice(SolvedBy solver, Precision numbers, std::vector<int> nodes, bool all_change = true)
+      : by(solver), precision(numbers), touchable(std::move(nodes)), all_loads_change(all_change) {}
 };
 
 const char* name(SolvedBy solver);

@@ -39,6 +39,11 @@ SolveWork triangular_work(const fem::DirectSolver& solver) {
           .barriers = 2};
 }
 
+double factor_bytes(const fem::DirectSolver& solver) {
+  return static_cast<double>(solver.factor_nonzeros()) * (kEntry + kIndex) +
+         3 * solver.rows() * kEntry;
+}
+
 SolveWork factor_work(const fem::DirectSolver& solver) {
   const auto entries = static_cast<double>(solver.factor_nonzeros());
   return {.triangular = solver.factor_operations(), .bytes = entries * (kEntry + kIndex)};
@@ -184,10 +189,9 @@ Prefactored::Prefactored(const sparse::BlockMatrix& a)
 
 SolveMemory Prefactored::memory() const {
   const double vector = solver_.rows() * kEntry;
-  const double factors =
-      static_cast<double>(solver_.factor_nonzeros()) * (kEntry + kIndex) + 3 * vector;
-  const auto m = 3.0 * static_cast<double>(contact_.size());
-  return {factors + m * vector, factors + m * vector, vector, vector};
+  const double factors = factor_bytes(solver_);
+  const double all = factors + 3.0 * static_cast<double>(contact_.size()) * vector;
+  return {all, all, vector, vector, factors};
 }
 
 void Prefactored::move_contact(std::span<const int> nodes) {

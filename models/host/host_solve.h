@@ -44,6 +44,8 @@ class HostSolve {
 SolveWork product_work(const sparse::BlockMatrix& a);
 // Two triangular solves and D between them.
 SolveWork triangular_work(const fem::DirectSolver& solver);
+// Bytes of L, D and two vectors.
+double factor_bytes(const fem::DirectSolver& solver);
 // The factors of A.
 SolveWork factor_work(const fem::DirectSolver& solver);
 // What prescribed displacements of m unknowns add to a solve of n rows: the small system, and its

@@ -43,6 +43,7 @@ struct SolveMemory {
   double working_set = 0;  // the part that every frame touches, which decides the tier of memory
   double right_hand_side = 0;
   double solution = 0;
+  double set_up = 0;  // that the set-up touches again and again: the factors
 };
 
 }  // namespace hvp::host

@@ -142,8 +142,9 @@ def contest(
             raise InputError(f"--set {setting}: is what is compared: expected another key")
     if measured:
         _require_measured(measured)
-    # Whoever solves is held against the true model.
-    settings = (*settings, "reference=true")
+    # Whoever solves is held against the true model,
+    # in every frame: an error that is formed over a tenth of the frames says nothing of the others.
+    settings = (*settings, "reference=true", "reference.every_frames=1")
     resolved = next(program.resolve(scenario, [settings]))
     if isinstance(resolved, Refused):
         raise InputError(resolved.message)

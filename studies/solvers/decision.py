@@ -207,7 +207,7 @@ def _missed(outcome: Outcome) -> str:
     most = outcome.metric("miss_high")
     if not outcome.entry.drawn or most is None:
         return ""
-    return f", less than {100 * most:.2g} % of all ticks miss (95 %, if they are independent)"
+    return f", less than {100 * most:.3g} % of all ticks miss (95 %, if they are independent)"
 
 
 def _flags(outcome: Outcome) -> str:

@@ -9,6 +9,7 @@
 #include "models/config/input_error.h"
 #include "models/fem/body.h"
 #include "models/fem/structured_box.h"
+#include "tests/allocation_count.h"
 
 namespace hvp::host::dense_solve_test {
 namespace {
@@ -94,6 +95,22 @@ TEST_P(DenseSolve, FindsWhatFactorsFind) {
   }
 }
 
+TEST_P(DenseSolve, AllocatesNothingInAFrame) {
+  const auto solve = make(cube_.surface);
+  std::vector<double> f = cube_.load();
+  std::vector<double> u(cube_.n);
+  const std::vector<int> contact = {cube_.surface[20], cube_.surface[40]};
+  const std::vector<Eigen::Vector3d> held(2, {1e-3, 0, 0});
+  solve->move_contact(contact);
+  solve->solve(f, held, u);
+  const std::size_t before = hvp::test::allocation_count();
+  for (const int node : cube_.surface) {
+    f[3 * static_cast<std::size_t>(node)] += 1e-3;
+    solve->solve(f, held, u);
+  }
+  EXPECT_EQ(hvp::test::allocation_count(), before);
+}
+
 // Single precision is not double precision: its error is that of its words.
 TEST_P(DenseSolve, ErrsByItsPrecision) {
   const auto solve = make(cube_.surface);
@@ -173,7 +190,14 @@ TEST(DenseSolveWork, OfSuperposition) {
   solve->solve(f, {}, u);
   EXPECT_EQ(solve->work().triangular, triangular_work(solver).triangular);
   EXPECT_EQ(solve->memory().kept, 8 * (s * n + 4 * n));
-  EXPECT_EQ(solve->memory().working_set, 8 * 14 * n);
+  // Two columns were added last, and before any solve it would be a facet's nine.
+  EXPECT_EQ(solve->memory().working_set, 8 * (2 + 3 + 2) * n);
+  EXPECT_EQ(
+      make_dense_solve({SolvedBy::superposition, Precision::double_precision, cube.surface}, cube.a)
+          ->memory()
+          .working_set,
+      8 * (9 + 3 + 2) * n);
+  EXPECT_EQ(solve->memory().set_up, factor_bytes(solver));
   EXPECT_EQ(solve->set_up_work().triangular,
             solver.factor_operations() + (s + 1) * triangular_work(solver).triangular);
 }
@@ -196,6 +220,17 @@ TEST(DenseSolveWork, OfACondensedBody) {
   EXPECT_EQ(solve->work().triangular, 0);
   EXPECT_EQ(solve->work().operations(), (n - s) + s + 2 * s * s);
   EXPECT_GT(solve->rest_work().triangular, 0);
+}
+
+// Of a static body the interior's loads stay, and the force waits for no triangular solve.
+TEST(DenseSolveWork, OfACondensedStaticBodyIsLess) {
+  const Cube cube;
+  const auto n = static_cast<double>(cube.n);
+  const auto s = 3 * static_cast<double>(cube.surface.size());
+  const SolverChoice steady(SolvedBy::condensed, Precision::double_precision, cube.surface, false);
+  const auto solve = make_dense_solve(steady, cube.a);
+  EXPECT_EQ(solve->most_work().operations(), n + 2 * s * s);
+  EXPECT_EQ(solve->memory().set_up, factor_bytes(fem::DirectSolver(cube.a)));
 }
 
 TEST(DenseSolveWork, AContactElsewhereIsRefused) {

@@ -23,13 +23,15 @@ class HostSolver : public FrameSolver {
 
   hvp_status set_up_piece(bool& done) override {
     computation_.set_contact({});
-    spend(Phase::solve, computation_.method().set_up_work());
+    const host::FrameMethod& method = computation_.method();
+    spend(Phase::solve, method.set_up_work(), method.memory().set_up);
     done = true;
     return HVP_OK;
   }
   hvp_status move_contact(std::span<const int> nodes) override {
     computation_.set_contact(nodes);
-    spend(Phase::node_update, computation_.method().contact_work());
+    const host::FrameMethod& method = computation_.method();
+    spend(Phase::node_update, method.contact_work(), method.memory().working_set);
     return HVP_OK;
   }
   hvp_status begin(std::uint32_t& /*flags*/) override {
@@ -61,7 +63,7 @@ class HostSolver : public FrameSolver {
     host::FrameMethod& method = computation_.method();
     method.finish();
     if (const host::SolveWork rest = method.rest_work(); rest.operations() > 0) {
-      spend(Phase::solve, rest);
+      spend(Phase::solve, rest, method.memory().working_set);
     }
     if (const double operations = method.finish_operations(); operations > 0) {
       work_.spend(Phase::refinement, 0, operations);
@@ -71,8 +73,9 @@ class HostSolver : public FrameSolver {
   hvp_status close() override { return HVP_OK; }
 
  private:
-  void spend(Phase phase, const host::SolveWork& work) const {
-    work_.spend(phase, work_.costs().core_solve_s(work, computation_.method().memory()));
+  // On a core, with so many bytes touched.
+  void spend(Phase phase, const host::SolveWork& work, double working_set) const {
+    work_.spend(phase, work_.costs().core_solve_s(work, working_set));
   }
 
   host::FrameComputation& computation_;
