@@ -1,18 +1,16 @@
 """`hvp study solvers SCENARIO`: the board or a core of the host, and in which way."""
 
 import argparse
-import platform
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-import pandas as pd
 
 from studies.command_line import command_of
 from studies.errors import HELD, InputError
 from studies.option_paths import check_folder
 from studies.program import find_program
-from studies.report.study_page import Plot, write_study_report
-from studies.results import CSV, write_results
+from studies.report.study_page import Plot
+from studies.report.table_page import write_table_report
+from studies.results import write_results
 from studies.session import Session
 from studies.solvers.contest import contest
 from studies.solvers.decision import COLUMNS, FORCE, LOAD, Outcome, require_figures, row, words
@@ -69,27 +67,21 @@ def run(arguments: argparse.Namespace) -> int:
     answer = words(outcomes, held.left_out)
     rows = [row(outcome) for outcome in outcomes]
     write_results(out, rows, COLUMNS)
-    _report(out, arguments, answer, program.version)
+    write_table_report(
+        out,
+        title=f"Who solves {scenario.name}",
+        columns=COLUMNS,
+        rows=rows,
+        plots=[Plot(LOAD, FORCE, title="Work of the worst period, and error of the force")],
+        words=answer,
+        command=command_of(arguments, "study solvers"),
+        program=program,
+    )
     headings = [column.heading for column in COLUMNS if column.name in _SHOWN]
     print("\n".join(answer))
     print(text_table(headings, [[cells[name] for name in _SHOWN] for cells in rows]))
     print(f"Written to {out}")
     return HELD
-
-
-def _report(out: Path, arguments: argparse.Namespace, answer: list[str], version: str) -> None:
-    frame = pd.read_csv(out / CSV, keep_default_na=False, na_values=[""])
-    write_study_report(
-        out,
-        title=f"Who solves {arguments.scenario.name}",
-        frame=frame,
-        units={column.name: column.unit for column in COLUMNS if column.unit},
-        helps={column.name: column.help for column in COLUMNS},
-        plots=[Plot(LOAD, FORCE, title="Work of the worst period, and error of the force")],
-        words=answer,
-        commands=[command_of(arguments, "study solvers")],
-        versions={"hvp": version, "python": platform.python_version()},
-    )
 
 
 def add_solvers(subparsers: "Subparsers") -> None:

@@ -10,6 +10,7 @@
 #include "models/fem/body.h"
 #include "models/fem/structured_box.h"
 #include "tests/allocation_count.h"
+#include "tests/host/difference.h"
 
 namespace hvp::host::dense_solve_test {
 namespace {
@@ -38,16 +39,6 @@ struct Cube {
     }
   }
 };
-
-double difference(const std::vector<double>& x, const std::vector<double>& y) {
-  double sum = 0;
-  double norm = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    sum += (x[i] - y[i]) * (x[i] - y[i]);
-    norm += y[i] * y[i];
-  }
-  return std::sqrt(sum / norm);
-}
 
 struct Case {
   SolvedBy by;
@@ -90,7 +81,7 @@ TEST_P(DenseSolve, FindsWhatFactorsFind) {
       factors.move_contact(contact);
       solve->solve(f, places, u);
       factors.solve(f, places, expected);
-      EXPECT_LT(difference(u, expected), GetParam().tolerance) << "frame " << frame;
+      EXPECT_LT(test::difference(u, expected), GetParam().tolerance) << "frame " << frame;
     }
   }
 }
@@ -122,7 +113,7 @@ TEST_P(DenseSolve, ErrsByItsPrecision) {
   solve->solve(f, {}, u);
   factors.solve(f, {}, expected);
   const bool single = GetParam().precision == Precision::single_precision;
-  EXPECT_EQ(difference(u, expected) > 1e-9, single);
+  EXPECT_EQ(test::difference(u, expected) > 1e-9, single);
   EXPECT_EQ(is_exact(GetParam().by, GetParam().precision), !single);
 }
 

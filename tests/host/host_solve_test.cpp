@@ -8,6 +8,7 @@
 
 #include "models/fem/body.h"
 #include "models/fem/structured_box.h"
+#include "tests/host/difference.h"
 
 namespace hvp::host::host_solve_test {
 namespace {
@@ -29,16 +30,6 @@ struct Box {
     return f;
   }
 };
-
-double difference(const std::vector<double>& x, const std::vector<double>& y) {
-  double sum = 0;
-  double norm = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    sum += (x[i] - y[i]) * (x[i] - y[i]);
-    norm += y[i] * y[i];
-  }
-  return std::sqrt(sum / norm);
-}
 
 // Nodes that only know themselves: A = diag(1, 2, 4) for each, and one block a row.
 sparse::BlockMatrix lonely_nodes(int nodes) {
@@ -65,7 +56,7 @@ TEST(HostSolve, BothMethodsFindTheSameSolutionWithAContact) {
   }
   cg.solve(f, held, by_cg);
   factors.solve(f, held, by_factors);
-  EXPECT_LT(difference(by_cg, by_factors), 1e-9);
+  EXPECT_LT(test::difference(by_cg, by_factors), 1e-9);
   for (std::size_t n = 0; n < contact.size(); ++n) {
     for (int i = 0; i < 3; ++i) {
       const auto row = static_cast<std::size_t>(3 * contact[n] + i);
@@ -78,7 +69,7 @@ TEST(HostSolve, BothMethodsFindTheSameSolutionWithAContact) {
   factors.move_contact({});
   cg.solve(f, {}, by_cg);
   factors.solve(f, {}, by_factors);
-  EXPECT_LT(difference(by_cg, by_factors), 1e-9);
+  EXPECT_LT(test::difference(by_cg, by_factors), 1e-9);
 }
 
 // Conjugate gradients end after as many iterations as there are different eigenvalues.
