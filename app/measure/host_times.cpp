@@ -8,6 +8,7 @@
 #include <fstream>
 #include <functional>
 #include <memory>
+#include <numeric>
 #include <string_view>
 #include <thread>
 
@@ -56,8 +57,8 @@ double typical_seconds(const std::function<void()>& call) {
 
 // A cube of so many cells along each side that stands on its floor.
 fem::Body cube(int cells) {
-  std::vector<int> floor;
-  for (int node = 0; node < (cells + 1) * (cells + 1); ++node) floor.push_back(node);
+  std::vector<int> floor(static_cast<std::size_t>((cells + 1) * (cells + 1)));
+  std::iota(floor.begin(), floor.end(), 0);
   return {fem::structured_box(Eigen::Vector3d::Constant(0.1), {cells, cells, cells}),
           fem::Material{}, floor, fem::AnchorTreatment::removed};
 }
