@@ -53,7 +53,7 @@ struct Gpu {
   // What the effect needs of a scenario.
   static std::vector<config::Need> needs();
 
-  double seconds(const SolveWork& work, const SolveMemory& memory) const;
+  double seconds(const SolveWork& work, const SolveMemory& moved) const;
 };
 
 }  // namespace hvp::host
