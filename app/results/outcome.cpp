@@ -117,6 +117,11 @@ void Outcome::report_times(config::Figures& f) const {
             verdict.report_deadline(f);
             f.truth("held", force_in_time(), "there are no misses");
             verdict.report_lateness(f);
+            f.table_or_null("late_probability",
+                            "that a frame's force is late, beyond what these frames could show "
+                            "([host.md](host.md#rare-misses)); null where the operating system's "
+                            "times are not drawn, or too few frames were run",
+                            late_probability);
           });
   f.table("latency", "Of all frames.", latency);
   f.table("jitter", "What moves the latency from frame to frame.",

@@ -20,6 +20,7 @@
 #include "models/stability/force_quality.h"
 #include "vp/bus/bus_meter.h"
 #include "vp/fault/fault_plan.h"
+#include "vp/frame/late_probability.h"
 #include "vp/frame/servo_counts.h"
 #include "vp/frame/verdict.h"
 
@@ -58,6 +59,8 @@ struct BusFigures {
 struct Outcome {
   SceneFigures scene;
   vp::Verdict verdict{0, 0};
+  // Where the operating system's times are drawn, in enough frames.
+  std::optional<vp::LateProbability::Result> late_probability;
   LatencyFigures latency;
   std::int64_t ticks = 0;  // frames and skipped ticks; fewer than were asked for: interrupted
   vp::Picoseconds set_up = 0;

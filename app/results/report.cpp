@@ -103,6 +103,23 @@ std::string miss_text(const vp::Verdict& v) {
                      percent(p.share), 100 * p.low, 100 * p.high, kOf);
 }
 
+// What the distributions of the drawn times say of frames that were not run.
+std::string late_text(const vp::LateProbability::Result& r) {
+  constexpr const char* kWhat = "\n  late by chance ";
+  if (!r.independent()) {
+    return fmt::format("{}not known: the rest of a frame depends on the times that are drawn",
+                       kWhat);
+  }
+  // The transforms tell no smaller share from none.
+  constexpr double kLeast = 1e-13;
+  const std::string share = r.late.share < kLeast ? fmt::format("less than {:.0e}", kLeast)
+                                                  : fmt::format("{:.3g}", r.late.share);
+  const std::string of = r.left_out == 0
+                             ? fmt::format("all {} frames", r.frames)
+                             : fmt::format("{} of {} frames", r.frames, r.frames + r.left_out);
+  return fmt::format("{}with a probability of {} a frame, in the mean over {}", kWhat, share, of);
+}
+
 std::string host_solver_text(const app::Scenario& s) {
   switch (s.host.solver) {
     case host::SolvedBy::cholesky:
@@ -233,6 +250,7 @@ void verdict_lines(Out out, const Outcome& o) {
     fmt::format_to(out, ", {} without a solution", held);
   }
   if (draws_times(o.scene.effects)) fmt::format_to(out, "{}", miss_text(v));
+  if (o.late_probability) fmt::format_to(out, "{}", late_text(*o.late_probability));
   fmt::format_to(out, "\n  load           {}: worst {} of {}",
                  v.load_held() ? qualified : "EXCEEDED", readable_time(v.worst_load()),
                  readable_time(v.period()));

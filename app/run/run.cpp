@@ -296,6 +296,10 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   }
   vp::LatencyStatistics latency;
   platform.add_observer(latency);
+  std::optional<vp::LateProbability> late;
+  if (vp::LateProbability::applies(s.host)) {
+    platform.add_observer(late.emplace(s.host, platform.verdict().budget()));
+  }
   platform.add_observer(frames);
   platform.add_observer(trace);
   if (s.output.trace_frames > 0) platform.add_tenure_sink(trace);
@@ -343,6 +347,7 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   results::Outcome outcome =
       outcome_of(platform, scene, latency, *contact,
                  accuracy ? std::optional(accuracy->accuracy()) : std::nullopt);
+  if (late) outcome.late_probability = late->result();
   buses.fill(outcome.bus);
   if (body) body->fill(outcome);
   outcome.flags.merge(contact->flags());

@@ -16,7 +16,9 @@ namespace {
 using config::Dimension;
 using Kind = TimeDistribution::Kind;
 
-constexpr double kLongest = 1.0;  // s
+constexpr double kLongest = TimeDistribution::kLongest;
+// A shape so near to zero draws what a shape of zero does, to six digits.
+constexpr double kNoShape = 1e-8;
 // At least a third of the draws are accepted, so that this many rejections in a row do not happen.
 constexpr std::uint32_t kAttempts = 1000;
 
@@ -87,10 +89,25 @@ void TimeDistribution::declare(config::Visitor& v, const Sources& sources) {
         {.help = "a CSV file with a column of latencies, such as latency_us, and, if it has one, "
                  "count; or what cyclictest -h prints",
          .required = true});
-    if (sources.counted.empty()) return;
-    v.quantity("counted", counted_s, Dimension::time, config::between(0, kLongest),
-               {"what of each measured time the model counts by itself, and is subtracted",
-                sources.counted});
+    if (!sources.counted.empty()) {
+      v.quantity("counted", counted_s, Dimension::time, config::between(0, kLongest),
+                 {"what of each measured time the model counts by itself, and is subtracted",
+                  sources.counted});
+    }
+    const auto of_tail =
+        v.variant("tail", tail, {{"measured", Tail::measured}, {"pareto", Tail::pareto}},
+                  {"the longest times; pareto: drawn from a generalised Pareto distribution, whose "
+                   "parameters `hvp fit --model host --set distribution=measured` finds",
+                   "no time is longer than was measured"});
+    of_tail.only({Tail::pareto}, [&] {
+      v.quantity("tail_from", tail_from_s, Dimension::time, {0, kLongest, true},
+                 {.help = "the samples from here on stand for the tail", .required = true});
+      v.quantity("tail_scale", tail_scale_s, Dimension::time, {0, kLongest, true},
+                 {.help = "scale of the times above tail_from", .required = true});
+      v.quantity("tail_shape", tail_shape, Dimension::dimensionless, config::between(-0.5, 1),
+                 {.help = "shape: 0 falls exponentially, above it is a power law, below it ends",
+                  .required = true});
+    });
   });
   if (!has_hosts) return;
   of_kind.only({Kind::published}, [&] {
@@ -139,6 +156,16 @@ void TimeDistribution::check() const {
   if (kind == Kind::measured && samples_file.empty()) {
     throw InputError("samples", "distribution = \"measured\" needs a CSV file of samples");
   }
+  if (kind == Kind::measured && tail == Tail::pareto && !(tail_scale_s > 0)) {
+    throw InputError("tail_scale", "a tail needs it above 0 s");
+  }
+}
+
+double TimeDistribution::tail_above(double seconds) const {
+  const double y = (seconds - tail_from_s) / tail_scale_s;
+  if (std::abs(tail_shape) < kNoShape) return std::exp(-y);
+  const double base = 1 + tail_shape * y;
+  return base > 0 ? std::pow(base, -1 / tail_shape) : 0;
 }
 
 void TimeDistribution::take(std::vector<double> samples, std::vector<std::int64_t> counts) {
@@ -146,6 +173,16 @@ void TimeDistribution::take(std::vector<double> samples, std::vector<std::int64_
   if (shortest != samples.end() && *shortest < counted_s) {
     throw InputError("counted", fmt::format("expected at most the shortest sample, {}, found {}",
                                             microseconds(*shortest), microseconds(counted_s)));
+  }
+  if (tail == Tail::pareto && tail_from_s < counted_s) {
+    throw InputError("tail_from", fmt::format("expected at least counted = {}, found {}",
+                                              microseconds(counted_s), microseconds(tail_from_s)));
+  }
+  if (tail == Tail::pareto &&
+      std::ranges::none_of(samples, [this](double s) { return in_tail(s); })) {
+    throw InputError("tail_from", fmt::format("expected at most the longest sample, {}, found {}",
+                                              microseconds(*std::ranges::max_element(samples)),
+                                              microseconds(tail_from_s)));
   }
   samples_s = std::move(samples);
   sample_counts = std::move(counts);
@@ -180,6 +217,15 @@ double Source::published(double share) const {
   return exponential(log_time_[next - 1] + part * (log_time_[next] - log_time_[next - 1]));
 }
 
+// The time that this share of the tail's times exceeds, s.
+double Source::tail_time(double share) const {
+  const TimeDistribution& d = distribution_;
+  const double log_share = natural_log(share);
+  if (std::abs(d.tail_shape) < kNoShape) return d.tail_from_s - d.tail_scale_s * log_share;
+  return d.tail_from_s +
+         d.tail_scale_s / d.tail_shape * (exponential(-d.tail_shape * log_share) - 1);
+}
+
 // False where the draw is to be made again.
 bool Source::attempt(const Draws::Pair& u, double& value) const {
   const TimeDistribution& d = distribution_;
@@ -199,7 +245,10 @@ bool Source::attempt(const Draws::Pair& u, double& value) const {
         const auto at = std::ranges::upper_bound(seen_, static_cast<std::int64_t>(index));
         index = static_cast<std::size_t>(at - seen_.begin());
       }
-      value = d.samples_s[std::min(index, d.samples_s.size() - 1)] - d.counted_s;
+      value = d.samples_s[std::min(index, d.samples_s.size() - 1)];
+      if (d.in_tail(value)) value = tail_time(u.second);
+      if (value > kLongest) return false;
+      value -= d.counted_s;
       return true;
     }
     case Kind::published:

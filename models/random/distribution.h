@@ -22,6 +22,10 @@ struct Exceedance {
 // are in s, none below zero.
 struct TimeDistribution {
   enum class Kind { constant, uniform, normal, exponential, lognormal, measured, published };
+  // How the longest measured times are drawn: as the samples they are, or from a generalised Pareto
+  // distribution that a fit found of them.
+  enum class Tail { measured, pareto };
+  static constexpr double kLongest = 1;  // s; no time is longer
 
   // The sources of the defaults, and the texts that differ from one table to another.
   struct Sources {
@@ -48,6 +52,14 @@ struct TimeDistribution {
   double maximum_s = 1e-3;
   config::File samples_file;  // measured
 
+  // measured: the samples from `tail_from_s` on stand for tail_from_s + y, where the share of the y
+  // above t is (1 + shape·t/scale)^(−1/shape), with a shape of 0 e^(−t/scale) (Pickands, Annals of
+  // Statistics 3, 1975).
+  Tail tail = Tail::measured;
+  double tail_from_s = 0;
+  double tail_scale_s = 0;
+  double tail_shape = 0;
+
   double counted_s = 0;  // measured, published: the part of each time that is subtracted
   std::size_t host = 0;  // published: index into Sources::hosts
 
@@ -63,8 +75,12 @@ struct TimeDistribution {
   // Throws InputError where a parameter is missing, or leaves so little between minimum and maximum
   // that less than a third of the draws would lie there.
   void check() const;
+  // True of a sample, in s, that stands for the tail.
+  bool in_tail(double sample_s) const { return tail == Tail::pareto && sample_s >= tail_from_s; }
+  // The share of the tail's times that are longer than `seconds`, at least tail_from_s.
+  double tail_above(double seconds) const;
   // Takes the file's times and how often each was seen. Throws InputError where one is shorter than
-  // the part that is subtracted.
+  // the part that is subtracted, or none is in the tail.
   void take(std::vector<double> samples, std::vector<std::int64_t> counts = {});
 };
 
@@ -93,6 +109,7 @@ class Source {
   TimeDistribution distribution_;
   Draws draws_;
   double published(double share) const;
+  double tail_time(double share) const;
 
   double log_spread_ = 0;
   std::vector<std::int64_t> seen_;  // measured with counts: how many up to and with each sample

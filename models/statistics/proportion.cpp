@@ -11,21 +11,34 @@ namespace {
 
 constexpr double kBeyond = 0.05;
 
-// Away from the share in the third digit, counted from the nearer end, so that the last bits of a
-// library's functions do not show.
-double outwards(double value, bool up) {
-  if (!(value > 0)) return 0;
-  if (value > 0.5) return 1 - outwards(1 - value, !up);
-  // A power of ten is a whole number, and a quotient of two of them the number that its digits say.
-  const double tenths = std::pow(10.0, 2 - std::floor(std::log10(value)));
-  const double scaled = value * tenths;
+Rounding other(Rounding rounding) {
+  if (rounding == Rounding::nearest) return rounding;
+  return rounding == Rounding::up ? Rounding::down : Rounding::up;
+}
+
+double whole(double scaled, Rounding rounding) {
   // A digit that is whole but for rounding stays.
-  constexpr double kRounding = 1e-6;
-  const double digits = up ? std::ceil(scaled - kRounding) : std::floor(scaled + kRounding);
-  return std::min(1.0, digits / tenths);
+  constexpr double kNear = 1e-6;
+  switch (rounding) {
+    case Rounding::down:
+      return std::floor(scaled + kNear);
+    case Rounding::up:
+      return std::ceil(scaled - kNear);
+    case Rounding::nearest:
+      break;
+  }
+  return std::round(scaled);
 }
 
 }  // namespace
+
+double rounded_share(double share, Rounding rounding) {
+  if (!(share > 0)) return 0;
+  if (share > 0.5) return 1 - rounded_share(1 - share, other(rounding));
+  // A power of ten is a whole number, and a quotient of two of them the number that its digits say.
+  const double tenths = std::pow(10.0, 2 - std::floor(std::log10(share)));
+  return std::min(1.0, whole(share * tenths, rounding) / tenths);
+}
 
 void Proportion::report(config::Figures& f) const {
   f.ratio("share", share, "of all");
@@ -41,10 +54,11 @@ Proportion proportion_of(std::int64_t found, std::int64_t trials) {
   const double tail = found == 0 || found == trials ? kBeyond : kBeyond / 2;
   Proportion p{k / n, 0, 1};
   using Beta = boost::math::beta_distribution<>;
-  if (found > 0) p.low = outwards(boost::math::quantile(Beta(k, n - k + 1), tail), false);
+  if (found > 0)
+    p.low = rounded_share(boost::math::quantile(Beta(k, n - k + 1), tail), Rounding::down);
   if (found < trials) {
-    p.high =
-        outwards(boost::math::quantile(boost::math::complement(Beta(k + 1, n - k), tail)), true);
+    p.high = rounded_share(boost::math::quantile(boost::math::complement(Beta(k + 1, n - k), tail)),
+                           Rounding::up);
   }
   return p;
 }

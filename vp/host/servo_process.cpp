@@ -98,6 +98,7 @@ FrameStep ServoProcess::release(std::int64_t number) {
   }
   Frame& frame = ledger_.open(number, born);
   frame.time = born - session_.begin;
+  frame.at_work = !sleeps;
   frame.touches.resize(rendering_.probes());
   access_.tag() = Tag{number, kBirth};
   ledger_.extend(access_.tag(), Part::host, Phase::release, born, now_ps());

@@ -21,7 +21,7 @@ const std::vector<std::string> kNow = {"host.model=desktop-2026"};
 
 class HostSolvers : public ::testing::Test {
  protected:
-  Ended with(const std::string& command, std::vector<std::string> settings) {
+  Ended with(const std::string& command, const std::vector<std::string>& settings) {
     write(place_.path() / "s.toml", kSmallScene);
     std::vector<std::string> arguments = {command, "s.toml"};
     for (const std::string& setting : settings) {

@@ -1,0 +1,179 @@
+#include "vp/frame/late_probability.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/statistics/proportion.h"
+
+namespace hvp::vp {
+
+namespace {
+
+constexpr std::size_t kCells = std::size_t{1} << 15U;
+// A frame wakes its process once or twice; a contact that moves, a recovery or a missed poll adds
+// one. Frames with other numbers are counted as left out.
+constexpr std::size_t kMostCombinations = 8;
+// Below so many frames on either side of the mean, a dependence does not show.
+constexpr std::int64_t kFewest = 30;
+
+// A constant time is part of the rest.
+template <class Distribution>
+std::optional<random::Survival> survival_of(const std::optional<Distribution>& effect) {
+  if (!effect || effect->kind == random::TimeDistribution::Kind::constant) return std::nullopt;
+  return random::Survival(*effect);
+}
+
+}  // namespace
+
+bool LateProbability::applies(const host::Host& host) {
+  return survival_of(host.jitter) || survival_of(host.wake_up) ||
+         survival_of(host.interrupt_latencies);
+}
+
+LateProbability::LateProbability(const host::Host& host, Picoseconds budget)
+    : budget_(budget),
+      cell_((budget + static_cast<Picoseconds>(kCells) - 2) /
+            (static_cast<Picoseconds>(kCells) - 1)),
+      survivals_{survival_of(host.jitter), survival_of(host.wake_up),
+                 survival_of(host.interrupt_latencies)},
+      combinations_(kMostCombinations) {
+  for (Combination& c : combinations_) {
+    c.cells.resize(kCells);
+    c.places.resize(kCells);
+  }
+}
+
+void LateProbability::Group::add(double value) {
+  ++count;
+  const double off = value - mean;
+  mean += off / static_cast<double>(count);
+  squares += off * (value - mean);
+}
+
+// Welch's statistic of the two groups' means.
+double LateProbability::Combination::dependence() const {
+  const auto error = [](const Group& g) {
+    const auto n = static_cast<double>(g.count);
+    return g.squares / (n * (n - 1));
+  };
+  const double difference = long_draws.mean - short_draws.mean;
+  const double variance = error(long_draws) + error(short_draws);
+  return variance > 0 ? difference / std::sqrt(variance) : 0;
+}
+
+LateProbability::Combination* LateProbability::of(const Draws& draws) {
+  const auto end = combinations_.begin() + static_cast<std::ptrdiff_t>(used_);
+  const auto known =
+      std::find_if(combinations_.begin(), end, [&](const auto& c) { return c.draws == draws; });
+  if (known != end) return &*known;
+  if (used_ == combinations_.size()) return nullptr;
+  combinations_[used_].draws = draws;
+  return &combinations_[used_++];
+}
+
+void LateProbability::closed(const Frame& frame, const CriticalPath& path) {
+  if (!frame.solved()) {
+    ++left_out_;
+    return;
+  }
+  Draws draws{};
+  Picoseconds drawn = 0;
+  for (const SpanId id : path.spans()) {
+    const Span& span = frame.spans[static_cast<std::size_t>(id)];
+    for (std::size_t kind = 0; kind < kKinds; ++kind) {
+      if (span.phase != kPhasesOf[kind] || !survivals_[kind]) continue;
+      // Then its tick found the frame before, and no time that was drawn.
+      if (span.phase == Phase::release && frame.at_work) continue;
+      ++draws[kind];
+      drawn += span.end - span.start;
+    }
+  }
+  Combination* const c = of(draws);
+  if (c == nullptr) {
+    ++left_out_;
+    return;
+  }
+  const Picoseconds rest = frame.latency() - drawn;
+  // The mean is that of the frames before, so that it says nothing of this one.
+  const auto drawn_ps = static_cast<double>(drawn);
+  const bool is_long = drawn_ps * static_cast<double>(c->frames) > c->drawn;
+  (is_long ? c->long_draws : c->short_draws).add(static_cast<double>(rest));
+  ++c->frames;
+  c->drawn += drawn_ps;
+  if (rest > budget_) {
+    ++c->beyond;
+    return;
+  }
+  const auto cell = static_cast<std::size_t>(rest / cell_);
+  ++c->cells[cell];
+  c->places[cell] += static_cast<double>(rest % cell_) / static_cast<double>(cell_);
+}
+
+std::optional<LateProbability::Result> LateProbability::result() const {
+  Result result;
+  result.left_out = left_out_;
+  const double cell_s = to_seconds(cell_);
+  for (std::size_t k = 0; k < used_; ++k) {
+    const Combination& c = combinations_[k];
+    if (c.draws == Draws{}) {
+      // Nothing was drawn in these: they are late or not.
+      result.late.share += static_cast<double>(c.beyond);
+      result.late.low += static_cast<double>(c.beyond);
+      result.late.high += static_cast<double>(c.beyond);
+      result.frames += c.frames;
+      continue;
+    }
+    if (std::min(c.short_draws.count, c.long_draws.count) < kFewest) {
+      result.left_out += c.frames;
+      continue;
+    }
+    result.frames += c.frames;
+    if (std::abs(c.dependence()) > std::abs(result.dependence)) {
+      result.dependence = c.dependence();
+    }
+    statistics::SumOfTimes sum(cell_s, kCells);
+    for (std::size_t kind = 0; kind < kKinds; ++kind) {
+      if (survivals_[kind]) sum.add(*survivals_[kind], c.draws[kind]);
+    }
+    const auto add = [&](double count, const statistics::SumOfTimes::Share& share) {
+      result.late.low += count * share.low;
+      result.late.share += count * share.share;
+      result.late.high += count * share.high;
+    };
+    add(static_cast<double>(c.beyond), {1, 1, 1});
+    for (std::size_t cell = 0; cell < kCells; ++cell) {
+      if (c.cells[cell] == 0) continue;
+      // Where its frames lie in the cell is known in the mean; the bounds have both its ends.
+      const auto count = static_cast<double>(c.cells[cell]);
+      const double left_s = to_seconds(budget_ - static_cast<Picoseconds>(cell) * cell_);
+      add(count, {sum.above(left_s).low, sum.above(left_s - c.places[cell] / count * cell_s).share,
+                  sum.above(left_s - cell_s).high});
+    }
+  }
+  if (result.frames == 0) return std::nullopt;
+  using statistics::Rounding;
+  const auto frames = static_cast<double>(result.frames);
+  result.late = {rounded_share(result.late.low / frames, Rounding::down),
+                 rounded_share(result.late.share / frames, Rounding::nearest),
+                 rounded_share(result.late.high / frames, Rounding::up)};
+  return result;
+}
+
+void LateProbability::Result::report(config::Figures& f) const {
+  f.truth("independent", independent(),
+          "the rest of a frame is as long where the drawn times are long as where they are short; "
+          "else there is no probability");
+  std::optional<double> share;
+  std::optional<double> low;
+  std::optional<double> high;
+  if (independent()) share = late.share, low = late.low, high = late.high;
+  f.ratio("share", share, "the probability that a frame's force is late");
+  f.ratio("low", low, "at least so much, by the grid of the convolution");
+  f.ratio("high", high, "and at most so much");
+  f.count("frames", frames, "over which it is the mean");
+  f.count("left_out", left_out,
+          "frames whose solve failed, and those with so rare a number of drawn times that a "
+          "dependence would not show");
+}
+
+}  // namespace hvp::vp

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "models/config/figures.h"
+#include "models/host/costs.h"
+#include "models/random/survival.h"
+#include "models/statistics/sum_of_times.h"
+#include "vp/frame/ledger.h"
+
+namespace hvp::vp {
+
+// How probable it is that a frame's force is late, where the operating system's times are drawn:
+// far beyond what the run's own frames could show. Of each frame the ledger tells what its critical
+// path took without those times. The distribution of their sum is known, so that the frame's own
+// probability is a formula; the run's is the mean over its frames (conditional Monte Carlo;
+// Asmussen & Glynn, Stochastic Simulation, 2007, V.4). This takes the drawn times to be independent
+// of the rest of the frame, which it tests.
+class LateProbability : public FrameObserver {
+ public:
+  // `budget` is the largest latency allowed.
+  LateProbability(const host::Host& host, Picoseconds budget);
+
+  // True where a time is drawn: else there is nothing to be found.
+  static bool applies(const host::Host& host);
+
+  void closed(const Frame& frame, const CriticalPath& path) override;
+
+  struct Result {
+    // The probability, in the mean over the frames, with the bounds of the grid's cells.
+    statistics::SumOfTimes::Share late;
+    std::int64_t frames = 0;    // that count
+    std::int64_t left_out = 0;  // frames whose solve failed, or with a rare number of drawn times
+    // By how many standard errors the rest of a frame is longer where the drawn times are longer
+    // than in the mean; the largest of all numbers of drawn times.
+    double dependence = 0;
+
+    // Beyond it the two are not independent, and there is no probability: chance goes there once in
+    // a million runs.
+    static constexpr double kDependent = 5;
+    bool independent() const { return dependence < kDependent && dependence > -kDependent; }
+
+    void report(config::Figures& f) const;
+  };
+  // Nothing where too few frames were seen to tell whether the times are independent.
+  std::optional<Result> result() const;
+
+ private:
+  // The operating system's times: of a release, of a wake-up, of an interrupt.
+  static constexpr std::size_t kKinds = 3;
+  static constexpr std::array<Phase, kKinds> kPhasesOf = {Phase::release, Phase::wake_up,
+                                                          Phase::interrupt};
+  using Draws = std::array<std::int32_t, kKinds>;  // how many of each kind a path has
+
+  struct Group {
+    std::int64_t count = 0;
+    double mean = 0;
+    double squares = 0;
+
+    void add(double value);
+  };
+  // The frames whose paths have equal numbers of drawn times.
+  struct Combination {
+    Draws draws{};
+    std::vector<std::int64_t> cells;  // frames by the rest of their path
+    std::vector<double> places;       // the sum of their places within the cell, each 0 to 1
+    std::int64_t beyond = 0;          // the rest alone is late
+    std::int64_t frames = 0;
+    double drawn = 0;  // the sum of the drawn times, ps
+    Group short_draws;
+    Group long_draws;
+
+    double dependence() const;
+  };
+  Combination* of(const Draws& draws);
+
+  Picoseconds budget_;
+  Picoseconds cell_;
+  std::array<std::optional<random::Survival>, kKinds> survivals_;
+  std::vector<Combination> combinations_;
+  std::size_t used_ = 0;
+  std::int64_t left_out_ = 0;
+};
+
+}  // namespace hvp::vp
