@@ -90,6 +90,7 @@ FitRequest request_of(const FitArguments& a) {
     if (request.options.fixed.insert(fixed_value(text)).second) continue;
     throw InputError(fmt::format("--fix {}: it is fixed twice", files::one_line(text)));
   }
+  request.out_folder = a.out.parent_path();
   request.options.hold_out = a.hold_out;
   request.options.starts = a.starts;
   request.options.loss = a.loss == "huber"    ? fit::Loss::huber

@@ -18,6 +18,7 @@ namespace hvp::app {
 // The request of one `hvp fit`.
 struct FitRequest {
   std::filesystem::path log;
+  std::filesystem::path out_folder;    // of the table for a scenario; empty: the present one
   files::LogOptions reading;           // columns, sample rate, size of a count
   std::vector<std::string> overrides;  // --set, for the model's own settings
   std::optional<Scenario> scenario;    // for models that need a body

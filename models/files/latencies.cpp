@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstddef>
 #include <numeric>
 #include <sstream>
@@ -12,67 +11,20 @@
 
 #include "models/config/input_error.h"
 #include "models/files/csv.h"
+#include "models/files/latency_lines.h"
 #include "models/files/one_line.h"
 #include "models/files/regular_file.h"
+#include "models/files/timerlat.h"
 
 namespace hvp::files {
 
 namespace {
 
-constexpr double kLongestLatency = 1;                   // s
-constexpr std::int64_t kMostCount = 1'000'000'000'000;  // of a cell: no sum overflows
 constexpr std::uintmax_t kLargestFile = std::uintmax_t{64} << 20U;
-constexpr std::string_view kBlanks = " \t\r";
-
-std::vector<std::string_view> cells(std::string_view line) {
-  std::vector<std::string_view> result;
-  while (true) {
-    const std::size_t begin = line.find_first_not_of(kBlanks);
-    if (begin == std::string_view::npos) return result;
-    line.remove_prefix(begin);
-    const std::size_t end = std::min(line.find_first_of(kBlanks), line.size());
-    result.push_back(line.substr(0, end));
-    line.remove_prefix(end);
-  }
-}
-
-std::optional<std::int64_t> whole_count(std::string_view cell) {
-  std::int64_t value = 0;
-  const char* const end = cell.data() + cell.size();
-  const auto [stopped, error] = std::from_chars(cell.data(), end, value);
-  if (error != std::errc() || stopped != end || value < 0 || value > kMostCount) return {};
-  return value;
-}
-
-std::int64_t count_of(std::string_view cell, std::size_t line) {
-  const auto count = whole_count(cell);
-  if (count) return *count;
-  throw InputError(fmt::format("line {}: the count is '{}': expected a whole number from 0 on",
-                               line, one_line(cell, 40)));
-}
-
-double latency_of(std::string_view cell, int exponent, std::size_t line) {
-  const std::optional<double> value = decimal_number(cell, exponent);
-  if (value && *value >= 0 && *value <= kLongestLatency) return *value;
-  throw InputError(fmt::format("line {}: expected a latency from 0 to 1 s, found '{}'", line,
-                               one_line(cell, 40)));
-}
-
-// The next line of the text, which loses it.
-std::string_view next_line(std::string_view& text) {
-  const std::size_t end = std::min(text.find('\n'), text.size());
-  const std::string_view line = text.substr(0, end);
-  text.remove_prefix(std::min(end + 1, text.size()));
-  return line;
-}
 
 // The lines that cyclictest prints of its threads while it runs.
 bool is_progress(std::string_view line) {
   return line.starts_with("T:") || line.starts_with("policy:");
-}
-
-bool is_blank(std::string_view line) {
-  return line.find_first_not_of(kBlanks) == std::string_view::npos;
 }
 
 class Cyclictest {
@@ -81,7 +33,7 @@ class Cyclictest {
     while (!text.empty()) {
       const std::string_view line = next_line(text);
       ++line_;
-      if (is_blank(line) || is_progress(line)) continue;
+      if (is_empty_line(line) || is_progress(line)) continue;
       if (line.front() == '#') {
         comment(line);
       } else {
@@ -253,7 +205,7 @@ Latencies read_csv(std::string_view text) {
 bool has_names(std::string_view text) {
   while (!text.empty()) {
     const std::string_view line = next_line(text);
-    if (is_blank(line) || is_progress(line) || line.front() == '#') continue;
+    if (is_empty_line(line) || is_progress(line) || line.front() == '#') continue;
     const std::string_view first = trimmed(line);
     return !decimal_number(first.substr(0, first.find_first_of(" \t,;"))).has_value();
   }
@@ -263,6 +215,7 @@ bool has_names(std::string_view text) {
 }  // namespace
 
 Latencies read_latencies(std::string_view text) {
+  if (is_timerlat(text)) return read_timerlat(text);
   return has_names(text) ? read_csv(text) : Cyclictest().read(text);
 }
 

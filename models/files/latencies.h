@@ -22,10 +22,12 @@ struct Latencies {
   std::vector<std::string> warnings;
 };
 
-// Reads the two forms of a table of latencies, with one meaning wherever hvp takes one.
+// Reads the three forms of a table of latencies, with one meaning wherever hvp takes one.
 //
 // The output of `cyclictest -h` or `-H`: lines of a latency in us and a count for each processor,
 // which are added up, and comments with #, among them the overflows and the largest latencies.
+//
+// The output of `rtla timerlat hist` (timerlat.h).
 //
 // A CSV file (csv.h) with the names of its columns above: one column of latencies, whose name ends
 // in _s, _ms, _us or _ns; with it may stand `count`, how often the latency was seen, and

@@ -23,7 +23,6 @@ namespace {
 
 using Kind = random::TimeDistribution::Kind;
 
-constexpr double kNormal95 = 1.959963984540054;
 constexpr double kWidestSpread = 1000;  // as [host.wake_up] declares it
 constexpr double kAtBound = 20;         // |u|: within 2e-9 of it
 

@@ -96,14 +96,14 @@ std::vector<std::string> wake_up_warnings(const WakeUpHistogram& histogram,
   if (off > kMiddleOff) {
     warnings.push_back(fmt::format(
         "the histogram is not {}: {:.0f} % of the latencies are elsewhere; draw from the "
-        "measured ones instead",
+        "measured ones instead: --set distribution=measured",
         random::name(d.kind), 100 * off));
   }
   if (std::abs(tail.fitted_999 - tail.measured_999) >
       std::max(kTailOff * tail.measured_999, 2 * counts.finest)) {
     warnings.push_back(fmt::format(
         "the tail is not {}: 99.9 % are below {:g} us as measured and below {:.4g} us as fitted; "
-        "draw from the measured ones instead",
+        "draw from the measured ones instead: --set distribution=measured",
         random::name(d.kind), tail.measured_999 * 1e6, tail.fitted_999 * 1e6));
   }
   const double from = counts.bins.back().from;

@@ -75,9 +75,10 @@ SumOfTimes::Share SumOfTimes::above(double seconds) const {
   // the cells' begins, and half as much in the mean.
   double low = from(std::floor(cell) + 1);
   double high = from(std::floor(cell - parts_) + 1);
+  double middle = from(cell - 0.5 * (parts_ - 1));
   if (low < kRounding) low = 0;
+  if (middle < kRounding) middle = 0;
   if (high < kRounding) high = kRounding;
-  const double middle = from(cell - 0.5 * (parts_ - 1));
   return {low, std::clamp(middle, low, high), high};
 }
 

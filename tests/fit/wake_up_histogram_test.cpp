@@ -48,6 +48,73 @@ TEST(WakeUpHistogram, AddsUpCyclictestsProcessors) {
   EXPECT_TRUE(h.warnings.empty());
 }
 
+// In the form that `rtla timerlat hist` prints; rows without a sample are left out.
+constexpr const char* kTimerlat =
+    "# RTLA timerlat histogram\n"
+    "# Time unit is microseconds (us)\n"
+    "# Duration:   0 00:00:10\n"
+    "Index   IRQ-000   Thr-000   IRQ-001   Thr-001\n"
+    "0           500         0       480         0\n"
+    "1            10       300        20       250\n"
+    "2             1       200         3       240\n"
+    "7             0         7         0         9\n"
+    "over:         0         2         0         1\n"
+    "count:      511       509       503       500\n"
+    "min:          0         1         0         1\n"
+    "avg:          0         1         0         1\n"
+    "max:          2        31         2        57\n"
+    "ALL:        IRQ       Thr\n"
+    "count:     1014      1009\n"
+    "max:          2        57\n";
+
+TEST(WakeUpHistogram, ReadsTimerlatsThreads) {
+  const WakeUpHistogram h = read_wake_up_histogram(kTimerlat);
+  ASSERT_EQ(h.bins.size(), 4U);
+  EXPECT_EQ(h.bins[0].count, 0);
+  EXPECT_EQ(h.bins[1].count, 550);
+  EXPECT_DOUBLE_EQ(h.bins[2].to, 3e-6);
+  EXPECT_DOUBLE_EQ(h.bins[3].from, 7e-6);
+  EXPECT_EQ(h.bins[3].count, 16);
+  EXPECT_EQ(h.overflows, 3);
+  EXPECT_DOUBLE_EQ(*h.longest, 57e-6);
+}
+
+TEST(WakeUpHistogram, PrefersTimerlatsUserSpace) {
+  const WakeUpHistogram h = read_wake_up_histogram(
+      "# Time unit is nanoseconds (ns)\n"
+      "Index IRQ-003 Thr-003 Usr-003\n"
+      "1000 9 8 1\n1500 7 6 2\n3000 0 0 4\n"
+      "over: 0 0 0\nmax: 1700 1900 3400\n");
+  EXPECT_EQ(h.count(), 7);
+  EXPECT_DOUBLE_EQ(h.bins[0].to, 1500e-9);
+  EXPECT_DOUBLE_EQ(h.bins[2].to, 3500e-9);
+  EXPECT_DOUBLE_EQ(*h.longest, 3.4e-6);
+}
+
+TEST(WakeUpHistogram, RefusesWhatIsNoTimerlatHistogram) {
+  const auto message = [](std::string_view text) -> std::string {
+    try {
+      read_wake_up_histogram(text);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "none";
+  };
+  EXPECT_EQ(message("# RTLA osnoise histogram\nIndex CPU-000\n0 5\n"),
+            "line 1: '# RTLA osnoise histogram' has no latencies: expected rtla timerlat's");
+  EXPECT_EQ(message("Index IRQ-000\n0 5\n"),
+            "line 1: no column of a thread, as Thr-000 is: an interrupt's latency is not when a "
+            "process runs");
+  EXPECT_EQ(message("# RTLA timerlat histogram\n0 5\n"),
+            "line 2: expected the names of the columns, which begin with Index, before the counts");
+  EXPECT_EQ(message("Index Thr-000\n0 5 6\n"), "line 2: 3 columns: expected 2 as the names are");
+  EXPECT_EQ(message("Index Thr-000\n2 5\n2 6\n"),
+            "line 3: the latency is 2 us after 2 us: expected it to grow");
+  EXPECT_EQ(message("Index Thr-000\n2 -5\n"),
+            "line 2: the count is '-5': expected a whole number from 0 on");
+  EXPECT_EQ(message("Index Thr-000\nover: 1\n"), "no line of a latency and its counts");
+}
+
 TEST(WakeUpHistogram, LeavesOutTheColumnOfSums) {
   const WakeUpHistogram h = read_wake_up_histogram(
       "000001 000000 000002 000002\n000002 000101 000050 000151\n000003 000200 000007 000207\n");

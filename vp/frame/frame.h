@@ -117,7 +117,10 @@ struct Frame {
   std::int64_t number = 0;
   Picoseconds born = 0;
   Picoseconds time = 0;  // its birth, since the servo loop began
-  bool at_work = false;  // the process was still at work at its tick, and was not woken
+  // The process was at work beyond the tick: so long that it was not woken for the frame, or until
+  // before the timer's release.
+  bool beyond_tick = false;
+  bool not_woken = false;
 
   // One entry for each probe: the position read for its tip, or that of its virtual tool, its
   // contact, and the force on the body.

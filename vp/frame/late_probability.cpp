@@ -13,8 +13,10 @@ constexpr std::size_t kCells = std::size_t{1} << 15U;
 // A frame wakes its process once or twice; a contact that moves, a recovery or a missed poll adds
 // one. Frames with other numbers are counted as left out.
 constexpr std::size_t kMostCombinations = 8;
-// Below so many frames on either side of the mean, a dependence does not show.
+// Below so many frames on either side of the mean, a dependence does not show. So large a share of
+// all has to be seen.
 constexpr std::int64_t kFewest = 30;
+constexpr double kTested = 0.9;
 
 // A constant time is part of the rest.
 template <class Distribution>
@@ -76,14 +78,21 @@ void LateProbability::closed(const Frame& frame, const CriticalPath& path) {
     ++left_out_;
     return;
   }
+  // Whether the process slept hangs on the time of its release, which then is not any of its
+  // distribution. Such a frame is counted as it was.
+  if (frame.beyond_tick && survivals_.front()) {
+    ++as_run_;
+    if (frame.latency() > budget_) ++late_as_run_;
+    return;
+  }
   Draws draws{};
   Picoseconds drawn = 0;
   for (const SpanId id : path.spans()) {
     const Span& span = frame.spans[static_cast<std::size_t>(id)];
     for (std::size_t kind = 0; kind < kKinds; ++kind) {
       if (span.phase != kPhasesOf[kind] || !survivals_[kind]) continue;
-      // Then its tick found the frame before, and no time that was drawn.
-      if (span.phase == Phase::release && frame.at_work) continue;
+      // Then the frame before is what it waited for.
+      if (span.phase == Phase::release && frame.not_woken) continue;
       ++draws[kind];
       drawn += span.end - span.start;
     }
@@ -112,6 +121,10 @@ void LateProbability::closed(const Frame& frame, const CriticalPath& path) {
 std::optional<LateProbability::Result> LateProbability::result() const {
   Result result;
   result.left_out = left_out_;
+  result.frames = as_run_;
+  std::int64_t tested = as_run_;
+  const auto late_as_run = static_cast<double>(late_as_run_);
+  result.late = {late_as_run, late_as_run, late_as_run};
   const double cell_s = to_seconds(cell_);
   for (std::size_t k = 0; k < used_; ++k) {
     const Combination& c = combinations_[k];
@@ -121,15 +134,15 @@ std::optional<LateProbability::Result> LateProbability::result() const {
       result.late.low += static_cast<double>(c.beyond);
       result.late.high += static_cast<double>(c.beyond);
       result.frames += c.frames;
-      continue;
-    }
-    if (std::min(c.short_draws.count, c.long_draws.count) < kFewest) {
-      result.left_out += c.frames;
+      tested += c.frames;
       continue;
     }
     result.frames += c.frames;
-    if (std::abs(c.dependence()) > std::abs(result.dependence)) {
-      result.dependence = c.dependence();
+    if (std::min(c.short_draws.count, c.long_draws.count) >= kFewest) {
+      tested += c.frames;
+      if (std::abs(c.dependence()) > std::abs(result.dependence)) {
+        result.dependence = c.dependence();
+      }
     }
     statistics::SumOfTimes sum(cell_s, kCells);
     for (std::size_t kind = 0; kind < kKinds; ++kind) {
@@ -150,7 +163,10 @@ std::optional<LateProbability::Result> LateProbability::result() const {
                   sum.above(left_s - cell_s).high});
     }
   }
-  if (result.frames == 0) return std::nullopt;
+  if (result.frames == 0 ||
+      static_cast<double>(tested) < kTested * static_cast<double>(result.frames)) {
+    return std::nullopt;
+  }
   using statistics::Rounding;
   const auto frames = static_cast<double>(result.frames);
   result.late = {rounded_share(result.late.low / frames, Rounding::down),
@@ -172,8 +188,7 @@ void LateProbability::Result::report(config::Figures& f) const {
   f.ratio("high", high, "and at most so much");
   f.count("frames", frames, "over which it is the mean");
   f.count("left_out", left_out,
-          "frames whose solve failed, and those with so rare a number of drawn times that a "
-          "dependence would not show");
+          "frames whose solve failed, and those with a ninth number of drawn times");
 }
 
 }  // namespace hvp::vp

@@ -19,7 +19,8 @@ namespace hvp::vp {
 // path took without those times. The distribution of their sum is known, so that the frame's own
 // probability is a formula; the run's is the mean over its frames (conditional Monte Carlo;
 // Asmussen & Glynn, Stochastic Simulation, 2007, V.4). This takes the drawn times to be independent
-// of the rest of the frame, which it tests.
+// of the rest of the frame, which it tests. What a late frame does to the next ones is part of
+// their rest, as often as the run has it.
 class LateProbability : public FrameObserver {
  public:
   // `budget` is the largest latency allowed.
@@ -34,7 +35,7 @@ class LateProbability : public FrameObserver {
     // The probability, in the mean over the frames, with the bounds of the grid's cells.
     statistics::SumOfTimes::Share late;
     std::int64_t frames = 0;    // that count
-    std::int64_t left_out = 0;  // frames whose solve failed, or with a rare number of drawn times
+    std::int64_t left_out = 0;  // frames whose solve failed, or with a ninth number of drawn times
     // By how many standard errors the rest of a frame is longer where the drawn times are longer
     // than in the mean; the largest of all numbers of drawn times.
     double dependence = 0;
@@ -84,6 +85,8 @@ class LateProbability : public FrameObserver {
   std::vector<Combination> combinations_;
   std::size_t used_ = 0;
   std::int64_t left_out_ = 0;
+  std::int64_t as_run_ = 0;  // frames that are counted as late or not
+  std::int64_t late_as_run_ = 0;
 };
 
 }  // namespace hvp::vp

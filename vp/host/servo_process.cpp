@@ -90,6 +90,7 @@ FrameStep ServoProcess::release(std::int64_t number) {
   access_.time().synchronise();
   const Picoseconds born = session_.begin + number * settings_.period;
   const Picoseconds released = born + dispatcher_.release_delay(number);
+  const bool beyond_tick = now_ps() > born;
   const bool sleeps = now_ps() < released;
   if (sleeps) {
     sleep_until(released);
@@ -98,7 +99,8 @@ FrameStep ServoProcess::release(std::int64_t number) {
   }
   Frame& frame = ledger_.open(number, born);
   frame.time = born - session_.begin;
-  frame.at_work = !sleeps;
+  frame.beyond_tick = beyond_tick;
+  frame.not_woken = !sleeps;
   frame.touches.resize(rendering_.probes());
   access_.tag() = Tag{number, kBirth};
   ledger_.extend(access_.tag(), Part::host, Phase::release, born, now_ps());

@@ -360,6 +360,38 @@ TEST_F(FitCommand, FindsABusAndAHost) {
   EXPECT_EQ(explained.status, 0) << explained.err;
 }
 
+// The latencies themselves with their tail, in a table elsewhere than the log.
+TEST_F(FitCommand, FindsTheTailOfAHost) {
+  std::string histogram = "latency_us,count\n4,9000000\n5,900000\n";
+  for (int us = 20; us < 400; ++us) {
+    const double share = std::exp(-(us - 20) / 30.0) - std::exp(-(us - 19) / 30.0);
+    histogram += std::to_string(us) + "," + std::to_string(std::lround(1e5 * share)) + "\n";
+  }
+  write("host.csv", histogram);
+  std::filesystem::create_directory(place_.path() / "fits");
+  const Ended host = fit({"host.csv", "--model", "host", "--set", "distribution=measured", "--set",
+                          "tail_share=0.02", "--json", "--out", "fits/tail.toml"});
+  ASSERT_EQ(host.status, 0) << host.err;
+  const json found = json::parse(host.out);
+  EXPECT_NEAR(parameter(found, "tail_scale").at("value"), 30e-6, 3e-6);
+  EXPECT_NEAR(parameter(found, "tail_shape").at("value"), 0, 0.1);
+  // e^(−t/30) of a hundredth is a millionth.
+  EXPECT_NEAR(parameter(found, "exceeded_1e-6").at("value"), (20 + 30 * std::log(1e4)) * 1e-6,
+              60e-6);
+  EXPECT_THAT(read(place_.path() / "fits/tail.toml"), HasSubstr("samples = \"../host.csv\""));
+  const Ended explained = hvp(
+      place_.path(), {"explain", scenario("thesis.toml").string(), "--include", "fits/tail.toml"});
+  EXPECT_EQ(explained.status, 0) << explained.err;
+
+  const Ended share = fit({"host.csv", "--model", "host", "--set", "tail_share=0.02"});
+  EXPECT_EQ(share.status, 2);
+  const Ended few = fit({"host.csv", "--model", "host", "--set", "distribution=measured", "--set",
+                         "tail_share=0.000001"});
+  EXPECT_EQ(few.status, 2);
+  EXPECT_EQ(lines(few.err).size(), 1U) << few.err;
+  EXPECT_THAT(few.err, HasSubstr("more latencies, or a larger tail_share"));
+}
+
 TEST_F(FitCommand, AnswersAreTheSameBytesAgain) {
   press("tissue.csv", 2e-3, 3);
   const std::vector<std::string> arguments = {"tissue.csv", "--model", "qlv", "--json"};
