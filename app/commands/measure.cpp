@@ -1,9 +1,12 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -14,7 +17,10 @@
 #include "app/results/part_files.h"
 #include "app/scenario/writer.h"
 #include "models/config/input_error.h"
+#include "models/files/latencies.h"
 #include "models/fit/processor_fit.h"
+#include "models/fit/tail_fit.h"
+#include "models/fit/wake_up_histogram.h"
 #include "models/random/distribution.h"
 
 namespace hvp::app {
@@ -91,6 +97,31 @@ void print_times(const std::vector<fit::SolveTime>& times, const fit::ProcessorF
   }
 }
 
+// The tail of the latencies, where they have one: a longer watch would have seen longer ones.
+// Returns what to say of it.
+std::string take_tail(const WakeUps& wake_ups, random::TimeDistribution& d) {
+  try {
+    const fit::WakeUpTail tail =
+        fit::fit_tail(fit::histogram_of(files::read_latencies(wake_ups.csv())), std::nullopt);
+    if (!tail.fit.converged || !tail.fit.warnings.empty()) return {};
+    const auto value = [&](std::string_view name) -> const fit::Estimate& {
+      return *std::ranges::find(tail.fit.parameters, name, &fit::Estimate::name);
+    };
+    d.tail = random::TimeDistribution::Tail::pareto;
+    d.tail_from_s = tail.from_s;
+    d.tail_scale_s = three_digits(value("tail_scale").value);
+    d.tail_shape = std::strtod(fmt::format("{:.3f}", value("tail_shape").value).c_str(), nullptr);
+    const fit::Estimate& rare = tail.fit.parameters.back();
+    return fmt::format(
+        "; beyond {} a tail of shape {:.2f}, of which {} of all are longer than {} "
+        "(95 %: {} to {})",
+        time_of(tail.from_s), d.tail_shape, rare.name.substr(rare.name.find('_') + 1),
+        time_of(rare.value), time_of(rare.low), time_of(rare.high));
+  } catch (const InputError&) {
+    return {};  // too few of them
+  }
+}
+
 int measure_host(const MeasureArguments& arguments) {
   if (arguments.out.extension() != ".toml") {
     throw InputError("--out " + arguments.out.string() + ": expected a name that ends in .toml");
@@ -112,6 +143,7 @@ int measure_host(const MeasureArguments& arguments) {
   measured.wake_up->kind = random::TimeDistribution::Kind::measured;
   measured.wake_up->samples_file = config::File(samples.filename().string());
   measured.wake_up->maximum_s = std::max(measured.wake_up->maximum_s, wake_ups.longest_s());
+  const std::string tail = take_tail(wake_ups, *measured.wake_up);
   // Its first line speaks of a whole scenario.
   std::string tables = scenario::resolved(measured);
   tables.erase(0, tables.find('\n') + 1);
@@ -127,10 +159,11 @@ int measure_host(const MeasureArguments& arguments) {
 
   print("{}\n\n", name.empty() ? "this machine" : name);
   print_times(times, fitted);
-  print("\n  wake-up with every core busy: {} ticks, longest {}{}\n", wake_ups.ticks,
+  print("\n  wake-up with every core busy: {} ticks, longest {}{}{}\n", wake_ups.ticks,
         time_of(wake_ups.longest_s()),
         wake_ups.real_time ? ", at a real-time priority"
-                           : ", without a real-time priority: this user has none");
+                           : ", without a real-time priority: this user has none",
+        tail);
   print("\n{} and {}: a scenario takes them by --include {}; the solves are in {}\n",
         arguments.out.string(), samples.string(), arguments.out.string(), solves.string());
   if (fitted.worst_held_out <= kAccepted) return kHeld;

@@ -137,6 +137,7 @@ ordered_json key_json(const Place& place, const OutlineRow& row) {
   if (key.kind == Key::Kind::quantity || key.kind == Key::Kind::vector) add_dimension(json, key);
   if (key.kind == Key::Kind::integer) json["range"] = range_json(key.integers);
   if (key.kind == Key::Kind::choice) json["choices"] = key.choices;
+  if (!key.word.empty()) json["word"] = key.word;
   return json;
 }
 

@@ -20,7 +20,10 @@ std::string toml_value(const Key& key) {
 
 void KeyVisitor::quantity(std::string_view name, double& value, config::Dimension dimension,
                           config::Range range, config::Note note) {
-  key(name, {Key::Kind::quantity, value, dimension, range}, note);
+  Key quantity{Key::Kind::quantity, value, dimension, range};
+  quantity.word = note.word;
+  if (!note.word.empty() && value == 0) quantity.value = std::string(note.word);
+  key(name, quantity, note);
 }
 
 void KeyVisitor::vector(std::string_view name, Eigen::Vector3d& value, config::Dimension dimension,

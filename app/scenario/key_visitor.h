@@ -21,6 +21,7 @@ struct Key {
   config::Range range = {};                                        // of these
   config::IntegerRange integers = {};                              // of an integer
   std::vector<std::string> choices = {};                           // of a choice
+  std::string word = {};  // that may stand in a quantity's place
 };
 
 // The value as a scenario writes it. Throws std::invalid_argument for a double that is not finite.

@@ -162,9 +162,13 @@ bool Reader::read_quantity(const Node& node, const std::string& key, double& val
 
 void Reader::quantity(std::string_view name, double& value, Dimension dimension,
                       config::Range range, Note note) {
-  if (const Node* node = take(name, note)) {
-    read_quantity(*node, key_of(name), value, dimension, range);
+  const Node* node = take(name, note);
+  if (node == nullptr) return;
+  if (!note.word.empty() && node->kind == Node::Kind::text && node->text == note.word) {
+    value = 0;
+    return;
   }
+  read_quantity(*node, key_of(name), value, dimension, range);
 }
 
 void Reader::vector(std::string_view name, Eigen::Vector3d& value, Dimension dimension,

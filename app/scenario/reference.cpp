@@ -66,7 +66,10 @@ std::string type_text(const Key& key) {
 // Empty where any value is admitted.
 std::string admitted(const Key& key) {
   if (key.kind == Key::Kind::integer) return range_text(key.integers);
-  if (key.kind != Key::Kind::choice) return range_text(key.range, key.dimension);
+  if (key.kind != Key::Kind::choice) {
+    const std::string range = range_text(key.range, key.dimension);
+    return key.word.empty() ? range : fmt::format("{}, or {}", range, toml_string(key.word));
+  }
   std::vector<std::string> items;
   items.reserve(key.choices.size());
   for (const std::string& item : key.choices) items.push_back(toml_string(item));

@@ -167,8 +167,13 @@ void Scene::build_body(const Progress& progress, Limits limits) {
   if (s.host.solver == host::SolvedBy::board) {
     within("accelerator", [&] {
       const auto& matrix = computation_->matrix();
-      board_.emplace(s.accelerator, accel::pattern_of(matrix.row_begin, matrix.column));
       const accel::WordLengths words = accel::word_lengths(computation_->board().settings());
+      accel::Pattern pattern_of_matrix = accel::pattern_of(matrix.row_begin, matrix.column);
+      if (s.accelerator.clock_hz == 0) {
+        scenario_.accelerator.clock_hz =
+            accel::fastest_clock({device_, s.accelerator, words, pattern_of_matrix.nodes()});
+      }
+      board_.emplace(s.accelerator, std::move(pattern_of_matrix));
       usage_ = accel::board_usage(device_, s.accelerator, words, *board_);
       if (limits == Limits::reported) return;
       require_fit();

@@ -48,7 +48,10 @@ void Architecture::declare(config::Visitor& v) {
           "the scenario",
           "thesis section 6.1"});
   v.quantity("clock", clock_hz, Dimension::frequency, config::between(1e6, 1e9),
-             {"clock of the whole engine", "thesis section 5.5 and Table 6.2"});
+             {.help = "clock of the whole engine; fastest: the highest that this architecture "
+                      "reaches in this device (docs/critical-path.md)",
+              .source = "thesis section 5.5 and Table 6.2",
+              .word = "fastest"});
   v.integer("rows_in_parallel", rows_in_parallel, {1, 3},
             {"PL1: rows of one node worked on together", "thesis section 5.3"});
   v.integer("package", package, {1, 64},

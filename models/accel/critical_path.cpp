@@ -114,6 +114,27 @@ double highest_clock(const Clocking& c) {
   return 1 / period;
 }
 
+double fastest_clock(const Clocking& c) {
+  if (!c.device.timing) {
+    throw InputError("clock", "the file of the " + c.device.name +
+                                  " has no [timing], so that its fastest is not known: expected a "
+                                  "frequency");
+  }
+  constexpr double kStep = 1e4;
+  Architecture a = c.architecture;
+  a.clock_hz = 0;
+  double fastest = 0;
+  // At a higher clock fewer memories are fast enough, and another one may be taken.
+  constexpr int kMostSteps = 10;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const double reached =
+        std::floor(highest_clock({c.device, a, c.words, c.nodes}) / kStep) * kStep;
+    if (!(reached > fastest)) break;
+    a.clock_hz = fastest = reached;
+  }
+  return fastest;
+}
+
 CriticalPath critical_path(const Clocking& c) {
   CriticalPath result;
   each_path(c, [&result](const Path& path) { result.paths.push_back(path); });

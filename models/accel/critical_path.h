@@ -62,6 +62,11 @@ struct Clocking {
 // The highest clock in Hz (thesis Eq. 5.2): 1 / the longest of all paths.
 double highest_clock(const Clocking& c);
 
+// The clock in Hz that the architecture gets where its own is 0, "fastest": the highest in steps of
+// 10 kHz, memories that a lower clock allows included. Throws InputError with the key "clock" for a
+// device without delays.
+double fastest_clock(const Clocking& c);
+
 struct CriticalPath {
   double highest_clock_hz = 0;
   std::vector<Path> paths;  // all paths; the one that limits the clock comes first

@@ -24,6 +24,7 @@ COLUMNS = (
     Column(LOAD, "us", "worst work of a period"),
     Column("miss_low", "", "of all ticks at least so many miss, by 95 %"),
     Column("miss_high", "", "and at most so many, where ticks are independent"),
+    Column("late_probability", "", "that a force is late, by the distributions that are drawn"),
     Column(FORCE, "", "of the frame's own force, 95 % of the frames in contact are within it"),
     Column("displacement_error", "", "likewise of its displacement"),
     Column("memory_bytes", "B", "that the host's solver keeps; none of the board"),
@@ -38,6 +39,7 @@ _METRICS = {
     LOAD: "load.worst_us",
     "miss_low": "deadline.miss_share.low",
     "miss_high": "deadline.miss_share.high",
+    "late_probability": "deadline.late_probability.share",
     FORCE: "accuracy.force_of_frame.p95",
     "displacement_error": "accuracy.displacement_of_frame.p95",
     "memory_bytes": "host_solve.memory_bytes",
@@ -93,7 +95,7 @@ def row(outcome: Outcome) -> dict[str, Value]:
     figures = {name: outcome.metric(name) for name in _METRICS}
     if not outcome.entry.drawn:
         # Every run of it is the same.
-        figures["miss_low"] = figures["miss_high"] = None
+        figures["miss_low"] = figures["miss_high"] = figures["late_probability"] = None
     return cells | figures
 
 
@@ -207,6 +209,12 @@ def _missed(outcome: Outcome) -> str:
     most = outcome.metric("miss_high")
     if not outcome.entry.drawn or most is None:
         return ""
+    late = outcome.metric("late_probability")
+    if late is not None:
+        # As the program says it: less is not told from none.
+        least = 1e-13
+        share = f"{late:.3g}" if late >= least else f"less than {least:.0e}"
+        return f", a force is late with a probability of {share}"
     return f", less than {100 * most:.3g} % of all ticks miss (95 %, if they are independent)"
 
 

@@ -1,4 +1,6 @@
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include <gmock/gmock.h>
 
@@ -47,6 +49,38 @@ TEST_F(Device, ShowsWhatAnArchitectAsksForAndWritesNothing) {
     EXPECT_THAT(ended.out, HasSubstr(word));
   }
   EXPECT_THAT(names(place_.path()), ElementsAre("s.toml"));
+}
+
+// The fastest clock is the one that the critical path allows, and any above it is refused.
+TEST_F(Device, TakesTheFastestClock) {
+  const std::string fastest = "accelerator.clock=fastest";
+  const json j = figures({"--set", fastest});
+  const double highest = j["clock"]["highest_hz"];
+  EXPECT_LE(j["clock"]["hz"].get<double>(), highest);
+  EXPECT_GT(j["clock"]["hz"].get<double>(), highest - 1e4);
+  // Of another architecture another one.
+  const json wide = figures({"--set", fastest, "--set", "solver.vector_bits=24"});
+  EXPECT_LT(wide["clock"]["hz"].get<double>(), j["clock"]["hz"].get<double>());
+
+  const Ended run = hvp(place_.path(), {"run", "s.toml", "--set", fastest, "--set", "frames=2",
+                                        "--set", "output.pictures=false", "--out", "out"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  const std::string resolved = read(place_.path() / "out/scenario.resolved.toml");
+  const std::string hertz = std::to_string(std::llround(j["clock"]["hz"].get<double>()) / 10'000);
+  EXPECT_THAT(resolved, HasSubstr("clock = \"" + hertz.substr(0, hertz.size() - 2) + "." +
+                                  hertz.substr(hertz.size() - 2)));
+  EXPECT_THAT(device({"--set", "accelerator.clock=quick"}).err,
+              HasSubstr("accelerator.clock=quick: expected a frequency such as "));
+}
+
+TEST_F(Device, HasNoFastestClockWithoutDelays) {
+  std::string text = read(scenario("").parent_path().parent_path() / "devices/EP2S60.toml");
+  text.erase(text.find("[timing]"));
+  write(place_.path() / "own.toml", text);
+  const Ended ended =
+      device({"--set", "accelerator.device=own.toml", "--set", "accelerator.clock=fastest"});
+  EXPECT_EQ(ended.status, 2);
+  EXPECT_THAT(ended.err, HasSubstr("has no [timing], so that its fastest is not known"));
 }
 
 TEST_F(Device, SaysTheSameInJson) {
