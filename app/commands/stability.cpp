@@ -20,14 +20,38 @@ namespace {
 struct StabilityArguments : ScenarioArguments {
   bool json = false;
   std::filesystem::path map;  // a picture; empty: none
-  double push_N = 1;
-  int frames = 2000;  // of each run
+  double push_N = 0;          // 0: a ladder of them
+  int frames = 2000;          // of each run
 };
 
 constexpr int kDampings = 12;
 
 std::string time_text(double seconds) {
   return results::readable_time(std::llround(seconds * 1e12));
+}
+
+// What the headline is the least of, where there are several.
+void print_edges(const StabilityFigures& f) {
+  if (f.edges.size() < 2) return;
+  for (const StabilityEdge& e : f.edges) {
+    const std::string who = e.push_N ? fmt::format("  pushed with {:.3g} N", *e.push_N)
+                                     : std::string("  as the scenario moves");
+    const std::string value = e.stuck               ? "-"
+                              : e.stiffness_max > 0 ? fmt::format("{:.4g} N/m", e.stiffness_max)
+                                                    : "none";
+    std::string note = e.unstable_from > 0
+                           ? fmt::format("unstable from {:.5g} N/m", e.unstable_from)
+                           : "none was unstable";
+    if (e.stuck) note = "friction holds the device";
+    if (e.undecided_N_m > 0) {
+      note = fmt::format("not found: at {:.4g} N/m the device swings too slowly", e.undecided_N_m);
+    }
+    print("  {:<26} {:>10}  {}\n", who, value, note);
+  }
+  if (f.beyond_device_N > 0) {
+    print("  {:<26} {:>10}  {}\n", fmt::format("  pushed with {:.3g} N", f.beyond_device_N), "-",
+          "beyond what the device holds");
+  }
 }
 
 void print_figures(const Scene& scene, const StabilityFigures& f) {
@@ -47,9 +71,13 @@ void print_figures(const Scene& scene, const StabilityFigures& f) {
        : f.unstable_from > 0
            ? fmt::format("{} runs; unstable from {:.5g} N/m", f.runs, f.unstable_from)
            : fmt::format("{} runs; none was unstable", f.runs));
+  print_edges(f);
   line("exact eigenvalues", f.stiffness_linear,
        f.linear_computed ? "without steps, friction and limits"
                          : "not computed: coupled axes, or a delay of more than 64 periods");
+  if (const auto& limits = s.device_of(0).limits; limits && limits->stiffness_N_m > 0) {
+    line("the maker's own limit", limits->stiffness_N_m, "device.limits.stiffness");
+  }
   line("passive, whoever holds it", f.stiffness_passive, "(b - |B|)/(T/2 + L)");
   if (f.encoder_bound > 0) {
     line("between encoder steps", f.encoder_bound, "2 f/D of friction and encoder");
@@ -60,6 +88,18 @@ void print_figures(const Scene& scene, const StabilityFigures& f) {
   } else {
     print("; Young's modulus is {:.4g} kPa then\n", 1e-3 * f.young_modulus_Pa);
   }
+}
+
+// What the edge hangs on and nobody has stated.
+void print_defaults(const scenario::Document& document, const Scenario& s) {
+  const std::string key = s.device_key(0);
+  const auto say = [&](const std::string& name, double value, std::string_view unit) {
+    if (document.find(key + name) != nullptr) return;
+    print("  {}{}, {:g} {}, is hvp's default: the edge hangs on it\n", key, name, value, unit);
+  };
+  const plant::DeviceSettings& device = s.device_of(0);
+  if (device.dynamics) say(".dynamics.damping", device.dynamics->damping_N_s_m, "N s/m");
+  if (device.friction) say(".friction.force", device.friction->force_N, "N");
 }
 
 std::string map_csv(const Scene& scene, const std::vector<StabilityFigures>& map) {
@@ -91,7 +131,9 @@ int stability_command(const StabilityArguments& arguments) {
   if (!arguments.map.empty()) require_picture_name(arguments.map);
   const Progress progress = make_progress(arguments.quiet);
   const Scene scene = build_scene(loaded, progress);
-  const SearchSettings settings{{arguments.push_N, arguments.frames}, 1e-3, 1e7};
+  const bool all = arguments.push_N == 0;
+  const SearchSettings settings{.trial = {all ? 1 : arguments.push_N, arguments.frames},
+                                .all_amplitudes = all};
   try {
     const StabilityFigures figures = find_stability(scene, settings, progress);
     std::vector<StabilityFigures> map;
@@ -101,6 +143,7 @@ int stability_command(const StabilityArguments& arguments) {
       print("{}\n", results::figures_json(figures).dump(2));
     } else {
       print_figures(scene, figures);
+      print_defaults(loaded.document, scene.scenario());
     }
     if (arguments.map.empty()) return kHeld;
     std::filesystem::path csv = arguments.map;
@@ -128,7 +171,8 @@ void add_stability(CLI::App& app, int& status) {
       ->type_name("FILE.png");
   command
       ->add_option("--push", arguments->push_N,
-                   "with how many newtons the device leans on the wall, 1 by default")
+                   "with how many newtons the device leans on the wall; without it 1, and all "
+                   "from 0.1 N to the device's limit where an edge depends on it")
       ->check(CLI::Range(1e-3, 1e3))
       ->type_name("N");
   command

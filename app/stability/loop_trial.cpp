@@ -70,6 +70,7 @@ class TrialWatch : public vp::FrameObserver {
     trial.delay_s = frames_ > 0 ? to_seconds(delay_) / static_cast<double>(frames_) : 0;
     const bool shrinks =
         trial.growth < kComesToRest && trial.amplitude_m < kWide * displaced && !saturated_;
+    trial.clamped = saturated_;
     trial.stable = !left_ && (trial.amplitude_m <= still || shrinks);
     trial.moved = quarters_[0].most > quarters_[0].least;
     return trial;
@@ -157,15 +158,9 @@ Trial run_trial(const Scene& scene, double stiffness, const TrialSettings& setti
   return watch.trial(std::max(still(scene.scenario()), kGone * displaced), displaced);
 }
 
-Trial run_body(const Scene& scene, double times) {
-  Scenario s = scene.scenario();
-  s.object.material.young_modulus_pa *= times;
-  for (fem::Region& region : s.object.regions) {
-    if (region.material) region.material->young_modulus_pa *= times;
-  }
-  Scene stiffer(s, scene.device(), {}, Scene::Limits::reported);
-  vp::Platform platform(platform_settings(stiffer), soft_body(stiffer), nullptr);
-  LoopWatch watch(stiffer.scenario());
+// The scenario's own motion.
+Trial run_motion(const Scenario& s, vp::Platform& platform) {
+  LoopWatch watch(s);
   platform.add_observer(watch);
   platform.run();
   Trial trial{.moved = true, .stable = true, .delay_s = watch.mean_delay_s()};
@@ -183,22 +178,50 @@ Trial run_body(const Scene& scene, double times) {
   return trial;
 }
 
+Trial run_body(const Scene& scene, double times) {
+  Scenario s = scene.scenario();
+  s.object.material.young_modulus_pa *= times;
+  for (fem::Region& region : s.object.regions) {
+    if (region.material) region.material->young_modulus_pa *= times;
+  }
+  Scene stiffer(s, scene.device(), {}, Scene::Limits::reported);
+  vp::Platform platform(platform_settings(stiffer), soft_body(stiffer), nullptr);
+  return run_motion(stiffer.scenario(), platform);
+}
+
+Trial run_motion_on_wall(const Scene& scene, double stiffness) {
+  Scenario s = scene.scenario();
+  s.wall.value().stiffness_N_m = stiffness;
+  vp::PlatformSettings settings = platform_settings(scene);
+  settings.wall = s.wall;
+  vp::Platform platform(settings, std::nullopt, nullptr);
+  return run_motion(s, platform);
+}
+
 Trial trial_in_child(const std::function<Trial()>& run) {
   using nlohmann::json;
   const json answer = json::parse(in_child([&run] {
     const Trial t = run();
-    return json{
-        {"decided", t.decided},       {"moved", t.moved},
-        {"stable", t.stable},         {"growth", std::isfinite(t.growth) ? t.growth : 1e300},
-        {"amplitude", t.amplitude_m}, {"delay", t.delay_s}}
+    return json{{"decided", t.decided},
+                {"moved", t.moved},
+                {"stable", t.stable},
+                {"clamped", t.clamped},
+                {"growth", std::isfinite(t.growth) ? t.growth : 1e300},
+                {"amplitude", t.amplitude_m},
+                {"delay", t.delay_s}}
         .dump();
   }));
-  return {answer["decided"].get<bool>(),     answer["moved"].get<bool>(),
-          answer["stable"].get<bool>(),      answer["growth"].get<double>(),
-          answer["amplitude"].get<double>(), answer["delay"].get<double>()};
+  return {answer["decided"].get<bool>(),  answer["moved"].get<bool>(),
+          answer["stable"].get<bool>(),   answer["clamped"].get<bool>(),
+          answer["growth"].get<double>(), answer["amplitude"].get<double>(),
+          answer["delay"].get<double>()};
 }
 
 }  // namespace
+
+Trial try_motion(const Scene& scene, double stiffness_N_m) {
+  return trial_in_child([&] { return run_motion_on_wall(scene, stiffness_N_m); });
+}
 
 Trial try_body(const Scene& scene, double times) {
   return trial_in_child([&] { return run_body(scene, times); });

@@ -19,7 +19,8 @@ struct Trial {
   bool decided = true;  // false: its swing takes more frames than a trial has, and it was not run
   bool moved = false;   // false: friction held the device from the first frame on
   bool stable = false;
-  double growth = 0;  // ratio of the rms swing about its mean, last quarter over second quarter
+  bool clamped = false;  // a force was clamped to the end
+  double growth = 0;     // ratio of the rms swing about its mean, last quarter over second quarter
   double amplitude_m = 0;  // half of the peak-to-peak swing in the last quarter
   double delay_s = 0;      // from the latch to the force at the motor, mean of all frames
 };
@@ -34,6 +35,10 @@ inline constexpr double kDisplaced = 0.5;
 // registers' resolution of 1 nm causes, or if a force is clamped to the end. A loop that sticks is
 // stable.
 Trial try_wall(const Scene& scene, double stiffness_N_m, const TrialSettings& settings);
+
+// Tries the loop on a wall of this positive stiffness with the scenario's own motion, run for all
+// frames, as try_body() does. Throws InputError if nobody rests long enough to tell.
+Trial try_motion(const Scene& scene, double stiffness_N_m);
 
 // Tries the loop with the scenario's Young's modulus multiplied by `times`. The scenario's own
 // motion is run for all frames. The loop is stable if no device keeps swinging while its user rests

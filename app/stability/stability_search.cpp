@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -33,6 +36,99 @@ Scene damped(const Scene& scene, double damping) {
   return {s, scene.device()};
 }
 
+// True where a device that swings further may have another edge: something in the loop is not
+// linear.
+bool amplitude_matters(const Scenario& s) {
+  const plant::DeviceSettings& device = s.device_of(0);
+  return device.friction || device.encoder || device.limits || device.amplifier ||
+         s.host.passivity || s.host.virtual_coupling;
+}
+
+// Steps of a half from a tenth of a newton, which a fingertip feels, to what no device here gives.
+constexpr double kLeastPush = 0.1;
+constexpr double kPushStep = 1.5;
+constexpr double kMostPush = 60;
+
+using TryAt = std::function<Trial(double)>;
+
+// The bisection of one edge.
+class EdgeSearch {
+ public:
+  EdgeSearch(TryAt try_at, double largest_N_m, const Progress& progress, std::string what)
+      : try_at_(std::move(try_at)),
+        largest_N_m_(largest_N_m),
+        progress_(progress),
+        what_(std::move(what)) {}
+
+  // A first run, for its delay. Returns false where a force was clamped to its end.
+  bool begin(double stiffness) {
+    stable(stiffness);
+    return !clamped_;
+  }
+
+  StabilityEdge find(double guess, double tolerance) {
+    bracket(guess);
+    while (below_ > 0 && above_ > 0 && above_ - below_ > tolerance * below_) {
+      const double middle = std::sqrt(below_ * above_);
+      (stable(middle) ? below_ : above_) = middle;
+    }
+    edge_.stiffness_max = below_;
+    return edge_;
+  }
+
+  double delay_s() const { return delay_s_; }
+  const StabilityEdge& edge() const { return edge_; }
+
+ private:
+  bool stable(double stiffness) {
+    ++edge_.runs;
+    if (progress_) progress_(fmt::format("{}run {}: {:.5g} N/m", what_, edge_.runs, stiffness));
+    const Trial trial = try_at_(stiffness);
+    clamped_ = trial.clamped;
+    if (!trial.decided) {
+      edge_.undecided_N_m = std::max(edge_.undecided_N_m, stiffness);
+    } else if (!trial.stable && (edge_.unstable_from == 0 || stiffness < edge_.unstable_from)) {
+      edge_.unstable_from = stiffness;
+    }
+    if (delay_s_ == 0) delay_s_ = trial.delay_s;
+    if (trial.stable) {
+      edge_.left_m = trial.amplitude_m;
+      edge_.stuck = !trial.moved;
+    }
+    return trial.stable;
+  }
+
+  void bracket(double guess) {
+    double at = std::clamp(guess, kSoftest, largest_N_m_);
+    double stride = 1.02;  // the guess is a good one more often than not
+    if (stable(at)) {
+      below_ = at;
+      while (above_ == 0 && at < largest_N_m_) {
+        at = std::min(largest_N_m_, at * stride);
+        stride = std::max(stride, kStride);
+        (stable(at) ? below_ : above_) = at;
+      }
+      return;
+    }
+    above_ = at;
+    while (below_ == 0 && at > kSoftest && edge_.undecided_N_m == 0) {
+      at = std::max(kSoftest, at / stride);
+      stride = std::max(stride, kStride);
+      (stable(at) ? below_ : above_) = at;
+    }
+  }
+
+  TryAt try_at_;
+  double largest_N_m_;
+  const Progress& progress_;
+  std::string what_;
+  StabilityEdge edge_;
+  double below_ = 0;  // the stiffest that was stable
+  double above_ = 0;  // the softest that was not
+  double delay_s_ = 0;
+  bool clamped_ = false;  // in the last trial
+};
+
 class Search {
  public:
   Search(const Scene& scene, const SearchSettings& settings, const Progress& progress)
@@ -40,102 +136,111 @@ class Search {
 
   StabilityFigures find() {
     const Scenario& s = scene_.scenario();
-    StabilityFigures figures;
-    figures.period_s = s.budget.period_s;
-    if (s.wall) figures.damping_N_s_m = s.wall->damping_N_s_m;
-    if (!s.wall) {
-      own_N_m_ = contact_stiffness(scene_).value_or(0);
-      if (own_N_m_ == 0) throw InputError("probe.motion", "the probe never presses on the body");
-      settings_.largest_N_m = kStiffest * own_N_m_;
+    figures_.period_s = s.budget.period_s;
+    if (s.wall) {
+      figures_.damping_N_s_m = s.wall->damping_N_s_m;
+      find_wall(s);
+    } else {
+      find_body(s);
     }
-    // A first run gives the delay with which the eigenvalues predict the result.
-    stable(s.wall ? kFirst : own_N_m_);
-    const std::optional<plant::WallLoop> loop = wall_loop(
-        s, 0, delay_s_, s.wall ? s.wall->direction() : Eigen::Vector3d(Eigen::Vector3d::UnitZ()));
-    if (loop && delay_s_ <= StabilityFigures::kMostPeriods * loop->period_s) {
-      figures.linear_computed = true;
-      figures.stiffness_linear = plant::largest_stable_stiffness(*loop);
-    }
-    if (loop) {
-      figures.stiffness_passive =
-          plant::passive_stiffness(*loop, s.device_of(0).dynamics->damping_N_s_m);
-    }
-    bracket(figures.stiffness_linear > 0 ? figures.stiffness_linear : kFirst);
-    // The tolerance is larger for a body: a run takes a hundred times as long and has a delay of
-    // its own.
-    const double tolerance = s.wall ? settings_.tolerance : 20 * settings_.tolerance;
-    while (below_ > 0 && above_ > 0 && above_ - below_ > tolerance * below_) {
-      const double middle = std::sqrt(below_ * above_);
-      (stable(middle) ? below_ : above_) = middle;
-    }
-    figures.stiffness_max = below_;
-    figures.left_m = left_m_;
-    figures.unstable_from = unstable_from_;
     const auto& encoder = s.device_of(0).encoder;
     if (encoder && encoder->at == plant::Encoder::At::tip && s.device_of(0).friction) {
-      figures.encoder_bound = 2 * s.device_of(0).friction->force_N / encoder->resolution;
+      figures_.encoder_bound = 2 * s.device_of(0).friction->force_N / encoder->resolution;
     }
-    if (!s.wall) {
-      figures.young_modulus_Pa = s.object.material.young_modulus_pa * below_ / own_N_m_;
-    }
-    figures.delay_s = delay_s_;
-    figures.runs = runs_;
-    figures.undecided_N_m = undecided_;
-    figures.stuck = stuck_;
-    return figures;
+    take_least();
+    return figures_;
   }
 
  private:
-  bool stable(double stiffness) {
-    ++runs_;
-    if (progress_) progress_(fmt::format("run {}: {:.5g} N/m", runs_, stiffness));
-    const Trial trial = scene_.has_body() ? try_body(scene_, stiffness / own_N_m_)
-                                          : try_wall(scene_, stiffness, settings_.trial);
-    if (!trial.decided) {
-      undecided_ = std::max(undecided_, stiffness);
-    } else if (!trial.stable && (unstable_from_ == 0 || stiffness < unstable_from_)) {
-      unstable_from_ = stiffness;
-    }
-    if (delay_s_ == 0) delay_s_ = trial.delay_s;
-    if (trial.stable) {
-      left_m_ = trial.amplitude_m;
-      stuck_ = !trial.moved;
-    }
-    return trial.stable;
+  void find_body(const Scenario& s) {
+    const double own_N_m = contact_stiffness(scene_).value_or(0);
+    if (own_N_m == 0) throw InputError("probe.motion", "the probe never presses on the body");
+    EdgeSearch search([&](double stiffness) { return try_body(scene_, stiffness / own_N_m); },
+                      kStiffest * own_N_m, progress_, "");
+    search.begin(own_N_m);
+    take_delay(s, search.delay_s());
+    // The tolerance is larger for a body: a run takes a hundred times as long and has a delay of
+    // its own.
+    figures_.edges.push_back(search.find(guess(), 20 * settings_.tolerance));
+    figures_.delay_s = search.delay_s();
+    figures_.young_modulus_Pa =
+        s.object.material.young_modulus_pa * figures_.edges.front().stiffness_max / own_N_m;
   }
 
-  void bracket(double guess) {
-    double at = std::clamp(guess, kSoftest, settings_.largest_N_m);
-    double stride = 1.02;  // the guess is a good one more often than not
-    if (stable(at)) {
-      below_ = at;
-      while (above_ == 0 && at < settings_.largest_N_m) {
-        at = std::min(settings_.largest_N_m, at * stride);
-        stride = std::max(stride, kStride);
-        (stable(at) ? below_ : above_) = at;
+  void find_wall(const Scenario& s) {
+    std::vector<double> pushes = {settings_.trial.push_N};
+    const bool all = settings_.all_amplitudes && amplitude_matters(s);
+    if (all) {
+      pushes.clear();
+      for (double push = kLeastPush; push < kMostPush; push *= kPushStep) pushes.push_back(push);
+    }
+    for (const double push : pushes) {
+      TrialSettings trial = settings_.trial;
+      trial.push_N = push;
+      EdgeSearch search([&, trial](double k) { return try_wall(scene_, k, trial); },
+                        settings_.largest_N_m, progress_,
+                        all ? fmt::format("pushed with {:.3g} N, ", push) : std::string());
+      // A first run gives the delay with which the eigenvalues predict the result.
+      const bool held = search.begin(kFirst);
+      if (figures_.delay_s == 0) take_delay(s, search.delay_s());
+      if (all && !held) {
+        figures_.beyond_device_N = push;
+        break;
       }
-      return;
+      figures_.edges.push_back(search.find(guess(), settings_.tolerance));
+      figures_.edges.back().push_N = push;
     }
-    above_ = at;
-    while (below_ == 0 && at > kSoftest && undecided_ == 0) {
-      at = std::max(kSoftest, at / stride);
-      stride = std::max(stride, kStride);
-      (stable(at) ? below_ : above_) = at;
+    if (all) find_own_motion();
+  }
+
+  void find_own_motion() {
+    EdgeSearch search([&](double stiffness) { return try_motion(scene_, stiffness); },
+                      settings_.largest_N_m, progress_, "the scenario's own motion, ");
+    try {
+      figures_.edges.push_back(search.find(guess(), settings_.tolerance));
+    } catch (const InputError&) {
+      // Nobody rests long enough to tell: the pushes alone say it.
     }
+  }
+
+  void take_delay(const Scenario& s, double delay_s) {
+    figures_.delay_s = delay_s;
+    const std::optional<plant::WallLoop> loop = wall_loop(
+        s, 0, delay_s, s.wall ? s.wall->direction() : Eigen::Vector3d(Eigen::Vector3d::UnitZ()));
+    if (loop && delay_s <= StabilityFigures::kMostPeriods * loop->period_s) {
+      figures_.linear_computed = true;
+      figures_.stiffness_linear = plant::largest_stable_stiffness(*loop);
+    }
+    if (loop) {
+      figures_.stiffness_passive =
+          plant::passive_stiffness(*loop, s.device_of(0).dynamics->damping_N_s_m);
+    }
+  }
+
+  double guess() const {
+    return figures_.stiffness_linear > 0 ? figures_.stiffness_linear : kFirst;
+  }
+
+  void take_least() {
+    const StabilityEdge* least = nullptr;
+    for (const StabilityEdge& edge : figures_.edges) {
+      figures_.runs += edge.runs;
+      const bool less = least == nullptr || (least->stuck && !edge.stuck) ||
+                        (least->stuck == edge.stuck && edge.stiffness_max < least->stiffness_max);
+      if (less) least = &edge;
+    }
+    if (least == nullptr) return;
+    figures_.stiffness_max = least->stiffness_max;
+    figures_.left_m = least->left_m;
+    figures_.unstable_from = least->unstable_from;
+    figures_.undecided_N_m = least->undecided_N_m;
+    figures_.stuck = least->stuck;
   }
 
   const Scene& scene_;
   SearchSettings settings_;
   const Progress& progress_;
-  double below_ = 0;    // the stiffest that was stable
-  double above_ = 0;    // the softest that was not
-  double own_N_m_ = 0;  // of the scenario's own body
-  double left_m_ = 0;   // of the last one that was stable
-  double delay_s_ = 0;
-  double unstable_from_ = 0;  // the least of the trials
-  double undecided_ = 0;
-  bool stuck_ = false;  // the last one that was stable
-  int runs_ = 0;
+  StabilityFigures figures_;
 };
 
 }  // namespace
@@ -183,10 +288,32 @@ std::vector<StabilityFigures> stability_map(const Scene& scene, const SearchSett
   return map;
 }
 
-void StabilityFigures::report(config::Figures& f) const {
-  const auto stiffness = [&f](std::string_view key, double value, std::string_view help) {
+namespace {
+
+// Null where there is none.
+auto stiffness_to(config::Figures& f) {
+  return [&f](std::string_view key, double value, std::string_view help) {
     f.quantity(key, value > 0 ? std::optional(value) : std::nullopt, "N/m", help);
   };
+}
+
+}  // namespace
+
+void StabilityEdge::report(config::Figures& f) const {
+  const auto stiffness = stiffness_to(f);
+  f.quantity("push_N", push_N, "N",
+             "with which the device leans on the wall; null: the scenario's own motion, or a body");
+  stiffness("stiffness_max", stiffness_max, "the stiffest that was stable; null where none was");
+  stiffness("unstable_from", unstable_from, "the softest that was not; null where all were");
+  f.quantity("left_m", left_m, "m", "half of peak to peak of the swing that is left there");
+  f.truth("stuck", stuck, "friction held the device in that run");
+  stiffness("undecided_N_m", undecided_N_m,
+            "here and below the device swings more slowly than a run is long");
+  f.count("runs", runs, "of the platform");
+}
+
+void StabilityFigures::report(config::Figures& f) const {
+  const auto stiffness = stiffness_to(f);
   stiffness("stiffness_max", stiffness_max,
             "the stiffest wall with which runs of the platform were stable; null where none was");
   f.quantity("left_m", left_m, "m",
@@ -217,6 +344,13 @@ void StabilityFigures::report(config::Figures& f) const {
       "null for a wall");
   f.quantity("wall_damping_N_s_m", damping_N_s_m, "N·s/m", "B");
   f.count("runs", runs, "of the platform");
+  f.list(
+      "edges",
+      "the stiffest wall for each amplitude that was tried; `stiffness_max` is the least of those "
+      "that friction does not hold",
+      edges);
+  f.quantity("beyond_device_N", beyond_device_N > 0 ? std::optional(beyond_device_N) : std::nullopt,
+             "N", "the least push that the device cannot hold, with which the ladder ends");
   f.truth("stuck", stuck,
           "friction held the device in the run at `stiffness_max`, which then says nothing of the "
           "edge: lean harder, with `--push`");

@@ -9,9 +9,27 @@
 
 namespace hvp::app {
 
+// The edge of stability that a device finds which leans on a wall with one force, or moves as the
+// scenario says.
+struct StabilityEdge {
+  std::optional<double> push_N;  // absent: the scenario's own motion
+  double stiffness_max = 0;      // N/m; 0: no stiffness is stable
+  double left_m = 0;             // half of the remaining peak-to-peak swing at that stiffness
+  double unstable_from = 0;      // the least stiffness found unstable, N/m; 0: none
+  // The stiffness of a trial that would have taken more frames than one has: what is softer was not
+  // searched; 0: there was none.
+  double undecided_N_m = 0;
+  bool stuck = false;  // friction held the device in the trial at stiffness_max: it is no edge
+  int runs = 0;
+
+  void report(config::Figures& f) const;
+};
+
 // The stiffest wall, or body at its contact, with which a scenario's loop is stable.
 struct StabilityFigures {
-  double stiffness_max = 0;      // N/m, by runs of the platform; 0: no stiffness is stable
+  // N/m, by runs of the platform, the least of all edges that are none of friction's; 0: no
+  // stiffness is stable.
+  double stiffness_max = 0;
   double left_m = 0;             // half of the remaining peak-to-peak swing at that stiffness
   double unstable_from = 0;      // the least stiffness found unstable, N/m; 0: none
   double stiffness_linear = 0;   // N/m, by the exact eigenvalues with the delay of the runs
@@ -22,11 +40,12 @@ struct StabilityFigures {
   double period_s = 0;
   double damping_N_s_m = 0;     // of the wall
   double young_modulus_Pa = 0;  // of the body at stiffness_max; 0: a wall
-  int runs = 0;
-  // The stiffness of a trial that would have taken more frames than one has: what is softer was not
-  // searched; 0: there was none.
-  double undecided_N_m = 0;
-  bool stuck = false;  // friction held the device in the trial at stiffness_max: it is no edge
+  int runs = 0;                 // of all edges
+  double undecided_N_m = 0;     // of the edge that stiffness_max is of
+  bool stuck = false;           // likewise: every edge is friction's
+  std::vector<StabilityEdge> edges;
+  // The least force with which the device cannot hold the wall at all, N; 0: none was tried.
+  double beyond_device_N = 0;
 
   // Eigenvalues of a longer delay take too long to search.
   static constexpr double kMostPeriods = 64;
@@ -36,11 +55,15 @@ struct StabilityFigures {
 
 struct SearchSettings {
   TrialSettings trial;
+  // Every push of a ladder is tried, and the scenario's own motion, where friction, an encoder or a
+  // limit makes an edge depend on how far the device swings; else, and in a body, trial.push_N.
+  bool all_amplitudes = false;
   double tolerance = 1e-3;  // relative, of stiffness_max
   double largest_N_m = 1e7;
 };
 
-// Searches the largest stable stiffness by bisection over runs of the platform. The stiffness is
+// Searches the largest stable stiffness by bisection over runs of the platform, for each amplitude
+// that is asked for, of which the least is the result. The stiffness is
 // the wall's, or that of the body at its contact, changed by Young's modulus. Throws InputError if
 // the scenario has no device with mass, and as the trials do.
 StabilityFigures find_stability(const Scene& scene, const SearchSettings& settings,

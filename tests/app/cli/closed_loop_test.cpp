@@ -207,6 +207,40 @@ TEST_F(LoopCommands, AFreshContactHasNoAge) {
   EXPECT_GT(touching, 100);
 }
 
+// Friction stops a small swing and not a large one: the edge is that of every amplitude, and the
+// scenario's own run is on its side.
+TEST_F(LoopCommands, AnEdgeHoldsForEveryAmplitude) {
+  const std::vector<std::string> touch = {"hand=false", "device.model=touch",
+                                          "device.dynamics.mass=45 g", "host.delay.time=0.9 ms"};
+  const json j = stability(touch);
+  const double edge = j.at("stiffness_max");
+  ASSERT_GT(j.at("edges").size(), 5U);
+  std::vector<double> found;
+  for (const json& e : j.at("edges")) {
+    if (!e.at("stuck").get<bool>()) found.push_back(e.at("stiffness_max"));
+  }
+  EXPECT_EQ(edge, *std::ranges::min_element(found));
+  EXPECT_TRUE(j.at("edges").back().at("push_N").is_null());
+  EXPECT_TRUE(j.at("edges").front().at("stuck")) << "a tenth of a newton is friction's";
+  EXPECT_GT(*std::ranges::max_element(found), 2 * edge);
+  // The Touch gives 3.3 N.
+  EXPECT_GT(j.at("beyond_device_N"), 3.3);
+  EXPECT_LT(j.at("beyond_device_N"), 1.5 * 3.3);
+  const auto limit_cycle = [&](double stiffness) {
+    std::vector<std::string> settings = touch;
+    settings.push_back("wall.stiffness=" + std::to_string(stiffness) + " N/m");
+    const json flags = run(settings).at("stability").at("flags");
+    return std::ranges::count(flags, json("limit-cycle")) > 0;
+  };
+  EXPECT_FALSE(limit_cycle(0.98 * edge));
+  EXPECT_TRUE(limit_cycle(1.02 * edge));
+
+  // A linear loop has one edge, whatever the push.
+  const Ended text = hvp(place_.path(), {"stability", scenario("wall.toml").string(), "--set",
+                                         "hand=false", "--quiet"});
+  EXPECT_THAT(text.out, ::testing::Not(HasSubstr("pushed with")));
+}
+
 // A body too: its Young's modulus is what is varied.
 TEST_F(LoopCommands, TheStiffestBodyIsFoundByItsRuns) {
   const Ended ended = with("stability", {"reference=false"}, "sphere-in-hand.toml");
