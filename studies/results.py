@@ -38,6 +38,13 @@ def write_results(
     return write_columns(folder, cells, columns)
 
 
+def write_csv(path: Path, rows: Sequence[Mapping[str, Value]], columns: Sequence[Column]) -> Path:
+    """A table beside the results, as CSV alone. Returns the file."""
+    cells = {column.name: [row.get(column.name) for row in rows] for column in columns}
+    write_whole(path, _csv(cells, columns))
+    return path
+
+
 def write_columns(
     folder: Path, cells: Mapping[str, Sequence[Value]], columns: Sequence[Column]
 ) -> list[Path]:

@@ -10,13 +10,16 @@ from pathlib import Path
 import pandas as pd
 
 from studies.axis import places
+from studies.influence import COLUMNS as INFLUENCE_COLUMNS
+from studies.influence import Influence, influences
+from studies.influence import words as influence_words
 from studies.metrics import figure_of
 from studies.plot import draw_chart
 from studies.point import Command, Point, Value
 from studies.program import Figure, Program
 from studies.record import Record
 from studies.report.study_page import Plot, write_study_report
-from studies.results import Column, write_columns
+from studies.results import Column, write_columns, write_csv
 from studies.study_file import Picture, Study
 from studies.study_picture import chart
 from studies.text_table import count_of
@@ -86,6 +89,11 @@ class Results:
         }
         return cells | self._figures | axes | self._read[1]
 
+    @cached_property
+    def influences(self) -> list[Influence]:
+        """Of each axis on the metrics, where the points are sampled."""
+        return influences(self.study, self.cells, self.metrics)
+
     @property
     def ends(self) -> list[tuple[str, bool]]:
         """How each run ended, and whether it raised flags."""
@@ -150,6 +158,10 @@ def write_all(folder: Path, results: Results, name: str, commands: list[str]) ->
     """results.csv, results.parquet, pictures and report.html. Returns the files."""
     columns, cells = results.columns(), results.cells
     written = write_columns(folder, cells, columns)
+    found = results.influences
+    if found:
+        rows = [influence.row() for influence in found]
+        written.append(write_csv(folder / "influence.csv", rows, INFLUENCE_COLUMNS))
     names = [column.name for column in columns]
     units = {column.name: column.unit for column in columns if column.unit}
     pictures = results.study.plot or _default_pictures(results)
@@ -181,7 +193,7 @@ def write_all(folder: Path, results: Results, name: str, commands: list[str]) ->
             units=units,
             helps={column.name: column.help for column in columns},
             plots=plots,
-            words=[outcome_words(results.ends)],
+            words=[outcome_words(results.ends), *influence_words(found)],
             commands=commands,
             versions={"hvp": results.program.version.removeprefix("hvp ")},
         )
@@ -208,6 +220,9 @@ def _default_pictures(results: Results) -> list[Picture]:
     axes = [axis.label for axis in results.study.axis]
     if not results.metrics:
         return []
+    if results.study.design.kind in ("latin-hypercube", "sobol"):
+        # No two axes stand still while a third one moves: each has a picture of its own.
+        return [Picture(x=label, y=[results.metrics[0]]) for label in axes]
     return [Picture(x=axes[0], colour=axes[1] if len(axes) > 1 else "")]
 
 

@@ -4,15 +4,17 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from studies.axis import as_quantity
 from studies.command_line import command_of as command_line
 from studies.command_line import shell_line
 from studies.commands import search
 from studies.commands.scale_options import add_scale_options, export_array, session_of
 from studies.design import points_of
 from studies.errors import FAILED, HELD, InputError
+from studies.influence import words as influence_words
 from studies.metrics import check_metric
 from studies.option_paths import check_folder
-from studies.point import Point
+from studies.point import Point, Value
 from studies.program import Program, find_program
 from studies.progress import run_with_progress
 from studies.store import DEFAULT_STORE
@@ -20,7 +22,7 @@ from studies.study_file import Study, load
 from studies.study_reference import reference_page
 from studies.study_results import Results, outcome_words, write_all
 from studies.sweep import all_refused
-from studies.text_table import count_of, text_table
+from studies.text_table import DIGITS, count_of, text_table
 from studies.toml_lines import line_of
 from studies.worker import command_of
 
@@ -94,6 +96,8 @@ def _report(arguments: argparse.Namespace, results: Results) -> int:
     files = write_all(folder, results, file.stem, commands)
     print(_result_table(results))
     print(f"\n{outcome_words(results.ends)}")
+    for sentence in influence_words(results.influences):
+        print(sentence)
     ends = list(zip(results.points, results.cells["status"], results.cells["message"], strict=True))
     refused = [message for _, status, message in ends if status == "refused"]
     for message in list(dict.fromkeys(refused))[:3]:
@@ -120,8 +124,19 @@ def _check_metrics(study: Study, file: Path, program: Program) -> None:
 def _table(study: Study, points: list[Point]) -> str:
     labels = [axis.label for axis in study.axis]
     shown = points[:_MOST_ROWS]
-    text = text_table(labels, [[point.columns[label] for label in labels] for point in shown])
+    text = text_table(
+        labels, [[_short(point.columns[label]) for label in labels] for point in shown]
+    )
     return text + (f"\n… {len(points) - len(shown)} more" if len(points) > len(shown) else "")
+
+
+def _short(value: Value) -> Value:
+    """A quantity of an axis with as many digits as a table shows; results.csv has all."""
+    quantity = as_quantity(value) if isinstance(value, str) else None
+    if quantity is None:
+        return value
+    number, unit = quantity
+    return min(f"{number:.{DIGITS}g} {unit}".strip(), str(value), key=len)
 
 
 def _result_table(results: Results) -> str:
@@ -131,7 +146,8 @@ def _result_table(results: Results) -> str:
     cells = results.cells
     rows = [
         [
-            *(cells[name][row] for name in (*labels, *results.metrics)),
+            *(_short(cells[label][row]) for label in labels),
+            *(cells[name][row] for name in results.metrics),
             cells["verdict"][row] or cells["status"][row],
             None if cells["flags"][row] is None else len(str(cells["flags"][row]).split()),
         ]
