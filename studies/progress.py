@@ -9,7 +9,6 @@ from studies.point import Point
 from studies.session import Session
 from studies.store import Records
 
-
 # Between two looks, in seconds: of a person at a terminal, and of a log that somebody reads later.
 _ON_TERMINAL = 0.1
 _IN_LOG = 30.0
