@@ -11,6 +11,7 @@ from studies.questions.answer import Answer, Row, cross, line, number, values, w
 
 WORST = "deadline.worst_us"
 _STEP_US = 0.5
+_BY_CHANCE = "deadline.late_probability.share"
 
 
 def links(rows: Sequence[Row]) -> Answer:
@@ -137,7 +138,9 @@ def jitter(rows: Sequence[Row]) -> Answer:
                 number(row["deadline.p50_us"], ".0f"),
                 number(row["deadline.p99_us"], ".0f"),
                 number(100 * row["rate"], ".2f"),
-                number(100 * row["expected"], ".2f"),
+                # Less is not told from none.
+                number(100 * row[_BY_CHANCE], ".2g") if row[_BY_CHANCE] else "< 1e-11",
+                number(100 * row["expected"], ".2g"),
             ]
         )
     chart = Chart(
@@ -172,8 +175,10 @@ def jitter(rows: Sequence[Row]) -> Answer:
         "with_slack": number(100 * at(6, 30)["rate"], ".1f"),
         "independent": number(100 * at(6, 60)["expected"], ".1f"),
         "independent_slack": number(100 * at(6, 30)["expected"], ".1f"),
+        "rare": number(1e-6 / at(1.5, 60)[_BY_CHANCE], ".0f"),
     }
-    heading = ["spread", "slack", "median, µs", "99 %, µs", "late, %", "each on its own, %"]
+    heading = ["spread", "slack", "median, µs", "99 %, µs", "late, %"]
+    heading += ["by chance, %", "each on its own, %"]
     return Answer(heading, table, chart, facts)
 
 

@@ -200,6 +200,12 @@ def test_misses_are_the_tails_where_frames_do_not_touch(ask: Ask) -> None:
         frames = row["deadline.frames"]
         expected = frames * loop.late_share(1000 - 446.12, spread)
         assert abs(row["deadline.misses"] - expected) < 4 * expected**0.5
+        # What the run says of all frames, by a convolution of its own; some make the next one late.
+        by_chance = row["deadline.late_probability.share"]
+        assert by_chance == pytest.approx(loop.late_share(1000 - 446.12, spread), rel=0.12)
+    calm = where(rows, spread=1.5, iterations=60)[0]
+    assert calm["deadline.misses"] == 0
+    assert 1e-8 < calm["deadline.late_probability.share"] < 4e-8
     tight = where(rows, iterations=60)
     misses = column(tight, "deadline.misses")
     assert misses == sorted(misses)
