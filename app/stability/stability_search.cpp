@@ -47,7 +47,7 @@ bool amplitude_matters(const Scenario& s) {
 // Steps of a half from a tenth of a newton, which a fingertip feels, to what no device here gives.
 constexpr double kLeastPush = 0.1;
 constexpr double kPushStep = 1.5;
-constexpr double kMostPush = 60;
+constexpr int kPushes = 16;
 
 using TryAt = std::function<Trial(double)>;
 
@@ -172,7 +172,9 @@ class Search {
     const bool all = settings_.all_amplitudes && amplitude_matters(s);
     if (all) {
       pushes.clear();
-      for (double push = kLeastPush; push < kMostPush; push *= kPushStep) pushes.push_back(push);
+      for (int step = 0; step < kPushes; ++step) {
+        pushes.push_back(kLeastPush * std::pow(kPushStep, step));
+      }
     }
     for (const double push : pushes) {
       TrialSettings trial = settings_.trial;

@@ -66,9 +66,10 @@ struct TailDeviance {
   template <class T, class Take>
   bool each(const T* u, const Take& take) const {
     using std::expm1;
-    using std::isfinite;
     using std::log;
-    const auto [scale, shape] = values(u);
+    const std::array<T, 2> found = values(u);
+    const T& scale = found[0];
+    const T& shape = found[1];
     const auto possible = [&](double y) { return 1.0 + shape * (y / scale) > 0.0; };
     for (const WakeUpHistogram::Bin& bin : tail.bins) {
       if (!possible(bin.from)) return false;
