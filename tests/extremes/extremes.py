@@ -93,6 +93,13 @@ NEEDS = {
     '"measured"': ["{table}.samples=samples.csv"],
     '"normal"': ["{table}.deviation=2 us"],
     '"lognormal"': ["{table}.median=5 us", "{table}.spread=2"],
+    '"pareto"': [
+        '{table}.distribution="measured"',
+        "{table}.samples=samples.csv",
+        "{table}.tail_from=1 us",
+        "{table}.tail_scale=2 us",
+        "{table}.tail_shape=0.1",
+    ],
     '"late-dma"': ["transfer.method=dma"],
     '"truncated-dma"': ["transfer.method=dma"],
 }
@@ -285,7 +292,7 @@ def main() -> int:
         scene.write_text(SCENE)
         scene.with_name("wall.toml").write_text(WALL_SCENE)
         # Longer than what may be counted of a sample.
-        (Path(folder) / "samples.csv").write_text("latency_s\n2\n3\n")
+        (Path(folder) / "samples.csv").write_text("latency_us\n2\n3\n")
         with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
             results = pool.map(lambda case: complaint(hvp, scene, case), tried)
             for case, text in zip(tried, results, strict=True):
