@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "app/commands/commands.h"
+#include "app/commands/number_check.h"
 #include "app/fit/fit_request.h"
 #include "app/results/figures.h"
 #include "app/results/number_text.h"
@@ -201,7 +202,7 @@ void add_fit(CLI::App& app, int& status) {
   command
       ->add_option("--hold-out", arguments->hold_out,
                    "share of the log that another fit has to predict, 0.2 by default")
-      ->check(CLI::Range(0.0, 0.9))
+      ->check(number_between(0.0, 0.9))
       ->type_name("SHARE");
   command->add_option("--fix", arguments->fixed, "a parameter's value is known; as often as wanted")
       ->allow_extra_args(false)
@@ -212,10 +213,10 @@ void add_fit(CLI::App& app, int& status) {
       ->allow_extra_args(false)
       ->type_name("QUANTITY_UNIT=NAME");
   command->add_option("--rate", arguments->sample_rate, "samples a second, of a log without a time")
-      ->check(CLI::Range(1e-3, 1e8))
+      ->check(number_between(1e-3, 1e8))
       ->type_name("HZ");
   command->add_option("--count", arguments->count_size, "what a count of position_counts is")
-      ->check(CLI::Range(1e-12, 1e3))
+      ->check(number_between(1e-12, 1e3))
       ->type_name("SIZE");
   command->add_option("--count-unit", arguments->count_unit, "its unit, rad by default")
       ->check(CLI::IsMember({"m", "rad"}))

@@ -18,6 +18,7 @@
 #include "app/board/model_commands.h"
 #include "app/board/outside_board.h"
 #include "app/commands/commands.h"
+#include "app/commands/number_check.h"
 #include "app/linux/complaints.h"
 #include "app/linux/guest.h"
 #include "app/linux/guest_error.h"
@@ -399,7 +400,7 @@ void add_linux(CLI::App& app, int& status) {
       ->add_option("--patience", arguments->patience_s,
                    "seconds of wall-clock time without a word of the guest after which the run "
                    "ends, 60 by default")
-      ->check(CLI::Range(1.0, 86400.0))
+      ->check(number_between(1.0, 86400.0))
       ->type_name("S");
   command
       ->add_option(

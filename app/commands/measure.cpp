@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "app/commands/commands.h"
+#include "app/commands/number_check.h"
 #include "app/measure/host_times.h"
 #include "app/results/number_text.h"
 #include "app/results/part_files.h"
@@ -187,7 +188,7 @@ void add_measure(CLI::App& app, int& status) {
       ->type_name("FILE.toml");
   host->add_option("--seconds", arguments->seconds, "how long to watch the wake-ups")
       ->capture_default_str()
-      ->check(CLI::Range(1.0, 36000.0));
+      ->check(number_between(1.0, 36000.0));
   host->add_flag("--quiet", arguments->quiet, "no progress on the terminal");
   host->callback([arguments, &status] { status = measure_host(*arguments); });
 }

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "app/commands/commands.h"
+#include "app/commands/number_check.h"
 #include "app/results/figures.h"
 #include "app/results/number_text.h"
 #include "app/results/part_files.h"
@@ -33,7 +34,14 @@ std::string time_text(double seconds) {
 // What the headline is the least of, where there are several.
 void print_edges(const StabilityFigures& f) {
   if (f.edges.size() < 2) return;
+  const auto beyond = [&] {
+    if (f.beyond_device_N > 0) {
+      print("  {:<26} {:>10}  {}\n", fmt::format("  pushed with {:.3g} N", f.beyond_device_N), "-",
+            "and harder: the device's force is clamped");
+    }
+  };
   for (const StabilityEdge& e : f.edges) {
+    if (!e.push_N) beyond();
     const std::string who = e.push_N ? fmt::format("  pushed with {:.3g} N", *e.push_N)
                                      : std::string("  as the scenario moves");
     const std::string value = e.stuck               ? "-"
@@ -48,9 +56,10 @@ void print_edges(const StabilityFigures& f) {
     }
     print("  {:<26} {:>10}  {}\n", who, value, note);
   }
-  if (f.beyond_device_N > 0) {
-    print("  {:<26} {:>10}  {}\n", fmt::format("  pushed with {:.3g} N", f.beyond_device_N), "-",
-          "beyond what the device holds");
+  if (f.edges.back().push_N) beyond();
+  if (f.falling) {
+    print("  {:<26} {:>10}  {}\n", "", "",
+          "still falling at the last push: lean harder, with --push");
   }
 }
 
@@ -68,6 +77,8 @@ void print_figures(const Scene& scene, const StabilityFigures& f) {
                          f.runs, f.undecided_N_m)
        : f.stuck
            ? fmt::format("{} runs; friction holds the device: lean harder, with --push", f.runs)
+       : f.edges.size() == 1 && f.edges.front().clamped
+           ? fmt::format("{} runs; the device's force is clamped: lean less, with --push", f.runs)
        : f.unstable_from > 0
            ? fmt::format("{} runs; unstable from {:.5g} N/m", f.runs, f.unstable_from)
            : fmt::format("{} runs; none was unstable", f.runs));
@@ -173,7 +184,7 @@ void add_stability(CLI::App& app, int& status) {
       ->add_option("--push", arguments->push_N,
                    "with how many newtons the device leans on the wall; without it 1, and all "
                    "from 0.1 N to the device's limit where an edge depends on it")
-      ->check(CLI::Range(1e-3, 1e3))
+      ->check(number_between(1e-3, 1e3))
       ->type_name("N");
   command
       ->add_option("--frames", arguments->frames,

@@ -106,7 +106,7 @@ std::string miss_text(const vp::Verdict& v) {
 // What the distributions of the drawn times say of frames that were not run.
 std::string late_text(const vp::LateProbability::Result& r) {
   constexpr const char* kWhat = "\n  late by chance ";
-  if (!r.independent()) {
+  if (r.dependent) {
     return fmt::format("{}not known: the rest of a frame depends on the times that are drawn",
                        kWhat);
   }

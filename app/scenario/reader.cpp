@@ -123,7 +123,7 @@ const Node* Reader::take(std::string_view name, const Note& note) {
 }
 
 bool Reader::read_quantity(const Node& node, const std::string& key, double& value,
-                           Dimension dimension, const config::Range& range) {
+                           Dimension dimension, const config::Range& range, std::string_view word) {
   double result = 0.0;
   if (dimension == Dimension::dimensionless) {
     if (!is_number(node)) {
@@ -139,7 +139,12 @@ bool Reader::read_quantity(const Node& node, const std::string& key, double& val
     try {
       result = parse_quantity(node.text, dimension);
     } catch (const InputError& error) {
-      wrong(node, key, error.what());
+      std::string expected = error.what();
+      constexpr std::string_view kExpected = "expected ";
+      if (!word.empty() && expected.starts_with(kExpected)) {
+        expected.insert(kExpected.size(), fmt::format("\"{}\" or ", word));
+      }
+      wrong(node, key, expected);
       return false;
     }
   } else {
@@ -168,7 +173,7 @@ void Reader::quantity(std::string_view name, double& value, Dimension dimension,
     value = 0;
     return;
   }
-  read_quantity(*node, key_of(name), value, dimension, range);
+  read_quantity(*node, key_of(name), value, dimension, range, note.word);
 }
 
 void Reader::vector(std::string_view name, Eigen::Vector3d& value, Dimension dimension,

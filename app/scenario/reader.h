@@ -105,7 +105,8 @@ class Reader : public config::Visitor {
   void leave();
   void reject_unknown_keys(const Level& level);
   bool read_quantity(const Node& node, const std::string& key, double& value,
-                     config::Dimension dimension, const config::Range& range);
+                     config::Dimension dimension, const config::Range& range,
+                     std::string_view word = {});
   bool read_text(const Node& node, const std::string& key, std::string_view expected,
                  std::string& value);
 

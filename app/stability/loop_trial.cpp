@@ -48,6 +48,7 @@ class TrialWatch : public vp::FrameObserver {
     // A force that is clamped at the end keeps a swing from growing, not from going on.
     const bool clamped = device.drive.dac_saturated || device.drive.current_saturated ||
                          frame.sent(0).cwiseAbs().maxCoeff() > plant::kForce.largest();
+    clamped_ = clamped_ || clamped;
     saturated_ = saturated_ || (quarter == 3 && clamped);
     delay_ += frame.born + frame.latency() - frame.latched;
     ++frames_;
@@ -70,7 +71,7 @@ class TrialWatch : public vp::FrameObserver {
     trial.delay_s = frames_ > 0 ? to_seconds(delay_) / static_cast<double>(frames_) : 0;
     const bool shrinks =
         trial.growth < kComesToRest && trial.amplitude_m < kWide * displaced && !saturated_;
-    trial.clamped = saturated_;
+    trial.clamped = clamped_;
     trial.stable = !left_ && (trial.amplitude_m <= still || shrinks);
     trial.moved = quarters_[0].most > quarters_[0].least;
     return trial;
@@ -104,6 +105,7 @@ class TrialWatch : public vp::FrameObserver {
   std::int64_t quarter_;
   std::array<Quarter, 4> quarters_;
   bool left_ = false;
+  bool clamped_ = false;
   bool saturated_ = false;  // in the last quarter
   Picoseconds delay_ = 0;
   std::int64_t frames_ = 0;
@@ -189,32 +191,48 @@ Trial run_body(const Scene& scene, double times) {
   return run_motion(stiffer.scenario(), platform);
 }
 
+// Whether a wall has answered.
+class PressWatch : public vp::FrameObserver {
+ public:
+  void closed(const vp::Frame& frame, const vp::CriticalPath& /*path*/) override {
+    pressed_ = pressed_ || frame.in_contact();
+  }
+  bool pressed() const { return pressed_; }
+
+ private:
+  bool pressed_ = false;
+};
+
 Trial run_motion_on_wall(const Scene& scene, double stiffness) {
   Scenario s = scene.scenario();
   s.wall.value().stiffness_N_m = stiffness;
   vp::PlatformSettings settings = platform_settings(scene);
   settings.wall = s.wall;
   vp::Platform platform(settings, std::nullopt, nullptr);
-  return run_motion(s, platform);
+  PressWatch press;
+  platform.add_observer(press);
+  Trial trial = run_motion(s, platform);
+  trial.pressed = press.pressed();
+  // As of a trial that is pushed: what goes on within an encoder's step is the encoder's.
+  if (trial.amplitude_m <= still(s)) trial.stable = true;
+  return trial;
 }
 
 Trial trial_in_child(const std::function<Trial()>& run) {
   using nlohmann::json;
   const json answer = json::parse(in_child([&run] {
     const Trial t = run();
-    return json{{"decided", t.decided},
-                {"moved", t.moved},
-                {"stable", t.stable},
-                {"clamped", t.clamped},
-                {"growth", std::isfinite(t.growth) ? t.growth : 1e300},
-                {"amplitude", t.amplitude_m},
-                {"delay", t.delay_s}}
+    return json{
+        {"decided", t.decided},       {"moved", t.moved},
+        {"pressed", t.pressed},       {"stable", t.stable},
+        {"clamped", t.clamped},       {"growth", std::isfinite(t.growth) ? t.growth : 1e300},
+        {"amplitude", t.amplitude_m}, {"delay", t.delay_s}}
         .dump();
   }));
-  return {answer["decided"].get<bool>(),  answer["moved"].get<bool>(),
-          answer["stable"].get<bool>(),   answer["clamped"].get<bool>(),
-          answer["growth"].get<double>(), answer["amplitude"].get<double>(),
-          answer["delay"].get<double>()};
+  return {answer["decided"].get<bool>(),     answer["moved"].get<bool>(),
+          answer["stable"].get<bool>(),      answer["clamped"].get<bool>(),
+          answer["pressed"].get<bool>(),     answer["growth"].get<double>(),
+          answer["amplitude"].get<double>(), answer["delay"].get<double>()};
 }
 
 }  // namespace

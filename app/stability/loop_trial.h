@@ -19,7 +19,8 @@ struct Trial {
   bool decided = true;  // false: its swing takes more frames than a trial has, and it was not run
   bool moved = false;   // false: friction held the device from the first frame on
   bool stable = false;
-  bool clamped = false;  // a force was clamped to the end
+  bool clamped = false;  // a force was clamped
+  bool pressed = true;   // false: the device never was in the wall
   double growth = 0;     // ratio of the rms swing about its mean, last quarter over second quarter
   double amplitude_m = 0;  // half of the peak-to-peak swing in the last quarter
   double delay_s = 0;      // from the latch to the force at the motor, mean of all frames

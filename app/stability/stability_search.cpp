@@ -49,6 +49,10 @@ constexpr double kLeastPush = 0.1;
 constexpr double kPushStep = 1.5;
 constexpr int kPushes = 16;
 
+// Where it looks below an edge: to a third of it.
+constexpr int kLooks = 5;
+constexpr double kLookStep = 0.8;
+
 using TryAt = std::function<Trial(double)>;
 
 // The bisection of one edge.
@@ -76,8 +80,34 @@ class EdgeSearch {
     return edge_;
   }
 
+  // Looks below the edge for a softer wall that is not stable, which is an edge too. A loop that is
+  // not linear may have several.
+  StabilityEdge look_below(double tolerance) {
+    const double found = below_;
+    double stable_one = 0;
+    double unstable_one = 0;
+    for (int step = 1; step <= kLooks && found > 0; ++step) {
+      const double at = found * std::pow(kLookStep, step);
+      if (!stable(at)) {
+        unstable_one = at;
+      } else if (unstable_one > 0) {
+        stable_one = at;
+        break;
+      }
+    }
+    if (unstable_one == 0) return edge_;
+    below_ = stable_one;
+    above_ = unstable_one;
+    while (below_ > 0 && above_ - below_ > tolerance * below_) {
+      const double middle = std::sqrt(below_ * above_);
+      (stable(middle) ? below_ : above_) = middle;
+    }
+    edge_.stiffness_max = below_;
+    return edge_;
+  }
+
   double delay_s() const { return delay_s_; }
-  const StabilityEdge& edge() const { return edge_; }
+  bool pressed() const { return pressed_; }
 
  private:
   bool stable(double stiffness) {
@@ -85,6 +115,7 @@ class EdgeSearch {
     if (progress_) progress_(fmt::format("{}run {}: {:.5g} N/m", what_, edge_.runs, stiffness));
     const Trial trial = try_at_(stiffness);
     clamped_ = trial.clamped;
+    if (!trial.pressed) pressed_ = false;
     if (!trial.decided) {
       edge_.undecided_N_m = std::max(edge_.undecided_N_m, stiffness);
     } else if (!trial.stable && (edge_.unstable_from == 0 || stiffness < edge_.unstable_from)) {
@@ -127,6 +158,7 @@ class EdgeSearch {
   double above_ = 0;  // the softest that was not
   double delay_s_ = 0;
   bool clamped_ = false;  // in the last trial
+  bool pressed_ = true;
 };
 
 class Search {
@@ -189,17 +221,28 @@ class Search {
         figures_.beyond_device_N = push;
         break;
       }
-      figures_.edges.push_back(search.find(guess(), settings_.tolerance));
-      figures_.edges.back().push_N = push;
+      StabilityEdge edge = search.find(guess(), settings_.tolerance);
+      if (all && !edge.stuck) edge = search.look_below(settings_.tolerance);
+      edge.push_N = push;
+      edge.clamped = !held;
+      figures_.edges.push_back(edge);
     }
-    if (all) find_own_motion();
+    if (all) {
+      const std::vector<StabilityEdge>& edges = figures_.edges;
+      figures_.falling = figures_.beyond_device_N == 0 && edges.size() > 1 && !edges.back().stuck &&
+                         edges.back().stiffness_max < edges[edges.size() - 2].stiffness_max;
+      find_own_motion();
+    }
   }
 
   void find_own_motion() {
     EdgeSearch search([&](double stiffness) { return try_motion(scene_, stiffness); },
                       settings_.largest_N_m, progress_, "the scenario's own motion, ");
     try {
-      figures_.edges.push_back(search.find(guess(), settings_.tolerance));
+      search.find(guess(), settings_.tolerance);
+      const StabilityEdge edge = search.look_below(settings_.tolerance);
+      // A probe that never comes to the wall says nothing of it.
+      if (search.pressed()) figures_.edges.push_back(edge);
     } catch (const InputError&) {
       // Nobody rests long enough to tell: the pushes alone say it.
     }
@@ -309,6 +352,7 @@ void StabilityEdge::report(config::Figures& f) const {
   stiffness("unstable_from", unstable_from, "the softest that was not; null where all were");
   f.quantity("left_m", left_m, "m", "half of peak to peak of the swing that is left there");
   f.truth("stuck", stuck, "friction held the device in that run");
+  f.truth("clamped", clamped, "a force is clamped even in a soft wall: the edge is the clamp's");
   stiffness("undecided_N_m", undecided_N_m,
             "here and below the device swings more slowly than a run is long");
   f.count("runs", runs, "of the platform");
@@ -351,8 +395,13 @@ void StabilityFigures::report(config::Figures& f) const {
       "the stiffest wall for each amplitude that was tried; `stiffness_max` is the least of those "
       "that friction does not hold",
       edges);
-  f.quantity("beyond_device_N", beyond_device_N > 0 ? std::optional(beyond_device_N) : std::nullopt,
-             "N", "the least push that the device cannot hold, with which the ladder ends");
+  f.quantity(
+      "beyond_device_N", beyond_device_N > 0 ? std::optional(beyond_device_N) : std::nullopt, "N",
+      "the least push of the ladder at which a force is clamped even in a soft wall: the ladder "
+      "ends there");
+  f.truth("falling", falling,
+          "the last push of the ladder had a lower edge than the one before: a harder one, with "
+          "`--push`, may have a lower one still");
   f.truth("stuck", stuck,
           "friction held the device in the run at `stiffness_max`, which then says nothing of the "
           "edge: lean harder, with `--push`");

@@ -19,7 +19,8 @@ struct StabilityEdge {
   // The stiffness of a trial that would have taken more frames than one has: what is softer was not
   // searched; 0: there was none.
   double undecided_N_m = 0;
-  bool stuck = false;  // friction held the device in the trial at stiffness_max: it is no edge
+  bool stuck = false;    // friction held the device in the trial at stiffness_max: it is no edge
+  bool clamped = false;  // a force was clamped even in a soft wall: the edge is the clamp's
   int runs = 0;
 
   void report(config::Figures& f) const;
@@ -44,8 +45,10 @@ struct StabilityFigures {
   double undecided_N_m = 0;     // of the edge that stiffness_max is of
   bool stuck = false;           // likewise: every edge is friction's
   std::vector<StabilityEdge> edges;
-  // The least force with which the device cannot hold the wall at all, N; 0: none was tried.
+  // The least push of the ladder at which a force is clamped even in a soft wall, N; 0: none was.
   double beyond_device_N = 0;
+  // The edge is that of the last push, and a harder one may have a lower edge.
+  bool falling = false;
 
   // Eigenvalues of a longer delay take too long to search.
   static constexpr double kMostPeriods = 64;

@@ -17,6 +17,8 @@ std::string nanoseconds(double seconds) {
   return buffer;
 }
 
+constexpr double kClockStep = 1e4;  // Hz, of a clock that is sought
+
 std::string megahertz(double hertz) {
   char buffer[32];
   // Down, so that what is told can be set.
@@ -120,7 +122,6 @@ double fastest_clock(const Clocking& c) {
                                   " has no [timing], so that its fastest is not known: expected a "
                                   "frequency");
   }
-  constexpr double kStep = 1e4;
   Architecture a = c.architecture;
   a.clock_hz = 0;
   double fastest = 0;
@@ -128,7 +129,7 @@ double fastest_clock(const Clocking& c) {
   constexpr int kMostSteps = 10;
   for (int step = 0; step < kMostSteps; ++step) {
     const double reached =
-        std::floor(highest_clock({c.device, a, c.words, c.nodes}) / kStep) * kStep;
+        std::floor(highest_clock({c.device, a, c.words, c.nodes}) / kClockStep) * kClockStep;
     if (!(reached > fastest)) break;
     a.clock_hz = fastest = reached;
   }
@@ -149,10 +150,16 @@ void require_clock(const Clocking& c) {
   if (wanted <= highest_clock(c)) return;
   const CriticalPath critical = critical_path(c);
   const Path& path = critical.paths.front();
-  throw InputError("clock", megahertz(wanted) + " is beyond what the " + c.device.name +
-                                " reaches: expected at most " +
-                                megahertz(critical.highest_clock_hz) + ", the limit of \"" +
-                                std::string(path.name) + "\": " + text(path) +
+  // Coarser steps could tell one number twice.
+  char exact[32];
+  std::snprintf(exact, sizeof exact, "%.7g MHz", wanted * 1e-6);
+  char most[32];
+  std::snprintf(most, sizeof most, "%.2f MHz",
+                std::floor(critical.highest_clock_hz / kClockStep) / 100);
+  const bool near = megahertz(wanted) == megahertz(critical.highest_clock_hz);
+  throw InputError("clock", (near ? exact : megahertz(wanted)) + " is beyond what the " +
+                                c.device.name + " reaches: expected at most " + most +
+                                ", the limit of \"" + std::string(path.name) + "\": " + text(path) +
                                 (path.transfers_per_clock > 1 ? ", twice a clock" : ""));
 }
 

@@ -72,7 +72,7 @@ class Cyclictest {
       if (overflows) {
         result_.overflows += *value;
       } else {
-        const double longest = static_cast<double>(*value) * 1e-6;
+        const double longest = latency_of(cell, -6, line_);
         result_.longest = std::max(result_.longest.value_or(0), longest);
       }
     }

@@ -264,6 +264,7 @@ WakeUpTail fit_tail(const WakeUpHistogram& histogram, std::optional<double> shar
     throw InputError("tail_share", fmt::format("expected a share above 0, at most {}, found {}",
                                                kLargestShare, *share));
   }
+  if (histogram.count() + histogram.overflows == 0) throw InputError("count: all are zero");
   WakeUpTail result;
   Exceedances tail;
   FoundTail found;
@@ -312,11 +313,10 @@ WakeUpTail fit_tail(const WakeUpHistogram& histogram, std::optional<double> shar
   const double expected = share_above(found, longest.from) * static_cast<double>(tail.count);
   constexpr double kUnlikely = 0.01;
   if (tail.overflows == 0 && expected < kUnlikely) {
-    fit.warnings.push_back(
-        fmt::format("the longest latency, {:g} us, is none of this tail's: one so long comes once "
-                    "in {:.0f} such "
-                    "measurements",
-                    (result.from_s + longest.from) * 1e6, 1 / expected));
+    fit.warnings.push_back(fmt::format(
+        "the longest latency, {:g} us, is none of this tail's: one so long comes once in {:.0f} "
+        "such measurements, so that what draws from it has too few of them",
+        (result.from_s + longest.from) * 1e6, 1 / expected));
   }
   if (result.probability <= kRefused) {
     fit.warnings.push_back(fmt::format(

@@ -115,6 +115,15 @@ TEST(WakeUpHistogram, RefusesWhatIsNoTimerlatHistogram) {
   EXPECT_EQ(message("Index Thr-000\nover: 1\n"), "no line of a latency and its counts");
 }
 
+TEST(WakeUpHistogram, RefusesALongestLatencyBeyondASecond) {
+  try {
+    read_wake_up_histogram("000001 000002\n# Max Latencies: 99999999\n");
+    ADD_FAILURE();
+  } catch (const InputError& e) {
+    EXPECT_STREQ(e.what(), "line 2: expected a latency from 0 to 1 s, found '99999999'");
+  }
+}
+
 TEST(WakeUpHistogram, LeavesOutTheColumnOfSums) {
   const WakeUpHistogram h = read_wake_up_histogram(
       "000001 000000 000002 000002\n000002 000101 000050 000151\n000003 000200 000007 000207\n");

@@ -13,10 +13,14 @@ constexpr std::size_t kCells = std::size_t{1} << 15U;
 // A frame wakes its process once or twice; a contact that moves, a recovery or a missed poll adds
 // one. Frames with other numbers are counted as left out.
 constexpr std::size_t kMostCombinations = 8;
-// Below so many frames on either side of the mean, a dependence does not show. So large a share of
-// all has to be seen.
-constexpr std::int64_t kFewest = 30;
+// Of fewer pairs a dependence does not show. So large a share of all frames has to be seen.
+constexpr std::int64_t kFewest = 40;
 constexpr double kTested = 0.9;
+// Chance goes there less than once in 30 million runs.
+constexpr double kDependent = 6;
+// A rest that moves by less of what the drawn times do changes a probability no more than a drawn
+// time that is off by as much.
+constexpr double kMatters = 0.01;
 
 // A constant time is part of the rest.
 template <class Distribution>
@@ -45,22 +49,26 @@ LateProbability::LateProbability(const host::Host& host, Picoseconds budget)
   }
 }
 
-void LateProbability::Group::add(double value) {
+void LateProbability::Pairs::add(std::int64_t frame, double rest_ps, double drawn_ps) {
+  First& other = first[static_cast<std::size_t>(frame % kLag)];
+  if (frame / kLag % 2 == 0) {
+    other = {frame, rest_ps, drawn_ps};
+    return;
+  }
+  const double longer = drawn_ps - other.drawn;
+  if (other.frame != frame - kLag || longer == 0) return;
+  const double difference = rest_ps - other.rest;
   ++count;
-  const double off = value - mean;
-  mean += off / static_cast<double>(count);
-  squares += off * (value - mean);
+  aligned += longer > 0 ? difference : -difference;
+  squares += difference * difference;
+  drawn += std::abs(longer);
 }
 
-// Welch's statistic of the two groups' means.
-double LateProbability::Combination::dependence() const {
-  const auto error = [](const Group& g) {
-    const auto n = static_cast<double>(g.count);
-    return g.squares / (n * (n - 1));
-  };
-  const double difference = long_draws.mean - short_draws.mean;
-  const double variance = error(long_draws) + error(short_draws);
-  return variance > 0 ? difference / std::sqrt(variance) : 0;
+// By Hoeffding's inequality (J. Am. Stat. Assoc. 58, 1963) random signs go beyond z·√squares in
+// less than 2·e^(−z²/2) of all cases.
+bool LateProbability::Pairs::dependent() const {
+  return std::abs(aligned) > kDependent * std::sqrt(squares) &&
+         std::abs(aligned) > kMatters * drawn;
 }
 
 LateProbability::Combination* LateProbability::of(const Draws& draws) {
@@ -103,12 +111,10 @@ void LateProbability::closed(const Frame& frame, const CriticalPath& path) {
     return;
   }
   const Picoseconds rest = frame.latency() - drawn;
-  // The mean is that of the frames before, so that it says nothing of this one.
-  const auto drawn_ps = static_cast<double>(drawn);
-  const bool is_long = drawn_ps * static_cast<double>(c->frames) > c->drawn;
-  (is_long ? c->long_draws : c->short_draws).add(static_cast<double>(rest));
+  if (!frame.beyond_tick) {
+    c->pairs.add(frame.number, static_cast<double>(rest), static_cast<double>(drawn));
+  }
   ++c->frames;
-  c->drawn += drawn_ps;
   if (rest > budget_) {
     ++c->beyond;
     return;
@@ -138,12 +144,8 @@ std::optional<LateProbability::Result> LateProbability::result() const {
       continue;
     }
     result.frames += c.frames;
-    if (std::min(c.short_draws.count, c.long_draws.count) >= kFewest) {
-      tested += c.frames;
-      if (std::abs(c.dependence()) > std::abs(result.dependence)) {
-        result.dependence = c.dependence();
-      }
-    }
+    if (c.pairs.count >= kFewest) tested += c.frames;
+    result.dependent = result.dependent || c.pairs.dependent();
     statistics::SumOfTimes sum(cell_s, kCells);
     for (std::size_t kind = 0; kind < kKinds; ++kind) {
       if (survivals_[kind]) sum.add(*survivals_[kind], c.draws[kind]);
@@ -176,13 +178,13 @@ std::optional<LateProbability::Result> LateProbability::result() const {
 }
 
 void LateProbability::Result::report(config::Figures& f) const {
-  f.truth("independent", independent(),
+  f.truth("independent", !dependent,
           "the rest of a frame is as long where the drawn times are long as where they are short; "
           "else there is no probability");
   std::optional<double> share;
   std::optional<double> low;
   std::optional<double> high;
-  if (independent()) share = late.share, low = late.low, high = late.high;
+  if (!dependent) share = late.share, low = late.low, high = late.high;
   f.ratio("share", share, "the probability that a frame's force is late");
   f.ratio("low", low, "at least so much, by the grid of the convolution");
   f.ratio("high", high, "and at most so much");

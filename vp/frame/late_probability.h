@@ -36,14 +36,8 @@ class LateProbability : public FrameObserver {
     statistics::SumOfTimes::Share late;
     std::int64_t frames = 0;    // that count
     std::int64_t left_out = 0;  // frames whose solve failed, or with a ninth number of drawn times
-    // By how many standard errors the rest of a frame is longer where the drawn times are longer
-    // than in the mean; the largest of all numbers of drawn times.
-    double dependence = 0;
-
-    // Beyond it the two are not independent, and there is no probability: chance goes there once in
-    // a million runs.
-    static constexpr double kDependent = 5;
-    bool independent() const { return dependence < kDependent && dependence > -kDependent; }
+    // The rest of a frame hangs on the drawn times, and there is no probability.
+    bool dependent = false;
 
     void report(config::Figures& f) const;
   };
@@ -57,12 +51,27 @@ class LateProbability : public FrameObserver {
                                                           Phase::interrupt};
   using Draws = std::array<std::int32_t, kKinds>;  // how many of each kind a path has
 
-  struct Group {
-    std::int64_t count = 0;
-    double mean = 0;
-    double squares = 0;
+  // Whether one frame's rest is longer than another's where its drawn times are. Frames are taken
+  // in pairs, of which the drawn times could as well be exchanged if they were independent: then
+  // each product of the sign of their difference and the difference of the rests is as likely as
+  // its opposite, whatever the distributions and however the rest changes along the run. What the
+  // frame before left to do is no part of it: such frames are in no pair, and the two of one are
+  // kLag apart, so that neither makes the other late.
+  struct Pairs {
+    static constexpr std::int64_t kLag = 8;
+    struct First {
+      std::int64_t frame = -1;
+      double rest = 0;
+      double drawn = 0;
+    };
+    std::array<First, kLag> first;
+    std::int64_t count = 0;  // of pairs with different drawn times
+    double aligned = 0;      // Σ sign(drawn)·rest, of the differences
+    double squares = 0;      // Σ rest²
+    double drawn = 0;        // Σ |drawn|
 
-    void add(double value);
+    void add(std::int64_t frame, double rest_ps, double drawn_ps);
+    bool dependent() const;
   };
   // The frames whose paths have equal numbers of drawn times.
   struct Combination {
@@ -71,11 +80,7 @@ class LateProbability : public FrameObserver {
     std::vector<double> places;       // the sum of their places within the cell, each 0 to 1
     std::int64_t beyond = 0;          // the rest alone is late
     std::int64_t frames = 0;
-    double drawn = 0;  // the sum of the drawn times, ps
-    Group short_draws;
-    Group long_draws;
-
-    double dependence() const;
+    Pairs pairs;
   };
   Combination* of(const Draws& draws);
 

@@ -223,9 +223,9 @@ TEST_F(LoopCommands, AnEdgeHoldsForEveryAmplitude) {
   EXPECT_TRUE(j.at("edges").back().at("push_N").is_null());
   EXPECT_TRUE(j.at("edges").front().at("stuck")) << "a tenth of a newton is friction's";
   EXPECT_GT(*std::ranges::max_element(found), 2 * edge);
-  // The Touch gives 3.3 N.
-  EXPECT_GT(j.at("beyond_device_N"), 3.3);
-  EXPECT_LT(j.at("beyond_device_N"), 1.5 * 3.3);
+  // The Touch gives 3.3 N; a trial begins with half as much again as the push.
+  EXPECT_GT(j.at("beyond_device_N"), 3.3 / 1.5);
+  EXPECT_LE(j.at("beyond_device_N"), 3.3);
   const auto limit_cycle = [&](double stiffness) {
     std::vector<std::string> settings = touch;
     settings.push_back("wall.stiffness=" + std::to_string(stiffness) + " N/m");
@@ -234,6 +234,19 @@ TEST_F(LoopCommands, AnEdgeHoldsForEveryAmplitude) {
   };
   EXPECT_FALSE(limit_cycle(0.98 * edge));
   EXPECT_TRUE(limit_cycle(1.02 * edge));
+
+  // A device without a limit has no last push: the edge may go on falling.
+  const json strong = stability({"hand=false", "device.friction.force=50 mN", "wall.sides=both"});
+  EXPECT_TRUE(strong.at("beyond_device_N").is_null());
+  EXPECT_TRUE(strong.at("falling").is_boolean());
+  // A probe that never comes to the wall is no edge.
+  for (const json& e :
+       stability({"hand=false", "device.friction.force=50 mN",
+                  "probe.start=['0 mm','0 mm','90 mm']",
+                  "probe.motion=[{phase='hold', to=['0 mm','0 mm','90 mm'], duration='1 s'}]"})
+           .at("edges")) {
+    EXPECT_FALSE(e.at("push_N").is_null());
+  }
 
   // A linear loop has one edge, whatever the push.
   const Ended text = hvp(place_.path(), {"stability", scenario("wall.toml").string(), "--set",
@@ -250,6 +263,15 @@ TEST_F(LoopCommands, TheStiffestBodyIsFoundByItsRuns) {
   EXPECT_GT(j.at("unstable_from"), j.at("stiffness_max"));
   EXPECT_GT(j.at("young_modulus_Pa"), 10e3);
   EXPECT_NEAR(j.at("stiffness_linear"), 2800, 60);
+}
+
+TEST_F(LoopCommands, APushIsANumber) {
+  for (const char* const push : {"nan", "inf", "0", "-1"}) {
+    const Ended ended =
+        hvp(place_.path(), {"stability", scenario("wall.toml").string(), "--push", push});
+    EXPECT_EQ(ended.status, 2) << push;
+    EXPECT_THAT(ended.err, HasSubstr("--push: expected a number from 0.001 to 1000, found "));
+  }
 }
 
 TEST_F(LoopCommands, AReadyDeviceIsUnderWhatTheScenarioSays) {

@@ -71,7 +71,7 @@ TEST_F(Device, TakesTheFastestClock) {
   EXPECT_THAT(resolved, HasSubstr("clock = \"" + hertz.substr(0, hertz.size() - 2) + "." +
                                   hertz.substr(hertz.size() - 2)));
   EXPECT_THAT(device({"--set", "accelerator.clock=quick"}).err,
-              HasSubstr("accelerator.clock=quick: expected a frequency such as "));
+              HasSubstr("accelerator.clock=quick: expected \"fastest\" or a frequency such as "));
 }
 
 TEST_F(Device, HasNoFastestClockWithoutDelays) {

@@ -121,6 +121,29 @@ TEST_F(LateProbability, IsNotSaidWhereTheRestDependsOnWhatIsDrawn) {
   EXPECT_TRUE(late.at("share").is_null());
 }
 
+// Few different times, one of them rare and long, and a rest that changes along the run: none of
+// that is a dependence.
+TEST_F(LateProbability, IsSaidWhateverTheDistributionLooksLike) {
+  write(place_.path() / "log.csv", "latency_us,count\n3,500\n4,400\n20,90\n90,10\n400,1\n");
+  const std::string log = (place_.path() / "log.csv").string();
+  for (int seed = 1; seed <= 6; ++seed) {
+    ASSERT_LE(
+        run(2000, {"host.wake_up=false", "host.jitter={}", "host.jitter.distribution=measured",
+                   "host.jitter.samples=" + log, "seed=" + std::to_string(seed)})
+            .status,
+        1);
+    EXPECT_TRUE(deadline().at("late_probability").at("independent")) << seed;
+    ASSERT_LE(
+        run(2000, {"host.jitter=false", "host.wake_up={}", "host.wake_up.distribution=measured",
+                   "host.wake_up.samples=" + log, "host.wake_up.tail=pareto",
+                   "host.wake_up.tail_from=20 us", "host.wake_up.tail_scale=60 us",
+                   "host.wake_up.tail_shape=0.6", "seed=" + std::to_string(seed)})
+            .status,
+        1);
+    EXPECT_TRUE(deadline().at("late_probability").at("independent")) << seed;
+  }
+}
+
 TEST_F(LateProbability, IsNotThereWithoutDrawnTimes) {
   const Ended ended =
       run(100, {"host.wake_up={}", "host.wake_up.distribution=constant", "host.jitter=false"});
