@@ -120,7 +120,7 @@ void Outcome::report_times(config::Figures& f) const {
             f.table_or_null("late_probability",
                             "that a frame's force is late, beyond what these frames could show "
                             "([host.md](host.md#rare-misses)); null where the operating system's "
-                            "times are not drawn, or too few frames were run",
+                            "times are not drawn",
                             late_probability);
           });
   f.table("latency", "Of all frames.", latency);

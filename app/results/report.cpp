@@ -106,9 +106,11 @@ std::string miss_text(const vp::Verdict& v) {
 // What the distributions of the drawn times say of frames that were not run.
 std::string late_text(const vp::LateProbability::Result& r) {
   constexpr const char* kWhat = "\n  late by chance ";
-  if (r.dependent) {
-    return fmt::format("{}not known: the rest of a frame depends on the times that are drawn",
-                       kWhat);
+  if (!r.known()) {
+    return fmt::format("{}not known: {}", kWhat,
+                       r.dependent ? "the rest of a frame depends on the times that are drawn"
+                                   : "too few frames are alike to tell whether it depends on the "
+                                     "times that are drawn");
   }
   // The transforms tell no smaller share from none.
   constexpr double kLeast = 1e-13;

@@ -67,8 +67,8 @@ struct IntegerRange {
 };
 
 // One line of help, and the source of the default (a paper's section, a data sheet, a measurement).
-// A required parameter has no default. A `word` may stand in the place of a quantity: it is 0, which
-// its range does not admit.
+// A required parameter has no default. A `word` may stand in the place of a quantity: it is 0,
+// which its range does not admit.
 struct Note {
   std::string_view help;
   std::string_view source = {};

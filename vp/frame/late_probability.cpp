@@ -165,10 +165,8 @@ std::optional<LateProbability::Result> LateProbability::result() const {
                   sum.above(left_s - cell_s).high});
     }
   }
-  if (result.frames == 0 ||
-      static_cast<double>(tested) < kTested * static_cast<double>(result.frames)) {
-    return std::nullopt;
-  }
+  if (result.frames == 0) return std::nullopt;
+  result.untested = static_cast<double>(tested) < kTested * static_cast<double>(result.frames);
   using statistics::Rounding;
   const auto frames = static_cast<double>(result.frames);
   result.late = {rounded_share(result.late.low / frames, Rounding::down),
@@ -178,13 +176,13 @@ std::optional<LateProbability::Result> LateProbability::result() const {
 }
 
 void LateProbability::Result::report(config::Figures& f) const {
-  f.truth("independent", !dependent,
+  f.truth("independent", known(),
           "the rest of a frame is as long where the drawn times are long as where they are short; "
-          "else there is no probability");
+          "else, and where too few frames tell, there is no probability");
   std::optional<double> share;
   std::optional<double> low;
   std::optional<double> high;
-  if (!dependent) share = late.share, low = late.low, high = late.high;
+  if (known()) share = late.share, low = late.low, high = late.high;
   f.ratio("share", share, "the probability that a frame's force is late");
   f.ratio("low", low, "at least so much, by the grid of the convolution");
   f.ratio("high", high, "and at most so much");

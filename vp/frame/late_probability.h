@@ -38,10 +38,13 @@ class LateProbability : public FrameObserver {
     std::int64_t left_out = 0;  // frames whose solve failed, or with a ninth number of drawn times
     // The rest of a frame hangs on the drawn times, and there is no probability.
     bool dependent = false;
+    // Too few pairs of frames were seen to tell: no probability either.
+    bool untested = false;
+    bool known() const { return !dependent && !untested; }
 
     void report(config::Figures& f) const;
   };
-  // Nothing where too few frames were seen to tell whether the times are independent.
+  // Nothing without frames.
   std::optional<Result> result() const;
 
  private:
