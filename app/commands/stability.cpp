@@ -71,17 +71,17 @@ void print_figures(const Scene& scene, const StabilityFigures& f) {
     print("  {:<26} {:>10}  {}\n", what, value > 0 ? fmt::format("{:.4g} N/m", value) : "none",
           note);
   };
-  line("runs of the platform", f.stiffness_max,
-       f.undecided_N_m > 0
+  line("runs of the platform", f.least.stiffness_max,
+       f.least.undecided_N_m > 0
            ? fmt::format("{} runs; not found: at {:.4g} N/m the device swings too slowly for a run",
-                         f.runs, f.undecided_N_m)
-       : f.stuck
-           ? fmt::format("{} runs; friction holds the device: lean harder, with --push", f.runs)
+                         f.runs(), f.least.undecided_N_m)
+       : f.least.stuck
+           ? fmt::format("{} runs; friction holds the device: lean harder, with --push", f.runs())
        : f.edges.size() == 1 && f.edges.front().clamped
-           ? fmt::format("{} runs; the device's force is clamped: lean less, with --push", f.runs)
-       : f.unstable_from > 0
-           ? fmt::format("{} runs; unstable from {:.5g} N/m", f.runs, f.unstable_from)
-           : fmt::format("{} runs; none was unstable", f.runs));
+           ? fmt::format("{} runs; the device's force is clamped: lean less, with --push", f.runs())
+       : f.least.unstable_from > 0
+           ? fmt::format("{} runs; unstable from {:.5g} N/m", f.runs(), f.least.unstable_from)
+           : fmt::format("{} runs; none was unstable", f.runs()));
   print_edges(f);
   line("exact eigenvalues", f.stiffness_linear,
        f.linear_computed ? "without steps, friction and limits"
@@ -117,9 +117,10 @@ std::string map_csv(const Scene& scene, const std::vector<StabilityFigures>& map
   std::string text = fmt::format("# {}\n", scenario::one_line(scene.scenario().title, 200));
   text += "damping_N_s_m,stiffness_max_N_m,stiffness_linear_N_m,stiffness_passive_N_m\n";
   for (const StabilityFigures& f : map) {
-    text += fmt::format("{},{},{},{}\n", results::shortest(f.damping_N_s_m),
-                        results::shortest(f.stiffness_max), results::shortest(f.stiffness_linear),
-                        results::shortest(f.stiffness_passive));
+    text +=
+        fmt::format("{},{},{},{}\n", results::shortest(f.damping_N_s_m),
+                    results::shortest(f.least.stiffness_max), results::shortest(f.stiffness_linear),
+                    results::shortest(f.stiffness_passive));
   }
   return text;
 }

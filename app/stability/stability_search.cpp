@@ -16,9 +16,7 @@ namespace hvp::app {
 
 namespace {
 
-constexpr double kFirst = 100;     // N/m; where to begin without a better guess
-constexpr double kSoftest = 1e-2;  // below it nothing is a wall
-constexpr double kStride = 1.5;
+constexpr double kFirst = 100;         // N/m; where to begin without a better guess
 constexpr double kLastDamping = 0.97;  // of the one at which no stiffness is stable any more
 constexpr double kStiffest = 1000;     // times the scenario's own body
 
@@ -48,118 +46,6 @@ bool amplitude_matters(const Scenario& s) {
 constexpr double kLeastPush = 0.1;
 constexpr double kPushStep = 1.5;
 constexpr int kPushes = 16;
-
-// Where it looks below an edge: to a third of it.
-constexpr int kLooks = 5;
-constexpr double kLookStep = 0.8;
-
-using TryAt = std::function<Trial(double)>;
-
-// The bisection of one edge.
-class EdgeSearch {
- public:
-  EdgeSearch(TryAt try_at, double largest_N_m, const Progress& progress, std::string what)
-      : try_at_(std::move(try_at)),
-        largest_N_m_(largest_N_m),
-        progress_(progress),
-        what_(std::move(what)) {}
-
-  // A first run, for its delay. Returns false where a force was clamped to its end.
-  bool begin(double stiffness) {
-    stable(stiffness);
-    return !clamped_;
-  }
-
-  StabilityEdge find(double guess, double tolerance) {
-    bracket(guess);
-    while (below_ > 0 && above_ > 0 && above_ - below_ > tolerance * below_) {
-      const double middle = std::sqrt(below_ * above_);
-      (stable(middle) ? below_ : above_) = middle;
-    }
-    edge_.stiffness_max = below_;
-    return edge_;
-  }
-
-  // Looks below the edge for a softer wall that is not stable, which is an edge too. A loop that is
-  // not linear may have several.
-  StabilityEdge look_below(double tolerance) {
-    const double found = below_;
-    double stable_one = 0;
-    double unstable_one = 0;
-    for (int step = 1; step <= kLooks && found > 0; ++step) {
-      const double at = found * std::pow(kLookStep, step);
-      if (!stable(at)) {
-        unstable_one = at;
-      } else if (unstable_one > 0) {
-        stable_one = at;
-        break;
-      }
-    }
-    if (unstable_one == 0) return edge_;
-    below_ = stable_one;
-    above_ = unstable_one;
-    while (below_ > 0 && above_ - below_ > tolerance * below_) {
-      const double middle = std::sqrt(below_ * above_);
-      (stable(middle) ? below_ : above_) = middle;
-    }
-    edge_.stiffness_max = below_;
-    return edge_;
-  }
-
-  double delay_s() const { return delay_s_; }
-  bool pressed() const { return pressed_; }
-
- private:
-  bool stable(double stiffness) {
-    ++edge_.runs;
-    if (progress_) progress_(fmt::format("{}run {}: {:.5g} N/m", what_, edge_.runs, stiffness));
-    const Trial trial = try_at_(stiffness);
-    clamped_ = trial.clamped;
-    if (!trial.pressed) pressed_ = false;
-    if (!trial.decided) {
-      edge_.undecided_N_m = std::max(edge_.undecided_N_m, stiffness);
-    } else if (!trial.stable && (edge_.unstable_from == 0 || stiffness < edge_.unstable_from)) {
-      edge_.unstable_from = stiffness;
-    }
-    if (delay_s_ == 0) delay_s_ = trial.delay_s;
-    if (trial.stable) {
-      edge_.left_m = trial.amplitude_m;
-      edge_.stuck = !trial.moved;
-    }
-    return trial.stable;
-  }
-
-  void bracket(double guess) {
-    double at = std::clamp(guess, kSoftest, largest_N_m_);
-    double stride = 1.02;  // the guess is a good one more often than not
-    if (stable(at)) {
-      below_ = at;
-      while (above_ == 0 && at < largest_N_m_) {
-        at = std::min(largest_N_m_, at * stride);
-        stride = std::max(stride, kStride);
-        (stable(at) ? below_ : above_) = at;
-      }
-      return;
-    }
-    above_ = at;
-    while (below_ == 0 && at > kSoftest && edge_.undecided_N_m == 0) {
-      at = std::max(kSoftest, at / stride);
-      stride = std::max(stride, kStride);
-      (stable(at) ? below_ : above_) = at;
-    }
-  }
-
-  TryAt try_at_;
-  double largest_N_m_;
-  const Progress& progress_;
-  std::string what_;
-  StabilityEdge edge_;
-  double below_ = 0;  // the stiffest that was stable
-  double above_ = 0;  // the softest that was not
-  double delay_s_ = 0;
-  bool clamped_ = false;  // in the last trial
-  bool pressed_ = true;
-};
 
 class Search {
  public:
@@ -267,19 +153,11 @@ class Search {
   }
 
   void take_least() {
-    const StabilityEdge* least = nullptr;
-    for (const StabilityEdge& edge : figures_.edges) {
-      figures_.runs += edge.runs;
-      const bool less = least == nullptr || (least->stuck && !edge.stuck) ||
-                        (least->stuck == edge.stuck && edge.stiffness_max < least->stiffness_max);
-      if (less) least = &edge;
-    }
-    if (least == nullptr) return;
-    figures_.stiffness_max = least->stiffness_max;
-    figures_.left_m = least->left_m;
-    figures_.unstable_from = least->unstable_from;
-    figures_.undecided_N_m = least->undecided_N_m;
-    figures_.stuck = least->stuck;
+    const auto later = [](const StabilityEdge& edge) {
+      return std::pair(edge.stuck, edge.stiffness_max);
+    };
+    const auto least = std::ranges::min_element(figures_.edges, {}, later);
+    if (least != figures_.edges.end()) figures_.least = *least;
   }
 
   const Scene& scene_;
@@ -333,39 +211,22 @@ std::vector<StabilityFigures> stability_map(const Scene& scene, const SearchSett
   return map;
 }
 
-namespace {
-
-// Null where there is none.
-auto stiffness_to(config::Figures& f) {
-  return [&f](std::string_view key, double value, std::string_view help) {
-    f.quantity(key, value > 0 ? std::optional(value) : std::nullopt, "N/m", help);
-  };
-}
-
-}  // namespace
-
-void StabilityEdge::report(config::Figures& f) const {
-  const auto stiffness = stiffness_to(f);
-  f.quantity("push_N", push_N, "N",
-             "with which the device leans on the wall; null: the scenario's own motion, or a body");
-  stiffness("stiffness_max", stiffness_max, "the stiffest that was stable; null where none was");
-  stiffness("unstable_from", unstable_from, "the softest that was not; null where all were");
-  f.quantity("left_m", left_m, "m", "half of peak to peak of the swing that is left there");
-  f.truth("stuck", stuck, "friction held the device in that run");
-  f.truth("clamped", clamped, "a force is clamped even in a soft wall: the edge is the clamp's");
-  stiffness("undecided_N_m", undecided_N_m,
-            "here and below the device swings more slowly than a run is long");
-  f.count("runs", runs, "of the platform");
+int StabilityFigures::runs() const {
+  int sum = 0;
+  for (const StabilityEdge& edge : edges) sum += edge.runs;
+  return sum;
 }
 
 void StabilityFigures::report(config::Figures& f) const {
-  const auto stiffness = stiffness_to(f);
-  stiffness("stiffness_max", stiffness_max,
+  const auto stiffness = [&f](std::string_view key, double value, std::string_view help) {
+    f.quantity(key, value > 0 ? std::optional(value) : std::nullopt, "N/m", help);
+  };
+  stiffness("stiffness_max", least.stiffness_max,
             "the stiffest wall with which runs of the platform were stable; null where none was");
-  f.quantity("left_m", left_m, "m",
+  f.quantity("left_m", least.left_m, "m",
              "half of peak to peak of what the device swings on by at that stiffness");
   stiffness(
-      "unstable_from", unstable_from,
+      "unstable_from", least.unstable_from,
       "the softest with which one was not; null up to 10 MN/m, or 1000 times the scenario's own "
       "body");
   stiffness("stiffness_linear", stiffness_linear,
@@ -389,7 +250,7 @@ void StabilityFigures::report(config::Figures& f) const {
       "of the body that has stiffness_max at its contact, those of its regions in proportion; "
       "null for a wall");
   f.quantity("wall_damping_N_s_m", damping_N_s_m, "N·s/m", "B");
-  f.count("runs", runs, "of the platform");
+  f.count("runs", runs(), "of the platform");
   f.list(
       "edges",
       "the stiffest wall for each amplitude that was tried; `stiffness_max` is the least of those "
@@ -402,10 +263,10 @@ void StabilityFigures::report(config::Figures& f) const {
   f.truth("falling", falling,
           "the last push of the ladder had a lower edge than the one before: a harder one, with "
           "`--push`, may have a lower one still");
-  f.truth("stuck", stuck,
+  f.truth("stuck", least.stuck,
           "friction held the device in the run at `stiffness_max`, which then says nothing of the "
           "edge: lean harder, with `--push`");
-  stiffness("undecided_N_m", undecided_N_m,
+  stiffness("undecided_N_m", least.undecided_N_m,
             "at this stiffness and below the device swings more slowly than a run is long; null "
             "where no run was needed there");
 }

@@ -1,38 +1,18 @@
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <vector>
 
+#include "app/stability/edge_search.h"
 #include "app/stability/loop_trial.h"
 #include "models/config/figures.h"
 
 namespace hvp::app {
 
-// The edge of stability that a device finds which leans on a wall with one force, or moves as the
-// scenario says.
-struct StabilityEdge {
-  std::optional<double> push_N;  // absent: the scenario's own motion
-  double stiffness_max = 0;      // N/m; 0: no stiffness is stable
-  double left_m = 0;             // half of the remaining peak-to-peak swing at that stiffness
-  double unstable_from = 0;      // the least stiffness found unstable, N/m; 0: none
-  // The stiffness of a trial that would have taken more frames than one has: what is softer was not
-  // searched; 0: there was none.
-  double undecided_N_m = 0;
-  bool stuck = false;    // friction held the device in the trial at stiffness_max: it is no edge
-  bool clamped = false;  // a force was clamped even in a soft wall: the edge is the clamp's
-  int runs = 0;
-
-  void report(config::Figures& f) const;
-};
-
 // The stiffest wall, or body at its contact, with which a scenario's loop is stable.
 struct StabilityFigures {
-  // N/m, by runs of the platform, the least of all edges that are none of friction's; 0: no
-  // stiffness is stable.
-  double stiffness_max = 0;
-  double left_m = 0;             // half of the remaining peak-to-peak swing at that stiffness
-  double unstable_from = 0;      // the least stiffness found unstable, N/m; 0: none
+  // By runs of the platform; of those that are none of friction's the one with the least stiffness.
+  StabilityEdge least;
   double stiffness_linear = 0;   // N/m, by the exact eigenvalues with the delay of the runs
   bool linear_computed = false;  // false: coupled axes, or a delay of more than kMostPeriods
   double stiffness_passive = 0;  // N/m, by Colgate & Schenkel's bound with that delay
@@ -40,10 +20,7 @@ struct StabilityFigures {
   double delay_s = 0;        // from the latch to the force at the motor, mean
   double period_s = 0;
   double damping_N_s_m = 0;     // of the wall
-  double young_modulus_Pa = 0;  // of the body at stiffness_max; 0: a wall
-  int runs = 0;                 // of all edges
-  double undecided_N_m = 0;     // of the edge that stiffness_max is of
-  bool stuck = false;           // likewise: every edge is friction's
+  double young_modulus_Pa = 0;  // of the body at the edge; 0: a wall
   std::vector<StabilityEdge> edges;
   // The least push of the ladder at which a force is clamped even in a soft wall, N; 0: none was.
   double beyond_device_N = 0;
@@ -53,6 +30,7 @@ struct StabilityFigures {
   // Eigenvalues of a longer delay take too long to search.
   static constexpr double kMostPeriods = 64;
 
+  int runs() const;  // of all edges
   void report(config::Figures& f) const;
 };
 

@@ -9,12 +9,11 @@
 #include <iterator>
 #include <limits>
 
-#include <ceres/autodiff_first_order_function.h>
-#include <ceres/gradient_problem.h>
-#include <ceres/gradient_problem_solver.h>
+#include <ceres/jet.h>
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
+#include "models/fit/likelihood.h"
 
 namespace hvp::fit {
 
@@ -149,18 +148,8 @@ FoundTail search_tail(const Exceedances& tail) {
   constexpr double kShapeAtStart = 0.1;
   constexpr double kPlace = (kShapeAtStart - kLeastShape) / (kMostShape - kLeastShape);
   FoundTail found{{std::log(mean), std::log(kPlace / (1 - kPlace))}};
-  const ceres::GradientProblem problem(
-      new ceres::AutoDiffFirstOrderFunction<TailDeviance, 2>(new TailDeviance{tail}));
-  ceres::GradientProblemSolver::Options options;
-  options.logging_type = ceres::SILENT;
-  options.max_num_iterations = 500;
-  options.line_search_direction_type = ceres::BFGS;
-  options.function_tolerance = 1e-15;
-  options.gradient_tolerance = 1e-10;
-  options.parameter_tolerance = 1e-12;
-  ceres::GradientProblemSolver::Summary summary;
-  ceres::Solve(options, problem, found.u.data(), &summary);
-  found.converged = summary.IsSolutionUsable() && summary.termination_type == ceres::CONVERGENCE;
+  const Likeliest most = likeliest<2>(TailDeviance{tail}, found.u.data());
+  found.converged = most.usable && most.converged;
   return found;
 }
 

@@ -8,12 +8,11 @@
 #include <limits>
 #include <utility>
 
-#include <ceres/autodiff_first_order_function.h>
-#include <ceres/gradient_problem.h>
-#include <ceres/gradient_problem_solver.h>
+#include <ceres/jet.h>
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
+#include "models/fit/likelihood.h"
 #include "models/fit/wake_up_histogram.h"
 #include "models/fit/wake_up_mass.h"
 
@@ -130,21 +129,11 @@ Found search(const Deviance& deviance) {
   const std::array<double, 2> first = start(deviance.kind, deviance.counts);
   Found found{.kind = deviance.kind, .u = {deviance.at[0].inverse(first[0]), 0}, .value = {}};
   if (Count > 1) found.u[1] = deviance.at[1].inverse(first[1]);
-  const ceres::GradientProblem problem(
-      new ceres::AutoDiffFirstOrderFunction<Deviance, Count>(new Deviance(deviance)));
-  ceres::GradientProblemSolver::Options options;
-  options.logging_type = ceres::SILENT;
-  options.max_num_iterations = 500;
-  options.line_search_direction_type = ceres::BFGS;
-  options.function_tolerance = 1e-15;
-  options.gradient_tolerance = 1e-9;
-  options.parameter_tolerance = 1e-12;
-  ceres::GradientProblemSolver::Summary summary;
-  ceres::Solve(options, problem, found.u.data(), &summary);
-  if (!summary.IsSolutionUsable() || !std::isfinite(summary.final_cost)) return found;
-  found.converged = summary.termination_type == ceres::CONVERGENCE;
+  const Likeliest most = likeliest<Count>(deviance, found.u.data());
+  if (!most.usable) return found;
+  found.converged = most.converged;
   found.value = deviance.values(found.u.data());
-  found.log_likelihood = -summary.final_cost * static_cast<double>(deviance.counts.total);
+  found.log_likelihood = -most.cost * static_cast<double>(deviance.counts.total);
   return found;
 }
 

@@ -9,9 +9,6 @@
 
 namespace hvp::fit {
 
-// Half of the 95 % interval of a normal estimate, in standard deviations.
-inline constexpr double kNormal95 = 1.959963984540054;
-
 // A histogram of wake-up latencies.
 struct WakeUpHistogram {
   struct Bin {

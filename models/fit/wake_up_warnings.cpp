@@ -7,6 +7,7 @@
 
 #include "models/fit/wake_up_fit.h"
 #include "models/fit/wake_up_mass.h"
+#include "models/random/survival.h"
 
 namespace hvp::fit {
 
@@ -23,11 +24,6 @@ double log_share(const random::TimeDistribution& d, double from, double to) {
   const std::array<double, 2> p{lognormal ? d.median_s : d.mean_s,
                                 lognormal ? std::log(d.spread) : d.deviation_s};
   return log_mass(d.kind, d.minimum_s, p.data(), from, to);
-}
-
-double share_below(const random::TimeDistribution& d, double time) {
-  if (time <= d.minimum_s) return 0;
-  return std::exp(log_share(d, d.minimum_s, time) - log_share(d, d.minimum_s, d.maximum_s));
 }
 
 // A time so long that it replaces an infinite upper end.
@@ -47,12 +43,13 @@ double where(const Function& above, double value, double low, double high) {
 
 // The largest difference of the two shares below a time (Kolmogorov).
 double distance(const WakeUpCounts& counts, const random::TimeDistribution& d) {
+  const random::Survival above(d);
   double below = 0;
   double largest = 0;
   for (const WakeUpHistogram::Bin& bin : counts.bins) {
-    largest = std::max(largest, std::abs(below - share_below(d, bin.from)));
+    largest = std::max(largest, std::abs(below - 1 + above(bin.from)));
     below += static_cast<double>(bin.count) / static_cast<double>(counts.total);
-    largest = std::max(largest, std::abs(below - share_below(d, bin.to)));
+    largest = std::max(largest, std::abs(below - 1 + above(bin.to)));
   }
   return largest;
 }
@@ -67,8 +64,7 @@ WakeUpFit::Tail tail_of(const WakeUpCounts& counts, const random::TimeDistributi
     tail.measured_999 = bin.to;
     if (static_cast<double>(left) <= kThousandth * static_cast<double>(counts.total)) break;
   }
-  tail.fitted_999 =
-      where([&](double t) { return 1 - share_below(d, t); }, kThousandth, d.minimum_s, d.maximum_s);
+  tail.fitted_999 = where(random::Survival(d), kThousandth, d.minimum_s, d.maximum_s);
   tail.measured_longest = counts.maximum;
   const double end = beyond(d);
   tail.fitted_longest =
