@@ -104,7 +104,9 @@ std::string take_tail(const WakeUps& wake_ups, random::TimeDistribution& d) {
   try {
     const fit::WakeUpTail tail =
         fit::fit_tail(fit::histogram_of(files::read_latencies(wake_ups.csv())), std::nullopt);
-    if (!tail.fit.converged || !tail.fit.warnings.empty()) return {};
+    if (!tail.fit.converged || !tail.fit.warnings.empty()) {
+      return "; their tail is as measured: no threshold has one that a distribution fits";
+    }
     const auto value = [&](std::string_view name) -> const fit::Estimate& {
       return *std::ranges::find(tail.fit.parameters, name, &fit::Estimate::name);
     };
@@ -119,7 +121,7 @@ std::string take_tail(const WakeUps& wake_ups, random::TimeDistribution& d) {
         time_of(tail.from_s), d.tail_shape, rare.name.substr(rare.name.find('_') + 1),
         time_of(rare.value), time_of(rare.low), time_of(rare.high));
   } catch (const InputError&) {
-    return {};  // too few of them
+    return "; their tail is as measured: too few are long";
   }
 }
 

@@ -307,6 +307,14 @@ WakeUpTail fit_tail(const WakeUpHistogram& histogram, std::optional<double> shar
         "such measurements, so that what draws from it has too few of them",
         (result.from_s + longest.from) * 1e6, 1 / expected));
   }
+  const auto at_bound = std::ranges::find_if(fit.parameters, &Estimate::at_bound);
+  if (at_bound != fit.parameters.end()) {
+    fit.warnings.push_back(
+        fmt::format("the shape is at the end of its range, {:.2g}, where intervals mean nothing: "
+                    "these latencies "
+                    "have no such tail, or the threshold is too low",
+                    at_bound->value));
+  }
   if (result.probability <= kRefused) {
     fit.warnings.push_back(fmt::format(
         "the tail from {:g} us on is no generalised Pareto distribution (chi-square, {:.2g}): what "

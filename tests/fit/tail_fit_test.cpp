@@ -127,9 +127,10 @@ TEST(TailFit, SaysWhereThereIsNoSuchTail) {
   }
   const WakeUpTail tail = fit_tail(h, 0.1);
   EXPECT_LT(tail.probability, 1e-6);
-  ASSERT_EQ(tail.fit.warnings.size(), 1U);
-  EXPECT_NE(tail.fit.warnings.front().find("no generalised Pareto distribution"),
+  ASSERT_EQ(tail.fit.warnings.size(), 2U);
+  EXPECT_NE(tail.fit.warnings.front().find("the shape is at the end of its range, -0.5"),
             std::string::npos);
+  EXPECT_NE(tail.fit.warnings.back().find("no generalised Pareto distribution"), std::string::npos);
 }
 
 TEST(TailFit, SaysWhereTheLongestIsNotOfTheTail) {
@@ -141,6 +142,22 @@ TEST(TailFit, SaysWhereTheLongestIsNotOfTheTail) {
   const WakeUpTail tail = fit_tail(h, 0.011);
   ASSERT_FALSE(tail.fit.warnings.empty());
   EXPECT_NE(tail.fit.warnings.front().find("the longest latency, 2000 us, is none of this tail's"),
+            std::string::npos)
+      << tail.fit.warnings.front();
+}
+
+// So heavy that the mean is not finite: no shape of the range is.
+TEST(TailFit, SaysWhereTheShapeIsAtItsEnd) {
+  WakeUpHistogram h;
+  h.bins.push_back({0, 1e-6, 1'000'000});
+  for (int us = 1; us < 4000; ++us) {
+    const auto above = [](double t) { return std::pow(t, -0.4); };
+    const std::int64_t count = std::llround(20'000 * (above(us) - above(us + 1)));
+    h.bins.push_back({us * 1e-6, (us + 1) * 1e-6, count});
+  }
+  const WakeUpTail tail = fit_tail(h, 0.02);
+  ASSERT_FALSE(tail.fit.warnings.empty());
+  EXPECT_NE(tail.fit.warnings.front().find("the shape is at the end of its range, 1"),
             std::string::npos)
       << tail.fit.warnings.front();
 }
