@@ -97,9 +97,10 @@ void ExplicitFigures::report(config::Figures& f) const {
 }
 
 void MatrixFigures::report(config::Figures& f) const {
-  f.count("renewed", counts.renewed, "times that the board got the matrix of the deformed body");
+  f.count("renewed", counts.renewed, "times that the solver got the matrix of the deformed body");
   f.count("not_defined", counts.undefined,
-          "times that elements had no tangent, and the matrix before stayed");
+          "times that elements had no tangent, or the matrix no factors, and the one before "
+          "stayed");
   f.count("beyond_scale", counts.beyond,
           "times that entries did not fit their words, and the matrix before stayed");
   f.count("words_beyond", counts.words_beyond, "those entries");

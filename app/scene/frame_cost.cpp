@@ -103,15 +103,32 @@ std::vector<FrameStep> frame_steps(const Scene& scene, int nodes, std::int64_t s
 
 std::vector<FrameStep> renewal_steps(const Scene& scene) {
   const Scenario& s = scene.scenario();
-  if (!s.object.renewal().present() || !scene.has_board()) return {};
+  if (!s.object.renewal().present()) return {};
   const host::FrameComputation& computation = scene.computation();
+  const auto assemble_ps = s.host.compute_ps(computation.typical_renew_operations());
+  if (!scene.has_board()) {
+    const host::FrameMethod& method = computation.method();
+    std::vector<FrameStep> steps = {{"assemble: tangents", assemble_ps, 1, true}};
+    const host::SolveMemory memory = method.memory();
+    if (const host::SolveWork work = method.set_up_work(); work.operations() > 0) {
+      steps.push_back({"assemble: the solver's set-up",
+                       to_picoseconds(s.host.core_solve_s(work, memory.set_up)), 1, true});
+    }
+    if (s.host.gpu) {
+      steps.push_back(
+          {"load values: to the GPU", to_picoseconds(s.host.gpu->load_s(memory.kept)), 1, true});
+    }
+    if (s.fidelity.host == vp::Timing::untimed) {
+      for (FrameStep& step : steps) step.ps = 0;
+    }
+    return steps;
+  }
   const std::size_t entries = computation.board().matrix().value.size();
   std::vector<FrameStep> steps;
   const auto add = [&](const char* what, vp::Timing level, std::int64_t ps) {
     steps.push_back({what, level == vp::Timing::untimed ? 0 : ps, 1, true});
   };
-  add("assemble: tangents, in words", s.fidelity.host,
-      s.host.compute_ps(computation.typical_renew_operations()));
+  add("assemble: tangents, in words", s.fidelity.host, assemble_ps);
   add("load values: the driver", s.fidelity.host, to_picoseconds(s.host.driver_s(entries)));
   add("send the values", s.fidelity.bus,
       send_ps(s, payload_bytes(s, s.solver.matrix_bits, static_cast<std::int64_t>(entries))));

@@ -34,6 +34,12 @@ std::unique_ptr<HostSolve> make_host_solve(const SolverChoice& solver, const spa
   return nullptr;
 }
 
+double largest_entry(const sparse::BlockMatrix& a) {
+  double largest = 0;
+  for (const double entry : a.value) largest = std::max(largest, std::abs(entry));
+  return largest;
+}
+
 const char* name_of_update(std::optional<fem::Scheme> scheme) {
   if (!scheme) return "update after the force";
   return *scheme == fem::Scheme::newmark ? "Newmark's update after the force"
@@ -64,10 +70,11 @@ FrameComputation::FrameComputation(std::unique_ptr<fem::Tissue> tissue,
                                    const fem::MatrixRenewal& renewal)
     : tissue_(std::move(tissue)), effort_(effort), renewal_(renewal) {
   if (renewal_.present()) {
-    if (solver.by != SolvedBy::board || tissue_->renewable() == nullptr) {
-      throw InputError("only the words of a board for a body that is not linear are renewed");
+    if (solver.by == SolvedBy::steps || tissue_->renewable() == nullptr) {
+      throw InputError("only the matrix of a body that is not linear, and is solved, is renewed");
     }
     formed_ = matrix();
+    largest_at_rest_ = largest_entry(matrix());
   }
   const std::span<const double> initial = tissue_->initial_displacement();
   fem::InternalForces& forces = tissue_->internal_forces();
@@ -79,12 +86,15 @@ FrameComputation::FrameComputation(std::unique_ptr<fem::Tissue> tissue,
   if (!forces.linear() && !refinement) {
     throw InputError("the body is not linear: expected refinement, which solves by increments");
   }
-  if (std::unique_ptr<HostSolve> solve = make_host_solve(solver, matrix(), settings)) {
+  if (solver.by != SolvedBy::board) {
+    const auto make = [this, solver, settings] {
+      return make_host_solve(solver, matrix(), settings);
+    };
     if (forces.linear()) {
-      method_ = std::make_unique<HostMethod>(solver.by, std::move(solve), initial);
+      method_ = std::make_unique<HostMethod>(solver.by, make(), initial);
     } else {
-      auto increments = std::make_unique<HostIncrements>(solver.by, std::move(solve), *refinement,
-                                                         forces, matrix(), initial, settings);
+      auto increments = std::make_unique<HostIncrements>(solver.by, make, *refinement, forces,
+                                                         matrix(), initial, settings);
       increments_ = &increments->increments();
       method_ = std::move(increments);
     }
@@ -117,8 +127,8 @@ void FrameComputation::hold(const fem::Hold& hold) {
 }
 
 bool FrameComputation::renewal_is_due() {
-  if (!renewal_.present() || refined_->passes_made() == 0) return false;
-  if (++frames_since_renewal_ < renewal_.every || refined_->increments().diverged()) return false;
+  if (!renewal_.present() || method_->passes_made() == 0) return false;
+  if (++frames_since_renewal_ < renewal_.every || increments_->diverged()) return false;
   frames_since_renewal_ = 0;
   return true;
 }
@@ -132,6 +142,12 @@ stability::Flags FrameComputation::renew() {
     return {};
   }
   renewals_.projected = std::max<std::int64_t>(renewals_.projected, formed.projected);
+  if (has_board()) return renew_words();
+  renew_factors();
+  return {};
+}
+
+stability::Flags FrameComputation::renew_words() {
   renew_operations_ += words_operations();
   const fixed::Fit fit = board_->renew(formed_);
   renewals_.growth = std::max(renewals_.growth, fit.filling * renewal_.headroom);
@@ -142,9 +158,21 @@ stability::Flags FrameComputation::renew() {
     flags.raise(stability::Flag::matrix_word_beyond_scale);
     return flags;
   }
-  system.take(formed_);
+  tissue_->renewable()->take(formed_);
   ++renewals_.renewed;
   return {};
+}
+
+void FrameComputation::renew_factors() {
+  renewals_.growth = std::max(renewals_.growth, largest_entry(formed_) / largest_at_rest_);
+  last_ = matrix();
+  tissue_->renewable()->take(formed_);
+  if (method_->renew()) {
+    ++renewals_.renewed;
+  } else {
+    tissue_->renewable()->take(last_);
+    ++renewals_.undefined;
+  }
 }
 
 // Of the formed matrix into words.
@@ -156,7 +184,7 @@ double FrameComputation::words_operations() const {
 
 double FrameComputation::typical_renew_operations() const {
   if (!renewal_.present()) return 0;
-  return tissue_->renewable()->typical_operations() + words_operations();
+  return tissue_->renewable()->typical_operations() + (has_board() ? words_operations() : 0);
 }
 
 std::vector<Step> FrameComputation::steps() const {

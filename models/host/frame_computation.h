@@ -49,8 +49,8 @@ class FrameComputation {
                    double period_s, const std::optional<Refinement>& refinement = std::nullopt,
                    const SolverChoice& solver = {}, Effort effort = Effort::computed);
   // The same for a tissue of any kind. One that is not linear is solved by increments: it needs
-  // refinement's passes, also on the host. `renewal` needs a board and a tissue whose system can be
-  // renewed.
+  // refinement's passes, also on the host. `renewal` needs a tissue whose system can be renewed and a
+  // solver of systems.
   FrameComputation(std::unique_ptr<fem::Tissue> tissue, const fixed::Settings& settings,
                    const std::optional<Refinement>& refinement, const SolverChoice& solver,
                    Effort effort, const fem::MatrixRenewal& renewal = {});
@@ -104,13 +104,14 @@ class FrameComputation {
   void update() { tissue_->advance(displacement()); }
 
   // To be called after update(): true where renew() is due, after every so many frames in which the
-  // board solved. One whose residual grew is no place to take a matrix from: the next is.
+  // solver was asked. One whose residual grew is no place to take a matrix from: the next is.
   bool renewal_is_due();
-  // Forms the matrix of the body as the accepted solution deforms it, and its words. Where it
-  // cannot be formed, or does not fit the words at the scale of the body at rest, both stay as they
-  // are; the latter raises the flag that is returned.
+  // Forms the matrix of the body as the accepted solution deforms it, and its words or a host's
+  // factors. Where it cannot be formed, has no factors, or does not fit the words at the scale of
+  // the body at rest, all stay as they are; the latter raises the flag that is returned. Factors
+  // are allocated.
   stability::Flags renew();
-  // Of the last renew().
+  // Of the last renew(), without what method().renew_work() counts.
   double renew_operations() const { return renew_operations_; }
   // What renew() takes of a body that is hardly strained; zero where nothing is renewed.
   double typical_renew_operations() const;
@@ -141,6 +142,8 @@ class FrameComputation {
 
  private:
   double words_operations() const;
+  stability::Flags renew_words();
+  void renew_factors();
 
   std::unique_ptr<fem::Tissue> tissue_;
   Effort effort_;
@@ -152,6 +155,8 @@ class FrameComputation {
 
   fem::MatrixRenewal renewal_;
   sparse::BlockMatrix formed_;  // of a renewal; empty without
+  sparse::BlockMatrix last_;    // the one before, of a solver on the host
+  double largest_at_rest_ = 0;
   int frames_since_renewal_ = 0;
   double renew_operations_ = 0;
   RenewalCounts renewals_;

@@ -99,6 +99,9 @@ class FrameMethod {
   virtual void finish() {}
   // Replaces finish() where the solve has failed: the last solution stays.
   virtual void abandon() {}
+  // Takes the values of A anew, which have changed in their place, after finish(). False where a
+  // solver on the host has no use for them: it goes on with the last ones. Allocates.
+  virtual bool renew() { return true; }
 
   // The displacement, m.
   virtual std::span<const double> displacement() const = 0;
@@ -118,6 +121,11 @@ class FrameMethod {
   virtual SolveWork contact_work() const { return {}; }
   virtual SolveWork rest_work() const { return {}; }
   virtual SolveWork set_up_work() const { return {}; }
+  // What the last renew() took of it.
+  virtual SolveWork renew_work() const { return {}; }
+  // Those of the frame so far for which the solver was asked: none where nothing presses a body at
+  // rest.
+  virtual int passes_made() const { return 1; }
   virtual SolveMemory memory() const { return {}; }
 
   virtual std::vector<Step> steps() const = 0;

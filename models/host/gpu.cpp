@@ -111,4 +111,8 @@ double Gpu::seconds(const SolveWork& work, const SolveMemory& moved) const {
          (work.operations() - work.dense_single) / double_flops;
 }
 
+double Gpu::load_s(double bytes) const {
+  return bytes / link_bandwidth + (memory == Memory::copies ? copy_s : 0.0);
+}
+
 }  // namespace hvp::host

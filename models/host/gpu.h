@@ -54,6 +54,8 @@ struct Gpu {
   static std::vector<config::Need> needs();
 
   double seconds(const SolveWork& work, const SolveMemory& moved) const;
+  // Of so many bytes that the host sends beside a solve.
+  double load_s(double bytes) const;
 };
 
 }  // namespace hvp::host

@@ -4,17 +4,19 @@
 #include <string>
 #include <utility>
 
+#include "models/config/input_error.h"
 #include "models/fem/contact.h"
 #include "models/stability/force_quality.h"
 
 namespace hvp::host {
 
-HostIncrements::HostIncrements(SolvedBy solver, std::unique_ptr<HostSolve> solve,
-                               const Refinement& refinement, fem::InternalForces& forces,
+HostIncrements::HostIncrements(SolvedBy solver, MakeSolve make, const Refinement& refinement,
+                               fem::InternalForces& forces,
                                const sparse::BlockMatrix& matrix, std::span<const double> initial,
                                const fixed::Settings& settings)
     : solver_(solver),
-      solve_(std::move(solve)),
+      make_(std::move(make)),
+      solve_(make_()),
       refinement_(refinement),
       increments_(forces, matrix, initial, settings.start, settings.displacement_range,
                   settings.displacement_range * fem::mean_diagonal(matrix)),
@@ -22,6 +24,7 @@ HostIncrements::HostIncrements(SolvedBy solver, std::unique_ptr<HostSolve> solve
       increment_(initial.size(), 0.0) {}
 
 void HostIncrements::set_contact(std::span<const int> nodes) {
+  contact_.assign(nodes.begin(), nodes.end());
   still_.assign(nodes.size(), Eigen::Vector3d::Zero());
   solve_->move_contact(nodes);
 }
@@ -29,6 +32,7 @@ void HostIncrements::set_contact(std::span<const int> nodes) {
 void HostIncrements::begin(std::span<const double> f, const fem::Hold& hold) {
   flags_ = {};
   went_on_ = false;
+  passes_made_ = 0;
   increments_.begin(f, hold);
   begin_operations_ = increments_.begin_operations();
 }
@@ -58,6 +62,7 @@ bool HostIncrements::next(std::span<std::int32_t> /*b*/) {
     }
     std::ranges::fill(increment_, 0.0);
     solve_->solve(increments_.residual(), still_, increment_);
+    ++passes_made_;
     // The next pass needs every node.
     solve_work_ += solve_->work() + solve_->rest_work();
     ++solve_work_.calls;
@@ -72,6 +77,22 @@ void HostIncrements::finish() {
   const bool converged = increments_.finish(refinement_.tolerance);
   if (!converged) flags_.raise(stability::Flag::not_converged);
   flags_.merge(increments_.flags());
+}
+
+bool HostIncrements::renew() {
+  // Factors that end at a pivot that is not positive have taken as long, and inverses are charged
+  // as if their columns had been made.
+  renew_work_ = solve_->set_up_work();
+  std::unique_ptr<HostSolve> solve;
+  try {
+    solve = make_();
+  } catch (const InputError&) {
+    return false;
+  }
+  solve_ = std::move(solve);
+  solve_->move_contact(contact_);
+  renew_work_ = solve_->set_up_work() + solve_->contact_work();
+  return true;
 }
 
 std::vector<Step> HostIncrements::steps() const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -12,12 +13,15 @@
 namespace hvp::host {
 
 // The method in which the host solves for the increments of a body that is not linear, with the
-// matrix of the body at rest: as many passes as refinement.passes, or fewer where the residual is
+// matrix of the body at rest or a renewed one: as many passes as refinement.passes, or fewer where the residual is
 // within refinement.tolerance before.
 class HostIncrements final : public FrameMethod {
  public:
-  // Keeps references to `forces` and to `matrix`.
-  HostIncrements(SolvedBy solver, std::unique_ptr<HostSolve> solve, const Refinement& refinement,
+  // Makes a solver of the matrix as it is. Throws InputError where that has none.
+  using MakeSolve = std::function<std::unique_ptr<HostSolve>()>;
+
+  // Keeps references to `forces` and to `matrix`. Throws what `make` throws.
+  HostIncrements(SolvedBy solver, MakeSolve make, const Refinement& refinement,
                  fem::InternalForces& forces, const sparse::BlockMatrix& matrix,
                  std::span<const double> initial, const fixed::Settings& settings);
 
@@ -32,6 +36,7 @@ class HostIncrements final : public FrameMethod {
   void accept(std::span<const std::int32_t> /*x*/, stability::Flags /*flags*/) override {}
   void finish() override;
   void abandon() override { increments_.abandon(); }
+  bool renew() override;
 
   std::span<const double> displacement() const override { return increments_.displacement(); }
   stability::Flags flags() const override { return flags_; }
@@ -41,17 +46,21 @@ class HostIncrements final : public FrameMethod {
   SolveWork solve_work() const override { return solve_work_; }
   SolveWork contact_work() const override { return solve_->contact_work(); }
   SolveWork set_up_work() const override { return solve_->set_up_work(); }
+  SolveWork renew_work() const override { return renew_work_; }
+  int passes_made() const override { return passes_made_; }
   SolveMemory memory() const override { return solve_->memory(); }
   double finish_operations() const override { return increments_.finish_operations(); }
   std::vector<Step> steps() const override;
 
  private:
   SolvedBy solver_;
+  MakeSolve make_;
   std::unique_ptr<HostSolve> solve_;
   Refinement refinement_;
   Increments increments_;
   double rows_;
   std::vector<double> increment_;
+  std::vector<int> contact_;
   std::vector<Eigen::Vector3d> still_;  // contact nodes' increments: none
   stability::Flags flags_;
   bool goes_on_ = false;
@@ -59,6 +68,8 @@ class HostIncrements final : public FrameMethod {
   double begin_operations_ = 0;  // since the last next()
   double next_operations_ = 0;
   SolveWork solve_work_;
+  SolveWork renew_work_;
+  int passes_made_ = 0;
 };
 
 }  // namespace hvp::host

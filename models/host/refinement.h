@@ -58,9 +58,7 @@ class RefinedSolve final : public FrameMethod {
 
   const Increments& increments() const { return increments_; }
   int passes() const { return passes_; }
-  // Those of the last solve for which the board was asked: none where nothing presses a body at
-  // rest.
-  int passes_made() const { return passes_made_; }
+  int passes_made() const override { return passes_made_; }
 
   // Takes the right-hand side f and the prescribed displacements. Throws InputError where an entry
   // of f is not finite.

@@ -70,15 +70,17 @@ void Model::declare(config::Visitor& v) {
   // One that is never renewed asks for nothing.
   std::vector<config::Need> needs;
   if (!matrix || matrix->present()) {
-    needs = {config::need_board("a host has no words of a matrix to renew"),
+    needs = {{"host.solver",
+              {"board", "cg", "cholesky", "inverse", "condensed"},
+              "explicit steps have no matrix, and superposition is of a linear body"},
              {"refinement",
               {config::kPresent},
               "it is the matrix of the increments, which are its passes"}};
   }
   v.effect("matrix", matrix,
-           {"the board's matrix is formed anew of the deformed body, every so many frames",
-            "of a renewal: the tangent of every element on the host, and all values of the matrix "
-            "over the bus, after the force",
+           {"the solver's matrix is formed anew of the deformed body, every so many frames",
+            "of a renewal, after the force: the tangent of every element on the host, and all "
+            "values of the matrix over the bus, or a host's new factors or inverse",
             std::move(needs)});
   v.list("prony", prony,
          {"terms of a relaxation: each takes a share of the force at once away in its time"});

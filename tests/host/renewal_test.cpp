@@ -57,19 +57,22 @@ struct ForceError {
 
 // Presses the sphere's cap by `depth` within 0.4 s and drags it by `way` at 25 mm/s. Errors are
 // shares of the largest force.
-ForceError drag(LawKind law, double depth, double way, const fem::MatrixRenewal& renewal) {
+ForceError drag(LawKind law, double depth, double way, const fem::MatrixRenewal& renewal,
+                const SolverChoice& solver = SolvedBy::board) {
   const fem::Body body = tissue::thesis_sphere();
   const std::vector<int> nodes = tissue::cap(body, 0.012);
   const tissue::Model model = model_of(law);
   FrameComputation computation(tissue::make_tissue(body, model, fem::ContactDiagonal::average,
                                                    undamped(), kPeriod, Effort::computed),
-                               words(), Refinement{.passes = 1}, SolvedBy::board, Effort::computed,
-                               renewal);
-  WordBoard board(computation.board().matrix(), computation.board().settings());
+                               words(), Refinement{.passes = 1}, solver, Effort::computed, renewal);
+  std::optional<WordBoard> board;
+  if (computation.has_board()) {
+    board.emplace(computation.board().matrix(), computation.board().settings());
+  }
   const std::unique_ptr<fem::ReferenceModel> truth =
       tissue::make_reference(body, model, undamped(), kPeriod, 1);
   computation.set_contact(nodes);
-  board.set_contact(nodes, computation.board().diagonal_word());
+  if (board) board->set_contact(nodes, computation.board().diagonal_word());
   std::vector<std::int32_t> b(computation.displacement().size());
   std::vector<Eigen::Vector3d> place(nodes.size());
   std::vector<double> errors;
@@ -85,8 +88,8 @@ ForceError drag(LawKind law, double depth, double way, const fem::MatrixRenewal&
     computation.hold(hold);
     computation.begin();
     while (computation.method().next(b)) {
-      const fixed::Report report = board.solve(b);
-      computation.method().accept(board.solution(), report.flags);
+      const fixed::Report report = board->solve(b);
+      computation.method().accept(board->solution(), report.flags);
     }
     const Eigen::Vector3d force = computation.force();
     computation.method().finish();
@@ -94,7 +97,7 @@ ForceError drag(LawKind law, double depth, double way, const fem::MatrixRenewal&
     computation.update();
     if (computation.renewal_is_due()) {
       result.flags.merge(computation.renew());
-      board.renew(computation.board().matrix(), computation.board().diagonal_word());
+      if (board) board->renew(computation.board().matrix(), computation.board().diagonal_word());
     }
     truth->step(hold);
     errors.push_back((force - truth->forces().front()).norm());
@@ -134,6 +137,71 @@ TEST(RenewedMatrix, ServesWhereTheOldOneDoesNot) {
     }
   }
   EXPECT_GT(drag(LawKind::neo_hookean_isochoric, 10e-3, 30e-3, {}).worst, 0.5);
+}
+
+// The same without words: factors, an inverse, its part at the surface, and iterations, of a matrix
+// that was taken from the deformed body, are exact steps of Newton's method with the last tangent.
+TEST(RenewedMatrix, ServesTheHostsOwnSolversToo) {
+  constexpr LawKind kLaw = LawKind::neo_hookean_isochoric;
+  const fem::MatrixRenewal renewal{.every = 50};
+  const ForceError factors = drag(kLaw, 10e-3, 30e-3, renewal, SolvedBy::cholesky);
+  EXPECT_LT(factors.mean, 1.7e-3);
+  EXPECT_LT(factors.worst, 8e-3);
+  EXPECT_FALSE(factors.flags.has(stability::Flag::divergence));
+  ASSERT_TRUE(factors.renewals);
+  EXPECT_EQ(factors.renewals->renewed, factors.frames / 50);
+  EXPECT_EQ(factors.renewals->undefined, 0);
+  EXPECT_GT(factors.renewals->growth, 1.05);
+  EXPECT_GT(drag(kLaw, 10e-3, 30e-3, {}, SolvedBy::cholesky).worst, 0.5);
+  for (const SolvedBy solver : {SolvedBy::inverse, SolvedBy::condensed}) {
+    const ForceError same = drag(kLaw, 10e-3, 30e-3, renewal, solver);
+    EXPECT_NEAR(same.worst, factors.worst, 1e-9) << name(solver);
+    EXPECT_EQ(same.renewals->renewed, factors.renewals->renewed) << name(solver);
+  }
+  const ForceError iterated = drag(kLaw, 10e-3, 30e-3, renewal, SolvedBy::cg);
+  EXPECT_NEAR(iterated.worst, factors.worst, 1e-3);
+}
+
+// More steps of the sharper tangent: twice as often is nearer.
+TEST(RenewedMatrix, IsNearerWhereTheHostRenewsItMoreOften) {
+  const auto error = [](int every) {
+    return drag(LawKind::corotational, 5e-3, 10e-3, {.every = every}, SolvedBy::cholesky).mean;
+  };
+  const double never = error(0);
+  const double seldom = error(40);
+  const double often = error(5);
+  EXPECT_LT(seldom, never);
+  EXPECT_LT(often, seldom);
+}
+
+// A renewal takes what the set-up took, and the contact's columns anew.
+TEST(RenewedMatrix, TakesTheHostsSetUpAnew) {
+  const fem::Body body = tissue::thesis_sphere();
+  FrameComputation computation(
+      tissue::make_tissue(body, model_of(LawKind::corotational), fem::ContactDiagonal::average,
+                          undamped(), kPeriod, Effort::computed),
+      words(), Refinement{.passes = 1}, SolvedBy::cholesky, Effort::computed, {.every = 1});
+  const std::vector<int> nodes = tissue::cap(body, 0.012);
+  const std::vector<Eigen::Vector3d> place(nodes.size(), Eigen::Vector3d(0, 0, -1e-3));
+  computation.set_contact(nodes);
+  computation.hold({nodes, place, {}, kPeriod});
+  computation.begin();
+  computation.method().next({});
+  computation.method().finish();
+  computation.update();
+  ASSERT_TRUE(computation.renewal_is_due());
+  const std::int64_t before = computation.revision();
+  EXPECT_EQ(computation.method().renew_work().operations(), 0);
+  computation.renew();
+  EXPECT_GT(computation.revision(), before);
+  const SolveWork work = computation.method().renew_work();
+  const SolveWork set_up = computation.method().set_up_work();
+  const SolveWork contact = computation.method().contact_work();
+  EXPECT_GT(set_up.operations(), 0);
+  EXPECT_GT(contact.operations(), 0);
+  EXPECT_EQ(work.operations(), set_up.operations() + contact.operations());
+  EXPECT_EQ(work.bytes, set_up.bytes + contact.bytes);
+  EXPECT_GT(computation.renew_operations(), 0);
 }
 
 // The sphere's cap under a hold, frame by frame.

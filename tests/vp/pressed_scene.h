@@ -13,7 +13,7 @@
 #include "vp/fpga/register_bank.h"
 #include "vp/platform.h"
 
-// A run whose board gets the matrix of the deformed body now and then, and what that takes.
+// A run whose solver gets the matrix of the deformed body now and then, and what that takes.
 namespace hvp::test {
 
 inline constexpr vp::Picoseconds kInterruptLatency = 5 * kUs;
@@ -24,6 +24,7 @@ struct RenewalOptions {
   double headroom = 2;
   tissue::LawKind law = tissue::LawKind::neo_hookean_log;
   fixed::Method method = fixed::Method::cg;
+  host::SolvedBy solved_by = host::SolvedBy::board;
 };
 
 // The small scene's cube of a law that is not linear, pressed by 8 mm.
@@ -34,11 +35,12 @@ struct PressedScene {
              fem::Material{}, SmallScene::floor(), fem::AnchorTreatment::removed),
         computation(tissue::make_tissue(body, model(options.law), fem::ContactDiagonal::average,
                                         fem::Dynamics{}, 2e-3, fem::Effort::computed),
-                    solver(options.method), host::Refinement{.passes = 1}, host::SolvedBy::board,
+                    solver(options.method), host::Refinement{.passes = 1}, options.solved_by,
                     host::Effort::computed,
                     {.every = options.renew_every, .headroom = options.headroom}),
         contacts(body.mesh(), SmallScene::floor(), {.kind = collision::ContactKind::node}) {
-    settings.solver = computation.board().settings();
+    settings.solver =
+        computation.has_board() ? computation.board().settings() : solver(options.method);
     settings.period = to_picoseconds(2e-3);
     settings.budget = settings.period;
     settings.frames = 40;

@@ -70,6 +70,17 @@ class HostSolver : public FrameSolver {
     }
     flags |= method.flags().bits();
   }
+  hvp_status renew() override {
+    const host::FrameMethod& method = computation_.method();
+    const host::SolveMemory memory = method.memory();
+    const host::SolveWork work = method.renew_work();
+    if (work.operations() > 0) spend(Phase::assemble, work, memory.set_up);
+    // A GPU gets what it solves with.
+    if (const std::optional<host::Gpu>& gpu = work_.costs().gpu) {
+      work_.spend(Phase::load_values, gpu->load_s(memory.kept));
+    }
+    return HVP_OK;
+  }
   hvp_status close() override { return HVP_OK; }
 
  private:

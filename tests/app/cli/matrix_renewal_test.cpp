@@ -41,11 +41,40 @@ TEST_F(MatrixRenewal, NeverIsAcceptedWhoeverSolves) {
   EXPECT_LT(steps.status, 2) << steps.err;
 }
 
-TEST_F(MatrixRenewal, NeedsTheBoardsWords) {
-  const Ended ended = with({"object.model.matrix.renew_every=1", "frames=5", "host.solver=cg"});
+TEST_F(MatrixRenewal, NeedsAMatrix) {
+  const Ended ended =
+      with({"object.model.matrix.renew_every=1", "frames=5"}, "tissue-explicit.toml");
   EXPECT_EQ(ended.status, 2);
-  EXPECT_THAT(ended.err, HasSubstr("a host has no words of a matrix to renew: expected "
-                                   "host.solver = \"board\", found \"cg\""));
+  EXPECT_THAT(ended.err, HasSubstr("explicit steps have no matrix"));
+}
+
+// A core makes new factors; that is as much as the frame has on top in `hvp explain`.
+TEST_F(MatrixRenewal, IsTheHostsToo) {
+  const std::vector<std::string> changes = {"object.model.matrix.renew_every=20",
+                                            "frames=140",
+                                            "budget.period=40ms",
+                                            "host.model=desktop-2026",
+                                            "host.solver=cholesky",
+                                            "contact.kind=node",
+                                            "transfer.method=bursts"};
+  const Ended ended = with(changes);
+  EXPECT_LT(ended.status, 2) << ended.err;
+  const json s = summary();
+  EXPECT_GT(s.at("matrix").at("renewed"), 0);
+  EXPECT_EQ(s.at("matrix").at("not_defined"), 0);
+  EXPECT_EQ(s.at("matrix").at("beyond_scale"), 0);
+  EXPECT_GT(s.at("matrix").at("growth"), 1);
+  std::vector<std::string> explain = {"explain", scenario("thesis-nonlinear.toml").string(),
+                                      "--json"};
+  for (const std::string& change : changes) {
+    explain.emplace_back("--set");
+    explain.push_back(change);
+  }
+  const json steps =
+      json::parse(hvp(place_.path(), explain).out).at("frame").at("renewal").at("steps");
+  ASSERT_EQ(steps.size(), 2U);
+  EXPECT_EQ(steps.at(1).at("what"), "assemble: the solver's set-up");
+  EXPECT_GT(steps.at(1).at("us").get<double>(), 1000);
 }
 
 // Nothing touches the body so soon.
