@@ -49,8 +49,8 @@ class FrameComputation {
                    double period_s, const std::optional<Refinement>& refinement = std::nullopt,
                    const SolverChoice& solver = {}, Effort effort = Effort::computed);
   // The same for a tissue of any kind. One that is not linear is solved by increments: it needs
-  // refinement's passes, also on the host. `renewal` needs a tissue whose system can be renewed and a
-  // solver of systems.
+  // refinement's passes, also on the host. `renewal` needs a tissue whose system can be renewed and
+  // a solver of systems.
   FrameComputation(std::unique_ptr<fem::Tissue> tissue, const fixed::Settings& settings,
                    const std::optional<Refinement>& refinement, const SolverChoice& solver,
                    Effort effort, const fem::MatrixRenewal& renewal = {});

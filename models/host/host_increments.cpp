@@ -11,9 +11,8 @@
 namespace hvp::host {
 
 HostIncrements::HostIncrements(SolvedBy solver, MakeSolve make, const Refinement& refinement,
-                               fem::InternalForces& forces,
-                               const sparse::BlockMatrix& matrix, std::span<const double> initial,
-                               const fixed::Settings& settings)
+                               fem::InternalForces& forces, const sparse::BlockMatrix& matrix,
+                               std::span<const double> initial, const fixed::Settings& settings)
     : solver_(solver),
       make_(std::move(make)),
       solve_(make_()),

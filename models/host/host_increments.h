@@ -13,8 +13,8 @@
 namespace hvp::host {
 
 // The method in which the host solves for the increments of a body that is not linear, with the
-// matrix of the body at rest or a renewed one: as many passes as refinement.passes, or fewer where the residual is
-// within refinement.tolerance before.
+// matrix of the body at rest or a renewed one: as many passes as refinement.passes, or fewer where
+// the residual is within refinement.tolerance before.
 class HostIncrements final : public FrameMethod {
  public:
   // Makes a solver of the matrix as it is. Throws InputError where that has none.

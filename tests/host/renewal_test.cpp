@@ -139,7 +139,7 @@ TEST(RenewedMatrix, ServesWhereTheOldOneDoesNot) {
   EXPECT_GT(drag(LawKind::neo_hookean_isochoric, 10e-3, 30e-3, {}).worst, 0.5);
 }
 
-// The same without words: factors, an inverse, its part at the surface, and iterations, of a matrix
+// The same without words: factors, an inverse at the surface, and iterations, of a matrix
 // that was taken from the deformed body, are exact steps of Newton's method with the last tangent.
 TEST(RenewedMatrix, ServesTheHostsOwnSolversToo) {
   constexpr LawKind kLaw = LawKind::neo_hookean_isochoric;
@@ -152,12 +152,9 @@ TEST(RenewedMatrix, ServesTheHostsOwnSolversToo) {
   EXPECT_EQ(factors.renewals->renewed, factors.frames / 50);
   EXPECT_EQ(factors.renewals->undefined, 0);
   EXPECT_GT(factors.renewals->growth, 1.05);
-  EXPECT_GT(drag(kLaw, 10e-3, 30e-3, {}, SolvedBy::cholesky).worst, 0.5);
-  for (const SolvedBy solver : {SolvedBy::inverse, SolvedBy::condensed}) {
-    const ForceError same = drag(kLaw, 10e-3, 30e-3, renewal, solver);
-    EXPECT_NEAR(same.worst, factors.worst, 1e-9) << name(solver);
-    EXPECT_EQ(same.renewals->renewed, factors.renewals->renewed) << name(solver);
-  }
+  const ForceError same = drag(kLaw, 10e-3, 30e-3, renewal, SolvedBy::condensed);
+  EXPECT_NEAR(same.worst, factors.worst, 1e-9);
+  EXPECT_EQ(same.renewals->renewed, factors.renewals->renewed);
   const ForceError iterated = drag(kLaw, 10e-3, 30e-3, renewal, SolvedBy::cg);
   EXPECT_NEAR(iterated.worst, factors.worst, 1e-3);
 }
@@ -272,7 +269,7 @@ TEST(RenewedMatrix, WaitsForAFrameWhoseResidualFell) {
   EXPECT_FALSE(frames.renews_after(2e-3));
 }
 
-TEST(RenewedMatrix, NeedsABoardAndABodyThatIsNotLinear) {
+TEST(RenewedMatrix, NeedsAMatrixThatChanges) {
   const fem::Body body = tissue::thesis_sphere();
   const auto make = [&](LawKind law, SolvedBy solver) {
     const FrameComputation computation(
@@ -282,7 +279,8 @@ TEST(RenewedMatrix, NeedsABoardAndABodyThatIsNotLinear) {
   };
   EXPECT_NO_THROW(make(LawKind::corotational, SolvedBy::board));
   EXPECT_THROW(make(LawKind::linear, SolvedBy::board), InputError);
-  EXPECT_THROW(make(LawKind::corotational, SolvedBy::cg), InputError);
+  EXPECT_THROW(make(LawKind::linear, SolvedBy::cg), InputError);
+  EXPECT_NO_THROW(make(LawKind::corotational, SolvedBy::cg));
 }
 
 }  // namespace
