@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from studies.errors import StudyError
-from studies.questions import board, contacts, loop, numbers, solvers
+from studies.questions import board, contacts, loop, numbers, renewals, solvers
 from studies.questions.answer import Answer, Row, rows_of
 from studies.questions.question_file import FOLDER, Question
 from studies.record import Record
@@ -15,6 +15,7 @@ PICTURES = TOP / "docs" / "images" / "questions"
 
 ANSWERS: Mapping[str, Callable[[Sequence[Row]], Answer]] = {
     "solvers": solvers.solvers,
+    "renewals": renewals.renewals,
     "partitions": board.partitions,
     "devices": board.devices,
     "word-lengths": numbers.word_lengths,

@@ -13,6 +13,7 @@ FOLDER = Path(__file__).resolve().parent
 # In the order of the list of questions.
 NAMES = (
     "solvers",
+    "renewals",
     "partitions",
     "devices",
     "word-lengths",

@@ -8,7 +8,7 @@ import pytest
 
 from studies.errors import InputError, StudyError
 from studies.program import Program
-from studies.questions import loop, numbers, solvers, thesis_tables
+from studies.questions import loop, numbers, renewals, solvers, thesis_tables
 from studies.questions.answer import Row, line, rows_of, where
 from studies.questions.page import ANSWERS, answer, index, page
 from studies.questions.question_file import FOLDER, NAMES, Question, read_question
@@ -283,6 +283,41 @@ def test_the_page_says_who_beats_whom() -> None:
     assert solvers.verdict([rows[0], row("cholesky", 900.0, 0.0, 0.0)]).startswith(
         "The board beats"
     )
+
+
+def test_a_map_counts_who_holds_and_with_how_much_to_spare() -> None:
+    """A board is needed where nobody else holds; a wake-up takes from what is left."""
+
+    def row(who: str, every: int, load: float) -> dict[str, Any]:
+        status = "held" if load <= 2000 else "not held"
+        return {
+            "who": who,
+            "nodes": 500,
+            renewals.EVERY: every,
+            renewals.LOAD: load,
+            "status": status,
+        }
+
+    rows = [
+        row("board", 0, 700.0),
+        row("core, cg", 0, 1900.0),
+        row("board", 50, 1500.0),
+        row("core, cg", 50, 2900.0),
+    ]
+    said = renewals.verdict(rows)
+    assert said.startswith("A board alone holds 500 Hz in 1 of 2 places of the map: without one")
+    assert "are held in 1 of 2 places, in 0 by nobody" in said
+    assert said.endswith('"board" holds 2, "board" 2.')
+    assert renewals.verdict(rows[:2]).startswith("Nowhere on the map is a board needed")
+    answer = renewals.renewals(rows)
+    assert answer.table[1] == ["500", "50", "1.5", "2.9 late"]
+    assert answer.facts["tangents"] == "1"
+    assert answer.facts["tails"].splitlines()[2:] == [
+        "| 0 | 2 | 1 |",
+        "| 100 | 2 | 1 |",
+        "| 300 | 2 | 0 |",
+        "| 1000 | 1 | 0 |",
+    ]
 
 
 def test_the_page_of_solvers_begins_with_its_own_table() -> None:
