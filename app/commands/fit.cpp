@@ -14,6 +14,7 @@
 #include "app/commands/commands.h"
 #include "app/commands/number_check.h"
 #include "app/fit/fit_request.h"
+#include "app/fit/several_logs.h"
 #include "app/results/figures.h"
 #include "app/results/number_text.h"
 #include "app/results/part_files.h"
@@ -25,7 +26,7 @@ namespace hvp::app {
 namespace {
 
 struct FitArguments {
-  std::filesystem::path log;
+  std::vector<std::filesystem::path> logs;
   std::string model;
   std::filesystem::path out;   // a table for a scenario; empty: none
   std::filesystem::path plot;  // a picture; empty: none
@@ -74,9 +75,9 @@ void require_writable(const char* option, const std::filesystem::path& file,
   }
 }
 
-FitRequest request_of(const FitArguments& a) {
+FitRequest request_of(const FitArguments& a, const std::filesystem::path& log) {
   FitRequest request;
-  request.log = a.log;
+  request.log = log;
   request.reading.columns = a.columns;
   request.reading.sample_rate = a.sample_rate;
   request.reading.count_size = a.count_size;
@@ -99,9 +100,10 @@ FitRequest request_of(const FitArguments& a) {
                                               : fit::Loss::squares;
   request.options.seed = a.seed;
   const Progress progress = make_progress(a.quiet);
-  request.options.progress = [progress](const fit::Attempt& at) {
+  const std::string of = a.logs.size() > 1 ? log.filename().string() + ": " : "";
+  request.options.progress = [progress, of](const fit::Attempt& at) {
     if (progress) {
-      progress(fmt::format("start {} of {}, iteration {}, {:.4g} rms", at.start, at.starts,
+      progress(fmt::format("{}start {} of {}, iteration {}, {:.4g} rms", of, at.start, at.starts,
                            at.iteration, at.rms));
     }
     return results::interrupted() == 0;
@@ -157,9 +159,9 @@ int fit_command(const FitArguments& arguments) {
   require_writable("--out", arguments.out, ".toml");
   require_writable("--plot", arguments.plot, ".png");
   const FitModel& model = fit_model(arguments.model);
-  const FitRequest request = request_of(arguments);
+  const auto request = [&](const std::filesystem::path& log) { return request_of(arguments, log); };
   const results::DeferredInterruption deferred;
-  const FitOutcome outcome = model.fit(request);
+  const FitOutcome outcome = fit_logs(model, arguments.logs, request);
   end_progress(arguments.quiet);
   if (arguments.json) {
     print("{}\n", results::figures_json(outcome.figures).dump(2));
@@ -185,8 +187,10 @@ void add_fit(CLI::App& app, int& status) {
   CLI::App* command = app.add_subcommand(
       "fit", "parameters of a device, a hand, tissue, a bus or a host from a log, with intervals");
   command
-      ->add_option("log", arguments->log,
-                   "a CSV file whose columns are named time_s, force_N, travel_mm …")
+      ->add_option(
+          "log", arguments->logs,
+          "a CSV file whose columns are named time_s, force_N, travel_mm …; of several the "
+          "intervals hold what lies between them")
       ->required()
       ->type_name("LOG.csv");
   command->add_option("--model", arguments->model, "device, hand, qlv, tissue, bus or host")

@@ -30,19 +30,20 @@ std::optional<fit::Link> link_of(const fit::Fit& fit, const std::string& prefix)
   return link;
 }
 
-// Adds the settings with which the platform's bus has the fitted figures.
-void add_settings(FitOutcome& outcome, bool told, link::Direction direction) {
-  const fit::Fit& fit = outcome.figures.fit;
+// The settings with which the platform's bus has the fitted figures, and notes of how nearly.
+std::vector<FittedSetting> settings_of(const fit::Fit& fit, bool told, link::Direction direction,
+                                       std::vector<std::string>& notes) {
+  std::vector<FittedSetting> settings;
   const bool read = direction == link::Direction::read;
   const std::string prefix_of_read = told ? "read_" : "";
   const std::string prefix_of_write = told ? "write_" : "";
   const auto of_read = told || read ? link_of(fit, prefix_of_read) : std::nullopt;
   const auto of_write = told || !read ? link_of(fit, prefix_of_write) : std::nullopt;
   const fit::NearestPci nearest = fit::nearest_pci({}, of_read, of_write);
-  for (const std::string& w : nearest.warnings) outcome.figures.warnings.push_back(w);
+  for (const std::string& w : nearest.warnings) notes.push_back(w);
   const auto deviation = [&](const char* of, const std::optional<double>& by) {
     if (!by) return;
-    outcome.figures.warnings.push_back(fmt::format(
+    notes.push_back(fmt::format(
         "the nearest settings of [bus] {} {:+.1f} % of the measured bandwidth", of, 100 * *by));
   };
   deviation("read at", nearest.read_deviation);
@@ -52,13 +53,13 @@ void add_settings(FitOutcome& outcome, bool told, link::Direction direction) {
   constexpr double kFarFaster = -0.2;
   if (std::min(nearest.read_deviation.value_or(0), nearest.write_deviation.value_or(0)) <
       kFarFaster) {
-    outcome.figures.warnings.emplace_back(
+    notes.emplace_back(
         "no kind of [bus] is as fast: nothing is written for it; describe the link by [bus.pcie]");
-    return;
+    return settings;
   }
   const link::Pci& pci = nearest.pci;
   const auto add = [&](const char* key, std::string value, std::string parameter) {
-    outcome.settings.push_back({"bus", key, std::move(value), std::move(parameter)});
+    settings.push_back({"bus", key, std::move(value), std::move(parameter)});
   };
   const std::string of_bandwidth = (of_read ? prefix_of_read : prefix_of_write) + "bandwidth";
   const char* const kinds[] = {"pci-32/33", "pci-32/66", "pci-64/66", "pci-x-133"};
@@ -72,6 +73,7 @@ void add_settings(FitOutcome& outcome, bool told, link::Direction direction) {
   if (of_write) {
     add("write_latency", toml_quantity(pci.write_latency_s, "s"), prefix_of_write + "latency");
   }
+  return settings;
 }
 
 // The plot of times over sizes, one direction after the other.
@@ -113,7 +115,12 @@ FitOutcome fit_bus(const FitRequest& request) {
   outcome.figures =
       figures_of("bus", log, problem.unit(), fit::fit(problem, asked.options), problem.warnings());
   const bool told = write != nullptr && outcome.figures.fit.parameters.size() > 2;
-  add_settings(outcome, told, settings.direction);
+  const link::Direction direction = settings.direction;
+  outcome.settings = settings_of(outcome.figures.fit, told, direction, outcome.figures.warnings);
+  outcome.settings_of = [told, direction](const fit::Fit& of) {
+    std::vector<std::string> notes;  // each log has its own
+    return settings_of(of, told, direction, notes);
+  };
   outcome.plot = plot_of(outcome.figures.fit, transfers, told);
   return outcome;
 }

@@ -114,17 +114,17 @@ void look_again(const fit::DeviceProblem& problem, const Columns& columns, bool 
   }
 }
 
-std::vector<FittedSetting> settings_of(const fit::Fit& fit, const Columns& columns, bool lag) {
+std::vector<FittedSetting> settings_of(const fit::Fit& fit, const fit::DeviceOptions& options) {
   std::vector<FittedSetting> settings;
-  if (columns.motion == fit::DeviceMotionKind::rotary) return settings;
+  if (options.motion == fit::DeviceMotionKind::rotary) return settings;
   const auto add = [&](const char* table, const char* key, const char* name, const char* unit) {
     settings.push_back({table, key, toml_quantity(estimate(fit, name).value, unit), name});
   };
   add("device.dynamics", "mass", "mass", "kg");
   add("device.dynamics", "damping", "damping", "N s/m");
   if (estimate(fit, "coulomb").value > 0) add("device.friction", "force", "coulomb", "N");
-  const bool current = columns.kind == fit::DeviceCommand::current;
-  if (lag && current) add("device.amplifier", "bandwidth", "bandwidth", "Hz");
+  const bool current = options.command == fit::DeviceCommand::current;
+  if (options.lag && current) add("device.amplifier", "bandwidth", "bandwidth", "Hz");
   if (current) {
     // N/A at a lever of one metre equals N·m/A.
     add("device.motor", "torque_constant", "motor_constant", "N m/A");
@@ -160,7 +160,8 @@ FitOutcome fit_device(const FitRequest& request) {
              known.count("motor_constant") > 0 || known.count(problem.mass_name()) > 0,
              outcome.figures);
   const fit::Fit& fit = outcome.figures.fit;
-  outcome.settings = settings_of(fit, columns, settings.lag);
+  outcome.settings_of = [options](const fit::Fit& of) { return settings_of(of, options); };
+  outcome.settings = outcome.settings_of(fit);
   outcome.plot = {"time (s)", columns.position->quantity, columns.position->unit, {}, {}, {}};
   outcome.plot.add_stretches(log.time, columns.position->values, fit.residuals, problem.first());
   return outcome;
@@ -195,11 +196,15 @@ FitOutcome fit_hand(const FitRequest& request) {
   outcome.figures = figures_of("hand", log, problem.unit(), fit::fit(problem, request.options),
                                problem.warnings());
   const fit::Fit& fit = outcome.figures.fit;
-  outcome.settings = {{"hand", "model", "\"custom\"", ""}};
-  for (const auto& [key, unit] :
-       {std::pair{"mass", "kg"}, {"stiffness", "N/m"}, {"damping", "N s/m"}}) {
-    outcome.settings.push_back({"hand", key, toml_quantity(estimate(fit, key).value, unit), key});
-  }
+  outcome.settings_of = [](const fit::Fit& of) {
+    std::vector<FittedSetting> all = {{"hand", "model", "\"custom\"", ""}};
+    for (const auto& [key, unit] :
+         {std::pair{"mass", "kg"}, {"stiffness", "N/m"}, {"damping", "N s/m"}}) {
+      all.push_back({"hand", key, toml_quantity(estimate(of, key).value, unit), key});
+    }
+    return all;
+  };
+  outcome.settings = outcome.settings_of(fit);
   outcome.plot = {"time (s)", "position", "m", {}, {}, {}};
   outcome.plot.add_stretches(log.time, position.values, fit.residuals);
   return outcome;

@@ -32,13 +32,22 @@ void report_parameter(config::Figures& f, const fit::Estimate& e) {
           "the problem is not close to linear: the interval is from the profile of the sum of "
           "squares");
   f.text("remedy", e.remedy, "not identifiable: the log that would give it");
+  if (!e.between) return;
+  f.table("between", "Of several logs.", [&] {
+    number("deviation", e.between->deviation,
+           "the standard deviation of what the logs' own noise does not explain");
+    number("next_low", e.between->next_low, "of what the fit of another such log would give, 95 %");
+    number("next_high", e.between->next_high, "likewise");
+    f.ratio("probability", e.between->probability,
+            "of so much disagreement among logs that differ by their noise alone (Cochran 1954)");
+  });
 }
 
 }  // namespace
 
 void FitFigures::report(config::Figures& f) const {
   f.text("model", model, "that was fitted");
-  f.text("log", log, "the file's name");
+  f.text("log", log, "the file's name; of several, with commas between");
   f.count("samples", samples, "that were fitted");
   f.list("parameters", "what was asked for", fit.parameters,
          [&](const fit::Estimate& e) { report_parameter(f, e); });
@@ -75,6 +84,13 @@ void FitFigures::report(config::Figures& f) const {
          [&](const std::vector<double>& row) {
            f.value("row", row, {}, "with each of them, in their order");
          });
+  f.list("logs", "each of several; none of one", logs, [&](const OneLog& one) {
+    f.text("log", one.log, "the file's name");
+    f.count("samples", one.samples, "that were fitted");
+    f.quantity("residual_rms", one.residual_rms, residual_unit, "of this log");
+    f.value("values", one.values, {},
+            "that it gives the parameters, in their order; null: it does not");
+  });
   f.value("warnings", warnings, {}, "what to know before trusting the values");
 }
 
@@ -97,6 +113,29 @@ std::string line_of(const fit::Estimate& e) {
                      e.unit);
 }
 
+// What lies between several logs, and the value of each.
+std::string logs_text(const FitFigures& figures) {
+  if (figures.logs.empty()) return {};
+  std::string text = fmt::format("\n  {:<20} {:>12}", "of each log", "between");
+  std::size_t width = 12;
+  for (const FitFigures::OneLog& log : figures.logs) width = std::max(width, log.log.size());
+  for (const FitFigures::OneLog& log : figures.logs)
+    text += fmt::format("  {:>{}}", log.log, width);
+  text += '\n';
+  for (std::size_t p = 0; p < figures.fit.parameters.size(); ++p) {
+    const fit::Estimate& e = figures.fit.parameters[p];
+    text += fmt::format("  {:<20} {:>12}", e.name,
+                        e.between ? fmt::format("{:.3g}", e.between->deviation) : "-");
+    for (const FitFigures::OneLog& log : figures.logs) {
+      const double value = log.values[p];
+      text +=
+          fmt::format("  {:>{}}", std::isnan(value) ? "-" : digits(value, e.high - e.low), width);
+    }
+    text += '\n';
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string fit_text(const FitFigures& figures) {
@@ -106,6 +145,7 @@ std::string fit_text(const FitFigures& figures) {
   text +=
       fmt::format("  {:<20} {:>12}  {:<26} {}\n", "parameter", "value", "95 % interval", "unit");
   for (const fit::Estimate& e : fit.parameters) text += line_of(e);
+  text += logs_text(figures);
   text += fmt::format("\n  left over  {:.4g} {} rms", fit.residual_rms, figures.residual_unit);
   if (fit.held_out_rms) {
     text += fmt::format("; {:.4g} {} of what was held out and predicted", *fit.held_out_rms,

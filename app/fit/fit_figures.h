@@ -12,11 +12,19 @@ namespace hvp::app {
 // The result of `hvp fit` for a log, as --json prints it.
 struct FitFigures {
   std::string model;
-  std::string log;  // the file's name
+  std::string log;  // the file's name; of several, with commas between
   std::int64_t samples = 0;
   std::string residual_unit;
   fit::Fit fit;
   std::vector<std::string> warnings;  // from the reader, the model and the fit
+  // Each of several logs, with its own values of the parameters; empty of one.
+  struct OneLog {
+    std::string log;
+    std::int64_t samples = 0;
+    double residual_rms = 0;
+    std::vector<double> values;  // not a number: this log does not give it
+  };
+  std::vector<OneLog> logs;
 
   void report(config::Figures& f) const;
 };

@@ -74,7 +74,7 @@ const std::vector<FitModel>& fit_models() {
       {"qlv", "soft tissue under an indenter, quasi-linear viscoelastic", fit_qlv},
       {"tissue", "a scenario's body from force and displacement at a contact", fit_tissue},
       {"bus", "latency and bandwidth of a link from sizes and times", fit_bus},
-      {"host", "how wake-up latency is distributed, from cyclictest's histogram", fit_host}};
+      {"host", "how wake-up latency is distributed, from cyclictest's histogram", fit_host, false}};
   return kModels;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -49,6 +50,8 @@ struct FitOutcome {
   FitFigures figures;
   std::vector<FittedSetting> settings;
   FitPlot plot;
+  // The settings of other values of the same parameters; empty where the model has none.
+  std::function<std::vector<FittedSetting>(const fit::Fit&)> settings_of = {};
 };
 
 // A model of `hvp fit`. `fit` reads the log, fits the model and returns its values as keys of a
@@ -57,6 +60,7 @@ struct FitModel {
   std::string_view name;
   std::string_view help;
   FitOutcome (*fit)(const FitRequest& request);
+  bool several = true;  // whether several logs can be put together
 };
 const std::vector<FitModel>& fit_models();
 // Throws InputError that lists the models if there is none of that name.

@@ -237,7 +237,8 @@ FitOutcome fit_tissue(const FitRequest& request) {
   if (const auto locks = fit::locking_warning(body, fit.parameters)) {
     outcome.figures.warnings.push_back(*locks);
   }
-  outcome.settings = settings_of(body, fit);
+  outcome.settings_of = [body](const fit::Fit& of) { return settings_of(body, of); };
+  outcome.settings = outcome.settings_of(fit);
   outcome.plot = {"time (s)", "force", "N", {}, {}, {}};
   double from = 0;
   for (std::size_t s = 0; s < touches.size(); ++s) {
@@ -276,12 +277,17 @@ struct QlvFitSettings : fit::QlvSettings {
   std::optional<Specimen> specimen;
 };
 
+// The material that a fit is, where the specimen is known.
+fit::QlvTissue material_of(const QlvFitSettings& settings, const fit::PressedLog& log,
+                           const fit::Fit& fit) {
+  std::vector<double> values;
+  for (const fit::Estimate& parameter : fit.parameters) values.push_back(parameter.value);
+  return within("specimen",
+                [&] { return fit::qlv_tissue(settings, log, values, *settings.specimen); });
+}
+
 // The tables of a scenario that the fit's material is, and how far its forces are from the fit's.
 void add_material(const QlvFitSettings& settings, const fit::PressedLog& log, FitOutcome& outcome) {
-  std::vector<double> values;
-  for (const fit::Estimate& parameter : outcome.figures.fit.parameters) {
-    values.push_back(parameter.value);
-  }
   for (const auto& [key, value] : {std::pair{"area", settings.specimen->area_m2},
                                    std::pair{"height", settings.specimen->height_m}}) {
     if (value > 0) continue;
@@ -290,12 +296,16 @@ void add_material(const QlvFitSettings& settings, const fit::PressedLog& log, Fi
         "tissue below it",
         key));
   }
-  const fit::QlvTissue tissue = within(
-      "specimen", [&] { return fit::qlv_tissue(settings, log, values, *settings.specimen); });
-  for (const fit::ScenarioWord& word : fit::scenario_words(tissue)) {
-    const std::size_t dot = word.key.rfind('.');
-    outcome.settings.push_back({word.key.substr(0, dot), word.key.substr(dot + 1), word.value, ""});
-  }
+  outcome.settings_of = [settings, log](const fit::Fit& of) {
+    std::vector<FittedSetting> all;
+    for (const fit::ScenarioWord& word : fit::scenario_words(material_of(settings, log, of))) {
+      const std::size_t dot = word.key.rfind('.');
+      all.push_back({word.key.substr(0, dot), word.key.substr(dot + 1), word.value, ""});
+    }
+    return all;
+  };
+  outcome.settings = outcome.settings_of(outcome.figures.fit);
+  const fit::QlvTissue tissue = material_of(settings, log, outcome.figures.fit);
   outcome.figures.warnings.push_back(fmt::format(
       "the material's forces as a column are {:.3g} N (rms) from the fit's: an exponent of strain "
       "is none of depth",

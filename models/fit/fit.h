@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "models/fit/between_logs.h"
 #include "models/fit/coordinates.h"
 #include "models/fit/noise.h"
 #include "models/fit/problem.h"
@@ -46,6 +47,7 @@ struct Estimate {
   bool at_bound = false;
   bool profiled = false;    // the interval follows from the profile likelihood
   std::string remedy = {};  // for one that is not identifiable: the log that would give it
+  std::optional<BetweenLogs> between = {};  // of several logs, of which value and interval are
 };
 
 struct Starts {

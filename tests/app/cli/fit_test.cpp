@@ -1,6 +1,7 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -390,6 +391,75 @@ TEST_F(FitCommand, FindsTheTailOfAHost) {
   EXPECT_EQ(few.status, 2);
   EXPECT_EQ(lines(few.err).size(), 1U) << few.err;
   EXPECT_THAT(few.err, HasSubstr("more latencies, or a larger tail_share"));
+}
+
+// Two specimens of one kind and a third that is a quarter stiffer: what lies between them is in the
+// interval, which each log's own leaves out, and the noise of one is not blamed for it.
+TEST_F(FitCommand, IntervalsOfSeveralLogsHoldWhatLiesBetweenThem) {
+  std::vector<double> stiffness = {100, 102, 97};
+  for (std::size_t i = 0; i < stiffness.size(); ++i) {
+    bounce({fmt::format("device.dynamics.mass={} g", stiffness[i])});
+    std::filesystem::copy_file(place_.path() / "bounce/frames.csv",
+                               place_.path() / fmt::format("{}.csv", i),
+                               std::filesystem::copy_options::overwrite_existing);
+  }
+  const auto fitted = [&](std::vector<std::string> logs, std::vector<std::string> more) {
+    logs.insert(logs.end(), {"--model", "device", "--column", "time_us=born_us", "--column",
+                             "force_N=fz_N", "--column", "position_m=z_m"});
+    logs.insert(logs.end(), more.begin(), more.end());
+    return fit(logs);
+  };
+  const json one = json::parse(fitted({"0.csv"}, {"--json"}).out);
+  EXPECT_TRUE(one.at("logs").empty());
+  EXPECT_FALSE(parameter(one, "mass").contains("between"));
+  EXPECT_THAT(one.at("warnings").back().get<std::string>(), HasSubstr("of this log alone"));
+  EXPECT_LT(parameter(one, "mass").at("high").get<double>(), 0.102);
+
+  const Ended ended = fitted({"0.csv", "1.csv", "2.csv"}, {"--json", "--out", "all.toml"});
+  ASSERT_EQ(ended.status, 0) << ended.err;
+  const json all = json::parse(ended.out);
+  const json mass = parameter(all, "mass");
+  for (const double truth : {0.100, 0.102, 0.097}) {
+    EXPECT_LT(mass.at("low"), truth);
+    EXPECT_GT(mass.at("high"), truth);
+  }
+  // The sample's own standard deviation, since noise is a hundredth of it.
+  EXPECT_NEAR(mass.at("between").at("deviation"), 2.5e-3, 2e-4);
+  EXPECT_LT(mass.at("between").at("probability"), 1e-6);
+  EXPECT_LT(mass.at("between").at("next_low"), mass.at("low"));
+  EXPECT_THAT(all.at("warnings").front().get<std::string>(),
+              HasSubstr("the logs disagree on mass"));
+  ASSERT_EQ(all.at("logs").size(), 3U);
+  EXPECT_NEAR(all.at("logs").at(2).at("values").at(0), 0.097, 2e-4);
+  EXPECT_EQ(all.at("samples"), 3 * one.at("samples").get<int>());
+  const std::string table = read(place_.path() / "all.toml");
+  EXPECT_THAT(table, HasSubstr("mass = \"0.0996"));
+  EXPECT_EQ(hvp(place_.path(), {"run", scenario("wall.toml").string(), "--include", "all.toml",
+                                "--out", "with", "--set", "output.pictures=false"})
+                .status,
+            0);
+  // In their order, and not of one that is twice there.
+  EXPECT_THAT(fitted({"2.csv", "0.csv", "1.csv"}, {}).out, HasSubstr("2.csv, 0.csv, 1.csv"));
+  expect_refused(fitted({"0.csv", "./0.csv"}, {}), "./0.csv: the log is given twice");
+  expect_refused(fit({"0.csv", "1.csv", "--model", "host"}), "--model host: expected one log");
+  expect_refused(fitted({"0.csv", "missing.csv"}, {}), "missing.csv");
+}
+
+// What one specimen's log alone tells has that log's interval, and the others' say nothing of it.
+TEST_F(FitCommand, WhatOneLogAloneGivesIsSaidToBeIts) {
+  press("a.csv", 1e-3, 1);
+  press("b.csv", 1e-3, 2);
+  const json same =
+      json::parse(fit({"a.csv", "b.csv", "--model", "qlv", "--json", "--plot", "p.png"}).out);
+  EXPECT_GT(parameter(same, "q").at("between").at("probability").get<double>(), 0.01);
+  EXPECT_LT(parameter(same, "q").at("low"), 600);
+  EXPECT_GT(parameter(same, "q").at("high"), 600);
+  EXPECT_GT(parameter(same, "q").at("low").get<double>(), 0);
+  EXPECT_THAT(same.at("warnings").dump(), HasSubstr("two logs tell little"));
+  const json given = json::parse(
+      fit({"a.csv", "b.csv", "--model", "qlv", "--json", "--fix", "contact=0.0004"}).out);
+  EXPECT_TRUE(parameter(given, "contact").at("fixed"));
+  EXPECT_FALSE(parameter(given, "contact").contains("between"));
 }
 
 TEST_F(FitCommand, AnswersAreTheSameBytesAgain) {

@@ -1,0 +1,243 @@
+#include "app/fit/several_logs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <map>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "models/config/input_error.h"
+#include "models/files/one_line.h"
+#include "models/fit/between_logs.h"
+
+namespace hvp::app {
+
+namespace {
+
+// Half of a 95 % interval over the standard deviation.
+constexpr double kNormal = 1.959964;
+// Logs that agree so seldom by chance disagree.
+constexpr double kDisagree = 0.01;
+
+void require_different(const std::vector<std::filesystem::path>& logs) {
+  for (std::size_t i = 0; i < logs.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      std::error_code none;
+      if (!std::filesystem::equivalent(logs[i], logs[j], none)) continue;
+      throw InputError(fmt::format("{}: the log is given twice: expected another record",
+                                   files::one_line(logs[i].string())));
+    }
+  }
+}
+
+void add_name(std::string& names, const std::string& name) {
+  names += (names.empty() ? "" : ", ") + name;
+}
+
+std::string names_of(const fit::Fit& fit) {
+  std::string names;
+  for (const fit::Estimate& e : fit.parameters) add_name(names, e.name);
+  return names;
+}
+
+void require_alike(const std::vector<FitOutcome>& outcomes) {
+  const FitFigures& first = outcomes.front().figures;
+  for (const FitOutcome& other : outcomes) {
+    if (names_of(other.figures.fit) == names_of(first.fit)) continue;
+    throw InputError(fmt::format("{} gives {} and {} {}: expected logs of the same parameters",
+                                 first.log, names_of(first.fit), other.figures.log,
+                                 names_of(other.figures.fit)));
+  }
+}
+
+// In its logarithm where every log says that it is positive, so that no interval is below zero.
+fit::BetweenLogs combined(const std::vector<const fit::Estimate*>& given) {
+  const bool positive =
+      std::ranges::all_of(given, [](const fit::Estimate* e) { return e->low > 0; });
+  std::vector<fit::OfOneLog> logs;
+  for (const fit::Estimate* e : given) {
+    const double least = 1e-12 * std::abs(e->value) + 1e-300;  // of one at both its bounds
+    const double width = positive ? std::log(e->high / e->low) : e->high - e->low;
+    logs.push_back({positive ? std::log(e->value) : e->value,
+                    std::max(width / 2 / kNormal, positive ? 1e-12 : least)});
+  }
+  fit::BetweenLogs b = fit::between_logs(logs);
+  if (!positive) return b;
+  for (double* value : {&b.value, &b.low, &b.high, &b.next_low, &b.next_high}) {
+    *value = std::exp(*value);
+  }
+  b.deviation *= b.value;
+  return b;
+}
+
+// Names of parameters, for notes.
+struct Named {
+  std::string disagree;                      // of which the logs contradict each other
+  std::map<std::string, std::string> alone;  // log -> what it alone gives
+};
+
+// The parameter of all logs.
+fit::Estimate estimate_of(const std::vector<FitOutcome>& outcomes, std::size_t parameter,
+                          Named& named) {
+  std::vector<const fit::Estimate*> given;
+  std::string by;
+  for (const FitOutcome& outcome : outcomes) {
+    const fit::Estimate& e = outcome.figures.fit.parameters[parameter];
+    if (e.fixed || !e.identifiable) continue;
+    given.push_back(&e);
+    by = outcome.figures.log;
+  }
+  fit::Estimate all = outcomes.front().figures.fit.parameters[parameter];
+  if (given.empty()) return all;
+  if (given.size() == 1) {
+    add_name(named.alone[by], all.name);
+    return *given.front();
+  }
+  all.between = combined(given);
+  all.value = all.between->value;
+  all.low = all.between->low;
+  all.high = all.between->high;
+  all.identifiable = true;
+  all.remedy.clear();
+  all.profiled = false;
+  all.at_bound = std::ranges::any_of(given, &fit::Estimate::at_bound);
+  if (all.between->probability < kDisagree) add_name(named.disagree, all.name);
+  return all;
+}
+
+// Root of the mean square over all samples.
+std::optional<double> pooled(const std::vector<FitOutcome>& outcomes,
+                             const std::function<std::optional<double>(const fit::Fit&)>& rms) {
+  double squares = 0;
+  double samples = 0;
+  for (const FitOutcome& outcome : outcomes) {
+    const std::optional<double> one = rms(outcome.figures.fit);
+    if (!one) return std::nullopt;
+    const auto count = static_cast<double>(outcome.figures.samples);
+    squares += count * *one * *one;
+    samples += count;
+  }
+  return std::sqrt(squares / samples);
+}
+
+// A note that all logs have is said once.
+std::vector<std::string> notes_of(const std::vector<FitOutcome>& outcomes) {
+  std::vector<std::string> notes;
+  for (const FitOutcome& outcome : outcomes) {
+    for (const std::string& note : outcome.figures.warnings) {
+      const bool shared = std::ranges::all_of(outcomes, [&](const FitOutcome& other) {
+        return std::ranges::count(other.figures.warnings, note) > 0;
+      });
+      const std::string said = shared ? note : fmt::format("{}: {}", outcome.figures.log, note);
+      if (std::ranges::count(notes, said) == 0) notes.push_back(said);
+    }
+  }
+  return notes;
+}
+
+FitFigures figures_of_all(const std::vector<FitOutcome>& outcomes) {
+  FitFigures all;
+  const FitFigures& first = outcomes.front().figures;
+  all.model = first.model;
+  all.residual_unit = first.residual_unit;
+  fit::Fit& fit = all.fit;
+  fit.converged = true;
+  fit.whiteness = first.fit.whiteness;
+  fit.widened = 0;
+  for (const FitOutcome& outcome : outcomes) {
+    const FitFigures& of = outcome.figures;
+    all.log += (all.log.empty() ? "" : ", ") + of.log;
+    all.samples += of.samples;
+    std::vector<double> values;
+    for (const fit::Estimate& e : of.fit.parameters) {
+      values.push_back(e.identifiable ? e.value : std::numeric_limits<double>::quiet_NaN());
+    }
+    all.logs.push_back({of.log, of.samples, of.fit.residual_rms, values});
+    fit.starts.tried += of.fit.starts.tried;
+    fit.starts.reached += of.fit.starts.reached;
+    fit.converged = fit.converged && of.fit.converged;
+    fit.interrupted = fit.interrupted || of.fit.interrupted;
+    fit.noise_order = std::max(fit.noise_order, of.fit.noise_order);
+    fit.widened = std::max(fit.widened, of.fit.widened);
+    if (of.fit.whiteness.probability < fit.whiteness.probability) fit.whiteness = of.fit.whiteness;
+  }
+  fit.residual_rms = pooled(outcomes, [](const fit::Fit& one) {
+                       return std::optional(one.residual_rms);
+                     }).value_or(0);
+  fit.held_out_rms = pooled(outcomes, [](const fit::Fit& one) { return one.held_out_rms; });
+
+  Named named;
+  for (std::size_t p = 0; p < first.fit.parameters.size(); ++p) {
+    fit.parameters.push_back(estimate_of(outcomes, p, named));
+  }
+  if (!named.disagree.empty()) {
+    all.warnings.push_back(fmt::format(
+        "the logs disagree on {} by more than their own noise (1 %): what lies between them is in "
+        "the intervals",
+        named.disagree));
+  }
+  for (const auto& [log, names] : named.alone) {
+    all.warnings.push_back(
+        fmt::format("only {} gives {}: an interval of that log alone", log, names));
+  }
+  if (outcomes.size() == 2) {
+    all.warnings.emplace_back(
+        "two logs tell little of what lies between logs: a third narrows the intervals most");
+  }
+  for (std::string& note : notes_of(outcomes)) all.warnings.push_back(std::move(note));
+  return all;
+}
+
+// One log behind the other, where the plot is over time.
+FitPlot plot_of_all(const std::vector<FitOutcome>& outcomes) {
+  FitPlot all = outcomes.front().plot;
+  const bool over_time = all.x_label.starts_with("time");
+  for (std::size_t i = 1; i < outcomes.size(); ++i) {
+    const FitPlot& next = outcomes[i].plot;
+    const double from = over_time && !all.x.empty() ? all.x.back() : 0;
+    all.part();
+    for (std::size_t k = 0; k < next.x.size(); ++k) {
+      all.add(from + next.x[k], next.observed[k], next.residual[k]);
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+FitOutcome fit_logs(const FitModel& model, const std::vector<std::filesystem::path>& logs,
+                    const std::function<FitRequest(const std::filesystem::path&)>& request_of) {
+  if (logs.size() == 1) {
+    FitOutcome outcome = model.fit(request_of(logs.front()));
+    if (model.several) {
+      outcome.figures.warnings.emplace_back(
+          "the intervals are of this log alone: what differs between logs of the same thing is in "
+          "those of several, hvp fit A.csv B.csv C.csv");
+    }
+    return outcome;
+  }
+  if (!model.several) {
+    throw InputError(
+        fmt::format("--model {}: expected one log, found {}", model.name, logs.size()));
+  }
+  require_different(logs);
+  std::vector<FitOutcome> outcomes;
+  for (const std::filesystem::path& log : logs) {
+    outcomes.push_back(model.fit(request_of(log)));
+    if (outcomes.back().figures.fit.interrupted) break;
+  }
+  if (outcomes.size() == 1) return outcomes.front();
+  require_alike(outcomes);
+  FitOutcome all;
+  all.figures = figures_of_all(outcomes);
+  all.settings_of = outcomes.front().settings_of;
+  if (all.settings_of) all.settings = all.settings_of(all.figures.fit);
+  all.plot = plot_of_all(outcomes);
+  return all;
+}
+
+}  // namespace hvp::app
