@@ -18,24 +18,29 @@ from studies.whole_file import write_whole
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7F7F7F")
 _MARKERS = "osD^vP*X"
 _DASHES = ("-", "--", "-.", ":")
+_HATCHES = ("", "//", "..", "xx")
 _WIDTH_IN = 7.5
 _PANEL_IN = 2.6
 _DPI = 110
 _FEW_TICKS = 12
 _MOST_TICKS = 60
 _MANY_DECADES = 10.0
+_MOST_BARS = 60  # of a panel
+_GROUP = 0.8  # of the room of a name
 
 Place = float | str
 
 
 @dataclass(frozen=True)
 class Line:
-    """What is drawn in one colour. A y that is None is a gap; `joined` draws the line between."""
+    """What is drawn in one colour. A y that is None is a gap; `joined` draws the line between.
+    `level`: what the others are held against, at each place."""
 
     name: str
     x: Sequence[Place]
     y: Sequence[float | None]
     joined: bool = True
+    level: bool = False
 
 
 @dataclass(frozen=True)
@@ -58,7 +63,8 @@ class Panel:
 
 @dataclass(frozen=True)
 class Chart:
-    """Panels above each other. `crosses` are places on the x axis with nothing to be drawn."""
+    """Panels above each other. `crosses` are places on the x axis with nothing to be drawn. Places
+    that are names are choices: each has a bar a line, as long as bars can be told apart."""
 
     title: str
     x_label: str
@@ -125,8 +131,45 @@ def _at(place: Place, names: dict[Place, float] | None) -> float:
     return names[place] if names is not None else float(place)
 
 
+def _has_bars(panel: Panel, names: dict[Place, float] | None) -> bool:
+    """Whether every line has one value a name, and there are few."""
+    lines = [line for line in panel.lines if not line.level]
+    return (
+        names is not None
+        and len(names) * len(lines) <= _MOST_BARS
+        and all(len(set(line.x)) == len(line.x) for line in lines)
+    )
+
+
+def _draw_bars(axis: Axes, panel: Panel, names: dict[Place, float]) -> None:
+    lines = [line for line in panel.lines if not line.level]
+    width = _GROUP / max(len(lines), 1)
+    for number, line in enumerate(lines):
+        shift = (number - (len(lines) - 1) / 2) * width
+        there = [(x, float(y)) for x, y in zip(line.x, line.y, strict=True) if y is not None]
+        axis.bar(
+            [names[x] + shift for x, _ in there],
+            [y for _, y in there],
+            width,
+            label=line.name,
+            color=COLOURS[number % len(COLOURS)],
+            hatch=_HATCHES[number // len(COLOURS) % len(_HATCHES)],
+            edgecolor="white",
+            linewidth=0.5,
+        )
+    if panel.log:
+        known = [float(y) for line in panel.lines for y in line.y if y]
+        axis.set_yscale("log")
+        axis.set_ylim(bottom=min(known) / 2)
+
+
 def _draw_panel(axis: Axes, panel: Panel, chart: Chart, names: dict[Place, float] | None) -> None:
+    bars = names is not None and _has_bars(panel, names)
+    if names is not None and bars:
+        _draw_bars(axis, panel, names)
     for number, line in enumerate(panel.lines):
+        if bars and not line.level:
+            continue
         y = [math.nan if value is None else float(value) for value in line.y]
         axis.plot(
             [_at(x, names) for x in line.x],

@@ -3,7 +3,8 @@
 from collections.abc import Mapping, Sequence
 
 from studies.axis import places
-from studies.plot import Chart, Line, Panel, Place, spans_decades
+from studies.budgets import budget_of, one_value
+from studies.plot import Chart, Limit, Line, Panel, Place, spans_decades
 from studies.point import Value
 from studies.results import Column
 from studies.study_file import Picture
@@ -38,7 +39,9 @@ def chart(
             for group, rows in groups.items()
         ]
         log = spans_decades([y[row] for row in range(len(x)) if done[row]])
-        panels.append(Panel(Column(metric, units.get(metric, "")).heading, lines, log=log))
+        budget = one_value(cells.get(budget_of(metric) or "", ()))
+        limits = [Limit(budget, "budget")] if budget is not None else []
+        panels.append(Panel(Column(metric, units.get(metric, "")).heading, lines, limits, log))
     numbers = [place for place in x if not isinstance(place, str)]
     crosses: list[Place] = [place for place, has in zip(x, done, strict=True) if not has]
     return Chart(

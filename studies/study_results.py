@@ -10,6 +10,7 @@ from pathlib import Path
 import pandas as pd
 
 from studies.axis import places
+from studies.budgets import budget_of, one_value
 from studies.influence import COLUMNS as INFLUENCE_COLUMNS
 from studies.influence import Influence, influences
 from studies.influence import words as influence_words
@@ -35,7 +36,6 @@ _DEFAULT: dict[Command, tuple[str, ...]] = {
     "stability": ("stiffness_max", "stiffness_linear", "delay_us"),
 }
 _MOST_PANELS = 3
-_BUDGET = "deadline.budget_us"
 _FIXED = (
     Column("status", "", "held, not held, refused, crashed or timed out"),
     Column("message", "", "why there are no figures"),
@@ -175,7 +175,7 @@ def write_all(folder: Path, results: Results, name: str, commands: list[str]) ->
             x=picture.x,
             y=metric,
             colour=picture.colour or None,
-            budget=_one_value(cells.get(_BUDGET, [])) if metric == "deadline.worst_us" else None,
+            budget=one_value(cells.get(budget_of(metric) or "", ())),
         )
         for picture, metrics in shown
         for metric in metrics
@@ -224,9 +224,3 @@ def _default_pictures(results: Results) -> list[Picture]:
         # No two axes stand still while a third one moves: each has a picture of its own.
         return [Picture(x=label, y=[results.metrics[0]]) for label in axes]
     return [Picture(x=axes[0], colour=axes[1] if len(axes) > 1 else "")]
-
-
-def _one_value(column: Iterable[Value]) -> float | None:
-    found = set(column) - {None}
-    value = found.pop() if len(found) == 1 else None
-    return float(value) if isinstance(value, int | float) else None

@@ -7,6 +7,7 @@ from itertools import product
 from pathlib import Path
 
 from studies.axis import Axis
+from studies.budgets import budget_of, one_value
 from studies.errors import InputError
 from studies.metrics import FLAGS, MESSAGE, STATUS, columns_of, row_of
 from studies.plot import Chart, Limit, Line, Panel, Place, spans_decades
@@ -15,7 +16,6 @@ from studies.program import Figure
 from studies.record import Record
 from studies.results import Column
 
-BUDGET = "deadline.budget_us"
 WORST = "deadline.worst_us"
 DEFAULT_METRICS = (WORST, "deadline.held", "accuracy.displacement_of_frame.p95", "force.largest.N")
 
@@ -144,14 +144,14 @@ def _panel(column: Column, lines: dict[str, list[tuple[Place, Record]]]) -> Pane
         for name, line in lines.items()
     ]
     limits: list[Limit] = []
-    if column.name == WORST:
+    if name := budget_of(column.name):
         every = [(x, r) for line in lines.values() for x, r in line if r.done]
-        budgets = {_number(r.metrics.get(BUDGET)) for _, r in every} - {None}
-        if len(budgets) == 1:
-            limits = [Limit(float(budgets.pop() or 0), "budget")]
-        elif budgets:
-            each = {x: _number(r.metrics.get(BUDGET)) for x, r in every}
-            drawn.append(Line("budget", list(each), list(each.values())))
+        each = {x: _number(r.metrics.get(name)) for x, r in every}
+        budget = one_value(r.metrics.get(name) for _, r in every)
+        if budget is not None:
+            limits = [Limit(budget, "budget")]
+        elif set(each.values()) - {None}:
+            drawn.append(Line("budget", list(each), list(each.values()), level=True))
     return Panel(
         column.heading, drawn, limits, log=spans_decades([y for line in drawn for y in line.y])
     )

@@ -1,13 +1,16 @@
 """`hvp study solvers SCENARIO`: the board or a core of the host, and in which way."""
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from studies.budgets import budget_of, one_value
 from studies.command_line import command_of
 from studies.errors import HELD, InputError
 from studies.option_paths import check_folder
 from studies.program import find_program
+from studies.record import Record
 from studies.report.study_page import Plot
 from studies.report.table_page import write_table_report
 from studies.results import write_results
@@ -72,7 +75,15 @@ def run(arguments: argparse.Namespace) -> int:
         title=f"Who solves {scenario.name}",
         columns=COLUMNS,
         rows=rows,
-        plots=[Plot(LOAD, FORCE, title="Work of the worst period, and error of the force")],
+        plots=[
+            Plot(
+                LOAD,
+                FORCE,
+                title="Work of the worst period, and error of the force",
+                budget=_budget(records, "accuracy.force_of_frame.p95"),
+                budget_x=_budget(records, "load.worst_us"),
+            )
+        ],
         words=answer,
         command=command_of(arguments, "study solvers"),
         program=program,
@@ -82,6 +93,10 @@ def run(arguments: argparse.Namespace) -> int:
     print(text_table(headings, [[cells[name] for name in _SHOWN] for cells in rows]))
     print(f"Written to {out}")
     return HELD
+
+
+def _budget(records: Sequence[Record], metric: str) -> float | None:
+    return one_value(record.metrics.get(budget_of(metric) or "") for record in records)
 
 
 def add_solvers(subparsers: "Subparsers") -> None:

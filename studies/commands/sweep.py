@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from studies.axis import parse_axis
+from studies.budgets import budget_of, one_value
 from studies.command_line import command_of
 from studies.errors import FAILED, HELD, InputError
 from studies.metrics import FLAGS, MESSAGE, check_metric
@@ -40,7 +41,9 @@ def add_sweep(subparsers: "Subparsers") -> None:
         help="a,b,c or from:to:steps or from:to:steps:log; of several keys every combination",
     )
     parser.add_argument("--zip", action="store_true", help="first values together, then second …")
-    parser.add_argument("--metrics", metavar="NAME,…", help="figures of summary.json")
+    parser.add_argument(
+        "--metrics", action="append", metavar="NAME,…", help="figures of summary.json"
+    )
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="settings")
     parser.add_argument("--include", action="append", default=[], type=Path, metavar="FILE")
     parser.add_argument(
@@ -58,7 +61,7 @@ def run(arguments: argparse.Namespace) -> int:
     program = find_program()
     sweep = _sweep_of(arguments, program)
     known = program.figures()
-    asked = [name.strip() for name in (arguments.metrics or "").split(",") if name.strip()]
+    asked = [name.strip() for name in ",".join(arguments.metrics or ()).split(",") if name.strip()]
     asked = [name for name in asked if name != FLAGS.name]  # every table has them
     for name in asked:
         check_metric("--metrics", name, known)
@@ -104,6 +107,7 @@ def run(arguments: argparse.Namespace) -> int:
                     sweep.axes[0].key,
                     name,
                     colour=sweep.axes[1].key if len(sweep.axes) > 1 and not sweep.zipped else None,
+                    budget=one_value(r.metrics.get(budget_of(name) or "") for r in records),
                 )
                 for name in numeric(metrics, records)
             ],

@@ -14,6 +14,8 @@ SYMBOLS = ("circle", "square", "diamond", "triangle-up", "triangle-down", "penta
 _STEPS = {"color": "ink", "width": 2, "dash": "dot", "shape": "hv"}
 # More kinds than these are told apart by a scale, or not at all.
 MOST_KINDS = 14
+# Of a plot over names: of more, bars are too thin to tell apart.
+MOST_BARS = 60
 
 
 @dataclass(frozen=True)
@@ -25,7 +27,8 @@ class Plot:
     is a line at that y and `budget_x` one at that x. `front` are the positions (0, 1, …) of the
     rows that steps join in their order, the Pareto front, and `mark` the position of the
     scenario's own row. `line` joins the rows of each trace in their order. A row without x or y is
-    counted below the plot: the table has it.
+    counted below the plot: the table has it. Over names each row is a bar, where there are few and
+    no name has two of a trace.
     """
 
     x: str
@@ -119,6 +122,9 @@ def figure(
                 legend.append(_legend_entry(label, good, index))
     else:
         groups = list(dict.fromkeys(colours[row] for row in rows))
+        places = {(x[row], colours[row]) for row in rows}
+        few = len(rows) <= MOST_BARS and len(places) == len(rows)
+        bars = few and not plot.line and _axis_type(frame, plot.x) == "category"
         for index, kind in enumerate(groups):
             of = [row for row in rows if colours[row] == kind]
             marker = {
@@ -127,10 +133,12 @@ def figure(
                 "size": 9,
             }
             label = _escaped(plot.y if plot.colour is None else f"{plot.colour} = {kind}")
-            traces.append(
-                trace(of, marker=marker, name=label, showlegend=len(groups) > 1)
-                | ({"line": {"color": marker["color"]}} if plot.line else {})
-            )
+            drawn = trace(of, marker=marker, name=label, showlegend=len(groups) > 1)
+            if bars:
+                drawn = _bars(drawn, [statuses[row] for row in of])
+            elif plot.line:
+                drawn["line"] = {"color": marker["color"]}
+            traces.append(drawn)
     inside = set(rows)
     if plot.front is not None:
         of = [int(row) for row in plot.front if int(row) in inside]
@@ -152,6 +160,14 @@ def figure(
         title = {"text": _escaped(name(plot.colour or "", units)), "side": "right"}
         layout["coloraxis"] = {"colorscale": "Viridis", "colorbar": {"title": title}}
     return {"id": id_, "data": traces, "layout": layout}
+
+
+def _bars(trace: dict[str, Any], statuses: Sequence[Any]) -> dict[str, Any]:
+    """A trace as bars. What did not hold is hatched."""
+    hatches = ["" if str(status) == "held" else "/" for status in statuses]
+    marker = {"color": trace["marker"]["color"], "pattern": {"shape": hatches}}
+    kept = {key: value for key, value in trace.items() if key != "mode"}
+    return kept | {"type": "bar", "textposition": "none", "marker": marker}
 
 
 def _legend_entry(label: str, symbol: str, rank: int) -> dict[str, Any]:

@@ -59,7 +59,7 @@ def test_each_has_file_text_and_answer() -> None:
 
 
 def test_unknown_question_is_refused_with_the_names() -> None:
-    with pytest.raises(InputError, match="expected one of solvers, partitions"):
+    with pytest.raises(InputError, match="expected one of solvers, renewals"):
         read_question("partition")
 
 

@@ -4,14 +4,18 @@ import csv
 from itertools import pairwise
 from pathlib import Path
 
+import pandas as pd
 import pyarrow.parquet as pq  # type: ignore[import-untyped]
 import pytest
 
 from studies.axis import parse_axis
 from studies.cli import main
 from studies.errors import WRONG_INPUT, InputError
-from studies.program import Program
-from studies.sweep import Sweep
+from studies.plot import COLOURS, draw_chart
+from studies.program import Figure, Program
+from studies.record import Record
+from studies.report.plots import Plot, figure
+from studies.sweep import Sweep, chart
 
 QUICK = ("--set", "frames=20", "--jobs", "2")
 
@@ -134,3 +138,44 @@ def test_what_a_design_takes_is_a_figure_by_its_type(
     for name in ("resources[].used", "latency.by_part[fpga].worst_us"):
         assert main([*command, "--metrics", name]) == WRONG_INPUT
         assert f"{name}: is a list" in capsys.readouterr().err
+
+
+def _records(loads: list[float], budgets: list[float]) -> list[Record]:
+    return [
+        Record("", "held", 0, metrics={"load.worst_us": load, "deadline.period_us": budget})
+        for load, budget in zip(loads, budgets, strict=True)
+    ]
+
+
+def test_every_time_that_has_a_budget_is_drawn_with_it(tmp_path: Path) -> None:
+    sweep = Sweep(Path("s.toml"), (parse_axis("bus.kind=a,b,c"),))
+    known = {"load.worst_us": Figure("load.worst_us", "us", "")}
+    loads = [1.0, 20.0, 3.0]
+    drawn = chart("", sweep, _records(loads, [2000.0] * 3), ["load.worst_us"], known)
+    assert [(limit.at, limit.name) for limit in drawn.panels[0].limits] == [(2000.0, "budget")]
+    # Of a budget that the sweep changes, each place has its own.
+    drawn = chart("", sweep, _records(loads, [1.0, 2.0, 3.0]), ["load.worst_us"], known)
+    assert [line.level for line in drawn.panels[0].lines] == [False, True]
+    # Names are choices: a bar each, and no line between what has no order.
+    draw_chart(tmp_path / "bars.svg", drawn)
+    bars = (tmp_path / "bars.svg").read_text(encoding="utf-8")
+    numbers = Sweep(Path("s.toml"), (parse_axis("solver.iterations=1,2,3"),))
+    drawn = chart("", numbers, _records(loads, [2000.0] * 3), ["load.worst_us"], known)
+    draw_chart(tmp_path / "lines.svg", drawn)
+    lines = (tmp_path / "lines.svg").read_text(encoding="utf-8")
+    assert bars.count(f"fill: {COLOURS[0].lower()}") >= len(loads)
+    assert f"stroke: {COLOURS[0].lower()}" in lines
+    assert f"stroke: {COLOURS[0].lower()}" not in bars
+
+
+def test_a_report_has_bars_over_names_and_hatches_what_did_not_hold() -> None:
+    frame = pd.DataFrame(
+        {"who": ["a", "b"], "n": [1, 2], "t": [3.0, 4.0], "status": ["held", "not held"]}
+    )
+    (bars,) = figure(frame, Plot("who", "t"), {}, "plot-1")["data"]
+    assert (bars["type"], bars["marker"]["pattern"]["shape"]) == ("bar", ["", "/"])
+    assert "mode" not in bars
+    # Numbers have an order, and two of a name have no bar.
+    assert figure(frame, Plot("n", "t"), {}, "plot-1")["data"][0]["type"] == "scatter"
+    twice = pd.concat([frame, frame])
+    assert figure(twice, Plot("who", "t"), {}, "plot-1")["data"][0]["type"] == "scatter"
