@@ -5,16 +5,25 @@
 
 #include "app/fit/fit_request.h"
 #include "models/config/declaration.h"
+#include "models/config/input_error.h"
 #include "models/fit/bus_problem.h"
+#include "models/fit/nearest_pcie.h"
 
 namespace hvp::app {
 
 namespace {
 
+enum class LinkKind { pci, pcie };
+
 struct BusFitSettings {
+  LinkKind link = LinkKind::pci;
   link::Direction direction = link::Direction::read;
 
   void declare(config::Visitor& v) {
+    v.choice("link", link, {{"pci", LinkKind::pci}, {"pcie", LinkKind::pcie}},
+             {"pci: the nearest settings of [bus]; pcie: of [bus.pcie], whose board reads and "
+              "writes the host's memory, as transfer.method = \"dma\" does",
+              "the thesis' bus"});
     v.choice("direction", direction,
              {{"read", link::Direction::read}, {"write", link::Direction::write}},
              {"of transfers in a log that does not say it by a column write_count"});
@@ -54,12 +63,14 @@ std::vector<FittedSetting> settings_of(const fit::Fit& fit, bool told, link::Dir
   if (std::min(nearest.read_deviation.value_or(0), nearest.write_deviation.value_or(0)) <
       kFarFaster) {
     notes.emplace_back(
-        "no kind of [bus] is as fast: nothing is written for it; describe the link by [bus.pcie]");
+        "no kind of [bus] is as fast: nothing is written for it; --set link=pcie seeks "
+        "one of [bus.pcie]");
     return settings;
   }
   const link::Pci& pci = nearest.pci;
   const auto add = [&](const char* key, std::string value, std::string parameter) {
-    settings.push_back({"bus", key, std::move(value), std::move(parameter)});
+    const bool derived = !std::string_view(key).ends_with("latency");
+    settings.push_back({"bus", key, std::move(value), std::move(parameter), derived});
   };
   const std::string of_bandwidth = (of_read ? prefix_of_read : prefix_of_write) + "bandwidth";
   const char* const kinds[] = {"pci-32/33", "pci-32/66", "pci-64/66", "pci-x-133"};
@@ -72,6 +83,77 @@ std::vector<FittedSetting> settings_of(const fit::Fit& fit, bool told, link::Dir
   }
   if (of_write) {
     add("write_latency", toml_quantity(pci.write_latency_s, "s"), prefix_of_write + "latency");
+  }
+  return settings;
+}
+
+// The direction's transfers in the log: medians of each size, moved by what the fit's line differs
+// from the log's own where the fit is of several logs.
+fit::TimesOfSizes times_of(const fit::TransferLog& log, bool told, link::Direction wanted,
+                           const std::optional<fit::Link>& own,
+                           const std::optional<fit::Link>& of) {
+  std::vector<double> bytes;
+  std::vector<double> seconds;
+  for (std::size_t i = 0; i < log.bytes.size(); ++i) {
+    if (told && log.direction[i] != wanted) continue;
+    bytes.push_back(log.bytes[i]);
+    seconds.push_back(log.seconds[i]);
+  }
+  fit::TimesOfSizes times = fit::medians_of_sizes(bytes, seconds);
+  if (!own || !of) return times;
+  for (std::size_t i = 0; i < times.bytes.size(); ++i) {
+    const double moved =
+        of->latency_s - own->latency_s + times.bytes[i] * (1 / of->bandwidth - 1 / own->bandwidth);
+    times.seconds[i] = std::max(times.seconds[i] + moved, 1e-12);
+  }
+  return times;
+}
+
+// The settings of PCI Express with which the platform's link has the log's times.
+std::vector<FittedSetting> pcie_settings(const fit::Fit& fit, const fit::Fit& own,
+                                         const fit::TransferLog& log, bool told,
+                                         link::Direction direction,
+                                         std::vector<std::string>& notes) {
+  const auto of = [&](link::Direction wanted) {
+    if (!told && wanted != direction) return fit::TimesOfSizes{};
+    const std::string prefix = !told ? "" : wanted == link::Direction::read ? "read_" : "write_";
+    return times_of(log, told, wanted, link_of(own, prefix), link_of(fit, prefix));
+  };
+  const fit::TimesOfSizes read = of(link::Direction::read);
+  const fit::TimesOfSizes write = of(link::Direction::write);
+  if (std::max(read.bytes.size(), write.bytes.size()) < 2) {
+    throw InputError(
+        "the transfers are all of one size: expected several, of which a link's rate "
+        "and latency show");
+  }
+  const fit::NearestPcie nearest = fit::nearest_pcie({}, read, write);
+  for (const std::string& w : nearest.warnings) notes.push_back(w);
+  const auto tell = [&](const char* what, const std::optional<double>& by) {
+    if (!by) return;
+    notes.push_back(fmt::format(
+        "half of the sizes' {}s are within {:.2g} % of the nearest settings'", what, 100 * *by));
+  };
+  tell("read", nearest.read_deviation);
+  tell("write", nearest.write_deviation);
+  std::vector<FittedSetting> settings;
+  const auto add = [&](const char* key, std::string value, std::string parameter) {
+    settings.push_back({"bus.pcie", key, std::move(value), std::move(parameter), true});
+  };
+  const bool reads = !read.empty();
+  const std::string prefix = !told ? "" : reads ? "read_" : "write_";
+  const link::Pcie& pcie = nearest.pcie;
+  add("generation", fmt::format("\"gen{}\"", 1 + static_cast<int>(pcie.generation)),
+      prefix + "bandwidth");
+  add("lanes", fmt::format("{}", pcie.lanes), prefix + "bandwidth");
+  add("max_payload_bytes", fmt::format("{}", pcie.max_payload_bytes), prefix + "bandwidth");
+  if (reads) {
+    add("outstanding_reads", fmt::format("{}", pcie.outstanding_reads), prefix + "bandwidth");
+    add("root_complex_latency", toml_quantity(pcie.root_complex_latency_s, "s"),
+        prefix + "latency");
+  }
+  if (!write.empty()) {
+    add("link_latency", toml_quantity(pcie.link_latency_s, "s"),
+        told ? "write_latency" : "latency");
   }
   return settings;
 }
@@ -116,10 +198,16 @@ FitOutcome fit_bus(const FitRequest& request) {
       figures_of("bus", log, problem.unit(), fit::fit(problem, asked.options), problem.warnings());
   const bool told = write != nullptr && outcome.figures.fit.parameters.size() > 2;
   const link::Direction direction = settings.direction;
-  outcome.settings = settings_of(outcome.figures.fit, told, direction, outcome.figures.warnings);
-  outcome.settings_of = [told, direction](const fit::Fit& of) {
+  const fit::Fit own = outcome.figures.fit;
+  const auto chosen = [=, link = settings.link](const fit::Fit& of,
+                                                std::vector<std::string>& notes) {
+    return link == LinkKind::pcie ? pcie_settings(of, own, transfers, told, direction, notes)
+                                  : settings_of(of, told, direction, notes);
+  };
+  outcome.settings = chosen(own, outcome.figures.warnings);
+  outcome.settings_of = [chosen](const fit::Fit& of) {
     std::vector<std::string> notes;  // each log has its own
-    return settings_of(of, told, direction, notes);
+    return chosen(of, notes);
   };
   outcome.plot = plot_of(outcome.figures.fit, transfers, told);
   return outcome;

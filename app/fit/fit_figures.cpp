@@ -207,7 +207,10 @@ std::string fitted_toml(const FitFigures& figures, const std::vector<FittedSetti
     table = s.table;
     const bool given = e == nullptr || e->identifiable;
     text += fmt::format("{}{} = {}", given ? "" : "# ", s.key, s.value);
-    if (e != nullptr) text += fmt::format("  # {}", given ? interval(*e) : "not given by this log");
+    if (e != nullptr) {
+      const std::string of = s.derived ? fmt::format("from {}, ", e->name) : "";
+      text += fmt::format("  # {}", given ? of + interval(*e) : "not given by this log");
+    }
     text += '\n';
   }
   return text;

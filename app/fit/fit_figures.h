@@ -38,6 +38,7 @@ struct FittedSetting {
   std::string key;        // "mass"
   std::string value;      // as a scenario writes it: "\"0.1 kg\""
   std::string parameter;  // its interval stands beside the value; empty: none
+  bool derived = false;   // the parameter is another quantity, from which the value follows
 };
 
 // A file that a scenario takes with `include`: a group of lines for each table, each value with its

@@ -80,6 +80,10 @@ const LogUnit& unit_called(std::string_view suffix) {
 std::optional<LogName> log_name(std::string_view column) {
   if (column == "bytes") return LogName{"size", &unit_called("bytes")};
   if (column == "count") return LogName{"count", &kNumber};
+  constexpr std::string_view kOfNumber = "_count";
+  if (column.size() > kOfNumber.size() && column.ends_with(kOfNumber)) {
+    return LogName{std::string(column.substr(0, column.size() - kOfNumber.size())), &kNumber};
+  }
   // The longest: velocity_m_s is no velocity_m in seconds.
   const LogUnit* longest = nullptr;
   for (const LogUnit& unit : kUnits) {

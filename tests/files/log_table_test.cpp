@@ -143,6 +143,14 @@ TEST(LogTable, MayBeAList) {
   EXPECT_THAT(log.time, IsEmpty());
 }
 
+// As a bus' log tells writes from reads.
+TEST(LogTable, TakesNumbersOfAnything) {
+  const Log log = log_of("bytes,latency_us,write_count\n64,1.5,0\n64,1.4,1\n4096,9,1\n",
+                         {.quantities = {"write"}, .over_time = false, .least_samples = 3});
+  ASSERT_NE(log.find("write"), nullptr);
+  EXPECT_THAT(log.column("write", "").values, ElementsAre(0, 1, 1));
+}
+
 TEST(LogTable, MayHaveASampleRateInPlaceOfTheTime) {
   std::string text = "force_N\n";
   for (int i = 0; i < 10; ++i) text += fmt::format("{}\n", i);

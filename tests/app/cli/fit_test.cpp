@@ -12,6 +12,7 @@
 #include <gmock/gmock.h>
 
 #include "models/fit/twins.h"
+#include "models/link/pcie.h"
 #include "tests/app/cli/program.h"
 #include "tests/app/scratch_directory.h"
 
@@ -337,6 +338,60 @@ TEST_F(FitCommand, WritesNoBusForALinkThatIsFarFasterThanAny) {
       hvp(place_.path(), {"explain", scenario("thesis.toml").string(), "--include", "link.toml"});
   EXPECT_EQ(explained.status, 0) << explained.err;
   EXPECT_THAT(read(place_.path() / "link.toml"), Not(HasSubstr("pci-x-133")));
+}
+
+// A board's reads and writes of the host's memory, by its own clock.
+TEST_F(FitCommand, FindsALinkOfPciExpress) {
+  link::Pcie truth;
+  truth.generation = link::PcieGeneration::gen2;
+  truth.lanes = 8;
+  truth.outstanding_reads = 5;
+  truth.root_complex_latency_s = 2e-6;
+  std::string log = "bytes,time_ns,write_count\n";
+  for (std::int64_t bytes = 64; bytes < 300'000; bytes = bytes * 3 / 2) {
+    log += fmt::format("{},{},0\n{},{},1\n", bytes,
+                       1e-3 * static_cast<double>(truth.read_ps(link::PcieSide::device, bytes)),
+                       bytes, 1e-3 * static_cast<double>(truth.posted_write_ps(bytes)));
+  }
+  write("pcie.csv", log);
+  const Ended ended =
+      fit({"pcie.csv", "--model", "bus", "--set", "link=pcie", "--out", "pcie.toml"});
+  ASSERT_EQ(ended.status, 0) << ended.err;
+  const std::string table = read(place_.path() / "pcie.toml");
+  EXPECT_THAT(table, HasSubstr("[bus.pcie]"));
+  EXPECT_THAT(table, HasSubstr("outstanding_reads = 5  # from read_bandwidth, 95 %: "));
+  EXPECT_THAT(ended.out, HasSubstr("half of the sizes' reads are within"));
+  EXPECT_THAT(ended.out, HasSubstr("half of the sizes' writes are within"));
+  EXPECT_THAT(ended.out, HasSubstr("\n  write_latency "));
+  EXPECT_THAT(table, HasSubstr("link_latency = "));
+  // The scenario's board then moves its data as fast as the true link's.
+  const auto worst = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"run",   scenario("thesis-static.toml").string(),
+                                          "--out", "out",
+                                          "--set", "transfer.method=dma",
+                                          "--set", "frames=5",
+                                          "--set", "output.pictures=false",
+                                          "--set", "bus.posted_writes=false"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Ended ran = hvp(place_.path(), arguments);
+    EXPECT_EQ(ran.status, 0) << ran.err;
+    return json::parse(read(place_.path() / "out/summary.json"))
+        .at("deadline")
+        .at("worst_us")
+        .get<double>();
+  };
+  const double with_truth =
+      worst({"--set", "bus.pcie.generation=gen2", "--set", "bus.pcie.lanes=8", "--set",
+             "bus.pcie.outstanding_reads=5", "--set", "bus.pcie.root_complex_latency=2 us"});
+  EXPECT_NEAR(worst({"--include", "pcie.toml"}), with_truth, 0.5);
+  write(
+      "one.csv", "bytes,time_ns\n" + [] {
+        std::string rows;
+        for (int i = 0; i < 12; ++i) rows += fmt::format("64,{}\n", 900 + i);
+        return rows;
+      }());
+  expect_refused(fit({"one.csv", "--model", "bus", "--set", "link=pcie"}), "all of one size");
+  expect_refused(fit({"pcie.csv", "--model", "bus", "--set", "link=usb"}), "pci");
 }
 
 TEST_F(FitCommand, FindsABusAndAHost) {
