@@ -3,11 +3,14 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <system_error>
 
 #include <fmt/format.h>
 
 #include "app/commands/commands.h"
 #include "app/mesh/sandboxed_mesh.h"
+#include "app/results/number_text.h"
+#include "app/results/part_files.h"
 #include "app/results/results_folder.h"
 #include "app/results/vtu_files.h"
 #include "app/scenario/message.h"
@@ -15,7 +18,9 @@
 #include "app/scenario/toml_text.h"
 #include "models/config/input_error.h"
 #include "models/fem/quadratic_element.h"
+#include "models/mesh/polygon_files.h"
 #include "models/mesh/quality.h"
+#include "models/mesh/surface_repair.h"
 
 namespace hvp::app {
 
@@ -28,6 +33,8 @@ struct MeshArguments {
   int nodes = 500;
   std::string elements = "linear";
   std::filesystem::path out;
+  std::filesystem::path repair;  // a file for a closed surface; empty: none is made
+  std::string detail;            // of that; empty: the default
   bool quiet = false;
 };
 
@@ -86,12 +93,72 @@ void check_out(const std::filesystem::path& out) {
   if (out.has_parent_path()) results::create_folder(out.parent_path(), "--out");
 }
 
+constexpr config::Range kDetail = config::between(1e-9, 1e3);  // m
+
+// Checks what belongs to a repair, and what does not.
+void check_repair(const MeshArguments& a) {
+  if (a.repair.empty()) {
+    if (!a.detail.empty()) throw InputError("--detail belongs to --repair only");
+    return;
+  }
+  const std::string shown = scenario::one_line(a.repair.string());
+  if (a.repair.extension() != ".obj") {
+    throw InputError(fmt::format("--repair {}: expected a file that ends in .obj", shown));
+  }
+  if (a.surface == "sphere" || a.surface == "box") {
+    throw InputError("--repair belongs to a surface file only");
+  }
+  std::error_code none;
+  if (std::filesystem::equivalent(a.surface, a.repair, none)) {
+    throw InputError(
+        fmt::format("--repair {}: is the surface itself: expected another file", shown));
+  }
+  if (!a.out.empty())
+    throw InputError("--out: a repair makes no tetrahedra: expected --repair alone");
+  if (a.repair.has_parent_path()) results::create_folder(a.repair.parent_path(), "--repair");
+}
+
 // Puts the file in front, as in a compiler's messages, unless the message names it already.
 std::string about_surface(const std::string& surface, const std::string& message) {
   return message.find(surface) == std::string::npos ? surface + ": " + message : message;
 }
 
+// Writes the closed surface and says what it changed.
+int repair_command(const MeshArguments& arguments, const mesh::MeshSettings& settings) {
+  const Progress progress = make_progress(arguments.quiet);
+  mesh::RepairedSurface repaired;
+  const double detail =
+      arguments.detail.empty() ? 0 : length("--detail", arguments.detail, kDetail);
+  try {
+    repaired = sandboxed_repair(settings.surface.path, settings.surface_unit, detail, progress);
+  } catch (const InputError& e) {
+    if (e.key() == "detail") throw InputError(fmt::format("--detail: {}", e.what()));
+    throw InputError(scenario::one_line(about_surface(arguments.surface, e.what()), 2000));
+  }
+  end_progress(arguments.quiet);
+  results::write_through_part_file(arguments.repair,
+                                   mesh::obj_text(repaired.surface, settings.surface_unit));
+  print("points             {}, of {} triangles\n", repaired.surface.points.size(),
+        repaired.surface.triangles.size());
+  print("volume             {:.6g} cm3\n", repaired.volume * 1e6);
+  print("detail             {:.4g} mm: what is smaller is smoothed away, and holes are closed\n",
+        1e3 * repaired.detail);
+  print("moved              at most {:.4g} mm from the old surface\n", 1e3 * repaired.moved);
+  print(
+      "left out           {:.3g} % of the old surface: more than two details away from the new "
+      "one\n",
+      100 * repaired.left_share);
+  if (repaired.dropped_shells > 0) {
+    print("dropped            {} beside the largest, of {:.4g} cm3\n",
+          results::counted(repaired.dropped_shells, "shell"), repaired.dropped_volume * 1e6);
+  }
+  print("\n{}\n", arguments.repair.string());
+  return kHeld;
+}
+
 int mesh_command(const MeshArguments& arguments) {
+  check_repair(arguments);
+  if (!arguments.repair.empty()) return repair_command(arguments, settings_of(arguments));
   const Progress progress = make_progress(arguments.quiet);
   mesh::TetMesh mesh;
   const mesh::MeshSettings settings = settings_of(arguments);
@@ -152,6 +219,15 @@ void add_mesh(CLI::App& app, int& status) {
       ->type_name("LENGTH");
   command->add_option("--out", arguments->out, "write the mesh into this file, for ParaView")
       ->type_name("FILE.vtu");
+  command
+      ->add_option("--repair", arguments->repair,
+                   "write a closed surface in place of one that crosses itself or has holes, and "
+                   "say what it changed")
+      ->type_name("FILE.obj");
+  command
+      ->add_option("--detail", arguments->detail,
+                   "the smallest that a repair keeps, a hundredth of the diagonal by default")
+      ->type_name("LENGTH");
   command->add_flag("--quiet", arguments->quiet, "no progress on the terminal");
   command->callback([arguments, &status] { status = mesh_command(*arguments); });
 }

@@ -4,6 +4,7 @@
 
 #include "app/process/progress.h"
 #include "models/mesh/mesh_settings.h"
+#include "models/mesh/surface_repair.h"
 #include "models/mesh/tet_mesh.h"
 
 // The mesher and the readers of surfaces in child processes with limits on time and memory: TetGen
@@ -17,5 +18,10 @@ mesh::TetMesh sandboxed_mesh(const mesh::MeshSettings& settings, const Progress&
 
 // mesh::read_surface(), with the same ending.
 mesh::Surface sandboxed_surface(const std::string& path, double unit_m);
+
+// mesh::repair_surface() of a file, with the same ending. The surface is one that a file of single
+// precision in this unit has too.
+mesh::RepairedSurface sandboxed_repair(const std::string& path, double unit_m, double detail_m,
+                                       const Progress& progress);
 
 }  // namespace hvp::app

@@ -97,4 +97,16 @@ Polygons read_obj(std::string_view bytes) {
   return result;
 }
 
+std::string obj_text(const Surface& surface, double unit_m) {
+  std::string text;
+  for (const Eigen::Vector3d& x : surface.points) {
+    const Eigen::Vector3f in_unit = (x / unit_m).cast<float>();
+    text += fmt::format("v {} {} {}\n", in_unit[0], in_unit[1], in_unit[2]);
+  }
+  for (const auto& t : surface.triangles) {
+    text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+  }
+  return text;
+}
+
 }  // namespace hvp::mesh

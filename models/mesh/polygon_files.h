@@ -1,8 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 #include <string_view>
 #include <vector>
+
+#include "models/mesh/tet_mesh.h"
 
 // The three formats of surfaces that every program writes, read as viewers do: points and faces,
 // and nothing of what else stands in a file. Texts may begin with a byte-order mark and end in NULs
@@ -24,6 +27,9 @@ Polygons read_stl(std::string_view bytes);
 // Wavefront OBJ: its lines v and f; comments, and lines that a backslash continues. A corner is
 // v, v/vt, v//vn or v/vt/vn, counted from one or, if negative, from the last vertex.
 Polygons read_obj(std::string_view bytes);
+// A surface as such a file, in a unit of so many metres; its coordinates are read again as they
+// are, but for single precision.
+std::string obj_text(const Surface& surface, double unit_m);
 // PLY, text or binary of either byte order: x, y and z of the element vertex, and the list
 // vertex_indices (or vertex_index) of the element face.
 Polygons read_ply(std::string_view bytes);

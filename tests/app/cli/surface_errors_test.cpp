@@ -1,5 +1,8 @@
 #include <array>
+#include <filesystem>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 
@@ -130,6 +133,45 @@ TEST(Surface, AMissingFileIsNamedWithItsLine) {
   const Ended ended = hvp(place.path(), {"run", "s.toml", "--out", "out"});
   EXPECT_EQ(ended.status, 2);
   EXPECT_EQ(ended.err, "s.toml:9: object.mesh.surface: no.stl: no such file: expected a file\n");
+}
+
+// What is refused is repaired as the line says, and then accepted.
+TEST(Surface, ARepairIsOfferedAndWorks) {
+  const ScratchDirectory place;
+  for (const auto& [name, triangles] :
+       {std::pair("folded", folded()), std::pair("open", without_last(pyramid("40")))}) {
+    const std::string file = std::string(name) + ".stl";
+    write(place.path() / file, stl(triangles));
+    const Ended refused = hvp(place.path(), {"mesh", file});
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_THAT(refused.err, HasSubstr("hvp mesh FILE --repair FILE.obj"));
+    const Ended repaired = hvp(place.path(), {"mesh", file, "--repair", "out/new.obj"});
+    ASSERT_EQ(repaired.status, 0) << repaired.err;
+    EXPECT_THAT(repaired.out, HasSubstr("\nmoved "));
+    const Ended mesh = hvp(place.path(), {"mesh", "out/new.obj", "--nodes", "300"});
+    EXPECT_EQ(mesh.status, 0) << mesh.err;
+  }
+}
+
+TEST(Surface, ARepairIsRefusedInOneLine) {
+  const ScratchDirectory place;
+  write(place.path() / "good.stl", stl(pyramid("40")));
+  const auto refused = [&](const std::vector<std::string>& arguments, const std::string& words) {
+    const Ended ended = hvp(place.path(), arguments);
+    EXPECT_EQ(ended.status, 2) << words;
+    EXPECT_EQ(lines(ended.err).size(), 1U) << ended.err;
+    EXPECT_THAT(ended.err, HasSubstr(words));
+    EXPECT_FALSE(std::filesystem::exists(place.path() / "new.obj"));
+  };
+  refused({"mesh", "good.stl", "--repair", "new.stl"}, "ends in .obj");
+  refused({"mesh", "good.stl", "--detail", "1 mm"}, "--detail belongs to --repair only");
+  refused({"mesh", "good.stl", "--repair", "new.obj", "--detail", "1 um"}, "million points");
+  refused({"mesh", "good.stl", "--repair", "new.obj", "--detail", "thin"}, "expected a length");
+  refused({"mesh", "good.stl", "--repair", "new.obj", "--out", "a.vtu"}, "expected --repair alone");
+  refused({"mesh", "box", "--repair", "new.obj"}, "a surface file only");
+  refused({"mesh", "none.stl", "--repair", "new.obj"}, "none.stl: no such file");
+  write(place.path() / "flat.stl", stl({pyramid("40").front()}));
+  refused({"mesh", "flat.stl", "--repair", "new.obj"}, "enclose nothing");
 }
 
 TEST(Surface, EitherWindingIsAccepted) {
