@@ -214,9 +214,11 @@ struct Grid {
   }
   Vector3d place(std::size_t index) const {
     const std::size_t row = index / at(count[0]);
-    return origin + spacing * Vector3d(static_cast<double>(index % at(count[0])),
-                                       static_cast<double>(row % at(count[1])),
-                                       static_cast<double>(row / at(count[1])));
+    const std::size_t i = index % at(count[0]);
+    const std::size_t j = row % at(count[1]);
+    const std::size_t k = row / at(count[1]);
+    return origin + spacing * Vector3d(static_cast<double>(i), static_cast<double>(j),
+                                       static_cast<double>(k));
   }
 };
 
