@@ -73,7 +73,7 @@ class Timed {
     u_.resize(f_.size());
     for (std::size_t i = 0; i < f_.size(); ++i) f_[i] = 1e-3 * std::sin(static_cast<double>(i + 1));
     constexpr int kIterations = 60;
-    add("cg", std::make_unique<host::ConjugateGradients>(a, kIterations, 0, false));
+    add("cg", std::make_unique<host::ConjugateGradients<double>>(a, kIterations, 0, false));
     add("cholesky", std::make_unique<host::Prefactored>(a));
     for (const auto precision :
          {host::Precision::double_precision, host::Precision::single_precision}) {

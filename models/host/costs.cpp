@@ -145,11 +145,14 @@ void Host::declare(config::Visitor& v, const config::Condition& body) {
          "factors for the rest after the force; explicit: nothing is solved, the host moves the "
          "body by explicit time steps",
          "thesis section 6.2.1"});
-    of_solver.only({SolvedBy::inverse, SolvedBy::superposition, SolvedBy::condensed}, [&] {
-      v.choice("precision", precision,
-               {{"double", Precision::double_precision}, {"single", Precision::single_precision}},
-               {"of the inverse and its products", "as everything else on the host"});
-    });
+    of_solver.only(
+        {SolvedBy::cg, SolvedBy::inverse, SolvedBy::superposition, SolvedBy::condensed}, [&] {
+          v.choice(
+              "precision", precision,
+              {{"double", Precision::double_precision}, {"single", Precision::single_precision}},
+              {"of cg's matrix and vectors, or of the inverse and its products",
+               "as everything else on the host"});
+        });
     of_solver.only({SolvedBy::cg, SolvedBy::cholesky, SolvedBy::inverse, SolvedBy::superposition,
                     SolvedBy::condensed, SolvedBy::steps},
                    [&] {

@@ -15,12 +15,19 @@ namespace hvp::host {
 
 namespace {
 
+template <class Real>
+std::unique_ptr<HostSolve> make_gradients(const sparse::BlockMatrix& a,
+                                          const fixed::Settings& settings) {
+  return std::make_unique<ConjugateGradients<Real>>(a, settings.iterations, settings.stop_residual,
+                                                    settings.start != fixed::Start::zero);
+}
+
 std::unique_ptr<HostSolve> make_host_solve(const SolverChoice& solver, const sparse::BlockMatrix& a,
                                            const fixed::Settings& settings) {
   switch (solver.by) {
     case SolvedBy::cg:
-      return std::make_unique<ConjugateGradients>(a, settings.iterations, settings.stop_residual,
-                                                  settings.start != fixed::Start::zero);
+      return solver.precision == Precision::single_precision ? make_gradients<float>(a, settings)
+                                                             : make_gradients<double>(a, settings);
     case SolvedBy::cholesky:
       return std::make_unique<Prefactored>(a);
     case SolvedBy::inverse:

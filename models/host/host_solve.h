@@ -40,8 +40,8 @@ class HostSolve {
   SolveWork work_;
 };
 
-// A·x: its operations and bytes.
-SolveWork product_work(const sparse::BlockMatrix& a);
+// A·x: its operations and bytes, of numbers of so many bytes.
+SolveWork product_work(const sparse::BlockMatrix& a, double entry_bytes = sizeof(double));
 // Two triangular solves and D between them.
 SolveWork triangular_work(const fem::DirectSolver& solver);
 // Bytes of L, D and two vectors.
@@ -55,11 +55,15 @@ SolveWork prescribed_work(double m, double n, double entry_bytes);
 SolveWork small_factor_work(double m);
 
 // Hestenes & Stiefel's conjugate gradients on the nodes that are not prescribed: the others keep
-// their displacement, so that their rows of residual and direction stay zero.
-class ConjugateGradients : public HostSolve {
+// their displacement, so that their rows of residual and direction stay zero. In single precision
+// A and all vectors are; inner products are summed in double precision, as a sum by halves is
+// nearly as exact.
+template <class Real>
+class ConjugateGradients final : public HostSolve {
  public:
-  // Keeps a reference to the matrix. A solve ends after `iterations`, or once ‖r‖ <=
-  // stop_residual·‖b‖ where that is above zero; b is f with the contact's columns moved to it.
+  // Keeps a reference to the matrix; in single precision, a copy of its values. A solve ends after
+  // `iterations`, or once ‖r‖ <= stop_residual·‖b‖ where that is above zero; b is f with the
+  // contact's columns moved to it.
   ConjugateGradients(const sparse::BlockMatrix& a, int iterations, double stop_residual,
                      bool warm_start);
 
@@ -67,23 +71,33 @@ class ConjugateGradients : public HostSolve {
   void solve(std::span<const double> f, std::span<const Eigen::Vector3d> held,
              std::span<double> u) override;
   SolveWork most_work() const override;
+  // The conversion of the matrix; none in double precision.
+  SolveWork set_up_work() const override;
   SolveMemory memory() const override;
   int iterations() const { return made_; }
 
  private:
+  SolveWork vectors_work(double operations, double vectors) const;
   SolveWork first_residual_work() const;
   SolveWork iteration_work() const;
-  void clear_contact(std::span<double> v) const;
-  void place_contact(std::span<const Eigen::Vector3d> held, std::span<double> u) const;
+  SolveWork conversion_work() const;
+  double vector_bytes() const { return static_cast<double>(r_.size() * sizeof(Real)); }
+  void multiply(const std::vector<Real>& x, std::vector<Real>& y) const;
+  void clear_contact(std::vector<Real>& v) const;
+  void place_contact(std::span<const Eigen::Vector3d> held, std::vector<Real>& u) const;
 
   const sparse::BlockMatrix& a_;
+  std::vector<Real> entries_;  // of a_, in single precision alone
   int most_iterations_;
   double stop_residual_;
   bool warm_start_;
   int made_ = 0;
   std::vector<int> contact_;
-  std::vector<double> r_, d_, q_;
+  std::vector<Real> x_, r_, d_, q_;
 };
+
+extern template class ConjugateGradients<float>;
+extern template class ConjugateGradients<double>;
 
 // Factorises A once and makes two triangular solves a frame. The contact is an update of rank 3 for
 // each node (fem/direct_solver.h): when it moves, three solves a node; in each frame the force that

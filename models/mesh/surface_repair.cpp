@@ -209,9 +209,6 @@ struct Grid {
   std::array<int, 3> count = {};
 
   std::size_t points() const { return at(count[0]) * at(count[1]) * at(count[2]); }
-  std::size_t index(int i, int j, int k) const {
-    return at(i) + at(count[0]) * (at(j) + at(count[1]) * at(k));
-  }
   Vector3d place(std::size_t index) const {
     const std::size_t row = index / at(count[0]);
     const std::size_t i = index % at(count[0]);

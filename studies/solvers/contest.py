@@ -59,7 +59,8 @@ class Solver:
 
 SOLVERS = (
     Solver(BOARD, limits="a matrix that changes takes a transfer of it"),
-    Solver("cg", limits="its error is that of its iterations"),
+    Solver("cg", "double", "its error is that of its iterations"),
+    Solver("cg", "single", "as in double precision; 7 digits"),
     Solver("cholesky", limits="new factors where the matrix changes"),
     Solver("inverse", "double", "a new inverse where the matrix changes; memory n²"),
     Solver("inverse", "single", "as in double precision; 7 digits"),
@@ -67,7 +68,8 @@ SOLVERS = (
     Solver("condensed", "single", "as in double precision; 7 digits"),
     Solver("superposition", "double", "a static linear body, contact at the surface alone"),
     Solver("superposition", "single", "as in double precision; 7 digits"),
-    Solver("cg", "", "its error is that of its iterations", "graph"),
+    Solver("cg", "double", "its error is that of its iterations", "graph"),
+    Solver("cg", "single", "as in double precision; 7 digits", "persistent"),
     Solver("inverse", "double", "a new inverse where the matrix changes; memory n²", "graph"),
     Solver("inverse", "single", "as in double precision; 7 digits", "persistent"),
 )

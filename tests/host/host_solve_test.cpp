@@ -47,7 +47,7 @@ TEST(HostSolve, BothMethodsFindTheSameSolutionWithAContact) {
   const std::vector<double> f = box.load();
   const std::vector<int> contact = {40, 44};
   const std::vector<Eigen::Vector3d> held = {{1e-3, 0, -2e-3}, {0, 1e-3, -1e-3}};
-  ConjugateGradients cg(box.a, 1000, 1e-12, true);
+  ConjugateGradients<double> cg(box.a, 1000, 1e-12, true);
   Prefactored factors(box.a);
   std::vector<double> by_cg(box.n);
   std::vector<double> by_factors(box.n);
@@ -72,12 +72,64 @@ TEST(HostSolve, BothMethodsFindTheSameSolutionWithAContact) {
   EXPECT_LT(test::difference(by_cg, by_factors), 1e-9);
 }
 
+// In single precision to its digits, however many iterations are made; with inner passes that form
+// the residual in double precision it is as good as that (Wilkinson's refinement).
+TEST(HostSolve, SinglePrecisionHasItsDigits) {
+  const Box box;
+  const std::vector<double> f = box.load();
+  const std::vector<int> contact = {40};
+  const std::vector<Eigen::Vector3d> held = {{1e-3, 0, -2e-3}};
+  ConjugateGradients<float> single(box.a, 1000, 1e-5, false);
+  ConjugateGradients<double> exact(box.a, 1000, 1e-13, false);
+  std::vector<double> u(box.n);
+  std::vector<double> truth(box.n);
+  single.move_contact(contact);
+  exact.move_contact(contact);
+  single.solve(f, held, u);
+  exact.solve(f, held, truth);
+  const double once = test::difference(u, truth);
+  EXPECT_LT(once, 1e-4);
+  EXPECT_GT(once, 1e-9);
+  EXPECT_EQ(u[120], 1e-3);
+  EXPECT_LT(single.iterations(), 300);
+  // Increments of the residual, with the contact where it is.
+  std::vector<double> residual(box.n);
+  std::vector<double> increment(box.n);
+  const std::vector<Eigen::Vector3d> still = {Eigen::Vector3d::Zero()};
+  for (int pass = 0; pass < 3; ++pass) {
+    box.a.multiply(u, residual);
+    for (std::size_t i = 0; i < box.n; ++i) residual[i] = f[i] - residual[i];
+    single.solve(residual, still, increment);
+    for (std::size_t i = 0; i < box.n; ++i) u[i] += increment[i];
+  }
+  EXPECT_LT(test::difference(u, truth), 1e-11);
+}
+
+// Half the bytes of a matrix of doubles, beside the indices; the same operations, those on vectors
+// in single precision, and the conversions of loads and displacements.
+TEST(HostSolve, SinglePrecisionMovesHalfTheBytes) {
+  const sparse::BlockMatrix a = lonely_nodes(5);
+  const ConjugateGradients<float> single(a, 2, 0, false);
+  const ConjugateGradients<double> twice(a, 2, 0, false);
+  const SolveWork s = single.most_work();
+  const SolveWork d = twice.most_work();
+  EXPECT_EQ(s.dense, 0);
+  EXPECT_EQ(s.dense_single, d.dense);
+  EXPECT_EQ(s.sparse, d.sparse + 30);
+  EXPECT_EQ(s.barriers, d.barriers);
+  // Three products: five block columns and as many row starts, four bytes each.
+  const double indices = 3 * (5 + 5) * 4;
+  EXPECT_EQ(s.bytes, (d.bytes - indices) / 2 + indices + 30 * 12);
+  EXPECT_EQ(single.set_up_work().sparse, 45);
+  EXPECT_EQ(twice.set_up_work().operations(), 0);
+}
+
 // Conjugate gradients end after as many iterations as there are different eigenvalues.
 TEST(HostSolve, ThreeEigenvaluesTakeThreeIterations) {
   const sparse::BlockMatrix a = lonely_nodes(5);
   std::vector<double> f(15, 1.0);
   std::vector<double> u(15);
-  ConjugateGradients cg(a, 60, 1e-10, false);
+  ConjugateGradients<double> cg(a, 60, 1e-10, false);
   cg.solve(f, {}, u);
   EXPECT_EQ(cg.iterations(), 3);
   const std::array<double, 3> eigenvalue = {1, 2, 4};
@@ -88,7 +140,7 @@ TEST(HostSolve, WarmStartOfTheSolutionMakesNoIteration) {
   const Box box;
   const std::vector<double> f = box.load();
   std::vector<double> u(box.n);
-  ConjugateGradients cg(box.a, 1000, 1e-8, true);
+  ConjugateGradients<double> cg(box.a, 1000, 1e-8, true);
   cg.solve(f, {}, u);
   EXPECT_GT(cg.iterations(), 10);
   cg.solve(f, {}, u);
@@ -102,7 +154,7 @@ TEST(HostSolve, OperationsOfConjugateGradientsAreCounted) {
   const sparse::BlockMatrix a = lonely_nodes(5);
   std::vector<double> f(15, 1.0);
   std::vector<double> u(15);
-  ConjugateGradients cg(a, 2, 0, false);
+  ConjugateGradients<double> cg(a, 2, 0, false);
   cg.solve(f, {}, u);
   EXPECT_EQ(cg.work().operations(), 90 + 15 + 30 + 2 * (90 + 60 + 90 + 2));
   EXPECT_EQ(cg.most_work().operations(), cg.work().operations());

@@ -10,13 +10,17 @@ from studies.errors import WRONG_INPUT
 from studies.point import Point
 from studies.program import Program
 from studies.record import Record
-from studies.solvers.contest import HOSTS, SOLVERS, Entry, solvers_of, without_board
+from studies.solvers.contest import HOSTS, SOLVERS, Entry, Solver, solvers_of, without_board
 from studies.solvers.decision import Outcome, best, row, words
 
 SMALL = ("object.mesh.nodes=80", "frames=300", "solver.iterations=15", "dynamics=false")
 
 
-def outcome(host: str, solver: int, status: str, load: float, error: float | None) -> Outcome:
+def called(label: str) -> Solver:
+    return next(solver for solver in SOLVERS if solver.label == label)
+
+
+def outcome(host: str, solver: str, status: str, load: float, error: float | None) -> Outcome:
     metrics = {
         "deadline.worst_us": load / 2,
         "deadline.budget_us": 2000.0,
@@ -24,7 +28,7 @@ def outcome(host: str, solver: int, status: str, load: float, error: float | Non
         "accuracy.force_of_frame.p95": error,
     }
     record = Record("", status, 0, metrics=metrics)  # type: ignore[arg-type]
-    return Outcome(Entry(host, SOLVERS[solver], Point(Path("s.toml"))), record)
+    return Outcome(Entry(host, called(solver), Point(Path("s.toml"))), record)
 
 
 def test_what_needs_a_board_is_left_out(program: Program) -> None:
@@ -45,31 +49,33 @@ def test_what_needs_a_board_is_left_out(program: Program) -> None:
 
 
 def test_the_answer_is_the_least_work_that_holds() -> None:
-    board = outcome("desktop-2026", 0, "held", 700.0, 0.3)
-    late = outcome("desktop-2026", 1, "not held", 50.0, 0.0)
-    core = outcome("desktop-2026", 2, "held", 200.0, 0.0)
+    board = outcome("desktop-2026", "board", "held", 700.0, 0.3)
+    late = outcome("desktop-2026", "cg, double", "not held", 50.0, 0.0)
+    core = outcome("desktop-2026", "cholesky", "held", 200.0, 0.0)
     assert best([board, late, core]) is core
     first = words([board, late, core])[0]
     assert first.startswith("A core beats the board: a core by cholesky (desktop-2026)")
     assert "0.2 ms" in first
     assert "95 % of its forces are within 30 % of the true model's" in first
-    rough = outcome("desktop-2026", 1, "held", 100.0, 0.6)
+    rough = outcome("desktop-2026", "cg, double", "held", 100.0, 0.6)
     assert words([board, rough])[0].startswith(
         "A core beats the board in time, with a force that is 2 times further off"
     )
-    slower = outcome("desktop-2026", 2, "held", 900.0, 0.0)
+    slower = outcome("desktop-2026", "cholesky", "held", 900.0, 0.0)
     assert words([board, slower])[0].startswith("The board is faster than a core")
     assert words([board, late])[0].startswith("The board is needed")
-    missed = outcome("desktop-2026", 0, "not held", 3000.0, 0.3)
+    missed = outcome("desktop-2026", "board", "not held", 3000.0, 0.3)
     assert words([missed, core])[0].startswith("A core does what the board does not")
     assert words([missed, late])[0].startswith("Nobody holds every budget")
 
 
 def test_a_refusal_is_said(program: Program) -> None:
     refused = Record("", "refused", 2, "s.toml:3: host.solver: expected another")
-    one = Outcome(Entry("thesis-pc", SOLVERS[7], Point(Path("s.toml"))), refused)
-    core = outcome("thesis-pc", 2, "held", 200.0, 0.0)
-    board = outcome("thesis-pc", 0, "held", 700.0, 0.3)
+    one = Outcome(
+        Entry("thesis-pc", called("superposition, double"), Point(Path("s.toml"))), refused
+    )
+    core = outcome("thesis-pc", "cholesky", "held", 200.0, 0.0)
+    board = outcome("thesis-pc", "board", "held", 700.0, 0.3)
     assert row(one)["message"] == refused.message
     assert "without figures: superposition, double" in words([board, core, one])[1]
     assert program.version
@@ -108,8 +114,8 @@ def test_every_solver_runs_on_every_host(
 
 
 def test_what_was_left_out_and_what_wakes_late_is_said() -> None:
-    board = outcome("measured", 0, "held", 700.0, 0.3)
-    core = outcome("measured", 2, "held", 200.0, 0.0)
+    board = outcome("measured", "board", "held", 700.0, 0.3)
+    core = outcome("measured", "cholesky", "held", 200.0, 0.0)
     said = words([board, core], ("refinement", "bus.pcie"))
     assert "Without a board there is no refinement, bus.pcie: left out for the hosts." in said
     assert said[-1].startswith("measured wakes as late as its file says")

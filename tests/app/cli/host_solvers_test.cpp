@@ -128,7 +128,7 @@ TEST_F(HostSolvers, TheSummarySaysWhatASolveTakes) {
 
 TEST_F(HostSolvers, RefuseWhatTheyCannot) {
   expect_refused({"host.solver=superposition", "dynamics=true"}, "a body with inertia");
-  expect_refused({"host.solver=cg", "host.precision=single"}, "host.precision");
+  expect_refused({"host.solver=cholesky", "host.precision=single"}, "host.precision");
   expect_refused({"host.model=desktop-2026", "host.sustained_rate=1 Gflop/s"},
                  "belongs to model = \"one-rate\" only");
   expect_refused({"host.solver=cg", "host.solver_rate=1 flop/s"}, "at least 1 Mflop/s");
