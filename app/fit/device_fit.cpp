@@ -139,7 +139,8 @@ std::vector<FittedSetting> settings_of(const fit::Fit& fit, const fit::DeviceOpt
 FitOutcome fit_device(const FitRequest& request) {
   const auto settings = model_settings<DeviceFitSettings>(request.overrides);
   const files::Log log = longest_stretch(
-      request.read({"force", "torque", "current", "position", "travel", "displacement", "angle"}));
+      request.read({"force", "torque", "current", "position", "travel", "displacement", "angle"}),
+      request);
   const Columns columns = columns_of(log);
   fit::DeviceOptions options;
   options.motion = columns.motion;
@@ -185,7 +186,7 @@ struct HandFitSettings : fit::HandOptions {
 FitOutcome fit_hand(const FitRequest& request) {
   const auto settings = model_settings<HandFitSettings>(request.overrides);
   const files::Log log =
-      longest_stretch(request.read({"force", "position", "displacement", "intended"}));
+      longest_stretch(request.read({"force", "position", "displacement", "intended"}), request);
   const files::LogColumn& position =
       log.column(log.find("displacement") != nullptr ? "displacement" : "position", "m");
   fit::HandLog hand{log.spacing.period, log.column("force", "N").values, position.values, {}};

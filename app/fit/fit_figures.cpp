@@ -33,7 +33,7 @@ void report_parameter(config::Figures& f, const fit::Estimate& e) {
           "squares");
   f.text("remedy", e.remedy, "not identifiable: the log that would give it");
   if (!e.between) return;
-  f.table("between", "Of several logs.", [&] {
+  f.table("between", "Of several logs, or of the quarters of one that disagree.", [&] {
     number("deviation", e.between->deviation,
            "the standard deviation of what the logs' own noise does not explain");
     number("next_low", e.between->next_low, "of what the fit of another such log would give, 95 %");

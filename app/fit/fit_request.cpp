@@ -40,7 +40,23 @@ void FitPlot::add_stretches(const std::vector<double>& time, const std::vector<d
   }
 }
 
-files::Log longest_stretch(files::Log log) {
+namespace {
+
+// Leaves the samples of a stretch.
+void cut(files::Log& log, const files::Stretch& stretch) {
+  const auto keep = [&](std::vector<double>& values) {
+    values = {values.begin() + static_cast<std::ptrdiff_t>(stretch.begin),
+              values.begin() + static_cast<std::ptrdiff_t>(stretch.end)};
+  };
+  keep(log.time);
+  for (files::LogColumn& column : log.columns) keep(column.values);
+  log.samples = log.time.size();
+  log.spacing.stretches = {{0, log.samples}};
+}
+
+}  // namespace
+
+files::Log longest_stretch(files::Log log, const FitRequest& request) {
   if (!log.spacing.even) {
     // The last warning has the line of the stamp that strays farthest, and how far.
     throw InputError(
@@ -52,25 +68,27 @@ files::Log longest_stretch(files::Log log) {
   };
   const std::vector<files::Stretch>& all = log.spacing.stretches;
   const files::Stretch longest = *std::max_element(all.begin(), all.end(), longer);
-  if (longest.end - longest.begin == log.samples) return log;
-  const auto cut = [&](std::vector<double>& values) {
-    values = {values.begin() + static_cast<std::ptrdiff_t>(longest.begin),
-              values.begin() + static_cast<std::ptrdiff_t>(longest.end)};
-  };
-  cut(log.time);
-  for (files::LogColumn& column : log.columns) cut(column.values);
-  log.warnings.push_back(
-      fmt::format("{}: of {} samples the {} of the longest stretch without a gap are fitted",
-                  files::one_line(log.file), log.samples, log.time.size()));
-  log.samples = log.time.size();
-  log.spacing.stretches = {{0, log.samples}};
+  if (longest.end - longest.begin != log.samples) {
+    const std::size_t whole = log.samples;
+    cut(log, longest);
+    log.warnings.push_back(
+        fmt::format("{}: of {} samples the {} of the longest stretch without a gap are fitted",
+                    files::one_line(log.file), whole, log.samples));
+  }
+  if (request.parts > 1) {
+    const std::size_t samples = log.samples;
+    cut(log,
+        {samples * request.part / request.parts, samples * (request.part + 1) / request.parts});
+  }
   return log;
 }
 
 const std::vector<FitModel>& fit_models() {
   static const std::vector<FitModel> kModels = {
-      {"device", "mass, friction, delay of an axis from its command and its position", fit_device},
-      {"hand", "mass, stiffness and damping of a hand from force and position", fit_hand},
+      {"device", "mass, friction, delay of an axis from its command and its position", fit_device,
+       true, true},
+      {"hand", "mass, stiffness and damping of a hand from force and position", fit_hand, true,
+       true},
       {"qlv", "soft tissue under an indenter, quasi-linear viscoelastic", fit_qlv},
       {"tissue", "a scenario's body from force and displacement at a contact", fit_tissue},
       {"bus", "latency and bandwidth of a link from sizes and times", fit_bus},

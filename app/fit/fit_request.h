@@ -24,6 +24,10 @@ struct FitRequest {
   std::vector<std::string> overrides;  // --set, for the model's own settings
   std::optional<Scenario> scenario;    // for models that need a body
   fit::Options options;
+  // The part of the log that is fitted, of equal ones: one part is the whole log. For models that
+  // may begin anywhere in a log.
+  std::size_t part = 0;
+  std::size_t parts = 1;
 
   // Reads these quantities of the log, as far as it contains them.
   files::Log read(std::vector<std::string> quantities) const;
@@ -61,6 +65,7 @@ struct FitModel {
   std::string_view help;
   FitOutcome (*fit)(const FitRequest& request);
   bool several = true;  // whether several logs can be put together
+  bool parts = false;   // whether a part of a log can be fitted by itself
 };
 const std::vector<FitModel>& fit_models();
 // Throws InputError that lists the models if there is none of that name.
@@ -79,9 +84,9 @@ FitOutcome fit_host(const FitRequest& request);
 FitFigures figures_of(std::string_view model, const files::Log& log, std::string_view unit,
                       fit::Fit fit, const std::vector<std::string>& of_model);
 
-// Returns the longest stretch without a gap, with a warning if the log has gaps. Throws InputError
-// if the log is not evenly spaced.
-files::Log longest_stretch(files::Log log);
+// Returns the longest stretch without a gap, with a warning if the log has gaps, or the part of it
+// that is asked for. Throws InputError if the log is not evenly spaced.
+files::Log longest_stretch(files::Log log, const FitRequest& request);
 
 // Returns the estimate of a parameter of the fit. `name` must exist.
 const fit::Estimate& estimate(const fit::Fit& fit, std::string_view name);

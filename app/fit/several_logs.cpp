@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <system_error>
@@ -207,12 +208,61 @@ FitPlot plot_of_all(const std::vector<FitOutcome>& outcomes) {
   return all;
 }
 
+// A model's parameters are the same in every quarter of a log, if the model is right. Where they
+// are not, what lies between the quarters is the interval.
+void look_at_quarters(const FitModel& model, const FitRequest& whole, FitOutcome& outcome) {
+  constexpr std::size_t kQuarters = 4;
+  constexpr std::size_t kLeast = 3;  // that give a parameter
+  constexpr std::int64_t kShort = 800;
+  fit::Fit& fit = outcome.figures.fit;
+  if (fit.interrupted || outcome.figures.samples < kShort) return;
+  std::vector<fit::Fit> quarters;
+  for (std::size_t part = 0; part < kQuarters; ++part) {
+    FitRequest request = whole;
+    request.part = part;
+    request.parts = kQuarters;
+    request.options.hold_out = 0;
+    request.options.starts = std::min(request.options.starts, 2);
+    try {
+      quarters.push_back(model.fit(request).figures.fit);
+    } catch (const InputError&) {
+      continue;  // nothing moves in it
+    }
+    if (quarters.back().interrupted) return;
+  }
+  std::string disagree;
+  for (fit::Estimate& e : fit.parameters) {
+    std::vector<const fit::Estimate*> given;
+    for (const fit::Fit& quarter : quarters) {
+      for (const fit::Estimate& q : quarter.parameters) {
+        if (q.name == e.name && q.identifiable && !q.fixed && !q.at_bound) given.push_back(&q);
+      }
+    }
+    if (e.fixed || !e.identifiable || given.size() < kLeast) continue;
+    const fit::BetweenLogs between = combined(given);
+    if (between.probability >= kDisagree) continue;
+    e.between = between;
+    const double half = std::max(0.5 * (between.high - between.low), 0.5 * (e.high - e.low));
+    e.low = std::min(e.low, e.value - half);
+    e.high = std::max(e.high, e.value + half);
+    add_name(disagree, e.name);
+  }
+  if (disagree.empty()) return;
+  outcome.figures.warnings.insert(
+      outcome.figures.warnings.begin(),
+      fmt::format("the quarters of this log disagree on {} by more than their own noise (1 %): the "
+                  "intervals are as wide as what lies between them",
+                  disagree));
+}
+
 }  // namespace
 
 FitOutcome fit_logs(const FitModel& model, const std::vector<std::filesystem::path>& logs,
                     const std::function<FitRequest(const std::filesystem::path&)>& request_of) {
   if (logs.size() == 1) {
-    FitOutcome outcome = model.fit(request_of(logs.front()));
+    const FitRequest request = request_of(logs.front());
+    FitOutcome outcome = model.fit(request);
+    if (model.parts) look_at_quarters(model, request, outcome);
     if (model.several) {
       outcome.figures.warnings.emplace_back(
           "the intervals are of this log alone: what differs between logs of the same thing is in "

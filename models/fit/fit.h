@@ -47,7 +47,7 @@ struct Estimate {
   bool at_bound = false;
   bool profiled = false;    // the interval follows from the profile likelihood
   std::string remedy = {};  // for one that is not identifiable: the log that would give it
-  std::optional<BetweenLogs> between = {};  // of several logs, of which value and interval are
+  std::optional<BetweenLogs> between = {};  // of several logs, or quarters of one
 };
 
 struct Starts {

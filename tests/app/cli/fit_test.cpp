@@ -500,6 +500,46 @@ TEST_F(FitCommand, IntervalsOfSeveralLogsHoldWhatLiesBetweenThem) {
   expect_refused(fitted({"0.csv", "missing.csv"}, {}), "missing.csv");
 }
 
+// A device whose friction grows by half in the middle of the log: no interval of one model holds
+// it, and the note says where it is from. One that stays as it is has no such note.
+TEST_F(FitCommand, QuartersOfALogThatDisagreeWidenItsIntervals) {
+  const auto log = [&](const std::string& name, double later) {
+    double x = 0;
+    double v = 0;
+    std::string text = "time_s,force_N,position_m\n";
+    constexpr int kSamples = 8000;
+    for (int i = 0; i < kSamples; ++i) {
+      const double t = 1e-3 * i;
+      const double force = 0.8 * std::sin(9 * t) + 0.5 * std::sin(31 * t);
+      text += fmt::format("{:.6f},{:.9f},{:.7f}\n", t, force, x);
+      const double damping = i < kSamples / 2 ? 2.0 : later;
+      for (int step = 0; step < 10; ++step) {
+        v += 1e-4 * (force - damping * v) / 0.1;
+        x += 1e-4 * v;
+      }
+    }
+    write(name, text);
+  };
+  log("steady.csv", 2.0);
+  log("changed.csv", 3.0);
+  const std::vector<std::string> more = {"--model", "device", "--json", "--fix", "coulomb=0"};
+  const auto fitted = [&](std::string name) {
+    std::vector<std::string> arguments = {std::move(name)};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return json::parse(fit(arguments).out);
+  };
+  const json changed = fitted("changed.csv");
+  EXPECT_THAT(changed.at("warnings").front().get<std::string>(),
+              HasSubstr("the quarters of this log disagree on"));
+  EXPECT_LT(parameter(changed, "damping").at("low"), 2.0);
+  EXPECT_GT(parameter(changed, "damping").at("high"), 3.0);
+  EXPECT_LT(parameter(changed, "damping").at("between").at("probability"), 0.01);
+  const json steady = fitted("steady.csv");
+  EXPECT_THAT(steady.at("warnings").dump(), Not(HasSubstr("disagree on damping")));
+  EXPECT_NEAR(parameter(steady, "damping").at("value"), 2.0, 0.02);
+  EXPECT_LT(parameter(steady, "damping").at("high"), 2.1);
+}
+
 // What one specimen's log alone tells has that log's interval, and the others' say nothing of it.
 TEST_F(FitCommand, WhatOneLogAloneGivesIsSaidToBeIts) {
   press("a.csv", 1e-3, 1);
