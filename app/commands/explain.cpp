@@ -170,7 +170,7 @@ void print_explanation(const Scene& scene, const Explanation& e) {
     print("  {:<34} {:>10}\n", step.what, results::readable_time(step.ps));
   }
   if (!e.renewal.empty()) {
-    print("\nOn top, in a frame that renews the matrix, one of {} that the board solves\n",
+    print("\nOn top, in a frame that renews the matrix, one of {} that are solved\n",
           e.renew_every);
     for (const FrameStep& step : e.renewal) {
       print("  {:<34} {:>10}\n", step.what, results::readable_time(step.ps));

@@ -123,6 +123,18 @@ std::string about_surface(const std::string& surface, const std::string& message
   return message.find(surface) == std::string::npos ? surface + ": " + message : message;
 }
 
+// The old volume, and why it is less now where no part of the old surface was inside: a grid rounds
+// thin walls off.
+std::string volume_before(const mesh::RepairedSurface& repaired) {
+  if (!repaired.old_volume) return {};
+  constexpr double kLost = 0.05;
+  const double kept = repaired.volume + repaired.dropped_volume;
+  const bool thinner = repaired.left_share == 0 && kept < (1 - kLost) * *repaired.old_volume;
+  return fmt::format(
+      ", of {:.6g} cm3 before{}", *repaired.old_volume * 1e6,
+      thinner ? ": walls are thinner than two details, a smaller --detail keeps them" : "");
+}
+
 // Writes the closed surface and says what it changed.
 int repair_command(const MeshArguments& arguments, const mesh::MeshSettings& settings) {
   const Progress progress = make_progress(arguments.quiet);
@@ -140,7 +152,7 @@ int repair_command(const MeshArguments& arguments, const mesh::MeshSettings& set
                                    mesh::obj_text(repaired.surface, settings.surface_unit));
   print("points             {}, of {} triangles\n", repaired.surface.points.size(),
         repaired.surface.triangles.size());
-  print("volume             {:.6g} cm3\n", repaired.volume * 1e6);
+  print("volume             {:.6g} cm3{}\n", repaired.volume * 1e6, volume_before(repaired));
   print("detail             {:.4g} mm: what is smaller is smoothed away, and holes are closed\n",
         1e3 * repaired.detail);
   print("moved              at most {:.4g} mm from the old surface\n", 1e3 * repaired.moved);

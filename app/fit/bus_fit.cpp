@@ -100,6 +100,13 @@ fit::TimesOfSizes times_of(const fit::TransferLog& log, bool told, link::Directi
     seconds.push_back(log.seconds[i]);
   }
   fit::TimesOfSizes times = fit::medians_of_sizes(bytes, seconds);
+  if (times.empty() && of) {
+    // Another log has this direction: the line says what it takes.
+    for (const double size : {64.0, 1024.0, 16384.0, 262144.0}) {
+      times.bytes.push_back(size);
+      times.seconds.push_back(of->latency_s + size / of->bandwidth);
+    }
+  }
   if (!own || !of) return times;
   for (std::size_t i = 0; i < times.bytes.size(); ++i) {
     const double moved =
@@ -196,7 +203,7 @@ FitOutcome fit_bus(const FitRequest& request) {
   FitOutcome outcome;
   outcome.figures =
       figures_of("bus", log, problem.unit(), fit::fit(problem, asked.options), problem.warnings());
-  const bool told = write != nullptr && outcome.figures.fit.parameters.size() > 2;
+  const bool told = write != nullptr;
   const link::Direction direction = settings.direction;
   const fit::Fit own = outcome.figures.fit;
   const auto chosen = [=, link = settings.link](const fit::Fit& of,

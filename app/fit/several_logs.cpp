@@ -39,20 +39,32 @@ void add_name(std::string& names, const std::string& name) {
   names += (names.empty() ? "" : ", ") + name;
 }
 
-std::string names_of(const fit::Fit& fit) {
-  std::string names;
-  for (const fit::Estimate& e : fit.parameters) add_name(names, e.name);
-  return names;
-}
-
 void require_alike(const std::vector<FitOutcome>& outcomes) {
   const FitFigures& first = outcomes.front().figures;
   for (const FitOutcome& other : outcomes) {
-    if (names_of(other.figures.fit) == names_of(first.fit)) continue;
-    throw InputError(fmt::format("{} gives {} and {} {}: expected logs of the same parameters",
-                                 first.log, names_of(first.fit), other.figures.log,
-                                 names_of(other.figures.fit)));
+    if (other.figures.residual_unit == first.residual_unit) continue;
+    throw InputError(fmt::format("{} is fitted in {} and {} in {}: expected logs of one kind",
+                                 first.log, first.residual_unit, other.figures.log,
+                                 other.figures.residual_unit));
   }
+}
+
+// Null where the log has no such parameter, as reads alone have no write_latency.
+const fit::Estimate* find(const FitOutcome& outcome, const std::string& name) {
+  const auto& all = outcome.figures.fit.parameters;
+  const auto found = std::ranges::find(all, name, &fit::Estimate::name);
+  return found == all.end() ? nullptr : &*found;
+}
+
+// The parameters of all logs, each once.
+std::vector<std::string> names_of(const std::vector<FitOutcome>& outcomes) {
+  std::vector<std::string> names;
+  for (const FitOutcome& outcome : outcomes) {
+    for (const fit::Estimate& e : outcome.figures.fit.parameters) {
+      if (std::ranges::count(names, e.name) == 0) names.push_back(e.name);
+    }
+  }
+  return names;
 }
 
 // In its logarithm where every log says that it is positive, so that no interval is below zero.
@@ -81,18 +93,20 @@ struct Named {
   std::map<std::string, std::string> alone;  // log -> what it alone gives
 };
 
-// The parameter of all logs.
-fit::Estimate estimate_of(const std::vector<FitOutcome>& outcomes, std::size_t parameter,
+// The parameter of all logs that have it.
+fit::Estimate estimate_of(const std::vector<FitOutcome>& outcomes, const std::string& name,
                           Named& named) {
   std::vector<const fit::Estimate*> given;
   std::string by;
+  fit::Estimate all;
   for (const FitOutcome& outcome : outcomes) {
-    const fit::Estimate& e = outcome.figures.fit.parameters[parameter];
-    if (e.fixed || !e.identifiable) continue;
-    given.push_back(&e);
+    const fit::Estimate* e = find(outcome, name);
+    if (e == nullptr) continue;
+    if (all.name.empty()) all = *e;
+    if (e->fixed || !e->identifiable) continue;
+    given.push_back(e);
     by = outcome.figures.log;
   }
-  fit::Estimate all = outcomes.front().figures.fit.parameters[parameter];
   if (given.empty()) return all;
   if (given.size() == 1) {
     add_name(named.alone[by], all.name);
@@ -108,6 +122,32 @@ fit::Estimate estimate_of(const std::vector<FitOutcome>& outcomes, std::size_t p
   all.at_bound = std::ranges::any_of(given, &fit::Estimate::at_bound);
   if (all.between->probability < kDisagree) add_name(named.disagree, all.name);
   return all;
+}
+
+// Logs of one name, such as frames.csv of several runs, get as much of their folders as tells them
+// apart.
+void tell_apart(std::vector<FitOutcome>& outcomes, const std::vector<std::filesystem::path>& logs) {
+  std::vector<std::filesystem::path> names;
+  std::vector<std::filesystem::path> folders;
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    names.push_back(logs[i].filename());
+    folders.push_back(std::filesystem::absolute(logs[i]).lexically_normal().parent_path());
+  }
+  const auto alike = [&] {
+    std::vector<std::size_t> same;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (std::ranges::count(names, names[i]) > 1) same.push_back(i);
+    }
+    return same;
+  };
+  for (std::vector<std::size_t> same = alike(); !same.empty(); same = alike()) {
+    for (const std::size_t i : same) {
+      if (!folders[i].has_filename()) return;
+      names[i] = folders[i].filename() / names[i];
+      folders[i] = folders[i].parent_path();
+    }
+  }
+  for (std::size_t i = 0; i < outcomes.size(); ++i) outcomes[i].figures.log = names[i].string();
 }
 
 // Root of the mean square over all samples.
@@ -133,7 +173,8 @@ std::vector<std::string> notes_of(const std::vector<FitOutcome>& outcomes) {
       const bool shared = std::ranges::all_of(outcomes, [&](const FitOutcome& other) {
         return std::ranges::count(other.figures.warnings, note) > 0;
       });
-      const std::string said = shared ? note : fmt::format("{}: {}", outcome.figures.log, note);
+      const bool named = shared || note.find(outcome.figures.log) != std::string::npos;
+      const std::string said = named ? note : fmt::format("{}: {}", outcome.figures.log, note);
       if (std::ranges::count(notes, said) == 0) notes.push_back(said);
     }
   }
@@ -149,13 +190,16 @@ FitFigures figures_of_all(const std::vector<FitOutcome>& outcomes) {
   fit.converged = true;
   fit.whiteness = first.fit.whiteness;
   fit.widened = 0;
+  const std::vector<std::string> names = names_of(outcomes);
   for (const FitOutcome& outcome : outcomes) {
     const FitFigures& of = outcome.figures;
     all.log += (all.log.empty() ? "" : ", ") + of.log;
     all.samples += of.samples;
     std::vector<double> values;
-    for (const fit::Estimate& e : of.fit.parameters) {
-      values.push_back(e.identifiable ? e.value : std::numeric_limits<double>::quiet_NaN());
+    for (const std::string& name : names) {
+      const fit::Estimate* e = find(outcome, name);
+      const bool given = e != nullptr && e->identifiable;
+      values.push_back(given ? e->value : std::numeric_limits<double>::quiet_NaN());
     }
     all.logs.push_back({of.log, of.samples, of.fit.residual_rms, values});
     fit.starts.tried += of.fit.starts.tried;
@@ -172,8 +216,8 @@ FitFigures figures_of_all(const std::vector<FitOutcome>& outcomes) {
   fit.held_out_rms = pooled(outcomes, [](const fit::Fit& one) { return one.held_out_rms; });
 
   Named named;
-  for (std::size_t p = 0; p < first.fit.parameters.size(); ++p) {
-    fit.parameters.push_back(estimate_of(outcomes, p, named));
+  for (const std::string& name : names) {
+    fit.parameters.push_back(estimate_of(outcomes, name, named));
   }
   if (!named.disagree.empty()) {
     all.warnings.push_back(fmt::format(
@@ -181,9 +225,9 @@ FitFigures figures_of_all(const std::vector<FitOutcome>& outcomes) {
         "the intervals",
         named.disagree));
   }
-  for (const auto& [log, names] : named.alone) {
+  for (const auto& [log, alone] : named.alone) {
     all.warnings.push_back(
-        fmt::format("only {} gives {}: an interval of that log alone", log, names));
+        fmt::format("only {} gives {}: an interval of that log alone", log, alone));
   }
   if (outcomes.size() == 2) {
     all.warnings.emplace_back(
@@ -281,6 +325,7 @@ FitOutcome fit_logs(const FitModel& model, const std::vector<std::filesystem::pa
     if (outcomes.back().figures.fit.interrupted) break;
   }
   if (outcomes.size() == 1) return outcomes.front();
+  tell_apart(outcomes, logs);
   require_alike(outcomes);
   FitOutcome all;
   all.figures = figures_of_all(outcomes);

@@ -122,7 +122,8 @@ mesh::RepairedSurface sandboxed_repair(const std::string& path, double unit_m, d
         writer.tuples(repaired.surface.triangles);
         writer.points({{repaired.detail, repaired.moved, repaired.left_share},
                        {repaired.volume, repaired.dropped_volume,
-                        static_cast<double>(repaired.dropped_shells)}});
+                        static_cast<double>(repaired.dropped_shells)},
+                       {repaired.old_volume.value_or(-1), 0, 0}});
         return writer.bytes();
       });
   ByteReader reader(bytes);
@@ -136,6 +137,7 @@ mesh::RepairedSurface sandboxed_repair(const std::string& path, double unit_m, d
   repaired.volume = figures.at(1)[0];
   repaired.dropped_volume = figures.at(1)[1];
   repaired.dropped_shells = static_cast<int>(figures.at(1)[2]);
+  if (figures.at(2)[0] >= 0) repaired.old_volume = figures.at(2)[0];
   return repaired;
 }
 

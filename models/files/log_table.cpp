@@ -137,7 +137,8 @@ class LogReader {
   void say_constant_columns() {
     for (const LogColumn& column : log_.columns) {
       const auto [least, most] = std::ranges::minmax(column.values);
-      if (least < most) continue;
+      // A number says something where it is the same too: that all transfers are writes.
+      if (least < most || column.unit.empty()) continue;
       warn_of_file(fmt::format("{} is {:.6g} {} in all samples: nothing can be had from it",
                                shown(column), least, column.unit));
     }

@@ -184,13 +184,11 @@ BusProblem::BusProblem(const TransferLog& log) {
   check(log);
   const auto reads = static_cast<std::size_t>(
       std::count(log.direction.begin(), log.direction.end(), link::Direction::read));
-  if (reads == 0 || reads == log.direction.size()) {
-    groups_.push_back(group(log, rows_of(log, nullptr), ""));
-  } else {
-    for (const link::Direction d : {link::Direction::read, link::Direction::write}) {
-      groups_.push_back(
-          group(log, rows_of(log, &d), d == link::Direction::read ? "read_" : "write_"));
-    }
+  if (log.direction.empty()) groups_.push_back(group(log, rows_of(log, nullptr), ""));
+  for (const link::Direction d : {link::Direction::read, link::Direction::write}) {
+    const bool read = d == link::Direction::read;
+    if ((read ? reads : log.direction.size() - reads) == 0) continue;
+    groups_.push_back(group(log, rows_of(log, &d), read ? "read_" : "write_"));
   }
   for (const auto& g : groups_) {
     add_parameters(*g, parameters_);

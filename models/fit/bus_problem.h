@@ -22,8 +22,9 @@ struct TransferLog {
 };
 
 // A straight line through the times of transfers, latency + bytes/bandwidth, for each direction by
-// itself. The parameters are latency (s) and bandwidth (bytes/s) or, where the log has both
-// directions, read_latency, read_bandwidth, write_latency and write_bandwidth.
+// itself. The parameters are latency (s) and bandwidth (bytes/s) or, where the log tells
+// directions, those of them that it has: read_latency, read_bandwidth, write_latency and
+// write_bandwidth.
 //
 // Disturbances (interrupts, other masters) only lengthen a transfer: fit this problem with
 // Loss::cauchy. The rows are not evenly spaced in time. They are taken in the order in which they

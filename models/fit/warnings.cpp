@@ -66,7 +66,7 @@ std::vector<std::string> warnings_of(const Fit& fit, const Problem& problem,
   if (!fit.whiteness.white()) {
     w.push_back(
         fmt::format("neighbouring residuals are alike (Ljung-Box, {} lags, p = {:.1e}): "
-                    "intervals are up to {:.1f} times those of white noise",
+                    "intervals are up to {:.2g} times those of white noise",
                     fit.whiteness.lags, fit.whiteness.probability, fit.widened));
   }
   return w;

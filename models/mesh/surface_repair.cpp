@@ -98,6 +98,70 @@ class Distance {
   vtkNew<vtkStaticCellLocator> locator_;
 };
 
+bool runs_along(const std::array<int, 3>& t, int from, int to) {
+  return (t[0] == from && t[1] == to) || (t[1] == from && t[2] == to) ||
+         (t[2] == from && t[0] == to);
+}
+
+using Edges = std::map<std::pair<int, int>, std::vector<int>>;
+
+Edges edges_of(const Surface& surface) {
+  Edges edges;
+  for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
+    const auto& t = surface.triangles[i];
+    for (std::size_t k = 0; k < 3; ++k) {
+      edges[std::minmax(t[k], t[(k + 1) % 3])].push_back(static_cast<int>(i));
+    }
+  }
+  return edges;
+}
+
+// Whether it has an inside: every edge belongs to two triangles.
+bool is_closed(const Edges& edges) {
+  return std::ranges::all_of(edges, [](const auto& edge) { return edge.second.size() == 2; });
+}
+
+// Winds neighbours alike, across edges of two triangles, and each patch that hangs together so
+// outward: the winding number sums what turns one way.
+Surface wound_outwards(Surface surface, const Edges& edges) {
+  std::vector<bool> seen(surface.triangles.size(), false);
+  for (std::size_t seed = 0; seed < seen.size(); ++seed) {
+    if (seen[seed]) continue;
+    seen[seed] = true;
+    std::vector<std::size_t> patch = {seed};
+    for (std::size_t next = 0; next < patch.size(); ++next) {
+      const std::array<int, 3> t = surface.triangles[patch[next]];
+      for (std::size_t k = 0; k < 3; ++k) {
+        const int a = t[k];
+        const int b = t[(k + 1) % 3];
+        const std::vector<int>& users = edges.at(std::minmax(a, b));
+        if (users.size() != 2) continue;
+        const std::size_t other = at(at(users[0]) == patch[next] ? users[1] : users[0]);
+        if (seen[other]) continue;
+        seen[other] = true;
+        auto& neighbour = surface.triangles[other];
+        if (!runs_along(neighbour, b, a)) std::swap(neighbour[1], neighbour[2]);
+        patch.push_back(other);
+      }
+    }
+    // Of a patch with a rim, as seen from its own middle.
+    Vector3d middle = Vector3d::Zero();
+    for (const std::size_t i : patch) middle += surface.points[at(surface.triangles[i][0])];
+    middle /= static_cast<double>(patch.size());
+    double volume = 0;
+    for (const std::size_t i : patch) {
+      const auto& t = surface.triangles[i];
+      const Vector3d a = surface.points[at(t[0])] - middle;
+      volume += a.dot((surface.points[at(t[1])] - middle).cross(surface.points[at(t[2])] - middle));
+    }
+    if (volume >= 0) continue;
+    for (const std::size_t i : patch) {
+      std::swap(surface.triangles[i][1], surface.triangles[i][2]);
+    }
+  }
+  return surface;
+}
+
 // How often triangles turn around a point: the sum of their solid angles over 4π. Groups of them
 // that are far away count as one dipole (Barill et al., SIGGRAPH 2018).
 class WindingNumber {
@@ -363,8 +427,10 @@ void require_finite(const Surface& raw) {
 
 }  // namespace
 
-RepairedSurface repair_surface(const Surface& raw, double detail, const Progress& progress) {
-  require_finite(raw);
+RepairedSurface repair_surface(const Surface& given, double detail, const Progress& progress) {
+  require_finite(given);
+  const Edges edges = edges_of(given);
+  const Surface raw = wound_outwards(given, edges);
   const Grid grid = grid_around(raw, detail);
   const Surface zero = zero_surface(grid, signed_distances(raw, grid, progress));
   std::vector<Surface> shells = shells_of(zero);
@@ -379,8 +445,16 @@ RepairedSurface repair_surface(const Surface& raw, double detail, const Progress
   if (progress) progress("coarsening");
   RepairedSurface repaired;
   repaired.detail = grid.spacing;
-  repaired.surface =
-      coarsened(without_slivers(check_surface(*largest), grid.spacing), raw.points.size());
+  if (is_closed(edges)) repaired.old_volume = enclosed_volume(raw);
+  try {
+    repaired.surface =
+        coarsened(without_slivers(check_surface(*largest), grid.spacing), raw.points.size());
+  } catch (const InputError& e) {
+    refuse(
+        fmt::format("with a detail of {:.3g} mm no closed surface was found ({}): expected "
+                    "another detail",
+                    1e3 * grid.spacing, e.what()));
+  }
   repaired.volume = enclosed_volume(repaired.surface);
   for (auto shell = shells.begin(); shell != shells.end(); ++shell) {
     if (shell == largest) continue;

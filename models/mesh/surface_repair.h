@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "models/mesh/progress.h"
 #include "models/mesh/tet_mesh.h"
 
@@ -15,6 +17,8 @@ struct RepairedSurface {
   // that were inside, and shells that were dropped.
   double left_share = 0;
   double volume = 0;  // m³
+  // Of the triangles before, m³, parts that overlap counted twice; absent where they leave holes.
+  std::optional<double> old_volume;
   int dropped_shells = 0;
   double dropped_volume = 0;  // m³, cavities that were filled counted as well
 };

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <random>
 #include <string>
 #include <utility>
 
@@ -89,6 +90,26 @@ TEST(Repair, BearsFlapsAndTurnedTriangles) {
 
 TEST(Repair, DoesNotMindTheWinding) {
   EXPECT_NEAR(repaired(turned_inside_out(ball())).volume, ball_volume(), 0.01 * ball_volume());
+  // A third of the triangles at random.
+  Surface mixed = ball();
+  std::mt19937 random(1);
+  for (auto& t : mixed.triangles) {
+    if (random() % 3 == 0) std::swap(t[1], t[2]);
+  }
+  const RepairedSurface result = repaired(mixed);
+  EXPECT_NEAR(result.volume, ball_volume(), 0.01 * ball_volume());
+  EXPECT_LT(result.moved, 0.3 * kDetail);
+  EXPECT_NEAR(*result.old_volume, ball_volume(), 1e-9 * ball_volume());
+}
+
+// A grid rounds off what is thinner than two of its spacings: the volume says so.
+TEST(Repair, TellsOfThinWalls) {
+  Surface plate = unit_cube();
+  for (Vector3d& x : plate.points) x = Vector3d(0.1 * x.x(), 0.1 * x.y(), 1e-3 * x.z());
+  const RepairedSurface rounded = repair_surface(plate, 1.2e-3);
+  EXPECT_NEAR(*rounded.old_volume, 1e-5, 1e-12);
+  EXPECT_LT(rounded.volume, 0.9e-5);
+  EXPECT_GT(repair_surface(plate, 0.4e-3).volume, 0.9e-5);
 }
 
 TEST(Repair, KeepsTheLargestShell) {

@@ -394,6 +394,40 @@ TEST_F(FitCommand, FindsALinkOfPciExpress) {
   expect_refused(fit({"pcie.csv", "--model", "bus", "--set", "link=usb"}), "pci");
 }
 
+// A log of writes alone is of writes; one of reads and one of writes are a link of both. Logs of
+// one name get their folders.
+TEST_F(FitCommand, LogsOfOneDirectionAreOfThat) {
+  const auto log = [&](const std::string& folder, int write_count, double latency_us) {
+    std::filesystem::create_directories(place_.path() / folder);
+    std::string text = "bytes,time_us,write_count\n";
+    for (int i = 0; i < 40; ++i) {
+      const int bytes = 64 << (i % 10);
+      text += fmt::format("{},{:.6f},{}\n", bytes, latency_us + bytes / 1500.0 + 1e-3 * (i % 7),
+                          write_count);
+    }
+    write(folder + "/log.csv", text);
+  };
+  log("reads", 0, 1.2);
+  log("writes", 1, 0.4);
+  const Ended writes = fit(
+      {"writes/log.csv", "--model", "bus", "--json", "--set", "link=pcie", "--out", "writes.toml"});
+  ASSERT_EQ(writes.status, 0) << writes.err;
+  EXPECT_NEAR(parameter(json::parse(writes.out), "write_latency").at("value"), 0.403e-6, 3e-9);
+  EXPECT_THAT(writes.out, Not(HasSubstr("nothing can be had")));
+  const std::string table = read(place_.path() / "writes.toml");
+  EXPECT_THAT(table, HasSubstr("link_latency = "));
+  EXPECT_THAT(table, Not(HasSubstr("outstanding_reads")));
+
+  const Ended both = fit({"reads/log.csv", "writes/log.csv", "--model", "bus", "--set", "link=pcie",
+                          "--out", "both.toml"});
+  ASSERT_EQ(both.status, 0) << both.err;
+  EXPECT_THAT(both.out, HasSubstr("bus fitted to reads/log.csv, writes/log.csv"));
+  EXPECT_THAT(both.out, HasSubstr("only reads/log.csv gives read_latency, read_bandwidth"));
+  EXPECT_THAT(both.out, HasSubstr("only writes/log.csv gives write_latency, write_bandwidth"));
+  EXPECT_THAT(read(place_.path() / "both.toml"), HasSubstr("link_latency = "));
+  EXPECT_THAT(read(place_.path() / "both.toml"), HasSubstr("root_complex_latency = "));
+}
+
 TEST_F(FitCommand, FindsABusAndAHost) {
   write("bus.csv", transfers(85));
   const Ended bus = fit({"bus.csv", "--model", "bus", "--json", "--out", "bus.toml"});
