@@ -15,19 +15,18 @@ namespace hvp::host {
 
 namespace {
 
-template <class Real>
-std::unique_ptr<HostSolve> make_gradients(const sparse::BlockMatrix& a,
-                                          const fixed::Settings& settings) {
-  return std::make_unique<ConjugateGradients<Real>>(a, settings.iterations, settings.stop_residual,
-                                                    settings.start != fixed::Start::zero);
-}
-
 std::unique_ptr<HostSolve> make_host_solve(const SolverChoice& solver, const sparse::BlockMatrix& a,
                                            const fixed::Settings& settings) {
   switch (solver.by) {
-    case SolvedBy::cg:
-      return solver.precision == Precision::single_precision ? make_gradients<float>(a, settings)
-                                                             : make_gradients<double>(a, settings);
+    case SolvedBy::cg: {
+      const bool warm = settings.start != fixed::Start::zero;
+      if (solver.precision == Precision::single_precision) {
+        return std::make_unique<ConjugateGradients<float>>(a, settings.iterations,
+                                                           settings.stop_residual, warm);
+      }
+      return std::make_unique<ConjugateGradients<double>>(a, settings.iterations,
+                                                          settings.stop_residual, warm);
+    }
     case SolvedBy::cholesky:
       return std::make_unique<Prefactored>(a);
     case SolvedBy::inverse:
@@ -98,7 +97,8 @@ FrameComputation::FrameComputation(std::unique_ptr<fem::Tissue> tissue,
       return make_host_solve(solver, matrix(), settings);
     };
     if (forces.linear()) {
-      method_ = std::make_unique<HostMethod>(solver.by, make(), initial);
+      std::unique_ptr<HostSolve> solve = make();
+      method_ = std::make_unique<HostMethod>(solver.by, std::move(solve), initial);
     } else {
       auto increments = std::make_unique<HostIncrements>(solver.by, make, *refinement, forces,
                                                          matrix(), initial, settings);

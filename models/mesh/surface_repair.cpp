@@ -427,12 +427,12 @@ void require_finite(const Surface& raw) {
 
 }  // namespace
 
-RepairedSurface repair_surface(const Surface& given, double detail, const Progress& progress) {
-  require_finite(given);
-  const Edges edges = edges_of(given);
-  const Surface raw = wound_outwards(given, edges);
-  const Grid grid = grid_around(raw, detail);
-  const Surface zero = zero_surface(grid, signed_distances(raw, grid, progress));
+RepairedSurface repair_surface(const Surface& raw, double detail, const Progress& progress) {
+  require_finite(raw);
+  const Edges edges = edges_of(raw);
+  const Surface wound = wound_outwards(raw, edges);
+  const Grid grid = grid_around(wound, detail);
+  const Surface zero = zero_surface(grid, signed_distances(wound, grid, progress));
   std::vector<Surface> shells = shells_of(zero);
   const auto larger = [](const Surface& a, const Surface& b) {
     return enclosed_volume(a) < enclosed_volume(b);
@@ -445,10 +445,10 @@ RepairedSurface repair_surface(const Surface& given, double detail, const Progre
   if (progress) progress("coarsening");
   RepairedSurface repaired;
   repaired.detail = grid.spacing;
-  if (is_closed(edges)) repaired.old_volume = enclosed_volume(raw);
+  if (is_closed(edges)) repaired.old_volume = enclosed_volume(wound);
   try {
     repaired.surface =
-        coarsened(without_slivers(check_surface(*largest), grid.spacing), raw.points.size());
+        coarsened(without_slivers(check_surface(*largest), grid.spacing), wound.points.size());
   } catch (const InputError& e) {
     refuse(
         fmt::format("with a detail of {:.3g} mm no closed surface was found ({}): expected "
@@ -461,12 +461,12 @@ RepairedSurface repair_surface(const Surface& given, double detail, const Progre
     ++repaired.dropped_shells;
     repaired.dropped_volume += std::abs(enclosed_volume(*shell));
   }
-  Distance from_old(raw);
+  Distance from_old(wound);
   for (const Vector3d& x : repaired.surface.points) {
     repaired.moved = std::max(repaired.moved, from_old.of(x));
   }
   Distance from_new(repaired.surface);
-  repaired.left_share = share_left(raw, from_new, 2 * grid.spacing);
+  repaired.left_share = share_left(wound, from_new, 2 * grid.spacing);
   return repaired;
 }
 
