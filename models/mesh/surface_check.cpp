@@ -13,13 +13,13 @@
 
 #include "models/config/input_error.h"
 #include "models/index.h"
+#include "models/mesh/surface_edges.h"
 
 namespace hvp::mesh {
 
 namespace {
 
 using Eigen::Vector3d;
-using Edge = std::pair<int, int>;
 
 // Below this fraction of the diagonal's cube (volume) or square (area of a triangle) nothing is
 // left but rounding of single-precision coordinates.
@@ -31,33 +31,7 @@ Vector3d normal_times_two_areas(const Surface& surface, const std::array<int, 3>
   return (surface.points[at(t[1])] - a).cross(surface.points[at(t[2])] - a);
 }
 
-// The triangles at each edge, the edge's smaller index first.
-std::map<Edge, std::vector<int>> triangles_at_edges(const Surface& surface) {
-  std::map<Edge, std::vector<int>> edges;
-  for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
-    const auto& t = surface.triangles[i];
-    for (std::size_t k = 0; k < 3; ++k) {
-      edges[std::minmax(t[k], t[(k + 1) % 3])].push_back(static_cast<int>(i));
-    }
-  }
-  return edges;
-}
-
-void check_numbers(const Surface& surface) {
-  if (surface.triangles.empty()) refuse("the surface holds no triangles");
-  for (const auto& t : surface.triangles) {
-    for (const int i : t) {
-      if (i < 0 || at(i) >= surface.points.size()) {
-        refuse(fmt::format("a triangle names point {} of {}", i, surface.points.size()));
-      }
-    }
-  }
-  for (const Vector3d& x : surface.points) {
-    if (!x.allFinite()) refuse("the surface has a coordinate that is not a finite number");
-  }
-}
-
-void check_edges(const std::map<Edge, std::vector<int>>& edges) {
+void check_edges(const TrianglesAtEdges& edges) {
   std::size_t open = 0;
   std::size_t crowded = 0;
   for (const auto& [edge, users] : edges) {
@@ -76,44 +50,6 @@ void check_edges(const std::map<Edge, std::vector<int>>& edges) {
                     "needs a closed surface",
                     open, edges.size()));
   }
-}
-
-bool runs_along(const std::array<int, 3>& t, int from, int to) {
-  return (t[0] == from && t[1] == to) || (t[1] == from && t[2] == to) ||
-         (t[2] == from && t[0] == to);
-}
-
-// Winds every triangle like its neighbours; returns the number of connected shells.
-int wind_consistently(Surface& surface, const std::map<Edge, std::vector<int>>& edges) {
-  std::vector<int> shell(surface.triangles.size(), -1);
-  int shells = 0;
-  for (std::size_t seed = 0; seed < shell.size(); ++seed) {
-    if (shell[seed] >= 0) continue;
-    std::vector<int> pending{static_cast<int>(seed)};
-    shell[seed] = shells;
-    while (!pending.empty()) {
-      const int current = pending.back();
-      pending.pop_back();
-      const auto t = surface.triangles[at(current)];
-      for (std::size_t k = 0; k < 3; ++k) {
-        const int a = t[k];
-        const int b = t[(k + 1) % 3];
-        const auto& users = edges.at(std::minmax(a, b));
-        const int other = users[0] == current ? users[1] : users[0];
-        auto& neighbour = surface.triangles[at(other)];
-        const bool same_way = runs_along(neighbour, b, a);
-        if (shell[at(other)] < 0) {
-          if (!same_way) std::swap(neighbour[1], neighbour[2]);
-          shell[at(other)] = shells;
-          pending.push_back(other);
-        } else if (!same_way) {
-          refuse("the surface has one side only (like a Möbius strip): it bounds no body");
-        }
-      }
-    }
-    ++shells;
-  }
-  return shells;
 }
 
 // The triangles around a point must form one closed fan; two fans would be two sheets that touch
@@ -143,6 +79,20 @@ void check_fans(const Surface& surface) {
 }  // namespace
 
 void refuse(const std::string& message) { throw InputError("surface", message); }
+
+void check_numbers(const Surface& surface) {
+  if (surface.triangles.empty()) refuse("the surface holds no triangles");
+  for (const auto& t : surface.triangles) {
+    for (const int i : t) {
+      if (i < 0 || at(i) >= surface.points.size()) {
+        refuse(fmt::format("a triangle names point {} of {}", i, surface.points.size()));
+      }
+    }
+  }
+  for (const Vector3d& x : surface.points) {
+    if (!x.allFinite()) refuse("the surface has a coordinate that is not a finite number");
+  }
+}
 
 double enclosed_volume(const Surface& surface) {
   if (surface.points.empty()) return 0.0;
@@ -259,12 +209,15 @@ Surface check_surface(const Surface& raw) {
 
   const auto edges = triangles_at_edges(surface);
   check_edges(edges);
-  const int shells = wind_consistently(surface, edges);
-  if (shells > 1) {
+  const Patches shells = wind_alike(surface, edges);
+  if (shells.one_sided) {
+    refuse("the surface has one side only (like a Möbius strip): it bounds no body");
+  }
+  if (shells.count > 1) {
     refuse(
         fmt::format("the surface consists of {} separate shells; expected the closed surface "
                     "of one body without cavities",
-                    shells));
+                    shells.count));
   }
   check_fans(surface);
 

@@ -9,6 +9,10 @@ namespace hvp::mesh {
 // Throws InputError with the key "surface".
 [[noreturn]] void refuse(const std::string& message);
 
+// Throws InputError with the key "surface" for no triangles, points that are not there, and
+// coordinates that are no numbers.
+void check_numbers(const Surface& surface);
+
 // The volume in m³, a sixth of the sum of det(a, b, c) over the triangles; positive for outward
 // normals.
 double enclosed_volume(const Surface& surface);

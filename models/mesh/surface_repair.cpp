@@ -5,10 +5,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
-#include <map>
+#include <functional>
 #include <numbers>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -27,7 +25,9 @@
 #include "models/config/input_error.h"
 #include "models/index.h"
 #include "models/mesh/surface_check.h"
+#include "models/mesh/surface_edges.h"
 #include "models/mesh/surface_resample.h"
+#include "models/mesh/winding_number.h"
 
 namespace hvp::mesh {
 
@@ -98,173 +98,35 @@ class Distance {
   vtkNew<vtkStaticCellLocator> locator_;
 };
 
-bool runs_along(const std::array<int, 3>& t, int from, int to) {
-  return (t[0] == from && t[1] == to) || (t[1] == from && t[2] == to) ||
-         (t[2] == from && t[0] == to);
-}
-
-using Edges = std::map<std::pair<int, int>, std::vector<int>>;
-
-Edges edges_of(const Surface& surface) {
-  Edges edges;
-  for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
-    const auto& t = surface.triangles[i];
-    for (std::size_t k = 0; k < 3; ++k) {
-      edges[std::minmax(t[k], t[(k + 1) % 3])].push_back(static_cast<int>(i));
-    }
-  }
-  return edges;
-}
-
 // Whether it has an inside: every edge belongs to two triangles.
-bool is_closed(const Edges& edges) {
+bool is_closed(const TrianglesAtEdges& edges) {
   return std::ranges::all_of(edges, [](const auto& edge) { return edge.second.size() == 2; });
 }
 
-// Winds neighbours alike, across edges of two triangles, and each patch that hangs together so
-// outward: the winding number sums what turns one way.
-Surface wound_outwards(Surface surface, const Edges& edges) {
-  std::vector<bool> seen(surface.triangles.size(), false);
-  for (std::size_t seed = 0; seed < seen.size(); ++seed) {
-    if (seen[seed]) continue;
-    seen[seed] = true;
-    std::vector<std::size_t> patch = {seed};
-    for (std::size_t next = 0; next < patch.size(); ++next) {
-      const std::array<int, 3> t = surface.triangles[patch[next]];
-      for (std::size_t k = 0; k < 3; ++k) {
-        const int a = t[k];
-        const int b = t[(k + 1) % 3];
-        const std::vector<int>& users = edges.at(std::minmax(a, b));
-        if (users.size() != 2) continue;
-        const std::size_t other = at(at(users[0]) == patch[next] ? users[1] : users[0]);
-        if (seen[other]) continue;
-        seen[other] = true;
-        auto& neighbour = surface.triangles[other];
-        if (!runs_along(neighbour, b, a)) std::swap(neighbour[1], neighbour[2]);
-        patch.push_back(other);
-      }
-    }
-    // Of a patch with a rim, as seen from its own middle.
-    Vector3d middle = Vector3d::Zero();
-    for (const std::size_t i : patch) middle += surface.points[at(surface.triangles[i][0])];
-    middle /= static_cast<double>(patch.size());
-    double volume = 0;
-    for (const std::size_t i : patch) {
-      const auto& t = surface.triangles[i];
-      const Vector3d a = surface.points[at(t[0])] - middle;
-      volume += a.dot((surface.points[at(t[1])] - middle).cross(surface.points[at(t[2])] - middle));
-    }
-    if (volume >= 0) continue;
-    for (const std::size_t i : patch) {
-      std::swap(surface.triangles[i][1], surface.triangles[i][2]);
-    }
+// Winds each patch outwards, since the winding number sums what turns one way. Of one with a rim
+// that is as its own middle sees it.
+Surface wound_outwards(Surface surface, const TrianglesAtEdges& edges) {
+  const Patches patches = wind_alike(surface, edges);
+  std::vector<Vector3d> middle(at(patches.count), Vector3d::Zero());
+  std::vector<double> triangles(middle.size());
+  for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
+    middle[at(patches.of[i])] += surface.points[at(surface.triangles[i][0])];
+    ++triangles[at(patches.of[i])];
+  }
+  for (std::size_t patch = 0; patch < middle.size(); ++patch) middle[patch] /= triangles[patch];
+  std::vector<double> volume(middle.size());  // six times
+  for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
+    const auto& t = surface.triangles[i];
+    const std::size_t patch = at(patches.of[i]);
+    volume[patch] += jacobian_determinant(middle[patch], surface.points[at(t[0])],
+                                          surface.points[at(t[1])], surface.points[at(t[2])]);
+  }
+  for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
+    auto& t = surface.triangles[i];
+    if (volume[at(patches.of[i])] < 0) std::swap(t[1], t[2]);
   }
   return surface;
 }
-
-// How often triangles turn around a point: the sum of their solid angles over 4π. Groups of them
-// that are far away count as one dipole (Barill et al., SIGGRAPH 2018).
-class WindingNumber {
- public:
-  explicit WindingNumber(const Surface& surface)
-      : surface_(surface), order_(surface.triangles.size()) {
-    std::iota(order_.begin(), order_.end(), 0);
-    if (!order_.empty()) build(0, order_.size());
-  }
-  double at_point(const Vector3d& x) const {
-    return group_.empty() ? 0 : angle(0, x) / (4 * std::numbers::pi);
-  }
-
- private:
-  // Twice the distance to a group of so large a radius: an error of some hundredths.
-  static constexpr double kFar = 2;
-  static constexpr std::size_t kLeaf = 8;
-
-  struct Group {
-    Vector3d centre = Vector3d::Zero();
-    Vector3d area = Vector3d::Zero();  // the sum of the area vectors
-    double radius = 0;
-    std::size_t begin = 0, end = 0;  // of order_
-    std::size_t right = 0;           // the second half; 0: none, a leaf
-  };
-
-  Vector3d corner(std::size_t triangle, std::size_t k) const {
-    return surface_.points[at(surface_.triangles[triangle][k])];
-  }
-  Vector3d centre_of(std::size_t triangle) const {
-    return (corner(triangle, 0) + corner(triangle, 1) + corner(triangle, 2)) / 3;
-  }
-
-  // The first half follows its group. Halves are split along the longest side of the centres' box.
-  std::size_t build(std::size_t begin, std::size_t end) {
-    const std::size_t index = group_.size();
-    group_.emplace_back();
-    Group group;
-    group.begin = begin;
-    group.end = end;
-    Eigen::AlignedBox3d centres;
-    double weights = 0;
-    for (std::size_t i = begin; i < end; ++i) {
-      const Vector3d a = corner(order_[i], 0);
-      const Vector3d twice = (corner(order_[i], 1) - a).cross(corner(order_[i], 2) - a);
-      const double weight = twice.norm() + std::numeric_limits<double>::min();
-      group.area += 0.5 * twice;
-      group.centre += weight * centre_of(order_[i]);
-      weights += weight;
-      centres.extend(centre_of(order_[i]));
-    }
-    group.centre /= weights;
-    for (std::size_t i = begin; i < end; ++i) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        group.radius = std::max(group.radius, (corner(order_[i], k) - group.centre).norm());
-      }
-    }
-    if (end - begin > kLeaf) {
-      Eigen::Index axis = 0;
-      centres.sizes().maxCoeff(&axis);
-      const std::size_t middle = begin + (end - begin) / 2;
-      std::nth_element(order_.begin() + static_cast<std::ptrdiff_t>(begin),
-                       order_.begin() + static_cast<std::ptrdiff_t>(middle),
-                       order_.begin() + static_cast<std::ptrdiff_t>(end),
-                       [&](std::size_t a, std::size_t b) {
-                         return std::pair(centre_of(a)[axis], a) < std::pair(centre_of(b)[axis], b);
-                       });
-      build(begin, middle);
-      group.right = build(middle, end);
-    }
-    group_[index] = group;
-    return index;
-  }
-
-  double angle(std::size_t index, const Vector3d& x) const {
-    const Group& group = group_[index];
-    const Vector3d away = group.centre - x;
-    const double distance = away.norm();
-    if (distance > kFar * group.radius) {
-      return group.area.dot(away) / (distance * distance * distance);
-    }
-    if (group.right > 0) return angle(index + 1, x) + angle(group.right, x);
-    double sum = 0;
-    for (std::size_t i = group.begin; i < group.end; ++i) sum += solid_angle(order_[i], x);
-    return sum;
-  }
-
-  // Van Oosterom & Strackee 1983.
-  double solid_angle(std::size_t triangle, const Vector3d& x) const {
-    const Vector3d a = corner(triangle, 0) - x;
-    const Vector3d b = corner(triangle, 1) - x;
-    const Vector3d c = corner(triangle, 2) - x;
-    const double la = a.norm();
-    const double lb = b.norm();
-    const double lc = c.norm();
-    return 2 * std::atan2(a.dot(b.cross(c)),
-                          la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
-  }
-
-  const Surface& surface_;
-  std::vector<std::size_t> order_;
-  std::vector<Group> group_;
-};
 
 // A grid around a surface.
 struct Grid {
@@ -330,7 +192,8 @@ std::vector<double> signed_distances(const Surface& raw, const Grid& grid,
 Surface zero_surface(const Grid& grid, const std::vector<double>& distance) {
   vtkNew<vtkDoubleArray> values;
   values->SetNumberOfValues(static_cast<vtkIdType>(distance.size()));
-  std::ranges::copy(distance, values->GetPointer(0));
+  // VTK's triangles look to where the values are less.
+  std::ranges::transform(distance, values->GetPointer(0), std::negate<>());
   vtkNew<vtkImageData> image;
   image->SetDimensions(grid.count.data());
   image->SetSpacing(grid.spacing, grid.spacing, grid.spacing);
@@ -343,40 +206,20 @@ Surface zero_surface(const Grid& grid, const std::vector<double>& distance) {
   edges->ComputeGradientsOff();
   edges->ComputeScalarsOff();
   edges->Update();
-  Surface surface = from_vtk(*edges->GetOutput());
-  if (enclosed_volume(surface) < 0) {
-    for (auto& t : surface.triangles) std::swap(t[1], t[2]);
-  }
-  return surface;
+  return from_vtk(*edges->GetOutput());
 }
 
-// The triangles of each shell.
-std::vector<Surface> shells_of(const Surface& surface) {
-  std::vector<int> of(surface.points.size());
-  std::iota(of.begin(), of.end(), 0);
-  const auto root = [&](int point) {
-    while (of[at(point)] != point) point = of[at(point)] = of[at(of[at(point)])];
-    return point;
-  };
-  for (const auto& t : surface.triangles) {
-    for (const int corner : {t[1], t[2]}) {
-      const int a = root(t[0]);
-      const int b = root(corner);
-      of[at(std::max(a, b))] = std::min(a, b);
-    }
+std::vector<Surface> shells_of(Surface surface) {
+  const Patches patches = wind_alike(surface, triangles_at_edges(surface));
+  std::vector<Surface> shells(at(patches.count));
+  for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
+    shells[at(patches.of[i])].triangles.push_back(surface.triangles[i]);
   }
-  std::map<int, Surface> shells;
-  for (const auto& t : surface.triangles) {
-    Surface& shell = shells[root(t[0])];
-    shell.points = {};
-    shell.triangles.push_back(t);
-  }
-  std::vector<Surface> all;
-  for (auto& [_, shell] : shells) {
+  for (Surface& shell : shells) {
     shell.points = surface.points;
-    all.push_back(merge_points(shell));
+    shell = merge_points(shell);
   }
-  return all;
+  return shells;
 }
 
 // Without the slivers that the grid's planes cut off, which make bad tetrahedra.
@@ -404,32 +247,38 @@ double area_of(const Surface& surface, const std::array<int, 3>& t) {
   return 0.5 * (surface.points[at(t[1])] - a).cross(surface.points[at(t[2])] - a).norm();
 }
 
-// By the triangles' centres.
-double share_left(const Surface& old, Distance& from, double far) {
+// By points of every triangle that are hardly further apart than a detail.
+double share_left(const Surface& old, Distance& from, double detail) {
+  constexpr double kMost = 50;  // parts of a side
   double all = 0;
   double left = 0;
   for (const auto& t : old.triangles) {
-    const double area = area_of(old, t);
-    all += area;
-    const Vector3d centre =
-        (old.points[at(t[0])] + old.points[at(t[1])] + old.points[at(t[2])]) / 3;
-    if (from.of(centre) > far) left += area;
+    const Vector3d& a = old.points[at(t[0])];
+    const Vector3d ab = old.points[at(t[1])] - a;
+    const Vector3d ac = old.points[at(t[2])] - a;
+    const double longest = std::max({ab.norm(), ac.norm(), (ac - ab).norm()});
+    const int parts = static_cast<int>(std::clamp(std::ceil(longest / detail), 1.0, kMost));
+    const double area = area_of(old, t) / (parts * parts);
+    // The centres of its parts, half of which stand on their heads.
+    for (int i = 0; i < parts; ++i) {
+      for (int j = 0; i + j < parts; ++j) {
+        for (const double in_part : {1.0 / 3, 2.0 / 3}) {
+          if (in_part > 0.5 && i + j + 1 == parts) continue;
+          const Vector3d x = a + (i + in_part) / parts * ab + (j + in_part) / parts * ac;
+          all += area;
+          if (from.of(x) > 2 * detail) left += area;
+        }
+      }
+    }
   }
   return all > 0 ? left / all : 0;
-}
-
-void require_finite(const Surface& raw) {
-  if (raw.triangles.empty()) refuse("the surface holds no triangles");
-  for (const Vector3d& x : raw.points) {
-    if (!x.allFinite()) refuse("the surface has a coordinate that is not a finite number");
-  }
 }
 
 }  // namespace
 
 RepairedSurface repair_surface(const Surface& raw, double detail, const Progress& progress) {
-  require_finite(raw);
-  const Edges edges = edges_of(raw);
+  check_numbers(raw);
+  const TrianglesAtEdges edges = triangles_at_edges(raw);
   const Surface wound = wound_outwards(raw, edges);
   const Grid grid = grid_around(wound, detail);
   const Surface zero = zero_surface(grid, signed_distances(wound, grid, progress));
@@ -466,7 +315,7 @@ RepairedSurface repair_surface(const Surface& raw, double detail, const Progress
     repaired.moved = std::max(repaired.moved, from_old.of(x));
   }
   Distance from_new(repaired.surface);
-  repaired.left_share = share_left(wound, from_new, 2 * grid.spacing);
+  repaired.left_share = share_left(wound, from_new, grid.spacing);
   return repaired;
 }
 

@@ -102,6 +102,20 @@ TEST(Repair, DoesNotMindTheWinding) {
   EXPECT_NEAR(*result.old_volume, ball_volume(), 1e-9 * ball_volume());
 }
 
+// A wall inside, of two triangles, touches the box along its rim: what is left out is counted by
+// its area and not by its triangles.
+TEST(Repair, CountsWhatIsLeftOutByArea) {
+  Surface box = unit_cube();
+  for (Vector3d& x : box.points) x *= 0.1;
+  const auto wall = static_cast<int>(box.points.size());
+  box.points.insert(box.points.end(),
+                    {{0.05, 0, 0}, {0.05, 0.1, 0}, {0.05, 0.1, 0.1}, {0.05, 0, 0.1}});
+  box.triangles.push_back({wall, wall + 1, wall + 2});
+  box.triangles.push_back({wall, wall + 2, wall + 3});
+  const double away = 0.1 - 2 * 2 * 2e-3;  // two details from the sides
+  EXPECT_NEAR(repair_surface(box, 2e-3).left_share, away * away / 0.07, 0.006);
+}
+
 // A grid rounds off what is thinner than two of its spacings: the volume says so.
 TEST(Repair, TellsOfThinWalls) {
   Surface plate = unit_cube();
