@@ -40,6 +40,8 @@ def renewals(rows: Sequence[Row]) -> Answer:
         "tangents": number(_tangents_us(where(rows, nodes=most)) / 1000, ".2g"),
         "most": str(most),
         "cells": str(len(places)),
+        "least": least_work(rows),
+        "without_gpu": without_gpu(rows),
         "tails": "\n".join(_tails(rows)),
     }
     return Answer(
@@ -65,11 +67,11 @@ def verdict(rows: Sequence[Row]) -> str:
     first = (
         f"A board alone holds 500 Hz in {alone} of {len(places)} places of the map"
         if alone
-        else "Nowhere on the map is a board needed"
+        else "Nowhere on the map does a board alone hold 500 Hz"
     )
     return (
-        f"{first}: without one 500 Hz are held in {without} of {len(places)} places, in {nobody} "
-        f"by nobody; {_best(rows)}."
+        f"{first}: without one they are held in {without} of {len(places)} places, in {nobody} by "
+        f"nobody; {_best(rows)}."
     )
 
 
@@ -79,6 +81,24 @@ def _best(rows: Sequence[Row]) -> str:
     best = max(held, key=lambda who: held[who])
     board = max((who for who in held if who.startswith(_BOARD)), key=lambda who: held[who])
     return f'"{best}" holds {held[best]}, "{board}" {held[board]}'
+
+
+def least_work(rows: Sequence[Row]) -> str:
+    """Of each kind, in how many places it has the least work of all that hold."""
+    counts: dict[str, int] = {"a board": 0, "a core": 0, "a GPU": 0}
+    for nodes, every in _places(rows):
+        holding = [row for row in where(rows, nodes=nodes, **{EVERY: every}) if _held(row)]
+        if holding:
+            best = str(min(holding, key=lambda row: float(row[LOAD]))["who"])
+            counts[f"a {best.partition(',')[0].split()[0]}"] += 1
+    return ", ".join(f"{kind} in {count}" for kind, count in counts.items())
+
+
+def without_gpu(rows: Sequence[Row]) -> str:
+    """The places that nobody holds where there is no GPU."""
+    cores = [row for row in rows if not str(row["who"]).startswith("GPU")]
+    held = {(row["nodes"], row[EVERY]) for row in cores if _held(row)}
+    return str(len(_places(rows)) - len(held))
 
 
 def _tails(rows: Sequence[Row]) -> list[str]:

@@ -306,9 +306,13 @@ def test_a_map_counts_who_holds_and_with_how_much_to_spare() -> None:
     ]
     said = renewals.verdict(rows)
     assert said.startswith("A board alone holds 500 Hz in 1 of 2 places of the map: without one")
-    assert "are held in 1 of 2 places, in 0 by nobody" in said
+    assert "they are held in 1 of 2 places, in 0 by nobody" in said
+    assert renewals.least_work(rows) == "a board in 2, a core in 0, a GPU in 0"
+    by_gpu = [row("board", 0, 2100.0), row("core, cg", 0, 2100.0), row("GPU, cg", 0, 300.0)]
+    assert renewals.least_work(by_gpu) == "a board in 0, a core in 0, a GPU in 1"
+    assert (renewals.without_gpu(by_gpu), renewals.without_gpu(rows)) == ("1", "0")
     assert said.endswith('"board" holds 2, "board" 2.')
-    assert renewals.verdict(rows[:2]).startswith("Nowhere on the map is a board needed")
+    assert renewals.verdict(rows[:2]).startswith("Nowhere on the map does a board alone")
     answer = renewals.renewals(rows)
     assert answer.table[1] == ["500", "50", "1.5", "2.9 late"]
     assert answer.facts["tangents"] == "1"
