@@ -31,6 +31,11 @@ constexpr double kDetail = 2.5e-3;
 Surface ball() { return sphere_surface(kRadius, 1000); }
 double ball_volume() { return enclosed_volume(ball()); }
 
+// Two balls whose centres are a radius apart.
+Surface two_balls(const Surface& second) {
+  return together(ball(), moved(second, {kRadius, 0, 0}));
+}
+
 // Every result is what the mesher takes.
 RepairedSurface repaired(const Surface& raw, double detail = kDetail) {
   RepairedSurface result = repair_surface(raw, detail);
@@ -48,10 +53,9 @@ TEST(Repair, LeavesASoundSurfaceWhereItIs) {
   EXPECT_LE(result.surface.points.size(), 1100U);
 }
 
-// Two balls whose centres are a radius apart: the union is 27/16 of one, the lens between being
-// 5/16 of it.
+// The union is 27/16 of one ball, the lens between being 5/16 of it.
 TEST(Repair, MakesOneBodyOfTwoThatCross) {
-  const Surface two = together(ball(), moved(ball(), {kRadius, 0, 0}));
+  const Surface two = two_balls(ball());
   EXPECT_ANY_THROW(check_surface(two));
   const RepairedSurface result = repaired(two);
   EXPECT_NEAR(result.volume, 27.0 / 16 * ball_volume(), 0.015 * ball_volume());
@@ -63,6 +67,12 @@ TEST(Repair, MakesOneBodyOfTwoThatCross) {
   // The caps inside are a quarter of each, and their rims are near the new surface.
   EXPECT_GT(result.left_share, 0.15);
   EXPECT_LT(result.left_share, 0.25);
+}
+
+// The lens between would otherwise count once more and once less, and so be outside.
+TEST(Repair, MakesOneBodyOfTwoThatAreWoundUnlike) {
+  const RepairedSurface result = repaired(two_balls(turned_inside_out(ball())));
+  EXPECT_NEAR(result.volume, 27.0 / 16 * ball_volume(), 0.015 * ball_volume());
 }
 
 TEST(Repair, ClosesHoles) {
