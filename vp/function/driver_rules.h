@@ -16,6 +16,7 @@
 #include "vp/fpga/register_bank.h"
 #include "vp/function/driver_finding.h"
 #include "vp/function/outside_host.h"
+#include "vp/function/owned_memory.h"
 
 namespace hvp::vp {
 
@@ -59,14 +60,6 @@ class DriverRules : public AccessObserver,
               std::span<const std::uint8_t> data) override;
 
  private:
-  // Memory that the board owns, and what it held at the doorbell.
-  struct Owned {
-    const char* what = "";
-    std::uint64_t address = 0;
-    std::size_t at = 0;  // in contents_
-    std::size_t bytes = 0;
-  };
-
   void transferred(const MasterAccess& access) override;
   void to_be_moved(bool read, std::uint64_t address, std::size_t bytes) override;
   void unordered(bool read, std::uint64_t address, std::size_t bytes) override;
@@ -91,16 +84,24 @@ class DriverRules : public AccessObserver,
                    std::span<const std::uint8_t> data);
   void judge_command(Picoseconds time, const RegisterBank& bank, std::uint32_t commands);
   void judge_start(Picoseconds time, const RegisterBank& bank, bool listed);
-  std::string_view missing_of_list() const;
+  void judge_fetch(Picoseconds time, const RegisterBank& bank);
+  void judge_list(const RegisterBank& bank);
+  std::optional<Register> missing_of(std::span<const Register> needed) const;
   bool job_has_ended() const;
   void judge_numbers(const RegisterBank& bank, std::uint64_t offset,
                      std::span<const std::uint8_t> data);
-  void take_memory();
-  void own(const char* what, std::uint64_t address, std::size_t bytes);
+  void take_list(bool of_values);
   void forget_job();
   // `text` returns what is said of the first, and is called for that alone.
   template <class Text>
-  void found(DriverRule rule, const Text& text);
+  void found(DriverRule rule, const Text& text) {
+    DriverFinding* const first = first_of(rule);
+    if (first == nullptr) return;
+    first->what = text();
+    tell(*first);
+  }
+  DriverFinding* first_of(DriverRule rule);
+  void tell(DriverFinding& finding) const;
 
   AccessObserver* next_;
   BoardFunction* board_ = nullptr;
@@ -115,8 +116,9 @@ class DriverRules : public AccessObserver,
   std::int64_t accesses_ = 0;
   Picoseconds last_access_ = -1;
 
-  // The job that was started last.
+  // The job that was started last, or the values that were fetched last.
   bool started_ = false;
+  bool fetches_ = false;
   bool listed_ = false;
   bool end_seen_ = false;  // of one without a list
   Picoseconds started_at_ = 0;
@@ -132,14 +134,13 @@ class DriverRules : public AccessObserver,
   std::string unloaded_by_;  // a register, or empty
   bool line_blocked_ = false;
 
-  // DMA_LIST_LOW to DMA_RECORD_HIGH as the host has posted them, and whether since the last reset.
-  static constexpr std::size_t kListRegisters = 5;
+  // DMA_LIST_LOW to DMA_VALUES_COUNT as the host has posted them, and whether since the last reset.
+  static constexpr std::size_t kListRegisters = 8;
   std::array<std::uint32_t, kListRegisters> list_{};
   std::array<bool, kListRegisters> list_set_{};
-  std::string_view list_lacks_;  // at the last doorbell, a register or empty
-  std::vector<Owned> owned_;
-  std::vector<std::uint8_t> contents_;  // of owned_, at the doorbell
-  std::vector<std::uint8_t> present_;
+  std::optional<Register> list_lacks_;  // at the last doorbell
+  OwnedMemory owned_;
+  bool values_rung_ = false;    // the doorbell for values has not reached the board
   std::uint64_t to_board_ = 0;  // bytes of the list's descriptors
   std::uint64_t to_host_ = 0;
 };

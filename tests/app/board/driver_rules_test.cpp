@@ -172,7 +172,35 @@ const std::vector<Mistake>& mistakes() {
          d.tell_list();
          d.mistake();
          d.ring();
-         hvp_board_unmap(d.board, kAddress, 4 * kPage);
+         hvp_board_unmap(d.board, kAddress, Driver::kPages * kPage);
+       }},
+      {"values_list_after_reset", dma, "list-not-set", "DMA_VALUES_LOW was not written", 0,
+       [](Driver& d) {
+         d.load();
+         d.renew_by_dma();
+         d.write(kControl, field::kControlReset.mask());
+         d.load();
+         d.mistake();
+         d.fetch_values();
+       }},
+      {"values_behind_the_doorbell", posted, "owned-memory-touched", "the values at 0x10004000", 0,
+       [](Driver& d) {
+         d.load();
+         d.describe_values();
+         d.tell_values();
+         d.mistake();
+         d.fetch_values();
+         d.page(4)[0] = 1;
+         hvp_board_run_until_ps(d.board, hvp_board_now_ps(d.board) + 1'000'000'000);
+       }},
+      {"unmap_in_a_fetch", dma, "owned-memory-unmapped", "the list of values at 0x10005000", 0,
+       [](Driver& d) {
+         d.load();
+         d.describe_values();
+         d.tell_values();
+         d.mistake();
+         d.fetch_values();
+         hvp_board_unmap(d.board, kAddress, Driver::kPages * kPage);
        }},
       {"no_barrier", weak, "missing-barrier", "the host has stored to without a barrier", 0,
        [](Driver& d) {
@@ -367,10 +395,31 @@ TEST(DriverRules, ABoardThatMayNotMasterOwnsNoMemory) {
   driver.tell_list();
   driver.ring();
   hvp_board_config_write(driver.board, 4, 2, 2);
-  hvp_board_unmap(driver.board, kAddress, 4 * kPage);
+  hvp_board_unmap(driver.board, kAddress, Driver::kPages * kPage);
   for (const hvp_board_finding& one : driver.findings()) {
     EXPECT_STRNE(one.rule, "owned-memory-unmapped") << one.what;
   }
+}
+
+// What brings values is the board's until it has them, and then the host's again.
+TEST(DriverRules, ValuesThatWereFetchedMayBeUnmapped) {
+  Driver driver(posted());
+  driver.load();
+  driver.renew_by_dma();
+  driver.page(4)[0] = 1;
+  hvp_board_unmap(driver.board, kAddress, Driver::kPages * kPage);
+  for (const hvp_board_finding& one : driver.findings()) ADD_FAILURE() << one.what;
+}
+
+// The board refuses the command: it never owned the memory.
+TEST(DriverRules, AFetchThatIsRefusedOwnsNoMemory) {
+  Driver driver(posted());
+  driver.describe_values();
+  driver.tell_values();
+  driver.fetch_values();  // without a pattern
+  driver.read(kStatus);
+  hvp_board_unmap(driver.board, kAddress, Driver::kPages * kPage);
+  for (const hvp_board_finding& one : driver.findings()) ADD_FAILURE() << one.what;
 }
 
 // The board's own error says what is wrong with such a list.
@@ -409,6 +458,7 @@ TEST_P(CleanDriver, IsCalledClean) {
   driver.load();
   for (int i = 0; i < 20; ++i) {
     if (driver.maps) {
+      driver.renew_by_dma();
       driver.solve_by_dma();
     } else {
       driver.solve();

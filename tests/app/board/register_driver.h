@@ -26,6 +26,8 @@ inline constexpr std::uint32_t kControl = offset_of(Register::control);
 inline constexpr std::uint32_t kDmaCount = offset_of(Register::dma_count);
 inline constexpr std::uint32_t kDmaListLow = offset_of(Register::dma_list_low);
 inline constexpr std::uint32_t kDmaRecordLow = offset_of(Register::dma_record_low);
+inline constexpr std::uint32_t kDmaValuesCount = offset_of(Register::dma_values_count);
+inline constexpr std::uint32_t kDmaValuesLow = offset_of(Register::dma_values_low);
 inline constexpr std::uint32_t kFormat = offset_of(Register::format);
 inline constexpr std::uint32_t kInterruptEnable = offset_of(Register::interrupt_enable);
 inline constexpr std::uint32_t kInterruptStatus = offset_of(Register::interrupt_status);
@@ -39,9 +41,13 @@ inline constexpr std::uint32_t kUMemory = offset_of(Aperture::u);
 inline constexpr std::uint32_t kValueMemory = offset_of(Aperture::value);
 inline constexpr std::uint64_t kSecond = 1'000'000'000;  // ns
 
+// The matrix of one node, diag(4, 2, 1) times 16 in words of 16 bits.
+inline constexpr std::array<std::uint32_t, 5> kValues = {64, 0, 32, 0, 16};
+
 // A driver of the register map alone, of a board with one node.
 class Driver {
  public:
+  static constexpr std::size_t kPages = 6;
   explicit Driver(std::vector<const char*> keys, bool check = true) {
     const hvp_board_options options = {keys.data(), keys.size(), nullptr, check, nullptr};
     std::array<char, 256> why{};
@@ -76,8 +82,9 @@ class Driver {
     write(kRowBeginMemory, 0);
     write(kRowBeginMemory + 4, 1);
     write(kColumnMemory, 0);
-    for (std::uint32_t word : {64U, 0U, 32U, 0U, 16U}) write(kValueMemory + next++ * 4, word);
-    next = 0;
+    for (std::size_t i = 0; i < kValues.size(); ++i) {
+      write(static_cast<std::uint32_t>(kValueMemory + 4 * i), kValues[i]);
+    }
     write(kControl, field::kControlLoadDone.mask());
     wait();
     acknowledge();
@@ -142,6 +149,28 @@ class Driver {
     acknowledge();
   }
 
+  // The values, in page 4, and in page 5 their descriptor.
+  void describe_values() {
+    std::ranges::copy(kValues, page(4));
+    const std::array<std::uint32_t, 8> one = {0, 4 * kValues.size(), address(4), 0, kValueMemory};
+    std::ranges::copy(one, page(5));
+  }
+  void tell_values() {
+    write(kDmaValuesLow, address(5));
+    write(kDmaValuesCount, 1);
+  }
+  void fetch_values() {
+    barrier();
+    write(kControl, field::kControlFetchValues.mask());
+  }
+  void renew_by_dma() {
+    describe_values();
+    tell_values();
+    fetch_values();
+    wait();
+    acknowledge();
+  }
+
   std::vector<hvp_board_finding> findings() {
     std::array<hvp_board_finding, hvp::vp::kDriverRules> all{};
     const std::size_t count = hvp_board_findings(board, all.data(), all.size());
@@ -154,8 +183,7 @@ class Driver {
   std::uint64_t at = 0;
 
  private:
-  std::uint32_t next = 0;
-  alignas(kPage) std::array<std::uint32_t, 4 * kPage / 4> memory{};
+  alignas(kPage) std::array<std::uint32_t, kPages * kPage / 4> memory{};
 };
 
 }  // namespace hvp::test::registers
