@@ -15,6 +15,8 @@ double square(double v) { return v * v; }
 
 // A residual of so many times the largest right-hand side is on its way out of double precision.
 constexpr double kBeyond = 1e3;
+// Nor is a body displaced by more than so many times the displacement range.
+constexpr double kFarthest = 1e3;
 // How often an increment is halved after which the residual has grown, a pass.
 constexpr int kMostHalvings = 3;
 
@@ -58,9 +60,17 @@ bool Increments::look(const fem::ElementsFound& found) {
   if (!found.defined()) return false;
   form_difference();
   present_ = weighed(r_);
+  if (!bounded()) return false;
   // A right-hand side that is rounding alone bounds nothing.
   const double rounding = force_ * noise_ * std::sqrt(static_cast<double>(r_.size()));
   return present_ <= square(kBeyond * largest_rhs_) || largest_rhs_ <= rounding;
+}
+
+// The loads of a body in motion grow with what has grown: their size alone bounds nothing.
+bool Increments::bounded() const {
+  const double most = kFarthest / length_;
+  return std::isfinite(present_) &&
+         std::ranges::all_of(u_, [most](double u) { return std::abs(u) <= most; });
 }
 
 void Increments::require_finite(std::span<const double> f) const {

@@ -91,6 +91,7 @@ class Increments {
  private:
   void require_finite(std::span<const double> f) const;
   bool look(const fem::ElementsFound& found);
+  bool bounded() const;
   bool place_contact(const fem::Hold& hold, const std::vector<double>& from,
                      const std::vector<double>& product);
   void take_back();

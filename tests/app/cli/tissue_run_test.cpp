@@ -245,6 +245,21 @@ TEST_F(TissueRun, ABodyThrownApartIsFlaggedAndStaysFinite) {
   for (const char* word : {"inf N", " nan", "-nan"}) EXPECT_THAT(out_, Not(HasSubstr(word)));
 }
 
+// One pass is not enough for a body that softens as it is pressed, and each frame's inertia feeds
+// the next one's residual: what grows from frame to frame ends at a bound and not in numbers that
+// are none.
+TEST_F(TissueRun, ABodyThatDivergesFrameByFrameStaysFinite) {
+  const json s = summary({"object.model.kind=st-venant-kirchhoff", "host.solver=cholesky",
+                          "refinement.passes=1", "host.sustained_rate=1Tflop/s"},
+                         "../studies/accuracy/scenes/bean.toml");
+  EXPECT_THAT(flags(s), Contains("divergence"));
+  EXPECT_NE(s.at("verdict"), "PASS");
+  for (const std::string& row : lines(read(place_.path() / "out/frames.csv"))) {
+    ASSERT_THAT(row, Not(HasSubstr("nan")));
+    ASSERT_THAT(row, Not(HasSubstr("inf")));
+  }
+}
+
 // Fung's energy grows as an exponential: of a steep one two passes lead where there is no start for
 // the next frame. The frames that only repeat the last solution are counted, flagged and said, and
 // what is beyond all bounds has a name of its own where nothing is turned inside out.
