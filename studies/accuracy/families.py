@@ -1,7 +1,7 @@
 """Tissue models and who solves them: the families whose error is held against their cost.
 
-A family is a law with a solver. Its members differ in what accuracy is bought with: passes and
-iterations, words, substeps.
+A family is a law with a solver, and whether its matrix is renewed. Its members differ in what
+accuracy is bought with: passes and iterations, words, how often is renewed, substeps.
 """
 
 from collections.abc import Iterator, Mapping
@@ -14,7 +14,8 @@ from studies.point import Value
 KIND = "object.model.kind"
 SOLVER = "host.solver"
 SUBSTEPS = "host.substeps"
-SETTINGS = (PASSES, METHOD, ITERATIONS, MATRIX_BITS, VECTOR_BITS, SUBSTEPS)
+RENEW = "object.model.matrix.renew_every"
+SETTINGS = (PASSES, METHOD, ITERATIONS, MATRIX_BITS, VECTOR_BITS, RENEW, SUBSTEPS)
 
 LINEAR = "linear"
 SPRINGS = "mass-spring"
@@ -31,6 +32,7 @@ _PASSES = (1, 2, 3)
 _ITERATIONS = (8, 15, 30)
 _NARROW = (12, 16)  # bits of the matrix and of the vectors: the thesis' own
 _WIDE = (16, 20)
+_RENEWALS = (10, 50)  # frames
 
 
 @dataclass(frozen=True)
@@ -42,13 +44,19 @@ class Member:
     columns: Mapping[str, Value]
 
     @property
+    def way(self) -> str:
+        """Who solves, and whether with a matrix that is renewed."""
+        return f"{self.solver}, renewed" if self.columns.get(RENEW) else self.solver
+
+    @property
     def family(self) -> str:
         """The law, who solves, and whether it is solved once a frame."""
         if self.solver == "explicit":
             return f"{self.law}, explicit steps"
         refined = self.columns.get(PASSES) or self.law != LINEAR
         once = "" if refined else ", one solve"
-        return f"{self.law}, {'board' if self.solver == 'board' else f'host {self.solver}'}{once}"
+        host = "" if self.solver == "board" else "host "
+        return f"{self.law}, {host}{self.way}{once}"
 
     @property
     def overrides(self) -> tuple[str, ...]:
@@ -94,6 +102,10 @@ def _all() -> Iterator[Member]:
     for law, passes in product(LAWS, _PASSES):
         yield Member(law, "cholesky", {PASSES: passes})
         yield Member(law, "cg", {PASSES: passes, METHOD: "jacobi-pcg", ITERATIONS: 15})
+    for law, frames in product(LAWS, _RENEWALS):
+        for passes in (1, 2):
+            yield _refined(law, passes, 15, _NARROW, renewed={RENEW: frames})
+        yield Member(law, "cholesky", {PASSES: 1, RENEW: frames})
     for law, substeps in product((LINEAR, *LAWS, SPRINGS), (0, 8, 16)):
         yield Member(law, "explicit", {SUBSTEPS: substeps})
 
@@ -102,8 +114,15 @@ def _linear(method: str, iterations: int, words: tuple[int, int]) -> Member:
     return Member(LINEAR, "board", _board(method, iterations, words))
 
 
-def _refined(law: str, passes: int, iterations: int, words: tuple[int, int]) -> Member:
-    return Member(law, "board", {PASSES: passes} | _board("jacobi-pcg", iterations, words))
+def _refined(
+    law: str,
+    passes: int,
+    iterations: int,
+    words: tuple[int, int],
+    renewed: Mapping[str, Value] | None = None,
+) -> Member:
+    columns = {PASSES: passes, **_board("jacobi-pcg", iterations, words), **(renewed or {})}
+    return Member(law, "board", columns)
 
 
 def _board(method: str, iterations: int, words: tuple[int, int]) -> dict[str, Value]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from studies.accuracy.families import SETTINGS, SUBSTEPS
+from studies.accuracy.families import RENEW, SETTINGS, SUBSTEPS
 from studies.accuracy.grid import ITERATIONS, MATRIX_BITS, METHOD, PASSES, VECTOR_BITS
 from studies.accuracy.measured import Measured, front
 from studies.accuracy.mesh_error import MeshError
@@ -13,10 +13,8 @@ FORCE = f"force_{NORM}"
 DISPLACEMENT = f"displacement_{NORM}"
 
 LEFT_OUT = (
-    "Left out: mixed elements, which the project does not have, and those of a higher order, which "
-    "it has for the linear law alone, so that the reference is linear tetrahedra on finer meshes; "
-    "a matrix that is renewed from frame to frame, since the board keeps the one at rest; "
-    "relaxation, which multiplies every law alike; "
+    "Left out: mixed elements, which the project does not have; quadratic elements of a member, "
+    "which are those of the finer meshes alone; relaxation, which multiplies every law alike; "
     "an anisotropic law, for none is there; refinement of the linear body on the host, which is "
     "refused as it has nothing to refine; other words, several boards and other rates of the host, "
     "which `hvp study accuracy` and `hvp study` vary for one model; operations a frame, which "
@@ -48,6 +46,8 @@ def describe(measured: Measured) -> str:
         parts.append(f"{c[ITERATIONS]} iterations of {c[METHOD]}")
     if c.get(MATRIX_BITS):
         parts.append(f"{c[MATRIX_BITS]}/{c[VECTOR_BITS]} bits")
+    if c.get(RENEW):
+        parts.append(f"every {c[RENEW]} frames")
     if c.get(SUBSTEPS):
         parts.append(f"{c[SUBSTEPS]} substeps")
     return ", ".join(parts)

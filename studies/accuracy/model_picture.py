@@ -25,10 +25,12 @@ NOTICEABLE = (0.07, 0.10)
 NORM = "p95"  # as a scenario's budget.force_error is judged
 
 _COLOUR = dict(zip((LINEAR, *LAWS, SPRINGS), COLOURS, strict=True))
-_Dash = Literal["-", "--", "-.", ":"]
+_Dash = Literal["-", "--", "-.", ":"] | tuple[int, tuple[float, ...]]
 _LOOK: dict[str, tuple[str, _Dash]] = {
     "board": ("o", "-"),
+    "board, renewed": ("P", (0, (6, 1, 1, 1))),
     "cholesky": ("s", "--"),
+    "cholesky, renewed": ("X", (0, (2, 1))),
     "cg": ("D", "-."),
     "explicit": ("^", ":"),
 }
@@ -73,7 +75,7 @@ def _curves(axis: Axes, measured: Sequence[Measured], norm: str) -> None:
         families.setdefault(one.member.family, []).append(one)
     for of in families.values():
         member = of[0].member
-        marker, line = _LOOK[member.solver]
+        marker, line = _LOOK[member.way]
         colour = _COLOUR[member.law]
         known = [m for m in of if m.drawn and m.error(norm) and m.worst_us]
         for filled in (True, False):
@@ -125,12 +127,12 @@ def _axes(axis: Axes, title: str, period_us: float) -> None:
 def _handles(scenes: Sequence[tuple[str, Sequence[Measured], MeshError]]) -> list[Any]:
     present = [m.member for _, measured, _ in scenes for m in measured]
     laws = [law for law in _COLOUR if any(member.law == law for member in present)]
-    solvers = [solver for solver in _LOOK if any(m.solver == solver for m in present)]
+    ways = [way for way in _LOOK if any(m.way == way for m in present)]
     return [
         *(Line2D([], [], color=_COLOUR[law], linewidth=3, label=law) for law in laws),
         *(
             Line2D([], [], color="black", marker=_LOOK[s][0], linestyle=_LOOK[s][1], label=_who(s))
-            for s in solvers
+            for s in ways
         ),
         Line2D([], [], color="black", linestyle="--", linewidth=0.8, label="period"),
         Line2D(
@@ -142,5 +144,7 @@ def _handles(scenes: Sequence[tuple[str, Sequence[Measured], MeshError]]) -> lis
     ]  # fmt: skip
 
 
-def _who(solver: str) -> str:
-    return {"board": "board", "explicit": "host, explicit steps"}.get(solver, f"host, {solver}")
+def _who(way: str) -> str:
+    if way.startswith("board"):
+        return way
+    return "host, explicit steps" if way == "explicit" else f"host, {way}"

@@ -57,6 +57,7 @@ def test_every_family_is_tried_once() -> None:
     every = members(small=False)
     assert len({member.overrides for member in every}) == len(every)
     assert {member.solver for member in every} == set(SOLVERS)
+    assert {m.solver for m in every if m.way.endswith("renewed")} == {"board", "cholesky"}
     for solver in SOLVERS:
         assert set(LAWS) <= {member.law for member in every if member.solver == solver}
     few = members(small=True)
