@@ -14,6 +14,8 @@ namespace {
 
 using stability::Flag;
 
+constexpr int kMostPasses = 16;  // that a scenario may ask for
+
 // A tenth between a substep and the estimate of the limit (docs/tissue.md), and more where the
 // motion with it comes nearer to a limit that this run has not seen.
 std::vector<std::vector<std::string>> more_substeps(const results::ExplicitFigures& steps,
@@ -41,9 +43,24 @@ std::vector<std::vector<std::string>> more_substeps(const results::ExplicitFigur
 
 std::vector<std::vector<std::string>> more_passes(int passes) {
   std::vector<std::vector<std::string>> found;
-  constexpr int kMostPasses = 16;  // that a scenario may ask for
   for (int more = 2 * passes; more < 2 * kMostPasses && passes < kMostPasses; more *= 2) {
     found.push_back({fmt::format("refinement.passes = {}", std::min(more, kMostPasses))});
+  }
+  return found;
+}
+
+// Passes with the matrix at rest are cheaper than a matrix that follows the body.
+std::vector<std::vector<std::string>> passes_and_renewals(const Scenario& s) {
+  const int passes = s.refinement->passes;
+  std::vector<std::vector<std::string>> found = more_passes(passes);
+  const fem::MatrixRenewal renewal = s.object.renewal();
+  for (const int every : {50, 10, 1}) {
+    if (renewal.present() && every >= renewal.every) continue;
+    const std::string often = fmt::format("object.model.matrix.renew_every = {}", every);
+    found.push_back({often});
+    if (2 * passes <= kMostPasses) {
+      found.push_back({often, fmt::format("refinement.passes = {}", 2 * passes)});
+    }
   }
   return found;
 }
@@ -67,7 +84,7 @@ std::optional<results::TriedRemedy> try_tissue_remedy(const Scenario& s,
   const bool host_solves =
       s.host.solver == host::SolvedBy::cg || s.host.solver == host::SolvedBy::cholesky;
   if (!host_solves || !s.refinement || !inexact) return std::nullopt;
-  return try_whole_runs(trouble, more_passes(s.refinement->passes), rerun);
+  return try_whole_runs(trouble, passes_and_renewals(s), rerun);
 }
 
 std::optional<results::TriedRemedy> try_law_remedy(const Scenario& s,

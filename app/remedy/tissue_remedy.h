@@ -10,7 +10,7 @@ namespace hvp::app {
 
 // Searches a remedy, by whole runs, for what a body raises that the host solves by itself: explicit
 // steps get as many substeps as the least limit of the run asks for, and more; a body that is not
-// linear gets more passes. Absent for other runs and flags.
+// linear gets more passes, and then a matrix that is renewed. Absent for other runs and flags.
 std::optional<results::TriedRemedy> try_tissue_remedy(const Scenario& scenario,
                                                       const results::Outcome& outcome,
                                                       const Rerun& rerun);

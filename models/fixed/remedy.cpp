@@ -47,7 +47,14 @@ bool less_headroom(Plan& plan, const Extent& extent) {
   return true;
 }
 
-// The matrix at rest leads away from a body that is deformed too far.
+// The matrix at rest leads away from a body that is deformed too far, and one that is not renewed
+// often enough from a body that moves fast.
+bool renewed_more_often(Plan& plan, const Extent& extent) {
+  if (!extent.renewable || plan.renew_every <= 1) return false;
+  plan.renew_every = plan.renew_every > 10 ? 10 : 1;
+  return true;
+}
+
 bool renewed_matrix(Plan& plan, const Extent& extent) {
   if (!extent.renewable || plan.renew_every > 0) return false;
   plan.renew_every = 50;
@@ -228,7 +235,8 @@ std::vector<Change> changes_for(Flag flag) {
               more_passes<kManyPasses>,
               more_iterations<kManyIterations>,
               wider_vectors,
-              many_increments};
+              many_increments,
+              renewed_more_often};
     case Flag::matrix_word_beyond_scale:
       return {more_headroom};
     case Flag::limit_cycle:

@@ -36,8 +36,8 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "\"own-shift\", static_scale = \"matrix-norm\" (without a preconditioner), a "
      "displacement_range twice the displacements, method = \"jacobi-pcg\", more matrix_bits and "
      "vector_bits; with refinement more refinement.passes, then more solver.iterations; of a body "
-     "that is not linear object.model.matrix.renew_every = 50, or a headroom nearer to "
-     "matrix.growth"},
+     "that is not linear object.model.matrix.renew_every = 50, or down to 1, or a "
+     "headroom nearer to matrix.growth"},
     {"matrix-rounding",
      "rounding the matrix to its words moves the solution further from the true model than "
      "reference.tolerance",
@@ -49,8 +49,8 @@ constexpr std::array<Description, static_cast<std::size_t>(Flag::count)> kDescri
      "first what other flags say; then a solver.displacement_range twice the displacements if it "
      "is far wider, method = \"jacobi-pcg\", more refinement.passes, more solver.iterations, more "
      "matrix_bits and vector_bits; of a body that is not linear also "
-     "object.model.matrix.renew_every = 50 or a headroom nearer to matrix.growth, smaller loads, "
-     "or [dynamics]; "
+     "object.model.matrix.renew_every = 50, or down to 1, or a headroom nearer to "
+     "matrix.growth, smaller loads, or [dynamics]; "
      "with explicit steps more host.substeps"},
     {"range-exceeded",
      "a displacement or a right-hand side did not fit its word and was clamped: where it was a "

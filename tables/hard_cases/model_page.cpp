@@ -33,7 +33,7 @@ and springs have as many substeps as the body at rest asks for; their truth is f
 another need not turn an element inside out, as what is under it gives way. *Error*: of the displacements, the mean over the frames over the largest norm. Converged is what has
 no flag and an error of at most 1e-2. A remedy is what the flags' texts name, one after the other:
 substeps for the least limit that was seen, a probe half as fast, up to the 16 passes that a scenario
-may ask for, a corotational body, and for locking ν = 0.45. Tests:
+may ask for, a matrix that is renewed every 50, 10, or every frame, a corotational body, and for locking ν = 0.45. Tests:
 `tests/hard_cases/model_cases_test.cpp`.
 
 )";

@@ -118,11 +118,29 @@ std::optional<ModelPlan> next_plan(const ModelPlan& plan, const ModelOutcome& ou
     next.matrix_bits = kWide;
     return next;
   }
+  if (plan.renewal.every != 1) {
+    next.renewal.every = !plan.renewal.present() ? kRenewEvery : plan.renewal.every > 10 ? 10 : 1;
+    return next;
+  }
   if (!flags.has(Flag::inverted_element) || plan.model.kind == LawKind::corotational) {
     return std::nullopt;
   }
   next.model.kind = LawKind::corotational;
   return next;
+}
+
+// With a matrix that follows the body fewer passes may be enough.
+void take_back_passes(const ModelCase& hard_case, ModelTrail& trail) {
+  for (int passes = hard_case.plan.passes; passes < trail.plan.passes; passes *= 2) {
+    ModelPlan fewer = trail.plan;
+    fewer.passes = passes;
+    const ModelOutcome outcome = hard_case.attempt(fewer);
+    ++trail.attempts;
+    if (!outcome.converged()) continue;
+    trail.plan = fewer;
+    trail.last = outcome;
+    return;
+  }
 }
 
 }  // namespace
@@ -140,6 +158,9 @@ ModelTrail follow(const ModelCase& hard_case) {
     trail.plan = *next;
     trail.last = hard_case.attempt(trail.plan);
     ++trail.attempts;
+  }
+  if (trail.last.converged() && trail.plan.renewal.every != hard_case.plan.renewal.every) {
+    take_back_passes(hard_case, trail);
   }
   return trail;
 }

@@ -99,7 +99,8 @@ class Frames {
     computation_.update();
     if (computation_.renewal_is_due()) {
       flags.merge(computation_.renew());
-      board_->renew(computation_.board().matrix(), computation_.board().diagonal_word());
+      if (board_)
+        board_->renew(computation_.board().matrix(), computation_.board().diagonal_word());
     }
     return flags;
   }
