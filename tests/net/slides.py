@@ -16,6 +16,8 @@ PRESS = 0.15  # s
 PRESSING = 2  # of its segments: the press, and a rest
 SPEED = (10e-3, 50e-3)  # m/s, at most in a stroke; docs/collision.md measures at 50 mm/s
 HALF = 0.5
+# Of half the top's width. On these meshes a patch is half of that wide itself.
+REACH = {"proxy": 0.35, "patch": 0.2}
 WITH_ENCODER = 0.3
 
 
@@ -43,7 +45,8 @@ def to_and_fro(rng: random.Random, _: Scenario) -> Scenario:
     half = [rng.uniform(25e-3, 50e-3) for _ in range(2)] + [rng.uniform(12e-3, 25e-3)]
     deep = rng.uniform(0.03, 0.12) * half[2]
     turn = rng.uniform(0, 2 * math.pi)
-    reach = 0.35 * min(half[:2])
+    kind = rng.choice(("proxy", "proxy", "patch"))
+    reach = REACH[kind] * min(half[:2])
     # The fastest of a stroke of minimum jerk is 15/8 of its mean.
     stroke = 15 / 8 * 2 * reach / rng.uniform(*SPEED)
     period = rng.choice((1e-3, 2e-3, 3e-3))
@@ -66,7 +69,7 @@ def to_and_fro(rng: random.Random, _: Scenario) -> Scenario:
             "object.mesh.nodes": str(rng.randint(120, 300)),
             "object.material.young_modulus": f'"{rng.uniform(5, 50):.4g} kPa"',
             "object.material.poisson_ratio": f"{rng.uniform(0.2, 0.45):.3g}",
-            "contact.kind": rng.choice(('"proxy"', '"proxy"', '"patch"')),
+            "contact.kind": f'"{kind}"',
             "contact.friction": rng.choice(("0", "0.1", "0.3", "1", "1e6")),
             "probe.start": vector((*places[0], top + 1e-3)),
             "probe.radius": f'"{rng.uniform(1, 5):.3g} mm"',
