@@ -60,7 +60,12 @@ std::string late_text(const vp::LateProbability::Result& r) {
   const std::string of = r.left_out == 0
                              ? fmt::format("all {} frames", r.frames)
                              : fmt::format("{} of {} frames", r.frames, r.frames + r.left_out);
-  return fmt::format("{}with a probability of {} a frame, in the mean over {}", kWhat, share, of);
+  const std::string tail =
+      r.by_tail ? fmt::format("; {:.2g} to {:.2g} with 95 %, by what the tail's samples tell",
+                              r.by_tail->low, r.by_tail->high)
+                : std::string();
+  return fmt::format("{}with a probability of {} a frame, in the mean over {}{}", kWhat, share, of,
+                     tail);
 }
 
 }  // namespace

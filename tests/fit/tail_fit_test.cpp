@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "models/config/input_error.h"
 #include "models/random/distribution.h"
 #include "models/random/survival.h"
+#include "models/random/tail_region.h"
 
 namespace hvp::fit::tail_fit_test {
 namespace {
@@ -88,6 +91,42 @@ TEST(TailFit, IntervalsHoldTheTruthAsOftenAsTheySay) {
   // Of a hundred at 95 % fewer than 88 come once in five hundred.
   EXPECT_GE(held, 88);
   EXPECT_GE(shape_held, 88);
+}
+
+// The probability of what one of 10^6 exceeds, from fifty thousand latencies, of which five hundred
+// are in the tail: the interval of the missed deadline that a run states.
+TEST(TailFit, APossibleMissIsWithinItsInterval) {
+  for (const double shape : {-0.15, 0.0, 0.2}) {
+    const TimeDistribution d = with_tail(shape);
+    const double ratio = std::log(0.01 / 1e-6);
+    const double rare = kFrom + kScale * (shape == 0 ? ratio : std::expm1(shape * ratio) / shape);
+    ASSERT_NEAR(random::Survival(d)(rare), 1e-6, 1e-9);
+    int held = 0;
+    constexpr int kRecords = 100;
+    for (int seed = 1; seed <= kRecords; ++seed) {
+      const WakeUpHistogram h = drawn(d, 50'000, seed);
+      const WakeUpTail tail = fit_tail(h, 0.012);
+      TimeDistribution found = d;
+      std::vector<double> samples;
+      std::vector<std::int64_t> counts;
+      for (const WakeUpHistogram::Bin& bin : h.bins) {
+        if (bin.count == 0) continue;
+        samples.push_back(bin.from);
+        counts.push_back(bin.count);
+      }
+      // The histogram's bin that begins there is in the tail.
+      found.tail_from_s = tail.from_s - 1e-12;
+      found.tail_scale_s = of(tail, "tail_scale").value;
+      found.tail_shape = of(tail, "tail_shape").value;
+      found.take(samples, counts);
+      const auto probability = [&](const TimeDistribution& t) { return random::Survival(t)(rare); };
+      const random::LeftOpen open = random::left_open(found, probability);
+      const double off = std::log(1e-6 / std::max(probability(found), 1e-300));
+      held += static_cast<int>(off < 0 ? off * off <= open.below : off * off <= open.above);
+    }
+    // Of a hundred at 95 % fewer than 88 come once in five hundred.
+    EXPECT_GE(held, 88) << shape;
+  }
 }
 
 TEST(TailFit, CountsOverflowsAsLonger) {

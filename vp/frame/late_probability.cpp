@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/random/tail_region.h"
 #include "models/statistics/proportion.h"
 
 namespace hvp::vp {
@@ -29,6 +30,15 @@ std::optional<random::Survival> survival_of(const std::optional<Distribution>& e
   return random::Survival(*effect);
 }
 
+template <class Distribution>
+std::optional<random::TimeDistribution> tailed(const std::optional<Distribution>& effect) {
+  if (!effect || effect->kind != random::TimeDistribution::Kind::measured ||
+      effect->tail != random::TimeDistribution::Tail::pareto) {
+    return std::nullopt;
+  }
+  return *effect;
+}
+
 }  // namespace
 
 bool LateProbability::applies(const host::Host& host) {
@@ -42,6 +52,7 @@ LateProbability::LateProbability(const host::Host& host, Picoseconds budget)
             (static_cast<Picoseconds>(kCells) - 1)),
       survivals_{survival_of(host.jitter), survival_of(host.wake_up),
                  survival_of(host.interrupt_latencies)},
+      tailed_{tailed(host.jitter), tailed(host.wake_up), tailed(host.interrupt_latencies)},
       combinations_(kMostCombinations) {
   for (Combination& c : combinations_) {
     c.cells.resize(kCells);
@@ -129,33 +140,65 @@ std::optional<LateProbability::Result> LateProbability::result() const {
   result.left_out = left_out_;
   result.frames = as_run_;
   std::int64_t tested = as_run_;
-  const auto late_as_run = static_cast<double>(late_as_run_);
-  result.late = {late_as_run, late_as_run, late_as_run};
+  for (std::size_t k = 0; k < used_; ++k) {
+    const Combination& c = combinations_[k];
+    result.frames += c.frames;
+    if (c.draws == Draws{} || c.pairs.count >= kFewest) tested += c.frames;
+    result.dependent = result.dependent || c.pairs.dependent();
+  }
+  if (result.frames == 0) return std::nullopt;
+  result.untested = static_cast<double>(tested) < kTested * static_cast<double>(result.frames);
+  result.late = late_with(survivals_);
+  if (result.known()) result.by_tail = by_tail(result.late.share);
+  using statistics::Rounding;
+  const auto frames = static_cast<double>(result.frames);
+  result.late = {rounded_share(result.late.low / frames, Rounding::down),
+                 rounded_share(result.late.share / frames, Rounding::nearest),
+                 rounded_share(result.late.high / frames, Rounding::up)};
+  if (result.by_tail) {
+    result.by_tail = {rounded_share(result.by_tail->low / frames, Rounding::down),
+                      rounded_share(std::min(1.0, result.by_tail->high / frames), Rounding::up)};
+  }
+  return result;
+}
+
+std::optional<LateProbability::Result::Interval> LateProbability::by_tail(double late) const {
+  if (!(late > 0)) return std::nullopt;
+  random::LeftOpen all;
+  for (std::size_t kind = 0; kind < kKinds; ++kind) {
+    if (!tailed_[kind]) continue;
+    Survivals survivals = survivals_;
+    const random::LeftOpen open =
+        random::left_open(*tailed_[kind], [&](const random::TimeDistribution& tail) {
+          survivals[kind].emplace(tail);
+          return late_with(survivals).share;
+        });
+    all.below += open.below;
+    all.above += open.above;
+  }
+  if (!(all.above > 0)) return std::nullopt;
+  return Result::Interval{late * std::exp(-std::sqrt(all.below)),
+                          late * std::exp(std::sqrt(all.above))};
+}
+
+statistics::SumOfTimes::Share LateProbability::late_with(const Survivals& survivals) const {
+  statistics::SumOfTimes::Share late;
+  const auto add = [&late](double count, const statistics::SumOfTimes::Share& share) {
+    late.low += count * share.low;
+    late.share += count * share.share;
+    late.high += count * share.high;
+  };
+  add(static_cast<double>(late_as_run_), {1, 1, 1});
   const double cell_s = to_seconds(cell_);
   for (std::size_t k = 0; k < used_; ++k) {
     const Combination& c = combinations_[k];
-    if (c.draws == Draws{}) {
-      // Nothing was drawn in these: they are late or not.
-      result.late.share += static_cast<double>(c.beyond);
-      result.late.low += static_cast<double>(c.beyond);
-      result.late.high += static_cast<double>(c.beyond);
-      result.frames += c.frames;
-      tested += c.frames;
-      continue;
-    }
-    result.frames += c.frames;
-    if (c.pairs.count >= kFewest) tested += c.frames;
-    result.dependent = result.dependent || c.pairs.dependent();
+    add(static_cast<double>(c.beyond), {1, 1, 1});
+    // Where nothing was drawn they are late or not.
+    if (c.draws == Draws{}) continue;
     statistics::SumOfTimes sum(cell_s, kCells);
     for (std::size_t kind = 0; kind < kKinds; ++kind) {
-      if (survivals_[kind]) sum.add(*survivals_[kind], c.draws[kind]);
+      if (survivals[kind]) sum.add(*survivals[kind], c.draws[kind]);
     }
-    const auto add = [&](double count, const statistics::SumOfTimes::Share& share) {
-      result.late.low += count * share.low;
-      result.late.share += count * share.share;
-      result.late.high += count * share.high;
-    };
-    add(static_cast<double>(c.beyond), {1, 1, 1});
     for (std::size_t cell = 0; cell < kCells; ++cell) {
       if (c.cells[cell] == 0) continue;
       // Where its frames lie in the cell is known in the mean; the bounds have both its ends.
@@ -165,14 +208,7 @@ std::optional<LateProbability::Result> LateProbability::result() const {
                   sum.above(left_s - cell_s).high});
     }
   }
-  if (result.frames == 0) return std::nullopt;
-  result.untested = static_cast<double>(tested) < kTested * static_cast<double>(result.frames);
-  using statistics::Rounding;
-  const auto frames = static_cast<double>(result.frames);
-  result.late = {rounded_share(result.late.low / frames, Rounding::down),
-                 rounded_share(result.late.share / frames, Rounding::nearest),
-                 rounded_share(result.late.high / frames, Rounding::up)};
-  return result;
+  return late;
 }
 
 void LateProbability::Result::report(config::Figures& f) const {
@@ -186,6 +222,12 @@ void LateProbability::Result::report(config::Figures& f) const {
   f.ratio("share", share, "the probability that a frame's force is late");
   f.ratio("low", low, "at least so much, by the grid of the convolution");
   f.ratio("high", high, "and at most so much");
+  std::optional<double> tail_low;
+  std::optional<double> tail_high;
+  if (by_tail) tail_low = by_tail->low, tail_high = by_tail->high;
+  f.ratio("tail_low", tail_low,
+          "with a Pareto tail: at least so much with 95 %, by how well its samples tell it");
+  f.ratio("tail_high", tail_high, "and at most so much");
   f.count("frames", frames, "over which it is the mean");
   f.count("left_out", left_out,
           "frames whose solve failed, and those with a ninth number of drawn times");

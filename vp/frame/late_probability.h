@@ -8,6 +8,7 @@
 
 #include "models/config/figures.h"
 #include "models/host/costs.h"
+#include "models/random/distribution.h"
 #include "models/random/survival.h"
 #include "models/statistics/sum_of_times.h"
 #include "vp/frame/ledger.h"
@@ -34,6 +35,13 @@ class LateProbability : public FrameObserver {
   struct Result {
     // The probability, in the mean over the frames, with the bounds of the grid's cells.
     statistics::SumOfTimes::Share late;
+    // Where a time has a Pareto tail: between these it is with 95 %, as far as the tail's samples
+    // tell: models/random/tail_region.h.
+    struct Interval {
+      double low = 0;
+      double high = 1;
+    };
+    std::optional<Interval> by_tail;
     std::int64_t frames = 0;    // that count
     std::int64_t left_out = 0;  // frames whose solve failed, or with a ninth number of drawn times
     // The rest of a frame hangs on the drawn times, and there is no probability.
@@ -86,10 +94,15 @@ class LateProbability : public FrameObserver {
     Pairs pairs;
   };
   Combination* of(const Draws& draws);
+  using Survivals = std::array<std::optional<random::Survival>, kKinds>;
+  // Summed over the frames.
+  statistics::SumOfTimes::Share late_with(const Survivals& survivals) const;
+  std::optional<Result::Interval> by_tail(double late) const;
 
   Picoseconds budget_;
   Picoseconds cell_;
-  std::array<std::optional<random::Survival>, kKinds> survivals_;
+  Survivals survivals_;
+  std::array<std::optional<random::TimeDistribution>, kKinds> tailed_;  // with a Pareto tail
   std::vector<Combination> combinations_;
   std::size_t used_ = 0;
   std::int64_t left_out_ = 0;

@@ -112,6 +112,39 @@ TEST_F(LateProbability, IsExactWhereNoFrameIsLate) {
   EXPECT_THAT(ended.out, HasSubstr("late by chance with a probability of "));
 }
 
+// Ten times as many samples tell the tail better: the logarithm's interval is √10 narrower. A tail
+// that is not Pareto's has none.
+TEST_F(LateProbability, HasAnIntervalByWhatTheSamplesTellOfTheTail) {
+  std::vector<double> width;
+  for (const int count : {1000, 10'000}) {
+    write(place_.path() / "log.csv", "latency_us,count\n5,600000\n20,300000\n30," +
+                                         std::to_string(count / 2) + "\n40," +
+                                         std::to_string(count / 2) + "\n");
+    const std::vector<std::string> settings = {
+        "host.wake_up={}",
+        "host.wake_up.distribution=measured",
+        "host.wake_up.samples=" + (place_.path() / "log.csv").string(),
+        "host.wake_up.tail=pareto",
+        "host.wake_up.tail_from=30 us",
+        "host.wake_up.tail_scale=15 us",
+        "host.wake_up.tail_shape=0.1",
+        "host.jitter=false"};
+    const Ended ended = run(500, settings);
+    ASSERT_LE(ended.status, 1) << ended.err;
+    const json late = deadline().at("late_probability");
+    const double share = late.at("share");
+    const double low = late.at("tail_low");
+    const double high = late.at("tail_high");
+    EXPECT_LT(low, share);
+    EXPECT_GT(high, share);
+    EXPECT_THAT(ended.out, HasSubstr("with 95 %, by what the tail's samples tell"));
+    width.push_back(std::log(high / low));
+  }
+  EXPECT_NEAR(width[0] / width[1], std::sqrt(10), 0.4);
+  ASSERT_LE(run(500, {}).status, 1);
+  EXPECT_TRUE(deadline().at("late_probability").at("tail_low").is_null());
+}
+
 TEST_F(LateProbability, IsNotSaidWhereTheRestDependsOnWhatIsDrawn) {
   // The force of a pipelined frame waits for the next tick, however late its own was.
   const Ended ended =
