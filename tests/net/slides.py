@@ -17,7 +17,7 @@ PRESSING = 2  # of its segments: the press, and a rest
 SPEED = (10e-3, 50e-3)  # m/s, at most in a stroke; docs/collision.md measures at 50 mm/s
 HALF = 0.5
 # Of half the top's width. On these meshes a patch is half of that wide itself.
-REACH = {"proxy": 0.35, "patch": 0.2}
+REACH = {"proxy": 0.35, "patch": 0.15}
 WITH_ENCODER = 0.3
 
 
