@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Literal
 
 Value = float | int | bool | str | None
-Command = Literal["run", "device", "stability"]
+Command = Literal["run", "device", "stability", "misses"]
 
 # What a run writes for somebody who looks at it: a study does not, and asks for it where it does.
 # They stand before a point's own overrides.

@@ -62,7 +62,12 @@ class Program:
 
     def figures(self, command: str = "run") -> dict[str, Figure]:
         """The declared figures of a command's JSON by their names."""
-        table = {"run": "figures", "device": "device_figures", "stability": "stability_figures"}
+        table = {
+            "run": "figures",
+            "device": "device_figures",
+            "stability": "stability_figures",
+            "misses": "miss_figures",
+        }
         return {
             item["key"]: Figure(item["key"], item.get("unit", ""), item.get("help", ""))
             for item in self.reference[table[command]]

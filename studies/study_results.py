@@ -34,6 +34,7 @@ _DEFAULT: dict[Command, tuple[str, ...]] = {
     ),
     "device": ("fits", "clock.highest_hz", "mesh.frame_us", "largest_mesh.nodes"),
     "stability": ("stiffness_max", "stiffness_linear", "delay_us"),
+    "misses": ("share", "low", "high"),
 }
 _MOST_PANELS = 3
 _FIXED = (

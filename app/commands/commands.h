@@ -34,6 +34,7 @@ int parse_and_run(int argc, char** argv);
 using AddCommand = void (*)(CLI::App& app, int& status);
 void add_run(CLI::App& app, int& status);
 void add_explain(CLI::App& app, int& status);
+void add_misses(CLI::App& app, int& status);
 void add_device(CLI::App& app, int& status);
 void add_stability(CLI::App& app, int& status);
 void add_serve(CLI::App& app, int& status);

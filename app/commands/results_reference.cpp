@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "app/misses/miss_search.h"
 #include "app/record/replay_figures.h"
 #include "app/results/design_report.h"
 #include "app/results/figures.h"
@@ -85,6 +86,7 @@ std::string reference_json(std::string_view version) {
   j["figure_tables"] = listed(results::declared_figures<results::Outcome>(), Which::tables);
   j["device_figures"] = figures_of_declaration<results::DesignReport>();
   j["stability_figures"] = figures_of_declaration<StabilityFigures>();
+  j["miss_figures"] = figures_of_declaration<MissFigures>();
   j["replay_figures"] = figures_of_declaration<record::ReplayFigures>();
   j["performance_figures"] = figures_of_declaration<results::Performance>();
   j["columns"] = ordered_json::array();

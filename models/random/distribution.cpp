@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 
 #include "models/config/input_error.h"
+#include "models/random/survival.h"
+#include "models/random/tilt.h"
 
 namespace hvp::random {
 
@@ -194,6 +196,10 @@ Source::Source(TimeDistribution distribution, std::int64_t seed, std::string_vie
   if (distribution_.kind == Kind::measured && distribution_.samples_s.empty()) {
     throw std::logic_error("a measured distribution without its samples");
   }
+  if (distribution_.tilt != nullptr && distribution_.kind != Kind::constant) {
+    survival_ = std::make_shared<Survival>(distribution_);
+    effect_ = distribution_.tilt->join(effect);
+  }
   std::int64_t sum = 0;
   for (const std::int64_t count : distribution_.sample_counts) seen_.push_back(sum += count);
   if (distribution_.kind != Kind::published) return;
@@ -274,6 +280,10 @@ bool Source::attempt(const Draws::Pair& u, double& value) const {
 }
 
 double Source::time_s(std::int64_t frame, std::uint32_t draw) const {
+  if (survival_ && distribution_.tilt->touches(effect_, draw)) {
+    const double uniform = draws_.uniform(frame, draw, kAttempts).first;
+    return survival_->quantile(distribution_.tilt->share(effect_, frame, draw, uniform));
+  }
   double value = 0;
   for (std::uint32_t n = 0; n < kAttempts; ++n) {
     if (attempt(draws_.uniform(frame, draw, n), value)) return value;

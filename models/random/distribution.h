@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,6 +12,9 @@
 #include "models/random/draws.h"
 
 namespace hvp::random {
+
+class Survival;
+class Tilt;
 
 // One point of a published distribution: the share of the times that are longer than `time_s`.
 struct Exceedance {
@@ -63,6 +67,10 @@ struct TimeDistribution {
   double counted_s = 0;  // measured, published: the part of each time that is subtracted
   std::size_t host = 0;  // published: index into Sources::hosts
 
+  // Long times are drawn more often, and it tells by how much; null: as often as they come. Has to
+  // outlive every source.
+  Tilt* tilt = nullptr;
+
   std::vector<double> samples_s;            // the file's times
   std::vector<std::int64_t> sample_counts;  // how often each was seen; empty: once
   // published: the points, with falling shares and times that do not fall; filled by the part whose
@@ -108,6 +116,9 @@ class Source {
 
   TimeDistribution distribution_;
   Draws draws_;
+  // With a tilt.
+  std::shared_ptr<const Survival> survival_;
+  std::size_t effect_ = 0;
   double published(double share) const;
   double tail_time(double share) const;
 

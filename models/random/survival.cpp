@@ -83,6 +83,17 @@ double Survival::published(double seconds) const {
   return from.share * std::pow(to.share / from.share, part);
 }
 
+double Survival::quantile(double share) const {
+  double low = 0;
+  double high = TimeDistribution::kLongest;
+  if ((*this)(low) <= share) return low;
+  while (high - low > 1e-13) {
+    const double middle = 0.5 * (low + high);
+    ((*this)(middle) <= share ? high : low) = middle;
+  }
+  return high;
+}
+
 double Survival::operator()(double seconds) const {
   const TimeDistribution& d = distribution_;
   switch (d.kind) {

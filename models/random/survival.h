@@ -15,6 +15,8 @@ class Survival {
 
   // From 1 below the shortest time to 0 at the longest; `seconds` is any number.
   double operator()(double seconds) const;
+  // The shortest time, s, of which no larger share than this is longer: to a tenth of a picosecond.
+  double quantile(double share) const;
 
  private:
   double before_cut(double seconds) const;

@@ -179,3 +179,29 @@ def test_a_report_has_bars_over_names_and_hatches_what_did_not_hold() -> None:
     assert figure(frame, Plot("n", "t"), {}, "plot-1")["data"][0]["type"] == "scatter"
     twice = pd.concat([frame, frame])
     assert figure(twice, Plot("who", "t"), {}, "plot-1")["data"][0]["type"] == "scatter"
+
+
+def test_a_study_may_ask_for_the_probability_of_a_miss(
+    program: Program, scenarios: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of `hvp misses`: the wider the wake-ups spread, the more probable it is."""
+    monkeypatch.setenv("HVP_PROGRAM", str(program.path))
+    study = tmp_path / "misses.toml"
+    study.write_text(
+        f"""scenario = "{scenarios / "jittery-host.toml"}"
+command = "misses"
+[[set]]
+key = "frames"
+value = 200
+[[axis]]
+key = "host.wake_up.spread"
+values = [2.5, 4]
+"""
+    )
+    out = tmp_path / "out"
+    assert main(["study", str(study), "--store", str(tmp_path / "s"), "--out", str(out)]) == 0
+    with (out / "results.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    few, many = (float(row["share"]) for row in rows)
+    assert 0 < few < many < 1
+    assert all(float(r["low"]) < float(r["share"]) < float(r["high"]) for r in rows)
