@@ -209,6 +209,15 @@ void Host::declare(config::Visitor& v, const config::Condition& body) {
                             gpu ? gpu->latencies : std::optional<GpuLatencies>()),
               Gpu::needs()});
   });
+  v.when(body, [&] {
+    v.effect("threads", threads,
+             {"the host's own solver works with several threads, each on a core of its own",
+              "no module: what a solve takes",
+              {config::need_timed_host(),
+               {"host.solver",
+                {"cg", "inverse", "superposition"},
+                "in triangular solves threads wait for each other more often than is counted"}}});
+  });
   v.effect("delay", delay,
            {"every force is at the motor so much later, with nothing else changed: what if the "
             "latency were longer?",
@@ -236,10 +245,45 @@ void Host::check() const {
         "solver_rate",
         fmt::format("expected 0, or at least 1 Mflop/s, found {:g} flop/s", solver_rate_flops));
   }
+  if (threads && gpu)
+    throw InputError("threads", "the GPU solves: expected none beside [host.gpu]");
+  if (threads && threads->count >= threads->cores && cores != 1) {
+    throw InputError("cores", fmt::format("{} threads on {} cores leave the collision process none "
+                                          "of its own: expected 1, found {}",
+                                          threads->count, threads->cores, cores));
+  }
   if (pipeline_depth > 0 && solver != SolvedBy::board) {
     throw InputError("pipeline_depth",
                      "expected 0: without a board nothing solves while the host does other work");
   }
+}
+
+void Threads::declare(config::Visitor& v) {
+  v.integer("count", count, {2, 256}, {"threads that solve", "the fewest that are several"});
+  v.quantity("speedup", speedup, Dimension::dimensionless, config::between(1, 256),
+             {"how many times as fast as one thread they are, their waits for each other apart",
+              "1: it hangs on solver, size and memory; measure yours"});
+  v.quantity("barrier", barrier_s, Dimension::time, config::between(0, 1e-3),
+             {"until all of them have seen that all are there",
+              "measured: 0.25 us, two processors of an AMD EPYC that spin"});
+  v.integer("cores", cores, {2, 1024},
+            {"of the machine: where the threads take all, the collision process has none of its "
+             "own, and host.cores is 1",
+             "assumed: as a desktop PC has at least"});
+}
+
+void Threads::check() const {
+  if (count > cores) {
+    throw InputError("count", fmt::format("expected at most cores = {}, found {}", cores, count));
+  }
+  if (speedup > count) {
+    throw InputError("speedup",
+                     fmt::format("expected at most count = {}, found {:g}", count, speedup));
+  }
+}
+
+double Threads::seconds(double one_thread_s, const SolveWork& work) const {
+  return one_thread_s / speedup + barrier_s * std::max({work.calls, work.barriers, 1});
 }
 
 SharedCore::Settings Host::shared_core() const {
@@ -278,8 +322,13 @@ double Host::solve_s(const SolveWork& work, const SolveMemory& memory) const {
 }
 
 double Host::core_solve_s(const SolveWork& work, double working_set) const {
-  if (const Processor* priced = prices()) return priced->seconds(work, working_set);
-  return work.operations() / (solver_rate_flops > 0 ? solver_rate_flops : sustained_rate_flops);
+  const Processor* priced = prices();
+  const double one_thread_s =
+      priced != nullptr
+          ? priced->seconds(work, working_set)
+          : work.operations() / (solver_rate_flops > 0 ? solver_rate_flops : sustained_rate_flops);
+  if (!threads || !(work.operations() > 0)) return one_thread_s;
+  return threads->seconds(one_thread_s, work);
 }
 
 double conversion_operations(int words) { return 4.0 * words; }

@@ -71,6 +71,22 @@ struct Delay {
   void declare(config::Visitor& v);
 };
 
+// The scenario's effect [host.threads]: the host's own solver works with several threads, each on a
+// core of its own. Its time is that of one over `speedup`, and `barrier_s` each time they wait for
+// each other.
+struct Threads {
+  int count = 2;
+  double speedup = 1;
+  double barrier_s = 0.25e-6;
+  int cores = 4;  // of the machine
+
+  void declare(config::Visitor& v);
+  // Throws InputError where threads are more than cores, or faster than as many cores are.
+  void check() const;
+  // The time of work that takes one thread so long, s.
+  double seconds(double one_thread_s, const SolveWork& work) const;
+};
+
 // The host PC in numbers: the cost of each step of Fig. 6.2. The scenario's table [host].
 //
 // A step's cost is its floating-point operations over the rate at which the processor sustains
@@ -90,6 +106,7 @@ struct Host {
   Processor processor = built_in(ProcessorModel::desktop_2026);  // of a model that is measured
   double solver_rate_flops = 0;  // of one_rate; 0: sustained_rate_flops
   std::optional<Gpu> gpu;
+  std::optional<Threads> threads;
   int substeps = 0;  // of explicit time steps, a frame; 0: as many as are stable
   int pipeline_depth = 0;
   double quantum_s = 0;  // the most by which the servo process' time runs ahead in the simulation

@@ -78,6 +78,37 @@ TEST(HostCosts, OneRatePricesEverythingAlike) {
   EXPECT_DOUBLE_EQ(host.solve_s(work, {}), 0.5e-6);
 }
 
+// Threads divide the work, and wait as often as its parts need one another, once a solve at least.
+TEST(HostCosts, ThreadsDivideTheWorkAndWait) {
+  Host host;
+  host.sustained_rate_flops = 1e9;
+  host.threads = {.count = 4, .speedup = 2.5, .barrier_s = 1e-6, .cores = 8};
+  SolveWork work{.sparse = 10'000, .barriers = 180};
+  EXPECT_DOUBLE_EQ(host.solve_s(work, {}), 4e-6 + 180e-6);
+  work.barriers = 0;
+  EXPECT_DOUBLE_EQ(host.core_solve_s(work, 0), 4e-6 + 1e-6);
+  work.calls = 3;
+  EXPECT_DOUBLE_EQ(host.core_solve_s(work, 0), 4e-6 + 3e-6);
+  EXPECT_EQ(host.core_solve_s({}, 0), 0);
+  EXPECT_EQ(host.compute_ps(1000), 1'000'000);  // the other steps have one
+}
+
+TEST(HostCosts, ThreadsNeedTheirCores) {
+  Threads threads{.count = 5, .cores = 4};
+  EXPECT_THROW(threads.check(), InputError);
+  threads = {.count = 4, .speedup = 4.1, .cores = 4};
+  EXPECT_THROW(threads.check(), InputError);
+  threads.speedup = 4;
+  EXPECT_NO_THROW(threads.check());
+  Host host;
+  host.threads = threads;
+  EXPECT_THROW(host.check(), InputError);
+  host.cores = 1;
+  EXPECT_NO_THROW(host.check());
+  host.gpu.emplace();
+  EXPECT_THROW(host.check(), InputError);
+}
+
 TEST(HostCosts, AMeasuredHostIsItsTable) {
   Host host;
   host.model = ProcessorModel::measured;

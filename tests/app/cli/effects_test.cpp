@@ -209,6 +209,7 @@ const std::map<std::string, Parts> kAdded = {
     {"host.wake_up", kNothing},
     {"host.interrupt_latencies", kNothing},
     {"host.gpu", kNothing},
+    {"host.threads", kNothing},
     {"host.gpu.latencies", kNothing},
     {"host.delay", kNothing},
     {"host.virtual_coupling", kNothing},

@@ -138,6 +138,25 @@ TEST_F(HostSolvers, RefuseWhatTheyCannot) {
                  "the inverse of 100000 nodes");
 }
 
+// To the picosecond: what one thread's solve takes, halved, and four barriers an iteration.
+TEST_F(HostSolvers, ThreadsTakeTheirShareOfASolve) {
+  const std::vector<std::string> one = {"host.solver=cg", "solver.iterations=20"};
+  std::vector<std::string> two = one;
+  two.insert(two.end(),
+             {"host.threads.count=3", "host.threads.speedup=2", "host.threads.barrier=100 ns"});
+  const double alone = figures(one)["host_solve"]["solve_us"];
+  const json shared = figures(two);
+  const double barriers = (shared["host_solve"]["solve_us"].get<double>() - alone / 2) / 0.1;
+  EXPECT_NEAR(barriers, std::round(barriers), 1e-4);
+  EXPECT_GE(barriers, 80);
+  EXPECT_LE(barriers, 84);
+  EXPECT_LT(shared["deadline"]["worst_us"], figures(one)["deadline"]["worst_us"]);
+  expect_refused({"host.solver=cholesky", "host.threads=true"}, "triangular solves");
+  expect_refused({"host.solver=cg", "host.threads.count=4"},
+                 "4 threads on 4 cores leave the collision process none of its own");
+  expect_refused({"host.solver=cg", "host.threads=true", "host.gpu=true"}, "the GPU solves");
+}
+
 TEST_F(HostSolvers, ExplainShowsThePrices) {
   const Ended ended = with("explain", {"host.model=thesis-pc"});
   EXPECT_THAT(ended.out, HasSubstr("prices"));

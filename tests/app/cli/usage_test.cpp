@@ -23,8 +23,8 @@ TEST(Usage, HelpNamesEveryCommandAndTheExitStatus) {
   const Ended ended = hvp(place.path(), {"--help"});
   EXPECT_EQ(ended.status, 0);
   for (const char* word :
-       {"run", "explain", "serve", "replay", "solve", "mesh", "export", "resolve", "reference",
-        "study", "sweep", "compare", "report", "Exit status"}) {
+       {"run", "explain", "misses", "serve", "replay", "solve", "mesh", "export", "resolve",
+        "reference", "study", "sweep", "compare", "report", "Exit status"}) {
     EXPECT_THAT(ended.out, HasSubstr(word));
   }
   EXPECT_EQ(ended.err, "");
@@ -32,8 +32,8 @@ TEST(Usage, HelpNamesEveryCommandAndTheExitStatus) {
 
 TEST(Usage, EveryCommandHasHelp) {
   const ScratchDirectory place;
-  for (const char* command :
-       {"run", "explain", "serve", "replay", "solve", "mesh", "export", "resolve", "reference"}) {
+  for (const char* command : {"run", "explain", "misses", "serve", "replay", "solve", "mesh",
+                              "export", "resolve", "reference"}) {
     const Ended ended = hvp(place.path(), {command, "--help"});
     EXPECT_EQ(ended.status, 0);
     EXPECT_THAT(ended.out, HasSubstr(std::string("Usage: hvp ") + command));
@@ -68,7 +68,8 @@ INSTANTIATE_TEST_SUITE_P(
     CommandLine, WrongUsage,
     ::testing::Values(
         Wrong{{},
-              "expected a command: run, explain, device, stability, serve, linux, replay, fit, "
+              "expected a command: run, explain, misses, device, stability, serve, linux, replay, "
+              "fit, "
               "measure, solve, mesh, export, resolve, reference"},
         Wrong{{"rum"}, "unknown command rum; did you mean run?"},
         Wrong{{"simulate"}, "unknown command simulate; there is run, explain"},
