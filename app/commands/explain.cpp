@@ -175,6 +175,12 @@ void print_explanation(const Scene& scene, const Explanation& e) {
     for (const FrameStep& step : e.renewal) {
       print("  {:<34} {:>10}\n", step.what, results::readable_time(step.ps));
     }
+    if (e.renewal_behind_ps > 0) {
+      print(
+          "  that frame's work ends {} after the next tick: the next frame begins so late, or is "
+          "skipped\n",
+          results::readable_time(e.renewal_behind_ps));
+    }
   }
   if (!scene.has_board()) return;
   print("{}{}{}", results::clocks_text(scene), results::several_text(scene),

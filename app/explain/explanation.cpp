@@ -1,5 +1,6 @@
 #include "app/explain/explanation.h"
 
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -10,6 +11,7 @@
 #include "app/results/scene_figures.h"
 #include "app/scenario/quantity.h"
 #include "models/plant/kinematics.h"
+#include "models/time/picoseconds.h"
 
 namespace hvp::app {
 
@@ -169,6 +171,11 @@ Explanation explain(Scene& scene) {
   e.steps = frame_steps(scene);
   e.renew_every = scene.scenario().object.renewal().every;
   e.renewal = renewal_steps(scene);
+  if (!e.renewal.empty()) {
+    const std::int64_t whole = frame_ps(e.steps) + frame_ps(e.renewal);
+    e.renewal_behind_ps =
+        std::max<std::int64_t>(0, whole - to_picoseconds(scene.scenario().budget.period_s));
+  }
   return e;
 }
 
@@ -244,7 +251,8 @@ ordered_json frame_json(const Explanation& e) {
     const std::int64_t whole = frame_ps(e.steps) + frame_ps(e.renewal);
     frame["renewal"] = {{"every", e.renew_every},
                         {"steps", steps_json(e.renewal)},
-                        {"frame_us", static_cast<double>(whole) / 1e6}};
+                        {"frame_us", static_cast<double>(whole) / 1e6},
+                        {"behind_us", static_cast<double>(e.renewal_behind_ps) / 1e6}};
   }
   return frame;
 }

@@ -49,9 +49,10 @@ struct Explanation {
   PlatformParts platform;
   std::vector<WorkspacePoint> workspace;  // empty without [device.kinematics]
   std::vector<PlacedLoad> loads;
-  std::vector<FrameStep> steps;    // empty without a body
-  int renew_every = 0;             // solved frames; 0: the matrix is never renewed
-  std::vector<FrameStep> renewal;  // what a frame that renews it has on top
+  std::vector<FrameStep> steps;        // empty without a body
+  int renew_every = 0;                 // solved frames; 0: the matrix is never renewed
+  std::vector<FrameStep> renewal;      // what a frame that renews it has on top
+  std::int64_t renewal_behind_ps = 0;  // how far a frame with these is beyond a period
 };
 
 // Builds the platform in a process of its own to inspect it. Throws InputError as the platform

@@ -122,6 +122,20 @@ TEST_F(ExplainJson, AgreesWithTheSummaryOfARun) {
   }
 }
 
+// The thesis' bus does not bring all values within a period of 2 ms.
+TEST(ExplainRenewal, SaysWhatTheNextFrameWaits) {
+  const ScratchDirectory place;
+  std::vector<std::string> arguments = {"explain", scenario("tissue-renewed.toml").string(),
+                                        "--set", "budget.period=2 ms"};
+  const Ended ended = hvp(place.path(), arguments);
+  EXPECT_THAT(ended.out,
+              HasSubstr("after the next tick: the next frame begins so late, or is skipped"));
+  arguments.emplace_back("--json");
+  const json frame = json::parse(hvp(place.path(), arguments).out).at("frame");
+  EXPECT_NEAR(frame.at("renewal").at("behind_us").get<double>(),
+              frame.at("renewal").at("frame_us").get<double>() - 2000, 1e-6);
+}
+
 // What a frame that renews its matrix has on top is what the run then measures: the host's part to
 // a tenth, as it depends on the deformation; bus and board to what the accesses around them take.
 TEST(ExplainRenewal, IsWhatARunMeasures) {
@@ -149,6 +163,7 @@ TEST(ExplainRenewal, IsWhatARunMeasures) {
     ASSERT_LE(hvp(place.path(), run).status, 1);
     const json renewal = json::parse(hvp(place.path(), explain).out).at("frame").at("renewal");
     EXPECT_EQ(renewal.at("every"), 40);
+    EXPECT_EQ(renewal.at("behind_us"), 0);
     const json& steps = renewal.at("steps");
     ASSERT_EQ(steps.size(), 4U);
     const auto us = [&](std::size_t step) { return steps.at(step).at("us").get<double>(); };
