@@ -41,6 +41,6 @@ struct MissSettings {
 };
 
 // Throws InputError where nothing is drawn.
-MissFigures find_misses(Scene& scene, const MissSettings& settings, const Progress& progress);
+MissFigures find_misses(Scene& scene, const MissSettings& wanted, const Progress& progress);
 
 }  // namespace hvp::app
