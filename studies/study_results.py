@@ -194,7 +194,7 @@ def write_all(folder: Path, results: Results, name: str, commands: list[str]) ->
             units=units,
             helps={column.name: column.help for column in columns},
             plots=plots,
-            words=[outcome_words(results.ends), *influence_words(found)],
+            words=[outcome_words(results.ends, results.study.command), *influence_words(found)],
             commands=commands,
             versions={"hvp": results.program.version.removeprefix("hvp ")},
         )
@@ -202,11 +202,13 @@ def write_all(folder: Path, results: Results, name: str, commands: list[str]) ->
     return written
 
 
-def outcome_words(ends: Iterable[tuple[str, bool]]) -> str:
+def outcome_words(ends: Iterable[tuple[str, bool]], command: Command = "run") -> str:
     """How the runs ended, counted: the status of each, and whether it raised flags."""
     of = Counter(ends)
+    # `hvp misses` judges nothing.
+    judged = command != "misses"
     counts = {
-        "held every budget": of["held", False],
+        "held every budget" if judged else "have an answer": of["held", False],
         "held every budget with flags": of["held", True],
         "did not": of["not held", False] + of["not held", True],
         "were refused": of["refused", False],

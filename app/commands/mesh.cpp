@@ -27,10 +27,10 @@ namespace hvp::app {
 namespace {
 
 struct MeshArguments {
-  std::string surface;  // a file, "sphere" or "box"
-  std::string unit;     // of a file; empty: the default, like size
-  std::string size;     // of a sphere or box
-  int nodes = 500;
+  std::string surface;       // a file, "sphere" or "box"
+  std::string unit;          // of a file; empty: the default, like size
+  std::string size;          // of a sphere or box
+  std::optional<int> nodes;  // absent: kNodes
   std::string elements = "linear";
   std::filesystem::path out;
   std::filesystem::path repair;  // a file for a closed surface; empty: none is made
@@ -38,6 +38,7 @@ struct MeshArguments {
   bool quiet = false;
 };
 
+constexpr int kNodes = 500;
 constexpr int kMostNodes = 1'000'000;  // as object.mesh.nodes
 
 double length(const char* option, const std::string& text, const config::Range& range) {
@@ -53,11 +54,12 @@ double length(const char* option, const std::string& text, const config::Range& 
 
 mesh::MeshSettings settings_of(const MeshArguments& a) {
   mesh::MeshSettings s;
-  if (a.nodes < 4 || a.nodes > kMostNodes) {
+  const int nodes = a.nodes.value_or(kNodes);
+  if (nodes < 4 || nodes > kMostNodes) {
     throw InputError(fmt::format("--nodes {0}: out of range: expected from 4 to {1}, found {0}",
-                                 a.nodes, kMostNodes));
+                                 nodes, kMostNodes));
   }
-  s.nodes = a.nodes;
+  s.nodes = nodes;
   const auto& kinds = fem::elements_names();
   const auto kind = std::ranges::find(kinds, a.elements, [](const auto& k) { return k.first; });
   if (kind == kinds.end()) {
@@ -113,8 +115,13 @@ void check_repair(const MeshArguments& a) {
     throw InputError(
         fmt::format("--repair {}: is the surface itself: expected another file", shown));
   }
-  if (!a.out.empty())
-    throw InputError("--out: a repair makes no tetrahedra: expected --repair alone");
+  for (const auto& [option, given] :
+       {std::pair("--out", !a.out.empty()), std::pair("--nodes", a.nodes.has_value())}) {
+    if (given) {
+      throw InputError(
+          fmt::format("{}: a repair makes no tetrahedra: expected --repair alone", option));
+    }
+  }
   if (a.repair.has_parent_path()) results::create_folder(a.repair.parent_path(), "--repair");
 }
 
@@ -179,13 +186,13 @@ int mesh_command(const MeshArguments& arguments) {
     mesh = sandboxed_mesh(settings, progress);
   } catch (const InputError& e) {
     if (e.key() == "nodes") {
-      throw InputError(fmt::format("--nodes {}: {}", arguments.nodes, e.what()));
+      throw InputError(fmt::format("--nodes {}: {}", settings.nodes, e.what()));
     }
     throw InputError(scenario::one_line(about_surface(arguments.surface, e.what()), 2000));
   }
   end_progress(arguments.quiet);
   const mesh::Quality q = mesh::measure(mesh);
-  print("nodes              {} ({} wanted)\n", q.nodes, arguments.nodes);
+  print("nodes              {} ({} wanted)\n", q.nodes, settings.nodes);
   print("tetrahedra         {}\n", q.tetrahedra);
   print("boundary triangles {}\n", q.boundary_triangles);
   print("volume             {:.6g} cm3\n", q.volume * 1e6);

@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <array>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -11,6 +12,7 @@
 #include "app/misses/miss_search.h"
 #include "app/results/figures.h"
 #include "app/scenario/message.h"
+#include "models/config/input_error.h"
 
 namespace hvp::app {
 
@@ -22,37 +24,65 @@ struct MissesArguments : ScenarioArguments {
 };
 
 // Nothing of a run but its times is looked at.
-std::vector<std::string> times_alone(const Scenario& s) {
-  std::vector<std::string> overrides = {
-      "reference=false",       "spectrum=false",        "output.pictures=false",
-      "output.remedies=false", "output.trace_frames=0", "output.deformation_every_frames=0"};
-  const bool counted = s.host.solver == host::SolvedBy::board && !s.wall &&
-                       s.fidelity.accelerator != vp::Timing::cycle_accurate;
-  if (counted) overrides.emplace_back("fidelity.numbers=none");
-  return overrides;
+constexpr std::array kTimesAlone = {"reference=false",       "spectrum=false",
+                                    "output.pictures=false", "output.remedies=false",
+                                    "output.trace_frames=0", "output.deformation_every_frames=0"};
+
+// Without numbers where the scenario can do without them, which is faster.
+LoadedScenario load_for_times(const MissesArguments& arguments) {
+  load(arguments);  // whose errors are the user's own
+  MissesArguments changed = arguments;
+  changed.overrides.insert(changed.overrides.end(), kTimesAlone.begin(), kTimesAlone.end());
+  MissesArguments counted = changed;
+  counted.overrides.emplace_back("fidelity.numbers=none");
+  try {
+    return load_untitled(counted);
+  } catch (const InputError&) {
+    return load_untitled(changed);
+  }
+}
+
+std::string convolution_text(const MissFigures& f) {
+  // The transforms tell no smaller share from none.
+  constexpr double kLeast = 1e-13;
+  if (f.by_convolution) {
+    return fmt::format("{} a frame (hvp run: late by chance), of one run's frames",
+                       *f.by_convolution < kLeast ? fmt::format("less than {:.0e}", kLeast)
+                                                  : fmt::format("{:.3g}", *f.by_convolution));
+  }
+  switch (f.convolution) {
+    case MissFigures::Convolution::dependent:
+      return "not known: a frame's rest depends on the times that are drawn";
+    case MissFigures::Convolution::untested:
+      return "not known: too few frames of one run tell whether their rest depends on what is "
+             "drawn";
+    case MissFigures::Convolution::known:
+    case MissFigures::Convolution::of_other_times:
+      break;
+  }
+  return "not known: it is of the operating system's times alone";
 }
 
 void print_figures(const Scenario& s, const MissFigures& f) {
   if (!s.title.empty()) print("{}\n", scenario::one_line(s.title, 1000));
   print("\nLate forces, by importance sampling\n");
   if (f.seen == 0) {
-    print("  probability     none of {} frames was late, however long its times\n", f.frames);
+    print("  probability     none of {} frames was late\n", f.frames);
   } else if (f.uncertain) {
-    print("  probability     about {:.2g} a frame: too few late ones for an interval\n", f.share);
+    print("  probability     about {:.2g} a frame: too few runs had a late one for an interval\n",
+          f.share);
   } else {
     print("  probability     {:.3g} a frame, {:.2g} to {:.2g} with 95 %\n", f.share, f.low, f.high);
   }
-  if (f.by_convolution) {
-    // The transforms tell no smaller share from none.
-    constexpr double kLeast = 1e-13;
-    print("  by convolution  {} a frame (hvp run: late by chance), of one run's frames\n",
-          *f.by_convolution < kLeast ? fmt::format("less than {:.0e}", kLeast)
-                                     : fmt::format("{:.3g}", *f.by_convolution));
-  } else {
-    print("  by convolution  not known: a frame's rest depends on the times that are drawn\n");
+  if (f.pareto) {
+    print("  tail            as stated; hvp run says how much its samples leave open\n");
   }
+  print("  by convolution  {}\n", convolution_text(f));
   print("  seen            {} late of {} frames, in {} runs with other seeds\n", f.seen, f.frames,
         f.runs);
+  if (f.plain) {
+    print("  times           as they come, since more than one frame in twenty is late\n");
+  }
   for (const MissFigures::Effect& effect : f.effects) {
     print("  drawn           {}, up to {} times a frame\n", effect.name, effect.draws);
   }
@@ -60,11 +90,7 @@ void print_figures(const Scenario& s, const MissFigures& f) {
 }
 
 int misses_command(const MissesArguments& arguments) {
-  MissesArguments changed = arguments;
-  for (std::string& text : times_alone(load(arguments).scenario)) {
-    changed.overrides.push_back(std::move(text));
-  }
-  const LoadedScenario loaded = load_untitled(changed);
+  const LoadedScenario loaded = load_for_times(arguments);
   const Progress progress = make_progress(arguments.quiet);
   Scene scene = build_scene(loaded, progress);
   try {

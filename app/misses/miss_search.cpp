@@ -45,6 +45,7 @@ struct OneRun {
   std::vector<std::string> tables;
   std::vector<std::uint32_t> draws;
   std::optional<double> by_convolution;
+  MissFigures::Convolution convolution = MissFigures::Convolution::of_other_times;
 };
 
 // SystemC elaborates once in a process.
@@ -64,14 +65,18 @@ OneRun run_once(Scene& scene, std::int64_t seed, const random::Tilt::Settings& t
     }
     platform.run();
     json convolved;
+    auto why = MissFigures::Convolution::of_other_times;
     if (late) {
       const auto result = late->result();
       if (result && result->known()) convolved = result->late.share;
+      why = !result || result->untested ? MissFigures::Convolution::untested
+            : result->dependent         ? MissFigures::Convolution::dependent
+                                        : MissFigures::Convolution::known;
     }
     return json{{"late", misses.late()},     {"seen", misses.seen()},
                 {"frames", misses.frames()}, {"left_out", misses.left_out()},
                 {"tables", tilt.tables()},   {"draws", tilt.counted()},
-                {"convolved", convolved}}
+                {"convolved", convolved},    {"why", static_cast<int>(why)}}
         .dump();
   }));
   OneRun run;
@@ -79,6 +84,7 @@ OneRun run_once(Scene& scene, std::int64_t seed, const random::Tilt::Settings& t
   run.seen = told.at("seen");
   run.frames = told.at("frames");
   run.left_out = told.at("left_out");
+  run.convolution = static_cast<MissFigures::Convolution>(told.at("why").get<int>());
   run.tables = told.at("tables").get<std::vector<std::string>>();
   run.draws = told.at("draws").get<std::vector<std::uint32_t>>();
   if (!told.at("convolved").is_null()) run.by_convolution = told.at("convolved").get<double>();
@@ -89,23 +95,32 @@ OneRun run_once(Scene& scene, std::int64_t seed, const random::Tilt::Settings& t
 
 MissFigures find_misses(Scene& scene, const MissSettings& wanted, const Progress& progress) {
   vp::PlatformSettings settings = platform_settings(scene);
+  MissFigures figures;
+  for (const random::TimeDistribution* drawn : drawn_times(settings)) {
+    figures.pareto = figures.pareto || (drawn->kind == random::TimeDistribution::Kind::measured &&
+                                        drawn->tail == random::TimeDistribution::Tail::pareto);
+  }
   if (drawn_times(settings).empty()) {
     throw InputError(
         "no time is drawn in this scenario: expected [host.jitter], [host.wake_up], "
         "[host.interrupt_latencies], [bus.read_latencies], [bus.pcie.root_complex_latencies] or "
         "[host.gpu.latencies] with another distribution than \"constant\"");
   }
-  MissFigures figures;
   // What is drawn in a frame is counted by a run as it comes.
   if (progress) progress("counting what a frame draws");
   const std::int64_t seed = scene.scenario().seed;
   random::Tilt::Settings tilted;
   const OneRun as_it_comes = run_once(scene, seed, tilted);
-  tilted.draws = as_it_comes.draws;
   figures.by_convolution = as_it_comes.by_convolution;
-  for (std::size_t i = 0; i < tilted.draws.size(); ++i) {
-    figures.effects.push_back({as_it_comes.tables[i], tilted.draws[i]});
+  figures.convolution = as_it_comes.convolution;
+  for (std::size_t i = 0; i < as_it_comes.draws.size(); ++i) {
+    figures.effects.push_back({as_it_comes.tables[i], as_it_comes.draws[i]});
   }
+  // Rows of late frames that have no end weigh as all their times do together, which is next to
+  // nothing: what is frequent is counted as it comes.
+  constexpr double kFrequent = 0.05;
+  figures.plain = as_it_comes.late > kFrequent * static_cast<double>(as_it_comes.frames);
+  if (!figures.plain) tilted.draws = as_it_comes.draws;
   double late = 0;
   double squares = 0;
   int with_late = 0;
@@ -130,6 +145,7 @@ MissFigures find_misses(Scene& scene, const MissSettings& wanted, const Progress
     error = std::sqrt(std::max(0.0, squares - late * late / n) * n / (n - 1));
     figures.uncertain = with_late < kFewest;
     if (!figures.uncertain && kNormal * error < wanted.precision * late) break;
+    if (figures.seen == 0 && figures.runs >= wanted.runs_in_vain) break;
   }
   if (figures.frames == 0) return figures;
   const double share = late / static_cast<double>(figures.frames);
@@ -154,6 +170,10 @@ void MissFigures::report(config::Figures& f) const {
   f.ratio("by_convolution", by_convolution,
           "the same by hvp run's deadline.late_probability, over the frames of one run");
   f.count("seen", seen, "late frames, most of them by times that come less often");
+  f.truth("plain", plain, "more than one in twenty is late: all times were drawn as they come");
+  f.truth("tail_as_stated", pareto,
+          "a Pareto tail is taken as stated: what its samples leave open is in hvp run's "
+          "deadline.late_probability");
   f.count("runs", runs, "");
   f.count("frames", frames, "that were counted");
   f.count("left_out", left_out, "frames whose solve failed");

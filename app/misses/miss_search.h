@@ -29,8 +29,13 @@ struct MissFigures {
   double high = 0;
   // Too few runs with a late frame for an interval.
   bool uncertain = true;
-  // By convolution, of the first run, whose times are drawn as they come; empty: not known.
+  // By convolution, of the first run, whose times are drawn as they come; empty: not known, for
+  // what reason convolution says.
   std::optional<double> by_convolution;
+  enum class Convolution { known, dependent, untested, of_other_times };
+  Convolution convolution = Convolution::of_other_times;
+  bool plain = false;   // lateness is the norm: the times were drawn as they come
+  bool pareto = false;  // a Pareto tail is taken as stated
 
   void report(config::Figures& f) const;
 };
@@ -38,6 +43,7 @@ struct MissFigures {
 struct MissSettings {
   int most_runs = 400;
   double precision = 0.2;  // of the share: where the interval's half is smaller, no further run
+  int runs_in_vain = 100;  // without a late force, after which there is no further run
 };
 
 // Throws InputError where nothing is drawn.

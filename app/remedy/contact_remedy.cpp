@@ -46,8 +46,10 @@ std::optional<results::TriedRemedy> try_contact_remedy(const Scenario& s,
   if (!remedy || remedy->works() || !search) return remedy;
   const std::optional<WholeRun> of_kind = search({results::override_text(kind)});
   if (!of_kind || of_kind->remedy.empty()) return remedy;
-  std::vector<std::string> with_its_own = {kind};
-  with_its_own.insert(with_its_own.end(), of_kind->remedy.begin(), of_kind->remedy.end());
+  std::vector<std::string> with_its_own = of_kind->remedy;
+  // Its own may be another kind still.
+  const auto is_kind = [](const std::string& set) { return set.starts_with("contact.kind "); };
+  if (std::ranges::none_of(with_its_own, is_kind)) with_its_own.insert(with_its_own.begin(), kind);
   std::optional<results::TriedRemedy> of_both = try_whole_runs(trouble, {with_its_own}, rerun);
   if (!of_both) return remedy;
   of_both->attempts += remedy->attempts + 1;

@@ -60,10 +60,14 @@ std::string late_text(const vp::LateProbability::Result& r) {
   const std::string of = r.left_out == 0
                              ? fmt::format("all {} frames", r.frames)
                              : fmt::format("{} of {} frames", r.frames, r.frames + r.left_out);
-  const std::string tail =
-      r.by_tail ? fmt::format("; {:.2g} to {:.2g} with 95 %, by what the tail's samples tell",
-                              r.by_tail->low, r.by_tail->high)
-                : std::string();
+  std::string tail;
+  if (r.by_tail && r.by_tail->low > 0) {
+    tail = fmt::format("; {:.2g} to {:.2g} with 95 %, by what the tail's samples tell",
+                       r.by_tail->low, r.by_tail->high);
+  } else if (r.by_tail) {
+    tail =
+        fmt::format("; up to {:.2g} with 95 %, by what the tail's samples tell", r.by_tail->high);
+  }
   return fmt::format("{}with a probability of {} a frame, in the mean over {}{}", kWhat, share, of,
                      tail);
 }

@@ -145,8 +145,14 @@ stability::Flags AccuracyTracker::flags() const {
   }
   const bool late = found_late();
   if (late) flags.raise(stability::Flag::contact_missed);
-  flags.merge(host::accuracy_flags(
-      settings_, late ? displacement_.typical() : displacement_.judged(), own.typical()));
+  stability::Flags of_solver = host::accuracy_flags(
+      settings_, late ? displacement_.typical() : displacement_.judged(), own.typical());
+  // Without words nothing was rounded: what is off in some frames alone is the solver's, too.
+  if (!has_board_ && of_solver.has(stability::Flag::matrix_rounding)) {
+    of_solver = {};
+    of_solver.raise(stability::Flag::not_converged);
+  }
+  flags.merge(of_solver);
   if (rounded_run_ && !rounded_run_->positive_definite())
     flags.raise(stability::Flag::negative_curvature);
   return flags;

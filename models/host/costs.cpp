@@ -216,7 +216,7 @@ void Host::declare(config::Visitor& v, const config::Condition& body) {
               {config::need_timed_host(),
                {"host.solver",
                 {"cg", "inverse", "superposition"},
-                "in triangular solves threads wait for each other more often than is counted"}}});
+                "products with a matrix or an inverse alone are divided among threads"}}});
   });
   v.effect("delay", delay,
            {"every force is at the motor so much later, with nothing else changed: what if the "

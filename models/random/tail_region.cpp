@@ -89,19 +89,26 @@ class Deviance {
 }  // namespace
 
 LeftOpen left_open(const TimeDistribution& distribution,
-                   const std::function<double(const TimeDistribution&)>& probability) {
+                   const std::function<double(const TimeDistribution&)>& probability, double told) {
   constexpr double kNormal = 1.96;  // both sides of 95 %
-  constexpr double kNone = 1e-300;  // a logarithm for what a tail that ends does not reach
-  const double own = std::log(std::max(probability(distribution), kNone));
+  LeftOpen open;
+  const auto logarithm = [&](const TimeDistribution& tail) {
+    const double found = probability(tail);
+    open.to_zero = open.to_zero || !(found > told);
+    return std::log(std::max(found, told));
+  };
+  const double own = logarithm(distribution);
   double least = own;
   double most = own;
   for (const TimeDistribution& tail : tails_as_likely(distribution)) {
-    const double other = std::log(std::max(probability(tail), kNone));
+    const double other = logarithm(tail);
     least = std::min(least, other);
     most = std::max(most, other);
   }
   const double of_share = kNormal * kNormal / samples_in_tail(distribution);
-  return {(own - least) * (own - least) + of_share, (most - own) * (most - own) + of_share};
+  open.below = (own - least) * (own - least) + of_share;
+  open.above = (most - own) * (most - own) + of_share;
+  return open;
 }
 
 double samples_in_tail(const TimeDistribution& d) {

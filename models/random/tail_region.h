@@ -25,10 +25,12 @@ double samples_in_tail(const TimeDistribution& distribution);
 struct LeftOpen {
   double below = 0;
   double above = 0;
+  bool to_zero = false;  // a tail is as likely of which the event is less probable than can be told
 };
 // `probability` is the event's with another tail in the distribution's place. It is taken to grow
-// as the share of the samples that are in the tail, which is known as well as a count is.
+// as the share of the samples that are in the tail, which is known as well as a count is. What is
+// less than `told` counts as that.
 LeftOpen left_open(const TimeDistribution& distribution,
-                   const std::function<double(const TimeDistribution&)>& probability);
+                   const std::function<double(const TimeDistribution&)>& probability, double told);
 
 }  // namespace hvp::random

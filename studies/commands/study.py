@@ -95,7 +95,7 @@ def _report(arguments: argparse.Namespace, results: Results) -> int:
     commands = [command_line(arguments, "study")]
     files = write_all(folder, results, file.stem, commands)
     print(_result_table(results))
-    print(f"\n{outcome_words(results.ends)}")
+    print(f"\n{outcome_words(results.ends, results.study.command)}")
     for sentence in influence_words(results.influences):
         print(sentence)
     ends = list(zip(results.points, results.cells["status"], results.cells["message"], strict=True))
@@ -139,6 +139,11 @@ def _short(value: Value) -> Value:
     return min(f"{number:.{DIGITS}g} {unit}".strip(), str(value), key=len)
 
 
+def _status(results: Results, status: object) -> object:
+    """`hvp misses` judges nothing."""
+    return "answered" if results.study.command == "misses" and status == "held" else status
+
+
 def _result_table(results: Results) -> str:
     labels = [axis.label for axis in results.study.axis]
     units = {column.name: column.heading for column in results.columns()}
@@ -148,7 +153,7 @@ def _result_table(results: Results) -> str:
         [
             *(_short(cells[label][row]) for label in labels),
             *(cells[name][row] for name in results.metrics),
-            cells["verdict"][row] or cells["status"][row],
+            cells["verdict"][row] or _status(results, cells["status"][row]),
             None if cells["flags"][row] is None else len(str(cells["flags"][row]).split()),
         ]
         for row in range(min(len(results.points), _MOST_ROWS))

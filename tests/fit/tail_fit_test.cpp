@@ -120,7 +120,7 @@ TEST(TailFit, APossibleMissIsWithinItsInterval) {
       found.tail_shape = of(tail, "tail_shape").value;
       found.take(samples, counts);
       const auto probability = [&](const TimeDistribution& t) { return random::Survival(t)(rare); };
-      const random::LeftOpen open = random::left_open(found, probability);
+      const random::LeftOpen open = random::left_open(found, probability, 1e-300);
       const double off = std::log(1e-6 / std::max(probability(found), 1e-300));
       held += static_cast<int>(off < 0 ? off * off <= open.below : off * off <= open.above);
     }

@@ -96,9 +96,23 @@ TEST(TailRegion, IsEmptyWithoutATail) {
 
 // A probability that hangs on the share alone is as open as a count is.
 TEST(TailRegion, LeavesTheShareOpen) {
-  const LeftOpen open = left_open(tailed(0.1, 400), [](const auto&) { return 1e-6; });
+  const LeftOpen open = left_open(
+      tailed(0.1, 400), [](const auto&) { return 1e-6; }, 1e-13);
+  EXPECT_FALSE(open.to_zero);
   EXPECT_NEAR(std::sqrt(open.below), 1.96 / 20, 1e-12);
   EXPECT_NEAR(std::sqrt(open.above), 1.96 / 20, 1e-12);
+}
+
+// A tail that ends leaves open how probable what lies beyond its end is.
+TEST(TailRegion, LeavesOpenWhatATailThatEndsDoesNotReach) {
+  const TimeDistribution ends = tailed(-0.1, 100);
+  const double beyond = kFrom + 11 * kScale;
+  constexpr double kTold = 1e-13;
+  ASSERT_EQ(ends.tail_above(beyond), 0);
+  const LeftOpen open = left_open(
+      ends, [&](const TimeDistribution& d) { return d.tail_above(beyond); }, kTold);
+  EXPECT_TRUE(open.to_zero);
+  EXPECT_GT(kTold * std::exp(std::sqrt(open.above)), 1e-6);
 }
 
 }  // namespace

@@ -182,7 +182,11 @@ def test_a_report_has_bars_over_names_and_hatches_what_did_not_hold() -> None:
 
 
 def test_a_study_may_ask_for_the_probability_of_a_miss(
-    program: Program, scenarios: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    program: Program,
+    scenarios: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     """Of `hvp misses`: the wider the wake-ups spread, the more probable it is."""
     monkeypatch.setenv("HVP_PROGRAM", str(program.path))
@@ -200,6 +204,8 @@ values = [2.5, 4]
     )
     out = tmp_path / "out"
     assert main(["study", str(study), "--store", str(tmp_path / "s"), "--out", str(out)]) == 0
+    said = capsys.readouterr().out
+    assert "answered" in said and "Of 2 points 2 have an answer." in said
     with (out / "results.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     few, many = (float(row["share"]) for row in rows)

@@ -149,7 +149,8 @@ std::optional<LateProbability::Result> LateProbability::result() const {
   if (result.frames == 0) return std::nullopt;
   result.untested = static_cast<double>(tested) < kTested * static_cast<double>(result.frames);
   result.late = late_with(survivals_);
-  if (result.known()) result.by_tail = by_tail(result.late.share);
+  if (result.known())
+    result.by_tail = by_tail(result.late.share, static_cast<double>(result.frames));
   using statistics::Rounding;
   const auto frames = static_cast<double>(result.frames);
   result.late = {rounded_share(result.late.low / frames, Rounding::down),
@@ -162,23 +163,29 @@ std::optional<LateProbability::Result> LateProbability::result() const {
   return result;
 }
 
-std::optional<LateProbability::Result::Interval> LateProbability::by_tail(double late) const {
-  if (!(late > 0)) return std::nullopt;
+std::optional<LateProbability::Result::Interval> LateProbability::by_tail(double late,
+                                                                          double frames) const {
+  // The transforms tell no smaller share from none.
+  const double told = 1e-13 * frames;
   random::LeftOpen all;
   for (std::size_t kind = 0; kind < kKinds; ++kind) {
     if (!tailed_[kind]) continue;
     Survivals survivals = survivals_;
-    const random::LeftOpen open =
-        random::left_open(*tailed_[kind], [&](const random::TimeDistribution& tail) {
+    const random::LeftOpen open = random::left_open(
+        *tailed_[kind],
+        [&](const random::TimeDistribution& tail) {
           survivals[kind].emplace(tail);
           return late_with(survivals).share;
-        });
+        },
+        told);
     all.below += open.below;
     all.above += open.above;
+    all.to_zero = all.to_zero || open.to_zero;
   }
   if (!(all.above > 0)) return std::nullopt;
-  return Result::Interval{late * std::exp(-std::sqrt(all.below)),
-                          late * std::exp(std::sqrt(all.above))};
+  const double known = std::max(late, told);
+  return Result::Interval{all.to_zero ? 0 : known * std::exp(-std::sqrt(all.below)),
+                          known * std::exp(std::sqrt(all.above))};
 }
 
 statistics::SumOfTimes::Share LateProbability::late_with(const Survivals& survivals) const {

@@ -97,7 +97,7 @@ class LateProbability : public FrameObserver {
   using Survivals = std::array<std::optional<random::Survival>, kKinds>;
   // Summed over the frames.
   statistics::SumOfTimes::Share late_with(const Survivals& survivals) const;
-  std::optional<Result::Interval> by_tail(double late) const;
+  std::optional<Result::Interval> by_tail(double late, double frames) const;
 
   Picoseconds budget_;
   Picoseconds cell_;

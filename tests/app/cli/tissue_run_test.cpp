@@ -245,6 +245,16 @@ TEST_F(TissueRun, ABodyThrownApartIsFlaggedAndStaysFinite) {
   for (const char* word : {"inf N", " nan", "-nan"}) EXPECT_THAT(out_, Not(HasSubstr(word)));
 }
 
+// Frames that diverge while others are near are the solver's: without a board nothing was rounded.
+TEST_F(TissueRun, AHostsErrorsAreNotThoseOfWords) {
+  const json s = summary({"host.solver=cholesky", "refinement.passes=1",
+                          "object.model.matrix.renew_every=0", "output.deformation_every_frames=0"},
+                         "tissue-renewed.toml");
+  EXPECT_THAT(flags(s), Contains("divergence"));
+  EXPECT_THAT(flags(s), Contains("not-converged"));
+  EXPECT_THAT(flags(s), Not(Contains("matrix-rounding")));
+}
+
 // One pass is not enough for a body that softens as it is pressed, and each frame's inertia feeds
 // the next one's residual: what grows from frame to frame ends at a bound and not in numbers that
 // are none.
