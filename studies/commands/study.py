@@ -139,7 +139,7 @@ def _short(value: Value) -> Value:
     return min(f"{number:.{DIGITS}g} {unit}".strip(), str(value), key=len)
 
 
-def _status(results: Results, status: object) -> object:
+def _status(results: Results, status: Value) -> Value:
     """`hvp misses` judges nothing."""
     return "answered" if results.study.command == "misses" and status == "held" else status
 
