@@ -100,6 +100,24 @@ TEST_F(Misses, AreTheSameAgain) {
   EXPECT_EQ(once.out, misses(settings, false).out);
 }
 
+// Where all are late there is no end of a row of late frames, and nothing is rare.
+TEST_F(Misses, ThatAreTheNormAreCountedAsTheyCome) {
+  const Ended ended = misses({"budget.period=700us", "frames=200"});
+  ASSERT_EQ(ended.status, 0) << ended.err;
+  const json found = json::parse(ended.out);
+  EXPECT_TRUE(found.at("plain"));
+  EXPECT_EQ(found.at("share"), 1);
+}
+
+// The increments of refinement need numbers.
+TEST_F(Misses, OfAScenarioThatNeedsNumbersAreOfARunWithThem) {
+  const Ended ended =
+      hvp(place_.path(), {"misses", scenario("thesis-refined.toml").string(), "--set",
+                          "host.wake_up.mean=5us", "--set", "frames=60", "--runs", "2"});
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("drawn           host.wake_up"));
+}
+
 TEST_F(Misses, NeedATimeThatIsDrawn) {
   const Ended ended = misses({"host.jitter=false", "host.wake_up=false"});
   EXPECT_EQ(ended.status, 2);

@@ -164,6 +164,8 @@ TEST(Surface, ARepairIsRefusedInOneLine) {
     EXPECT_FALSE(std::filesystem::exists(place.path() / "new.obj"));
   };
   refused({"mesh", "good.stl", "--repair", "new.stl"}, "ends in .obj");
+  refused({"mesh", "good.stl", "--repair", "new.obj", "--nodes", "300"},
+          "--nodes: a repair makes no tetrahedra");
   refused({"mesh", "good.stl", "--detail", "1 mm"}, "--detail belongs to --repair only");
   refused({"mesh", "good.stl", "--repair", "new.obj", "--detail", "1 um"}, "million points");
   refused({"mesh", "good.stl", "--repair", "new.obj", "--detail", "thin"}, "expected a length");
