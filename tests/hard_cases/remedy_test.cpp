@@ -165,6 +165,15 @@ TEST(Remedy, RenewsTheMatrixOfABodyThatIsNotLinear) {
   }
   EXPECT_TRUE(renewed);
   EXPECT_EQ(plan.passes, 16);
+  // Renewed more often where nothing else is left.
+  std::vector<int> every;
+  plan = {};
+  while (const auto remedy = next_remedy(only(Flag::not_converged), plan, extent)) {
+    if (remedy->plan.renew_every != plan.renew_every) every.push_back(remedy->plan.renew_every);
+    ASSERT_LE(every.size(), 3U);
+    plan = remedy->plan;
+  }
+  EXPECT_EQ(every, (std::vector<int>{50, 10, 1}));
   // A linear body has no other matrix.
   EXPECT_NE(next_remedy(only(Flag::divergence), Plan{})->plan.passes, 2);
 }

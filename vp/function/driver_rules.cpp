@@ -93,7 +93,7 @@ void DriverRules::judge_read(const RegisterBank& bank, const AccessResult& outco
                     reaches(offset, bytes, Register::interrupt_status) ||
                     reaches(offset, bytes, Register::result_job);
   if (asks && !busy) end_seen_ = true;
-  if (started_ && !listed_ && !end_seen_ && !asks && is_result(offset, bytes)) {
+  if (awaits_look() && !asks && is_result(offset, bytes)) {
     found(DriverRule::early_result, [&] {
       return fmt::format(
           "{} was read {}", bank.name_at(offset),
@@ -206,7 +206,8 @@ void DriverRules::judge_list(const RegisterBank& bank) {
 void DriverRules::judge_fetch(Picoseconds time, const RegisterBank& bank) {
   judge_list(bank);
   started_ = bank.get(field::kStatusBusy) != 0;
-  fetches_ = listed_ = true;
+  fetches_ = true;
+  listed_ = end_seen_ = false;
   started_at_ = time;
   started_from_ = place_;
 }
@@ -218,7 +219,7 @@ void DriverRules::judge_start(Picoseconds time, const RegisterBank& bank, bool l
       return std::string("a job was started while INTERRUPT_STATUS.done of an earlier end was set");
     });
   }
-  if (started_ && !listed_ && !end_seen_) {
+  if (awaits_look()) {
     found(DriverRule::end_not_seen, [] {
       return std::string(
           "a job was started, and the host had not seen that the one before has "

@@ -88,6 +88,8 @@ class DriverRules : public AccessObserver,
   void judge_list(const RegisterBank& bank);
   std::optional<Register> missing_of(std::span<const Register> needed) const;
   bool job_has_ended() const;
+  // Of a job without a list, whose end nobody has seen.
+  bool awaits_look() const { return started_ && !fetches_ && !listed_ && !end_seen_; }
   void judge_numbers(const RegisterBank& bank, std::uint64_t offset,
                      std::span<const std::uint8_t> data);
   void take_list(bool of_values);

@@ -411,6 +411,21 @@ TEST(DriverRules, ValuesThatWereFetchedMayBeUnmapped) {
   for (const hvp_board_finding& one : driver.findings()) ADD_FAILURE() << one.what;
 }
 
+// No record tells of its end: somebody has to look.
+TEST(DriverRules, ValuesThatNobodyAsksForAreAnEndlessWait) {
+  Driver driver(posted());
+  driver.load();
+  driver.describe_values();
+  driver.tell_values();
+  driver.fetch_values();
+  hvp_board_run_until_ps(driver.board, hvp_board_now_ps(driver.board) + 3 * 1000 * kSecond);
+  const std::vector<hvp_board_finding> all = driver.findings();
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_STREQ(all[0].rule, "endless-wait");
+  EXPECT_NE(std::string(all[0].what).find("values that were asked for"), std::string::npos)
+      << all[0].what;
+}
+
 // The board refuses the command: it never owned the memory.
 TEST(DriverRules, AFetchThatIsRefusedOwnsNoMemory) {
   Driver driver(posted());

@@ -1,5 +1,6 @@
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,6 +17,7 @@ namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 struct Trouble {
   std::string name;
@@ -235,6 +237,40 @@ TEST(RemedyOfAHost, IsOfItsStepsAndPasses) {
   }
   EXPECT_EQ(steps.back(), "host.substeps=4");
   EXPECT_EQ(passes.back(), "refinement.passes=2");
+}
+
+// Pressed so deep that no number of passes leads to the forces with the matrix at rest, a host's
+// body has a matrix that is renewed; it is run as it is printed, and sets no key twice.
+TEST(Remedy, OfAHostsBodyIsAMatrixThatIsRenewed) {
+  const ScratchDirectory place;
+  std::vector<std::string> arguments = {"run", scenario("tissue-renewed.toml").string(), "--out",
+                                        "out"};
+  const auto set = [&](const std::string& setting) {
+    arguments.insert(arguments.end(), {"--set", setting});
+  };
+  for (const char* const setting :
+       {"output.remedies=true", "output.pictures=false", "output.deformation_every_frames=0",
+        "reference=false", "frames=220", "host.solver=cholesky", "host.sustained_rate=1 Tflop/s",
+        "contact.kind=proxy", "refinement.passes=1", "object.model.matrix.renew_every=0",
+        "probe.motion=[{phase=\"press\",to=[\"0mm\",\"0mm\",\"34mm\"],duration=\"300ms\"},"
+        "{phase=\"slide\",to=[\"12mm\",\"0mm\",\"34mm\"],duration=\"200ms\"}]"}) {
+    set(setting);
+  }
+  ASSERT_LT(hvp(place.path(), arguments).status, 2);
+  const json remedy = json::parse(read(place.path() / "out/summary.json")).at("remedy");
+  std::set<std::string> keys;
+  for (const json& setting : remedy.at("set")) {
+    const std::string text = setting;
+    EXPECT_TRUE(keys.insert(text.substr(0, text.find('='))).second) << remedy;
+    set(text);
+  }
+  EXPECT_TRUE(keys.contains("object.model.matrix.renew_every")) << remedy;
+  set("output.remedies=false");
+  ASSERT_LT(hvp(place.path(), arguments).status, 2);
+  const json flags =
+      json::parse(read(place.path() / "out/summary.json")).at("stability").at("flags");
+  EXPECT_THAT(flags, Not(::testing::Contains("divergence")));
+  EXPECT_THAT(flags, Not(::testing::Contains("not-converged")));
 }
 
 // Whatever a scenario's line looks like, the shell's quotes around it are enough.

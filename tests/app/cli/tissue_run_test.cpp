@@ -245,6 +245,18 @@ TEST_F(TissueRun, ABodyThrownApartIsFlaggedAndStaysFinite) {
   for (const char* word : {"inf N", " nan", "-nan"}) EXPECT_THAT(out_, Not(HasSubstr(word)));
 }
 
+// The range of the board's words is none of a host's: the forces are the same bytes.
+TEST_F(TissueRun, AHostsForcesHaveNoRange) {
+  std::vector<std::string> frames;
+  for (const char* const range : {"1 nm", "20 mm", "1 km"}) {
+    summary({"host.solver=cholesky", "host.sustained_rate=1Tflop/s", "reference=false",
+             std::string("solver.displacement_range=") + range});
+    frames.push_back(read(place_.path() / "out/frames.csv"));
+  }
+  EXPECT_EQ(frames[0], frames[1]);
+  EXPECT_EQ(frames[2], frames[1]);
+}
+
 // Frames that diverge while others are near are the solver's: without a board nothing was rounded.
 TEST_F(TissueRun, AHostsErrorsAreNotThoseOfWords) {
   const json s = summary({"host.solver=cholesky", "refinement.passes=1",
