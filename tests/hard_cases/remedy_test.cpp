@@ -168,7 +168,9 @@ TEST(Remedy, RenewsTheMatrixOfABodyThatIsNotLinear) {
   // Renewed more often where nothing else is left.
   std::vector<int> every;
   plan = {};
+  int steps = 0;
   while (const auto remedy = next_remedy(only(Flag::not_converged), plan, extent)) {
+    ASSERT_LE(++steps, 60);
     if (remedy->plan.renew_every != plan.renew_every) every.push_back(remedy->plan.renew_every);
     ASSERT_LE(every.size(), 3U);
     plan = remedy->plan;
