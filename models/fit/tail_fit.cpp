@@ -166,7 +166,6 @@ double probability_of(const Exceedances& tail, const FoundTail& found) {
   int groups = 0;
   double from = 0;
   double seen = 0;
-  double seen_before = 0;
   const auto close = [&](double to, double upto) {
     const double expected = all * (share_above(found, from) - upto);
     sum += (seen - expected) * (seen - expected) / expected;
@@ -176,7 +175,6 @@ double probability_of(const Exceedances& tail, const FoundTail& found) {
   };
   for (const WakeUpHistogram::Bin& bin : tail.bins) {
     seen += static_cast<double>(bin.count);
-    seen_before += static_cast<double>(bin.count);
     const double upto = share_above(found, bin.to);
     // What is left has to be enough for the last group.
     if (all * (share_above(found, from) - upto) < kExpected || all * upto < kExpected) continue;

@@ -93,8 +93,6 @@ class ElementLoop {
                                             const FrameAt& frame) const;
   static void add_forces_of(const Element& element, const AtPoints<Tensor<double>>& stress,
                             std::span<double> f);
-  Operations add_blocks(const Element& element, const BlocksOf<double, kNodes>& blocks,
-                        sparse::BlockMatrix& k) const;
 
   const fem::Body& body_;
   std::vector<Law> laws_;        // of each material; with mean dilatation, where its λ is zero

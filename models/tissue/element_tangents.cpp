@@ -1,5 +1,7 @@
 // The stiffness of elements: of their laws, and of their damping.
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <type_traits>
 
 #include "models/tissue/element_terms.h"
@@ -14,6 +16,32 @@ using points::kAddBlock;
 using points::kGradientOfMean;
 using points::note;
 using points::Seen;
+
+namespace {
+
+// To the places of each pair of an element's nodes.
+template <std::size_t kNodes>
+Operations add_blocks(const std::array<int, kNodes * kNodes>& places,
+                      const BlocksOf<double, kNodes>& blocks, sparse::BlockMatrix& k) {
+  Operations operations;
+  std::size_t pair = 0;
+  for (std::size_t a = 0; a < kNodes; ++a) {
+    for (std::size_t b = a; b < kNodes; ++b) {
+      const Tensor<double>& block = blocks[pair++];
+      if (places[kNodes * a + b] < 0) continue;
+      double* upper = k.block(at(places[kNodes * a + b]));
+      for (std::size_t i = 0; i < 9; ++i) upper[i] += block[i];
+      operations += kAddBlock;
+      if (a == b) continue;
+      double* lower = k.block(at(places[kNodes * b + a]));
+      for (std::size_t i = 0; i < 9; ++i) lower[i] += block[3 * (i % 3) + i / 3];
+      operations += kAddBlock;
+    }
+  }
+  return operations;
+}
+
+}  // namespace
 
 template <class Kind>
 template <class Law>
@@ -54,7 +82,7 @@ void ElementLoop<Kind>::visit_tangent(const Element& element, std::span<const do
     found.projected += changed ? 1 : 0;
   }
   if constexpr (kPoints == 1) {
-    seen.operations += add_blocks(element, tangent[0].blocks, k);
+    seen.operations += add_blocks<kNodes>(element.block, tangent[0].blocks, k);
   } else {
     TenNodes::Tangents<double> sum;
     for (std::size_t p = 0; p < kPoints; ++p) sum.add(p, tangent[p].blocks);
@@ -68,7 +96,7 @@ void ElementLoop<Kind>::visit_tangent(const Element& element, std::span<const do
           blocks);
       seen.operations += kGradientOfMean + TenNodes::kOuter;
     }
-    seen.operations += add_blocks(element, blocks, k);
+    seen.operations += add_blocks<kNodes>(element.block, blocks, k);
   }
   note(found, seen);
 }
@@ -102,7 +130,7 @@ Operations ElementLoop<Kind>::add_damping_tangent(std::span<const Tensor<double>
       return blocks;
     });
     if constexpr (kPoints == 1) {
-      operations += add_blocks(element, at_point[0], k);
+      operations += add_blocks<kNodes>(element.block, at_point[0], k);
     } else {
       TenNodes::Tangents<double> sum;
       for (std::size_t p = 0; p < kPoints; ++p) sum.add(p, at_point[p]);
@@ -117,29 +145,7 @@ Operations ElementLoop<Kind>::add_damping_tangent(std::span<const Tensor<double>
             blocks);
         operations += kGradientOfMean + TenNodes::kOuter;
       }
-      operations += add_blocks(element, blocks, k);
-    }
-  }
-  return operations;
-}
-
-template <class Kind>
-Operations ElementLoop<Kind>::add_blocks(const Element& element,
-                                         const BlocksOf<double, kNodes>& blocks,
-                                         sparse::BlockMatrix& k) const {
-  Operations operations;
-  std::size_t pair = 0;
-  for (std::size_t a = 0; a < kNodes; ++a) {
-    for (std::size_t b = a; b < kNodes; ++b) {
-      const Tensor<double>& block = blocks[pair++];
-      if (element.block[kNodes * a + b] < 0) continue;
-      double* upper = k.block(at(element.block[kNodes * a + b]));
-      for (std::size_t i = 0; i < 9; ++i) upper[i] += block[i];
-      operations += kAddBlock;
-      if (a == b) continue;
-      double* lower = k.block(at(element.block[kNodes * b + a]));
-      for (std::size_t i = 0; i < 9; ++i) lower[i] += block[3 * (i % 3) + i / 3];
-      operations += kAddBlock;
+      operations += add_blocks<kNodes>(element.block, blocks, k);
     }
   }
   return operations;
