@@ -1,0 +1,348 @@
+// The engine of thesis chapter 5 for plain CG: partitions of the matrix, the vector unit, the
+// sequencer with its divider, and the host's port. The words and clocks of engine::CycleEngine are
+// those of this module (docs/rtl.md).
+//
+// Clocks are counted from the one behind the clock in which `go`, `copy` or `edit` is seen; the
+// engine is idle again behind the last one. `reset` aborts whatever runs and leaves the memories and
+// the settings as they are.
+`default_nettype none
+
+module engine
+  import engine_types::*;
+#(
+    parameter int MatrixBits = 12,
+    parameter int VectorBits = 16,
+    parameter int CoefficientBits = 16,
+    parameter int ScalarBits = 64,
+    parameter int Package = 8,
+    parameter int Partitions = 5,
+    parameter int Lanes = 2,
+    parameter int NodeBits = 10,       // 2^NodeBits nodes at most
+    parameter int PackageBits = 11,    // 2^PackageBits packages of a partition at most
+    parameter int QueueBits = 4,
+    parameter int PhaseClocks = 20,
+    parameter int DivisionClocks = 68,
+    parameter int StaticBits = 4
+) (
+    input wire clock,
+    input wire reset,
+    // The host's port, while the engine is idle. Words of x come three clocks behind the address.
+    input wire host_write,
+    input wire space_t host_space,
+    input wire [31:0] host_address,
+    input wire [31:0] host_word,
+    output wire [31:0] host_read,
+    // Orders.
+    input wire go,
+    input wire copy,
+    input wire forget_previous,  // an extrapolated start then has no solution before x
+    // What a solve has come to.
+    output wire [3:0] state_number,
+    output wire finished,
+    output wire iteration_made,
+    output wire breakdown,
+    output wire scalar_overflow,
+    output wire [15:0] iterations_made,
+    output wire [15:0] replacements,
+    output wire [31:0] clamped,
+    // Registers that an iteration can be told by; signed, and as wide for every size of the engine.
+    output wire [31:0] alpha,
+    output wire [31:0] alpha_exponent,
+    output wire [31:0] beta,
+    output wire [31:0] beta_exponent,
+    output wire [31:0] r_exponent,
+    output wire [31:0] d_exponent,
+    output wire [63:0] r_r,
+    output wire [63:0] d_q
+);
+
+  localparam int ProductBits = 32;
+  localparam int GrowthBits = 4;  // of a row's sum, thesis section 5.5
+  localparam int Excess = MatrixBits + VectorBits + GrowthBits - ProductBits;
+  localparam int ProductShift = Excess > 0 ? Excess : 0;
+  localparam int RowBits = MatrixBits + VectorBits + NodeBits;  // no row's exact sum is longer
+  localparam int SumBits = RowBits > ProductBits ? RowBits : ProductBits + 1;
+  localparam int DotBits = ProductBits + VectorBits + NodeBits + 1;
+  localparam int ExponentBits = 22;
+  localparam int DifferenceBits = difference_bits(VectorBits, StaticBits, ProductBits, ProductShift);
+  localparam int Nodes = Package % 3 == 0 ? Package / 3 : (Package + 1) / 3 + 1;
+  localparam int IndexBits = (Nodes + 1) * NodeBits + 3;
+
+  // What is not built: the arithmetic below leaves no room for it.
+  if (Lanes != 1 && Lanes != 2) $error("a double-pumped memory of d serves one or two lanes");
+  if (Nodes > 4) $error("a double-pumped memory of d serves the four nodes of a package");
+  if (PhaseClocks < 19) $error("the lanes have ranks up to 18");
+  if (DivisionClocks < (ScalarBits - 1) / 8 + CoefficientBits + 41) begin
+    $error("the divider and the scaler take longer than a division");
+  end
+
+  // ---- Settings.
+  wire [NodeBits:0] nodes;
+  wire [15:0] iterations, replace_every;
+  wire [4:0] static_shift, target, threshold, step;
+  wire starts_zero, extrapolated, dynamic_scaling, scaling_down;
+  wire rounding_t shift_rounding, division_rounding;
+  engine_settings #(
+      .VectorBits(VectorBits),
+      .NodeBits(NodeBits)
+  ) settings (
+      .clock,
+      .write(host_write && host_space == SpaceSettings),
+      .address(host_address[3:0]),
+      .word(host_word),
+      .nodes,
+      .iterations,
+      .replace_every,
+      .static_shift,
+      .target,
+      .threshold,
+      .step,
+      .starts_zero,
+      .extrapolated,
+      .dynamic_scaling,
+      .scaling_down,
+      .shift_rounding,
+      .division_rounding
+  );
+
+  // ---- The sequencer.
+  wire start, hold, compare, first, zero, alone, exchange;
+  wire pass_t pass;
+  wire [CoefficientBits-2:0] coefficient, alpha_mantissa, beta_mantissa;
+  wire [5:0] right_d, right_q, right_r;
+  wire beyond_d, beyond_q, beyond_r;
+  wire done;
+  wire signed [DotBits-1:0] dot;
+  wire [VectorBits-2:0] largest_r, largest_d;
+  wire [ProductBits-2:0] largest_q;
+  wire [DifferenceBits-1:0] widest;
+  wire state_t state;
+  wire signed [ExponentBits-1:0] alpha_shift, change_shift, beta_shift, r_shift, d_shift;
+  wire signed [ScalarBits-1:0] r_r_word, d_q_word;
+  logic has_previous;
+  wire host_x = host_write && host_space == SpaceX;
+  always_ff @(posedge clock) begin
+    if (go) has_previous <= extrapolated;
+    if (reset || forget_previous || host_x) has_previous <= 1'b0;
+  end
+  sequencer #(
+      .VectorBits(VectorBits),
+      .ProductBits(ProductBits),
+      .CoefficientBits(CoefficientBits),
+      .ScalarBits(ScalarBits),
+      .ExponentBits(ExponentBits),
+      .DifferenceBits(DifferenceBits),
+      .DotBits(DotBits),
+      .ProductShift(ProductShift),
+      .DivisionClocks(DivisionClocks)
+  ) sequence_of_passes (
+      .clock,
+      .reset,
+      .go,
+      .copy,
+      .has_previous,
+      .iterations,
+      .replace_every,
+      .starts_zero,
+      .extrapolated,
+      .dynamic_scaling,
+      .scaling_down,
+      .division_rounding,
+      .static_shift,
+      .target,
+      .threshold,
+      .step,
+      .start,
+      .pass,
+      .hold,
+      .compare,
+      .first,
+      .zero,
+      .alone,
+      .exchange,
+      .coefficient,
+      .right_d,
+      .right_q,
+      .right_r,
+      .beyond_d,
+      .beyond_q,
+      .beyond_r,
+      .done,
+      .dot,
+      .largest_r,
+      .largest_d,
+      .largest_q,
+      .widest,
+      .state,
+      .finished,
+      .iteration_made,
+      .breakdown,
+      .scalar_overflow,
+      .made(iterations_made),
+      .replacements,
+      .alpha(alpha_mantissa),
+      .alpha_exponent(alpha_shift),
+      .change_exponent(change_shift),
+      .beta(beta_mantissa),
+      .beta_exponent(beta_shift),
+      .r_exponent(r_shift),
+      .d_exponent(d_shift),
+      .r_r(r_r_word),
+      .d_q(d_q_word)
+  );
+  assign state_number = state;
+  assign alpha = 32'(alpha_mantissa);
+  assign alpha_exponent = 32'(change_shift);
+  assign beta = 32'(beta_mantissa);
+  assign beta_exponent = 32'(beta_shift);
+  assign r_exponent = 32'(r_shift);
+  assign d_exponent = 32'(d_shift);
+  assign r_r = 64'(r_r_word);
+  assign d_q = 64'(d_q_word);
+
+  // ---- The vector unit.
+  wire product;
+  wire [Partitions-1:0][QueueBits:0] rows_finished, taken;
+  wire [Partitions-1:0][NodeBits-1:0] row_node;
+  wire [Partitions-1:0][2:0][SumBits-1:0] row_sum;
+  wire [Partitions-1:0][2:0][VectorBits-1:0] row_own;
+  wire [NodeBits-1:0] direction_read, direction_first;
+  wire [Lanes-1:0] direction_write;
+  wire [Lanes-1:0][2:0][VectorBits-1:0] direction_new;
+  wire [Partitions-1:0][Lanes-1:0][2:0][VectorBits-1:0] direction_words;
+  wire [VectorBits-1:0] x_word;
+  vector_unit #(
+      .Lanes(Lanes),
+      .Partitions(Partitions),
+      .VectorBits(VectorBits),
+      .ProductBits(ProductBits),
+      .CoefficientBits(CoefficientBits),
+      .StaticBits(StaticBits),
+      .ProductShift(ProductShift),
+      .SumBits(SumBits),
+      .NodeBits(NodeBits),
+      .QueueBits(QueueBits),
+      .DotBits(DotBits),
+      .PhaseClocks(PhaseClocks)
+  ) vectors (
+      .clock,
+      .reset,
+      .nodes,
+      .rounding(shift_rounding),
+      .static_shift(static_shift[StaticBits-1:0]),
+      .host_x_write(host_x),
+      .host_b_write(host_write && host_space == SpaceB),
+      .host_node(host_address[2+:NodeBits]),
+      .host_component(host_address[1:0]),
+      .host_word(host_word[VectorBits-1:0]),
+      .host_x(x_word),
+      .start,
+      .pass,
+      .hold,
+      .compare,
+      .first,
+      .zero,
+      .alone,
+      .exchange,
+      .coefficient,
+      .right_d,
+      .right_q,
+      .right_r,
+      .beyond_d,
+      .beyond_q,
+      .beyond_r,
+      .clear_clamped(go),
+      .done,
+      .dot,
+      .largest_r,
+      .largest_d,
+      .largest_q,
+      .widest,
+      .clamped,
+      .product,
+      .finished(rows_finished),
+      .taken,
+      .partition_node(row_node),
+      .partition_sum(row_sum),
+      .partition_own(row_own),
+      .direction_read,
+      .direction_words(direction_words[0]),
+      .direction_write,
+      .direction_first,
+      .direction_new
+  );
+  assign host_read = 32'($signed(x_word));
+
+  // ---- The partitions. What the host writes is collected to a row of a package, or an index word.
+  logic [Package-1:0][MatrixBits-1:0] columns;
+  logic [Nodes-1:0][NodeBits-1:0] package_nodes;
+  always_ff @(posedge clock) begin
+    if (host_write && host_space == SpaceColumn) begin
+      for (int c = 0; c < Package; ++c) begin
+        if (host_address == 32'(c)) columns[c] <= host_word[MatrixBits-1:0];
+      end
+    end
+    if (host_write && host_space == SpaceNode) begin
+      for (int n = 0; n < Nodes; ++n) begin
+        if (host_address == 32'(n)) package_nodes[n] <= host_word[NodeBits-1:0];
+      end
+    end
+  end
+  wire [IndexBits-1:0] index_word = {host_word[NodeBits+2:0], package_nodes};
+
+  wire [Partitions-1:0][2:0][Package-1:0][MatrixBits-1:0] matrix_words;
+  wire [Partitions-1:0][IndexBits-1:0] index_words;
+  for (genvar p = 0; p < Partitions; ++p) begin : g_partition
+    wire here = host_write && host_address[31:16] == 16'(p);
+    wire [2:0] rows;
+    assign rows[0] = here && host_space == SpaceMatrix && host_address[15:14] == 2'd0;
+    assign rows[1] = here && host_space == SpaceMatrix && host_address[15:14] == 2'd1;
+    assign rows[2] = here && host_space == SpaceMatrix && host_address[15:14] == 2'd2;
+    logic [PackageBits:0] packages;
+    always_ff @(posedge clock) begin
+      if (here && host_space == SpacePackages) packages <= host_word[PackageBits:0];
+    end
+    spmxv_partition #(
+        .Package(Package),
+        .MatrixBits(MatrixBits),
+        .VectorBits(VectorBits),
+        .SumBits(SumBits),
+        .NodeBits(NodeBits),
+        .PackageBits(PackageBits),
+        .QueueBits(QueueBits),
+        .Lanes(Lanes)
+    ) spmxv (
+        .clock,
+        .reset,
+        .matrix_write(rows),
+        .matrix_write_package(host_address[PackageBits-1:0]),
+        .matrix_write_words({3{columns}}),
+        .index_write(here && host_space == SpaceIndex),
+        .index_write_package(host_address[PackageBits-1:0]),
+        .index_write_word(index_word),
+        .packages,
+        .edits(1'b0),
+        .edited_package('0),
+        .matrix_words(matrix_words[p]),
+        .index_word(index_words[p]),
+        .product,
+        .start(start && pass == Product),
+        .direction_read,
+        .direction_words(direction_words[p]),
+        .direction_write,
+        .direction_first,
+        .direction_new,
+        .taken(taken[p]),
+        .finished(rows_finished[p]),
+        .row_node(row_node[p]),
+        .row_sum(row_sum[p]),
+        .row_own(row_own[p])
+    );
+  end
+
+  // The copies agree, so that a pass reads the first one.
+  wire unused = &{1'b0, direction_words, matrix_words, index_words, alpha_shift};
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,233 @@
+// The power of two by which a vector is re-scaled whose entries are bounded by
+// first * 2^first_exponent + mantissa * largest * 2^second_exponent: fixed::ReferenceMachine's
+// rescaling() and fixed::sum_bit_length() (docs/fixed-point.md, dynamic scaling).
+//
+// One adder, one shifter and one multiplier, in 25 clocks from `start` to `done`; they follow the
+// divider, and both together have to be through within the latency of a division.
+`default_nettype none
+
+module scaler #(
+    parameter int FirstBits = 15,
+    parameter int MantissaBits = 15,  // of a magnitude
+    parameter int LargestBits = 31,
+    parameter int ExponentBits = 22,
+    parameter int WordBits = 16       // of the vector that is written, sign included
+) (
+    input wire clock,
+    input wire reset,
+    input wire start,
+    // These hold still until `done`.
+    input wire [FirstBits-1:0] first,
+    input wire signed [ExponentBits-1:0] first_exponent,
+    input wire [MantissaBits-1:0] mantissa,
+    input wire [LargestBits-1:0] largest,
+    input wire signed [ExponentBits-1:0] second_exponent,
+    input wire dynamic_scaling,
+    input wire scaling_down,
+    input wire [4:0] target,      // bits of magnitude after scaling up
+    input wire [4:0] available,
+    input wire [4:0] threshold,   // 1 to 16
+    input wire [4:0] step,        // 1 to 16
+    output logic done,
+    output logic signed [ExponentBits-1:0] up
+);
+
+  localparam int E = ExponentBits;
+  localparam int SecondBits = MantissaBits + LargestBits;
+  localparam int W = SecondBits > 43 ? SecondBits : 43;  // the widened sum is measured here too
+  localparam int Adder = 40;                             // bits to which both terms are cut
+  localparam int Multiple = 8;                           // bits of what is divided by the step
+
+  typedef enum logic [4:0] {
+    Wait,
+    Multiply,
+    Settle,
+    MeasureFirst,
+    MeasureSecond,
+    Tops,
+    Unit,
+    FirstDistance,
+    AlignFirst,
+    SecondDistance,
+    AlignSecond,
+    Add,
+    Widen,
+    MeasureSum,
+    Bits,
+    Compare,
+    Decide,
+    Divide,
+    Finish
+  } state_t;
+  state_t state;
+
+  logic [SecondBits-1:0] product, second;
+  logic first_zero, second_zero;
+
+  // The length of a magnitude: its highest byte that is not zero, and in it the highest bit.
+  logic [W-1:0] measured;
+  logic [7:0] top_byte;
+  logic [2:0] top_index;
+  logic [6:0] length;
+  always_comb begin
+    automatic logic [63:0] padded = 64'(measured);
+    top_byte = '0;
+    top_index = '0;
+    for (int i = 0; i < 8; ++i) begin
+      if (|padded[8*i+:8]) begin
+        top_byte = padded[8*i+:8];
+        top_index = 3'(i);
+      end
+    end
+    length = '0;
+    for (int i = 0; i < 8; ++i) if (top_byte[i]) length = {1'b0, top_index, 3'b000} + 7'(i + 1);
+  end
+  always_comb begin
+    case (state)
+      MeasureFirst: measured = W'(first);
+      MeasureSecond: measured = W'(second);
+      default: measured = W'(widened);
+    endcase
+  end
+
+  // A term, cut to units of 2^unit: the whole part, and one more where bits may have been lost.
+  logic signed [E-1:0] unit, left;
+  wire [W-1:0] term = state == AlignFirst ? W'(first) : W'(second);
+  wire term_zero = state == AlignFirst ? first_zero : second_zero;
+  wire [E-1:0] right = -left;
+  logic [Adder:0] aligned;
+  always_comb begin
+    if (term_zero) aligned = '0;
+    else if (!left[E-1]) aligned = (Adder + 1)'(term) << left[5:0];
+    else if (|right[E-1:6]) aligned = (Adder + 1)'(1);
+    else aligned = (Adder + 1)'(term >> right[5:0]) + (Adder + 1)'(1);
+  end
+
+  logic signed [E-1:0] first_top, second_top, bits, unused, excess;
+  logic [Adder:0] first_term, second_term;
+  logic [Adder+1:0] sum;
+  logic [Adder+2:0] widened;
+  logic [6:0] first_length;
+  logic negative;
+
+  // The largest multiple of the step in `dividend`, one bit of the quotient a clock.
+  logic [Multiple-1:0] dividend;
+  logic [Multiple-1:0] multiple;
+  logic [4:0] rest;
+  logic [2:0] count;
+  wire [5:0] next_rest = {rest, dividend[Multiple-1]};
+  wire takes = next_rest >= {1'b0, step};
+  wire [5:0] kept_rest = takes ? next_rest - {1'b0, step} : next_rest;
+
+  function automatic logic [Multiple-1:0] cut(input logic signed [E-1:0] value);
+    return |value[E-1:Multiple] ? '1 : value[Multiple-1:0];
+  endfunction
+
+  always_ff @(posedge clock) begin
+    done <= 1'b0;
+    product <= mantissa * largest;
+    case (state)
+      Wait:
+      if (start) begin
+        multiple <= '0;
+        negative <= 1'b0;
+        state <= dynamic_scaling ? Multiply : Finish;
+      end
+      Multiply: state <= Settle;  // a second rank of the multiplier
+      Settle: begin
+        second <= product;
+        first_zero <= first == '0;
+        second_zero <= product == '0;
+        state <= MeasureFirst;
+      end
+      MeasureFirst: begin
+        first_length <= length;
+        state <= MeasureSecond;
+      end
+      MeasureSecond: begin
+        first_top <= E'(first_length) + first_exponent;
+        second_top <= E'(length) + second_exponent;
+        state <= Tops;
+      end
+      Tops: begin
+        unit <= second_zero || (!first_zero && first_top > second_top) ? first_top : second_top;
+        state <= Unit;
+      end
+      Unit: begin
+        unit <= unit - E'(Adder);
+        state <= FirstDistance;
+      end
+      FirstDistance: begin
+        left <= first_exponent - unit;
+        state <= AlignFirst;
+      end
+      AlignFirst: begin
+        first_term <= aligned;
+        state <= SecondDistance;
+      end
+      SecondDistance: begin
+        left <= second_exponent - unit;
+        state <= AlignSecond;
+      end
+      AlignSecond: begin
+        second_term <= aligned;
+        state <= Add;
+      end
+      Add: begin
+        sum <= {1'b0, first_term} + {1'b0, second_term};
+        state <= Widen;
+      end
+      Widen: begin  // room for the rounding of both terms
+        widened <= {1'b0, sum} + ({1'b0, sum} >> (WordBits - 3));
+        state <= MeasureSum;
+      end
+      MeasureSum: begin
+        bits <= E'(length) + unit;
+        state <= Bits;
+      end
+      Bits: begin
+        if (first_zero && second_zero) bits <= '0;
+        state <= Compare;
+      end
+      Compare: begin
+        unused <= E'(target) - bits;
+        excess <= bits - E'(available);
+        state <= Decide;
+      end
+      Decide: begin
+        rest <= '0;
+        count <= 3'(Multiple - 1);
+        state <= Divide;
+        if (unused >= $signed(E'(threshold))) begin
+          dividend <= cut(unused);
+        end else if (excess > 0 && scaling_down) begin
+          dividend <= cut(excess + E'(step) - E'(1));
+          negative <= 1'b1;
+        end else begin
+          dividend <= '0;
+        end
+      end
+      Divide: begin
+        rest <= kept_rest[4:0];
+        multiple <= (multiple << 1) + (takes ? Multiple'(step) : '0);
+        dividend <= dividend << 1;
+        count <= count - 1'b1;
+        if (count == '0) state <= Finish;
+      end
+      Finish: begin
+        up <= negative ? -E'(multiple) : E'(multiple);
+        done <= 1'b1;
+        state <= Wait;
+      end
+      default: state <= Wait;
+    endcase
+    if (reset) begin
+      state <= Wait;
+      done <= 1'b0;
+    end
+  end
+  wire unused_bit = kept_rest[5];  // the rest is below the step
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,408 @@
+// The control unit for plain CG: the passes of a solve in the order of thesis Fig. 4.4, the exponents
+// of the vectors (dynamic scaling, thesis section 4.2), alpha and beta (engine::Sequencer).
+//
+// It acts at the clock in which a unit says that it is done: the next unit begins with the clock
+// after. A division takes DivisionClocks from the clock in which its operands are there to the one
+// in which the next pass is ordered: the divider and then the scaler work within them.
+`default_nettype none
+
+module sequencer
+  import engine_types::*;
+#(
+    parameter int VectorBits = 16,
+    parameter int ProductBits = 32,
+    parameter int CoefficientBits = 16,
+    parameter int ScalarBits = 64,
+    parameter int ExponentBits = 22,
+    parameter int DifferenceBits = 32,
+    parameter int DotBits = 60,
+    parameter int ProductShift = 0,
+    parameter int DivisionClocks = 68
+) (
+    input wire clock,
+    input wire reset,
+    // Orders, while idle: a solve with x in the copies of d, or a copy of x into them.
+    input wire go,
+    input wire copy,
+    input wire has_previous,  // an extrapolated start has a solution before x
+    // The settings of the solve.
+    input wire [15:0] iterations,
+    input wire [15:0] replace_every,  // 0: never
+    input wire starts_zero,
+    input wire extrapolated,
+    input wire dynamic_scaling,
+    input wire scaling_down,
+    input wire rounding_t division_rounding,
+    input wire [4:0] static_shift,
+    input wire [4:0] target,  // bits of magnitude after scaling up
+    input wire [4:0] threshold,
+    input wire [4:0] step,
+    // To the vector unit.
+    output logic start,
+    output pass_t pass,
+    output logic hold,
+    output logic compare,
+    output logic first,
+    output logic zero,
+    output logic alone,
+    output logic exchange,
+    output logic [CoefficientBits-2:0] coefficient,
+    output wire [5:0] right_d,
+    output wire [5:0] right_q,
+    output wire [5:0] right_r,
+    output wire beyond_d,
+    output wire beyond_q,
+    output wire beyond_r,
+    // From it.
+    input wire done,
+    input wire signed [DotBits-1:0] dot,
+    input wire [VectorBits-2:0] largest_r,
+    input wire [VectorBits-2:0] largest_d,
+    input wire [ProductBits-2:0] largest_q,
+    input wire [DifferenceBits-1:0] widest,
+    // The state, and what a solve has come to.
+    output state_t state,
+    output logic finished,        // for a clock, behind the last one
+    output logic iteration_made,  // likewise, after each iteration whose words were written
+    output logic breakdown,
+    output logic scalar_overflow,
+    output logic [15:0] made,
+    output logic [15:0] replacements,
+    // Registers that an iteration can be told by.
+    output logic [CoefficientBits-2:0] alpha,
+    output logic signed [ExponentBits-1:0] alpha_exponent,
+    output logic signed [ExponentBits-1:0] change_exponent,  // of alpha * q, in units of r
+    output logic [CoefficientBits-2:0] beta,
+    output logic signed [ExponentBits-1:0] beta_exponent,
+    output logic signed [ExponentBits-1:0] r_exponent,
+    output logic signed [ExponentBits-1:0] d_exponent,
+    output logic signed [ScalarBits-1:0] r_r,
+    output logic signed [ScalarBits-1:0] d_q
+);
+
+  localparam int V = VectorBits;
+  localparam int C = CoefficientBits;
+  localparam int E = ExponentBits;
+  localparam int S = ScalarBits;
+  // Places behind the point of the aligners' words in vector_lane.sv.
+  localparam int BelowProducts = V > C ? V - C + 2 : 2;
+  localparam int BelowDifference = V - 2;
+  localparam int BelowR = V - 1;
+  localparam int CountBits = $clog2(DivisionClocks + 1);
+
+  logic [15:0] loops, until_replacement;
+  logic replaced;
+  logic signed [E-1:0] scalar_exponent, scalar_exponent_before;  // of r.r
+  wire signed [E-1:0] q_exponent = d_exponent - E'(ProductShift);
+
+  // ---- Inner products become scalars once.
+  logic signed [S-1:0] scalar;
+  logic overflows;
+  if (DotBits > S) begin : g_clamped
+    localparam logic signed [S-1:0] Limit = {1'b0, {(S - 1) {1'b1}}};
+    wire above = dot > DotBits'(Limit);
+    wire below = dot < -DotBits'(Limit);
+    assign overflows = above || below;
+    assign scalar = above ? Limit : below ? -Limit : dot[S-1:0];
+  end else begin : g_exact
+    assign overflows = 1'b0;
+    assign scalar = S'(dot);
+  end
+
+  // ---- Shifts of a pass. What is shifted to the right by more than 63 bits is zero.
+  logic signed [E-1:0] d_shift, q_shift, r_shift;
+  function automatic logic [5:0] count(input logic signed [E-1:0] right);
+    return right[E-1] ? 6'd0 : |right[E-2:6] ? 6'd63 : right[5:0];
+  endfunction
+  assign right_d = count(d_shift);
+  assign right_q = count(q_shift);
+  assign right_r = count(r_shift);
+  assign beyond_d = d_shift[E-1];
+  assign beyond_q = q_shift[E-1];
+  assign beyond_r = r_shift[E-1];
+
+  function automatic logic signed [E-1:0] length(input logic [DifferenceBits-1:0] value);
+    length = '0;
+    for (int i = 0; i < DifferenceBits; ++i) if (value[i]) length = E'(i + 1);
+  endfunction
+
+  // ---- The divider, and behind it the scaler.
+  logic divides, scales;
+  logic holds_division;  // it works, and nobody takes its quotient
+  logic [CountBits-1:0] clocks_left;
+  wire division_over = clocks_left == CountBits'(1);
+  logic [S-2:0] numerator, denominator;
+  wire divided, scaled;
+  wire [C-2:0] mantissa;
+  wire signed [E-1:0] quotient_exponent;
+  coefficient_divider #(
+      .ScalarBits(S),
+      .CoefficientBits(C),
+      .ExponentBits(E)
+  ) divider (
+      .clock,
+      .reset,
+      .rounding(division_rounding),
+      .start(divides),
+      .numerator,
+      .denominator,
+      .done(divided),
+      .mantissa,
+      .exponent(quotient_exponent)
+  );
+  wire in_alpha = state == InAlpha;
+  wire signed [E-1:0] up;
+  scaler #(
+      .FirstBits(V - 1),
+      .MantissaBits(C - 1),
+      .LargestBits(ProductBits - 1),
+      .ExponentBits(E),
+      .WordBits(V)
+  ) scaling (
+      .clock,
+      .reset,
+      .start(scales),
+      .first(largest_r),
+      .first_exponent(in_alpha ? '0 : d_exponent - r_exponent),
+      .mantissa(in_alpha ? alpha : beta),
+      .largest(in_alpha ? largest_q : (ProductBits - 1)'(largest_d)),
+      .second_exponent(in_alpha ? change_exponent : beta_exponent),
+      .dynamic_scaling,
+      .scaling_down,
+      .target,
+      .available(5'(V - 1)),
+      .threshold,
+      .step,
+      .done(scaled),
+      .up
+  );
+
+  // ---- Exponents that follow from a pass' end.
+  wire signed [E-1:0] difference_up = E'(target) - length(widest);
+  wire signed [E-1:0] residual_exponent =
+      dynamic_scaling && widest != '0 ? difference_up : -E'(static_shift);
+  wire signed [E-1:0] first_up =
+      dynamic_scaling ? E'(target) - length(DifferenceBits'(largest_r)) : '0;
+  // Only used where a replacement does not take the place of the scaling.
+  wire signed [E-1:0] r_up = replaced ? '0 : up;
+  wire signed [E-1:0] d_up = holds_division ? '0 : up;
+
+  wire [15:0] loops_now = state == InDirection ? loops + 1'b1 : loops;
+
+  always_ff @(posedge clock) begin
+    start <= 1'b0;
+    divides <= 1'b0;
+    finished <= 1'b0;
+    iteration_made <= 1'b0;
+    scales <= 1'b0;
+    if (clocks_left != '0) clocks_left <= clocks_left - 1'b1;
+
+    if (divided && !holds_division) begin
+      scales <= 1'b1;
+      if (in_alpha) begin
+        alpha <= mantissa;
+        alpha_exponent <= quotient_exponent + d_exponent + q_exponent - scalar_exponent;
+        change_exponent <= quotient_exponent + d_exponent - scalar_exponent + r_exponent;
+      end else begin
+        beta <= mantissa;
+        beta_exponent <= quotient_exponent + scalar_exponent_before - scalar_exponent;
+      end
+    end
+
+    case (state)
+      InIdle: begin
+        hold <= 1'b0;
+        exchange <= 1'b0;
+        compare <= 1'b1;
+        first <= 1'b1;
+        zero <= starts_zero && go;
+        alone <= !has_previous;
+        loops <= '0;
+        until_replacement <= replace_every;
+        replaced <= 1'b0;
+        if (go) begin
+          made <= '0;
+          replacements <= '0;
+          breakdown <= 1'b0;
+          scalar_overflow <= 1'b0;
+          start <= 1'b1;
+          pass <= extrapolated ? Guess : Product;
+          state <= extrapolated ? InGuess : InStartProduct;
+        end else if (copy) begin
+          start <= 1'b1;
+          pass <= Copy;
+          state <= InCopy;
+        end
+      end
+
+      InCopy: if (done) state <= InIdle;
+
+      InGuess:
+      if (done) begin
+        start <= 1'b1;
+        pass <= Product;
+        state <= InStartProduct;
+      end
+
+      InStartProduct, InAnewProduct:
+      if (done) begin
+        start <= 1'b1;
+        pass <= Residual;
+        compare <= 1'b0;
+        exchange <= state == InAnewProduct;
+        r_exponent <= residual_exponent;
+        q_shift <= E'(BelowDifference) - residual_exponent;
+        state <= state == InAnewProduct ? InAnewResidual : InStartResidual;
+      end
+
+      InStartResidual:
+      if (done) begin
+        start <= 1'b1;
+        pass <= FirstDirection;
+        first <= 1'b0;
+        zero <= 1'b0;
+        r_r <= scalar;
+        scalar_overflow <= scalar_overflow || overflows;
+        scalar_exponent <= r_exponent <<< 1;
+        d_exponent <= r_exponent + first_up;
+        r_shift <= E'(BelowR) - first_up;
+        state <= InFirstDirection;
+      end
+
+      InFirstDirection, InDirection:
+      if (done) begin
+        loops <= loops_now;
+        iteration_made <= state == InDirection && !hold;
+        if (loops_now == iterations) begin
+          finished <= 1'b1;
+          state <= InIdle;
+        end else begin
+          if (r_r <= 0 || largest_d == '0) hold <= 1'b1;
+          start <= 1'b1;
+          pass <= Product;
+          state <= InProduct;
+        end
+      end
+
+      InProduct:
+      if (done) begin
+        holds_division <= hold;
+        if (!hold) begin
+          d_q <= scalar;
+          scalar_overflow <= scalar_overflow || overflows;
+        end
+        if (!hold && scalar <= 0) begin
+          breakdown <= 1'b1;
+          finished <= 1'b1;
+          state <= InIdle;
+        end else begin
+          divides <= 1'b1;
+          numerator <= r_r[S-2:0];
+          denominator <= hold ? (S - 1)'(1) : scalar[S-2:0];
+          clocks_left <= CountBits'(DivisionClocks);
+          // A residual is formed anew in this iteration.
+          replaced <= !hold && until_replacement == 16'd1;
+          state <= InAlpha;
+        end
+      end
+
+      InAlpha:
+      if (division_over) begin
+        start <= 1'b1;
+        pass <= Update;
+        exchange <= replaced;
+        coefficient <= alpha;
+        if (!hold) begin
+          made <= made + 1'b1;
+          if (replaced) replacements <= replacements + 1'b1;
+          if (replace_every != '0) begin
+            until_replacement <= replaced ? replace_every : until_replacement - 1'b1;
+          end
+          r_exponent <= r_exponent + r_up;
+          d_shift <= E'(BelowProducts) - (alpha_exponent - d_exponent);
+          q_shift <= E'(BelowProducts) - (change_exponent + r_up);
+          r_shift <= E'(BelowR) - r_up;
+        end
+        state <= InUpdate;
+      end
+
+      InUpdate:
+      if (done && replaced) begin
+        start <= 1'b1;
+        pass <= Product;
+        compare <= 1'b1;
+        exchange <= 1'b0;
+        state <= InAnewProduct;
+      end else if (done) begin
+        take_residual();
+      end
+
+      InAnewResidual:
+      if (done) begin
+        exchange <= 1'b0;
+        replaced <= 1'b0;
+        take_residual();
+      end
+
+      InBeta:
+      if (division_over) begin
+        start <= 1'b1;
+        pass <= Direction;
+        coefficient <= beta;
+        if (!hold) begin
+          d_exponent <= d_exponent + d_up;
+          d_shift <= E'(BelowProducts) - (beta_exponent + d_up);
+          r_shift <= E'(BelowR) - (d_exponent + d_up - r_exponent);
+        end
+        state <= InDirection;
+      end
+
+      default: state <= InIdle;
+    endcase
+
+    if (reset) begin
+      state <= InIdle;
+      start <= 1'b0;
+      divides <= 1'b0;
+      scales <= 1'b0;
+      clocks_left <= '0;
+      finished <= 1'b0;
+      iteration_made <= 1'b0;
+    end
+  end
+
+  // The new residual's r.r, and beta from it; without a residual there is no direction of old.
+  task automatic take_residual();
+    divides <= 1'b1;
+    clocks_left <= CountBits'(DivisionClocks);
+    denominator <= hold ? (S - 1)'(1) : r_r[S-2:0];
+    numerator <= scalar[S-2:0];
+    holds_division <= hold || scalar <= 0;
+    if (!hold) begin
+      r_r <= scalar;
+      scalar_overflow <= scalar_overflow || overflows;
+      scalar_exponent <= r_exponent <<< 1;
+      scalar_exponent_before <= scalar_exponent;
+      if (scalar <= 0) begin
+        beta <= '0;
+        beta_exponent <= '0;
+      end
+    end
+    state <= InBeta;
+  endtask
+
+  wire unused = &{1'b0, scaled};
+
+`ifndef SYNTHESIS
+  // Both have to be through within the latency of a division.
+  logic late;
+  always_ff @(posedge clock) begin
+    if (divides) late <= !holds_division;
+    else if (scaled) late <= 1'b0;
+    if (division_over && !reset && late) $error("a division and its scaling are not over");
+  end
+`endif
+
+endmodule
+
+`default_nettype wire

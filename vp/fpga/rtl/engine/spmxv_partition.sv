@@ -1,0 +1,254 @@
+// The SpMxV sub-block of thesis Fig. 5.5 for a partition of the matrix, as engine::SpmxvBlock has
+// it: index memory, non-zero memory, copy of d, multipliers, adder trees, accumulators and the
+// memory of finished rows.
+//
+// A package of Package columns and three rows enters at every clock, unless it ends a row for which
+// the result memory has no room. Ranks, in edges from the one at which a package enters:
+//   0, 1 memories read     2 operands     3, 4 multipliers     5 to 7 adder tree
+//   8 accumulated; the row is in the result memory
+//
+// The host, and the matrix editor in its place, write rows of packages and index words while no
+// product runs.
+`default_nettype none
+
+module spmxv_partition #(
+    parameter int Package = 8,        // columns
+    parameter int MatrixBits = 12,
+    parameter int VectorBits = 16,
+    parameter int SumBits = 38,
+    parameter int NodeBits = 10,
+    parameter int PackageBits = 11,
+    parameter int QueueBits = 4,      // 2^QueueBits rows wait to be taken
+    parameter int Lanes = 2,
+    // Nodes that a package touches.
+    localparam int Nodes = Package % 3 == 0 ? Package / 3 : (Package + 1) / 3 + 1,
+    // {last, phase, owner, nodes}: the package ends its row; the component of its first column; the
+    // row it belongs to; its block columns.
+    localparam int IndexBits = (Nodes + 1) * NodeBits + 3
+) (
+    input wire clock,
+    input wire reset,
+    input wire [2:0] matrix_write,  // a row of the package each
+    input wire [PackageBits-1:0] matrix_write_package,
+    input wire [2:0][Package-1:0][MatrixBits-1:0] matrix_write_words,
+    input wire index_write,
+    input wire [PackageBits-1:0] index_write_package,
+    input wire [IndexBits-1:0] index_write_word,
+    input wire [PackageBits:0] packages,
+    // The editor's port: package and index word come two clocks later.
+    input wire edits,
+    input wire [PackageBits-1:0] edited_package,
+    output wire [2:0][Package-1:0][MatrixBits-1:0] matrix_words,
+    output wire [IndexBits-1:0] index_word,
+    // From the sequencer.
+    input wire product,   // a product runs
+    input wire start,     // its first clock
+    // The copy of d: what a pass reads and, with the next edge, writes.
+    input wire [NodeBits-1:0] direction_read,
+    output wire [Lanes-1:0][2:0][VectorBits-1:0] direction_words,
+    input wire [Lanes-1:0] direction_write,
+    input wire [NodeBits-1:0] direction_first,
+    input wire [Lanes-1:0][2:0][VectorBits-1:0] direction_new,
+    // Finished rows.
+    input wire [QueueBits:0] taken,
+    output logic [QueueBits:0] finished,
+    output wire [NodeBits-1:0] row_node,
+    output wire [2:0][SumBits-1:0] row_sum,
+    output wire [2:0][VectorBits-1:0] row_own
+);
+
+  /* verilator no_inline_module */
+  // One copy of the code for all partitions, so that it stays in the simulating processor's cache.
+
+  localparam int ProductBits = MatrixBits + VectorBits;
+  localparam int Pairs = (Package + 1) / 2;
+  localparam int Fours = (Package + 3) / 4;
+
+  // ---- Issue. The index memory is read ahead: its output register has the package's word.
+  logic [IndexBits-1:0] index[2**PackageBits];
+  logic [IndexBits-1:0] head;
+  logic busy;
+  logic [PackageBits-1:0] position;
+  logic [QueueBits:0] issued;
+  wire head_last = head[IndexBits-1];
+  wire running = busy || (start && packages != '0);
+  wire [QueueBits:0] waiting = issued - taken;
+  wire issue = running && !(head_last && waiting[QueueBits]);
+  wire ends = (PackageBits + 1)'(position) + 1'b1 == packages;
+  wire [PackageBits-1:0] next_position = !issue ? position : ends ? '0 : position + 1'b1;
+  always_ff @(posedge clock) begin
+    if (index_write) index[index_write_package] <= index_write_word;
+    head <= index[edits?edited_package : next_position];
+    position <= next_position;
+    busy <= running && !(issue && ends);
+    if (issue && head_last) issued <= issued + 1'b1;
+    if (reset) begin
+      position <= '0;
+      busy <= 1'b0;
+      issued <= '0;
+    end
+  end
+
+  // ---- Ranks 0 and 1: the memories.
+  logic issued0, issued1;
+  logic [PackageBits-1:0] package0;
+  logic [IndexBits-1:0] index0, index1;
+  logic [2:0][Package-1:0][MatrixBits-1:0] words1;
+  wire [2:0][Nodes-1:0][VectorBits-1:0] nodes1;  // a component of each node
+  always_ff @(posedge clock) begin
+    issued0 <= issue && !reset;
+    package0 <= edits ? edited_package : position;
+    index0 <= head;
+    issued1 <= issued0 && !reset;
+    index1 <= index0;
+  end
+  for (genvar row = 0; row < 3; ++row) begin : g_row
+    logic [Package*MatrixBits-1:0] nonzeros[2**PackageBits];
+    always_ff @(posedge clock) begin
+      if (matrix_write[row]) nonzeros[matrix_write_package] <= matrix_write_words[row];
+      words1[row] <= nonzeros[package0];
+    end
+  end
+  for (genvar c = 0; c < 3; ++c) begin : g_component
+    logic [Lanes-1:0][VectorBits-1:0] written;
+    for (genvar l = 0; l < Lanes; ++l) begin : g_lane
+      assign written[l] = direction_new[l][c];
+      assign direction_words[l][c] = nodes1[c][l];
+    end
+    double_pumped_memory #(
+        .Width(VectorBits),
+        .AddressBits(NodeBits),
+        .Reads(Nodes),
+        .Lanes(Lanes)
+    ) copy (
+        .clock,
+        .product,
+        .package_address(head[Nodes*NodeBits-1:0]),
+        .pass_address(direction_read),
+        .word(nodes1[c]),
+        .write(direction_write),
+        .write_address(direction_first),
+        .write_word(written)
+    );
+  end
+  assign matrix_words = words1;
+  assign index_word = index0;
+
+  // ---- Rank 2: column c is component (phase + c) mod 3 of node (phase + c) / 3. The words of the
+  // row's own node are kept as they pass.
+  wire [1:0] phase1 = index1[IndexBits-2-:2];
+  wire [NodeBits-1:0] owner1 = index1[Nodes*NodeBits+:NodeBits];
+  logic [3*Nodes+1:0][VectorBits-1:0] in_order;  // padded: a phase of 2 looks two words further
+  logic [2:0] caught1;
+  logic [2:0][VectorBits-1:0] own1;
+  always_comb begin
+    in_order = '0;
+    caught1 = '0;
+    own1 = '0;
+    for (int n = 0; n < Nodes; ++n) begin
+      for (int k = 0; k < 3; ++k) begin
+        in_order[3*n+k] = nodes1[k][n];
+        // The component is among the package's columns.
+        if (index1[n*NodeBits+:NodeBits] == owner1 && 3 * n + k >= int'(phase1) &&
+            3 * n + k < int'(phase1) + Package) begin
+          caught1[k] = 1'b1;
+          own1[k] = nodes1[k][n];
+        end
+      end
+    end
+  end
+
+  logic signed [VectorBits-1:0] factor_d[Package];
+  logic signed [MatrixBits-1:0] factor_a[3][Package];
+  logic signed [ProductBits-1:0] product3[3][Package];
+  logic signed [ProductBits-1:0] product4[3][Package];
+  logic signed [ProductBits:0] pair5[3][Pairs];
+  logic signed [ProductBits+1:0] four6[3][Fours];
+  logic signed [ProductBits+3:0] total7[3];
+  logic [7:2] valid, last;
+  logic [NodeBits-1:0] owner[2:7];
+  logic [2:0] caught[2:7];
+  logic [2:0][VectorBits-1:0] own[2:7];
+
+  always_ff @(posedge clock) begin
+    if (issued1) begin
+      for (int c = 0; c < Package; ++c) begin
+        case (phase1)
+          2'd0: factor_d[c] <= in_order[c];
+          2'd1: factor_d[c] <= in_order[c+1];
+          default: factor_d[c] <= in_order[c+2];
+        endcase
+        for (int r = 0; r < 3; ++r) factor_a[r][c] <= words1[r][c];
+      end
+    end
+    for (int r = 0; r < 3; ++r) begin
+      if (valid[2]) begin
+        for (int c = 0; c < Package; ++c) product3[r][c] <= factor_a[r][c] * factor_d[c];
+      end
+      if (valid[3]) product4[r] <= product3[r];
+      if (valid[4]) begin
+        for (int i = 0; i < Pairs; ++i) begin
+          pair5[r][i] <= (ProductBits + 1)'(product4[r][2*i]);
+          if (2 * i + 1 < Package) begin
+            pair5[r][i] <= (ProductBits + 1)'(product4[r][2*i]) +
+                           (ProductBits + 1)'(product4[r][2*i+1]);
+          end
+        end
+      end
+      if (valid[5]) begin
+        for (int i = 0; i < Fours; ++i) begin
+          four6[r][i] <= (ProductBits + 2)'(pair5[r][2*i]);
+          if (2 * i + 1 < Pairs) begin
+            four6[r][i] <= (ProductBits + 2)'(pair5[r][2*i]) + (ProductBits + 2)'(pair5[r][2*i+1]);
+          end
+        end
+      end
+      if (valid[6]) begin
+        automatic logic signed [ProductBits+3:0] total = '0;
+        for (int i = 0; i < Fours; ++i) total = total + (ProductBits + 4)'(four6[r][i]);
+        total7[r] <= total;
+      end
+    end
+    valid <= {valid[6:2], issued1 && !reset};
+    last <= {last[6:2], index1[IndexBits-1]};
+    owner[2] <= owner1;
+    caught[2] <= caught1;
+    own[2] <= own1;
+    for (int i = 3; i <= 7; ++i) begin
+      owner[i] <= owner[i-1];
+      caught[i] <= caught[i-1];
+      own[i] <= own[i-1];
+    end
+    if (reset) valid <= '0;
+  end
+
+  // ---- Rank 8: the accumulators and the result memory.
+  localparam int RowBits = NodeBits + 3 * SumBits + 3 * VectorBits;
+  logic [RowBits-1:0] rows[2**QueueBits];
+  logic [2:0][SumBits-1:0] sum, next_sum;
+  logic [2:0][VectorBits-1:0] own_words, next_own;
+  always_comb begin
+    for (int r = 0; r < 3; ++r) begin
+      next_sum[r] = sum[r] + SumBits'(total7[r]);
+      next_own[r] = caught[7][r] ? own[7][r] : own_words[r];
+    end
+  end
+  always_ff @(posedge clock) begin
+    if (valid[7]) begin
+      sum <= last[7] ? '0 : next_sum;
+      own_words <= next_own;
+      if (last[7]) begin
+        rows[finished[QueueBits-1:0]] <= {owner[7], next_sum, next_own};
+        finished <= finished + 1'b1;
+      end
+    end
+    if (reset) begin
+      sum <= '0;
+      finished <= '0;
+    end
+  end
+  assign {row_node, row_sum, row_own} = rows[taken[QueueBits-1:0]];
+
+endmodule
+
+`default_nettype wire

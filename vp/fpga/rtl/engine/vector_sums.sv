@@ -1,0 +1,132 @@
+// What the vector unit finds out about the words of a pass: the exact inner products, the largest
+// magnitudes, and how many words were clamped (engine::VectorStatus). For plain CG: the inner
+// product is d.q in a product and r.r where r is formed.
+//
+// Inputs have the ranks of vector_lane.sv; each validity is that of its inputs' rank.
+`default_nettype none
+
+module vector_sums
+  import engine_types::*;
+#(
+    parameter int Lanes = 2,
+    parameter int VectorBits = 16,
+    parameter int ProductBits = 32,
+    parameter int DifferenceBits = 33,
+    parameter int DotBits = 60
+) (
+    input wire clock,
+    input wire start,  // of a pass: what it finds is cleared
+    input wire clear_clamped,
+    input wire pass_t pass,
+    input wire hold,
+    input wire compare,
+    input wire exchange,
+    input wire counts_b,  // clamped words of b are counted
+    // Rows.
+    input wire [Lanes-1:0] rows2,
+    input wire [Lanes-1:0] rows4,
+    input wire [Lanes-1:0] rows6,
+    input wire signed [Lanes-1:0][2:0][ProductBits-1:0] q2,
+    input wire [Lanes-1:0][2:0] q_clamped2,
+    input wire [Lanes-1:0][2:0][DifferenceBits-1:0] difference4,
+    input wire [Lanes-1:0][2:0][ProductBits+VectorBits-1:0] q_d6,
+    // Groups of nodes.
+    input wire [Lanes-1:0] nodes3,
+    input wire [Lanes-1:0] nodes11,
+    input wire [Lanes-1:0] nodes14,
+    input wire [Lanes-1:0][2:0] b_clamped3,
+    input wire [Lanes-1:0][2:0][VectorBits-1:0] sum_word11,
+    input wire [Lanes-1:0][2:0][VectorBits-1:0] r_word11,
+    input wire [Lanes-1:0][2:0] sum_clamped11,
+    input wire [Lanes-1:0][2:0] r_clamped11,
+    input wire [Lanes-1:0][2:0][2*VectorBits-3:0] square14,
+    output logic signed [DotBits-1:0] dot,
+    output logic [VectorBits-2:0] largest_r,
+    output logic [VectorBits-2:0] largest_d,
+    output logic [ProductBits-2:0] largest_q,
+    output logic [DifferenceBits-1:0] widest,  // as long as the largest |b - q|
+    output logic [31:0] clamped
+);
+
+  localparam int V = VectorBits;
+  localparam int Q = ProductBits;
+  localparam int CountBits = $clog2(9 * Lanes + 1);
+
+  wire makes_r = pass == Residual || (pass == Update && !exchange);
+  wire makes_d = pass == FirstDirection || pass == Direction;
+  wire counts_sum = pass == Update || pass == Guess || makes_d;
+
+  function automatic logic [V-2:0] size(input logic [V-1:0] word);
+    return word[V-1] ? (V - 1)'(-word) : word[V-2:0];
+  endfunction
+  function automatic logic [Q-2:0] q_size(input logic [Q-1:0] word);
+    return word[Q-1] ? (Q - 1)'(-word) : word[Q-2:0];
+  endfunction
+
+  logic signed [Q+V+2:0] q_d_sum, q_d_sum7;
+  logic [2*V+2:0] square_sum, square_sum15;
+  logic [V-2:0] most_r, most_d;
+  logic [Q-2:0] most_q;
+  logic [DifferenceBits-1:0] bits_of_difference;
+  logic [CountBits-1:0] clamps, clamps_now;
+
+  always_comb begin
+    q_d_sum = '0;
+    square_sum = '0;
+    most_r = largest_r;
+    most_d = largest_d;
+    most_q = largest_q;
+    bits_of_difference = widest;
+    clamps = '0;
+    for (int l = 0; l < Lanes; ++l) begin
+      for (int c = 0; c < 3; ++c) begin
+        if (rows6[l]) q_d_sum = q_d_sum + (Q + V + 3)'($signed(q_d6[l][c]));
+        if (nodes14[l]) square_sum = square_sum + (2 * V + 3)'(square14[l][c]);
+        if (rows2[l] && !hold) begin
+          if (q_size(q2[l][c]) > most_q) most_q = q_size(q2[l][c]);
+          clamps = clamps + CountBits'(q_clamped2[l][c]);
+        end
+        if (rows4[l] && compare) bits_of_difference = bits_of_difference | difference4[l][c];
+        if (nodes3[l] && counts_b) clamps = clamps + CountBits'(b_clamped3[l][c]);
+        if (nodes11[l] && !hold) begin
+          if (makes_r && size(r_word11[l][c]) > most_r) most_r = size(r_word11[l][c]);
+          if (makes_d && size(sum_word11[l][c]) > most_d) most_d = size(sum_word11[l][c]);
+          if (makes_r) clamps = clamps + CountBits'(r_clamped11[l][c]);
+          if (counts_sum) clamps = clamps + CountBits'(sum_clamped11[l][c]);
+        end
+      end
+    end
+  end
+
+  always_ff @(posedge clock) begin
+    q_d_sum7 <= q_d_sum;
+    square_sum15 <= square_sum;
+    if (pass == Product) dot <= dot + DotBits'(q_d_sum7);
+    else if (makes_r) dot <= dot + DotBits'(square_sum15);
+    largest_r <= most_r;
+    largest_d <= most_d;
+    largest_q <= most_q;
+    widest <= bits_of_difference;
+    clamps_now <= clamps;
+    clamped <= clamped + 32'(clamps_now);
+    if (start) begin
+      dot <= '0;
+      q_d_sum7 <= '0;
+      square_sum15 <= '0;
+      widest <= '0;
+      case (pass)
+        Residual, Update: largest_r <= '0;
+        FirstDirection, Direction: largest_d <= '0;
+        Product: largest_q <= '0;
+        default: ;
+      endcase
+    end
+    if (clear_clamped) begin
+      clamped <= '0;
+      clamps_now <= '0;
+    end
+  end
+
+endmodule
+
+`default_nettype wire

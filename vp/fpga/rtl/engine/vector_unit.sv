@@ -1,0 +1,354 @@
+// The vector unit of plain CG: Lanes nodes a clock through the passes of the sequencer, and the rows
+// that the partitions finish (engine::VectorUnit). Its ranks are those of vector_lane.sv; words are
+// written at rank PhaseClocks - 5 and the pass is over when the last group's rank is PhaseClocks - 1,
+// a row's VectorClocks - 1 edges after it was taken.
+//
+// Ports of d: Lanes reads and Lanes writes a clock, which a double-pumped memory has for one or two
+// lanes, so that no group waits.
+`default_nettype none
+
+module vector_unit
+  import engine_types::*;
+#(
+    parameter int Lanes = 2,
+    parameter int Partitions = 5,
+    parameter int VectorBits = 16,
+    parameter int ProductBits = 32,
+    parameter int CoefficientBits = 16,
+    parameter int StaticBits = 4,
+    parameter int ProductShift = 0,
+    parameter int SumBits = 38,
+    parameter int NodeBits = 10,
+    parameter int QueueBits = 4,
+    parameter int DotBits = 60,
+    parameter int PhaseClocks = 20,
+    localparam int DifferenceBits =
+        difference_bits(VectorBits, StaticBits, ProductBits, ProductShift),
+    localparam int BankBits = Lanes > 1 ? $clog2(Lanes) : 0,
+    localparam int AddressBits = NodeBits - BankBits
+) (
+    input wire clock,
+    input wire reset,
+    input wire [NodeBits:0] nodes,
+    input wire rounding_t rounding,
+    input wire [StaticBits-1:0] static_shift,
+    // The host's port, while no pass runs.
+    input wire host_x_write,
+    input wire host_b_write,
+    input wire [NodeBits-1:0] host_node,
+    input wire [1:0] host_component,
+    input wire [VectorBits-1:0] host_word,
+    output wire [VectorBits-1:0] host_x,  // three clocks behind the address
+    // From the sequencer; what follows `start` holds still while the pass runs.
+    input wire start,
+    input wire pass_t pass,
+    input wire hold,
+    input wire compare,
+    input wire first,
+    input wire zero,
+    input wire alone,
+    input wire exchange,
+    input wire [CoefficientBits-2:0] coefficient,
+    input wire [5:0] right_d,
+    input wire [5:0] right_q,
+    input wire [5:0] right_r,
+    input wire beyond_d,
+    input wire beyond_q,
+    input wire beyond_r,
+    input wire clear_clamped,
+    // To the sequencer.
+    output logic done,
+    output wire signed [DotBits-1:0] dot,
+    output wire [VectorBits-2:0] largest_r,
+    output wire [VectorBits-2:0] largest_d,
+    output wire [ProductBits-2:0] largest_q,
+    output wire [DifferenceBits-1:0] widest,
+    output wire [31:0] clamped,
+    // The partitions.
+    output wire product,  // a product runs
+    input wire [Partitions-1:0][QueueBits:0] finished,
+    output wire [Partitions-1:0][QueueBits:0] taken,
+    input wire [Partitions-1:0][NodeBits-1:0] partition_node,
+    input wire [Partitions-1:0][2:0][SumBits-1:0] partition_sum,
+    input wire [Partitions-1:0][2:0][VectorBits-1:0] partition_own,
+    output wire [NodeBits-1:0] direction_read,
+    input wire [Lanes-1:0][2:0][VectorBits-1:0] direction_words,
+    output logic [Lanes-1:0] direction_write,
+    output logic [NodeBits-1:0] direction_first,
+    output logic [Lanes-1:0][2:0][VectorBits-1:0] direction_new
+);
+
+  localparam int V = VectorBits;
+  localparam int Q = ProductBits;
+  localparam int Written = PhaseClocks - 5;
+  localparam int VectorClocks = PhaseClocks - 9;
+  localparam int RowWritten = VectorClocks - 2;  // the rank before the edge that writes q
+
+  // ---- The pass. `active` is its first clock, too.
+  logic running;
+  logic [NodeBits:0] next_node, done_nodes;
+  wire active = running || start;
+  assign product = active && pass == Product;
+  wire moves = active && pass != Product && pass != NoPass;
+  wire [NodeBits:0] entering = start ? '0 : next_node;
+  logic [Lanes-1:0] enters;
+  always_comb for (int l = 0; l < Lanes; ++l) begin
+    enters[l] = moves && entering + (NodeBits + 1)'(l) < nodes;
+  end
+
+  // Ranks: the group's first node, and which lanes have a node.
+  logic [NodeBits-1:0] node[PhaseClocks-1];
+  logic [Lanes-1:0] valid[PhaseClocks-1];
+  always_ff @(posedge clock) begin
+    node[0] <= entering[NodeBits-1:0];
+    valid[0] <= enters;
+    for (int i = 1; i < PhaseClocks - 1; ++i) begin
+      node[i] <= node[i-1];
+      valid[i] <= start || reset ? '0 : valid[i-1];
+    end
+    if (reset) valid[0] <= '0;
+  end
+
+  // ---- Rows.
+  wire [Lanes-1:0] row_valid;
+  wire [Lanes-1:0][NodeBits-1:0] row_node;
+  wire [Lanes-1:0][2:0][SumBits-1:0] row_sum;
+  wire [Lanes-1:0][2:0][V-1:0] row_own;
+  row_collector #(
+      .Partitions(Partitions),
+      .Lanes(Lanes),
+      .NodeBits(NodeBits),
+      .CountBits(QueueBits + 1),
+      .SumBits(SumBits),
+      .VectorBits(V)
+  ) collector (
+      .clock,
+      .reset,
+      .collects(product),
+      .finished,
+      .taken,
+      .node(partition_node),
+      .sum(partition_sum),
+      .own(partition_own),
+      .row_valid,
+      .row_node,
+      .row_sum,
+      .row_own
+  );
+  logic [Lanes-1:0] rows[1:RowWritten];
+  logic [Lanes-1:0][NodeBits-1:0] row_nodes[1:RowWritten];
+  logic [Lanes-1:0][2:0][V-1:0] own1, own2;
+  always_ff @(posedge clock) begin
+    rows[1] <= reset ? '0 : row_valid;
+    row_nodes[1] <= row_node;
+    for (int i = 2; i <= RowWritten; ++i) begin
+      rows[i] <= reset ? '0 : rows[i-1];
+      row_nodes[i] <= row_nodes[i-1];
+    end
+    own1 <= row_own;
+    own2 <= own1;
+  end
+
+  // ---- Lanes.
+  wire is_product = pass == Product;
+  wire writes_d = pass == Copy || pass == Guess || pass == FirstDirection || pass == Direction ||
+                  exchange;
+  wire signed [Lanes-1:0][2:0][Q-1:0] q2;
+  wire [Lanes-1:0][2:0] q_clamped2, b_clamped3, sum_clamped11, r_clamped11;
+  wire [Lanes-1:0][2:0][DifferenceBits-1:0] difference4;
+  wire [Lanes-1:0][2:0][Q+V-1:0] q_d6;
+  wire [Lanes-1:0][2:0][V-1:0] sum_word11, r_word11, old_d11, late_sum;
+  wire [Lanes-1:0][2:0][2*V-3:0] square14;
+  wire [Lanes-1:0][2:0][V-1:0] x_read;
+
+  for (genvar l = 0; l < Lanes; ++l) begin : g_lane
+    wire [AddressBits-1:0] read_row = node[0][NodeBits-1:BankBits];
+    wire [AddressBits-1:0] host_row = host_node[NodeBits-1:BankBits];
+    wire host_here = BankBits == 0 || int'(host_node) % Lanes == l;
+    wire written = valid[Written-1][l] && !hold && !reset;
+    for (genvar c = 0; c < 3; ++c) begin : g_component
+      wire [V-1:0] x, r, b, previous;
+      wire [Q-1:0] q, q_written;
+      wire [V-1:0] d = is_product ? own2[l][c] : direction_words[l][c];
+      logic [V-1:0] late_r, late_d;
+      wire host_component_here = host_here && host_component == 2'(c);
+      vector_bank #(
+          .VectorBits(V),
+          .ProductBits(Q),
+          .AddressBits(AddressBits)
+      ) bank (
+          .clock,
+          .read_address(active ? read_row : host_row),
+          .b_read_address(is_product ? row_node[l][NodeBits-1:BankBits] : read_row),
+          .x,
+          .r,
+          .b,
+          .previous,
+          .q,
+          .x_write(written && (pass == Update || pass == Guess ||
+                               (pass == Residual && (zero || exchange)))),
+          .r_write(written && (pass == Residual || (pass == Update && !exchange))),
+          .write_address(node[Written-1][NodeBits-1:BankBits]),
+          .x_new(pass == Residual && zero ? '0 : exchange ? late_d : late_sum[l][c]),
+          .r_new(late_r),
+          .previous_write(valid[2][l] && pass == Guess && !reset),
+          .previous_address(node[2][NodeBits-1:BankBits]),
+          .q_write(rows[RowWritten][l] && !hold && !reset),
+          .q_address(row_nodes[RowWritten][l][NodeBits-1:BankBits]),
+          .q_new(q_written),
+          .host_x_write(host_x_write && host_component_here),
+          .host_b_write(host_b_write && host_component_here),
+          .host_address(host_row),
+          .host_word
+      );
+      assign x_read[l][c] = x;
+      row_writer #(
+          .SumBits(SumBits),
+          .ProductBits(Q),
+          .ProductShift(ProductShift),
+          .Written(RowWritten)
+      ) writer (
+          .clock,
+          .rounding,
+          .zero,
+          .sum(row_sum[l][c]),
+          .q(q2[l][c]),
+          .clamped(q_clamped2[l][c]),
+          .q_written
+      );
+      vector_lane #(
+          .VectorBits(V),
+          .ProductBits(Q),
+          .CoefficientBits(CoefficientBits),
+          .StaticBits(StaticBits),
+          .ProductShift(ProductShift)
+      ) lane (
+          .clock,
+          .pass,
+          .exchange,
+          .alone,
+          .rounding,
+          .static_shift,
+          .coefficient,
+          .right_d,
+          .right_q,
+          .right_r,
+          .beyond_d,
+          .beyond_q,
+          .beyond_r,
+          .x,
+          .previous,
+          .d,
+          .r,
+          .b,
+          .q(is_product ? q2[l][c] : q),
+          .b_clamped(b_clamped3[l][c]),
+          .difference(difference4[l][c]),
+          .q_d(q_d6[l][c]),
+          .sum_word(sum_word11[l][c]),
+          .r_word(r_word11[l][c]),
+          .old_d(old_d11[l][c]),
+          .sum_clamped(sum_clamped11[l][c]),
+          .r_clamped(r_clamped11[l][c]),
+          .square(square14[l][c])
+      );
+      // From rank 11 to the one before the edge that writes.
+      logic [3*V-1:0] late[12:Written-1];
+      always_ff @(posedge clock) begin
+        late[12] <= {sum_word11[l][c], r_word11[l][c], old_d11[l][c]};
+        for (int i = 13; i < Written; ++i) late[i] <= late[i-1];
+      end
+      assign {late_sum[l][c], late_r, late_d} = late[Written-1];
+      always_ff @(posedge clock) direction_new[l][c] <= late_sum[l][c];
+    end
+    always_ff @(posedge clock) direction_write[l] <= written && writes_d;
+  end
+  assign direction_read = node[0];
+  always_ff @(posedge clock) direction_first <= node[Written-1];
+
+  // The host's word of x.
+  logic [V-1:0] selected;
+  always_comb begin
+    selected = '0;
+    for (int l = 0; l < Lanes; ++l) begin
+      for (int c = 0; c < 3; ++c) begin
+        if ((BankBits == 0 || int'(host_node) % Lanes == l) && host_component == 2'(c)) begin
+          selected = x_read[l][c];
+        end
+      end
+    end
+  end
+  assign host_x = selected;
+
+  vector_sums #(
+      .Lanes(Lanes),
+      .VectorBits(V),
+      .ProductBits(Q),
+      .DifferenceBits(DifferenceBits),
+      .DotBits(DotBits)
+  ) sums (
+      .clock,
+      .start,
+      .clear_clamped,
+      .pass,
+      .hold,
+      .compare,
+      .exchange,
+      .counts_b(pass == Residual && first && !hold),
+      .rows2(rows[2]),
+      .rows4(rows[4]),
+      .rows6(rows[6]),
+      .q2,
+      .q_clamped2,
+      .difference4,
+      .q_d6,
+      .nodes3(valid[3]),
+      .nodes11(valid[11]),
+      .nodes14(valid[14]),
+      .b_clamped3,
+      .sum_word11,
+      .r_word11,
+      .sum_clamped11,
+      .r_clamped11,
+      .square14,
+      .dot,
+      .largest_r,
+      .largest_d,
+      .largest_q,
+      .widest,
+      .clamped
+  );
+
+  // ---- The end: nodes that are summed, or rows that are written.
+  logic [NodeBits:0] more;
+  always_comb begin
+    more = '0;
+    for (int l = 0; l < Lanes; ++l) begin
+      if (is_product ? rows[RowWritten][l] : valid[PhaseClocks-2][l]) more = more + 1'b1;
+    end
+  end
+  wire [NodeBits:0] total = done_nodes + more;
+  always_ff @(posedge clock) begin
+    done <= 1'b0;
+    if (moves) next_node <= enters == '0 ? entering : entering + (NodeBits + 1)'(Lanes);
+    if (running) begin
+      done_nodes <= total;
+      if (total == nodes) begin
+        running <= 1'b0;
+        done <= 1'b1;
+      end
+    end
+    if (start) begin
+      running <= pass != NoPass && nodes != '0;
+      done <= nodes == '0;
+      done_nodes <= '0;
+    end
+    if (reset) begin
+      running <= 1'b0;
+      done <= 1'b0;
+    end
+  end
+
+endmodule
+
+`default_nettype wire

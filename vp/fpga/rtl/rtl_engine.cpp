@@ -1,0 +1,215 @@
+#include "vp/fpga/rtl/rtl_engine.h"
+
+#include <stdexcept>
+#include <string>
+
+#include "models/config/input_error.h"
+#include "models/index.h"
+
+namespace hvp::vp::rtl {
+
+namespace {
+
+// A run that has not ended by then has no end.
+constexpr std::int64_t kHangs = 200'000'000;
+
+std::uint32_t place(int partition, int row, int package) {
+  return static_cast<std::uint32_t>(partition) << 16U | static_cast<std::uint32_t>(row) << 14U |
+         static_cast<std::uint32_t>(package);
+}
+
+}  // namespace
+
+RtlEngine::RtlEngine(const EngineSize& size, const accel::Architecture& architecture)
+    : size_((require_fitting(size, architecture), size)),
+      architecture_(architecture),
+      model_(size.make()),
+      ports_(model_->ports) {
+  reset();
+}
+
+// Several edges, so that the memories' output registers show the first words.
+void RtlEngine::reset() {
+  ports_.reset = true;
+  for (int i = 0; i < 2; ++i) model_->tick();
+  ports_.reset = false;
+  for (int i = 0; i < 3; ++i) model_->tick();
+}
+
+void RtlEngine::abort() { reset(); }
+
+void RtlEngine::write(Space space, std::uint32_t address, std::int64_t word) {
+  ports_.host_write = true;
+  ports_.host_space = space;
+  ports_.host_address = address;
+  ports_.host_word = static_cast<std::uint32_t>(word);
+  model_->tick();
+  ports_.host_write = false;
+}
+
+void RtlEngine::load(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings) {
+  require_fitting(size_, settings);
+  abort();
+  const engine::Layout layout(architecture_, matrix.row_begin, matrix.column);
+  nodes_ = matrix.block_rows();
+  if (nodes_ > 1 << size_.node_bits) {
+    throw InputError("nodes", std::to_string(nodes_) + " nodes; the RTL engine \"" + size_.name +
+                                  "\" has memories for " + std::to_string(1 << size_.node_bits));
+  }
+  settings_ = settings;
+  set(0, nodes_);
+  std::vector<std::int32_t> words(3 * at(size_.package));
+  for (int p = 0; p < size_.partitions; ++p) {
+    const engine::Partition& partition = layout.partitions()[at(p)];
+    if (partition.packages() > 1 << size_.package_bits) {
+      throw InputError("partitions", "a partition of " + std::to_string(partition.packages()) +
+                                         " packages; the RTL engine \"" + size_.name +
+                                         "\" has memories for " +
+                                         std::to_string(1 << size_.package_bits));
+    }
+    write(Space::packages, place(p, 0, 0), partition.packages());
+    for (int k = 0; k < partition.packages(); ++k) {
+      const int row = partition.owner[at(k)];
+      const std::span<const std::int32_t> blocks = matrix.row(row);
+      const int first = (k - layout.place(row).first_package) * size_.package;
+      for (int c = 0; c < size_.package; ++c) {
+        const int column = first + c;
+        for (int r = 0; r < 3; ++r) {
+          const bool used = c < partition.columns[at(k)];
+          words[at(r * size_.package + c)] =
+              used ? blocks[at(9 * (column / 3) + 3 * r + column % 3)] : 0;
+        }
+      }
+      write_package(partition, p, k, words);
+    }
+  }
+  const std::vector<std::int32_t> zeros(3 * at(nodes_), 0);
+  write_vector(Space::b, zeros);
+  write_x(zeros);
+}
+
+void RtlEngine::write_package(const engine::Partition& partition, int number, int package,
+                              std::span<const std::int32_t> words) {
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < size_.package; ++c) {
+      write(Space::column, static_cast<std::uint32_t>(c), words[at(r * size_.package + c)]);
+    }
+    write(Space::matrix, place(number, r, package), 0);
+  }
+  const int nodes = static_cast<int>(partition.node.size()) / partition.packages();
+  for (int n = 0; n < nodes; ++n) {
+    write(Space::node, static_cast<std::uint32_t>(n), partition.node[at(package * nodes + n)]);
+  }
+  const std::int64_t last = partition.last[at(package)];
+  const std::int64_t phase = partition.phase[at(package)];
+  write(Space::index, place(number, 0, package),
+        last << (size_.node_bits + 2) | phase << size_.node_bits | partition.owner[at(package)]);
+}
+
+void RtlEngine::write_vector(Space space, std::span<const std::int32_t> words) {
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    write(space, static_cast<std::uint32_t>(i / 3 << 2U | i % 3), words[i]);
+  }
+}
+
+void RtlEngine::write_b(std::span<const std::int32_t> words) { write_vector(Space::b, words); }
+
+void RtlEngine::write_x(std::span<const std::int32_t> words) {
+  abort();  // a copy that is under way
+  write_vector(Space::x, words);
+  copy_x();
+}
+
+void RtlEngine::read_x(std::span<std::int32_t> words) {
+  for (std::size_t node = 0; node < words.size() / 3; ++node) {
+    ports_.host_address = static_cast<std::uint32_t>(node << 2U);
+    model_->tick();
+    model_->tick();
+    for (std::size_t c = 0; c < 3; ++c) {
+      ports_.host_address = static_cast<std::uint32_t>(node << 2U | c);
+      model_->settle();
+      words[3 * node + c] = ports_.host_read;
+    }
+  }
+}
+
+void RtlEngine::forget_previous() {
+  ports_.forget_previous = true;
+  model_->tick();
+  ports_.forget_previous = false;
+}
+
+void RtlEngine::copy_x() {
+  ports_.copy = true;
+  model_->tick();
+  ports_.copy = false;
+  copy_clocks_ = 0;
+  while (!idle()) {
+    model_->tick();
+    if (++copy_clocks_ == kHangs) throw std::logic_error("the RTL engine's copy of x has no end");
+  }
+}
+
+void RtlEngine::set_all(const fixed::Settings& s) {
+  const auto rounding = [](fixed::Rounding r) { return static_cast<int>(r); };
+  set(1, s.iterations);
+  set(2, s.replace_residual_every);
+  set(3, s.rhs_shift());
+  set(4, s.headroom_bits);
+  set(5, s.scaling_threshold);
+  set(6, s.scaling_step);
+  set(7, (s.start == fixed::Start::zero ? 1 : 0) | (s.start == fixed::Start::extrapolated ? 2 : 0) |
+             (s.dynamic_scaling ? 4 : 0) | (s.scaling_down ? 8 : 0));
+  set(8, rounding(s.shift_rounding));
+  set(9, rounding(s.division_rounding));
+}
+
+void RtlEngine::start_solve(const fixed::Settings& settings) {
+  require_fitting(size_, settings);
+  settings_ = settings;
+  set_all(settings);
+  clocks_ = 0;
+  state_clocks_ = {};
+  ports_.go = true;
+  model_->tick();
+  ports_.go = false;
+}
+
+void RtlEngine::solve_clock() {
+  ++state_clocks_[at(ports_.state)];
+  model_->tick();
+  if (++clocks_ == kHangs) throw std::logic_error("the RTL engine's solve has no end");
+}
+
+bool RtlEngine::run_iteration() {
+  while (!idle()) {
+    solve_clock();
+    if (ports_.iteration_made) return true;
+  }
+  return false;
+}
+
+void RtlEngine::run_to_end() {
+  while (!idle()) solve_clock();
+}
+
+void RtlEngine::run_until(std::int64_t clocks) {
+  while (!idle() && clocks_ < clocks) solve_clock();
+}
+
+fixed::Report RtlEngine::report() const {
+  using stability::Flag;
+  fixed::Report report;
+  report.iterations = ports_.iterations_made;
+  report.replacements = ports_.replacements;
+  report.saturations = ports_.clamped;
+  if (report.saturations > 0) report.flags.raise(Flag::saturation);
+  if (ports_.scalar_overflow) report.flags.raise(Flag::scalar_overflow);
+  if (ports_.breakdown) {
+    report.breakdowns = 1;
+    report.flags.raise(Flag::negative_curvature);
+  }
+  return report;
+}
+
+}  // namespace hvp::vp::rtl

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "models/accel/architecture.h"
+#include "models/fixed/quantised_matrix.h"
+#include "models/fixed/settings.h"
+#include "models/fixed/solver.h"
+#include "vp/fpga/engine/layout.h"
+#include "vp/fpga/engine/sequencer.h"
+#include "vp/fpga/rtl/engine_model.h"
+
+namespace hvp::vp::rtl {
+
+// The size that engine.sv has been translated in for scenarios.
+extern const EngineSize engine_thesis;
+
+// Throws InputError if engine.sv of this size is not the engine of such an architecture, or does
+// not solve by such settings; with the key of accel::Architecture or fixed::Settings.
+void require_fitting(const EngineSize& size, const accel::Architecture& architecture);
+void require_fitting(const EngineSize& size, const fixed::Settings& settings);
+
+// The engine in SystemVerilog with its host: it fills the memories through the host's port and
+// gives orders. It has clocks of its own and no simulated time: each member runs as many as it
+// takes.
+class RtlEngine {
+ public:
+  // Throws InputError as require_fitting() does.
+  RtlEngine(const EngineSize& size, const accel::Architecture& architecture);
+
+  // Throws InputError as require_fitting() and engine::Layout do, or with the key "nodes" or
+  // "partitions" if the memories are too small.
+  void load(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings);
+  void write_b(std::span<const std::int32_t> words);
+  // Also copies x into the copies of d; the copy's clocks are those of copy_clocks().
+  void write_x(std::span<const std::int32_t> words);
+  void read_x(std::span<std::int32_t> words);
+  void forget_previous();
+
+  // Orders a solve; the members below give it clocks.
+  void start_solve(const fixed::Settings& settings);
+  // Runs until the words of the next iteration are written; false if the solve is over before.
+  bool run_iteration();
+  void run_to_end();
+  // Runs until the solve has had so many clocks, or is over.
+  void run_until(std::int64_t clocks);
+  // Copies x into the copies of d, as the engine does when a solve is over.
+  void copy_x();
+  void abort();
+
+  bool idle() const { return ports_.state == 0; }
+  std::int64_t clocks() const { return clocks_; }  // of the last solve, without a wait for x
+  std::int64_t copy_clocks() const { return copy_clocks_; }
+  const engine::StateClocks& state_clocks() const { return state_clocks_; }
+  // What the hardware knows of the last solve.
+  fixed::Report report() const;
+  const EnginePorts& ports() const { return ports_; }
+  const EngineSize& size() const { return size_; }
+  const fixed::Settings& settings() const { return settings_; }
+
+ private:
+  void write(Space space, std::uint32_t address, std::int64_t word);
+  void set(std::uint32_t number, std::int64_t word) { write(Space::settings, number, word); }
+  void write_vector(Space space, std::span<const std::int32_t> words);
+  void write_package(const engine::Partition& partition, int number, int package,
+                     std::span<const std::int32_t> words);
+  void set_all(const fixed::Settings& settings);
+  void reset();
+  void solve_clock();
+
+  const EngineSize& size_;
+  accel::Architecture architecture_;
+  std::unique_ptr<EngineModel> model_;
+  EnginePorts& ports_;
+  fixed::Settings settings_;
+  int nodes_ = 0;
+  std::int64_t clocks_ = 0;
+  std::int64_t copy_clocks_ = 0;
+  engine::StateClocks state_clocks_{};
+};
+
+}  // namespace hvp::vp::rtl
