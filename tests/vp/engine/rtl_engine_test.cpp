@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "models/config/input_error.h"
+#include "models/fixed/word.h"
 #include "tests/vp/engine/engine_systems.h"
 #include "tests/vp/engine/random_systems.h"
 #include "vp/fpga/rtl/rtl_comparison.h"
@@ -181,6 +182,53 @@ void compare_random_systems(const EngineSize& size, int systems, std::uint64_t s
 TEST(RtlEngine, OfTheThesisAgreesOnRandomSystems) { compare_random_systems(engine_thesis, 300, 1); }
 TEST(RtlEngine, NarrowAgreesOnRandomSystems) { compare_random_systems(engine_narrow, 300, 2); }
 TEST(RtlEngine, WideAgreesOnRandomSystems) { compare_random_systems(engine_wide, 300, 3); }
+
+// Contacts come and go in any order; the solves between see every word of the matrix.
+void compare_contacts(const EngineSize& size, int systems, std::uint64_t seed) {
+  Pair pair(size);
+  Random random(seed);
+  Settings settings = settings_of(size);
+  settings.iterations = 4;
+  int edits = 0;
+  for (int i = 0; i < systems; ++i) {
+    SCOPED_TRACE("system " + std::to_string(i));
+    const int nodes = i < 4 ? i + 1 : 2 + random.below(60);
+    const fixed::QuantisedMatrix original =
+        test::random_matrix(nodes, 1 + random.below(12), size.matrix_bits, random);
+    fixed::QuantisedMatrix matrix = original;
+    // The board can be loaded with a contact in place.
+    if (random.below(2) == 0) matrix.set_contact(random.below(nodes), 77);
+    pair.load(matrix, settings);
+    ++pair.systems;
+    for (int edit = 0; edit < 6; ++edit) {
+      const int node = random.below(nodes);
+      if (matrix.is_contact[static_cast<std::size_t>(node)] == 0) {
+        const int diagonal =
+            1 + random.below(static_cast<int>(fixed::word_limit(size.matrix_bits)));
+        matrix.set_contact(node, diagonal);
+        pair.engine.start_constraining(node, diagonal);
+        pair.both.constrain(node, diagonal);
+      } else {
+        matrix.restore_row(node, original.row(node));
+        pair.engine.start_restoring(node, original.row(node));
+        pair.both.restore(node, original.row(node));
+      }
+      ++edits;
+      sc_core::sc_start();
+      ASSERT_EQ(pair.engine.read_matrix().value, matrix.value);
+      pair.write_x(std::vector<std::int32_t>(static_cast<std::size_t>(matrix.rows()), 0));
+      pair.write_b(words(matrix.rows(), size.vector_bits, random));
+      pair.solve(settings);
+      if (testing::Test::HasFatalFailure()) return;
+    }
+  }
+  std::printf("%d changes of contact nodes\n", edits);
+  pair.print(size.name);
+}
+
+TEST(RtlEngine, OfTheThesisAgreesOnContacts) { compare_contacts(engine_thesis, 60, 11); }
+TEST(RtlEngine, NarrowAgreesOnContacts) { compare_contacts(engine_narrow, 60, 12); }
+TEST(RtlEngine, WideAgreesOnContacts) { compare_contacts(engine_wide, 60, 13); }
 
 // The thesis' own size: its sphere, all its iterations.
 TEST(RtlEngine, AgreesOnTheThesisSphere) {

@@ -30,10 +30,12 @@ struct EnginePorts {
   std::uint32_t host_word = 0;
   bool go = false;
   bool copy = false;
+  bool edit = false;
   bool forget_previous = false;
 
   std::int32_t host_read = 0;
   int state = 0;  // engine::State
+  bool editing = false;
   bool finished = false;
   bool iteration_made = false;
   bool breakdown = false;
@@ -85,6 +87,8 @@ struct EngineSize {
   std::unique_ptr<EngineModel> (*make)();
 
   static constexpr int kScalarBits = 64;
+  static constexpr int kBlocksOfARow = 64;
+  static constexpr int kPackagesOfARow = 255;
 };
 
 }  // namespace hvp::vp::rtl

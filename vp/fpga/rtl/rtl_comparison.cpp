@@ -110,6 +110,16 @@ void RtlComparison::end_solve() {
   rtl_.copy_x();
 }
 
+void RtlComparison::constrain(int node, std::int32_t diagonal) {
+  compare("the number of clocks in which node " + std::to_string(node) + " is constrained",
+          rtl_.constrain(node, diagonal), engine_.update_clocks());
+}
+
+void RtlComparison::restore(int node, std::span<const std::int32_t> row) {
+  compare("the number of clocks in which node " + std::to_string(node) + " is restored",
+          rtl_.restore(node, row), engine_.update_clocks());
+}
+
 void RtlComparison::abort() {
   const bool compares =
       solving_ && difference_.empty() && engine_.sequencer().state() != engine::State::copy;

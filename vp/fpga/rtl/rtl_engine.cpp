@@ -83,9 +83,55 @@ void RtlEngine::load(const fixed::QuantisedMatrix& matrix, const fixed::Settings
       write_package(partition, p, k, words);
     }
   }
+  write_places(layout, matrix);
   const std::vector<std::int32_t> zeros(3 * at(nodes_), 0);
   write_vector(Space::b, zeros);
   write_x(zeros);
+}
+
+void RtlEngine::write_places(const engine::Layout& layout, const fixed::QuantisedMatrix& matrix) {
+  for (int node = 0; node < nodes_; ++node) {
+    const engine::RowPlace& row = layout.place(node);
+    const auto blocks = static_cast<int>(matrix.row(node).size() / 9);
+    if (blocks > EngineSize::kBlocksOfARow || row.packages > EngineSize::kPackagesOfARow) {
+      throw InputError("nodes", "a row of " + std::to_string(blocks) + " blocks in " +
+                                    std::to_string(row.packages) +
+                                    " packages; the RTL matrix editor takes 64 in 255");
+    }
+    const auto number = static_cast<std::uint32_t>(node);
+    write(Space::place, static_cast<std::uint32_t>(row.packages) << 16U | number,
+          std::int64_t{blocks} << 24 | std::int64_t{row.partition} << 16 | row.first_package);
+    write(Space::contact, number, matrix.is_contact[at(node)]);
+  }
+}
+
+std::int64_t RtlEngine::constrain(int node, std::int32_t diagonal) {
+  return edit(node, false, diagonal);
+}
+
+std::int64_t RtlEngine::restore(int node, std::span<const std::int32_t> row) {
+  for (std::size_t block = 0; block < row.size() / 9; ++block) {
+    const auto address = static_cast<std::uint32_t>(block << 4U);
+    for (std::uint32_t e = 0; e < 9; ++e) write(Space::staged, address | e, row[9 * block + e]);
+    write(Space::staged, address | 15U, 0);
+  }
+  return edit(node, true, 0);
+}
+
+std::int64_t RtlEngine::edit(int node, bool restores, std::int32_t diagonal) {
+  set(10, node);
+  set(11, restores ? 1 : 0);
+  set(12, diagonal);
+  for (int i = 0; i < 3; ++i) model_->tick();
+  ports_.edit = true;
+  model_->tick();
+  ports_.edit = false;
+  std::int64_t clocks = 0;
+  while (ports_.editing) {
+    model_->tick();
+    if (++clocks == kHangs) throw std::logic_error("the RTL engine's matrix editor has no end");
+  }
+  return clocks;
 }
 
 void RtlEngine::write_package(const engine::Partition& partition, int number, int package,
@@ -115,7 +161,6 @@ void RtlEngine::write_vector(Space space, std::span<const std::int32_t> words) {
 void RtlEngine::write_b(std::span<const std::int32_t> words) { write_vector(Space::b, words); }
 
 void RtlEngine::write_x(std::span<const std::int32_t> words) {
-  abort();  // a copy that is under way
   write_vector(Space::x, words);
   copy_x();
 }

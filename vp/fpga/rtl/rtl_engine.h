@@ -52,6 +52,10 @@ class RtlEngine {
   // Copies x into the copies of d, as the engine does when a solve is over.
   void copy_x();
   void abort();
+  // Clears the row and the column of a node but for `diagonal`, or restores them from a row as
+  // engine::CycleEngine does. Returns the clocks that it takes.
+  std::int64_t constrain(int node, std::int32_t diagonal);
+  std::int64_t restore(int node, std::span<const std::int32_t> row);
 
   bool idle() const { return ports_.state == 0; }
   std::int64_t clocks() const { return clocks_; }  // of the last solve, without a wait for x
@@ -69,6 +73,8 @@ class RtlEngine {
   void write_vector(Space space, std::span<const std::int32_t> words);
   void write_package(const engine::Partition& partition, int number, int package,
                      std::span<const std::int32_t> words);
+  void write_places(const engine::Layout& layout, const fixed::QuantisedMatrix& matrix);
+  std::int64_t edit(int node, bool restores, std::int32_t diagonal);
   void set_all(const fixed::Settings& settings);
   void reset();
   void solve_clock();

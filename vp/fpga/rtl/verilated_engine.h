@@ -43,6 +43,7 @@ class VerilatedEngine : public EngineModel {
     top_->host_word = ports.host_word;
     top_->go = ports.go ? 1 : 0;
     top_->copy = ports.copy ? 1 : 0;
+    top_->edit = ports.edit ? 1 : 0;
     top_->forget_previous = ports.forget_previous ? 1 : 0;
     top_->eval();
     ports.host_read = static_cast<std::int32_t>(top_->host_read);
@@ -52,6 +53,7 @@ class VerilatedEngine : public EngineModel {
   void read_outputs() {
     ports.host_read = static_cast<std::int32_t>(top_->host_read);
     ports.state = top_->state_number;
+    ports.editing = top_->editing != 0;
     ports.finished = top_->finished != 0;
     ports.iteration_made = top_->iteration_made != 0;
     ports.breakdown = top_->breakdown != 0;

@@ -22,7 +22,8 @@ module engine
     parameter int QueueBits = 4,
     parameter int PhaseClocks = 20,
     parameter int DivisionClocks = 68,
-    parameter int StaticBits = 4
+    parameter int StaticBits = 4,
+    parameter int BlockBits = 6        // 2^BlockBits blocks of a row at most, for the editor
 ) (
     input wire clock,
     input wire reset,
@@ -35,9 +36,11 @@ module engine
     // Orders.
     input wire go,
     input wire copy,
+    input wire edit,             // the matrix, as the settings say
     input wire forget_previous,  // an extrapolated start then has no solution before x
     // What a solve has come to.
     output wire [3:0] state_number,
+    output wire editing,
     output wire finished,
     output wire iteration_made,
     output wire breakdown,
@@ -67,6 +70,7 @@ module engine
   localparam int DifferenceBits = difference_bits(VectorBits, StaticBits, ProductBits, ProductShift);
   localparam int Nodes = Package % 3 == 0 ? Package / 3 : (Package + 1) / 3 + 1;
   localparam int IndexBits = (Nodes + 1) * NodeBits + 3;
+  localparam int PartitionBits = Partitions > 1 ? $clog2(Partitions) : 1;
 
   // What is not built: the arithmetic below leaves no room for it.
   if (Lanes != 1 && Lanes != 2) $error("a double-pumped memory of d serves one or two lanes");
@@ -82,8 +86,12 @@ module engine
   wire [4:0] static_shift, target, threshold, step;
   wire starts_zero, extrapolated, dynamic_scaling, scaling_down;
   wire rounding_t shift_rounding, division_rounding;
+  wire [NodeBits-1:0] edited_node;
+  wire restores;
+  wire [MatrixBits-1:0] diagonal;
   engine_settings #(
       .VectorBits(VectorBits),
+      .MatrixBits(MatrixBits),
       .NodeBits(NodeBits)
   ) settings (
       .clock,
@@ -102,7 +110,10 @@ module engine
       .dynamic_scaling,
       .scaling_down,
       .shift_rounding,
-      .division_rounding
+      .division_rounding,
+      .edited_node,
+      .restores,
+      .diagonal
   );
 
   // ---- The sequencer.
@@ -292,6 +303,43 @@ module engine
 
   wire [Partitions-1:0][2:0][Package-1:0][MatrixBits-1:0] matrix_words;
   wire [Partitions-1:0][IndexBits-1:0] index_words;
+  wire [PackageBits-1:0] read_package, edited_package;
+  wire [Partitions-1:0] edit_write;
+  wire [2:0][Package-1:0][MatrixBits-1:0] edited_words;
+  matrix_editor #(
+      .Package(Package),
+      .MatrixBits(MatrixBits),
+      .Partitions(Partitions),
+      .NodeBits(NodeBits),
+      .PackageBits(PackageBits),
+      .BlockBits(BlockBits),
+      .PhaseClocks(PhaseClocks)
+  ) editor (
+      .clock,
+      .reset,
+      .place_write(host_write && host_space == SpacePlace),
+      .place_node(host_address[NodeBits-1:0]),
+      .place_word({host_word[24+:BlockBits+1], host_address[23:16], host_word[16+:PartitionBits],
+                   host_word[PackageBits-1:0]}),
+      .contact_write(host_write && host_space == SpaceContact),
+      .contact_node(host_address[NodeBits-1:0]),
+      .contact_word(host_word[0]),
+      .staged_write(host_write && host_space == SpaceStaged),
+      .staged_block(host_address[4+:BlockBits]),
+      .staged_entry(host_address[3:0]),
+      .staged_word(host_word[MatrixBits-1:0]),
+      .start(edit),
+      .restores,
+      .node(edited_node),
+      .diagonal,
+      .busy(editing),
+      .read_package,
+      .words(matrix_words),
+      .index(index_words),
+      .write(edit_write),
+      .write_package(edited_package),
+      .new_words(edited_words)
+  );
   for (genvar p = 0; p < Partitions; ++p) begin : g_partition
     wire here = host_write && host_address[31:16] == 16'(p);
     wire [2:0] rows;
@@ -314,15 +362,15 @@ module engine
     ) spmxv (
         .clock,
         .reset,
-        .matrix_write(rows),
-        .matrix_write_package(host_address[PackageBits-1:0]),
-        .matrix_write_words({3{columns}}),
+        .matrix_write(rows | {3{edit_write[p]}}),
+        .matrix_write_package(edit_write[p] ? edited_package : host_address[PackageBits-1:0]),
+        .matrix_write_words(edit_write[p] ? edited_words : {3{columns}}),
         .index_write(here && host_space == SpaceIndex),
         .index_write_package(host_address[PackageBits-1:0]),
         .index_write_word(index_word),
         .packages,
-        .edits(1'b0),
-        .edited_package('0),
+        .edits(editing),
+        .edited_package(read_package),
         .matrix_words(matrix_words[p]),
         .index_word(index_words[p]),
         .product,
@@ -341,7 +389,7 @@ module engine
   end
 
   // The copies agree, so that a pass reads the first one.
-  wire unused = &{1'b0, direction_words, matrix_words, index_words, alpha_shift};
+  wire unused = &{1'b0, direction_words, alpha_shift};
 
 endmodule
 

@@ -6,6 +6,7 @@ module engine_settings
   import engine_types::*;
 #(
     parameter int VectorBits = 16,
+    parameter int MatrixBits = 12,
     parameter int NodeBits = 10
 ) (
     input wire clock,
@@ -24,7 +25,11 @@ module engine_settings
     output logic dynamic_scaling,
     output logic scaling_down,
     output rounding_t shift_rounding,
-    output rounding_t division_rounding
+    output rounding_t division_rounding,
+    // Of an order to the matrix editor.
+    output logic [NodeBits-1:0] edited_node,
+    output logic restores,
+    output logic [MatrixBits-1:0] diagonal
 );
 
   always_ff @(posedge clock) begin
@@ -40,6 +45,9 @@ module engine_settings
         4'd7: {scaling_down, dynamic_scaling, extrapolated, starts_zero} <= word[3:0];
         4'd8: shift_rounding <= rounding_t'(word[1:0]);
         4'd9: division_rounding <= rounding_t'(word[1:0]);
+        4'd10: edited_node <= word[NodeBits-1:0];
+        4'd11: restores <= word[0];
+        4'd12: diagonal <= word[MatrixBits-1:0];
         default: ;
       endcase
     end

@@ -48,9 +48,11 @@ package engine_types;
     SpacePackages,  // the packages of the partition at the address
     SpaceX,         // a word of x: the address is {node, component}, the latter in two bits
     SpaceB,
-    SpacePlace,     // where a node's row lies: {partition, packages, first package}
-    SpaceContact,   // whether a node is a contact node
-    SpaceStaged     // a word of the row that comes back: {block, row, column}
+    SpacePlace,     // where a node's row lies: the address is {packages, node} in 16 bits each, the
+                    // word {blocks, partition, first package} in 8, 8 and 16
+    SpaceContact,   // whether the node at the address is a contact node
+    SpaceStaged     // the row that comes back: the address is {block, entry}, the latter in four
+                    // bits; after nine words of a block, in the order of its pattern, entry 15
   } space_t;
 
   // The bits of |b * 2^static_shift - q * 2^product_shift|.
