@@ -22,9 +22,10 @@ void Fidelity::declare(config::Visitor& v, const config::Condition& body) {
   v.when(body, [&] {
     v.choice("accelerator", accelerator,
              named({Timing::untimed, Timing::loosely_timed, Timing::approximately_timed,
-                    Timing::cycle_accurate}),
+                    Timing::cycle_accurate, Timing::rtl}),
              {"loosely-timed: a closed form of clocks; approximately-timed: an event a phase, its "
-              "stalls from conflicts; cycle-accurate: every clock of the engine; untimed: no time",
+              "stalls from conflicts; cycle-accurate: every clock of the engine; rtl: the same "
+              "beside the engine in SystemVerilog, words and clocks compared; untimed: no time",
               "the level that answers whether a budget holds"});
   });
   v.choice("bus", bus, named({Timing::untimed, Timing::loosely_timed, Timing::approximately_timed}),
@@ -52,12 +53,18 @@ const char* name(Timing level) {
       return "approximately-timed";
     case Timing::cycle_accurate:
       return "cycle-accurate";
+    case Timing::rtl:
+      return "rtl";
   }
   return "";
 }
 
 bool has_engine(Timing level) {
-  return level == Timing::approximately_timed || level == Timing::cycle_accurate;
+  return level == Timing::approximately_timed || engine_has_words(level);
+}
+
+bool engine_has_words(Timing level) {
+  return level == Timing::cycle_accurate || level == Timing::rtl;
 }
 
 const char* name(Numbers level) { return level == Numbers::none ? "none" : "fixed"; }

@@ -6,7 +6,7 @@ namespace hvp::vp {
 
 // The levels of detail at which a part's time is modelled. A part's key lists only the levels that
 // the part has, so that any other is an error.
-enum class Timing { untimed, loosely_timed, approximately_timed, cycle_accurate };
+enum class Timing { untimed, loosely_timed, approximately_timed, cycle_accurate, rtl };
 enum class Numbers {
   fixed,  // bit-true words
   none,   // timing only: nobody computes words, and every solve makes all its iterations
@@ -27,6 +27,8 @@ struct Fidelity {
 const char* name(Timing level);
 // True if an engine, not the closed form, determines how long the accelerator's solves take.
 bool has_engine(Timing level);
+// True if that engine makes the words, too.
+bool engine_has_words(Timing level);
 const char* name(Numbers level);
 
 }  // namespace hvp::vp

@@ -10,6 +10,7 @@
 #include "models/config/effects.h"
 #include "models/config/input_error.h"
 #include "models/plant/device.h"
+#include "vp/fpga/rtl_timing.h"
 
 // Scenario::check(): refuses keys that are each right and cannot be together.
 
@@ -53,6 +54,10 @@ void require_engine(const Scenario& s) {
       s.solver.method == fixed::Method::pipelined_cg) {
     lacks("chronopoulos-gear and pipelined-cg", "this solver.method");
   }
+  if (s.fidelity.accelerator != vp::Timing::rtl) return;
+  vp::require_rtl();
+  within("accelerator", [&] { vp::require_rtl(s.accelerator); });
+  within("solver", [&] { vp::require_rtl(s.solver); });
 }
 
 // Refuses transfer settings without a board, as nothing is transferred then.
@@ -144,7 +149,7 @@ void require_no_numbers(const Scenario& s) {
                     "found \"") +
             host::name(s.host.solver) + "\"");
   }
-  if (s.fidelity.accelerator == vp::Timing::cycle_accurate) {
+  if (vp::engine_has_words(s.fidelity.accelerator)) {
     throw InputError("fidelity.accelerator",
                      "the cycle-accurate engine makes the words that fidelity.numbers = \"none\" "
                      "does without: expected approximately-timed, loosely-timed or untimed");

@@ -15,6 +15,7 @@
 #include "tests/vp/small_scene.h"
 #include "tests/vp/stimulus.h"
 #include "vp/fpga/accelerator.h"
+#include "vp/fpga/rtl_timing.h"
 #include "vp/pci/pci_bus.h"
 
 namespace hvp::vp::accelerator_levels_test {
@@ -367,16 +368,28 @@ const auto kLevelName = [](const testing::TestParamInfo<Timing>& level) {
       return "ApproximatelyTimed";
     case Timing::cycle_accurate:
       return "CycleAccurate";
+    case Timing::rtl:
+      return "Rtl";
     default:
       return "LooselyTimed";
   }
 };
+// The levels that have an engine; that of the RTL is not in every build.
+std::vector<Timing> engine_levels() {
+  std::vector<Timing> levels = {Timing::approximately_timed, Timing::cycle_accurate};
+  try {
+    require_rtl();
+    levels.push_back(Timing::rtl);
+  } catch (const InputError&) {
+  }
+  return levels;
+}
+
 INSTANTIATE_TEST_SUITE_P(Levels, BusHold,
                          testing::Values(Timing::loosely_timed, Timing::approximately_timed,
                                          Timing::cycle_accurate),
                          kLevelName);
-INSTANTIATE_TEST_SUITE_P(Engines, AcceleratorLevels,
-                         testing::Values(Timing::approximately_timed, Timing::cycle_accurate),
+INSTANTIATE_TEST_SUITE_P(Engines, AcceleratorLevels, testing::ValuesIn(engine_levels()),
                          kLevelName);
 
 }  // namespace

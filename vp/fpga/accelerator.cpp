@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
 #include <spdlog/spdlog.h>
@@ -9,6 +10,7 @@
 #include "models/config/input_error.h"
 #include "vp/fpga/board_registers.h"
 #include "vp/fpga/register_bank.h"
+#include "vp/fpga/rtl_timing.h"
 
 namespace hvp::vp {
 
@@ -44,8 +46,9 @@ Accelerator::Accelerator(const sc_core::sc_module_name& name,
       ledger_(ledger),
       observer_(observer),
       done_("done") {
-  if (numbers == Numbers::none && level == Timing::cycle_accurate) {
-    throw InputError("numbers", "the cycle-accurate engine makes the words: expected \"fixed\"");
+  if (numbers == Numbers::none && engine_has_words(level)) {
+    throw InputError("numbers", std::string("the ") + vp::name(level) +
+                                    " engine makes the words: expected \"fixed\"");
   }
   from_bus.register_b_transport(this, &Accelerator::b_transport);
   bank_.strap(Register::capability_clock,
@@ -93,6 +96,7 @@ void Accelerator::inject(FaultPlan& plan, Transport wire, const link::Pcie* link
 
 void Accelerator::require_supported(Timing level, const fixed::Settings& settings) {
   if (has_engine(level)) engine::require_supported(settings);
+  if (level == Timing::rtl) require_rtl(settings);
 }
 
 // A job is refused where its level does not have the method.

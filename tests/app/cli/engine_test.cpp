@@ -1,5 +1,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include <gmock/gmock.h>
 
@@ -14,6 +15,7 @@ using nlohmann::json;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::StartsWith;
 
 class Engine : public ::testing::Test {
  protected:
@@ -27,6 +29,7 @@ class Engine : public ::testing::Test {
     EXPECT_EQ(ended.status, status) << ended.err;
     return ended;
   }
+  std::filesystem::path place() const { return place_.path(); }
   std::filesystem::path folder() const { return place_.path() / "out"; }
   std::string file(const std::string& name) const { return read(folder() / name); }
   json board() const { return json::parse(file("summary.json")).at("accelerator"); }
@@ -76,6 +79,35 @@ TEST_F(Engine, PhasesOfTheLongestSolveSumToItsClocks) {
   const Ended loose = run("loosely-timed");
   EXPECT_THAT(loose.out, Not(HasSubstr("Engine")));
   EXPECT_FALSE(board().contains("phases"));
+}
+
+// Each of the solves is compared, so that a run to the end is one without a difference.
+TEST_F(Engine, InSystemVerilogGivesTheBytesOfTheCycleAccurateOne) {
+  run("cycle-accurate");
+  const std::string frames = file("frames.csv");
+  const std::string trace = file("trace.json");
+  const Ended ended = hvp(place(), {"run", "s.toml", "--out", "out", "--set",
+                                    "fidelity.accelerator=rtl", "--set", "frames=12"});
+  if (ended.status == 2) {
+    EXPECT_THAT(ended.err, HasSubstr("fidelity.accelerator=rtl: this build has no engine in"));
+    GTEST_SKIP() << "the RTL engine is left out of this build";
+  }
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("Engine       rtl"));
+  EXPECT_EQ(file("frames.csv"), frames);
+  EXPECT_EQ(file("trace.json"), trace);
+  // What it is not built for is refused by the key that says it.
+  const std::pair<const char*, const char*> refused[] = {
+      {"accelerator.package=16", "at the level rtl 8 was expected"},
+      {"accelerator.direction_memory=stall", "at the level rtl \"double-pumped\" was expected"},
+      {"solver.vector_bits=18", "at the level rtl 16 was expected"},
+      {"solver.overflow=wrap", "at the level rtl \"saturate\" was expected"}};
+  for (const auto& [set, reason] : refused) {
+    SCOPED_TRACE(set);
+    const Ended wrong = run("rtl", {"--set", set}, 2);
+    EXPECT_THAT(wrong.err, StartsWith(std::string("--set ") + set));
+    EXPECT_THAT(wrong.err, HasSubstr(reason));
+  }
 }
 
 TEST_F(Engine, AWaveformIsThereForWhoAsksAndChangesNothingElse) {
