@@ -138,7 +138,6 @@ module matrix_editor #(
   wire unused = &{1'b0, index2[IndexBits-1], index2[Nodes*NodeBits+:NodeBits]};
 
   // ---- The words that are changed. Column c is component (phase + c) mod 3 of node (phase + c) / 3.
-  wire [2:0][Package-1:0][MatrixBits-1:0] old_words = words[partition[2]];
   assign first_block = block[2];
   wire row_is_contact = contact[row[2]];
   logic [Nodes-1:0] node_is_contact;
@@ -170,25 +169,33 @@ module matrix_editor #(
     return own[2] && of_node && r == k ? diagonal : '0;
   endfunction
 
-  logic [2:0][Package-1:0][MatrixBits-1:0] changed;
+  // Column c is a component of a node for each of the three phases.
   for (genvar c = 0; c < Package; ++c) begin : g_column
-    wire used = ColumnBits'(c) < columns[2];
+    localparam int Node0 = c / 3;
+    localparam int Node1 = (c + 1) / 3 < Nodes ? (c + 1) / 3 : Nodes - 1;
+    localparam int Node2 = (c + 2) / 3 < Nodes ? (c + 2) / 3 : Nodes - 1;  // the phase is 0 then
     for (genvar r = 0; r < 3; ++r) begin : g_row
-      logic [2:0] here;
-      logic [2:0][MatrixBits-1:0] made;
-      for (genvar phase = 0; phase < 3; ++phase) begin : g_phase
-        localparam int Node = (phase + c) / 3;
-        localparam int Component = (phase + c) % 3;
-        if (Node < Nodes) begin : g_there
-          assign here[phase] = used && phase2 == 2'(phase) && touched[Node];
-          assign made[phase] = word_of(block_of[Node], is_node[Node], r, Component);
-        end else begin : g_beyond
-          assign here[phase] = 1'b0;
-          assign made[phase] = '0;
+      always_ff @(posedge clock) begin
+        if (valid[2]) begin
+          new_words[r][c] <= words[partition[2]][r][c];
+          if (ColumnBits'(c) < columns[2]) begin
+            case (phase2)
+              2'd0:
+              if (touched[Node0]) begin
+                new_words[r][c] <= word_of(block_of[Node0], is_node[Node0], r, c % 3);
+              end
+              2'd1:
+              if (touched[Node1]) begin
+                new_words[r][c] <= word_of(block_of[Node1], is_node[Node1], r, (c + 1) % 3);
+              end
+              default:
+              if (touched[Node2]) begin
+                new_words[r][c] <= word_of(block_of[Node2], is_node[Node2], r, (c + 2) % 3);
+              end
+            endcase
+          end
         end
       end
-      assign changed[r][c] = here[0] ? made[0] : here[1] ? made[1] : here[2] ? made[2]
-                                                                           : old_words[r][c];
     end
   end
   always_ff @(posedge clock) begin
@@ -196,7 +203,6 @@ module matrix_editor #(
       write[p] <= valid[2] && partition[2] == PartitionBits'(p) && !reset;
     end
     write_package <= package_at[2];
-    new_words <= changed;
   end
 
   // ---- The clocks of an order: its visits, then PhaseClocks. The gap behind the own row, and the
