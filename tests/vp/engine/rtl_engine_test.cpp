@@ -1,6 +1,7 @@
 // The engine in SystemVerilog beside the cycle-accurate one: every scalar and exponent of every
 // iteration, and x, report and clocks of every job, on seeded random systems.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <functional>
 #include <set>
@@ -59,6 +60,7 @@ Settings random_settings(const EngineSize& size, Random& random) {
   s.scaling_threshold = 1 + random.below(3);
   s.scaling_step = 1 + random.below(3);
   s.headroom_bits = random.below(4);
+  s.stop_residual = random.below(3) == 0 ? random.uniform() : 0;
   s.replace_residual_every = random.below(3) == 0 ? 1 + random.below(4) : 0;
   return s;
 }
@@ -70,7 +72,7 @@ std::string described(const Settings& s) {
          number(s.static_shift) + ", dynamic " + number(s.dynamic_scaling) + ", down " +
          number(s.scaling_down) + ", threshold " + number(s.scaling_threshold) + ", step " +
          number(s.scaling_step) + ", headroom " + number(s.headroom_bits) + ", anew every " +
-         number(s.replace_residual_every);
+         number(s.replace_residual_every) + ", stop " + std::to_string(s.stop_residual);
 }
 
 // Both engines, and what has been seen of them.
@@ -109,6 +111,7 @@ class Pair {
     iterations += report.iterations;
     clamping += report.saturations > 0 ? 1 : 0;
     breakdowns += report.breakdowns;
+    reached += report.reached ? 1 : 0;
     replacements += report.replacements;
     queue_stalls = 0;
     for (int p = 0; p < engine.architecture().partitions; ++p) {
@@ -118,16 +121,17 @@ class Pair {
   void print(const char* name) const {
     std::printf(
         "%s: %d solves of %d systems, %lld clocks compared; %lld iterations, %d solves with "
-        "clamped words, %d breakdowns, %d residuals formed anew, %d holds, %lld clocks of "
-        "full queues\n",
+        "clamped words, %d breakdowns, %d ended by the stop test, %d residuals formed anew, %d "
+        "holds, %lld clocks of full queues\n",
         name, solves, systems, static_cast<long long>(both.compared_clocks()),
-        static_cast<long long>(iterations), clamping, breakdowns, replacements, holds,
+        static_cast<long long>(iterations), clamping, breakdowns, reached, replacements, holds,
         static_cast<long long>(queue_stalls));
   }
 
   engine::CycleEngine engine;
   RtlComparison both;
-  int systems = 0, solves = 0, clamping = 0, breakdowns = 0, replacements = 0, holds = 0;
+  int systems = 0, solves = 0, clamping = 0, breakdowns = 0, reached = 0, replacements = 0,
+      holds = 0;
   std::int64_t iterations = 0, queue_stalls = 0;
 };
 
@@ -169,12 +173,14 @@ void compare_random_systems(const EngineSize& size, int systems, std::uint64_t s
       pair.solve(settings);
       if (testing::Test::HasFatalFailure()) return;
       const fixed::Report report = pair.engine.report();
-      if (report.iterations < settings.iterations && report.breakdowns == 0) ++pair.holds;
+      const bool ended = report.breakdowns > 0 || report.reached;
+      if (report.iterations < settings.iterations && !ended) ++pair.holds;
     }
   }
   pair.print(size.name);
   EXPECT_GT(pair.clamping, 0);
   EXPECT_GT(pair.breakdowns, 0);
+  EXPECT_GT(pair.reached, 0);
   EXPECT_GT(pair.replacements, 0);
   EXPECT_GT(pair.holds, 0);
 }
@@ -182,6 +188,46 @@ void compare_random_systems(const EngineSize& size, int systems, std::uint64_t s
 TEST(RtlEngine, OfTheThesisAgreesOnRandomSystems) { compare_random_systems(engine_thesis, 300, 1); }
 TEST(RtlEngine, NarrowAgreesOnRandomSystems) { compare_random_systems(engine_narrow, 300, 2); }
 TEST(RtlEngine, WideAgreesOnRandomSystems) { compare_random_systems(engine_wide, 300, 3); }
+
+// The stop test at its threshold, and some units of a double beside it.
+void compare_thresholds(const EngineSize& size, int systems, std::uint64_t seed) {
+  Pair pair(size);
+  Random random(seed);
+  for (int i = 0; i < systems; ++i) {
+    SCOPED_TRACE("system " + std::to_string(i));
+    Settings settings = settings_of(size);
+    settings.start = fixed::Start::zero;
+    settings.iterations = 1 + random.below(6);
+    const fixed::QuantisedMatrix matrix =
+        test::random_matrix(1 + random.below(30), 4, size.matrix_bits, random);
+    const auto b = words(matrix.rows(), size.vector_bits, random);
+    pair.load(matrix, settings);
+    ++pair.systems;
+    pair.write_b(b);
+    pair.solve(settings);
+    const engine::Scalars& scalars = pair.engine.sequencer().scalars();
+    double squares = 0;
+    for (const std::int32_t word : b) squares += std::ldexp(word, settings.shift()) * word;
+    const double rhs = std::ldexp(squares, settings.shift());
+    const double r = std::ldexp(static_cast<double>(scalars.z_r.word), -2 * scalars.r_exponent);
+    double limit = std::sqrt(r / rhs);
+    if (!(limit > 0) || limit > 0.9) continue;
+    ++settings.iterations;  // the end of the last one shows
+    for (int k = 0; k < 3; ++k) limit = std::nextafter(limit, 0);
+    for (int k = 0; k < 7; ++k) {
+      settings.stop_residual = limit;
+      pair.solve(settings);
+      if (testing::Test::HasFatalFailure()) return;
+      limit = std::nextafter(limit, 1);
+    }
+  }
+  pair.print(size.name);
+  EXPECT_GT(pair.reached, systems);
+  EXPECT_GT(pair.solves - pair.systems - pair.reached, systems);
+}
+
+TEST(RtlEngine, OfTheThesisStopsAtTheThreshold) { compare_thresholds(engine_thesis, 60, 21); }
+TEST(RtlEngine, WideStopsAtTheThreshold) { compare_thresholds(engine_wide, 60, 22); }
 
 // Contacts come and go in any order; the solves between see every word of the matrix.
 void compare_contacts(const EngineSize& size, int systems, std::uint64_t seed) {
@@ -339,7 +385,7 @@ TEST(RtlEngine, WhatItIsNotBuiltForIsRefusedByKey) {
       refused_settings([](Settings& s) { s.coefficient_format = fixed::CoefficientFormat::fixed; }),
       "coefficient_format");
   EXPECT_EQ(refused_settings([](Settings& s) { s.scaling_down = false; }), "scaling_down");
-  EXPECT_EQ(refused_settings([](Settings& s) { s.stop_residual = 0.1; }), "stop_residual");
+  EXPECT_EQ(refused_settings([](Settings& s) { s.stop_residual = 0x1p-512; }), "stop_residual");
   EXPECT_EQ(refused_settings([](Settings& s) { s.static_shift = 16; }), "static_shift");
 }
 

@@ -39,6 +39,7 @@ struct EnginePorts {
   bool finished = false;
   bool iteration_made = false;
   bool breakdown = false;
+  bool reached = false;
   bool scalar_overflow = false;
   int iterations_made = 0;
   int replacements = 0;

@@ -103,6 +103,7 @@ void RtlComparison::end_solve() {
   const fixed::Report is = rtl_.report();
   const fixed::Report should = engine_.report();
   compare("the number of iterations", is.iterations, should.iterations);
+  compare("the end by the stop test", is.reached ? 1 : 0, should.reached ? 1 : 0);
   compare("the number of residuals formed anew", is.replacements, should.replacements);
   compare("the number of clamped words", is.saturations, should.saturations);
   compare("the number of breakdowns", is.breakdowns, should.breakdowns);

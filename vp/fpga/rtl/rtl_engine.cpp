@@ -1,5 +1,6 @@
 #include "vp/fpga/rtl/rtl_engine.h"
 
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
@@ -10,6 +11,7 @@ namespace hvp::vp::rtl {
 
 namespace {
 
+constexpr int kMantissaBits = 53;  // of a double
 // A run that has not ended by then has no end.
 constexpr std::int64_t kHangs = 200'000'000;
 
@@ -207,6 +209,12 @@ void RtlEngine::set_all(const fixed::Settings& s) {
              (s.dynamic_scaling ? 4 : 0) | (s.scaling_down ? 8 : 0));
   set(8, rounding(s.shift_rounding));
   set(9, rounding(s.division_rounding));
+  int exponent = 0;
+  const double fraction = std::frexp(s.stop_residual * s.stop_residual, &exponent);
+  const auto mantissa = static_cast<std::int64_t>(std::ldexp(fraction, kMantissaBits));
+  set(13, mantissa & 0xffffffff);
+  set(14, mantissa >> 32);
+  set(15, exponent - kMantissaBits);
 }
 
 void RtlEngine::start_solve(const fixed::Settings& settings) {
@@ -246,6 +254,7 @@ fixed::Report RtlEngine::report() const {
   using stability::Flag;
   fixed::Report report;
   report.iterations = ports_.iterations_made;
+  report.reached = ports_.reached;
   report.replacements = ports_.replacements;
   report.saturations = ports_.clamped;
   if (report.saturations > 0) report.flags.raise(Flag::saturation);

@@ -45,7 +45,9 @@ void require_fitting(const EngineSize& size, const fixed::Settings& s) {
   require(s.coefficient_format == fixed::CoefficientFormat::own_shift, "coefficient_format",
           "\"fixed\"", "\"own-shift\"");
   require(s.overflow == fixed::Overflow::saturate, "overflow", "\"wrap\"", "\"saturate\"");
-  require(s.stop_residual == 0, "stop_residual", "a stop test", "0");
+  // Its square has to be a double of all its bits.
+  require(s.stop_residual == 0 || s.stop_residual >= 0x1p-511, "stop_residual", "less than 2^-511",
+          "0");
   // Without room for a vector that grows both terms of a sum can be beyond every word, and the
   // words of their sum need as many bits as the terms have.
   require(s.scaling_down || !s.dynamic_scaling, "scaling_down", "false", "true");

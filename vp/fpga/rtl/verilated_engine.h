@@ -57,6 +57,7 @@ class VerilatedEngine : public EngineModel {
     ports.finished = top_->finished != 0;
     ports.iteration_made = top_->iteration_made != 0;
     ports.breakdown = top_->breakdown != 0;
+    ports.reached = top_->reached != 0;
     ports.scalar_overflow = top_->scalar_overflow != 0;
     ports.iterations_made = top_->iterations_made;
     ports.replacements = top_->replacements;

@@ -44,6 +44,7 @@ module engine
     output wire finished,
     output wire iteration_made,
     output wire breakdown,
+    output wire reached,
     output wire scalar_overflow,
     output wire [15:0] iterations_made,
     output wire [15:0] replacements,
@@ -72,6 +73,7 @@ module engine
   localparam int IndexBits = (Nodes + 1) * NodeBits + 3;
   localparam int PartitionBits = Partitions > 1 ? $clog2(Partitions) : 1;
 
+  if (DotBits > 64) $error("the stop test's sums have 64 bits");
   // What is not built: the arithmetic below leaves no room for it.
   if (Lanes != 1 && Lanes != 2) $error("a double-pumped memory of d serves one or two lanes");
   if (Nodes > 4) $error("a double-pumped memory of d serves the four nodes of a package");
@@ -86,6 +88,8 @@ module engine
   wire [4:0] static_shift, target, threshold, step;
   wire starts_zero, extrapolated, dynamic_scaling, scaling_down;
   wire rounding_t shift_rounding, division_rounding;
+  wire [52:0] tolerance;
+  wire signed [11:0] tolerance_exponent;
   wire [NodeBits-1:0] edited_node;
   wire restores;
   wire [MatrixBits-1:0] diagonal;
@@ -111,6 +115,8 @@ module engine
       .scaling_down,
       .shift_rounding,
       .division_rounding,
+      .tolerance,
+      .tolerance_exponent,
       .edited_node,
       .restores,
       .diagonal
@@ -124,6 +130,7 @@ module engine
   wire beyond_d, beyond_q, beyond_r;
   wire done;
   wire signed [DotBits-1:0] dot;
+  wire [DotBits-1:0] squares;
   wire [VectorBits-2:0] largest_r, largest_d;
   wire [ProductBits-2:0] largest_q;
   wire [DifferenceBits-1:0] widest;
@@ -163,6 +170,9 @@ module engine
       .target,
       .threshold,
       .step,
+      .stops(tolerance != '0),
+      .tolerance,
+      .tolerance_exponent,
       .start,
       .pass,
       .hold,
@@ -180,6 +190,7 @@ module engine
       .beyond_r,
       .done,
       .dot,
+      .squares,
       .largest_r,
       .largest_d,
       .largest_q,
@@ -188,6 +199,7 @@ module engine
       .finished,
       .iteration_made,
       .breakdown,
+      .reached,
       .scalar_overflow,
       .made(iterations_made),
       .replacements,
@@ -265,6 +277,7 @@ module engine
       .clear_clamped(go),
       .done,
       .dot,
+      .squares,
       .largest_r,
       .largest_d,
       .largest_q,

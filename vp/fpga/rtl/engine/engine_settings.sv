@@ -26,6 +26,9 @@ module engine_settings
     output logic scaling_down,
     output rounding_t shift_rounding,
     output rounding_t division_rounding,
+    // The square of the stop test's tolerance; without a mantissa nothing is tested.
+    output logic [52:0] tolerance,
+    output logic signed [11:0] tolerance_exponent,
     // Of an order to the matrix editor.
     output logic [NodeBits-1:0] edited_node,
     output logic restores,
@@ -48,7 +51,9 @@ module engine_settings
         4'd10: edited_node <= word[NodeBits-1:0];
         4'd11: restores <= word[0];
         4'd12: diagonal <= word[MatrixBits-1:0];
-        default: ;
+        4'd13: tolerance[31:0] <= word;
+        4'd14: tolerance[52:32] <= word[20:0];
+        4'd15: tolerance_exponent <= word[11:0];
       endcase
     end
   end

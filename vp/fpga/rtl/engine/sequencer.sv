@@ -37,6 +37,9 @@ module sequencer
     input wire [4:0] target,  // bits of magnitude after scaling up
     input wire [4:0] threshold,
     input wire [4:0] step,
+    input wire stops,                        // the stop test may end the solve
+    input wire [52:0] tolerance,             // of its square
+    input wire signed [11:0] tolerance_exponent,
     // To the vector unit.
     output logic start,
     output pass_t pass,
@@ -56,6 +59,7 @@ module sequencer
     // From it.
     input wire done,
     input wire signed [DotBits-1:0] dot,
+    input wire [DotBits-1:0] squares,
     input wire [VectorBits-2:0] largest_r,
     input wire [VectorBits-2:0] largest_d,
     input wire [ProductBits-2:0] largest_q,
@@ -65,6 +69,7 @@ module sequencer
     output logic finished,        // for a clock, behind the last one
     output logic iteration_made,  // likewise, after each iteration whose words were written
     output logic breakdown,
+    output logic reached,         // the stop test has ended it
     output logic scalar_overflow,
     output logic [15:0] made,
     output logic [15:0] replacements,
@@ -187,6 +192,27 @@ module sequencer
   wire signed [E-1:0] r_up = replaced ? '0 : up;
   wire signed [E-1:0] d_up = holds_division ? '0 : up;
 
+  // ---- The stop test, beside what follows.
+  wire small_enough;
+  wire forms_r = state == InStartResidual || state == InAnewResidual ||
+                 (state == InUpdate && !replaced);
+  stop_test #(
+      .DotBits(DotBits),
+      .ExponentBits(E)
+  ) stopping (
+      .clock,
+      .reset,
+      .tolerance,
+      .tolerance_exponent,
+      .static_shift,
+      .take_rhs(done && state == InStartProduct),
+      .squares,
+      .take_residual(done && forms_r && !hold),
+      .dot,
+      .r_exponent,
+      .reached(small_enough)
+  );
+
   wire [15:0] loops_now = state == InDirection ? loops + 1'b1 : loops;
 
   always_ff @(posedge clock) begin
@@ -224,6 +250,7 @@ module sequencer
           made <= '0;
           replacements <= '0;
           breakdown <= 1'b0;
+          reached <= 1'b0;
           scalar_overflow <= 1'b0;
           start <= 1'b1;
           pass <= extrapolated ? Guess : Product;
@@ -274,6 +301,10 @@ module sequencer
         loops <= loops_now;
         iteration_made <= state == InDirection && !hold;
         if (loops_now == iterations) begin
+          finished <= 1'b1;
+          state <= InIdle;
+        end else if (stops && !hold && small_enough) begin
+          reached <= 1'b1;
           finished <= 1'b1;
           state <= InIdle;
         end else begin

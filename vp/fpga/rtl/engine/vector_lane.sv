@@ -4,8 +4,8 @@
 // Ranks are counted in edges from the one at which a group enters:
 //   2 the words arrive     3 magnitudes, b - q      4, 5 multipliers    6 one magnitude a term
 //   7 to 9 aligned         10 added                 11 clamped          12 to 14 r * r
-// Rows of a product enter at rank 2 with q and the word of d at their own node; q * d is there at
-// rank 6, and |b - q| at rank 4.
+// Rows of a product enter at rank 2 with q and the word of d at their own node; |b - q| is there at
+// rank 4, b * b at rank 5, and q * d at rank 6.
 `default_nettype none
 
 module vector_lane
@@ -55,7 +55,7 @@ module vector_lane
     output logic signed [VectorBits-1:0] old_d,
     output logic sum_clamped,
     output logic r_clamped,
-    // Rank 14.
+    // Rank 14, of r; of a row's b at rank 5.
     output logic [2*VectorBits-3:0] square
 );
 
@@ -237,17 +237,18 @@ module vector_lane
     r_clamped <= outside(r10);
   end
 
-  // Ranks 12 to 14.
+  // Ranks 12 to 14; a row's b is multiplied at ranks 3 to 5.
   logic [V-2:0] r_factor;
   logic [2*V-3:0] square13;
   wire [V-1:0] r_word_size = r_word[V-1] ? -r_word : r_word;
+  wire [V-1:0] b_size = b_word[V-1] ? -b_word : b_word;
   always_ff @(posedge clock) begin
-    r_factor <= r_word_size[V-2:0];
+    r_factor <= is_product ? b_size[V-2:0] : r_word_size[V-2:0];
     square13 <= r_factor * r_factor;
     square <= square13;
   end
 
-  wire unused = &{1'b0, d_size[V-1], r_size[V-1], q_size[Q-1], r_word_size[V-1],
+  wire unused = &{1'b0, d_size[V-1], r_size[V-1], q_size[Q-1], r_word_size[V-1], b_size[V-1],
                   full_size[DifferenceBits]};
 
 endmodule

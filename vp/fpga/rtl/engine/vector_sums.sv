@@ -25,6 +25,7 @@ module vector_sums
     // Rows.
     input wire [Lanes-1:0] rows2,
     input wire [Lanes-1:0] rows4,
+    input wire [Lanes-1:0] rows5,
     input wire [Lanes-1:0] rows6,
     input wire signed [Lanes-1:0][2:0][ProductBits-1:0] q2,
     input wire [Lanes-1:0][2:0] q_clamped2,
@@ -39,8 +40,9 @@ module vector_sums
     input wire [Lanes-1:0][2:0][VectorBits-1:0] r_word11,
     input wire [Lanes-1:0][2:0] sum_clamped11,
     input wire [Lanes-1:0][2:0] r_clamped11,
-    input wire [Lanes-1:0][2:0][2*VectorBits-3:0] square14,
+    input wire [Lanes-1:0][2:0][2*VectorBits-3:0] square14,  // of a row's b at rank 5
     output logic signed [DotBits-1:0] dot,
+    output logic [DotBits-1:0] squares,  // b.b of a product
     output logic [VectorBits-2:0] largest_r,
     output logic [VectorBits-2:0] largest_d,
     output logic [ProductBits-2:0] largest_q,
@@ -81,7 +83,7 @@ module vector_sums
     for (int l = 0; l < Lanes; ++l) begin
       for (int c = 0; c < 3; ++c) begin
         if (rows6[l]) q_d_sum = q_d_sum + (Q + V + 3)'($signed(q_d6[l][c]));
-        if (nodes14[l]) square_sum = square_sum + (2 * V + 3)'(square14[l][c]);
+        if (nodes14[l] || (rows5[l] && compare)) square_sum = square_sum + (2 * V + 3)'(square14[l][c]);
         if (rows2[l] && !hold) begin
           if (q_size(q2[l][c]) > most_q) most_q = q_size(q2[l][c]);
           clamps = clamps + CountBits'(q_clamped2[l][c]);
@@ -103,6 +105,7 @@ module vector_sums
     square_sum15 <= square_sum;
     if (pass == Product) dot <= dot + DotBits'(q_d_sum7);
     else if (makes_r) dot <= dot + DotBits'(square_sum15);
+    if (pass == Product) squares <= squares + DotBits'(square_sum15);
     largest_r <= most_r;
     largest_d <= most_d;
     largest_q <= most_q;
@@ -111,6 +114,7 @@ module vector_sums
     clamped <= clamped + 32'(clamps_now);
     if (start) begin
       dot <= '0;
+      squares <= '0;
       q_d_sum7 <= '0;
       square_sum15 <= '0;
       widest <= '0;

@@ -59,6 +59,7 @@ module vector_unit
     // To the sequencer.
     output logic done,
     output wire signed [DotBits-1:0] dot,
+    output wire [DotBits-1:0] squares,
     output wire [VectorBits-2:0] largest_r,
     output wire [VectorBits-2:0] largest_d,
     output wire [ProductBits-2:0] largest_q,
@@ -297,6 +298,7 @@ module vector_unit
       .counts_b(pass == Residual && first && !hold),
       .rows2(rows[2]),
       .rows4(rows[4]),
+      .rows5(rows[5]),
       .rows6(rows[6]),
       .q2,
       .q_clamped2,
@@ -312,6 +314,7 @@ module vector_unit
       .r_clamped11,
       .square14,
       .dot,
+      .squares,
       .largest_r,
       .largest_d,
       .largest_q,

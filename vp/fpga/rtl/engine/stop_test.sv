@@ -1,0 +1,153 @@
+// The stop test in integers: ||r|| <= t ||b||, as engine::Sequencer::reached() computes it in doubles,
+//
+//   fl(r.r) * 2^(-2 r_exponent)  <=  fl(fl(t^2) * fl(b.b)) * 2^(2 static_shift)
+//
+// with fl() the rounding to 53 bits, to nearest and ties to even. The host gives fl(t^2) as a
+// mantissa and an exponent. All mantissas have their highest bit set, so that a comparison is one of
+// exponents and then of mantissas.
+//
+// The right-hand side takes 14 clocks once a job, r.r takes five at every residual: less than the
+// pass behind it, at whose end the answer is asked for.
+`default_nettype none
+
+module stop_test #(
+    parameter int DotBits = 59,
+    parameter int ExponentBits = 22
+) (
+    input wire clock,
+    input wire reset,
+    input wire [52:0] tolerance,                   // of fl(t^2)
+    input wire signed [11:0] tolerance_exponent,
+    input wire [4:0] static_shift,
+    input wire take_rhs,                           // b.b is there
+    input wire [DotBits-1:0] squares,
+    input wire take_residual,                      // r.r is there
+    input wire [DotBits-1:0] dot,
+    input wire signed [ExponentBits-1:0] r_exponent,
+    output logic reached
+);
+
+  localparam int E = ExponentBits;
+  localparam int Mantissa = 53;
+  localparam int Digit = 8;  // bits of the multiplier a clock
+  localparam int Digits = (Mantissa + Digit - 1) / Digit;
+
+  typedef enum logic [2:0] {
+    Wait,
+    Measure,
+    Align,
+    Round,
+    Multiply,
+    RoundProduct,
+    Compare
+  } state_t;
+  state_t state;
+
+  // ---- What is to be rounded: b.b, or r.r, which may come while the right-hand side is made.
+  logic [63:0] value;
+  logic of_rhs, waits;
+  logic [DotBits-1:0] waiting;
+  logic signed [E-1:0] waiting_exponent, exponent;
+  logic [6:0] length;
+  always_comb begin
+    length = '0;
+    for (int i = 0; i < 64; ++i) if (value[i]) length = 7'(i + 1);
+  end
+  logic [6:0] length_now;
+  wire [6:0] left = 7'd64 - length_now;
+
+  // The highest 53 bits of a magnitude whose highest bit is set, and what becomes of the others.
+  wire [Mantissa-1:0] kept = value[63-:Mantissa];
+  wire half = value[63-Mantissa];
+  wire rest = |value[62-Mantissa:0];
+  wire [Mantissa:0] rounded = {1'b0, kept} + (Mantissa + 1)'(half && (rest || kept[0]));
+
+  // ---- The product with t^2, eight bits of it a clock, and its rounding.
+  logic [2*Mantissa+Digit-1:0] product;
+  logic [Digits*Digit-1:0] factor;
+  logic [Mantissa-1:0] mantissa;
+  logic [3:0] count;
+  wire [Mantissa+Digit-1:0] partial = mantissa * factor[Digits*Digit-1-:Digit];
+  wire long = product[2*Mantissa-1];
+  wire [2*Mantissa-1:0] aligned = long ? product[2*Mantissa-1:0] : product[2*Mantissa-1:0] << 1;
+  wire product_up = aligned[Mantissa-1] && (|aligned[Mantissa-2:0] || aligned[Mantissa]);
+  wire [Mantissa:0] product_rounded = {1'b0, aligned[2*Mantissa-1-:Mantissa]} +
+                                      (Mantissa + 1)'(product_up);
+
+  // ---- The limit.
+  logic limit_zero;
+  logic [Mantissa-1:0] limit;
+  logic signed [E-1:0] limit_exponent;
+  logic zero;
+
+  always_ff @(posedge clock) begin
+    case (state)
+      Wait:
+      if (waits) begin
+        value <= 64'(waiting);
+        exponent <= waiting_exponent;
+        of_rhs <= 1'b0;
+        waits <= 1'b0;
+        state <= Measure;
+      end
+      Measure: begin
+        length_now <= length;
+        zero <= value == '0;
+        state <= Align;
+      end
+      Align: begin
+        value <= value << left[5:0];
+        exponent <= exponent + E'(length_now) - E'(Mantissa);
+        state <= Round;
+      end
+      Round: begin
+        mantissa <= rounded[Mantissa] ? {1'b1, {(Mantissa - 1) {1'b0}}} : rounded[Mantissa-1:0];
+        exponent <= exponent + E'(rounded[Mantissa]);
+        product <= '0;
+        factor <= (Digits * Digit)'(tolerance);
+        count <= 4'(Digits - 1);
+        state <= of_rhs ? Multiply : Compare;
+      end
+      Multiply: begin
+        product <= (product << Digit) + (2 * Mantissa + Digit)'(partial);
+        factor <= factor << Digit;
+        count <= count - 1'b1;
+        if (count == '0) state <= RoundProduct;
+      end
+      RoundProduct: begin
+        limit <= product_rounded[Mantissa] ? {1'b1, {(Mantissa - 1) {1'b0}}}
+                                           : product_rounded[Mantissa-1:0];
+        limit_exponent <= exponent + E'(tolerance_exponent) + E'(Mantissa - 1) + E'(long) +
+                          E'(product_rounded[Mantissa]) + (E'(static_shift) <<< 1);
+        limit_zero <= zero;
+        state <= Wait;
+      end
+      Compare: begin
+        reached <= zero || (!limit_zero && (exponent < limit_exponent ||
+                                            (exponent == limit_exponent && mantissa <= limit)));
+        state <= Wait;
+      end
+      default: state <= Wait;
+    endcase
+    if (take_rhs) begin
+      value <= 64'(squares);
+      exponent <= '0;
+      of_rhs <= 1'b1;
+      state <= Measure;
+    end
+    if (take_residual) begin
+      waiting <= dot;
+      waiting_exponent <= -(r_exponent <<< 1);
+      waits <= 1'b1;
+      reached <= dot == '0;  // an engine without nodes is asked before there is an answer
+    end
+    if (reset) begin
+      state <= Wait;
+      waits <= 1'b0;
+    end
+  end
+  wire unused = &{1'b0, left[6], product[2*Mantissa+Digit-1:2*Mantissa]};
+
+endmodule
+
+`default_nettype wire
