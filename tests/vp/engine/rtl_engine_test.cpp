@@ -3,49 +3,23 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <functional>
-#include <set>
 #include <string>
 #include <vector>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "models/config/input_error.h"
 #include "models/fixed/word.h"
-#include "tests/vp/engine/engine_systems.h"
 #include "tests/vp/engine/random_systems.h"
-#include "vp/fpga/rtl/rtl_comparison.h"
+#include "tests/vp/engine/rtl_pair.h"
 
-namespace hvp::vp::rtl {
-
-extern const EngineSize engine_narrow;
-extern const EngineSize engine_wide;
-
-namespace rtl_engine_test {
+namespace hvp::vp::rtl::rtl_engine_test {
 namespace {
 
 using fixed::Settings;
-using Random = fixed::test::Random;
-
-accel::Architecture architecture_of(const EngineSize& size) {
-  accel::Architecture a;
-  a.package = size.package;
-  a.partitions = size.partitions;
-  a.nodes_per_clock = size.nodes_per_clock;
-  a.result_queue = 1 << size.queue_bits;
-  a.pipeline_clocks = size.phase_clocks;
-  a.division_clocks = size.division_clocks;
-  return a;
-}
-
-Settings settings_of(const EngineSize& size) {
-  Settings s;
-  s.matrix_bits = size.matrix_bits;
-  s.vector_bits = size.vector_bits;
-  s.coefficient_bits = size.coefficient_bits;
-  return s;
-}
+using test::Pair;
+using test::Random;
+using test::settings_of;
+using test::words;
 
 // Any rules that the RTL has.
 Settings random_settings(const EngineSize& size, Random& random) {
@@ -75,78 +49,8 @@ std::string described(const Settings& s) {
          number(s.replace_residual_every) + ", stop " + std::to_string(s.stop_residual);
 }
 
-// Both engines, and what has been seen of them.
-class Pair {
- public:
-  explicit Pair(const EngineSize& size)
-      : engine("engine", architecture_of(size)), both(engine, size) {}
-
-  void load(const fixed::QuantisedMatrix& matrix, const Settings& settings) {
-    both.load(matrix, settings);
-    engine.load(matrix, settings);
-  }
-  void write_x(const std::vector<std::int32_t>& x) {
-    both.write_x(x);
-    engine.write_x(x);
-  }
-  void write_b(const std::vector<std::int32_t>& b) {
-    both.rtl().write_b(b);
-    engine.write_b(b);
-  }
-  void start(const Settings& settings) {
-    both.start_solve(settings);
-    engine.start_solve(settings, &both);
-  }
-  void solve(const Settings& settings) {
-    start(settings);
-    sc_core::sc_start();
-    ASSERT_TRUE(engine.idle());
-    both.end_solve();
-    ASSERT_EQ(both.difference(), "");
-    ASSERT_EQ(engine.clocks(), both.waited() + both.rtl().clocks());
-    ASSERT_EQ(both.rtl().copy_clocks(),
-              engine.state_clocks()[static_cast<std::size_t>(engine::State::copy)]);
-    const fixed::Report report = engine.report();
-    ++solves;
-    iterations += report.iterations;
-    clamping += report.saturations > 0 ? 1 : 0;
-    breakdowns += report.breakdowns;
-    reached += report.reached ? 1 : 0;
-    replacements += report.replacements;
-    queue_stalls = 0;
-    for (int p = 0; p < engine.architecture().partitions; ++p) {
-      queue_stalls += engine.block(p).queue_stalls();
-    }
-  }
-  void print(const char* name) const {
-    std::printf(
-        "%s: %d solves of %d systems, %lld clocks compared; %lld iterations, %d solves with "
-        "clamped words, %d breakdowns, %d ended by the stop test, %d residuals formed anew, %d "
-        "holds, %lld clocks of full queues\n",
-        name, solves, systems, static_cast<long long>(both.compared_clocks()),
-        static_cast<long long>(iterations), clamping, breakdowns, reached, replacements, holds,
-        static_cast<long long>(queue_stalls));
-  }
-
-  engine::CycleEngine engine;
-  RtlComparison both;
-  int systems = 0, solves = 0, clamping = 0, breakdowns = 0, reached = 0, replacements = 0,
-      holds = 0;
-  std::int64_t iterations = 0, queue_stalls = 0;
-};
-
-// Words up to some power of two, the most negative word among them.
-std::vector<std::int32_t> words(int count, int bits, Random& random) {
-  const auto size = static_cast<std::int32_t>(std::int64_t{1} << (1 + random.below(bits - 1)));
-  std::vector<std::int32_t> result = test::random_words(count, size, random.bits());
-  if (count > 0 && random.below(8) == 0) {
-    result[static_cast<std::size_t>(random.below(count))] = -(std::int32_t{1} << (bits - 1));
-  }
-  return result;
-}
-
 void compare_random_systems(const EngineSize& size, int systems, std::uint64_t seed) {
-  Pair pair(size);
+  Pair pair(size, static_cast<int>(seed));
   Random random(seed);
   const int most = std::min(80, 1 << size.node_bits);
   for (int i = 0; i < systems; ++i) {
@@ -156,7 +60,7 @@ void compare_random_systems(const EngineSize& size, int systems, std::uint64_t s
     // The smallest ones first: with fewer rows than partitions some of those are empty.
     const int nodes = i < 8 ? i : 1 + random.below(most);
     fixed::QuantisedMatrix matrix =
-        test::random_matrix(nodes, 1 + random.below(14), size.matrix_bits, random);
+        hvp::test::random_matrix(nodes, 1 + random.below(14), size.matrix_bits, random);
     if (nodes > 0 && random.below(5) == 0) {
       // Not positive definite.
       auto& entry = matrix.value[9 * static_cast<std::size_t>(matrix.find(nodes / 2, nodes / 2))];
@@ -199,7 +103,7 @@ void compare_thresholds(const EngineSize& size, int systems, std::uint64_t seed)
     settings.start = fixed::Start::zero;
     settings.iterations = 1 + random.below(6);
     const fixed::QuantisedMatrix matrix =
-        test::random_matrix(1 + random.below(30), 4, size.matrix_bits, random);
+        hvp::test::random_matrix(1 + random.below(30), 4, size.matrix_bits, random);
     const auto b = words(matrix.rows(), size.vector_bits, random);
     pair.load(matrix, settings);
     ++pair.systems;
@@ -240,7 +144,7 @@ void compare_contacts(const EngineSize& size, int systems, std::uint64_t seed) {
     SCOPED_TRACE("system " + std::to_string(i));
     const int nodes = i < 4 ? i + 1 : 2 + random.below(60);
     const fixed::QuantisedMatrix original =
-        test::random_matrix(nodes, 1 + random.below(12), size.matrix_bits, random);
+        hvp::test::random_matrix(nodes, 1 + random.below(12), size.matrix_bits, random);
     fixed::QuantisedMatrix matrix = original;
     // The board can be loaded with a contact in place.
     if (random.below(2) == 0) matrix.set_contact(random.below(nodes), 77);
@@ -276,119 +180,5 @@ TEST(RtlEngine, OfTheThesisAgreesOnContacts) { compare_contacts(engine_thesis, 6
 TEST(RtlEngine, NarrowAgreesOnContacts) { compare_contacts(engine_narrow, 60, 12); }
 TEST(RtlEngine, WideAgreesOnContacts) { compare_contacts(engine_wide, 60, 13); }
 
-// The thesis' own size: its sphere, all its iterations.
-TEST(RtlEngine, AgreesOnTheThesisSphere) {
-  const fixed::QuantisedMatrix matrix = fixed::quantise(test::sphere_stiffness(500), 12);
-  Pair pair(engine_thesis);
-  Random random(4);
-  const Settings settings = settings_of(engine_thesis);
-  pair.load(matrix, settings);
-  for (int job = 0; job < 2; ++job) {
-    pair.write_b(test::random_words(matrix.rows(), 30000, random.bits()));
-    pair.solve(settings);
-    if (HasFatalFailure()) return;
-  }
-  EXPECT_EQ(pair.iterations, 2 * settings.iterations);
-  pair.print("thesis");
-}
-
-// An aborted solve leaves the same x in both, whichever state it was in.
-TEST(RtlEngine, AgreesWhereverASolveIsAborted) {
-  Pair pair(engine_thesis);
-  Random random(5);
-  Settings settings = settings_of(engine_thesis);
-  settings.replace_residual_every = 2;
-  settings.iterations = 4;
-  std::set<engine::State> states;
-  for (std::int64_t clocks = 1; states.size() < engine::kStates - 1 && clocks < 2000; clocks += 7) {
-    SCOPED_TRACE("clock " + std::to_string(clocks));
-    settings.start = clocks % 2 == 0 ? fixed::Start::extrapolated : fixed::Start::warm;
-    const fixed::QuantisedMatrix matrix = test::random_matrix(60, 8, 12, random);
-    pair.load(matrix, settings);
-    pair.write_x(words(matrix.rows(), 16, random));
-    pair.write_b(words(matrix.rows(), 16, random));
-    pair.start(settings);
-    sc_core::sc_start(static_cast<double>(10 * clocks + 5), sc_core::SC_NS);
-    if (pair.engine.idle()) continue;
-    states.insert(pair.engine.sequencer().state());
-    pair.both.abort();
-    pair.engine.abort();
-    ASSERT_EQ(pair.both.difference(), "");
-  }
-  EXPECT_EQ(states.size(), engine::kStates - 1) << "some state was not aborted";
-  const fixed::QuantisedMatrix matrix = test::random_matrix(60, 8, 12, random);
-  pair.load(matrix, settings);
-  pair.write_b(words(matrix.rows(), 16, random));
-  pair.solve(settings);
-}
-
-// The comparison itself: what only one of both has is seen, with its place.
-TEST(RtlEngine, ADifferentWordIsFound) {
-  const Settings settings = settings_of(engine_thesis);
-  Random random(6);
-  const fixed::QuantisedMatrix matrix = test::random_matrix(30, 8, 12, random);
-  const auto b = test::random_words(matrix.rows(), 30000, 7);
-  Pair pair(engine_thesis);
-  pair.load(matrix, settings);
-  pair.both.rtl().write_b(b);
-  auto other = b;
-  other[17] += 40;
-  pair.engine.write_b(other);
-  pair.start(settings);
-  sc_core::sc_start();
-  pair.both.end_solve();
-  EXPECT_THAT(pair.both.difference(), testing::HasSubstr("iteration 1"));
-  EXPECT_THAT(pair.both.difference(), testing::HasSubstr(" in RTL and "));
-  EXPECT_THAT(pair.both.difference(), testing::HasSubstr(" at clock "));
-}
-
-std::string refused_architecture(const std::function<void(accel::Architecture&)>& change) {
-  accel::Architecture a;
-  change(a);
-  try {
-    require_fitting(engine_thesis, a);
-  } catch (const InputError& e) {
-    return e.key();
-  }
-  return "";
-}
-
-std::string refused_settings(const std::function<void(Settings&)>& change) {
-  Settings s;
-  change(s);
-  try {
-    require_fitting(engine_thesis, s);
-  } catch (const InputError& e) {
-    return e.key();
-  }
-  return "";
-}
-
-TEST(RtlEngine, WhatItIsNotBuiltForIsRefusedByKey) {
-  using A = accel::Architecture;
-  EXPECT_EQ(refused_architecture([](A&) {}), "");
-  EXPECT_EQ(refused_architecture([](A& a) { a.package = 7; }), "package");
-  EXPECT_EQ(refused_architecture([](A& a) { a.partitions = 6; }), "partitions");
-  EXPECT_EQ(refused_architecture([](A& a) { a.nodes_per_clock = 3; }), "nodes_per_clock");
-  EXPECT_EQ(refused_architecture([](A& a) { a.result_queue = 12; }), "result_queue");
-  EXPECT_EQ(refused_architecture([](A& a) { a.division_clocks = 1; }), "division_clocks");
-  EXPECT_EQ(refused_architecture([](A& a) { a.direction_banks = 3; }), "direction_banks");
-  EXPECT_EQ(refused_architecture([](A& a) { a.direction_memory = accel::DirectionMemory::stall; }),
-            "direction_memory");
-  EXPECT_EQ(refused_settings([](Settings&) {}), "");
-  EXPECT_EQ(refused_settings([](Settings& s) { s.method = fixed::Method::block_jacobi_pcg; }),
-            "method");
-  EXPECT_EQ(refused_settings([](Settings& s) { s.vector_bits = 17; }), "vector_bits");
-  EXPECT_EQ(refused_settings([](Settings& s) { s.scalar_bits = 128; }), "scalar_bits");
-  EXPECT_EQ(refused_settings([](Settings& s) { s.overflow = fixed::Overflow::wrap; }), "overflow");
-  EXPECT_EQ(
-      refused_settings([](Settings& s) { s.coefficient_format = fixed::CoefficientFormat::fixed; }),
-      "coefficient_format");
-  EXPECT_EQ(refused_settings([](Settings& s) { s.scaling_down = false; }), "scaling_down");
-  EXPECT_EQ(refused_settings([](Settings& s) { s.stop_residual = 0x1p-512; }), "stop_residual");
-  EXPECT_EQ(refused_settings([](Settings& s) { s.static_shift = 16; }), "static_shift");
-}
-
 }  // namespace
-}  // namespace rtl_engine_test
-}  // namespace hvp::vp::rtl
+}  // namespace hvp::vp::rtl::rtl_engine_test

@@ -85,7 +85,8 @@ struct EngineSize {
   int phase_clocks;
   int division_clocks;
   int static_bits;
-  std::unique_ptr<EngineModel> (*make)();
+  // All state begins with random values, which differ from seed to seed.
+  std::unique_ptr<EngineModel> (*make)(int seed);
 
   static constexpr int kScalarBits = 64;
   static constexpr int kBlocksOfARow = 64;

@@ -18,8 +18,8 @@ namespace hvp::vp::rtl {
 class RtlComparison : public fixed::Observer {
  public:
   // Throws InputError as RtlEngine does.
-  RtlComparison(engine::CycleEngine& engine, const EngineSize& size)
-      : engine_(engine), rtl_(size, engine.architecture()) {}
+  RtlComparison(engine::CycleEngine& engine, const EngineSize& size, int seed = 1)
+      : engine_(engine), rtl_(size, engine.architecture(), seed) {}
 
   void load(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings);
   // To be called before the engine's write_x(), as x goes into the copies of d from now on.

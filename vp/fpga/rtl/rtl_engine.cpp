@@ -22,10 +22,10 @@ std::uint32_t place(int partition, int row, int package) {
 
 }  // namespace
 
-RtlEngine::RtlEngine(const EngineSize& size, const accel::Architecture& architecture)
+RtlEngine::RtlEngine(const EngineSize& size, const accel::Architecture& architecture, int seed)
     : size_((require_fitting(size, architecture), size)),
       architecture_(architecture),
-      model_(size.make()),
+      model_(size.make(seed)),
       ports_(model_->ports) {
   reset();
 }

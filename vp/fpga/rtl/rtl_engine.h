@@ -31,7 +31,7 @@ void require_fitting(const EngineSize& size, const fixed::Settings& settings);
 class RtlEngine {
  public:
   // Throws InputError as require_fitting() does.
-  RtlEngine(const EngineSize& size, const accel::Architecture& architecture);
+  RtlEngine(const EngineSize& size, const accel::Architecture& architecture, int seed = 1);
 
   // Throws InputError as require_fitting() and engine::Layout do, or with the key "nodes" or
   // "partitions" if the memories are too small.

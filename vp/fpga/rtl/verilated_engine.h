@@ -16,7 +16,6 @@ namespace hvp::vp::rtl {
 template <class Top>
 class VerilatedEngine : public EngineModel {
  public:
-  // State has some value when a board is switched on; here it is the same in every run.
   explicit VerilatedEngine(int seed) : context_(std::make_unique<VerilatedContext>()) {
     context_->randReset(2);
     context_->randSeed(seed);

@@ -70,8 +70,6 @@ module engine
   localparam int ExponentBits = 22;
   localparam int DifferenceBits = difference_bits(VectorBits, StaticBits, ProductBits, ProductShift);
   localparam int Nodes = Package % 3 == 0 ? Package / 3 : (Package + 1) / 3 + 1;
-  localparam int IndexBits = (Nodes + 1) * NodeBits + 3;
-  localparam int PartitionBits = Partitions > 1 ? $clog2(Partitions) : 1;
 
   if (DotBits > 64) $error("the stop test's sums have 64 bits");
   // What is not built: the arithmetic below leaves no room for it.
@@ -232,7 +230,7 @@ module engine
   wire [NodeBits-1:0] direction_read, direction_first;
   wire [Lanes-1:0] direction_write;
   wire [Lanes-1:0][2:0][VectorBits-1:0] direction_new;
-  wire [Partitions-1:0][Lanes-1:0][2:0][VectorBits-1:0] direction_words;
+  wire [Lanes-1:0][2:0][VectorBits-1:0] direction_words;
   wire [VectorBits-1:0] x_word;
   vector_unit #(
       .Lanes(Lanes),
@@ -290,119 +288,53 @@ module engine
       .partition_sum(row_sum),
       .partition_own(row_own),
       .direction_read,
-      .direction_words(direction_words[0]),
+      .direction_words,
       .direction_write,
       .direction_first,
       .direction_new
   );
   assign host_read = 32'($signed(x_word));
 
-  // ---- The partitions. What the host writes is collected to a row of a package, or an index word.
-  logic [Package-1:0][MatrixBits-1:0] columns;
-  logic [Nodes-1:0][NodeBits-1:0] package_nodes;
-  always_ff @(posedge clock) begin
-    if (host_write && host_space == SpaceColumn) begin
-      for (int c = 0; c < Package; ++c) begin
-        if (host_address == 32'(c)) columns[c] <= host_word[MatrixBits-1:0];
-      end
-    end
-    if (host_write && host_space == SpaceNode) begin
-      for (int n = 0; n < Nodes; ++n) begin
-        if (host_address == 32'(n)) package_nodes[n] <= host_word[NodeBits-1:0];
-      end
-    end
-  end
-  wire [IndexBits-1:0] index_word = {host_word[NodeBits+2:0], package_nodes};
-
-  wire [Partitions-1:0][2:0][Package-1:0][MatrixBits-1:0] matrix_words;
-  wire [Partitions-1:0][IndexBits-1:0] index_words;
-  wire [PackageBits-1:0] read_package, edited_package;
-  wire [Partitions-1:0] edit_write;
-  wire [2:0][Package-1:0][MatrixBits-1:0] edited_words;
-  matrix_editor #(
+  // ---- The partitions of the matrix, and its editor.
+  matrix_partitions #(
       .Package(Package),
       .MatrixBits(MatrixBits),
+      .VectorBits(VectorBits),
+      .SumBits(SumBits),
       .Partitions(Partitions),
+      .Lanes(Lanes),
       .NodeBits(NodeBits),
       .PackageBits(PackageBits),
       .BlockBits(BlockBits),
+      .QueueBits(QueueBits),
       .PhaseClocks(PhaseClocks)
-  ) editor (
+  ) matrix (
       .clock,
       .reset,
-      .place_write(host_write && host_space == SpacePlace),
-      .place_node(host_address[NodeBits-1:0]),
-      .place_word({host_word[24+:BlockBits+1], host_address[23:16], host_word[16+:PartitionBits],
-                   host_word[PackageBits-1:0]}),
-      .contact_write(host_write && host_space == SpaceContact),
-      .contact_node(host_address[NodeBits-1:0]),
-      .contact_word(host_word[0]),
-      .staged_write(host_write && host_space == SpaceStaged),
-      .staged_block(host_address[4+:BlockBits]),
-      .staged_entry(host_address[3:0]),
-      .staged_word(host_word[MatrixBits-1:0]),
-      .start(edit),
+      .host_write,
+      .host_space,
+      .host_address,
+      .host_word,
+      .edit,
       .restores,
-      .node(edited_node),
+      .edited_node,
       .diagonal,
-      .busy(editing),
-      .read_package,
-      .words(matrix_words),
-      .index(index_words),
-      .write(edit_write),
-      .write_package(edited_package),
-      .new_words(edited_words)
+      .editing,
+      .product,
+      .start(start && pass == Product),
+      .direction_read,
+      .direction_words,
+      .direction_write,
+      .direction_first,
+      .direction_new,
+      .taken,
+      .finished(rows_finished),
+      .row_node,
+      .row_sum,
+      .row_own
   );
-  for (genvar p = 0; p < Partitions; ++p) begin : g_partition
-    wire here = host_write && host_address[31:16] == 16'(p);
-    wire [2:0] rows;
-    assign rows[0] = here && host_space == SpaceMatrix && host_address[15:14] == 2'd0;
-    assign rows[1] = here && host_space == SpaceMatrix && host_address[15:14] == 2'd1;
-    assign rows[2] = here && host_space == SpaceMatrix && host_address[15:14] == 2'd2;
-    logic [PackageBits:0] packages;
-    always_ff @(posedge clock) begin
-      if (here && host_space == SpacePackages) packages <= host_word[PackageBits:0];
-    end
-    spmxv_partition #(
-        .Package(Package),
-        .MatrixBits(MatrixBits),
-        .VectorBits(VectorBits),
-        .SumBits(SumBits),
-        .NodeBits(NodeBits),
-        .PackageBits(PackageBits),
-        .QueueBits(QueueBits),
-        .Lanes(Lanes)
-    ) spmxv (
-        .clock,
-        .reset,
-        .matrix_write(rows | {3{edit_write[p]}}),
-        .matrix_write_package(edit_write[p] ? edited_package : host_address[PackageBits-1:0]),
-        .matrix_write_words(edit_write[p] ? edited_words : {3{columns}}),
-        .index_write(here && host_space == SpaceIndex),
-        .index_write_package(host_address[PackageBits-1:0]),
-        .index_write_word(index_word),
-        .packages,
-        .edits(editing),
-        .edited_package(read_package),
-        .matrix_words(matrix_words[p]),
-        .index_word(index_words[p]),
-        .product,
-        .start(start && pass == Product),
-        .direction_read,
-        .direction_words(direction_words[p]),
-        .direction_write,
-        .direction_first,
-        .direction_new,
-        .taken(taken[p]),
-        .finished(rows_finished[p]),
-        .row_node(row_node[p]),
-        .row_sum(row_sum[p]),
-        .row_own(row_own[p])
-    );
-  end
 
-  // The copies agree, so that a pass reads the first one.
-  wire unused = &{1'b0, direction_words, alpha_shift};
+  wire unused = &{1'b0, alpha_shift};
 
 endmodule
 

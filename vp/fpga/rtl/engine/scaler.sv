@@ -63,6 +63,8 @@ module scaler #(
 
   logic [SecondBits-1:0] product, second;
   logic first_zero, second_zero;
+  logic [Adder+2:0] widened;
+  logic [6:0] first_length;
 
   // The length of a magnitude: its highest byte that is not zero, and in it the highest bit.
   logic [W-1:0] measured;
@@ -106,8 +108,6 @@ module scaler #(
   logic signed [E-1:0] first_top, second_top, bits, unused, excess;
   logic [Adder:0] first_term, second_term;
   logic [Adder+1:0] sum;
-  logic [Adder+2:0] widened;
-  logic [6:0] first_length;
   logic negative;
 
   // The largest multiple of the step in `dividend`, one bit of the quotient a clock.

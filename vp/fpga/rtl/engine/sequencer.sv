@@ -74,11 +74,11 @@ module sequencer
     output logic [15:0] made,
     output logic [15:0] replacements,
     // Registers that an iteration can be told by.
-    output logic [CoefficientBits-2:0] alpha,
-    output logic signed [ExponentBits-1:0] alpha_exponent,
-    output logic signed [ExponentBits-1:0] change_exponent,  // of alpha * q, in units of r
-    output logic [CoefficientBits-2:0] beta,
-    output logic signed [ExponentBits-1:0] beta_exponent,
+    output wire [CoefficientBits-2:0] alpha,
+    output wire signed [ExponentBits-1:0] alpha_exponent,
+    output wire signed [ExponentBits-1:0] change_exponent,  // of alpha * q, in units of r
+    output wire [CoefficientBits-2:0] beta,
+    output wire signed [ExponentBits-1:0] beta_exponent,
     output logic signed [ExponentBits-1:0] r_exponent,
     output logic signed [ExponentBits-1:0] d_exponent,
     output logic signed [ScalarBits-1:0] r_r,
@@ -98,7 +98,6 @@ module sequencer
   logic [15:0] loops, until_replacement;
   logic replaced;
   logic signed [E-1:0] scalar_exponent, scalar_exponent_before;  // of r.r
-  wire signed [E-1:0] q_exponent = d_exponent - E'(ProductShift);
 
   // ---- Inner products become scalars once.
   logic signed [S-1:0] scalar;
@@ -131,54 +130,49 @@ module sequencer
     for (int i = 0; i < DifferenceBits; ++i) if (value[i]) length = E'(i + 1);
   endfunction
 
-  // ---- The divider, and behind it the scaler.
-  logic divides, scales;
+  // ---- alpha and beta, and the shift of the vector that each changes.
+  logic divides;
   logic holds_division;  // it works, and nobody takes its quotient
+  logic clears_beta;     // there is no residual, so that no direction of old counts
   logic [CountBits-1:0] clocks_left;
   wire division_over = clocks_left == CountBits'(1);
   logic [S-2:0] numerator, denominator;
-  wire divided, scaled;
-  wire [C-2:0] mantissa;
-  wire signed [E-1:0] quotient_exponent;
-  coefficient_divider #(
-      .ScalarBits(S),
-      .CoefficientBits(C),
-      .ExponentBits(E)
-  ) divider (
-      .clock,
-      .reset,
-      .rounding(division_rounding),
-      .start(divides),
-      .numerator,
-      .denominator,
-      .done(divided),
-      .mantissa,
-      .exponent(quotient_exponent)
-  );
-  wire in_alpha = state == InAlpha;
   wire signed [E-1:0] up;
-  scaler #(
-      .FirstBits(V - 1),
-      .MantissaBits(C - 1),
-      .LargestBits(ProductBits - 1),
+  coefficient_unit #(
+      .VectorBits(V),
+      .ProductBits(ProductBits),
+      .CoefficientBits(C),
+      .ScalarBits(S),
       .ExponentBits(E),
-      .WordBits(V)
-  ) scaling (
+      .ProductShift(ProductShift)
+  ) coefficients (
       .clock,
       .reset,
-      .start(scales),
-      .first(largest_r),
-      .first_exponent(in_alpha ? '0 : d_exponent - r_exponent),
-      .mantissa(in_alpha ? alpha : beta),
-      .largest(in_alpha ? largest_q : (ProductBits - 1)'(largest_d)),
-      .second_exponent(in_alpha ? change_exponent : beta_exponent),
+      .division_rounding,
       .dynamic_scaling,
       .scaling_down,
       .target,
-      .available(5'(V - 1)),
       .threshold,
       .step,
-      .done(scaled),
+      .divides,
+      .in_alpha(state == InAlpha),
+      .holds(holds_division),
+      .clears_beta,
+      .over(division_over),
+      .numerator,
+      .denominator,
+      .scalar_exponent,
+      .scalar_exponent_before,
+      .r_exponent,
+      .d_exponent,
+      .largest_r,
+      .largest_d,
+      .largest_q,
+      .alpha,
+      .alpha_exponent,
+      .change_exponent,
+      .beta,
+      .beta_exponent,
       .up
   );
 
@@ -208,7 +202,7 @@ module sequencer
       .take_rhs(done && state == InStartProduct),
       .squares,
       .take_residual(done && forms_r && !hold),
-      .dot,
+      .dot(dot),
       .r_exponent,
       .reached(small_enough)
   );
@@ -218,22 +212,10 @@ module sequencer
   always_ff @(posedge clock) begin
     start <= 1'b0;
     divides <= 1'b0;
+    clears_beta <= 1'b0;
     finished <= 1'b0;
     iteration_made <= 1'b0;
-    scales <= 1'b0;
     if (clocks_left != '0) clocks_left <= clocks_left - 1'b1;
-
-    if (divided && !holds_division) begin
-      scales <= 1'b1;
-      if (in_alpha) begin
-        alpha <= mantissa;
-        alpha_exponent <= quotient_exponent + d_exponent + q_exponent - scalar_exponent;
-        change_exponent <= quotient_exponent + d_exponent - scalar_exponent + r_exponent;
-      end else begin
-        beta <= mantissa;
-        beta_exponent <= quotient_exponent + scalar_exponent_before - scalar_exponent;
-      end
-    end
 
     case (state)
       InIdle: begin
@@ -395,8 +377,7 @@ module sequencer
       state <= InIdle;
       start <= 1'b0;
       divides <= 1'b0;
-      scales <= 1'b0;
-      clocks_left <= '0;
+        clocks_left <= '0;
       finished <= 1'b0;
       iteration_made <= 1'b0;
     end
@@ -409,30 +390,15 @@ module sequencer
     denominator <= hold ? (S - 1)'(1) : r_r[S-2:0];
     numerator <= scalar[S-2:0];
     holds_division <= hold || scalar <= 0;
+    clears_beta <= !hold && scalar <= 0;
     if (!hold) begin
       r_r <= scalar;
       scalar_overflow <= scalar_overflow || overflows;
       scalar_exponent <= r_exponent <<< 1;
       scalar_exponent_before <= scalar_exponent;
-      if (scalar <= 0) begin
-        beta <= '0;
-        beta_exponent <= '0;
-      end
     end
     state <= InBeta;
   endtask
-
-  wire unused = &{1'b0, scaled};
-
-`ifndef SYNTHESIS
-  // Both have to be through within the latency of a division.
-  logic late;
-  always_ff @(posedge clock) begin
-    if (divides) late <= !holds_division;
-    else if (scaled) late <= 1'b0;
-    if (division_over && !reset && late) $error("a division and its scaling are not over");
-  end
-`endif
 
 endmodule
 

@@ -27,7 +27,7 @@ module vector_sums
     input wire [Lanes-1:0] rows4,
     input wire [Lanes-1:0] rows5,
     input wire [Lanes-1:0] rows6,
-    input wire signed [Lanes-1:0][2:0][ProductBits-1:0] q2,
+    input wire [Lanes-1:0][2:0][ProductBits-1:0] q2,
     input wire [Lanes-1:0][2:0] q_clamped2,
     input wire [Lanes-1:0][2:0][DifferenceBits-1:0] difference4,
     input wire [Lanes-1:0][2:0][ProductBits+VectorBits-1:0] q_d6,

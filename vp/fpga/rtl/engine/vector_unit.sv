@@ -76,7 +76,7 @@ module vector_unit
     input wire [Lanes-1:0][2:0][VectorBits-1:0] direction_words,
     output logic [Lanes-1:0] direction_write,
     output logic [NodeBits-1:0] direction_first,
-    output logic [Lanes-1:0][2:0][VectorBits-1:0] direction_new
+    output wire [Lanes-1:0][2:0][VectorBits-1:0] direction_new
 );
 
   localparam int V = VectorBits;
@@ -151,81 +151,39 @@ module vector_unit
   end
 
   // ---- Lanes.
+  localparam int LaneBits = Lanes > 1 ? BankBits : 1;
+  wire [LaneBits-1:0] host_lane = Lanes > 1 ? host_node[LaneBits-1:0] : '0;
   wire is_product = pass == Product;
   wire writes_d = pass == Copy || pass == Guess || pass == FirstDirection || pass == Direction ||
                   exchange;
-  wire signed [Lanes-1:0][2:0][Q-1:0] q2;
+  wire [Lanes-1:0][2:0][Q-1:0] q2;
   wire [Lanes-1:0][2:0] q_clamped2, b_clamped3, sum_clamped11, r_clamped11;
   wire [Lanes-1:0][2:0][DifferenceBits-1:0] difference4;
   wire [Lanes-1:0][2:0][Q+V-1:0] q_d6;
-  wire [Lanes-1:0][2:0][V-1:0] sum_word11, r_word11, old_d11, late_sum;
+  wire [Lanes-1:0][2:0][V-1:0] sum_word11, r_word11;
   wire [Lanes-1:0][2:0][2*V-3:0] square14;
   wire [Lanes-1:0][2:0][V-1:0] x_read;
 
   for (genvar l = 0; l < Lanes; ++l) begin : g_lane
     wire [AddressBits-1:0] read_row = node[0][NodeBits-1:BankBits];
     wire [AddressBits-1:0] host_row = host_node[NodeBits-1:BankBits];
-    wire host_here = BankBits == 0 || int'(host_node) % Lanes == l;
+    wire host_here = host_lane == LaneBits'(l);
     wire written = valid[Written-1][l] && !hold && !reset;
     for (genvar c = 0; c < 3; ++c) begin : g_component
-      wire [V-1:0] x, r, b, previous;
-      wire [Q-1:0] q, q_written;
-      wire [V-1:0] d = is_product ? own2[l][c] : direction_words[l][c];
-      logic [V-1:0] late_r, late_d;
       wire host_component_here = host_here && host_component == 2'(c);
-      vector_bank #(
-          .VectorBits(V),
-          .ProductBits(Q),
-          .AddressBits(AddressBits)
-      ) bank (
-          .clock,
-          .read_address(active ? read_row : host_row),
-          .b_read_address(is_product ? row_node[l][NodeBits-1:BankBits] : read_row),
-          .x,
-          .r,
-          .b,
-          .previous,
-          .q,
-          .x_write(written && (pass == Update || pass == Guess ||
-                               (pass == Residual && (zero || exchange)))),
-          .r_write(written && (pass == Residual || (pass == Update && !exchange))),
-          .write_address(node[Written-1][NodeBits-1:BankBits]),
-          .x_new(pass == Residual && zero ? '0 : exchange ? late_d : late_sum[l][c]),
-          .r_new(late_r),
-          .previous_write(valid[2][l] && pass == Guess && !reset),
-          .previous_address(node[2][NodeBits-1:BankBits]),
-          .q_write(rows[RowWritten][l] && !hold && !reset),
-          .q_address(row_nodes[RowWritten][l][NodeBits-1:BankBits]),
-          .q_new(q_written),
-          .host_x_write(host_x_write && host_component_here),
-          .host_b_write(host_b_write && host_component_here),
-          .host_address(host_row),
-          .host_word
-      );
-      assign x_read[l][c] = x;
-      row_writer #(
-          .SumBits(SumBits),
-          .ProductBits(Q),
-          .ProductShift(ProductShift),
-          .Written(RowWritten)
-      ) writer (
-          .clock,
-          .rounding,
-          .zero,
-          .sum(row_sum[l][c]),
-          .q(q2[l][c]),
-          .clamped(q_clamped2[l][c]),
-          .q_written
-      );
-      vector_lane #(
+      vector_component #(
           .VectorBits(V),
           .ProductBits(Q),
           .CoefficientBits(CoefficientBits),
           .StaticBits(StaticBits),
-          .ProductShift(ProductShift)
-      ) lane (
+          .ProductShift(ProductShift),
+          .SumBits(SumBits),
+          .AddressBits(AddressBits),
+          .PhaseClocks(PhaseClocks)
+      ) component (
           .clock,
           .pass,
+          .zero,
           .exchange,
           .alone,
           .rounding,
@@ -237,30 +195,33 @@ module vector_unit
           .beyond_d,
           .beyond_q,
           .beyond_r,
-          .x,
-          .previous,
-          .d,
-          .r,
-          .b,
-          .q(is_product ? q2[l][c] : q),
-          .b_clamped(b_clamped3[l][c]),
-          .difference(difference4[l][c]),
-          .q_d(q_d6[l][c]),
-          .sum_word(sum_word11[l][c]),
-          .r_word(r_word11[l][c]),
-          .old_d(old_d11[l][c]),
-          .sum_clamped(sum_clamped11[l][c]),
-          .r_clamped(r_clamped11[l][c]),
-          .square(square14[l][c])
+          .read_address(active ? read_row : host_row),
+          .b_address(is_product ? row_node[l][NodeBits-1:BankBits] : read_row),
+          .written,
+          .written_address(node[Written-1][NodeBits-1:BankBits]),
+          .previous_write(valid[2][l] && pass == Guess && !reset),
+          .previous_address(node[2][NodeBits-1:BankBits]),
+          .q_write(rows[RowWritten][l] && !hold && !reset),
+          .q_address(row_nodes[RowWritten][l][NodeBits-1:BankBits]),
+          .host_x_write(host_x_write && host_component_here),
+          .host_b_write(host_b_write && host_component_here),
+          .host_address(host_row),
+          .host_word,
+          .x(x_read[l][c]),
+          .d(is_product ? own2[l][c] : direction_words[l][c]),
+          .sum(row_sum[l][c]),
+          .q2(q2[l][c]),
+          .q_clamped2(q_clamped2[l][c]),
+          .b_clamped3(b_clamped3[l][c]),
+          .difference4(difference4[l][c]),
+          .q_d6(q_d6[l][c]),
+          .sum_word11(sum_word11[l][c]),
+          .r_word11(r_word11[l][c]),
+          .sum_clamped11(sum_clamped11[l][c]),
+          .r_clamped11(r_clamped11[l][c]),
+          .square14(square14[l][c]),
+          .direction_new(direction_new[l][c])
       );
-      // From rank 11 to the one before the edge that writes.
-      logic [3*V-1:0] late[12:Written-1];
-      always_ff @(posedge clock) begin
-        late[12] <= {sum_word11[l][c], r_word11[l][c], old_d11[l][c]};
-        for (int i = 13; i < Written; ++i) late[i] <= late[i-1];
-      end
-      assign {late_sum[l][c], late_r, late_d} = late[Written-1];
-      always_ff @(posedge clock) direction_new[l][c] <= late_sum[l][c];
     end
     always_ff @(posedge clock) direction_write[l] <= written && writes_d;
   end
@@ -273,7 +234,7 @@ module vector_unit
     selected = '0;
     for (int l = 0; l < Lanes; ++l) begin
       for (int c = 0; c < 3; ++c) begin
-        if ((BankBits == 0 || int'(host_node) % Lanes == l) && host_component == 2'(c)) begin
+        if (host_lane == LaneBits'(l) && host_component == 2'(c)) begin
           selected = x_read[l][c];
         end
       end

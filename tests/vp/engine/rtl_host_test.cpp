@@ -1,0 +1,138 @@
+// The engine in SystemVerilog in the thesis' size, its aborts and its refusals, and that a
+// difference to the cycle-accurate one is found.
+#include <functional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "models/config/input_error.h"
+#include "tests/vp/engine/random_systems.h"
+#include "tests/vp/engine/rtl_pair.h"
+
+namespace hvp::vp::rtl::rtl_host_test {
+namespace {
+
+using fixed::Settings;
+using test::Pair;
+using test::Random;
+using test::settings_of;
+using test::words;
+
+// The thesis' own size: its sphere, all its iterations.
+TEST(RtlEngine, AgreesOnTheThesisSphere) {
+  const fixed::QuantisedMatrix matrix = fixed::quantise(hvp::test::sphere_stiffness(500), 12);
+  Pair pair(engine_thesis);
+  Random random(4);
+  const Settings settings = settings_of(engine_thesis);
+  pair.load(matrix, settings);
+  for (int job = 0; job < 2; ++job) {
+    pair.write_b(hvp::test::random_words(matrix.rows(), 30000, random.bits()));
+    pair.solve(settings);
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_EQ(pair.iterations, 2 * settings.iterations);
+  pair.print("thesis");
+}
+
+// An aborted solve leaves the same x in both, whichever state it was in.
+TEST(RtlEngine, AgreesWhereverASolveIsAborted) {
+  Pair pair(engine_thesis);
+  Random random(5);
+  Settings settings = settings_of(engine_thesis);
+  settings.replace_residual_every = 2;
+  settings.iterations = 4;
+  std::set<engine::State> states;
+  for (std::int64_t clocks = 1; states.size() < engine::kStates - 1 && clocks < 2000; clocks += 7) {
+    SCOPED_TRACE("clock " + std::to_string(clocks));
+    settings.start = clocks % 2 == 0 ? fixed::Start::extrapolated : fixed::Start::warm;
+    const fixed::QuantisedMatrix matrix = hvp::test::random_matrix(60, 8, 12, random);
+    pair.load(matrix, settings);
+    pair.write_x(words(matrix.rows(), 16, random));
+    pair.write_b(words(matrix.rows(), 16, random));
+    pair.start(settings);
+    sc_core::sc_start(static_cast<double>(10 * clocks + 5), sc_core::SC_NS);
+    if (pair.engine.idle()) continue;
+    states.insert(pair.engine.sequencer().state());
+    pair.both.abort();
+    pair.engine.abort();
+    ASSERT_EQ(pair.both.difference(), "");
+  }
+  EXPECT_EQ(states.size(), engine::kStates - 1) << "some state was not aborted";
+  const fixed::QuantisedMatrix matrix = hvp::test::random_matrix(60, 8, 12, random);
+  pair.load(matrix, settings);
+  pair.write_b(words(matrix.rows(), 16, random));
+  pair.solve(settings);
+}
+
+// The comparison itself: what only one of both has is seen, with its place.
+TEST(RtlEngine, ADifferentWordIsFound) {
+  const Settings settings = settings_of(engine_thesis);
+  Random random(6);
+  const fixed::QuantisedMatrix matrix = hvp::test::random_matrix(30, 8, 12, random);
+  const auto b = hvp::test::random_words(matrix.rows(), 30000, 7);
+  Pair pair(engine_thesis);
+  pair.load(matrix, settings);
+  pair.both.rtl().write_b(b);
+  auto other = b;
+  other[17] += 40;
+  pair.engine.write_b(other);
+  pair.start(settings);
+  sc_core::sc_start();
+  pair.both.end_solve();
+  EXPECT_THAT(pair.both.difference(), testing::HasSubstr("iteration 1"));
+  EXPECT_THAT(pair.both.difference(), testing::HasSubstr(" in RTL and "));
+  EXPECT_THAT(pair.both.difference(), testing::HasSubstr(" at clock "));
+}
+
+std::string refused_architecture(const std::function<void(accel::Architecture&)>& change) {
+  accel::Architecture a;
+  change(a);
+  try {
+    require_fitting(engine_thesis, a);
+  } catch (const InputError& e) {
+    return e.key();
+  }
+  return "";
+}
+
+std::string refused_settings(const std::function<void(Settings&)>& change) {
+  Settings s;
+  change(s);
+  try {
+    require_fitting(engine_thesis, s);
+  } catch (const InputError& e) {
+    return e.key();
+  }
+  return "";
+}
+
+TEST(RtlEngine, WhatItIsNotBuiltForIsRefusedByKey) {
+  using A = accel::Architecture;
+  EXPECT_EQ(refused_architecture([](A&) {}), "");
+  EXPECT_EQ(refused_architecture([](A& a) { a.package = 7; }), "package");
+  EXPECT_EQ(refused_architecture([](A& a) { a.partitions = 6; }), "partitions");
+  EXPECT_EQ(refused_architecture([](A& a) { a.nodes_per_clock = 3; }), "nodes_per_clock");
+  EXPECT_EQ(refused_architecture([](A& a) { a.result_queue = 12; }), "result_queue");
+  EXPECT_EQ(refused_architecture([](A& a) { a.division_clocks = 1; }), "division_clocks");
+  EXPECT_EQ(refused_architecture([](A& a) { a.direction_banks = 3; }), "direction_banks");
+  EXPECT_EQ(refused_architecture([](A& a) { a.direction_memory = accel::DirectionMemory::stall; }),
+            "direction_memory");
+  EXPECT_EQ(refused_settings([](Settings&) {}), "");
+  EXPECT_EQ(refused_settings([](Settings& s) { s.method = fixed::Method::block_jacobi_pcg; }),
+            "method");
+  EXPECT_EQ(refused_settings([](Settings& s) { s.vector_bits = 17; }), "vector_bits");
+  EXPECT_EQ(refused_settings([](Settings& s) { s.scalar_bits = 128; }), "scalar_bits");
+  EXPECT_EQ(refused_settings([](Settings& s) { s.overflow = fixed::Overflow::wrap; }), "overflow");
+  EXPECT_EQ(
+      refused_settings([](Settings& s) { s.coefficient_format = fixed::CoefficientFormat::fixed; }),
+      "coefficient_format");
+  EXPECT_EQ(refused_settings([](Settings& s) { s.scaling_down = false; }), "scaling_down");
+  EXPECT_EQ(refused_settings([](Settings& s) { s.stop_residual = 0x1p-512; }), "stop_residual");
+  EXPECT_EQ(refused_settings([](Settings& s) { s.static_shift = 16; }), "static_shift");
+}
+
+}  // namespace
+}  // namespace hvp::vp::rtl::rtl_host_test

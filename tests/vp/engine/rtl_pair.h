@@ -1,0 +1,114 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/fixed/elastic_box.h"
+#include "tests/vp/engine/engine_systems.h"
+#include "vp/fpga/rtl/rtl_comparison.h"
+
+namespace hvp::vp::rtl {
+
+// Sizes that only tests have.
+extern const EngineSize engine_narrow;
+extern const EngineSize engine_wide;
+
+namespace test {
+
+using Random = fixed::test::Random;
+
+inline accel::Architecture architecture_of(const EngineSize& size) {
+  accel::Architecture a;
+  a.package = size.package;
+  a.partitions = size.partitions;
+  a.nodes_per_clock = size.nodes_per_clock;
+  a.result_queue = 1 << size.queue_bits;
+  a.pipeline_clocks = size.phase_clocks;
+  a.division_clocks = size.division_clocks;
+  return a;
+}
+
+inline fixed::Settings settings_of(const EngineSize& size) {
+  fixed::Settings s;
+  s.matrix_bits = size.matrix_bits;
+  s.vector_bits = size.vector_bits;
+  s.coefficient_bits = size.coefficient_bits;
+  return s;
+}
+
+// Both engines, and what has been seen of them.
+class Pair {
+ public:
+  explicit Pair(const EngineSize& size, int seed = 1)
+      : engine("engine", architecture_of(size)), both(engine, size, seed) {}
+
+  void load(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings) {
+    both.load(matrix, settings);
+    engine.load(matrix, settings);
+  }
+  void write_x(const std::vector<std::int32_t>& x) {
+    both.write_x(x);
+    engine.write_x(x);
+  }
+  void write_b(const std::vector<std::int32_t>& b) {
+    both.rtl().write_b(b);
+    engine.write_b(b);
+  }
+  void start(const fixed::Settings& settings) {
+    both.start_solve(settings);
+    engine.start_solve(settings, &both);
+  }
+  void solve(const fixed::Settings& settings) {
+    start(settings);
+    sc_core::sc_start();
+    ASSERT_TRUE(engine.idle());
+    both.end_solve();
+    ASSERT_EQ(both.difference(), "");
+    ASSERT_EQ(engine.clocks(), both.waited() + both.rtl().clocks());
+    ASSERT_EQ(both.rtl().copy_clocks(),
+              engine.state_clocks()[static_cast<std::size_t>(engine::State::copy)]);
+    const fixed::Report report = engine.report();
+    ++solves;
+    iterations += report.iterations;
+    clamping += report.saturations > 0 ? 1 : 0;
+    breakdowns += report.breakdowns;
+    reached += report.reached ? 1 : 0;
+    replacements += report.replacements;
+    queue_stalls = 0;
+    for (int p = 0; p < engine.architecture().partitions; ++p) {
+      queue_stalls += engine.block(p).queue_stalls();
+    }
+  }
+  void print(const char* name) const {
+    std::printf(
+        "%s: %d solves of %d systems, %lld clocks compared; %lld iterations, %d solves with "
+        "clamped words, %d breakdowns, %d ended by the stop test, %d residuals formed anew, %d "
+        "holds, %lld clocks of full queues\n",
+        name, solves, systems, static_cast<long long>(both.compared_clocks()),
+        static_cast<long long>(iterations), clamping, breakdowns, reached, replacements, holds,
+        static_cast<long long>(queue_stalls));
+  }
+
+  engine::CycleEngine engine;
+  RtlComparison both;
+  int systems = 0, solves = 0, clamping = 0, breakdowns = 0, reached = 0, replacements = 0,
+      holds = 0;
+  std::int64_t iterations = 0, queue_stalls = 0;
+};
+
+// Words up to some power of two, the most negative word among them.
+inline std::vector<std::int32_t> words(int count, int bits, Random& random) {
+  const auto size = static_cast<std::int32_t>(std::int64_t{1} << (1 + random.below(bits - 1)));
+  std::vector<std::int32_t> result = hvp::test::random_words(count, size, random.bits());
+  if (count > 0 && random.below(8) == 0) {
+    result[static_cast<std::size_t>(random.below(count))] = -(std::int32_t{1} << (bits - 1));
+  }
+  return result;
+}
+
+}  // namespace test
+}  // namespace hvp::vp::rtl

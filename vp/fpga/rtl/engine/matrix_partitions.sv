@@ -1,0 +1,164 @@
+// The matrix: its partitions, the editor that changes their words, and the host's writes to both.
+//
+// Timing is that of spmxv_partition.sv and matrix_editor.sv. The host and the editor share the
+// partitions' write ports: the host waits while an order of the editor runs.
+`default_nettype none
+
+module matrix_partitions
+  import engine_types::*;
+#(
+    parameter int Package = 8,
+    parameter int MatrixBits = 12,
+    parameter int VectorBits = 16,
+    parameter int SumBits = 38,
+    parameter int Partitions = 5,
+    parameter int Lanes = 2,
+    parameter int NodeBits = 10,
+    parameter int PackageBits = 11,
+    parameter int BlockBits = 6,
+    parameter int QueueBits = 4,
+    parameter int PhaseClocks = 20
+) (
+    input wire clock,
+    input wire reset,
+    input wire host_write,
+    input wire space_t host_space,
+    input wire [31:0] host_address,
+    input wire [31:0] host_word,
+    // An order to the editor.
+    input wire edit,
+    input wire restores,
+    input wire [NodeBits-1:0] edited_node,
+    input wire [MatrixBits-1:0] diagonal,
+    output wire editing,
+    // The sequencer and the vector unit.
+    input wire product,
+    input wire start,
+    input wire [NodeBits-1:0] direction_read,
+    output wire [Lanes-1:0][2:0][VectorBits-1:0] direction_words,
+    input wire [Lanes-1:0] direction_write,
+    input wire [NodeBits-1:0] direction_first,
+    input wire [Lanes-1:0][2:0][VectorBits-1:0] direction_new,
+    input wire [Partitions-1:0][QueueBits:0] taken,
+    output wire [Partitions-1:0][QueueBits:0] finished,
+    output wire [Partitions-1:0][NodeBits-1:0] row_node,
+    output wire [Partitions-1:0][2:0][SumBits-1:0] row_sum,
+    output wire [Partitions-1:0][2:0][VectorBits-1:0] row_own
+);
+
+  localparam int Nodes = Package % 3 == 0 ? Package / 3 : (Package + 1) / 3 + 1;
+  localparam int IndexBits = (Nodes + 1) * NodeBits + 3;
+  localparam int PartitionBits = Partitions > 1 ? $clog2(Partitions) : 1;
+
+  // ---- What the host writes is collected to a row of a package, or to an index word.
+  logic [Package-1:0][MatrixBits-1:0] columns;
+  logic [Nodes-1:0][NodeBits-1:0] package_nodes;
+  always_ff @(posedge clock) begin
+    if (host_write && host_space == SpaceColumn) begin
+      for (int c = 0; c < Package; ++c) begin
+        if (host_address == 32'(c)) columns[c] <= host_word[MatrixBits-1:0];
+      end
+    end
+    if (host_write && host_space == SpaceNode) begin
+      for (int n = 0; n < Nodes; ++n) begin
+        if (host_address == 32'(n)) package_nodes[n] <= host_word[NodeBits-1:0];
+      end
+    end
+  end
+  wire [IndexBits-1:0] index_word = {host_word[NodeBits+2:0], package_nodes};
+
+  wire [Partitions-1:0][2:0][Package-1:0][MatrixBits-1:0] matrix_words;
+  wire [Partitions-1:0][IndexBits-1:0] index_words;
+  wire [Partitions-1:0][Lanes-1:0][2:0][VectorBits-1:0] copies;
+  wire [PackageBits-1:0] read_package, edited_package;
+  wire [Partitions-1:0] edit_write;
+  wire [2:0][Package-1:0][MatrixBits-1:0] edited_words;
+  matrix_editor #(
+      .Package(Package),
+      .MatrixBits(MatrixBits),
+      .Partitions(Partitions),
+      .NodeBits(NodeBits),
+      .PackageBits(PackageBits),
+      .BlockBits(BlockBits),
+      .PhaseClocks(PhaseClocks)
+  ) editor (
+      .clock,
+      .reset,
+      .place_write(host_write && host_space == SpacePlace),
+      .place_node(host_address[NodeBits-1:0]),
+      .place_word({host_word[24+:BlockBits+1], host_address[23:16], host_word[16+:PartitionBits],
+                   host_word[PackageBits-1:0]}),
+      .contact_write(host_write && host_space == SpaceContact),
+      .contact_node(host_address[NodeBits-1:0]),
+      .contact_word(host_word[0]),
+      .staged_write(host_write && host_space == SpaceStaged),
+      .staged_block(host_address[4+:BlockBits]),
+      .staged_entry(host_address[3:0]),
+      .staged_word(host_word[MatrixBits-1:0]),
+      .start(edit),
+      .restores,
+      .node(edited_node),
+      .diagonal,
+      .busy(editing),
+      .read_package,
+      .words(matrix_words),
+      .index(index_words),
+      .write(edit_write),
+      .write_package(edited_package),
+      .new_words(edited_words)
+  );
+  for (genvar p = 0; p < Partitions; ++p) begin : g_partition
+    wire here = host_write && host_address[31:16] == 16'(p);
+    wire [2:0] rows;
+    assign rows[0] = here && host_space == SpaceMatrix && host_address[15:14] == 2'd0;
+    assign rows[1] = here && host_space == SpaceMatrix && host_address[15:14] == 2'd1;
+    assign rows[2] = here && host_space == SpaceMatrix && host_address[15:14] == 2'd2;
+    logic [PackageBits:0] packages;
+    always_ff @(posedge clock) begin
+      if (here && host_space == SpacePackages) packages <= host_word[PackageBits:0];
+    end
+    spmxv_partition #(
+        .Package(Package),
+        .MatrixBits(MatrixBits),
+        .VectorBits(VectorBits),
+        .SumBits(SumBits),
+        .NodeBits(NodeBits),
+        .PackageBits(PackageBits),
+        .QueueBits(QueueBits),
+        .Lanes(Lanes)
+    ) spmxv (
+        .clock,
+        .reset,
+        .matrix_write(rows | {3{edit_write[p]}}),
+        .matrix_write_package(edit_write[p] ? edited_package : host_address[PackageBits-1:0]),
+        .matrix_write_words(edit_write[p] ? edited_words : {3{columns}}),
+        .index_write(here && host_space == SpaceIndex),
+        .index_write_package(host_address[PackageBits-1:0]),
+        .index_write_word(index_word),
+        .packages,
+        .edits(editing),
+        .edited_package(read_package),
+        .matrix_words(matrix_words[p]),
+        .index_word(index_words[p]),
+        .product,
+        .start,
+        .direction_read,
+        .direction_words(copies[p]),
+        .direction_write,
+        .direction_first,
+        .direction_new,
+        .taken(taken[p]),
+        .finished(finished[p]),
+        .row_node(row_node[p]),
+        .row_sum(row_sum[p]),
+        .row_own(row_own[p])
+    );
+  end
+
+  // The copies agree: a pass reads the first one.
+  assign direction_words = copies[0];
+  wire unused = &{1'b0, copies, host_word};
+
+endmodule
+
+`default_nettype wire
