@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -89,10 +90,6 @@ void compare_random_systems(const EngineSize& size, int systems, std::uint64_t s
   EXPECT_GT(pair.holds, 0);
 }
 
-TEST(RtlEngine, OfTheThesisAgreesOnRandomSystems) { compare_random_systems(engine_thesis, 300, 1); }
-TEST(RtlEngine, NarrowAgreesOnRandomSystems) { compare_random_systems(engine_narrow, 300, 2); }
-TEST(RtlEngine, WideAgreesOnRandomSystems) { compare_random_systems(engine_wide, 300, 3); }
-
 // The stop test at its threshold, and some units of a double beside it.
 void compare_thresholds(const EngineSize& size, int systems, std::uint64_t seed) {
   Pair pair(size);
@@ -129,9 +126,6 @@ void compare_thresholds(const EngineSize& size, int systems, std::uint64_t seed)
   EXPECT_GT(pair.reached, systems);
   EXPECT_GT(pair.solves - pair.systems - pair.reached, systems);
 }
-
-TEST(RtlEngine, OfTheThesisStopsAtTheThreshold) { compare_thresholds(engine_thesis, 60, 21); }
-TEST(RtlEngine, WideStopsAtTheThreshold) { compare_thresholds(engine_wide, 60, 22); }
 
 // Contacts come and go in any order; the solves between see every word of the matrix.
 void compare_contacts(const EngineSize& size, int systems, std::uint64_t seed) {
@@ -176,9 +170,20 @@ void compare_contacts(const EngineSize& size, int systems, std::uint64_t seed) {
   pair.print(size.name);
 }
 
-TEST(RtlEngine, OfTheThesisAgreesOnContacts) { compare_contacts(engine_thesis, 60, 11); }
-TEST(RtlEngine, NarrowAgreesOnContacts) { compare_contacts(engine_narrow, 60, 12); }
-TEST(RtlEngine, WideAgreesOnContacts) { compare_contacts(engine_wide, 60, 13); }
+class RtlSizes : public testing::TestWithParam<const EngineSize*> {};
+
+// HVP_RTL_SYSTEMS makes it more, for a night.
+int systems() {
+  const char* const wanted = std::getenv("HVP_RTL_SYSTEMS");
+  return wanted == nullptr ? 300 : std::max(300, std::atoi(wanted));
+}
+
+TEST_P(RtlSizes, AgreeOnRandomSystems) { compare_random_systems(*GetParam(), systems(), 1); }
+TEST_P(RtlSizes, StopAtTheThreshold) { compare_thresholds(*GetParam(), 60, 2); }
+TEST_P(RtlSizes, AgreeOnContacts) { compare_contacts(*GetParam(), 60, 3); }
+
+INSTANTIATE_TEST_SUITE_P(Engine, RtlSizes, testing::ValuesIn(test::sizes()),
+                         [](const auto& size) { return std::string(size.param->name); });
 
 }  // namespace
 }  // namespace hvp::vp::rtl::rtl_engine_test

@@ -13,13 +13,12 @@
 
 namespace hvp::vp::rtl {
 
-// Sizes that only tests have.
-extern const EngineSize engine_narrow;
-extern const EngineSize engine_wide;
-
 namespace test {
 
 using Random = fixed::test::Random;
+
+// The thesis' size, and those that only tests have.
+const std::vector<const EngineSize*>& sizes();
 
 inline accel::Architecture architecture_of(const EngineSize& size) {
   accel::Architecture a;
