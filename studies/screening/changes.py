@@ -15,6 +15,7 @@ _EFFORT = (
     "fixed",
     "approximately-timed",
     "cycle-accurate",
+    "rtl",
 )
 
 
