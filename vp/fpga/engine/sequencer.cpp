@@ -1,7 +1,5 @@
 #include "vp/fpga/engine/sequencer.h"
 
-#include <cmath>
-
 #include "models/fixed/reference_preconditioner.h"
 #include "models/fixed/word.h"
 
@@ -98,7 +96,9 @@ void Sequencer::pass_is_over(const VectorStatus& status) {
       multiply(State::start_product, true);
       break;
     case State::start_product:
-      rhs_square_ = std::ldexp(static_cast<double>(status.squares), 2 * settings_.rhs_shift());
+      stop_test_ =
+          fixed::StopTest(settings_.stop_residual, static_cast<fixed::UInt128>(status.squares),
+                          settings_.rhs_shift());
       form_residual(State::start_residual, status);
       break;
     case State::start_residual:
@@ -212,7 +212,7 @@ void Sequencer::take_residual(const VectorStatus& status) {
     s.z_exponent += fixed::ReferencePreconditioner::scale_bits(settings_) - inverse_shift_;
   }
   s.z_r = {machine_.write_scalar(status.dot), s.z_exponent + s.r_exponent};
-  residual_square_ = std::ldexp(static_cast<double>(status.squares), -2 * s.r_exponent);
+  residual_squares_ = static_cast<fixed::UInt128>(status.squares);
 }
 
 void Sequencer::form_first_direction() {
@@ -229,8 +229,7 @@ void Sequencer::form_first_direction() {
 // ‖r‖ <= stop_residual · ‖b‖.
 bool Sequencer::reached() const {
   if (settings_.stop_residual == 0) return false;
-  const double limit = settings_.stop_residual;
-  return residual_square_ <= limit * limit * rhs_square_;
+  return stop_test_.reached(residual_squares_, scalars_.r_exponent);
 }
 
 void Sequencer::begin_iteration() {

@@ -9,6 +9,7 @@
 #include "models/fixed/reference_machine.h"
 #include "models/fixed/settings.h"
 #include "models/fixed/solver.h"
+#include "models/fixed/stop_test.h"
 #include "vp/fpga/engine/divider.h"
 #include "vp/fpga/engine/engine_clock.h"
 #include "vp/fpga/engine/vector_unit.h"
@@ -123,8 +124,8 @@ class Sequencer : public sc_core::sc_module {
   bool zero_ = false;      // the solve starts from zero, whatever x is
   bool hold_ = false;      // the solve is over, and its passes go on
   bool replaced_ = false;  // this iteration's residual is formed anew
-  double rhs_square_ = 0;
-  double residual_square_ = 0;
+  fixed::StopTest stop_test_;
+  fixed::UInt128 residual_squares_ = 0;  // rᵀr in words of r
   fixed::ScaledScalar z_r_before_;
 };
 
