@@ -180,7 +180,7 @@ TEST(Words, DoNotDependOnTheArchitecture) {
   });
   add([](accel::Architecture& a) {
     a.memory_read_clocks = 1, a.multiplier_clocks = 1, a.adder_tree_clocks = 1;
-    a.pipeline_clocks = 4, a.division_clocks = 1;
+    a.pipeline_clocks = 4, a.division_clocks = 1;  // as many as it takes
   });
   for (const auto& engine : engines) {
     SCOPED_TRACE(engine->name());

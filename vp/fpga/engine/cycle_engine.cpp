@@ -85,6 +85,7 @@ void CycleEngine::load(const fixed::QuantisedMatrix& matrix, const fixed::Settin
 }
 
 void CycleEngine::make_inverse(const fixed::Settings& settings) {
+  inverse_settings_ = settings;
   preconditioner_.emplace(settings);
   preconditioner_->load(read_matrix());
   std::ranges::copy(preconditioner_->words(), vectors_.memories().inverse.begin());
@@ -164,17 +165,17 @@ void CycleEngine::start_editing(int node) {
 
 void CycleEngine::start_inversion() {
   start_editing(-1);
-  editor_.invert_all(settings_.method);
+  editor_.invert_all(inverse_settings_);
 }
 
 void CycleEngine::start_constraining(int node, std::int32_t diagonal) {
   start_editing(node);
-  editor_.constrain(node, diagonal, settings_.method);
+  editor_.constrain(node, diagonal, inverse_settings_);
 }
 
 void CycleEngine::start_restoring(int node, std::span<const std::int32_t> row) {
   start_editing(node);
-  editor_.restore(node, row, settings_.method);
+  editor_.restore(node, row, inverse_settings_);
 }
 
 void CycleEngine::end_editing() {
@@ -212,7 +213,7 @@ void CycleEngine::start_solve(const fixed::Settings& settings, fixed::Observer* 
 
 void CycleEngine::begin_solve() {
   vectors_.configure(settings_, preconditioner_->shift());
-  divider_.configure(settings_, architecture_.division_clocks * settings_.scalar_bits / 64);
+  divider_.configure(settings_, static_cast<int>(architecture_.division(settings_)));
   vectors_.report() = {};
   divider_.report() = {};
   clock_.open();

@@ -114,6 +114,7 @@ class CycleEngine : public sc_core::sc_module {
   std::optional<Layout> layout_;
   fixed::QuantisedMatrix matrix_;  // the pattern; read_matrix() fetches the words
   fixed::Settings settings_;
+  fixed::Settings inverse_settings_;  // with which P⁻¹ was made
   std::optional<fixed::ReferencePreconditioner> preconditioner_;
   fixed::Observer* observer_ = nullptr;
   int edited_node_ = -1;  // −1: all

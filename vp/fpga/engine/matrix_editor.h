@@ -29,12 +29,12 @@ class MatrixEditor : public sc_core::sc_module {
   // `contact` says which nodes are contact nodes.
   void load(const Layout& layout, const std::vector<std::uint8_t>& contact);
   // Clears the row and the column of a node but for `diagonal`.
-  void constrain(int node, std::int32_t diagonal, fixed::Method method);
+  void constrain(int node, std::int32_t diagonal, const fixed::Settings& settings);
   // Restores the node's row and column. `row` has nine words for each block of the row, in the
   // order of its pattern. Blocks shared with another contact node stay cleared.
-  void restore(int node, std::span<const std::int32_t> row, fixed::Method method);
+  void restore(int node, std::span<const std::int32_t> row, const fixed::Settings& settings);
   // Makes P⁻¹ of all nodes.
-  void invert_all(fixed::Method method);
+  void invert_all(const fixed::Settings& settings);
   void abort() { busy_ = false; }
   // True if all packages are written and the pipelines are empty with the next edge.
   bool at_last_edge() const { return next_visit_ == visits_.size() && drain_ <= 1; }
@@ -55,7 +55,7 @@ class MatrixEditor : public sc_core::sc_module {
     int first_block = 0;  // the row's block of the package's first column
   };
 
-  void begin(int node, fixed::Method method);
+  void begin(int node, const fixed::Settings& settings);
   void clocked();
   void visit(const Visit& visit);
   std::int32_t word(const Visit& visit, int block_column, int row, int column) const;

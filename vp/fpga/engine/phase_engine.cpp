@@ -285,9 +285,7 @@ void PhaseEngine::advance() {
 
 void PhaseEngine::hold(State state, const sc_core::sc_time& after) {
   const auto phase = [&]() -> EnginePhase {
-    // Command and quotient stand in registers.
-    const std::int64_t division = std::max<std::int64_t>(
-        2, std::int64_t{architecture_.division_clocks} * settings_.scalar_bits / 64);
+    const std::int64_t division = architecture_.division(settings_);
     switch (state) {
       case State::guess:
       case State::first_direction:

@@ -85,7 +85,7 @@ class Sequencer : public sc_core::sc_module {
  private:
   void clocked();
   void pass_is_over(const VectorStatus& status);
-  void take_quotient(fixed::Coefficient value);
+  void take_quotient(const Quotient& taken);
 
   void enter(State state);
   void command(State state, VectorCommand next);
@@ -98,9 +98,9 @@ class Sequencer : public sc_core::sc_module {
   void form_first_direction();
   void begin_iteration();
   void take_product(const VectorStatus& status);
-  void form_update();
+  void form_update(int up);
   void form_beta();
-  void form_direction();
+  void form_direction(int up);
   bool reached() const;
   bool replaces();
 
