@@ -329,32 +329,42 @@ void VectorUnit::sum(const Group& group, const Lane* lanes) {
   }
 }
 
-// A row of a block that has one, if the bank of q that it goes to is free. Returns 1 or 0.
-int VectorUnit::take(std::size_t block) {
-  if (blocks_[block]->finished.read() == taken_[block]) return 0;
+bool VectorUnit::has_row(std::size_t block) const {
+  return blocks_[block]->finished.read() != taken_[block];
+}
+
+// The row of a block that has one, if the bank of q that it goes to is free.
+bool VectorUnit::take(std::size_t block) {
   const RowResult& row = blocks_[block]->result(taken_[block]);
   std::uint8_t& written = bank_written_[at(row.node % architecture_.nodes_per_clock)];
-  if (written != 0) return 0;
+  if (written != 0) return false;
   written = 1;
   int& count = back_count_[back_ranks_.entering()];
   back_row_[back_ranks_.entering() * at(architecture_.nodes_per_clock) + at(count)] = row;
   ++count;
   taken[block]->write(++taken_[block]);
-  return 1;
+  return true;
 }
 
-// Up to L rows an edge, in turn from the blocks.
+// Up to L rows an edge, in turn from the blocks. The first one that had to be passed over has the
+// next turn: whoever has a turn is served, so that no row waits for PL3 edges.
 void VectorUnit::collect() {
   back_ranks_.advance();
   back_count_[back_ranks_.entering()] = 0;
   std::ranges::fill(bank_written_, std::uint8_t{0});
   int left = architecture_.nodes_per_clock;
-  std::size_t block = first_block_;
+  bool passed_over = false;
+  const std::size_t turn = first_block_;
   for (std::size_t i = 0; i < blocks_.size() && left > 0; ++i) {
-    const int took = take(block);
-    left -= took;
-    if (++block == blocks_.size()) block = 0;
-    if (took > 0) first_block_ = block;
+    const std::size_t block = turn + i < blocks_.size() ? turn + i : turn + i - blocks_.size();
+    if (!has_row(block)) continue;
+    if (take(block)) {
+      --left;
+      if (!passed_over) first_block_ = block + 1 == blocks_.size() ? 0 : block + 1;
+    } else if (!passed_over) {
+      passed_over = true;
+      first_block_ = block;
+    }
   }
   write_back(architecture_.vector_clocks() - 1);
 }

@@ -137,7 +137,8 @@ class VectorUnit : public sc_core::sc_module {
 
   void collect();
   void write_back(int age);
-  int take(std::size_t block);
+  bool has_row(std::size_t block) const;
+  bool take(std::size_t block);
 
   bool reads_direction() const;
   bool writes_direction() const;
